@@ -1,0 +1,33 @@
+"""What a person is told about a file they can mend."""
+
+from pathlib import Path
+
+
+class BadFile(Exception):  # noqa: N818 - it names the fault of a file, and is shown to people as a sentence
+    """A file that people write does not say what it must; carries where, what is wrong and what to do.
+
+    `str()` of it is the one message to show, on one line: `PATH, line N, KEY: PROBLEM. REMEDY.`
+
+    Attributes:
+        path: the file or folder at fault.
+        line: line number counted from 1, or None when no single line is at fault.
+        key: the word, key or column at fault, or None.
+        problem: what is wrong, as a clause without its full stop.
+        remedy: what to do about it, as a clause without its full stop.
+    """
+
+    def __init__(self, path: Path, line: int | None, key: str | None, problem: str, remedy: str) -> None:
+        self.path = path
+        self.line = line
+        self.key = key
+        self.problem = problem
+        self.remedy = remedy
+        where = [str(path)]
+        if line is not None:
+            where.append(f"line {line}")
+        if key is not None:
+            where.append(key)
+        super().__init__(f"{', '.join(where)}: {problem.rstrip('.')}. {remedy.rstrip('.')}.")
+
+    def __reduce__(self) -> tuple[type["BadFile"], tuple[Path, int | None, str | None, str, str]]:
+        return (type(self), (self.path, self.line, self.key, self.problem, self.remedy))
