@@ -1,0 +1,68 @@
+"""SE(2): poses of the plane, their composition, and angles in [-pi, pi)."""
+
+import math
+from dataclasses import dataclass
+
+import numpy as np
+from numba import njit
+from numpy.typing import NDArray
+
+FloatArray = NDArray[np.float64]
+
+
+@njit(cache=True)
+def wrap_angle(angle: float) -> float:
+    """The same direction in [-pi, pi)."""
+    wrapped = (angle + math.pi) % (2.0 * math.pi) - math.pi
+    # The remainder of a tiny negative number rounds to the modulus itself.
+    return wrapped if wrapped < math.pi else -math.pi
+
+
+@njit(cache=True)
+def compose(x: float, y: float, theta: float, dx: float, dy: float, dtheta: float) -> tuple[float, float, float]:
+    """The pose (dx, dy, dtheta), given in the frame (x, y, theta), seen from that frame's parent."""
+    c, s = math.cos(theta), math.sin(theta)
+    return x + c * dx - s * dy, y + s * dx + c * dy, wrap_angle(theta + dtheta)
+
+
+@dataclass(frozen=True, slots=True)
+class Pose2:
+    """A pose of the plane, equally the transform from its own frame to its parent's.
+
+    `base_in_odom` reads: the pose of frame base in frame odom. Metres, radians in [-pi, pi).
+    """
+
+    x: float
+    y: float
+    theta: float
+
+    def compose(self, other: "Pose2") -> "Pose2":
+        """`a_in_b.compose(c_in_a)` is `c_in_b`."""
+        return Pose2(*compose(self.x, self.y, self.theta, other.x, other.y, other.theta))
+
+    def inverse(self) -> "Pose2":
+        """`a_in_b.inverse()` is `b_in_a`."""
+        c, s = math.cos(self.theta), math.sin(self.theta)
+        return Pose2(-c * self.x - s * self.y, s * self.x - c * self.y, wrap_angle(-self.theta))
+
+    def between(self, other: "Pose2") -> "Pose2":
+        """Where `other` is, seen from here; both in one frame."""
+        return self.inverse().compose(other)
+
+    def distance(self, other: "Pose2") -> float:
+        """Metres between the two origins."""
+        return math.hypot(other.x - self.x, other.y - self.y)
+
+    def transform(self, points: FloatArray) -> FloatArray:
+        """(n, 2) points of this frame, seen from its parent."""
+        c, s = math.cos(self.theta), math.sin(self.theta)
+        rotation = np.array([[c, s], [-s, c]])
+        moved: FloatArray = points @ rotation + np.array([self.x, self.y])
+        return moved
+
+    def array(self) -> FloatArray:
+        """(3,) x, y, theta."""
+        return np.array([self.x, self.y, self.theta])
+
+
+IDENTITY = Pose2(0.0, 0.0, 0.0)

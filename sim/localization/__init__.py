@@ -1,0 +1,1 @@
+"""Where a robot believes it is: particle filter, Kalman filter, or the truth for comparison."""

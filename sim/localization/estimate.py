@@ -1,0 +1,38 @@
+"""What every localiser gives, and how it is asked."""
+
+from dataclasses import dataclass
+from typing import Protocol
+
+from sim.geometry import FloatArray, Pose2
+from sim.observations import Imu, Odometry, Scan
+
+
+@dataclass(frozen=True, slots=True)
+class Estimate:
+    """A localiser's word on where the robot is.
+
+    Attributes:
+        tick: when it holds.
+        base_in_map: the robot's pose: the last correction, carried on by odometry.
+        odom_in_map: the correction itself, what tf publishes as map -> odom.
+        covariance: (3, 3) of x, y, theta in the map frame; m^2, m rad, rad^2.
+        particles: (n, 3) poses in the map; (0, 3) where the localiser has none.
+        updated: whether a scan (or whatever it corrects by) was weighed in this tick.
+    """
+
+    tick: int
+    base_in_map: Pose2
+    odom_in_map: Pose2
+    covariance: FloatArray
+    particles: FloatArray
+    updated: bool
+
+
+class Localizer(Protocol):
+    """One robot's localisation; it never sees the truth."""
+
+    def start(self, base_in_map: Pose2, covariance: FloatArray) -> None:
+        """Begin anew around this pose (ROS: initialpose); `covariance` is (3, 3)."""
+
+    def update(self, odometry: Odometry, imu: Imu, scan: Scan | None) -> Estimate:
+        """Take in one tick; a scan where the laser was due."""

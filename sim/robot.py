@@ -1,0 +1,1 @@
+"""One robot's own software: sense -> estimate -> plan -> drive."""

@@ -1,0 +1,1 @@
+"""N robots in one world, and the one order of doing things."""

@@ -1,0 +1,1 @@
+"""The bridge and the game: everything that leaves a robot, and what people do with it."""
