@@ -82,7 +82,7 @@ class AmclParameters:
     max_particles: int = knob(1000, "greatest number of particles (amcl: 5000)", "", 1, 100000)
     kld_err: float = knob(0.05, "largest error between true and estimated distribution (amcl: 0.01)", "", 0, 1)
     kld_z: float = knob(
-        0.99, "normal quantile of 1 - p, p the probability that the error stays below kld_err", "", 0, 5
+        0.99, "normal quantile of 1 - p, p: how sure the error is below kld_err", "", 0, 5
     )
     update_min_d: float = knob(0.2, "metres to drive before the filter is updated", "m", 0, 5)
     update_min_a: float = knob(0.523599, "angle to turn before the filter is updated", "rad", 0, 6.2832)
