@@ -1,9 +1,11 @@
 """One robot's own software: sense -> estimate -> plan -> drive."""
 
+from collections.abc import Sequence
 from dataclasses import dataclass
 
-from sim.localization.estimate import Estimate
-from sim.navigator import Navigation
+from sim.geometry import FloatArray
+from sim.localization.estimate import Estimate, Localizer
+from sim.navigator import Navigation, Navigator
 from sim.observations import Neighbour, Observations
 
 
@@ -22,3 +24,33 @@ class RobotOutput:
     estimate: Estimate
     navigation: Navigation
     neighbour: Neighbour
+
+
+class Robot:
+    """The software of one robot: a localiser and a navigator, joined; it knows nothing but its observations.
+
+    Args:
+        number: its index in the team.
+        footprint: (n, 2) corners of its body in the base frame, metres.
+    """
+
+    def __init__(self, number: int, localizer: Localizer, navigator: Navigator, footprint: FloatArray) -> None:
+        self.number = number
+        self.localizer = localizer
+        self.navigator = navigator
+        self._footprint = footprint
+
+    def step(self, observations: Observations, neighbours: Sequence[Neighbour]) -> RobotOutput:
+        """One tick: estimate from what was sensed, then plan and choose the next command.
+
+        Args:
+            observations: this tick's.
+            neighbours: what the other robots said in the last tick.
+        """
+        odometry = observations.odometry
+        estimate = self.localizer.update(odometry, observations.imu, observations.scan)
+        navigation = self.navigator.step(
+            observations.tick, estimate.base_in_map, odometry.twist, observations.scan, neighbours
+        )
+        neighbour = Neighbour(self.number, estimate.base_in_map, odometry.twist, self._footprint, navigation.plan[:, :2])
+        return RobotOutput(observations, estimate, navigation, neighbour)
