@@ -31,3 +31,24 @@ class BadFile(Exception):  # noqa: N818 - it names the fault of a file, and is s
 
     def __reduce__(self) -> tuple[type["BadFile"], tuple[Path, int | None, str | None, str, str]]:
         return (type(self), (self.path, self.line, self.key, self.problem, self.remedy))
+
+
+class BadFiles(BadFile):
+    """Every fault found in one reading, so that a file can be mended in one go.
+
+    `str()` of it has one line for each; the attributes are those of the first.
+
+    Attributes:
+        faults: at least one.
+    """
+
+    def __init__(self, faults: tuple[BadFile, ...]) -> None:
+        first = faults[0]
+        super().__init__(first.path, first.line, first.key, first.problem, first.remedy)
+        self.faults = faults
+
+    def __str__(self) -> str:
+        return "\n".join(str(fault) for fault in self.faults)
+
+    def __reduce__(self) -> tuple[type["BadFiles"], tuple[tuple[BadFile, ...]]]:  # type: ignore[override]  # as built
+        return (type(self), (self.faults,))

@@ -1,0 +1,415 @@
+"""YAML files that people write, read into dataclasses, with every fault of a file told at once.
+
+A file is read twice over: `parse` turns its text into a tree in which each node knows its line, `load` turns that
+tree into a dataclass. Plain words are read by the type that the dataclass wants at that place, not by YAML's guesses:
+`no` is text where text is wanted, `1e3` is a number where a number is wanted, and neither is ever the other.
+"""
+
+import dataclasses
+import difflib
+import math
+import re
+import types
+from collections.abc import Iterator, Mapping
+from dataclasses import dataclass, field
+from pathlib import Path
+from typing import Generic, TypeVar, Union, cast, get_args, get_origin, get_type_hints
+
+from ruamel.yaml import YAML
+from ruamel.yaml.error import MarkedYAMLError, YAMLError
+from ruamel.yaml.events import (
+    AliasEvent,
+    DocumentStartEvent,
+    MappingEndEvent,
+    MappingStartEvent,
+    NodeEvent,
+    ScalarEvent,
+    SequenceEndEvent,
+    SequenceStartEvent,
+)
+from ruamel.yaml.reader import ReaderError
+
+from thbridge.adapters.errors import BadFile, BadFiles
+
+T = TypeVar("T")
+
+LARGEST_FILE = 1 << 20
+"""Bytes; a file that people write is some thousand."""
+DEEPEST = 32
+"""Levels of nesting."""
+
+Metadata = Mapping[str, object]
+NO_METADATA: Metadata = {}
+
+
+@dataclass(frozen=True, slots=True)
+class Scalar:
+    """A word, number or text; `plain` when it stands without quotes."""
+
+    text: str
+    plain: bool
+    line: int
+
+    @property
+    def absent(self) -> bool:
+        """Whether nothing was written, or a word for nothing."""
+        return self.plain and self.text in {"", "~", "null", "Null", "NULL"}
+
+
+@dataclass(frozen=True, slots=True)
+class Listing:
+    """A sequence."""
+
+    line: int
+    items: list["Node"]
+
+
+@dataclass(frozen=True, slots=True)
+class Section:
+    """A mapping, as written: a key may stand twice."""
+
+    line: int
+    entries: list[tuple[Scalar, "Node"]]
+
+
+Node = Scalar | Listing | Section
+
+
+@dataclass(frozen=True, slots=True)
+class Loaded(Generic[T]):
+    """What a file said, and where it said it.
+
+    Attributes:
+        path: the file.
+        value: the dataclass.
+        lines: line of each key and item that stands in the file, by its path (`robot.amcl.kld_err`, `rooms[2].goal`).
+    """
+
+    path: Path
+    value: T
+    lines: Mapping[str, int]
+
+    def fault(self, key: str, problem: str, remedy: str) -> BadFile:
+        """A fault of the value at this key path, found after loading; told at the nearest line that was written."""
+        written = key
+        while written and written not in self.lines:
+            written = written[: max(written.rfind("."), written.rfind("["), 0)]
+        return BadFile(self.path, self.lines.get(written), key, problem, remedy)
+
+
+def read_text(path: Path) -> str:
+    """The text of a file that people write.
+
+    Raises:
+        BadFile: it is missing, not a file, larger than `LARGEST_FILE`, or not UTF-8.
+    """
+    try:
+        with path.open("rb") as file:
+            data = file.read(LARGEST_FILE + 1)
+    except FileNotFoundError:
+        raise BadFile(path, None, None, "there is no such file", "Check the name and the folder") from None
+    except OSError as error:
+        raise BadFile(path, None, None, f"it cannot be read ({error.strerror})", "Check that it is a file") from None
+    if len(data) > LARGEST_FILE:
+        raise BadFile(path, None, None, f"larger than {LARGEST_FILE} bytes", "Check that it is the right file")
+    try:
+        return data.decode("utf-8-sig")
+    except UnicodeDecodeError as error:
+        line = data.count(b"\n", 0, error.start) + 1
+        problem = f"byte 0x{data[error.start]:02x} is not UTF-8"
+        raise BadFile(path, line, None, problem, "Save the file with the encoding UTF-8") from None
+
+
+def parse(path: Path, text: str) -> Node:
+    """The tree of one YAML document; an empty text is an empty section.
+
+    Raises:
+        BadFile: it is not YAML, or uses what a plain list of settings does not need: anchors, tags, several documents.
+    """
+    _refuse_tabs(path, text)
+    root: list[Node] = []
+    stack: list[Listing | Section] = []
+    pending_keys: list[Scalar | None] = []
+    documents = 0
+    try:
+        for event in YAML(typ="safe", pure=True).parse(text):
+            if isinstance(event, DocumentStartEvent):
+                documents += 1
+                if documents > 1:
+                    line = event.start_mark.line + 1
+                    raise BadFile(path, line, "---", "a second document begins", "Keep one document in a file")
+            elif isinstance(event, (MappingEndEvent, SequenceEndEvent)):
+                stack.pop()
+                pending_keys.pop()
+            elif isinstance(event, NodeEvent):
+                node = _node(path, event)
+                if not stack:
+                    root.append(node)
+                elif isinstance(stack[-1], Listing):
+                    stack[-1].items.append(node)
+                elif (key := pending_keys[-1]) is not None:
+                    stack[-1].entries.append((key, node))
+                    pending_keys[-1] = None
+                elif isinstance(node, Scalar):
+                    pending_keys[-1] = node
+                else:
+                    raise BadFile(path, node.line, None, "a list or section stands as a key", "Write a word as the key")
+                if not isinstance(node, Scalar):
+                    stack.append(node)
+                    pending_keys.append(None)
+                if len(stack) > DEEPEST:
+                    raise BadFile(path, node.line, None, f"nested deeper than {DEEPEST}", "Take brackets away")
+    except MarkedYAMLError as error:
+        mark = error.problem_mark or error.context_mark
+        told = " ".join(part for part in (error.context, error.problem) if part)
+        remedy = "Check the indentation, the colons and the brackets here and in the line before"
+        raise BadFile(path, None if mark is None else mark.line + 1, None, f"not YAML: {told}", remedy) from None
+    except ReaderError as error:
+        line = text.count("\n", 0, error.position) + 1
+        raise BadFile(path, line, None, "an invisible control character", "Delete it") from None
+    except YAMLError as error:
+        raise BadFile(path, None, None, f"not YAML: {error}", "Check the file") from None
+    return root[0] if root else Section(1, [])
+
+
+def _refuse_tabs(path: Path, text: str) -> None:
+    for number, line in enumerate(text.splitlines(), start=1):
+        if "\t" in line[: len(line) - len(line.lstrip())]:
+            raise BadFile(path, number, None, "a tab in the indentation", "Indent with blanks")
+
+
+def _node(path: Path, event: NodeEvent) -> Node:
+    line = event.start_mark.line + 1
+    if isinstance(event, AliasEvent) or event.anchor is not None:
+        raise BadFile(path, line, str(event.anchor), "an anchor or alias (& or *)", "Write the value out, or quote it")
+    if not isinstance(event, (ScalarEvent, MappingStartEvent, SequenceStartEvent)):
+        raise TypeError(f"an event of YAML that is no node: {event!r}")
+    if event.tag is not None:
+        raise BadFile(path, line, str(event.tag), "a tag (!)", "Write the plain value, or quote it")
+    if isinstance(event, ScalarEvent):
+        return Scalar(event.value, event.style is None, line)
+    return Section(line, []) if isinstance(event, MappingStartEvent) else Listing(line, [])
+
+
+def load(path: Path, into: type[T]) -> Loaded[T]:
+    """Read a YAML file into a dataclass whose fields are declared with `sim.parameters.knob` or plain.
+
+    Fields may be bool, int, float, str, Path, tuples, dataclasses, and any of these or None. A field without a default
+    must be in the file. A section that stands empty keeps its defaults.
+
+    Raises:
+        BadFiles: with every fault of the file; or one BadFile when it cannot be read at all.
+    """
+    return load_text(path, read_text(path), into)
+
+
+def load_text(path: Path, text: str, into: type[T]) -> Loaded[T]:
+    """As `load`, of a text that is at hand; `path` is what faults are told under."""
+    reader = _Reader(path, into)
+    value = reader.value(parse(path, text), into, NO_METADATA, "")
+    if reader.faults:
+        raise BadFiles(tuple(sorted(reader.faults, key=lambda fault: fault.line or 0)))
+    return Loaded(path, cast(T, value), reader.lines)
+
+
+class _Wrong:
+    """Stands for a value that could not be read; the fault is in the reader's list."""
+
+
+_WRONG = _Wrong()
+_WHOLE = re.compile(r"[-+]?\d{1,18}")
+_NUMBER = re.compile(r"[-+]?(\d+(\.\d*)?|\.\d+)([eE][-+]?\d{1,4})?")
+_LEADING_ZERO = re.compile(r"[-+]?0\d+")
+_NOT_FINITE = re.compile(r"[-+]?\.?(inf|infinity|nan)", re.IGNORECASE)
+_WORDS_FOR_TRUTH = {"yes", "no", "on", "off", "y", "n"}
+
+
+@dataclass(slots=True)
+class _Reader:
+    path: Path
+    root: type
+    faults: list[BadFile] = field(default_factory=list)
+    lines: dict[str, int] = field(default_factory=dict)
+
+    def wrong(self, line: int, key: str, problem: str, remedy: str) -> _Wrong:
+        self.faults.append(BadFile(self.path, line, key or None, problem, remedy))
+        return _WRONG
+
+    def value(self, node: Node, hint: object, metadata: Metadata, key: str) -> object:
+        origin, arguments = get_origin(hint), get_args(hint)
+        if origin in {Union, types.UnionType}:
+            if isinstance(node, Scalar) and node.absent:
+                return None
+            (hint,) = (argument for argument in arguments if argument is not types.NoneType)
+            return self.value(node, hint, metadata, key)
+        if origin is tuple:
+            return self.listing(node, arguments, metadata, key)
+        if isinstance(hint, type) and dataclasses.is_dataclass(hint):
+            return self.section(node, hint, key)
+        if not isinstance(node, Scalar):
+            what = "a list" if isinstance(node, Listing) else "a section"
+            return self.wrong(node.line, key, f"{what} stands where one value is needed", _wanted(hint, metadata))
+        if node.absent and hint is not bool:
+            return self.wrong(node.line, key, "no value", f"{_wanted(hint, metadata)}, or delete the line")
+        if hint is bool:
+            return self.truth(node, key)
+        if hint is int or hint is float:
+            return self.number(node, hint, metadata, key)
+        if hint is str or hint is Path:
+            choices = cast(tuple[str, ...], metadata.get("choices", ()))
+            if choices and node.text not in choices:
+                return self.wrong(node.line, key, f"{node.text!r} is no choice here", _wanted(hint, metadata))
+            return Path(node.text) if hint is Path else node.text
+        raise TypeError(f"{key}: files cannot hold a {hint!r}")
+
+    def truth(self, node: Scalar, key: str) -> bool | _Wrong:
+        word = node.text.lower()
+        if word in {"true", "false"} and node.plain:
+            return word == "true"
+        if word in _WORDS_FOR_TRUTH:
+            problem = f"{node.text!r} is a word, not a truth value"
+        else:
+            problem = f"{node.text!r} is neither true nor false" if node.text else "no value"
+        return self.wrong(node.line, key, problem, "Write true or false, without quotes")
+
+    def number(self, node: Scalar, kind: object, metadata: Metadata, key: str) -> float | _Wrong:
+        text, wanted = node.text, _wanted(kind, metadata)
+        if not node.plain:
+            return self.wrong(node.line, key, f"{text!r} in quotes is text, not a number", "Take the quotes away")
+        if _NOT_FINITE.fullmatch(text):
+            return self.wrong(node.line, key, f"{text} is not a finite number", wanted)
+        if _LEADING_ZERO.fullmatch(text):
+            return self.wrong(
+                node.line, key, f"{text} begins with 0 and reads as octal to some", "Take the leading 0 away"
+            )
+        if kind is int and not _WHOLE.fullmatch(text):
+            what = "not a whole number" if _NUMBER.fullmatch(text) else "not a number"
+            return self.wrong(node.line, key, f"{text!r} is {what}", wanted)
+        if not _NUMBER.fullmatch(text):
+            return self.wrong(node.line, key, f"{text!r} is not a number", wanted)
+        number = int(text) if kind is int else float(text)
+        minimum, maximum = _bounds(metadata)
+        if not minimum <= number <= maximum or not math.isfinite(number):
+            return self.wrong(node.line, key, f"{text} is out of range", wanted)
+        return number
+
+    def listing(self, node: Node, arguments: tuple[object, ...], metadata: Metadata, key: str) -> object:
+        if not isinstance(node, Listing):
+            return self.wrong(node.line, key, "a list is needed", "Write [..., ...], or one line '- ...' for each item")
+        if arguments[-1] is Ellipsis:
+            hints = (arguments[0],) * len(node.items)
+        elif len(node.items) == len(arguments):
+            hints = arguments
+        else:
+            return self.wrong(
+                node.line,
+                key,
+                f"{len(node.items)} values where {len(arguments)} are needed",
+                f"Write {len(arguments)} values between [ and ]",
+            )
+        values = []
+        for index, (item, hint) in enumerate(zip(node.items, hints, strict=True)):
+            place = f"{key}[{index}]"
+            self.lines[place] = item.line
+            values.append(self.value(item, hint, metadata, place))
+        return _WRONG if _WRONG in values else tuple(values)
+
+    def section(self, node: Node, into: type, key: str) -> object:
+        if isinstance(node, Scalar) and node.absent:
+            node = Section(node.line, [])
+        if not isinstance(node, Section):
+            return self.wrong(node.line, key, "a section of 'key: value' lines is needed", _keys_of(into))
+        hints = cast(Mapping[str, object], get_type_hints(into))
+        known = {knob.name: knob for knob in dataclasses.fields(into)}
+        values: dict[str, object] = {}
+        first_lines: dict[str, int] = {}
+        for name, child in node.entries:
+            place = f"{key}.{name.text}" if key else name.text
+            if name.text in first_lines:
+                self.wrong(
+                    name.line, place, f"stands twice, first in line {first_lines[name.text]}", "Keep one of the two"
+                )
+                continue
+            first_lines[name.text] = name.line
+            if name.text not in known:
+                self.unknown(name, place, into)
+                continue
+            self.lines[place] = name.line
+            values[name.text] = self.value(child, hints[name.text], known[name.text].metadata, place)
+        missing = [knob for knob in known.values() if _required(knob) and knob.name not in first_lines]
+        for knob in missing:
+            remedy = f"Add the line '{knob.name}: ...'. {_wanted(hints[knob.name], knob.metadata)} there"
+            self.wrong(node.line, f"{key}.{knob.name}" if key else knob.name, "missing", remedy)
+        if missing or _WRONG in values.values():
+            return _WRONG
+        return cast(object, into(**values))
+
+    def unknown(self, name: Scalar, place: str, into: type) -> None:
+        names = [knob.name for knob in dataclasses.fields(into)]
+        nearest = difflib.get_close_matches(name.text, names, n=1)
+        elsewhere = [path for path in _paths(self.root) if path.rpartition(".")[2] == name.text]
+        if nearest:
+            remedy = f"The nearest right name is {nearest[0]}"
+        elif elsewhere:
+            remedy = f"It belongs at {' or '.join(elsewhere)}"
+        else:
+            remedy = _keys_of(into)
+        self.wrong(name.line, place, "unknown key", remedy)
+
+
+def _required(knob: "dataclasses.Field[object]") -> bool:
+    return knob.default is dataclasses.MISSING and knob.default_factory is dataclasses.MISSING
+
+
+def _bounds(metadata: Metadata) -> tuple[float, float]:
+    minimum = cast("float | None", metadata.get("minimum"))
+    maximum = cast("float | None", metadata.get("maximum"))
+    return (-math.inf if minimum is None else minimum), (math.inf if maximum is None else maximum)
+
+
+def allowed(metadata: Metadata) -> str:
+    """A knob's range and unit in words: `0 to 20 m/s`, `at least 1`, `amcl, ekf or truth`; empty when free."""
+    choices = cast(tuple[str, ...], metadata.get("choices", ()))
+    if choices:
+        return " or ".join([", ".join(choices[:-1]), choices[-1]] if choices[1:] else choices)
+    minimum, maximum = _bounds(metadata)
+    unit = cast(str, metadata.get("unit", ""))
+    if math.isfinite(minimum) and math.isfinite(maximum):
+        words = f"{minimum:.10g} to {maximum:.10g}"
+    elif math.isfinite(minimum):
+        words = f"at least {minimum:.10g}"
+    elif math.isfinite(maximum):
+        words = f"at most {maximum:.10g}"
+    else:
+        words = ""
+    return f"{words} {unit}".strip()
+
+
+_KINDS: Mapping[object, str] = {
+    bool: "true or false",
+    int: "a whole number",
+    float: "a number",
+    str: "text",
+    Path: "a path",
+}
+
+
+def _wanted(hint: object, metadata: Metadata) -> str:
+    words = allowed(metadata)
+    if metadata.get("choices"):
+        return f"Write {words}"
+    kind = _KINDS.get(hint, "a list" if get_origin(hint) is tuple else "a section")
+    return f"Write {kind}, {words}" if words else f"Write {kind}"
+
+
+def _keys_of(into: type) -> str:
+    return f"Its keys are {', '.join(knob.name for knob in dataclasses.fields(into))}"
+
+
+def _paths(into: type, key: str = "") -> Iterator[str]:
+    """Key paths of a dataclass and of those inside it."""
+    for name, hint in get_type_hints(into).items():
+        place = f"{key}.{name}" if key else name
+        yield place
+        if isinstance(hint, type) and dataclasses.is_dataclass(hint):
+            yield from _paths(hint, place)
