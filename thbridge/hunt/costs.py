@@ -1,0 +1,69 @@
+"""What it costs to go from one place to another."""
+
+import math
+from dataclasses import dataclass
+
+from thbridge.hunt.rooms import Room, all_rooms
+
+NOT_A_MOVE = 99.0
+"""The number a cost file writes where there is no move."""
+
+
+@dataclass(frozen=True, slots=True)
+class CostMatrix:
+    """Energy from every place to every place: seconds of mean travel, which the game takes as energy.
+
+    Not symmetric. Going nowhere is never a move, nor is going to the corridor unless a cost is given for it.
+
+    Attributes:
+        rows: `rows[start][goal]`, indexed by the number people use (0 is the corridor); infinite where there is no
+            move. Square, at least 2 x 2, every entry non-negative and not NaN.
+
+    Raises:
+        ValueError: the rows are not such a matrix.
+    """
+
+    rows: tuple[tuple[float, ...], ...]
+
+    def __post_init__(self) -> None:
+        size = len(self.rows)
+        if size < 2 or any(len(row) != size for row in self.rows):
+            raise ValueError("a cost matrix is square and has at least the corridor and one room")
+        # Written as a negation so that NaN, which compares false with everything, is refused too.
+        if any(not cost >= 0.0 for row in self.rows for cost in row):
+            raise ValueError("a cost is a number that is not negative")
+
+    @classmethod
+    def of_map_times(cls, rows: tuple[tuple[float, ...], ...]) -> "CostMatrix":
+        """The matrix in the numbers of a `mapTimes` file, where exactly 99 stands for no move.
+
+        Numbers above 99 are costs like any other, so that large maps can be written down; only a cost of exactly 99
+        cannot be (98 or 100 says nearly the same). The way from a place to itself is no move, whatever is written.
+
+        Raises:
+            ValueError: as the class.
+        """
+        return cls(
+            tuple(
+                tuple(math.inf if cost == NOT_A_MOVE or start == goal else float(cost) for goal, cost in enumerate(row))
+                for start, row in enumerate(rows)
+            )
+        )
+
+    @property
+    def rooms(self) -> tuple[Room, ...]:
+        """The rooms it tells of, without the corridor."""
+        return all_rooms(len(self.rows) - 1)
+
+    def knows(self, place: Room) -> bool:
+        """Whether the matrix has a row for this place."""
+        return place.people < len(self.rows)
+
+    def cost(self, start: Room, goal: Room) -> float:
+        """Energy from `start` to `goal`; infinite when there is no move. Raises IndexError for unknown places."""
+        return self.rows[start.people][goal.people]
+
+
+def spoken_energy(energy: float) -> str:
+    """An amount of energy as people read it: `13`, `12.5`, `0.07`, never `13.0`."""
+    return f"{energy:.2f}".rstrip("0").rstrip(".")

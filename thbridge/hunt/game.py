@@ -1,0 +1,227 @@
+"""The state of a game, folded from its events.
+
+`apply` judges nothing: whether something may happen is asked in `rules`, and what did happen is believed. So it also
+takes what older programs on the wire bring about behind the game's back:
+
+- `Arrived` without a `Departed` moves the robot and pays nothing; `rules.arrive` puts the missing `Departed` before it.
+- `Arrived` in another room than the one it set out for ends the way under way and keeps its reservation no longer.
+- `Failed` of a robot that is not under way moves it and refunds nothing; no refund exceeds what was paid.
+- `Sensed`, `Pictured`, `Identified` and `Left` are noted for rooms where no robot ever arrived, which stay unvisited.
+- `Identified` may come without room, robot or name, more than once, or after `Ended`: the score is the sum of them all.
+- Energy may become negative by such events; the robot is then blocked as at 0.
+"""
+
+from collections.abc import Iterable
+from dataclasses import dataclass, replace
+from typing import assert_never
+
+from thbridge.hunt.events import (
+    Arrived,
+    Departed,
+    Ended,
+    Event,
+    Failed,
+    Hidden,
+    Identified,
+    Left,
+    Pictured,
+    Sensed,
+    Started,
+)
+from thbridge.hunt.rooms import CORRIDOR, Room
+from thbridge.hunt.treasures import TreasureKind
+
+
+@dataclass(frozen=True, slots=True)
+class RobotState:
+    """One robot as the game sees it.
+
+    Attributes:
+        at: where it stands, or where it set out from while under way.
+        energy: what is left; the whole cost of a move is taken at its departure.
+        bound_for: the room it is under way to, or None.
+        paid: what it paid for the way under way, the most that can be refunded.
+    """
+
+    at: Room
+    energy: float
+    bound_for: Room | None = None
+    paid: float = 0.0
+
+    @property
+    def is_blocked(self) -> bool:
+        """Whether its energy is used up: it can do nothing any more."""
+        return self.energy <= 0.0
+
+
+@dataclass(frozen=True, slots=True)
+class RoomState:
+    """One room as the game sees it.
+
+    Attributes:
+        visited: a robot has arrived there.
+        sensed: the colour and footprint perceived, or None.
+        image: file name of the picture taken, or None.
+        points: what identifying won or cost, or None if nobody has.
+        left: the participant gave the treasure up.
+    """
+
+    visited: bool = False
+    sensed: Sensed | None = None
+    image: str | None = None
+    points: int | None = None
+    left: bool = False
+
+    @property
+    def is_decided(self) -> bool:
+        """Whether nothing is left to decide about its treasure."""
+        return self.left or self.points is not None
+
+
+@dataclass(frozen=True, slots=True)
+class GameState:
+    """Everything the rules need to know.
+
+    Attributes:
+        started: the rules of this game.
+        treasures: what lies in the rooms, room 1 first; None if another program hid them.
+        robots: indexed by robot number.
+        rooms: indexed by the room's number on the wire; read with `room`.
+        score: sum of all identifications.
+        ended: how the game ended, or None.
+    """
+
+    started: Started
+    treasures: tuple[TreasureKind, ...] | None
+    robots: tuple[RobotState, ...]
+    rooms: tuple[RoomState, ...]
+    score: int = 0
+    ended: Ended | None = None
+
+    def has_robot(self, robot: int) -> bool:
+        """Whether the team has a robot of this number."""
+        return 0 <= robot < len(self.robots)
+
+    def has_room(self, room: Room) -> bool:
+        """Whether this is one of the game's rooms; the corridor is none."""
+        return not room.is_corridor and room.wire < len(self.rooms)
+
+    def room(self, room: Room) -> RoomState:
+        """The state of a room. Raises ValueError for the corridor, IndexError for unknown rooms."""
+        return self.rooms[room.wire]
+
+    def treasure(self, room: Room) -> TreasureKind | None:
+        """What lies in a room, if this game hid it. Raises as `room`."""
+        return None if self.treasures is None else self.treasures[room.wire]
+
+    def reserved_by(self, room: Room) -> int | None:
+        """The robot that is under way to this room, or None."""
+        return next((number for number, robot in enumerate(self.robots) if robot.bound_for == room), None)
+
+    def standing_in(self, room: Room) -> int | None:
+        """The robot that stands in this room and is not under way, or None; the lowest number if there are several."""
+        return next(
+            (number for number, robot in enumerate(self.robots) if robot.at == room and robot.bound_for is None), None
+        )
+
+    @property
+    def free_rooms(self) -> tuple[Room, ...]:
+        """Rooms that are neither visited nor reserved, in counting order: where a robot may be sent."""
+        reserved = {robot.bound_for for robot in self.robots}
+        return tuple(room for room in self.started.costs.rooms if not self.room(room).visited and room not in reserved)
+
+
+def begin(started: Started) -> GameState:
+    """The state right after the start of a game."""
+    return GameState(
+        started=started,
+        treasures=None,
+        robots=(RobotState(CORRIDOR, started.energy),) * started.robots,
+        rooms=(RoomState(),) * len(started.costs.rooms),
+    )
+
+
+def fold(started: Started, events: Iterable[Event]) -> GameState:
+    """The state after a game's start and what followed. Raises as `apply`."""
+    state = begin(started)
+    for event in events:
+        state = apply(state, event)
+    return state
+
+
+def apply(state: GameState, event: Event) -> GameState:
+    """The state after an event; `Started` begins a new game.
+
+    Raises:
+        ValueError: the event names a robot or room that this game does not have, or as many treasures as there are not
+            rooms: it belongs to another game.
+    """
+    match event:
+        case Started():
+            return begin(event)
+        case Hidden():
+            if len(event.treasures) != len(state.rooms):
+                raise ValueError(f"{len(event.treasures)} treasures are hidden in {len(state.rooms)} rooms")
+            return replace(state, treasures=event.treasures)
+        case Departed():
+            robot = _robot(state, event.robot)
+            _room(state, event.room)
+            return _with_robot(
+                state,
+                event.robot,
+                replace(robot, energy=robot.energy - event.cost, bound_for=event.room, paid=event.cost),
+            )
+        case Arrived():
+            room = _room(state, event.room)
+            state = _with_robot(state, event.robot, _standing(_robot(state, event.robot), event.room))
+            return _with_room(state, event.room, replace(room, visited=True))
+        case Failed():
+            robot = _robot(state, event.robot)
+            refund = min(event.refund, robot.paid)
+            return _with_robot(state, event.robot, replace(_standing(robot, event.at), energy=robot.energy + refund))
+        case Sensed():
+            return _with_room(state, event.room, replace(_room(state, event.room), sensed=event))
+        case Pictured():
+            state = _with_room(state, event.room, replace(_room(state, event.room), image=event.image))
+            return _charge(state, event.robot, event.cost)
+        case Identified():
+            if event.room is not None:
+                state = _with_room(state, event.room, replace(_room(state, event.room), points=event.points))
+            if event.robot is not None:
+                state = _charge(state, event.robot, event.cost)
+            return replace(state, score=state.score + event.points)
+        case Left():
+            return _with_room(state, event.room, replace(_room(state, event.room), left=True))
+        case Ended():
+            return replace(state, ended=event)
+        case _:
+            assert_never(event)
+
+
+def _standing(robot: RobotState, at: Room) -> RobotState:
+    return replace(robot, at=at, bound_for=None, paid=0.0)
+
+
+def _robot(state: GameState, number: int) -> RobotState:
+    if not state.has_robot(number):
+        raise ValueError(f"there is no robot {number} in a team of {len(state.robots)}")
+    return state.robots[number]
+
+
+def _room(state: GameState, room: Room) -> RoomState:
+    if not state.has_room(room):
+        raise ValueError(f"{room} is not one of the {len(state.rooms)} rooms of this game")
+    return state.room(room)
+
+
+def _with_robot(state: GameState, number: int, robot: RobotState) -> GameState:
+    return replace(state, robots=(*state.robots[:number], robot, *state.robots[number + 1 :]))
+
+
+def _with_room(state: GameState, room: Room, changed: RoomState) -> GameState:
+    return replace(state, rooms=(*state.rooms[: room.wire], changed, *state.rooms[room.wire + 1 :]))
+
+
+def _charge(state: GameState, number: int, cost: float) -> GameState:
+    robot = _robot(state, number)
+    return _with_robot(state, number, replace(robot, energy=robot.energy - cost))

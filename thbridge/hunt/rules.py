@@ -1,0 +1,307 @@
+"""What may happen: each rule takes the state and a request, and gives the events that follow or says why not.
+
+Nothing here changes the state; the caller applies the events (`game.apply`), journals them, and then asks `ending`.
+"""
+
+import math
+from enum import StrEnum
+
+from thbridge.hunt.costs import spoken_energy
+from thbridge.hunt.events import (
+    Arrived,
+    Departed,
+    Ended,
+    EndReason,
+    Event,
+    Failed,
+    Identified,
+    Left,
+    Pictured,
+    Sensed,
+)
+from thbridge.hunt.game import GameState
+from thbridge.hunt.outcomes import Refused
+from thbridge.hunt.rooms import CORRIDOR, Room
+from thbridge.hunt.treasures import same_name
+
+
+class Reason(StrEnum):
+    """Why a rule refuses."""
+
+    GAME_OVER = "game-over"
+    UNKNOWN_ROBOT = "unknown-robot"
+    UNKNOWN_ROOM = "unknown-room"
+    UNDER_WAY = "under-way"
+    NOT_UNDER_WAY = "not-under-way"
+    BLOCKED = "blocked"
+    ALREADY_VISITED = "already-visited"
+    RESERVED = "reserved"
+    NOT_A_MOVE = "not-a-move"
+    NOT_ENOUGH_ENERGY = "not-enough-energy"
+    NOBODY_THERE = "nobody-there"
+    NOTHING_KNOWN = "nothing-known"
+    ALREADY_DECIDED = "already-decided"
+
+
+Ruling = tuple[Event, ...] | Refused
+
+
+def move(state: GameState, robot: int, room: Room) -> Ruling:
+    """Send a robot to a room. It leaves behind whatever it had not decided about the treasure where it stands."""
+    refused = _over(state) or _unknown(state, robot, room)
+    if refused:
+        return refused
+    mover = state.robots[robot]
+    if mover.bound_for is not None:
+        return Refused(Reason.UNDER_WAY, f"{_name(robot)} is still under way to {mover.bound_for}.")
+    if mover.is_blocked:
+        return _blocked(robot)
+    if state.room(room).visited:
+        return Refused(Reason.ALREADY_VISITED, f"{_capital(room)} has been visited already.")
+    other = state.reserved_by(room)
+    if other is not None:
+        return Refused(Reason.RESERVED, f"{_name(other)} is already under way to {room}.")
+    cost = state.started.costs.cost(mover.at, room)
+    if math.isinf(cost):
+        return Refused(Reason.NOT_A_MOVE, f"There is no way from {mover.at} to {room}.")
+    if cost > mover.energy:
+        return _too_dear(robot, f"the way to {room}", cost, mover.energy)
+    left: tuple[Event, ...] = ()
+    if not mover.at.is_corridor and state.room(mover.at).sensed and not state.room(mover.at).is_decided:
+        left = (Left(mover.at),)
+    return (*left, Departed(robot, room, cost))
+
+
+def arrive(state: GameState, robot: int, room: Room) -> Ruling:
+    """A robot has reached a room.
+
+    If the game never heard that it set out (an old program sent it), the departure is put in, paid by the matrix
+    whether or not the energy suffices; if it was bound for another room, that way is given up without refund.
+    """
+    refused = _over(state) or _unknown(state, robot, room)
+    if refused:
+        return refused
+    mover = state.robots[robot]
+    if mover.bound_for == room:
+        return (Arrived(robot, room),)
+    if mover.bound_for is not None:
+        return (Failed(robot, mover.bound_for, f"arrived in {room} instead", 0.0, room), Arrived(robot, room))
+    cost = state.started.costs.cost(mover.at, room)
+    return (Departed(robot, room, 0.0 if math.isinf(cost) else cost), Arrived(robot, room))
+
+
+def fail(state: GameState, robot: int, reason: str, share_done: float, at: Room | None = None) -> Ruling:
+    """A robot's way under way is over without arrival: the navigator failed, or a person cancelled.
+
+    Args:
+        state: the game.
+        robot: which.
+        reason: for people, e.g. "cancelled" or the navigator's words.
+        share_done: how much of the way is behind it, cut to [0, 1]; the rest of what it paid comes back.
+        at: the room it stands in now. By default where it set out from if it has not moved, else the corridor. A robot
+            that broke off in a room nobody has visited counts as in the corridor too, or it could not be sent there
+            again.
+    """
+    if not state.has_robot(robot):
+        return _no_robot(state, robot)
+    mover = state.robots[robot]
+    if mover.bound_for is None:
+        return Refused(Reason.NOT_UNDER_WAY, f"{_name(robot)} is not under way.")
+    done = min(max(share_done, 0.0), 1.0)
+    if at is None:
+        at = mover.at if done == 0.0 else CORRIDOR
+    elif not (state.has_room(at) and state.room(at).visited):
+        at = CORRIDOR
+    return (Failed(robot, mover.bound_for, reason, mover.paid * (1.0 - done), at),)
+
+
+def sense(state: GameState, room: Room, told: tuple[str, str] | None = None) -> Ruling:
+    """Perceive colour and footprint of the treasure where a robot stands. Sensing again gives no new event.
+
+    Args:
+        state: the game.
+        room: where.
+        told: colour and footprint as another program's Hider told them; None takes them from what this game hid.
+    """
+    found = _standing_robot(state, room)
+    if isinstance(found, Refused):
+        return found
+    if state.room(room).sensed is not None:
+        return ()
+    treasure = state.treasure(room)
+    if told is not None:
+        return (Sensed(room, *told),)
+    if treasure is None:
+        return _nothing_known(room)
+    return (Sensed(room, treasure.colour, treasure.footprint),)
+
+
+def picture(state: GameState, room: Room, told: str | None = None) -> Ruling:
+    """Take a picture where a robot stands. Energy is paid for the first in a room; the same is shown again for nothing.
+
+    Args:
+        state: the game.
+        room: where.
+        told: file name as another program's Hider told it; None takes it from what this game hid.
+    """
+    robot = _standing_robot(state, room)
+    if isinstance(robot, Refused):
+        return robot
+    taken = state.room(room).image
+    if taken is not None:
+        return (Pictured(room, robot, taken, 0.0),)
+    treasure = state.treasure(room)
+    image = told if told is not None or treasure is None else treasure.image
+    if image is None:
+        return _nothing_known(room)
+    return _paid(state, robot, "a picture", state.started.picture_cost) or (
+        Pictured(room, robot, image, state.started.picture_cost),
+    )
+
+
+def identify(state: GameState, room: Room, name: str, told: int | None = None) -> Ruling:
+    """Name the treasure where a robot stands, once per room: right wins its points, wrong costs `wrong_share` of them.
+
+    A lost share of points is rounded to the nearest whole number, half away from zero, because the wire carries whole
+    points. Differs: the 2016 Hider took a name for right that merely contained the right one.
+
+    Args:
+        state: the game.
+        room: where.
+        name: one of the treasures' names; case and blanks do not count.
+        told: the points as another program's Hider told them; None takes the verdict from what this game hid.
+    """
+    robot = _standing_robot(state, room)
+    if isinstance(robot, Refused):
+        return robot
+    if state.room(room).is_decided:
+        return _decided(room)
+    points = told
+    treasure = state.treasure(room)
+    if points is None:
+        if treasure is None:
+            return _nothing_known(room)
+        lost = math.floor(treasure.points * state.started.wrong_share + 0.5)
+        points = treasure.points if same_name(name, treasure.name) else -lost
+    return _paid(state, robot, "identifying", state.started.identify_cost) or (
+        Identified(room, robot, name, points, state.started.identify_cost),
+    )
+
+
+def leave(state: GameState, room: Room) -> Ruling:
+    """Give up the treasure in a room."""
+    refused = _over(state) or _no_room(state, room)
+    if refused:
+        return refused
+    if not state.room(room).visited:
+        return Refused(Reason.NOBODY_THERE, f"No robot has been in {room} yet.")
+    return _decided(room) if state.room(room).is_decided else (Left(room),)
+
+
+def ending(state: GameState, *, wait_for_decisions: bool = True) -> tuple[Event, ...]:
+    """The end of the game, if it has come: one `Ended`, or nothing.
+
+    It has come when every room is visited, or no robot has a move left that it can pay, and no robot is under way.
+
+    Args:
+        state: the game.
+        wait_for_decisions: also wait while a robot stands by a treasure (sensed or about to be) that it could still
+            identify and that nobody has given up. Old participants never say that they give up, and without a Hider
+            there is nothing to decide: then the caller stops waiting when it has waited enough.
+    """
+    if state.ended is not None or any(robot.bound_for is not None for robot in state.robots):
+        return ()
+    if wait_for_decisions and any(_may_decide(state, robot) for robot in range(len(state.robots))):
+        return ()
+    if all(room.visited for room in state.rooms):
+        return (Ended(EndReason.ALL_VISITED, state.score),)
+    if any(affordable(state, robot) for robot in range(len(state.robots))):
+        return ()
+    return (Ended(EndReason.NO_MOVE_LEFT, state.score),)
+
+
+def affordable(state: GameState, robot: int) -> tuple[Room, ...]:
+    """Free rooms that this robot has the energy to reach from where it stands; none if it is blocked."""
+    mover = state.robots[robot]
+    if mover.is_blocked:
+        return ()
+    return tuple(room for room in state.free_rooms if state.started.costs.cost(mover.at, room) <= mover.energy)
+
+
+def robot_name(robot: int) -> str:
+    """What people call a robot: the one numbered 0 on the wire is robot 1, as `/robot1` in ROS."""
+    return f"robot {robot + 1}"
+
+
+def _may_decide(state: GameState, robot: int) -> bool:
+    stander = state.robots[robot]
+    return not (
+        stander.at.is_corridor
+        or state.room(stander.at).is_decided
+        or stander.is_blocked
+        or stander.energy < state.started.identify_cost
+    )
+
+
+def _standing_robot(state: GameState, room: Room) -> int | Refused:
+    refused = _over(state) or _no_room(state, room)
+    if refused:
+        return refused
+    robot = state.standing_in(room)
+    if robot is None:
+        return Refused(Reason.NOBODY_THERE, f"No robot stands in {room}.")
+    return robot
+
+
+def _paid(state: GameState, robot: int, what: str, cost: float) -> Refused | None:
+    worker = state.robots[robot]
+    if worker.is_blocked:
+        return _blocked(robot)
+    if cost > worker.energy:
+        return _too_dear(robot, what, cost, worker.energy)
+    return None
+
+
+def _over(state: GameState) -> Refused | None:
+    return None if state.ended is None else Refused(Reason.GAME_OVER, "The game is over.")
+
+
+def _unknown(state: GameState, robot: int, room: Room) -> Refused | None:
+    return _no_room(state, room) if state.has_robot(robot) else _no_robot(state, robot)
+
+
+def _no_robot(state: GameState, robot: int) -> Refused:
+    return Refused(Reason.UNKNOWN_ROBOT, f"There is no {robot_name(robot)}; the team has {len(state.robots)}.")
+
+
+def _no_room(state: GameState, room: Room) -> Refused | None:
+    if state.has_room(room):
+        return None
+    return Refused(Reason.UNKNOWN_ROOM, f"{_capital(room)} is not a room of this game; it has 1 to {len(state.rooms)}.")
+
+
+def _blocked(robot: int) -> Refused:
+    return Refused(Reason.BLOCKED, f"{_name(robot)} has no energy left.")
+
+
+def _too_dear(robot: int, what: str, cost: float, energy: float) -> Refused:
+    return Refused(
+        Reason.NOT_ENOUGH_ENERGY,
+        f"{_name(robot)} has {spoken_energy(energy)} energy left, but {what} costs {spoken_energy(cost)}.",
+    )
+
+
+def _nothing_known(room: Room) -> Refused:
+    return Refused(Reason.NOTHING_KNOWN, f"Nothing is known about a treasure in {room}.")
+
+
+def _decided(room: Room) -> Refused:
+    return Refused(Reason.ALREADY_DECIDED, f"The treasure in {room} has been decided already.")
+
+
+def _name(robot: int) -> str:
+    return robot_name(robot).capitalize()
+
+
+def _capital(room: Room) -> str:
+    return str(room).capitalize()

@@ -1,0 +1,132 @@
+"""Which room next: the exact cheapest open tour of the rooms that are left.
+
+The subset dynamic programme of Bellman (1962) and Held and Karp (1962), in its cost-to-go form: `to_go[S, j]` is the
+least energy that visits every room of the set S starting at place j. It is filled by the size of S, so that all sets of
+one size are one array operation, and it also answers for every subset what a robot with too little energy can still do.
+"""
+
+import math
+from collections.abc import Collection
+from dataclasses import dataclass
+from enum import StrEnum
+
+import numpy as np
+from numpy.typing import NDArray
+
+from thbridge.hunt.costs import CostMatrix, spoken_energy
+from thbridge.hunt.outcomes import Refused
+from thbridge.hunt.rooms import Room
+
+MOST_ROOMS = 18
+"""Above this the table (8 bytes x 2^n x (n + 1)) outgrows what a suggestion is worth."""
+
+
+class NoTour(StrEnum):
+    """Why there is no suggestion."""
+
+    NOTHING_LEFT = "nothing-left"
+    NOT_REACHABLE = "not-reachable"
+    NOT_ENOUGH_ENERGY = "not-enough-energy"
+    TOO_MANY_ROOMS = "too-many-rooms"
+
+
+@dataclass(frozen=True, slots=True)
+class Tour:
+    """Rooms in the order of visiting them, and the energy of the whole way. Ends in its last room."""
+
+    rooms: tuple[Room, ...]
+    cost: float
+
+
+def best_tour(costs: CostMatrix, at: Room, unvisited: Collection[Room], energy: float = math.inf) -> Tour | Refused:
+    """The tour from `at` that visits most of `unvisited` within `energy`, and of those the cheapest.
+
+    With energy enough for all of them this is the cheapest tour of all. Ties go to the tour whose rooms come first in
+    people's counting, so the answer depends on nothing but the arguments.
+
+    Args:
+        costs: energy from place to place.
+        at: where the robot stands; not counted as unvisited even if it is named there.
+        unvisited: rooms still to visit, in any order.
+        energy: what the robot has; a tour may use all of it.
+
+    Returns:
+        A tour of at least one room, or why there is none (`NoTour`).
+
+    Raises:
+        IndexError: a place that the matrix does not know.
+    """
+    rooms = sorted(set(unvisited) - {at})
+    if not rooms:
+        return Refused(NoTour.NOTHING_LEFT, "Every room has been visited.")
+    if len(rooms) > MOST_ROOMS:
+        return Refused(
+            NoTour.TOO_MANY_ROOMS, f"I can compare tours of at most {MOST_ROOMS} rooms, and {len(rooms)} are left."
+        )
+    places = [*rooms, at]
+    step = np.array([[costs.cost(start, goal) for goal in rooms] for start in places])
+    if not np.isfinite(step[-1]).any():
+        return Refused(NoTour.NOT_REACHABLE, f"There is no way from {at} to any room that is left.")
+    if energy < step[-1].min():
+        nearest = rooms[int(step[-1].argmin())]
+        return Refused(
+            NoTour.NOT_ENOUGH_ENERGY,
+            f"The cheapest room left is {nearest} and costs {spoken_energy(step[-1].min())}, "
+            f"but only {spoken_energy(energy)} is left.",
+        )
+    to_go, sizes = _cost_to_go(step)
+    from_start = to_go[:, -1]
+    sizes[~np.isfinite(from_start) | (from_start > energy)] = 0
+    most = np.flatnonzero(sizes == sizes.max())
+    cheapest = most[from_start[most] == from_start[most].min()]
+    order = _first_order(step, to_go, cheapest)
+    return Tour(tuple(rooms[room] for room in order), float(from_start[cheapest[0]]))
+
+
+def suggest(costs: CostMatrix, at: Room, unvisited: Collection[Room], energy: float) -> Room | Refused:
+    """The room to go to next: the first of `best_tour`, same arguments, same refusals."""
+    tour = best_tour(costs, at, unvisited, energy)
+    return tour if isinstance(tour, Refused) else tour.rooms[0]
+
+
+def _cost_to_go(step: NDArray[np.float64]) -> tuple[NDArray[np.float64], NDArray[np.int64]]:
+    """The table for all subsets.
+
+    Args:
+        step: (n + 1, n) energy from place to room; the last row is the start.
+
+    Returns:
+        (2^n, n + 1) least energy to visit all of subset S from place j, infinite when impossible (bit k of S is
+        room k), and (2^n,) the sizes of the subsets. Entries where j is in S are not used.
+    """
+    count = step.shape[1]
+    subsets = np.arange(1 << count)
+    sizes = np.zeros(1 << count, dtype=np.int64)
+    for room in range(count):
+        sizes += (subsets >> room) & 1
+    to_go = np.full((1 << count, count + 1), np.inf)
+    to_go[0] = 0.0
+    for size in range(1, count + 1):
+        of_size = subsets[sizes == size]
+        for room in range(count):
+            having = of_size[(of_size >> room) & 1 == 1]
+            by_room_first = step[:, room] + to_go[having ^ (1 << room), room, np.newaxis]
+            to_go[having] = np.minimum(to_go[having], by_room_first)
+    return to_go, sizes
+
+
+def _first_order(step: NDArray[np.float64], to_go: NDArray[np.float64], subsets: NDArray[np.int64]) -> tuple[int, ...]:
+    """The cheapest order, first in counting among equals, of any of these subsets (all of one size) from the start."""
+    order: list[int] = []
+    place = step.shape[1]
+    while subsets.any():
+        for room in range(step.shape[1]):
+            having = subsets[(subsets >> room) & 1 == 1]
+            without = having ^ (1 << room)
+            # The same sums as in the table, so comparing for equality is exact.
+            going_on = without[step[place, room] + to_go[without, room] == to_go[having, place]]
+            if going_on.size:
+                order.append(room)
+                place, subsets = room, going_on
+                break
+    return tuple(order)
