@@ -1,0 +1,1 @@
+"""Protocol cores without sockets, clocks or threads: bytes and times in, values out."""

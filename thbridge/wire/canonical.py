@@ -1,0 +1,278 @@
+"""The canonical content of the routed commands, as HRTeam defined them in 2015.
+
+Positions are metres in the map frame. Headings are radians here, degrees on the wire (0 is East, anti-clockwise);
+numbers travel with three decimals.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Sequence
+from dataclasses import dataclass
+from enum import Enum, StrEnum
+from typing import TypeAlias
+
+from sim.geometry import wrap_angle
+from thbridge.wire import legacy
+from thbridge.wire.text import Command, Message, Unreadable, tokens
+
+
+class Dialect(StrEnum):
+    """Which reading of ``%%goto`` comes first."""
+
+    LEGACY_2016 = "legacy-2016"
+    CANONICAL = "canonical"
+
+
+class Drive(Enum):
+    """Direction of driving by hand, by its letter on the wire."""
+
+    FORWARD = "F"
+    BACKWARD = "B"
+    WIDE_CLOCKWISE = "C"
+    WIDE_ANTICLOCKWISE = "A"
+    TURN_CLOCKWISE = "c"
+    TURN_ANTICLOCKWISE = "a"
+
+
+Properties: TypeAlias = tuple[tuple[str, str], ...]
+"""Names and values of a treasure's properties, each one token."""
+
+
+@dataclass(frozen=True, slots=True)
+class Pose:
+    """Where a robot is."""
+
+    robot: int
+    x: float
+    y: float
+    heading: float
+
+
+@dataclass(frozen=True, slots=True)
+class Where:
+    """Asks for a robot's pose."""
+
+    robot: int
+
+
+@dataclass(frozen=True, slots=True)
+class GotoPoint:
+    """Sends a robot to a point; `heading` is None when any will do."""
+
+    robot: int
+    x: float
+    y: float
+    heading: float | None = None
+
+
+@dataclass(frozen=True, slots=True)
+class Move:
+    """Drives a robot by hand.
+
+    Raises:
+        ValueError: the intensity is not 1 to 5.
+    """
+
+    robot: int
+    drive: Drive
+    intensity: int
+
+    def __post_init__(self) -> None:
+        if not 1 <= self.intensity <= 5:
+            raise ValueError(f"the intensity is 1 to 5, not {self.intensity}")
+
+
+@dataclass(frozen=True, slots=True)
+class SnapHere:
+    """Asks a robot for a picture from where it stands."""
+
+    robot: int
+
+
+@dataclass(frozen=True, slots=True)
+class Picture:
+    """The picture a robot took, and the pose it took it from; `data` is one token."""
+
+    robot: int
+    x: float
+    y: float
+    heading: float
+    data: str
+
+
+@dataclass(frozen=True, slots=True)
+class Hide:
+    """Hides a treasure."""
+
+    x: float
+    y: float
+    properties: Properties
+
+
+@dataclass(frozen=True, slots=True)
+class Found:
+    """A treasure was found."""
+
+    x: float
+    y: float
+    properties: Properties
+
+
+@dataclass(frozen=True, slots=True)
+class Earned:
+    """Points were earned for a treasure."""
+
+    points: int
+    x: float
+    y: float
+    properties: Properties
+
+
+@dataclass(frozen=True, slots=True)
+class Failure:
+    """Something went wrong."""
+
+    text: str
+
+
+Canonical: TypeAlias = Pose | Where | GotoPoint | Move | SnapHere | Picture | Hide | Found | Earned | Failure
+
+
+def encode(value: Canonical, sender: str, receiver: str) -> Message:
+    """The message that says a value.
+
+    Raises:
+        ValueError: a number is not finite, or picture data or a property is not one token.
+    """
+    command, parts = _content(value)
+    return Message(command, sender, receiver, tuple(parts))
+
+
+def decode(message: Message) -> Canonical | Unreadable:
+    """The value that a message stands for."""
+    try:
+        value = _value(message)
+    except ValueError as error:
+        return Unreadable(message.line(), str(error))
+    if value is None:
+        return Unreadable(message.line(), f"that is not what follows {message.command}")
+    return value
+
+
+def decode_goto(message: Message, dialect: Dialect, rooms: int) -> legacy.Goto | GotoPoint | Unreadable:
+    """Where a ``%%goto`` sends a robot.
+
+    In the legacy dialect it is a room if x and y are the same whole number below `rooms` and the heading is 45; in
+    every other case it is a point.
+    """
+    if dialect is Dialect.LEGACY_2016:
+        value = legacy.decode(message)
+        if isinstance(value, legacy.Goto) and value.room < rooms:
+            return value
+    point = decode(message)
+    if isinstance(point, GotoPoint | Unreadable):
+        return point
+    return Unreadable(message.line(), f"it is not a {Command.GOTO}")
+
+
+def _content(value: Canonical) -> tuple[Command, list[str]]:
+    match value:
+        case Pose(robot, x, y, heading):
+            return Command.POSE, [str(robot), _number(x), _number(y), _degrees(heading)]
+        case Where(robot):
+            return Command.WHERE, [str(robot)]
+        case GotoPoint(robot, x, y, heading):
+            return Command.GOTO, [str(robot), _number(x), _number(y), *([] if heading is None else [_degrees(heading)])]
+        case Move(robot, drive, intensity):
+            return Command.MOVE, [str(robot), drive.value, str(intensity)]
+        case SnapHere(robot):
+            return Command.SNAP, [str(robot)]
+        case Picture(robot, x, y, heading, data):
+            return Command.IMAGE, [str(robot), _number(x), _number(y), _degrees(heading), data]
+        case Hide(x, y, properties):
+            return Command.HIDE, [_number(x), _number(y), *_flat(properties)]
+        case Found(x, y, properties):
+            return Command.FOUND, [_number(x), _number(y), *_flat(properties)]
+        case Earned(points, x, y, properties):
+            return Command.SCORE, [str(points), _number(x), _number(y), *_flat(properties)]
+        case Failure(text):
+            return Command.ERROR, tokens(text)
+
+
+def _value(message: Message) -> Canonical | None:
+    match message.command, message.content:
+        case Command.POSE, (robot, x, y, heading):
+            return Pose(_robot(robot), _real(x), _real(y), _radians(heading))
+        case Command.WHERE, (robot,):
+            return Where(_robot(robot))
+        case Command.GOTO, (robot, x, y):
+            return GotoPoint(_robot(robot), _real(x), _real(y))
+        case Command.GOTO, (robot, x, y, heading):
+            return GotoPoint(_robot(robot), _real(x), _real(y), _radians(heading))
+        case Command.MOVE, (robot, letter, intensity):
+            return Move(_robot(robot), Drive(letter), _whole(intensity))
+        case Command.SNAP, (robot,):
+            return SnapHere(_robot(robot))
+        case Command.IMAGE, (robot, x, y, heading, data):
+            return Picture(_robot(robot), _real(x), _real(y), _radians(heading), data)
+        case Command.HIDE, (x, y, *properties):
+            return Hide(_real(x), _real(y), _pairs(properties))
+        case Command.FOUND, (x, y, *properties):
+            return Found(_real(x), _real(y), _pairs(properties))
+        case Command.SCORE, (points, x, y, *properties):
+            return Earned(_whole(points), _real(x), _real(y), _pairs(properties))
+        case Command.ERROR, _:
+            return Failure(message.text)
+        case _:
+            return None
+
+
+def _number(value: float) -> str:
+    if not math.isfinite(value):
+        raise ValueError(f"{value} is not a number that can be sent")
+    # Adding 0.0 turns the -0.0 that rounding leaves into 0.0.
+    return f"{round(value, 3) + 0.0:.3f}"
+
+
+def _degrees(heading: float) -> str:
+    return _number(math.degrees(heading))
+
+
+def _whole(text: str) -> int:
+    if not (text.isascii() and text.removeprefix("-").isdigit() and len(text) <= 10):
+        raise ValueError(f"{text!r} is not a whole number")
+    return int(text)
+
+
+def _robot(text: str) -> int:
+    number = _whole(text)
+    if number < 0:
+        raise ValueError(f"{text!r} is not a robot's number")
+    return number
+
+
+def _real(text: str) -> float:
+    try:
+        value = float(text)
+    except ValueError:
+        value = math.nan
+    if not math.isfinite(value):
+        raise ValueError(f"{text!r} is not a number")
+    return value
+
+
+def _radians(text: str) -> float:
+    return wrap_angle(math.radians(_real(text)))
+
+
+def _flat(properties: Properties) -> list[str]:
+    return [token for pair in properties for token in pair]
+
+
+def _pairs(parts: Sequence[str]) -> Properties:
+    """Names and values by twos; some programs bracket each pair, which says nothing more."""
+    bare = tokens(" ".join(parts).replace("(", " ").replace(")", " "))
+    if len(bare) % 2:
+        raise ValueError(f"the property {bare[-1]!r} has no value")
+    return tuple(zip(bare[::2], bare[1::2], strict=True))

@@ -1,0 +1,95 @@
+"""The text protocol as one of our own programs speaks it, without the socket.
+
+`ClientSession` lives as long as one connection: send its `hello`, feed it what arrives, carry out the events. It
+registers as an extended client, answers pings and keeps the server's own lines to itself.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from enum import Enum
+from typing import TypeAlias
+
+from thbridge.wire.router import EXTENDED
+from thbridge.wire.text import Command, LineSplitter, Message, Overlong, encode_line, parse_tokens, tokens
+
+_PONG_LINE = encode_line(f"{Command.PONG} ")
+
+
+@dataclass(frozen=True, slots=True)
+class Registered:
+    """The server knows us by our name from now on: the moment to introduce ourselves to the others."""
+
+
+@dataclass(frozen=True, slots=True)
+class Reply:
+    """Write these bytes to the server."""
+
+    data: bytes
+
+
+class Ending(Enum):
+    """Why the server ends the connection."""
+
+    REFUSED = "our name is already held, or the server is full"
+    STOPPED = "the server stops"
+
+
+@dataclass(frozen=True, slots=True)
+class Ended:
+    """The server has said farewell; nothing more comes on this connection."""
+
+    reason: Ending
+
+
+SessionEvent: TypeAlias = Registered | Message | Reply | Ended | Overlong
+
+
+class ClientSession:
+    """One connection of the program called `name`.
+
+    Args:
+        name: the name to register under.
+        token: one word that marks this run of the program, so that it may replace its own dead connection; drawn
+            anew at each start, kept over reconnections.
+
+    Raises:
+        ValueError: name or token is not one word.
+    """
+
+    def __init__(self, name: str, token: str) -> None:
+        if tokens(f"{name} {token}") != [name, token]:
+            raise ValueError(f"name and token are one word each, not {name!r} and {token!r}")
+        self._hello = encode_line(f"{Command.SETID} {name} {EXTENDED} {token}")
+        self._lines = LineSplitter()
+        self._registered = False
+        self._ended = False
+
+    @property
+    def hello(self) -> bytes:
+        """What to send first."""
+        return self._hello
+
+    def receive_data(self, data: bytes) -> list[SessionEvent]:
+        """The events in what the server sent; none after `Ended`."""
+        events: list[SessionEvent] = []
+        for line in self._lines.feed(data):
+            if self._ended:
+                break
+            events += [line] if isinstance(line, Overlong) else self._handle(tokens(line))
+        return events
+
+    def _handle(self, parts: list[str]) -> list[SessionEvent]:
+        # The server's own lines are recognised whole: a routed line that begins like one always names its parties.
+        match parts:
+            case [Command.PING]:
+                return [Reply(_PONG_LINE)]
+            case [Command.ACK] if not self._registered:
+                self._registered = True
+                return [Registered()]
+            case [Command.SHUTDOWN]:
+                self._ended = True
+                return [Ended(Ending.STOPPED if self._registered else Ending.REFUSED)]
+            case _:
+                message = parse_tokens(parts)
+                return [message] if isinstance(message, Message) else []

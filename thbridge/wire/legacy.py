@@ -1,0 +1,183 @@
+"""The ``legacy-2016`` dialect: how the programs of the 2016 treasure hunt bent the protocol to their game.
+
+Robots and rooms are numbered from 0 on the wire: robot 0 is the first robot, room 0 the first room (the corridor has no
+number here). Every value says itself with `message` and is understood from what the message looks like, whoever
+speaks: `decode` relies on the command and the shape of the content only.
+
+The programs of 2016 find out what a line is by looking for ``ping``, ``error``, ``found``, ``score``, ``image`` and
+``snap``, in about that order, anywhere in it. Treasures and pictures should not have these words in their names.
+"""
+
+from __future__ import annotations
+
+import re
+from dataclasses import dataclass
+from typing import TypeAlias
+
+from thbridge.wire.text import Command, Message, Unreadable, tokens
+
+SIMR = "SimR"
+"""The program that drives the robots."""
+
+TABUI = "TabUI"
+"""The participant's program."""
+
+HIDER = "Hider"
+"""The program that knows the treasures."""
+
+_HEADING = "45"  # what the programs of 2016 always sent; nothing was ever turned by it
+_MAX_DIGITS = 9  # an int for Java too
+
+
+@dataclass(frozen=True, slots=True)
+class Goto:
+    """TabUI sends a robot to a room."""
+
+    robot: int
+    room: int
+
+    def message(self) -> Message:
+        """``%%goto TabUI SimR ROBOT ROOM ROOM 45``: the room's number stands in for x and y."""
+        return Message.of(Command.GOTO, TABUI, SIMR, f"{self.robot} {self.room} {self.room} {_HEADING}")
+
+
+@dataclass(frozen=True, slots=True)
+class Arrived:
+    """SimR reports that a robot has reached its room."""
+
+    robot: int
+    room: int
+
+    def message(self) -> Message:
+        """``%%error SimR TabUI "ROBOT;ROOM"``."""
+        return Message.of(Command.ERROR, SIMR, TABUI, f'"{self.robot};{self.room}"')
+
+
+@dataclass(frozen=True, slots=True)
+class AskTreasure:
+    """TabUI asks which treasure is in a room."""
+
+    room: int
+
+    def message(self) -> Message:
+        """``%%error TabUI Hider "ROOM"``."""
+        return Message.of(Command.ERROR, TABUI, HIDER, f'"{self.room}"')
+
+
+@dataclass(frozen=True, slots=True)
+class FoundTreasure:
+    """Hider tells what the robot senses in a room; several blanks in a row become one on the wire."""
+
+    room: int
+    colour: str
+    footprint: str
+
+    def message(self) -> Message:
+        """``%%found Hider TabUI ROOM ROOM "(Colour: C) (Footprint: F)"``."""
+        senses = f'"(Colour: {self.colour}) (Footprint: {self.footprint})"'
+        return Message.of(Command.FOUND, HIDER, TABUI, f"{self.room} {self.room} {senses}")
+
+
+@dataclass(frozen=True, slots=True)
+class Snap:
+    """TabUI asks for a picture of the treasure in a room."""
+
+    room: int
+
+    def message(self) -> Message:
+        """``%%snap TabUI Hider ROOM``."""
+        return Message.of(Command.SNAP, TABUI, HIDER, f"{self.room}")
+
+
+@dataclass(frozen=True, slots=True)
+class Image:
+    """Hider names the picture of the treasure in a room.
+
+    Attributes:
+        room: the room's number.
+        filename: the picture's file name, without a directory.
+
+    Raises:
+        ValueError: the file name has white space in it (TabUI takes the last token for it) or names a directory.
+    """
+
+    room: int
+    filename: str
+
+    def __post_init__(self) -> None:
+        if tokens(self.filename) != [self.filename]:
+            raise ValueError(f"a picture's file name must be one word on the wire: {self.filename!r}")
+        if re.search(r"[/\\]|^\.\.?$", self.filename):
+            raise ValueError(f"a picture's file name must not name a directory: {self.filename!r}")
+
+    def message(self) -> Message:
+        """``%%image Hider TabUI ROOM FILENAME``."""
+        return Message.of(Command.IMAGE, HIDER, TABUI, f"{self.room} {self.filename}")
+
+
+@dataclass(frozen=True, slots=True)
+class Identify:
+    """TabUI says what the participant takes the treasure for; several blanks in a row become one on the wire."""
+
+    room: int
+    name: str
+
+    def message(self) -> Message:
+        """``%%found TabUI Hider "ROOM,NAME``: the quotation mark is never closed."""
+        return Message.of(Command.FOUND, TABUI, HIDER, f'"{self.room},{self.name}')
+
+
+@dataclass(frozen=True, slots=True)
+class Score:
+    """Hider tells the points of an identification, negative for a wrong one."""
+
+    points: int
+
+    def message(self) -> Message:
+        """``%%score Hider TabUI ,POINTS``."""
+        return Message.of(Command.SCORE, HIDER, TABUI, f",{self.points}")
+
+
+Legacy: TypeAlias = Goto | Arrived | AskTreasure | FoundTreasure | Snap | Image | Identify | Score
+
+_NUMBER = rf"([0-9]{{1,{_MAX_DIGITS}}})"
+_GOTO = re.compile(rf"{_NUMBER} {_NUMBER} \2 {_HEADING}")
+_ARRIVED = re.compile(rf'"{_NUMBER};{_NUMBER}"')
+_ASK = re.compile(rf'"{_NUMBER}"')
+_FOUND = re.compile(rf'{_NUMBER} \1 "\(Colour: ?(.*?)\) \(Footprint: ?(.*)\)"')
+_SNAP = re.compile(_NUMBER)
+_IMAGE = re.compile(rf"{_NUMBER} (\S+)")
+_IDENTIFY = re.compile(rf'"{_NUMBER}, ?(.*?)"?')
+_SCORE = re.compile(rf",(-?[0-9]{{1,{_MAX_DIGITS}}})")
+
+
+def decode(message: Message) -> Legacy | Unreadable:
+    """The value that a message of this dialect stands for."""
+    text = message.text
+    match message.command:
+        case Command.GOTO:
+            if found := _GOTO.fullmatch(text):
+                return Goto(int(found[1]), int(found[2]))
+        case Command.ERROR:
+            if found := _ARRIVED.fullmatch(text):
+                return Arrived(int(found[1]), int(found[2]))
+            if found := _ASK.fullmatch(text):
+                return AskTreasure(int(found[1]))
+        case Command.FOUND:
+            if found := _FOUND.fullmatch(text):
+                return FoundTreasure(int(found[1]), found[2], found[3])
+            if found := _IDENTIFY.fullmatch(text):
+                return Identify(int(found[1]), found[2])
+        case Command.SNAP:
+            if found := _SNAP.fullmatch(text):
+                return Snap(int(found[1]))
+        case Command.IMAGE:
+            if found := _IMAGE.fullmatch(text):
+                try:
+                    return Image(int(found[1]), found[2])
+                except ValueError as error:
+                    return Unreadable(message.line(), str(error))
+        case Command.SCORE:
+            if found := _SCORE.fullmatch(text):
+                return Score(int(found[1]))
+    return Unreadable(message.line(), "it is not a line of the legacy-2016 dialect")

@@ -1,0 +1,75 @@
+r"""Notices: what our own programs tell each other beyond the protocol of 2016.
+
+A notice travels as ``%%error FROM TO thbridge {json}``. The JSON is compact ASCII without a single blank (blanks in
+strings are written ``\u0020``), so it is one token and any server of the protocol passes it on unchanged.
+"""
+
+from __future__ import annotations
+
+import json
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
+from typing import NoReturn, TypeAlias
+
+from thbridge.wire.text import Command, Message, Unreadable
+
+JsonValue: TypeAlias = bool | int | float | str | Sequence["JsonValue"] | Mapping[str, "JsonValue"] | None
+"""What JSON can hold; `parse_notice` gives lists and dictionaries."""
+
+_MARK = "thbridge"
+
+
+@dataclass(frozen=True, slots=True)
+class Notice:
+    """A notice as its receiver reads it.
+
+    Attributes:
+        sender: name of the program that says it.
+        receiver: name of the program it is for.
+        kind: what it is about; says which fields to expect.
+        fields: everything else.
+    """
+
+    sender: str
+    receiver: str
+    kind: str
+    fields: Mapping[str, JsonValue]
+
+
+def notice(sender: str, receiver: str, kind: str, /, **fields: JsonValue) -> Message:
+    """The message that carries a notice; fields keep their order.
+
+    Raises:
+        ValueError: a number is not finite, a field is called ``kind``, or a name is not one token.
+    """
+    if "kind" in fields:
+        raise ValueError("a notice has its kind already")
+    text = json.dumps({"kind": kind, **fields}, ensure_ascii=True, allow_nan=False, separators=(",", ":"))
+    return Message(Command.ERROR, sender, receiver, (_MARK, text.replace(" ", r"\u0020")))
+
+
+def is_notice(message: Message) -> bool:
+    """Whether a message has the outward form of a notice; its JSON may still be broken."""
+    return message.command == Command.ERROR and message.content[:1] == (_MARK,)
+
+
+def parse_notice(message: Message) -> Notice | Unreadable:
+    """The notice that a message carries."""
+    if not is_notice(message):
+        return Unreadable(message.line(), "it is not a notice")
+    text = " ".join(message.content[1:])
+    try:
+        value: JsonValue = json.loads(text, parse_constant=_refuse_constant)
+    # Nesting as deep as a line is long exhausts the parser's stack.
+    except (ValueError, RecursionError) as error:
+        return Unreadable(message.line(), f"its JSON is broken: {error}")
+    if not isinstance(value, dict):
+        return Unreadable(message.line(), "its JSON is not an object")
+    kind = value.pop("kind", None)
+    if not isinstance(kind, str):
+        return Unreadable(message.line(), "it has no kind")
+    return Notice(message.sender, message.receiver, kind, value)
+
+
+def _refuse_constant(name: str) -> NoReturn:
+    raise ValueError(f"{name} is not a JSON number")

@@ -1,0 +1,431 @@
+"""The text server without its sockets: who holds which name, and what goes to whom.
+
+`Router` takes bytes, times and messages and answers with outputs for its owner to carry out. It serves two kinds of
+party under one set of names and rules:
+
+* connections, which bring bytes (`connect`, `receive_data`, `eof`, `report_backlog`) and are watched for life
+  (`advance`);
+* local endpoints, the programs of this very process, which exchange `Message` values (`attach`, `submit`, `take`).
+  What they submit waits for `exchange`, and so does what is said to them: everything said during one tick is heard
+  in the next, whatever the order in which the programs take their turns.
+
+What a connection's line does (T is one of the routed commands):
+
+==========================================  ==========================================================
+line                                        outputs, in this order
+==========================================  ==========================================================
+``%%setid NAME``, free or held by itself    ack
+``%%setid NAME``, held                      shutdown line to the newcomer, close; no ack
+``%%getid``                                 ``%%setid N``, ack
+``%%ping``                                  ``%%pong i am here``, ack
+``%%sshhuuttddoowwnn``                      close; no ack
+``%%send F T C FROM TO ...``, ``T FROM TO`` forwarded line to the holder of TO if there is one, ack
+anything else, blank, binary or overlong    ack
+==========================================  ==========================================================
+
+Extended clients register with ``%%setid NAME extended [TOKEN]``. They alone
+
+* are told of a failed delivery, by a notice of kind ``undelivered`` before the ack (notices themselves are exempt:
+  a stream nobody listens to must not echo);
+* receive the notices of other extended parties (one for a client of 2016 is withheld: it would misread it);
+* replace a dead holder of their name: one that has left a ping unanswered so far, or one that registered with the
+  same TOKEN, which is then this program's own connection from before the network failed it.
+
+Nobody else can tell the difference from the server of 2016.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass, field
+from enum import Enum
+from typing import NewType, TypeAlias
+
+from thbridge.wire.notice import is_notice, notice
+from thbridge.wire.text import (
+    LINE_LIMIT,
+    Command,
+    LineSplitter,
+    Message,
+    Overlong,
+    encode_line,
+    parse_tokens,
+    tokens,
+)
+
+ConnectionId = NewType("ConnectionId", int)
+
+SERVER = "Server"
+"""The name under which the server itself speaks in notices."""
+
+EXTENDED = "extended"
+"""Second token of a ``%%setid`` that asks for more than the protocol of 2016."""
+
+UNDELIVERED = "undelivered"
+"""Kind of the notice of a failed delivery: `command`, `receiver`, `content` (its beginning) and `reason`."""
+
+# The exact bytes matter: the old clients look for words anywhere in a line, and count characters from its end.
+ACK_LINE = encode_line(f"{Command.ACK} ")
+PING_LINE = encode_line(f"{Command.PING} ")
+PONG_LINE = encode_line(f"{Command.PONG} i am here")
+SHUTDOWN_LINE = encode_line(f"{Command.SHUTDOWN} ")
+
+_QUOTED = 200
+"""Characters of an undelivered message's content that the notice repeats."""
+
+
+@dataclass(frozen=True, slots=True)
+class Limits:
+    """What one server is ready to bear.
+
+    Attributes:
+        clients: connections at a time; one more is turned away.
+        line: longest line read, bytes.
+        backlog: what may wait for one reader, bytes (characters for a local endpoint).
+        silence: seconds without a line after which a client is pinged.
+        answer: seconds after a ping at which a client still silent is dropped.
+    """
+
+    clients: int = 256
+    line: int = LINE_LIMIT
+    backlog: int = 1024 * 1024
+    silence: float = 15.0
+    answer: float = 15.0
+
+
+class CloseReason(Enum):
+    """Why the server ends a connection."""
+
+    NAME_TAKEN = "its name is already held"
+    ASKED = "it asked to be closed"
+    STOPPED = "the server stops"
+    SILENT = "it did not answer a ping"
+    SLOW = "it does not read what it is sent"
+    REPLACED = "its program has connected anew"
+
+    @property
+    def flush(self) -> bool:
+        """Whether what was sent before shall still arrive; otherwise there is nobody to wait for."""
+        return self in (CloseReason.NAME_TAKEN, CloseReason.ASKED, CloseReason.STOPPED)
+
+
+@dataclass(frozen=True, slots=True)
+class Send:
+    """Write these bytes to a connection."""
+
+    connection: ConnectionId
+    data: bytes
+
+
+@dataclass(frozen=True, slots=True)
+class Close:
+    """End a connection; the router has forgotten it already and its name is free."""
+
+    connection: ConnectionId
+    reason: CloseReason
+
+
+@dataclass(frozen=True, slots=True)
+class Forwarded:
+    """A message was passed on, or would have been: for taps and recorders.
+
+    Attributes:
+        message: what was said.
+        delivered: whether somebody under the receiver's name got it.
+        sender_extended: whether it came from an extended client or a local endpoint.
+    """
+
+    message: Message
+    delivered: bool
+    sender_extended: bool
+
+
+@dataclass(frozen=True, slots=True)
+class Skipped:
+    """A connection sent a line longer than the limit; it was thrown away and acknowledged like an unknown one."""
+
+    connection: ConnectionId
+    length: int
+
+
+Output: TypeAlias = Send | Close | Forwarded | Skipped
+
+
+@dataclass(frozen=True, slots=True)
+class TurnedAway:
+    """No connection can be taken on now: write `farewell` to it and close it."""
+
+    farewell: bytes
+
+
+@dataclass(frozen=True, slots=True)
+class NameTaken:
+    """A local endpoint cannot have this name: somebody holds it."""
+
+    name: str
+
+
+@dataclass(slots=True)
+class _Connection:
+    """A TCP client. `pinged` is the time of a ping that no line has followed yet."""
+
+    id: ConnectionId
+    lines: LineSplitter
+    heard: float
+    pinged: float | None = None
+    name: str | None = None
+    extended: bool = False
+    token: str | None = None
+
+
+@dataclass(slots=True)
+class _Endpoint:
+    """A program of this process. `arriving` becomes `inbox` at the next exchange; `waiting` counts both."""
+
+    name: str
+    arriving: list[Message] = field(default_factory=list)
+    inbox: list[Message] = field(default_factory=list)
+    waiting: int = 0
+
+
+class Router:
+    """The server's state; see the module's description for what it does.
+
+    Times are seconds on any clock that does not run backwards. Not safe for use by several threads at once.
+    """
+
+    def __init__(self, limits: Limits | None = None) -> None:
+        self.limits = limits or Limits()
+        self._connections: dict[ConnectionId, _Connection] = {}
+        self._endpoints: dict[str, _Endpoint] = {}
+        self._holders: dict[str, _Connection | _Endpoint] = {}
+        self._submitted: list[tuple[_Endpoint, Message]] = []
+        self._connection_count = 0
+        self._number = 0
+        self._stopped = False
+
+    # Connections
+
+    def connect(self, now: float) -> ConnectionId | TurnedAway:
+        """Take on a connection, nameless at first; turned away when the server is full or has stopped."""
+        if self._stopped or len(self._connections) >= self.limits.clients:
+            return TurnedAway(SHUTDOWN_LINE)
+        self._connection_count += 1
+        connection = ConnectionId(self._connection_count)
+        self._connections[connection] = _Connection(connection, LineSplitter(self.limits.line), heard=now)
+        return connection
+
+    def receive_data(self, connection: ConnectionId, data: bytes, now: float) -> list[Output]:
+        """Handle bytes from a connection; what still comes from one that is closed is ignored."""
+        client = self._connections.get(connection)
+        if client is None:
+            return []
+        outputs: list[Output] = []
+        for line in client.lines.feed(data):
+            client.heard, client.pinged = now, None
+            if isinstance(line, Overlong):
+                outputs += [Skipped(connection, line.length), Send(connection, ACK_LINE)]
+            else:
+                outputs += self._handle(client, tokens(line))
+            if connection not in self._connections:
+                break
+        return outputs
+
+    def eof(self, connection: ConnectionId) -> None:
+        """A connection has ended or is lost: its name is free. A line it had begun is dropped."""
+        client = self._connections.pop(connection, None)
+        if client is not None:
+            self._release(client)
+
+    def report_backlog(self, connection: ConnectionId, size: int) -> list[Output]:
+        """Hear how many bytes wait in a connection's outgoing buffer; one that does not read is closed."""
+        client = self._connections.get(connection)
+        if client is None or size <= self.limits.backlog:
+            return []
+        return self._close(client, CloseReason.SLOW)
+
+    def advance(self, now: float) -> list[Output]:
+        """Ping connections that have been silent, drop those that did not answer. Call it about once a second."""
+        outputs: list[Output] = []
+        for client in list(self._connections.values()):
+            if client.pinged is not None:
+                if now - client.pinged >= self.limits.answer:
+                    outputs += self._close(client, CloseReason.SILENT)
+            elif now - client.heard >= self.limits.silence:
+                client.pinged = now
+                outputs.append(Send(client.id, PING_LINE))
+        return outputs
+
+    def stop(self) -> list[Output]:
+        """Say farewell to every connection and take on no more."""
+        self._stopped = True
+        outputs: list[Output] = []
+        for client in list(self._connections.values()):
+            outputs.append(Send(client.id, SHUTDOWN_LINE))
+            outputs += self._close(client, CloseReason.STOPPED)
+        return outputs
+
+    # Local endpoints
+
+    def attach(self, name: str) -> NameTaken | None:
+        """Hold a name for a program of this process; it counts as extended and is not watched for life.
+
+        Raises:
+            ValueError: the name is not one token.
+        """
+        if tokens(name) != [name]:
+            raise ValueError(f"not one token: {name!r}")
+        if name in self._holders:
+            return NameTaken(name)
+        self._endpoints[name] = self._holders[name] = _Endpoint(name)
+        return None
+
+    def detach(self, name: str) -> None:
+        """Free the name of a local endpoint; what it has submitted is still passed on.
+
+        Raises:
+            KeyError: no endpoint is attached under this name.
+        """
+        del self._endpoints[name]
+        del self._holders[name]
+
+    def submit(self, name: str, message: Message) -> None:
+        """Say something as a local endpoint; it is passed on at the next `exchange`.
+
+        Raises:
+            KeyError: no endpoint is attached under this name.
+        """
+        self._submitted.append((self._endpoints[name], message))
+
+    def exchange(self) -> list[Output]:
+        """Pass on everything submitted, in order, and open what has come for the local endpoints to `take`.
+
+        One call a tick is what makes a run of several local programs deterministic.
+        """
+        outputs: list[Output] = []
+        submitted, self._submitted = self._submitted, []
+        for endpoint, message in submitted:
+            outputs += self._forward(endpoint, message)
+        for endpoint in self._endpoints.values():
+            endpoint.inbox += endpoint.arriving
+            endpoint.arriving.clear()
+        return outputs
+
+    def take(self, name: str) -> list[Message]:
+        """What was said to a local endpoint up to the last `exchange` and not taken yet, oldest first.
+
+        Raises:
+            KeyError: no endpoint is attached under this name.
+        """
+        endpoint = self._endpoints[name]
+        messages, endpoint.inbox = endpoint.inbox, []
+        endpoint.waiting = sum(_size(message) for message in endpoint.arriving)
+        return messages
+
+    # What a line does
+
+    def _handle(self, client: _Connection, parts: list[str]) -> list[Output]:
+        outputs: list[Output] = []
+        match parts:
+            case [Command.SETID, name, *extras]:
+                outputs += self._register(client, name, extras)
+            case [Command.GETID, *_]:
+                name = self._fresh_number()
+                self._rename(client, name)
+                outputs.append(Send(client.id, encode_line(f"{Command.SETID} {name}")))
+            case [Command.PING, *_]:
+                outputs.append(Send(client.id, PONG_LINE))
+            case [Command.SHUTDOWN, *_]:
+                outputs += self._close(client, CloseReason.ASKED)
+            case _:
+                message = parse_tokens(parts)
+                if isinstance(message, Message):
+                    outputs += self._forward(client, message)
+        if client.id in self._connections:
+            outputs.append(Send(client.id, ACK_LINE))
+        return outputs
+
+    def _register(self, client: _Connection, name: str, extras: Sequence[str]) -> list[Output]:
+        extended = extras[:1] == [EXTENDED]
+        token = extras[1] if extended and len(extras) > 1 else None
+        outputs: list[Output] = []
+        holder = self._holders.get(name)
+        if holder is not None and holder is not client:
+            if not (extended and isinstance(holder, _Connection) and _is_dead(holder, token)):
+                return [Send(client.id, SHUTDOWN_LINE), *self._close(client, CloseReason.NAME_TAKEN)]
+            outputs += self._close(holder, CloseReason.REPLACED)
+        self._rename(client, name)
+        client.extended, client.token = extended, token
+        return outputs
+
+    def _forward(self, origin: _Connection | _Endpoint, message: Message) -> list[Output]:
+        """Pass a message on; tell an extended origin by a notice when that cannot be done."""
+        extended = isinstance(origin, _Endpoint) or origin.extended
+        is_extension = extended and is_notice(message)
+        holder = self._holders.get(message.receiver)
+        failure = self._obstacle(holder, message, is_extension)
+        outputs: list[Output] = [Forwarded(message, failure is None, extended)]
+        if holder is not None and failure is None:
+            outputs += self._hand_over(holder, message)
+        elif failure is not None and extended and not is_extension:
+            outputs += self._hand_over(origin, _undelivered(origin.name or message.sender, message, failure))
+        return outputs
+
+    def _obstacle(self, holder: _Connection | _Endpoint | None, message: Message, is_extension: bool) -> str | None:
+        """Why a message cannot be handed over, or None."""
+        match holder:
+            case None:
+                return "nobody holds that name"
+            case _Connection():
+                return "it would not be understood" if is_extension and not holder.extended else None
+            case _Endpoint():
+                return "too much waits there" if holder.waiting + _size(message) > self.limits.backlog else None
+
+    def _hand_over(self, holder: _Connection | _Endpoint, message: Message) -> list[Output]:
+        if isinstance(holder, _Connection):
+            return [Send(holder.id, encode_line(message.line()))]
+        holder.arriving.append(message)
+        holder.waiting += _size(message)
+        return []
+
+    # Names
+
+    def _fresh_number(self) -> str:
+        self._number += 1
+        while str(self._number) in self._holders:
+            self._number += 1
+        return str(self._number)
+
+    def _rename(self, client: _Connection, name: str) -> None:
+        self._release(client)
+        client.name = name
+        self._holders[name] = client
+
+    def _release(self, client: _Connection) -> None:
+        if client.name is not None:
+            del self._holders[client.name]
+            client.name = None
+
+    def _close(self, client: _Connection, reason: CloseReason) -> list[Output]:
+        self.eof(client.id)
+        return [Close(client.id, reason)]
+
+
+def _is_dead(holder: _Connection, token: str | None) -> bool:
+    return holder.pinged is not None or (token is not None and holder.token == token)
+
+
+def _undelivered(to: str, message: Message, reason: str) -> Message:
+    return notice(
+        SERVER,
+        to,
+        UNDELIVERED,
+        command=message.command,
+        receiver=message.receiver,
+        content=message.text[:_QUOTED],
+        reason=reason,
+    )
+
+
+def _size(message: Message) -> int:
+    return len(message.line())

@@ -1,0 +1,189 @@
+"""Lines of the text protocol: framing, tokens and the routed message.
+
+The protocol is that of the HRTeam server (2015) as the treasure hunt of 2016 used it: one message a line, UTF-8,
+tokens apart at ASCII white space, the first token being the command.
+"""
+
+from __future__ import annotations
+
+import re
+from collections.abc import Sequence
+from dataclasses import dataclass
+from enum import StrEnum
+
+LINE_LIMIT = 64 * 1024
+"""Longest line that is read, in bytes before its line feed."""
+
+_TOKEN = re.compile(r"\S+", re.ASCII)
+
+
+class Command(StrEnum):
+    """Every command that means something to the server or to the programs around it."""
+
+    ACK = "%%ack"
+    ERROR = "%%error"
+    FOUND = "%%found"
+    GETID = "%%getid"
+    GOTO = "%%goto"
+    HIDE = "%%hide"
+    IMAGE = "%%image"
+    MOVE = "%%move"
+    PING = "%%ping"
+    PONG = "%%pong"
+    POSE = "%%pose"
+    SCORE = "%%score"
+    SEND = "%%send"
+    SETID = "%%setid"
+    SHUTDOWN = "%%sshhuuttddoowwnn"
+    SNAP = "%%snap"
+    WHERE = "%%where"
+
+
+ROUTED = frozenset(
+    {
+        Command.ERROR,
+        Command.FOUND,
+        Command.GOTO,
+        Command.HIDE,
+        Command.IMAGE,
+        Command.MOVE,
+        Command.POSE,
+        Command.SCORE,
+        Command.SNAP,
+        Command.WHERE,
+    }
+)
+"""Commands that the server passes on to the client they name."""
+
+
+@dataclass(frozen=True, slots=True)
+class Unreadable:
+    """Text that is not what the reader of it expects.
+
+    Attributes:
+        text: the text in question.
+        reason: what is wrong with it, as the end of the sentence "cannot be read: ...".
+    """
+
+    text: str
+    reason: str
+
+
+@dataclass(frozen=True, slots=True)
+class Message:
+    """One routed message, ``COMMAND FROM TO CONTENT...``.
+
+    Attributes:
+        command: usually one of `ROUTED`; what a ``%%send`` wraps may be anything.
+        sender: name of the program that says it (nobody checks it against the connection).
+        receiver: name of the program it is for.
+        content: the remaining tokens.
+
+    Raises:
+        ValueError: a token is empty or has white space in it, so that it would not survive the wire.
+    """
+
+    command: str
+    sender: str
+    receiver: str
+    content: tuple[str, ...] = ()
+
+    def __post_init__(self) -> None:
+        for token in (self.command, self.sender, self.receiver, *self.content):
+            if _TOKEN.fullmatch(token) is None:
+                raise ValueError(f"not one token: {token!r}")
+
+    @classmethod
+    def of(cls, command: str, sender: str, receiver: str, text: str) -> Message:
+        """A message whose content is running text, taken apart at white space as the wire would."""
+        return cls(command, sender, receiver, tuple(tokens(text)))
+
+    @property
+    def text(self) -> str:
+        """The content as running text, single blanks between the tokens."""
+        return " ".join(self.content)
+
+    def line(self) -> str:
+        """The message as it travels, without the line feed.
+
+        It always ends in one blank: the Java clients of 2016 cut a fixed number of characters off the end and count
+        on that blank being there.
+        """
+        return " ".join((self.command, self.sender, self.receiver, *self.content, ""))
+
+
+def tokens(line: str) -> list[str]:
+    """The tokens of a line, apart at ASCII white space (a no-break space is part of a token, as it was for Java)."""
+    return _TOKEN.findall(line)
+
+
+def parse_line(line: str) -> Message | Unreadable:
+    """The message that a line carries; a ``%%send`` is unwrapped to the message inside it."""
+    return parse_tokens(tokens(line))
+
+
+def parse_tokens(parts: Sequence[str]) -> Message | Unreadable:
+    """Like `parse_line`, for a line already in tokens."""
+    match parts:
+        case [Command.SEND, _, _, command, sender, receiver, *content]:
+            return Message(command, sender, receiver, tuple(content))
+        case [command, sender, receiver, *content] if command in ROUTED:
+            return Message(command, sender, receiver, tuple(content))
+        case [command, *_] if command in ROUTED or command == Command.SEND:
+            return Unreadable(" ".join(parts), "it does not name a receiver")
+        case _:
+            return Unreadable(" ".join(parts), "it is not a command that is passed on")
+
+
+def encode_line(line: str) -> bytes:
+    """A line as bytes with its line feed; what UTF-8 cannot hold (lone surrogates) becomes a question mark."""
+    return line.encode("utf-8", errors="replace") + b"\n"
+
+
+@dataclass(frozen=True, slots=True)
+class Overlong:
+    """A line longer than the limit went by; nothing of it was kept.
+
+    Attributes:
+        length: bytes before its line feed.
+    """
+
+    length: int
+
+
+class LineSplitter:
+    """Takes a byte stream apart into lines, however it is cut into segments, in bounded memory.
+
+    A line ends in LF or CRLF. Bytes that are not UTF-8 become U+FFFD. What follows the last line feed waits for more
+    and is never handed out: it may be cut short.
+    """
+
+    def __init__(self, limit: int = LINE_LIMIT) -> None:
+        self._limit = limit
+        self._held = bytearray()
+        self._length = 0
+
+    def feed(self, data: bytes) -> list[str | Overlong]:
+        """The lines that `data` completes, without their line ends."""
+        *ended, rest = data.split(b"\n")
+        lines: list[str | Overlong] = []
+        for piece in ended:
+            self._extend(piece)
+            lines.append(self._finish())
+        self._extend(rest)
+        return lines
+
+    def _extend(self, piece: bytes) -> None:
+        self._length += len(piece)
+        if self._length <= self._limit:
+            self._held += piece
+        else:
+            self._held.clear()
+
+    def _finish(self) -> str | Overlong:
+        length, self._length = self._length, 0
+        if length > self._limit:
+            return Overlong(length)
+        line = self._held.removesuffix(b"\r").decode("utf-8", errors="replace")
+        self._held.clear()
+        return line
