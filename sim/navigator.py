@@ -58,7 +58,9 @@ class Navigation:
         command: the velocity it asks for.
         goal: the one under way.
         state: move_base's: "planning" waits for a plan, "controlling" follows it, "clearing" tries to get free.
-        plan: (m, 3) map poses still to be driven; empty without a goal.
+        plan: (m, 3) map poses still to be driven, the robot's own place first; empty without a goal. The path that
+            its neighbours hear.
+        times: (m,) the times that its neighbours hear with it; empty beside a plan that is only wished for.
         local_plan: (k, 3) map poses the command would lead through.
         result: how a goal ended in this very tick.
         remaining: metres of the plan left.
@@ -68,6 +70,7 @@ class Navigation:
     goal: Goal | None
     state: NavigatorState
     plan: FloatArray
+    times: FloatArray
     local_plan: FloatArray
     result: Arrived | NoPath | Cancelled | None
     remaining: float

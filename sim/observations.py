@@ -95,6 +95,8 @@ class Neighbour:
         twist: how it moves.
         footprint: (n, 2) corners in its base frame, metres.
         path: (m, 2) map points it is heading along, its own place first; empty when it stands.
+        times: (m,) when it means to be there: the order in which robots pass a place (`sim.planning.itinerary`).
+            Empty beside a path that is only wished for: others stand in the way and are asked to clear it.
     """
 
     robot: int
@@ -102,6 +104,7 @@ class Neighbour:
     twist: Twist
     footprint: FloatArray
     path: FloatArray
+    times: FloatArray
 
 
 @dataclass(frozen=True, slots=True)
