@@ -1,0 +1,106 @@
+"""Open dialogues as JSON-able values, to be saved with a recorded tick and restored from it."""
+
+from collections.abc import Callable
+from typing import assert_never
+
+from thbridge.dialogue.engine import Dialogues
+from thbridge.dialogue.moves import Ask, Continue, Dialogue, Move, Scenario, Speaker, Stop, Topic, Turn
+from thbridge.hunt.json_fields import Fields, Json
+from thbridge.hunt.rooms import Room
+
+VERSION = 1
+
+
+def snapshot(dialogues: Dialogues) -> dict[str, Json]:
+    """A value that JSON can say and `restore` takes back to an equal one."""
+    return {
+        "v": VERSION,
+        "opened": dialogues.opened,
+        "open": [
+            {
+                "number": dialogue.number,
+                **_topic_fields(dialogue.topic),
+                "turns": [{"speaker": turn.speaker.value, **move_fields(turn.move)} for turn in dialogue.turns],
+            }
+            for dialogue in dialogues.open
+        ],
+    }
+
+
+def restore(value: object) -> Dialogues:
+    """The dialogues that a snapshot says.
+
+    Raises:
+        ValueError: it is not such a snapshot; the message says which field is wrong.
+    """
+    fields = Fields(value)
+    version = fields.integer("v")
+    if version != VERSION:
+        raise ValueError(f"the snapshot is version {version}, this program reads version {VERSION}")
+    dialogues = Dialogues(fields.integer("opened"), tuple(_dialogue(dialogue) for dialogue in fields.objects("open")))
+    fields.end()
+    return dialogues
+
+
+def move_fields(move: Move) -> dict[str, Json]:
+    """A move as the fields of a JSON object: `move` is its kind."""
+    match move:
+        case Ask(question):
+            return {"move": "ask", "question": question}
+        case Continue():
+            return {"move": "continue"}
+        case Stop():
+            return {"move": "stop"}
+        case _:
+            assert_never(move)
+
+
+def take_move(fields: Fields) -> Move:
+    """The move that these fields say; others are left. Raises ValueError for an unknown one."""
+    kind = fields.text("move")
+    if kind not in _MOVES:
+        raise ValueError(f"unknown move {kind!r}")
+    return _MOVES[kind](fields)
+
+
+_MOVES: dict[str, Callable[[Fields], Move]] = {
+    "ask": lambda fields: Ask(fields.integer("question")),
+    "continue": lambda _: Continue(),
+    "stop": lambda _: Stop(),
+}
+
+
+def _topic_fields(topic: Topic) -> dict[str, Json]:
+    return {
+        "scenario": topic.scenario.value,
+        "robot": topic.robot,
+        "room": topic.room.people,
+        "cost": topic.cost,
+        "energy": topic.energy,
+        "colour": topic.colour,
+        "footprint": topic.footprint,
+    }
+
+
+def _dialogue(fields: Fields) -> Dialogue:
+    dialogue = Dialogue(
+        fields.integer("number"),
+        Topic(
+            Scenario(fields.text("scenario")),
+            fields.integer("robot"),
+            Room.of_people(fields.integer("room")),
+            fields.number("cost"),
+            fields.number("energy"),
+            fields.text("colour"),
+            fields.text("footprint"),
+        ),
+        tuple(_turn(turn) for turn in fields.objects("turns")),
+    )
+    fields.end()
+    return dialogue
+
+
+def _turn(fields: Fields) -> Turn:
+    turn = Turn(Speaker(fields.text("speaker")), take_move(fields))
+    fields.end()
+    return turn

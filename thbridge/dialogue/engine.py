@@ -1,0 +1,165 @@
+"""Runs dialogues, sans-IO: moves of people in; utterances and outcomes out; state as a value.
+
+The engine knows no way of talking. It asks a protocol whose turn it is and what is legal, a strategy for the robot's
+choice, and a phrasing for the words; the person gets the legal moves as sentences and can make no other.
+"""
+
+from dataclasses import dataclass, replace
+from enum import StrEnum
+from typing import Protocol
+
+from thbridge.dialogue.moves import Dialogue, Move, Outcome, Speaker, Topic, Turn, Utterance
+from thbridge.dialogue.protocols import DialogueProtocol
+from thbridge.dialogue.strategies import Strategy, View
+from thbridge.hunt.outcomes import Refused
+from thbridge.hunt.rules import robot_name
+
+
+class Reason(StrEnum):
+    """Why the engine refuses."""
+
+    ALREADY_TALKING = "already-talking"
+    NO_SUCH_DIALOGUE = "no-such-dialogue"
+    NOT_LEGAL = "not-legal"
+
+
+class Phrasing(Protocol):
+    """Turns moves into sentences."""
+
+    def say(self, dialogue: Dialogue, move: Move) -> str:
+        """The sentence for a move that is, or may be, the next in this dialogue."""
+        ...
+
+
+@dataclass(frozen=True, slots=True)
+class Dialogues:
+    """All open dialogues, at most one per robot.
+
+    Attributes:
+        opened: how many were ever opened; the next one gets the number after it.
+        open: those that wait for the person, in order of opening.
+    """
+
+    opened: int = 0
+    open: tuple[Dialogue, ...] = ()
+
+    def numbered(self, number: int) -> Dialogue | None:
+        """The open dialogue of this number, or None."""
+        return next((dialogue for dialogue in self.open if dialogue.number == number), None)
+
+    def of_robot(self, robot: int) -> Dialogue | None:
+        """The open dialogue of this robot, or None."""
+        return next((dialogue for dialogue in self.open if dialogue.topic.robot == robot), None)
+
+
+@dataclass(frozen=True, slots=True)
+class Choice:
+    """A move that the person may make now, and how to offer it."""
+
+    move: Move
+    text: str
+
+
+@dataclass(frozen=True, slots=True)
+class Step:
+    """What an opening or a move brought about.
+
+    Attributes:
+        dialogues: the state afterwards.
+        dialogue: the dialogue moved in, as it now is; no longer among the open ones if it has ended.
+        utterances: what was said, in order.
+        outcome: how the dialogue ended, or None if it waits for the person.
+    """
+
+    dialogues: Dialogues
+    dialogue: Dialogue
+    utterances: tuple[Utterance, ...]
+    outcome: Outcome | None
+
+
+@dataclass(frozen=True, slots=True)
+class Engine:
+    """A way of talking, ready to run. Holds no state: every method takes the dialogues and gives the new ones.
+
+    Attributes:
+        protocol: what is legal.
+        strategy: chooses the robot's moves.
+        phrasing: words for moves.
+    """
+
+    protocol: DialogueProtocol
+    strategy: Strategy
+    phrasing: Phrasing
+
+    def open(self, dialogues: Dialogues, topic: Topic) -> Step | Refused:
+        """Open a dialogue and let the robot speak until it is the person's turn, or all is decided."""
+        if dialogues.of_robot(topic.robot) is not None:
+            return Refused(Reason.ALREADY_TALKING, f"{_name(topic)} is already talking with you.")
+        number = dialogues.opened + 1
+        opened = replace(dialogues, opened=number)
+        return self._run(opened, Dialogue(number, topic), ())
+
+    def move(self, dialogues: Dialogues, number: int, move: Move) -> Step | Refused:
+        """Make the person's move, and let the robot answer."""
+        dialogue = dialogues.numbered(number)
+        if dialogue is None:
+            return _no_such(number)
+        if move not in self.protocol.legal(dialogue):
+            return Refused(Reason.NOT_LEGAL, "That cannot be said at this point of the dialogue.")
+        dialogue, utterance = self._said(dialogue, Speaker.PERSON, move)
+        return self._run(dialogues, dialogue, (utterance,))
+
+    def withdraw(self, dialogues: Dialogues, number: int) -> Step | Refused:
+        """Close a dialogue whose topic is no longer to be decided, e.g. because the game has ended."""
+        dialogue = dialogues.numbered(number)
+        if dialogue is None:
+            return _no_such(number)
+        return Step(_without(dialogues, dialogue), dialogue, (), Outcome.WITHDRAWN)
+
+    def choices(self, dialogue: Dialogue) -> tuple[Choice, ...]:
+        """What the person may say now in an open dialogue, most agreeable first."""
+        return tuple(Choice(move, self.phrasing.say(dialogue, move)) for move in self.protocol.legal(dialogue))
+
+    def utterances(self, dialogue: Dialogue) -> tuple[Utterance, ...]:
+        """Everything said in a dialogue so far, e.g. to show a restored one again."""
+        said = Dialogue(dialogue.number, dialogue.topic)
+        spoken: list[Utterance] = []
+        for turn in dialogue.turns:
+            said, utterance = self._said(said, turn.speaker, turn.move)
+            spoken.append(utterance)
+        return tuple(spoken)
+
+    def _run(self, dialogues: Dialogues, dialogue: Dialogue, utterances: tuple[Utterance, ...]) -> Step:
+        while (outcome := self.protocol.outcome(dialogue)) is None:
+            if self.protocol.speaker(dialogue) is Speaker.PERSON:
+                return Step(_with(dialogues, dialogue), dialogue, utterances, None)
+            choice = self.strategy.choose(View(Speaker.ROBOT, dialogue), self.protocol.legal(dialogue))
+            dialogue, utterance = self._said(dialogue, Speaker.ROBOT, choice)
+            utterances = (*utterances, utterance)
+        return Step(_without(dialogues, dialogue), dialogue, utterances, outcome)
+
+    def _said(self, dialogue: Dialogue, speaker: Speaker, move: Move) -> tuple[Dialogue, Utterance]:
+        text = self.phrasing.say(dialogue, move)
+        utterance = Utterance(dialogue.number, len(dialogue.turns), speaker, move, text, dialogue.topic)
+        return replace(dialogue, turns=(*dialogue.turns, Turn(speaker, move))), utterance
+
+
+def _with(dialogues: Dialogues, changed: Dialogue) -> Dialogues:
+    if dialogues.numbered(changed.number) is None:
+        return replace(dialogues, open=(*dialogues.open, changed))
+    return replace(
+        dialogues,
+        open=tuple(changed if dialogue.number == changed.number else dialogue for dialogue in dialogues.open),
+    )
+
+
+def _without(dialogues: Dialogues, ended: Dialogue) -> Dialogues:
+    return replace(dialogues, open=tuple(dialogue for dialogue in dialogues.open if dialogue.number != ended.number))
+
+
+def _no_such(number: int) -> Refused:
+    return Refused(Reason.NO_SUCH_DIALOGUE, f"Dialogue {number} is not open.")
+
+
+def _name(topic: Topic) -> str:
+    return robot_name(topic.robot).capitalize()

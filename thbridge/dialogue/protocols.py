@@ -1,0 +1,50 @@
+"""Whose turn it is and what is legal: the rules of a dialogue, worked out from its record alone."""
+
+from dataclasses import dataclass
+from typing import Protocol
+
+from thbridge.dialogue.moves import Ask, Continue, Dialogue, Move, Outcome, Speaker, Stop
+from thbridge.dialogue.templates import Template
+
+
+class DialogueProtocol(Protocol):
+    """The rules of a way of talking. All methods are functions of the record; both sides may know them."""
+
+    def outcome(self, dialogue: Dialogue) -> Outcome | None:
+        """How the dialogue has ended, or None while it goes on."""
+        ...
+
+    def speaker(self, dialogue: Dialogue) -> Speaker:
+        """Whose turn it is, while the dialogue goes on."""
+        ...
+
+    def legal(self, dialogue: Dialogue) -> tuple[Move, ...]:
+        """The moves of that speaker, at least one, most agreeable first, while the dialogue goes on."""
+        ...
+
+
+@dataclass(frozen=True, slots=True)
+class TemplateProtocol:
+    """The 2016 dialogue: the robot asks the scripted questions in order, the person continues or stops.
+
+    Consensus is reached only when every question got its Continue; at once when there are none.
+    """
+
+    template: Template
+
+    def outcome(self, dialogue: Dialogue) -> Outcome | None:
+        """Stop ends without consensus, the last Continue with it."""
+        if dialogue.turns and dialogue.turns[-1].move == Stop():
+            return Outcome.NO_CONSENSUS
+        agreed = sum(turn.move == Continue() for turn in dialogue.turns)
+        return Outcome.CONSENSUS if agreed == len(self.template.of(dialogue.topic.scenario)) else None
+
+    def speaker(self, dialogue: Dialogue) -> Speaker:
+        """The robot begins, then turns alternate."""
+        return Speaker.ROBOT if len(dialogue.turns) % 2 == 0 else Speaker.PERSON
+
+    def legal(self, dialogue: Dialogue) -> tuple[Move, ...]:
+        """The next question for the robot; Continue and Stop for the person."""
+        if self.speaker(dialogue) is Speaker.ROBOT:
+            return (Ask(len(dialogue.turns) // 2),)
+        return (Continue(), Stop())

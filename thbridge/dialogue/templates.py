@@ -1,0 +1,127 @@
+"""Scripted questions: what a DialogueText file says, and how it becomes sentences."""
+
+import difflib
+import hashlib
+import re
+from collections.abc import Mapping
+from dataclasses import dataclass
+
+from thbridge.dialogue.moves import Ask, Continue, Dialogue, Move, Scenario, Stop, Topic
+from thbridge.hunt.costs import spoken_energy
+
+EVERYWHERE = ("room", "cost", "energy", "robot")
+"""Reserved words that any question may use."""
+BY_A_TREASURE = ("colour", "footprint")
+"""Reserved words for questions asked where a robot stands by a treasure."""
+
+_RESERVED = re.compile(r"£(\w+)£")
+_STRAY = re.compile(r"£[^\W\d]|[^\W\d]£")
+
+
+@dataclass(frozen=True, slots=True)
+class Question:
+    """One scripted question in one or more wordings, with reserved words such as `£room£` still in place."""
+
+    wordings: tuple[str, ...]
+
+
+@dataclass(frozen=True, slots=True)
+class Template:
+    """All scripted questions of a study.
+
+    Attributes:
+        name: the first line of the file, which only describes it.
+        questions: those of each scenario, in order; a scenario without questions is agreed at once.
+    """
+
+    name: str
+    questions: Mapping[Scenario, tuple[Question, ...]]
+
+    def of(self, scenario: Scenario) -> tuple[Question, ...]:
+        """The questions of a scenario, possibly none."""
+        return self.questions.get(scenario, ())
+
+
+@dataclass(frozen=True, slots=True)
+class WordFault:
+    """What is wrong with a reserved word in a wording, and what to write instead."""
+
+    problem: str
+    remedy: str
+
+
+def reserved_words(scenario: Scenario) -> tuple[str, ...]:
+    """The words that questions of this scenario may have between pound signs."""
+    by_a_treasure = scenario in (Scenario.TAKE_PICTURE, Scenario.TAKE_TREASURE)
+    return EVERYWHERE + BY_A_TREASURE if by_a_treasure else EVERYWHERE
+
+
+def word_fault(wording: str, scenario: Scenario) -> WordFault | None:
+    """The first fault in the reserved words of a wording, or None. A pound sign beside a number is only text."""
+    allowed = reserved_words(scenario)
+    for found in _RESERVED.finditer(wording):
+        word = found.group(1)
+        if word in allowed:
+            continue
+        if word in BY_A_TREASURE:
+            return WordFault(
+                f"£{word}£ is known only beside a treasure",
+                "use it in the sections TakePicture: and TakeTreasure: only",
+            )
+        near = difflib.get_close_matches(word.casefold(), allowed, n=1)
+        choice = f"write £{near[0]}£" if near else "use one of " + ", ".join(f"£{name}£" for name in allowed)
+        return WordFault(f"unknown reserved word £{word}£", choice)
+    stray = _STRAY.search(_RESERVED.sub("", wording))
+    if stray:
+        return WordFault(
+            "a pound sign without its partner", "write reserved words between two pound signs, as in £room£"
+        )
+    return None
+
+
+def fill(wording: str, words: Mapping[str, str]) -> str:
+    """The wording with its reserved words replaced. Raises KeyError for a word that is not given."""
+    return _RESERVED.sub(lambda found: words[found.group(1)], wording)
+
+
+def words_of(topic: Topic) -> dict[str, str]:
+    """What the reserved words stand for; room and robot are the numbers people use."""
+    return {
+        "room": str(topic.room.people),
+        "cost": spoken_energy(topic.cost),
+        "energy": spoken_energy(topic.energy),
+        "robot": str(topic.robot + 1),
+        "colour": topic.colour,
+        "footprint": topic.footprint,
+    }
+
+
+@dataclass(frozen=True, slots=True)
+class TemplatePhrasing:
+    """Sentences for moves, out of a template.
+
+    Which wording of a question is used depends on the seed, the dialogue's number and the question, and on nothing
+    else: other dialogues do not change it, and a restored dialogue says the same again.
+
+    Attributes:
+        template: the questions.
+        seed: of the game.
+    """
+
+    template: Template
+    seed: int
+
+    def say(self, dialogue: Dialogue, move: Move) -> str:
+        """The sentence for a move in this dialogue; for the person's moves, what the button says."""
+        match move:
+            case Ask(question):
+                wordings = self.template.of(dialogue.topic.scenario)[question].wordings
+                return fill(wordings[self._chance(dialogue.number, question) % len(wordings)], words_of(dialogue.topic))
+            case Continue():
+                return "Continue"
+            case Stop():
+                return "Stop"
+
+    def _chance(self, dialogue: int, question: int) -> int:
+        key = f"wording/{self.seed}/{dialogue}/{question}".encode()
+        return int.from_bytes(hashlib.blake2b(key, digest_size=8).digest(), "little")
