@@ -52,5 +52,12 @@ class Robot:
         navigation = self.navigator.step(
             observations.tick, estimate.base_in_map, odometry.twist, observations.scan, neighbours
         )
-        neighbour = Neighbour(self.number, estimate.base_in_map, odometry.twist, self._footprint, navigation.plan[:, :2])
+        neighbour = Neighbour(
+            self.number,
+            estimate.base_in_map,
+            odometry.twist,
+            self._footprint,
+            navigation.plan[:, :2],
+            navigation.times,
+        )
         return RobotOutput(observations, estimate, navigation, neighbour)
