@@ -212,6 +212,12 @@ def load_text(path: Path, text: str, into: type[T]) -> Loaded[T]:
     return Loaded(path, cast(T, value), reader.lines)
 
 
+def quoted(text: str) -> str:
+    """A text in double quotes, so that it is read back as it is."""
+    escaped = text.replace("\\", "\\\\").replace('"', '\\"')
+    return '"' + "".join(sign if sign.isprintable() else f"\\U{ord(sign):08x}" for sign in escaped) + '"'
+
+
 class _Wrong:
     """Stands for a value that could not be read; the fault is in the reader's list."""
 

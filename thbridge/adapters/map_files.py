@@ -1,0 +1,502 @@
+"""Map folders: `map.yaml` and its image as map_server reads them, and `rooms.yaml` with rooms and start poses.
+
+A folder is checked as a whole: a map that loads is one on which every robot can stand at its start, drive to every
+room's goal, and turn there.
+"""
+
+import math
+from collections.abc import Callable, Iterator
+from dataclasses import dataclass, field
+from pathlib import Path
+from typing import Literal, TypeVar, cast
+
+import numpy as np
+from numpy.typing import NDArray
+from scipy.ndimage import distance_transform_edt, label
+
+from sim.geometry import Pose2, wrap_angle
+from sim.grid import FREE, OCCUPIED, UNKNOWN, MapMode, OccupancyGrid, interpret_image
+from sim.parameters import WorldParameters
+from thbridge.adapters.errors import BadFile, BadFiles
+from thbridge.adapters.image_files import read_image
+from thbridge.adapters.yaml_files import Loaded, load, quoted
+from thbridge.hunt.rooms import Room
+
+T = TypeVar("T")
+
+Point = tuple[float, float]
+Polygon = tuple[Point, ...]
+Mask = NDArray[np.bool_]
+
+FOOTPRINT: Polygon = WorldParameters().footprint
+"""Corners of the robot of the 2016 study, metres."""
+
+GREY_OF_CELL = {FREE: 254, OCCUPIED: 0, UNKNOWN: 205}
+"""The shades that map_saver writes."""
+OCCUPIED_THRESH = 0.65
+FREE_THRESH = 0.196
+
+
+@dataclass(frozen=True, slots=True)
+class MapRoom:
+    """A room of a map.
+
+    Attributes:
+        room: its number.
+        name: what people call it.
+        region: corners of its floor in the map frame, metres; never itself crossing, inside the map.
+        goal: where a robot goes that is sent there, map frame.
+    """
+
+    room: Room
+    name: str
+    region: Polygon
+    goal: Pose2
+
+    def holds(self, x: float, y: float) -> bool:
+        """Whether a point of the map frame lies in the room."""
+        return bool(_inside(self.region, np.array([x]), np.array([y]))[0])
+
+
+@dataclass(frozen=True, slots=True)
+class Map:
+    """A map that was checked.
+
+    Attributes:
+        name: the folder's.
+        grid: the cells.
+        rooms: in the order of their numbers, 1, 2, ...; at least one.
+        starts: where robot 1, 2, ... starts, map frame; as many as there is room for, at least one.
+        costs: the map's own cost file `mapTimes`, which wins over that of a set of templates; None when it has none.
+    """
+
+    name: str
+    grid: OccupancyGrid
+    rooms: tuple[MapRoom, ...]
+    starts: tuple[Pose2, ...]
+    costs: Path | None
+
+    def room_at(self, x: float, y: float) -> Room | None:
+        """The room that holds a point of the map frame; None in a corridor."""
+        return next((entry.room for entry in self.rooms if entry.holds(x, y)), None)
+
+
+@dataclass(frozen=True, slots=True)
+class Finding:
+    """What a check of a map found: an error keeps the map from loading, a warning does not."""
+
+    severity: Literal["error", "warning"]
+    fault: BadFile
+
+
+def read_map(folder: Path, footprint: Polygon = FOOTPRINT) -> Map:
+    """Read a map folder and make sure that a team can play on it.
+
+    Args:
+        folder: holds `map.yaml`, its image, `rooms.yaml` and perhaps `mapTimes`.
+        footprint: corners of a robot in its own frame, metres.
+
+    Raises:
+        BadFile: what is wrong, every fault at once (as BadFiles) where the faults do not hide each other.
+    """
+    drawn, findings = _examine(folder, footprint)
+    faults = tuple(finding.fault for finding in findings if finding.severity == "error")
+    if drawn is None or faults:
+        raise BadFiles(faults)
+    return drawn
+
+
+def check_map(folder: Path, footprint: Polygon = FOOTPRINT) -> list[Finding]:
+    """Everything that is wrong or odd about a map folder; empty when all is well. Arguments as `read_map`."""
+    return _examine(folder, footprint)[1]
+
+
+# The files ------------------------------------------------------------------------------------------------------------
+
+
+@dataclass(frozen=True, slots=True)
+class _MapYaml:
+    image: str
+    resolution: float = field(metadata={"unit": "m", "minimum": 0.001, "maximum": 10})
+    origin: tuple[float, float, float]
+    negate: int = field(metadata={"minimum": 0, "maximum": 1})
+    occupied_thresh: float = field(metadata={"minimum": 0, "maximum": 1})
+    free_thresh: float = field(metadata={"minimum": 0, "maximum": 1})
+    mode: str = field(default="trinary", metadata={"choices": ("trinary", "scale", "raw")})
+
+
+@dataclass(frozen=True, slots=True)
+class _RoomEntry:
+    number: int = field(metadata={"minimum": 1, "maximum": 999})
+    name: str
+    region: tuple[tuple[float, float], ...]
+    goal: tuple[float, float, float]
+
+
+@dataclass(frozen=True, slots=True)
+class _StartsEntry:
+    poses: tuple[tuple[float, float, float], ...]
+    rows: tuple[tuple[tuple[float, float], tuple[float, float]], ...] = ()
+    spacing: float = field(default=1.0, metadata={"unit": "m", "minimum": 0.1, "maximum": 100})
+    yaw: float = 0.0
+
+
+@dataclass(frozen=True, slots=True)
+class _RoomsYaml:
+    rooms: tuple[_RoomEntry, ...]
+    starts: _StartsEntry
+
+
+def read_grid(map_yaml: Path) -> OccupancyGrid:
+    """The grid that map_server would serve for this `map.yaml`.
+
+    Raises:
+        BadFile: the file or its image is missing or says what it must not.
+    """
+    loaded = load(map_yaml, _MapYaml)
+    entry = loaded.value
+    if entry.free_thresh >= entry.occupied_thresh:
+        problem = f"{entry.free_thresh} is not below occupied_thresh {entry.occupied_thresh}"
+        raise loaded.fault("free_thresh", problem, "Lower it; map_saver writes 0.196 and 0.65")
+    image = map_yaml.parent / entry.image
+    if not image.is_file():
+        raise loaded.fault(
+            "image", f"there is no file {image}", "Name the image, beside map.yaml or with its full path"
+        )
+    pixels = read_image(image)
+    cells = interpret_image(
+        pixels, entry.negate == 1, entry.occupied_thresh, entry.free_thresh, cast(MapMode, entry.mode)
+    )
+    x, y, yaw = entry.origin
+    return OccupancyGrid(cells, entry.resolution, Pose2(x, y, wrap_angle(yaw)))
+
+
+def write_grid(folder: Path, grid: OccupancyGrid) -> None:
+    """Write `map.yaml` and `map.pgm` as map_saver does; the folder is made when it is missing.
+
+    Raises:
+        ValueError: cells other than free, occupied and unknown, which these files cannot say.
+    """
+    shades = np.full(256, 1, dtype=np.uint8)
+    for cell, grey in GREY_OF_CELL.items():
+        shades[cell % 256] = grey
+    pixels = shades[grid.cells.view(np.uint8)][::-1]
+    if (pixels == 1).any():
+        raise ValueError("only cells 0, 100 and -1 can be written")
+    folder.mkdir(parents=True, exist_ok=True)
+    header = f"P5\n{grid.cols} {grid.rows}\n255\n".encode("ascii")
+    (folder / "map.pgm").write_bytes(header + pixels.tobytes())
+    (folder / "map.yaml").write_text(
+        "image: map.pgm\n"
+        f"resolution: {grid.resolution!r}\n"
+        f"origin: [{grid.origin.x!r}, {grid.origin.y!r}, {grid.origin.theta!r}]\n"
+        "negate: 0\n"
+        f"occupied_thresh: {OCCUPIED_THRESH}\n"
+        f"free_thresh: {FREE_THRESH}\n",
+        encoding="utf-8",
+    )
+
+
+def write_map(folder: Path, drawn: Map) -> None:
+    """Write `map.yaml`, `map.pgm` and `rooms.yaml`, from which `read_map` makes an equal map (under the folder's name).
+
+    Raises:
+        ValueError: as `write_grid`.
+    """
+    write_grid(folder, drawn.grid)
+    lines = ["rooms:"]
+    for entry in drawn.rooms:
+        corners = ", ".join(f"[{x!r}, {y!r}]" for x, y in entry.region)
+        lines += [
+            f"  - number: {entry.room.people}",
+            f"    name: {quoted(entry.name)}",
+            f"    region: [{corners}]",
+            f"    goal: [{entry.goal.x!r}, {entry.goal.y!r}, {entry.goal.theta!r}]",
+        ]
+    lines += ["starts:", "  poses:"]
+    lines += [f"    - [{start.x!r}, {start.y!r}, {start.theta!r}]" for start in drawn.starts]
+    (folder / "rooms.yaml").write_text("\n".join(lines) + "\n", encoding="utf-8")
+
+
+# The checks -----------------------------------------------------------------------------------------------------------
+
+
+def _examine(folder: Path, footprint: Polygon) -> tuple[Map | None, list[Finding]]:
+    if not folder.is_dir():
+        fault = BadFile(
+            folder, None, None, "there is no such folder", "Name a folder that holds map.yaml and rooms.yaml"
+        )
+        return None, [Finding("error", fault)]
+    findings: list[Finding] = []
+    grid = _attempt(lambda: read_grid(folder / "map.yaml"), findings)
+    loaded = _attempt(lambda: load(folder / "rooms.yaml", _RoomsYaml), findings)
+    if loaded is None:
+        return None, findings
+    findings.extend(Finding("error", fault) for fault in _faults_of_rooms(loaded))
+    if grid is None or findings:
+        return None, findings
+    costs = folder / "mapTimes"
+    drawn = Map(
+        name=folder.resolve().name,
+        grid=grid,
+        rooms=tuple(sorted((_room(entry) for entry in loaded.value.rooms), key=lambda entry: entry.room)),
+        starts=tuple(start for _, start in _starts(loaded.value.starts)),
+        costs=costs if costs.is_file() else None,
+    )
+    findings.extend(_findings_on_floor(loaded, drawn, footprint))
+    return drawn, findings
+
+
+def _attempt(read: Callable[[], T], findings: list[Finding]) -> T | None:
+    try:
+        return read()
+    except BadFiles as error:
+        findings.extend(Finding("error", fault) for fault in error.faults)
+    except BadFile as error:
+        findings.append(Finding("error", error))
+    return None
+
+
+def _room(entry: _RoomEntry) -> MapRoom:
+    x, y, yaw = entry.goal
+    region: Polygon = entry.region
+    if len(region) == 2:
+        (x0, y0), (x1, y1) = region
+        region = ((x0, y0), (x1, y0), (x1, y1), (x0, y1))
+    return MapRoom(Room.of_people(entry.number), entry.name, region, Pose2(x, y, wrap_angle(yaw)))
+
+
+def _starts(entry: _StartsEntry) -> Iterator[tuple[str, Pose2]]:
+    """Key path and pose of every start: the poses first, then row by row from its first end."""
+    for index, (x, y, yaw) in enumerate(entry.poses):
+        yield f"starts.poses[{index}]", Pose2(x, y, wrap_angle(yaw))
+    for index, ((x0, y0), (x1, y1)) in enumerate(entry.rows):
+        length = math.hypot(x1 - x0, y1 - y0)
+        for step in range(math.floor(length / entry.spacing + 1e-9) + 1):
+            share = step * entry.spacing / length if length else 0.0
+            yield f"starts.rows[{index}]", Pose2(x0 + share * (x1 - x0), y0 + share * (y1 - y0), wrap_angle(entry.yaw))
+
+
+def _faults_of_rooms(loaded: Loaded[_RoomsYaml]) -> Iterator[BadFile]:
+    """What can be seen without the grid: numbers, names, shapes."""
+    rooms = loaded.value.rooms
+    if not rooms:
+        yield loaded.fault("rooms", "there is no room", "Add at least one")
+    by_number: dict[int, int] = {}
+    by_name: dict[str, int] = {}
+    for index, entry in enumerate(rooms):
+        key = f"rooms[{index}]"
+        if entry.number in by_number:
+            problem = (
+                f"room {entry.number} stands twice, first in line {loaded.lines[f'rooms[{by_number[entry.number]}]']}"
+            )
+            yield loaded.fault(f"{key}.number", problem, "Give every room its own number")
+        if entry.name in by_name:
+            problem = (
+                f"{entry.name!r} is also the name of the room in line {loaded.lines[f'rooms[{by_name[entry.name]}]']}"
+            )
+            yield loaded.fault(f"{key}.name", problem, "Give every room its own name")
+        by_number.setdefault(entry.number, index)
+        by_name.setdefault(entry.name, index)
+        room = _room(entry)
+        if len(entry.region) < 2 or _area(room.region) < 0.01:
+            problem = "these corners enclose no floor"
+            yield loaded.fault(
+                f"{key}.region", problem, "Write two opposite corners of a box, or three or more in turn"
+            )
+        elif _crosses_itself(room.region):
+            yield loaded.fault(
+                f"{key}.region", "its sides cross each other", "Write the corners in turn around the room"
+            )
+        elif not room.holds(room.goal.x, room.goal.y):
+            problem = f"({room.goal.x:g}, {room.goal.y:g}) is not in the room's region"
+            yield loaded.fault(f"{key}.goal", problem, "Move the goal into the region, or mend the region")
+    gaps = sorted(set(range(1, len(by_number) + 1)) - set(by_number))
+    if gaps:
+        problem = f"no room has the number {gaps[0]}, but there is a room {max(by_number)}"
+        yield loaded.fault("rooms", problem, f"Number the {len(by_number)} rooms 1 to {len(by_number)}")
+    if not loaded.value.starts.poses and not loaded.value.starts.rows:
+        yield loaded.fault("starts", "there is no start pose", "Add at least one to starts.poses")
+
+
+@dataclass(frozen=True, slots=True)
+class _Floor:
+    """Where the centre of a robot may be.
+
+    Attributes:
+        grid: the map.
+        clearance: (rows, cols) metres from each cell's centre to the nearest one that is not free, 0 there.
+        inscribed: radius of the largest circle within the footprint about the robot's centre, metres.
+        circumscribed: radius of the smallest circle around it.
+    """
+
+    grid: OccupancyGrid
+    clearance: NDArray[np.float64]
+    inscribed: float
+    circumscribed: float
+
+    @classmethod
+    def of(cls, grid: OccupancyGrid, footprint: Polygon) -> "_Floor":
+        # The border counts as a wall: what lies beyond is not known.
+        free = np.pad(grid.cells == FREE, 1, constant_values=False)
+        clearance = np.asarray(distance_transform_edt(free), dtype=np.float64)[1:-1, 1:-1] * grid.resolution
+        sides = zip(footprint, footprint[1:] + footprint[:1], strict=True)
+        inscribed = min(_distance_to_side((0.0, 0.0), side) for side in sides)
+        return cls(grid, clearance, inscribed, max(math.hypot(x, y) for x, y in footprint))
+
+    def clearance_at(self, pose: Pose2) -> float:
+        row, col = self.grid.cell_of(pose.x, pose.y)
+        return float(self.clearance[row, col]) if self.grid.contains(row, col) else 0.0
+
+    def reachable(self, start: Pose2, standing: tuple[Pose2, ...] = ()) -> Mask:
+        """Cells to which a robot's centre gets from its start, past others that stand still."""
+        passable = self.clearance > self.inscribed
+        centres = _centres(self.grid)
+        for other in standing:
+            passable &= np.hypot(centres[0] - other.x, centres[1] - other.y) > self.inscribed + self.circumscribed
+        # In one step a robot gets from a cell to those beside it, not to those at its corners.
+        areas, _ = cast(tuple[NDArray[np.int32], int], label(passable))
+        row, col = self.grid.cell_of(start.x, start.y)
+        area = areas[row, col] if self.grid.contains(row, col) else 0
+        reached: Mask = (areas == area) & passable
+        return reached
+
+
+@dataclass(frozen=True, slots=True)
+class _Place:
+    """Where a robot must be able to stand: a goal or a start, and the key it is written under."""
+
+    key: str
+    pose: Pose2
+    what: str
+
+
+def _findings_on_floor(loaded: Loaded[_RoomsYaml], drawn: Map, footprint: Polygon) -> Iterator[Finding]:
+    """What only the grid can tell: walls in the way, rooms that overlap, robots that block each other."""
+    keys = {entry.number: f"rooms[{index}]" for index, entry in enumerate(loaded.value.rooms)}
+    goals = [_Place(f"{keys[room.room.people]}.goal", room.goal, str(room.room)) for room in drawn.rooms]
+    starts = [
+        _Place(key, pose, f"the start of robot {number}")
+        for number, (key, pose) in enumerate(_starts(loaded.value.starts), start=1)
+    ]
+    floor = _Floor.of(drawn.grid, footprint)
+    yield from _findings_of_regions(loaded, drawn, keys)
+    narrow = [*_too_narrow(loaded, floor, goals + starts), *_too_close(loaded, floor, starts)]
+    yield from narrow
+    for start in starts:
+        room = drawn.room_at(start.pose.x, start.pose.y)
+        if room is not None:
+            fault = loaded.fault(start.key, f"{start.what} is in {room}", "Start robots in a corridor")
+            yield Finding("warning", fault)
+    if not narrow:
+        yield from _findings_of_ways(loaded, floor, goals, starts)
+
+
+def _too_narrow(loaded: Loaded[_RoomsYaml], floor: _Floor, places: list[_Place]) -> Iterator[Finding]:
+    for place in places:
+        clearance = floor.clearance_at(place.pose)
+        if clearance <= floor.circumscribed:
+            problem = (
+                f"at ({place.pose.x:g}, {place.pose.y:g}) the nearest cell that is not free is {clearance:.2f} m away; "
+                f"a robot needs more than {floor.circumscribed:.2f} m to turn"
+            )
+            yield Finding("error", loaded.fault(place.key, problem, "Move it away from the wall"))
+
+
+def _too_close(loaded: Loaded[_RoomsYaml], floor: _Floor, starts: list[_Place]) -> Iterator[Finding]:
+    for second, start in enumerate(starts):
+        for other in starts[:second]:
+            distance = start.pose.distance(other.pose)
+            if distance <= 2 * floor.circumscribed:
+                problem = (
+                    f"{start.what} is {distance:.2f} m from {other.what}; "
+                    f"they need more than {2 * floor.circumscribed:.2f} m"
+                )
+                yield Finding("error", loaded.fault(start.key, problem, "Move one of the two, or widen starts.spacing"))
+
+
+def _findings_of_regions(loaded: Loaded[_RoomsYaml], drawn: Map, keys: dict[int, str]) -> Iterator[Finding]:
+    grid = drawn.grid
+    slack = grid.resolution / 2
+    width, height = grid.cols * grid.resolution, grid.rows * grid.resolution
+    owner = np.zeros(grid.cells.shape, dtype=np.int64)
+    for entry in drawn.rooms:
+        key = f"{keys[entry.room.people]}.region"
+        corners = grid.origin.inverse().transform(np.array(entry.region))
+        outside = (corners < -slack).any(axis=1) | (corners > np.array([width, height]) + slack).any(axis=1)
+        if outside.any():
+            x, y = entry.region[int(outside.argmax())]
+            problem = f"its corner ({x:g}, {y:g}) is outside the map, which is {width:g} m x {height:g} m"
+            yield Finding("error", loaded.fault(key, problem, "Mend the region, or the map's origin or resolution"))
+        floor = _inside(entry.region, *_centres(grid))
+        shared = owner[floor & (owner > 0)]
+        if shared.size:
+            problem = f"it overlaps the region of room {shared[0]} by {shared.size * grid.resolution**2:.2f} m^2"
+            yield Finding("error", loaded.fault(key, problem, "Draw the regions apart"))
+        owner[floor] = entry.room.people
+
+
+def _findings_of_ways(
+    loaded: Loaded[_RoomsYaml], floor: _Floor, goals: list[_Place], starts: list[_Place]
+) -> Iterator[Finding]:
+    reach = floor.reachable(starts[0].pose)
+    cut_off = [place for place in goals + starts if not reach[floor.grid.cell_of(place.pose.x, place.pose.y)]]
+    for place in cut_off:
+        problem = f"no way {2 * floor.inscribed:g} m wide leads from {starts[0].what} to {place.what}"
+        yield Finding("error", loaded.fault(place.key, problem, "Widen a door, or move it"))
+    if cut_off:
+        return
+    for start in starts:
+        others = tuple(other.pose for other in starts if other is not start)
+        reach = floor.reachable(start.pose, others)
+        blocked = [goal.what for goal in goals if not reach[floor.grid.cell_of(goal.pose.x, goal.pose.y)]]
+        if blocked:
+            problem = (
+                f"while all {len(starts)} robots stand at their starts, no way leads from {start.what} to {blocked[0]}"
+            )
+            yield Finding("warning", loaded.fault(start.key, problem, "Leave a lane free between the starts"))
+
+
+# Shapes ---------------------------------------------------------------------------------------------------------------
+
+
+def _centres(grid: OccupancyGrid) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
+    """World x and y of every cell's centre, each (rows, cols)."""
+    cells = np.indices(grid.cells.shape).reshape(2, -1).T
+    points = grid.centres_of(cells).reshape(grid.rows, grid.cols, 2)
+    return points[:, :, 0], points[:, :, 1]
+
+
+def _inside(polygon: Polygon, x: NDArray[np.float64], y: NDArray[np.float64]) -> Mask:
+    """Which points lie in a polygon: an odd number of its sides is to their right."""
+    odd = np.zeros(x.shape, dtype=np.bool_)
+    for (x0, y0), (x1, y1) in zip(polygon, polygon[1:] + polygon[:1], strict=True):
+        if y0 != y1:
+            odd ^= ((y0 > y) != (y1 > y)) & (x < x0 + (y - y0) * (x1 - x0) / (y1 - y0))
+    return odd
+
+
+def _area(polygon: Polygon) -> float:
+    sides = zip(polygon, polygon[1:] + polygon[:1], strict=True)
+    return abs(sum(x0 * y1 - x1 * y0 for (x0, y0), (x1, y1) in sides)) / 2
+
+
+def _distance_to_side(point: Point, side: tuple[Point, Point]) -> float:
+    (x, y), ((x0, y0), (x1, y1)) = point, side
+    dx, dy = x1 - x0, y1 - y0
+    length = dx * dx + dy * dy
+    share = 0.0 if length == 0 else min(max(((x - x0) * dx + (y - y0) * dy) / length, 0.0), 1.0)
+    return math.hypot(x - x0 - share * dx, y - y0 - share * dy)
+
+
+def _crosses_itself(polygon: Polygon) -> bool:
+    def turn(a: Point, b: Point, c: Point) -> float:
+        return (b[0] - a[0]) * (c[1] - a[1]) - (b[1] - a[1]) * (c[0] - a[0])
+
+    sides = list(zip(polygon, polygon[1:] + polygon[:1], strict=True))
+    for second in range(len(sides)):
+        for first in range(second):
+            (a, b), (c, d) = sides[first], sides[second]
+            if turn(a, b, c) * turn(a, b, d) < 0 and turn(c, d, a) * turn(c, d, b) < 0:
+                return True
+    return False
