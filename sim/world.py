@@ -1,11 +1,30 @@
-"""The physics: differential-drive robots that move, touch walls and one another, and count their wheels' turns."""
+"""The physics: differential-drive robots that move, touch walls and one another, and count their wheels' turns.
 
-from dataclasses import dataclass
+A tick is one call of one compiled kernel for all robots. Robots move one after the other in the team's order, each
+against the bodies of the others as they then stand, so that no two ever overlap and none waits for another.
+"""
+
+import math
+from collections.abc import Sequence
+from dataclasses import dataclass, replace
+from functools import lru_cache
+from typing import Literal, NamedTuple
 
 import numpy as np
+from numba import njit
 from numpy.typing import NDArray
 
-from sim.geometry import FloatArray
+from sim.geometry import FloatArray, Pose2, wrap_angle
+from sim.grid import GridFrame, OccupancyGrid
+from sim.noise import key, normals
+from sim.observations import TICK
+from sim.parameters import WorldParameters
+from sim.raycast import Clearance, clearance_at, clearance_of
+
+BoolArray = NDArray[np.bool_]
+IntArray = NDArray[np.int64]
+
+_HALF_DIAGONAL = math.sqrt(0.5)
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -29,5 +48,435 @@ class WorldState:
     odom_poses: FloatArray
     odom_twists: FloatArray
     charge: FloatArray
-    contact: NDArray[np.bool_]
-    collisions: NDArray[np.int64]
+    contact: BoolArray
+    collisions: IntArray
+
+    def __post_init__(self) -> None:
+        """Seal the arrays: a recorded tick stays what it was."""
+        self.poses.flags.writeable = False
+        self.twists.flags.writeable = False
+        self.odom_poses.flags.writeable = False
+        self.odom_twists.flags.writeable = False
+        self.charge.flags.writeable = False
+        self.contact.flags.writeable = False
+        self.collisions.flags.writeable = False
+
+
+@dataclass(frozen=True, slots=True)
+class Misplaced:
+    """Why a robot cannot be put where it was wanted.
+
+    Attributes:
+        robot: its index in the team.
+        reason: "wall", "robot" (its body would overlap one), or "outside" (of the map).
+        sentence: the same for people, with robots and coordinates named.
+    """
+
+    robot: int
+    reason: Literal["wall", "robot", "outside"]
+    sentence: str
+
+
+class _Body(NamedTuple):
+    """What the kernel knows of a robot besides its corners.
+
+    Attributes:
+        radius: of the circle around the base that holds all corners, metres.
+        reach: the farthest any corner gets in one tick, metres.
+        max_vel_x: as in WorldParameters, and so on.
+    """
+
+    radius: float
+    reach: float
+    max_vel_x: float
+    max_vel_theta: float
+    acc_lim_x: float
+    acc_lim_theta: float
+    alpha1: float
+    alpha2: float
+    alpha3: float
+    alpha4: float
+
+
+@njit(cache=True)
+def _inside(x: float, y: float, polygon: FloatArray) -> bool:
+    """Whether a point lies in a polygon (even-odd rule)."""
+    inside = False
+    last = polygon.shape[0] - 1
+    for k in range(polygon.shape[0]):
+        if (polygon[k, 1] > y) != (polygon[last, 1] > y):
+            share = (y - polygon[k, 1]) / (polygon[last, 1] - polygon[k, 1])
+            if x < polygon[k, 0] + share * (polygon[last, 0] - polygon[k, 0]):
+                inside = not inside
+        last = k
+    return inside
+
+
+@njit(cache=True)
+def _point_to_edge(x: float, y: float, ax: float, ay: float, bx: float, by: float) -> float:
+    """Squared distance from a point to the line segment a-b."""
+    ex = bx - ax
+    ey = by - ay
+    length = ex * ex + ey * ey
+    share = 0.0
+    if length > 0.0:
+        share = min(1.0, max(0.0, ((x - ax) * ex + (y - ay) * ey) / length))
+    dx = x - ax - share * ex
+    dy = y - ay - share * ey
+    return dx * dx + dy * dy
+
+
+@njit(cache=True)
+def _near_point(x: float, y: float, polygon: FloatArray, margin: float) -> bool:
+    """Whether a point lies in a polygon or within `margin` of it."""
+    last = polygon.shape[0] - 1
+    for k in range(polygon.shape[0]):
+        edge = _point_to_edge(x, y, polygon[last, 0], polygon[last, 1], polygon[k, 0], polygon[k, 1])
+        if edge <= margin * margin:
+            return True
+        last = k
+    return _inside(x, y, polygon)
+
+
+@njit(cache=True)
+def _side(ax: float, ay: float, bx: float, by: float, x: float, y: float) -> float:
+    """Positive where the point lies left of a-b."""
+    return (bx - ax) * (y - ay) - (by - ay) * (x - ax)
+
+
+@njit(cache=True)
+def _near(a: FloatArray, b: FloatArray, margin: float) -> bool:
+    """Whether two polygons, (v, 2) and (w, 2), overlap or come within `margin` of each other."""
+    limit = margin * margin
+    i = a.shape[0] - 1
+    for k in range(a.shape[0]):
+        ax, ay, bx, by = a[i, 0], a[i, 1], a[k, 0], a[k, 1]
+        j = b.shape[0] - 1
+        for m in range(b.shape[0]):
+            cx, cy, dx, dy = b[j, 0], b[j, 1], b[m, 0], b[m, 1]
+            apart_cd = (_side(ax, ay, bx, by, cx, cy) > 0.0) != (_side(ax, ay, bx, by, dx, dy) > 0.0)
+            apart_ab = (_side(cx, cy, dx, dy, ax, ay) > 0.0) != (_side(cx, cy, dx, dy, bx, by) > 0.0)
+            if apart_cd and apart_ab:
+                return True
+            # Edges that do not cross are nearest at an end of one of them; every corner ends some edge.
+            if _point_to_edge(bx, by, cx, cy, dx, dy) <= limit or _point_to_edge(dx, dy, ax, ay, bx, by) <= limit:
+                return True
+            j = m
+        i = k
+    return _inside(a[0, 0], a[0, 1], b) or _inside(b[0, 0], b[0, 1], a)
+
+
+@njit(cache=True)
+def _placed(footprint: FloatArray, x: float, y: float, theta: float) -> FloatArray:
+    """(v, 2) corners of a body at a pose, map frame."""
+    c = math.cos(theta)
+    s = math.sin(theta)
+    corners = np.empty_like(footprint)
+    for k in range(footprint.shape[0]):
+        corners[k, 0] = x + c * footprint[k, 0] - s * footprint[k, 1]
+        corners[k, 1] = y + s * footprint[k, 0] + c * footprint[k, 1]
+    return corners
+
+
+@njit(cache=True)
+def _near_wall(corners: FloatArray, clearance: Clearance, frame: GridFrame, margin: float) -> bool:
+    """Whether a body overlaps an occupied cell, edges and inside alike, or comes within `margin` metres of one."""
+    body = np.empty_like(corners)  # in cells: columns, rows
+    for k in range(corners.shape[0]):
+        dx = corners[k, 0] - frame.x
+        dy = corners[k, 1] - frame.y
+        body[k, 0] = (frame.cos * dx + frame.sin * dy) / frame.resolution
+        body[k, 1] = (frame.cos * dy - frame.sin * dx) / frame.resolution
+    margin /= frame.resolution
+    first_col = max(0, math.floor(body[:, 0].min() - margin))
+    last_col = min(clearance.shape[1] - 1, math.floor(body[:, 0].max() + margin))
+    first_row = max(0, math.floor(body[:, 1].min() - margin))
+    last_row = min(clearance.shape[0] - 1, math.floor(body[:, 1].max() + margin))
+    cell = np.empty((4, 2))
+    for row in range(first_row, last_row + 1):
+        for col in range(first_col, last_col + 1):
+            if clearance[row, col] > 0 or not _near_point(col + 0.5, row + 0.5, body, margin + _HALF_DIAGONAL):
+                continue
+            cell[0, 0], cell[0, 1] = col, row
+            cell[1, 0], cell[1, 1] = col + 1, row
+            cell[2, 0], cell[2, 1] = col + 1, row + 1
+            cell[3, 0], cell[3, 1] = col, row + 1
+            if _near(body, cell, margin):
+                return True
+    return False
+
+
+@njit(cache=True)
+def _is_clear_of_walls(x: float, y: float, distance: float, clearance: Clearance, frame: GridFrame) -> bool:
+    """Whether surely no occupied cell lies within `distance` of a point; cheap, and False when in doubt."""
+    dx = x - frame.x
+    dy = y - frame.y
+    col = math.floor((frame.cos * dx + frame.sin * dy) / frame.resolution)
+    row = math.floor((frame.cos * dy - frame.sin * dx) / frame.resolution)
+    return (clearance_at(clearance, row, col) - 1) * frame.resolution > distance
+
+
+@njit(cache=True)
+def _touches(
+    robot: int,
+    poses: FloatArray,
+    footprint: FloatArray,
+    radius: float,
+    clearance: Clearance,
+    frame: GridFrame,
+    margin: float,
+    touched: BoolArray,
+) -> tuple[bool, bool]:
+    """What a robot's body overlaps or comes within `margin` metres of: walls? other robots?
+
+    Args:
+        robot: its index.
+        poses: (n, 3) of all robots, its own included, map frame.
+        footprint: (v, 2) corners, the same for all.
+        radius: of the circle around the base that holds them.
+        clearance: of the grid.
+        frame: the grid's.
+        margin: metres; 0 asks for overlap.
+        touched: (n,) set to True for every robot that is touched.
+    """
+    x, y, theta = poses[robot]
+    wall = False
+    other = False
+    if not _is_clear_of_walls(x, y, radius + margin, clearance, frame):
+        wall = _near_wall(_placed(footprint, x, y, theta), clearance, frame, margin)
+    for j in range(poses.shape[0]):
+        if j == robot or math.hypot(poses[j, 0] - x, poses[j, 1] - y) > 2.0 * radius + margin:
+            continue
+        body = _placed(footprint, poses[j, 0], poses[j, 1], poses[j, 2])
+        if _near(_placed(footprint, x, y, theta), body, margin):
+            touched[j] = True
+            other = True
+    return wall, other
+
+
+@njit(cache=True)
+def _towards(value: float, target: float, limit: float, change: float) -> float:
+    """`value` moved towards the target by at most `change`, the target having been clipped to +-limit."""
+    target = min(limit, max(-limit, target))
+    return min(value + change, max(value - change, target))
+
+
+@njit(cache=True)
+def _chord(linear: float, angular: float, time: float) -> tuple[float, float]:
+    """Signed length of the chord of an arc, and half the angle turned: the chord's own angle to the start's heading."""
+    half = 0.5 * angular * time
+    # Below this angle sin(half) / half is 1 to the last bit.
+    shrink = math.sin(half) / half if abs(half) > 1e-9 else 1.0
+    return linear * time * shrink, half
+
+
+@njit(cache=True)
+def _step(
+    tick: int,
+    poses_before: FloatArray,
+    twists_before: FloatArray,
+    odom_before: FloatArray,
+    contact_before: BoolArray,
+    collisions_before: IntArray,
+    commands: FloatArray,
+    keys: NDArray[np.uint64],
+    footprint: FloatArray,
+    body: _Body,
+    clearance: Clearance,
+    frame: GridFrame,
+) -> tuple[FloatArray, FloatArray, FloatArray, FloatArray, BoolArray, IntArray]:
+    """One tick for all robots; see WorldState for the arrays and World.step for what happens."""
+    n = poses_before.shape[0]
+    poses = poses_before.copy()
+    twists = np.empty((n, 2))
+    odom = odom_before.copy()
+    odom_twists = np.zeros((n, 2))
+    contact = np.zeros(n, dtype=np.bool_)
+    collisions = collisions_before.copy()
+    draws = np.empty(3)
+    for i in range(n):
+        linear = _towards(twists_before[i, 0], commands[i, 0], body.max_vel_x, body.acc_lim_x * TICK)
+        angular = _towards(twists_before[i, 1], commands[i, 1], body.max_vel_theta, body.acc_lim_theta * TICK)
+        twists[i, 0] = linear
+        twists[i, 1] = angular
+        if linear == 0.0 and angular == 0.0:
+            continue
+        x, y, theta = poses[i, 0], poses[i, 1], poses[i, 2]
+        # No corner may pass over a cell between two looks.
+        travel = (abs(linear) + abs(angular) * body.radius) * TICK
+        looks = max(1, math.ceil(travel / frame.resolution))
+        blocked = False
+        for look in range(1, looks + 1):
+            chord, half = _chord(linear, angular, TICK * look / looks)
+            poses[i, 0] = x + chord * math.cos(theta + half)
+            poses[i, 1] = y + chord * math.sin(theta + half)
+            poses[i, 2] = wrap_angle(theta + 2.0 * half)
+            wall, other = _touches(i, poses, footprint, body.radius, clearance, frame, 0.0, contact)
+            if wall or other:
+                blocked = True
+                break
+        if blocked:
+            poses[i, 0], poses[i, 1], poses[i, 2] = x, y, theta
+            twists[i, 0] = 0.0
+            twists[i, 1] = 0.0
+            contact[i] = True
+            continue
+        # What the wheels make of it: Probabilistic Robotics, table 5.6, around the increment that really happened.
+        chord, half = _chord(linear, angular, TICK)
+        normals(keys[i], tick, draws)
+        turn_noise = math.sqrt(body.alpha1 * half * half + body.alpha2 * chord * chord)
+        chord_noise = math.sqrt(body.alpha3 * chord * chord + 2.0 * body.alpha4 * half * half)
+        first_turn = half + turn_noise * draws[0]
+        measured_chord = chord + chord_noise * draws[1]
+        second_turn = half + turn_noise * draws[2]
+        odom[i, 0] += measured_chord * math.cos(odom[i, 2] + first_turn)
+        odom[i, 1] += measured_chord * math.sin(odom[i, 2] + first_turn)
+        odom[i, 2] = wrap_angle(odom[i, 2] + first_turn + second_turn)
+        odom_twists[i, 0] = measured_chord / TICK
+        odom_twists[i, 1] = (first_turn + second_turn) / TICK
+    ignored = np.empty(n, dtype=np.bool_)
+    for i in range(n):
+        # A robot is refused up to one tick's travel from what is in its way. It keeps in contact until it is farther
+        # than that: to creep nearer and be refused again is not another collision.
+        if contact_before[i] and not contact[i]:
+            wall, other = _touches(i, poses, footprint, body.radius, clearance, frame, body.reach, ignored)
+            contact[i] = wall or other
+        if contact[i] and not contact_before[i]:
+            collisions[i] += 1
+    return poses, twists, odom, odom_twists, contact, collisions
+
+
+@lru_cache(maxsize=64)
+def _odometry_keys(seed: int, robots: int) -> NDArray[np.uint64]:
+    """(robots,) keys of the wheels' noise."""
+    return np.array([key(seed, f"robot{i + 1}", "odometry") for i in range(robots)], dtype=np.uint64)
+
+
+def with_charge(state: WorldState, robot: int, charge: float) -> WorldState:
+    """The same world, but for the energy left to one robot (index in the team)."""
+    charges = state.charge.copy()
+    charges[robot] = charge
+    return replace(state, charge=charges)
+
+
+class World:
+    """The physics of n robots among the walls of one map.
+
+    Only occupied cells (100) are walls; unknown cells and the outside of the map are empty, as for the laser.
+    """
+
+    def __init__(self, grid: OccupancyGrid, parameters: WorldParameters, seed: int, charge: float) -> None:
+        """Build a world; `charge` is the energy every robot starts with.
+
+        Raises:
+            ValueError: the footprint has fewer than three corners.
+        """
+        if len(parameters.footprint) < 3:
+            raise ValueError(f"footprint needs at least three corners, not {len(parameters.footprint)}")
+        self._grid = grid
+        self._seed = seed
+        self._charge = charge
+        self._clearance = clearance_of(grid)
+        self._frame = grid.frame
+        self._footprint = np.array(parameters.footprint, dtype=np.float64)
+        radius = float(np.hypot(self._footprint[:, 0], self._footprint[:, 1]).max())
+        self._body = _Body(
+            radius=radius,
+            reach=(parameters.max_vel_x + parameters.max_vel_theta * radius) * TICK,
+            max_vel_x=parameters.max_vel_x,
+            max_vel_theta=parameters.max_vel_theta,
+            acc_lim_x=parameters.acc_lim_x,
+            acc_lim_theta=parameters.acc_lim_theta,
+            alpha1=parameters.odometry.alpha1,
+            alpha2=parameters.odometry.alpha2,
+            alpha3=parameters.odometry.alpha3,
+            alpha4=parameters.odometry.alpha4,
+        )
+
+    def start(self, poses: Sequence[Pose2]) -> WorldState | Misplaced:
+        """Tick 0: all robots at rest at these poses (map frame), odometry at zero; or which of them cannot be there."""
+        n = len(poses)
+        placed = np.empty((n, 3))
+        for robot, pose in enumerate(poses):
+            placed[robot] = pose.x, pose.y, wrap_angle(pose.theta)
+            obstacle = self._obstacle(robot, placed[: robot + 1])
+            if obstacle is not None:
+                return obstacle
+        return WorldState(
+            tick=0,
+            poses=placed,
+            twists=np.zeros((n, 2)),
+            odom_poses=np.zeros((n, 3)),
+            odom_twists=np.zeros((n, 2)),
+            charge=np.full(n, self._charge, dtype=np.float64),
+            contact=np.zeros(n, dtype=np.bool_),
+            collisions=np.zeros(n, dtype=np.int64),
+        )
+
+    def place(self, state: WorldState, robot: int, pose: Pose2) -> WorldState | Misplaced:
+        """The same world with one robot (index) lifted to another pose, at rest; its wheels have felt nothing."""
+        poses = state.poses.copy()
+        poses[robot] = pose.x, pose.y, wrap_angle(pose.theta)
+        obstacle = self._obstacle(robot, poses)
+        if obstacle is not None:
+            return obstacle
+        twists = state.twists.copy()
+        odom_twists = state.odom_twists.copy()
+        contact = state.contact.copy()
+        twists[robot] = 0.0
+        odom_twists[robot] = 0.0
+        contact[robot] = False
+        return replace(state, poses=poses, twists=twists, odom_twists=odom_twists, contact=contact)
+
+    def step(self, state: WorldState, commands: FloatArray) -> WorldState:
+        """One tick later.
+
+        Each robot's velocity goes towards its command as far as the motors' speed and acceleration allow, and moves it
+        along an exact arc. One whose body would touch a wall or another body anywhere along it stays where it was and
+        loses its velocity; both touching robots are then in contact. Odometry errs by Probabilistic Robotics, table
+        5.6, with numbers keyed by (seed, robot, tick).
+
+        Args:
+            state: now.
+            commands: (n, 2) wanted velocities, base frame: m/s forward, rad/s anti-clockwise.
+
+        Raises:
+            ValueError: not one finite command for every robot.
+        """
+        n = state.poses.shape[0]
+        if commands.shape != (n, 2):
+            raise ValueError(f"{n} robots need commands of shape ({n}, 2), not {commands.shape}")
+        if not np.isfinite(commands).all():
+            raise ValueError(f"commands must be finite numbers, not {commands.tolist()}")
+        tick = state.tick + 1
+        poses, twists, odom_poses, odom_twists, contact, collisions = _step(
+            tick,
+            state.poses,
+            state.twists,
+            state.odom_poses,
+            state.contact,
+            state.collisions,
+            np.ascontiguousarray(commands, dtype=np.float64),
+            _odometry_keys(self._seed, n),
+            self._footprint,
+            self._body,
+            self._clearance,
+            self._frame,
+        )
+        return WorldState(tick, poses, twists, odom_poses, odom_twists, state.charge, contact, collisions)
+
+    def _obstacle(self, robot: int, poses: FloatArray) -> Misplaced | None:
+        """Why this robot's body cannot be where (n, 3) `poses` has it; None if it can."""
+        x, y = float(poses[robot, 0]), float(poses[robot, 1])
+        where = f"robot {robot + 1} cannot be at ({x:.2f}, {y:.2f})"
+        if not self._grid.contains(*self._grid.cell_of(x, y)):
+            return Misplaced(robot, "outside", f"{where}: that is outside the map")
+        touched = np.zeros(poses.shape[0], dtype=np.bool_)
+        wall, other = _touches(
+            robot, poses, self._footprint, self._body.radius, self._clearance, self._frame, 0.0, touched
+        )
+        if wall:
+            return Misplaced(robot, "wall", f"{where}: its body would be in a wall")
+        if other:
+            return Misplaced(robot, "robot", f"{where}: robot {int(np.argmax(touched)) + 1} stands there")
+        return None
