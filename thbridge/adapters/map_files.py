@@ -19,6 +19,7 @@ from sim.grid import FREE, OCCUPIED, UNKNOWN, MapMode, OccupancyGrid, interpret_
 from sim.parameters import WorldParameters
 from thbridge.adapters.errors import BadFile, BadFiles
 from thbridge.adapters.image_files import read_image
+from thbridge.adapters.template_files import MAP_TIMES, read_map_times
 from thbridge.adapters.yaml_files import Loaded, load, quoted
 from thbridge.hunt.rooms import Room
 
@@ -235,7 +236,7 @@ def _examine(folder: Path, footprint: Polygon) -> tuple[Map | None, list[Finding
     findings.extend(Finding("error", fault) for fault in _faults_of_rooms(loaded))
     if grid is None or findings:
         return None, findings
-    costs = folder / "mapTimes"
+    costs = folder / MAP_TIMES
     drawn = Map(
         name=folder.resolve().name,
         grid=grid,
@@ -243,6 +244,7 @@ def _examine(folder: Path, footprint: Polygon) -> tuple[Map | None, list[Finding
         starts=tuple(start for _, start in _starts(loaded.value.starts)),
         costs=costs if costs.is_file() else None,
     )
+    findings.extend(_findings_of_costs(drawn))
     findings.extend(_findings_on_floor(loaded, drawn, footprint))
     return drawn, findings
 
@@ -255,6 +257,19 @@ def _attempt(read: Callable[[], T], findings: list[Finding]) -> T | None:
     except BadFile as error:
         findings.append(Finding("error", error))
     return None
+
+
+def _findings_of_costs(drawn: Map) -> Iterator[Finding]:
+    if drawn.costs is None:
+        return
+    findings: list[Finding] = []
+    path = drawn.costs
+    matrix = _attempt(lambda: read_map_times(path), findings)
+    yield from findings
+    if matrix is not None and len(matrix.rooms) != len(drawn.rooms):
+        problem = f"costs for {len(matrix.rooms)} rooms, but rooms.yaml has {len(drawn.rooms)}"
+        remedy = "Write one row and one column for the corridor and for every room"
+        yield Finding("error", BadFile(path, 1, None, problem, remedy))
 
 
 def _room(entry: _RoomEntry) -> MapRoom:
