@@ -63,6 +63,7 @@ class RoomState:
         sensed: the colour and footprint perceived, or None.
         image: file name of the picture taken, or None.
         points: what identifying won or cost, or None if nobody has.
+        name: what it was identified as, or None if nobody has or only the points are known.
         left: the participant gave the treasure up.
     """
 
@@ -70,6 +71,7 @@ class RoomState:
     sensed: Sensed | None = None
     image: str | None = None
     points: int | None = None
+    name: str | None = None
     left: bool = False
 
     @property
@@ -186,7 +188,9 @@ def apply(state: GameState, event: Event) -> GameState:
             return _charge(state, event.robot, event.cost)
         case Identified():
             if event.room is not None:
-                state = _with_room(state, event.room, replace(_room(state, event.room), points=event.points))
+                state = _with_room(
+                    state, event.room, replace(_room(state, event.room), points=event.points, name=event.name)
+                )
             if event.robot is not None:
                 state = _charge(state, event.robot, event.cost)
             return replace(state, score=state.score + event.points)

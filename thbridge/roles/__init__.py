@@ -1,0 +1,1 @@
+"""The programs of the game as pure cores: lines in, lines out, one step a tick."""

@@ -1,0 +1,98 @@
+"""Hider: the treasures' program of 2016. It draws what lies where and answers what is found there."""
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+
+from sim.noise import Stream
+from sim.observations import TICKS_PER_SECOND
+from thbridge.hunt.treasures import TreasureKind, hide, same_name
+from thbridge.roles.notices import KEEPER, HidePlease, HiderReady, HideTreasures, Reply, heard, tell
+from thbridge.wire import legacy
+from thbridge.wire.legacy import AskTreasure, FoundTreasure, Identify, Image, Score, Snap
+from thbridge.wire.notice import Notice, is_notice, parse_notice
+from thbridge.wire.text import Message
+
+PATIENCE = TICKS_PER_SECOND
+"""Ticks that a question waits for a keeper; when none was ever heard, it is answered as in 2016."""
+
+
+@dataclass(frozen=True, slots=True)
+class _Question:
+    asked: int
+    value: AskTreasure | Snap | Identify
+
+
+class Hider:
+    """The treasures' role.
+
+    It draws the treasures of every game from its seed and the game's number, and gives them to the keeper, which
+    remembers them: a Hider that comes back has nothing to restore. The keeper judges every question and says what to
+    reply. Where no keeper was ever heard (a server of another make), Hider answers by itself as it did in 2016.
+
+    Args:
+        kinds: which treasures there are, with their pictures.
+        seed: of the hiding.
+        rooms: how many rooms to fill when no keeper says so (the number in the treasures file).
+    """
+
+    name = legacy.HIDER
+
+    def __init__(self, kinds: Sequence[TreasureKind], seed: int, rooms: int) -> None:
+        self._kinds = tuple(kinds)
+        self._chance = Stream.named(seed, "hider")
+        self._alone = self._draw(1, rooms)
+        self._introduce = False
+        self._has_keeper = False
+        self._questions: list[_Question] = []
+
+    def connected(self) -> None:
+        """Tell the keeper with the next step that Hider is there."""
+        self._introduce = True
+
+    def step(self, tick: int, messages: Sequence[Message]) -> list[Message]:
+        """One tick; see `Role`."""
+        said: list[Message] = []
+        if self._introduce:
+            self._introduce = False
+            said.append(tell(self.name, KEEPER, HiderReady()))
+        for message in messages:
+            if is_notice(message):
+                notice = parse_notice(message)
+                if isinstance(notice, Notice):
+                    said += self._heed(notice)
+            else:
+                value = legacy.decode(message)
+                if isinstance(value, AskTreasure | Snap | Identify):
+                    self._questions.append(_Question(tick, value))
+        return said + self._answer_unjudged(tick)
+
+    def _heed(self, notice: Notice) -> list[Message]:
+        self._has_keeper = True
+        if (please := heard(notice, HidePlease)) is not None:
+            return [tell(self.name, KEEPER, HideTreasures(please.game, self._draw(please.game, please.rooms)))]
+        if (reply := heard(notice, Reply)) is not None:
+            return [Message.of(reply.command, self.name, legacy.TABUI, reply.text)]
+        return []
+
+    def _draw(self, game: int, rooms: int) -> tuple[TreasureKind, ...]:
+        return hide(self._kinds, [float(uniform) for uniform in self._chance.uniforms(game, rooms)])
+
+    def _answer_unjudged(self, tick: int) -> list[Message]:
+        if self._has_keeper:
+            self._questions.clear()
+        said = []
+        while self._questions and tick - self._questions[0].asked >= PATIENCE:
+            said += self._answer(self._questions.pop(0).value)
+        return said
+
+    def _answer(self, question: AskTreasure | Snap | Identify) -> list[Message]:
+        if question.room >= len(self._alone):
+            return []
+        treasure = self._alone[question.room]
+        match question:
+            case AskTreasure(room):
+                return [FoundTreasure(room, treasure.colour, treasure.footprint).message()]
+            case Snap(room):
+                return [] if treasure.image is None else [Image(room, treasure.image).message()]
+            case Identify(_, name):
+                return [Score(treasure.points if same_name(name, treasure.name) else -treasure.points).message()]

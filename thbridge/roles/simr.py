@@ -1,0 +1,271 @@
+"""SimR: the robots' program. It drives a team of robots by the keeper's orders and tells where they got to."""
+
+import math
+from collections.abc import Sequence
+from dataclasses import dataclass, replace
+
+from sim.geometry import Pose2
+from sim.navigator import Arrived, Cancelled, Goal, NoPath
+from sim.observations import TICKS_PER_SECOND, Twist
+from sim.team import Drive, Go, Halt, Place, SetCharge, Team, TeamInput, TeamSnapshot
+from thbridge.hunt.rooms import Room
+from thbridge.roles.notices import (
+    KEEPER,
+    MoveResult,
+    Order,
+    Orders,
+    RobotsReady,
+    Status,
+    Subscribe,
+    Unfit,
+    Whereabouts,
+    heard,
+    tell,
+)
+from thbridge.wire import canonical, legacy
+from thbridge.wire.canonical import Dialect, GotoPoint, Move, Where, decode_goto
+from thbridge.wire.notice import Notice, parse_notice
+from thbridge.wire.text import Command, Message
+
+STATUS_PERIOD = TICKS_PER_SECOND
+"""Ticks from one status to the next; one is also sent whenever a move ends."""
+
+STREAM_PERIOD = TICKS_PER_SECOND // 10
+"""Ticks from one word about the robots' whereabouts to the next."""
+
+SUBSCRIPTION = 10 * TICKS_PER_SECOND
+"""Ticks a subscription lasts unless it is renewed."""
+
+PATIENCE = TICKS_PER_SECOND
+"""Ticks that a `%%goto` waits for a keeper; when none was ever heard, it is obeyed as in 2016."""
+
+HAND_TICKS = TICKS_PER_SECOND // 2
+"""Ticks that one `%%move` drives."""
+
+HAND_SPEEDS = {
+    canonical.Drive.FORWARD: (1.0, 0.0),
+    canonical.Drive.BACKWARD: (-1.0, 0.0),
+    canonical.Drive.WIDE_CLOCKWISE: (1.0, -1.0),
+    canonical.Drive.WIDE_ANTICLOCKWISE: (1.0, 1.0),
+    canonical.Drive.TURN_CLOCKWISE: (0.0, -1.0),
+    canonical.Drive.TURN_ANTICLOCKWISE: (0.0, 1.0),
+}
+"""Shares of forward speed and rate of turn, at full intensity 0.5 m/s and 1 rad/s."""
+
+
+@dataclass(frozen=True, slots=True)
+class Field:
+    """Where robots may be sent: the map as SimR needs it.
+
+    Attributes:
+        name: of the map.
+        goals: the goal pose of each room, room 1 first.
+        starts: a start pose a robot.
+        costs: energy from place to place as people count them, None where there is no move.
+    """
+
+    name: str
+    goals: tuple[Pose2, ...]
+    starts: tuple[Pose2, ...]
+    costs: tuple[tuple[float | None, ...], ...]
+
+
+@dataclass(frozen=True, slots=True)
+class _Way:
+    """A move under way. `length` is the longest plan it has had, metres; 0 until there is one."""
+
+    order: Order
+    length: float = 0.0
+    remaining: float = 0.0
+
+    def share(self) -> float:
+        return 1.0 - self.remaining / self.length if self.length > 0.0 else 0.0
+
+
+class SimR:
+    """The robots' role.
+
+    Moves come as the keeper's orders. Where no keeper was ever heard (a server of another make), a `%%goto` is obeyed
+    as SimR did in 2016. In either case it answers `%%where`, takes `%%move`, and goes to points in metres.
+
+    Args:
+        team: the robots.
+        field: where they may be sent.
+        dialect: which reading of `%%goto` comes first.
+    """
+
+    name = legacy.SIMR
+
+    def __init__(self, team: Team, field: Field, dialect: Dialect = Dialect.LEGACY_2016) -> None:
+        self._team = team
+        self._field = field
+        self._dialect = dialect
+        self._introduce = False
+        self._snapshot: TeamSnapshot | None = None
+        self._inputs: list[TeamInput] = []
+        self._ways: dict[int, _Way] = {}
+        self._results: list[MoveResult | None] = [None] * team.size
+        self._obeyed = [0] * team.size
+        self._game = 0
+        self._waiting: list[tuple[int, legacy.Goto]] = []
+        self._without_keeper = 0
+        self._subscribers: dict[str, int] = {}
+        self._unfit: str | None = None
+
+    @property
+    def snapshot(self) -> TeamSnapshot | None:
+        """What the team did in the last step; None before the first."""
+        return self._snapshot
+
+    @property
+    def unfit(self) -> str | None:
+        """Why the keeper does not take these robots into its game; None when it does."""
+        return self._unfit
+
+    def connected(self) -> None:
+        """Tell the keeper with the next step that the robots are there."""
+        self._introduce = True
+
+    def step(self, tick: int, messages: Sequence[Message]) -> list[Message]:
+        """One tick of the role and of the team; see `Role`."""
+        said: list[Message] = []
+        if self._introduce:
+            self._introduce = False
+            said.append(tell(self.name, KEEPER, RobotsReady(self._field.name, self._team.size, self._field.costs)))
+        for message in messages:
+            said += self._hear(tick, message)
+        self._obey_unjudged(tick)
+        inputs, self._inputs = self._inputs, []
+        self._snapshot = self._team.step(inputs)
+        ended = self._ended(self._snapshot)
+        said += ended
+        if ended or tick % STATUS_PERIOD == 0:
+            said.append(tell(self.name, KEEPER, self._status(self._snapshot)))
+        if tick % STREAM_PERIOD == 0:
+            said += self._stream(tick)
+        return said
+
+    # What is said to SimR
+
+    def _hear(self, tick: int, message: Message) -> list[Message]:
+        match message.command:
+            case Command.ERROR:
+                notice = parse_notice(message)
+                if isinstance(notice, Notice):
+                    self._heed(tick, notice)
+            case Command.GOTO:
+                goto = decode_goto(message, self._dialect, len(self._field.goals))
+                if isinstance(goto, legacy.Goto) and goto.robot < self._team.size:
+                    self._waiting.append((tick, goto))
+                elif isinstance(goto, GotoPoint) and 0 <= goto.robot < self._team.size:
+                    self._go_to_point(goto)
+            case Command.WHERE:
+                where = canonical.decode(message)
+                if isinstance(where, Where) and 0 <= where.robot < self._team.size and self._snapshot is not None:
+                    pose = self._snapshot.robots[where.robot].estimate.base_in_map
+                    answer = canonical.Pose(where.robot, pose.x, pose.y, pose.theta)
+                    return [canonical.encode(answer, self.name, message.sender)]
+            case Command.MOVE:
+                move = canonical.decode(message)
+                if isinstance(move, Move) and 0 <= move.robot < self._team.size and move.robot not in self._ways:
+                    linear, angular = HAND_SPEEDS[move.drive]
+                    share = move.intensity / 5.0
+                    twist = Twist(0.5 * share * linear, share * angular)
+                    self._inputs.append(Drive(move.robot, twist, HAND_TICKS))
+        return []
+
+    def _heed(self, tick: int, notice: Notice) -> None:
+        if (orders := heard(notice, Orders)) is not None and len(orders.moves) == self._team.size:
+            self._follow(orders)
+        elif heard(notice, Subscribe) is not None:
+            self._subscribers[notice.sender] = tick + SUBSCRIPTION
+        elif (unfit := heard(notice, Unfit)) is not None:
+            self._unfit = unfit.sentence
+
+    def _follow(self, orders: Orders) -> None:
+        """Make the robots do what the keeper says they do."""
+        if orders.game != self._game:
+            self._begin(orders)
+        for robot, order in enumerate(orders.moves):
+            if order is not None and order.move != self._obeyed[robot]:
+                self._go(robot, order)
+            elif order is None and robot in self._ways:
+                self._inputs.append(Halt(robot))
+        self._inputs += [SetCharge(robot, charge) for robot, charge in enumerate(orders.energy)]
+
+    def _begin(self, orders: Orders) -> None:
+        """A new game, or back in one that was under way: put every robot where it belongs."""
+        again = self._game != 0
+        self._game = orders.game
+        self._waiting.clear()
+        self._ways.clear()
+        self._results = [None] * self._team.size
+        self._obeyed = [0] * self._team.size
+        if orders.poses is not None and len(orders.poses) == self._team.size:
+            self._inputs += [Place(robot, Pose2(*pose)) for robot, pose in enumerate(orders.poses)]
+        elif again:
+            self._inputs += [Halt(robot) for robot in range(self._team.size)]
+            self._inputs += [Place(robot, pose) for robot, pose in enumerate(self._field.starts)]
+
+    def _go(self, robot: int, order: Order) -> None:
+        self._obeyed[robot] = order.move
+        self._results[robot] = None
+        self._ways[robot] = _Way(order)
+        goal = self._field.goals[Room.of_people(order.room).wire]
+        self._inputs.append(Go(robot, Goal(order.move, goal)))
+
+    def _obey_unjudged(self, tick: int) -> None:
+        """Obey what has waited for a keeper long enough; with a keeper there is nothing to obey but its orders."""
+        if self._game != 0:
+            self._waiting.clear()
+        while self._waiting and tick - self._waiting[0][0] >= PATIENCE:
+            _, goto = self._waiting.pop(0)
+            self._without_keeper += 1
+            self._go(goto.robot, Order(self._without_keeper, Room.of_wire(goto.room).people))
+
+    def _go_to_point(self, goto: GotoPoint) -> None:
+        """Beside the game: a robot under way in it is not sent elsewhere."""
+        if goto.robot in self._ways or self._snapshot is None:
+            return
+        here = self._snapshot.robots[goto.robot].estimate.base_in_map
+        heading = math.atan2(goto.y - here.y, goto.x - here.x) if goto.heading is None else goto.heading
+        self._inputs.append(Go(goto.robot, Goal(0, Pose2(goto.x, goto.y, heading))))
+
+    # What SimR tells
+
+    def _ended(self, snapshot: TeamSnapshot) -> list[Message]:
+        said = []
+        for robot, output in enumerate(snapshot.robots):
+            way = self._ways.get(robot)
+            if way is None:
+                continue
+            navigation = output.navigation
+            if navigation.goal is not None and navigation.state == "controlling":
+                self._ways[robot] = way = replace(
+                    way, length=max(way.length, navigation.remaining), remaining=navigation.remaining
+                )
+            result = navigation.result
+            if result is None or result.goal.id != way.order.move:
+                continue
+            del self._ways[robot]
+            match result:
+                case Arrived():
+                    self._results[robot] = MoveResult(way.order.move, True, "", 1.0)
+                    said.append(legacy.Arrived(robot, Room.of_people(way.order.room).wire).message())
+                case NoPath(sentence=sentence):
+                    self._results[robot] = MoveResult(way.order.move, False, sentence, way.share())
+                case Cancelled():
+                    self._results[robot] = MoveResult(way.order.move, False, "It was called back.", way.share())
+        return said
+
+    def _status(self, snapshot: TeamSnapshot) -> Status:
+        poses = tuple((float(x), float(y), float(theta)) for x, y, theta in snapshot.world.poses)
+        return Status(self._game, poses, tuple(self._results))
+
+    def _stream(self, tick: int) -> list[Message]:
+        self._subscribers = {name: until for name, until in self._subscribers.items() if until > tick}
+        if not self._subscribers or self._snapshot is None:
+            return []
+        believed = [output.estimate.base_in_map for output in self._snapshot.robots]
+        value = Whereabouts(tick, tuple((pose.x, pose.y, pose.theta) for pose in believed))
+        return [tell(self.name, subscriber, value) for subscriber in self._subscribers]

@@ -1,0 +1,136 @@
+"""What robots and the participant are talking about, and what they agreed on and have not done yet."""
+
+from thbridge.dialogue.engine import Dialogues, Engine, Step
+from thbridge.dialogue.moves import Outcome, Scenario, Topic, Utterance
+from thbridge.hunt import rules
+from thbridge.hunt.game import GameState
+from thbridge.hunt.outcomes import Refused
+from thbridge.hunt.rooms import Room
+from thbridge.roles.view import Consent, DialogueView, Matter
+
+MATTERS: dict[Scenario, Matter] = {
+    Scenario.SPECIFIC_ROOM: "select-room",
+    Scenario.DONT_KNOW: "select-room",
+    Scenario.TAKE_PICTURE: "take-picture",
+    Scenario.TAKE_TREASURE: "take-treasure",
+}
+
+
+class Talks:
+    """The open dialogues of one game and the consents they led to.
+
+    Args:
+        engine: the way of talking.
+    """
+
+    def __init__(self, engine: Engine) -> None:
+        self._engine = engine
+        self._dialogues = Dialogues()
+        self._consents: tuple[Consent, ...] = ()
+        self._utterances: list[Utterance] = []
+
+    @property
+    def consents(self) -> tuple[Consent, ...]:
+        """Agreements not yet acted upon, oldest first."""
+        return self._consents
+
+    def take_utterances(self) -> list[Utterance]:
+        """What was said since the last call, in order."""
+        said, self._utterances = self._utterances, []
+        return said
+
+    def open(self, state: GameState, scenario: Scenario, robot: int, room: Room) -> Refused | None:
+        """Open a dialogue; an older agreement with this robot about the same matter no longer holds."""
+        self._withdraw_consent(robot, MATTERS[scenario])
+        return self._follow(self._engine.open(self._dialogues, _topic(state, scenario, robot, room)))
+
+    def answer(self, number: int, turn: int, choice: int) -> Refused | None:
+        """Make the participant's choice; one for a turn that is past changes nothing."""
+        dialogue = self._dialogues.numbered(number)
+        if dialogue is None or len(dialogue.turns) != turn:
+            return None
+        choices = self._engine.choices(dialogue)
+        if not 0 <= choice < len(choices):
+            return None
+        return self._follow(self._engine.move(self._dialogues, number, choices[choice].move))
+
+    def agreed(self, robot: int, matter: Matter, room: Room) -> bool:
+        """Whether the participant may act on this now."""
+        return Consent(robot, matter, room.people) in self._consents
+
+    def use(self, robot: int, matter: Matter) -> None:
+        """An agreement was acted upon."""
+        self._withdraw_consent(robot, matter)
+
+    def spoken_for(self, room: Room, robot: int) -> int | None:
+        """Another robot that is being talked with, or was agreed with, about going to this room."""
+        talks = [(d.topic.robot, MATTERS[d.topic.scenario], d.topic.room.people) for d in self._dialogues.open]
+        talks += [(consent.robot, consent.matter, consent.room) for consent in self._consents]
+        others = (other for other, matter, about in talks if matter == "select-room" and about == room.people)
+        return next((other for other in others if other != robot), None)
+
+    def drop_stale(self, state: GameState) -> None:
+        """Close what need no longer be talked over: the robot left, the room is taken, the treasure is decided."""
+        for dialogue in self._dialogues.open:
+            topic = dialogue.topic
+            if not _still_open(state, topic.robot, MATTERS[topic.scenario], topic.room):
+                self._follow(self._engine.withdraw(self._dialogues, dialogue.number))
+        self._consents = tuple(
+            consent
+            for consent in self._consents
+            if _still_open(state, consent.robot, consent.matter, Room(consent.room))
+        )
+
+    def views(self) -> tuple[DialogueView, ...]:
+        """The open dialogues as the participant sees them."""
+        return tuple(
+            DialogueView(
+                dialogue=dialogue.number,
+                turn=len(dialogue.turns),
+                robot=dialogue.topic.robot,
+                matter=MATTERS[dialogue.topic.scenario],
+                room=dialogue.topic.room.people,
+                said=tuple(utterance.text for utterance in self._engine.utterances(dialogue)),
+                choices=tuple(choice.text for choice in self._engine.choices(dialogue)),
+            )
+            for dialogue in self._dialogues.open
+        )
+
+    def _follow(self, step: Step | Refused) -> Refused | None:
+        if isinstance(step, Refused):
+            return step
+        self._dialogues = step.dialogues
+        self._utterances += step.utterances
+        if step.outcome is Outcome.CONSENSUS:
+            topic = step.dialogue.topic
+            consent = Consent(topic.robot, MATTERS[topic.scenario], topic.room.people)
+            self._consents = (*self._consents, consent)
+        return None
+
+    def _withdraw_consent(self, robot: int, matter: Matter) -> None:
+        self._consents = tuple(
+            consent for consent in self._consents if (consent.robot, consent.matter) != (robot, matter)
+        )
+
+
+def _topic(state: GameState, scenario: Scenario, robot: int, room: Room) -> Topic:
+    here = state.robots[robot]
+    match scenario:
+        case Scenario.TAKE_PICTURE:
+            cost = state.started.picture_cost
+        case Scenario.TAKE_TREASURE:
+            cost = state.started.identify_cost
+        case _:
+            cost = state.started.costs.cost(here.at, room)
+    sensed = state.room(room).sensed
+    if sensed is None:
+        return Topic(scenario, robot, room, cost, here.energy)
+    return Topic(scenario, robot, room, cost, here.energy, sensed.colour, sensed.footprint)
+
+
+def _still_open(state: GameState, robot: int, matter: Matter, room: Room) -> bool:
+    if state.ended is not None:
+        return False
+    if matter == "select-room":
+        return isinstance(rules.move(state, robot, room), tuple)
+    return state.standing_in(room) == robot and not state.room(room).is_decided

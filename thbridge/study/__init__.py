@@ -1,0 +1,1 @@
+"""The study around the game: simulated participants and reports."""
