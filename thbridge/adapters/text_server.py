@@ -209,8 +209,13 @@ class _Connection(BufferedProtocol):
 
 
 def _close(transport: Transport, flush: bool) -> None:
-    if flush and not transport.is_closing():
-        transport.write_eof()
+    """End a connection: at once, or after the other side has had a moment to read what it was sent."""
+    if flush:
+        try:
+            transport.write_eof()
+        except OSError:  # the other side is gone already, though asyncio has not heard of it yet
+            flush = False
+    if flush:
         asyncio.get_running_loop().call_later(_LINGER, transport.abort)
     else:
         transport.abort()

@@ -6,7 +6,7 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from thbridge.wire.notice import is_notice, notice, parse_notice
+from thbridge.wire.notice import Notice, notice, parse_notice
 from thbridge.wire.router import (
     Close,
     CloseReason,
@@ -554,8 +554,9 @@ def test_a_local_endpoint_is_told_of_a_failed_delivery() -> None:
     router.submit("SimR", message)
     assert router.exchange() == [Forwarded(message, delivered=False, sender_extended=True)]
     (told,) = router.take("SimR")
-    assert is_notice(told)
-    assert parse_notice(told).fields["receiver"] == "TabUI"
+    parsed = parse_notice(told)
+    assert isinstance(parsed, Notice)
+    assert (parsed.kind, parsed.fields["receiver"]) == ("undelivered", "TabUI")
 
 
 def test_a_name_is_held_once_by_connections_and_local_endpoints_together() -> None:

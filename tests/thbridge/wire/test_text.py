@@ -17,7 +17,7 @@ from thbridge.wire.text import (
     tokens,
 )
 
-WORDS = st.text(st.characters(exclude_characters=" \t\n\r\x0b\x0c", exclude_categories=("Cs",)), min_size=1, max_size=8)
+WORDS = st.text(st.characters(exclude_characters=" \t\n\r\x0b\x0c", codec="utf-8"), min_size=1, max_size=8)
 MESSAGES = st.builds(Message, st.sampled_from(sorted(ROUTED)), WORDS, WORDS, st.lists(WORDS, max_size=5).map(tuple))
 
 
