@@ -503,7 +503,8 @@ class Keeper:
             for number, robot in enumerate(state.robots)
         )
         energy = tuple(robot.energy for robot in state.robots)
-        orders = Orders(state.started.game, moves, energy, self._poses if with_poses else None)
+        at = tuple(robot.at.people for robot in state.robots)
+        orders = Orders(state.started.game, moves, energy, at, self._poses if with_poses else None)
         if with_poses or self._ordered is None or replace(self._ordered, poses=None) != orders:
             self._ordered = orders
             self._tell(legacy.SIMR, orders)

@@ -50,12 +50,14 @@ class Orders:
         game: number of the game; a new one begins with every robot at its start.
         moves: one entry a robot.
         energy: one entry a robot.
+        at: the room each stands in as people count, 0 the corridor; where it set out from while it moves.
         poses: x, y, theta of every robot as last heard, for a SimR that comes back into a game.
     """
 
     game: int
     moves: tuple[Order | None, ...]
     energy: tuple[float, ...]
+    at: tuple[int, ...]
     poses: tuple[tuple[float, float, float], ...] | None
 
 

@@ -201,11 +201,17 @@ class SimR:
         self._ways.clear()
         self._results = [None] * self._team.size
         self._obeyed = [0] * self._team.size
-        if orders.poses is not None and len(orders.poses) == self._team.size:
-            self._inputs += [Place(robot, Pose2(*pose)) for robot, pose in enumerate(orders.poses)]
-        elif again:
-            self._inputs += [Halt(robot) for robot in range(self._team.size)]
-            self._inputs += [Place(robot, pose) for robot, pose in enumerate(self._field.starts)]
+        if orders.poses is not None:
+            places = [Pose2(*pose) for pose in orders.poses]
+        elif again or any(orders.at):
+            places = [self._place(robot, room) for robot, room in enumerate(orders.at)]
+        else:
+            return
+        for robot, pose in enumerate(places[: self._team.size]):
+            self._inputs += [Halt(robot), Place(robot, pose)]
+
+    def _place(self, robot: int, room: int) -> Pose2:
+        return self._field.starts[robot] if room == 0 else self._field.goals[Room.of_people(room).wire]
 
     def _go(self, robot: int, order: Order) -> None:
         self._obeyed[robot] = order.move
