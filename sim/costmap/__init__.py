@@ -1,0 +1,1 @@
+"""Layered costmaps: what it costs a robot to be somewhere."""

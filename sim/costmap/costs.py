@@ -1,0 +1,89 @@
+"""The values of a costmap's cells, and how cost falls with the distance from an obstacle.
+
+Source: ros-planning/navigation, costmap_2d/include/costmap_2d/cost_values.h and inflation_layer.h.
+"""
+
+import math
+from typing import NamedTuple
+
+import numpy as np
+from numba import njit
+from numpy.typing import NDArray
+
+Costs = NDArray[np.uint8]
+"""(rows, cols), row 0 and column 0 at the costmap's origin."""
+
+FREE = 0
+INSCRIBED = 253
+"""A robot whose centre is here touches an obstacle, however it is turned."""
+LETHAL = 254
+UNKNOWN = 255
+
+
+class CostFrame(NamedTuple):
+    """Where a costmap lies: the map coordinates of the outer corner of cell (0, 0), and the side of a cell, metres."""
+
+    x: float
+    y: float
+    resolution: float
+
+
+class Window(NamedTuple):
+    """A rectangle of cells, the upper ends not included; empty when an end is not above its beginning."""
+
+    row: int
+    col: int
+    row_end: int
+    col_end: int
+
+    @property
+    def empty(self) -> bool:
+        """Whether it holds no cell."""
+        return self.row_end <= self.row or self.col_end <= self.col
+
+    def union(self, other: "Window") -> "Window":
+        """The smallest rectangle around both."""
+        if self.empty:
+            return other
+        if other.empty:
+            return self
+        return Window(
+            min(self.row, other.row),
+            min(self.col, other.col),
+            max(self.row_end, other.row_end),
+            max(self.col_end, other.col_end),
+        )
+
+    def grown(self, cells: int) -> "Window":
+        """The same with a rim of this many cells; still nothing when empty."""
+        if self.empty:
+            return self
+        return Window(self.row - cells, self.col - cells, self.row_end + cells, self.col_end + cells)
+
+    def clipped(self, other: "Window") -> "Window":
+        """What lies in both."""
+        return Window(
+            max(self.row, other.row),
+            max(self.col, other.col),
+            min(self.row_end, other.row_end),
+            min(self.col_end, other.col_end),
+        )
+
+
+NOTHING = Window(0, 0, 0, 0)
+
+
+@njit(cache=True)
+def cost_at(distance: float, inscribed_radius: float, cost_scaling_factor: float) -> int:
+    """Cost of a cell this far from the nearest obstacle: 254 on it, 253 within the inscribed radius, then falling.
+
+    Args:
+        distance: metres, at least 0.
+        inscribed_radius: of the robot's padded footprint, metres.
+        cost_scaling_factor: how fast the cost falls, 1/m.
+    """
+    if distance == 0.0:
+        return 254
+    if distance <= inscribed_radius:
+        return 253
+    return int(252.0 * math.exp(-cost_scaling_factor * (distance - inscribed_radius)))

@@ -1,0 +1,1 @@
+"""Global planning: which way to a goal, and in which order with the other robots."""
