@@ -12,8 +12,9 @@ import re
 import types
 from collections.abc import Iterator, Mapping
 from dataclasses import dataclass, field
+from enum import StrEnum
 from pathlib import Path
-from typing import Generic, TypeVar, Union, cast, get_args, get_origin, get_type_hints
+from typing import Generic, Literal, TypeVar, Union, cast, get_args, get_origin, get_type_hints
 
 from ruamel.yaml import YAML
 from ruamel.yaml.error import MarkedYAMLError, YAMLError
@@ -148,6 +149,9 @@ def parse(path: Path, text: str) -> Node:
                 elif isinstance(stack[-1], Listing):
                     stack[-1].items.append(node)
                 elif (key := pending_keys[-1]) is not None:
+                    # A value that was left out is marked where the next key begins, which is not where to mend it.
+                    if isinstance(node, Scalar) and node.absent:
+                        node = dataclasses.replace(node, line=key.line)
                     stack[-1].entries.append((key, node))
                     pending_keys[-1] = None
                 elif isinstance(node, Scalar):
@@ -194,8 +198,8 @@ def _node(path: Path, event: NodeEvent) -> Node:
 def load(path: Path, into: type[T]) -> Loaded[T]:
     """Read a YAML file into a dataclass whose fields are declared with `sim.parameters.knob` or plain.
 
-    Fields may be bool, int, float, str, Path, tuples, dataclasses, and any of these or None. A field without a default
-    must be in the file. A section that stands empty keeps its defaults.
+    Fields may be bool, int, float, str, Literal, StrEnum, Path, tuples, dataclasses, and any of these or None. A field
+    without a default must be in the file. A section that stands empty keeps its defaults.
 
     Raises:
         BadFiles: with every fault of the file; or one BadFile when it cannot be read at all.
@@ -261,11 +265,13 @@ class _Reader:
             return self.truth(node, key)
         if hint is int or hint is float:
             return self.number(node, hint, metadata, key)
-        if hint is str or hint is Path:
-            choices = cast(tuple[str, ...], metadata.get("choices", ()))
-            if choices and node.text not in choices:
-                return self.wrong(node.line, key, f"{node.text!r} is no choice here", _wanted(hint, metadata))
-            return Path(node.text) if hint is Path else node.text
+        choices = choices_of(hint, metadata)
+        if choices and node.text not in choices:
+            return self.wrong(node.line, key, f"{node.text!r} is no choice here", _wanted(hint, metadata))
+        if isinstance(hint, type) and issubclass(hint, (str, Path)):
+            return hint(node.text)
+        if get_origin(hint) is Literal:
+            return node.text
         raise TypeError(f"{key}: files cannot hold a {hint!r}")
 
     def truth(self, node: Scalar, key: str) -> bool | _Wrong:
@@ -373,13 +379,21 @@ def _bounds(metadata: Metadata) -> tuple[float, float]:
     return (-math.inf if minimum is None else minimum), (math.inf if maximum is None else maximum)
 
 
-def allowed(metadata: Metadata) -> str:
-    """A knob's range and unit in words: `0 to 20 m/s`, `at least 1`, `amcl, ekf or truth`; empty when free."""
-    choices = cast(tuple[str, ...], metadata.get("choices", ()))
+def choices_of(hint: object, metadata: Metadata) -> tuple[str, ...]:
+    """The words a field may hold; empty when free."""
+    if get_origin(hint) is Literal:
+        return cast(tuple[str, ...], get_args(hint))
+    if isinstance(hint, type) and issubclass(hint, StrEnum):
+        return tuple(member.value for member in hint)
+    return cast(tuple[str, ...], metadata.get("choices", ()))
+
+
+def allowed(hint: object, metadata: Metadata) -> str:
+    """A field's choices, or its range and unit: `amcl, ekf or truth`, `0 to 20 m/s`, `at least 1`; empty when free."""
+    choices = choices_of(hint, metadata)
     if choices:
         return " or ".join([", ".join(choices[:-1]), choices[-1]] if choices[1:] else choices)
     minimum, maximum = _bounds(metadata)
-    unit = cast(str, metadata.get("unit", ""))
     if math.isfinite(minimum) and math.isfinite(maximum):
         words = f"{minimum:.10g} to {maximum:.10g}"
     elif math.isfinite(minimum):
@@ -388,7 +402,7 @@ def allowed(metadata: Metadata) -> str:
         words = f"at most {maximum:.10g}"
     else:
         words = ""
-    return f"{words} {unit}".strip()
+    return f"{words} {metadata.get('unit', '')}".strip()
 
 
 _KINDS: Mapping[object, str] = {
@@ -401,8 +415,8 @@ _KINDS: Mapping[object, str] = {
 
 
 def _wanted(hint: object, metadata: Metadata) -> str:
-    words = allowed(metadata)
-    if metadata.get("choices"):
+    words = allowed(hint, metadata)
+    if choices_of(hint, metadata):
         return f"Write {words}"
     kind = _KINDS.get(hint, "a list" if get_origin(hint) is tuple else "a section")
     return f"Write {kind}, {words}" if words else f"Write {kind}"
