@@ -1,0 +1,153 @@
+"""A team drawn by hand: robots on circles, with all that a snapshot can hold. No physics, the same every time."""
+
+import math
+from collections.abc import Iterator
+
+import numpy as np
+
+from sim.geometry import FloatArray, Pose2
+from sim.grid import OccupancyGrid
+from sim.localization.estimate import Estimate
+from sim.navigator import Arrived, Goal, Navigation, NoPath
+from sim.observations import (
+    STANDSTILL,
+    Battery,
+    Imu,
+    LaserMount,
+    Neighbour,
+    Observations,
+    Odometry,
+    Scan,
+    Twist,
+)
+from sim.robot import RobotOutput
+from sim.team import TeamSnapshot
+from sim.world import WorldState
+from thbridge.ros.records import GameEvent, InitialPose, Input, Record, Score, SendRobots, Session, Success, Utterance
+
+MOUNT = LaserMount(Pose2(0.1, 0.0, 0.0), -2.0, 4.0 / 180, 181, 0.05, 8.0)
+SCAN_PERIOD = 0.1
+SESSION = Session("map: arena\nname: Müller's £ study\n", 2**63 + 5, {"thbridge": "0.1", "python": "3.11"})
+SPEED = 0.5
+LEG = 100
+"""Ticks that a goal takes; a pause of half as long follows."""
+
+
+def arena() -> OccupancyGrid:
+    """A walled box of 16 m x 12 m, with unknown cells outside a door."""
+    cells = np.zeros((120, 160), dtype=np.int8)
+    cells[0], cells[-1], cells[:, 0], cells[:, -1] = 100, 100, 100, 100
+    cells[40, :60] = 100
+    cells[0, 10:20] = -1
+    return OccupancyGrid(cells, 0.1, Pose2(-5.0, -5.0, 0.0))
+
+
+def truth(robot: int, tick: int) -> Pose2:
+    """Where a robot is: on its circle, driven only in the legs."""
+    driven = (tick // (LEG + LEG // 2)) * LEG + min(tick % (LEG + LEG // 2), LEG)
+    radius = 1.0 + 0.3 * robot
+    angle = SPEED * driven / 50 / radius
+    return Pose2(1.0 + radius * math.cos(angle), 1.0 + radius * math.sin(angle), _wrapped(angle + math.pi / 2))
+
+
+def snapshots(robots: int, ticks: int, first: int = 0) -> Iterator[TeamSnapshot]:
+    """Ticks `first` to `first + ticks - 1` of a team."""
+    for tick in range(first, first + ticks):
+        outputs = tuple(_output(robot, tick) for robot in range(robots))
+        yield TeamSnapshot(tick, _world(robots, tick), outputs)
+
+
+def records(tick: int) -> tuple[Record, ...]:
+    """Game, talk and inputs: a little of each, every second."""
+    if tick % 50 != 10:
+        return ()
+    room = 1 + tick // 50 % 8
+    return (
+        Input("Hans", f"%%goto Hans SimR 0 {room - 1}"),
+        SendRobots(f"%%goto Hans SimR 0 {room - 1}"),
+        Success("%%error SimR Hans 0"),
+        GameEvent("arrived", 0, room, f'{{"event":"arrived","robot":0,"room":{room}}}'),
+        GameEvent("ended", None, None, '{"event":"ended"}'),
+        Score(10 * room - 30, room, 8, (80.5, 70.25)),
+        Utterance(tick, "robot", 0, room, "select-room", f"It will cost me £{room} to go there", "claim"),
+        InitialPose(0, Pose2(1.0, 2.0, 0.5), np.diag([0.25, 0.25, 0.07])),
+    )
+
+
+def _wrapped(angle: float) -> float:
+    return (angle + math.pi) % (2 * math.pi) - math.pi
+
+
+def _moves(tick: int) -> bool:
+    return tick % (LEG + LEG // 2) < LEG
+
+
+def _world(robots: int, tick: int) -> WorldState:
+    poses = np.array([truth(robot, tick).array() for robot in range(robots)])
+    twists = np.tile([SPEED if _moves(tick) else 0.0, 0.0], (robots, 1))
+    return WorldState(
+        tick, poses, twists, poses, twists, np.full(robots, 100.0), np.zeros(robots, bool), np.zeros(robots, np.int64)
+    )
+
+
+def _output(robot: int, tick: int) -> RobotOutput:
+    true = truth(robot, tick)
+    odom_in_map = Pose2(0.05 * math.sin(tick / 300), 0.03, 0.01 * math.sin(tick / 200 + robot))
+    drifted = odom_in_map.between(true)
+    moves = _moves(tick)
+    twist = Twist(SPEED, 0.4) if moves else STANDSTILL
+    scan = None
+    if tick % 5 == robot % 5:
+        ranges = (3.0 + np.sin(np.arange(MOUNT.beams) / 20 + tick)).astype(np.float32)
+        ranges[3], ranges[4] = np.inf, np.nan
+        scan = Scan(tick, MOUNT, ranges)
+    battery = Battery(tick, 100.0 - 0.4 * tick / 50, 100.0)
+    observations = Observations(tick, Odometry(tick, drifted, twist), Imu(tick, 0.4), scan, battery)
+    updated = moves and tick % 20 == 0
+    around = true.array() + 0.05 * np.sin(np.arange(300 * 3).reshape(300, 3))
+    estimate = Estimate(
+        tick,
+        odom_in_map.compose(drifted),
+        odom_in_map,
+        np.diag([0.01, 0.02, 0.003]),
+        around if updated else np.empty((0, 3)),
+        updated,
+    )
+    navigation = _navigation(robot, tick, twist)
+    return RobotOutput(observations, estimate, navigation, Neighbour(robot, true, twist, np.empty((0, 2)), np.empty((0, 2)), np.empty(0)))
+
+
+def _navigation(robot: int, tick: int, twist: Twist) -> Navigation:
+    leg, at = divmod(tick, LEG + LEG // 2)
+    goal = Goal(leg, truth(robot, leg * (LEG + LEG // 2) + LEG))
+    none = np.empty((0, 3))
+    if at < LEG:
+        plan = _plan(robot, leg)[at // 10 :]
+        return Navigation(
+            command=twist,
+            goal=goal,
+            state="controlling",
+            plan=plan,
+            times=np.zeros(len(plan)),
+            local_plan=none,
+            result=None,
+            remaining=1.0,
+        )
+    result: Arrived | NoPath | None = None
+    if at == LEG:
+        result = Arrived(goal) if leg % 2 == 0 else NoPath(goal, "no-plan", "the goal is inside a wall")
+    return Navigation(
+        command=STANDSTILL,
+        goal=None,
+        state="idle",
+        plan=none,
+        times=np.empty(0),
+        local_plan=none,
+        result=result,
+        remaining=0.0,
+    )
+
+
+def _plan(robot: int, leg: int) -> FloatArray:
+    start = leg * (LEG + LEG // 2)
+    return np.array([truth(robot, start + step * 5).array() for step in range(21)])

@@ -1,0 +1,63 @@
+"""What things are called in ROS: namespaces and frames of robots, topics of the whole team."""
+
+from dataclasses import dataclass
+
+MAP_FRAME = "map"
+CALLER = "/thbridge"
+"""The one node that publishes everything, in bags and in a live graph."""
+
+TF = "/tf"
+TF_STATIC = "/tf_static"
+MAP = "/map"
+MAP_METADATA = "/map_metadata"
+SESSION = "/thbridge/session"
+SEND_ROBOTS = "/sendRobots"
+SUCCESS = "/success"
+GAME_EVENTS = "/hunt/events"
+SCORE = "/hunt/score"
+UTTERANCES = "/dialogue/utterances"
+INPUTS = "/inputs"
+
+
+@dataclass(frozen=True, slots=True)
+class RobotNames:
+    """One robot's namespace, frames and topics; frames carry no leading slash (tf2 forbids it).
+
+    Attributes:
+        namespace: "/robot1" for the first robot.
+    """
+
+    namespace: str
+
+    @classmethod
+    def of(cls, robot: int) -> "RobotNames":
+        """The names of a robot by its index in the team, from 0; ROS and people count from 1."""
+        return cls(f"/robot{robot + 1}")
+
+    def frame(self, name: str) -> str:
+        """This robot's frame `name`: "odom" gives "robot1/odom"."""
+        return f"{self.namespace[1:]}/{name}"
+
+    def topic(self, name: str) -> str:
+        """This robot's topic `name`: "scan" gives "/robot1/scan"."""
+        return f"{self.namespace}/{name}"
+
+    @property
+    def odom(self) -> str:
+        """Frame in which the wheels count."""
+        return self.frame("odom")
+
+    @property
+    def base_footprint(self) -> str:
+        """Frame of the base, on the ground."""
+        return self.frame("base_footprint")
+
+    @property
+    def base_link(self) -> str:
+        """Frame of the body."""
+        return self.frame("base_link")
+
+    @property
+    def base_laser(self) -> str:
+        """Frame of the laser."""
+        return self.frame("base_laser")

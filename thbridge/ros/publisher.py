@@ -1,0 +1,263 @@
+"""Which messages a session says, tick by tick: the one order of topics that bags and live graphs share."""
+
+from collections.abc import Iterable, Iterator
+from dataclasses import dataclass
+from typing import NamedTuple, assert_never
+
+import numpy as np
+
+from sim.geometry import FloatArray, Pose2
+from sim.grid import OccupancyGrid
+from sim.navigator import Arrived, Cancelled, Goal, Navigation, NoPath
+from sim.observations import STANDSTILL, TICKS_PER_SECOND, LaserMount, Twist
+from sim.robot import RobotOutput
+from sim.team import TeamSnapshot
+from thbridge.ros import names, pack, types
+from thbridge.ros.names import MAP_FRAME, RobotNames
+from thbridge.ros.pack import Transform
+from thbridge.ros.records import (
+    GameEvent,
+    InitialPose,
+    Input,
+    Record,
+    Score,
+    SendRobots,
+    Session,
+    Success,
+    Utterance,
+)
+from thbridge.ros.stamps import stamp_ns
+
+COMMAND_PERIOD = 5
+"""Ticks after which an unchanged command is said again while a goal is under way: 10 Hz, base drivers time out."""
+
+UNMEASURED = 1e6
+"""Variance by which ROS drivers say that a robot of the plane measures no z, roll and pitch."""
+
+_ODOM_POSE = pack.covariance(np.diag([1e-3, 1e-3, 1e-3]), UNMEASURED)
+_ODOM_TWIST = pack.covariance(np.diag([1e-3, 1e-3, 1e-3]), UNMEASURED)
+"""Nominal, as drivers give them: odometry knows nothing of its own drift."""
+
+
+class Topic(NamedTuple):
+    """A topic with the type of its messages; who comes late to a latched one gets its last message."""
+
+    name: str
+    msgtype: str
+    latched: bool = False
+
+
+class Message(NamedTuple):
+    """One message: its topic, when it was said (nanoseconds of ROS time), and its bytes."""
+
+    topic: Topic
+    stamp_ns: int
+    data: bytes
+
+
+TF = Topic(names.TF, types.TFMESSAGE)
+TF_STATIC = Topic(names.TF_STATIC, types.TFMESSAGE, latched=True)
+MAP = Topic(names.MAP, types.OCCUPANCY_GRID, latched=True)
+MAP_METADATA = Topic(names.MAP_METADATA, types.MAP_META_DATA, latched=True)
+SESSION = Topic(names.SESSION, types.SESSION, latched=True)
+SEND_ROBOTS = Topic(names.SEND_ROBOTS, types.STRING)
+SUCCESS = Topic(names.SUCCESS, types.STRING)
+GAME_EVENTS = Topic(names.GAME_EVENTS, types.GAME_EVENT)
+SCORE = Topic(names.SCORE, types.SCORE, latched=True)
+UTTERANCES = Topic(names.UTTERANCES, types.UTTERANCE)
+INPUTS = Topic(names.INPUTS, types.INPUT)
+
+
+@dataclass(frozen=True, slots=True)
+class RobotTopics:
+    """The topics of one robot."""
+
+    odom: Topic
+    base_pose_ground_truth: Topic
+    scan: Topic
+    amcl_pose: Topic
+    particlecloud: Topic
+    initialpose: Topic
+    cmd_vel: Topic
+    battery: Topic
+    goal: Topic
+    result: Topic
+    plan: Topic
+
+    @classmethod
+    def of(cls, robot: RobotNames) -> "RobotTopics":
+        """The topics in a robot's namespace."""
+        return cls(
+            odom=Topic(robot.topic("odom"), types.ODOMETRY),
+            base_pose_ground_truth=Topic(robot.topic("base_pose_ground_truth"), types.ODOMETRY),
+            scan=Topic(robot.topic("scan"), types.LASER_SCAN),
+            amcl_pose=Topic(robot.topic("amcl_pose"), types.POSE_WITH_COVARIANCE, latched=True),
+            particlecloud=Topic(robot.topic("particlecloud"), types.POSE_ARRAY, latched=True),
+            initialpose=Topic(robot.topic("initialpose"), types.POSE_WITH_COVARIANCE),
+            cmd_vel=Topic(robot.topic("cmd_vel"), types.TWIST),
+            battery=Topic(robot.topic("battery"), types.BATTERY_STATE),
+            goal=Topic(robot.topic("move_base/goal"), types.MOVE_BASE_GOAL),
+            result=Topic(robot.topic("move_base/result"), types.MOVE_BASE_RESULT),
+            plan=Topic(robot.topic("move_base/NavfnROS/plan"), types.PATH),
+        )
+
+
+class Publisher:
+    """Turns each tick of a team into the messages that its ROS nodes would publish.
+
+    Args:
+        robots: size of the team.
+        mount: the laser that every robot carries.
+        scan_period: seconds between two scans of one robot.
+    """
+
+    def __init__(self, robots: int, mount: LaserMount, scan_period: float) -> None:
+        self._laser_in_base = mount.laser_in_base
+        self._robots = [_RobotPublisher(robot, scan_period) for robot in range(robots)]
+
+    def opening(self, tick: int, session: Session, grid: OccupancyGrid) -> list[Message]:
+        """What is said once, before all else: session, frames that never move, the map. All of it is latched."""
+        stamp = stamp_ns(tick)
+        static = [
+            transform
+            for robot in self._robots
+            for transform in (
+                Transform(robot.names.base_footprint, robot.names.base_link, Pose2(0.0, 0.0, 0.0)),
+                Transform(robot.names.base_link, robot.names.base_laser, self._laser_in_base),
+            )
+        ]
+        return [
+            Message(SESSION, stamp, pack.session(tick, session)),
+            Message(TF_STATIC, stamp, pack.transforms(tick, static)),
+            Message(MAP, stamp, pack.occupancy_grid(tick, MAP_FRAME, grid)),
+            Message(MAP_METADATA, stamp, pack.map_meta_data(tick, grid)),
+        ]
+
+    def tick(self, snapshot: TeamSnapshot, records: Iterable[Record] = ()) -> list[Message]:
+        """What is said in one tick: the robots in the team's order, then the records in theirs.
+
+        Raises:
+            ValueError: the team is not as large as was said.
+        """
+        stamp = stamp_ns(snapshot.tick)
+        messages = [Message(TF, stamp, pack.transforms(snapshot.tick, self._moving_frames(snapshot)))]
+        for index, (robot, output) in enumerate(zip(self._robots, snapshot.robots, strict=True)):
+            x, y, theta = snapshot.world.poses[index].tolist()
+            linear, angular = snapshot.world.twists[index].tolist()
+            said = robot.tick(snapshot.tick, Pose2(x, y, theta), Twist(linear, angular), output)
+            messages.extend(Message(topic, stamp, data) for topic, data in said)
+        messages.extend(Message(topic, stamp, data) for topic, data in self._records(snapshot.tick, records))
+        return messages
+
+    def _moving_frames(self, snapshot: TeamSnapshot) -> Iterator[Transform]:
+        for robot, output in zip(self._robots, snapshot.robots, strict=True):
+            yield Transform(MAP_FRAME, robot.names.odom, output.estimate.odom_in_map)
+            yield Transform(robot.names.odom, robot.names.base_footprint, output.observations.odometry.base_in_odom)
+
+    def _records(self, tick: int, records: Iterable[Record]) -> Iterator[tuple[Topic, bytes]]:
+        for record in records:
+            match record:
+                case GameEvent():
+                    yield GAME_EVENTS, pack.game_event(tick, record)
+                case Score():
+                    yield SCORE, pack.score(tick, record)
+                case Utterance():
+                    yield UTTERANCES, pack.utterance(tick, record)
+                case Input():
+                    yield INPUTS, pack.person_input(tick, record)
+                case SendRobots(line):
+                    yield SEND_ROBOTS, pack.string(line)
+                case Success(line):
+                    yield SUCCESS, pack.string(line)
+                case InitialPose(robot, pose, planar):
+                    yield (
+                        self._robots[robot].topics.initialpose,
+                        pack.pose_with_covariance(tick, MAP_FRAME, pose, planar),
+                    )
+                case _:
+                    assert_never(record)
+
+
+class _RobotPublisher:
+    """One robot's topics, and what it said last where only changes are worth saying."""
+
+    def __init__(self, robot: int, scan_period: float) -> None:
+        self.names = RobotNames.of(robot)
+        self.topics = RobotTopics.of(self.names)
+        self._scan_period = scan_period
+        self._command = STANDSTILL
+        self._command_tick = 0
+        self._goal: Goal | None = None
+        self._goal_tick = 0
+        self._plan: FloatArray = np.empty((0, 3))
+
+    def tick(self, tick: int, truth: Pose2, twist: Twist, output: RobotOutput) -> Iterator[tuple[Topic, bytes]]:
+        topics, frames = self.topics, self.names
+        observations, estimate = output.observations, output.estimate
+        sensed = observations.odometry
+        yield (
+            topics.odom,
+            pack.odometry(
+                tick, frames.odom, frames.base_footprint, sensed.base_in_odom, sensed.twist, _ODOM_POSE, _ODOM_TWIST
+            ),
+        )
+        yield topics.base_pose_ground_truth, pack.odometry(tick, MAP_FRAME, frames.base_footprint, truth, twist)
+        if observations.scan is not None:
+            yield topics.scan, pack.laser_scan(observations.scan, frames.base_laser, self._scan_period)
+        if estimate.updated:
+            yield (
+                topics.amcl_pose,
+                pack.pose_with_covariance(tick, MAP_FRAME, estimate.base_in_map, estimate.covariance),
+            )
+            if len(estimate.particles):
+                yield topics.particlecloud, pack.pose_array(tick, MAP_FRAME, estimate.particles)
+        if tick % TICKS_PER_SECOND == 0:
+            yield topics.battery, pack.battery_state(observations.battery, frames.namespace[1:])
+        yield from self._navigation(tick, output.navigation)
+
+    def _navigation(self, tick: int, navigation: Navigation) -> Iterator[tuple[Topic, bytes]]:
+        topics, command = self.topics, navigation.command
+        if navigation.result is not None:
+            ended = navigation.result.goal
+            if ended != self._goal:  # set and given up within one tick
+                yield self._set_goal(tick, ended)
+            yield topics.result, self._packed_result(tick, navigation.result)
+            self._goal = None
+        if navigation.goal is not None and navigation.goal != self._goal:
+            yield self._set_goal(tick, navigation.goal)
+        repeated = navigation.goal is not None and tick - self._command_tick >= COMMAND_PERIOD
+        if command != self._command or repeated:
+            self._command, self._command_tick = command, tick
+            yield topics.cmd_vel, pack.command(command)
+        if not _is_rest(navigation.plan, self._plan):
+            yield topics.plan, pack.path(tick, MAP_FRAME, navigation.plan)
+        self._plan = navigation.plan
+
+    def _set_goal(self, tick: int, goal: Goal) -> tuple[Topic, bytes]:
+        self._goal, self._goal_tick = goal, tick
+        return self.topics.goal, pack.move_base_goal(tick, MAP_FRAME, self._goal_id(goal), goal.base_in_map)
+
+    def _packed_result(self, tick: int, result: Arrived | NoPath | Cancelled) -> bytes:
+        match result:
+            case Arrived(goal):
+                status, text = pack.SUCCEEDED, "Goal reached."
+            case NoPath(goal, _, sentence):
+                status, text = pack.ABORTED, sentence
+            case Cancelled(goal):
+                status, text = pack.PREEMPTED, ""
+            case _:
+                assert_never(result)
+        return pack.move_base_result(tick, self._goal_id(goal), self._goal_tick, status, text)
+
+    def _goal_id(self, goal: Goal) -> str:
+        return f"{self.names.namespace[1:]}-{goal.id}"
+
+
+def _is_rest(plan: FloatArray, last: FloatArray) -> bool:
+    """Whether a plan is the last one, or what is left of it to drive from a new place: not worth saying."""
+    if plan is last:
+        return True
+    if not len(plan):
+        return not len(last)
+    ahead = plan[1:]
+    return len(plan) <= len(last) and np.array_equal(last[len(last) - len(ahead) :], ahead)
