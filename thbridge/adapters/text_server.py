@@ -18,7 +18,7 @@ from collections import deque
 from collections.abc import Callable, Iterable
 from dataclasses import dataclass
 
-from thbridge.wire.router import Close, ConnectionId, Forwarded, Output, Router, Send, Skipped, TurnedAway
+from thbridge.wire.router import Close, ConnectionId, Forwarded, Joined, Left, Output, Router, Send, Skipped, TurnedAway
 
 DEFAULT_HOST = "127.0.0.1"
 DEFAULT_PORT = 6009
@@ -133,6 +133,10 @@ class TextServer:
                         _close(transport, reason.flush)
                 case Skipped(connection, length):
                     _log.warning("client %d sent a line of %d bytes, which is too long; skipped", connection, length)
+                case Joined(connection, name):
+                    _log.info("client %d is %s", connection, name)
+                case Left(connection, name):
+                    _log.info("client %d is %s no more", connection, name)
                 case Forwarded():
                     self._tap(output)
 
@@ -154,7 +158,7 @@ class TextServer:
 
     def ended(self, connection: ConnectionId) -> None:
         """Hear that a client has sent its last byte."""
-        self.router.eof(connection)
+        self.perform(self.router.eof(connection))
         self._transports.pop(connection, None)
 
     def lost(self, transport: Transport) -> None:

@@ -10,8 +10,7 @@ from dataclasses import dataclass
 from enum import Enum
 from typing import TypeAlias
 
-from thbridge.wire.router import EXTENDED
-from thbridge.wire.text import Command, LineSplitter, Message, Overlong, encode_line, parse_tokens, tokens
+from thbridge.wire.text import EXTENDED, Command, LineSplitter, Message, Overlong, encode_line, parse_tokens, tokens
 
 _PONG_LINE = encode_line(f"{Command.PONG} ")
 

@@ -16,6 +16,12 @@ from thbridge.wire.text import Command, Message, Unreadable
 JsonValue: TypeAlias = bool | int | float | str | Sequence["JsonValue"] | Mapping[str, "JsonValue"] | None
 """What JSON can hold; `parse_notice` gives lists and dictionaries."""
 
+SERVER = "Server"
+"""The name under which the server itself speaks in notices."""
+
+UNDELIVERED = "undelivered"
+"""The server's notice of a failed delivery: `command`, `receiver`, `content` (its beginning) and `reason`."""
+
 _MARK = "thbridge"
 
 

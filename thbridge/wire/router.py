@@ -41,8 +41,9 @@ from dataclasses import dataclass, field
 from enum import Enum
 from typing import NewType, TypeAlias
 
-from thbridge.wire.notice import is_notice, notice
+from thbridge.wire.notice import SERVER, UNDELIVERED, is_notice, notice
 from thbridge.wire.text import (
+    EXTENDED,
     LINE_LIMIT,
     Command,
     LineSplitter,
@@ -54,15 +55,6 @@ from thbridge.wire.text import (
 )
 
 ConnectionId = NewType("ConnectionId", int)
-
-SERVER = "Server"
-"""The name under which the server itself speaks in notices."""
-
-EXTENDED = "extended"
-"""Second token of a ``%%setid`` that asks for more than the protocol of 2016."""
-
-UNDELIVERED = "undelivered"
-"""Kind of the notice of a failed delivery: `command`, `receiver`, `content` (its beginning) and `reason`."""
 
 # The exact bytes matter: the old clients look for words anywhere in a line, and count characters from its end.
 ACK_LINE = encode_line(f"{Command.ACK} ")
@@ -148,7 +140,24 @@ class Skipped:
     length: int
 
 
-Output: TypeAlias = Send | Close | Forwarded | Skipped
+@dataclass(frozen=True, slots=True)
+class Joined:
+    """A connection holds a name from now on: for logs, and for recorders that want to know who could be reached."""
+
+    connection: ConnectionId
+    name: str
+    extended: bool
+
+
+@dataclass(frozen=True, slots=True)
+class Left:
+    """A connection does not hold its name any more."""
+
+    connection: ConnectionId
+    name: str
+
+
+Output: TypeAlias = Send | Close | Forwarded | Skipped | Joined | Left
 
 
 @dataclass(frozen=True, slots=True)
@@ -231,11 +240,10 @@ class Router:
                 break
         return outputs
 
-    def eof(self, connection: ConnectionId) -> None:
+    def eof(self, connection: ConnectionId) -> list[Output]:
         """A connection has ended or is lost: its name is free. A line it had begun is dropped."""
         client = self._connections.pop(connection, None)
-        if client is not None:
-            self._release(client)
+        return [] if client is None else self._release(client)
 
     def report_backlog(self, connection: ConnectionId, size: int) -> list[Output]:
         """Hear how many bytes wait in a connection's outgoing buffer; one that does not read is closed."""
@@ -331,7 +339,7 @@ class Router:
                 outputs += self._register(client, name, extras)
             case [Command.GETID, *_]:
                 name = self._fresh_number()
-                self._rename(client, name)
+                outputs += self._rename(client, name, client.extended)
                 outputs.append(Send(client.id, encode_line(f"{Command.SETID} {name}")))
             case [Command.PING, *_]:
                 outputs.append(Send(client.id, PONG_LINE))
@@ -354,9 +362,8 @@ class Router:
             if not (extended and isinstance(holder, _Connection) and _is_dead(holder, token)):
                 return [Send(client.id, SHUTDOWN_LINE), *self._close(client, CloseReason.NAME_TAKEN)]
             outputs += self._close(holder, CloseReason.REPLACED)
-        self._rename(client, name)
-        client.extended, client.token = extended, token
-        return outputs
+        client.token = token
+        return outputs + self._rename(client, name, extended)
 
     def _forward(self, origin: _Connection | _Endpoint, message: Message) -> list[Output]:
         """Pass a message on; tell an extended origin by a notice when that cannot be done."""
@@ -396,19 +403,21 @@ class Router:
             self._number += 1
         return str(self._number)
 
-    def _rename(self, client: _Connection, name: str) -> None:
-        self._release(client)
-        client.name = name
+    def _rename(self, client: _Connection, name: str, extended: bool) -> list[Output]:
+        left = self._release(client)
+        client.name, client.extended = name, extended
         self._holders[name] = client
+        return [*left, Joined(client.id, name, extended)]
 
-    def _release(self, client: _Connection) -> None:
-        if client.name is not None:
-            del self._holders[client.name]
-            client.name = None
+    def _release(self, client: _Connection) -> list[Output]:
+        if client.name is None:
+            return []
+        name, client.name = client.name, None
+        del self._holders[name]
+        return [Left(client.id, name)]
 
     def _close(self, client: _Connection, reason: CloseReason) -> list[Output]:
-        self.eof(client.id)
-        return [Close(client.id, reason)]
+        return [*self.eof(client.id), Close(client.id, reason)]
 
 
 def _is_dead(holder: _Connection, token: str | None) -> bool:

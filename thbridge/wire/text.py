@@ -14,6 +14,9 @@ from enum import StrEnum
 LINE_LIMIT = 64 * 1024
 """Longest line that is read, in bytes before its line feed."""
 
+EXTENDED = "extended"
+"""Second token of a ``%%setid`` that asks for more than the protocol of 2016."""
+
 _TOKEN = re.compile(r"\S+", re.ASCII)
 
 
