@@ -81,9 +81,7 @@ class AmclParameters:
     min_particles: int = knob(100, "least number of particles", "", 1, 100000)
     max_particles: int = knob(1000, "greatest number of particles (amcl: 5000)", "", 1, 100000)
     kld_err: float = knob(0.05, "largest error between true and estimated distribution (amcl: 0.01)", "", 0, 1)
-    kld_z: float = knob(
-        0.99, "normal quantile of 1 - p, p: how sure the error is below kld_err", "", 0, 5
-    )
+    kld_z: float = knob(0.99, "normal quantile of 1 - p, p: how sure the error is below kld_err", "", 0, 5)
     update_min_d: float = knob(0.2, "metres to drive before the filter is updated", "m", 0, 5)
     update_min_a: float = knob(0.523599, "angle to turn before the filter is updated", "rad", 0, 6.2832)
     resample_interval: int = knob(2, "updates from one resampling to the next", "", 1, 20)
@@ -96,12 +94,35 @@ class AmclParameters:
     laser_max_range: float = knob(-1.0, "farther readings are not used; -1: the laser's own limit", "m", -1)
     laser_z_hit: float = knob(0.95, "weight of a good reading", "", 0, 1)
     laser_z_rand: float = knob(0.05, "weight of a random reading", "", 0, 1)
-    laser_sigma_hit: float = knob(0.2, "standard deviation of a good reading", "m", 0.001, 10)
+    laser_sigma_hit: float = knob(0.1, "standard deviation of a good reading (amcl: 0.2)", "m", 0.001, 10)
     laser_likelihood_max_dist: float = knob(2.0, "distances to walls are capped here", "m", 0, 20)
+    odom_model_type: str = knob(
+        "diff",
+        "how the odom_alphas are read: for standard deviations, as amcl does by default, or corrected, for variances",
+        choices=("diff", "diff-corrected"),
+    )
     odom_alpha1: float = knob(0.2, "believed error in turning per turning", "", 0, 10)
     odom_alpha2: float = knob(0.2, "believed error in turning per metre", "", 0, 10)
     odom_alpha3: float = knob(0.2, "believed error in distance per metre", "", 0, 10)
     odom_alpha4: float = knob(0.2, "believed error in distance per turning", "", 0, 10)
+
+
+@dataclass(frozen=True, slots=True)
+class EkfParameters:
+    """Extended Kalman filter localisation: odometry and gyroscope, corrected by matching scans to the map."""
+
+    update_min_d: float = knob(0.2, "metres to drive before a scan is matched", "m", 0, 5)
+    update_min_a: float = knob(0.523599, "angle to turn before a scan is matched", "rad", 0, 6.2832)
+    initial_cov_xx: float = knob(0.25, "variance of the first pose", "m^2", 0)
+    initial_cov_yy: float = knob(0.25, "variance of the first pose", "m^2", 0)
+    initial_cov_aa: float = knob(0.06853891945200942, "variance of the first heading", "rad^2", 0)
+    laser_max_beams: int = knob(60, "beams of a scan that are matched", "", 2, 4000)
+    laser_max_range: float = knob(-1.0, "farther readings are not used; -1: the laser's own limit", "m", -1)
+    odom_alpha1: float = knob(0.01, "believed variance in turning per turning", "", 0, 10)
+    odom_alpha2: float = knob(0.01, "believed variance in turning per metre", "", 0, 10)
+    odom_alpha3: float = knob(0.01, "believed variance in distance per metre", "", 0, 10)
+    odom_alpha4: float = knob(0.01, "believed variance in distance per turning", "", 0, 10)
+    gyro_noise: float = knob(0.01, "believed standard deviation of the measured rate of turn", "rad/s", 0, 10)
 
 
 @dataclass(frozen=True, slots=True)
@@ -181,6 +202,7 @@ class RobotParameters:
 
     localization: str = knob("amcl", "how it knows where it is", choices=("amcl", "ekf", "truth"))
     amcl: AmclParameters = knob(AmclParameters(), "particle filter")
+    ekf: EkfParameters = knob(EkfParameters(), "Kalman filter")
     costmap: CostmapParameters = knob(CostmapParameters(), "costmaps")
     NavfnROS: NavfnParameters = knob(NavfnParameters(), "global planner")
     TrajectoryPlannerROS: TrajectoryPlannerParameters = knob(TrajectoryPlannerParameters(), "local planner")

@@ -1,0 +1,52 @@
+"""Noticing that the filter is lost: two running averages of how well the map explains the scans."""
+
+from dataclasses import dataclass
+
+MARGIN = 1.5
+"""The map must explain this many times less than usual before the filter counts as lost at all.
+
+Other robots hide a part of the map for a while; without a margin every such moment would scatter particles.
+"""
+
+
+@dataclass(frozen=True, slots=True)
+class Recovery:
+    """How well the map has explained the scans of late, and in the long run.
+
+    Attributes:
+        slow: long-term average of the agreement, 0..1 (amcl: w_slow).
+        fast: short-term average (amcl: w_fast).
+        count: scans averaged so far.
+    """
+
+    slow: float = 0.0
+    fast: float = 0.0
+    count: int = 0
+
+    def after(self, agreement: float, alpha_slow: float, alpha_fast: float) -> "Recovery":
+        """The averages with one more scan in them.
+
+        They begin as plain means: the first scan, weighed from a vague start, must not weigh for a thousand more.
+
+        Args:
+            agreement: how well the map explains the scan from where the filter believes to be, 0..1.
+            alpha_slow: decay of the long-term average; 0 for both decays never counts as lost.
+            alpha_fast: decay of the short-term average.
+
+        Source: Probabilistic Robotics, table 8.3, lines 10 and 11. Differs: amcl averages the mean unnormalised
+            weight, which falls with the number of particles and of scans since the last resampling and so says little
+            about being lost. Agreement at the reported pose has neither fault.
+        """
+        plain = 1.0 / (self.count + 1)
+        slow = self.slow + max(alpha_slow, plain) * (agreement - self.slow)
+        fast = self.fast + max(alpha_fast, plain) * (agreement - self.fast)
+        return Recovery(slow, fast, self.count + 1)
+
+    @property
+    def lost(self) -> float:
+        """Share of the particles to draw anew from all over the map, 0..1.
+
+        Source: Gutmann and Fox, An experimental comparison of localization methods continued (2002), for the margin;
+            table 8.3, line 13 is the case `MARGIN` = 1.
+        """
+        return max(0.0, 1.0 - MARGIN * self.fast / self.slow) if self.slow > 0.0 else 0.0

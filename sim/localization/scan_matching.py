@@ -1,0 +1,140 @@
+"""Where a scan fits the map best, near a guess: what the Kalman filter takes for a measurement of the pose."""
+
+import math
+from dataclasses import dataclass
+from typing import NamedTuple
+
+import numpy as np
+from numba import njit
+
+from sim.geometry import FloatArray, Pose2, wrap_angle
+from sim.grid import GridFrame, OccupancyGrid
+from sim.localization.likelihood_field import INDEPENDENT_BEAMS, signed_distance
+
+REACH = 1.0
+"""Metres: farther from any wall the field is flat and points pull nowhere."""
+
+_WIDTHS = (0.4, 0.2, 0.1)
+"""Metres: points this far from a surface begin to count as something that the map does not show; coarse to fine."""
+_STEPS = 4
+"""Gauss-Newton steps at each width."""
+_DAMPING = 1e-3
+"""Part of the information's mean that is added to its diagonal, so that a corridor's free direction is left alone."""
+
+
+class Match(NamedTuple):
+    """A pose that a scan speaks for.
+
+    Attributes:
+        base_in_map: the pose.
+        information: (3, 3) inverse covariance of it; singular along a direction the scan does not fix.
+    """
+
+    base_in_map: Pose2
+    information: FloatArray
+
+
+@njit(cache=True)
+def _interpolate(field: FloatArray, along: float, across: float) -> tuple[float, float, float]:
+    """Value and slope per cell (columns, rows) between the four centres around a point given in cells.
+
+    Beyond the outermost centres the field is flat: slope 0.
+    """
+    left, below = along - 0.5, across - 0.5
+    col, row = math.floor(left), math.floor(below)
+    if col < 0 or row < 0 or col + 1 >= field.shape[1] or row + 1 >= field.shape[0]:
+        return REACH, 0.0, 0.0
+    u, v = left - col, below - row
+    f00, f01 = field[row, col], field[row, col + 1]
+    f10, f11 = field[row + 1, col], field[row + 1, col + 1]
+    value = (1.0 - v) * ((1.0 - u) * f00 + u * f01) + v * ((1.0 - u) * f10 + u * f11)
+    return value, (1.0 - v) * (f01 - f00) + v * (f11 - f10), (1.0 - u) * (f10 - f00) + u * (f11 - f01)
+
+
+@njit(cache=True)
+def _normal_equations(
+    field: FloatArray, frame: GridFrame, x: float, y: float, theta: float, points: FloatArray, width: float
+) -> tuple[FloatArray, FloatArray, float]:
+    """Gauss-Newton's matrix and right side, and the weighted mean square of the distances, at a pose."""
+    matrix = np.zeros((3, 3))
+    right = np.zeros(3)
+    squares, weights = 0.0, 0.0
+    c, s = math.cos(theta), math.sin(theta)
+    slopes = np.empty(3)
+    for j in range(points.shape[0]):
+        px = c * points[j, 0] - s * points[j, 1]
+        py = s * points[j, 0] + c * points[j, 1]
+        dx, dy = x + px - frame.x, y + py - frame.y
+        along = (frame.cos * dx + frame.sin * dy) / frame.resolution
+        across = (frame.cos * dy - frame.sin * dx) / frame.resolution
+        distance, by_col, by_row = _interpolate(field, along, across)
+        slopes[0] = (frame.cos * by_col - frame.sin * by_row) / frame.resolution
+        slopes[1] = (frame.sin * by_col + frame.cos * by_row) / frame.resolution
+        slopes[2] = slopes[1] * px - slopes[0] * py
+        # Geman and McClure's weight: what is far from every wall is another robot, and must not pull.
+        weight = 1.0 / (1.0 + (distance / width) ** 2) ** 2
+        weights += weight
+        squares += weight * distance * distance
+        for a in range(3):
+            right[a] -= weight * slopes[a] * distance
+            for b in range(3):
+                matrix[a, b] += weight * slopes[a] * slopes[b]
+    return matrix, right, squares / weights
+
+
+@njit(cache=True)
+def _match(
+    field: FloatArray, frame: GridFrame, x: float, y: float, theta: float, points: FloatArray
+) -> tuple[float, float, float, FloatArray]:
+    for width in _WIDTHS:
+        for _ in range(_STEPS):
+            matrix, right, _ = _normal_equations(field, frame, x, y, theta, points, width)
+            damping = _DAMPING * (matrix[0, 0] + matrix[1, 1] + matrix[2, 2]) / 3.0 + 1e-9
+            for a in range(3):
+                matrix[a, a] += damping
+            step = np.linalg.solve(matrix, right)
+            x += step[0]
+            y += step[1]
+            theta += step[2]
+    matrix, _, variance = _normal_equations(field, frame, x, y, theta, points, _WIDTHS[-1])
+    # Half a cell is the least that a grid can err by.
+    variance = max(variance, (0.5 * frame.resolution) ** 2)
+    share = min(1.0, INDEPENDENT_BEAMS / points.shape[0])
+    return x, y, wrap_angle(theta), matrix * (share / variance)
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class ScanMatcher:
+    """A map made ready for matching.
+
+    Attributes:
+        field: (rows, cols) metres to the nearest surface, negative inside walls; see `signed_distance`.
+        frame: where it lies.
+    """
+
+    field: FloatArray
+    frame: GridFrame
+
+    @classmethod
+    def of(cls, grid: OccupancyGrid) -> "ScanMatcher":
+        """Make a map ready, once."""
+        return cls(signed_distance(grid, REACH), grid.frame)
+
+    def match(self, guess: Pose2, points: FloatArray) -> Match | None:
+        """The pose near `guess` from which the points lie on the map's walls.
+
+        Args:
+            guess: base in map, within some decimetres of the truth.
+            points: (m, 2) end points of the beams in the base frame.
+
+        Returns:
+            The match; its information takes the noise from the distances that remain, and weakens it by the beams'
+            dependence on one another. None with less than three points, which cannot fix a pose.
+
+        Source: Kohlbrecher et al., A flexible and scalable SLAM system (2011), section IV: Gauss-Newton on an
+            interpolated grid. Differs: least squares of distances to surfaces, weighed against outliers.
+        """
+        if len(points) < 3:
+            return None
+        x, y, theta, information = _match(self.field, self.frame, guess.x, guess.y, guess.theta, points)
+        return Match(Pose2(x, y, theta), information)

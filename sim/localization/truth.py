@@ -1,0 +1,32 @@
+"""A localiser that knows: ROS's fake_localization."""
+
+from collections.abc import Callable
+
+import numpy as np
+
+from sim.geometry import FloatArray, Pose2
+from sim.localization.estimate import Estimate
+from sim.observations import Imu, Odometry, Scan
+
+
+class Truth:
+    """Reports the robot's true pose, without doubt: for studies in which localisation is not the question.
+
+    The only part of a robot's software that may see the truth; the composer hands it over.
+    """
+
+    def __init__(self, base_in_map: Callable[[], Pose2]) -> None:
+        """Ask `base_in_map` for the true pose at every tick; it must answer for the tick that is being estimated."""
+        self._base_in_map = base_in_map
+        self._covariance = np.zeros((3, 3))
+        self._covariance.setflags(write=False)
+        self._particles = np.empty((0, 3))
+
+    def start(self, base_in_map: Pose2, covariance: FloatArray) -> None:
+        """Nothing to begin: the truth needs no telling. (fake_localization would shift its map frame.)"""
+
+    def update(self, odometry: Odometry, imu: Imu, scan: Scan | None) -> Estimate:
+        """The true pose now; `odom_in_map` is whatever makes the odometry agree with it."""
+        base_in_map = self._base_in_map()
+        odom_in_map = base_in_map.compose(odometry.base_in_odom.inverse())
+        return Estimate(odometry.tick, base_in_map, odom_in_map, self._covariance, self._particles, updated=True)
