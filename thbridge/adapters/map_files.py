@@ -168,8 +168,12 @@ def read_grid(map_yaml: Path) -> OccupancyGrid:
     cells = interpret_image(
         pixels, entry.negate == 1, entry.occupied_thresh, entry.free_thresh, cast(MapMode, entry.mode)
     )
-    x, y, yaw = entry.origin
-    return OccupancyGrid(cells, entry.resolution, Pose2(x, y, wrap_angle(yaw)))
+    return OccupancyGrid(cells, entry.resolution, _pose(*entry.origin))
+
+
+def _pose(x: float, y: float, yaw: float) -> Pose2:
+    # Wrapping rounds; an angle that needs none stays as it was written.
+    return Pose2(x, y, yaw if -math.pi <= yaw < math.pi else wrap_angle(yaw))
 
 
 def write_grid(folder: Path, grid: OccupancyGrid) -> None:
@@ -273,18 +277,17 @@ def _findings_of_costs(drawn: Map) -> Iterator[Finding]:
 
 
 def _room(entry: _RoomEntry) -> MapRoom:
-    x, y, yaw = entry.goal
     region: Polygon = entry.region
     if len(region) == 2:
         (x0, y0), (x1, y1) = region
         region = ((x0, y0), (x1, y0), (x1, y1), (x0, y1))
-    return MapRoom(Room.of_people(entry.number), entry.name, region, Pose2(x, y, wrap_angle(yaw)))
+    return MapRoom(Room.of_people(entry.number), entry.name, region, _pose(*entry.goal))
 
 
 def _starts(entry: _StartsEntry) -> Iterator[tuple[str, Pose2]]:
     """Key path and pose of every start: the poses first, then row by row from its first end."""
     for index, (x, y, yaw) in enumerate(entry.poses):
-        yield f"starts.poses[{index}]", Pose2(x, y, wrap_angle(yaw))
+        yield f"starts.poses[{index}]", _pose(x, y, yaw)
     for index, ((x0, y0), (x1, y1)) in enumerate(entry.rows):
         length = math.hypot(x1 - x0, y1 - y0)
         for step in range(math.floor(length / entry.spacing + 1e-9) + 1):
