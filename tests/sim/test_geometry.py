@@ -2,7 +2,7 @@ import math
 
 import numpy as np
 import pytest
-from hypothesis import given
+from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from sim.geometry import IDENTITY, Pose2, compose, wrap_angle
@@ -18,6 +18,7 @@ def same(a: Pose2, b: Pose2) -> bool:
 
 
 @given(st.floats(-1e6, 1e6))
+@settings(deadline=None)
 def test_a_wrapped_angle_is_the_same_direction_in_range(angle: float) -> None:
     wrapped = wrap_angle(angle)
     assert -math.pi <= wrapped < math.pi
@@ -42,22 +43,26 @@ def test_the_seam_of_the_angles_is_minus_pi(angle: float, wrapped: float) -> Non
 
 
 @given(poses)
+@settings(deadline=None)
 def test_a_pose_and_its_inverse_cancel(pose: Pose2) -> None:
     assert same(pose.compose(pose.inverse()), IDENTITY)
     assert same(pose.inverse().compose(pose), IDENTITY)
 
 
 @given(poses, poses, poses)
+@settings(deadline=None)
 def test_composition_is_associative(a: Pose2, b: Pose2, c: Pose2) -> None:
     assert same(a.compose(b).compose(c), a.compose(b.compose(c)))
 
 
 @given(poses, poses)
+@settings(deadline=None)
 def test_between_undoes_compose(a: Pose2, b: Pose2) -> None:
     assert same(a.between(a.compose(b)), b)
 
 
 @given(poses, poses)
+@settings(deadline=None)
 def test_points_move_as_poses_do(a: Pose2, b: Pose2) -> None:
     moved = a.transform(np.array([[b.x, b.y]]))
     expected = a.compose(b)
@@ -73,6 +78,7 @@ def test_distance_ignores_headings() -> None:
 
 
 @given(poses, poses)
+@settings(deadline=None)
 def test_kernels_and_poses_compose_alike(a: Pose2, b: Pose2) -> None:
     composed = a.compose(b)
     assert compose(a.x, a.y, a.theta, b.x, b.y, b.theta) == (composed.x, composed.y, composed.theta)

@@ -1,6 +1,6 @@
 import numpy as np
 import pytest
-from hypothesis import given
+from hypothesis import given, settings
 from hypothesis import strategies as st
 from scipy import stats
 
@@ -47,6 +47,7 @@ def test_every_part_of_a_name_makes_another_stream() -> None:
 
 
 @given(st.integers(0, 2**64 - 1), st.integers(0, 2**40), st.integers(0, 40), st.integers(0, 40))
+@settings(deadline=None)
 def test_a_number_does_not_depend_on_how_many_are_drawn(stream: int, tick: int, n: int, more: int) -> None:
     for draw in (uniforms, normals):
         few, many = np.empty(n), np.empty(n + more)

@@ -53,7 +53,7 @@ def test_ranges_in_a_room_are_those_of_plane_geometry(angle: float, expected: fl
 
 
 @given(SEEDS, ORIGINS)
-@settings(max_examples=30)
+@settings(max_examples=30, deadline=None)
 def test_a_beam_ends_exactly_where_it_first_meets_an_occupied_cell(seed: int, origin: Pose2) -> None:
     rng = np.random.default_rng(seed)
     grid = random_grid(rng, origin)
@@ -77,6 +77,7 @@ def test_a_beam_ends_exactly_where_it_first_meets_an_occupied_cell(seed: int, or
 
 
 @given(SEEDS, ORIGINS)
+@settings(deadline=None)
 def test_skipping_free_squares_changes_no_bit_of_a_range(seed: int, origin: Pose2) -> None:
     rng = np.random.default_rng(seed)
     grid = random_grid(rng, origin, density=float(rng.choice([0.0, 0.005, 0.05, 0.3])))
@@ -91,6 +92,7 @@ def test_skipping_free_squares_changes_no_bit_of_a_range(seed: int, origin: Pose
 
 
 @given(SEEDS, ORIGINS)
+@settings(deadline=None)
 def test_ranges_do_not_change_when_map_and_sensor_are_moved_together(seed: int, origin: Pose2) -> None:
     rng = np.random.default_rng(seed)
     grid = random_grid(rng, Pose2(0.0, 0.0, 0.0))
@@ -176,7 +178,7 @@ def test_no_beam_slips_through_a_corner() -> None:
 
 
 @given(SEEDS, st.integers(3, 9))
-@settings(max_examples=50)
+@settings(max_examples=50, deadline=None)
 def test_polygons_agree_with_the_same_shape_drawn_by_sampling(seed: int, corners: int) -> None:
     rng = np.random.default_rng(seed)
     around = np.sort(rng.uniform(-math.pi, math.pi, corners))
