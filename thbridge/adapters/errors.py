@@ -6,7 +6,7 @@ from pathlib import Path
 class BadFile(Exception):  # noqa: N818 - it names the fault of a file, and is shown to people as a sentence
     """A file that people write does not say what it must; carries where, what is wrong and what to do.
 
-    `str()` of it is the one message to show, on one line: `PATH, line N, KEY: PROBLEM. REMEDY.`
+    `str()` of it is the one message to show, on one line: `PATH, line N, KEY: problem. Remedy.`
 
     Attributes:
         path: the file or folder at fault.
@@ -27,7 +27,8 @@ class BadFile(Exception):  # noqa: N818 - it names the fault of a file, and is s
             where.append(f"line {line}")
         if key is not None:
             where.append(key)
-        super().__init__(f"{', '.join(where)}: {problem.rstrip('.')}. {remedy.rstrip('.')}.")
+        remedy = remedy[:1].upper() + remedy[1:].rstrip(".")
+        super().__init__(f"{', '.join(where)}: {problem.rstrip('.')}. {remedy}.")
 
     def __reduce__(self) -> tuple[type["BadFile"], tuple[Path, int | None, str | None, str, str]]:
         return (type(self), (self.path, self.line, self.key, self.problem, self.remedy))

@@ -7,6 +7,7 @@ are UTF-8 text; Windows line ends, a byte order mark and blank lines do no harm.
 
 import difflib
 import math
+import re
 from collections.abc import Mapping
 from dataclasses import dataclass, replace
 from pathlib import Path
@@ -28,7 +29,7 @@ _SECTIONS: Mapping[str, Scenario] = {
     "TakePicture:": Scenario.TAKE_PICTURE,
     "TakeTreasure:": Scenario.TAKE_TREASURE,
 }
-_WORDINGS = " | "
+_BETWEEN_WORDINGS = re.compile(r"(?<!\S)\|(?!\S)")
 _TREASURE_FORM = "Colour,Footprint,Points,Name,ImageFile"
 
 
@@ -308,8 +309,7 @@ def _section(path: Path, number: int, line: str) -> Scenario | None:
 
 
 def _question(path: Path, number: int, line: str, scenario: Scenario) -> Question:
-    # Blanks at the ends of a line are stripped, so an empty wording there has lost the blank that marks it.
-    wordings = tuple(wording.strip() for wording in f" {line} ".split(_WORDINGS))
+    wordings = tuple(wording.strip() for wording in _BETWEEN_WORDINGS.split(line))
     if not all(wordings):
         raise BadFile(
             path, number, None, "an empty wording", "write a wording on both sides of every bar, or remove the bar"

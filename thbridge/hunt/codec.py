@@ -1,8 +1,8 @@
 """Events of a game as JSON, one line each, for the journal and for programs that want to know.
 
-Every line says the version of the format (`v`) and the kind of event (`event`); rooms are the numbers people use, with 0
-for the corridor, because people read journals. Nothing unknown is passed over: a journal that this version does not fully
-understand would fold to a wrong game.
+Every line says the version of the format (`v`) and the kind of event (`event`); rooms are the numbers people use, with
+0 for the corridor, because people read journals. Nothing unknown is passed over: a journal that this version does not
+fully understand would fold to a wrong game.
 """
 
 import math
@@ -41,8 +41,8 @@ def from_json(line: str) -> Event:
     """The event that a line of `to_json` says.
 
     Raises:
-        ValueError: with a sentence saying what is wrong: not JSON, another version, an unknown event or field, a missing
-            field, a field of the wrong type or out of its range.
+        ValueError: with a sentence saying what is wrong: not JSON, another version, an unknown event or field, a
+            missing field, a field of the wrong type or out of its range.
     """
     fields = Fields.of_text(line)
     version = fields.integer("v")

@@ -1,0 +1,204 @@
+import json
+
+import pytest
+from hypothesis import given
+from hypothesis import strategies as st
+
+from thbridge.dialogue.codec import restore, snapshot
+from thbridge.dialogue.engine import Dialogues, Engine, Reason
+from thbridge.dialogue.moves import Ask, Continue, Outcome, Scenario, Speaker, Stop, Topic
+from thbridge.dialogue.protocols import TemplateProtocol
+from thbridge.dialogue.strategies import TemplateStrategy
+from thbridge.dialogue.templates import Question, Template, TemplatePhrasing
+from thbridge.hunt.rooms import Room
+
+
+def questions(*lines):
+    return tuple(Question(tuple(line.split(" | "))) for line in lines)
+
+
+TEMPLATE = Template(
+    "test",
+    {
+        Scenario.DONT_KNOW: questions(
+            "Do you want me to go to room £room£",
+            "It will cost me £cost£ to go to room £room£",
+            "Are you sure?",
+        ),
+        Scenario.SPECIFIC_ROOM: questions("It will cost me £cost£ to go to room £room£", "Are you sure?"),
+        Scenario.TAKE_PICTURE: questions("It is £colour£. Shall I?"),
+    },
+)
+TOPIC = Topic(Scenario.DONT_KNOW, 0, Room(4), 13.0, 87.0)
+CHOSEN = Topic(Scenario.SPECIFIC_ROOM, 1, Room(2), 14.0, 100.0)
+
+
+def engine(template=TEMPLATE, seed=7):
+    return Engine(TemplateProtocol(template), TemplateStrategy(), TemplatePhrasing(template, seed))
+
+
+def test_every_question_needs_its_continue():
+    talk = engine()
+    step = talk.open(Dialogues(), TOPIC)
+    heard = [said.text for said in step.utterances]
+    for _ in range(2):
+        step = talk.move(step.dialogues, 1, Continue())
+        assert step.outcome is None
+        heard += [said.text for said in step.utterances if said.speaker is Speaker.ROBOT]
+    assert heard == ["Do you want me to go to room 4", "It will cost me 13 to go to room 4", "Are you sure?"]
+    step = talk.move(step.dialogues, 1, Continue())
+    assert step.outcome is Outcome.CONSENSUS
+    assert step.dialogues.open == ()
+
+
+@pytest.mark.parametrize("agreed", [0, 1, 2])
+def test_a_stop_anywhere_ends_without_consensus(agreed):
+    talk = engine()
+    step = talk.open(Dialogues(), TOPIC)
+    for _ in range(agreed):
+        step = talk.move(step.dialogues, 1, Continue())
+    step = talk.move(step.dialogues, 1, Stop())
+    assert step.outcome is Outcome.NO_CONSENSUS
+    assert step.dialogues.open == ()
+
+
+def test_no_questions_agree_at_once():
+    step = engine().open(Dialogues(), Topic(Scenario.TAKE_TREASURE, 0, Room(1), 2.0, 50.0))
+    assert (step.outcome, step.utterances, step.dialogues) == (Outcome.CONSENSUS, (), Dialogues(opened=1))
+
+
+def test_each_thing_said_can_be_recorded_alone():
+    talk = engine()
+    step = talk.open(Dialogues(), TOPIC)
+    step = talk.move(step.dialogues, 1, Continue())
+    told, asked = step.utterances
+    assert (told.dialogue, told.index, told.speaker, told.move, told.text) == (
+        1,
+        1,
+        Speaker.PERSON,
+        Continue(),
+        "Continue",
+    )
+    assert (asked.dialogue, asked.index, asked.speaker, asked.move) == (1, 2, Speaker.ROBOT, Ask(1))
+    assert asked.topic == TOPIC
+
+
+def test_the_person_is_offered_the_legal_moves_only():
+    talk = engine()
+    step = talk.open(Dialogues(), TOPIC)
+    assert [(choice.move, choice.text) for choice in talk.choices(step.dialogue)] == [
+        (Continue(), "Continue"),
+        (Stop(), "Stop"),
+    ]
+    assert talk.move(step.dialogues, 1, Ask(1)).reason == Reason.NOT_LEGAL
+    assert talk.move(step.dialogues, 9, Continue()).reason == Reason.NO_SUCH_DIALOGUE
+
+
+def test_robots_talk_at_the_same_time_but_each_in_one_dialogue():
+    talk = engine()
+    first = talk.open(Dialogues(), TOPIC)
+    second = talk.open(first.dialogues, CHOSEN)
+    assert (first.dialogue.number, second.dialogue.number) == (1, 2)
+    assert talk.open(second.dialogues, TOPIC).reason == Reason.ALREADY_TALKING
+    step = talk.move(second.dialogues, 1, Stop())
+    assert step.dialogues.of_robot(0) is None
+    assert step.dialogues.of_robot(1) == second.dialogue
+    assert talk.open(step.dialogues, TOPIC).dialogue.number == 3
+
+
+def test_a_dialogue_can_be_withdrawn():
+    talk = engine()
+    step = talk.open(Dialogues(), TOPIC)
+    gone = talk.withdraw(step.dialogues, 1)
+    assert (gone.outcome, gone.dialogues.open) == (Outcome.WITHDRAWN, ())
+    assert talk.withdraw(gone.dialogues, 1).reason == Reason.NO_SUCH_DIALOGUE
+
+
+def test_the_seed_chooses_among_wordings():
+    wordings = {"Shall I?", "May I?", "Is that right?"}
+    several = Template("w", {Scenario.DONT_KNOW: questions(" | ".join(sorted(wordings)))})
+
+    def asked(seed, opened=0):
+        return engine(several, seed).open(Dialogues(opened), TOPIC).utterances[0].text
+
+    assert {asked(seed) for seed in range(40)} == wordings
+    assert {asked(7, opened) for opened in range(40)} == wordings
+    assert asked(7) == asked(7)
+
+
+def test_a_restored_dialogue_goes_on_as_the_first_would_have():
+    talk = engine()
+    step = talk.open(Dialogues(), TOPIC)
+    step = talk.open(step.dialogues, CHOSEN)
+    step = talk.move(step.dialogues, 1, Continue())
+    again = restore(json.loads(json.dumps(snapshot(step.dialogues))))
+    assert again == step.dialogues
+    assert talk.utterances(again.open[0]) == talk.utterances(step.dialogue)
+    assert talk.move(again, 1, Continue()) == talk.move(step.dialogues, 1, Continue())
+
+
+@given(st.lists(st.sampled_from(["open 0", "open 1", "continue 1", "continue 2", "stop 1", "stop 2", "continue 3"])))
+def test_consensus_only_ever_comes_of_as_many_continues_as_questions(requests):
+    talk = engine()
+    dialogues = Dialogues()
+    agreed = {}
+    for request in requests:
+        verb, number = request.split()
+        number = int(number)
+        if verb == "open":
+            step = talk.open(dialogues, (TOPIC, CHOSEN)[number])
+        else:
+            step = talk.move(dialogues, number, Continue() if verb == "continue" else Stop())
+        if not hasattr(step, "outcome"):
+            continue
+        dialogues = step.dialogues
+        assert restore(snapshot(dialogues)) == dialogues
+        said = step.dialogue.number
+        agreed[said] = agreed.get(said, 0) + (verb == "continue")
+        wanted = len(TEMPLATE.of(step.dialogue.topic.scenario))
+        assert (step.outcome is Outcome.CONSENSUS) == (verb != "stop" and agreed[said] == wanted)
+
+
+@pytest.mark.parametrize(
+    ("value", "complaint"),
+    [
+        ([], "object"),
+        ({"v": 2, "opened": 0, "open": []}, "version 2"),
+        ({"v": 1, "opened": 0}, "'open'"),
+        ({"v": 1, "opened": 0, "open": [], "more": 1}, "'more'"),
+        ({"v": 1, "opened": 0, "open": [{"number": 1, "scenario": "duel"}]}, "duel"),
+    ],
+)
+def test_what_is_no_snapshot_is_refused(value, complaint):
+    with pytest.raises(ValueError, match=complaint):
+        restore(value)
+
+
+def test_another_way_of_talking_fits_without_changing_the_engine():
+    """A protocol in which the person opens and the robot's strategy really chooses."""
+
+    class Haggle:
+        def outcome(self, dialogue):
+            return Outcome.CONSENSUS if len(dialogue.turns) == 4 else None
+
+        def speaker(self, dialogue):
+            return Speaker.PERSON if len(dialogue.turns) % 2 == 0 else Speaker.ROBOT
+
+        def legal(self, dialogue):
+            return (Ask(10), Ask(20))
+
+    class Dearest:
+        def choose(self, view, legal):
+            assert view.side is Speaker.ROBOT
+            return max(legal, key=lambda move: move.question)
+
+    class Figures:
+        def say(self, dialogue, move):
+            return f"{move.question}"
+
+    talk = Engine(Haggle(), Dearest(), Figures())
+    step = talk.open(Dialogues(), TOPIC)
+    assert step.utterances == ()
+    step = talk.move(step.dialogues, 1, Ask(10))
+    assert [said.text for said in step.utterances] == ["10", "20"]
+    assert talk.move(step.dialogues, 1, Ask(20)).outcome is Outcome.CONSENSUS

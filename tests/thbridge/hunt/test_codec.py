@@ -1,0 +1,101 @@
+import json
+import math
+
+import pytest
+from hypothesis import given
+from hypothesis import strategies as st
+
+from thbridge.hunt.codec import from_json, to_json
+from thbridge.hunt.costs import CostMatrix
+from thbridge.hunt.events import (
+    Arrived,
+    Departed,
+    Ended,
+    EndReason,
+    Failed,
+    Hidden,
+    Identified,
+    Left,
+    Pictured,
+    Sensed,
+    Started,
+)
+from thbridge.hunt.rooms import Room
+from thbridge.hunt.treasures import TreasureKind
+
+numbers = st.floats(allow_nan=False, allow_infinity=False)
+shares = st.floats(0, 1e9)
+rooms = st.integers(0, 50).map(Room)
+robots = st.integers(0, 9)
+texts = st.text(max_size=12)
+treasures = st.builds(TreasureKind, texts, texts, st.integers(), texts, st.none() | texts)
+costs = st.integers(2, 4).flatmap(
+    lambda size: st.lists(
+        st.lists(shares | st.just(math.inf), min_size=size, max_size=size).map(tuple), min_size=size, max_size=size
+    ).map(lambda rows: CostMatrix(tuple(rows)))
+)
+events = st.one_of(
+    st.builds(Started, st.integers(), st.integers(), st.integers(1, 9), shares, shares, shares, shares, costs),
+    st.builds(Hidden, st.lists(treasures, max_size=4).map(tuple)),
+    st.builds(Departed, robots, rooms, numbers),
+    st.builds(Arrived, robots, rooms),
+    st.builds(Failed, robots, rooms, texts, numbers, rooms),
+    st.builds(Sensed, rooms, texts, texts),
+    st.builds(Pictured, rooms, robots, texts, numbers),
+    st.builds(Identified, st.none() | rooms, st.none() | robots, st.none() | texts, st.integers(), numbers),
+    st.builds(Left, rooms),
+    st.builds(Ended, st.sampled_from(EndReason), st.integers()),
+)
+
+
+@given(events)
+def test_an_event_comes_back_as_it_went(event):
+    line = to_json(event)
+    assert from_json(line) == event
+    assert line.isascii() and "\n" not in line
+
+
+@given(events, st.data())
+def test_a_field_more_or_less_is_refused(event, data):
+    fields = json.loads(to_json(event))
+    with pytest.raises(ValueError, match="unknown field 'extra'"):
+        from_json(json.dumps(fields | {"extra": 1}))
+    missing = data.draw(st.sampled_from(sorted(fields)))
+    del fields[missing]
+    with pytest.raises(ValueError, match=missing):
+        from_json(json.dumps(fields))
+
+
+@given(st.text(max_size=60) | st.recursive(st.none() | st.integers() | texts, st.lists).map(json.dumps))
+def test_anything_else_is_refused_with_a_sentence(line):
+    with pytest.raises(ValueError, match=r"\w"):
+        from_json(line)
+
+
+@pytest.mark.parametrize(
+    ("line", "complaint"),
+    [
+        ('{"v":2,"event":"left","room":1}', "version 2"),
+        ('{"v":1,"event":"vanished","room":1}', "vanished"),
+        ('{"v":1,"event":"left","room":-1}', "-1"),
+        ('{"v":1,"event":"left","room":true}', "whole number"),
+        ('{"v":1,"event":"left","room":1.0}', "whole number"),
+        ('{"v":1,"event":"departed","robot":0,"room":1,"cost":NaN}', "finite"),
+        ('{"v":1,"event":"departed","robot":0,"room":1,"cost":' + "9" * 400 + "}", "finite"),
+        ('{"v":1,"event":"ended","reason":"bored","score":1}', "bored"),
+        ('{"v":1,"event":"left","room":1,"room":2}', "twice"),
+        ("[" * 100000, "deep"),
+    ],
+)
+def test_what_is_wrong_is_named(line, complaint):
+    with pytest.raises(ValueError, match=complaint):
+        from_json(line)
+
+
+def test_rooms_are_written_as_people_count():
+    assert json.loads(to_json(Arrived(0, Room.of_wire(0)))) == {"v": 1, "event": "arrived", "robot": 0, "room": 1}
+
+
+def test_infinite_energy_is_not_written():
+    with pytest.raises(ValueError):
+        to_json(Departed(0, Room(1), math.inf))

@@ -1,0 +1,394 @@
+"""Rules and fold together: examples of every rule, and what holds whatever people ask for."""
+
+from pathlib import Path
+
+import pytest
+from hypothesis import given, settings
+from hypothesis import strategies as st
+
+from thbridge.adapters.template_files import read_map_times
+from thbridge.hunt import rules
+from thbridge.hunt.codec import from_json, to_json
+from thbridge.hunt.costs import CostMatrix
+from thbridge.hunt.events import (
+    Arrived,
+    Departed,
+    Ended,
+    EndReason,
+    Failed,
+    Hidden,
+    Identified,
+    Left,
+    Pictured,
+    Sensed,
+    Started,
+)
+from thbridge.hunt.game import apply, begin, fold
+from thbridge.hunt.outcomes import Refused
+from thbridge.hunt.rooms import CORRIDOR, Room, all_rooms
+from thbridge.hunt.rules import Reason
+from thbridge.hunt.treasures import TreasureKind
+
+ARENA = read_map_times(Path(__file__).parents[3] / "templates" / "original-2016" / "mapTimes")
+ORANGE = TreasureKind("Orange", "Round and Large", 10, "Orange Bottle", "rsz_t1.jpg")
+PINK = TreasureKind("Pink", "Square and Small", 30, "Pink can", "rsz_t4.jpg")
+ROOM_1, ROOM_2, ROOM_3, ROOM_4 = all_rooms(4)
+
+
+def new_game(robots=2, energy=100.0, picture_cost=5.0, identify_cost=2.0, wrong_share=1.0, costs=ARENA):
+    started = Started(7, 1, robots, energy, picture_cost, identify_cost, wrong_share, costs)
+    return apply(begin(started), Hidden((PINK, ORANGE) * (len(costs.rooms) // 2)))
+
+
+def after(state, ruling):
+    assert not isinstance(ruling, Refused), ruling
+    for event in ruling:
+        state = apply(state, event)
+    return state
+
+
+def visit(state, robot, room):
+    state = after(state, rules.move(state, robot, room))
+    return after(state, rules.arrive(state, robot, room))
+
+
+def in_room_4(**options):
+    state = visit(new_game(**options), 0, ROOM_4)
+    return after(state, rules.sense(state, ROOM_4))
+
+
+# --- moves
+
+
+def test_a_move_costs_the_matrix_entry_at_departure_and_reserves_the_room():
+    state = new_game()
+    ruling = rules.move(state, 0, ROOM_4)
+    assert ruling == (Departed(0, ROOM_4, 13.0),)
+    state = after(state, ruling)
+    assert state.robots[0].energy == 87.0
+    assert state.reserved_by(ROOM_4) == 0
+    assert not state.room(ROOM_4).visited
+
+
+def test_the_cost_is_counted_from_the_room_the_robot_stands_in():
+    state = visit(new_game(), 0, ROOM_1)
+    assert rules.move(state, 0, ROOM_4) == (Departed(0, ROOM_4, 10.0),)
+
+
+def test_arriving_visits_the_room_and_frees_the_robot():
+    state = visit(new_game(), 0, ROOM_4)
+    assert state.room(ROOM_4).visited
+    assert (state.robots[0].at, state.robots[0].bound_for) == (ROOM_4, None)
+    assert state.standing_in(ROOM_4) == 0
+    assert ROOM_4 not in state.free_rooms
+
+
+def refusals():
+    fresh = new_game()
+    under_way = after(fresh, rules.move(fresh, 0, ROOM_4))
+    visited = visit(fresh, 0, ROOM_4)
+    poor = new_game(energy=12.0)
+    walled = new_game(costs=CostMatrix.of_map_times(((99.0, 5.0, 99.0), (99.0,) * 3, (99.0,) * 3)))
+    exhausted = visit(new_game(energy=13.0), 0, ROOM_4)
+    over = apply(fresh, Ended(EndReason.ALL_VISITED, 0))
+    return [
+        (fresh, 2, ROOM_1, Reason.UNKNOWN_ROBOT, ["robot 3"]),
+        (fresh, -1, ROOM_1, Reason.UNKNOWN_ROBOT, []),
+        (fresh, 0, Room(9), Reason.UNKNOWN_ROOM, ["Room 9", "8"]),
+        (fresh, 0, CORRIDOR, Reason.UNKNOWN_ROOM, ["corridor"]),
+        (under_way, 0, ROOM_1, Reason.UNDER_WAY, ["Robot 1", "room 4"]),
+        (under_way, 1, ROOM_4, Reason.RESERVED, ["Robot 1", "room 4"]),
+        (visited, 1, ROOM_4, Reason.ALREADY_VISITED, ["Room 4"]),
+        (poor, 0, ROOM_4, Reason.NOT_ENOUGH_ENERGY, ["Robot 1", "12", "13"]),
+        (walled, 0, ROOM_2, Reason.NOT_A_MOVE, ["the corridor", "room 2"]),
+        (exhausted, 0, ROOM_1, Reason.BLOCKED, ["Robot 1"]),
+        (over, 0, ROOM_1, Reason.GAME_OVER, ["over"]),
+    ]
+
+
+@pytest.mark.parametrize(("state", "robot", "room", "reason", "named"), refusals())
+def test_a_move_is_refused_with_its_reason(state, robot, room, reason, named):
+    refused = rules.move(state, robot, room)
+    assert isinstance(refused, Refused)
+    assert refused.reason == reason
+    assert all(word in refused.sentence for word in named), refused.sentence
+    assert refused.sentence.endswith(".")
+
+
+def test_all_energy_may_be_spent_on_a_move():
+    state = new_game(energy=13.0)
+    assert visit(state, 0, ROOM_4).robots[0].is_blocked
+
+
+# --- failures
+
+
+def test_a_failure_gives_back_the_unspent_share_and_frees_the_room():
+    state = new_game()
+    state = after(state, rules.move(state, 0, ROOM_4))
+    state = after(state, rules.fail(state, 0, "no path", 0.25))
+    assert state.robots[0].energy == 100.0 - 0.25 * 13.0
+    assert state.reserved_by(ROOM_4) is None
+    assert ROOM_4 in state.free_rooms
+    assert state.robots[0].at == CORRIDOR
+
+
+@pytest.mark.parametrize(
+    ("share", "at", "stands"),
+    [
+        (0.0, None, ROOM_1),
+        (0.5, None, CORRIDOR),
+        (0.1, ROOM_1, ROOM_1),
+        (0.9, ROOM_4, CORRIDOR),
+        (0.9, Room(20), CORRIDOR),
+    ],
+)
+def test_a_failed_robot_stands_where_its_next_move_can_begin(share, at, stands):
+    state = visit(new_game(), 0, ROOM_1)
+    state = after(state, rules.move(state, 0, ROOM_4))
+    state = after(state, rules.fail(state, 0, "cancelled", share, at))
+    assert state.robots[0].at == stands
+    assert not isinstance(rules.move(state, 0, ROOM_4), Refused)
+
+
+@pytest.mark.parametrize(("share", "energy"), [(-3.0, 100.0), (7.0, 87.0)])
+def test_no_more_and_no_less_than_the_way_is_refunded(share, energy):
+    state = new_game()
+    state = after(state, rules.move(state, 0, ROOM_4))
+    assert after(state, rules.fail(state, 0, "stuck", share)).robots[0].energy == energy
+
+
+def test_only_a_robot_under_way_can_fail():
+    assert rules.fail(new_game(), 0, "bored", 0.0).reason == Reason.NOT_UNDER_WAY
+    assert rules.fail(new_game(), 5, "bored", 0.0).reason == Reason.UNKNOWN_ROBOT
+
+
+# --- treasures
+
+
+def test_sensing_tells_colour_and_footprint_once():
+    state = visit(new_game(), 0, ROOM_4)
+    ruling = rules.sense(state, ROOM_4)
+    assert ruling == (Sensed(ROOM_4, "Orange", "Round and Large"),)
+    assert rules.sense(after(state, ruling), ROOM_4) == ()
+
+
+def test_a_picture_costs_energy_once():
+    state = in_room_4()
+    first = rules.picture(state, ROOM_4)
+    assert first == (Pictured(ROOM_4, 0, "rsz_t1.jpg", 5.0),)
+    state = after(state, first)
+    assert state.robots[0].energy == 100.0 - 13.0 - 5.0
+    assert rules.picture(state, ROOM_4) == (Pictured(ROOM_4, 0, "rsz_t1.jpg", 0.0),)
+
+
+@pytest.mark.parametrize("rule", [rules.picture, rules.sense, lambda state, room: rules.identify(state, room, "x")])
+def test_a_treasure_is_dealt_with_only_where_a_robot_stands(rule):
+    state = in_room_4()
+    assert rule(state, ROOM_1).reason == Reason.NOBODY_THERE
+    assert rule(state, Room(9)).reason == Reason.UNKNOWN_ROOM
+    gone = after(state, rules.move(state, 0, ROOM_1))
+    assert rule(gone, ROOM_4).reason == Reason.NOBODY_THERE
+
+
+def test_the_right_name_wins_the_points_and_costs_energy():
+    state = in_room_4()
+    state = after(state, rules.identify(state, ROOM_4, "orange bottle"))
+    assert state.score == 10
+    assert state.room(ROOM_4).points == 10
+    assert state.robots[0].energy == 100.0 - 13.0 - 2.0
+
+
+@pytest.mark.parametrize(("share", "lost"), [(1.0, 10), (0.5, 5), (0.25, 3), (0.0, 0)])
+def test_a_wrong_name_costs_its_share_of_the_points(share, lost):
+    state = in_room_4(wrong_share=share)
+    assert after(state, rules.identify(state, ROOM_4, "Pink can")).score == -lost
+
+
+def test_a_treasure_is_decided_once():
+    state = in_room_4()
+    named = after(state, rules.identify(state, ROOM_4, "Pink can"))
+    given_up = after(state, rules.leave(state, ROOM_4))
+    for decided in (named, given_up):
+        assert rules.identify(decided, ROOM_4, "Orange Bottle").reason == Reason.ALREADY_DECIDED
+        assert rules.leave(decided, ROOM_4).reason == Reason.ALREADY_DECIDED
+
+
+def test_energy_that_does_not_suffice_is_named_with_what_is_needed():
+    state = in_room_4(energy=14.0)
+    for ruling, cost in ((rules.picture(state, ROOM_4), "5"), (rules.identify(state, ROOM_4, "x"), "2")):
+        assert ruling.reason == Reason.NOT_ENOUGH_ENERGY
+        assert "1 energy" in ruling.sentence and cost in ruling.sentence
+
+
+def test_a_blocked_robot_neither_pictures_nor_identifies():
+    state = in_room_4(energy=13.0, picture_cost=0.0, identify_cost=0.0)
+    assert rules.picture(state, ROOM_4).reason == Reason.BLOCKED
+    assert rules.identify(state, ROOM_4, "Orange Bottle").reason == Reason.BLOCKED
+
+
+def test_going_on_leaves_an_undecided_treasure():
+    state = in_room_4()
+    assert rules.move(state, 0, ROOM_1) == (Left(ROOM_4), Departed(0, ROOM_1, 18.0))
+    decided = after(state, rules.identify(state, ROOM_4, "x"))
+    assert rules.move(decided, 0, ROOM_1) == (Departed(0, ROOM_1, 18.0),)
+
+
+def test_nothing_can_be_left_where_nobody_has_been():
+    assert rules.leave(new_game(), ROOM_1).reason == Reason.NOBODY_THERE
+
+
+# --- what other programs tell
+
+
+def test_another_programs_hider_may_tell_what_this_game_did_not_hide():
+    state = begin(new_game().started)
+    state = visit(state, 0, ROOM_4)
+    assert rules.sense(state, ROOM_4).reason == Reason.NOTHING_KNOWN
+    assert rules.picture(state, ROOM_4).reason == Reason.NOTHING_KNOWN
+    assert rules.identify(state, ROOM_4, "x").reason == Reason.NOTHING_KNOWN
+    state = after(state, rules.sense(state, ROOM_4, ("Blue", "Round")))
+    state = after(state, rules.picture(state, ROOM_4, "rsz_t2.jpg"))
+    state = after(state, rules.identify(state, ROOM_4, "Blue Bottle", 20))
+    assert state.score == 20
+    assert state.room(ROOM_4).sensed == Sensed(ROOM_4, "Blue", "Round")
+
+
+def test_a_score_alone_counts():
+    state = apply(new_game(), Identified(None, None, None, -20, 0.0))
+    assert state.score == -20
+    assert apply(apply(state, Ended(EndReason.ALL_VISITED, -20)), Identified(None, None, None, 30, 0.0)).score == 10
+
+
+def test_an_arrival_nobody_announced_moves_the_robot():
+    state = apply(new_game(), Arrived(0, ROOM_4))
+    assert (state.robots[0].at, state.robots[0].energy) == (ROOM_4, 100.0)
+    assert state.room(ROOM_4).visited
+
+
+def test_the_rule_of_arrival_puts_the_missing_departure_in():
+    poor = new_game(energy=3.0)
+    ruling = rules.arrive(poor, 0, ROOM_4)
+    assert ruling == (Departed(0, ROOM_4, 13.0), Arrived(0, ROOM_4))
+    assert after(poor, ruling).robots[0].is_blocked
+
+
+def test_arriving_elsewhere_gives_the_first_way_up():
+    state = new_game()
+    state = after(state, rules.move(state, 0, ROOM_4))
+    state = after(state, rules.arrive(state, 0, ROOM_1))
+    assert state.robots[0].at == ROOM_1
+    assert state.reserved_by(ROOM_4) is None
+    assert ROOM_4 in state.free_rooms
+
+
+def test_a_failure_nobody_announced_refunds_nothing():
+    state = apply(new_game(), Failed(0, ROOM_4, "?", 50.0, CORRIDOR))
+    assert state.robots[0].energy == 100.0
+
+
+@pytest.mark.parametrize(
+    "event",
+    [
+        Departed(2, ROOM_1, 1.0),
+        Departed(0, Room(9), 1.0),
+        Arrived(-1, ROOM_1),
+        Arrived(0, CORRIDOR),
+        Pictured(ROOM_1, 5, "x", 1.0),
+        Hidden((ORANGE,)),
+    ],
+)
+def test_events_of_another_game_are_refused(event):
+    with pytest.raises(ValueError):
+        apply(new_game(), event)
+
+
+# --- the end
+
+
+def small_game(**options):
+    return new_game(
+        robots=1, costs=CostMatrix.of_map_times(((99.0, 5.0, 9.0), (99.0, 99.0, 5.0), (99.0,) * 3)), **options
+    )
+
+
+def test_the_game_ends_when_every_room_is_visited_and_decided():
+    state = visit(small_game(), 0, ROOM_1)
+    assert rules.ending(state) == ()
+    state = after(state, rules.move(state, 0, ROOM_2))
+    assert rules.ending(state) == ()
+    state = after(state, rules.arrive(state, 0, ROOM_2))
+    assert rules.ending(state) == (), "the treasure there is about to be sensed"
+    state = after(state, rules.sense(state, ROOM_2))
+    assert rules.ending(state) == ()
+    assert rules.ending(state, wait_for_decisions=False) == (Ended(EndReason.ALL_VISITED, 0),)
+    state = after(state, rules.identify(state, ROOM_2, "Orange Bottle"))
+    assert rules.ending(state) == (Ended(EndReason.ALL_VISITED, 10),)
+    assert rules.ending(after(state, rules.ending(state))) == (), "a game ends once"
+
+
+def test_the_game_ends_when_no_robot_can_pay_another_move():
+    state = small_game(energy=4.0)
+    assert rules.ending(state) == (Ended(EndReason.NO_MOVE_LEFT, 0),)
+    state = visit(small_game(energy=9.0, identify_cost=4.0), 0, ROOM_1)
+    assert rules.ending(state) == (), "the treasure can still be identified"
+    assert rules.ending(after(state, rules.leave(state, ROOM_1))) == (Ended(EndReason.NO_MOVE_LEFT, 0),)
+
+
+def test_a_treasure_that_nobody_can_pay_to_identify_does_not_hold_the_game_up():
+    state = visit(small_game(energy=6.0), 0, ROOM_1)
+    assert rules.ending(state) == (Ended(EndReason.NO_MOVE_LEFT, 0),)
+
+
+def test_another_robot_that_can_still_move_keeps_the_game_going():
+    state = new_game(robots=2, energy=13.0)
+    state = visit(state, 0, ROOM_4)
+    assert rules.ending(state) == ()
+    assert rules.affordable(state, 0) == () and rules.affordable(state, 1)
+
+
+# --- whatever people ask for
+
+RULES = (
+    st.tuples(st.just(rules.move), st.integers(-1, 3), st.integers(0, 9).map(Room)),
+    st.tuples(st.just(rules.fail), st.integers(-1, 3), st.just("stuck"), st.floats(0, 1)),
+    st.tuples(st.just(rules.sense), st.integers(0, 9).map(Room)),
+    st.tuples(st.just(rules.picture), st.integers(0, 9).map(Room)),
+    st.tuples(st.just(rules.identify), st.integers(0, 9).map(Room), st.sampled_from(["Pink can", "Orange Bottle"])),
+    st.tuples(st.just(rules.leave), st.integers(0, 9).map(Room)),
+)
+ARRIVALS = st.tuples(st.just("arrive"), st.integers(0, 2))
+
+
+@settings(deadline=None, max_examples=150)
+@given(requests=st.lists(st.one_of(*RULES, ARRIVALS), max_size=60), energy=st.sampled_from([30.0, 60.0, 100.0]))
+def test_whatever_is_asked_the_game_keeps_its_promises(requests, energy):
+    live = new_game(robots=3, energy=energy)
+    said = [Hidden(live.treasures)]
+    for rule, *request in requests:
+        if rule == "arrive":
+            (robot,) = request
+            bound_for = live.robots[robot].bound_for
+            ruling = () if bound_for is None else rules.arrive(live, robot, bound_for)
+        else:
+            ruling = rule(live, *request)
+        if isinstance(ruling, Refused):
+            continue
+        was_over = live.ended is not None
+        for event in ruling:
+            assert not was_over or isinstance(event, Failed), "an ended game accepts nothing"
+            live = apply(live, event)
+            said.append(event)
+        for event in rules.ending(live):
+            live = apply(live, event)
+            said.append(event)
+
+    assert all(robot.energy >= 0.0 for robot in live.robots)
+    assert live.score == sum(event.points for event in said if isinstance(event, Identified))
+    for room in ARENA.rooms:
+        departed = sum(isinstance(event, Departed) and event.room == room for event in said)
+        failed = sum(isinstance(event, Failed) and event.room == room for event in said)
+        assert departed - failed <= 1
+    assert fold(live.started, [from_json(to_json(event)) for event in said]) == live
+    if live.ended is not None:
+        assert all(isinstance(rules.move(live, robot, room), Refused) for robot in range(3) for room in ARENA.rooms)
