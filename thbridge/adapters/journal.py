@@ -110,10 +110,16 @@ class Journal:
         except OSError as error:
             raise _not_writable(path, error) from None
         journal = cls(path, file)
-        journal._lock()
-        journal.append((started,))
-        # The file's name is in the folder, which has to reach the disk as well.
-        _sync_folder(folder)
+        try:
+            journal._lock()
+            journal.append((started,))
+            # The file's name is in the folder, which has to reach the disk as well.
+            _sync_folder(folder)
+        except BaseException:
+            # A journal without its start would stand in the way of the next game.
+            journal.close()
+            path.unlink()
+            raise
         return journal
 
     @classmethod

@@ -5,6 +5,7 @@ not learn which picture belongs to which treasure, `treasures.participant`: the 
 are UTF-8 text; Windows line ends, a byte order mark and blank lines do no harm.
 """
 
+import codecs
 import difflib
 import math
 import re
@@ -216,13 +217,14 @@ def _lines(path: Path) -> list[tuple[int, str]]:
     try:
         text = content.decode("utf-8-sig")
     except UnicodeDecodeError as error:
+        encoding = "UTF-16" if content.startswith((codecs.BOM_UTF16_LE, codecs.BOM_UTF16_BE)) else "Latin-1"
         raise BadFile(
             path,
             content.count(b"\n", 0, error.start) + 1,
             None,
-            "not UTF-8 text; it was probably saved as Latin-1 or Windows-1252",
+            f"not UTF-8 text; it was probably saved as {encoding}",
             "open it in an editor and save it with the encoding UTF-8, "
-            f"or run: iconv -f LATIN1 -t UTF-8 {path.name} > {path.name}.utf8",
+            f"or run: iconv -f {encoding} -t UTF-8 {path.name} > {path.name}.utf8",
         ) from None
     # Not splitlines(): it also breaks lines at characters that editors show in one line, and the numbers would be off.
     numbered = enumerate(text.replace("\r\n", "\n").replace("\r", "\n").split("\n"), start=1)

@@ -1,11 +1,11 @@
 """Scripted questions: what a DialogueText file says, and how it becomes sentences."""
 
 import difflib
-import hashlib
 import re
 from collections.abc import Mapping
 from dataclasses import dataclass
 
+from sim.noise import Stream
 from thbridge.dialogue.moves import Ask, Continue, Dialogue, Move, Scenario, Stop, Topic
 from thbridge.hunt.costs import spoken_energy
 
@@ -116,12 +116,9 @@ class TemplatePhrasing:
         match move:
             case Ask(question):
                 wordings = self.template.of(dialogue.topic.scenario)[question].wordings
-                return fill(wordings[self._chance(dialogue.number, question) % len(wordings)], words_of(dialogue.topic))
+                chance = Stream.named(self.seed, "wording").uniforms(dialogue.number, question + 1)[question]
+                return fill(wordings[int(chance * len(wordings))], words_of(dialogue.topic))
             case Continue():
                 return "Continue"
             case Stop():
                 return "Stop"
-
-    def _chance(self, dialogue: int, question: int) -> int:
-        key = f"wording/{self.seed}/{dialogue}/{question}".encode()
-        return int.from_bytes(hashlib.blake2b(key, digest_size=8).digest(), "little")

@@ -128,6 +128,17 @@ def test_a_full_disk_is_told_and_leaves_no_torn_line(written, monkeypatch):
     assert written.read_bytes() == content
 
 
+def test_a_game_that_cannot_be_written_leaves_no_file(tmp_path, monkeypatch):
+    def full(descriptor):
+        raise OSError(errno.ENOSPC, "No space left on device")
+
+    with monkeypatch.context() as disk:
+        disk.setattr(os, "fsync", full)
+        with pytest.raises(BadFile, match="No space left"):
+            Journal.start(tmp_path, STARTED)
+    Journal.start(tmp_path, STARTED).close()
+
+
 def test_a_journal_that_is_not_there(tmp_path):
     for read in (read_journal, Journal.resume):
         with pytest.raises(BadFile, match="game-0001"):

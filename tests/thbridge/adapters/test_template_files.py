@@ -116,6 +116,12 @@ def test_a_file_saved_as_latin_1_is_told_how_to_be_saved(tmp_path):
     assert "line 3" in message and "UTF-8" in message and "iconv" in message
 
 
+def test_a_file_saved_as_utf_16_is_told_so(tmp_path):
+    path = tmp_path / "mapTimes"
+    path.write_bytes("2\n99 1\n99 99\n".encode("utf-16"))
+    assert "UTF-16" in refusal(read_map_times, path)
+
+
 def test_sections_come_in_any_order_and_may_be_empty(tmp_path):
     path = tmp_path / "DialogueText"
     path.write_text(
