@@ -1,0 +1,39 @@
+# `make play` and `make test` are all that most people need; both set up what is missing first.
+.NOTPARALLEL:
+.PHONY: help play test check test-slow bench setup peers maps lock
+
+BIN := .venv/bin
+
+help: ## This list.
+	@grep -E '^[a-z-]+:.*## ' $(MAKEFILE_LIST) | sed -E 's/^([a-z-]+):.*## (.*)/  make \1\t\2/' | expand -t 20
+
+play: setup ## Start a game on this machine; more options with ARGS="...", e.g. ARGS="--help".
+	$(BIN)/thbridge play $(ARGS)
+
+test: setup peers check ## All checks, and all tests that are quick.
+	$(BIN)/pytest
+
+check: setup ## Style, types, and that no import points back.
+	$(BIN)/ruff check .
+	$(BIN)/ruff format --check .
+	$(BIN)/mypy
+	$(BIN)/lint-imports
+
+test-slow: setup peers ## The tests that take their time.
+	$(BIN)/pytest -m slow
+
+bench: setup ## Speed, as ratios against a peer in the same run.
+	$(BIN)/pytest -m bench
+
+setup: ## Make .venv from requirements.lock; does nothing when it is up to date.
+	@scripts/set_up.sh
+
+peers: ## Install the ROS tools and Java that tests/peers plays against (as root; else says what is missing).
+	@scripts/install_peers.sh
+
+maps: setup ## Draw the maps that come with the project anew.
+	$(BIN)/python scripts/draw_maps.py
+
+lock: setup ## Pin the dependencies of pyproject.toml anew; existing pins stay where they can.
+	$(BIN)/uv pip compile pyproject.toml --group dev --python-version 3.11 --generate-hashes \
+		--no-emit-index-url --no-emit-find-links -o requirements.lock

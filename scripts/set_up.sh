@@ -1,0 +1,51 @@
+#!/usr/bin/env bash
+# Makes .venv from requirements.lock. Does nothing when it is there and up to date.
+# On Debian, as root, it installs the system packages that are missing; otherwise it says which are.
+set -euo pipefail
+cd "$(dirname "$0")/.."
+
+venv=.venv
+stamp=$venv/lock.sha256
+wanted=$(cat requirements.lock pyproject.toml | sha256sum)
+
+if [ -x $venv/bin/python ] && [ "$(cat $stamp 2>/dev/null)" = "$wanted" ]; then
+    exit 0
+fi
+
+# The first Python from 3.11 on that can make environments; PYTHON names one in particular.
+find_python() {
+    local candidate
+    for candidate in ${PYTHON:-python3.11 python3 python3.12 python3.13}; do
+        if "$candidate" -c 'import sys, ensurepip, venv; sys.exit(sys.version_info < (3, 11))' 2>/dev/null; then
+            command -v "$candidate"
+            return
+        fi
+    done
+    return 1
+}
+
+if ! python=$(find_python); then
+    packages="python3 python3-venv"
+    echo "Set-up needs Python 3.11 or later with its venv module: the Debian packages $packages." >&2
+    if [ "$(id -u)" = 0 ] && command -v apt-get >/dev/null; then
+        echo "Installing them with apt-get." >&2
+        apt-get update -q
+        DEBIAN_FRONTEND=noninteractive apt-get install -q -y --no-install-recommends $packages
+    else
+        echo "Install them with: sudo apt-get install $packages" >&2
+        exit 1
+    fi
+    if ! python=$(find_python); then
+        echo "There is still no such Python. Name one: make setup PYTHON=/path/to/python3.11" >&2
+        exit 1
+    fi
+fi
+
+if ! $venv/bin/python -c '' 2>/dev/null; then
+    echo "Making $venv with $python"
+    "$python" -m venv --clear $venv
+fi
+echo "Installing what requirements.lock pins"
+$venv/bin/python -m pip install --quiet --disable-pip-version-check --require-hashes -r requirements.lock
+$venv/bin/python -m pip install --quiet --disable-pip-version-check --no-deps --no-build-isolation -e .
+echo "$wanted" >$stamp
