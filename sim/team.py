@@ -20,8 +20,8 @@ from sim.navigator import Goal, Navigator
 from sim.observations import Neighbour, Twist
 from sim.parameters import RobotParameters, WorldParameters
 from sim.robot import Robot, RobotOutput
-from sim.sensors import Sensors, mount
-from sim.world import World, WorldState
+from sim.sensors import Sensors, mount_of
+from sim.world import Misplaced, World, WorldState, with_charge
 
 
 @dataclass(frozen=True, slots=True)
@@ -112,8 +112,11 @@ class Team:
         if len(robots) != len(starts):
             raise ValueError(f"{len(robots)} robots but {len(starts)} start poses")
         self._world = World(grid, world, seed, charge)
-        self._sensors = Sensors(grid, world, seed)
-        self._state = self._world.start(starts)
+        self._sensors = Sensors(grid, world, seed, charge)
+        state = self._world.start(starts)
+        if isinstance(state, Misplaced):
+            raise ValueError(state.sentence)
+        self._state = state
         self._commands = np.zeros((len(robots), 2))
         self._driven: dict[int, Drive] = {}
         self._neighbours: tuple[Neighbour, ...] = ()
@@ -130,8 +133,8 @@ class Team:
         if parameters.localization == "truth":
             return Truth(lambda: Pose2(*(float(value) for value in self._state.poses[number])))
         if parameters.localization == "ekf":
-            return Ekf(parameters.amcl, grid, mount(world.laser), seed, number)
-        return Amcl(parameters.amcl, grid, mount(world.laser), seed, number)
+            return Ekf(parameters.ekf, grid, mount_of(world.laser))
+        return Amcl(parameters.amcl, grid, mount_of(world.laser), seed, f"robot{number + 1}")
 
     @property
     def size(self) -> int:
@@ -174,7 +177,9 @@ class Team:
                 self._robots[robot].navigator.cancel()
                 self._driven[robot] = item
             case SetCharge(robot, charge):
-                self._state = self._world.with_charge(self._state, robot, charge)
+                self._state = with_charge(self._state, robot, charge)
             case Place(robot, pose):
-                self._state = self._world.place(self._state, robot, pose)
-                self._robots[robot].localizer.start(pose, START_COVARIANCE)
+                placed = self._world.place(self._state, robot, pose)
+                if isinstance(placed, WorldState):
+                    self._state = placed
+                    self._robots[robot].localizer.start(pose, START_COVARIANCE)

@@ -58,8 +58,11 @@ class Session:
         roles: the other programs of this process.
         log: of the game's events.
         witnesses: who record.
-        perform: carries out what the router decides about outside connections, and must give every `Forwarded` to
-            `hear`; without outside connections there is nothing else to do.
+
+    Attributes:
+        tick: the number of the next tick.
+        perform: carries out what the router decides. A server of outside connections takes this over, and must give
+            every `Forwarded` to `hear`.
     """
 
     def __init__(
@@ -69,15 +72,14 @@ class Session:
         roles: Sequence[Role],
         log: EventLog,
         witnesses: Sequence[Witness] = (),
-        perform: Callable[[Sequence[Output]], None] | None = None,
     ) -> None:
         self.tick = 0
+        self.perform: Callable[[Sequence[Output]], None] = self._hear_all
         self._router = router
         self._keeper = keeper
         self._roles = tuple(roles)
         self._log = log
         self._witnesses = tuple(witnesses)
-        self._perform = perform or self._hear_all
         self._heard: list[Forwarded] = []
         for role in (keeper, *self._roles):
             router.attach(role.name)
@@ -98,7 +100,7 @@ class Session:
         Raises:
             Exception: whatever the log or a witness raises when it cannot write; the session must end then.
         """
-        self._perform(self._router.exchange())
+        self.perform(self._router.exchange())
         heard, self._heard = tuple(self._heard), []
         self._keeper.tap(heard)
         self._step_role(self._keeper)

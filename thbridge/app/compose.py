@@ -1,0 +1,163 @@
+"""The root: builds every part of a session from one study. Nothing else looks anything up."""
+
+from dataclasses import dataclass, replace
+from importlib import metadata
+from pathlib import Path
+from platform import python_version
+
+from sim import noise
+from sim.sensors import mount_of
+from sim.team import Team
+from thbridge.adapters.bag_writer import Recorder
+from thbridge.adapters.errors import BadFile
+from thbridge.adapters.map_files import Map, read_map
+from thbridge.adapters.resources import Resources, shipped
+from thbridge.adapters.template_files import TemplateSet, read_map_times, read_template_set
+from thbridge.app.config import Study, resolved
+from thbridge.dialogue.engine import Engine
+from thbridge.dialogue.protocols import TemplateProtocol
+from thbridge.dialogue.strategies import TemplateStrategy
+from thbridge.dialogue.templates import TemplatePhrasing
+from thbridge.hunt.costs import CostMatrix
+from thbridge.hunt.events import Event
+from thbridge.roles.hider import Hider
+from thbridge.roles.keeper import GameRules, Keeper
+from thbridge.roles.showing import plain_costs
+from thbridge.roles.simr import Field, SimR
+from thbridge.roles.tabui import TabUI
+from thbridge.ros.records import Session as SessionRecord
+from thbridge.study.bots import Bot, BotStrategy, Knowledge
+
+RECORDED_PACKAGES = ("thbridge", "numpy", "scipy", "numba", "filterpy", "rosbags")
+"""Whose versions a bag tells: what else could make the same study run differently."""
+
+
+@dataclass(frozen=True, slots=True)
+class Setting:
+    """A study with everything it names, read and checked; all parts of a session are built from it.
+
+    Attributes:
+        study: the study.
+        place: its map.
+        templates: its set of templates.
+        costs: energy of every move.
+    """
+
+    study: Study
+    place: Map
+    templates: TemplateSet
+    costs: CostMatrix
+
+    def team(self) -> Team:
+        """The robots at their start poses."""
+        study = self.study
+        starts = self.place.starts[: study.robots]
+        return Team(self.place.grid, study.world, [study.robot] * study.robots, starts, study.seed, study.game.energy)
+
+    def simr(self) -> SimR:
+        """The robots' role."""
+        field = Field(
+            name=self.place.name,
+            goals=tuple(room.goal for room in self.place.rooms),
+            starts=self.place.starts[: self.study.robots],
+            costs=plain_costs(self.costs),
+        )
+        return SimR(self.team(), field, self.study.server.dialect)
+
+    def keeper(self, history: tuple[Event, ...] = (), last_game: int = 0) -> Keeper:
+        """The game's authority; see `Keeper` for a game that goes on."""
+        game = self.study.game
+        rules = GameRules(self.study.seed, game.energy, game.picture_cost, game.identify_cost, game.wrong_share)
+        return Keeper(rules, self._engine, history, last_game)
+
+    def hider(self) -> Hider:
+        """The treasures' role."""
+        return build_hider(self.templates, self.study.seed)
+
+    def tabui(self) -> TabUI:
+        """The participant's role, played by the bot that the study names."""
+        return build_tabui(self.templates, self.study.participant.strategy, self.study.seed)
+
+    def recorder(self, path: Path) -> Recorder:
+        """A recorder of these robots into a new bag. Raises BagNotWritten."""
+        laser = self.study.world.laser
+        return Recorder.open(
+            path,
+            SessionRecord(resolved(self.study), self.study.seed, versions()),
+            self.place.grid,
+            self.study.robots,
+            mount_of(laser),
+            1.0 / laser.rate,
+        )
+
+    def _engine(self, game: int) -> Engine:
+        template = self.templates.dialogue
+        seed = int(noise.key(self.study.seed, "dialogue", str(game)))
+        return Engine(TemplateProtocol(template), TemplateStrategy(), TemplatePhrasing(template, seed))
+
+
+def build_hider(templates: TemplateSet, seed: int) -> Hider:
+    """The treasures' role."""
+    return Hider(templates.kinds, seed, len(templates.costs.rooms))
+
+
+def build_tabui(templates: TemplateSet, strategy: BotStrategy, seed: int) -> TabUI:
+    """The participant's role, played by a bot."""
+    # The participant's copy of the list has no images; what a picture shows, a person sees.
+    known = tuple(replace(kind, image=None) for kind in templates.kinds)
+    shown_by = {kind.image: kind.name for kind in templates.kinds if kind.image is not None}
+    return TabUI(Bot(strategy, Knowledge(known, shown_by), seed))
+
+
+def read_setting(study: Study, beside: Path, resources: Resources | None = None) -> Setting:
+    """Read what a study names.
+
+    Args:
+        study: the study.
+        beside: the folder from which the paths in it start.
+        resources: maps and templates that are known by name; those that come with the project by default.
+
+    Raises:
+        BadFile: something is missing or wrong, or does not fit together.
+    """
+    resources = resources or shipped()
+    place = read_map(resources.find("maps", study.map, beside), study.world.footprint)
+    folder = resources.find("templates", study.templates, beside)
+    templates = read_template_set(folder)
+    if study.robots > len(place.starts):
+        raise BadFile(
+            resources.find("maps", study.map, beside) / "rooms.yaml",
+            None,
+            "starts",
+            f"there are start poses for {len(place.starts)} robots, but the study has {study.robots}",
+            "add start poses or lower `robots` in the study",
+        )
+    return Setting(study, place, templates, _costs(study, beside, place, templates, folder))
+
+
+def _costs(study: Study, beside: Path, place: Map, templates: TemplateSet, folder: Path) -> CostMatrix:
+    """The study's own cost file, or else the map's, or else the templates'; it must fit the map."""
+    if study.game.costs is not None:
+        path = beside / study.game.costs
+    elif place.costs is not None:
+        path = place.costs
+    else:
+        path = folder / "mapTimes"
+    costs = templates.costs if path == folder / "mapTimes" else read_map_times(path)
+    if len(costs.rooms) != len(place.rooms):
+        raise BadFile(
+            path,
+            1,
+            "number of nodes",
+            f"{len(costs.rooms) + 1} nodes, but the map {place.name} has {len(place.rooms)} rooms and a corridor",
+            f"give a mapTimes of {len(place.rooms) + 1} nodes in the map's folder, or by `game: costs:` in the study",
+        )
+    return costs
+
+
+def versions() -> dict[str, str]:
+    """Of this program and of what its results depend on, by name."""
+    found = {"python": python_version()}
+    for package in RECORDED_PACKAGES:
+        found[package] = metadata.version(package)
+    return found

@@ -1,0 +1,91 @@
+"""From what happened in a session to what goes into its bag."""
+
+from collections.abc import Iterator
+from typing import Protocol
+
+from sim.team import TeamSnapshot
+from thbridge.app.session import Moment
+from thbridge.dialogue import moves
+from thbridge.hunt import events
+from thbridge.hunt.codec import to_json
+from thbridge.hunt.game import GameState
+from thbridge.hunt.rooms import Room
+from thbridge.roles.notices import KEEPER
+from thbridge.roles.talks import MATTERS
+from thbridge.ros.records import GameEvent, Input, Record, Score, SendRobots, Success, Utterance
+from thbridge.wire import legacy
+from thbridge.wire.router import Forwarded
+
+
+class Recorder(Protocol):
+    """Writes ticks into a bag."""
+
+    def record(self, snapshot: TeamSnapshot, records: tuple[Record, ...]) -> None:
+        """Write down one tick."""
+
+
+class BagWitness:
+    """Takes down every tick of a session that has robots.
+
+    Args:
+        recorder: of the bag.
+    """
+
+    def __init__(self, recorder: Recorder) -> None:
+        self._recorder = recorder
+        self._score: Score | None = None
+
+    def saw(self, moment: Moment) -> None:
+        """Write down one tick; raises what the recorder raises."""
+        if moment.snapshot is not None:
+            self._recorder.record(moment.snapshot, tuple(self._records(moment)))
+
+    def _records(self, moment: Moment) -> Iterator[Record]:
+        for forwarded in moment.forwarded:
+            yield from _lines(forwarded)
+        for event in moment.events:
+            yield _event(event)
+        for utterance in moment.utterances:
+            yield _utterance(utterance)
+        score = None if moment.game is None else _score(moment.game)
+        if score is not None and score != self._score:
+            self._score = score
+            yield score
+
+
+def _lines(forwarded: Forwarded) -> Iterator[Record]:
+    message = forwarded.message
+    if message.sender not in {KEEPER, legacy.SIMR, legacy.HIDER}:
+        yield Input(message.sender, message.line())
+    match legacy.decode(message):
+        case legacy.Goto() if message.receiver == legacy.SIMR:
+            yield SendRobots(message.line())
+        case legacy.Arrived() if message.sender == legacy.SIMR:
+            yield Success(message.line())
+
+
+def _event(event: events.Event) -> GameEvent:
+    robot: int | None = getattr(event, "robot", None)
+    room: Room | None = getattr(event, "room", None)
+    return GameEvent(type(event).__name__.lower(), robot, None if room is None else room.people, to_json(event))
+
+
+def _utterance(said: moves.Utterance) -> Utterance:
+    return Utterance(
+        dialogue=said.dialogue,
+        speaker="robot" if said.speaker is moves.Speaker.ROBOT else "human",
+        robot=said.topic.robot,
+        room=said.topic.room.people,
+        scenario=MATTERS[said.topic.scenario],
+        text=said.text,
+        move=type(said.move).__name__.lower(),
+    )
+
+
+def _score(game: GameState) -> Score:
+    return Score(
+        score=game.score,
+        visited=sum(room.visited for room in game.rooms),
+        rooms=len(game.rooms),
+        energy=tuple(robot.energy for robot in game.robots),
+    )

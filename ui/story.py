@@ -1,0 +1,70 @@
+"""A hunt told in sentences, for the terminal."""
+
+from collections.abc import Iterator
+
+from sim.observations import TICK
+from thbridge.app.session import Moment
+from thbridge.dialogue.moves import Speaker, Utterance
+from thbridge.hunt.costs import spoken_energy
+from thbridge.hunt.events import (
+    Arrived,
+    Departed,
+    Ended,
+    EndReason,
+    Event,
+    Failed,
+    Hidden,
+    Identified,
+    Left,
+    Pictured,
+    Sensed,
+    Started,
+)
+from thbridge.hunt.rules import robot_name
+
+
+def tell(moment: Moment) -> Iterator[str]:
+    """The sentences for one tick, each with its time."""
+    for utterance in moment.utterances:
+        yield _timed(moment, _said(utterance))
+    for event in moment.events:
+        sentence = _happened(event)
+        if sentence:
+            yield _timed(moment, sentence)
+
+
+def _timed(moment: Moment, sentence: str) -> str:
+    return f"{moment.tick * TICK:7.1f} s  {sentence}"
+
+
+def _said(utterance: Utterance) -> str:
+    robot = utterance.topic.robot
+    speaker = robot_name(robot).capitalize() if utterance.speaker is Speaker.ROBOT else f"You to {robot_name(robot)}"
+    return f"{speaker}: {utterance.text}"
+
+
+def _happened(event: Event) -> str:
+    match event:
+        case Started(game=game, robots=robots):
+            return f"Game {game} begins, with {robots} robot{'s' if robots > 1 else ''}."
+        case Hidden(treasures):
+            return f"{len(treasures)} treasures are hidden."
+        case Departed(robot, room, cost):
+            return f"{robot_name(robot).capitalize()} sets out for {room} and pays {spoken_energy(cost)} energy."
+        case Arrived(robot, room):
+            return f"{robot_name(robot).capitalize()} is in {room}."
+        case Failed(robot, room, reason, refund):
+            back = f" {spoken_energy(refund)} energy comes back." if refund > 0.0 else ""
+            return f"{robot_name(robot).capitalize()} does not get to {room}: {reason}{back}"
+        case Sensed(room, colour, footprint):
+            return f"Something {colour.lower()}, {footprint.lower()}, is in {room}."
+        case Pictured(room, robot, image):
+            return f"{robot_name(robot).capitalize()} takes a picture in {room}: {image}."
+        case Identified(room, _, name, points):
+            place = "" if room is None else f" in {room}"
+            return f"The treasure{place} is named {name}: {points:+d} points."
+        case Left(room):
+            return f"The treasure in {room} is left alone."
+        case Ended(reason, score):
+            why = "every room is visited" if reason is EndReason.ALL_VISITED else "no robot has a move left"
+            return f"The game is over: {why}. Score {score}."
