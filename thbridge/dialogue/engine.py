@@ -81,6 +81,8 @@ class Step:
 class Engine:
     """A way of talking, ready to run. Holds no state: every method takes the dialogues and gives the new ones.
 
+    `open` and `move` raise ValueError if the strategy breaks its promise and chooses a move that is not legal.
+
     Attributes:
         protocol: what is legal.
         strategy: chooses the robot's moves.
@@ -133,7 +135,10 @@ class Engine:
         while (outcome := self.protocol.outcome(dialogue)) is None:
             if self.protocol.speaker(dialogue) is Speaker.PERSON:
                 return Step(_with(dialogues, dialogue), dialogue, utterances, None)
-            choice = self.strategy.choose(View(Speaker.ROBOT, dialogue), self.protocol.legal(dialogue))
+            legal = self.protocol.legal(dialogue)
+            choice = self.strategy.choose(View(Speaker.ROBOT, dialogue), legal)
+            if choice not in legal:
+                raise ValueError(f"the strategy chose {choice}, which is not among the legal moves {legal}")
             dialogue, utterance = self._said(dialogue, Speaker.ROBOT, choice)
             utterances = (*utterances, utterance)
         return Step(_without(dialogues, dialogue), dialogue, utterances, outcome)

@@ -55,6 +55,14 @@ def test_a_line_torn_anywhere_loses_only_itself(written):
         assert found.torn == (content[last:end] or None)
 
 
+def test_a_power_failure_at_any_byte_gives_back_what_was_before_it(written):
+    content = written.read_bytes()
+    for end in range(content.index(b"\n") + 1, len(content)):
+        written.write_bytes(content[:end])
+        found = read_journal(written)
+        assert found.events == EVENTS[: content[:end].count(b"\n") - 1]
+
+
 def test_a_torn_journal_is_gone_on_with(written):
     content = written.read_bytes()
     written.write_bytes(content[:-5] + b"\0\0")

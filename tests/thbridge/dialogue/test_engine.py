@@ -174,6 +174,15 @@ def test_what_is_no_snapshot_is_refused(value, complaint):
         restore(value)
 
 
+def test_a_strategy_cannot_break_the_protocol():
+    class Hasty:
+        def choose(self, view, legal):
+            return Ask(2)
+
+    with pytest.raises(ValueError, match="not among the legal"):
+        Engine(TemplateProtocol(TEMPLATE), Hasty(), TemplatePhrasing(TEMPLATE, 7)).open(Dialogues(), TOPIC)
+
+
 def test_another_way_of_talking_fits_without_changing_the_engine():
     """A protocol in which the person opens and the robot's strategy really chooses."""
 
