@@ -1,0 +1,39 @@
+"""What a person gets who installs the wheel, far from any checkout."""
+
+import os
+import subprocess
+import sys
+from pathlib import Path
+
+ROOT = Path(__file__).parents[2]
+
+LOAD = """
+from pathlib import Path
+import thbridge
+from thbridge.adapters.map_files import read_map
+from thbridge.adapters.resources import shipped
+print(Path(thbridge.__file__).parent)
+print(len(read_map(shipped().find("maps", "arena8", Path())).rooms), *shipped().names("templates"))
+"""
+
+
+def pip(*arguments: str | Path) -> None:
+    subprocess.run([sys.executable, "-m", "pip", "--quiet", "--disable-pip-version-check", *arguments], check=True)
+
+
+def test_the_wheel_carries_maps_and_templates(tmp_path: Path) -> None:
+    pip("wheel", "--no-deps", "--no-build-isolation", "--wheel-dir", tmp_path, ROOT)
+    (wheel,) = tmp_path.glob("*.whl")
+    installed = tmp_path / "installed"
+    pip("install", "--no-deps", "--target", installed, wheel)
+    elsewhere = tmp_path / "elsewhere"
+    elsewhere.mkdir()
+    loaded = subprocess.run(
+        [sys.executable, "-c", LOAD],
+        cwd=elsewhere,
+        env={**os.environ, "PYTHONPATH": str(installed)},
+        check=True,
+        capture_output=True,
+        text=True,
+    )
+    assert loaded.stdout.splitlines() == [str(installed / "thbridge"), "8 original-2016 sklar-azhar-2015"]
