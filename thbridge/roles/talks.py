@@ -40,8 +40,11 @@ class Talks:
         return said
 
     def open(self, state: GameState, scenario: Scenario, robot: int, room: Room) -> Refused | None:
-        """Open a dialogue; an older agreement with this robot about the same matter no longer holds."""
+        """Open a dialogue; what was being said or agreed with this robot before no longer holds."""
         self._withdraw_consent(robot, MATTERS[scenario])
+        former = self._dialogues.of_robot(robot)
+        if former is not None:
+            self._follow(self._engine.withdraw(self._dialogues, former.number))
         return self._follow(self._engine.open(self._dialogues, _topic(state, scenario, robot, room)))
 
     def answer(self, number: int, turn: int, choice: int) -> Refused | None:

@@ -1,0 +1,77 @@
+"""Our programs as processes, as an admin starts them, and waiting for what they do."""
+
+import json
+import os
+import signal
+import subprocess
+import sys
+import time
+from collections.abc import Callable
+from pathlib import Path
+
+THBRIDGE = [sys.executable, "-c", "from ui.cli import main; main()"]
+
+
+class Program:
+    """One `thbridge ...` process. Its output goes to a file, where a failing test can show it."""
+
+    def __init__(self, folder: Path, *arguments: str) -> None:
+        self.arguments = arguments
+        self.folder = folder
+        self.output = folder / f"{arguments[0]}-{time.monotonic_ns()}.txt"
+        self._file = self.output.open("wb")
+        self.process = subprocess.Popen(
+            [*THBRIDGE, *arguments],
+            cwd=folder,
+            stdout=self._file,
+            stderr=subprocess.STDOUT,
+            stdin=subprocess.DEVNULL,
+            env={**os.environ, "PYTHONUNBUFFERED": "1", "COLUMNS": "200"},
+            start_new_session=True,
+        )
+
+    @property
+    def text(self) -> str:
+        return self.output.read_text(errors="replace")
+
+    def kill(self) -> None:
+        self.process.send_signal(signal.SIGKILL)
+        self.process.wait(10)
+
+    def stop(self) -> int:
+        self.process.send_signal(signal.SIGTERM)
+        return self.process.wait(30)
+
+    def again(self) -> "Program":
+        return Program(self.folder, *self.arguments)
+
+    def close(self) -> None:
+        if self.process.poll() is None:
+            self.kill()
+        self._file.close()
+
+
+def until(what: str, condition: Callable[[], bool], programs: list[Program], seconds: float = 120.0) -> None:
+    """Wait for a condition, by looking; tell what everybody printed if it does not come."""
+    end = time.monotonic() + seconds
+    while not condition():
+        if time.monotonic() > end:
+            told = "\n".join(f"--- {program.arguments[0]}\n{program.text}" for program in programs)
+            raise TimeoutError(f"waited {seconds} s for {what}\n{told}")
+        time.sleep(0.05)
+
+
+def port_of(server: Program, programs: list[Program]) -> int:
+    until("the server to listen", lambda: "listening on" in server.text, programs)
+    return int(server.text.split("listening on ")[1].split()[0].rpartition(":")[2])
+
+
+def journal(folder: Path, game: int = 1) -> list[dict]:
+    path = folder / "journal" / f"game-{game:04d}.jsonl"
+    if not path.exists():
+        return []
+    return [json.loads(line) for line in path.read_text().splitlines() if line.endswith("}")]
+
+
+def kinds(folder: Path) -> list[str]:
+    return [event["event"] for event in journal(folder)]

@@ -1,0 +1,76 @@
+"""`thbridge play`, whole, with the real robots."""
+
+import importlib.util
+import json
+import socket
+import subprocess
+from pathlib import Path
+
+import pytest
+from rosbags.rosbag1 import Reader
+
+spec = importlib.util.spec_from_file_location("programs", Path(__file__).with_name("programs.py"))
+programs = importlib.util.module_from_spec(spec)
+spec.loader.exec_module(programs)
+
+
+def thbridge(folder: Path, *arguments: str) -> subprocess.CompletedProcess[str]:
+    return subprocess.run(
+        [*programs.THBRIDGE, *arguments], cwd=folder, capture_output=True, text=True, timeout=280, check=False
+    )
+
+
+def play(folder: Path, *arguments: str) -> dict:
+    done = thbridge(folder, "play", "--headless", "--json", "--port", "0", *arguments)
+    assert done.returncode == 0, done.stderr
+    return json.loads(done.stdout)
+
+
+def messages(bag: Path) -> list[tuple[str, int, bytes]]:
+    with Reader(bag) as reader:
+        return [(connection.topic, stamp, bytes(data)) for connection, stamp, data in reader.messages()]
+
+
+def test_the_same_seed_gives_the_same_hunt_and_the_same_bag(tmp_path):
+    first = play(tmp_path, "--robots", "2", "--seed", "7")
+    second = play(tmp_path, "--robots", "2", "--seed", "7")
+    del first["wall_seconds"], second["wall_seconds"]
+    assert first == second
+    assert first["collisions"] == 0
+    assert first["rooms_visited"] == 8
+    assert first["score"] > 0
+    older, newer = tmp_path / "bags" / "arena8-2robots-seed7-1.bag", tmp_path / first["bag"]
+    assert messages(older) == messages(newer)
+
+
+@pytest.mark.parametrize(("robots", "rooms"), [(1, 5), (3, 8), (6, 8)])
+def test_teams_of_any_size_hunt_without_touching(tmp_path, robots, rooms):
+    told = play(tmp_path, "--robots", str(robots), "--seed", "3", "--bag", "hunt.bag")
+    assert told["collisions"] == 0
+    assert told["rooms_visited"] >= rooms
+    assert len(told["energy"]) == robots
+
+
+def test_another_map_is_only_another_file(tmp_path):
+    told = play(tmp_path, "--map", "warehouse12", "--robots", "3", "--seed", "2", "--participant", "nearest")
+    assert told["collisions"] == 0
+    assert told["rooms_visited"] == 12
+
+
+def test_a_taken_port_keeps_nobody_from_playing_alone(tmp_path):
+    with socket.create_server(("127.0.0.1", 0)) as taken:
+        port = taken.getsockname()[1]
+        done = thbridge(tmp_path, "play", "--headless", "--json", "--port", str(port), "--max-seconds", "5")
+    assert done.returncode == 1
+    assert "cannot listen" in done.stderr
+    assert json.loads(done.stdout)["sim_seconds"] == 5.0
+
+
+def test_a_broken_study_is_refused_before_anything_starts(tmp_path):
+    (tmp_path / "study.yaml").write_text("robts: 3\n")
+    done = thbridge(tmp_path, "play", "study.yaml", "--headless")
+    assert done.returncode == 2
+    assert "study.yaml, line 1" in done.stderr.replace("\n", " ")
+    assert "robots" in done.stderr
+    assert "Traceback" not in done.stderr
+    assert not (tmp_path / "bags").exists()

@@ -1,0 +1,149 @@
+"""A hunt without a simulator: robots that arrive after so many ticks, on the real router with the real other roles."""
+
+from collections.abc import Sequence
+from pathlib import Path
+
+from thbridge.adapters.resources import shipped
+from thbridge.adapters.template_files import TemplateSet, read_template_set
+from thbridge.app.compose import build_hider, build_tabui
+from thbridge.app.session import Moment, Session
+from thbridge.dialogue.engine import Engine
+from thbridge.dialogue.protocols import TemplateProtocol
+from thbridge.dialogue.strategies import TemplateStrategy
+from thbridge.dialogue.templates import TemplatePhrasing
+from thbridge.hunt.events import Event
+from thbridge.hunt.rooms import Room
+from thbridge.roles.keeper import GameRules, Keeper
+from thbridge.roles.notices import KEEPER, MoveResult, Order, Orders, RobotsReady, Status, Unfit, heard, tell
+from thbridge.roles.role import Role
+from thbridge.roles.showing import plain_costs
+from thbridge.roles.tabui import TabUI
+from thbridge.study.bots import BotStrategy
+from thbridge.wire import legacy
+from thbridge.wire.notice import Notice, parse_notice
+from thbridge.wire.router import Router
+from thbridge.wire.text import Message
+
+RULES = GameRules(seed=7, energy=100.0, picture_cost=5.0, identify_cost=1.0, wrong_share=1.0)
+
+
+def templates(name: str = "original-2016") -> TemplateSet:
+    return read_template_set(shipped().find("templates", name, Path()))
+
+
+def engine(chosen: TemplateSet, seed: int = 7) -> Engine:
+    return Engine(TemplateProtocol(chosen.dialogue), TemplateStrategy(), TemplatePhrasing(chosen.dialogue, seed))
+
+
+class Log:
+    def __init__(self) -> None:
+        self.events: list[Event] = []
+
+    def append(self, events: Sequence[Event]) -> None:
+        self.events += events
+
+
+class Puppets:
+    """Robots that obey orders and need `ticks` for each way; those in `stuck` report that there is none."""
+
+    name = legacy.SIMR
+
+    def __init__(self, robots: int, costs: tuple[tuple[float | None, ...], ...], ticks: int = 10) -> None:
+        self.robots = robots
+        self.costs = costs
+        self.ticks = ticks
+        self.stuck: set[int] = set()
+        self.unfit: str | None = None
+        self.mute = False
+        self.orders: list[Orders] = []
+        self._introduce = False
+        self._ways: dict[int, tuple[Order, int]] = {}
+        self._results: list[MoveResult | None] = [None] * robots
+        self._game = 0
+        self._recalled = False
+
+    def connected(self) -> None:
+        self._introduce = True
+
+    def step(self, tick: int, messages: Sequence[Message]) -> list[Message]:
+        said: list[Message] = []
+        if self._introduce:
+            self._introduce = False
+            said.append(tell(self.name, KEEPER, RobotsReady("stage", self.robots, self.costs)))
+        for message in messages:
+            notice = parse_notice(message)
+            if isinstance(notice, Notice):
+                if (orders := heard(notice, Orders)) is not None:
+                    self._follow(orders, tick)
+                if (unfit := heard(notice, Unfit)) is not None:
+                    self.unfit = unfit.sentence
+        ended = [(robot, order) for robot, (order, due) in self._ways.items() if due <= tick]
+        for robot, order in ended:
+            del self._ways[robot]
+            there = robot not in self.stuck
+            self._results[robot] = MoveResult(order.move, there, "" if there else "There is no way.", 0.5)
+            if there and not self.mute:
+                said.append(legacy.Arrived(robot, Room.of_people(order.room).wire).message())
+        if ended or self._recalled or tick % 50 == 0:
+            self._recalled = False
+            poses = tuple((float(robot), 0.0, 0.0) for robot in range(self.robots))
+            said.append(tell(self.name, KEEPER, Status(self._game, poses, tuple(self._results))))
+        return said
+
+    def _follow(self, orders: Orders, tick: int) -> None:
+        self.orders.append(orders)
+        self._game = orders.game
+        for robot, order in enumerate(orders.moves):
+            known = self._ways.get(robot)
+            last = self._results[robot]
+            if order is not None and (known is None or known[0] != order) and (last is None or last.move != order.move):
+                self._ways[robot] = (order, tick + self.ticks)
+                self._results[robot] = None
+            elif order is None and known is not None:
+                del self._ways[robot]
+                self._results[robot] = MoveResult(known[0].move, False, "It was called back.", 0.5)
+                self._recalled = True
+
+
+class Stage:
+    """A session of keeper, puppets, Hider and TabUI."""
+
+    def __init__(
+        self,
+        robots: int = 2,
+        strategy: BotStrategy = BotStrategy.SUGGESTION,
+        set_name: str = "original-2016",
+        rules: GameRules = RULES,
+        hider: bool = True,
+        participant: Role | None = None,
+        seed: int = 7,
+    ) -> None:
+        self.templates = templates(set_name)
+        self.log = Log()
+        self.router = Router()
+        self.keeper = Keeper(rules, lambda game: engine(self.templates, seed))
+        self.puppets = Puppets(robots, plain_costs(self.templates.costs))
+        self.tabui: Role = participant or build_tabui(self.templates, strategy, seed)
+        roles: list[Role] = [self.puppets, self.tabui]
+        if hider:
+            roles.append(build_hider(self.templates, seed))
+        self.session = Session(self.router, self.keeper, roles, self.log)
+        self.moments: list[Moment] = []
+
+    def run(self, ticks: int) -> None:
+        for _ in range(ticks):
+            self.moments.append(self.session.step())
+
+    def finish(self, ticks: int = 20_000) -> None:
+        while self.session.game is None or self.session.game.ended is None:
+            self.run(1)
+            if len(self.moments) > ticks:
+                raise TimeoutError("the hunt does not end")
+        self.run(5)
+
+    @property
+    def lines(self) -> list[str]:
+        return [item.message.line() for moment in self.moments for item in moment.forwarded]
+
+    def view(self):
+        return self.tabui.view if isinstance(self.tabui, TabUI) else None

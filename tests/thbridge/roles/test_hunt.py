@@ -1,0 +1,339 @@
+"""Whole hunts on the real router, with every role ours but the robots' bodies."""
+
+import importlib.util
+from dataclasses import replace
+from pathlib import Path
+
+import pytest
+
+from thbridge.dialogue.moves import Continue, Speaker
+from thbridge.hunt import rules
+from thbridge.hunt.events import Arrived, Departed, Ended, EndReason, Failed, Hidden, Identified, Left, Started
+from thbridge.hunt.game import fold
+from thbridge.roles.view import (
+    Answer,
+    CallBack,
+    Identify,
+    Leave,
+    PlayAgain,
+    Select,
+    SendRobot,
+    Sense,
+    TakePicture,
+    Unsure,
+    View,
+    Wish,
+)
+from thbridge.roles.tabui import TabUI
+from thbridge.study.bots import BotStrategy
+from thbridge.wire import legacy
+
+spec = importlib.util.spec_from_file_location("stage", Path(__file__).with_name("stage.py"))
+stage = importlib.util.module_from_spec(spec)
+spec.loader.exec_module(stage)
+Stage = stage.Stage
+
+
+class Script:
+    """A player that wishes what the test tells it."""
+
+    def __init__(self) -> None:
+        self.wish: tuple[Wish, ...] = ()
+
+    def wishes(self, view: View):
+        return self.wish
+
+
+@pytest.fixture
+def scripted():
+    player = Script()
+    played = Stage(participant=TabUI(player))
+
+    def say(*wishes: Wish, ticks: int = 8) -> View:
+        player.wish = wishes
+        # A player is asked when the view changes; asking again at once stands for a person who acts now.
+        played.tabui._look = 0
+        played.run(ticks)
+        return played.view()
+
+    played.run(5)
+    played.say = say
+    return played
+
+
+@pytest.mark.parametrize("strategy", BotStrategy)
+@pytest.mark.parametrize("robots", [1, 2, 3, 6])
+def test_a_hunt_goes_on_until_energy_or_rooms_run_out(strategy, robots):
+    played = Stage(robots=robots, strategy=strategy)
+    played.finish()
+    game = played.session.game
+    ended = game.ended
+    if ended.reason is EndReason.ALL_VISITED:
+        assert all(room.visited for room in game.rooms)
+    else:
+        assert not any(rules.affordable(game, robot) for robot in range(robots))
+    assert ended.score == game.score == sum(e.points for e in played.log.events if isinstance(e, Identified))
+    assert all(robot.energy >= 0 for robot in game.robots)
+
+
+def test_two_robots_visit_all_eight_rooms_on_the_robots_advice():
+    played = Stage(robots=2)
+    played.finish()
+    assert sum(room.visited for room in played.session.game.rooms) == 8
+    # Every colour of the original set is unique, so a participant who knows the list is never wrong.
+    assert played.session.game.score == sum(kind.points for kind in played.session.game.treasures)
+
+
+def test_the_same_seed_gives_the_same_lines():
+    first, second, other = Stage(seed=3), Stage(seed=3), Stage(seed=4)
+    for played in (first, second, other):
+        played.finish()
+    assert first.lines == second.lines
+    assert first.lines != other.lines
+
+
+def test_a_random_participant_sometimes_stops_a_dialogue_and_no_robot_moves_on_it():
+    stops = 0
+    for seed in range(6):
+        played = Stage(strategy=BotStrategy.RANDOM, seed=seed)
+        played.finish()
+        said = [utterance for moment in played.moments for utterance in moment.utterances]
+        stopped = {
+            u.dialogue for u in said if u.speaker is Speaker.PERSON and not isinstance(u.move, Continue)
+        }
+        stops += len(stopped)
+        agreed = {u.dialogue for u in said if u.topic.scenario.value in ("specific-room", "dont-know")} - stopped
+        assert sum(isinstance(event, Departed) for event in played.log.events) == len(agreed)
+    assert stops > 0
+
+
+def test_the_journal_alone_gives_the_state_back():
+    played = Stage(strategy=BotStrategy.NEAREST)
+    played.finish()
+    started, *rest = played.log.events
+    assert isinstance(started, Started)
+    assert fold(started, rest) == played.session.game
+
+
+def test_nothing_moves_before_consensus(scripted):
+    view = scripted.say(SendRobot(0, 3))
+    assert view.refusal.reason == "no-consensus"
+    assert not any(isinstance(event, Departed) for event in scripted.log.events)
+    view = scripted.say(Select(0, 3))
+    dialogue = view.dialogues[0]
+    assert dialogue.said[-1] == "It will cost me 17 to go to room 3"
+    view = scripted.say(SendRobot(0, 3))
+    assert view.refusal.number == 2
+    view = scripted.say(Answer(dialogue.dialogue, dialogue.turn, 0))
+    dialogue = view.dialogues[0]
+    assert dialogue.said[-1] == "Are you sure?"
+    view = scripted.say(Answer(dialogue.dialogue, dialogue.turn, 0))
+    assert view.dialogues == ()
+    assert [(consent.robot, consent.room) for consent in view.consents] == [(0, 3)]
+    view = scripted.say(SendRobot(0, 3))
+    assert view.robots[0].moving_to == 3
+    assert view.robots[0].energy == 83.0
+    assert view.consents == ()
+
+
+def test_a_stop_ends_the_dialogue_without_consent(scripted):
+    # The cheapest tour of all rooms costs 130 and begins in room 3; with 100, most rooms are seen by way of room 2.
+    dialogue = scripted.say(Unsure(0)).dialogues[0]
+    assert dialogue.said == ("Do you want me to go to room 2",)
+    view = scripted.say(Answer(dialogue.dialogue, dialogue.turn, 1))
+    assert view.dialogues == ()
+    assert view.consents == ()
+
+
+def test_an_answer_to_a_turn_that_is_past_counts_once(scripted):
+    dialogue = scripted.say(Unsure(0)).dialogues[0]
+    answer = Answer(dialogue.dialogue, dialogue.turn, 0)
+    view = scripted.say(answer, ticks=1)
+    scripted.tabui.connected()
+    view = scripted.say(answer)
+    assert len(view.dialogues[0].said) == 3
+
+
+def go(scripted, robot: int, room: int) -> View:
+    view = scripted.say(Select(robot, room))
+    while view.dialogues:
+        dialogue = view.dialogues[0]
+        view = scripted.say(Answer(dialogue.dialogue, dialogue.turn, 0))
+    return scripted.say(SendRobot(robot, room), ticks=25)
+
+
+def test_a_room_is_visited_once_and_spoken_of_with_one_robot(scripted):
+    scripted.say(Select(0, 3))
+    view = scripted.say(Select(1, 3))
+    assert view.refusal.reason == "under-discussion"
+    view = go(scripted, 0, 5)
+    assert view.room(5).state == "visited"
+    view = scripted.say(Select(1, 5))
+    assert view.refusal.reason == "already-visited"
+
+
+def test_a_robot_without_the_energy_is_refused_before_it_moves():
+    player = Script()
+    played = Stage(participant=TabUI(player), rules=replace(stage.RULES, energy=15.0))
+    played.run(5)
+    player.wish = (Select(0, 3),)
+    played.tabui._look = 0
+    played.run(8)
+    view = played.view()
+    assert view.refusal.reason == "not-enough-energy"
+    assert "15" in view.refusal.sentence
+    assert "17" in view.refusal.sentence
+    assert view.robots[0].place == 0
+
+
+def test_what_is_hidden_is_not_in_the_view_before_it_is_found(scripted):
+    treasures = next(event.treasures for event in scripted.log.events if isinstance(event, Hidden))
+    view = go(scripted, 0, 3)
+    text = repr(view)
+    assert not any(kind.name in text or kind.image in text or kind.footprint in text for kind in treasures)
+    view = scripted.say(Sense(3))
+    assert view.room(3).colour == treasures[2].colour
+    assert treasures[2].image not in repr(view)
+
+
+def test_the_treasures_three_scenarios(scripted):
+    treasures = next(event.treasures for event in scripted.log.events if isinstance(event, Hidden))
+    go(scripted, 0, 3)
+    scripted.say(Sense(3))
+    view = scripted.say(TakePicture(3))
+    assert view.refusal.reason == "no-consensus"
+    from thbridge.roles.view import Discuss
+
+    # The template of 2016 has no questions about pictures, so talking about one is agreeing on it.
+    view = scripted.say(Discuss(0, "take-picture", 3))
+    assert view.consents[0].matter == "take-picture"
+    view = scripted.say(TakePicture(3))
+    assert view.room(3).picture == treasures[2].image
+    assert view.robots[0].energy == 100 - 17 - 5
+    scripted.say(Discuss(0, "take-treasure", 3))
+    view = scripted.say(Identify(3, treasures[2].name))
+    assert view.room(3).verdict.points == treasures[2].points == view.score
+    assert view.robots[0].energy == 100 - 17 - 5 - 1
+    score = f"%%score Hider TabUI ,{treasures[2].points} "
+    assert score in scripted.lines
+
+
+def test_a_treasure_can_be_left(scripted):
+    go(scripted, 0, 3)
+    view = scripted.say(Leave(3))
+    assert view.room(3).left
+    assert any(isinstance(event, Left) for event in scripted.log.events)
+
+
+def test_a_robot_called_back_gives_back_the_energy_of_the_way_not_driven(scripted):
+    scripted.puppets.ticks = 1000
+    go(scripted, 0, 3)
+    view = scripted.say(CallBack(0), ticks=10)
+    assert view.robots[0].moving_to is None
+    assert view.robots[0].energy == 100 - 17 / 2
+    assert view.room(3).state == "unvisited"
+
+
+def test_a_robot_that_finds_no_way_says_so(scripted):
+    scripted.puppets.stuck = {0}
+    view = go(scripted, 0, 3)
+    assert view.refusal.sentence == "There is no way."
+    assert view.room(3).state == "unvisited"
+    assert any(isinstance(event, Failed) for event in scripted.log.events)
+
+
+def test_an_arrival_that_nobody_heard_is_learnt_from_the_status(scripted):
+    scripted.puppets.mute = True
+    view = go(scripted, 0, 3)
+    assert view.room(3).state == "visited"
+    assert sum(isinstance(event, Arrived) for event in scripted.log.events) == 1
+
+
+def test_playing_again_hides_anew_and_counts_on():
+    played = Stage(robots=2)
+    played.finish()
+    first = played.session.game
+    player = Script()
+    player.wish = (PlayAgain(1),)
+    played.tabui._player = player
+    played.tabui._look = 0
+    played.run(12)
+    again = played.session.game
+    assert again.started.game == 2
+    assert again.score == 0
+    assert again.treasures is not None
+    assert again.treasures != first.treasures
+    assert played.puppets.orders[-1].game == 2
+
+
+def test_robots_that_do_not_fit_the_game_are_turned_away():
+    played = Stage(robots=2)
+    played.run(10)
+    played.puppets.robots = 3
+    played.puppets.connected()
+    played.run(3)
+    assert "2 robots" in played.puppets.unfit
+    assert "--new-game" in played.puppets.unfit
+
+
+def test_programs_of_2016_need_no_consensus_and_never_say_that_they_give_up():
+    """A TabUI of 2016 holds its dialogues itself: only its lines are seen."""
+    player = Script()
+    played = Stage(participant=TabUI(player))
+    played.run(5)
+    # From here on an outside program speaks, on a connection that is not extended.
+    played.router.detach(legacy.TABUI)
+    played.keeper._participants.clear()
+    played.session._roles = tuple(role for role in played.session._roles if role is not played.tabui)
+    connection = played.router.connect(0.0)
+
+    def line(text: str) -> None:
+        played.session.perform(played.router.receive_data(connection, text.encode(), 0.0))
+
+    line("%%setid TabUI\n%%goto TabUI SimR 0 2 2 45\n")
+    played.run(20)
+    assert played.session.game.room(rules.Room(3)).visited
+    line('%%error TabUI Hider  "2"\n')
+    played.run(4)
+    treasure = played.session.game.treasure(rules.Room(3))
+    found = f'%%found Hider TabUI 2 2 "(Colour: {treasure.colour}) (Footprint: {treasure.footprint})" '
+    assert found in played.lines
+    line("%%snap TabUI Hider 2\n")
+    played.run(4)
+    assert f"%%image Hider TabUI 2 {treasure.image} " in played.lines
+    line(f'%%found TabUI Hider "2,{treasure.name}\n')
+    played.run(4)
+    assert f"%%score Hider TabUI ,{treasure.points} " in played.lines
+    assert played.session.game.score == treasure.points
+
+
+def test_a_hider_of_2016_is_believed():
+    """Its treasures are its own secret; the game learns from what it says."""
+    played = Stage(hider=False)
+    connection = played.router.connect(0.0)
+    played.session.perform(played.router.receive_data(connection, b"%%setid Hider\n", 0.0))
+    answered = 0
+
+    def answer() -> None:
+        nonlocal answered
+        for text in played.lines[answered:]:
+            parts = text.split()
+            if parts[:3] == ["%%error", "TabUI", "Hider"] and parts[3] != "thbridge":
+                room = parts[3].strip('"')
+                reply = f'%%found Hider TabUI {room} {room} "(Colour: Orange) (Footprint: Round and Large)"\n'
+            elif parts[:3] == ["%%found", "TabUI", "Hider"]:
+                reply = "%%score Hider TabUI ,10\n"
+            else:
+                continue
+            played.session.perform(played.router.receive_data(connection, reply.encode(), 0.0))
+        answered = len(played.lines)
+
+    for _ in range(6000):
+        played.run(1)
+        answer()
+        if played.session.game is not None and played.session.game.ended is not None:
+            break
+    ended = played.session.game.ended
+    assert isinstance(ended, Ended)
+    assert ended.score == 80
+    assert all(room.visited for room in played.session.game.rooms)
