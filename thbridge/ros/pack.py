@@ -81,9 +81,14 @@ def _stamp(tick: int) -> tuple[int, int]:
     return divmod(stamp_ns(tick), 1_000_000_000)
 
 
+@lru_cache(maxsize=1)
+def _head(tick: int) -> bytes:
+    return _HEAD.pack(tick, *_stamp(tick))
+
+
 def header(tick: int, frame: str = "") -> bytes:
     """std_msgs/Header."""
-    return _HEAD.pack(tick, *_stamp(tick)) + _name(frame)
+    return _head(tick) + _name(frame)
 
 
 def _pose(x: float, y: float, theta: float) -> bytes:
@@ -101,7 +106,11 @@ def _poses(poses: FloatArray) -> FloatArray:
 
 def transforms(tick: int, entries: Iterable[Transform]) -> bytes:
     """tf2_msgs/TFMessage with all entries at one time."""
-    parts = [header(tick, parent) + _name(child) + _pose(pose.x, pose.y, pose.theta) for parent, child, pose in entries]
+    head = _head(tick)
+    parts = [
+        b"".join((head, _name(parent), _name(child), _pose(pose.x, pose.y, pose.theta)))
+        for parent, child, pose in entries
+    ]
     return _UINT32.pack(len(parts)) + b"".join(parts)
 
 

@@ -114,7 +114,12 @@ def _output(robot: int, tick: int) -> RobotOutput:
         updated,
     )
     navigation = _navigation(robot, tick, twist)
-    return RobotOutput(observations, estimate, navigation, Neighbour(robot, true, twist, np.empty((0, 2)), np.empty((0, 2)), np.empty(0)))
+    return RobotOutput(
+        observations,
+        estimate,
+        navigation,
+        Neighbour(robot, true, twist, np.empty((0, 2)), np.empty((0, 2)), np.empty(0)),
+    )
 
 
 def _navigation(robot: int, tick: int, twist: Twist) -> Navigation:

@@ -1,0 +1,73 @@
+from pathlib import Path
+
+import pytest
+
+from thbridge.adapters.ros_definitions import Definitions
+from thbridge.ros.types import OWN_TYPES, STANDARD_TYPES, full_text, md5_of, plain_definition
+
+# The sums that ROS Noetic's own tools print.
+ROS_MD5 = {
+    "tf2_msgs/TFMessage": "94810edda583a504dfda3829e70d7eec",
+    "nav_msgs/Odometry": "cd5e73d190d741a2f92e81eda573aca7",
+    "sensor_msgs/LaserScan": "90c7ef2dc6895d81024acba2ac42f369",
+    "sensor_msgs/BatteryState": "4ddae7f048e32fda22cac764685e3974",
+    "move_base_msgs/MoveBaseActionGoal": "660d6895a1b9a16dce51fbdd9a64a56b",
+    "move_base_msgs/MoveBaseActionResult": "1eb06eeff08fa7ea874431638cb52332",
+}
+
+
+@pytest.mark.parametrize(("msgtype", "md5"), ROS_MD5.items())
+def test_sums_are_those_of_ros(msgtype: str, md5: str) -> None:
+    assert plain_definition(msgtype).md5 == md5
+
+
+@pytest.mark.parametrize("msgtype", [*STANDARD_TYPES, *OWN_TYPES])
+def test_a_definition_carries_all_it_takes_to_read_the_type(msgtype: str) -> None:
+    definition = plain_definition(msgtype)
+    assert md5_of(msgtype, definition.text) == definition.md5
+
+
+def test_an_unknown_type_is_a_key_error() -> None:
+    with pytest.raises(KeyError):
+        plain_definition("nav_msgs/Nonsense")
+
+
+def test_full_text_names_each_inner_type_once_outer_before_inner() -> None:
+    files = {
+        "a_msgs/A": "# a\nHeader header\nB[] many  # of them\nB one\nc_msgs/C[3] other\n",
+        "a_msgs/B": "c_msgs/C c\n",
+        "c_msgs/C": "uint8 X=1\nfloat64 x\n",
+        "std_msgs/Header": "uint32 seq\ntime stamp\nstring frame_id\n",
+    }
+    text = full_text("a_msgs/A", files.get)
+    assert text is not None
+    bar = "=" * 80
+    assert text.startswith(files["a_msgs/A"])
+    named = [line for line in text.splitlines() if line.startswith("MSG: ")]
+    assert named == ["MSG: std_msgs/Header", "MSG: a_msgs/B", "MSG: c_msgs/C"]
+    assert text.count(bar) == 3
+
+
+def test_full_text_is_none_when_an_inner_type_is_missing() -> None:
+    assert full_text("a_msgs/A", {"a_msgs/A": "b_msgs/B b\n"}.get) is None
+
+
+def test_without_ros_definitions_have_no_comments() -> None:
+    assert Definitions(()).of("nav_msgs/Odometry") == plain_definition("nav_msgs/Odometry")
+
+
+def test_an_installed_text_is_taken_as_it_is(tmp_path: Path) -> None:
+    folder = tmp_path / "std_msgs" / "msg"
+    folder.mkdir(parents=True)
+    (folder / "String.msg").write_text("# what it says\nstring data\n")
+    definition = Definitions([tmp_path]).of("std_msgs/String")
+    assert definition.text == "# what it says\nstring data\n"
+    assert definition.md5 == plain_definition("std_msgs/String").md5
+
+
+@pytest.mark.parametrize("content", ["string data\nstring more\n", "this is no definition {"])
+def test_an_installed_text_with_other_fields_is_not_taken(tmp_path: Path, content: str) -> None:
+    folder = tmp_path / "std_msgs" / "msg"
+    folder.mkdir(parents=True)
+    (folder / "String.msg").write_text(content)
+    assert Definitions([tmp_path]).of("std_msgs/String") == plain_definition("std_msgs/String")

@@ -1,0 +1,152 @@
+"""Reads ROS 1 bags, ours and foreign ones; refuses damaged ones with what to do about them."""
+
+import struct
+from collections.abc import Iterator
+from contextlib import contextmanager
+from dataclasses import dataclass
+from pathlib import Path
+
+from rosbags.rosbag1 import Reader, ReaderError
+from rosbags.typesys.msg import denormalize_msgtype
+
+from thbridge.adapters.errors import BadFile
+
+MAGIC = b"#ROSBAG V"
+VERSION = b"2.0\n"
+
+
+@dataclass(frozen=True, slots=True)
+class TopicInfo:
+    """One topic of a bag.
+
+    Attributes:
+        name: with its leading slash.
+        msgtype: of its messages, "nav_msgs/Odometry"; several, with commas between, where publishers disagreed.
+        messages: how many.
+        latched: whether a publisher latched it.
+    """
+
+    name: str
+    msgtype: str
+    messages: int
+    latched: bool
+
+
+@dataclass(frozen=True, slots=True)
+class BagInfo:
+    """What a bag holds.
+
+    Attributes:
+        path: the file.
+        size: bytes.
+        start_ns: stamp of the first message, nanoseconds; None when there is none.
+        end_ns: stamp of the last one.
+        duration: seconds between them, 0 when there is none.
+        messages: how many.
+        topics: by name.
+    """
+
+    path: Path
+    size: int
+    start_ns: int | None
+    end_ns: int | None
+    duration: float
+    messages: int
+    topics: tuple[TopicInfo, ...]
+
+
+@dataclass(frozen=True, slots=True)
+class RawMessage:
+    """One message as the bag holds it.
+
+    Attributes:
+        topic: its name.
+        msgtype: for example "nav_msgs/Odometry".
+        md5: of its type; says which release's fields `data` has.
+        stamp_ns: when it was recorded.
+        data: its bytes.
+    """
+
+    topic: str
+    msgtype: str
+    md5: str
+    stamp_ns: int
+    data: bytes
+
+
+def info(path: Path) -> BagInfo:
+    """What a bag holds, from its index.
+
+    Raises:
+        BadFile: there is no such file, it is not a ROS 1 bag, or it is cut off or damaged.
+    """
+    with _opened(path) as reader:
+        topics = tuple(
+            TopicInfo(
+                name,
+                ", ".join(sorted({denormalize_msgtype(connection.msgtype) for connection in topic.connections})),
+                topic.msgcount,
+                any(_latched(connection.ext) for connection in topic.connections),
+            )
+            for name, topic in sorted(reader.topics.items())
+        )
+        messages = sum(topic.messages for topic in topics)
+        start, end = (reader.start_time, reader.end_time - 1) if messages else (None, None)
+        duration = (end - start) / 1e9 if start is not None and end is not None else 0.0
+        return BagInfo(path, path.stat().st_size, start, end, duration, messages, topics)
+
+
+def messages(path: Path) -> Iterator[RawMessage]:
+    """Every message, oldest first.
+
+    Raises:
+        BadFile: there is no such file, it is not a ROS 1 bag, or it is cut off or damaged.
+    """
+    with _opened(path) as reader:
+        for connection, stamp, data in reader.messages():
+            yield RawMessage(
+                connection.topic, denormalize_msgtype(connection.msgtype), connection.digest, stamp, bytes(data)
+            )
+
+
+def check_is_bag(path: Path) -> None:
+    """Pass if a file begins like a ROS 1 bag.
+
+    Raises:
+        BadFile: it does not, or cannot be read.
+    """
+    try:
+        with path.open("rb") as file:
+            head = file.read(len(MAGIC) + len(VERSION))
+    except OSError as error:
+        raise BadFile(
+            path, None, None, (error.strerror or str(error)).lower(), "name a bag that can be read"
+        ) from error
+    if not head.startswith(MAGIC):
+        raise BadFile(path, None, None, "this is not a ROS 1 bag", "name a file that rosbag or thbridge recorded")
+    if head != MAGIC + VERSION:
+        raise BadFile(
+            path, None, None, "this bag has another version than 2.0", "convert it with `rosbag fix` of its own ROS"
+        )
+
+
+def _latched(ext: object) -> bool:
+    return getattr(ext, "latching", None) == 1
+
+
+@contextmanager
+def _opened(path: Path) -> Iterator[Reader]:
+    check_is_bag(path)
+    reader = Reader(path)
+    # rosbags answers damage with whatever its parser stumbles over, assertions among it.
+    stumbles = (ReaderError, AssertionError, struct.error, ValueError, LookupError, EOFError, OSError, MemoryError)
+    try:
+        reader.open()
+        yield reader
+    except stumbles as error:
+        raise BadFile(
+            path, None, None, "the bag was cut off or is damaged", f"run `thbridge bag reindex {path}`"
+        ) from error
+    finally:
+        if reader.bio is not None:
+            reader.close()
