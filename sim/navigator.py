@@ -1,10 +1,38 @@
-"""move_base: from a goal to commands, with its goal states and recovery behaviours."""
+"""move_base: from a goal to commands, with its goal states and recovery behaviours.
 
+A goal is planned for (`sim.planning.router`), followed by trajectory rollout as far as the right of way reaches
+(`sim.planning.itinerary`), and ends Arrived, NoPath or Cancelled. Where robots that stand leave no way, the robot tells
+the path it wishes for; those of them that rest or have a higher number move aside. Recovery is move_base's: forget the
+obstacles seen, turn once, again both, give up.
+
+Source: ros-planning/navigation, move_base/src/move_base.cpp.
+Differs: plans and commands are made in the tick that is due, without threads; robots take turns in planning.
+"""
+
+import math
+from collections import deque
+from collections.abc import Sequence
 from dataclasses import dataclass
 from typing import Literal
 
-from sim.geometry import FloatArray, Pose2
-from sim.observations import Twist
+import numpy as np
+
+from sim.control.braking import LATENCY, Surroundings, surroundings
+from sim.control.trajectory_rollout import Drive, TrajectoryRollout
+from sim.costmap.costs import INSCRIBED, CostFrame
+from sim.costmap.footprint import pad, radii
+from sim.costmap.inflation import InflationLayer
+from sim.costmap.layered import LayeredCostmap
+from sim.costmap.obstacle import ObstacleLayer
+from sim.costmap.robots import RobotsLayer
+from sim.costmap.static import StaticLayer
+from sim.geometry import FloatArray, Pose2, wrap_angle
+from sim.grid import OccupancyGrid, distance_field
+from sim.observations import STANDSTILL, TICK, TICKS_PER_SECOND, Neighbour, Scan, Twist
+from sim.parameters import RobotParameters
+from sim.planning.itinerary import Itinerary, Others, heard, reached, right_of_way, start_time
+from sim.planning.path import Refused, headings
+from sim.planning.router import Blocked, Router
 
 NavigatorState = Literal["idle", "planning", "controlling", "clearing"]
 
@@ -74,3 +102,347 @@ class Navigation:
     local_plan: FloatArray
     result: Arrived | NoPath | Cancelled | None
     remaining: float
+
+
+GAP = 0.05
+"""Metres that two robots' circumscribed circles are apart by right of way; plans keep farther apart."""
+LOOK_AHEAD = 1.9
+"""Metres of path given to the local planner at most: a little less than half the local costmap."""
+HALT = 0.12
+"""Metres before a point that may not be passed at which a robot waits."""
+YIELD_TIME = 0.5
+"""Seconds from such a point, at least, from which a robot slows down."""
+RETRY = 0.5
+"""Seconds between attempts to plan."""
+STUCK = 2.0
+"""Seconds that a robot may be held up, other than by right of way, before it plans anew."""
+QUEUE = 20.0
+"""Seconds that it may be held up by right of way before it plans anew."""
+WISHING = 60.0
+"""Seconds that a robot waits for others to clear its way."""
+MAKING_WAY = 5.0
+"""Seconds that a robot that made way lets the other one plan first."""
+
+NOWHERE: FloatArray = np.empty((0, 3))
+NO_TIMES: FloatArray = np.empty(0)
+
+
+class Navigator:
+    """The navigator of one robot.
+
+    Args:
+        parameters: of this robot's software.
+        footprint: (n, 2) corners of its body, base frame, metres.
+        static: the map; its origin must not be turned.
+        robot: its index in the team: the lower, the more the others make way.
+
+    Raises:
+        ValueError: the map's origin is turned.
+    """
+
+    def __init__(
+        self, parameters: RobotParameters, footprint: FloatArray, static: OccupancyGrid, robot: int = 0
+    ) -> None:
+        if static.origin.theta != 0.0:
+            raise ValueError("a robot cannot plan on a map whose origin is turned: set the yaw in `origin` to 0")
+        self._parameters = parameters
+        self._robot = robot
+        costmap = parameters.costmap
+        resolution = static.resolution
+        self._footprint = pad(footprint, costmap.footprint_padding)
+        inscribed, circumscribed = radii(self._footprint)
+        self._separation = 2 * circumscribed + GAP
+        self._frame = CostFrame(static.origin.x, static.origin.y, resolution)
+        # Half a cell less: from an occupied cell's centre to its side.
+        self._clearance = np.maximum(distance_field(static, LOOK_AHEAD) - np.float32(0.5 * resolution), np.float32(0))
+        self._obstacles = ObstacleLayer(costmap.obstacle_layer, static)
+        self._router = Router(
+            static,
+            self._clearance.astype(np.float64),
+            self._footprint,
+            costmap,
+            self._obstacles,
+            parameters.NavfnROS.allow_unknown,
+        )
+        cells = 2 * max(10, round(costmap.width / resolution / 2))
+        self._everybody = RobotsLayer(static, resting_only=False)
+        inflation = InflationLayer(costmap.inflation_layer, resolution, inscribed)
+        self._local = LayeredCostmap(static, [StaticLayer(static), self._obstacles, self._everybody, inflation], cells)
+        self._reach = min(LOOK_AHEAD, (cells / 2 - 2) * resolution)
+        self._control_ticks = max(1, round(TICKS_PER_SECOND / parameters.move_base.controller_frequency))
+        self._costmap_ticks = max(1, round(TICKS_PER_SECOND / costmap.update_frequency))
+        self._hold = self._control_ticks * TICK + LATENCY
+        self._rollout = TrajectoryRollout(
+            parameters.TrajectoryPlannerROS,
+            self._footprint,
+            cells,
+            self._hold,
+            costmap.inflation_layer.cost_scaling_factor,
+            costmap.inflation_layer.inflation_radius,
+        )
+        self._results: deque[Arrived | NoPath | Cancelled] = deque()
+        self._goal: Goal | None = None
+        self._wish = NOWHERE
+        self._drop()
+        self._restart_clocks(0)
+
+    def _drop(self) -> None:
+        """Stand, and follow nothing."""
+        self._itinerary: Itinerary | None = None
+        self._poses = NOWHERE
+        self._left = NO_TIMES
+        self._index = 0
+        self._at_goal = False
+        self._command = STANDSTILL
+        self._local_plan = NOWHERE
+
+    def _restart_clocks(self, tick: int) -> None:
+        self._fresh = True
+        self._next_plan = tick
+        self._planning_since = tick
+        self._progress = tick
+        self._free = tick
+        self._recoveries = 0
+        self._turn_left = 0.0
+        self._heading = 0.0
+        self._mark: Pose2 | None = None
+        self._mark_tick = tick
+        self._yielded = -math.inf
+
+    @property
+    def global_costmap(self) -> LayeredCostmap:
+        """Costs over the whole map, for plans."""
+        return self._router.costmap
+
+    @property
+    def local_costmap(self) -> LayeredCostmap:
+        """Costs around the robot, for commands."""
+        return self._local
+
+    def go(self, goal: Goal) -> None:
+        """Take up a goal; the one under way ends Cancelled."""
+        self.cancel()
+        self._goal = goal
+        self._fresh = True
+
+    def cancel(self) -> None:
+        """Give up the goal under way, if any: it ends Cancelled, and the robot stops."""
+        if self._goal is not None:
+            self._end(Cancelled(self._goal))
+
+    def _end(self, result: Arrived | NoPath | Cancelled) -> None:
+        self._results.append(result)
+        self._goal = None
+        self._wish = NOWHERE
+        self._drop()
+
+    def step(
+        self, tick: int, base_in_map: Pose2, twist: Twist, scan: Scan | None, neighbours: Sequence[Neighbour]
+    ) -> Navigation:
+        """One tick.
+
+        Args:
+            tick: which one.
+            base_in_map: where the robot believes it is.
+            twist: how it moves, by odometry.
+            scan: the laser's, where it was due.
+            neighbours: what the other robots said in the last tick.
+        """
+        if self._fresh:
+            self._restart_clocks(tick)
+            self._fresh = False
+        if scan is not None:
+            self._obstacles.observe(base_in_map, scan, _discs(neighbours))
+        team = len(neighbours) + 1
+        if (tick - self._robot) % team == 0 and tick >= self._next_plan:
+            self._choose_way(tick, base_in_map, neighbours)
+        if (tick - self._robot) % self._control_ticks == 0:
+            self._choose_command(tick, base_in_map, twist, neighbours)
+        return self._told()
+
+    def _told(self) -> Navigation:
+        result = self._results.popleft() if self._results else None
+        if self._itinerary is None:
+            state: NavigatorState = "idle" if self._goal is None else "planning"
+            plan, times, remaining = self._wish, NO_TIMES, 0.0
+        else:
+            state = "clearing" if self._turn_left > 0.0 else "controlling"
+            plan, times = self._poses[self._index :], self._itinerary.times[self._index :]
+            remaining = float(self._left[self._index])
+        return Navigation(self._command, self._goal, state, plan, times, self._local_plan, result, remaining)
+
+    # Which way
+
+    def _choose_way(self, tick: int, pose: Pose2, neighbours: Sequence[Neighbour]) -> None:
+        """Plan if there is something to plan for; it is this robot's turn."""
+        if self._itinerary is not None:
+            if not self._held_up(tick):
+                return
+            self._next_plan = tick + round(STUCK * TICKS_PER_SECOND)
+        asked = self._asked_to_clear(pose, neighbours) if self._itinerary is None else None
+        if asked is not None:
+            self._make_way(tick, pose, asked, neighbours)
+        elif self._goal is not None and tick - self._yielded >= MAKING_WAY * TICKS_PER_SECOND:
+            self._plan(tick, pose, self._goal, neighbours)
+
+    def _held_up(self, tick: int) -> bool:
+        """Whether the way under way leads on no more."""
+        patience = STUCK if self._progress <= self._free else QUEUE
+        return tick - self._progress > patience * TICKS_PER_SECOND
+
+    def _plan(self, tick: int, pose: Pose2, goal: Goal, neighbours: Sequence[Neighbour]) -> None:
+        others = heard(neighbours)
+        self._router.see(neighbours)
+        way = self._router.way(pose, goal.base_in_map, self._time(tick, pose, others), others)
+        match way:
+            case Itinerary():
+                self._follow(tick, way, goal.base_in_map.theta)
+            case Blocked(wish):
+                self._drop()
+                self._wish = headings(wish, goal.base_in_map.theta)
+                self._next_plan = tick + round(RETRY * TICKS_PER_SECOND)
+                if tick - self._planning_since > WISHING * TICKS_PER_SECOND:
+                    self._end(NoPath(goal, "robots_in_the_way", "other robots stand in the way and do not clear it"))
+            case Refused(code, sentence):
+                self._drop()
+                self._obstacles.clear()
+                self._next_plan = tick + round(RETRY * TICKS_PER_SECOND)
+                waited = tick - self._planning_since > self._parameters.move_base.planner_patience * TICKS_PER_SECOND
+                if code in ("goal_outside", "goal_occupied") or waited:
+                    self._end(NoPath(goal, code, sentence))
+
+    def _asked_to_clear(self, pose: Pose2, neighbours: Sequence[Neighbour]) -> Neighbour | None:
+        """The robot that wishes for a way in which this one stands, and whose wish counts more."""
+        for other in neighbours:
+            if len(other.path) == 0 or len(other.times) > 0:
+                continue
+            if (self._goal is None or other.robot < self._robot) and self._router.in_the_way(pose, other.path):
+                return other
+        return None
+
+    def _make_way(self, tick: int, pose: Pose2, asking: Neighbour, neighbours: Sequence[Neighbour]) -> None:
+        others = heard(neighbours)
+        self._router.see(neighbours)
+        away = self._router.refuge(pose, asking.path, self._time(tick, pose, others), others)
+        self._next_plan = tick + round(RETRY * TICKS_PER_SECOND)
+        if away is not None:
+            self._yielded = tick
+            self._follow(tick, away, pose.theta)
+
+    def _time(self, tick: int, pose: Pose2, others: Others) -> float:
+        if self._itinerary is not None:
+            return float(self._itinerary.times[self._index])
+        return float(start_time(tick * TICK, pose.x, pose.y, others, self._router.separation))
+
+    def _follow(self, tick: int, way: Itinerary, heading: float) -> None:
+        self._drop()
+        self._wish = NOWHERE
+        self._itinerary = way
+        self._poses = headings(way.points, heading)
+        steps = np.hypot(*np.diff(way.points, axis=0).T)
+        self._left = np.append(np.cumsum(steps[::-1])[::-1], 0.0)
+        self._progress = self._free = tick
+        self._rollout.reset()
+
+    # Which command
+
+    def _choose_command(self, tick: int, pose: Pose2, twist: Twist, neighbours: Sequence[Neighbour]) -> None:
+        self._command, self._local_plan = STANDSTILL, NOWHERE
+        way = self._itinerary
+        if way is None:
+            return
+        if (tick - self._robot) % self._costmap_ticks < self._control_ticks or self._progress == tick:
+            self._everybody.see(neighbours)
+            self._local.update(pose.x, pose.y)
+        index = int(reached(way.points, self._index, pose.x, pose.y))
+        if index > self._index:
+            self._index, self._progress = index, tick
+        around = surroundings(
+            self._clearance,
+            self._frame,
+            self._footprint,
+            pose.array(),
+            neighbours,
+            self._parameters.TrajectoryPlannerROS.acc_lim_x,
+            self._hold,
+        )
+        drive = self._drive(tick, pose, twist, way, around, neighbours)
+        if drive is not None:
+            self._command, self._local_plan = drive.command, drive.local_plan
+
+    def _drive(
+        self,
+        tick: int,
+        pose: Pose2,
+        twist: Twist,
+        way: Itinerary,
+        around: Surroundings,
+        neighbours: Sequence[Neighbour],
+    ) -> Drive | None:
+        planner = self._parameters.TrajectoryPlannerROS
+        end_x, end_y, end_heading = self._poses[-1]
+        off = math.hypot(end_x - pose.x, end_y - pose.y)
+        if self._left[self._index] < 3 * planner.xy_goal_tolerance and off <= planner.xy_goal_tolerance:
+            self._at_goal = True
+        elif not planner.latch_xy_goal_tolerance:
+            self._at_goal = False
+        if self._at_goal:
+            return self._finish(tick, pose, twist, float(end_heading), around)
+        last = int(np.searchsorted(-self._left, self._reach - self._left[self._index], side="right")) - 1
+        last = max(self._index, last)
+        allowed = right_of_way(
+            way.points, way.times, self._index, last, pose.x, pose.y, heard(neighbours), self._separation
+        )
+        path, slow_down = self._stretch(pose, way, int(allowed), allowed < last)
+        if path is None:
+            if allowed == last:
+                self._free = tick
+            return None
+        drive = self._rollout.follow(pose, twist, self._local.costs, self._local.frame, path, slow_down, around)
+        if drive.stuck:
+            self._free = tick
+            drive = self._rollout.back_up(pose, twist, around)
+        return drive
+
+    def _finish(self, tick: int, pose: Pose2, twist: Twist, heading: float, around: Surroundings) -> Drive | None:
+        """At the goal: stop, turn to its heading, be there."""
+        off = abs(wrap_angle(heading - pose.theta))
+        standing = abs(twist.linear) < 0.05 and abs(twist.angular) < 0.1
+        if self._goal is None:
+            if standing:
+                self._drop()
+            return None
+        if off <= self._parameters.TrajectoryPlannerROS.yaw_goal_tolerance:
+            if standing:
+                self._end(Arrived(self._goal))
+            return None
+        return self._rollout.turn(pose, twist, heading, around)
+
+    def _stretch(self, pose: Pose2, way: Itinerary, allowed: int, yields: bool) -> tuple[FloatArray | None, float]:
+        """The part of the way to drive along now, and how early to slow down; None where the robot has to wait."""
+        points = way.points[self._index : allowed + 1]
+        costs, frame = self._local.costs, self._local.frame
+        cols = ((points[:, 0] - frame.x) / frame.resolution).astype(np.int64)
+        rows = ((points[:, 1] - frame.y) / frame.resolution).astype(np.int64)
+        inside = (rows >= 0) & (cols >= 0) & (rows < costs.shape[0]) & (cols < costs.shape[1])
+        blocked = ~inside
+        blocked[inside] = costs[rows[inside], cols[inside]] >= INSCRIBED
+        away = np.hypot(points[:, 0] - pose.x, points[:, 1] - pose.y)
+        stops = np.flatnonzero(blocked & (away > HALT))
+        if len(stops):
+            points, away, yields = points[: stops[0]], away[: stops[0]], True
+        if len(points) == 0 or (yields and away[-1] < HALT):
+            return None, 0.0
+        ends = not yields and allowed == len(way.points) - 1
+        slow_down = self._parameters.TrajectoryPlannerROS.sim_time if ends else YIELD_TIME if yields else 0.1
+        return points, slow_down
+
+
+def _discs(neighbours: Sequence[Neighbour]) -> FloatArray:
+    """(k, 3) x, y and circumscribed radius of the neighbours."""
+    return np.array(
+        [
+            (other.base_in_map.x, other.base_in_map.y, math.sqrt(float((other.footprint**2).sum(axis=1).max())))
+            for other in neighbours
+        ]
+    ).reshape(-1, 3)

@@ -37,6 +37,8 @@ class Layer(Protocol):
 class LayeredCostmap:
     """Costs on the cells of a map, or on a square of them that moves along with the robot.
 
+    A rolling one is written anew at every update and never asks layers for bounds, so it may share them with another.
+
     Args:
         grid: the map whose cells are used; its origin must not be turned.
         layers: in the order in which they write.
@@ -67,10 +69,6 @@ class LayeredCostmap:
             The cells that were written, in cells of the static map.
         """
         rows, cols = self.costs.shape
-        changed = NOTHING
-        for layer in self._layers:
-            changed = changed.union(layer.bounds())
-        changed = changed.grown(self._reach)
         if self._rolling:
             self.origin = (
                 round((y - self._corner[1]) / self._resolution) - rows // 2,
@@ -78,10 +76,16 @@ class LayeredCostmap:
             )
         row, col = self.origin
         whole = Window(row, col, row + rows, col + cols)
-        window = whole if self._rolling else changed.clipped(whole)
+        window = whole if self._rolling else self._changed().clipped(whole)
         if window.empty:
             return NOTHING
         self.costs[window.row - row : window.row_end - row, window.col - col : window.col_end - col] = FREE
         for layer in self._layers:
             layer.write(self.costs, self.origin, window)
         return window
+
+    def _changed(self) -> Window:
+        changed = NOTHING
+        for layer in self._layers:
+            changed = changed.union(layer.bounds())
+        return changed.grown(self._reach)

@@ -1,0 +1,128 @@
+"""One robot's choice of way: over the map, and among the others."""
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+
+import numpy as np
+
+from sim.costmap.costs import CostFrame, cost_at
+from sim.costmap.footprint import radii
+from sim.costmap.inflation import InflationLayer
+from sim.costmap.layered import LayeredCostmap
+from sim.costmap.obstacle import ObstacleLayer
+from sim.costmap.robots import RobotsLayer
+from sim.costmap.static import StaticLayer
+from sim.geometry import FloatArray, Pose2
+from sim.grid import OccupancyGrid
+from sim.observations import Neighbour
+from sim.parameters import CostmapParameters
+from sim.planning import navfn
+from sim.planning.itinerary import SPACING, Itinerary, Others, clear, densified, timed
+from sim.planning.path import Refused, thinned
+from sim.planning.safe_interval import BoolArray, refuge, roadmap, route
+
+GAP = 0.15
+"""Metres that two robots' circumscribed circles are apart in a plan."""
+ROOM_TO_TURN = 0.05
+"""Metres that the circumscribed circle is off the walls where a robot waits or makes a detour."""
+
+
+@dataclass(frozen=True, slots=True)
+class Blocked:
+    """There is a way, but others stand in it.
+
+    Attributes:
+        wish: (m, 2) map points of the way.
+    """
+
+    wish: FloatArray
+
+
+class Router:
+    """Finds ways through a map for one robot.
+
+    Args:
+        static: the map.
+        clearance: (rows, cols) metres from each of its cells to the nearest wall.
+        footprint: (n, 2) padded corners of the robot.
+        parameters: of its costmaps.
+        obstacles: what its laser has seen.
+        allow_unknown: whether ways may cross unknown space.
+    """
+
+    def __init__(
+        self,
+        static: OccupancyGrid,
+        clearance: FloatArray,
+        footprint: FloatArray,
+        parameters: CostmapParameters,
+        obstacles: ObstacleLayer,
+        allow_unknown: bool,
+    ) -> None:
+        inscribed, circumscribed = radii(footprint)
+        self._static = static
+        self._frame = CostFrame(static.origin.x, static.origin.y, static.resolution)
+        self._allow_unknown = allow_unknown
+        self._obstacles = obstacles
+        self._resting = RobotsLayer(static, resting_only=True)
+        self._inflation = InflationLayer(parameters.inflation_layer, static.resolution, inscribed)
+        self.costmap = LayeredCostmap(static, [StaticLayer(static), obstacles, self._resting, self._inflation])
+        self.separation = 2 * circumscribed + GAP
+        self._roadmap = roadmap(static, clearance, circumscribed + ROOM_TO_TURN)
+        self._cells = static.cells_of(self._roadmap.centres.reshape(-1, 2))
+        self._too_near = cost_at(circumscribed, inscribed, parameters.inflation_layer.cost_scaling_factor)
+
+    def see(self, neighbours: Sequence[Neighbour]) -> None:
+        """Bring the costmap up to date with what the others said last."""
+        self._resting.see(neighbours)
+        self.costmap.update(0.0, 0.0)
+
+    def way(self, start: Pose2, goal: Pose2, time: float, others: Others) -> Itinerary | Blocked | Refused:
+        """A way to a goal that keeps clear of all others: navfn's if it does, else the quickest.
+
+        Args:
+            start: where the base is.
+            goal: where it shall end.
+            time: from which the itinerary is numbered.
+            others: the other robots' itineraries.
+        """
+        path = navfn.plan(self.costmap.costs, self._frame, start, goal, self._allow_unknown)
+        if not isinstance(path, Refused):
+            direct = timed(thinned(path.poses[:, :2], SPACING), time)
+            if clear(direct.points, direct.times, others, self.separation):
+                return direct
+        free, walls = self._rooms()
+        start_point, goal_point = np.array([start.x, start.y]), np.array([goal.x, goal.y])
+        among = route(self._roadmap, free, start_point, goal_point, time, others, self.separation)
+        if among is not None:
+            return densified(among)
+        alone = navfn.plan(walls.costs, self._frame, start, goal, self._allow_unknown)
+        if isinstance(alone, Refused):
+            return alone
+        return Blocked(thinned(alone.poses[:, :2], SPACING))
+
+    def refuge(self, start: Pose2, wish: FloatArray, time: float, others: Others) -> Itinerary | None:
+        """A way out of another robot's way; None when there is none.
+
+        Args:
+            start: where the base is.
+            wish: (m, 2) the path that the other robot wishes to take.
+            time: from which the itinerary is numbered.
+            others: the other robots' itineraries.
+        """
+        free, _ = self._rooms()
+        away = refuge(self._roadmap, free, np.array([start.x, start.y]), wish, time, others, self.separation)
+        return None if away is None else densified(away)
+
+    def in_the_way(self, place: Pose2, wish: FloatArray) -> bool:
+        """Whether a robot at a place hinders another one on its path."""
+        return bool((np.hypot(wish[:, 0] - place.x, wish[:, 1] - place.y) < self.separation).any())
+
+    def _rooms(self) -> tuple[BoolArray, LayeredCostmap]:
+        """Which coarse cells are free of walls and obstacles, and the costmap without the other robots."""
+        walls = LayeredCostmap(self._static, [StaticLayer(self._static), self._obstacles, self._inflation])
+        walls.update(0.0, 0.0)
+        if not self._obstacles.any_marks:
+            return self._roadmap.free, walls
+        near = walls.costs[self._cells[:, 0], self._cells[:, 1]].reshape(self._roadmap.free.shape)
+        return self._roadmap.free & (near <= self._too_near), walls
