@@ -26,6 +26,12 @@ GATE = 16.27
 _LEAST_INFORMATION = np.diag((1.0, 1.0, 4.0))
 """Keeps a match's covariance finite where a corridor leaves a direction open: one metre, half a radian."""
 
+_MAP_ERROR = np.diag((0.02**2, 0.02**2, 0.005**2))
+"""Added to every match's covariance: matches made one after another share walls, clutter, and so their errors."""
+
+_LEVER = 3.0
+"""Metres: how far a wall is, typically, when a doubt of heading is to be told as one of place."""
+
 
 @dataclass(frozen=True, slots=True, eq=False)
 class EkfStart:
@@ -197,10 +203,12 @@ class Ekf:
     def _correct(self, belief: EkfBelief, scan: Scan) -> EkfBelief | None:
         """Weigh in the pose that the scan speaks for; None if it speaks for none, or for one too far off to believe."""
         algebra = self._algebra
-        match = self._matcher.match(belief.base_in_map, self._beams.end_points(scan))
+        doubt = belief.covariance
+        error = 2.0 * math.sqrt(max(doubt[0, 0], doubt[1, 1]) + _LEVER**2 * doubt[2, 2])
+        match = self._matcher.match(belief.base_in_map, self._beams.end_points(scan), error)
         if match is None:
             return None
-        noise = np.linalg.inv(match.information + _LEAST_INFORMATION)
+        noise = np.linalg.inv(match.information + _LEAST_INFORMATION) + _MAP_ERROR
         measured = match.base_in_map.array()
         innovation = _residual(measured, belief.base_in_map.array())
         if innovation @ np.linalg.solve(belief.covariance + noise, innovation) > GATE:

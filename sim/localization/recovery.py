@@ -26,7 +26,8 @@ class Recovery:
     def after(self, agreement: float, alpha_slow: float, alpha_fast: float) -> "Recovery":
         """The averages with one more scan in them.
 
-        They begin as plain means: the first scan, weighed from a vague start, must not weigh for a thousand more.
+        They begin as plain means, over as many scans as the fast one remembers: the first scan, weighed from a vague
+        start, must not stay in the slow one for a thousand more.
 
         Args:
             agreement: how well the map explains the scan from where the filter believes to be, 0..1.
@@ -38,8 +39,9 @@ class Recovery:
             about being lost. Agreement at the reported pose has neither fault.
         """
         plain = 1.0 / (self.count + 1)
-        slow = self.slow + max(alpha_slow, plain) * (agreement - self.slow)
-        fast = self.fast + max(alpha_fast, plain) * (agreement - self.fast)
+        beginning = plain > alpha_fast
+        slow = self.slow + (plain if beginning else alpha_slow) * (agreement - self.slow)
+        fast = self.fast + (plain if beginning else alpha_fast) * (agreement - self.fast)
         return Recovery(slow, fast, self.count + 1)
 
     @property

@@ -14,10 +14,10 @@ from sim.localization.likelihood_field import INDEPENDENT_BEAMS, signed_distance
 REACH = 1.0
 """Metres: farther from any wall the field is flat and points pull nowhere."""
 
-_WIDTHS = (0.4, 0.2, 0.1)
-"""Metres: points this far from a surface begin to count as something that the map does not show; coarse to fine."""
+_FINEST, _COARSEST = 0.15, 0.6
+"""Metres: points this far from a surface begin to count as something that the map does not show."""
 _STEPS = 4
-"""Gauss-Newton steps at each width."""
+"""Gauss-Newton steps at each width, from coarse to fine."""
 _DAMPING = 1e-3
 """Part of the information's mean that is added to its diagonal, so that a corridor's free direction is left alone."""
 
@@ -84,9 +84,9 @@ def _normal_equations(
 
 @njit(cache=True)
 def _match(
-    field: FloatArray, frame: GridFrame, x: float, y: float, theta: float, points: FloatArray
+    field: FloatArray, frame: GridFrame, x: float, y: float, theta: float, points: FloatArray, width: float
 ) -> tuple[float, float, float, FloatArray]:
-    for width in _WIDTHS:
+    while True:
         for _ in range(_STEPS):
             matrix, right, _ = _normal_equations(field, frame, x, y, theta, points, width)
             damping = _DAMPING * (matrix[0, 0] + matrix[1, 1] + matrix[2, 2]) / 3.0 + 1e-9
@@ -96,7 +96,10 @@ def _match(
             x += step[0]
             y += step[1]
             theta += step[2]
-    matrix, _, variance = _normal_equations(field, frame, x, y, theta, points, _WIDTHS[-1])
+        if width <= _FINEST:
+            break
+        width = max(width / 2.0, _FINEST)
+    matrix, _, variance = _normal_equations(field, frame, x, y, theta, points, width)
     # Half a cell is the least that a grid can err by.
     variance = max(variance, (0.5 * frame.resolution) ** 2)
     share = min(1.0, INDEPENDENT_BEAMS / points.shape[0])
@@ -120,12 +123,14 @@ class ScanMatcher:
         """Make a map ready, once."""
         return cls(signed_distance(grid, REACH), grid.frame)
 
-    def match(self, guess: Pose2, points: FloatArray) -> Match | None:
+    def match(self, guess: Pose2, points: FloatArray, error: float) -> Match | None:
         """The pose near `guess` from which the points lie on the map's walls.
 
         Args:
             guess: base in map, within some decimetres of the truth.
             points: (m, 2) end points of the beams in the base frame.
+            error: metres by which the guess may put a point wrong; the larger, the more the points of other robots
+                pull as well.
 
         Returns:
             The match; its information takes the noise from the distances that remain, and weakens it by the beams'
@@ -136,5 +141,6 @@ class ScanMatcher:
         """
         if len(points) < 3:
             return None
-        x, y, theta, information = _match(self.field, self.frame, guess.x, guess.y, guess.theta, points)
+        width = max(_FINEST, min(error, _COARSEST))
+        x, y, theta, information = _match(self.field, self.frame, guess.x, guess.y, guess.theta, points, width)
         return Match(Pose2(x, y, theta), information)

@@ -20,6 +20,7 @@ WALLS = (
     "v 5 3 7; h 3 -5 -1; v -1 3 5; v 1 3 5; h 3 1 5; v 7 3 5; h 3 7 11;"
     "v -1 -3 1; h -1 -5 -1; h -1 1 5; v 1 -3 -1; v 5 -5 -1; v 7 -3 1; h -1 7 11"
 )
+FURNITURE = "h 4.5 -4.5 -3; v 9.5 4 5.5; h -2 -4.5 -2.5; v 4.2 -4 -2.5; h 0.2 -4.6 -3.9; v 4 5 5.8; h 0.3 8 8.6"
 TOUR = (
     (0.0, 2.0), (-3.0, 2.0), (-3.0, 0.5), (-2.5, 2.0), (0.0, 2.0), (0.0, 6.0), (3.0, 6.0), (3.0, 4.5), (3.0, 6.0),
     (0.0, 5.8), (0.2, 1.0), (3.0, 1.0), (6.0, 1.0), (6.0, -4.0), (9.0, -4.0), (9.0, -2.0), (8.5, -4.0), (6.0, -4.0),
@@ -28,8 +29,11 @@ TOUR = (
 LASER = LaserMount(Pose2(0.1, 0.0, 0.0), -2.35619449, 4.71238898 / 180, 181, 0.05, 8.0)
 
 
-def draw_arena() -> OccupancyGrid:
-    """Sixteen metres by twelve, eight rooms of four metres with open doors, two corridors and a hall."""
+def draw_arena(furnished: bool = False) -> OccupancyGrid:
+    """Sixteen metres by twelve, eight rooms of four metres with open doors, two corridors and a hall.
+
+    Turned by half a circle it is much the same; only furniture tells where one is.
+    """
     resolution, thickness = 0.05, 0.12
     x0, y0, width, height = -5.2, -5.2, 16.4, 12.4
     xs = x0 + (np.arange(round(width / resolution)) + 0.5) * resolution
@@ -37,7 +41,7 @@ def draw_arena() -> OccupancyGrid:
     x, y = np.meshgrid(xs, ys)
     wall = np.zeros(x.shape, dtype=bool)
     half = thickness / 2
-    for line in WALLS.split(";"):
+    for line in (f"{WALLS};{FURNITURE}" if furnished else WALLS).split(";"):
         direction, *numbers = line.split()
         at, low, high = map(float, numbers)
         across, along = (x, y) if direction == "v" else (y, x)
@@ -92,8 +96,8 @@ def follow_tour(ticks: int, speed: float) -> FloatArray:
 
 
 @cache
-def _drive(seed: int, seconds: float, noise: float, others: int, speed: float) -> Drive:
-    grid = draw_arena()
+def _drive(seed: int, seconds: float, noise: float, others: int, speed: float, furnished: bool = False) -> Drive:
+    grid = draw_arena(furnished)
     clearance, frame = clearance_of(grid), grid.frame
     ticks = round(seconds / TICK)
     twists = follow_tour(ticks, speed)
@@ -145,8 +149,10 @@ def _drive(seed: int, seconds: float, noise: float, others: int, speed: float) -
 def drive() -> DriveMaker:
     """A maker of drives: seed, seconds, noise as a multiple of the default variances and deviations, other robots."""
 
-    def make(seed: int = 1, seconds: float = 60.0, noise: float = 1.0, others: int = 0, speed: float = 0.7) -> Drive:
-        return _drive(seed, seconds, noise, others, speed)
+    def make(
+        seed: int = 1, seconds: float = 60.0, noise: float = 1.0, others: int = 0, furnished: bool = False
+    ) -> Drive:
+        return _drive(seed, seconds, noise, others, 0.7, furnished)
 
     return make
 

@@ -1,0 +1,98 @@
+import math
+
+import numpy as np
+import pytest
+
+from sim.geometry import Pose2
+from sim.grid import OccupancyGrid
+from sim.localization.likelihood_field import INDEPENDENT_BEAMS, Beams, LikelihoodField, signed_distance
+from sim.observations import LaserMount, Scan
+
+MOUNT = LaserMount(Pose2(0.2, 0.1, 0.3), -1.0, 0.1, 21, 0.125, 5.0)
+ORIGIN = Pose2(-1.0, -2.0, 0.0)
+
+
+def box(origin: Pose2 = ORIGIN) -> OccupancyGrid:
+    cells = np.zeros((40, 60), dtype=np.int8)
+    cells[:2] = cells[-2:] = 100
+    cells[:, :2] = cells[:, -2:] = 100
+    cells[20, 20:30] = -1
+    return OccupancyGrid(cells, 0.1, origin)
+
+
+def field_of(grid: OccupancyGrid, beams: Beams) -> LikelihoodField:
+    return LikelihoodField.of(grid, beams, z_hit=0.9, z_rand=0.1, sigma_hit=0.2, max_dist=1.5)
+
+
+def test_distances_are_zero_on_the_surface_of_a_wall():
+    distances = signed_distance(box(), 1.5)
+    assert distances[10, :5] == pytest.approx((-0.15, -0.05, 0.05, 0.15, 0.25))
+    assert distances.max() <= 1.5
+
+
+def test_a_map_without_walls_is_far_from_all():
+    grid = OccupancyGrid(np.zeros((5, 5), dtype=np.int8), 0.1, Pose2(0, 0, 0))
+    assert signed_distance(grid, 1.5) == pytest.approx(1.5)
+
+
+@pytest.mark.parametrize("origin", [ORIGIN, Pose2(0.5, 0.3, 0.7)])
+def test_log_likelihood_is_that_of_table_6_3(origin):
+    grid = box(origin)
+    beams = Beams.of(MOUNT, 10, -1.0)
+    field = field_of(grid, beams)
+    distances = signed_distance(grid, 1.5)
+    rng = np.random.default_rng(5)
+    particles = rng.uniform((-3, -4, -3), (7, 4, 3), (50, 3))
+    points = rng.uniform(-2, 2, (10, 2))
+    got = field.log_likelihood(particles, points)
+    for i, particle in enumerate(particles):
+        total = 0.0
+        for x, y in Pose2(*particle).transform(points):
+            row, col = grid.cell_of(x, y)
+            distance = distances[row, col] if grid.contains(row, col) else 1.5
+            total += math.log(0.9 * math.exp(-(distance**2) / (2 * 0.2**2)) + 0.1 / 5.0)
+        assert got[i] == pytest.approx(total * INDEPENDENT_BEAMS / 10, rel=1e-5)
+
+
+def test_without_random_readings_the_logarithm_stays_finite():
+    field = LikelihoodField.of(box(), Beams.of(MOUNT, 10, -1.0), 1.0, 0.0, 0.001, 2.0)
+    assert np.isfinite(field.table).all() and math.isfinite(field.outside)
+
+
+def test_no_beams_say_nothing():
+    field = field_of(box(), Beams.of(MOUNT, 10, -1.0))
+    assert field.log_likelihood(np.zeros((3, 3)), np.empty((0, 2))).tolist() == [0, 0, 0]
+
+
+def test_agreement_is_one_on_the_walls_and_low_in_the_open():
+    field = field_of(box(), Beams.of(MOUNT, 10, -1.0))
+    on_walls = np.array([[-0.85, 0.0], [-0.75, 0.5]])
+    assert field.agreement(Pose2(0, 0, 0), on_walls) == pytest.approx(1.0, abs=0.05)
+    assert field.agreement(Pose2(1.0, 0, 0), on_walls) < 0.1
+
+
+@pytest.mark.parametrize("wanted", [2, 7, 20, 21])
+def test_as_many_beams_as_asked_from_edge_to_edge(wanted):
+    indices = Beams.of(MOUNT, wanted, -1.0).indices
+    assert len(set(indices.tolist())) == wanted
+    assert (indices[0], indices[-1]) == (0, 20)
+    assert np.diff(indices).max() - np.diff(indices).min() <= 1
+
+
+def test_no_more_beams_than_there_are():
+    assert len(Beams.of(MOUNT, 500, -1.0).indices) == 21
+
+
+def test_readings_that_say_nothing_are_skipped():
+    ranges = np.full(21, 2.0, dtype=np.float32)
+    ranges[:7] = (np.nan, np.inf, -np.inf, 0.125, 0.05, 5.0, 9.0)
+    assert len(Beams.of(MOUNT, 21, -1.0).end_points(Scan(0, MOUNT, ranges))) == 14
+    assert len(Beams.of(MOUNT, 21, 1.9).end_points(Scan(0, MOUNT, ranges))) == 0
+
+
+def test_end_points_are_seen_from_the_base():
+    scan = Scan(0, MOUNT, np.linspace(1, 3, 21, dtype=np.float32))
+    angles = MOUNT.angles()
+    in_laser = np.linspace(1, 3, 21)[:, None] * np.stack((np.cos(angles), np.sin(angles)), axis=1)
+    expected = MOUNT.laser_in_base.transform(in_laser)
+    assert Beams.of(MOUNT, 21, -1.0).end_points(scan) == pytest.approx(expected, abs=1e-6)
