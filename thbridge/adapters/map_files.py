@@ -8,12 +8,12 @@ import math
 from collections.abc import Callable, Iterator
 from dataclasses import dataclass, field
 from pathlib import Path
-from typing import Literal, TypeVar, cast
+from typing import Literal, TypeVar
 
 import numpy as np
-from numpy.typing import NDArray
-from scipy.ndimage import distance_transform_edt, label
 
+from sim.costmap.footprint import radii
+from sim.floor import Floor, Polygon, area, crosses_itself, inside
 from sim.geometry import Pose2, wrap_angle
 from sim.grid import FREE, OCCUPIED, UNKNOWN, MapMode, OccupancyGrid, interpret_image
 from sim.parameters import WorldParameters
@@ -25,10 +25,6 @@ from thbridge.hunt.rooms import Room
 
 T = TypeVar("T")
 
-Point = tuple[float, float]
-Polygon = tuple[Point, ...]
-Mask = NDArray[np.bool_]
-
 FOOTPRINT: Polygon = WorldParameters().footprint
 """Corners of the robot of the 2016 study, metres."""
 
@@ -36,6 +32,11 @@ GREY_OF_CELL = {FREE: 254, OCCUPIED: 0, UNKNOWN: 205}
 """The shades that map_saver writes."""
 OCCUPIED_THRESH = 0.65
 FREE_THRESH = 0.196
+
+LEAST_FLOOR = 0.01
+"""A region with less floor than this is a mistake, square metres."""
+MOST_STARTS = 1000
+"""A row with more start poses than this is a mistake."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -56,7 +57,7 @@ class MapRoom:
 
     def holds(self, x: float, y: float) -> bool:
         """Whether a point of the map frame lies in the room."""
-        return bool(_inside(self.region, np.array([x]), np.array([y]))[0])
+        return bool(inside(self.region, np.array([x]), np.array([y]))[0])
 
 
 @dataclass(frozen=True, slots=True)
@@ -123,7 +124,7 @@ class _MapYaml:
     negate: int = field(metadata={"minimum": 0, "maximum": 1})
     occupied_thresh: float = field(metadata={"minimum": 0, "maximum": 1})
     free_thresh: float = field(metadata={"minimum": 0, "maximum": 1})
-    mode: str = field(default="trinary", metadata={"choices": ("trinary", "scale", "raw")})
+    mode: MapMode = "trinary"
 
 
 @dataclass(frozen=True, slots=True)
@@ -161,13 +162,10 @@ def read_grid(map_yaml: Path) -> OccupancyGrid:
         raise loaded.fault("free_thresh", problem, "Lower it; map_saver writes 0.196 and 0.65")
     image = map_yaml.parent / entry.image
     if not image.is_file():
-        raise loaded.fault(
-            "image", f"there is no file {image}", "Name the image, beside map.yaml or with its full path"
-        )
+        remedy = "Name the image, beside map.yaml or with its full path"
+        raise loaded.fault("image", f"there is no file {image}", remedy)
     pixels = read_image(image)
-    cells = interpret_image(
-        pixels, entry.negate == 1, entry.occupied_thresh, entry.free_thresh, cast(MapMode, entry.mode)
-    )
+    cells = interpret_image(pixels, entry.negate == 1, entry.occupied_thresh, entry.free_thresh, entry.mode)
     return OccupancyGrid(cells, entry.resolution, _pose(*entry.origin))
 
 
@@ -228,10 +226,8 @@ def write_map(folder: Path, drawn: Map) -> None:
 
 def _examine(folder: Path, footprint: Polygon) -> tuple[Map | None, list[Finding]]:
     if not folder.is_dir():
-        fault = BadFile(
-            folder, None, None, "there is no such folder", "Name a folder that holds map.yaml and rooms.yaml"
-        )
-        return None, [Finding("error", fault)]
+        remedy = "Name a folder that holds map.yaml and rooms.yaml"
+        return None, [Finding("error", BadFile(folder, None, None, "there is no such folder", remedy))]
     findings: list[Finding] = []
     grid = _attempt(lambda: read_grid(folder / "map.yaml"), findings)
     loaded = _attempt(lambda: load(folder / "rooms.yaml", _RoomsYaml), findings)
@@ -304,28 +300,22 @@ def _faults_of_rooms(loaded: Loaded[_RoomsYaml]) -> Iterator[BadFile]:
     by_name: dict[str, int] = {}
     for index, entry in enumerate(rooms):
         key = f"rooms[{index}]"
+        line = loaded.lines[key]
         if entry.number in by_number:
-            problem = (
-                f"room {entry.number} stands twice, first in line {loaded.lines[f'rooms[{by_number[entry.number]}]']}"
-            )
+            problem = f"room {entry.number} stands twice, first in line {by_number[entry.number]}"
             yield loaded.fault(f"{key}.number", problem, "Give every room its own number")
         if entry.name in by_name:
-            problem = (
-                f"{entry.name!r} is also the name of the room in line {loaded.lines[f'rooms[{by_name[entry.name]}]']}"
-            )
+            problem = f"{entry.name!r} is also the name of the room in line {by_name[entry.name]}"
             yield loaded.fault(f"{key}.name", problem, "Give every room its own name")
-        by_number.setdefault(entry.number, index)
-        by_name.setdefault(entry.name, index)
+        by_number.setdefault(entry.number, line)
+        by_name.setdefault(entry.name, line)
         room = _room(entry)
-        if len(entry.region) < 2 or _area(room.region) < 0.01:
-            problem = "these corners enclose no floor"
-            yield loaded.fault(
-                f"{key}.region", problem, "Write two opposite corners of a box, or three or more in turn"
-            )
-        elif _crosses_itself(room.region):
-            yield loaded.fault(
-                f"{key}.region", "its sides cross each other", "Write the corners in turn around the room"
-            )
+        if len(entry.region) < 2 or area(room.region) < LEAST_FLOOR:
+            remedy = "Write two opposite corners of a box, or three or more in turn"
+            yield loaded.fault(f"{key}.region", "these corners enclose no floor", remedy)
+        elif crosses_itself(room.region):
+            remedy = "Write the corners in turn around the room"
+            yield loaded.fault(f"{key}.region", "its sides cross each other", remedy)
         elif not room.holds(room.goal.x, room.goal.y):
             problem = f"({room.goal.x:g}, {room.goal.y:g}) is not in the room's region"
             yield loaded.fault(f"{key}.goal", problem, "Move the goal into the region, or mend the region")
@@ -333,51 +323,13 @@ def _faults_of_rooms(loaded: Loaded[_RoomsYaml]) -> Iterator[BadFile]:
     if gaps:
         problem = f"no room has the number {gaps[0]}, but there is a room {max(by_number)}"
         yield loaded.fault("rooms", problem, f"Number the {len(by_number)} rooms 1 to {len(by_number)}")
-    if not loaded.value.starts.poses and not loaded.value.starts.rows:
+    starts = loaded.value.starts
+    for index, (first, last) in enumerate(starts.rows):
+        if math.dist(first, last) > MOST_STARTS * starts.spacing:
+            problem = f"more than {MOST_STARTS} starts in a row"
+            yield loaded.fault(f"starts.rows[{index}]", problem, "Shorten the row, or widen starts.spacing")
+    if not starts.poses and not starts.rows:
         yield loaded.fault("starts", "there is no start pose", "Add at least one to starts.poses")
-
-
-@dataclass(frozen=True, slots=True)
-class _Floor:
-    """Where the centre of a robot may be.
-
-    Attributes:
-        grid: the map.
-        clearance: (rows, cols) metres from each cell's centre to the nearest one that is not free, 0 there.
-        inscribed: radius of the largest circle within the footprint about the robot's centre, metres.
-        circumscribed: radius of the smallest circle around it.
-    """
-
-    grid: OccupancyGrid
-    clearance: NDArray[np.float64]
-    inscribed: float
-    circumscribed: float
-
-    @classmethod
-    def of(cls, grid: OccupancyGrid, footprint: Polygon) -> "_Floor":
-        # The border counts as a wall: what lies beyond is not known.
-        free = np.pad(grid.cells == FREE, 1, constant_values=False)
-        clearance = np.asarray(distance_transform_edt(free), dtype=np.float64)[1:-1, 1:-1] * grid.resolution
-        sides = zip(footprint, footprint[1:] + footprint[:1], strict=True)
-        inscribed = min(_distance_to_side((0.0, 0.0), side) for side in sides)
-        return cls(grid, clearance, inscribed, max(math.hypot(x, y) for x, y in footprint))
-
-    def clearance_at(self, pose: Pose2) -> float:
-        row, col = self.grid.cell_of(pose.x, pose.y)
-        return float(self.clearance[row, col]) if self.grid.contains(row, col) else 0.0
-
-    def reachable(self, start: Pose2, standing: tuple[Pose2, ...] = ()) -> Mask:
-        """Cells to which a robot's centre gets from its start, past others that stand still."""
-        passable = self.clearance > self.inscribed
-        centres = _centres(self.grid)
-        for other in standing:
-            passable &= np.hypot(centres[0] - other.x, centres[1] - other.y) > self.inscribed + self.circumscribed
-        # In one step a robot gets from a cell to those beside it, not to those at its corners.
-        areas, _ = cast(tuple[NDArray[np.int32], int], label(passable))
-        row, col = self.grid.cell_of(start.x, start.y)
-        area = areas[row, col] if self.grid.contains(row, col) else 0
-        reached: Mask = (areas == area) & passable
-        return reached
 
 
 @dataclass(frozen=True, slots=True)
@@ -397,8 +349,8 @@ def _findings_on_floor(loaded: Loaded[_RoomsYaml], drawn: Map, footprint: Polygo
         _Place(key, pose, f"the start of robot {number}")
         for number, (key, pose) in enumerate(_starts(loaded.value.starts), start=1)
     ]
-    floor = _Floor.of(drawn.grid, footprint)
-    yield from _findings_of_regions(loaded, drawn, keys)
+    floor = Floor.of(drawn.grid, *radii(np.array(footprint)))
+    yield from _findings_of_regions(loaded, drawn, floor, keys)
     narrow = [*_too_narrow(loaded, floor, goals + starts), *_too_close(loaded, floor, starts)]
     yield from narrow
     for start in starts:
@@ -410,7 +362,7 @@ def _findings_on_floor(loaded: Loaded[_RoomsYaml], drawn: Map, footprint: Polygo
         yield from _findings_of_ways(loaded, floor, goals, starts)
 
 
-def _too_narrow(loaded: Loaded[_RoomsYaml], floor: _Floor, places: list[_Place]) -> Iterator[Finding]:
+def _too_narrow(loaded: Loaded[_RoomsYaml], floor: Floor, places: list[_Place]) -> Iterator[Finding]:
     for place in places:
         clearance = floor.clearance_at(place.pose)
         if clearance <= floor.circumscribed:
@@ -421,7 +373,7 @@ def _too_narrow(loaded: Loaded[_RoomsYaml], floor: _Floor, places: list[_Place])
             yield Finding("error", loaded.fault(place.key, problem, "Move it away from the wall"))
 
 
-def _too_close(loaded: Loaded[_RoomsYaml], floor: _Floor, starts: list[_Place]) -> Iterator[Finding]:
+def _too_close(loaded: Loaded[_RoomsYaml], floor: Floor, starts: list[_Place]) -> Iterator[Finding]:
     for second, start in enumerate(starts):
         for other in starts[:second]:
             distance = start.pose.distance(other.pose)
@@ -433,7 +385,9 @@ def _too_close(loaded: Loaded[_RoomsYaml], floor: _Floor, starts: list[_Place]) 
                 yield Finding("error", loaded.fault(start.key, problem, "Move one of the two, or widen starts.spacing"))
 
 
-def _findings_of_regions(loaded: Loaded[_RoomsYaml], drawn: Map, keys: dict[int, str]) -> Iterator[Finding]:
+def _findings_of_regions(
+    loaded: Loaded[_RoomsYaml], drawn: Map, floor: Floor, keys: dict[int, str]
+) -> Iterator[Finding]:
     grid = drawn.grid
     slack = grid.resolution / 2
     width, height = grid.cols * grid.resolution, grid.rows * grid.resolution
@@ -446,75 +400,29 @@ def _findings_of_regions(loaded: Loaded[_RoomsYaml], drawn: Map, keys: dict[int,
             x, y = entry.region[int(outside.argmax())]
             problem = f"its corner ({x:g}, {y:g}) is outside the map, which is {width:g} m x {height:g} m"
             yield Finding("error", loaded.fault(key, problem, "Mend the region, or the map's origin or resolution"))
-        floor = _inside(entry.region, *_centres(grid))
-        shared = owner[floor & (owner > 0)]
+        held = inside(entry.region, floor.x, floor.y)
+        shared = owner[held & (owner > 0)]
         if shared.size:
             problem = f"it overlaps the region of room {shared[0]} by {shared.size * grid.resolution**2:.2f} m^2"
             yield Finding("error", loaded.fault(key, problem, "Draw the regions apart"))
-        owner[floor] = entry.room.people
+        owner[held] = entry.room.people
 
 
 def _findings_of_ways(
-    loaded: Loaded[_RoomsYaml], floor: _Floor, goals: list[_Place], starts: list[_Place]
+    loaded: Loaded[_RoomsYaml], floor: Floor, goals: list[_Place], starts: list[_Place]
 ) -> Iterator[Finding]:
-    reach = floor.reachable(starts[0].pose)
+    obstructed = [floor.obstructed_by(start.pose) for start in starts]
+    reach = floor.reachable(starts[0].pose, np.zeros_like(obstructed[0]))
     cut_off = [place for place in goals + starts if not reach[floor.grid.cell_of(place.pose.x, place.pose.y)]]
     for place in cut_off:
         problem = f"no way {2 * floor.inscribed:g} m wide leads from {starts[0].what} to {place.what}"
         yield Finding("error", loaded.fault(place.key, problem, "Widen a door, or move it"))
     if cut_off:
         return
-    for start in starts:
-        others = tuple(other.pose for other in starts if other is not start)
-        reach = floor.reachable(start.pose, others)
+    crowd = np.sum(obstructed, axis=0)
+    for start, own in zip(starts, obstructed, strict=True):
+        reach = floor.reachable(start.pose, crowd > own)
         blocked = [goal.what for goal in goals if not reach[floor.grid.cell_of(goal.pose.x, goal.pose.y)]]
         if blocked:
-            problem = (
-                f"while all {len(starts)} robots stand at their starts, no way leads from {start.what} to {blocked[0]}"
-            )
+            problem = f"with {len(starts)} robots at their starts no way leads from {start.what} to {blocked[0]}"
             yield Finding("warning", loaded.fault(start.key, problem, "Leave a lane free between the starts"))
-
-
-# Shapes ---------------------------------------------------------------------------------------------------------------
-
-
-def _centres(grid: OccupancyGrid) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
-    """World x and y of every cell's centre, each (rows, cols)."""
-    cells = np.indices(grid.cells.shape).reshape(2, -1).T
-    points = grid.centres_of(cells).reshape(grid.rows, grid.cols, 2)
-    return points[:, :, 0], points[:, :, 1]
-
-
-def _inside(polygon: Polygon, x: NDArray[np.float64], y: NDArray[np.float64]) -> Mask:
-    """Which points lie in a polygon: an odd number of its sides is to their right."""
-    odd = np.zeros(x.shape, dtype=np.bool_)
-    for (x0, y0), (x1, y1) in zip(polygon, polygon[1:] + polygon[:1], strict=True):
-        if y0 != y1:
-            odd ^= ((y0 > y) != (y1 > y)) & (x < x0 + (y - y0) * (x1 - x0) / (y1 - y0))
-    return odd
-
-
-def _area(polygon: Polygon) -> float:
-    sides = zip(polygon, polygon[1:] + polygon[:1], strict=True)
-    return abs(sum(x0 * y1 - x1 * y0 for (x0, y0), (x1, y1) in sides)) / 2
-
-
-def _distance_to_side(point: Point, side: tuple[Point, Point]) -> float:
-    (x, y), ((x0, y0), (x1, y1)) = point, side
-    dx, dy = x1 - x0, y1 - y0
-    length = dx * dx + dy * dy
-    share = 0.0 if length == 0 else min(max(((x - x0) * dx + (y - y0) * dy) / length, 0.0), 1.0)
-    return math.hypot(x - x0 - share * dx, y - y0 - share * dy)
-
-
-def _crosses_itself(polygon: Polygon) -> bool:
-    def turn(a: Point, b: Point, c: Point) -> float:
-        return (b[0] - a[0]) * (c[1] - a[1]) - (b[1] - a[1]) * (c[0] - a[0])
-
-    sides = list(zip(polygon, polygon[1:] + polygon[:1], strict=True))
-    for second in range(len(sides)):
-        for first in range(second):
-            (a, b), (c, d) = sides[first], sides[second]
-            if turn(a, b, c) * turn(a, b, d) < 0 and turn(c, d, a) * turn(c, d, b) < 0:
-                return True
-    return False

@@ -172,7 +172,7 @@ def image(content: bytes) -> Callable[[Path], object]:
     return lambda folder: (folder / "map.pgm").write_bytes(content)
 
 
-def draw(rows: slice[int, int, None], cols: slice[int, int, None], cell: int) -> Callable[[Path], object]:
+def draw(rows: "slice[int, int, None]", cols: "slice[int, int, None]", cell: int) -> Callable[[Path], object]:
     def change(folder: Path) -> None:
         cells = two_rooms().cells.copy()
         cells[rows, cols] = cell
@@ -290,6 +290,10 @@ BROKEN: dict[str, tuple[Callable[[Path], object], str]] = {
         edit("rooms.yaml", "[[4, 1, 0]]", "[[40, 1, 0]]"),
         "rooms.yaml, line 11, starts.poses[0]: at (40, 1) the nearest cell that is not free is 0.00 m away;",
     ),
+    "a row without end": (
+        edit("rooms.yaml", "[4, 3.3]", "[4, 1e9]"),
+        "rooms.yaml, line 12, starts.rows[0]: more than 1000 starts in a row. Shorten the row, or",
+    ),
     "starts that overlap": (
         edit("rooms.yaml", "[[4, 1, 0]]", "[[4, 1, 0], [4.1, 2, 0]]"),
         "rooms.yaml, line 12, starts.rows[0]: the start of robot 3 is 0.22 m from the start of robot 2; "
@@ -333,5 +337,5 @@ class TestBroken:
     def test_starts_that_block_the_way_are_told(self, folder: Path) -> None:
         edit("rooms.yaml", "[[4, 1, 0]]", "[[4, 1, 0], [3.3, 0.5, 0]]")(folder)
         told = [str(finding.fault) for finding in check_map(folder)]
-        assert all("while all 4 robots stand at their starts, no way leads from" in fault for fault in told)
+        assert all("with 4 robots at their starts no way leads from" in fault for fault in told)
         assert any("the start of robot 1 to room 1. Leave a lane free" in fault for fault in told)
