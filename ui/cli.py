@@ -19,7 +19,6 @@ from thbridge.adapters.bag_reader import info as bag_info
 from thbridge.adapters.bag_repair import reindex as reindex_bag
 from thbridge.adapters.errors import BadFile
 from thbridge.adapters.map_files import check_map
-from thbridge.adapters.report_page import build_report
 from thbridge.adapters.resources import shipped
 from thbridge.adapters.template_files import read_map_times, read_template_set
 from thbridge.adapters.text_client import Lost
@@ -354,6 +353,9 @@ def _prepare(bag: Path) -> None:
 
 
 def _write_report(bag: Path, page: Path) -> None:
+    # Half a second of imports that no other command needs.
+    from thbridge.adapters.report_page import build_report  # noqa: PLC0415
+
     with _bad_input():
         html = build_report(bag)
     try:
