@@ -45,7 +45,7 @@ if ! $venv/bin/python -c '' 2>/dev/null; then
     echo "Making $venv with $python"
     "$python" -m venv --clear $venv
 fi
-echo "Installing what requirements.lock pins"
+echo "Installing what requirements.lock pins; the first time this takes a minute"
 $venv/bin/python -m pip install --quiet --disable-pip-version-check --require-hashes -r requirements.lock
 $venv/bin/python -m pip install --quiet --disable-pip-version-check --no-deps --no-build-isolation -e .
 echo "$wanted" >$stamp

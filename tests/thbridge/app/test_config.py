@@ -119,6 +119,7 @@ BROKEN = {
         "study.yaml, line 3, robot.TrajectoryPlannerROS.max_vel_x: 25 is out of range. Write a number, 0 to 20 m/s.",
     ),
     "too small": ("robots: 0", "study.yaml, line 1, robots: 0 is out of range. Write a whole number, 1 to 64."),
+    "far too large": ("seed: 99999999999999999999", "line 1, seed: 99999999999999999999 is out of range."),
     "not whole": ("robots: 2.5", "study.yaml, line 1, robots: '2.5' is not a whole number."),
     "words for a number": ("robots: two", "study.yaml, line 1, robots: 'two' is not a number."),
     "truth for a number": ("robots: true", "study.yaml, line 1, robots: 'true' is not a number."),
