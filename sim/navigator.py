@@ -104,7 +104,7 @@ class Navigation:
     remaining: float
 
 
-GAP = 0.05
+GAP = 0.0
 """Metres that two robots' circumscribed circles are apart by right of way; plans keep farther apart."""
 LOOK_AHEAD = 1.9
 """Metres of path given to the local planner at most: a little less than half the local costmap."""
@@ -118,6 +118,8 @@ STUCK = 2.0
 """Seconds that a robot may be held up, other than by right of way, before it plans anew."""
 QUEUE = 20.0
 """Seconds that it may be held up by right of way before it plans anew."""
+RECOVERIES = 4
+"""Recoveries in vain after which a goal is given up."""
 WISHING = 60.0
 """Seconds that a robot waits for others to clear its way."""
 MAKING_WAY = 5.0
@@ -278,7 +280,7 @@ class Navigator:
         if self._itinerary is not None:
             if not self._held_up(tick):
                 return
-            self._next_plan = tick + round(STUCK * TICKS_PER_SECOND)
+            self._recover(tick)
         asked = self._asked_to_clear(pose, neighbours) if self._itinerary is None else None
         if asked is not None:
             self._make_way(tick, pose, asked, neighbours)
@@ -288,7 +290,25 @@ class Navigator:
     def _held_up(self, tick: int) -> bool:
         """Whether the way under way leads on no more."""
         patience = STUCK if self._progress <= self._free else QUEUE
-        return tick - self._progress > patience * TICKS_PER_SECOND
+        return tick - self._progress > patience * TICKS_PER_SECOND or self._oscillates(tick)
+
+    def _recover(self, tick: int) -> None:
+        """Before planning anew: forget what was seen, and every other time look around for it again."""
+        self._next_plan = tick + round(STUCK * TICKS_PER_SECOND)
+        if not self._oscillates(tick):
+            return
+        self._mark_tick = tick
+        self._recoveries += 1
+        if self._recoveries > RECOVERIES and self._goal is not None:
+            self._end(NoPath(self._goal, "stuck", "the robot is stuck and cannot get free"))
+        elif self._parameters.move_base.recovery_behavior_enabled:
+            self._obstacles.clear()
+            self._turn_left = math.tau if self._recoveries % 2 == 0 else 0.0
+
+    def _oscillates(self, tick: int) -> bool:
+        """Whether the robot has long been moving, or trying to, and come nowhere."""
+        timeout = self._parameters.move_base.oscillation_timeout
+        return timeout > 0.0 and tick - self._mark_tick > timeout * TICKS_PER_SECOND
 
     def _plan(self, tick: int, pose: Pose2, goal: Goal, neighbours: Sequence[Neighbour]) -> None:
         others = heard(neighbours)
@@ -351,6 +371,8 @@ class Navigator:
         way = self._itinerary
         if way is None:
             return
+        if self._mark is None or self._mark.distance(pose) >= self._parameters.move_base.oscillation_distance:
+            self._mark, self._mark_tick, self._recoveries = pose, tick, 0
         if (tick - self._robot) % self._costmap_ticks < self._control_ticks or self._progress == tick:
             self._everybody.see(neighbours)
             self._local.update(pose.x, pose.y)
@@ -386,6 +408,8 @@ class Navigator:
             self._at_goal = True
         elif not planner.latch_xy_goal_tolerance:
             self._at_goal = False
+        if self._turn_left > 0.0:
+            return self._look_around(pose, twist, around)
         if self._at_goal:
             return self._finish(tick, pose, twist, float(end_heading), around)
         last = int(np.searchsorted(-self._left, self._reach - self._left[self._index], side="right")) - 1
@@ -397,11 +421,20 @@ class Navigator:
         if path is None:
             if allowed == last:
                 self._free = tick
+            else:
+                self._mark_tick += self._control_ticks
             return None
         drive = self._rollout.follow(pose, twist, self._local.costs, self._local.frame, path, slow_down, around)
         if drive.stuck:
             self._free = tick
             drive = self._rollout.back_up(pose, twist, around)
+        return drive
+
+    def _look_around(self, pose: Pose2, twist: Twist, around: Surroundings) -> Drive:
+        """One turn in place (rotate_recovery)."""
+        drive = self._rollout.turn(pose, twist, pose.theta + 1.0, around)
+        turned = abs(drive.command.angular) * self._control_ticks * TICK
+        self._turn_left = 0.0 if drive.stuck else self._turn_left - turned
         return drive
 
     def _finish(self, tick: int, pose: Pose2, twist: Twist, heading: float, around: Surroundings) -> Drive | None:
@@ -416,6 +449,7 @@ class Navigator:
             if standing:
                 self._end(Arrived(self._goal))
             return None
+        self._progress = tick
         return self._rollout.turn(pose, twist, heading, around)
 
     def _stretch(self, pose: Pose2, way: Itinerary, allowed: int, yields: bool) -> tuple[FloatArray | None, float]:

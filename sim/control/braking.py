@@ -159,11 +159,15 @@ def wall_clearance(
     for i in range(outline.shape[0]):
         px = x + c * outline[i, 0] - s * outline[i, 1]
         py = y + s * outline[i, 0] + c * outline[i, 1]
-        row = math.floor((py - frame.y) / frame.resolution)
-        col = math.floor((px - frame.x) / frame.resolution)
-        if row < 0 or col < 0 or row >= rows or col >= cols:
+        # Between four cell centres, so that a step along a wall does not seem one toward it.
+        across, along = (py - frame.y) / frame.resolution - 0.5, (px - frame.x) / frame.resolution - 0.5
+        row, col = math.floor(across), math.floor(along)
+        if row < 0 or col < 0 or row >= rows - 1 or col >= cols - 1:
             return 0.0
-        least = min(least, clearance[row, col])
+        up, right = across - row, along - col
+        low = (1.0 - right) * clearance[row, col] + right * clearance[row, col + 1]
+        high = (1.0 - right) * clearance[row + 1, col] + right * clearance[row + 1, col + 1]
+        least = min(least, (1.0 - up) * low + up * high)
     return least
 
 
@@ -265,7 +269,9 @@ def safe(
         hold: seconds from one command to the next, latency included.
         acc_lim_x: how hard it can brake, m/s^2; acc_lim_theta in turning, rad/s^2.
     """
-    room = min(0.08, wall_clearance(around.clearance, around.frame, outline, x, y, theta))
+    room = wall_clearance(around.clearance, around.frame, outline, x, y, theta)
+    # A hair less is allowed, or a robot close by a wall could not even drive along it.
+    room = max(min(0.08, room) - 0.003, min(0.03, room))
     poses = stopping(x, y, theta, v, w, wanted_v, wanted_w, hold, acc_lim_x, acc_lim_theta)
     radius = 0.0
     for i in range(footprint.shape[0]):

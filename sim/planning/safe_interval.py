@@ -82,7 +82,7 @@ def _shade(
         for c in range(max(0, int(col - span)), min(cols, int(col + span) + 1)):
             cx, cy = centres[r, c, 0], centres[r, c, 1]
             needed = radius
-            if math.hypot(cx - start_x, cy - start_y) < 0.5:
+            if math.hypot(cx - start_x, cy - start_y) < side:
                 needed = min(radius, present)
             if math.hypot(cx - x, cy - y) < needed:
                 busy[r, c, first : last + 1] = True
@@ -332,7 +332,7 @@ def _way(
         return None
     busy = _traffic(chart.centres, chart.corner, chart.side, others, start, time, separation, BINS, BIN)
     way = _search(free, busy, targets, chart.centres, chart.side, *cell, BIN, SPEED)
-    if len(way) == 0:
+    if len(way) < 2:
         return None
-    first = float(np.hypot(*(way[0, :2] - start))) / SPEED
-    return Itinerary(np.vstack([start, way[:, :2]]), time + np.concatenate([[0.0], way[:, 2] + first]))
+    # The first cell's centre is but the start, rounded.
+    return Itinerary(np.vstack([start, way[1:, :2]]), time + np.concatenate([[0.0], way[1:, 2]]))
