@@ -9,8 +9,8 @@ Travel costs of a map that has none measured are estimated, in seconds, as
 
 over the shortest way between two goals that keeps a robot's clearance: `length` in metres, `turned` the angles in
 radians by which a robot turns at its start, at every corner and at its goal, since every goal is left and reached at
-the goal's own heading. The constants are rounded from the least-squares fit of this formula to the 2016 matrix, measured
-on arena8 (1.01 m/s and 0.78 rad/s); rounded, they miss its entries by 2.4 s root mean square, 5.2 s at most.
+the goal's own heading. The constants are rounded from the least-squares fit of this formula to the matrix measured in
+2016 on arena8 (1.01 m/s and 0.78 rad/s); rounded, they miss it by 2.4 s root mean square, 5.2 s at most.
 """
 
 import argparse
