@@ -13,7 +13,7 @@ from numpy.typing import NDArray
 from sim.geometry import FloatArray, Pose2, wrap_angle
 from sim.grid import FREE, OccupancyGrid
 from sim.localization.clusters import Bins, bin_particles, summarise
-from sim.localization.estimate import Estimate
+from sim.localization.estimate import Estimate, Start, read_only
 from sim.localization.likelihood_field import Beams, LikelihoodField
 from sim.localization.motion import Alphas, increment, move, spread
 from sim.localization.recovery import Recovery
@@ -24,19 +24,6 @@ from sim.parameters import AmclParameters
 
 CANDIDATES = 20
 """Places looked at for each particle drawn anew."""
-
-
-@dataclass(frozen=True, slots=True, eq=False)
-class Start:
-    """Told where it is, and no tick seen since.
-
-    Attributes:
-        base_in_map: the pose.
-        covariance: (3, 3) how sure; m^2, m rad, rad^2.
-    """
-
-    base_in_map: Pose2
-    covariance: FloatArray
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -63,11 +50,6 @@ class Belief:
 
 
 AmclState = Start | Belief
-
-
-def _frozen(array: FloatArray) -> FloatArray:
-    array.setflags(write=False)
-    return array
 
 
 class Amcl:
@@ -109,7 +91,7 @@ class Amcl:
         self._resampling_noise = Stream.named(seed, robot, "amcl", "resampling")
         self._recovery_noise = Stream.named(seed, robot, "amcl", "recovery")
         variances = (parameters.initial_cov_xx, parameters.initial_cov_yy, parameters.initial_cov_aa)
-        self._state: AmclState = Start(Pose2(0.0, 0.0, 0.0), np.diag(variances))
+        self._state: AmclState = Start(Pose2(0.0, 0.0, 0.0), read_only(np.diag(variances)))
 
     @property
     def state(self) -> AmclState:
@@ -122,7 +104,7 @@ class Amcl:
 
     def start(self, base_in_map: Pose2, covariance: FloatArray) -> None:
         """Begin anew around this pose, at the next tick; the first scan from then on is weighed at once."""
-        self._state = Start(base_in_map, _frozen(covariance.copy()))
+        self._state = Start(base_in_map, read_only(covariance.copy()))
 
     def update(self, odometry: Odometry, imu: Imu, scan: Scan | None) -> Estimate:
         """Take in one tick; a scan is weighed when the robot has moved enough since the last one that was."""
@@ -161,8 +143,8 @@ class Amcl:
         particles = start.base_in_map.array() + noise @ root.T
         particles[:, 2] = (particles[:, 2] + math.pi) % (2.0 * math.pi) - math.pi
         return Belief(
-            particles=_frozen(particles),
-            weights=_frozen(np.full(n, 1.0 / n)),
+            particles=read_only(particles),
+            weights=read_only(np.full(n, 1.0 / n)),
             base_in_odom=odometry.base_in_odom,
             odom_in_map=start.base_in_map.compose(odometry.base_in_odom.inverse()),
             covariance=start.covariance,
@@ -199,11 +181,11 @@ class Amcl:
             particles = self._resample(particles, weights, bins, recovery.lost, points, odometry.tick)
             weights = np.full(len(particles), 1.0 / len(particles))
         return Belief(
-            particles=_frozen(particles),
-            weights=_frozen(weights),
+            particles=read_only(particles),
+            weights=read_only(weights),
             base_in_odom=odometry.base_in_odom,
             odom_in_map=summary.mean.compose(odometry.base_in_odom.inverse()),
-            covariance=_frozen(summary.covariance),
+            covariance=read_only(summary.covariance),
             updates=updates,
             recovery=recovery,
         )

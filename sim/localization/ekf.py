@@ -11,7 +11,7 @@ import numpy as np
 
 from sim.geometry import FloatArray, Pose2, wrap_angle
 from sim.grid import OccupancyGrid
-from sim.localization.estimate import Estimate
+from sim.localization.estimate import Estimate, Start, read_only
 from sim.localization.likelihood_field import Beams
 from sim.localization.scan_matching import ScanMatcher
 from sim.observations import TICK, Imu, LaserMount, Odometry, Scan
@@ -31,19 +31,6 @@ _MAP_ERROR = np.diag((0.02**2, 0.02**2, 0.005**2))
 
 _LEVER = 3.0
 """Metres: how far a wall is, typically, when a doubt of heading is to be told as one of place."""
-
-
-@dataclass(frozen=True, slots=True, eq=False)
-class EkfStart:
-    """Told where it is, and no tick seen since.
-
-    Attributes:
-        base_in_map: the pose.
-        covariance: (3, 3) how sure; m^2, m rad, rad^2.
-    """
-
-    base_in_map: Pose2
-    covariance: FloatArray
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -76,13 +63,8 @@ class EkfState:
         turned: radians that the gyroscope has counted since the last prediction.
     """
 
-    belief: EkfStart | EkfBelief
+    belief: Start | EkfBelief
     turned: float
-
-
-def _frozen(array: FloatArray) -> FloatArray:
-    array.setflags(write=False)
-    return array
 
 
 def _direct(_: FloatArray) -> FloatArray:
@@ -117,7 +99,7 @@ class Ekf:
         self._algebra = ExtendedKalmanFilter(dim_x=3, dim_z=3)
         self._algebra.B = np.eye(3)
         variances = (parameters.initial_cov_xx, parameters.initial_cov_yy, parameters.initial_cov_aa)
-        self._belief: EkfStart | EkfBelief = EkfStart(Pose2(0.0, 0.0, 0.0), np.diag(variances))
+        self._belief: Start | EkfBelief = Start(Pose2(0.0, 0.0, 0.0), read_only(np.diag(variances)))
         self._turned = 0.0
         self._particles = np.empty((0, 3))
 
@@ -132,12 +114,12 @@ class Ekf:
 
     def start(self, base_in_map: Pose2, covariance: FloatArray) -> None:
         """Begin anew around this pose, at the next tick; the first scan from then on is weighed at once."""
-        self._belief, self._turned = EkfStart(base_in_map, _frozen(covariance.copy())), 0.0
+        self._belief, self._turned = Start(base_in_map, read_only(covariance.copy())), 0.0
 
     def update(self, odometry: Odometry, imu: Imu, scan: Scan | None) -> Estimate:
         """Take in one tick; a scan is matched when the robot has moved enough since the last one that was."""
         belief = self._belief
-        if isinstance(belief, EkfStart):
+        if isinstance(belief, Start):
             odom_in_map = belief.base_in_map.compose(odometry.base_in_odom.inverse())
             belief = EkfBelief(
                 odometry.tick, belief.base_in_map, belief.covariance, odometry.base_in_odom, odom_in_map, None
@@ -223,4 +205,4 @@ class Ekf:
         base_in_map = Pose2(x, y, wrap_angle(theta))
         covariance: FloatArray = (self._algebra.P + self._algebra.P.T) / 2.0
         odom_in_map = base_in_map.compose(base_in_odom.inverse())
-        return EkfBelief(tick, base_in_map, _frozen(covariance), base_in_odom, odom_in_map, matched)
+        return EkfBelief(tick, base_in_map, read_only(covariance), base_in_odom, odom_in_map, matched)

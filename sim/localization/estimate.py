@@ -28,6 +28,25 @@ class Estimate:
     updated: bool
 
 
+@dataclass(frozen=True, slots=True, eq=False)
+class Start:
+    """What a localiser remembers that was told where it is, and has seen no tick since.
+
+    Attributes:
+        base_in_map: the pose.
+        covariance: (3, 3) how sure; m^2, m rad, rad^2.
+    """
+
+    base_in_map: Pose2
+    covariance: FloatArray
+
+
+def read_only(array: FloatArray) -> FloatArray:
+    """The array itself, now safe to hand out: nobody can write to it."""
+    array.setflags(write=False)
+    return array
+
+
 class Localizer(Protocol):
     """One robot's localisation; it never sees the truth."""
 

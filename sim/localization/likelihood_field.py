@@ -39,61 +39,30 @@ def signed_distance(grid: OccupancyGrid, max_distance: float) -> FloatArray:
 
 
 @njit(cache=True)
-def _place(frame: GridFrame, x: float, y: float, theta: float) -> tuple[float, float, float, float]:
-    """A pose in cells: (column, row) as real numbers, and cosine and sine of its heading, times cells per metre."""
-    dx, dy = x - frame.x, y - frame.y
-    c, s = math.cos(theta), math.sin(theta)
-    return (
-        (frame.cos * dx + frame.sin * dy) / frame.resolution,
-        (frame.cos * dy - frame.sin * dx) / frame.resolution,
-        (c * frame.cos + s * frame.sin) / frame.resolution,
-        (s * frame.cos - c * frame.sin) / frame.resolution,
-    )
-
-
-@njit(cache=True)
-def _look_up(
-    table: NDArray[np.float32], outside: float, place: tuple[float, float, float, float], x: float, y: float
-) -> float:
-    """The table's value at a point (x, y) of the frame that is at `place`."""
-    along, across, cos, sin = place
-    col = math.floor(along + cos * x - sin * y)
-    row = math.floor(across + sin * x + cos * y)
-    if 0 <= row < table.shape[0] and 0 <= col < table.shape[1]:
-        value: float = table[row, col]
-        return value
-    return outside
-
-
-@njit(cache=True)
-def _log_likelihood(
+def _sum_over_points(
     table: NDArray[np.float32], frame: GridFrame, outside: float, particles: FloatArray, points: FloatArray
 ) -> FloatArray:
-    out = np.zeros(particles.shape[0])
+    """(n,) sums of the table's values at (m, 2) points, as seen from each of (n, 3) poses."""
+    rows, cols = table.shape
+    out = np.empty(particles.shape[0])
     for i in range(particles.shape[0]):
-        place = _place(frame, particles[i, 0], particles[i, 1], particles[i, 2])
+        # In one piece and in cells: this loop is where the filter's time goes.
+        dx, dy = particles[i, 0] - frame.x, particles[i, 1] - frame.y
+        c, s = math.cos(particles[i, 2]), math.sin(particles[i, 2])
+        along = (frame.cos * dx + frame.sin * dy) / frame.resolution
+        across = (frame.cos * dy - frame.sin * dx) / frame.resolution
+        cos = (c * frame.cos + s * frame.sin) / frame.resolution
+        sin = (s * frame.cos - c * frame.sin) / frame.resolution
+        total = 0.0
         for j in range(points.shape[0]):
-            out[i] += _look_up(table, outside, place, points[j, 0], points[j, 1])
+            col = along + cos * points[j, 0] - sin * points[j, 1]
+            row = across + sin * points[j, 0] + cos * points[j, 1]
+            if 0.0 <= col < cols and 0.0 <= row < rows:
+                total += table[int(row), int(col)]
+            else:
+                total += outside
+        out[i] = total
     return out
-
-
-@njit(cache=True)
-def _agreement(
-    table: NDArray[np.float32],
-    frame: GridFrame,
-    outside: float,
-    best: float,
-    x: float,
-    y: float,
-    theta: float,
-    points: FloatArray,
-) -> float:
-    place = _place(frame, x, y, theta)
-    total = 0.0
-    for j in range(points.shape[0]):
-        total += math.exp(_look_up(table, outside, place, points[j, 0], points[j, 1]) - best)
-    mean: float = total / points.shape[0]
-    return mean
 
 
 @njit(cache=True)
@@ -166,16 +135,18 @@ class LikelihoodField:
     Attributes:
         table: (rows, cols) float32, log of `z_hit * exp(-d^2 / (2 sigma_hit^2)) + z_rand / range_max`, d being the
             distance to the nearest surface of a wall, capped at `max_dist`.
-        frame: where the table lies.
-        outside: the same logarithm beyond the map's edge.
-        best: the same logarithm on a surface.
+        relative: (rows, cols) float32, the same as part of the likelihood on a surface, 0..1.
+        frame: where the two tables lie.
+        outside: what `table` would say beyond the map's edge.
+        relative_outside: what `relative` would say there.
         exponent: what each beam's logarithm counts.
     """
 
     table: NDArray[np.float32]
+    relative: NDArray[np.float32]
     frame: GridFrame
     outside: float
-    best: float
+    relative_outside: float
     exponent: float
 
     @classmethod
@@ -201,11 +172,13 @@ class LikelihoodField:
             # Without random readings a far cell's probability underflows; its logarithm must stay finite.
             return np.log(np.maximum(hit + z_rand / beams.range_max, np.finfo(np.float64).tiny))
 
-        table = log_probability(signed_distance(grid, max_dist)).astype(np.float32)
-        table.setflags(write=False)
+        logs = log_probability(signed_distance(grid, max_dist))
         best, outside = log_probability(np.array([0.0, max_dist]))
+        table, relative = logs.astype(np.float32), np.exp(logs - best).astype(np.float32)
+        table.setflags(write=False)
+        relative.setflags(write=False)
         exponent = min(1.0, INDEPENDENT_BEAMS / beams.indices.size)
-        return cls(table, grid.frame, float(outside), float(best), exponent)
+        return cls(table, relative, grid.frame, float(outside), float(np.exp(outside - best)), exponent)
 
     def log_likelihood(self, particles: FloatArray, points: FloatArray) -> FloatArray:
         """Log likelihood of a scan from each of several places.
@@ -220,7 +193,7 @@ class LikelihoodField:
         Source: Probabilistic Robotics, table 6.3, weakened as section 6.3.4 has it. Differs: ROS 1 amcl adds cubes,
             `1 + sum(p^3)`; measured, that leaves the heading half as sure.
         """
-        sums: FloatArray = _log_likelihood(self.table, self.frame, self.outside, particles, points)
+        sums: FloatArray = _sum_over_points(self.table, self.frame, self.outside, particles, points)
         sums *= self.exponent
         return sums
 
@@ -229,5 +202,6 @@ class LikelihoodField:
 
         About the share of the beams that end on what the map shows; other robots before the walls lower it.
         """
-        x, y, theta = base_in_map.x, base_in_map.y, base_in_map.theta
-        return float(_agreement(self.table, self.frame, self.outside, self.best, x, y, theta, points))
+        here = base_in_map.array()[np.newaxis]
+        sums: FloatArray = _sum_over_points(self.relative, self.frame, self.relative_outside, here, points)
+        return float(sums[0]) / len(points)

@@ -5,7 +5,7 @@ from collections.abc import Callable
 import numpy as np
 
 from sim.geometry import FloatArray, Pose2
-from sim.localization.estimate import Estimate
+from sim.localization.estimate import Estimate, read_only
 from sim.observations import Imu, Odometry, Scan
 
 
@@ -18,8 +18,7 @@ class Truth:
     def __init__(self, base_in_map: Callable[[], Pose2]) -> None:
         """Ask `base_in_map` for the true pose at every tick; it must answer for the tick that is being estimated."""
         self._base_in_map = base_in_map
-        self._covariance = np.zeros((3, 3))
-        self._covariance.setflags(write=False)
+        self._covariance = read_only(np.zeros((3, 3)))
         self._particles = np.empty((0, 3))
 
     def start(self, base_in_map: Pose2, covariance: FloatArray) -> None:

@@ -18,7 +18,7 @@ def test_sample_limit_is_foxs_approximation_of_a_chi_square_quantile():
 
 
 def test_sample_limit_values_of_the_formula():
-    # Worked out by hand from equation 7: k = 2, epsilon 0.05, z = 0.99 and k = 51, epsilon 0.01, z = 3 (pf.c).
+    # Worked out by hand: k = 2, epsilon 0.05, z = 0.99 and k = 51, epsilon 0.01, z = 3 (pf.c).
     assert sample_limit(2, 0.05, 0.99, 1, 10**6) == 20
     assert sample_limit(51, 0.01, 3.0, 1, 10**6) == 4273
 
