@@ -12,7 +12,9 @@ FloatArray = NDArray[np.float64]
 
 @njit(cache=True)
 def wrap_angle(angle: float) -> float:
-    """The same direction in [-pi, pi)."""
+    """The same direction in [-pi, pi); an angle that is there already comes back as it is."""
+    if -math.pi <= angle < math.pi:
+        return angle
     wrapped = (angle + math.pi) % (2.0 * math.pi) - math.pi
     # The remainder of a tiny negative number rounds to the modulus itself.
     return wrapped if wrapped < math.pi else -math.pi

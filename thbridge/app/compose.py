@@ -12,7 +12,7 @@ from thbridge.adapters.bag_writer import Recorder
 from thbridge.adapters.errors import BadFile
 from thbridge.adapters.map_files import Map, read_map
 from thbridge.adapters.resources import Resources, shipped
-from thbridge.adapters.template_files import TemplateSet, read_map_times, read_template_set
+from thbridge.adapters.template_files import MAP_TIMES, TemplateSet, read_map_times, read_template_set
 from thbridge.app.config import Study, resolved
 from thbridge.dialogue.engine import Engine
 from thbridge.dialogue.protocols import TemplateProtocol
@@ -132,18 +132,18 @@ def read_setting(study: Study, beside: Path, resources: Resources | None = None)
             f"there are start poses for {len(place.starts)} robots, but the study has {study.robots}",
             "add start poses or lower `robots` in the study",
         )
-    return Setting(study, place, templates, _costs(study, beside, place, templates, folder))
+    return Setting(study, place, templates, _costs(study, beside, place, folder))
 
 
-def _costs(study: Study, beside: Path, place: Map, templates: TemplateSet, folder: Path) -> CostMatrix:
+def _costs(study: Study, beside: Path, place: Map, folder: Path) -> CostMatrix:
     """The study's own cost file, or else the map's, or else the templates'; it must fit the map."""
     if study.game.costs is not None:
         path = beside / study.game.costs
     elif place.costs is not None:
         path = place.costs
     else:
-        path = folder / "mapTimes"
-    costs = templates.costs if path == folder / "mapTimes" else read_map_times(path)
+        path = folder / MAP_TIMES
+    costs = read_map_times(path)
     if len(costs.rooms) != len(place.rooms):
         raise BadFile(
             path,
