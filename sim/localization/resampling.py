@@ -23,8 +23,9 @@ def sample_limit(bins: int, error: float, quantile: float, least: int, most: int
         least: the answer is never below.
         most: nor above; the answer where `error` is 0.
 
-    Source: Fox, Adapting the sample size in particle filters through KLD-sampling (2003), its Wilson-Hilferty form; bounds from
-        pf.c. Differs: one bin needs `least` particles; amcl takes `most`, though the tightest cloud needs fewest.
+    Source: Fox, Adapting the sample size in particle filters through KLD-sampling (2003), with the Wilson-Hilferty
+        approximation of the chi-square quantile; bounds from pf.c. Differs: one bin needs `least` particles; amcl
+        takes `most`, though the tightest cloud needs fewest.
     """
     if bins <= 1:
         return least
