@@ -10,6 +10,7 @@ from contextlib import contextmanager
 from pathlib import Path
 from typing import Annotated, NoReturn, TypeVar
 
+import msgspec
 import typer
 from rich.console import Console
 from rich.logging import RichHandler
@@ -255,7 +256,7 @@ def bag_info_command(bag: Annotated[Path, typer.Argument(help="A ROS 1 bag.")], 
     with _bad_input():
         found = bag_info(bag)
     if as_json:
-        _print_json(found.to_json())
+        _print_json(msgspec.to_builtins(found, enc_hook=str))
         return
     table = Table("topic", "type", "messages", title=f"{bag}: {found.duration:.1f} s, {found.messages} messages")
     for topic in found.topics:
@@ -264,10 +265,18 @@ def bag_info_command(bag: Annotated[Path, typer.Argument(help="A ROS 1 bag.")], 
 
 
 @bag_app.command("reindex")
-def bag_reindex_command(bag: Annotated[Path, typer.Argument(help="A bag whose writer was killed.")]) -> None:
+def bag_reindex_command(
+    bag: Annotated[Path, typer.Argument(help="A bag whose writer was killed.")], as_json: AsJson = False
+) -> None:
     """Recover a bag that was cut off; the original is kept beside it."""
     with _bad_input():
-        out.print(str(reindex_bag(bag)), highlight=False)
+        done = reindex_bag(bag)
+    if as_json:
+        _print_json(msgspec.to_builtins(done, enc_hook=str))
+        return
+    out.print(f"Recovered {done.messages} messages into {done.path}; the original is {done.backup}.", highlight=False)
+    if done.lost_bytes:
+        out.print(f"{done.lost_bytes} bytes at its end were half written and are lost.", highlight=False)
 
 
 @maps_app.command("check")

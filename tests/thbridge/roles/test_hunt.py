@@ -10,9 +10,11 @@ from thbridge.dialogue.moves import Continue, Speaker
 from thbridge.hunt import rules
 from thbridge.hunt.events import Arrived, Departed, Ended, EndReason, Failed, Hidden, Identified, Left, Started
 from thbridge.hunt.game import fold
+from thbridge.roles.tabui import TabUI
 from thbridge.roles.view import (
     Answer,
     CallBack,
+    Discuss,
     Identify,
     Leave,
     PlayAgain,
@@ -24,7 +26,6 @@ from thbridge.roles.view import (
     View,
     Wish,
 )
-from thbridge.roles.tabui import TabUI
 from thbridge.study.bots import BotStrategy
 from thbridge.wire import legacy
 
@@ -98,9 +99,7 @@ def test_a_random_participant_sometimes_stops_a_dialogue_and_no_robot_moves_on_i
         played = Stage(strategy=BotStrategy.RANDOM, seed=seed)
         played.finish()
         said = [utterance for moment in played.moments for utterance in moment.utterances]
-        stopped = {
-            u.dialogue for u in said if u.speaker is Speaker.PERSON and not isinstance(u.move, Continue)
-        }
+        stopped = {u.dialogue for u in said if u.speaker is Speaker.PERSON and not isinstance(u.move, Continue)}
         stops += len(stopped)
         agreed = {u.dialogue for u in said if u.topic.scenario.value in ("specific-room", "dont-know")} - stopped
         assert sum(isinstance(event, Departed) for event in played.log.events) == len(agreed)
@@ -202,8 +201,6 @@ def test_the_treasures_three_scenarios(scripted):
     scripted.say(Sense(3))
     view = scripted.say(TakePicture(3))
     assert view.refusal.reason == "no-consensus"
-    from thbridge.roles.view import Discuss
-
     # The template of 2016 has no questions about pictures, so talking about one is agreeing on it.
     view = scripted.say(Discuss(0, "take-picture", 3))
     assert view.consents[0].matter == "take-picture"
