@@ -104,7 +104,7 @@ class Navigation:
     remaining: float
 
 
-GAP = 0.0
+GAP = 0.1
 """Metres that two robots' circumscribed circles are apart by right of way; plans keep farther apart."""
 LOOK_AHEAD = 1.9
 """Metres of path given to the local planner at most: a little less than half the local costmap."""
@@ -414,12 +414,12 @@ class Navigator:
             return self._finish(tick, pose, twist, float(end_heading), around)
         last = int(np.searchsorted(-self._left, self._reach - self._left[self._index], side="right")) - 1
         last = max(self._index, last)
-        allowed = right_of_way(
+        allowed, barred = right_of_way(
             way.points, way.times, self._index, last, pose.x, pose.y, heard(neighbours), self._separation
         )
         path, slow_down = self._stretch(pose, way, int(allowed), allowed < last)
         if path is None:
-            if allowed == last:
+            if allowed == last or barred:
                 self._free = tick
             else:
                 self._mark_tick += self._control_ticks

@@ -4,7 +4,8 @@ A command is safe when the robot, having obeyed it until the next command and th
 nowhere too near to a wall or to where its neighbours can be when they brake. Walls must stay WALL_MARGIN away. Of the
 gap to a neighbour, less NEIGHBOUR_MARGIN, a robot may use up one half: the other may just now be deciding to use the
 other half. Where less than the margin is left (an estimate jumped, somebody was put there), it may not become less.
-So standing still is safe whenever the last command was.
+So standing still is safe whenever the last command was. Turning in place moves a robot's corners so little from one
+command to the next that it may use all of a gap but TURNING_MARGIN.
 """
 
 import math
@@ -23,6 +24,7 @@ WALL_MARGIN = 0.08
 """Metres: about the largest error of localisation."""
 NEIGHBOUR_MARGIN = 0.14
 """Metres: two robots err."""
+TURNING_MARGIN = 0.08
 LATENCY = 0.02
 """Seconds from a decision to the moment it acts."""
 EARSHOT = 2.0
@@ -271,7 +273,7 @@ def safe(
     """
     room = wall_clearance(around.clearance, around.frame, outline, x, y, theta)
     # A hair less is allowed, or a robot close by a wall could not even drive along it.
-    room = max(min(0.08, room) - 0.003, min(0.03, room))
+    room = max(min(WALL_MARGIN, room) - 0.003, min(0.03, room))
     poses = stopping(x, y, theta, v, w, wanted_v, wanted_w, hold, acc_lim_x, acc_lim_theta)
     radius = 0.0
     for i in range(footprint.shape[0]):
@@ -280,9 +282,15 @@ def safe(
         px, py, turned = poses[k]
         if wall_clearance(around.clearance, around.frame, outline, px, py, turned) < room:
             return False
+    turning = wanted_v == 0.0 and abs(v) < 0.05
     for j in range(around.bodies.shape[0]):
         present = around.gaps[j]
-        needed = 0.5 * (present + 0.14) if present > 0.14 else present - 1e-3
+        if turning:
+            needed = min(TURNING_MARGIN, present - 1e-3)
+        elif present > NEIGHBOUR_MARGIN:
+            needed = 0.5 * (present + NEIGHBOUR_MARGIN)
+        else:
+            needed = present - 1e-3
         body = around.bodies[j]
         for k in range(poses.shape[0]):
             px, py, turned = poses[k]

@@ -181,10 +181,12 @@ class TrajectoryRollout:
         self._goal_steps = np.empty((cells, cells), dtype=np.int32)
         self._queue = np.empty(cells * cells, dtype=np.int32)
         self._turning = False
+        self._side = 0.0
 
     def reset(self) -> None:
         """Forget the path that was followed."""
         self._turning = False
+        self._side = 0.0
 
     def safe(self, pose: Pose2, twist: Twist, command: Twist, around: Surroundings) -> bool:
         """Whether a command leaves room to stop."""
@@ -213,9 +215,13 @@ class TrajectoryRollout:
             return Drive(STANDSTILL, self._preview(pose, twist, STANDSTILL), False)
         difference = wrap_angle(heading - pose.theta)
         speed = min(wanted.max_vel_theta, max(wanted.min_in_place_vel_theta, abs(difference)))
-        for direction in (1.0, -1.0):
-            command = Twist(0.0, math.copysign(speed, direction * difference))
+        if self._side == 0.0 or abs(difference) < TURN_FIRST:
+            self._side = math.copysign(1.0, difference)
+        # Having begun to turn the long way round, go on with it.
+        for side in (self._side, -self._side):
+            command = Twist(0.0, side * speed)
             if self.safe(pose, twist, command, around):
+                self._side = side
                 return Drive(command, self._preview(pose, twist, command), False)
         return Drive(STANDSTILL, self._preview(pose, twist, STANDSTILL), True)
 
@@ -254,6 +260,7 @@ class TrajectoryRollout:
         target = ahead[beyond[0]] if len(beyond) else ahead[-1]
         off = abs(wrap_angle(math.atan2(target[1], target[0]) - pose.theta))
         self._turning = off > (TURNED if self._turning else TURN_FIRST)
+        self._side = self._side if self._turning else 0.0
         if self._turning:
             return self.turn(pose, twist, math.atan2(target[1], target[0]), around)
         v, w, found = _best(

@@ -180,7 +180,7 @@ def right_of_way(
     y: float,
     others: Others,
     separation: float,
-) -> int:
+) -> tuple[int, bool]:
     """How far a robot may drive now: the last of its points that is free of all robots that pass there before it.
 
     Args:
@@ -194,7 +194,7 @@ def right_of_way(
             still.
 
     Returns:
-        An index from `index` to `last`.
+        An index from `index` to `last`, and whether it is a robot that stands for good which bars the next point.
     """
     for i in range(index + 1, last + 1):
         px, py = points[i, 0], points[i, 1]
@@ -207,8 +207,8 @@ def right_of_way(
                     continue
                 distance = math.hypot(px - ox, py - oy)
                 if distance < separation and distance < math.hypot(x - ox, y - oy) - 0.02:
-                    return i - 1
-    return last
+                    return i - 1, others.times[m] == -math.inf
+    return last, False
 
 
 @njit(cache=True)
