@@ -54,6 +54,24 @@ class Charge:
     percentage: float
 
 
+@dataclass(frozen=True, slots=True)
+class GoalStart:
+    """move_base_msgs/MoveBaseActionGoal: the goal's name and its pose in `frame`."""
+
+    goal_id: str
+    frame: str
+    pose: Pose2
+
+
+@dataclass(frozen=True, slots=True)
+class GoalEnd:
+    """move_base_msgs/MoveBaseActionResult: the goal's name, its status in actionlib's codes, and why."""
+
+    goal_id: str
+    status: int
+    text: str
+
+
 class _Cursor:
     """Walks through the fields of a message."""
 
@@ -142,6 +160,24 @@ def battery_state(data: bytes) -> Charge:
     cursor.header()
     _voltage, _temperature, _current, charge, _capacity, _design, percentage = (cursor.real() for _ in range(7))
     return Charge(charge, percentage)
+
+
+def move_base_goal(data: bytes) -> GoalStart:
+    """move_base_msgs/MoveBaseActionGoal."""
+    cursor = _Cursor(data)
+    cursor.header()
+    cursor.stamp()
+    goal_id = cursor.string()
+    _, frame = cursor.header()
+    return GoalStart(goal_id, frame, cursor.pose())
+
+
+def move_base_result(data: bytes) -> GoalEnd:
+    """move_base_msgs/MoveBaseActionResult."""
+    cursor = _Cursor(data)
+    cursor.header()
+    cursor.stamp()
+    return GoalEnd(cursor.string(), cursor.integer(_UINT8), cursor.string())
 
 
 def session(data: bytes) -> Session:

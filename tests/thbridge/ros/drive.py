@@ -67,7 +67,8 @@ def records(tick: int) -> tuple[Record, ...]:
         SendRobots(f"%%goto Hans SimR 0 {room - 1}"),
         Success("%%error SimR Hans 0"),
         GameEvent("arrived", 0, room, f'{{"event":"arrived","robot":0,"room":{room}}}'),
-        GameEvent("ended", None, None, '{"event":"ended"}'),
+        GameEvent("identified", 0, room, '{"event":"identified","name":"Blue <Bottle>","points":-20}'),
+        GameEvent("ended", None, None, '{"event":"ended","reason":"all-visited"}'),
         Score(10 * room - 30, room, 8, (80.5, 70.25)),
         Utterance(tick, "robot", 0, room, "select-room", f"It will cost me £{room} to go there", "claim"),
         InitialPose(0, Pose2(1.0, 2.0, 0.5), np.diag([0.25, 0.25, 0.07])),
@@ -93,7 +94,8 @@ def _world(robots: int, tick: int) -> WorldState:
 def _output(robot: int, tick: int) -> RobotOutput:
     true = truth(robot, tick)
     odom_in_map = Pose2(0.05 * math.sin(tick / 300), 0.03, 0.01 * math.sin(tick / 200 + robot))
-    drifted = odom_in_map.between(true)
+    believed = true.compose(Pose2(0.03, 0.04 * math.sin(tick / 100 + robot), 0.02))
+    drifted = odom_in_map.between(believed)
     moves = _moves(tick)
     twist = Twist(SPEED, 0.4) if moves else STANDSTILL
     scan = None
