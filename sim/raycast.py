@@ -51,8 +51,6 @@ def _line_after(
     can never send a beam that skips through other cells than one that goes step by step.
     """
     line = math.floor(origin + speed * distance)
-    if (line - start) * step < 0:
-        line = start
     ahead = 1 if step > 0 else 0
     behind = 1 - ahead
     while True:

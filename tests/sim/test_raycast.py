@@ -91,6 +91,22 @@ def test_skipping_free_squares_changes_no_bit_of_a_range(seed: int, origin: Pose
     assert np.array_equal(skipping.ranges(poses, angles, 5.0), stepping.ranges(poses, angles, 5.0))
 
 
+@given(SEEDS, st.sampled_from([0.02, 0.05, 0.1, 1.0]))
+@settings(deadline=None)
+def test_beams_through_cell_corners_skip_and_step_alike(seed: int, resolution: float) -> None:
+    rng = np.random.default_rng(seed)
+    cells = np.where(rng.random((60, 60)) < 0.01, 100, 0).astype(np.int8)
+    grid = OccupancyGrid(cells, resolution, Pose2(*rng.integers(-9, 9, 2).tolist(), 0.0))
+    corners = grid.origin.transform(rng.integers(0, 60, (50, 2)) * resolution)
+    poses = np.column_stack((corners, np.zeros(50)))
+    ways = rng.integers(-5, 6, (50, 2))
+    angles = np.arctan2(ways[:, 0], ways[:, 1])
+    skipping = Raycaster.of(grid)
+    stepping = Raycaster((grid.cells != 100).astype(np.uint8), grid.frame)
+    max_range = 100 * resolution
+    assert np.array_equal(skipping.ranges(poses, angles, max_range), stepping.ranges(poses, angles, max_range))
+
+
 @given(SEEDS, ORIGINS)
 @settings(deadline=None)
 def test_ranges_do_not_change_when_map_and_sensor_are_moved_together(seed: int, origin: Pose2) -> None:

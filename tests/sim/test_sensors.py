@@ -186,10 +186,13 @@ def test_a_far_robot_changes_no_bit_of_what_the_others_perceive() -> None:
     assert scans == 2 * 100 // 5
 
 
-def test_robots_at_one_place_err_differently() -> None:
-    state = begun(WorldParameters(), Pose2(10, 2, 0), Pose2(18, 2, 0))
+def test_robots_at_one_place_and_tick_err_differently() -> None:
+    always = replace(WorldParameters(), laser=LaserParameters(rate=TICKS_PER_SECOND))
+    state = begun(always, Pose2(10, 2, 0), Pose2(18, 2, 0))
     here = replace(state, poses=np.array([[10.0, 2.0, 0.0], [10.0, 2.0, 0.0]]))
-    sensors = sensors_of(WorldParameters())
+    sensors = sensors_of(always)
+    one, two = sensors.sense(here, 0), sensors.sense(here, 1)
+    assert one.imu != two.imu
     assert not np.array_equal(scan_of(sensors, here, 0).ranges, scan_of(sensors, here, 1).ranges, equal_nan=True)
 
 

@@ -139,7 +139,8 @@ def test_a_body_inside_one_great_wall_is_in_a_wall() -> None:
 def test_no_wall_is_so_thin_that_speed_gets_through_it(heading: float) -> None:
     cells = np.zeros((300, 300), dtype=np.int8)
     cells[100, 100:201] = cells[200, 100:201] = cells[100:201, 100] = cells[100:201, 200] = 100
-    fast = replace(CALM, max_vel_x=20.0, acc_lim_x=100.0, max_vel_theta=20.0, acc_lim_theta=100.0)
+    small = ((0.05, 0.0), (-0.05, 0.05), (-0.05, -0.05))
+    fast = replace(CALM, footprint=small, max_vel_x=20.0, acc_lim_x=100.0)
     world = World(OccupancyGrid(cells, 0.02, Pose2(-3, -3, 0)), fast, 0, 100.0)
     state = driven(world, begun(world, Pose2(0, 0, heading)), 60, (20.0, 0.0))
     assert state.contact[0]
@@ -287,6 +288,16 @@ def test_wheels_at_rest_do_not_err() -> None:
     state = driven(world, begun(world, Pose2(2, 2, 0)), 100, (0.0, 0.0))
     assert not state.odom_poses.any()
     assert not state.odom_twists.any()
+
+
+def test_no_two_robots_or_ticks_share_an_error() -> None:
+    world = World(grid_of(9, 9), WorldParameters(acc_lim_x=100), 0, 100.0)
+    state = begun(world, Pose2(1, 1, 0), Pose2(1, 3, 0), Pose2(1, 5, 0))
+    measured: list[float] = []
+    for _ in range(100):
+        state = world.step(state, np.full((3, 2), [1.0, 0.0]))
+        measured.extend(state.odom_twists[:, 0].tolist())
+    assert len(set(measured)) == 300
 
 
 def test_another_seed_errs_otherwise() -> None:
