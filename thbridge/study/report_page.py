@@ -51,7 +51,6 @@ def _style(salt: str = "") -> AbstractContextManager[None]:
             "text.color": _INK,
             "xtick.color": _INK,
             "ytick.color": _INK,
-            "legend.frameon": False,
         }
     )
 
@@ -183,7 +182,13 @@ def _minutes(axes: Axes, duration: float) -> None:
 def _legend(axes: Axes, tracks: Sequence[Track]) -> None:
     handles = [Line2D([], [], color=_colour(index), lw=2.5, label=track.name) for index, track in enumerate(tracks)]
     axes.legend(
-        handles=handles, loc="lower left", bbox_to_anchor=(0.0, 1.0), ncols=10, borderaxespad=0.2, handlelength=1
+        handles=handles,
+        loc="lower left",
+        bbox_to_anchor=(0.0, 1.0),
+        ncols=10,
+        borderaxespad=0.2,
+        handlelength=1,
+        frameon=False,
     )
 
 
@@ -289,7 +294,9 @@ def _timeline_figure(report: Report) -> Figure:
 def _draw_legs(axes: Axes, row: int, legs: Sequence[Leg]) -> None:
     for leg in legs:
         alpha = _OUTCOME_ALPHA.get(leg.outcome, 0.6)
-        axes.barh(row, leg.end - leg.start, left=leg.start, height=0.46, color=_colour(row), alpha=alpha, lw=0)
+        axes.barh(
+            row, leg.end - leg.start, left=leg.start, height=0.46, color=_colour(row), alpha=alpha, ec="white", lw=1
+        )
 
 
 def _simplified(line: FloatArray) -> FloatArray:
