@@ -281,11 +281,12 @@ class Navigator:
             if not self._held_up(tick):
                 return
             self._recover(tick)
-        asked = self._asked_to_clear(pose, neighbours) if self._itinerary is None else None
-        if asked is not None:
-            self._make_way(tick, pose, asked, neighbours)
-        elif self._goal is not None and tick - self._yielded >= MAKING_WAY * TICKS_PER_SECOND:
+        if self._goal is not None and tick - self._yielded >= MAKING_WAY * TICKS_PER_SECOND:
             self._plan(tick, pose, self._goal, neighbours)
+        if self._itinerary is None:
+            asking = self._asked_to_clear(pose, neighbours)
+            if asking is not None:
+                self._make_way(tick, pose, asking, neighbours)
 
     def _held_up(self, tick: int) -> bool:
         """Whether the way under way leads on no more."""
