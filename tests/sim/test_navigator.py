@@ -1,0 +1,340 @@
+"""Robots that know exactly where they are, on wheels that do exactly as told: what is tested is the driving."""
+
+import math
+import random
+
+import numpy as np
+import pytest
+from scipy.stats import spearmanr
+
+from sim.control.braking import gap, placed
+from sim.costmap.footprint import outline
+from sim.geometry import Pose2, wrap_angle
+from sim.grid import OccupancyGrid
+from sim.navigator import Arrived, Cancelled, Goal, Navigator, NoPath
+from sim.observations import STANDSTILL, TICK, LaserMount, Neighbour, Scan, Twist
+from sim.parameters import RobotParameters, WorldParameters
+from sim.team import Go, Team
+
+STUDY = np.array(WorldParameters().footprint)
+OUTLINE = outline(STUDY, 0.05)
+ROOMS = [
+    (-2.671, 4.692),
+    (-2.735, 1.442),
+    (-2.869, -2.970),
+    (3.110, 4.857),
+    (2.612, -2.758),
+    (8.744, 5.440),
+    (9.002, 1.457),
+    (9.084, -2.518),
+]
+SECONDS_OF_2016 = [
+    [99, 17, 14, 17, 13, 13, 16, 13, 15],
+    [99, 99, 18, 23, 10, 19, 21, 18, 21],
+    [99, 17, 99, 18, 15, 14, 19, 17, 19],
+    [99, 23, 22, 99, 18, 10, 22, 19, 21],
+    [99, 18, 22, 26, 99, 26, 22, 22, 29],
+    [99, 26, 21, 17, 21, 99, 22, 20, 24],
+    [99, 29, 27, 29, 24, 24, 99, 16, 21],
+    [99, 24, 24, 26, 20, 20, 15, 99, 17],
+    [99, 27, 27, 29, 24, 25, 23, 18, 99],
+]
+
+
+def arena8():
+    """The arena of 2016: sixteen metres by twelve, walls 0.12 m thick."""
+    walls = """v -5 -5 7  v 11 -5 7  h -5 -5 11  h 7 -5 11
+        v 5 3 7     h 3 -5 -1   v -1 3 5    v 1 3 5     h 3 1 5     v 7 3 5     h 3 7 11
+        v -1 -3 1   h -1 -5 -1  h -1 1 5    v 1 -3 -1   v 5 -5 -1   v 7 -3 1    h -1 7 11""".split()
+    x = -5 + (np.arange(320) + 0.5) * 0.05
+    y = -5 + (np.arange(240) + 0.5) * 0.05
+    cells = np.zeros((240, 320), np.int8)
+    for i in range(0, len(walls), 4):
+        across, low, high = (float(word) for word in walls[i + 1 : i + 4])
+        at_x = abs(x - across) <= 0.06 if walls[i] == "v" else (x >= low - 0.06) & (x <= high + 0.06)
+        at_y = abs(y - across) <= 0.06 if walls[i] == "h" else (y >= low - 0.06) & (y <= high + 0.06)
+        cells[np.ix_(at_y, at_x)] = 100
+    return OccupancyGrid(cells, 0.05, Pose2(-5.0, -5.0, 0.0))
+
+
+ARENA = arena8()
+
+
+class Rig:
+    """Robots on ideal wheels; any touch of a wall or of each other fails the test."""
+
+    def __init__(self, starts, grid=ARENA, parameters=None):
+        self.grid = grid
+        self.navigators = [Navigator(parameters or RobotParameters(), STUDY, grid, i) for i in range(len(starts))]
+        self.poses = [Pose2(*start) for start in starts]
+        self.twists = [STANDSTILL] * len(starts)
+        self.said = [None] * len(starts)
+        self.heard = []
+        self.tick = 0
+        self.results = [[] for _ in starts]
+        self.scans = lambda pose: None
+
+    def step(self):
+        self.tick += 1
+        for i, said in enumerate(self.said):
+            wanted = said.command if said else STANDSTILL
+            old = self.twists[i]
+            v = old.linear + min(0.2, max(-0.2, wanted.linear - old.linear))
+            w = old.angular + min(0.2, max(-0.2, wanted.angular - old.angular))
+            x, y, theta = self.poses[i].array()
+            middle = theta + 0.5 * w * TICK
+            self.poses[i] = Pose2(
+                x + v * TICK * math.cos(middle), y + v * TICK * math.sin(middle), wrap_angle(theta + w * TICK)
+            )
+            self.twists[i] = Twist(v, w)
+        self.touch()
+        for i, navigator in enumerate(self.navigators):
+            others = [other for other in self.heard if other.robot != i]
+            scan = self.scans(self.poses[i])
+            self.said[i] = navigator.step(self.tick, self.poses[i], self.twists[i], scan, others)
+            if self.said[i].result:
+                self.results[i].append(self.said[i].result)
+        self.heard = [
+            Neighbour(i, self.poses[i], self.twists[i], STUDY, said.plan[:, :2], said.times)
+            for i, said in enumerate(self.said)
+        ]
+
+    def touch(self):
+        bodies = [placed(STUDY, *pose.array()) for pose in self.poses]
+        for i, pose in enumerate(self.poses):
+            rows, cols = self.grid.cells_of(pose.transform(OUTLINE)).T
+            assert (self.grid.cells[rows, cols] == 0).all(), f"robot {i} touches a wall at {pose}"
+            for j in range(i):
+                if pose.distance(self.poses[j]) < 0.75:
+                    assert gap(bodies[i], bodies[j]) > 0, f"robots {j} and {i} touch at {pose}"
+
+    def go(self, robot, x, y, theta=0.0):
+        self.navigators[robot].go(Goal(self.tick, Pose2(x, y, theta)))
+
+    def run(self, seconds, until=lambda rig: False):
+        """Simulated seconds until `until`, or fail."""
+        begun = self.tick
+        while not until(self):
+            assert (self.tick - begun) * TICK < seconds, self.describe()
+            self.step()
+        return (self.tick - begun) * TICK
+
+    def describe(self):
+        return [
+            (said.state, pose, result) for said, pose, result in zip(self.said, self.poses, self.results, strict=True)
+        ]
+
+
+def everybody_arrived(rig):
+    return all(results and isinstance(results[-1], Arrived) for results in rig.results)
+
+
+def hunt(rig, legs, seed, places=ROOMS, patience=150):
+    """Everybody drives to one free place after the other; returns how many goals were reached."""
+    chance = random.Random(seed)
+    bound, begun = {}, {}
+    reached = 0
+    count = len(rig.poses)
+    while reached < legs * count:
+        for i in range(count):
+            if i in bound and rig.navigators[i]._goal is not None:
+                assert (rig.tick - begun[i]) * TICK < patience, rig.describe()
+                continue
+            free = [k for k in range(len(places)) if k not in bound.values()]
+            if free:
+                bound[i], begun[i] = chance.choice(free), rig.tick
+                rig.go(i, *places[bound[i]])
+        before = sum(map(len, rig.results))
+        rig.step()
+        reached += sum(map(len, rig.results)) - before
+    assert all(isinstance(result, Arrived) for results in rig.results for result in results), rig.describe()
+
+
+def test_a_robot_arrives_at_the_pose_asked_for():
+    rig = Rig([(0, 0, 0)])
+    rig.go(0, *ROOMS[3], 2.0)
+    rig.run(60, everybody_arrived)
+    assert rig.poses[0].distance(Pose2(*ROOMS[3], 0)) <= 0.1
+    assert abs(wrap_angle(rig.poses[0].theta - 2.0)) <= 0.05
+    assert rig.said[0].state == "idle"
+    assert rig.said[0].command == STANDSTILL
+    assert len(rig.said[0].plan) == 0
+
+
+def test_navigation_tells_plan_times_and_what_is_left():
+    rig = Rig([(0, 0, 0)])
+    rig.go(0, *ROOMS[3])
+    rig.run(5, lambda rig: rig.said[0] is not None and rig.said[0].state == "controlling")
+    first = rig.said[0]
+    assert first.plan[-1].tolist() == [*ROOMS[3], 0.0]
+    assert len(first.times) == len(first.plan)
+    assert first.remaining == pytest.approx(np.hypot(*np.diff(first.plan[:, :2], axis=0).T).sum())
+    rig.run(10, lambda rig: rig.said[0].remaining < first.remaining - 2)
+    assert len(rig.said[0].plan) < len(first.plan)
+
+
+def test_times_rank_like_those_of_2016():
+    rig = Rig([(0, 0, 0)])
+    ours, theirs = [], []
+    here = 0
+    # One drive through forty of the matrix's entries.
+    chance = random.Random(5)
+    for _ in range(40):
+        there = chance.choice([room for room in range(1, 9) if room != here])
+        rig.results[0].clear()
+        rig.go(0, *ROOMS[there - 1])
+        ours.append(rig.run(60, everybody_arrived))
+        theirs.append(SECONDS_OF_2016[here][there])
+        here = there
+    assert spearmanr(ours, theirs).statistic > 0.7
+    assert np.mean(ours) == pytest.approx(np.mean(theirs), rel=0.25)
+
+
+def test_a_new_goal_takes_the_place_of_the_old_and_cancelling_stops():
+    rig = Rig([(0, 0, 0)])
+    rig.go(0, *ROOMS[0])
+    rig.run(3, lambda rig: rig.tick == 100)
+    rig.go(0, *ROOMS[3])
+    rig.step()
+    assert isinstance(rig.results[0][-1], Cancelled)
+    assert rig.said[0].goal.base_in_map.x == ROOMS[3][0]
+    rig.navigators[0].cancel()
+    rig.step()
+    assert isinstance(rig.results[0][-1], Cancelled)
+    assert rig.said[0].goal is None
+    rig.run(1, lambda rig: rig.twists[0] == STANDSTILL)
+
+
+@pytest.mark.parametrize(
+    ("goal", "reason"), [((-5.0, 0.0), "goal_occupied"), ((40.0, 0.0), "goal_outside"), ((-0.9, 0.0), "goal_occupied")]
+)
+def test_a_goal_that_cannot_be_is_refused_with_its_reason(goal, reason):
+    rig = Rig([(0, 0, 0)])
+    rig.go(0, *goal)
+    rig.run(2, lambda rig: rig.results[0])
+    result = rig.results[0][0]
+    assert isinstance(result, NoPath)
+    assert result.reason == reason
+    assert "goal" in result.sentence
+
+
+def test_a_room_without_a_door_is_refused():
+    cells = np.zeros((100, 100), np.int8)
+    cells[:, 50] = cells[0] = cells[-1] = 100
+    rig = Rig([(1, 2, 0)], OccupancyGrid(cells, 0.05, Pose2(0, 0, 0)))
+    rig.go(0, 4, 2)
+    rig.run(10, lambda rig: rig.results[0])
+    assert rig.results[0][0].reason == "no_way"
+
+
+def test_a_turned_map_is_refused():
+    with pytest.raises(ValueError, match="origin"):
+        Navigator(RobotParameters(), STUDY, OccupancyGrid(ARENA.cells, 0.05, Pose2(0, 0, 0.3)))
+
+
+def test_an_obstacle_that_the_map_does_not_know_is_driven_around():
+    mount = LaserMount(Pose2(0.0, 0.0, 0.0), -2.35, 4.7 / 180, 181, 0.05, 8.0)
+    box = np.array([3.0, 0.1])
+
+    def scan_of(pose):
+        """A post of 0.2 m radius."""
+        away = box - [pose.x, pose.y]
+        distance = math.hypot(*away)
+        angles = mount.angles() + pose.theta - math.atan2(away[1], away[0])
+        aside = distance * np.abs(np.sin(angles))
+        hit = (aside < 0.2) & (np.cos(angles) > 0)
+        depth = distance * np.cos(angles) - np.sqrt(np.maximum(0.04 - aside**2, 0))
+        return Scan(0, mount, np.where(hit, depth, np.inf).astype(np.float32))
+
+    rig = Rig([(0, 0, 0)])
+    rig.scans = scan_of
+    rig.go(0, 5.8, 0.1)
+    closest = 9.0
+    while not everybody_arrived(rig):
+        rig.step()
+        assert rig.tick < 60 / TICK, rig.describe()
+        closest = min(closest, np.hypot(*(rig.poses[0].transform(OUTLINE) - box).T).min())
+    assert closest > 0.2
+
+
+@pytest.mark.parametrize(
+    ("starts", "goals"),
+    [
+        pytest.param([(0, -4, 1.57), (0, 6, -1.57)], [(0, 6), (0, -4)], id="head-on in a corridor"),
+        pytest.param([(*ROOMS[1], 0), (*ROOMS[0], 0)], [ROOMS[0], ROOMS[1]], id="two that swap rooms"),
+        pytest.param([(-2, 2, 0), (0, 4, -1.57)], [(3, 2), (0, -3)], id="crossing"),
+        pytest.param(
+            [(3, 2, 3.14), (0, 4, -1.57), (0, -3, 1.57), (-2.5, 2, 0)],
+            [(-2.5, 2), (0, -3), (0, 4), (3, 2)],
+            id="four that cross at one place",
+        ),
+        pytest.param(
+            [(0, 3.6 + 0.9 * i, 0) for i in range(3)], [ROOMS[0], ROOMS[7], ROOMS[2]], id="a queue that parts"
+        ),
+        pytest.param(
+            [(-0.45 + 0.9 * (i % 2), 3.6 + 0.9 * (i // 2), 0) for i in range(6)],
+            [ROOMS[k] for k in (7, 0, 3, 2, 5, 4)],
+            id="six that leave one corridor at once",
+        ),
+    ],
+)
+def test_meetings_end_with_everybody_there(starts, goals):
+    rig = Rig(starts)
+    for i, goal in enumerate(goals):
+        rig.go(i, *goal)
+    rig.run(90, everybody_arrived)
+
+
+def test_one_that_rests_in_a_door_makes_way():
+    rig = Rig([(0, 0, 0), (-1.0, 2.0, 0)])
+    rig.go(0, *ROOMS[1])
+    rig.run(60, lambda rig: rig.results[0])
+    assert isinstance(rig.results[0][0], Arrived)
+    assert not rig.results[1]
+    assert rig.said[1].goal is None
+
+
+@pytest.mark.parametrize("seed", range(2))
+def test_six_robots_hunt(seed):
+    hunt(Rig([(0, -1.5 + 0.9 * i, 0) for i in range(6)]), 3, seed)
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("seed", range(10))
+def test_one_to_six_robots_hunt_long(seed):
+    hunt(Rig([(0, -1.5 + 0.9 * i, 0) for i in range(1 + seed % 6)]), 6, seed)
+
+
+@pytest.mark.parametrize("seed", range(1))
+def test_ten_robots_hunt(seed):
+    starts = [(0, 0), (1.5, 2.45), (2.5, 2.45), (3.5, 2.45), (1.5, -0.45), (2.5, -0.45), (3.5, -0.45)]
+    starts += [(5.55, 3.6), (5.55, 4.6), (5.55, -1.6)]
+    hunt(Rig([(*start, 0) for start in starts]), 2, seed, [*ROOMS, (1.5, 2.4), (3.5, 2.4), (2.0, -0.4), (4.0, -0.4)])
+
+
+def test_the_same_twice():
+    ends = []
+    for _ in range(2):
+        rig = Rig([(0, -1.5 + 0.9 * i, 0) for i in range(3)])
+        for i in range(3):
+            rig.go(i, *ROOMS[i])
+        rig.run(20, lambda rig: rig.tick == 500)
+        ends.append([pose.array().tobytes() for pose in rig.poses])
+    assert ends[0] == ends[1]
+
+
+@pytest.mark.parametrize("seed", range(2))
+def test_six_robots_on_noisy_wheels_that_localise_by_laser_touch_nothing(seed):
+    starts = [Pose2(0, -1.5 + 0.9 * i, 0) for i in range(6)]
+    team = Team(ARENA, WorldParameters(), [RobotParameters()] * 6, starts, seed, 1000.0)
+    rooms = random.Random(seed).sample(range(8), 6)
+    snapshot = team.step([Go(i, Goal(i, Pose2(*ROOMS[room], 0.0))) for i, room in enumerate(rooms)])
+    results = {}
+    while len(results) < 6 and snapshot.tick < 100 / TICK:
+        snapshot = team.step()
+        for i, output in enumerate(snapshot.robots):
+            if output.navigation.result:
+                results[i] = output.navigation.result
+    assert len(results) == 6
+    assert all(isinstance(result, Arrived) for result in results.values()), results
+    assert not snapshot.world.collisions.any()
