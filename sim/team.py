@@ -32,11 +32,13 @@ class TeamSnapshot:
         tick: which one.
         world: the truth; not for robots, and for people only where the study says so.
         robots: one entry a robot, in the team's order.
+        commands: (n, 2) m/s and rad/s that the motors were told in this tick, by navigators or by hand.
     """
 
     tick: int
     world: WorldState
     robots: tuple[RobotOutput, ...]
+    commands: FloatArray
 
 
 @dataclass(frozen=True, slots=True)
@@ -149,7 +151,7 @@ class Team:
         outputs = tuple(self._step_robot(robot) for robot in self._robots)
         self._neighbours = tuple(output.neighbour for output in outputs)
         self._commands = np.array([self._command(output) for output in outputs])
-        return TeamSnapshot(self._state.tick, self._state, outputs)
+        return TeamSnapshot(self._state.tick, self._state, outputs, self._commands)
 
     def _step_robot(self, robot: Robot) -> RobotOutput:
         others = [neighbour for neighbour in self._neighbours if neighbour.robot != robot.number]

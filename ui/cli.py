@@ -5,8 +5,10 @@ import dataclasses
 import json
 import logging
 import secrets
+import sys
 from collections.abc import Callable, Coroutine, Iterator, Mapping
 from contextlib import contextmanager
+from enum import StrEnum
 from pathlib import Path
 from typing import Annotated, NoReturn, TypeVar
 
@@ -21,20 +23,22 @@ from thbridge.adapters.bag_repair import reindex as reindex_bag
 from thbridge.adapters.errors import BadFile
 from thbridge.adapters.map_files import check_map
 from thbridge.adapters.resources import shipped
-from thbridge.adapters.template_files import read_map_times, read_template_set
+from thbridge.adapters.template_files import TemplateSet, read_map_times, read_template_set
 from thbridge.adapters.text_client import Lost
 from thbridge.adapters.text_server import DEFAULT_HOST, DEFAULT_PORT, CannotListen, Listening
 from thbridge.app import programs
-from thbridge.app.compose import Setting, build_hider, build_tabui, read_setting
+from thbridge.app.compose import Setting, build_bot, build_hider, read_setting
 from thbridge.app.config import Study, commented_study, read_study
-from thbridge.app.programs import Interrupted, Outcome, PlayOptions
+from thbridge.app.programs import Interrupted, Outcome, PlayOptions, Unfinished
 from thbridge.app.session import Moment
 from thbridge.hunt.outcomes import Refused
 from thbridge.hunt.rooms import Room
 from thbridge.hunt.tour import best_tour
+from thbridge.roles.tabui import TabUI
 from thbridge.roles.view import View
 from thbridge.study.bots import BotStrategy
 from thbridge.wire import legacy
+from ui.person import Person
 from ui.story import tell
 
 FAILED = 1
@@ -72,13 +76,24 @@ Templates = Annotated[str | None, typer.Option(help="Name of a set of templates,
 ADDRESS = f"{DEFAULT_HOST}:{DEFAULT_PORT}"
 
 
+class Who(StrEnum):
+    """Who sits in front of TabUI: a person who types, or a simulated participant."""
+
+    PERSON = "person"
+    SUGGESTION = BotStrategy.SUGGESTION
+    NEAREST = BotStrategy.NEAREST
+    RANDOM = BotStrategy.RANDOM
+
+
 @app.command()
 def play(
     study_file: StudyFile = None,
     robots: Robots = None,
     map_name: MapName = None,
     headless: Annotated[bool, typer.Option(help="Without a window.")] = False,
-    participant: Annotated[BotStrategy | None, typer.Option(help="The simulated participant's way to choose.")] = None,
+    participant: Annotated[
+        Who | None, typer.Option(help="You (`person`), or how a simulated participant chooses rooms.")
+    ] = None,
     seed: Seed = None,
     rate: Annotated[
         float | None, typer.Option(help="Simulated seconds per second; 0, the headless default: full speed.", min=0)
@@ -98,13 +113,14 @@ def play(
     """
     changes: dict[str, object] = {"robots": robots, "map": map_name, "seed": seed}
     study = _study(study_file, changes)
-    if participant is not None:
-        study = dataclasses.replace(study, participant=dataclasses.replace(study.participant, strategy=participant))
     if port is not None:
         study = dataclasses.replace(study, server=dataclasses.replace(study.server, port=port))
     setting = _setting(study, study_file)
     others = _roles(outside)
-    chosen_rate = rate if rate is not None else (1.0 if others else 0.0)
+    person = participant is Who.PERSON
+    who = participant or Who(study.participant.strategy)
+    seat = _seat(who, setting.templates, study.seed)
+    chosen_rate = rate if rate is not None else (1.0 if others or person else 0.0)
     path = bag or Path("bags") / f"{setting.place.name}-{study.robots}robots-seed{study.seed}.bag"
     _prepare(path)
 
@@ -117,19 +133,23 @@ def play(
             err.print(f"Other programs can join at {where.host}:{where.port}.", highlight=False)
 
     def progress(moment: Moment) -> None:
-        if not as_json:
+        if not as_json and not person:
             for sentence in tell(moment):
                 out.print(sentence, highlight=False, markup=False)
 
     options = PlayOptions(chosen_rate, path, others, max_seconds)
-    outcome = _run(programs.play(setting, options, ready, progress))
+    try:
+        program = programs.play(setting, seat.tabui, options, ready, progress)
+        outcome, unfinished = _run(_with_keyboard(program, seat.typed)), False
+    except Unfinished as late:
+        outcome, unfinished = late.outcome, True
     if as_json:
         _print_json(dataclasses.asdict(outcome) | {"bag": str(outcome.bag)})
     else:
         _show_outcome(outcome)
     if report_page and not as_json:
         _write_report(path, path.with_suffix(".html"))
-    if not outcome.over:
+    if unfinished:
         _fail(FAILED, f"the game was not over after {max_seconds:g} simulated seconds")
 
 
@@ -196,18 +216,21 @@ def hider(
 @app.command()
 def tabui(
     server: Server = ADDRESS,
-    participant: Annotated[BotStrategy, typer.Option(help="How it chooses rooms.")] = BotStrategy.SUGGESTION,
+    participant: Annotated[
+        Who, typer.Option(help="You (`person`), or how a simulated participant chooses rooms.")
+    ] = Who.SUGGESTION,
     templates: Templates = None,
     seed: Seed = None,
     as_json: AsJson = False,
 ) -> None:
-    """Run a simulated participant (TabUI) at a text server until the game is over."""
+    """Run a participant (TabUI) at a text server until the game is over."""
     host, port = _address(server)
     default = Study()
     with _bad_input():
         read = read_template_set(shipped().find("templates", templates or default.templates, Path()))
-    role = build_tabui(read, participant, default.seed if seed is None else seed)
-    last = _run(programs.tabui(role, host, port, _token(), _lost, _nothing))
+    seat = _seat(participant, read, default.seed if seed is None else seed)
+    program = programs.tabui(seat.tabui, host, port, _token(), _lost, _nothing)
+    last = _run(_with_keyboard(program, seat.typed))
     if last is None:
         _fail(FAILED, "stopped before the game was over")
     if as_json:
@@ -363,7 +386,7 @@ def _prepare(bag: Path) -> None:
 
 def _write_report(bag: Path, page: Path) -> None:
     # Half a second of imports that no other command needs.
-    from thbridge.adapters.report_page import build_report  # noqa: PLC0415
+    from thbridge.study.report_page import build_report  # noqa: PLC0415
 
     with _bad_input():
         html = build_report(bag)
@@ -372,6 +395,53 @@ def _write_report(bag: Path, page: Path) -> None:
     except OSError as error:
         _fail(BAD_INPUT, f"{page}: it cannot be written ({error.strerror}). Choose another file by --to.")
     err.print(f"Report: {page}", highlight=False)
+
+
+@dataclasses.dataclass(frozen=True, slots=True)
+class _Seat:
+    """Whoever plays.
+
+    Attributes:
+        tabui: the role.
+        typed: takes in a line of the keyboard; None for a simulated participant.
+    """
+
+    tabui: TabUI
+    typed: Callable[[str], None] | None
+
+
+def _seat(who: Who, templates: TemplateSet, seed: int) -> _Seat:
+    if who is not Who.PERSON:
+        return _Seat(TabUI(build_bot(templates, BotStrategy(who), seed)), None)
+    person = Person(lambda line: out.print(line, highlight=False, markup=False), templates.kinds, templates.pictures)
+    tabui = TabUI(person)
+
+    def typed(line: str) -> None:
+        person.type(line)
+        tabui.look_again()
+
+    return _Seat(tabui, typed)
+
+
+async def _with_keyboard(program: Coroutine[object, object, T], typed: Callable[[str], None] | None) -> T:
+    """Run a program; lines are taken in as they are typed, between two ticks."""
+    if typed is None:
+        return await program
+    loop = asyncio.get_running_loop()
+
+    def readable() -> None:
+        line = sys.stdin.readline()
+        if line:
+            typed(line)
+        else:
+            loop.remove_reader(sys.stdin)
+
+    try:
+        loop.add_reader(sys.stdin, readable)
+    except OSError:
+        program.close()
+        _fail(BAD_INPUT, "--participant person needs a terminal or a pipe to read from, not a file")
+    return await program
 
 
 def _roles(names: str) -> frozenset[str]:

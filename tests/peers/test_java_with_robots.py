@@ -1,6 +1,5 @@
 """The Java programs of 2016's manner with our server and our robots, as processes: the whole of what they relied on."""
 
-import importlib.util
 import json
 import shutil
 import subprocess
@@ -8,11 +7,10 @@ from pathlib import Path
 
 import pytest
 
+from tests.system import programs
+
 SOURCES = sorted((Path(__file__).parent / "java").glob("*.java"))
 
-spec = importlib.util.spec_from_file_location("programs", Path(__file__).parent.parent / "system" / "programs.py")
-programs = importlib.util.module_from_spec(spec)
-spec.loader.exec_module(programs)
 Program, until, kinds, journal = programs.Program, programs.until, programs.kinds, programs.journal
 
 pytestmark = pytest.mark.skipif(

@@ -1,6 +1,5 @@
 """`thbridge play`, whole, with the real robots."""
 
-import importlib.util
 import json
 import socket
 import subprocess
@@ -9,9 +8,7 @@ from pathlib import Path
 import pytest
 from rosbags.rosbag1 import Reader
 
-spec = importlib.util.spec_from_file_location("programs", Path(__file__).with_name("programs.py"))
-programs = importlib.util.module_from_spec(spec)
-spec.loader.exec_module(programs)
+from tests.system import programs
 
 
 def thbridge(folder: Path, *arguments: str) -> subprocess.CompletedProcess[str]:

@@ -1,13 +1,9 @@
 """Kill each program in the middle of a hunt, start it again the same way: the hunt goes on and ends with a score."""
 
-import importlib.util
-from pathlib import Path
-
 import pytest
 
-spec = importlib.util.spec_from_file_location("programs", Path(__file__).with_name("programs.py"))
-programs = importlib.util.module_from_spec(spec)
-spec.loader.exec_module(programs)
+from tests.system import programs
+
 Program, until, kinds, journal = programs.Program, programs.until, programs.kinds, programs.journal
 
 

@@ -76,7 +76,7 @@ class Setting:
 
     def tabui(self) -> TabUI:
         """The participant's role, played by the bot that the study names."""
-        return build_tabui(self.templates, self.study.participant.strategy, self.study.seed)
+        return TabUI(build_bot(self.templates, self.study.participant.strategy, self.study.seed))
 
     def recorder(self, path: Path) -> Recorder:
         """A recorder of these robots into a new bag. Raises BagNotWritten."""
@@ -101,12 +101,12 @@ def build_hider(templates: TemplateSet, seed: int) -> Hider:
     return Hider(templates.kinds, seed, len(templates.costs.rooms))
 
 
-def build_tabui(templates: TemplateSet, strategy: BotStrategy, seed: int) -> TabUI:
-    """The participant's role, played by a bot."""
+def build_bot(templates: TemplateSet, strategy: BotStrategy, seed: int) -> Bot:
+    """A simulated participant."""
     # The participant's copy of the list has no images; what a picture shows, a person sees.
     known = tuple(replace(kind, image=None) for kind in templates.kinds)
     shown_by = {kind.image: kind.name for kind in templates.kinds if kind.image is not None}
-    return TabUI(Bot(strategy, Knowledge(known, shown_by), seed))
+    return Bot(strategy, Knowledge(known, shown_by), seed)
 
 
 def read_setting(study: Study, beside: Path, resources: Resources | None = None) -> Setting:

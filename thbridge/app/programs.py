@@ -54,7 +54,6 @@ class Outcome:
         wall_seconds: real time that took.
         collisions: times that a robot touched a wall or another robot.
         bag: the recording.
-        over: whether the game ended; or else the time was up.
     """
 
     seed: int
@@ -66,7 +65,18 @@ class Outcome:
     wall_seconds: float
     collisions: int
     bag: Path | None
-    over: bool
+
+
+class Unfinished(Exception):  # noqa: N818 - nothing went wrong with the program
+    """The time was up before the game was over.
+
+    Attributes:
+        outcome: how things stood then.
+    """
+
+    def __init__(self, outcome: Outcome) -> None:
+        super().__init__("the time was up")
+        self.outcome = outcome
 
 
 @dataclass(frozen=True, slots=True)
@@ -88,6 +98,7 @@ class PlayOptions:
 
 async def play(
     setting: Setting,
+    participant: TabUI,
     options: PlayOptions,
     ready: Callable[[Listening | CannotListen], None],
     progress: Callable[[Moment], None],
@@ -96,6 +107,7 @@ async def play(
 
     Args:
         setting: the study.
+        participant: whoever plays, unless that is left to an outside program.
         options: how.
         ready: told where others can join, or why they cannot.
         progress: told of every tick.
@@ -103,13 +115,14 @@ async def play(
     Raises:
         BadFile: the journal or the bag cannot be written (as `BagNotWritten`).
         Interrupted: it was stopped; what was recorded is complete.
+        Unfinished: the game was not over in time; what was recorded is complete.
     """
     study = setting.study
     roles: list[Role] = [setting.simr()]
     if legacy.HIDER not in options.outside:
         roles.append(setting.hider())
     if legacy.TABUI not in options.outside:
-        roles.append(setting.tabui())
+        roles.append(participant)
     ledger = Ledger(journal_of(options.bag)) if options.bag is not None else None
     recorder = setting.recorder(options.bag) if options.bag is not None else None
     started = time.monotonic()
@@ -136,7 +149,10 @@ async def play(
             ledger.close()
     if stopped.is_set():
         raise Interrupted
-    return _outcome(setting, session, ending, roles, time.monotonic() - started, options.bag)
+    outcome = _outcome(setting, session, ending, roles, time.monotonic() - started, options.bag)
+    if ending.tick is None:
+        raise Unfinished(outcome)
+    return outcome
 
 
 class _NoLog:
@@ -183,7 +199,6 @@ def _outcome(
         wall_seconds=round(wall, 2),
         collisions=0 if snapshot is None else int(snapshot.world.collisions.sum()),
         bag=bag,
-        over=ending.tick is not None,
     )
 
 

@@ -38,7 +38,9 @@ class Tour:
     cost: float
 
 
-def best_tour(costs: CostMatrix, at: Room, unvisited: Collection[Room], energy: float = math.inf) -> Tour | Refused:
+def best_tour(
+    costs: CostMatrix, at: Room, unvisited: Collection[Room], energy: float = math.inf, visit: float = 0.0
+) -> Tour | Refused:
     """The tour from `at` that visits most of `unvisited` within `energy`, and of those the cheapest.
 
     With energy enough for all of them this is the cheapest tour of all. Ties go to the tour whose rooms come first in
@@ -49,6 +51,8 @@ def best_tour(costs: CostMatrix, at: Room, unvisited: Collection[Room], energy: 
         at: where the robot stands; not counted as unvisited even if it is named there.
         unvisited: rooms still to visit, in any order.
         energy: what the robot has; a tour may use all of it.
+        visit: energy that is spent in each room before the next move; counted against `energy`, and not part of the
+            tour's cost.
 
     Returns:
         A tour of at least one room, or why there is none (`NoTour`).
@@ -76,16 +80,19 @@ def best_tour(costs: CostMatrix, at: Room, unvisited: Collection[Room], energy: 
         )
     to_go, sizes = _cost_to_go(step)
     from_start = to_go[:, -1]
-    sizes[~np.isfinite(from_start) | (from_start > energy)] = 0
+    spent = from_start + visit * np.maximum(sizes - 1, 0)
+    sizes[~np.isfinite(spent) | (spent > energy)] = 0
     most = np.flatnonzero(sizes == sizes.max())
     cheapest = most[from_start[most] == from_start[most].min()]
     order = _first_order(step, to_go, cheapest)
     return Tour(tuple(rooms[room] for room in order), float(from_start[cheapest[0]]))
 
 
-def suggest(costs: CostMatrix, at: Room, unvisited: Collection[Room], energy: float) -> Room | Refused:
+def suggest(
+    costs: CostMatrix, at: Room, unvisited: Collection[Room], energy: float, visit: float = 0.0
+) -> Room | Refused:
     """The room to go to next: the first of `best_tour`, same arguments, same refusals."""
-    tour = best_tour(costs, at, unvisited, energy)
+    tour = best_tour(costs, at, unvisited, energy, visit)
     return tour if isinstance(tour, Refused) else tour.rooms[0]
 
 

@@ -379,7 +379,7 @@ class Keeper:
             return
         robot = state.robots[unsure.robot]
         free = [room for room in state.free_rooms if self._talks.spoken_for(room, unsure.robot) is None]
-        room = suggest(state.started.costs, robot.at, free, robot.energy)
+        room = suggest(state.started.costs, robot.at, free, robot.energy, state.started.identify_cost)
         if isinstance(room, Refused):
             self._refuse(Unsure.__name__, room)
         else:

@@ -49,6 +49,10 @@ class TabUI:
         self._introduce = True
         self._said.clear()
 
+    def look_again(self) -> None:
+        """Ask the player with the next step, whether or not anything changed: a person has made up their mind."""
+        self._look = 0
+
     def step(self, tick: int, messages: Sequence[Message]) -> list[Message]:
         """One tick; see `Role`."""
         changed = False

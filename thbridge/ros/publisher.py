@@ -144,7 +144,8 @@ class Publisher:
         for index, (robot, output) in enumerate(zip(self._robots, snapshot.robots, strict=True)):
             x, y, theta = snapshot.world.poses[index].tolist()
             linear, angular = snapshot.world.twists[index].tolist()
-            said = robot.tick(snapshot.tick, Pose2(x, y, theta), Twist(linear, angular), output)
+            command = Twist(*snapshot.commands[index].tolist())
+            said = robot.tick(snapshot.tick, Pose2(x, y, theta), Twist(linear, angular), command, output)
             messages.extend(Message(topic, stamp, data) for topic, data in said)
         messages.extend(Message(topic, stamp, data) for topic, data in self._records(snapshot.tick, records))
         return messages
@@ -191,7 +192,9 @@ class _RobotPublisher:
         self._goal_tick = 0
         self._plan: FloatArray = np.empty((0, 3))
 
-    def tick(self, tick: int, truth: Pose2, twist: Twist, output: RobotOutput) -> Iterator[tuple[Topic, bytes]]:
+    def tick(
+        self, tick: int, truth: Pose2, twist: Twist, command: Twist, output: RobotOutput
+    ) -> Iterator[tuple[Topic, bytes]]:
         topics, frames = self.topics, self.names
         observations, estimate = output.observations, output.estimate
         sensed = observations.odometry
@@ -213,10 +216,10 @@ class _RobotPublisher:
                 yield topics.particlecloud, pack.pose_array(tick, MAP_FRAME, estimate.particles)
         if tick % TICKS_PER_SECOND == 0:
             yield topics.battery, pack.battery_state(observations.battery, frames.namespace[1:])
-        yield from self._navigation(tick, output.navigation)
+        yield from self._navigation(tick, command, output.navigation)
 
-    def _navigation(self, tick: int, navigation: Navigation) -> Iterator[tuple[Topic, bytes]]:
-        topics, command = self.topics, navigation.command
+    def _navigation(self, tick: int, command: Twist, navigation: Navigation) -> Iterator[tuple[Topic, bytes]]:
+        topics = self.topics
         if navigation.result is not None:
             ended = navigation.result.goal
             if ended != self._goal:  # set and given up within one tick

@@ -5,7 +5,7 @@ from pathlib import Path
 
 from thbridge.adapters.resources import shipped
 from thbridge.adapters.template_files import TemplateSet, read_template_set
-from thbridge.app.compose import build_hider, build_tabui
+from thbridge.app.compose import build_bot, build_hider
 from thbridge.app.session import Moment, Session
 from thbridge.dialogue.engine import Engine
 from thbridge.dialogue.protocols import TemplateProtocol
@@ -123,7 +123,7 @@ class Stage:
         self.router = Router()
         self.keeper = Keeper(rules, lambda game: engine(self.templates, seed))
         self.puppets = Puppets(robots, plain_costs(self.templates.costs))
-        self.tabui: Role = participant or build_tabui(self.templates, strategy, seed)
+        self.tabui: Role = participant or TabUI(build_bot(self.templates, strategy, seed))
         roles: list[Role] = [self.puppets, self.tabui]
         if hider:
             roles.append(build_hider(self.templates, seed))

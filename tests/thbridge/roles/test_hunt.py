@@ -1,11 +1,10 @@
 """Whole hunts on the real router, with every role ours but the robots' bodies."""
 
-import importlib.util
 from dataclasses import replace
-from pathlib import Path
 
 import pytest
 
+from tests.thbridge.roles import stage
 from thbridge.dialogue.moves import Continue, Speaker
 from thbridge.hunt import rules
 from thbridge.hunt.events import Arrived, Departed, Ended, EndReason, Failed, Hidden, Identified, Left, Started
@@ -29,9 +28,6 @@ from thbridge.roles.view import (
 from thbridge.study.bots import BotStrategy
 from thbridge.wire import legacy
 
-spec = importlib.util.spec_from_file_location("stage", Path(__file__).with_name("stage.py"))
-stage = importlib.util.module_from_spec(spec)
-spec.loader.exec_module(stage)
 Stage = stage.Stage
 
 
@@ -52,8 +48,7 @@ def scripted():
 
     def say(*wishes: Wish, ticks: int = 8) -> View:
         player.wish = wishes
-        # A player is asked when the view changes; asking again at once stands for a person who acts now.
-        played.tabui._look = 0
+        played.tabui.look_again()
         played.run(ticks)
         return played.view()
 
@@ -136,9 +131,8 @@ def test_nothing_moves_before_consensus(scripted):
 
 
 def test_a_stop_ends_the_dialogue_without_consent(scripted):
-    # The cheapest tour of all rooms costs 130 and begins in room 3; with 100, most rooms are seen by way of room 2.
     dialogue = scripted.say(Unsure(0)).dialogues[0]
-    assert dialogue.said == ("Do you want me to go to room 2",)
+    assert dialogue.said == ("Do you want me to go to room 3",)
     view = scripted.say(Answer(dialogue.dialogue, dialogue.turn, 1))
     assert view.dialogues == ()
     assert view.consents == ()
@@ -176,7 +170,7 @@ def test_a_robot_without_the_energy_is_refused_before_it_moves():
     played = Stage(participant=TabUI(player), rules=replace(stage.RULES, energy=15.0))
     played.run(5)
     player.wish = (Select(0, 3),)
-    played.tabui._look = 0
+    played.tabui.look_again()
     played.run(8)
     view = played.view()
     assert view.refusal.reason == "not-enough-energy"
@@ -253,7 +247,7 @@ def test_playing_again_hides_anew_and_counts_on():
     player = Script()
     player.wish = (PlayAgain(1),)
     played.tabui._player = player
-    played.tabui._look = 0
+    played.tabui.look_again()
     played.run(12)
     again = played.session.game
     assert again.started.game == 2

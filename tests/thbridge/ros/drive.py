@@ -54,7 +54,8 @@ def snapshots(robots: int, ticks: int, first: int = 0) -> Iterator[TeamSnapshot]
     """Ticks `first` to `first + ticks - 1` of a team."""
     for tick in range(first, first + ticks):
         outputs = tuple(_output(robot, tick) for robot in range(robots))
-        yield TeamSnapshot(tick, _world(robots, tick), outputs)
+        commands = np.array([(o.navigation.command.linear, o.navigation.command.angular) for o in outputs])
+        yield TeamSnapshot(tick, _world(robots, tick), outputs, commands)
 
 
 def records(tick: int) -> tuple[Record, ...]:

@@ -1,0 +1,76 @@
+"""A person at the keyboard, on a stage without a simulator."""
+
+from pathlib import Path
+
+import pytest
+
+from tests.thbridge.roles.stage import Stage
+from thbridge.hunt.events import Departed, Hidden, Identified
+from thbridge.roles.tabui import TabUI
+from ui.person import Person
+
+
+class Seat:
+    def __init__(self) -> None:
+        self.shown: list[str] = []
+        self.person = Person(self.shown.append, (), Path("pictures"))
+        self.stage = Stage(participant=TabUI(self.person))
+        self.person.kinds = self.stage.templates.kinds
+        self.stage.run(6)
+
+    def type(self, line: str, ticks: int = 8) -> list[str]:
+        """What is shown because of it."""
+        before = len(self.shown)
+        self.person.type(line)
+        self.stage.tabui.look_again()
+        self.stage.run(ticks)
+        return self.shown[before:]
+
+
+@pytest.fixture
+def seat():
+    return Seat()
+
+
+def test_a_person_is_told_how_things_stand(seat):
+    assert seat.type("?") == [
+        "  Robot 1: in the corridor, energy 100",
+        "  Robot 2: in the corridor, energy 100",
+        "  Rooms not visited: 1 2 3 4 5 6 7 8. Score 0.",
+    ]
+
+
+def test_a_person_hunts_by_keyboard_alone(seat):
+    assert seat.type("1 3") == ["Robot 1: It will cost me 17 to go to room 3   [c Continue, s Stop]"]
+    assert seat.type("c") == ["Robot 1: Are you sure?   [c Continue, s Stop]"]
+    assert seat.type("c", 20)[0] == "Robot 1 sets out for room 3; it has 83 energy left."
+    treasure = next(event for event in seat.stage.log.events if isinstance(event, Hidden)).treasures[2]
+    assert seat.shown[-2:] == [
+        "Robot 1 is in room 3.",
+        f"Room 3: something {treasure.colour.lower()}, {treasure.footprint.lower()}. n 3 NAME names it.",
+    ]
+    assert seat.type("p 3") == [f"Room 3: the picture is pictures/{treasure.image}"]
+    assert seat.type(f"n 3 {treasure.name.lower()}") == [f"Room 3: {treasure.name}, {treasure.points:+d} points."]
+    assert any(isinstance(event, Identified) for event in seat.stage.log.events)
+
+
+def test_stop_sends_nobody(seat):
+    seat.type("2 ?")
+    seat.type("s")
+    assert not any(isinstance(event, Departed) for event in seat.stage.log.events)
+
+
+@pytest.mark.parametrize(
+    ("typed", "answer"),
+    [
+        ("hello", "  1 4        talk with robot 1 about going to room 4"),
+        ("9 3", "There is no robot 9; the team has 2."),
+        ("1 77", "Room 77 is not a room of this game; it has 1 to 8."),
+        ("p 77", "No robot stands in room 77."),
+        ("n 3 moon", "moon is not one of: Orange Bottle, Blue Bottle, Yellow can, Pink can"),
+        ("c", "No robot waits for an answer."),
+        ("1 99999999999999999999", "  1 4        talk with robot 1 about going to room 4"),
+    ],
+)
+def test_what_cannot_be_done_is_said(seat, typed, answer):
+    assert seat.type(typed)[0].splitlines()[0] == answer

@@ -1,0 +1,194 @@
+"""A person as participant, in the terminal: what they see, and what they may type."""
+
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass, field
+from pathlib import Path
+
+from thbridge.hunt.costs import spoken_energy
+from thbridge.hunt.rules import robot_name
+from thbridge.hunt.treasures import TreasureKind
+from thbridge.roles.view import (
+    Answer,
+    CallBack,
+    Consent,
+    DialogueView,
+    Discuss,
+    Identify,
+    Leave,
+    RobotView,
+    RoomView,
+    Select,
+    SendRobot,
+    Sense,
+    TakePicture,
+    Unsure,
+    View,
+    Wish,
+)
+
+HELP = """\
+  1 4        talk with robot 1 about going to room 4
+  1 ?        don't know: ask robot 1 where to go
+  c   s      Continue, or Stop, in the dialogue that waits
+  p 4        take a picture of what is in room 4
+  n 4 NAME   name the treasure in room 4 (the list: names)
+  l 4        leave the treasure in room 4
+  b 1        call robot 1 back
+  names      which treasures there are
+  ?          how things stand"""
+
+
+@dataclass(slots=True)
+class Person:
+    """A player who types. What has been agreed on, or needs no decision, is done without asking again.
+
+    Attributes:
+        show: puts a line in front of the person.
+        kinds: the participant's list of treasures.
+        pictures: the folder of the pictures.
+    """
+
+    show: Callable[[str], None]
+    kinds: Sequence[TreasureKind]
+    pictures: Path
+    _view: View | None = None
+    _wanted: tuple[Wish, ...] = ()
+    _names: dict[int, str] = field(default_factory=dict)
+
+    def wishes(self, view: View) -> Sequence[Wish]:
+        """What was typed since the last time, and what follows from agreements; see `Player`."""
+        if view != self._view:
+            before, self._view = self._view, view
+            for line in _news(before, view, self.pictures):
+                self.show(line)
+        wanted, self._wanted = self._wanted, ()
+        follow = [wish for consent in view.consents if (wish := self._follow(consent)) is not None]
+        sense = [Sense(room.room) for room in view.rooms if room.undecided and not room.sensed]
+        return (*wanted, *follow, *sense)
+
+    def type(self, line: str) -> None:
+        """Take in one typed line; what cannot be understood is answered with help."""
+        view = self._view
+        if view is None:
+            self.show("The game has not begun yet.")
+            return
+        match line.split():
+            case []:
+                pass
+            case ["?"]:
+                for told in _standing(view):
+                    self.show(told)
+            case ["names"]:
+                for kind in self.kinds:
+                    self.show(f"  {kind.name}: {kind.colour.lower()}, {kind.footprint.lower()}, {kind.points} points")
+            case ["c" | "s" as answer]:
+                self._answer(view, first=answer == "c")
+            case ["p", room] if _is_number(room):
+                self._discuss(view, int(room), "take-picture")
+            case ["n", room, *words] if _is_number(room) and words:
+                self._name(view, int(room), " ".join(words))
+            case ["l", room] if _is_number(room):
+                self._wanted = (Leave(int(room)),)
+            case ["b", robot] if _is_number(robot):
+                self._wanted = (CallBack(int(robot) - 1),)
+            case [robot, "?"] if _is_number(robot):
+                self._wanted = (Unsure(int(robot) - 1),)
+            case [robot, room] if _is_number(robot) and _is_number(room):
+                self._wanted = (Select(int(robot) - 1, int(room)),)
+            case _:
+                self.show(HELP)
+
+    def _answer(self, view: View, *, first: bool) -> None:
+        if not view.dialogues:
+            self.show("No robot waits for an answer.")
+            return
+        dialogue = view.dialogues[0]
+        self._wanted = (Answer(dialogue.dialogue, dialogue.turn, 0 if first else len(dialogue.choices) - 1),)
+
+    def _name(self, view: View, room: int, typed: str) -> None:
+        fitting = [kind.name for kind in self.kinds if kind.name.casefold().startswith(typed.casefold())]
+        if len(fitting) != 1:
+            self.show(f"{typed} is not one of: {', '.join(kind.name for kind in self.kinds)}")
+            return
+        self._names[room] = fitting[0]
+        self._discuss(view, room, "take-treasure")
+
+    def _discuss(self, view: View, room: int, matter: str) -> None:
+        robot = view.room(room).robot if 0 < room <= len(view.rooms) else None
+        if robot is None:
+            self.show(f"No robot stands in room {room}.")
+        elif matter == "take-picture":
+            self._wanted = (Discuss(robot, "take-picture", room),)
+        else:
+            self._wanted = (Discuss(robot, "take-treasure", room),)
+
+    def _follow(self, consent: Consent) -> Wish | None:
+        match consent.matter:
+            case "select-room":
+                return SendRobot(consent.robot, consent.room)
+            case "take-picture":
+                return TakePicture(consent.room)
+            case "take-treasure":
+                name = self._names.get(consent.room)
+                return None if name is None else Identify(consent.room, name)
+
+
+def _is_number(word: str) -> bool:
+    return word.isdecimal() and len(word) < 6
+
+
+def _news(before: View | None, view: View, pictures: Path) -> list[str]:
+    """What a person has to be told now that things stand so."""
+    if before is None or before.game != view.game:
+        return [f"Game {view.game}. Type ? to see how things stand, h for help.", *_standing(view)]
+    told: list[str] = []
+    for was, now in zip(before.robots, view.robots, strict=True):
+        told += _robot_news(was, now)
+    for old, new in zip(before.rooms, view.rooms, strict=True):
+        told += _room_news(old, new, pictures)
+    known = {(dialogue.dialogue, dialogue.turn) for dialogue in before.dialogues}
+    told += [_asked(dialogue) for dialogue in view.dialogues if (dialogue.dialogue, dialogue.turn) not in known]
+    if view.refusal is not None and view.refusal != before.refusal:
+        told.append(view.refusal.sentence)
+    if view.over is not None and before.over is None:
+        told.append(f"The game is over. Score {view.score}.")
+    return told
+
+
+def _robot_news(was: RobotView, now: RobotView) -> list[str]:
+    name = robot_name(now.robot).capitalize()
+    if now.moving_to is not None and was.moving_to != now.moving_to:
+        return [f"{name} sets out for room {now.moving_to}; it has {spoken_energy(now.energy)} energy left."]
+    if was.moving_to is not None and now.moving_to is None:
+        return [f"{name} is in room {now.place}." if now.place == was.moving_to else f"{name} has stopped."]
+    return []
+
+
+def _room_news(old: RoomView, new: RoomView, pictures: Path) -> list[str]:
+    told = []
+    if new.sensed and not old.sensed and new.colour is not None and new.footprint is not None:
+        told.append(
+            f"Room {new.room}: something {new.colour.lower()}, {new.footprint.lower()}. n {new.room} NAME names it."
+        )
+    if new.picture is not None and old.picture is None:
+        told.append(f"Room {new.room}: the picture is {pictures / new.picture}")
+    if new.verdict is not None and old.verdict is None:
+        told.append(f"Room {new.room}: {new.verdict.name}, {new.verdict.points:+d} points.")
+    return told
+
+
+def _asked(dialogue: DialogueView) -> str:
+    answers = ", ".join(f"{choice[0].lower()} {choice}" for choice in dialogue.choices)
+    return f"{robot_name(dialogue.robot).capitalize()}: {dialogue.said[-1]}   [{answers}]"
+
+
+def _standing(view: View) -> list[str]:
+    told = []
+    for robot in view.robots:
+        place = "the corridor" if robot.place == 0 else f"room {robot.place}"
+        where = f"in {place}" if robot.moving_to is None else f"under way to room {robot.moving_to}"
+        told.append(f"  {robot_name(robot.robot).capitalize()}: {where}, energy {spoken_energy(robot.energy)}")
+    free = [str(room.room) for room in view.rooms if room.state == "unvisited"]
+    told.append(f"  Rooms not visited: {' '.join(free) or 'none'}. Score {view.score}.")
+    told += [f"  {_asked(dialogue)}" for dialogue in view.dialogues]
+    return told
