@@ -30,7 +30,7 @@ from sim.geometry import FloatArray, Pose2, wrap_angle
 from sim.grid import OccupancyGrid, distance_field
 from sim.observations import STANDSTILL, TICK, TICKS_PER_SECOND, Neighbour, Scan, Twist
 from sim.parameters import RobotParameters
-from sim.planning.itinerary import Itinerary, Others, heard, reached, right_of_way, start_time
+from sim.planning.itinerary import Itinerary, Others, heard, reached, resting_left_out, right_of_way, start_time
 from sim.planning.path import Refused, headings
 from sim.planning.router import Blocked, Router
 
@@ -110,6 +110,8 @@ LOOK_AHEAD = 1.9
 """Metres of path given to the local planner at most: a little less than half the local costmap."""
 HALT = 0.12
 """Metres before a point that may not be passed at which a robot waits."""
+TURNS_BACK = 0.06
+"""Metres that a way comes nearer again before it counts as turning back."""
 YIELD_TIME = 0.5
 """Seconds from such a point, at least, from which a robot slows down."""
 RETRY = 0.5
@@ -195,6 +197,7 @@ class Navigator:
         self._left = NO_TIMES
         self._index = 0
         self._at_goal = False
+        self._making_way = False
         self._command = STANDSTILL
         self._local_plan = NOWHERE
 
@@ -287,6 +290,8 @@ class Navigator:
             asking = self._asked_to_clear(pose, neighbours)
             if asking is not None:
                 self._make_way(tick, pose, asking, neighbours)
+            elif self._goal is None:
+                self._wish = NOWHERE
 
     def _held_up(self, tick: int) -> bool:
         """Whether the way under way leads on no more."""
@@ -346,9 +351,15 @@ class Navigator:
         self._router.see(neighbours)
         away = self._router.refuge(pose, asking.path, self._time(tick, pose, others), others)
         self._next_plan = tick + round(RETRY * TICKS_PER_SECOND)
-        if away is not None:
-            self._yielded = tick
-            self._follow(tick, away, pose.theta)
+        if away is None:
+            # Those that rest around it are asked in their turn.
+            movers = resting_left_out(neighbours)
+            away = self._router.refuge(pose, asking.path, self._time(tick, pose, movers), movers)
+            self._wish = NOWHERE if away is None else headings(away.points, pose.theta)
+            return
+        self._yielded = tick
+        self._follow(tick, away, pose.theta)
+        self._making_way = True
 
     def _time(self, tick: int, pose: Pose2, others: Others) -> float:
         if self._itinerary is not None:
@@ -442,7 +453,7 @@ class Navigator:
         """At the goal: stop, turn to its heading, be there."""
         off = abs(wrap_angle(heading - pose.theta))
         standing = abs(twist.linear) < 0.05 and abs(twist.angular) < 0.1
-        if self._goal is None:
+        if self._goal is None or self._making_way:
             if standing:
                 self._drop()
             return None
@@ -463,12 +474,18 @@ class Navigator:
         blocked = ~inside
         blocked[inside] = costs[rows[inside], cols[inside]] >= INSCRIBED
         away = np.hypot(points[:, 0] - pose.x, points[:, 1] - pose.y)
+        # Where the way turns back, to a place to wait and on again, it first leads to the turning point.
+        farthest = np.maximum.accumulate(away)
+        back = np.flatnonzero(away < farthest - TURNS_BACK)
+        if len(back):
+            turning = int(away[: back[0]].argmax()) + 1
+            points, away, blocked, yields = points[:turning], away[:turning], blocked[:turning], False
         stops = np.flatnonzero(blocked & (away > HALT))
         if len(stops):
             points, away, yields = points[: stops[0]], away[: stops[0]], True
         if len(points) == 0 or (yields and away[-1] < HALT):
             return None, 0.0
-        ends = not yields and allowed == len(way.points) - 1
+        ends = not yields and self._index + len(points) == len(way.points)
         slow_down = self._parameters.TrajectoryPlannerROS.sim_time if ends else YIELD_TIME if yields else 0.1
         return points, slow_down
 

@@ -79,6 +79,11 @@ def heard(neighbours: Sequence[Neighbour]) -> Others:
     return Others(np.vstack(points), np.concatenate(times), starts)
 
 
+def resting_left_out(neighbours: Sequence[Neighbour]) -> Others:
+    """What those neighbours said that mean to move."""
+    return heard([neighbour for neighbour in neighbours if len(neighbour.times)])
+
+
 def timed(points: FloatArray, start_time: float) -> Itinerary:
     """(m, 2) points driven without a stop from `start_time` on."""
     steps = np.hypot(*np.diff(points, axis=0).T)
@@ -219,7 +224,8 @@ def reached(points: FloatArray, index: int, x: float, y: float) -> int:
     along = 0.0
     for i in range(index + 1, points.shape[0]):
         along += math.hypot(points[i, 0] - points[i - 1, 0], points[i, 1] - points[i - 1, 1])
-        if along > 1.0:
+        # No farther than a loop to a place to wait and back again is long.
+        if along > 0.45:
             break
         distance = math.hypot(points[i, 0] - x, points[i, 1] - y)
         if distance <= best_distance:
