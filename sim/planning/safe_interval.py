@@ -314,7 +314,8 @@ def refuge(
     nearest = np.full(len(flat), np.inf)
     for point in wish:
         nearest = np.minimum(nearest, np.hypot(*(flat - point).T))
-    targets = (nearest >= separation).reshape(free.shape) & free
+    # Not just off it: the other one plans between rounded places too.
+    targets = (nearest >= separation + chart.side).reshape(free.shape) & free
     return _way(chart, free, start, targets, time, others, separation)
 
 

@@ -73,7 +73,7 @@ def test_a_robot_that_others_have_yet_to_pass_counts_from_before_them():
 
 def test_progress_goes_forward_only():
     points = line(0, 0, 4, 0)
-    assert reached(points, 0, 0.52, 0.1) == 5
+    assert reached(points, 2, 0.52, 0.1) == 5
     assert reached(points, 9, 0.52, 0.1) == 9
 
 
