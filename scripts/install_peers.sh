@@ -2,8 +2,12 @@
 # Installs the programs of others that tests/peers plays against: the real ROS 1 tools, and Java for the clients of 2016.
 # Tests whose program is missing are skipped and say so; nothing else depends on them.
 set -uo pipefail
+cd "$(dirname "$0")/.."
 
-packages="python3-rosbag python3-rostopic python3-rosnode ros-core default-jdk-headless"
+packages="python3-rosbag python3-rostopic python3-rosnode python3-rosmsg ros-core default-jdk-headless
+    python3-genpy python3-std-msgs python3-geometry-msgs python3-sensor-msgs python3-nav-msgs python3-actionlib-msgs
+    python3-move-base-msgs python3-tf2-msgs ros-std-msgs ros-geometry-msgs ros-sensor-msgs ros-nav-msgs
+    ros-actionlib-msgs ros-move-base-msgs ros-tf2-msgs"
 
 missing=""
 for package in $packages; do
@@ -11,14 +15,19 @@ for package in $packages; do
         missing="$missing $package"
     fi
 done
-if [ -z "$missing" ]; then
+
+if [ "$(id -u)" != 0 ] || ! command -v apt-get >/dev/null; then
+    if [ -n "$missing" ]; then
+        echo "The tests against the real ROS tools and Java will be skipped. To run them: sudo apt-get install$missing" >&2
+    fi
     exit 0
 fi
-if [ "$(id -u)" = 0 ] && command -v apt-get >/dev/null; then
+if [ -n "$missing" ]; then
     echo "Installing for tests/peers:$missing"
-    apt-get update -q &&
-        DEBIAN_FRONTEND=noninteractive apt-get install -q -y --no-install-recommends $missing >/dev/null && exit 0
-    echo "They could not all be installed; the tests that need them will be skipped." >&2
-else
-    echo "The tests against the real ROS tools and Java will be skipped. To run them: sudo apt-get install$missing" >&2
+    if ! apt-get update -q ||
+        ! DEBIAN_FRONTEND=noninteractive apt-get install -q -y --no-install-recommends $missing >/dev/null; then
+        echo "They could not all be installed; the tests that need them will be skipped." >&2
+        exit 0
+    fi
 fi
+scripts/install_ros_messages.sh || echo "ROS does not know our messages; the tests that need it will be skipped." >&2

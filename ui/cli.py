@@ -4,6 +4,7 @@ import asyncio
 import dataclasses
 import json
 import logging
+import math
 import secrets
 import sys
 from collections.abc import Callable, Coroutine, Iterator, Mapping
@@ -23,6 +24,7 @@ from thbridge.adapters.bag_repair import reindex as reindex_bag
 from thbridge.adapters.errors import BadFile
 from thbridge.adapters.map_files import check_map
 from thbridge.adapters.resources import shipped
+from thbridge.adapters.ros_package import write_package
 from thbridge.adapters.template_files import TemplateSet, read_map_times, read_template_set
 from thbridge.adapters.text_client import Lost
 from thbridge.adapters.text_server import DEFAULT_HOST, DEFAULT_PORT, CannotListen, Listening
@@ -55,10 +57,12 @@ app = typer.Typer(
 )
 bag_app = typer.Typer(help="Look into recordings and mend them.", no_args_is_help=True)
 maps_app = typer.Typer(help="Maps: the arenas that robots drive in.", no_args_is_help=True)
+ros_app = typer.Typer(help="Where a ROS 1 is installed: make it know our messages.", no_args_is_help=True)
 study_app = typer.Typer(help="Study files: everything that can be set, in one YAML file.", no_args_is_help=True)
 app.add_typer(bag_app, name="bag")
 app.add_typer(maps_app, name="maps")
 app.add_typer(study_app, name="study")
+app.add_typer(ros_app, name="ros")
 
 out = Console()
 err = Console(stderr=True)
@@ -103,7 +107,12 @@ def play(
         str, typer.Option(help="Roles that other programs will take, e.g. `TabUI,Hider`.", metavar="ROLES")
     ] = "",
     port: Annotated[int | None, typer.Option(help="TCP port for other programs; 0 takes a free one.", min=0)] = None,
-    max_seconds: Annotated[float, typer.Option(help="Give up after so much simulated time.", min=1)] = 3600.0,
+    max_seconds: Annotated[
+        float | None,
+        typer.Option(
+            help="Give up after so much simulated time; by default an hour, and never when people play.", min=1
+        ),
+    ] = None,
     report_page: Annotated[bool, typer.Option("--report/--no-report", help="Make a report page of the bag.")] = True,
     as_json: AsJson = False,
 ) -> None:
@@ -137,7 +146,8 @@ def play(
             for sentence in tell(moment):
                 out.print(sentence, highlight=False, markup=False)
 
-    options = PlayOptions(chosen_rate, path, others, max_seconds)
+    limit = max_seconds or (math.inf if others or person else 3600.0)
+    options = PlayOptions(chosen_rate, path, others, limit)
     try:
         program = programs.play(setting, seat.tabui, options, ready, progress)
         outcome, unfinished = _run(_with_keyboard(program, seat.typed)), False
@@ -150,7 +160,7 @@ def play(
     if report_page and not as_json:
         _write_report(path, path.with_suffix(".html"))
     if unfinished:
-        _fail(FAILED, f"the game was not over after {max_seconds:g} simulated seconds")
+        _fail(FAILED, f"the game was not over after {limit:g} simulated seconds")
 
 
 @app.command()
@@ -327,6 +337,14 @@ def maps_list() -> None:
     """Name the maps that come with the project."""
     for name in shipped().names("maps"):
         out.print(name)
+
+
+@ros_app.command("messages")
+def ros_messages(folder: Annotated[Path, typer.Argument(help="Where the package goes, e.g. a catkin `src`.")]) -> None:
+    """Write our message types as the ROS package `thbridge_msgs`."""
+    with _bad_input():
+        package = write_package(folder)
+    err.print(f"Wrote {package}.", highlight=False)
 
 
 @study_app.command("init")

@@ -4,7 +4,7 @@ from collections.abc import Sequence
 from functools import cache
 from pathlib import Path
 
-from thbridge.ros.types import Definition, full_text, md5_of, plain_definition
+from thbridge.ros.types import OWN_TEXTS, Definition, full_text, md5_of, plain_definition
 
 ROS_SHARES = (Path("/usr/share"), *sorted(Path("/opt/ros").glob("*/share"), reverse=True))
 """Where packages keep their .msg files: Debian's ROS first, then ROS's own builds, newest first."""
@@ -36,6 +36,8 @@ class Definitions:
         return Definition(text, plain.md5)
 
     def _read(self, msgtype: str) -> str | None:
+        if msgtype in OWN_TEXTS:
+            return OWN_TEXTS[msgtype]
         package, _, name = msgtype.partition("/")
         for share in self._shares:
             try:

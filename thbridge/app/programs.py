@@ -170,7 +170,7 @@ class Ending:
     """
 
     def __init__(self, max_seconds: float) -> None:
-        self._last_tick = round(max_seconds * TICKS_PER_SECOND)
+        self._last_tick = max_seconds * TICKS_PER_SECOND
         self.tick: int | None = None
         """The tick in which the game ended, None before."""
 

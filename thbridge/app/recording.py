@@ -1,5 +1,6 @@
 """From what happened in a session to what goes into its bag."""
 
+import json
 from collections.abc import Iterator
 from typing import Protocol
 
@@ -34,6 +35,7 @@ class BagWitness:
     def __init__(self, recorder: Recorder) -> None:
         self._recorder = recorder
         self._score: Score | None = None
+        self._collisions: tuple[int, ...] = ()
 
     def saw(self, moment: Moment) -> None:
         """Write down one tick; raises what the recorder raises."""
@@ -47,10 +49,21 @@ class BagWitness:
             yield _event(event)
         for utterance in moment.utterances:
             yield _utterance(utterance)
+        if moment.snapshot is not None:
+            yield from self._touches(moment.snapshot)
         score = None if moment.game is None else _score(moment.game)
         if score is not None and score != self._score:
             self._score = score
             yield score
+
+    def _touches(self, snapshot: TeamSnapshot) -> Iterator[GameEvent]:
+        """A robot that has begun to touch a wall or another robot."""
+        counts = tuple(snapshot.world.collisions.tolist())
+        before, self._collisions = self._collisions, counts
+        for robot, count in enumerate(counts):
+            if count > (before[robot] if before else 0):
+                text = json.dumps({"event": "collision", "robot": robot, "count": count})
+                yield GameEvent("collision", robot, None, text)
 
 
 def _lines(forwarded: Forwarded) -> Iterator[Record]:

@@ -63,6 +63,9 @@ class Session:
         tick: the number of the next tick.
         perform: carries out what the router decides. A server of outside connections takes this over, and must give
             every `Forwarded` to `hear`.
+
+    Raises:
+        ValueError: two roles have the same name, or one is held already.
     """
 
     def __init__(
@@ -82,7 +85,9 @@ class Session:
         self._witnesses = tuple(witnesses)
         self._heard: list[Forwarded] = []
         for role in (keeper, *self._roles):
-            router.attach(role.name)
+            taken = router.attach(role.name)
+            if taken is not None:
+                raise ValueError(f"two programs are called {taken.name}")
             role.connected()
 
     @property

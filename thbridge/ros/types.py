@@ -53,16 +53,49 @@ _BEYOND_THE_STORE = {
 }
 """ROS's types that rosbags' store lacks."""
 
-_OWN = {
-    SESSION: "std_msgs/Header header\nstring study\nuint64 seed\nstring versions\n",
-    GAME_EVENT: "std_msgs/Header header\nstring kind\nint32 robot\nint32 room\nstring json\n",
-    SCORE: "std_msgs/Header header\nint32 score\nuint32 visited\nuint32 rooms\nfloat64[] energy\n",
-    UTTERANCE: (
-        "std_msgs/Header header\nint64 dialogue\nstring speaker\nint32 robot\nint32 room\n"
-        "string scenario\nstring text\nstring move\n"
-    ),
-    INPUT: "std_msgs/Header header\nstring sender\nstring line\n",
+OWN_TEXTS = {
+    SESSION: """\
+# What it takes to run a session again; the first record of its bag.
+std_msgs/Header header
+string study     # the resolved study file, YAML
+uint64 seed      # of every chance
+string versions  # of the programs and libraries, JSON
+""",
+    GAME_EVENT: """\
+# Something happened in the game.
+std_msgs/Header header
+string kind  # one word, for example "arrived"
+int32 robot  # counts from 1, as the namespaces do; 0: none
+int32 room   # as people count, from 1; 0 is the corridor, -1: none
+string json  # all of it
+""",
+    SCORE: """\
+# How the game stands; said whenever that changes.
+std_msgs/Header header
+int32 score       # points so far
+uint32 visited    # rooms visited
+uint32 rooms      # rooms there are
+float64[] energy  # what each robot has left
+""",
+    UTTERANCE: """\
+# One thing said in a dialogue.
+std_msgs/Header header
+int64 dialogue   # its number in the game, from 1
+string speaker   # "robot" or "human"
+int32 robot      # counts from 1
+int32 room       # that it is about; -1: none
+string scenario  # for example "select-room"
+string text      # the sentence
+string move      # what it does, for example "continue"
+""",
+    INPUT: """\
+# What a person or a foreign program did, exactly as it came in.
+std_msgs/Header header
+string sender  # the program it came from
+string line    # what it said
+""",
 }
+"""Our own types, in the text of their .msg files."""
 
 _SEPARATOR = "=" * 80 + "\n"
 _EMPTY_PART = "MSG: move_base_msgs/MoveBaseResult\n"
@@ -90,7 +123,7 @@ def typestore() -> Typestore:
     store = get_typestore(Stores.ROS1_NOETIC)
     # The parser takes no empty text, and an empty message is one all the same.
     store.register({"move_base_msgs/msg/MoveBaseResult": ([], [])})
-    for name, text in {**_BEYOND_THE_STORE, **_OWN}.items():
+    for name, text in {**_BEYOND_THE_STORE, **OWN_TEXTS}.items():
         if text:
             store.register(get_types_from_msg(text, normalize_msgtype(name)))
     return store
