@@ -114,6 +114,8 @@ TURNS_BACK = 0.06
 """Metres that a way comes nearer again before it counts as turning back."""
 YIELD_TIME = 0.5
 """Seconds from such a point, at least, from which a robot slows down."""
+ESCAPE = 0.12
+"""Metres that a robot backs up where no command leads on."""
 RETRY = 0.5
 """Seconds between attempts to plan."""
 STUCK = 2.0
@@ -198,6 +200,7 @@ class Navigator:
         self._index = 0
         self._at_goal = False
         self._making_way = False
+        self._escaping_from: Pose2 | None = None
         self._command = STANDSTILL
         self._local_plan = NOWHERE
 
@@ -422,6 +425,8 @@ class Navigator:
             self._at_goal = False
         if self._turn_left > 0.0:
             return self._look_around(pose, twist, around)
+        if self._escaping_from is not None:
+            return self._escape(self._escaping_from, pose, twist, around)
         if self._at_goal:
             return self._finish(tick, pose, twist, float(end_heading), around)
         last = int(np.searchsorted(-self._left, self._reach - self._left[self._index], side="right")) - 1
@@ -439,12 +444,21 @@ class Navigator:
         drive = self._rollout.follow(pose, twist, self._local.costs, self._local.frame, path, slow_down, around)
         if drive.stuck:
             self._free = tick
-            drive = self._rollout.back_up(pose, twist, around)
+            self._escaping_from = pose
+            return self._escape(pose, pose, twist, around)
+        return drive
+
+    def _escape(self, begun: Pose2, pose: Pose2, twist: Twist, around: Surroundings) -> Drive:
+        """Back up a little from where no command led on, then turn to the way."""
+        drive = self._rollout.back_up(pose, twist, around)
+        if drive.stuck or begun.distance(pose) > ESCAPE:
+            self._escaping_from = None
+            self._rollout.turn_first()
         return drive
 
     def _look_around(self, pose: Pose2, twist: Twist, around: Surroundings) -> Drive:
         """One turn in place (rotate_recovery)."""
-        drive = self._rollout.turn(pose, twist, pose.theta + 1.0, around)
+        drive = self._rollout.turn(pose, twist, pose.theta + 0.5 * math.pi, around)
         turned = abs(drive.command.angular) * self._control_ticks * TICK
         self._turn_left = 0.0 if drive.stuck else self._turn_left - turned
         return drive

@@ -188,6 +188,10 @@ class TrajectoryRollout:
         self._turning = False
         self._side = 0.0
 
+    def turn_first(self) -> None:
+        """Turn to the path before setting out again."""
+        self._turning = True
+
     def safe(self, pose: Pose2, twist: Twist, command: Twist, around: Surroundings) -> bool:
         """Whether a command leaves room to stop."""
         return bool(
