@@ -1,5 +1,6 @@
 """Which messages a session says, tick by tick: the one order of topics that bags and live graphs share."""
 
+import math
 from collections.abc import Iterable, Iterator
 from dataclasses import dataclass
 from typing import NamedTuple, assert_never
@@ -186,6 +187,7 @@ class _RobotPublisher:
         self.names = RobotNames.of(robot)
         self.topics = RobotTopics.of(self.names)
         self._scan_period = scan_period
+        self._charge = math.nan
         self._command = STANDSTILL
         self._command_tick = 0
         self._goal: Goal | None = None
@@ -214,7 +216,9 @@ class _RobotPublisher:
             )
             if len(estimate.particles):
                 yield topics.particlecloud, pack.pose_array(tick, MAP_FRAME, estimate.particles)
-        if tick % TICKS_PER_SECOND == 0:
+        charge = observations.battery.charge
+        if tick % TICKS_PER_SECOND == 0 or charge != self._charge:
+            self._charge = charge
             yield topics.battery, pack.battery_state(observations.battery, frames.namespace[1:])
         yield from self._navigation(tick, command, output.navigation)
 

@@ -104,7 +104,7 @@ def _output(robot: int, tick: int) -> RobotOutput:
         ranges = (3.0 + np.sin(np.arange(MOUNT.beams) / 20 + tick)).astype(np.float32)
         ranges[3], ranges[4] = np.inf, np.nan
         scan = Scan(tick, MOUNT, ranges)
-    battery = Battery(tick, 100.0 - 0.4 * tick / 50, 100.0)
+    battery = Battery(tick, 100.0 - 0.4 * (tick // 50), 100.0)
     observations = Observations(tick, Odometry(tick, drifted, twist), Imu(tick, 0.4), scan, battery)
     updated = moves and tick % 20 == 0
     around = true.array() + 0.05 * np.sin(np.arange(300 * 3).reshape(300, 3))

@@ -58,6 +58,12 @@ def test_rates() -> None:
         assert per_topic[f"{robot}/amcl_pose"] == per_topic[f"{robot}/particlecloud"] == 17
 
 
+def test_a_change_of_energy_is_said_at_once() -> None:
+    publisher = Publisher(1, MOUNT, SCAN_PERIOD)
+    said = [message.topic.name for snapshot in snapshots(1, 2, first=51) for message in publisher.tick(snapshot)]
+    assert said.count("/robot1/battery") == 1
+
+
 def test_every_message_has_a_known_type_and_stamps_never_go_back() -> None:
     messages = published(2, 200)
     stamps = [message.stamp_ns for message in messages]
