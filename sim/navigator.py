@@ -389,7 +389,14 @@ class Navigator:
         if self._mark is None or self._mark.distance(pose) >= self._parameters.move_base.oscillation_distance:
             self._mark, self._mark_tick, self._recoveries = pose, tick, 0
         if (tick - self._robot) % self._costmap_ticks < self._control_ticks or self._progress == tick:
-            self._everybody.see(neighbours)
+            reach = self._parameters.costmap.width
+            self._everybody.see(
+                [
+                    other
+                    for other in neighbours
+                    if abs(other.base_in_map.x - pose.x) < reach and abs(other.base_in_map.y - pose.y) < reach
+                ]
+            )
             self._local.update(pose.x, pose.y)
         index = int(reached(way.points, self._index, pose.x, pose.y))
         if index > self._index:

@@ -52,6 +52,7 @@ class RobotsLayer:
         self._resting_only = resting_only
         self._seen: dict[int, tuple[float, float, float]] = {}
         self._corners: dict[int, FloatArray] = {}
+        self._windows: dict[int, Window] = {}
         self._pending = NOTHING
 
     def see(self, neighbours: Sequence[Neighbour]) -> None:
@@ -73,19 +74,19 @@ class RobotsLayer:
             origin = self._grid.origin
             points = pose.transform(neighbour.footprint) - np.array([origin.x, origin.y])
             self._seen[neighbour.robot] = (pose.x, pose.y, pose.theta)
-            self._corners[neighbour.robot] = points / self._grid.resolution
-            self._pending = self._pending.union(self._around(neighbour.robot))
+            corners = points / self._grid.resolution
+            (left, low), (right, high) = corners.min(axis=0).tolist(), corners.max(axis=0).tolist()
+            around = Window(math.floor(low), math.floor(left), math.floor(high) + 1, math.floor(right) + 1)
+            self._corners[neighbour.robot] = corners
+            self._windows[neighbour.robot] = around
+            self._pending = self._pending.union(around)
         for robot in [robot for robot in self._seen if robot not in heard]:
             self._forget(robot)
 
     def _forget(self, robot: int) -> None:
         if robot in self._seen:
-            self._pending = self._pending.union(self._around(robot))
-            del self._seen[robot], self._corners[robot]
-
-    def _around(self, robot: int) -> Window:
-        low, high = self._corners[robot].min(axis=0), self._corners[robot].max(axis=0)
-        return Window(math.floor(low[1]), math.floor(low[0]), math.floor(high[1]) + 1, math.floor(high[0]) + 1)
+            self._pending = self._pending.union(self._windows[robot])
+            del self._seen[robot], self._corners[robot], self._windows[robot]
 
     def bounds(self) -> Window:
         """Where robots came or went."""
@@ -100,7 +101,7 @@ class RobotsLayer:
         """Lethal under every footprint."""
         row, col = origin
         for robot, corners in self._corners.items():
-            if self._around(robot).clipped(window).empty:
+            if self._windows[robot].clipped(window).empty:
                 continue
             _fill(
                 costs,

@@ -21,9 +21,9 @@ from sim.planning.itinerary import SPACING, Itinerary, Others, clear, densified,
 from sim.planning.path import Refused, thinned
 from sim.planning.safe_interval import BoolArray, refuge, roadmap, route
 
-GAP = 0.18
+GAP = 0.16
 """Metres that two robots' circumscribed circles are apart in a plan."""
-ROOM_TO_TURN = 0.05
+ROOM_TO_TURN = 0.08
 """Metres that the circumscribed circle is off the walls where a robot waits or makes a detour."""
 
 
