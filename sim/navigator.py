@@ -106,8 +106,10 @@ class Navigation:
 
 GAP = 0.1
 """Metres that two robots' circumscribed circles are apart by right of way; plans keep farther apart."""
-LOOK_AHEAD = 1.9
-"""Metres of path given to the local planner at most: a little less than half the local costmap."""
+LOOK_AHEAD = 1.75
+"""Metres of path given to the local planner at most."""
+RIM = 0.25
+"""Metres from it to the local costmap's rim, toward which the robot drives until the next update."""
 HALT = 0.12
 """Metres before a point that may not be passed at which a robot waits."""
 TURNS_BACK = 0.06
@@ -160,7 +162,7 @@ class Navigator:
         self._separation = 2 * circumscribed + GAP
         self._frame = CostFrame(static.origin.x, static.origin.y, resolution)
         # Half a cell less: from an occupied cell's centre to its side.
-        self._clearance = np.maximum(distance_field(static, LOOK_AHEAD) - np.float32(0.5 * resolution), np.float32(0))
+        self._clearance = np.maximum(distance_field(static, 2.0) - np.float32(0.5 * resolution), np.float32(0))
         self._obstacles = ObstacleLayer(costmap.obstacle_layer, static)
         self._router = Router(
             static,
@@ -174,7 +176,7 @@ class Navigator:
         self._everybody = RobotsLayer(static, resting_only=False)
         inflation = InflationLayer(costmap.inflation_layer, resolution, inscribed)
         self._local = LayeredCostmap(static, [StaticLayer(static), self._obstacles, self._everybody, inflation], cells)
-        self._reach = min(LOOK_AHEAD, (cells / 2 - 2) * resolution)
+        self._reach = min(LOOK_AHEAD, cells / 2 * resolution - RIM)
         self._control_ticks = max(1, round(TICKS_PER_SECOND / parameters.move_base.controller_frequency))
         self._costmap_ticks = max(1, round(TICKS_PER_SECOND / costmap.update_frequency))
         self._hold = self._control_ticks * TICK + LATENCY
@@ -489,8 +491,8 @@ class Navigator:
         """The part of the way to drive along now, and how early to slow down; None where the robot has to wait."""
         points = way.points[self._index : allowed + 1]
         costs, frame = self._local.costs, self._local.frame
-        cols = ((points[:, 0] - frame.x) / frame.resolution).astype(np.int64)
-        rows = ((points[:, 1] - frame.y) / frame.resolution).astype(np.int64)
+        cols = np.floor((points[:, 0] - frame.x) / frame.resolution).astype(np.int64)
+        rows = np.floor((points[:, 1] - frame.y) / frame.resolution).astype(np.int64)
         inside = (rows >= 0) & (cols >= 0) & (rows < costs.shape[0]) & (cols < costs.shape[1])
         blocked = ~inside
         blocked[inside] = costs[rows[inside], cols[inside]] >= INSCRIBED
