@@ -16,6 +16,10 @@ PATIENCE = TICKS_PER_SECOND
 """Ticks that a question waits for a keeper; when none was ever heard, it is answered as in 2016."""
 
 
+MOST_ROOMS = 1000
+"""More than any map has; a number beyond it is a mistake."""
+
+
 @dataclass(frozen=True, slots=True)
 class _Question:
     asked: int
@@ -68,7 +72,7 @@ class Hider:
 
     def _heed(self, notice: Notice) -> list[Message]:
         self._has_keeper = True
-        if (please := heard(notice, HidePlease)) is not None:
+        if (please := heard(notice, HidePlease)) is not None and 0 < please.rooms <= MOST_ROOMS:
             return [tell(self.name, KEEPER, HideTreasures(please.game, self._draw(please.game, please.rooms)))]
         if (reply := heard(notice, Reply)) is not None:
             return [Message.of(reply.command, self.name, legacy.TABUI, reply.text)]

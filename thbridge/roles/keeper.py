@@ -57,6 +57,9 @@ from thbridge.wire.notice import Notice, is_notice, notice, parse_notice
 from thbridge.wire.router import Forwarded
 from thbridge.wire.text import Message
 
+MOST_ROBOTS = 250
+"""Larger than any team; a number beyond it is a mistake."""
+
 
 class Reason(StrEnum):
     """Why the keeper refuses what the rules would allow."""
@@ -295,6 +298,8 @@ class Keeper:
         costs = costs_of(robots.costs)
         if isinstance(costs, Refused):
             self._tell(sender, Unfit(costs.sentence))
+        elif not 0 < robots.robots <= MOST_ROBOTS:
+            self._tell(sender, Unfit(f"A team has 1 to {MOST_ROBOTS} robots, not {robots.robots}."))
         elif state is None:
             self._team = robots
             self._start(robots.robots, costs)

@@ -175,12 +175,24 @@ class SimR:
         return []
 
     def _heed(self, tick: int, notice: Notice) -> None:
-        if (orders := heard(notice, Orders)) is not None and len(orders.moves) == self._team.size:
-            self._follow(orders)
+        if (orders := heard(notice, Orders)) is not None:
+            if self._can_follow(orders):
+                self._follow(orders)
         elif heard(notice, Subscribe) is not None:
             self._subscribers[notice.sender] = tick + SUBSCRIPTION
         elif (unfit := heard(notice, Unfit)) is not None:
             self._unfit = unfit.sentence
+
+    def _can_follow(self, orders: Orders) -> bool:
+        """Whether these are orders for this team on this map; anything else is noise."""
+        team, places = self._team.size, range(len(self._field.goals) + 1)
+        return (
+            orders.game > 0
+            and len(orders.moves) == len(orders.energy) == len(orders.at) == team
+            and (orders.poses is None or len(orders.poses) == team)
+            and all(order is None or order.room in places[1:] for order in orders.moves)
+            and all(place in places for place in orders.at)
+        )
 
     def _follow(self, orders: Orders) -> None:
         """Make the robots do what the keeper says they do."""
@@ -207,7 +219,7 @@ class SimR:
             places = [self._place(robot, room) for robot, room in enumerate(orders.at)]
         else:
             return
-        for robot, pose in enumerate(places[: self._team.size]):
+        for robot, pose in enumerate(places):
             self._inputs += [Halt(robot), Place(robot, pose)]
 
     def _place(self, robot: int, room: int) -> Pose2:

@@ -174,9 +174,27 @@ class View:
     def from_json(cls, fields: Mapping[str, JsonValue]) -> "View | None":
         """The view in a notice, or None when it is not one (a peer of another version, or noise)."""
         try:
-            return msgspec.convert(fields, cls)
+            view = msgspec.convert(fields, cls)
         except msgspec.ValidationError:
             return None
+        return view if view._is_consistent() else None
+
+    def _is_consistent(self) -> bool:
+        """Whether every number in it names something that is in it."""
+        places, robots = range(len(self.rooms) + 1), range(len(self.robots))
+        rooms = places[1:]
+        talks = [*self.dialogues, *self.consents]
+        return (
+            [room.room for room in self.rooms] == list(rooms)
+            and [robot.robot for robot in self.robots] == list(robots)
+            and len(self.costs) == len(places)
+            and all(len(row) == len(places) for row in self.costs)
+            and all(robot.place in places for robot in self.robots)
+            and all(robot.moving_to is None or robot.moving_to in rooms for robot in self.robots)
+            and all(room.robot is None or room.robot in robots for room in self.rooms)
+            and all(talk.robot in robots and talk.room in rooms for talk in talks)
+            and all(dialogue.said and dialogue.choices for dialogue in self.dialogues)
+        )
 
 
 @dataclass(frozen=True, slots=True)

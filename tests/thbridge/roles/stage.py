@@ -1,6 +1,7 @@
 """A hunt without a simulator: robots that arrive after so many ticks, on the real router with the real other roles."""
 
 from collections.abc import Sequence
+from functools import cache
 from pathlib import Path
 
 from thbridge.adapters.resources import shipped
@@ -27,6 +28,7 @@ from thbridge.wire.text import Message
 RULES = GameRules(seed=7, energy=100.0, picture_cost=5.0, identify_cost=1.0, wrong_share=1.0)
 
 
+@cache
 def templates(name: str = "original-2016") -> TemplateSet:
     return read_template_set(shipped().find("templates", name, Path()))
 

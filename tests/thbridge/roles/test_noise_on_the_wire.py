@@ -1,0 +1,119 @@
+"""Whatever anybody says under whatever name, no role falls over, and the game's own books stay right."""
+
+from dataclasses import replace
+from pathlib import Path
+
+import pytest
+from hypothesis import HealthCheck, given, settings
+from hypothesis import strategies as st
+
+from tests.thbridge.roles.stage import Stage
+from thbridge.app.compose import read_setting
+from thbridge.app.config import Study
+from thbridge.hunt.game import fold
+from thbridge.roles import notices, view
+from thbridge.roles.notices import KEEPER, tell
+from thbridge.wire import legacy
+from thbridge.wire.notice import notice
+from thbridge.wire.text import Message
+
+small = st.integers(-2, 10)
+number = st.one_of(small, st.integers(), st.floats(allow_nan=False, allow_infinity=False))
+word = st.text(max_size=8)
+json = st.recursive(
+    st.one_of(st.none(), st.booleans(), number, word),
+    lambda inner: st.one_of(st.lists(inner, max_size=4), st.dictionaries(word, inner, max_size=3)),
+    max_leaves=12,
+)
+KINDS = [
+    *(cls.__name__ for cls in notices.Level.__args__),
+    *(cls.__name__ for cls in view.Wish.__args__),
+    "View",
+    "undelivered",
+]
+FIELDS = ["game", "moves", "energy", "at", "poses", "results", "robots", "costs", "map", "rooms", "treasures", "robot"]
+FIELDS += ["room", "dialogue", "turn", "choice", "matter", "command", "text", "sentence", "tick"]
+names = st.sampled_from([KEEPER, legacy.SIMR, legacy.HIDER, legacy.TABUI, "Stranger"])
+
+
+@st.composite
+def junk(draw) -> Message:
+    """A notice with the right words in the wrong places, or a line of 2016 with any numbers."""
+    sender, receiver = draw(names), draw(names)
+    if draw(st.booleans()):
+        fields = draw(st.dictionaries(st.sampled_from(FIELDS), json, max_size=8))
+        return notice(sender, receiver, draw(st.sampled_from(KINDS)), **fields)
+    robot, room = draw(st.integers(0, 10**9 - 1)), draw(st.integers(0, 12))
+    line = draw(
+        st.sampled_from(
+            [
+                legacy.Goto(robot % 4, room),
+                legacy.Arrived(robot % 4, room),
+                legacy.AskTreasure(room),
+                legacy.FoundTreasure(room, "Red", "Flat"),
+                legacy.Snap(room),
+                legacy.Image(room, "x.jpg"),
+                legacy.Identify(room, "thing"),
+                legacy.Score(robot),
+            ]
+        )
+    ).message()
+    return replace(line, sender=sender)
+
+
+real = st.floats(-5.0, 5.0)
+pose = st.tuples(real, real, real)
+poses = st.lists(pose, max_size=3).map(tuple)
+costs = st.lists(st.lists(st.one_of(st.none(), real), max_size=3).map(tuple), max_size=3).map(tuple)
+order = st.builds(notices.Order, small, small)
+result = st.builds(notices.MoveResult, small, st.booleans(), word, real)
+well_formed = st.one_of(
+    st.builds(notices.RobotsReady, word, small, costs),
+    st.builds(
+        notices.Orders,
+        small,
+        st.lists(st.one_of(st.none(), order), max_size=3).map(tuple),
+        st.lists(real, max_size=3).map(tuple),
+        st.lists(small, max_size=3).map(tuple),
+        st.one_of(st.none(), poses),
+    ),
+    st.builds(notices.Status, small, poses, st.lists(st.one_of(st.none(), result), max_size=3).map(tuple)),
+    st.builds(notices.HidePlease, small, st.integers(0, 20)),
+    st.builds(notices.Subscribe),
+    st.builds(notices.ParticipantReady),
+    st.builds(view.Select, small, small),
+    st.builds(view.Unsure, small),
+    st.builds(view.Answer, small, small, small),
+    st.builds(view.Discuss, small, st.sampled_from(["take-picture", "take-treasure"]), small),
+    st.builds(view.Leave, small),
+    st.builds(view.CallBack, small),
+    st.builds(view.PlayAgain, small),
+)
+typed = st.builds(tell, names, names, well_formed)
+
+
+@settings(max_examples=40, deadline=None, suppress_health_check=[HealthCheck.too_slow])
+@given(st.lists(st.one_of(junk(), typed), max_size=20))
+def test_the_keeper_and_its_neighbours(said):
+    stage = Stage()
+    stage.run(8)
+    stage.router.attach("Noise")
+    for message in said:
+        stage.router.submit("Noise", message)
+        stage.run(1)
+    stage.run(10)
+    started = max(i for i, event in enumerate(stage.log.events) if type(event).__name__ == "Started")
+    assert fold(stage.log.events[started], stage.log.events[started + 1 :]) == stage.session.game
+
+
+@pytest.fixture(scope="module")
+def simr():
+    return read_setting(replace(Study(), robots=2), Path()).simr()
+
+
+@settings(max_examples=40, deadline=None, suppress_health_check=[HealthCheck.function_scoped_fixture])
+@given(st.lists(st.one_of(junk(), typed), max_size=10))
+def test_the_robots_program(simr, said):
+    simr.step(0, said)
+    simr.step(1, [])
+    assert simr.snapshot is not None
