@@ -3,8 +3,7 @@
 Source: ros-planning/navigation, base_local_planner/src/trajectory_planner.cpp and trajectory_planner_ros.cpp
 (dwa false, meter_scoring true); Gerkey, Konolige, Planning and Control in Unstructured Terrain (2008).
 Differs: a robot that faces away from its path first turns in place; obstacles are scored under the robot's centre, and
-under its outline only looked at for collisions, and for poses so near to an obstacle that the robot might get stuck
-there; a command must also be safe (`sim.control.braking`), and the speed
+under its outline only looked at for collisions; a command must also be safe (`sim.control.braking`), and the speed
 falls toward a point that may not be passed yet.
 """
 
@@ -17,7 +16,7 @@ from numba import njit
 from sim.control.braking import Surroundings, safe
 from sim.control.map_grid import Steps, spread
 from sim.costmap.costs import CostFrame, Costs, cost_at
-from sim.costmap.footprint import footprint_cost, outline, pad, radii
+from sim.costmap.footprint import footprint_cost, outline, radii
 from sim.geometry import FloatArray, Pose2, wrap_angle
 from sim.observations import STANDSTILL, Twist
 from sim.parameters import TrajectoryPlannerParameters
@@ -30,10 +29,6 @@ TURN_FIRST = 1.0
 """Radians off the path beyond which it turns in place, and TURNED within which it sets out."""
 TURNED = 0.3
 OUTLINE_SPACING = 0.1
-ELBOW_ROOM = 0.1
-"""Metres around the footprint that a trajectory should keep free: a little more than a safe command must."""
-TIGHT_SCALE = 3.0
-"""Weight of the share of a trajectory that has less."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -71,13 +66,12 @@ def rollout(
 
 @njit(cache=True)
 def _score(
-    costs: Costs, frame: CostFrame, path_steps: Steps, goal_steps: Steps, footprint: FloatArray, wide: FloatArray,
-    surely_free: int, poses: FloatArray, pdist_scale: float, gdist_scale: float, occdist_scale: float,
+    costs: Costs, frame: CostFrame, path_steps: Steps, goal_steps: Steps, footprint: FloatArray, surely_free: int,
+    poses: FloatArray, pdist_scale: float, gdist_scale: float, occdist_scale: float,
 ) -> float:  # fmt: skip
     """The cost of a rollout; negative when it collides or leads nowhere."""
     rows, cols = costs.shape
     occupied = 0.0
-    tight = 0
     row = col = 0
     for i in range(poses.shape[0]):
         row = math.floor((poses[i, 1] - frame.y) / frame.resolution)
@@ -85,19 +79,17 @@ def _score(
         if row < 0 or col < 0 or row >= rows or col >= cols:
             return -1.0
         cost = costs[row, col]
-        # Where the centre's cost says that all is free around, the outline need not be drawn.
+        # Where the centre's cost says that the whole circumscribed circle is free, the outline need not be drawn.
         if i > 0 and cost >= surely_free:
             if cost >= 253:
                 return -1.0
-            if footprint_cost(costs, frame, wide, poses[i, 0], poses[i, 1], poses[i, 2]) < 0.0:
-                tight += 1
-                if footprint_cost(costs, frame, footprint, poses[i, 0], poses[i, 1], poses[i, 2]) < 0.0:
-                    return -1.0
+            if footprint_cost(costs, frame, footprint, poses[i, 0], poses[i, 1], poses[i, 2]) < 0.0:
+                return -1.0
         occupied = max(occupied, float(cost))
     if path_steps[row, col] < 0 or goal_steps[row, col] < 0:
         return -2.0
     metres = frame.resolution * (pdist_scale * path_steps[row, col] + gdist_scale * goal_steps[row, col])
-    score: float = metres + occdist_scale * occupied + TIGHT_SCALE * tight / poses.shape[0]
+    score: float = metres + occdist_scale * occupied
     return score
 
 
@@ -110,8 +102,7 @@ def _steps(v: float, w: float, sim_time: float, granularity: float) -> int:
 @njit(cache=True)
 def _best(
     costs: Costs, frame: CostFrame, path_steps: Steps, goal_steps: Steps, queue: Steps, path: FloatArray,
-    around: Surroundings, footprint: FloatArray, wide: FloatArray, outline_points: FloatArray, surely_free: int,
-    own_radius: float,
+    around: Surroundings, footprint: FloatArray, outline_points: FloatArray, surely_free: int, own_radius: float,
     x: float, y: float, theta: float, v: float, w: float, max_v: float, min_v: float, max_w: float, vx_samples: int,
     vtheta_samples: int, acc_lim_x: float, acc_lim_theta: float, sim_time: float, granularity: float, hold: float,
     pdist_scale: float, gdist_scale: float, occdist_scale: float,
@@ -134,7 +125,7 @@ def _best(
             steps = _steps(wanted_v, wanted_w, sim_time, granularity)
             poses = rollout(x, y, theta, v, w, wanted_v, wanted_w, acc_lim_x, acc_lim_theta, sim_time, steps)
             score = _score(
-                costs, frame, path_steps, goal_steps, footprint, wide, surely_free, poses, pdist_scale, gdist_scale,
+                costs, frame, path_steps, goal_steps, footprint, surely_free, poses, pdist_scale, gdist_scale,
                 occdist_scale,
             )  # fmt: skip
             if score >= 0.0:
@@ -182,9 +173,7 @@ class TrajectoryRollout:
         self._footprint = footprint
         self._outline = outline(footprint, OUTLINE_SPACING)
         self._hold = hold
-        self._inscribed, _ = radii(footprint)
-        self._wide = pad(footprint, ELBOW_ROOM)
-        _, circumscribed = radii(self._wide)
+        self._inscribed, circumscribed = radii(footprint)
         self._surely_free = (
             cost_at(circumscribed, self._inscribed, cost_scaling_factor) if circumscribed < inflation_radius else 0
         )
@@ -287,7 +276,6 @@ class TrajectoryRollout:
             path,
             around,
             self._footprint,
-            self._wide,
             self._outline,
             self._surely_free,
             self._inscribed,
