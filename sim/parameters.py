@@ -148,7 +148,6 @@ class CostmapParameters:
     update_frequency: float = knob(5.0, "updates per second", "Hz", 0.1, 50)
     width: float = knob(4.0, "side of the rolling local map", "m", 1, 50)
     footprint_padding: float = knob(0.01, "added to every corner of the footprint", "m", 0, 1)
-    transform_tolerance: float = knob(0.3, "oldest transform that is trusted", "s", 0, 10)
     obstacle_layer: ObstacleParameters = knob(ObstacleParameters(), "marking and clearing by the laser")
     inflation_layer: InflationParameters = knob(InflationParameters(), "costs around obstacles")
 
@@ -180,7 +179,6 @@ class NavfnParameters:
     """The global planner, under navfn's names."""
 
     allow_unknown: bool = knob(True, "plans may cross unknown space")
-    default_tolerance: float = knob(0.0, "a goal that is not free may be missed by this much", "m", 0, 10)
 
 
 @dataclass(frozen=True, slots=True)
@@ -188,9 +186,7 @@ class MoveBaseParameters:
     """The navigator, under move_base's names."""
 
     controller_frequency: float = knob(10.0, "commands per second (ROS: 20)", "Hz", 1, 50)
-    planner_frequency: float = knob(0.0, "plans per second; 0: a new plan when the old one is blocked", "Hz", 0, 50)
     planner_patience: float = knob(5.0, "seconds without a plan before recovery", "s", 0, 100)
-    controller_patience: float = knob(15.0, "seconds without a command before recovery", "s", 0, 100)
     oscillation_timeout: float = knob(10.0, "seconds without progress before recovery; 0: never (ROS: 0)", "s", 0, 600)
     oscillation_distance: float = knob(0.5, "moving this far counts as progress", "m", 0, 10)
     recovery_behavior_enabled: bool = knob(True, "try to get free before giving up")

@@ -19,6 +19,7 @@ from rich.console import Console
 from rich.logging import RichHandler
 from rich.table import Table
 
+from sim import is_compiled
 from thbridge.adapters.bag_reader import info as bag_info
 from thbridge.adapters.bag_repair import reindex as reindex_bag
 from thbridge.adapters.errors import BadFile
@@ -147,6 +148,7 @@ def play(
                 out.print(sentence, highlight=False, markup=False)
 
     limit = max_seconds or (math.inf if others or person else 3600.0)
+    _announce_compiling()
     options = PlayOptions(chosen_rate, path, others, limit)
     try:
         program = programs.play(setting, seat.tabui, options, ready, progress)
@@ -203,6 +205,7 @@ def simr(
     setting = _setting(_study(study_file, {"robots": robots, "map": map_name, "seed": seed}), study_file)
     if bag is not None:
         _prepare(bag)
+    _announce_compiling()
     unfit = _run(programs.simr(setting, host, port, _token(), rate, bag, _lost))
     if unfit is not None:
         _fail(FAILED, unfit)
@@ -390,6 +393,11 @@ def _study(file: Path | None, changes: Mapping[str, object]) -> Study:
 def _setting(study: Study, file: Path | None) -> Setting:
     with _bad_input():
         return read_setting(study, Path() if file is None else file.parent)
+
+
+def _announce_compiling() -> None:
+    if not is_compiled():
+        err.print("Compiling the simulator for this machine; only the first start takes this long, some 20 s.")
 
 
 def _prepare(bag: Path) -> None:

@@ -183,7 +183,7 @@ class View:
         """Whether every number in it names something that is in it."""
         places, robots = range(len(self.rooms) + 1), range(len(self.robots))
         rooms = places[1:]
-        talks = [*self.dialogues, *self.consents]
+        talks: list[DialogueView | Consent] = [*self.dialogues, *self.consents]
         return (
             [room.room for room in self.rooms] == list(rooms)
             and [robot.robot for robot in self.robots] == list(robots)
