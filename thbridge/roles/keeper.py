@@ -137,6 +137,7 @@ class Keeper:
         self._ordered: Orders | None = None
         self._shown: View | None = None
         # Of the step under way, and of the last one.
+        self._heard_anything = False
         self._events: list[Event] = []
         self._decided = Decided((), ())
         self._said: list[Message] = []
@@ -160,6 +161,7 @@ class Keeper:
         """Hear what was forwarded since the last step; call it right before `step`."""
         for item in forwarded:
             if not is_notice(item.message):
+                self._heard_anything = True
                 self._overhear(item)
 
     def step(self, tick: int, messages: Sequence[Message]) -> list[Message]:
@@ -167,9 +169,13 @@ class Keeper:
         for message in messages:
             value = parse_notice(message)
             if isinstance(value, Notice):
+                self._heard_anything = True
                 self._heed(value)
-        self._see_to_end()
-        self._tell_levels()
+        # Whatever changes does so because of something heard; most ticks are silent.
+        if self._heard_anything:
+            self._heard_anything = False
+            self._see_to_end()
+            self._tell_levels()
         self._decided = Decided(tuple(self._events), tuple(self._talks.take_utterances()))
         self._events.clear()
         said, self._said = self._said, []
