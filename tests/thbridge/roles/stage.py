@@ -75,7 +75,7 @@ class Puppets:
         for message in messages:
             notice = parse_notice(message)
             if isinstance(notice, Notice):
-                if (orders := heard(notice, Orders)) is not None:
+                if (orders := heard(notice, Orders)) is not None and len(orders.moves) == self.robots:
                     self._follow(orders, tick)
                 if (unfit := heard(notice, Unfit)) is not None:
                     self.unfit = unfit.sentence
