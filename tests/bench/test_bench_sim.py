@@ -62,9 +62,7 @@ def test_beams_against_numpy(arena: Map, capsys: pytest.CaptureFixture[str]) -> 
     fast = cpu_seconds(lambda: [raycaster.ranges(poses, angles, 12.0) for _ in range(50)], 5) / 50
     slow = cpu_seconds(lambda: sampled_ranges(arena.grid, poses, angles, 12.0), 3)
     with capsys.disabled():
-        print(  # noqa: T201 - to print is what a bench is for
-            f"\n360 beams: {fast / len(poses) * 1e3:.3f} ms; {slow / fast:.0f} times as fast as numpy sampling"
-        )
+        print(f"\n360 beams: {fast / len(poses) * 1e3:.3f} ms; {slow / fast:.0f} times as fast as numpy sampling")
 
 
 @pytest.mark.parametrize("robots", [2, 10])
@@ -88,7 +86,7 @@ def test_the_world_and_its_sensors(arena: Map, robots: int, capsys: pytest.Captu
     moving = cpu_seconds(lambda: drive(sensing=False), 3)
     all_of_it = cpu_seconds(lambda: drive(sensing=True), 3)
     with capsys.disabled():
-        print(  # noqa: T201 - to print is what a bench is for
+        print(
             f"\n{robots} robots: {simulated / all_of_it:.0f} simulated seconds per CPU second,"
             f" {all_of_it / simulated / robots * 1e3:.2f} ms per robot and second;"
             f" a step of the world {moving / 500 * 1e6:.0f} us"
