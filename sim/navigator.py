@@ -104,8 +104,6 @@ class Navigation:
     remaining: float
 
 
-GAP = 0.1
-"""Metres that two robots' circumscribed circles are apart by right of way; plans keep farther apart."""
 LOOK_AHEAD = 1.75
 """Metres of path given to the local planner at most."""
 RIM = 0.25
@@ -128,6 +126,10 @@ RECOVERIES = 4
 """Recoveries in vain after which a goal is given up."""
 WISHING = 60.0
 """Seconds that a robot waits for others to clear its way."""
+STALEMATE = 120.0
+"""Seconds in which the way left must become shorter than ever, or the goal is given up: so every goal ends."""
+NEARER = 0.5
+"""Metres by which it must become so."""
 MAKING_WAY = 5.0
 """Seconds that a robot that made way lets the other one plan first."""
 
@@ -158,8 +160,7 @@ class Navigator:
         costmap = parameters.costmap
         resolution = static.resolution
         self._footprint = pad(footprint, costmap.footprint_padding)
-        inscribed, circumscribed = radii(self._footprint)
-        self._separation = 2 * circumscribed + GAP
+        inscribed, _ = radii(self._footprint)
         self._frame = CostFrame(static.origin.x, static.origin.y, resolution)
         # Half a cell less: from an occupied cell's centre to its side.
         self._clearance = np.maximum(distance_field(static, 2.0) - np.float32(0.5 * resolution), np.float32(0))
@@ -201,6 +202,7 @@ class Navigator:
         self._left = NO_TIMES
         self._index = 0
         self._at_goal = False
+        self._others_bar = False
         self._making_way = False
         self._escaping_from: Pose2 | None = None
         self._command = STANDSTILL
@@ -218,6 +220,8 @@ class Navigator:
         self._mark: Pose2 | None = None
         self._mark_tick = tick
         self._yielded = -math.inf
+        self._shortest = math.inf
+        self._shortest_tick = tick
 
     @property
     def global_costmap(self) -> LayeredCostmap:
@@ -285,6 +289,8 @@ class Navigator:
 
     def _choose_way(self, tick: int, pose: Pose2, neighbours: Sequence[Neighbour]) -> None:
         """Plan if there is something to plan for; it is this robot's turn."""
+        if self._goal is not None and tick - self._shortest_tick > STALEMATE * TICKS_PER_SECOND:
+            self._end(self._given_up(self._goal))
         if self._itinerary is not None:
             if not self._held_up(tick):
                 return
@@ -311,10 +317,15 @@ class Navigator:
         self._mark_tick = tick
         self._recoveries += 1
         if self._recoveries > RECOVERIES and self._goal is not None:
-            self._end(NoPath(self._goal, "stuck", "the robot is stuck and cannot get free"))
+            self._end(self._given_up(self._goal))
         elif self._parameters.move_base.recovery_behavior_enabled:
             self._obstacles.clear()
             self._turn_left = math.tau if self._recoveries % 2 == 0 else 0.0
+
+    def _given_up(self, goal: Goal) -> NoPath:
+        if len(self._wish) > 0 or self._others_bar:
+            return NoPath(goal, "robots_in_the_way", "other robots stand in the way and do not clear it")
+        return NoPath(goal, "stuck", "the robot is stuck and cannot get free")
 
     def _oscillates(self, tick: int) -> bool:
         """Whether the robot has long been moving, or trying to, and come nowhere."""
@@ -333,7 +344,7 @@ class Navigator:
                 self._wish = headings(wish, goal.base_in_map.theta)
                 self._next_plan = tick + round(RETRY * TICKS_PER_SECOND)
                 if tick - self._planning_since > WISHING * TICKS_PER_SECOND:
-                    self._end(NoPath(goal, "robots_in_the_way", "other robots stand in the way and do not clear it"))
+                    self._end(self._given_up(goal))
             case Refused(code, sentence):
                 self._drop()
                 self._obstacles.clear()
@@ -378,7 +389,8 @@ class Navigator:
         self._poses = headings(way.points, heading)
         steps = np.hypot(*np.diff(way.points, axis=0).T)
         self._left = np.append(np.cumsum(steps[::-1])[::-1], 0.0)
-        self._progress = self._free = tick
+        self._planning_since = tick
+        self._progress, self._free = tick, tick - 1
         self._rollout.reset()
 
     # Which command
@@ -403,6 +415,8 @@ class Navigator:
         index = int(reached(way.points, self._index, pose.x, pose.y))
         if index > self._index:
             self._index, self._progress = index, tick
+        if not self._making_way and self._left[self._index] < self._shortest - NEARER:
+            self._shortest, self._shortest_tick = float(self._left[self._index]), tick
         around = surroundings(
             self._clearance,
             self._frame,
@@ -441,8 +455,9 @@ class Navigator:
         last = int(np.searchsorted(-self._left, self._reach - self._left[self._index], side="right")) - 1
         last = max(self._index, last)
         allowed, barred = right_of_way(
-            way.points, way.times, self._index, last, pose.x, pose.y, heard(neighbours), self._separation
+            way.points, way.times, self._index, last, pose.x, pose.y, heard(neighbours), self._router.separation_driven
         )
+        self._others_bar = allowed < last
         path, slow_down = self._stretch(pose, way, int(allowed), allowed < last)
         if path is None:
             if allowed == last or barred:
@@ -455,6 +470,9 @@ class Navigator:
             self._free = tick
             self._escaping_from = pose
             return self._escape(pose, pose, twist, around)
+        if drive.command.linear == 0.0 and drive.command.angular != 0.0:
+            # Turning to the way is progress that no point of the way shows.
+            self._progress = tick
         return drive
 
     def _escape(self, begun: Pose2, pose: Pose2, twist: Twist, around: Surroundings) -> Drive:

@@ -217,6 +217,67 @@ def right_of_way(
 
 
 @njit(cache=True)
+def executable(points: FloatArray, times: FloatArray, others: Others, separation: float) -> bool:
+    """Whether a robot would come to its itinerary's end, were it and all the others driven by right of way.
+
+    Itineraries that keep their distance at equal times always are. Robots that stand nearer than that already may plan
+    to stay so for a while, and then could bar each other's next points for good.
+
+    Args:
+        points: (m, 2) of the itinerary.
+        times: (m,) with them.
+        others: the other robots', each from the point it has reached.
+        separation: metres from centre to centre, as in `right_of_way`.
+    """
+    own = points.shape[0]
+    count = others.starts.shape[0]
+    all_points = np.concatenate((points, others.points))
+    all_times = np.concatenate((times, others.times))
+    at, last = np.empty(count, np.int64), np.empty(count, np.int64)
+    at[0], last[0] = 0, own - 1
+    for k in range(1, count):
+        at[k], last[k] = own + others.starts[k - 1], own + others.starts[k] - 1
+    moved = True
+    while moved:
+        moved = False
+        for k in range(count):
+            while at[k] < last[k] and _open(all_points, all_times, at, last, k, separation):
+                at[k] += 1
+                moved = True
+        if at[0] == last[0]:
+            return True
+    return False
+
+
+@njit(cache=True)
+def _open(
+    points: FloatArray,
+    times: FloatArray,
+    at: NDArray[np.int64],
+    last: NDArray[np.int64],
+    robot: int,
+    separation: float,
+) -> bool:
+    """Whether a robot at its point at[robot] may drive to the next one, the others being at theirs."""
+    x, y = points[at[robot], 0], points[at[robot], 1]
+    px, py, time = points[at[robot] + 1, 0], points[at[robot] + 1, 1], times[at[robot] + 1]
+    for k in range(at.shape[0]):
+        if k == robot:
+            continue
+        for m in range(at[k], last[k] + 1):
+            if times[m] >= time:
+                break
+            ox, oy = points[m, 0], points[m, 1]
+            if abs(px - ox) >= separation or abs(py - oy) >= separation:
+                continue
+            # No hair's breadth is given here, unlike on the way: a robot is never just where it planned to be.
+            distance = math.hypot(px - ox, py - oy)
+            if distance < separation and distance < math.hypot(x - ox, y - oy):
+                return False
+    return True
+
+
+@njit(cache=True)
 def reached(points: FloatArray, index: int, x: float, y: float) -> int:
     """Index of the point that a robot at (x, y) has reached: of those just ahead the nearest; it never goes back."""
     best = index

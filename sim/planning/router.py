@@ -17,12 +17,14 @@ from sim.grid import OccupancyGrid
 from sim.observations import Neighbour
 from sim.parameters import CostmapParameters
 from sim.planning import navfn
-from sim.planning.itinerary import SPACING, Itinerary, Others, clear, densified, timed
+from sim.planning.itinerary import SPACING, Itinerary, Others, clear, densified, executable, timed
 from sim.planning.path import Refused, thinned
 from sim.planning.safe_interval import BoolArray, refuge, roadmap, route
 
 GAP = 0.16
 """Metres that two robots' circumscribed circles are apart in a plan."""
+GAP_DRIVEN = 0.1
+"""The same on the way, by right of way."""
 ROOM_TO_TURN = 0.08
 """Metres that the circumscribed circle is off the walls where a robot waits or makes a detour."""
 
@@ -68,6 +70,7 @@ class Router:
         self._inflation = InflationLayer(parameters.inflation_layer, static.resolution, inscribed)
         self.costmap = LayeredCostmap(static, [StaticLayer(static), obstacles, self._resting, self._inflation])
         self.separation = 2 * circumscribed + GAP
+        self.separation_driven = 2 * circumscribed + GAP_DRIVEN
         self._roadmap = roadmap(static, clearance, circumscribed + ROOM_TO_TURN)
         self._cells = static.cells_of(self._roadmap.centres.reshape(-1, 2))
         self._too_near = cost_at(circumscribed, inscribed, parameters.inflation_layer.cost_scaling_factor)
@@ -89,13 +92,15 @@ class Router:
         path = navfn.plan(self.costmap.costs, self._frame, start, goal, self._allow_unknown)
         if not isinstance(path, Refused):
             direct = timed(thinned(path.poses[:, :2], SPACING), time)
-            if clear(direct.points, direct.times, others, self.separation):
+            if clear(direct.points, direct.times, others, self.separation) and self._executable(direct, others):
                 return direct
         free, walls = self._rooms()
         start_point, goal_point = np.array([start.x, start.y]), np.array([goal.x, goal.y])
         among = route(self._roadmap, free, start_point, goal_point, time, others, self.separation)
         if among is not None:
-            return densified(among)
+            among = densified(among)
+            if self._executable(among, others):
+                return among
         alone = navfn.plan(walls.costs, self._frame, start, goal, self._allow_unknown)
         if isinstance(alone, Refused):
             return alone
@@ -112,11 +117,17 @@ class Router:
         """
         free, _ = self._rooms()
         away = refuge(self._roadmap, free, np.array([start.x, start.y]), wish, time, others, self.separation)
-        return None if away is None else densified(away)
+        if away is None:
+            return None
+        away = densified(away)
+        return away if self._executable(away, others) else None
 
     def in_the_way(self, place: Pose2, wish: FloatArray) -> bool:
         """Whether a robot at a place hinders another one on its path."""
         return bool((np.hypot(wish[:, 0] - place.x, wish[:, 1] - place.y) < self.separation).any())
+
+    def _executable(self, way: Itinerary, others: Others) -> bool:
+        return bool(executable(way.points, way.times, others, self.separation_driven))
 
     def _rooms(self) -> tuple[BoolArray, LayeredCostmap]:
         """Which coarse cells are free of walls and obstacles, and the costmap without the other robots."""

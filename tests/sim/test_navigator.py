@@ -12,7 +12,7 @@ from sim.control.braking import gap, placed
 from sim.costmap.footprint import outline
 from sim.geometry import Pose2, wrap_angle
 from sim.grid import OccupancyGrid
-from sim.navigator import Arrived, Cancelled, Goal, Navigator, NoPath
+from sim.navigator import NEARER, STALEMATE, Arrived, Cancelled, Goal, Navigator, NoPath
 from sim.observations import STANDSTILL, TICK, LaserMount, Neighbour, Scan, Twist
 from sim.parameters import RobotParameters, WorldParameters
 from sim.team import Go, Team
@@ -65,6 +65,7 @@ def arena8():
 
 
 ARENA = arena8()
+WAREHOUSE = read_map(Path(__file__).parents[2] / "maps" / "warehouse12")
 
 
 class Rig:
@@ -80,11 +81,13 @@ class Rig:
         self.tick = 0
         self.results = [[] for _ in starts]
         self.scans = lambda pose: None
+        self.strangers = []
+        self.broken = set()
 
     def step(self):
         self.tick += 1
         for i, said in enumerate(self.said):
-            wanted = said.command if said else STANDSTILL
+            wanted = said.command if said and i not in self.broken else STANDSTILL
             old = self.twists[i]
             v = old.linear + min(0.2, max(-0.2, wanted.linear - old.linear))
             w = old.angular + min(0.2, max(-0.2, wanted.angular - old.angular))
@@ -96,7 +99,7 @@ class Rig:
             self.twists[i] = Twist(v, w)
         self.touch()
         for i, navigator in enumerate(self.navigators):
-            others = [other for other in self.heard if other.robot != i]
+            others = [other for other in self.heard + self.strangers if other.robot != i]
             scan = self.scans(self.poses[i])
             self.said[i] = navigator.step(self.tick, self.poses[i], self.twists[i], scan, others)
             if self.said[i].result:
@@ -301,6 +304,39 @@ def test_one_that_rests_in_a_door_makes_way():
     assert rig.said[1].goal is None
 
 
+def bounded(rig, robot):
+    """Simulated seconds until a robot's goal ends; they have a bound, whatever is in the way."""
+    rig.step()
+    rig.run(1, lambda rig: rig.said[robot].state != "planning" or len(rig.said[robot].plan) > 0)
+    length = rig.said[robot].remaining
+    return rig.run((length / NEARER + 2) * STALEMATE, lambda rig: rig.results[robot])
+
+
+def test_who_has_the_right_of_way_and_never_goes_cannot_hold_up_a_goal_for_ever():
+    rig = Rig([(0, 0, 0)])
+    rig.strangers = [Neighbour(1, Pose2(0, 3, 0), STANDSTILL, STUDY, np.array([[0.0, 3.0], [3.0, 2.0]]), np.zeros(2))]
+    rig.go(0, 0, 6)
+    assert bounded(rig, 0) < 3 * STALEMATE
+    assert rig.results[0][0].reason == "robots_in_the_way"
+
+
+def test_one_that_cannot_make_way_ends_a_goal_with_its_reason():
+    cells = np.zeros((24, 160), np.int8)
+    cells[0], cells[-1], cells[:, 0], cells[:, -1] = 100, 100, 100, 100
+    rig = Rig([(1, 0.6, 0), (4, 0.6, 0)], OccupancyGrid(cells, 0.05, Pose2(0, 0, 0)))
+    rig.go(0, 7, 0.6)
+    bounded(rig, 0)
+    assert rig.results[0][0].reason == "robots_in_the_way"
+
+
+def test_a_robot_whose_wheels_do_not_turn_gives_up():
+    rig = Rig([(0, 0, 0)])
+    rig.go(0, 0, 6)
+    rig.broken = {0}
+    bounded(rig, 0)
+    assert rig.results[0][0].reason == "stuck"
+
+
 @pytest.mark.parametrize("seed", range(2))
 def test_six_robots_hunt(seed):
     hunt(Rig([(0, -1.5 + 0.9 * i, 0) for i in range(6)]), 3, seed)
@@ -330,10 +366,12 @@ def test_the_same_twice():
     assert ends[0] == ends[1]
 
 
-def touch_nothing_and_arrive(grid, starts, goals, seed):
+def touch_nothing_and_arrive(grid, starts, goals, seed, waits=0):
     """The whole chain: noisy wheels and lasers, particle filters."""
     count = len(starts)
     team = Team(grid, WorldParameters(), [RobotParameters()] * count, starts, seed, 1000.0)
+    for _ in range(waits):
+        team.step()
     snapshot = team.step([Go(i, Goal(i, goal)) for i, goal in enumerate(goals)])
     results = {}
     while len(results) < count and snapshot.tick < 100 / TICK:
@@ -353,7 +391,12 @@ def test_six_robots_that_start_in_a_row_touch_nothing_on_noisy_wheels(seed):
     touch_nothing_and_arrive(ARENA, starts, [Pose2(*room, 0.0) for room in rooms], seed)
 
 
+def test_three_at_a_crossing_do_not_wait_for_each_other():
+    """Planning from where they stood too near to one another, two of them once barred each other's way for good."""
+    goals = [WAREHOUSE.rooms[k].goal for k in (6, 7, 0)]
+    touch_nothing_and_arrive(WAREHOUSE.grid, WAREHOUSE.starts[:3], goals, seed=116, waits=12)
+
+
 def test_ten_robots_in_twelve_rooms_touch_nothing_on_noisy_wheels():
-    warehouse = read_map(Path(__file__).parents[2] / "maps" / "warehouse12")
-    rooms = random.Random(1).sample(warehouse.rooms, 10)
-    touch_nothing_and_arrive(warehouse.grid, warehouse.starts[:10], [room.goal for room in rooms], 1)
+    rooms = random.Random(1).sample(WAREHOUSE.rooms, 10)
+    touch_nothing_and_arrive(WAREHOUSE.grid, WAREHOUSE.starts[:10], [room.goal for room in rooms], 1)

@@ -5,7 +5,17 @@ import pytest
 
 from sim.geometry import Pose2
 from sim.observations import STANDSTILL, Neighbour
-from sim.planning.itinerary import Itinerary, clear, densified, heard, reached, right_of_way, start_time, timed
+from sim.planning.itinerary import (
+    Itinerary,
+    clear,
+    densified,
+    executable,
+    heard,
+    reached,
+    right_of_way,
+    start_time,
+    timed,
+)
 
 SQUARE = np.array([[0.25, 0.25], [-0.25, 0.25], [-0.25, -0.25], [0.25, -0.25]])
 NEAR = 0.8
@@ -87,3 +97,24 @@ def test_densifying_keeps_waits_and_times():
     assert np.hypot(*np.diff(dense.points, axis=0).T).max() <= 0.1 + 1e-9
     assert (np.diff(dense.times) > 0).all()
     assert dense.times[[0, 4, 5, 6]] == pytest.approx([0, 1, 5, 6])
+
+
+def test_itineraries_that_keep_their_distance_can_be_driven_to_the_end():
+    first, second = timed(line(-2, 0, 2, 0), 0.0), timed(line(0, -2, 0, 2), 3.0)
+    for mine, other in ((first, second), (second, first)):
+        assert executable(mine.points, mine.times, heard([told(1, other)]), NEAR)
+
+
+def test_two_that_bar_each_others_next_point_cannot_both_be_driven():
+    """Each leaves where the other comes nearer by a little less than it may, and a little later."""
+    first = Itinerary(line(0, 0, 0.3, 0.1, 3), np.array([0.0, 0.4, 0.8, 1.2]))
+    second = Itinerary(line(0.25, 0.85, 0.0, 0.75, 3), np.array([-0.2, 0.2, 0.6, 1.0]))
+    assert allowed(first, [told(1, second)])[0] < 3
+    assert not executable(first.points, first.times, heard([told(1, second)]), NEAR)
+    assert executable(first.points, first.times, heard([standing(1, 0.0, 2.0)]), NEAR)
+
+
+def test_an_itinerary_past_a_robot_that_stands_cannot_be_driven():
+    mine = timed(line(-2, 0, 2, 0), 0.0)
+    assert not executable(mine.points, mine.times, heard([standing(1, 0.0, 0.3)]), NEAR)
+    assert executable(mine.points, mine.times, heard([]), NEAR)
