@@ -16,11 +16,12 @@ from dataclasses import dataclass
 from typing import Literal
 
 import numpy as np
+from numba import njit
 
 from sim.control.braking import LATENCY, Surroundings, surroundings
 from sim.control.trajectory_rollout import Drive, TrajectoryRollout
-from sim.costmap.costs import INSCRIBED, CostFrame
-from sim.costmap.footprint import pad, radii
+from sim.costmap.costs import INSCRIBED, CostFrame, Costs
+from sim.costmap.footprint import circumscribed_radius, pad, radii
 from sim.costmap.inflation import InflationLayer
 from sim.costmap.layered import LayeredCostmap
 from sim.costmap.obstacle import ObstacleLayer
@@ -421,7 +422,7 @@ class Navigator:
             self._clearance,
             self._frame,
             self._footprint,
-            pose.array(),
+            pose,
             neighbours,
             self._parameters.TrajectoryPlannerROS.acc_lim_x,
             self._hold,
@@ -508,34 +509,49 @@ class Navigator:
     def _stretch(self, pose: Pose2, way: Itinerary, allowed: int, yields: bool) -> tuple[FloatArray | None, float]:
         """The part of the way to drive along now, and how early to slow down; None where the robot has to wait."""
         points = way.points[self._index : allowed + 1]
-        costs, frame = self._local.costs, self._local.frame
-        cols = np.floor((points[:, 0] - frame.x) / frame.resolution).astype(np.int64)
-        rows = np.floor((points[:, 1] - frame.y) / frame.resolution).astype(np.int64)
-        inside = (rows >= 0) & (cols >= 0) & (rows < costs.shape[0]) & (cols < costs.shape[1])
-        blocked = ~inside
-        blocked[inside] = costs[rows[inside], cols[inside]] >= INSCRIBED
-        away = np.hypot(points[:, 0] - pose.x, points[:, 1] - pose.y)
-        # Where the way turns back, to a place to wait and on again, it first leads to the turning point.
-        farthest = np.maximum.accumulate(away)
-        back = np.flatnonzero(away < farthest - TURNS_BACK)
-        if len(back):
-            turning = int(away[: back[0]].argmax()) + 1
-            points, away, blocked, yields = points[:turning], away[:turning], blocked[:turning], False
-        stops = np.flatnonzero(blocked & (away > HALT))
-        if len(stops):
-            points, away, yields = points[: stops[0]], away[: stops[0]], True
-        if len(points) == 0 or (yields and away[-1] < HALT):
+        count, stopped, turns = _drivable(points, self._local.costs, self._local.frame, pose.x, pose.y)
+        points = points[:count]
+        yields = stopped or (yields and not turns)
+        if len(points) == 0 or (yields and math.hypot(points[-1, 0] - pose.x, points[-1, 1] - pose.y) < HALT):
             return None, 0.0
         ends = not yields and self._index + len(points) == len(way.points)
         slow_down = self._parameters.TrajectoryPlannerROS.sim_time if ends else YIELD_TIME if yields else 0.1
         return points, slow_down
 
 
+@njit(cache=True)
+def _drivable(points: FloatArray, costs: Costs, frame: CostFrame, x: float, y: float) -> tuple[int, bool, bool]:
+    """How many of (m, 2) points a robot at (x, y) may be led along at once.
+
+    Where the way turns back, to a place to wait and on again, it first leads to the turning point; and it ends before
+    the first point, HALT away or more, that lies in an obstacle's inscribed radius or off the costmap.
+
+    Returns:
+        How many; whether an obstacle ends them; whether a turning point does.
+    """
+    farthest = 0.0
+    end, turns = points.shape[0], False
+    top = 0
+    for i in range(points.shape[0]):
+        away = math.hypot(points[i, 0] - x, points[i, 1] - y)
+        if away > farthest or i == 0:
+            farthest, top = away, i
+        if away < farthest - TURNS_BACK:
+            end, turns = top + 1, True
+            break
+    for i in range(end):
+        row = math.floor((points[i, 1] - frame.y) / frame.resolution)
+        col = math.floor((points[i, 0] - frame.x) / frame.resolution)
+        inside = row >= 0 and col >= 0 and row < costs.shape[0] and col < costs.shape[1]
+        if inside and costs[row, col] < INSCRIBED:
+            continue
+        if math.hypot(points[i, 0] - x, points[i, 1] - y) > HALT:
+            return i, True, turns
+    return end, False, turns
+
+
 def _discs(neighbours: Sequence[Neighbour]) -> FloatArray:
     """(k, 3) x, y and circumscribed radius of the neighbours."""
     return np.array(
-        [
-            (other.base_in_map.x, other.base_in_map.y, math.sqrt(float((other.footprint**2).sum(axis=1).max())))
-            for other in neighbours
-        ]
+        [(other.base_in_map.x, other.base_in_map.y, circumscribed_radius(other.footprint)) for other in neighbours]
     ).reshape(-1, 3)

@@ -17,7 +17,8 @@ from numba import njit
 from numpy.typing import NDArray
 
 from sim.costmap.costs import CostFrame
-from sim.geometry import FloatArray
+from sim.costmap.footprint import circumscribed_radius
+from sim.geometry import FloatArray, Pose2
 from sim.observations import Neighbour
 
 WALL_MARGIN = 0.08
@@ -174,19 +175,25 @@ def wall_clearance(
 
 
 @njit(cache=True)
-def _bodies(poses: FloatArray, twists: FloatArray, footprint: FloatArray, acc_lim_x: float, hold: float) -> FloatArray:
-    """(3 k, n, 2) outlines of k robots: where they are, and halfway and all the way to where they can stop."""
-    out = np.empty((3 * poses.shape[0], footprint.shape[0], 2))
-    for k in range(poses.shape[0]):
-        x, y, theta = poses[k]
-        v, w = twists[k]
+def _bodies(states: FloatArray, footprints: FloatArray, acc_lim_x: float, hold: float) -> FloatArray:
+    """(3 k, n, 2) outlines of k robots: where they are, and halfway and all the way to where they can stop.
+
+    Args:
+        states: (k, 5) x, y, theta and the linear and angular velocity of each.
+        footprints: (k, n, 2).
+        acc_lim_x: how hard everybody can brake, m/s^2.
+        hold: seconds from one command to the next, latency included.
+    """
+    out = np.empty((3 * states.shape[0], footprints.shape[1], 2))
+    for k in range(states.shape[0]):
+        x, y, theta, v, w = states[k]
         coast = hold + abs(v) / (2.0 * acc_lim_x)
         for part in range(3):
             time = 0.5 * part * coast
             turned = theta + w * time
             middle = theta + 0.5 * w * time
             out[3 * k + part] = placed(
-                footprint, x + v * time * math.cos(middle), y + v * time * math.sin(middle), turned
+                footprints[k], x + v * time * math.cos(middle), y + v * time * math.sin(middle), turned
             )
     return out
 
@@ -205,7 +212,7 @@ def surroundings(
     clearance: NDArray[np.float32],
     frame: CostFrame,
     footprint: FloatArray,
-    pose: FloatArray,
+    pose: Pose2,
     neighbours: Sequence[Neighbour],
     acc_lim_x: float,
     hold: float,
@@ -216,39 +223,41 @@ def surroundings(
         clearance: (rows, cols) metres to the nearest wall.
         frame: where these cells lie.
         footprint: (n, 2) of the robot, padded.
-        pose: (3,) of its base in the map.
+        pose: of its base in the map.
         neighbours: the other robots; those far off are left out.
         acc_lim_x: how hard everybody can brake, m/s^2.
         hold: seconds from one command to the next, latency included.
     """
-    reach = EARSHOT + 2.0 * float(np.hypot(*footprint.T).max())
+    x, y, theta = pose.x, pose.y, pose.theta
+    reach = EARSHOT + 2.0 * circumscribed_radius(footprint)
     near = [
-        other
-        for other in neighbours
-        if abs(other.base_in_map.x - pose[0]) < reach and abs(other.base_in_map.y - pose[1]) < reach
+        other for other in neighbours if abs(other.base_in_map.x - x) < reach and abs(other.base_in_map.y - y) < reach
     ]
     if not near:
         return Surroundings(clearance, frame, np.empty((0, len(footprint), 2)), np.empty(0))
-    parts = []
-    for other in near:
-        place = other.base_in_map
-        parts.append(
-            _bodies(
-                np.array([[place.x, place.y, place.theta]]),
-                np.array([[other.twist.linear, other.twist.angular]]),
-                _fitted(other.footprint, len(footprint)),
-                acc_lim_x,
-                hold,
+    states = np.array(
+        [
+            (
+                other.base_in_map.x,
+                other.base_in_map.y,
+                other.base_in_map.theta,
+                other.twist.linear,
+                other.twist.angular,
             )
-        )
-    bodies = np.concatenate(parts)
-    return Surroundings(clearance, frame, bodies, _gaps(placed(footprint, *pose), bodies))
+            for other in near
+        ]
+    )
+    footprints = np.array([_fitted(other.footprint, len(footprint)) for other in near])
+    bodies = _bodies(states, footprints, acc_lim_x, hold)
+    return Surroundings(clearance, frame, bodies, _gaps(placed(footprint, x, y, theta), bodies))
 
 
 def _fitted(footprint: FloatArray, corners: int) -> FloatArray:
     """The footprint with as many corners as asked: the last one repeated, or the box around it."""
     missing = corners - len(footprint)
-    if missing >= 0:
+    if missing == 0:
+        return footprint
+    if missing > 0:
         return np.vstack([footprint, np.repeat(footprint[-1:], missing, axis=0)])
     (x0, y0), (x1, y1) = footprint.min(axis=0), footprint.max(axis=0)
     return _fitted(np.array([[x0, y0], [x1, y0], [x1, y1], [x0, y1]])[:corners], corners)

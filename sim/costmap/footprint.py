@@ -38,7 +38,16 @@ def radii(footprint: FloatArray) -> tuple[float, float]:
     lengths = np.maximum((edges**2).sum(axis=1), 1e-12)
     along = np.clip(-(footprint * edges).sum(axis=1) / lengths, 0.0, 1.0)
     nearest = footprint + along[:, np.newaxis] * edges
-    return float(np.hypot(*nearest.T).min()), float(np.hypot(*footprint.T).max())
+    return float(np.hypot(*nearest.T).min()), float(circumscribed_radius(footprint))
+
+
+@njit(cache=True)
+def circumscribed_radius(footprint: FloatArray) -> float:
+    """Metres from the base frame's origin to the farthest of (n, 2) corners."""
+    farthest = 0.0
+    for i in range(footprint.shape[0]):
+        farthest = max(farthest, math.hypot(footprint[i, 0], footprint[i, 1]))
+    return farthest
 
 
 def outline(footprint: FloatArray, spacing: float) -> FloatArray:

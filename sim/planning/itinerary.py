@@ -61,22 +61,25 @@ class Others(NamedTuple):
     starts: NDArray[np.int64]
 
 
+_FOR_GOOD: FloatArray = np.array([-math.inf])
+
+
 def heard(neighbours: Sequence[Neighbour]) -> Others:
     """What the neighbours said of their itineraries."""
+    if not neighbours:
+        return Others(np.empty((0, 2)), np.empty(0), np.zeros(1, dtype=np.int64))
     points: list[FloatArray] = []
     times: list[FloatArray] = []
+    starts = [0]
     for neighbour in neighbours:
         if len(neighbour.times):
             points.append(neighbour.path)
             times.append(neighbour.times)
         else:
             points.append(np.array([[neighbour.base_in_map.x, neighbour.base_in_map.y]]))
-            times.append(np.array([-math.inf]))
-    starts = np.zeros(len(neighbours) + 1, dtype=np.int64)
-    np.cumsum([len(part) for part in times], out=starts[1:])
-    if not neighbours:
-        return Others(np.empty((0, 2)), np.empty(0), starts)
-    return Others(np.vstack(points), np.concatenate(times), starts)
+            times.append(_FOR_GOOD)
+        starts.append(starts[-1] + len(times[-1]))
+    return Others(np.concatenate(points), np.concatenate(times), np.array(starts))
 
 
 def resting_left_out(neighbours: Sequence[Neighbour]) -> Others:

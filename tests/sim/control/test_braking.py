@@ -31,7 +31,7 @@ angles = st.floats(-math.pi, math.pi)
 
 
 def around(pose, others, clearance=OPEN):
-    return surroundings(clearance, FRAME, STUDY, np.array(pose), others, 10.0, HOLD)
+    return surroundings(clearance, FRAME, STUDY, Pose2(*pose), others, 10.0, HOLD)
 
 
 def other(x, y, theta, twist=STANDSTILL):

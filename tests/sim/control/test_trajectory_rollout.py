@@ -26,7 +26,7 @@ def planner():
 
 
 def around(pose, clearance=FAR):
-    return surroundings(clearance, FRAME, STUDY, pose.array(), [], 10.0, 0.12)
+    return surroundings(clearance, FRAME, STUDY, pose, [], 10.0, 0.12)
 
 
 def follow(pose, path, twist=STANDSTILL, costs=OPEN, slow_down=0.1, clearance=FAR):
