@@ -21,8 +21,7 @@ from numba import njit
 from sim.control.braking import LATENCY, Surroundings, surroundings
 from sim.control.trajectory_rollout import Drive, TrajectoryRollout
 from sim.costmap.costs import INSCRIBED, CostFrame, Costs
-from sim.costmap.footprint import circumscribed_radius, pad, radii
-from sim.costmap.inflation import InflationLayer
+from sim.costmap.footprint import circumscribed_radius, pad
 from sim.costmap.layered import LayeredCostmap
 from sim.costmap.obstacle import ObstacleLayer
 from sim.costmap.robots import RobotsLayer
@@ -161,7 +160,6 @@ class Navigator:
         costmap = parameters.costmap
         resolution = static.resolution
         self._footprint = pad(footprint, costmap.footprint_padding)
-        inscribed, _ = radii(self._footprint)
         self._frame = CostFrame(static.origin.x, static.origin.y, resolution)
         # Half a cell less: from an occupied cell's centre to its side.
         self._clearance = np.maximum(distance_field(static, 2.0) - np.float32(0.5 * resolution), np.float32(0))
@@ -176,8 +174,8 @@ class Navigator:
         )
         cells = 2 * max(10, round(costmap.width / resolution / 2))
         self._everybody = RobotsLayer(static, resting_only=False)
-        inflation = InflationLayer(costmap.inflation_layer, resolution, inscribed)
-        self._local = LayeredCostmap(static, [StaticLayer(static), self._obstacles, self._everybody, inflation], cells)
+        walls = StaticLayer(static, self._router.walls)
+        self._local = LayeredCostmap(static, [walls, self._obstacles, self._everybody, self._router.inflation], cells)
         self._reach = min(LOOK_AHEAD, cells / 2 * resolution - RIM)
         self._control_ticks = max(1, round(TICKS_PER_SECOND / parameters.move_base.controller_frequency))
         self._costmap_ticks = max(1, round(TICKS_PER_SECOND / costmap.update_frequency))

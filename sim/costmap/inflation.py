@@ -15,13 +15,27 @@ from sim.parameters import InflationParameters
 
 
 @njit(cache=True)
-def _inflate(costs: Costs, kernel: Costs, row: int, col: int, row_end: int, col_end: int) -> None:
-    """Raise every cell of a window to the cost that each lethal cell near it asks for."""
+def _inflate(
+    costs: Costs, kernel: Costs, row: int, col: int, row_end: int, col_end: int, walls: Costs, row_in_map: int,
+    col_in_map: int,
+) -> None:  # fmt: skip
+    """Raise every cell of a window to the cost that each lethal cell near it asks for, walls of the map excepted.
+
+    Args:
+        costs: (rows, cols).
+        kernel: (2 k + 1, 2 k + 1) what a lethal cell in the middle asks for.
+        row: where the window begins; so col, row_end and col_end.
+        walls: (rows of the map, columns of the map) LETHAL where costs are inflated already.
+        row_in_map: of the cell (0, 0) of `costs`; so col_in_map.
+    """
     rows, cols = costs.shape
     radius = kernel.shape[0] // 2
     for i in range(max(0, row - radius), min(rows, row_end + radius)):
         for j in range(max(0, col - radius), min(cols, col_end + radius)):
             if costs[i, j] != 254:
+                continue
+            at_row, at_col = i + row_in_map, j + col_in_map
+            if 0 <= at_row < walls.shape[0] and 0 <= at_col < walls.shape[1] and walls[at_row, at_col] == 254:
                 continue
             # Cells amid obstacles add nothing: one at the rim is nearer to every free cell.
             if (
@@ -55,9 +69,12 @@ class InflationLayer:
         parameters: costmap_2d's.
         resolution: side of a cell, metres.
         inscribed_radius: of the padded footprint, metres.
+        walls: (rows, cols) costs of the map that are inflated already, where the layers before this one write these.
     """
 
-    def __init__(self, parameters: InflationParameters, resolution: float, inscribed_radius: float) -> None:
+    def __init__(
+        self, parameters: InflationParameters, resolution: float, inscribed_radius: float, walls: Costs | None = None
+    ) -> None:
         self._radius = math.floor(parameters.inflation_radius / resolution + 1e-9)
         side = 2 * self._radius + 1
         self._kernel: Costs = np.zeros((side, side), dtype=np.uint8)
@@ -68,6 +85,13 @@ class InflationLayer:
                     self._kernel[i, j] = cost_at(distance, inscribed_radius, parameters.cost_scaling_factor)
         # The lethal cells themselves stay the other layers' business.
         self._kernel[self._radius, self._radius] = 0
+        self._walls: Costs = np.empty((0, 0), dtype=np.uint8) if walls is None else walls
+
+    def inflated(self, costs: Costs) -> Costs:
+        """(rows, cols) costs of a whole map, inflated."""
+        inflated = costs.copy()
+        self.write(inflated, (0, 0), Window(0, 0, *costs.shape))
+        return inflated
 
     def bounds(self) -> Window:
         """Nothing of its own."""
@@ -80,4 +104,14 @@ class InflationLayer:
     def write(self, costs: Costs, origin: tuple[int, int], window: Window) -> None:
         """Inflate the lethal cells in and around the window; unknown cells change only within the inscribed radius."""
         row, col = origin
-        _inflate(costs, self._kernel, window.row - row, window.col - col, window.row_end - row, window.col_end - col)
+        _inflate(
+            costs,
+            self._kernel,
+            window.row - row,
+            window.col - col,
+            window.row_end - row,
+            window.col_end - col,
+            self._walls,
+            row,
+            col,
+        )

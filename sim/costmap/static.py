@@ -19,10 +19,16 @@ def static_costs(grid: OccupancyGrid) -> Costs:
 
 
 class StaticLayer:
-    """The walls of a map; outside of it all is unknown."""
+    """The walls of a map; outside of it all is unknown.
 
-    def __init__(self, grid: OccupancyGrid) -> None:
-        self._costs = static_costs(grid)
+    Args:
+        grid: the map.
+        inflated: (rows, cols) its costs where they are inflated once and for all, so that only what moves need be
+            inflated at every update. A rolling costmap then also knows of walls just beyond its rim.
+    """
+
+    def __init__(self, grid: OccupancyGrid, inflated: Costs | None = None) -> None:
+        self._costs = static_costs(grid) if inflated is None else inflated
         self._pending = Window(0, 0, grid.rows, grid.cols)
 
     def bounds(self) -> Window:

@@ -11,7 +11,7 @@ from sim.costmap.inflation import InflationLayer
 from sim.costmap.layered import LayeredCostmap
 from sim.costmap.obstacle import ObstacleLayer
 from sim.costmap.robots import RobotsLayer
-from sim.costmap.static import StaticLayer
+from sim.costmap.static import StaticLayer, static_costs
 from sim.geometry import FloatArray, Pose2
 from sim.grid import OccupancyGrid
 from sim.observations import Neighbour
@@ -67,8 +67,12 @@ class Router:
         self._allow_unknown = allow_unknown
         self._obstacles = obstacles
         self._resting = RobotsLayer(static, resting_only=True)
-        self._inflation = InflationLayer(parameters.inflation_layer, static.resolution, inscribed)
-        self.costmap = LayeredCostmap(static, [StaticLayer(static), obstacles, self._resting, self._inflation])
+        inflation = InflationLayer(parameters.inflation_layer, static.resolution, inscribed)
+        self.walls = inflation.inflated(static_costs(static))
+        self.inflation = InflationLayer(parameters.inflation_layer, static.resolution, inscribed, self.walls)
+        self.costmap = LayeredCostmap(
+            static, [StaticLayer(static, self.walls), obstacles, self._resting, self.inflation]
+        )
         self.separation = 2 * circumscribed + GAP
         self.separation_driven = 2 * circumscribed + GAP_DRIVEN
         self._roadmap = roadmap(static, clearance, circumscribed + ROOM_TO_TURN)
@@ -131,7 +135,7 @@ class Router:
 
     def _rooms(self) -> tuple[BoolArray, LayeredCostmap]:
         """Which coarse cells are free of walls and obstacles, and the costmap without the other robots."""
-        walls = LayeredCostmap(self._static, [StaticLayer(self._static), self._obstacles, self._inflation])
+        walls = LayeredCostmap(self._static, [StaticLayer(self._static, self.walls), self._obstacles, self.inflation])
         walls.update(0.0, 0.0)
         if not self._obstacles.any_marks:
             return self._roadmap.free, walls

@@ -11,7 +11,7 @@ from sim.costmap.inflation import InflationLayer
 from sim.costmap.layered import LayeredCostmap
 from sim.costmap.obstacle import ObstacleLayer
 from sim.costmap.robots import RobotsLayer
-from sim.costmap.static import StaticLayer
+from sim.costmap.static import StaticLayer, static_costs
 from sim.geometry import Pose2
 from sim.grid import OccupancyGrid
 from sim.observations import STANDSTILL, LaserMount, Neighbour, Scan
@@ -170,3 +170,21 @@ def test_robots_on_their_way_do_not_bar_plans():
     costmap = LayeredCostmap(grid, [StaticLayer(grid), layer])
     costmap.update(0.0, 0.0)
     assert (costmap.costs == FREE).all()
+
+
+def test_walls_inflated_once_cost_what_they_cost_anew():
+    rng = np.random.default_rng(3)
+    cells = rng.choice([0, 0, 0, 0, 0, 0, 100, -1], (70, 90)).astype(np.int8)
+    cells[20:50, 30:60] = 0
+    grid = OccupancyGrid(cells, 0.05, Pose2(0, 0, 0))
+    parameters = InflationParameters()
+    plain = InflationLayer(parameters, 0.05, INSCRIBED_RADIUS)
+    walls = plain.inflated(static_costs(grid))
+    done = InflationLayer(parameters, 0.05, INSCRIBED_RADIUS, walls)
+    robots = RobotsLayer(grid, resting_only=False)
+    robots.see([Neighbour(1, Pose2(2.2, 1.7, 0.4), STANDSTILL, STUDY, np.empty((0, 2)), np.empty(0))])
+    anew = LayeredCostmap(grid, [StaticLayer(grid), robots, plain])
+    once = LayeredCostmap(grid, [StaticLayer(grid, walls), robots, done])
+    anew.update(0.0, 0.0)
+    once.update(0.0, 0.0)
+    assert np.array_equal(once.costs, anew.costs)
