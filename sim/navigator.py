@@ -200,6 +200,7 @@ class Navigator:
         self._poses = NOWHERE
         self._left = NO_TIMES
         self._index = 0
+        self._ahead = (NOWHERE, NO_TIMES, 0.0)
         self._at_goal = False
         self._others_bar = False
         self._making_way = False
@@ -277,12 +278,17 @@ class Navigator:
         result = self._results.popleft() if self._results else None
         if self._itinerary is None:
             state: NavigatorState = "idle" if self._goal is None else "planning"
-            plan, times, remaining = self._wish, NO_TIMES, 0.0
-        else:
-            state = "clearing" if self._turn_left > 0.0 else "controlling"
-            plan, times = self._poses[self._index :], self._itinerary.times[self._index :]
-            remaining = float(self._left[self._index])
+            return Navigation(
+                self._command, self._goal, state, self._wish, NO_TIMES, self._local_plan, result, remaining=0.0
+            )
+        state = "clearing" if self._turn_left > 0.0 else "controlling"
+        plan, times, remaining = self._ahead
         return Navigation(self._command, self._goal, state, plan, times, self._local_plan, result, remaining)
+
+    def _pass(self, way: Itinerary, index: int) -> None:
+        """Have reached this point of the way."""
+        self._index = index
+        self._ahead = (self._poses[index:], way.times[index:], float(self._left[index]))
 
     # Which way
 
@@ -388,6 +394,7 @@ class Navigator:
         self._poses = headings(way.points, heading)
         steps = np.hypot(*np.diff(way.points, axis=0).T)
         self._left = np.append(np.cumsum(steps[::-1])[::-1], 0.0)
+        self._pass(way, 0)
         self._planning_since = tick
         self._progress, self._free = tick, tick - 1
         self._rollout.reset()
@@ -413,7 +420,8 @@ class Navigator:
             self._local.update(pose.x, pose.y)
         index = int(reached(way.points, self._index, pose.x, pose.y))
         if index > self._index:
-            self._index, self._progress = index, tick
+            self._pass(way, index)
+            self._progress = tick
         if not self._making_way and self._left[self._index] < self._shortest - NEARER:
             self._shortest, self._shortest_tick = float(self._left[self._index]), tick
         around = surroundings(
