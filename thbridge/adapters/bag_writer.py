@@ -87,8 +87,10 @@ class BagWriter:
         if self._stamp_ns is not None and message.stamp_ns < self._stamp_ns:
             raise ValueError(f"a message at {message.stamp_ns} ns after one at {self._stamp_ns} ns")
         connection = self._connections.get(message.topic) or self._connect(message.topic)
-        with self._keeping():
+        try:
             self._file.write(connection, message.stamp_ns, message.data)
+        except OSError as error:
+            raise self._saved(error) from error
         self._stamp_ns = message.stamp_ns
 
     def sync_if_due(self) -> None:

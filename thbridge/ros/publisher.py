@@ -153,8 +153,8 @@ class Publisher:
 
     def _moving_frames(self, snapshot: TeamSnapshot) -> Iterator[Transform]:
         for robot, output in zip(self._robots, snapshot.robots, strict=True):
-            yield Transform(MAP_FRAME, robot.names.odom, output.estimate.odom_in_map)
-            yield Transform(robot.names.odom, robot.names.base_footprint, output.observations.odometry.base_in_odom)
+            yield Transform(MAP_FRAME, robot.odom, output.estimate.odom_in_map)
+            yield Transform(robot.odom, robot.base_footprint, output.observations.odometry.base_in_odom)
 
     def _records(self, tick: int, records: Iterable[Record]) -> Iterator[tuple[Topic, bytes]]:
         for record in records:
@@ -186,6 +186,7 @@ class _RobotPublisher:
     def __init__(self, robot: int, scan_period: float) -> None:
         self.names = RobotNames.of(robot)
         self.topics = RobotTopics.of(self.names)
+        self.odom, self.base_footprint = self.names.odom, self.names.base_footprint
         self._scan_period = scan_period
         self._charge = math.nan
         self._command = STANDSTILL
@@ -197,18 +198,18 @@ class _RobotPublisher:
     def tick(
         self, tick: int, truth: Pose2, twist: Twist, command: Twist, output: RobotOutput
     ) -> Iterator[tuple[Topic, bytes]]:
-        topics, frames = self.topics, self.names
+        topics = self.topics
         observations, estimate = output.observations, output.estimate
         sensed = observations.odometry
         yield (
             topics.odom,
             pack.odometry(
-                tick, frames.odom, frames.base_footprint, sensed.base_in_odom, sensed.twist, _ODOM_POSE, _ODOM_TWIST
+                tick, self.odom, self.base_footprint, sensed.base_in_odom, sensed.twist, _ODOM_POSE, _ODOM_TWIST
             ),
         )
-        yield topics.base_pose_ground_truth, pack.odometry(tick, MAP_FRAME, frames.base_footprint, truth, twist)
+        yield topics.base_pose_ground_truth, pack.odometry(tick, MAP_FRAME, self.base_footprint, truth, twist)
         if observations.scan is not None:
-            yield topics.scan, pack.laser_scan(observations.scan, frames.base_laser, self._scan_period)
+            yield topics.scan, pack.laser_scan(observations.scan, self.names.base_laser, self._scan_period)
         if estimate.updated:
             yield (
                 topics.amcl_pose,
@@ -219,7 +220,7 @@ class _RobotPublisher:
         charge = observations.battery.charge
         if tick % TICKS_PER_SECOND == 0 or charge != self._charge:
             self._charge = charge
-            yield topics.battery, pack.battery_state(observations.battery, frames.namespace[1:])
+            yield topics.battery, pack.battery_state(observations.battery, self.names.namespace[1:])
         yield from self._navigation(tick, command, output.navigation)
 
     def _navigation(self, tick: int, command: Twist, navigation: Navigation) -> Iterator[tuple[Topic, bytes]]:

@@ -143,6 +143,7 @@ def plain_definition(msgtype: str) -> Definition:
     return Definition(text.replace(_EMPTY_PART, _EMPTY_PART + _GENERATED_MARK), md5)
 
 
+@cache
 def md5_of(msgtype: str, text: str) -> str | None:
     """The sum over the fields that a full definition text gives a type; None when the text cannot be read."""
     store = get_typestore(Stores.EMPTY)
