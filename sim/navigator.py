@@ -3,7 +3,8 @@
 A goal is planned for (`sim.planning.router`), followed by trajectory rollout as far as the right of way reaches
 (`sim.planning.itinerary`), and ends Arrived, NoPath or Cancelled. Where robots that stand leave no way, the robot tells
 the path it wishes for; those of them that rest or have a higher number move aside. Recovery is move_base's: forget the
-obstacles seen, turn once, again both, give up.
+obstacles seen, turn once, again both, give up. Whatever the cause, a goal whose way left has not become shorter for
+STALEMATE seconds is given up: every goal ends in bounded time.
 
 Source: ros-planning/navigation, move_base/src/move_base.cpp.
 Differs: plans and commands are made in the tick that is due, without threads; robots take turns in planning.

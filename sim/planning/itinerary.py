@@ -9,6 +9,9 @@ Who plans first has the right of way: a newcomer's itinerary keeps clear, time f
 waits or makes detours where it must (`sim.planning.safe_interval`). A robot that stands is an itinerary of one point
 for all times. So that no two plan at once, not yet knowing of each other, planning goes round the team tick by tick.
 
+Robots that stand close together, nearer than plans may come, break that distance by standing there, and plans allow it
+near their starts. Since nothing is proven then, every itinerary is driven in thought before it is taken (`executable`).
+
 Source: Cap, Gregoire, Frazzoli, Provably Safe and Deadlock-Free Execution of Multi-Robot Plans under Delaying
 Disturbances (IROS 2016), the control law RMTRACK; Cap, Vokrinek, Kleiner, Complete Decentralized Method for On-Line
 Multi-Robot Trajectory Planning in Well-Formed Infrastructures (ICAPS 2015).
