@@ -4,6 +4,7 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 from pathlib import Path
 
+from thbridge.adapters.errors import BadFile
 from thbridge.adapters.journal import Journal, journal_path, next_game
 from thbridge.hunt.events import Event, Started
 
@@ -25,12 +26,20 @@ class Ledger:
     """Writes what the keeper decides; holds one journal open at a time.
 
     Args:
-        folder: where the journals lie; made with the first game.
+        folder: where the journals lie; made if need be.
+
+    Raises:
+        BadFile: there can be no such folder.
     """
 
     def __init__(self, folder: Path) -> None:
         self.folder = folder
         self._journal: Journal | None = None
+        try:
+            folder.mkdir(parents=True, exist_ok=True)
+        except OSError as error:
+            problem = f"there can be no journals here ({error.strerror})"
+            raise BadFile(folder, None, None, problem, "choose another folder") from None
 
     @property
     def last_game(self) -> int:

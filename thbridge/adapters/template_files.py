@@ -209,7 +209,7 @@ def _lines(path: Path) -> list[tuple[int, str]]:
     try:
         content = path.read_bytes()
     except FileNotFoundError:
-        raise BadFile(path, None, None, "the file is missing", "add it to the template folder") from None
+        raise BadFile(path, None, None, "there is no such file", "add it, or check the name and the folder") from None
     except OSError as error:
         raise BadFile(
             path, None, None, f"cannot be read ({error.strerror})", "make it a file that you may read"

@@ -4,7 +4,8 @@ from __future__ import annotations
 
 import asyncio
 import logging
-from collections.abc import Iterator
+from collections.abc import AsyncIterator, Iterator
+from contextlib import asynccontextmanager
 from dataclasses import dataclass
 from enum import Enum
 from typing import NoReturn, TypeAlias
@@ -21,6 +22,9 @@ _BACKLOG = 1024 * 1024
 """Bytes that may wait to be sent; after that the connection is taken for dead."""
 
 _SEGMENT = 16 * 1024
+
+_LAST_WORDS = 0.1
+"""Seconds in which what was said last may still leave."""
 
 
 class LossReason(Enum):
@@ -95,6 +99,16 @@ class TextClient:
                 await self._events.put(loss)
             await asyncio.sleep(next(delays))
 
+    @asynccontextmanager
+    async def running(self) -> AsyncIterator[None]:
+        """Keep connected inside the `async with`; what was said in it still leaves."""
+        running = asyncio.create_task(self.run())
+        try:
+            yield
+            await asyncio.sleep(_LAST_WORDS)
+        finally:
+            running.cancel()
+
     def send(self, message: Message) -> bool:
         """Say something; False when we are not registered with a server just now, and the message is lost."""
         if self._writer is None:
@@ -122,7 +136,8 @@ class TextClient:
             async with asyncio.timeout(self._patience.silence):
                 reader, writer = await asyncio.open_connection(self._host, self._port)
         except (OSError, UnicodeError, OverflowError) as error:
-            return Lost(LossReason.UNREACHABLE, str(error))
+            told = error.strerror if isinstance(error, OSError) and error.strerror else str(error)
+            return Lost(LossReason.UNREACHABLE, f"{self._host}:{self._port}: {told}")
         try:
             return await self._listen(reader, writer)
         except OSError as error:

@@ -79,7 +79,9 @@ class Study:
     templates: str = knob("original-2016", "name of a set of templates, or the path of its folder")
     robots: int = knob(2, "size of the team", "", 1, 64)
     seed: int = knob(1, "all chance is keyed by it; the same seed gives the same run", "", 0, 2**31 - 1)
-    rate: float = knob(1.0, "simulated seconds per second; 0: as fast as it can", "", 0, 1000)
+    rate: float | None = knob(
+        None, "simulated seconds per second; 0: as fast as it can; null: 1 when others take part, else 0", "", 0, 1000
+    )
     game: GameSection = knob(GameSection(), "rules and energy")
     participant: ParticipantSection = knob(ParticipantSection(), "who plays when no person does")
     dialogue: DialogueSection = knob(DialogueSection(), "how robots talk")

@@ -1,18 +1,15 @@
 """The programs: a session or one role, kept to the clock, until it is over or somebody stops it."""
 
-import asyncio
 import logging
-import signal
-import time
-from collections.abc import Callable, Iterator, Sequence
-from contextlib import contextmanager
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass
+from itertools import count
 from pathlib import Path
 
 from sim.observations import TICK, TICKS_PER_SECOND
 from thbridge.adapters.bag_writer import ACTIVE
 from thbridge.adapters.ledger import Ledger
-from thbridge.adapters.pacer import Pacer
+from thbridge.adapters.loop import run_ticks
 from thbridge.adapters.text_client import LossReason, Lost, TextClient
 from thbridge.adapters.text_server import CannotListen, Listening, TextServer
 from thbridge.app.compose import Setting
@@ -34,10 +31,6 @@ _log = logging.getLogger(__name__)
 
 LAST_WORDS = TICKS_PER_SECOND // 2
 """Ticks that a session goes on after the end of the game, so that everybody hears of it and the bag has it."""
-
-
-class Interrupted(Exception):  # noqa: N818 - it is somebody's wish, not an error
-    """Somebody stopped the program (Ctrl-C, SIGTERM); everything is closed in good order."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -68,15 +61,17 @@ class Outcome:
 
 
 class Unfinished(Exception):  # noqa: N818 - nothing went wrong with the program
-    """The time was up before the game was over.
+    """The hunt ended before the game was over. Everything is closed in good order.
 
     Attributes:
         outcome: how things stood then.
+        stopped: somebody stopped the program (Ctrl-C, SIGTERM); or else the time was up.
     """
 
-    def __init__(self, outcome: Outcome) -> None:
-        super().__init__("the time was up")
+    def __init__(self, outcome: Outcome, stopped: bool) -> None:
+        super().__init__("stopped" if stopped else "the time was up")
         self.outcome = outcome
+        self.stopped = stopped
 
 
 @dataclass(frozen=True, slots=True)
@@ -114,8 +109,7 @@ async def play(
 
     Raises:
         BadFile: the journal or the bag cannot be written (as `BagNotWritten`).
-        Interrupted: it was stopped; what was recorded is complete.
-        Unfinished: the game was not over in time; what was recorded is complete.
+        Unfinished: it was stopped, or the game was not over in time; what was recorded is complete.
     """
     study = setting.study
     roles: list[Role] = [setting.simr()]
@@ -125,21 +119,21 @@ async def play(
         roles.append(participant)
     ledger = Ledger(journal_of(options.bag)) if options.bag is not None else None
     recorder = setting.recorder(options.bag) if options.bag is not None else None
-    started = time.monotonic()
     try:
         router = Router()
         witnesses: list[Witness] = [] if recorder is None else [BagWitness(recorder)]
         session = Session(router, setting.keeper(), roles, ledger or _NoLog(), witnesses)
         server = TextServer(router, session.hear)
         session.perform = server.perform
-        pacer = Pacer(TICK / options.rate if options.rate > 0.0 else 0.0)
         ending = Ending(options.max_seconds)
+
+        def tick() -> bool:
+            progress(session.step())
+            return not ending.reached(session)
+
         ready(await server.start(study.server.host, study.server.port))
         try:
-            with stopping() as stopped:
-                while not ending.reached(session) and not stopped.is_set():
-                    progress(session.step())
-                    await pacer.wait()
+            run = await run_ticks(tick, _period(options.rate))
         finally:
             await server.stop()
     finally:
@@ -147,12 +141,15 @@ async def play(
             recorder.close()
         if ledger is not None:
             ledger.close()
-    if stopped.is_set():
-        raise Interrupted
-    outcome = _outcome(setting, session, ending, roles, time.monotonic() - started, options.bag)
+    outcome = _outcome(setting, session, ending, roles, run.seconds, options.bag)
     if ending.tick is None:
-        raise Unfinished(outcome)
+        raise Unfinished(outcome, stopped=not run.finished)
     return outcome
+
+
+def _period(rate: float) -> float:
+    """Seconds of wall time for a tick; 0 for a rate of 0, as fast as it can."""
+    return TICK / rate if rate > 0.0 else 0.0
 
 
 class _NoLog:
@@ -207,20 +204,19 @@ def _visited(game: GameState | None) -> int:
 
 
 async def serve(
-    setting: Setting, journal: Path, new_game: bool, ready: Callable[[Listening | CannotListen], None]
+    setting: Setting, ledger: Ledger, new_game: bool, ready: Callable[[Listening | CannotListen], None]
 ) -> None:
     """Run the text server and the keeper until stopped; a game that was cut off goes on.
 
     Args:
         setting: the study.
-        journal: folder of the journals.
+        ledger: the journals; closed at the end.
         new_game: leave an unfinished game as it is and begin the next.
         ready: told where the server is to be reached, or why not; in that case nothing else happens.
 
     Raises:
         BadFile: the journal cannot be read or written.
     """
-    ledger = Ledger(journal)
     try:
         unfinished = None if new_game else ledger.resume()
         if unfinished is not None:
@@ -237,12 +233,13 @@ async def serve(
         ready(listening)
         if isinstance(listening, CannotListen):
             return
-        pacer = Pacer(TICK)
+
+        def tick() -> bool:
+            session.step()
+            return True
+
         try:
-            with stopping() as stopped:
-                while not stopped.is_set():
-                    session.step()
-                    await pacer.wait()
+            await run_ticks(tick, TICK)
         finally:
             await server.stop()
     finally:
@@ -268,33 +265,26 @@ async def take_part(
     Returns:
         Whether it is done; or else somebody stopped it.
     """
-    tick = 0
-    pacer = Pacer(TICK / rate if rate > 0.0 else 0.0)
-    running = asyncio.create_task(client.run())
-    try:
-        with stopping() as stopped:
-            while not stopped.is_set():
-                heard: list[Message] = []
-                for event in client.take():
-                    match event:
-                        case Message():
-                            heard.append(event)
-                        case Registered():
-                            role.connected()
-                        case Lost():
-                            lost(event)
-                said = role.step(tick, heard)
-                for message in said:
-                    client.send(message)
-                tick += 1
-                if done(heard, said):
-                    # What was said last still has to leave.
-                    await asyncio.sleep(0.1)
-                    return True
-                await pacer.wait()
-    finally:
-        running.cancel()
-    return False
+    ticks = count()
+
+    def tick() -> bool:
+        heard: list[Message] = []
+        for event in client.take():
+            match event:
+                case Message():
+                    heard.append(event)
+                case Registered():
+                    role.connected()
+                case Lost():
+                    lost(event)
+        said = role.step(next(ticks), heard)
+        for message in said:
+            client.send(message)
+        return not done(heard, said)
+
+    async with client.running():
+        run = await run_ticks(tick, _period(rate))
+    return run.finished
 
 
 async def simr(
@@ -363,21 +353,6 @@ async def tabui(
     return last if finished else None
 
 
-@contextmanager
-def stopping() -> Iterator[asyncio.Event]:
-    """An event that Ctrl-C and SIGTERM set instead of ending the program where it stands."""
-    loop = asyncio.get_running_loop()
-    stopped = asyncio.Event()
-    signals = (signal.SIGINT, signal.SIGTERM)
-    for number in signals:
-        loop.add_signal_handler(number, stopped.set)
-    try:
-        yield stopped
-    finally:
-        for number in signals:
-            loop.remove_signal_handler(number)
-
-
 def journal_of(bag: Path) -> Path:
     """The folder of the journal that goes with a bag."""
     return bag.with_name(bag.name.removesuffix(".bag") + ".journal")
@@ -398,11 +373,22 @@ def make_room(bag: Path) -> Path | None:
     stem = bag.name.removesuffix(".bag")
     number = next(n for n in range(1, 10**6) if not any(bag.parent.glob(f"{stem}-{n}.*")))
     moved = bag.with_name(f"{stem}-{number}.bag")
-    bag.parent.mkdir(parents=True, exist_ok=True)
     for path, target in ((bag, moved), (active, moved.with_name(moved.name + ACTIVE)), (journal, journal_of(moved))):
         if path.exists():
             path.rename(target)
     return moved
+
+
+def try_place(bag: Path) -> None:
+    """See that a bag can be recorded there, before anything that takes time is done.
+
+    Raises:
+        OSError: it cannot.
+    """
+    active = bag.with_name(bag.name + ACTIVE)
+    bag.parent.mkdir(parents=True, exist_ok=True)
+    with active.open("xb"):
+        active.unlink()
 
 
 def reason_of(lost: Lost) -> str:

@@ -203,7 +203,7 @@ def test_a_fault_is_named_with_its_place_and_its_remedy(tmp_path, read, text, na
 
 @pytest.mark.parametrize("read", [read_dialogue_text, read_map_times, read_treasures])
 def test_a_file_that_is_not_there_or_is_no_file(tmp_path, read):
-    assert "missing" in refusal(read, tmp_path / "nothing")
+    assert "there is no such file" in refusal(read, tmp_path / "nothing")
     assert "cannot be read" in refusal(read, tmp_path)
 
 

@@ -1,0 +1,157 @@
+"""The commands about files: recordings, maps, studies, costs, ROS message types."""
+
+from contextlib import suppress
+from pathlib import Path
+from typing import Annotated
+
+import msgspec
+import typer
+from rich.table import Table
+
+from thbridge.adapters.bag_reader import info as bag_info
+from thbridge.adapters.bag_repair import reindex as reindex_bag
+from thbridge.adapters.map_files import check_map
+from thbridge.adapters.resources import shipped
+from thbridge.adapters.ros_package import write_package
+from thbridge.adapters.template_files import read_map_times
+from thbridge.app.config import commented_study
+from thbridge.hunt.costs import CostMatrix
+from thbridge.hunt.outcomes import Refused
+from thbridge.hunt.rooms import Room
+from thbridge.hunt.tour import best_tour
+from ui.options import AsJson, setting_of, study_of, write_report
+from ui.terminal import BAD_INPUT, FAILED, bad_input, fail, note, out, print_json
+
+bag_app = typer.Typer(help="Look into recordings and mend them.", no_args_is_help=True)
+maps_app = typer.Typer(help="Maps: the arenas that robots drive in.", no_args_is_help=True)
+ros_app = typer.Typer(help="Where a ROS 1 is installed: make it know our messages.", no_args_is_help=True)
+study_app = typer.Typer(help="Study files: everything that can be set, in one YAML file.", no_args_is_help=True)
+
+
+def suggest(
+    costs: Annotated[Path, typer.Option(help="Cost file in the mapTimes format.")],
+    at: Annotated[int, typer.Option(help="Where the robot stands; 0 is the corridor.", min=0)],
+    unvisited: Annotated[str, typer.Option(help="Rooms still to visit, e.g. `1,2,5`.")],
+    as_json: AsJson = False,
+) -> None:
+    """Suggest the next room: the first of the cheapest tour of all rooms still to visit."""
+    with bad_input():
+        matrix = read_map_times(costs)
+    start = Room(at)
+    if not matrix.knows(start):
+        fail(
+            BAD_INPUT,
+            f"--at: {at} is not a place in the cost file. Write 0, the corridor, or a room up to {len(matrix.rooms)}.",
+        )
+    places = [_room(matrix, text.strip()) for text in unvisited.split(",")]
+    tour = best_tour(matrix, start, places)
+    if isinstance(tour, Refused):
+        fail(FAILED, tour.sentence)
+    rooms = [room.people for room in tour.rooms]
+    cost = int(tour.cost) if tour.cost == int(tour.cost) else tour.cost
+    if as_json:
+        print_json({"next": rooms[0], "tour": rooms, "cost": cost})
+    else:
+        out.print(f"Next room {rooms[0]}; the cheapest tour is {' '.join(map(str, rooms))} and costs {cost}.")
+
+
+def _room(costs: CostMatrix, text: str) -> Room:
+    if not text.isdecimal() or (room := Room(int(text))) not in costs.rooms:
+        wanted = f"Write numbers of rooms, 1 to {len(costs.rooms)}, with commas between"
+        fail(BAD_INPUT, f"--unvisited: {text!r} is not a room in the cost file. {wanted}.")
+    return room
+
+
+def report(
+    bag: Annotated[Path, typer.Argument(help="A ROS 1 bag.")],
+    to: Annotated[Path | None, typer.Option("--to", help="The page; by default beside the bag.")] = None,
+) -> None:
+    """Make a report of a bag: one HTML page with paths, errors, energy, events and talk."""
+    with bad_input():
+        write_report(bag, to or bag.with_suffix(".html"))
+
+
+@bag_app.command("info")
+def bag_info_command(bag: Annotated[Path, typer.Argument(help="A ROS 1 bag.")], as_json: AsJson = False) -> None:
+    """Say what is in a bag."""
+    with bad_input():
+        found = bag_info(bag)
+    if as_json:
+        print_json(msgspec.to_builtins(found, enc_hook=str))
+        return
+    table = Table("topic", "type", "messages", title=f"{bag}: {found.duration:.1f} s, {found.messages} messages")
+    for topic in found.topics:
+        table.add_row(topic.name, topic.msgtype, str(topic.messages))
+    out.print(table)
+
+
+@bag_app.command("reindex")
+def bag_reindex_command(
+    bag: Annotated[Path, typer.Argument(help="A bag whose writer was killed.")], as_json: AsJson = False
+) -> None:
+    """Recover a bag that was cut off; the original is kept beside it."""
+    with bad_input():
+        done = reindex_bag(bag)
+    if as_json:
+        print_json(msgspec.to_builtins(done, enc_hook=str))
+        return
+    out.print(f"Recovered {done.messages} messages into {done.path}; the original is {done.backup}.", highlight=False)
+    if done.lost_bytes:
+        out.print(f"{done.lost_bytes} bytes at its end were half written and are lost.", highlight=False)
+
+
+@maps_app.command("check")
+def maps_check(
+    name: Annotated[str, typer.Argument(help="Name of a map, or the path of its folder.")], as_json: AsJson = False
+) -> None:
+    """Check a map: image, rooms, goals and start poses."""
+    wanted = f"./{name}" if "/" not in name and Path(name).is_dir() else name
+    with bad_input():
+        findings = check_map(shipped().find("maps", wanted, Path()))
+    errors = sum(finding.severity == "error" for finding in findings)
+    if as_json:
+        told = [{"severity": finding.severity, "message": str(finding.fault)} for finding in findings]
+        print_json({"ok": errors == 0, "findings": told})
+    else:
+        for finding in findings:
+            out.print(f"{finding.severity}: {finding.fault}", highlight=False, markup=False, soft_wrap=True)
+        out.print(f"{errors} errors, {len(findings) - errors} warnings")
+    if errors:
+        raise typer.Exit(BAD_INPUT)
+
+
+@maps_app.command("list")
+def maps_list() -> None:
+    """Name the maps that come with the project."""
+    for name in shipped().names("maps"):
+        out.print(name)
+
+
+@ros_app.command("messages")
+def ros_messages(folder: Annotated[Path, typer.Argument(help="Where the package goes, e.g. a catkin `src`.")]) -> None:
+    """Write our message types as the ROS package `thbridge_msgs`."""
+    with bad_input():
+        package = write_package(folder)
+    note(f"Wrote {package}.")
+
+
+@study_app.command("init")
+def study_init(file: Annotated[Path, typer.Argument(help="The file to write; must not exist.")]) -> None:
+    """Write a study file with every key at its default, commented."""
+    try:
+        with file.open("x", encoding="utf-8") as opened:
+            opened.write(commented_study())
+    except FileExistsError:
+        fail(BAD_INPUT, f"{file}: there is such a file already. Choose another name.")
+    except OSError as error:
+        with suppress(OSError):
+            file.unlink()  # a half written one
+        fail(BAD_INPUT, f"{file}: it cannot be written ({error.strerror}). Choose another folder.")
+    note(f"Wrote {file}. Run it with `thbridge play {file}`.")
+
+
+@study_app.command("check")
+def study_check(file: Annotated[Path, typer.Argument(help="A study file.")]) -> None:
+    """Check a study file and everything it names."""
+    setting_of(study_of(file, {}), file)
+    out.print(f"{file}: no faults", highlight=False)

@@ -1,0 +1,144 @@
+"""The commands that run one program each: the text server, and what joins it."""
+
+import secrets
+from pathlib import Path
+from typing import Annotated
+
+import typer
+
+from thbridge.adapters.ledger import Ledger
+from thbridge.adapters.resources import shipped
+from thbridge.adapters.template_files import TemplateSet, read_template_set
+from thbridge.adapters.text_client import Lost
+from thbridge.adapters.text_server import CannotListen, Listening
+from thbridge.app import programs
+from thbridge.app.compose import build_hider
+from thbridge.app.config import Study
+from thbridge.roles.view import View
+from ui.options import (
+    ADDRESS,
+    AsJson,
+    BagFile,
+    MapName,
+    Port,
+    Robots,
+    Seed,
+    Server,
+    StudyFile,
+    StudyOption,
+    Templates,
+    Who,
+    announce_compiling,
+    make_ready,
+    setting_of,
+    study_of,
+    with_server,
+)
+from ui.seats import run, seat_of
+from ui.terminal import BAD_INPUT, FAILED, bad_input, fail, note, out, print_json
+
+
+def server(
+    study_file: StudyFile = None,
+    host: Annotated[str | None, typer.Option(help="Address to listen on; 0.0.0.0 lets other machines in.")] = None,
+    port: Port = None,
+    journal: Annotated[Path, typer.Option(help="Folder of the games' journals.")] = Path("journal"),
+    new_game: Annotated[bool, typer.Option("--new-game", help="Do not go on with an unfinished game.")] = False,
+) -> None:
+    """Run the text server of 2016, and with it the keeper of the game, until stopped."""
+    setting = setting_of(with_server(study_of(study_file, {}), host, port), study_file)
+
+    with bad_input():
+        ledger = Ledger(journal)
+
+    def ready(where: Listening | CannotListen) -> None:
+        if isinstance(where, CannotListen):
+            fail(BAD_INPUT, str(where))
+        print(f"listening on {where.host}:{where.port}", flush=True)  # noqa: T201 - programs wait for this line
+
+    run(programs.serve(setting, ledger, new_game, ready))
+
+
+def simr(
+    study_file: StudyOption = None,
+    server: Server = ADDRESS,
+    robots: Robots = None,
+    map_name: MapName = None,
+    rate: Annotated[
+        float | None, typer.Option(help="Simulated seconds per second; by default the study's, or else 1.", min=0.01)
+    ] = None,
+    seed: Seed = None,
+    bag: BagFile = None,
+) -> None:
+    """Run the robots (SimR) at a text server until stopped."""
+    host, port = _address(server)
+    setting = setting_of(
+        study_of(study_file, {"robots": robots, "map": map_name, "seed": seed, "rate": rate}), study_file
+    )
+    if bag is not None:
+        make_ready(bag)
+    announce_compiling()
+    unfit = run(programs.simr(setting, host, port, _token(), setting.study.rate or 1.0, bag, _lost))
+    if unfit is not None:
+        fail(FAILED, unfit)
+
+
+def hider(
+    server: Server = ADDRESS,
+    treasures: Annotated[str | None, typer.Option(help="Set of templates, or its folder, with `treasures`.")] = None,
+    seed: Seed = None,
+) -> None:
+    """Run the treasures' program (Hider) at a text server until stopped."""
+    host, port = _address(server)
+    default = Study()
+    role = build_hider(_templates(treasures or default.templates), default.seed if seed is None else seed)
+    run(programs.hider(role, host, port, _token(), _lost))
+
+
+def tabui(
+    server: Server = ADDRESS,
+    participant: Annotated[
+        Who, typer.Option(help="You (`person`), or how a simulated participant chooses rooms.")
+    ] = Who.SUGGESTION,
+    templates: Templates = None,
+    seed: Seed = None,
+    as_json: AsJson = False,
+) -> None:
+    """Run a participant (TabUI) at a text server until the game is over."""
+    host, port = _address(server)
+    default = Study()
+    seat = seat_of(participant, _templates(templates or default.templates), default.seed if seed is None else seed)
+    program = programs.tabui(seat.tabui, host, port, _token(), _lost, _nothing)
+    last = run(program, seat.typed)
+    if last is None:
+        fail(FAILED, "stopped before the game was over")
+    if as_json:
+        visited = sum(room.state == "visited" for room in last.rooms)
+        print_json({"score": last.score, "rooms_visited": visited, "over": last.over})
+    else:
+        out.print(f"The game is over. Score {last.score}.")
+
+
+def _templates(wanted: str) -> TemplateSet:
+    with bad_input():
+        return read_template_set(shipped().find("templates", wanted, Path()))
+
+
+def _address(server: str) -> tuple[str, int]:
+    host, colon, port = server.rpartition(":")
+    if not colon or not host or not port.isdecimal() or not 0 < int(port) < 65536:
+        fail(BAD_INPUT, f"--server: {server!r} is not an address. Write HOST:PORT, such as {ADDRESS}.")
+    return host, int(port)
+
+
+def _token() -> str:
+    """Marks this run of a program, so that the server knows its own connection from before a network fault."""
+    return secrets.token_hex(8)
+
+
+def _lost(lost: Lost) -> None:
+    note(programs.reason_of(lost))
+
+
+def _nothing(view: View) -> None:
+    """Show nothing until the game is over."""

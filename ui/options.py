@@ -1,0 +1,102 @@
+"""What the commands that play or serve share: their options, and the study they make."""
+
+import dataclasses
+from collections.abc import Mapping
+from enum import StrEnum
+from pathlib import Path
+from typing import Annotated
+
+import typer
+
+from sim import is_compiled
+from thbridge.adapters.errors import BadFile
+from thbridge.adapters.text_server import DEFAULT_HOST, DEFAULT_PORT
+from thbridge.app import programs
+from thbridge.app.compose import Setting, read_setting
+from thbridge.app.config import Study, read_study
+from thbridge.study.bots import BotStrategy
+from ui.terminal import BAD_INPUT, bad_input, fail, note
+
+StudyFile = Annotated[
+    Path | None, typer.Argument(help="Study file (YAML); see `thbridge study init`. Options below win over it.")
+]
+StudyOption = Annotated[Path | None, typer.Option("--study", help="Study file (YAML).")]
+# The bounds are those of the study file, so that the study in a bag can be read again.
+Robots = Annotated[int | None, typer.Option(help="Size of the team.", min=1, max=64)]
+MapName = Annotated[str | None, typer.Option("--map", help="Name of a map, or path of its folder (with a slash).")]
+Seed = Annotated[
+    int | None, typer.Option(help="Same seed, same study, same inputs: the same run.", min=0, max=2**31 - 1)
+]
+Port = Annotated[int | None, typer.Option(help="TCP port for other programs; 0 takes a free one.", min=0, max=65535)]
+BagFile = Annotated[Path | None, typer.Option(help="Where to record. An older file is kept under a new name.")]
+AsJson = Annotated[bool, typer.Option("--json", help="Print one JSON object on standard output, nothing else.")]
+Templates = Annotated[str | None, typer.Option(help="Name of a set of templates, or path of its folder.")]
+ADDRESS = f"{DEFAULT_HOST}:{DEFAULT_PORT}"
+Server = Annotated[str, typer.Option("--server", help="Where the text server is, HOST:PORT.", metavar="HOST:PORT")]
+
+
+class Who(StrEnum):
+    """Who sits in front of TabUI: a person who types, or a simulated participant."""
+
+    PERSON = "person"
+    SUGGESTION = BotStrategy.SUGGESTION
+    NEAREST = BotStrategy.NEAREST
+    RANDOM = BotStrategy.RANDOM
+
+
+def study_of(file: Path | None, changes: Mapping[str, object]) -> Study:
+    """The study of a file, or the default one, with what options change; None changes nothing."""
+    with bad_input():
+        study = Study() if file is None else read_study(file)
+    given = {key: value for key, value in changes.items() if value is not None}
+    return dataclasses.replace(study, **given)  # type: ignore[arg-type]  # the options have their types from typer
+
+
+def with_server(study: Study, host: str | None, port: int | None) -> Study:
+    """The study with another address to listen on; None changes nothing."""
+    given = study.server
+    changed = dataclasses.replace(
+        given, host=given.host if host is None else host, port=given.port if port is None else port
+    )
+    return dataclasses.replace(study, server=changed)
+
+
+def setting_of(study: Study, file: Path | None) -> Setting:
+    """Everything the study names; paths start from the folder of its file."""
+    with bad_input():
+        return read_setting(study, Path() if file is None else file.parent)
+
+
+def make_ready(bag: Path) -> None:
+    """See that a bag can be recorded there, and move an older one out of the way."""
+    if bag.suffix != ".bag" or bag.is_dir():
+        fail(BAD_INPUT, f"--bag: {bag} is not the name of a bag. Give a file name that ends in .bag.")
+    try:
+        moved = programs.make_room(bag)
+        programs.try_place(bag)
+    except OSError as error:
+        fail(BAD_INPUT, f"{bag}: cannot record there ({error.strerror}). Choose another file by --bag.")
+    if moved is not None:
+        note(f"The older recording is now {moved}.")
+
+
+def announce_compiling() -> None:
+    """Say so when the first start will take its time."""
+    if not is_compiled():
+        note("Compiling the simulator for this machine; only the first start takes this long, some 20 s.")
+
+
+def write_report(bag: Path, page: Path) -> None:
+    """Make the report of a bag. Raises BadFile: the bag cannot be read, or the page not be written."""
+    # Half a second of imports that no other command needs.
+    from thbridge.study.report_page import build_report  # noqa: PLC0415
+
+    if page.exists() and bag.exists() and page.samefile(bag):
+        raise BadFile(page, None, None, "this is the bag itself", "choose another file by --to")
+    html = build_report(bag)
+    try:
+        page.write_text(html, encoding="utf-8")
+    except OSError as error:
+        problem = f"it cannot be written ({error.strerror})"
+        raise BadFile(page, None, None, problem, "choose another file by --to") from None
+    note(f"Report: {page}")

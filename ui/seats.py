@@ -1,0 +1,71 @@
+"""Who sits in front of TabUI, and how what a person types gets to them."""
+
+import asyncio
+import sys
+from collections.abc import Callable, Coroutine
+from dataclasses import dataclass
+from typing import TypeVar
+
+from thbridge.adapters.template_files import TemplateSet
+from thbridge.app.compose import build_bot
+from thbridge.roles.tabui import TabUI
+from thbridge.study.bots import BotStrategy
+from ui.options import Who
+from ui.person import Person
+from ui.terminal import BAD_INPUT, FAILED, bad_input, fail, out
+
+T = TypeVar("T")
+
+
+@dataclass(frozen=True, slots=True)
+class Seat:
+    """Whoever plays.
+
+    Attributes:
+        tabui: the role.
+        typed: takes in a line of the keyboard; None for a simulated participant.
+    """
+
+    tabui: TabUI
+    typed: Callable[[str], None] | None
+
+
+def seat_of(who: Who, templates: TemplateSet, seed: int) -> Seat:
+    """Seat a person, or a simulated participant whose chance is keyed by the seed."""
+    if who is not Who.PERSON:
+        return Seat(TabUI(build_bot(templates, BotStrategy(who), seed)), None)
+    person = Person(lambda line: out.print(line, highlight=False, markup=False), templates.kinds, templates.pictures)
+    tabui = TabUI(person)
+
+    def typed(line: str) -> None:
+        person.type(line)
+        tabui.look_again()
+
+    return Seat(tabui, typed)
+
+
+def run(program: Coroutine[object, object, T], typed: Callable[[str], None] | None = None) -> T:
+    """Run a program to its end, with the keyboard if somebody types. A file at fault ends the command as failed."""
+    with bad_input(FAILED):
+        return asyncio.run(_with_keyboard(program, typed))
+
+
+async def _with_keyboard(program: Coroutine[object, object, T], typed: Callable[[str], None] | None) -> T:
+    """Run a program; lines are taken in as they are typed, between two ticks."""
+    if typed is None:
+        return await program
+    loop = asyncio.get_running_loop()
+
+    def readable() -> None:
+        line = sys.stdin.readline()
+        if line:
+            typed(line)
+        else:
+            loop.remove_reader(sys.stdin)
+
+    try:
+        loop.add_reader(sys.stdin, readable)
+    except OSError:
+        program.close()
+        fail(BAD_INPUT, "--participant person: standard input is a file. Type in a terminal, or feed a pipe.")
+    return await program

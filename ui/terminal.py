@@ -1,0 +1,43 @@
+"""What all commands share: what is printed where, and how a command ends."""
+
+import json
+from collections.abc import Iterator, Mapping
+from contextlib import contextmanager
+from typing import NoReturn
+
+import typer
+from rich.console import Console
+
+from thbridge.adapters.errors import BadFile
+
+FAILED = 1
+BAD_INPUT = 2
+"""Exit codes; 0 is done."""
+
+out = Console()
+err = Console(stderr=True)
+
+
+def note(text: str) -> None:
+    """Say something beside the result, on standard error."""
+    err.print(text, highlight=False, markup=False, soft_wrap=True)
+
+
+def fail(code: int, message: str) -> NoReturn:
+    """End the command with the one message that says what to change."""
+    err.print(message, style="red", highlight=False, markup=False, soft_wrap=True)
+    raise typer.Exit(code)
+
+
+@contextmanager
+def bad_input(code: int = BAD_INPUT) -> Iterator[None]:
+    """Tell of a file at fault in its own words."""
+    try:
+        yield
+    except BadFile as fault:
+        fail(code, str(fault))
+
+
+def print_json(value: Mapping[str, object]) -> None:
+    """Print the one object that --json promises, all of standard output."""
+    print(json.dumps(value))  # noqa: T201 - no colours, no wrapping
