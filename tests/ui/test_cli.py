@@ -1,0 +1,303 @@
+"""The command line from the user's seat: exit codes, the one message, the one JSON object."""
+
+import json
+import os
+from collections.abc import Callable
+from pathlib import Path
+
+import pytest
+from click.testing import Result
+from typer.testing import CliRunner
+
+from thbridge.adapters.bag_writer import BagWriter
+from thbridge.adapters.ros_definitions import Definitions
+from thbridge.app.config import read_study
+from thbridge.ros.publisher import Message, Topic
+from ui.cli import app
+
+ROOT = Path(__file__).parents[2]
+COSTS = str(ROOT / "templates" / "original-2016" / "mapTimes")
+
+
+@pytest.fixture(autouse=True)
+def folder(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Path:
+    """An empty folder to work in."""
+    monkeypatch.chdir(tmp_path)
+    return tmp_path
+
+
+def thbridge(*arguments: str | Path) -> Result:
+    return CliRunner().invoke(app, [str(argument) for argument in arguments])
+
+
+def refusal(*arguments: str | Path) -> str:
+    """The message of a command that must find its input bad, and change nothing."""
+    before = sorted(Path().rglob("*"))
+    done = thbridge(*arguments)
+    assert done.exit_code == 2, (done.output, done.exception)
+    assert done.stdout == ""
+    assert sorted(Path().rglob("*")) == before
+    return done.stderr
+
+
+def said(*arguments: str | Path) -> dict:
+    """What a command prints with --json: one object on one line."""
+    done = thbridge(*arguments, "--json")
+    assert done.exit_code == 0, (done.output, done.exception)
+    assert done.stdout.count("\n") == 1
+    return json.loads(done.stdout)
+
+
+def write_bag(path: Path) -> bytes:
+    text = b"hello"
+    with BagWriter(path, Definitions(())) as writer:
+        for tick in range(100):
+            data = len(text).to_bytes(4, "little") + text
+            writer.write(Message(Topic("/chatter", "std_msgs/String"), 1_000_000_000 + tick * 20_000_000, data))
+    return path.read_bytes()
+
+
+# A file that is not what it should be, by how it came about.
+WRONG: dict[str, Callable[[Path], object]] = {
+    "missing": lambda path: None,
+    "directory": lambda path: path.mkdir(),
+    "binary": lambda path: path.write_bytes(bytes(range(256)) * 20),
+    "text": lambda path: path.write_text("hello\n"),
+}
+
+
+@pytest.mark.parametrize("wrong", WRONG)
+@pytest.mark.parametrize(
+    "command",
+    [
+        ("play", "FILE"),
+        ("server", "FILE"),
+        ("simr", "--study", "FILE"),
+        ("study", "check", "FILE"),
+        ("report", "FILE"),
+        ("bag", "info", "FILE"),
+        ("bag", "info", "FILE", "--json"),
+        ("bag", "reindex", "FILE"),
+        ("maps", "check", "./FILE"),
+        ("hider", "--treasures", "./FILE"),
+        ("tabui", "--templates", "./FILE"),
+        ("suggest", "--at", "0", "--unvisited", "1", "--costs", "FILE"),
+    ],
+    ids=" ".join,
+)
+def test_a_wrong_file_is_named_and_told_in_one_message(command: tuple[str, ...], wrong: str) -> None:
+    WRONG[wrong](Path("FILE"))
+    told = refusal(*command)
+    assert told.startswith("FILE")
+    assert told.count("\n") == 1
+
+
+@pytest.mark.parametrize("command", [("report",), ("bag", "info"), ("bag", "reindex")], ids=" ".join)
+def test_an_empty_file_is_no_bag(command: tuple[str, ...]) -> None:
+    Path("a.bag").touch()
+    assert refusal(*command, "a.bag") == (
+        "a.bag: this is not a ROS 1 bag. Name a file that rosbag or thbridge recorded.\n"
+    )
+
+
+def test_a_bag_that_was_cut_is_mended_as_the_message_says() -> None:
+    whole = write_bag(Path("a.bag"))
+    Path("a.bag").write_bytes(whole[: len(whole) // 2])
+    for command in (("bag", "info"), ("report",)):
+        assert "Run `thbridge bag reindex a.bag`." in refusal(*command, "a.bag")
+    mended = said("bag", "reindex", "a.bag")
+    assert mended["path"] == "a.bag"
+    assert mended["backup"] == "a.orig.bag"
+    assert said("bag", "info", "a.bag")["messages"] == mended["messages"] > 0
+    assert "in the way" in refusal("bag", "reindex", "a.bag")
+
+
+def test_a_report_never_takes_the_place_of_its_bag() -> None:
+    whole = write_bag(Path("a.html"))
+    assert "the bag itself" in refusal("report", "a.html")
+    assert Path("a.html").read_bytes() == whole
+
+
+@pytest.mark.parametrize("place", ["/proc/a.html", "file/a.html", "none/a.html", "."])
+def test_a_report_that_cannot_be_written_says_so(place: str) -> None:
+    Path("file").touch()
+    write_bag(Path("a.bag"))
+    assert "it cannot be written" in refusal("report", "a.bag", "--to", place)
+
+
+@pytest.mark.parametrize("place", ["/proc/a.bag", "file/a.bag", "folder.bag", "a.txt", "a"])
+def test_a_recording_that_has_no_place_is_refused_before_anything_starts(place: str) -> None:
+    Path("file").touch()
+    Path("folder.bag").mkdir()
+    assert place in refusal("play", "--port", "0", "--bag", place)
+    assert place in refusal("simr", "--bag", place)
+
+
+@pytest.mark.parametrize("place", ["file", "/proc/journal"])
+def test_a_server_that_cannot_keep_a_journal_does_not_start(place: str) -> None:
+    Path("file").touch()
+    assert refusal("server", "--port", "0", "--journal", place).startswith(f"{place}: there can be no journals here")
+
+
+@pytest.mark.parametrize(
+    "address", ["", "localhost", "localhost:", ":6009", "localhost:0", "localhost:65536", "localhost:six"]
+)
+@pytest.mark.parametrize("program", ["simr", "hider", "tabui"])
+def test_an_address_is_host_and_port(program: str, address: str) -> None:
+    assert refusal(program, "--server", address) == (
+        f"--server: {address!r} is not an address. Write HOST:PORT, such as 127.0.0.1:6009.\n"
+    )
+
+
+@pytest.mark.parametrize(
+    ("option", "value"),
+    [
+        ("--robots", "0"),
+        ("--robots", "65"),
+        ("--robots", "two"),
+        ("--seed", "-1"),
+        ("--seed", str(2**31)),
+        ("--port", "-1"),
+        ("--port", "65536"),
+        ("--rate", "-1"),
+        ("--rate", "nan"),
+        ("--max-seconds", "0"),
+        ("--participant", "nobody"),
+        ("--outside", "SimR"),
+        ("--outside", "TabUI,Tabby"),
+    ],
+)
+def test_an_option_out_of_range_is_named(option: str, value: str) -> None:
+    assert option in refusal("play", option, value)
+
+
+def test_a_team_too_large_for_the_map_is_refused_with_both_numbers() -> None:
+    told = refusal("play", "--robots", "60")
+    assert "rooms.yaml, starts: there are start poses for 15 robots, but the study has 60." in told
+
+
+@pytest.mark.parametrize(
+    ("name", "remedy"),
+    [("arena", "nearest name is arena8"), ("nonsense", "names are: arena8, warehouse12"), ("", "a path of your own")],
+)
+def test_an_unknown_map_is_answered_with_the_known(name: str, remedy: str) -> None:
+    assert remedy in refusal("play", "--map", name)
+    if name:
+        assert remedy in refusal("maps", "check", name)
+
+
+@pytest.mark.parametrize("rooms", ["", ",", "1,,2", "0", "9", "-1", "1 2", "a", "²"])
+def test_rooms_that_are_none_are_refused_with_those_there_are(rooms: str) -> None:
+    told = refusal("suggest", "--costs", COSTS, "--at", "0", "--unvisited", rooms)
+    assert told.startswith("--unvisited: ")
+    assert "1 to 8" in told
+
+
+def test_a_robot_stands_at_a_place_of_the_cost_file() -> None:
+    assert refusal("suggest", "--costs", COSTS, "--at", "9", "--unvisited", "1").startswith("--at: 9 ")
+
+
+def test_a_suggestion_is_the_first_room_of_the_cheapest_tour() -> None:
+    assert said("suggest", "--costs", COSTS, "--at", "0", "--unvisited", "1,2,5") == {
+        "next": 1,
+        "tour": [1, 2, 5],
+        "cost": 49,
+    }
+    told = thbridge("suggest", "--costs", COSTS, "--at", "0", "--unvisited", "1,2,5").stdout
+    assert told == "Next room 1; the cheapest tour is 1 2 5 and costs 49.\n"
+
+
+def test_maps_are_listed_and_without_fault() -> None:
+    names = thbridge("maps", "list").stdout.split()
+    assert names == ["arena8", "warehouse12"]
+    for name in names:
+        assert said("maps", "check", name) == {"ok": True, "findings": []}
+
+
+def test_a_map_with_faults_gives_them_all_and_exit_code_2() -> None:
+    Path("mine").mkdir()
+    for file in ("map.yaml", "map.pgm"):
+        Path("mine", file).write_bytes((ROOT / "maps" / "arena8" / file).read_bytes())
+    rooms = (ROOT / "maps" / "arena8" / "rooms.yaml").read_text()
+    Path("mine", "rooms.yaml").write_text(rooms.replace("goal: [", "goal: [99, ", 2))
+    done = thbridge("maps", "check", "mine", "--json")
+    assert done.exit_code == 2
+    found = json.loads(done.stdout)
+    assert not found["ok"]
+    assert len(found["findings"]) >= 2
+    assert all("rooms.yaml" in finding["message"] for finding in found["findings"])
+    assert thbridge("maps", "check", "mine").exit_code == 2
+
+
+def test_the_study_that_is_written_is_without_fault_and_says_the_defaults() -> None:
+    assert thbridge("study", "init", "study.yaml").exit_code == 0
+    assert thbridge("study", "check", "study.yaml").stdout == "study.yaml: no faults\n"
+    assert read_study(Path("study.yaml")).seed == 1
+    assert "there is such a file already" in refusal("study", "init", "study.yaml")
+
+
+@pytest.mark.parametrize("place", ["none/a.yaml", "file/a.yaml", "/proc/a.yaml"])
+def test_a_study_that_cannot_be_written_says_so(place: str) -> None:
+    Path("file").touch()
+    assert "it cannot be written" in refusal("study", "init", place)
+
+
+def test_ros_messages_are_a_package() -> None:
+    assert thbridge("ros", "messages", "src").exit_code == 0
+    assert Path("src/thbridge_msgs/package.xml").is_file()
+    Path("file").touch()
+    assert "it cannot be written" in refusal("ros", "messages", "file")
+
+
+@pytest.mark.parametrize(
+    ("study", "told"),
+    [
+        ("robts: 3\n", "line 1, robts: unknown key"),
+        ("robots: three\n", "line 1, robots: 'three' is not a number"),
+        ("robots: 0\n", "line 1, robots:"),
+        ("seed: 1\nseed: 2\n", "line 2, seed:"),
+        ("map: nowhere\n", "maps, nowhere: there is no map of this name"),
+        ("map: ./nowhere\n", "nowhere: there is no map.yaml in this folder"),
+        ("templates: nobody\n", "there is no set of templates of this name"),
+        ("game:\n  costs: none\n", "none: there is no such file"),
+        ("game:\n\tcosts: none\n", "line 2: a tab in the indentation"),
+        ("map: warehouse12\ngame:\n  costs: COSTS\n", "9 nodes, but the map warehouse12 has 12 rooms"),
+        ("server:\n  port: 70000\n", "line 2, server.port:"),
+        ("participant:\n  strategy: guess\n", "line 2, participant.strategy: 'guess' is no choice here"),
+        ("world: {laser: {rate: 15}}\n", "line 1, world.laser.rate: 15 does not divide"),
+        ("- a\n- b\n", "line 1: a section of 'key: value' lines is needed"),
+        ("robots: [1\n", "line 2: not YAML"),
+    ],
+)
+def test_a_broken_study_is_told_with_its_line(study: str, told: str) -> None:
+    Path("study.yaml").write_text(study.replace("COSTS", COSTS))
+    for command in (("play",), ("study", "check")):
+        assert told in refusal(*command, "study.yaml")
+
+
+def test_play_gives_one_object_and_exit_code_1_when_time_is_up() -> None:
+    done = thbridge("play", "--json", "--port", "0", "--max-seconds", "1", "--bag", "new/a.bag")
+    assert done.exit_code == 1
+    assert done.stderr.endswith("the game was not over after 1 simulated seconds\n")
+    assert json.loads(done.stdout)["sim_seconds"] == 1.0
+    assert Path("new/a.bag").is_file()
+    assert not Path("new/a.html").exists()
+    again = thbridge("play", "--json", "--report", "--port", "0", "--max-seconds", "1", "--bag", "new/a.bag")
+    assert "The older recording is now new/a-1.bag." in again.stderr
+    assert json.loads(again.stdout)["bag"] == "new/a.bag"
+    assert Path("new/a.html").is_file()
+
+
+def test_the_rate_of_the_study_is_the_one_played_at() -> None:
+    Path("study.yaml").write_text("rate: 4\n")
+    options = ("play", "study.yaml", "--json", "--port", "0", "--max-seconds", "1")
+    assert json.loads(thbridge(*options).stdout)["wall_seconds"] >= 0.2
+    assert "rate: 4" in str(Path("bags/arena8-2robots-seed1.bag").read_bytes())
+
+
+def test_an_unreadable_file_is_told(folder: Path) -> None:
+    if os.geteuid() == 0:
+        pytest.skip("root reads everything")
+    path = folder / "study.yaml"
+    path.touch(mode=0)
+    assert "Permission denied" in refusal("study", "check", path)
