@@ -8,6 +8,7 @@ from pathlib import Path
 import pytest
 
 from tests.system import programs
+from thbridge.adapters.bag_reader import messages
 
 SOURCES = sorted((Path(__file__).parent / "java").glob("*.java"))
 
@@ -99,3 +100,26 @@ def test_our_participant_and_old_hider(classes, robots, tmp_path):
     told = json.loads(tabui.text.splitlines()[-1])
     assert told["rooms_visited"] == 8
     assert told["score"] == 80
+
+
+def test_old_participant_joins_play_which_is_then_stopped(classes, tmp_path):
+    play = Program(tmp_path, "play", "--outside", "TabUI", "--port", "0", "--rate", "20", "--bag", "a.bag")
+    try:
+        until("play to listen", lambda: "can join at" in play.text, [play])
+        port = int(play.text.split("can join at ")[1].split(".\n")[0].rpartition(":")[2])
+        until("the treasures to be hidden", lambda: "treasures are hidden" in play.text, [play])
+        (record,) = (tmp_path / "a.journal").glob("*.jsonl")
+        events = [json.loads(line) for line in record.read_text().splitlines()]
+        treasure = next(event for event in events if event["event"] == "hidden")["treasures"][3]
+        said, _ = java(classes, "TabUi", port, f"0:3:{treasure['name']}").communicate(timeout=120)
+        assert said.splitlines()[-1] == f"total {treasure['points']}"
+        assert play.stop() == 1
+    finally:
+        play.close()
+    assert "stopped; what was recorded up to here is complete" in play.text
+    assert not (tmp_path / "a.bag.active").exists()
+    recorded = [json.loads(line) for line in record.read_text().splitlines()]
+    said_in_bag = [message.data for message in messages(tmp_path / "a.bag") if message.topic == "/hunt/events"]
+    for event in recorded:
+        kind = f'"event":"{event["event"]}"'.encode()
+        assert any(kind in data.replace(b" ", b"") for data in said_in_bag), event

@@ -13,6 +13,7 @@ import thbridge
 from thbridge.adapters.map_files import read_map
 from thbridge.adapters.resources import shipped
 print(Path(thbridge.__file__).parent)
+print(Path(thbridge.__file__).with_name("study").joinpath("report_page.html").is_file())
 print(len(read_map(shipped().find("maps", "arena8", Path())).rooms), *shipped().names("templates"))
 """
 
@@ -21,7 +22,7 @@ def pip(*arguments: str | Path) -> None:
     subprocess.run([sys.executable, "-m", "pip", "--quiet", "--disable-pip-version-check", *arguments], check=True)
 
 
-def test_the_wheel_carries_maps_and_templates(tmp_path: Path) -> None:
+def test_the_wheel_carries_maps_templates_and_the_page_of_reports(tmp_path: Path) -> None:
     pip("wheel", "--no-deps", "--no-build-isolation", "--wheel-dir", tmp_path, ROOT)
     (wheel,) = tmp_path.glob("*.whl")
     installed = tmp_path / "installed"
@@ -36,4 +37,4 @@ def test_the_wheel_carries_maps_and_templates(tmp_path: Path) -> None:
         capture_output=True,
         text=True,
     )
-    assert loaded.stdout.splitlines() == [str(installed / "thbridge"), "8 original-2016 sklar-azhar-2015"]
+    assert loaded.stdout.splitlines() == [str(installed / "thbridge"), "True", "8 original-2016 sklar-azhar-2015"]
