@@ -10,8 +10,8 @@ import typer
 
 from sim import is_compiled
 from thbridge.adapters.errors import BadFile
+from thbridge.adapters.recordings import make_room, try_place
 from thbridge.adapters.text_server import DEFAULT_HOST, DEFAULT_PORT
-from thbridge.app import programs
 from thbridge.app.compose import Setting, read_setting
 from thbridge.app.config import Study, read_study
 from thbridge.study.bots import BotStrategy
@@ -72,8 +72,8 @@ def make_ready(bag: Path) -> None:
     if bag.suffix != ".bag" or bag.is_dir():
         fail(BAD_INPUT, f"--bag: {bag} is not the name of a bag. Give a file name that ends in .bag.")
     try:
-        moved = programs.make_room(bag)
-        programs.try_place(bag)
+        moved = make_room(bag)
+        try_place(bag)
     except OSError as error:
         fail(BAD_INPUT, f"{bag}: cannot record there ({error.strerror}). Choose another file by --bag.")
     if moved is not None:

@@ -72,9 +72,7 @@ def play(
 
     Other programs may join on the TCP port; those named by --outside take the place of ours.
     """
-    study = with_server(
-        study_of(study_file, {"robots": robots, "map": map_name, "seed": seed, "rate": rate}), None, port
-    )
+    study = with_server(study_of(study_file, {"robots": robots, "map": map_name, "seed": seed}), None, port)
     setting = setting_of(study, study_file)
     others = _roles(outside)
     who = participant or Who(study.participant.strategy)
@@ -97,7 +95,7 @@ def play(
                 out.print(sentence, highlight=False, markup=False)
 
     limit = max_seconds or (math.inf if people else AN_HOUR)
-    pace = study.rate if study.rate is not None else float(people)
+    pace = next(given for given in (rate, study.rate, float(people)) if given is not None)
     announce_compiling()
     unfinished: Unfinished | None = None
     try:

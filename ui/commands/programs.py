@@ -72,13 +72,11 @@ def simr(
 ) -> None:
     """Run the robots (SimR) at a text server until stopped."""
     host, port = _address(server)
-    setting = setting_of(
-        study_of(study_file, {"robots": robots, "map": map_name, "seed": seed, "rate": rate}), study_file
-    )
+    setting = setting_of(study_of(study_file, {"robots": robots, "map": map_name, "seed": seed}), study_file)
     if bag is not None:
         make_ready(bag)
     announce_compiling()
-    unfit = run(programs.simr(setting, host, port, _token(), setting.study.rate or 1.0, bag, _lost))
+    unfit = run(programs.simr(setting, host, port, _token(), rate or setting.study.rate or 1.0, bag, _lost))
     if unfit is not None:
         fail(FAILED, unfit)
 
