@@ -1,5 +1,6 @@
 """What a person is told about a file they can mend."""
 
+import os
 from pathlib import Path
 
 
@@ -53,3 +54,11 @@ class BadFiles(BadFile):
 
     def __reduce__(self) -> tuple[type["BadFiles"], tuple[tuple[BadFile, ...]]]:  # type: ignore[override]  # as built
         return (type(self), (self.faults,))
+
+
+def reason_of(error: OSError) -> str:
+    """What the system says is wrong, without the call and address that asyncio puts in its place."""
+    # Look-ups of host names have negative numbers, with words of their own.
+    if error.errno is not None and error.errno > 0:
+        return os.strerror(error.errno)
+    return error.strerror or str(error)

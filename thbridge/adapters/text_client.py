@@ -10,6 +10,7 @@ from dataclasses import dataclass
 from enum import Enum
 from typing import NoReturn, TypeAlias
 
+from thbridge.adapters.errors import reason_of
 from thbridge.wire.client import ClientSession, Ended, Ending, Registered, Reply
 from thbridge.wire.text import Message, Overlong, encode_line
 
@@ -136,7 +137,7 @@ class TextClient:
             async with asyncio.timeout(self._patience.silence):
                 reader, writer = await asyncio.open_connection(self._host, self._port)
         except (OSError, UnicodeError, OverflowError) as error:
-            told = error.strerror if isinstance(error, OSError) and error.strerror else str(error)
+            told = reason_of(error) if isinstance(error, OSError) else str(error)
             return Lost(LossReason.UNREACHABLE, f"{self._host}:{self._port}: {told}")
         try:
             return await self._listen(reader, writer)

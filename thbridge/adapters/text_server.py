@@ -18,6 +18,7 @@ from collections import deque
 from collections.abc import Callable, Iterable
 from dataclasses import dataclass
 
+from thbridge.adapters.errors import reason_of
 from thbridge.wire.router import Close, ConnectionId, Forwarded, Joined, Left, Output, Router, Send, Skipped, TurnedAway
 
 DEFAULT_HOST = "127.0.0.1"
@@ -53,8 +54,8 @@ class CannotListen:
 
     def __str__(self) -> str:
         return (
-            f"cannot listen on {self.host}:{self.port}: {self.reason}; "
-            "stop the program that uses the port, or choose another host or port"
+            f"cannot listen on {self.host}:{self.port}: {self.reason}. "
+            "Stop the program that uses the port, or choose another host or port."
         )
 
 
@@ -94,7 +95,7 @@ class TextServer:
         try:
             server = await loop.create_server(lambda: _Connection(self), host, port, backlog=300)
         except OSError as error:
-            return CannotListen(host, port, error.strerror or str(error))
+            return CannotListen(host, port, reason_of(error))
         except UnicodeError:
             return CannotListen(host, port, "that is not a host's name")
         self._server = server
