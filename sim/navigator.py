@@ -211,7 +211,8 @@ class Navigator:
 
     def _restart_clocks(self, tick: int) -> None:
         self._fresh = True
-        self._next_plan = tick
+        # In its first tick a robot has not heard the others yet, and would plan out of turn.
+        self._next_plan = tick + 1
         self._planning_since = tick
         self._progress = tick
         self._free = tick

@@ -82,8 +82,10 @@ def _shade(
         for c in range(max(0, int(col - span)), min(cols, int(col + span) + 1)):
             cx, cy = centres[r, c, 0], centres[r, c, 1]
             needed = radius
-            if math.hypot(cx - start_x, cy - start_y) < side:
-                needed = min(radius, present)
+            off = math.hypot(cx - start_x, cy - start_y)
+            if off < side:
+                # The cell that the start is rounded to may seem nearer than the robot is; no other may be.
+                needed = min(radius, present - (0.75 * side if off < 0.71 * side else 0.02))
             if math.hypot(cx - x, cy - y) < needed:
                 busy[r, c, first : last + 1] = True
 
@@ -98,9 +100,9 @@ def _traffic(
     busy = np.zeros((rows, cols, bins), np.bool_)
     for k in range(others.starts.shape[0] - 1):
         begin, end = others.starts[k], others.starts[k + 1]
-        # What the separation is already, near the start; a coarse cell's centre may be off by half a diagonal.
+        # What the separation is already, near the start.
         now_x, now_y = others.points[begin, 0], others.points[begin, 1]
-        present = math.hypot(now_x - start[0], now_y - start[1]) - 0.75 * side
+        present = math.hypot(now_x - start[0], now_y - start[1])
         first = math.floor((others.times[begin] - time) / bin_length) if others.times[begin] > -math.inf else 0
         _shade(busy, centres, corner, side, now_x, now_y, separation, start[0], start[1], present, 0, first)
         for i in range(begin, end):
@@ -335,5 +337,7 @@ def _way(
     way = _search(free, busy, targets, chart.centres, chart.side, *cell, BIN, SPEED)
     if len(way) < 2:
         return None
-    # The first cell's centre is but the start, rounded.
-    return Itinerary(np.vstack([start, way[1:, :2]]), time + np.concatenate([[0.0], way[1:, 2]]))
+    # The first cell's centre is but the start, rounded: a robot that has to wait there stays where it is.
+    points = way[:, :2].copy()
+    points[(points == points[0]).all(axis=1)] = start
+    return Itinerary(points, time + way[:, 2])

@@ -278,6 +278,7 @@ def test_an_obstacle_that_the_map_does_not_know_is_driven_around():
             [(-2.5, 2), (0, -3), (0, 4), (3, 2)],
             id="four that cross at one place",
         ),
+        pytest.param([(0, -1.5, 0), (0, -0.6, 0)], [ROOMS[3], ROOMS[2]], id="two that swap places in the first tick"),
         pytest.param(
             [(0, 3.6 + 0.9 * i, 0) for i in range(3)], [ROOMS[0], ROOMS[7], ROOMS[2]], id="a queue that parts"
         ),
