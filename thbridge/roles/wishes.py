@@ -1,0 +1,100 @@
+"""What the participant wishes beyond the lines of 2016: talking, giving up a treasure, calling a robot back."""
+
+from thbridge.dialogue.moves import Scenario
+from thbridge.hunt import rules
+from thbridge.hunt.game import GameState
+from thbridge.hunt.outcomes import Refused
+from thbridge.hunt.rooms import Room
+from thbridge.hunt.tour import suggest
+from thbridge.roles.book import Book, Reason
+from thbridge.roles.notices import heard
+from thbridge.roles.talks import MATTERS
+from thbridge.roles.view import Answer, CallBack, Discuss, Leave, Select, Unsure
+from thbridge.wire.notice import Notice
+
+
+def grant(book: Book, state: GameState, notice: Notice, *, awaits_treasures: bool) -> None:
+    """Grant a wish, or remember why not; a notice that is no wish changes nothing.
+
+    Args:
+        book: of the game.
+        state: the game as it stands.
+        notice: what was said.
+        awaits_treasures: Hider is about to hide them; nobody is sent before.
+    """
+    if (asked := heard(notice, Select)) is not None:
+        _select(book, state, asked, awaits_treasures)
+    elif (unsure := heard(notice, Unsure)) is not None:
+        _suggest(book, state, unsure.robot, awaits_treasures)
+    elif (discuss := heard(notice, Discuss)) is not None:
+        _discuss(book, state, discuss)
+    elif (answer := heard(notice, Answer)) is not None:
+        refused = book.talks.answer(answer.dialogue, answer.turn, answer.choice)
+        if refused is not None:
+            book.refuse(Answer.__name__, refused)
+    elif (leave := heard(notice, Leave)) is not None:
+        book.take(Leave.__name__, rules.leave(state, _room(leave.room)))
+    elif (back := heard(notice, CallBack)) is not None:
+        if state.has_robot(back.robot) and state.robots[back.robot].bound_for is not None:
+            book.recall(back.robot)
+        else:
+            book.take(CallBack.__name__, rules.fail(state, back.robot, "", 0.0))
+
+
+def _select(book: Book, state: GameState, asked: Select, awaits_treasures: bool) -> None:
+    room = _room(asked.room)
+    ruling = _immovable(state, asked.robot, awaits_treasures) or rules.move(state, asked.robot, room)
+    other = book.talks.spoken_for(room, asked.robot)
+    if isinstance(ruling, tuple) and other is not None:
+        name = rules.robot_name(other)
+        ruling = Refused(Reason.UNDER_DISCUSSION, f"You are talking with {name} about {room}.")
+    _open(book, state, ruling, Scenario.SPECIFIC_ROOM, asked.robot, room)
+
+
+def _suggest(book: Book, state: GameState, number: int, awaits_treasures: bool) -> None:
+    refused = _immovable(state, number, awaits_treasures)
+    if refused is not None:
+        book.refuse(Unsure.__name__, refused)
+        return
+    robot = state.robots[number]
+    free = [room for room in state.free_rooms if book.talks.spoken_for(room, number) is None]
+    room = suggest(state.started.costs, robot.at, free, robot.energy, state.started.identify_cost)
+    if isinstance(room, Refused):
+        book.refuse(Unsure.__name__, room)
+    else:
+        _open(book, state, (), Scenario.DONT_KNOW, number, room)
+
+
+def _discuss(book: Book, state: GameState, discuss: Discuss) -> None:
+    room = _room(discuss.room)
+    scenario = Scenario.TAKE_PICTURE if discuss.matter == "take-picture" else Scenario.TAKE_TREASURE
+    ruling: rules.Ruling
+    if not state.has_room(room) or state.standing_in(room) != discuss.robot:
+        ruling = Refused(rules.Reason.NOBODY_THERE, f"This robot does not stand in {room}.")
+    elif scenario is Scenario.TAKE_PICTURE:
+        ruling = rules.picture(state, room)
+    else:
+        # The name is still open; whether naming is allowed and can be paid is not.
+        ruling = rules.identify(state, room, "", 0)
+    _open(book, state, ruling, scenario, discuss.robot, room)
+
+
+def _open(book: Book, state: GameState, ruling: rules.Ruling, scenario: Scenario, robot: int, room: Room) -> None:
+    """Open a dialogue about something that the rules would allow."""
+    refused = ruling if isinstance(ruling, Refused) else book.talks.open(state, scenario, robot, room)
+    if refused is not None:
+        book.refuse(MATTERS[scenario], refused)
+
+
+def _immovable(state: GameState, robot: int, awaits_treasures: bool) -> Refused | None:
+    """Why this robot cannot be talked into any move, or None."""
+    if awaits_treasures:
+        return Refused(Reason.NOT_READY, "The treasures are not hidden yet.")
+    ruling = rules.move(state, robot, next(iter(state.free_rooms), Room(1)))
+    about_the_room = {rules.Reason.NOT_ENOUGH_ENERGY, rules.Reason.ALREADY_VISITED, rules.Reason.NOT_A_MOVE}
+    return ruling if isinstance(ruling, Refused) and ruling.reason not in about_the_room else None
+
+
+def _room(number: int) -> Room:
+    """The room people call this number. A negative one becomes the corridor, which every rule refuses."""
+    return Room(max(number, 0))
