@@ -95,10 +95,7 @@ class Status:
 
 @dataclass(frozen=True, slots=True)
 class HiderReady:
-    """Hider is there, and tells which treasures it would hide in which room of game `game`, room 1 first.
-
-    Sent without treasures first; the keeper answers with `HidePlease` when a game has none yet.
-    """
+    """Hider is there; the keeper answers with `HidePlease` when its game has no treasures yet."""
 
 
 @dataclass(frozen=True, slots=True)
