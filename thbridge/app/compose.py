@@ -24,7 +24,6 @@ from thbridge.roles.hider import Hider
 from thbridge.roles.keeper import GameRules, Keeper
 from thbridge.roles.showing import plain_costs
 from thbridge.roles.simr import Field, SimR
-from thbridge.roles.tabui import TabUI
 from thbridge.ros.records import Session as SessionRecord
 from thbridge.study.bots import Bot, BotStrategy, Knowledge
 
@@ -73,10 +72,6 @@ class Setting:
     def hider(self) -> Hider:
         """The treasures' role."""
         return build_hider(self.templates, self.study.seed)
-
-    def tabui(self) -> TabUI:
-        """The participant's role, played by the bot that the study names."""
-        return TabUI(build_bot(self.templates, self.study.participant.strategy, self.study.seed))
 
     def recorder(self, path: Path) -> Recorder:
         """A recorder of these robots into a new bag. Raises BagNotWritten."""

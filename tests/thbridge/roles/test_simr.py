@@ -1,0 +1,142 @@
+"""SimR with real robots, alone: what it does on the lines of 2016, and what it tells whom."""
+
+import math
+from dataclasses import replace
+from pathlib import Path
+
+import pytest
+
+from thbridge.app.compose import Setting, read_setting
+from thbridge.app.config import Study
+from thbridge.roles.notices import KEEPER, Order, Orders, RobotsReady, Status, Subscribe, Whereabouts, heard, tell
+from thbridge.roles.simr import PATIENCE, STREAM_PERIOD, SUBSCRIPTION, SimR
+from thbridge.wire import canonical, legacy
+from thbridge.wire.notice import Notice, parse_notice
+from thbridge.wire.text import Message
+
+
+@pytest.fixture(scope="module")
+def setting() -> Setting:
+    return read_setting(replace(Study(), robots=2), Path())
+
+
+class Driver:
+    """Steps one SimR and keeps what it says."""
+
+    def __init__(self, simr: SimR) -> None:
+        self.simr = simr
+        self.tick = 0
+        self.said: list[Message] = []
+
+    def run(self, ticks: int, *messages: Message) -> list[Message]:
+        said = []
+        for step in range(ticks):
+            said += self.simr.step(self.tick, messages if step == 0 else ())
+            self.tick += 1
+        self.said += said
+        return said
+
+    def until(self, line: str, ticks: int = 3000) -> None:
+        for _ in range(ticks):
+            if any(message.line() == line for message in self.run(1)):
+                return
+        raise TimeoutError(line)
+
+    def levels(self, kind: type) -> list:
+        notices = [parse_notice(message) for message in self.said]
+        return [level for n in notices if isinstance(n, Notice) and (level := heard(n, kind)) is not None]
+
+
+@pytest.fixture
+def driver(setting):
+    return Driver(setting.simr())
+
+
+def orders(game: int, *moves: Order | None, at=(0, 0), poses=None) -> Message:
+    return tell(KEEPER, legacy.SIMR, Orders(game, moves, (90.0, 80.0), at, poses))
+
+
+def test_it_introduces_itself_when_connected(driver):
+    driver.simr.connected()
+    driver.run(1)
+    (ready,) = driver.levels(RobotsReady)
+    assert (ready.map, ready.robots, len(ready.costs)) == ("arena8", 2, 9)
+
+
+def test_without_a_keeper_it_obeys_as_in_2016(driver):
+    driver.run(PATIENCE, legacy.Goto(0, 1).message())
+    assert driver.simr.snapshot.robots[0].navigation.goal is None
+    driver.until('%%error SimR TabUI "0;1" ')
+
+
+def test_with_a_keeper_only_its_orders_count(driver):
+    driver.run(1, orders(1, None, None))
+    driver.run(PATIENCE + 5, legacy.Goto(0, 1).message())
+    assert driver.simr.snapshot.robots[0].navigation.goal is None
+    driver.run(2, orders(1, Order(1, 2), None))
+    assert driver.simr.snapshot.robots[0].navigation.goal is not None
+    assert driver.simr.snapshot.robots[1].observations.battery.charge == 80.0
+    driver.until('%%error SimR TabUI "0;1" ')
+    result = driver.levels(Status)[-1].results[0]
+    assert (result.move, result.arrived) == (1, True)
+
+
+def test_an_order_heard_twice_is_obeyed_once(driver):
+    driver.run(2, orders(1, Order(1, 2), None))
+    first = driver.simr.snapshot.robots[0].navigation.goal
+    driver.run(2, orders(1, Order(1, 2), None))
+    assert driver.simr.snapshot.robots[0].navigation.goal is first
+
+
+def test_a_withdrawn_order_stops_the_robot_and_is_reported(driver):
+    driver.run(100, orders(1, Order(1, 8), None))
+    driver.run(5, orders(1, None, None))
+    assert driver.simr.snapshot.robots[0].navigation.goal is None
+    result = driver.levels(Status)[-1].results[0]
+    assert (result.move, result.arrived) == (1, False)
+    assert 0.0 <= result.share < 1.0
+
+
+def test_back_in_a_game_robots_are_where_they_were(driver):
+    driver.run(2, orders(3, None, None, poses=((0.5, 1.0, 0.3), (2.0, 1.0, 0.0))))
+    assert driver.simr.snapshot.world.poses[0].tolist() == [0.5, 1.0, 0.3]
+    believed = driver.simr.snapshot.robots[0].estimate.base_in_map
+    assert math.hypot(believed.x - 0.5, believed.y - 1.0) < 0.2
+
+
+def test_back_in_a_game_without_poses_robots_stand_in_their_rooms(driver, setting):
+    driver.run(2, orders(3, None, None, at=(4, 0)))
+    goal = setting.place.rooms[3].goal
+    assert driver.simr.snapshot.world.poses[0].tolist() == [goal.x, goal.y, goal.theta]
+
+
+def test_where_is_answered_with_what_the_robot_believes(driver):
+    driver.run(1)
+    (answer,) = [m for m in driver.run(1, canonical.encode(canonical.Where(1), "Me", "SimR")) if m.receiver == "Me"]
+    pose = canonical.decode(answer)
+    assert isinstance(pose, canonical.Pose)
+    believed = driver.simr.snapshot.robots[1].estimate.base_in_map
+    assert (pose.robot, pose.x, pose.y) == (1, pytest.approx(believed.x, abs=0.05), pytest.approx(believed.y, abs=0.05))
+
+
+def test_a_robot_is_driven_by_hand_for_half_a_second(driver):
+    driver.run(1)
+    driver.run(40, canonical.encode(canonical.Move(0, canonical.Drive.FORWARD, 5), "Me", "SimR"))
+    # 0.5 m/s for 25 ticks of 20 ms.
+    assert driver.simr.snapshot.world.poses[0][0] == pytest.approx(0.25, abs=0.02)
+
+
+def test_a_robot_goes_to_a_point_in_metres(driver):
+    driver.run(1)
+    driver.run(400, canonical.encode(canonical.GotoPoint(0, 0.0, 1.5), "Me", "SimR"))
+    x, y, _ = driver.simr.snapshot.world.poses[0]
+    assert math.hypot(x, y - 1.5) < 0.25
+
+
+def test_whereabouts_go_to_those_who_asked_for_as_long_as_they_ask(driver):
+    driver.run(20, tell("Window", legacy.SIMR, Subscribe()))
+    assert len(driver.levels(Whereabouts)) == 20 // STREAM_PERIOD
+    driver.run(SUBSCRIPTION)
+    told = len(driver.levels(Whereabouts))
+    driver.run(50)
+    assert len(driver.levels(Whereabouts)) == told
