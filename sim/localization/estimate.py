@@ -18,6 +18,7 @@ class Estimate:
         covariance: (3, 3) of x, y, theta in the map frame; m^2, m rad, rad^2.
         particles: (n, 3) poses in the map; (0, 3) where the localiser has none.
         updated: whether a scan (or whatever it corrects by) was weighed in this tick.
+        lost: whether the localiser itself holds that the pose cannot be relied on.
     """
 
     tick: int
@@ -26,6 +27,7 @@ class Estimate:
     covariance: FloatArray
     particles: FloatArray
     updated: bool
+    lost: bool = False
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -52,6 +54,12 @@ class Localizer(Protocol):
 
     def start(self, base_in_map: Pose2, covariance: FloatArray) -> None:
         """Begin anew around this pose (ROS: initialpose); `covariance` is (3, 3)."""
+
+    def globalize(self) -> None:
+        """Forget where the robot was: it may be anywhere (ROS: global_localization)."""
+
+    def request_update(self) -> None:
+        """Weigh the next scan even if the robot has not moved (ROS: request_nomotion_update)."""
 
     def update(self, odometry: Odometry, imu: Imu, scan: Scan | None) -> Estimate:
         """Take in one tick; a scan where the laser was due."""

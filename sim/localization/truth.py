@@ -24,6 +24,12 @@ class Truth:
     def start(self, base_in_map: Pose2, covariance: FloatArray) -> None:
         """Nothing to begin: the truth needs no telling. (fake_localization would shift its map frame.)"""
 
+    def globalize(self) -> None:
+        """Nothing to forget."""
+
+    def request_update(self) -> None:
+        """Nothing to weigh."""
+
     def update(self, odometry: Odometry, imu: Imu, scan: Scan | None) -> Estimate:
         """The true pose now; `odom_in_map` is whatever makes the odometry agree with it."""
         base_in_map = self._base_in_map()

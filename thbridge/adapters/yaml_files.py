@@ -11,10 +11,10 @@ import math
 import re
 import types
 from collections.abc import Iterator, Mapping
-from dataclasses import dataclass, field
+from dataclasses import dataclass
 from enum import StrEnum
 from pathlib import Path
-from typing import Generic, Literal, TypeVar, Union, cast, get_args, get_origin, get_type_hints
+from typing import TYPE_CHECKING, Generic, Literal, TypeVar, Union, cast, get_args, get_origin, get_type_hints
 
 from ruamel.yaml import YAML
 from ruamel.yaml.error import MarkedYAMLError, YAMLError
@@ -31,6 +31,9 @@ from ruamel.yaml.events import (
 from ruamel.yaml.reader import ReaderError
 
 from thbridge.adapters.errors import BadFile, BadFiles
+
+if TYPE_CHECKING:
+    from _typeshed import DataclassInstance
 
 T = TypeVar("T")
 
@@ -84,11 +87,13 @@ class Loaded(Generic[T]):
         path: the file.
         value: the dataclass.
         lines: line of each key and item that stands in the file, by its path (`robot.amcl.kld_err`, `rooms[2].goal`).
+        notices: sentences about keys that are right but change nothing here.
     """
 
     path: Path
     value: T
     lines: Mapping[str, int]
+    notices: tuple[str, ...] = ()
 
     def fault(self, key: str, problem: str, remedy: str) -> BadFile:
         """A fault of the value at this key path, found after loading; told at the nearest line that was written."""
@@ -198,6 +203,9 @@ def _node(path: Path, event: NodeEvent) -> Node:
 def load(path: Path, into: type[T]) -> Loaded[T]:
     """Read a YAML file into a dataclass whose fields are declared with `sim.parameters.knob` or plain.
 
+    A section whose field has a section for its default takes what the file leaves out from there. The names in a
+    class's `ros_only` are accepted, with a notice.
+
     Fields may be bool, int, float, str, Literal, StrEnum, Path, tuples, dataclasses, and any of these or None. A field
     without a default must be in the file. A section that stands empty keeps its defaults.
 
@@ -213,7 +221,7 @@ def load_text(path: Path, text: str, into: type[T]) -> Loaded[T]:
     value = reader.value(parse(path, text), into, NO_METADATA, "")
     if reader.faults:
         raise BadFiles(tuple(sorted(reader.faults, key=lambda fault: fault.line or 0)))
-    return Loaded(path, cast(T, value), reader.lines)
+    return Loaded(path, cast(T, value), reader.lines, tuple(reader.notices))
 
 
 def quoted(text: str) -> str:
@@ -238,8 +246,9 @@ _WORDS_FOR_TRUTH = {"yes", "no", "on", "off", "y", "n"}
 class _Reader:
     path: Path
     root: type
-    faults: list[BadFile] = field(default_factory=list)
-    lines: dict[str, int] = field(default_factory=dict)
+    faults: list[BadFile] = dataclasses.field(default_factory=list)
+    lines: dict[str, int] = dataclasses.field(default_factory=dict)
+    notices: list[str] = dataclasses.field(default_factory=list)
 
     def wrong(self, line: int, key: str, problem: str, remedy: str) -> _Wrong:
         self.faults.append(BadFile(self.path, line, key or None, problem, remedy))
@@ -326,7 +335,7 @@ class _Reader:
             values.append(self.value(item, hint, metadata, place))
         return _WRONG if _WRONG in values else tuple(values)
 
-    def section(self, node: Node, into: type, key: str) -> object:
+    def section(self, node: Node, into: type, key: str, defaults: "DataclassInstance | None" = None) -> object:
         if isinstance(node, Scalar) and node.absent:
             node = Section(node.line, [])
         if not isinstance(node, Section):
@@ -343,18 +352,27 @@ class _Reader:
                 )
                 continue
             first_lines[name.text] = name.line
+            if name.text in ros_only_of(into):
+                meaning = ros_only_of(into)[name.text]
+                self.notices.append(f"{self.path}, line {name.line}: {place} has no effect here: {meaning}")
+                continue
             if name.text not in known:
                 self.unknown(name, place, into)
                 continue
             self.lines[place] = name.line
-            values[name.text] = self.value(child, hints[name.text], known[name.text].metadata, place)
+            values[name.text] = self.field(child, hints[name.text], known[name.text], place)
         missing = [knob for knob in known.values() if _required(knob) and knob.name not in first_lines]
         for knob in missing:
             remedy = f"Add the line '{knob.name}: ...'. {_wanted(hints[knob.name], knob.metadata)} there"
             self.wrong(node.line, f"{key}.{knob.name}" if key else knob.name, "missing", remedy)
         if missing or _WRONG in values.values():
             return _WRONG
-        return cast(object, into(**values))
+        return cast(object, into(**values) if defaults is None else dataclasses.replace(defaults, **values))
+
+    def field(self, node: Node, hint: object, knob: "dataclasses.Field[object]", place: str) -> object:
+        if dataclasses.is_dataclass(knob.default) and not isinstance(knob.default, type):
+            return self.section(node, type(knob.default), place, knob.default)
+        return self.value(node, hint, knob.metadata, place)
 
     def unknown(self, name: Scalar, place: str, into: type) -> None:
         names = [knob.name for knob in dataclasses.fields(into)]
@@ -367,6 +385,11 @@ class _Reader:
         else:
             remedy = _keys_of(into)
         self.wrong(name.line, place, "unknown key", remedy)
+
+
+def ros_only_of(section: type) -> Mapping[str, str]:
+    """The names that a class of parameters accepts because ROS knows them, each with what it does there."""
+    return cast(Mapping[str, str], getattr(section, "ros_only", {}))
 
 
 def _required(knob: "dataclasses.Field[object]") -> bool:

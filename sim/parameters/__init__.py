@@ -1,0 +1,32 @@
+"""The admin's knobs: every parameter of a robot and of its world, under its ROS name where ROS has one.
+
+Each field carries its meaning, unit and bounds, from which the study file's reader, its error messages and its
+commented template are made. Defaults are those of the 2016 study (its robots, its planner) and else ROS's own.
+Names of the sections follow ROS: `amcl`, `costmap_2d`, `move_base`, `TrajectoryPlannerROS`, `NavfnROS`.
+"""
+
+from sim.parameters.amcl import AmclParameters
+from sim.parameters.costmap_2d import CostmapParameters, InflationParameters, ObstacleParameters
+from sim.parameters.ekf import EkfParameters
+from sim.parameters.global_planners import NavfnParameters
+from sim.parameters.knobs import knob
+from sim.parameters.local_planners import TrajectoryPlannerParameters
+from sim.parameters.move_base import MoveBaseParameters
+from sim.parameters.robot import RobotParameters
+from sim.parameters.world import LaserParameters, OdometryNoise, WorldParameters
+
+__all__ = [
+    "AmclParameters",
+    "CostmapParameters",
+    "EkfParameters",
+    "InflationParameters",
+    "LaserParameters",
+    "MoveBaseParameters",
+    "NavfnParameters",
+    "ObstacleParameters",
+    "OdometryNoise",
+    "RobotParameters",
+    "TrajectoryPlannerParameters",
+    "WorldParameters",
+    "knob",
+]

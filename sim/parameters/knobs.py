@@ -1,0 +1,33 @@
+"""How a parameter is declared: default, meaning, unit and bounds in one place.
+
+A class of ROS parameters may hold `ros_only: ClassVar[Mapping[str, str]]`: names that only mean something inside ROS,
+each with what it does there. Files may have them, and are told that they change nothing.
+"""
+
+from dataclasses import field
+from typing import TypeVar
+
+T = TypeVar("T")
+
+
+def knob(
+    default: T,
+    help: str,  # noqa: A002 - the word that argument parsers use for it
+    unit: str = "",
+    minimum: float | None = None,
+    maximum: float | None = None,
+    choices: tuple[str, ...] = (),
+) -> T:
+    """A dataclass field that an admin may set, with what a reader of the file needs to know about it.
+
+    Args:
+        default: the value when the file is silent; immutable.
+        help: one sentence for the admin.
+        unit: SI, e.g. "m", "m/s", "rad"; empty for a pure number.
+        minimum: least allowed value, inclusive.
+        maximum: greatest allowed value, inclusive.
+        choices: the allowed words; empty when free.
+    """
+    metadata = {"help": help, "unit": unit, "minimum": minimum, "maximum": maximum, "choices": choices}
+    # Every parameter class is frozen, so one default may serve all.
+    return field(default=default, metadata=metadata)
