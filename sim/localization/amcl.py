@@ -5,7 +5,7 @@ and pf.c of ros-planning/navigation for when and in which order. Where this diff
 """
 
 import math
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 from numpy.typing import NDArray
@@ -38,6 +38,7 @@ class Belief:
         covariance: (3, 3) of the pose found then; read-only.
         updates: scans weighed since the start.
         recovery: how well the map explained them.
+        requested: whether the next scan is weighed in any case.
     """
 
     particles: FloatArray
@@ -47,9 +48,15 @@ class Belief:
     covariance: FloatArray
     updates: int
     recovery: Recovery
+    requested: bool = False
 
 
-AmclState = Start | Belief
+@dataclass(frozen=True, slots=True)
+class Anywhere:
+    """What a filter remembers that was told to forget where it was, and has seen no tick since."""
+
+
+AmclState = Start | Anywhere | Belief
 
 
 class Amcl:
@@ -106,11 +113,22 @@ class Amcl:
         """Begin anew around this pose, at the next tick; the first scan from then on is weighed at once."""
         self._state = Start(base_in_map, read_only(covariance.copy()))
 
+    def globalize(self) -> None:
+        """Begin anew with no idea, at the next tick: uniform over the free cells and all headings."""
+        self._state = Anywhere()
+
+    def request_update(self) -> None:
+        """Weigh the next scan even if the robot has not moved; the first scan after a start is weighed anyway."""
+        if isinstance(self._state, Belief):
+            self._state = replace(self._state, requested=True)
+
     def update(self, odometry: Odometry, imu: Imu, scan: Scan | None) -> Estimate:
         """Take in one tick; a scan is weighed when the robot has moved enough since the last one that was."""
         belief = self._state
         if isinstance(belief, Start):
             belief = self._state = self._scatter(belief, odometry)
+        elif isinstance(belief, Anywhere):
+            belief = self._state = self._scatter_everywhere(odometry)
         updated = scan is not None and self._due(belief, odometry.base_in_odom)
         if scan is not None and updated:
             belief = self._state = self._weigh(belief, odometry, scan)
@@ -128,6 +146,7 @@ class Amcl:
         before, limit = belief.base_in_odom, self._parameters.update_min_d
         return (
             belief.updates == 0
+            or belief.requested
             or abs(base_in_odom.x - before.x) > limit
             or abs(base_in_odom.y - before.y) > limit
             or abs(wrap_angle(base_in_odom.theta - before.theta)) > self._parameters.update_min_a
@@ -148,6 +167,21 @@ class Amcl:
             base_in_odom=odometry.base_in_odom,
             odom_in_map=start.base_in_map.compose(odometry.base_in_odom.inverse()),
             covariance=start.covariance,
+            updates=0,
+            recovery=Recovery(),
+        )
+
+    def _scatter_everywhere(self, odometry: Odometry) -> Belief:
+        """As many particles as allowed, drawn over the whole map; its middle stands for a pose until a scan comes."""
+        n = self._parameters.max_particles
+        particles = self._candidates(n, odometry.tick)
+        mean = Pose2(*particles.mean(axis=0).tolist())
+        return Belief(
+            particles=read_only(particles),
+            weights=read_only(np.full(n, 1.0 / n)),
+            base_in_odom=odometry.base_in_odom,
+            odom_in_map=mean.compose(odometry.base_in_odom.inverse()),
+            covariance=read_only(np.cov(particles.T, bias=True)),
             updates=0,
             recovery=Recovery(),
         )
