@@ -61,10 +61,21 @@ class EkfState:
     Attributes:
         belief: where it believes to be.
         turned: radians that the gyroscope has counted since the last prediction.
+        asked: whether the next scan is to be matched wherever the robot is.
+        lost: whether it was told to forget where it is, and nobody has told it since.
     """
 
     belief: Start | EkfBelief
     turned: float
+    asked: bool
+    lost: bool
+
+
+def _anywhere(grid: OccupancyGrid) -> FloatArray:
+    """(3, 3) covariance of a pose that may be anywhere on the map: uniform over its extent and all headings."""
+    rows, cols = grid.cells.shape
+    spread = (rows**2 + cols**2) * grid.resolution**2 / 12.0
+    return np.diag((spread, spread, math.pi**2 / 3.0))
 
 
 def _direct(_: FloatArray) -> FloatArray:
@@ -101,20 +112,35 @@ class Ekf:
         variances = (parameters.initial_cov_xx, parameters.initial_cov_yy, parameters.initial_cov_aa)
         self._belief: Start | EkfBelief = Start(Pose2(0.0, 0.0, 0.0), read_only(np.diag(variances)))
         self._turned = 0.0
+        self._asked = False
+        self._lost = False
+        self._anywhere = read_only(_anywhere(grid))
         self._particles = np.empty((0, 3))
 
     @property
     def state(self) -> EkfState:
         """Everything the next estimate depends on, besides what `update` will be told."""
-        return EkfState(self._belief, self._turned)
+        return EkfState(self._belief, self._turned, self._asked, self._lost)
 
     def restore(self, state: EkfState) -> None:
         """Go on from a state that `state` once gave."""
-        self._belief, self._turned = state.belief, state.turned
+        self._belief, self._turned, self._asked, self._lost = state.belief, state.turned, state.asked, state.lost
 
     def start(self, base_in_map: Pose2, covariance: FloatArray) -> None:
         """Begin anew around this pose, at the next tick; the first scan from then on is weighed at once."""
         self._belief, self._turned = Start(base_in_map, read_only(covariance.copy())), 0.0
+        self._lost = False
+
+    def globalize(self) -> None:
+        """Forget where the robot was: lost, with a covariance as wide as the map, until `start` tells it a pose.
+
+        One Gaussian cannot stand for "anywhere", so it does not search, and weighs no scan in the meantime.
+        """
+        self._lost = True
+
+    def request_update(self) -> None:
+        """Match the next scan even if the robot has not moved."""
+        self._asked = True
 
     def update(self, odometry: Odometry, imu: Imu, scan: Scan | None) -> Estimate:
         """Take in one tick; a scan is matched when the robot has moved enough since the last one that was."""
@@ -130,7 +156,8 @@ class Ekf:
                 belief = self._predict(belief, odometry)
                 self._turned = 0.0
         updated = False
-        if scan is not None and self._due(belief):
+        if scan is not None and not self._lost and (self._asked or self._due(belief)):
+            self._asked = False
             corrected = self._correct(belief, scan)
             if corrected is not None:
                 belief, updated = corrected, True
@@ -139,9 +166,10 @@ class Ekf:
             tick=odometry.tick,
             base_in_map=belief.odom_in_map.compose(odometry.base_in_odom),
             odom_in_map=belief.odom_in_map,
-            covariance=belief.covariance,
+            covariance=self._anywhere if self._lost else belief.covariance,
             particles=self._particles,
             updated=updated,
+            lost=self._lost,
         )
 
     def _due(self, belief: EkfBelief) -> bool:

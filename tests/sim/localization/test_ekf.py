@@ -139,3 +139,28 @@ def test_it_begins_anew_where_it_is_told(drive):
     ekf.start(Pose2(9.0, 5.0, 1.0), VAGUE)
     estimate = ekf.update(tour.moments[250].odometry, tour.moments[250].imu, None)
     assert estimate.base_in_map.array() == pytest.approx((9.0, 5.0, 1.0))
+
+
+def test_told_that_it_may_be_anywhere_it_says_so_until_it_is_told_a_pose(drive):
+    tour = drive(seconds=10)
+    ekf = ekf_of(tour)
+    run(ekf, tour.moments[:250])
+    ekf.globalize()
+    for estimate in run(ekf, tour.moments[250:300]):
+        assert estimate.lost and not estimate.updated
+        assert estimate.covariance[0, 0] > 10.0
+    ekf.start(tour.moments[300].truth, VAGUE)
+    found = run(ekf, tour.moments[300:310])[-1]
+    assert not found.lost
+    assert found.covariance[0, 0] < 0.3
+
+
+def test_asked_for_it_weighs_a_scan_though_the_robot_stands(drive):
+    tour = drive(seconds=2)
+    ekf = ekf_of(tour)
+    odometry, scan = tour.moments[0].odometry, tour.moments[0].scan
+    assert ekf.update(odometry, Imu(0, 0.0), scan).updated
+    assert not ekf.update(replace(odometry, tick=5), Imu(5, 0.0), scan).updated
+    ekf.request_update()
+    assert ekf.update(replace(odometry, tick=10), Imu(10, 0.0), scan).updated
+    assert not ekf.update(replace(odometry, tick=15), Imu(15, 0.0), scan).updated
