@@ -11,46 +11,65 @@ from dataclasses import dataclass
 import numpy as np
 from numba import njit
 from numpy.typing import NDArray
-from scipy.ndimage import distance_transform_cdt
 
 from sim.geometry import FloatArray
-from sim.grid import OCCUPIED, GridFrame, OccupancyGrid
+from sim.grid import OCCUPIED, Cells, GridFrame, OccupancyGrid
 
-Clearance = NDArray[np.uint8]
-"""(rows, cols): how many king's moves from each cell to the nearest occupied one, 0 if itself, at most 255."""
+FreeSquares = NDArray[np.uint8]
+"""(4, rows, cols): sides, in cells, of the largest square without an occupied cell that has this cell for a corner and
+extends towards 0: lower columns and rows, 1: higher columns and lower rows, 2: lower columns and higher rows, 3: higher
+columns and rows. 0 where the cell itself is occupied; at most 255. Outside the grid all is free."""
 
-_CLEARANCE_LIMIT = 255
-
-
-def clearance_of(grid: OccupancyGrid) -> Clearance:
-    """The free square around every cell: all cells nearer (in king's moves) than this are not occupied."""
-    open_cells = grid.cells != OCCUPIED
-    if open_cells.all():
-        return np.full(grid.cells.shape, _CLEARANCE_LIMIT, dtype=np.uint8)
-    moves = np.asarray(distance_transform_cdt(open_cells, metric="chessboard"))
-    return np.minimum(moves, _CLEARANCE_LIMIT).astype(np.uint8)
+_LARGEST_SQUARE = 255
 
 
 @njit(cache=True)
-def clearance_at(clearance: Clearance, row: int, col: int) -> int:
-    """The clearance of a cell that may lie outside the grid: there, the king's moves to the grid's nearest cell."""
-    rows: int = clearance.shape[0]
-    cols: int = clearance.shape[1]
-    if 0 <= row < rows and 0 <= col < cols:
-        return int(clearance[row, col])
-    return max(-row, row - rows + 1, -col, col - cols + 1)
+def _free_squares(cells: Cells) -> FreeSquares:
+    rows, cols = cells.shape
+    squares = np.empty((4, rows, cols), dtype=np.uint8)
+    for quadrant in range(4):
+        col_step = 1 if quadrant & 1 else -1
+        row_step = 1 if quadrant & 2 else -1
+        for i in range(rows):
+            row = rows - 1 - i if row_step > 0 else i
+            next_row = row + row_step
+            for j in range(cols):
+                col = cols - 1 - j if col_step > 0 else j
+                next_col = col + col_step
+                if cells[row, col] == OCCUPIED:
+                    squares[quadrant, row, col] = 0
+                    continue
+                # A square is one cell larger than the smallest of the three that it is made of.
+                smallest = _LARGEST_SQUARE - 1
+                if i > 0:
+                    smallest = min(smallest, squares[quadrant, next_row, col])
+                if j > 0:
+                    smallest = min(smallest, squares[quadrant, row, next_col])
+                if i > 0 and j > 0:
+                    smallest = min(smallest, squares[quadrant, next_row, next_col])
+                squares[quadrant, row, col] = smallest + 1
+    return squares
+
+
+def free_squares_of(grid: OccupancyGrid) -> FreeSquares:
+    """How far a beam may go in one stride from every cell, for each quadrant that it may head for."""
+    squares: FreeSquares = _free_squares(grid.cells)
+    return squares
 
 
 @njit(cache=True)
 def _line_after(
-    start: int, step: int, origin: float, speed: float, pace: float, distance: float, inclusive: bool
+    start: int, step: int, origin: float, speed: float, pace: float, distance: float, inclusive: bool, hair: float
 ) -> int:
     """The row (or column) that a beam is in after `distance`, having been in `start` before.
 
-    A line between two rows counts as crossed by comparing the very expression that `cast` steps by, so that rounding
-    can never send a beam that skips through other cells than one that goes step by step.
+    Where the beam is within a hair of a line, the line counts as crossed by comparing the very expression that `_cast`
+    strides by. So rounding can never send a beam that strides through other cells than one that goes step by step.
     """
-    line = math.floor(origin + speed * distance)
+    reached = origin + speed * distance
+    line = math.floor(reached)
+    if hair < reached - line < 1.0 - hair:
+        return line
     ahead = 1 if step > 0 else 0
     behind = 1 - ahead
     while True:
@@ -68,28 +87,24 @@ def _line_after(
 
 
 @njit(cache=True)
-def cast(clearance: Clearance, frame: GridFrame, x: float, y: float, cos: float, sin: float, max_range: float) -> float:
-    """Metres along one beam to the first occupied cell; inf if there is none within `max_range`.
+def _cast(
+    squares: FreeSquares, col_start: float, row_start: float, col_speed: float, row_speed: float, limit: float
+) -> float:
+    """Metres along one beam to the first occupied cell; inf if there is none nearer than `limit`.
 
     Args:
-        clearance: of the grid; all ones on free cells would give the same range, slower.
-        frame: the grid's.
-        x: where the beam starts, map frame.
-        y: the same.
-        cos: where it points: cosine of its angle in the map frame.
-        sin: sine of that angle.
-        max_range: metres, finite.
+        squares: of the grid; all ones on free cells would give the same range, slower.
+        col_start: where the beam starts, along the columns, in cells.
+        row_start: the same along the rows.
+        col_speed: cells per metre of beam along the columns.
+        row_speed: the same along the rows.
+        limit: metres, finite.
 
     Source: Amanatides and Woo, A fast voxel traversal algorithm for ray tracing (1987).
     Differs: crosses a whole free square at a time; each crossing is computed from the start, not accumulated.
     """
-    dx = x - frame.x
-    dy = y - frame.y
-    # In cells, and cells per metre of beam, along the grid's own axes.
-    col_start = (frame.cos * dx + frame.sin * dy) / frame.resolution
-    row_start = (frame.cos * dy - frame.sin * dx) / frame.resolution
-    col_speed = (frame.cos * cos + frame.sin * sin) / frame.resolution
-    row_speed = (frame.cos * sin - frame.sin * cos) / frame.resolution
+    rows = squares.shape[1]
+    cols = squares.shape[2]
     # A beam along a grid line must still have a finite pace across it, or 0 * inf would be met on the line itself.
     if col_speed == 0.0:
         col_speed = 1e-300
@@ -99,52 +114,91 @@ def cast(clearance: Clearance, frame: GridFrame, x: float, y: float, cos: float,
     row_pace = 1.0 / row_speed
     col_step = 1 if col_speed > 0.0 else -1
     row_step = 1 if row_speed > 0.0 else -1
-    col_ahead = 1 if col_speed > 0.0 else 0
-    row_ahead = 1 if row_speed > 0.0 else 0
+    # Ahead of the lower edge of a cell is 1 where the beam leaves it by the upper one; behind is the other edge.
+    col_behind = 0 if col_speed > 0.0 else 1
+    row_behind = 0 if row_speed > 0.0 else 1
+    # Rounding moves a beam by some 1e-16 of the numbers it is computed from.
+    hair = 1e-13 * (abs(col_start) + abs(row_start) + rows + cols)
+    # The grid is convex: who leaves it does not come back. So no stride below ends outside of it.
+    leaves_cols = ((cols if col_step > 0 else 0) - col_start) * col_pace
+    leaves_rows = ((rows if row_step > 0 else 0) - row_start) * row_pace
+    limit = min(limit, leaves_cols, leaves_rows)
     col = math.floor(col_start)
     row = math.floor(row_start)
     distance = 0.0
-    free = clearance_at(clearance, row, col)
-    while free > 0:
-        # The last row and column of the free square that the beam heads for, and where it would leave by each.
-        last_col = col + col_step * (free - 1)
-        last_row = row + row_step * (free - 1)
-        col_exit = (last_col + col_ahead - col_start) * col_pace
-        row_exit = (last_row + row_ahead - row_start) * row_pace
-        distance = min(col_exit, row_exit)
-        if not distance <= max_range:
+    if not (0 <= col_start < cols and 0 <= row_start < rows):
+        enters_cols = ((0 if col_step > 0 else cols) - col_start) * col_pace
+        enters_rows = ((0 if row_step > 0 else rows) - row_start) * row_pace
+        distance = max(enters_cols, enters_rows)
+        if not 0.0 <= distance < limit:
             return math.inf
-        if col_exit < row_exit:
-            row = _line_after(row, row_step, row_start, row_speed, row_pace, distance, True)
-            col = last_col + col_step
+        if enters_cols >= enters_rows:
+            row = _line_after(row, row_step, row_start, row_speed, row_pace, distance, True, hair)
+            col = 0 if col_step > 0 else cols - 1
         else:
-            col = _line_after(col, col_step, col_start, col_speed, col_pace, distance, False)
-            row = last_row + row_step
-        free = clearance_at(clearance, row, col)
+            col = _line_after(col, col_step, col_start, col_speed, col_pace, distance, False, hair)
+            row = 0 if row_step > 0 else rows - 1
+    quadrant = squares[(1 - col_behind) + 2 * (1 - row_behind)]
+    free = int(quadrant[np.uintp(row), np.uintp(col)])
+    while free > 0:
+        # Where the beam leaves the free square by a column and by a row.
+        next_col = col + col_step * free
+        next_row = row + row_step * free
+        col_exit = (next_col + col_behind - col_start) * col_pace
+        row_exit = (next_row + row_behind - row_start) * row_pace
+        if col_exit < row_exit:
+            distance = col_exit
+            if not distance < limit:
+                return math.inf
+            row = _line_after(row, row_step, row_start, row_speed, row_pace, distance, True, hair)
+            col = next_col
+        else:
+            distance = row_exit
+            if not distance < limit:
+                return math.inf
+            col = _line_after(col, col_step, col_start, col_speed, col_pace, distance, False, hair)
+            row = next_row
+        free = int(quadrant[np.uintp(row), np.uintp(col)])
     return distance
 
 
 @njit(cache=True)
 def cast_beams(
-    clearance: Clearance, frame: GridFrame, poses: FloatArray, directions: FloatArray, max_range: float, out: FloatArray
+    squares: FreeSquares, frame: GridFrame, poses: FloatArray, directions: FloatArray, max_range: float, out: FloatArray
 ) -> None:
     """Fill `out`, (n, m), with the ranges of m beams from each of n sensors.
 
     Args:
-        clearance: of the grid.
+        squares: of the grid.
         frame: the grid's.
         poses: (n, 3) of the sensors in the map frame.
         directions: (m, 2) cosine and sine of the beams' angles in the sensor's frame.
         max_range: metres, finite; what is farther away has range inf.
         out: (n, m) metres.
     """
+    # What is just as far as max_range is still seen.
+    limit = np.nextafter(max_range, np.inf)
     for i in range(poses.shape[0]):
+        dx = poses[i, 0] - frame.x
+        dy = poses[i, 1] - frame.y
+        col_start = (frame.cos * dx + frame.sin * dy) / frame.resolution
+        row_start = (frame.cos * dy - frame.sin * dx) / frame.resolution
         c = math.cos(poses[i, 2])
         s = math.sin(poses[i, 2])
+        # The sensor's axes, in cells per metre along the grid's.
+        ahead_cols = (frame.cos * c + frame.sin * s) / frame.resolution
+        ahead_rows = (frame.cos * s - frame.sin * c) / frame.resolution
         for j in range(directions.shape[0]):
-            cos = c * directions[j, 0] - s * directions[j, 1]
-            sin = s * directions[j, 0] + c * directions[j, 1]
-            out[i, j] = cast(clearance, frame, poses[i, 0], poses[i, 1], cos, sin, max_range)
+            cos = directions[j, 0]
+            sin = directions[j, 1]
+            out[i, j] = _cast(
+                squares,
+                col_start,
+                row_start,
+                ahead_cols * cos - ahead_rows * sin,
+                ahead_rows * cos + ahead_cols * sin,
+                limit,
+            )
 
 
 @njit(cache=True)
@@ -194,17 +248,17 @@ class Raycaster:
     """A grid made ready for beams.
 
     Attributes:
-        clearance: (rows, cols) for the kernels of this module.
+        squares: (4, rows, cols) for the kernels of this module.
         frame: where the grid lies, for the same.
     """
 
-    clearance: Clearance
+    squares: FreeSquares
     frame: GridFrame
 
     @classmethod
     def of(cls, grid: OccupancyGrid) -> "Raycaster":
         """Make a grid ready, once."""
-        return cls(clearance_of(grid), grid.frame)
+        return cls(free_squares_of(grid), grid.frame)
 
     def ranges(self, poses: FloatArray, angles: FloatArray, max_range: float) -> FloatArray:
         """Metres to the first occupied cell along every beam; inf where there is none within `max_range`.
@@ -223,5 +277,5 @@ class Raycaster:
         if not math.isfinite(max_range):
             raise ValueError(f"max_range must be finite, not {max_range}")
         out = np.empty((poses.shape[0], angles.shape[0]))
-        cast_beams(self.clearance, self.frame, poses, directions_of(angles), max_range, out)
+        cast_beams(self.squares, self.frame, poses, directions_of(angles), max_range, out)
         return out

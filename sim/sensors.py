@@ -13,7 +13,7 @@ from sim.grid import GridFrame, OccupancyGrid
 from sim.noise import key, normals, uniforms
 from sim.observations import TICKS_PER_SECOND, Battery, Imu, LaserMount, Observations, Odometry, Scan, Twist
 from sim.parameters import LaserParameters, WorldParameters
-from sim.raycast import Clearance, cast_beams, clearance_of, directions_of, shorten_by_polygon
+from sim.raycast import FreeSquares, cast_beams, directions_of, free_squares_of, shorten_by_polygon
 from sim.world import WorldState
 
 
@@ -25,7 +25,7 @@ def _sweep(
     directions: FloatArray,
     range_max: float,
     footprint: FloatArray,
-    clearance: Clearance,
+    squares: FreeSquares,
     frame: GridFrame,
 ) -> FloatArray:
     """(m,) true ranges of one robot's laser: to walls and to the bodies of all other robots; inf beyond range_max."""
@@ -35,7 +35,7 @@ def _sweep(
     laser[0, 1] = poses[robot, 1] + laser_x * math.sin(theta)
     laser[0, 2] = theta
     ranges = np.empty((1, directions.shape[0]))
-    cast_beams(clearance, frame, laser, directions, range_max, ranges)
+    cast_beams(squares, frame, laser, directions, range_max, ranges)
     body = np.empty_like(footprint)
     for j in range(poses.shape[0]):
         if j == robot:
@@ -138,7 +138,7 @@ class Sensors:
         self._period = TICKS_PER_SECOND // laser.rate
         self._directions = directions_of(self.mount.angles())
         self._footprint = np.array(parameters.footprint, dtype=np.float64)
-        self._clearance = clearance_of(grid)
+        self._squares = free_squares_of(grid)
         self._frame = grid.frame
 
     def sense(self, state: WorldState, robot: int) -> Observations:
@@ -167,7 +167,7 @@ class Sensors:
             self._directions,
             laser.range_max,
             self._footprint,
-            self._clearance,
+            self._squares,
             self._frame,
         )
         ranges = _measured(

@@ -7,7 +7,7 @@ from hypothesis import strategies as st
 
 from sim.geometry import FloatArray, Pose2
 from sim.grid import OccupancyGrid
-from sim.raycast import Raycaster, cast, directions_of, shorten_by_polygon
+from sim.raycast import Raycaster, directions_of, shorten_by_polygon
 
 ORIGINS = st.builds(Pose2, st.floats(-20, 20), st.floats(-20, 20), st.floats(-math.pi, 3.14))
 SEEDS = st.integers(0, 2**32 - 1)
@@ -87,7 +87,7 @@ def test_skipping_free_squares_changes_no_bit_of_a_range(seed: int, origin: Pose
     poses = np.vstack((poses, np.column_stack((corners, np.full(20, origin.theta)))))
     angles = np.concatenate((rng.uniform(-math.pi, math.pi, 20), np.arange(-4, 5) * math.pi / 4))
     skipping = Raycaster.of(grid)
-    stepping = Raycaster((grid.cells != 100).astype(np.uint8), grid.frame)
+    stepping = Raycaster(np.tile(grid.cells != 100, (4, 1, 1)).astype(np.uint8), grid.frame)
     assert np.array_equal(skipping.ranges(poses, angles, 5.0), stepping.ranges(poses, angles, 5.0))
 
 
@@ -102,7 +102,7 @@ def test_beams_through_cell_corners_skip_and_step_alike(seed: int, resolution: f
     ways = rng.integers(-5, 6, (50, 2))
     angles = np.arctan2(ways[:, 0], ways[:, 1])
     skipping = Raycaster.of(grid)
-    stepping = Raycaster((grid.cells != 100).astype(np.uint8), grid.frame)
+    stepping = Raycaster(np.tile(grid.cells != 100, (4, 1, 1)).astype(np.uint8), grid.frame)
     max_range = 100 * resolution
     assert np.array_equal(skipping.ranges(poses, angles, max_range), stepping.ranges(poses, angles, max_range))
 
@@ -152,8 +152,30 @@ def test_a_beam_without_end_is_refused() -> None:
 
 
 def test_a_pose_that_is_not_a_number_ends_in_no_range() -> None:
-    raycaster = Raycaster.of(room())
-    assert cast(raycaster.clearance, raycaster.frame, math.nan, 1.0, 1.0, 0.0, 10.0) == math.inf
+    assert one_beam(room(), math.nan, 1.0, 0.0) == math.inf
+    assert one_beam(room(), 1.0, 1.0, math.nan) == math.inf
+
+
+@given(SEEDS)
+@settings(max_examples=20, deadline=None)
+def test_free_squares_are_the_largest_there_are(seed: int) -> None:
+    rng = np.random.default_rng(seed)
+    grid = random_grid(rng, Pose2(0.0, 0.0, 0.0))
+    # All is free around the grid.
+    walls = np.pad(grid.cells == 100, 300)
+    squares = Raycaster.of(grid).squares
+    for row, col in np.ndindex(*grid.cells.shape):
+        for quadrant, (rows_up, cols_up) in enumerate(((False, False), (False, True), (True, False), (True, True))):
+            side = int(squares[quadrant, row, col])
+
+            def free(
+                side: int, row: int = row + 300, col: int = col + 300, up: tuple[bool, bool] = (rows_up, cols_up)
+            ) -> bool:
+                rows = slice(row, row + side) if up[0] else slice(row - side + 1, row + 1)
+                cols = slice(col, col + side) if up[1] else slice(col - side + 1, col + 1)
+                return not walls[rows, cols].any()
+
+            assert free(side) and (side == 255 or not free(side + 1))
 
 
 def polygon_ranges(polygon: FloatArray, angles: FloatArray, max_range: float = 100.0) -> FloatArray:

@@ -13,7 +13,7 @@ from sim.grid import OccupancyGrid
 from sim.noise import Stream
 from sim.observations import TICK, Imu, LaserMount, Odometry, Scan, Twist
 from sim.parameters import OdometryNoise
-from sim.raycast import cast_beams, clearance_of, directions_of, shorten_by_polygon
+from sim.raycast import cast_beams, directions_of, free_squares_of, shorten_by_polygon
 
 WALLS = (
     "v -5 -5 7; v 11 -5 7; h -5 -5 11; h 7 -5 11;"
@@ -98,7 +98,7 @@ def follow_tour(ticks: int, speed: float) -> FloatArray:
 @cache
 def _drive(seed: int, seconds: float, noise: float, others: int, speed: float, furnished: bool = False) -> Drive:
     grid = draw_arena(furnished)
-    clearance, frame = clearance_of(grid), grid.frame
+    squares, frame = free_squares_of(grid), grid.frame
     ticks = round(seconds / TICK)
     twists = follow_tour(ticks, speed)
     wheels = OdometryNoise()
@@ -129,7 +129,7 @@ def _drive(seed: int, seconds: float, noise: float, others: int, speed: float, f
         if tick % 5 == 0:
             ranges = np.empty((1, LASER.beams))
             laser = truth.compose(LASER.laser_in_base)
-            cast_beams(clearance, frame, laser.array()[None, :], directions, LASER.range_max, ranges)
+            cast_beams(squares, frame, laser.array()[None, :], directions, LASER.range_max, ranges)
             for other in range(others):
                 # They circle around the robot, nearer and farther; those beyond a wall hide nothing.
                 phase = 2 * math.pi * other / others + 0.3 * tick * TICK
