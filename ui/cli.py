@@ -6,6 +6,7 @@ import typer
 from rich.logging import RichHandler
 
 from ui.commands import files, programs
+from ui.commands.measure import maps_measure
 from ui.commands.play import play
 from ui.terminal import err
 
@@ -19,6 +20,7 @@ app = typer.Typer(
 for command in (play, programs.server, programs.simr, programs.hider, programs.tabui, files.suggest, files.report):
     app.command()(command)
 app.add_typer(files.bag_app, name="bag")
+files.maps_app.command("measure")(maps_measure)
 app.add_typer(files.maps_app, name="maps")
 app.add_typer(files.study_app, name="study")
 app.add_typer(files.ros_app, name="ros")

@@ -303,3 +303,10 @@ def test_an_unreadable_file_is_told(folder: Path) -> None:
     path = folder / "study.yaml"
     path.touch(mode=0)
     assert "Permission denied" in refusal("study", "check", path)
+
+
+def test_measuring_refuses_a_file_that_is_there_before_it_drives(folder: Path) -> None:
+    (folder / "mapTimes").write_text("mine\n")
+    assert "mapTimes" in refusal("maps", "measure", "arena8", "--out", "mapTimes")
+    assert (folder / "mapTimes").read_text() == "mine\n"
+    assert "cannot be written" in refusal("maps", "measure", "arena8", "--out", "no/such/folder/mapTimes")

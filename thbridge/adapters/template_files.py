@@ -9,14 +9,14 @@ import codecs
 import difflib
 import math
 import re
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
 from pathlib import Path
 
 from thbridge.adapters.errors import BadFile
 from thbridge.dialogue.moves import Scenario
 from thbridge.dialogue.templates import Question, Template, word_fault
-from thbridge.hunt.costs import CostMatrix
+from thbridge.hunt.costs import NOT_A_MOVE, CostMatrix
 from thbridge.hunt.treasures import TreasureKind, same_name
 
 MAP_TIMES = "mapTimes"
@@ -133,6 +133,24 @@ def read_map_times(path: Path) -> CostMatrix:
             "add or remove rows, or mend the first line",
         )
     return CostMatrix.of_map_times(tuple(_cost_row(path, number, row, nodes) for number, row in rows))
+
+
+def map_times(seconds: Sequence[Sequence[float | None]]) -> str:
+    """The text of a travel cost matrix, in whole seconds because the programs of 2016 read no others.
+
+    Args:
+        seconds: `seconds[start][goal]`, square, the corridor first; None is no move. A trip of 99 s is written as 98,
+            99 being the format's word for no move.
+    """
+    rows = [" ".join(_cost_word(cost) for cost in row) for row in seconds]
+    return "\n".join([str(len(rows)), *rows]) + "\n"
+
+
+def _cost_word(seconds: float | None) -> str:
+    if seconds is None:
+        return "99"
+    whole = round(seconds)
+    return str(98 if whole == NOT_A_MOVE else whole)
 
 
 def read_treasures(path: Path) -> TreasureList:

@@ -8,6 +8,7 @@ from PIL import Image
 
 from thbridge.adapters.errors import BadFile
 from thbridge.adapters.template_files import (
+    map_times,
     read_dialogue_text,
     read_map_times,
     read_template_set,
@@ -250,3 +251,10 @@ def test_the_copy_must_say_the_same_and_no_images(folder):
 
 def test_a_folder_that_is_not_there(tmp_path):
     assert "template folder" in set_refusal(tmp_path / "nothing")
+
+
+def test_measured_times_are_read_back_as_whole_seconds_and_none_becomes_the_word_for_no_move(tmp_path: Path) -> None:
+    file = tmp_path / "mapTimes"
+    file.write_text(map_times([[None, 12.4, 98.9], [None, None, 250.0], [None, 7.5, None]]))
+    costs = read_map_times(file)
+    assert costs.rows == ((math.inf, 12.0, 98.0), (math.inf, math.inf, 250.0), (math.inf, 8.0, math.inf))

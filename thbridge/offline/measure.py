@@ -1,0 +1,154 @@
+"""How long a robot takes from room to room: what fills a `mapTimes` file."""
+
+import math
+from collections.abc import Callable, Iterator
+from concurrent.futures import ProcessPoolExecutor, as_completed
+from dataclasses import dataclass
+from functools import partial
+from multiprocessing import get_context
+from statistics import fmean, stdev
+
+from sim import noise
+from sim.navigator import Arrived, Goal, NoPath
+from sim.observations import TICK
+from sim.parameters import RobotParameters, WorldParameters
+from sim.team import Go, Team
+from thbridge.adapters.map_files import Map
+from thbridge.hunt.rooms import Room
+
+LIMIT = 3600.0
+"""Simulated seconds after which a trip is given up; a navigator gives up much earlier by itself."""
+
+
+@dataclass(frozen=True, slots=True)
+class Course:
+    """What trips are measured on.
+
+    Attributes:
+        place: the map.
+        world: bodies, motors and sensors.
+        robot: the software that drives.
+        seed: of all chance.
+    """
+
+    place: Map
+    world: WorldParameters
+    robot: RobotParameters
+    seed: int
+
+
+@dataclass(frozen=True, slots=True, order=True)
+class Trip:
+    """One drive: from where a robot stands after it was sent to `start`, to the goal of the room `goal`.
+
+    The corridor as a start stands for the map's start poses: run 0 leaves from the first, run 1 from the second, and
+    so on. The number of the run also chooses the noise.
+    """
+
+    start: Room
+    goal: Room
+    run: int
+
+
+@dataclass(frozen=True, slots=True)
+class Driven:
+    """How a trip went: simulated seconds, or the sentence with which it was given up."""
+
+    trip: Trip
+    seconds: float | None
+    refusal: str | None
+
+
+@dataclass(frozen=True, slots=True)
+class Times:
+    """The trips of one pair of places.
+
+    Attributes:
+        start: where they began.
+        goal: where they ended.
+        seconds: of each that arrived.
+        refusals: the sentences of those that did not.
+    """
+
+    start: Room
+    goal: Room
+    seconds: tuple[float, ...]
+    refusals: tuple[str, ...]
+
+    @property
+    def mean(self) -> float | None:
+        """Mean simulated seconds; None where no trip arrived."""
+        return fmean(self.seconds) if self.seconds else None
+
+    @property
+    def deviation(self) -> float | None:
+        """Sample standard deviation of the seconds; None with fewer than two."""
+        return stdev(self.seconds) if len(self.seconds) > 1 else None
+
+
+def trips(place: Map, runs: int) -> Iterator[Trip]:
+    """All trips of a measurement: from the corridor and every room to every other room, `runs` times each."""
+    rooms = [entry.room for entry in place.rooms]
+    for run in range(runs):
+        for start in [Room(0), *rooms]:
+            for goal in rooms:
+                if start != goal:
+                    yield Trip(start, goal, run)
+
+
+def drive(course: Course, trip: Trip) -> Driven:
+    """Drive one trip, alone on the map."""
+    place = course.place
+    starts = place.starts
+    start = starts[trip.run % len(starts)] if trip.start.is_corridor else place.rooms[trip.start.people - 1].goal
+    words = ("measure", str(trip.start.people), str(trip.goal.people), str(trip.run))
+    seed = int(noise.key(course.seed, *words)) % 2**31
+    team = Team(place.grid, course.world, [course.robot], [start], seed, charge=math.inf)
+    inputs = [Go(0, Goal(0, place.rooms[trip.goal.people - 1].goal))]
+    for tick in range(1, round(LIMIT / TICK)):
+        result = team.step(inputs).robots[0].navigation.result
+        inputs = []
+        if isinstance(result, Arrived):
+            return Driven(trip, tick * TICK, None)
+        if isinstance(result, NoPath):
+            return Driven(trip, None, result.sentence)
+    return Driven(trip, None, f"the robot was still under way after {LIMIT:g} s")
+
+
+def measure(course: Course, runs: int, processes: int, progress: Callable[[Driven], None]) -> tuple[Times, ...]:
+    """Drive all trips of a map, several at a time.
+
+    The result does not depend on the number of processes.
+
+    Args:
+        course: what is measured.
+        runs: trips a pair.
+        processes: how many drive at a time.
+        progress: told of each trip that has ended, in the order of their ending.
+
+    Returns:
+        A pair's times each, ordered by start and goal.
+    """
+    waiting = list(trips(course.place, runs))
+    done: list[Driven] = []
+    # Forking would copy the threads of whoever shows the progress in the middle of what they do.
+    with ProcessPoolExecutor(processes, mp_context=get_context("spawn")) as pool:
+        for ended in as_completed(pool.submit(partial(drive, course), trip) for trip in waiting):
+            done.append(ended.result())
+            progress(done[-1])
+    return _by_pair(done)
+
+
+def _by_pair(done: list[Driven]) -> tuple[Times, ...]:
+    pairs: dict[tuple[Room, Room], list[Driven]] = {}
+    for driven in sorted(done, key=lambda driven: driven.trip):
+        pairs.setdefault((driven.trip.start, driven.trip.goal), []).append(driven)
+    return tuple(
+        Times(
+            start,
+            goal,
+            tuple(driven.seconds for driven in together if driven.seconds is not None),
+            tuple(driven.refusal for driven in together if driven.refusal is not None),
+        )
+        for (start, goal), together in sorted(pairs.items())
+    )
