@@ -1,4 +1,4 @@
-"""Draw the maps that come with the project: `maps/arena8` and `maps/warehouse12`.
+"""Draw the maps that come with the project: `maps/arena8`, `maps/warehouse12` and `maps/office`.
 
 Run it from the project's folder: `.venv/bin/python scripts/draw_maps.py`. The same drawing gives the same bytes, so
 `git diff` shows what a change of a wall does. `--resolution` draws finer or coarser cells, `--into` elsewhere.
@@ -61,6 +61,7 @@ class Plan:
         origin: lower left corner, metres.
         size: width and height, metres.
         walls: the centre lines of the walls inside, (x0, y0, x1, y1); the outer box is added.
+        cabinets: boxes that stand about, two opposite corners each, (x0, y0, x1, y1).
         rooms: room 1 first.
         poses: starts of the first robots.
         rows: lines along which further robots start, a metre from each other.
@@ -75,6 +76,7 @@ class Plan:
     poses: tuple[tuple[float, float, float], ...]
     rows: tuple[tuple[Point, Point], ...]
     estimate_costs: bool
+    cabinets: tuple[Segment, ...] = ()
 
 
 def vertical(x: float, y0: float, y1: float) -> Segment:
@@ -203,6 +205,71 @@ WAREHOUSE12 = Plan(
     estimate_costs=True,
 )
 
+OFFICE = Plan(
+    name="office",
+    origin=(-2.0, -7.0),
+    size=(26.0, 14.0),
+    walls=(
+        # A wall reaches half its thickness past its ends: these gaps of 1.22 m are doors of 1.1 m.
+        horizontal(1, -2, 0.39),
+        horizontal(1, 1.61, 7.89),
+        horizontal(1, 9.11, 11.89),
+        horizontal(1, 13.11, 20.39),
+        horizontal(1, 21.61, 24),
+        vertical(4, 1, 7),
+        vertical(11, 1, 7),
+        vertical(17, 1, 4.39),
+        vertical(17, 5.61, 7),
+        horizontal(-1, -2, 2.39),
+        horizontal(-1, 3.61, 5.89),
+        horizontal(-1, 7.11, 14.39),
+        horizontal(-1, 15.61, 19.39),
+        horizontal(-1, 20.61, 24),
+        vertical(5, -4.39, -1),
+        vertical(5, -7, -5.61),
+        vertical(11, -7, -1),
+        vertical(18, -7, -1),
+    ),
+    cabinets=(
+        (-1.95, 6.45, 0.6, 6.95),
+        (3.45, 2.2, 3.95, 4.0),
+        (5.6, 3.4, 7.2, 4.6),
+        (8.0, 6.5, 10.0, 6.95),
+        (12.0, 2.8, 13.2, 3.3),
+        (15.0, 5.2, 16.0, 6.95),
+        (19.0, 3.6, 20.6, 4.4),
+        (23.45, 1.8, 23.95, 5.0),
+        (-1.95, -4.4, -0.6, -3.8),
+        (1.2, -6.95, 2.8, -6.4),
+        (7.6, -4.6, 9.0, -3.4),
+        (11.05, -3.6, 11.5, -1.4),
+        (13.4, -5.4, 14.8, -4.6),
+        (17.5, -3.0, 17.95, -1.6),
+        (20.6, -3.4, 22.0, -2.6),
+        (23.4, -6.95, 23.95, -5.4),
+        (9.6, 0.6, 11.2, 0.95),
+        (17.4, -0.95, 18.6, -0.6),
+    ),
+    rooms=(
+        RoomPlan("Reception", ((-2, 1), (4, 7)), (0.2, 4.9, 0.0)),
+        RoomPlan("Library", ((4, 1), (11, 7)), (8.6, 5.2, 0.0)),
+        RoomPlan("Meeting room", ((11, 1), (17, 7)), (13.4, 5.4, 0.0)),
+        RoomPlan("Kitchen", ((17, 1), (24, 7)), (21.6, 4.0, 0.0)),
+        RoomPlan("Studio", ((18, -7), (24, -1)), (21.0, -5.0, 0.0)),
+        RoomPlan("Laboratory", ((11, -7), (18, -1)), (16.2, -4.6, 0.0)),
+        RoomPlan("Server room", ((5, -7), (11, -1)), (9.6, -5.6, 0.0)),
+        RoomPlan("Archive", ((-2, -7), (5, -1)), (0.4, -5.0, 0.0)),
+    ),
+    poses=((0.0, 0.0, 0.0),),
+    rows=(
+        ((-1.3, 0.4), (-1.3, 0.4)),
+        ((4.6, 0.4), (6.6, 0.4)),
+        ((10.0, -0.4), (13.0, -0.4)),
+        ((15.0, 0.4), (19.0, 0.4)),
+    ),
+    estimate_costs=True,
+)
+
 
 def draw(plan: Plan, resolution: float) -> OccupancyGrid:
     """The grid of a plan: a cell is a wall when its centre lies in one."""
@@ -225,6 +292,8 @@ def draw(plan: Plan, resolution: float) -> OccupancyGrid:
         # A wall reaches half its thickness past its ends, so that corners are closed.
         wall = (np.abs(across) <= WALL / 2) & (along >= -WALL / 2) & (along <= length + WALL / 2)
         cells[wall] = OCCUPIED
+    for x0, y0, x1, y1 in plan.cabinets:
+        cells[(x >= x0) & (x <= x1) & (y >= y0) & (y <= y1)] = OCCUPIED
     return OccupancyGrid(cells, resolution, Pose2(left, bottom, 0.0))
 
 
@@ -332,12 +401,12 @@ def map_times(grid: OccupancyGrid, places: list[Pose2]) -> str:
 
 
 def main() -> None:
-    """Draw both maps."""
+    """Draw all maps."""
     parser = argparse.ArgumentParser(description="Draw the maps that come with the project.")
     parser.add_argument("--resolution", type=float, default=0.05, help="side of a cell, metres")
     parser.add_argument("--into", type=Path, default=Path("maps"), help="folder of the map folders")
     arguments = parser.parse_args()
-    for plan in (ARENA8, WAREHOUSE12):
+    for plan in (ARENA8, WAREHOUSE12, OFFICE):
         folder = arguments.into / plan.name
         write_grid(folder, draw(plan, arguments.resolution))
         (folder / "rooms.yaml").write_text(rooms_yaml(plan), encoding="utf-8")

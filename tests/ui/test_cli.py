@@ -178,7 +178,11 @@ def test_a_team_too_large_for_the_map_is_refused_with_both_numbers() -> None:
 
 @pytest.mark.parametrize(
     ("name", "remedy"),
-    [("arena", "nearest name is arena8"), ("nonsense", "names are: arena8, warehouse12"), ("", "a path of your own")],
+    [
+        ("arena", "nearest name is arena8"),
+        ("nonsense", "names are: arena8, office, warehouse12"),
+        ("", "a path of your own"),
+    ],
 )
 def test_an_unknown_map_is_answered_with_the_known(name: str, remedy: str) -> None:
     assert remedy in refusal("play", "--map", name)
@@ -209,7 +213,7 @@ def test_a_suggestion_is_the_first_room_of_the_cheapest_tour() -> None:
 
 def test_maps_are_listed_and_without_fault() -> None:
     names = thbridge("maps", "list").stdout.split()
-    assert names == ["arena8", "warehouse12"]
+    assert names == ["arena8", "office", "warehouse12"]
     for name in names:
         assert said("maps", "check", name) == {"ok": True, "findings": []}
 

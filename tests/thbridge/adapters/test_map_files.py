@@ -51,11 +51,11 @@ def folder(tmp_path: Path) -> Path:
 
 
 class TestShippedMaps:
-    @pytest.mark.parametrize("name", ["arena8", "warehouse12"])
+    @pytest.mark.parametrize("name", ["arena8", "office", "warehouse12"])
     def test_nothing_is_odd_about_them(self, name: str) -> None:
         assert check_map(shipped().find("maps", name, HERE)) == []
 
-    @pytest.mark.parametrize("name", ["arena8", "warehouse12"])
+    @pytest.mark.parametrize("name", ["arena8", "office", "warehouse12"])
     def test_a_dozen_robots_have_room(self, name: str) -> None:
         drawn = read_map(shipped().find("maps", name, HERE))
         starts = drawn.starts

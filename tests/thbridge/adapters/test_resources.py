@@ -46,5 +46,5 @@ def test_what_is_not_there_is_told_with_what_is(resources: Resources, wanted: st
 
 
 def test_the_project_ships_maps_and_templates() -> None:
-    assert set(shipped().names("maps")) >= {"arena8", "warehouse12"}
+    assert set(shipped().names("maps")) >= {"arena8", "office", "warehouse12"}
     assert set(shipped().names("templates")) >= {"original-2016"}
