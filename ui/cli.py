@@ -8,6 +8,7 @@ from rich.logging import RichHandler
 from ui.commands import files, programs
 from ui.commands.measure import maps_measure
 from ui.commands.play import play
+from ui.commands.scan import scan
 from ui.terminal import err
 
 app = typer.Typer(
@@ -17,7 +18,16 @@ app = typer.Typer(
     rich_markup_mode="rich",
     pretty_exceptions_enable=False,
 )
-for command in (play, programs.server, programs.simr, programs.hider, programs.tabui, files.suggest, files.report):
+for command in (
+    play,
+    programs.server,
+    programs.simr,
+    programs.hider,
+    programs.tabui,
+    files.suggest,
+    files.report,
+    scan,
+):
     app.command()(command)
 app.add_typer(files.bag_app, name="bag")
 files.maps_app.command("measure")(maps_measure)

@@ -103,21 +103,21 @@ class Loaded(Generic[T]):
         return BadFile(self.path, self.lines.get(written), key, problem, remedy)
 
 
-def read_text(path: Path) -> str:
+def read_text(path: Path, largest: int = LARGEST_FILE) -> str:
     """The text of a file that people write.
 
     Raises:
-        BadFile: it is missing, not a file, larger than `LARGEST_FILE`, or not UTF-8.
+        BadFile: it is missing, not a file, larger than `largest` bytes, or not UTF-8.
     """
     try:
         with path.open("rb") as file:
-            data = file.read(LARGEST_FILE + 1)
+            data = file.read(largest + 1)
     except FileNotFoundError:
         raise BadFile(path, None, None, "there is no such file", "Check the name and the folder") from None
     except OSError as error:
         raise BadFile(path, None, None, f"it cannot be read ({error.strerror})", "Check that it is a file") from None
-    if len(data) > LARGEST_FILE:
-        raise BadFile(path, None, None, f"larger than {LARGEST_FILE} bytes", "Check that it is the right file")
+    if len(data) > largest:
+        raise BadFile(path, None, None, f"larger than {largest} bytes", "Check that it is the right file")
     try:
         return data.decode("utf-8-sig")
     except UnicodeDecodeError as error:
