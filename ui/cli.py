@@ -6,6 +6,7 @@ import typer
 from rich.logging import RichHandler
 
 from ui.commands import files, programs
+from ui.commands.drive import GoalWithYaw, drive
 from ui.commands.measure import maps_measure
 from ui.commands.play import play
 from ui.commands.scan import scan
@@ -29,6 +30,7 @@ for command in (
     scan,
 ):
     app.command()(command)
+app.command(cls=GoalWithYaw)(drive)
 app.add_typer(files.bag_app, name="bag")
 files.maps_app.command("measure")(maps_measure)
 app.add_typer(files.maps_app, name="maps")

@@ -1,0 +1,152 @@
+"""One robot driven to one goal on any map: what came of it, told by the truth."""
+
+import dataclasses
+import math
+from dataclasses import dataclass
+
+import numpy as np
+from scipy.spatial import cKDTree
+
+from sim.geometry import FloatArray, Pose2
+from sim.grid import OCCUPIED, OccupancyGrid
+from sim.navigator import Arrived, Goal, NoPath
+from sim.observations import TICK
+from sim.parameters import RobotParameters, WorldParameters
+from sim.team import Go, Team
+from sim.world import Misplaced, World
+
+
+@dataclass(frozen=True, slots=True)
+class Errand:
+    """What is to be driven.
+
+    Attributes:
+        start: of the base, map frame.
+        goal: of the base, map frame.
+        any_heading: whether the heading at the goal does not matter.
+        timeout: simulated seconds after which it is given up.
+    """
+
+    start: Pose2
+    goal: Pose2
+    any_heading: bool
+    timeout: float
+
+
+@dataclass(frozen=True, slots=True)
+class Outcome:
+    """How an errand went.
+
+    Attributes:
+        reached: whether the robot said that it had arrived, standing.
+        collided: whether its body ever touched a wall.
+        seconds: simulated, until it arrived or gave up.
+        distance: metres that the base truly moved.
+        min_clearance: the least distance that the body's outline ever truly had from a wall, metres; inf where there
+            are no walls.
+        reason: why it did not arrive, as a sentence; None if it did.
+    """
+
+    reached: bool
+    collided: bool
+    seconds: float
+    distance: float
+    min_clearance: float
+    reason: str | None
+
+
+def drive(
+    grid: OccupancyGrid, world: WorldParameters, robot: RobotParameters, errand: Errand, seed: int
+) -> Outcome | Misplaced:
+    """Drive an errand, alone on the map; or say why the robot cannot stand at its start.
+
+    Args:
+        grid: the map, true and known to the robot; its origin may be turned.
+        world: bodies, motors and sensors.
+        robot: the software that drives.
+        errand: where from and where to.
+        seed: of all chance.
+    """
+    if grid.origin.theta != 0.0:
+        # Navigators plan on maps that lie straight: drive in the grid's own frame, in which all lengths are the same.
+        in_grid = grid.origin.inverse()
+        errand = dataclasses.replace(errand, start=in_grid.compose(errand.start), goal=in_grid.compose(errand.goal))
+        grid = OccupancyGrid(grid.cells, grid.resolution, Pose2(0.0, 0.0, 0.0))
+    if errand.any_heading:
+        robot = _heedless_of_heading(robot)
+    placed = World(grid, world, seed, charge=math.inf).start([errand.start])
+    if isinstance(placed, Misplaced):
+        return placed
+    team = Team(grid, world, [robot], [errand.start], seed, charge=math.inf)
+    room = _Room(grid, np.array(world.footprint, dtype=np.float64))
+    room.enter(placed.poses[0])
+    inputs = [Go(0, Goal(0, errand.goal))]
+    before, distance, collided = placed.poses[0], 0.0, False
+    tick, reason = 0, f"the robot was still under way after {errand.timeout:g} s"
+    while tick < round(errand.timeout / TICK):
+        snapshot = team.step(inputs)
+        tick, inputs = tick + 1, []
+        pose = snapshot.world.poses[0]
+        distance += float(np.hypot(*(pose - before)[:2]))
+        before = pose
+        room.enter(pose)
+        collided = bool(snapshot.world.collisions[0] > 0)
+        result = snapshot.robots[0].navigation.result
+        if isinstance(result, Arrived):
+            return Outcome(True, collided, tick * TICK, distance, room.least, None)
+        if isinstance(result, NoPath):
+            reason = result.sentence
+            break
+    return Outcome(False, collided, tick * TICK, distance, room.least, reason)
+
+
+def _heedless_of_heading(robot: RobotParameters) -> RobotParameters:
+    planner = dataclasses.replace(robot.TrajectoryPlannerROS, yaw_goal_tolerance=math.pi)
+    return dataclasses.replace(robot, TrajectoryPlannerROS=planner)
+
+
+class _Room:
+    """How near a body has come to the walls.
+
+    Args:
+        grid: the map; not turned.
+        footprint: (n, 2) corners of the body, base frame.
+    """
+
+    def __init__(self, grid: OccupancyGrid, footprint: FloatArray) -> None:
+        rows, cols = np.nonzero(grid.cells == OCCUPIED)
+        centres = grid.centres_of(np.column_stack([rows, cols]))
+        self._half = 0.5 * grid.resolution
+        self._walls = cKDTree(centres) if len(centres) else None
+        self._centres = centres
+        self._footprint = footprint
+        self._radius = float(np.hypot(*footprint.T).max())
+        self.least = math.inf
+
+    def enter(self, pose: FloatArray) -> None:
+        """The body is at (x, y, theta) now."""
+        if self._walls is None:
+            return
+        nearest, _ = self._walls.query(pose[:2])
+        # The body within its circle, a cell within its own.
+        around = self._radius + self._half * math.sqrt(2)
+        if nearest - around >= self.least:
+            return
+        reach = nearest + 2 * around if math.isinf(self.least) else self.least + around
+        cells = self._centres[self._walls.query_ball_point(pose[:2], reach)]
+        if len(cells):
+            body = Pose2(*(float(value) for value in pose)).transform(self._footprint)
+            self.least = min(self.least, _to_squares(body, cells, self._half))
+
+
+def _to_squares(body: FloatArray, centres: FloatArray, half: float) -> float:
+    """Metres from a polygon to the nearest of (k, 2) upright squares, none of which it covers; 0 where one overlaps."""
+    # Where two such figures are apart, a corner of one of them is as near to the other as they come.
+    beside = np.maximum(np.abs(body[:, np.newaxis] - centres) - half, 0.0)
+    corners = centres[:, np.newaxis] + half * np.array([(1, 1), (1, -1), (-1, -1), (-1, 1)])
+    ends = np.roll(body, -1, axis=0)
+    edges = ends - body
+    along = corners.reshape(-1, 1, 2) - body
+    share = np.clip((along * edges).sum(axis=2) / np.maximum((edges**2).sum(axis=1), 1e-12), 0.0, 1.0)
+    off = along - share[..., np.newaxis] * edges
+    return float(min(np.hypot(beside[..., 0], beside[..., 1]).min(), np.hypot(off[..., 0], off[..., 1]).min()))

@@ -1,0 +1,108 @@
+"""`thbridge drive`: one simulated robot from here to there, on any map."""
+
+import dataclasses
+import json
+import math
+from dataclasses import dataclass
+from pathlib import Path
+from typing import TYPE_CHECKING, Annotated
+
+import numpy as np
+import typer
+from typer.core import TyperCommand
+
+from sim.floor import Polygon, area, crosses_itself, inside
+from sim.geometry import Pose2
+from sim.parameters import RobotParameters, WorldParameters, knob
+from sim.world import Misplaced
+from thbridge.adapters.map_files import read_grid
+from thbridge.adapters.yaml_files import load
+from thbridge.offline.drive import Errand, Outcome
+from thbridge.offline.drive import drive as driven
+from ui.options import AsJson, announce_compiling
+from ui.terminal import BAD_INPUT, bad_input, fail, note, out, print_json
+
+if TYPE_CHECKING:
+    from typer._click.core import Context  # typer's own copy of click
+
+
+class GoalWithYaw(TyperCommand):
+    """A command whose option --goal takes two numbers, or three."""
+
+    def parse_args(self, ctx: "Context", args: list[str]) -> list[str]:
+        """Give the third number to --goal-yaw."""
+        for index, word in enumerate(args):
+            if word == "--goal" and _is_number(args[index + 3 : index + 4]):
+                args = [*args[: index + 3], "--goal-yaw", *args[index + 3 :]]
+                break
+        return super().parse_args(ctx, args)
+
+
+def _is_number(words: list[str]) -> bool:
+    try:
+        return [float(word) for word in words] != []
+    except ValueError:
+        return False
+
+
+@dataclass(frozen=True, slots=True)
+class Parameters:
+    """What a file of parameters may hold."""
+
+    world: WorldParameters = knob(WorldParameters(), "bodies, motors and sensors")
+    robot: RobotParameters = knob(RobotParameters(), "the software that drives")
+
+
+def drive(
+    map_yaml: Annotated[Path, typer.Option("--map", help="A map.yaml, as map_server reads it.")],
+    start: Annotated[tuple[float, float, float], typer.Option(help="Where it stands: X Y YAW, map frame.")],
+    goal: Annotated[
+        tuple[float, float], typer.Option(help="Where it goes: X Y [YAW]; without YAW any heading will do.")
+    ],
+    goal_yaw: Annotated[float | None, typer.Option(hidden=True)] = None,
+    timeout: Annotated[float, typer.Option(help="Simulated seconds after which it is given up.", min=0.1)] = 600.0,
+    footprint: Annotated[
+        str | None, typer.Option(help="Corners of the body, `[[0.3, 0.2], [-0.3, 0.2], ...]`, metres.")
+    ] = None,
+    params: Annotated[
+        Path | None, typer.Option(help="YAML file with the sections `world` and `robot` of a study.")
+    ] = None,
+    seed: Annotated[int, typer.Option(help="Same seed, same drive.", min=0, max=2**31 - 1)] = 1,
+    as_json: AsJson = False,
+) -> None:
+    """Drive one simulated robot over a map: noisy sensors, localisation, planning and all."""
+    for option, numbers in (("--start", start), ("--goal", (*goal, goal_yaw or 0.0)), ("--timeout", (timeout,))):
+        if not all(math.isfinite(number) for number in numbers):
+            fail(BAD_INPUT, f"{option}: not a finite number. Write metres, radians, seconds.")
+    with bad_input():
+        grid = read_grid(map_yaml)
+        given = Parameters() if params is None else load(params, Parameters).value
+    world = given.world if footprint is None else dataclasses.replace(given.world, footprint=_corners(footprint))
+    announce_compiling()
+    errand = Errand(Pose2(*start), Pose2(*goal, goal_yaw or 0.0), goal_yaw is None, timeout)
+    result = driven(grid, world, given.robot, errand, seed)
+    if isinstance(result, Misplaced):
+        result = Outcome(False, False, 0.0, 0.0, 0.0, f"the start is not free: {result.sentence}")
+    if as_json:
+        clearance = result.min_clearance if math.isfinite(result.min_clearance) else None
+        print_json(dataclasses.asdict(result) | {"min_clearance": clearance})
+        return
+    out.print("Reached." if result.reached else f"Not reached: {result.reason}.", highlight=False, soft_wrap=True)
+    note(
+        f"{result.seconds:.1f} s, {result.distance:.2f} m, at least {result.min_clearance:.3f} m from walls,"
+        f" {'collided' if result.collided else 'no collision'}"
+    )
+
+
+def _corners(text: str) -> Polygon:
+    try:
+        corners = tuple((float(x), float(y)) for x, y in json.loads(text))
+    except (ValueError, TypeError):
+        corners = ()
+    numbers = [number for corner in corners for number in corner]
+    around = corners and bool(inside(corners, np.zeros(1), np.zeros(1))[0])
+    if not numbers or not all(map(math.isfinite, numbers)) or area(corners) == 0.0 or crosses_itself(corners):
+        fail(BAD_INPUT, f"--footprint: {text!r} is no polygon. Write its corners in turn, [[x, y], [x, y], ...].")
+    if not around:
+        fail(BAD_INPUT, "--footprint: these corners do not surround (0, 0), the robot's centre. Move them around it.")
+    return corners
