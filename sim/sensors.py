@@ -61,6 +61,7 @@ def _measured(
     range_key: np.uint64,
     dropout_key: np.uint64,
     range_noise: float,
+    range_bias: float,
     dropout: float,
     range_min: float,
     range_max: float,
@@ -72,7 +73,7 @@ def _measured(
     uniforms(dropout_key, tick, chances)
     ranges = np.empty(true_ranges.size, dtype=np.float32)
     for j in range(true_ranges.size):
-        reading = max(range_min, true_ranges[j] + range_noise * errors[j])
+        reading = max(range_min, true_ranges[j] + range_bias + range_noise * errors[j])
         if chances[j] < dropout:
             reading = math.nan
         elif reading > range_max:
@@ -113,8 +114,8 @@ class Sensors:
 
     Wheels and gyroscope report every tick. The laser reports `rate` times a second, at another tick for each of
     neighbouring robots, so that their work spreads over time. It sees walls and the other robots' bodies, never its
-    own. A range is the true range plus normal noise; nearer than range_min it is range_min, beyond range_max it is
-    +inf, and a lost beam is NaN.
+    own. A range is the true range plus a bias and normal noise; nearer than range_min it is range_min, beyond range_max
+    it is +inf, and a lost beam is NaN.
     """
 
     def __init__(self, grid: OccupancyGrid, parameters: WorldParameters, seed: int, capacity: float) -> None:
@@ -176,6 +177,7 @@ class Sensors:
             keys.ranges,
             keys.dropouts,
             laser.range_noise,
+            laser.range_bias,
             laser.dropout,
             laser.range_min,
             laser.range_max,

@@ -132,8 +132,9 @@ class Team:
     def _localizer(
         self, number: int, parameters: RobotParameters, grid: OccupancyGrid, world: WorldParameters, seed: int
     ) -> Localizer:
-        if parameters.localization == "truth":
-            return Truth(lambda: Pose2(*(float(value) for value in self._state.poses[number])))
+        if parameters.localization in {"truth", "fake_localization"}:
+            truth = parameters.fake_localization
+            return Truth(truth, lambda: Pose2(*(float(value) for value in self._state.poses[number])))
         if parameters.localization == "ekf":
             return Ekf(parameters.ekf, grid, mount_of(world.laser))
         return Amcl(parameters.amcl, grid, mount_of(world.laser), seed, f"robot{number + 1}")

@@ -94,6 +94,8 @@ class _Body(NamedTuple):
     alpha2: float
     alpha3: float
     alpha4: float
+    linear_scale: float
+    angular_scale: float
 
 
 @njit(cache=True)
@@ -206,9 +208,9 @@ def _step(
         normals(keys[i], tick, draws)
         turn_noise = math.sqrt(body.alpha1 * half * half + body.alpha2 * chord * chord)
         chord_noise = math.sqrt(body.alpha3 * chord * chord + 2.0 * body.alpha4 * half * half)
-        first_turn = half + turn_noise * draws[0]
-        measured_chord = chord + chord_noise * draws[1]
-        second_turn = half + turn_noise * draws[2]
+        first_turn = body.angular_scale * (half + turn_noise * draws[0])
+        measured_chord = body.linear_scale * (chord + chord_noise * draws[1])
+        second_turn = body.angular_scale * (half + turn_noise * draws[2])
         odom[i, 0] += measured_chord * math.cos(odom[i, 2] + first_turn)
         odom[i, 1] += measured_chord * math.sin(odom[i, 2] + first_turn)
         odom[i, 2] = wrap_angle(odom[i, 2] + first_turn + second_turn)
@@ -271,6 +273,8 @@ class World:
             alpha2=parameters.odometry.alpha2,
             alpha3=parameters.odometry.alpha3,
             alpha4=parameters.odometry.alpha4,
+            linear_scale=parameters.odometry.linear_scale,
+            angular_scale=parameters.odometry.angular_scale,
         )
 
     def start(self, poses: Sequence[Pose2]) -> WorldState | Misplaced:

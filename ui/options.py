@@ -13,7 +13,7 @@ from thbridge.adapters.errors import BadFile
 from thbridge.adapters.recordings import make_room, try_place
 from thbridge.adapters.text_server import DEFAULT_HOST, DEFAULT_PORT
 from thbridge.app.compose import Setting, read_setting
-from thbridge.app.config import Study, read_study
+from thbridge.app.config import Study, load_study
 from thbridge.study.bots import BotStrategy
 from ui.terminal import BAD_INPUT, bad_input, fail, note
 
@@ -46,10 +46,19 @@ class Who(StrEnum):
 
 def study_of(file: Path | None, changes: Mapping[str, object]) -> Study:
     """The study of a file, or the default one, with what options change; None changes nothing."""
-    with bad_input():
-        study = Study() if file is None else read_study(file)
+    study = Study()
+    if file is not None:
+        with bad_input():
+            loaded = load_study(file)
+        for notice in loaded.notices:
+            note(notice)
+        study = loaded.value
     given = {key: value for key, value in changes.items() if value is not None}
-    return dataclasses.replace(study, **given)  # type: ignore[arg-type]  # the options have their types from typer
+    changed = dataclasses.replace(study, **given)  # type: ignore[arg-type]  # the options have their types from typer
+    if any(number > changed.robots for number in changed.each):
+        problem = f"--robots {changed.robots}: the study has software for robot {max(changed.each)} (`each`)"
+        fail(BAD_INPUT, f"{problem}. Give more robots, or delete it from the study.")
+    return changed
 
 
 def with_server(study: Study, host: str | None, port: int | None) -> Study:

@@ -4,9 +4,10 @@ from collections.abc import Callable
 
 import numpy as np
 
-from sim.geometry import FloatArray, Pose2
+from sim.geometry import FloatArray, Pose2, wrap_angle
 from sim.localization.estimate import Estimate, read_only
 from sim.observations import Imu, Odometry, Scan
+from sim.parameters import FakeLocalizationParameters
 
 
 class Truth:
@@ -15,14 +16,22 @@ class Truth:
     The only part of a robot's software that may see the truth; the composer hands it over.
     """
 
-    def __init__(self, base_in_map: Callable[[], Pose2]) -> None:
-        """Ask `base_in_map` for the true pose at every tick; it must answer for the tick that is being estimated."""
-        self._base_in_map = base_in_map
+    def __init__(self, parameters: FakeLocalizationParameters, base_in_world: Callable[[], Pose2]) -> None:
+        """Ask `base_in_world` for the true pose at every tick; it must answer for the tick that is being estimated.
+
+        Source: fake_localization.cpp for how its deltas shift the map frame: a turn by -delta_yaw, then a step by
+            (-delta_x, -delta_y).
+        """
+        self._base_in_world = base_in_world
+        self._world_in_map = Pose2(-parameters.delta_x, -parameters.delta_y, wrap_angle(-parameters.delta_yaw))
         self._covariance = read_only(np.zeros((3, 3)))
         self._particles = np.empty((0, 3))
 
     def start(self, base_in_map: Pose2, covariance: FloatArray) -> None:
-        """Nothing to begin: the truth needs no telling. (fake_localization would shift its map frame.)"""
+        """Nothing to begin: the truth needs no telling.
+
+        Differs: fake_localization shifts its map frame so that the pose it is told becomes the truth.
+        """
 
     def globalize(self) -> None:
         """Nothing to forget."""
@@ -32,6 +41,6 @@ class Truth:
 
     def update(self, odometry: Odometry, imu: Imu, scan: Scan | None) -> Estimate:
         """The true pose now; `odom_in_map` is whatever makes the odometry agree with it."""
-        base_in_map = self._base_in_map()
+        base_in_map = self._world_in_map.compose(self._base_in_world())
         odom_in_map = base_in_map.compose(odometry.base_in_odom.inverse())
         return Estimate(odometry.tick, base_in_map, odom_in_map, self._covariance, self._particles, updated=True)

@@ -8,6 +8,7 @@ Names of the sections follow ROS: `amcl`, `costmap_2d`, `move_base`, `Trajectory
 from sim.parameters.amcl import AmclParameters
 from sim.parameters.costmap_2d import CostmapParameters, InflationParameters, ObstacleParameters
 from sim.parameters.ekf import EkfParameters
+from sim.parameters.fake_localization import FakeLocalizationParameters
 from sim.parameters.global_planners import NavfnParameters
 from sim.parameters.knobs import knob
 from sim.parameters.local_planners import TrajectoryPlannerParameters
@@ -19,6 +20,7 @@ __all__ = [
     "AmclParameters",
     "CostmapParameters",
     "EkfParameters",
+    "FakeLocalizationParameters",
     "InflationParameters",
     "LaserParameters",
     "MoveBaseParameters",

@@ -7,12 +7,14 @@ from sim.parameters.knobs import knob
 
 @dataclass(frozen=True, slots=True)
 class OdometryNoise:
-    """How the wheels err, drawn anew every tick (Probabilistic Robotics, table 5.6)."""
+    """How the wheels err: at random, anew every tick (Probabilistic Robotics, table 5.6), and by wrong scales."""
 
     alpha1: float = knob(0.02, "error in turning per turning", minimum=0, maximum=10)
     alpha2: float = knob(0.02, "error in turning per metre driven", minimum=0, maximum=10)
     alpha3: float = knob(0.02, "error in distance per metre driven", minimum=0, maximum=10)
     alpha4: float = knob(0.02, "error in distance per turning", minimum=0, maximum=10)
+    linear_scale: float = knob(1.0, "the wheels report every distance times this", minimum=0.1, maximum=10)
+    angular_scale: float = knob(1.0, "the wheels report every turn times this", minimum=0.1, maximum=10)
 
 
 @dataclass(frozen=True, slots=True)
@@ -26,6 +28,7 @@ class LaserParameters:
     x: float = knob(0.1, "where it sits, forward of the robot's centre", "m", -2, 2)
     rate: int = knob(10, "sweeps per second; must divide 50", "Hz", 1, 50)
     range_noise: float = knob(0.02, "standard deviation of a range", "m", 0, 5)
+    range_bias: float = knob(0.0, "what every range is too long by", "m", -1, 1)
     dropout: float = knob(0.005, "share of beams that return nothing", "", 0, 1)
 
 

@@ -207,7 +207,9 @@ def load(path: Path, into: type[T]) -> Loaded[T]:
     class's `ros_only` are accepted, with a notice.
 
     Fields may be bool, int, float, str, Literal, StrEnum, Path, tuples, dataclasses, and any of these or None. A field
-    without a default must be in the file. A section that stands empty keeps its defaults.
+    without a default must be in the file. A section that stands empty keeps its defaults. A field may also be a mapping
+    from numbers counted from 1 to dataclasses; where its metadata have `like`, each of them takes what it leaves out
+    from the field of that name.
 
     Raises:
         BadFiles: with every fault of the file; or one BadFile when it cannot be read at all.
@@ -217,8 +219,13 @@ def load(path: Path, into: type[T]) -> Loaded[T]:
 
 def load_text(path: Path, text: str, into: type[T]) -> Loaded[T]:
     """As `load`, of a text that is at hand; `path` is what faults are told under."""
+    return load_tree(path, parse(path, text), into)
+
+
+def load_tree(path: Path, tree: Node, into: type[T], defaults: T | None = None) -> Loaded[T]:
+    """As `load`, of what `parse` gave; what the file leaves out is taken from `defaults`, if there are any."""
     reader = _Reader(path, into)
-    value = reader.value(parse(path, text), into, NO_METADATA, "")
+    value = reader.section(tree, into, "", cast("DataclassInstance | None", defaults))
     if reader.faults:
         raise BadFiles(tuple(sorted(reader.faults, key=lambda fault: fault.line or 0)))
     return Loaded(path, cast(T, value), reader.lines, tuple(reader.notices))
@@ -238,6 +245,7 @@ _WRONG = _Wrong()
 _WHOLE = re.compile(r"[-+]?\d{1,4000}")
 _NUMBER = re.compile(r"[-+]?(\d+(\.\d*)?|\.\d+)([eE][-+]?\d{1,4})?")
 _LEADING_ZERO = re.compile(r"[-+]?0\d+")
+_COUNTED = re.compile(r"[1-9]\d{0,8}")
 _NOT_FINITE = re.compile(r"[-+]?\.?(inf|infinity|nan)", re.IGNORECASE)
 _WORDS_FOR_TRUTH = {"yes", "no", "on", "off", "y", "n"}
 
@@ -344,7 +352,8 @@ class _Reader:
         known = {knob.name: knob for knob in dataclasses.fields(into)}
         values: dict[str, object] = {}
         first_lines: dict[str, int] = {}
-        for name, child in node.entries:
+        # What is like another field can only be read after it.
+        for name, child in sorted(node.entries, key=lambda entry: _model(known.get(entry[0].text)) is not None):
             place = f"{key}.{name.text}" if key else name.text
             if name.text in first_lines:
                 self.wrong(
@@ -360,7 +369,14 @@ class _Reader:
                 self.unknown(name, place, into)
                 continue
             self.lines[place] = name.line
-            values[name.text] = self.field(child, hints[name.text], known[name.text], place)
+            knob, hint = known[name.text], hints[name.text]
+            if get_origin(hint) is Mapping:
+                model = _model(knob) or ""
+                like = values.get(model, cast(object, getattr(defaults, model, None)))
+                values[name.text] = self.numbered(child, get_args(hint)[1], place, like)
+            else:
+                own = knob.default if defaults is None else cast(object, getattr(defaults, knob.name))
+                values[name.text] = self.field(child, hint, knob, place, own)
         missing = [knob for knob in known.values() if _required(knob) and knob.name not in first_lines]
         for knob in missing:
             remedy = f"Add the line '{knob.name}: ...'. {_wanted(hints[knob.name], knob.metadata)} there"
@@ -369,10 +385,31 @@ class _Reader:
             return _WRONG
         return cast(object, into(**values) if defaults is None else dataclasses.replace(defaults, **values))
 
-    def field(self, node: Node, hint: object, knob: "dataclasses.Field[object]", place: str) -> object:
-        if dataclasses.is_dataclass(knob.default) and not isinstance(knob.default, type):
-            return self.section(node, type(knob.default), place, knob.default)
+    def field(self, node: Node, hint: object, knob: "dataclasses.Field[object]", place: str, default: object) -> object:
+        if dataclasses.is_dataclass(default) and not isinstance(default, type):
+            return self.section(node, type(default), place, default)
         return self.value(node, hint, knob.metadata, place)
+
+    def numbered(self, node: Node, into: type, key: str, like: object) -> object:
+        if isinstance(node, Scalar) and node.absent:
+            return {}
+        if not isinstance(node, Section):
+            return self.wrong(node.line, key, "a section is needed", f"Write 'NUMBER: {{...}}' lines. {_keys_of(into)}")
+        values: dict[int, object] = {}
+        for name, child in node.entries:
+            place = f"{key}.{name.text}"
+            if not _COUNTED.fullmatch(name.text):
+                self.wrong(name.line, place, f"{name.text!r} is no number of a robot", "Write a whole number, at least 1")
+                values[0] = _WRONG
+            elif int(name.text) in values:
+                first = self.lines[place]
+                self.wrong(name.line, place, f"stands twice, first in line {first}", "Keep one of the two")
+            else:
+                self.lines[place] = name.line
+                # Where the section it is like is wrong, that has been told; this one is read for its own faults.
+                defaults = cast("DataclassInstance", like) if isinstance(like, into) else None
+                values[int(name.text)] = self.section(child, into, place, defaults)
+        return _WRONG if _WRONG in values.values() else values
 
     def unknown(self, name: Scalar, place: str, into: type) -> None:
         names = [knob.name for knob in dataclasses.fields(into)]
@@ -390,6 +427,11 @@ class _Reader:
 def ros_only_of(section: type) -> Mapping[str, str]:
     """The names that a class of parameters accepts because ROS knows them, each with what it does there."""
     return cast(Mapping[str, str], getattr(section, "ros_only", {}))
+
+
+def _model(knob: "dataclasses.Field[object] | None") -> str | None:
+    """The name of the field that this one's entries take their defaults from."""
+    return None if knob is None else cast("str | None", knob.metadata.get("like"))
 
 
 def _required(knob: "dataclasses.Field[object]") -> bool:

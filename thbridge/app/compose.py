@@ -51,7 +51,8 @@ class Setting:
         """The robots at their start poses."""
         study = self.study
         starts = self.place.starts[: study.robots]
-        return Team(self.place.grid, study.world, [study.robot] * study.robots, starts, study.seed, study.game.energy)
+        software = [study.software(number) for number in range(1, study.robots + 1)]
+        return Team(self.place.grid, study.world, software, starts, study.seed, study.game.energy)
 
     def simr(self) -> SimR:
         """The robots' role."""

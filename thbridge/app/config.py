@@ -11,13 +11,14 @@ from collections.abc import Iterator, Mapping
 from dataclasses import dataclass
 from enum import StrEnum
 from pathlib import Path
-from typing import TYPE_CHECKING, cast, get_type_hints
+from typing import TYPE_CHECKING, Never, cast, get_type_hints
 
 from sim.observations import TICKS_PER_SECOND
 from sim.parameters import RobotParameters, WorldParameters, knob
 from thbridge.adapters.errors import BadFile, BadFiles
 from thbridge.adapters.text_server import DEFAULT_PORT
-from thbridge.adapters.yaml_files import Loaded, allowed, load, load_text, quoted
+from thbridge.adapters.yaml_files import Loaded, allowed, load_tree, parse, quoted, read_text
+from thbridge.app.noise import HOMES, NoiseSection, applied, preset, preset_in, value_at, view_of, with_value
 from thbridge.study.bots import BotStrategy
 from thbridge.wire.canonical import Dialect
 
@@ -88,50 +89,132 @@ class Study:
     server: ServerSection = knob(ServerSection(), "the text server")
     world: WorldParameters = knob(WorldParameters(), "bodies, motors and sensors as they truly are")
     robot: RobotParameters = knob(RobotParameters(), "the software of every robot, under ROS's names")
+    each: Mapping[int, RobotParameters] = dataclasses.field(
+        default_factory=dict,
+        metadata={"help": "robots whose software differs, by number: {2: {localization: ekf}}", "like": "robot"},
+    )
+
+    def software(self, number: int) -> RobotParameters:
+        """The software of the robot with this number, counted from 1."""
+        return self.each.get(number, self.robot)
 
 
-def read_study(path: Path) -> Study:
-    """Read a study file.
+@dataclass(frozen=True, slots=True)
+class StudyFile(Study):
+    """A study as people write it: noise and what is believed of it also have a section of their own."""
+
+    noise: NoiseSection = knob(NoiseSection(), "how sensors err, and what the robots' software believes of it")
+
+    @classmethod
+    def of(cls, study: Study) -> "StudyFile":
+        """The file that says what the study is."""
+        return cls(**_fields(study), noise=view_of(study))
+
+
+def _fields(study: Study) -> dict[str, Never]:
+    """What a study is made of; typed so that it fits whatever is made of it."""
+    return {field.name: cast(Never, getattr(study, field.name)) for field in dataclasses.fields(Study)}
+
+
+def load_study(path: Path) -> Loaded[Study]:
+    """Read a study file, with notices about what is right but changes nothing.
 
     Raises:
         BadFile: it cannot be read; as BadFiles, every fault of it at once.
     """
-    return _consistent(load(path, Study))
+    return _load(path, read_text(path))
+
+
+def read_study(path: Path) -> Study:
+    """As `load_study`, without the notices."""
+    return load_study(path).value
 
 
 def read_study_text(path: Path, text: str) -> Study:
     """As `read_study`, of a text that is at hand, such as the study in a bag; `path` is what faults are told under."""
-    return _consistent(load_text(path, text, Study))
+    return _load(path, text).value
 
 
-def _consistent(loaded: Loaded[Study]) -> Study:
-    faults = tuple(_contradictions(loaded))
+def _load(path: Path, text: str) -> Loaded[Study]:
+    tree = parse(path, text)
+    standard = Study()
+    start = applied(preset(preset_in(tree), view_of(standard)), standard)
+    written = load_tree(path, tree, StudyFile, StudyFile.of(start))
+    loaded = Loaded(path, _gathered(written), written.lines, written.notices)
+    faults = (*_told_twice(written), *_contradictions(loaded))
     if faults:
         raise BadFiles(faults)
-    return loaded.value
+    return loaded
+
+
+def _gathered(written: Loaded[StudyFile]) -> Study:
+    """The study with what stands in the section `noise`, where it is not written at its home instead."""
+    file = written.value
+    study = Study(**_fields(file))
+    for path, home in HOMES.items():
+        if home not in written.lines:
+            study = with_value(study, home, value_at(file.noise, path))
+    for number in study.each:
+        for home in HOMES.values():
+            section, _, own = home.partition(".")
+            if section == "robot" and f"each.{number}.{own}" not in written.lines:
+                software = with_value(study.each[number], own, value_at(study, home))
+                study = dataclasses.replace(study, each={**study.each, number: software})
+    return study
+
+
+def _told_twice(written: Loaded[StudyFile]) -> Iterator[BadFile]:
+    """Noise that stands in `noise` and at its home, with two values."""
+    for path, home in HOMES.items():
+        key = f"noise.{path}"
+        here, there = value_at(written.value.noise, path), value_at(written.value, home)
+        if key in written.lines and home in written.lines and here != there:
+            problem = f"{here} here, but {there} as {home} in line {written.lines[home]}"
+            yield written.fault(key, problem, "Keep one of the two")
 
 
 def _contradictions(loaded: Loaded[Study]) -> Iterator[BadFile]:
     """What is allowed on its own but not together."""
     study = loaded.value
-    laser, amcl, planner = study.world.laser, study.robot.amcl, study.robot.TrajectoryPlannerROS
+    laser = study.world.laser
     if TICKS_PER_SECOND % laser.rate:
         rates = [str(rate) for rate in range(1, TICKS_PER_SECOND + 1) if TICKS_PER_SECOND % rate == 0]
         problem = f"{laser.rate} does not divide the {TICKS_PER_SECOND} steps of a second"
         yield loaded.fault("world.laser.rate", problem, f"Write one of {', '.join(rates)}")
-    for low_key, low, high_key, high in (
-        ("world.laser.range_min", laser.range_min, "world.laser.range_max", laser.range_max),
-        ("robot.amcl.min_particles", amcl.min_particles, "robot.amcl.max_particles", amcl.max_particles),
-        ("robot.TrajectoryPlannerROS.min_vel_x", planner.min_vel_x,
-         "robot.TrajectoryPlannerROS.max_vel_x", planner.max_vel_x),
-        ("robot.TrajectoryPlannerROS.min_in_place_vel_theta", planner.min_in_place_vel_theta,
-         "robot.TrajectoryPlannerROS.max_vel_theta", planner.max_vel_theta),
-    ):  # fmt: skip
-        if low > high:
-            yield loaded.fault(low_key, f"{low} is above {high_key}, which is {high}", "Lower it, or raise the other")
+    if laser.range_min > laser.range_max:
+        yield _crossed(loaded, "world.laser", study.world.laser, "range_min", "range_max")
+    yield from _crossings(loaded, "robot", study.robot)
+    for number, software in study.each.items():
+        if number > study.robots:
+            problem = f"there is no robot {number}: the study has {study.robots}"
+            yield loaded.fault(f"each.{number}", problem, f"Write a number from 1 to {study.robots}, or raise robots")
+        if software != study.robot:
+            yield from _crossings(loaded, f"each.{number}", software)
     if not _surrounds_origin(study.world.footprint):
         problem = "these corners do not surround the robot's centre (0, 0)"
         yield loaded.fault("world.footprint", problem, "Write three or more corners in turn around it")
+
+
+_ORDERED = (
+    ("amcl", "min_particles", "max_particles"),
+    ("TrajectoryPlannerROS", "min_vel_x", "max_vel_x"),
+    ("TrajectoryPlannerROS", "min_in_place_vel_theta", "max_vel_theta"),
+)
+"""Sections of a robot's software with two names each, of which the first must not be above the second."""
+
+
+def _crossings(loaded: Loaded[Study], key: str, software: RobotParameters) -> Iterator[BadFile]:
+    for name, low, high in _ORDERED:
+        section = value_at(software, name)
+        # What a robot of its own has from all robots has been told there.
+        inherited = key != "robot" and section == value_at(loaded.value.robot, name)
+        if not inherited and cast(float, value_at(section, low)) > cast(float, value_at(section, high)):
+            yield _crossed(loaded, f"{key}.{name}", section, low, high)
+
+
+def _crossed(loaded: Loaded[Study], key: str, section: object, low: str, high: str) -> BadFile:
+    problem = f"{value_at(section, low)} is above {key}.{high}, which is {value_at(section, high)}"
+    return loaded.fault(f"{key}.{low}", problem, "Lower it, or raise the other")
 
 
 def _surrounds_origin(corners: tuple[tuple[float, float], ...]) -> bool:
@@ -144,31 +227,62 @@ def _surrounds_origin(corners: tuple[tuple[float, float], ...]) -> bool:
 
 def resolved(study: Study) -> str:
     """The whole study as YAML, defaults included; reading it gives an equal study."""
-    return "\n".join(_lines(study, indent="", commented=False)) + "\n"
+    return "\n".join(_lines(StudyFile.of(study), "", commented=False)) + "\n"
 
 
 def commented_study() -> str:
     """A study file with every key at its default, each under its meaning, unit and range."""
     head = ["# A study. Every key may be left out; what is written here are the defaults.", ""]
-    return "\n".join(head + list(_lines(Study(), indent="", commented=True))) + "\n"
+    return "\n".join(head + list(_lines(StudyFile.of(Study()), "", commented=True))) + "\n"
 
 
-def _lines(section: "DataclassInstance", indent: str, commented: bool) -> Iterator[str]:
+def _lines(section: "DataclassInstance", key: str, commented: bool) -> Iterator[str]:
     hints = cast(Mapping[str, object], get_type_hints(type(section)))
     for knob_field in dataclasses.fields(section):
+        place = f"{key}.{knob_field.name}" if key else knob_field.name
+        if place in _SHOWN_ELSEWHERE:
+            continue
         value = cast(object, getattr(section, knob_field.name))
-        words = allowed(hints[knob_field.name], knob_field.metadata)
-        comment = f"{indent}# {knob_field.metadata['help']}" + (f" [{words}]" if words else "")
-        section_begins = dataclasses.is_dataclass(value) and not isinstance(value, type)
-        if commented and section_begins and not indent:
-            yield ""
-        if commented:
-            yield comment
-        if section_begins:
-            yield f"{indent}{knob_field.name}:"
-            yield from _lines(cast("DataclassInstance", value), indent + "  ", commented)
+        if isinstance(value, Mapping):
+            like = cast("DataclassInstance", getattr(section, cast(str, knob_field.metadata["like"])))
+            lines = list(_entries(knob_field.name, cast(Mapping[int, "DataclassInstance"], value), like))
+        elif dataclasses.is_dataclass(value) and not isinstance(value, type):
+            inner = _lines(value, place, commented)
+            lines = [f"{knob_field.name}:", *(f"  {line}" if line else "" for line in inner)]
         else:
-            yield f"{indent}{knob_field.name}: {_written(value)}"
+            lines = [f"{knob_field.name}: {_written(value)}"]
+        if commented:
+            words = allowed(hints[knob_field.name], knob_field.metadata)
+            comment = f"# {knob_field.metadata['help']}" + (f" [{words}]" if words else "")
+            # Numbers that were written would win over any preset that somebody then chooses.
+            lines = [comment, *(f"# {line}" if key == "noise" and place != "noise.preset" else line for line in lines)]
+            if not key and len(lines) > 2:
+                lines.insert(0, "")
+        yield from lines
+
+
+def _entries(name: str, entries: Mapping[int, "DataclassInstance"], like: "DataclassInstance") -> Iterator[str]:
+    """The lines of sections by number, with what each has differently from the one it is like."""
+    yield f"{name}:" if entries else f"{name}: {{}}"
+    for number, entry in entries.items():
+        yield f"  {number}:"
+        yield from (f"    {line}" for line in _differences(entry, like))
+
+
+def _differences(section: "DataclassInstance", like: "DataclassInstance") -> Iterator[str]:
+    for knob_field in dataclasses.fields(section):
+        value, other = (cast(object, getattr(each, knob_field.name)) for each in (section, like))
+        if value == other:
+            continue
+        if dataclasses.is_dataclass(value) and not isinstance(value, type):
+            yield f"{knob_field.name}:"
+            yield from (f"  {line}" for line in _differences(value, cast("DataclassInstance", other)))
+        else:
+            yield f"{knob_field.name}: {_written(value)}"
+
+
+_SHOWN_ELSEWHERE = {"world.odometry", *HOMES.values()}
+"""What the section `noise` shows."""
 
 
 def _written(value: object) -> str:

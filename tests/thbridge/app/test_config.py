@@ -6,10 +6,11 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from sim.parameters import RobotParameters, WorldParameters
+from sim.parameters import OdometryNoise, RobotParameters, WorldParameters
 from thbridge.adapters.errors import BadFile, BadFiles
 from thbridge.adapters.yaml_files import load_text
-from thbridge.app.config import GameSection, Study, commented_study, read_study, read_study_text, resolved
+from thbridge.app.config import GameSection, Study, commented_study, load_study, read_study, read_study_text, resolved
+from thbridge.app.noise import NoisePreset
 
 STUDY = Path("study.yaml")
 
@@ -52,7 +53,7 @@ class TestRoundTrip:
         assert read_study_text(STUDY, text) == Study()
         assert "  # energy of each robot at the start [0.01 to 1000000]\n  energy: 100.0\n" in text
         assert "    # greatest forward speed [0 to 20 m/s]\n    max_vel_x: 1.0\n" in text
-        assert "# how it knows where it is [amcl, ekf or truth]" in text
+        assert "are the same [amcl, ekf, truth or fake_localization]" in text
 
     @given(
         st.text(st.characters(codec="utf-8"), min_size=1),
@@ -192,6 +193,109 @@ class TestBroken:
             read_study_text(STUDY, text)
         except BadFile as error:
             assert str(error)
+
+
+class TestNoise:
+    def test_without_the_section_nothing_changes(self) -> None:
+        assert read_study_text(STUDY, "noise: {preset: none}") == Study()
+
+    @pytest.mark.parametrize("preset", NoisePreset)
+    def test_a_preset_reads_back_equal_from_a_bag(self, preset: NoisePreset) -> None:
+        study = read_study_text(STUDY, f"noise: {{preset: {preset}}}")
+        assert (study == Study()) == (preset == NoisePreset.NONE)
+        assert read_study_text(STUDY, resolved(study)) == study
+
+    def test_a_preset_sets_the_world_and_what_is_believed_of_it(self) -> None:
+        study = read_study_text(STUDY, "noise: {preset: perfect}")
+        assert study.world.odometry == OdometryNoise(0, 0, 0, 0)
+        assert (study.world.laser.range_noise, study.world.laser.dropout, study.world.gyro_noise) == (0, 0, 0)
+        assert study.robot.amcl.odom_alpha1 == 0.01
+        assert study.robot.ekf.gyro_noise == 0
+
+    def test_what_is_written_wins_over_the_preset(self) -> None:
+        text = "noise: {preset: bad wheels, odometry: {alpha3: 0.3}, believed: {amcl: {odom_alpha2: 0.7}}}"
+        study = read_study_text(STUDY, text)
+        assert study.world.odometry == OdometryNoise(0.1, 0.1, 0.3, 0.1, 1.05, 1.1)
+        assert (study.robot.amcl.odom_alpha1, study.robot.amcl.odom_alpha2) == (0.4, 0.7)
+
+    def test_a_number_may_stand_at_its_home_instead(self) -> None:
+        study = read_study_text(STUDY, "noise: {preset: bad wheels}\nrobot: {amcl: {odom_alpha2: 0.7}}")
+        assert (study.robot.amcl.odom_alpha1, study.robot.amcl.odom_alpha2) == (0.4, 0.7)
+        assert read_study_text(STUDY, resolved(study)) == study
+
+    def test_two_words_for_one_number_are_told(self) -> None:
+        text = "robot:\n  amcl: {odom_alpha1: 0.1}\nnoise:\n  believed: {amcl: {odom_alpha1: 0.3}}\n"
+        assert refusal(text) == (
+            "study.yaml, line 4, noise.believed.amcl.odom_alpha1: "
+            "0.3 here, but 0.1 as robot.amcl.odom_alpha1 in line 2. Keep one of the two."
+        )
+
+    def test_the_same_number_twice_is_no_contradiction(self) -> None:
+        text = "world: {gyro_noise: 0.5}\nnoise: {gyro_noise: 0.5}\n"
+        assert read_study_text(STUDY, text).world.gyro_noise == 0.5
+
+    def test_the_commented_file_leaves_room_for_a_preset(self) -> None:
+        text = commented_study().replace("  preset: none\n", "  preset: bad wheels\n")
+        assert read_study_text(STUDY, text) == read_study_text(STUDY, "noise: {preset: bad wheels}")
+        assert text.count("odom_alpha1") == 2
+
+    @pytest.mark.parametrize("text", ["noise:\n", "noise: {preset: [1]}", "noise: 3", "noise: {preset: worse wheels}"])
+    def test_any_section_is_read_or_refused(self, text: str) -> None:
+        try:
+            assert read_study_text(STUDY, text) == Study()
+        except BadFile as error:
+            assert "study.yaml, line 1, noise" in str(error)
+
+
+class TestEach:
+    TEXT = "robots: 3\nrobot: {amcl: {min_particles: 200}}\neach:\n  2: {localization: ekf, amcl: {kld_z: 0.5}}\n  3:\n"
+
+    def test_a_robot_differs_in_what_is_written_for_it(self) -> None:
+        study = read_study_text(STUDY, self.TEXT)
+        own = study.software(2)
+        assert (own.localization, own.amcl.kld_z, own.amcl.min_particles) == ("ekf", 0.5, 200)
+        assert study.software(1) == study.software(3) == study.robot
+
+    def test_its_place_in_the_file_does_not_matter(self) -> None:
+        sections = self.TEXT.split("\n", 2)
+        turned = "\n".join((sections[2].rstrip(), sections[1], sections[0]))
+        assert read_study_text(STUDY, turned) == read_study_text(STUDY, self.TEXT)
+
+    def test_it_reads_back_equal_and_short(self) -> None:
+        study = read_study_text(STUDY, self.TEXT)
+        assert read_study_text(STUDY, resolved(study)) == study
+        assert "each:\n  2:\n    localization: ekf\n    amcl:\n      kld_z: 0.5\n  3:\n" in resolved(study)
+
+    def test_it_believes_of_noise_what_all_do_unless_it_says_otherwise(self) -> None:
+        text = "noise: {preset: bad wheels}\neach: {2: {amcl: {odom_alpha1: 0.1}}}"
+        amcl = read_study_text(STUDY, text).software(2).amcl
+        assert (amcl.odom_alpha1, amcl.odom_alpha2) == (0.1, 0.4)
+
+    @pytest.mark.parametrize(
+        ("text", "told"),
+        [
+            ("each: {3: {}}", "each.3: there is no robot 3: the study has 2. Write a number from 1 to 2, or raise robots."),
+            ("each: {0: {}}", "each.0: '0' is no number of a robot. Write a whole number, at least 1."),
+            ("each: {1: {}, 1: {}}", "each.1: stands twice, first in line 1. Keep one of the two."),
+            ("each: [1]", "each: a section is needed. Write 'NUMBER: {...}' lines."),
+            ("each: {1: {localisation: ekf}}", "each.1.localisation: unknown key. The nearest right name is localization."),
+            ("each: {1: {amcl: {min_particles: 9000}}}", "each.1.amcl.min_particles: 9000 is above each.1.amcl.max_p"),
+        ],
+    )  # fmt: skip
+    def test_faults_are_told_as_elsewhere(self, text: str, told: str) -> None:
+        assert f"study.yaml, line 1, {told}" in refusal(text)
+
+    def test_a_fault_that_all_share_is_told_once(self) -> None:
+        assert refusal("robot: {amcl: {min_particles: 9000}}\neach: {2: {localization: ekf}}").count("is above") == 1
+
+
+def test_names_that_only_ros_knows_are_told_of(tmp_path: Path) -> None:
+    path = tmp_path / "study.yaml"
+    path.write_text("robot: {fake_localization: {odom_frame_id: odom, delta_x: 1.0}}")
+    loaded = load_study(path)
+    assert loaded.value.robot.fake_localization.delta_x == 1.0
+    (notice,) = loaded.notices
+    assert notice.startswith(f"{path}, line 1: robot.fake_localization.odom_frame_id has no effect here")
 
 
 class TestFiles:
