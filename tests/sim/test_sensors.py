@@ -151,6 +151,13 @@ def test_ranges_err_normally_and_independently() -> None:
     assert max(abs(lagged), abs(aside)) < 5 / math.sqrt(measured.size)
 
 
+def test_a_bias_makes_every_range_too_long() -> None:
+    truth = many_ranges(PERFECT, 1)[0]
+    in_reach = truth < 7.8
+    biased = many_ranges(replace(PERFECT, laser=replace(PERFECT_LASER, range_bias=0.1)), 1)[0]
+    assert biased[in_reach] == pytest.approx(truth[in_reach] + 0.1, abs=1e-6)
+
+
 def test_lost_beams_are_not_a_number() -> None:
     lost = np.isnan(many_ranges(replace(PERFECT, laser=replace(PERFECT_LASER, dropout=0.02)), 200))
     assert stats.binomtest(int(lost.sum()), lost.size, 0.02).pvalue > 1e-3

@@ -283,6 +283,15 @@ def test_odometry_errs_as_table_5_6_says(linear: float, angular: float) -> None:
         assert found[:, 1] == pytest.approx(twists[:, 0] * TICK)
 
 
+def test_wheels_of_a_wrong_size_report_everything_by_the_same_factor() -> None:
+    world = World(open_grid(), replace(CALM, odometry=OdometryNoise(0, 0, 0, 0, 1.05, 1.1)), 5, 100.0)
+    straight = driven(world, begun(world, Pose2(0, 0, 0)), 50, (0.5, 0.0))
+    assert straight.odom_poses[0, 0] == pytest.approx(1.05 * straight.poses[0, 0])
+    turned = driven(world, begun(world, Pose2(0, 0, 0)), 50, (0.0, 0.5))
+    assert turned.odom_poses[0, 2] == pytest.approx(1.1 * turned.poses[0, 2])
+    assert turned.odom_twists[0, 1] == pytest.approx(1.1 * turned.twists[0, 1])
+
+
 def test_wheels_at_rest_do_not_err() -> None:
     world = World(grid_of(4, 4), WorldParameters(), 0, 100.0)
     state = driven(world, begun(world, Pose2(2, 2, 0)), 100, (0.0, 0.0))

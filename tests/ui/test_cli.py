@@ -279,6 +279,18 @@ def test_a_broken_study_is_told_with_its_line(study: str, told: str) -> None:
         assert told in refusal(*command, "study.yaml")
 
 
+def test_names_without_effect_are_told_where_a_study_is_read() -> None:
+    Path("study.yaml").write_text("robot:\n  fake_localization:\n    odom_frame_id: odom\n")
+    checked = thbridge("study", "check", "study.yaml")
+    assert checked.exit_code == 0
+    assert "study.yaml, line 3: robot.fake_localization.odom_frame_id has no effect here" in checked.stderr
+
+
+def test_fewer_robots_than_the_study_has_software_for_are_refused() -> None:
+    Path("study.yaml").write_text("robots: 2\neach: {2: {localization: truth}}\n")
+    assert "--robots 1: the study has software for robot 2" in refusal("play", "study.yaml", "--robots", "1")
+
+
 def test_play_gives_one_object_and_exit_code_1_when_time_is_up() -> None:
     done = thbridge("play", "--json", "--port", "0", "--max-seconds", "1", "--bag", "new/a.bag")
     assert done.exit_code == 1

@@ -399,7 +399,7 @@ class _Reader:
         for name, child in node.entries:
             place = f"{key}.{name.text}"
             if not _COUNTED.fullmatch(name.text):
-                self.wrong(name.line, place, f"{name.text!r} is no number of a robot", "Write a whole number, at least 1")
+                self.wrong(name.line, place, f"{name.text!r} is no number here", "Write a whole number, at least 1")
                 values[0] = _WRONG
             elif int(name.text) in values:
                 first = self.lines[place]

@@ -274,11 +274,11 @@ class TestEach:
     @pytest.mark.parametrize(
         ("text", "told"),
         [
-            ("each: {3: {}}", "each.3: there is no robot 3: the study has 2. Write a number from 1 to 2, or raise robots."),
-            ("each: {0: {}}", "each.0: '0' is no number of a robot. Write a whole number, at least 1."),
+            ("each: {3: {}}", "each.3: there is no robot 3: the study has 2. Write a number from 1 to 2, or raise"),
+            ("each: {0: {}}", "each.0: '0' is no number here. Write a whole number, at least 1."),
             ("each: {1: {}, 1: {}}", "each.1: stands twice, first in line 1. Keep one of the two."),
             ("each: [1]", "each: a section is needed. Write 'NUMBER: {...}' lines."),
-            ("each: {1: {localisation: ekf}}", "each.1.localisation: unknown key. The nearest right name is localization."),
+            ("each: {1: {localisation: ekf}}", "each.1.localisation: unknown key. The nearest right name is local"),
             ("each: {1: {amcl: {min_particles: 9000}}}", "each.1.amcl.min_particles: 9000 is above each.1.amcl.max_p"),
         ],
     )  # fmt: skip
