@@ -1,7 +1,7 @@
 """Reads ROS 1 bags, ours and foreign ones; refuses damaged ones with what to do about them."""
 
 import struct
-from collections.abc import Iterator
+from collections.abc import Collection, Iterator
 from contextlib import contextmanager
 from dataclasses import dataclass
 from pathlib import Path
@@ -96,14 +96,20 @@ def info(path: Path) -> BagInfo:
         return BagInfo(path, path.stat().st_size, start, end, duration, messages, topics)
 
 
-def messages(path: Path) -> Iterator[RawMessage]:
+def messages(path: Path, topics: Collection[str] | None = None) -> Iterator[RawMessage]:
     """Every message, oldest first.
+
+    Args:
+        path: the bag.
+        topics: names of those wanted; None for all. What holds none of them is not unpacked.
 
     Raises:
         BadFile: there is no such file, it is not a ROS 1 bag, or it is cut off or damaged.
     """
     with _opened(path) as reader:
-        for connection, stamp, data in reader.messages():
+        wanted = [connection for connection in reader.connections if topics is None or connection.topic in topics]
+        # To the reader an empty list means every topic.
+        for connection, stamp, data in reader.messages(wanted) if wanted else ():
             yield RawMessage(
                 connection.topic, denormalize_msgtype(connection.msgtype), connection.digest, stamp, bytes(data)
             )

@@ -72,6 +72,41 @@ class GoalEnd:
     text: str
 
 
+@dataclass(frozen=True, slots=True)
+class SpatialTransform:
+    """geometry_msgs/TransformStamped: the pose of frame `child` in frame `parent`, in three dimensions.
+
+    Attributes:
+        position: x, y, z; metres.
+        orientation: a quaternion x, y, z, w.
+    """
+
+    stamp_ns: int
+    parent: str
+    child: str
+    position: tuple[float, float, float]
+    orientation: tuple[float, float, float, float]
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class LaserScan:
+    """sensor_msgs/LaserScan; times between beams and intensities are left out.
+
+    Attributes:
+        frame: of the laser; beam i looks along `angle_min + i * angle_increment` in its x-y plane.
+        ranges: (n,) metres, as the driver wrote them.
+    """
+
+    stamp_ns: int
+    frame: str
+    angle_min: float
+    angle_max: float
+    angle_increment: float
+    range_min: float
+    range_max: float
+    ranges: NDArray[np.float32]
+
+
 class _Cursor:
     """Walks through the fields of a message."""
 
@@ -110,8 +145,12 @@ class _Cursor:
         self.take(_UINT32.size)
         return self.stamp(), self.string()
 
+    def seven(self) -> tuple[float, float, float, float, float, float, float]:
+        x, y, z, qx, qy, qz, qw = _POSE.unpack(self.take(_POSE.size))
+        return x, y, z, qx, qy, qz, qw
+
     def pose(self) -> Pose2:
-        x, y, _, qx, qy, qz, qw = _POSE.unpack(self.take(_POSE.size))
+        x, y, _, qx, qy, qz, qw = self.seven()
         yaw = math.atan2(2.0 * (qw * qz + qx * qy), 1.0 - 2.0 * (qy * qy + qz * qz))
         return Pose2(x, y, yaw if yaw < math.pi else -math.pi)
 
@@ -131,6 +170,27 @@ def transforms(data: bytes) -> list[tuple[int, Transform]]:
         stamp_ns, parent = cursor.header()
         entries.append((stamp_ns, Transform(parent, cursor.string(), cursor.pose())))
     return entries
+
+
+def spatial_transforms(data: bytes) -> list[SpatialTransform]:
+    """As `transforms`, with all three dimensions: a laser may hang upside down."""
+    cursor = _Cursor(data)
+    entries = []
+    for _ in range(cursor.integer(_UINT32)):
+        stamp_ns, parent = cursor.header()
+        child = cursor.string()
+        x, y, z, qx, qy, qz, qw = cursor.seven()
+        entries.append(SpatialTransform(stamp_ns, parent, child, (x, y, z), (qx, qy, qz, qw)))
+    return entries
+
+
+def laser_scan(data: bytes) -> LaserScan:
+    """sensor_msgs/LaserScan."""
+    cursor = _Cursor(data)
+    stamp_ns, frame = cursor.header()
+    angle_min, angle_max, increment, _, _, range_min, range_max = (cursor.real() for _ in range(7))
+    ranges = np.frombuffer(cursor.take(4 * cursor.integer(_UINT32)), dtype="<f4")
+    return LaserScan(stamp_ns, frame, angle_min, angle_max, increment, range_min, range_max, ranges)
 
 
 def pose_with_covariance(data: bytes) -> PoseInFrame:

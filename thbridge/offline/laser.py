@@ -1,0 +1,91 @@
+"""Scans as drivers write them, as values of the simulation."""
+
+import math
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+from sim.observations import LaserMount, Scan
+from thbridge.ros.frames import PlanarMount
+from thbridge.ros.unpack import LaserScan
+
+FAR = 30.0
+"""Taken for the range of a laser whose driver does not say one, metres."""
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Laser:
+    """Reads the scans of one laser.
+
+    Attributes:
+        mount: where it sits and the beams of its first scan; all others are read at these.
+        first: the scan whose beams those are.
+        upside_down: whether its beams turn clockwise, seen from above.
+    """
+
+    mount: LaserMount
+    first: LaserScan
+    upside_down: bool
+
+    @classmethod
+    def of(cls, first: LaserScan, seat: PlanarMount) -> "Laser":
+        """A laser whose first usable scan (see `usable`) is this one."""
+        sign = -1.0 if seat.upside_down else 1.0
+        range_min = first.range_min if first.range_min > 0.0 else 0.0
+        range_max = first.range_max
+        if not (math.isfinite(range_max) and range_max > range_min):
+            finite = first.ranges[np.isfinite(first.ranges)]
+            range_max = max(FAR, float(finite.max(initial=0.0)))
+        mount = LaserMount(
+            seat.laser_in_base,
+            sign * first.angle_min,
+            sign * increment_of(first),
+            len(first.ranges),
+            range_min,
+            range_max,
+        )
+        return cls(mount, first, seat.upside_down)
+
+    def scan(self, tick: int, read: LaserScan) -> Scan:
+        """A scan of this laser.
+
+        Readings of the range and beyond, and those too short to be any, saw nothing: +inf, as amcl takes them. Beams
+        that other scans have elsewhere are read at the nearest one, and are lost (NaN) where there is none.
+        """
+        ranges = read.ranges if self.same_beams(read) else self._nearest(read)
+        nothing = (ranges >= self.mount.range_max) | (ranges <= self.mount.range_min)
+        return Scan(tick, self.mount, np.where(nothing, np.float32(np.inf), ranges))
+
+    def same_beams(self, read: LaserScan) -> bool:
+        """Whether a scan has the beams of the first, to within a tenth of the angle between two."""
+        first = self.first
+        if len(read.ranges) != len(first.ranges):
+            return False
+        step = increment_of(first)
+        last = len(first.ranges) - 1
+        starts = abs(read.angle_min - first.angle_min)
+        ends = abs(read.angle_min + last * increment_of(read) - first.angle_min - last * step)
+        return max(starts, ends) <= 0.1 * abs(step)
+
+    def _nearest(self, read: LaserScan) -> NDArray[np.float32]:
+        first = self.first
+        angles = first.angle_min + increment_of(first) * np.arange(len(first.ranges))
+        indices = np.rint((angles - read.angle_min) / increment_of(read)).astype(np.int64)
+        there = (indices >= 0) & (indices < len(read.ranges))
+        ranges = np.full(len(angles), np.nan, dtype=np.float32)
+        ranges[there] = read.ranges[indices[there]]
+        return ranges
+
+
+def increment_of(scan: LaserScan) -> float:
+    """The angle from beam to beam; 0 when the message does not tell."""
+    if scan.angle_increment != 0.0 and math.isfinite(scan.angle_increment):
+        return scan.angle_increment
+    spread = (scan.angle_max - scan.angle_min) / max(1, len(scan.ranges) - 1)
+    return spread if math.isfinite(spread) else 0.0
+
+
+def usable(scan: LaserScan) -> bool:
+    """Whether a message says where its beams look."""
+    return len(scan.ranges) >= 2 and math.isfinite(scan.angle_min) and increment_of(scan) != 0.0

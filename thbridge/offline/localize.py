@@ -1,0 +1,130 @@
+"""AMCL after the fact: a particle filter over the scans of a recording."""
+
+from collections import Counter
+from collections.abc import Callable, Iterable, Mapping
+from dataclasses import dataclass
+from enum import StrEnum
+
+from sim.geometry import FloatArray, Pose2
+from sim.localization.amcl import Amcl
+from sim.localization.estimate import Estimate, Localizer
+from sim.observations import STANDSTILL, Imu, Odometry, Scan
+from sim.parameters import AmclParameters
+from thbridge.hunt.outcomes import Refused
+from thbridge.offline.laser import Laser, usable
+from thbridge.offline.odometry import CLOCK_SET_BACK_NS, OdometryTrack
+from thbridge.offline.recording import StampedScan
+from thbridge.ros.frames import frame_name
+
+
+class Skip(StrEnum):
+    """Why a scan was not given to the filter."""
+
+    NO_ODOMETRY = "no odometry near its time"
+    NOT_NEWER = "not newer than the one before"
+    OTHER_LASER = "of another laser"
+    UNUSABLE = "without beams"
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Fix:
+    """One update of the filter.
+
+    Attributes:
+        stamp_ns: of the scan that was weighed.
+        base_in_map: where the robot was held to be.
+        covariance: (3, 3) of x, y, theta.
+        lost: whether the filter itself did not believe it.
+    """
+
+    stamp_ns: int
+    base_in_map: Pose2
+    covariance: FloatArray
+    lost: bool
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Localized:
+    """What came of it.
+
+    Attributes:
+        fixes: every update, in order.
+        last: the filter's word at the last scan it was given.
+        scans: how many it was given; those after little motion it does not weigh.
+        skipped: how many it was not given, by reason.
+        cpu_seconds: what the filter's updates took of the clock, reading the bag not counted.
+    """
+
+    fixes: tuple[Fix, ...]
+    last: Estimate
+    scans: int
+    skipped: Mapping[Skip, int]
+    cpu_seconds: float
+
+
+def localize(
+    localizer: Localizer,
+    laser: Laser,
+    odometry: OdometryTrack,
+    scans: Iterable[StampedScan],
+    clock: Callable[[], float],
+    progress: Callable[[], None],
+) -> Localized | Refused:
+    """Follow a robot through a recording.
+
+    Each scan is weighed at the odometry of its own stamp, as amcl looks it up in tf.
+
+    Args:
+        localizer: told where the robot starts.
+        laser: reads the scans.
+        odometry: of the whole recording.
+        scans: in the order of recording.
+        clock: seconds of the processor.
+        progress: called once for each scan.
+    """
+    fixes: list[Fix] = []
+    skipped: Counter[Skip] = Counter()
+    last: Estimate | None = None
+    given, latest_ns, cpu_seconds = 0, 0, 0.0
+    frame = frame_name(laser.first.frame)
+    for tick, read in enumerate(scans):
+        progress()
+        if not usable(read.scan):
+            skipped[Skip.UNUSABLE] += 1
+            continue
+        if frame_name(read.scan.frame) != frame:
+            skipped[Skip.OTHER_LASER] += 1
+            continue
+        if latest_ns - CLOCK_SET_BACK_NS <= read.stamp_ns <= latest_ns:
+            skipped[Skip.NOT_NEWER] += 1
+            continue
+        base_in_odom = odometry.at(read.stamp_ns, read.received_ns)
+        if base_in_odom is None:
+            skipped[Skip.NO_ODOMETRY] += 1
+            continue
+        latest_ns = read.stamp_ns
+        given += 1
+        scan = laser.scan(tick, read.scan)
+        started = clock()
+        # The tick is the scan's number, not its time: the filter's chance is keyed by it.
+        last = localizer.update(Odometry(tick, base_in_odom, STANDSTILL), Imu(tick, 0.0), scan)
+        cpu_seconds += clock() - started
+        if last.updated:
+            fixes.append(Fix(read.stamp_ns, last.base_in_map, last.covariance, last.lost))
+    if last is None:
+        told = ", ".join(f"{count} {reason}" for reason, count in skipped.items())
+        return Refused("no-usable-scan", f"No scan could be used: {told or 'there are none'}.")
+    return Localized(tuple(fixes), last, given, dict(skipped), cpu_seconds)
+
+
+def warm_up(localizer: Amcl, parameters: AmclParameters, scan: Scan) -> None:
+    """Have everything compiled that updates run through, on a filter that is then thrown away.
+
+    Args:
+        localizer: made like the one that counts, and started like it.
+        parameters: its.
+        scan: any of its laser.
+    """
+    stride = 1.01 * parameters.update_min_d + 0.01
+    for tick in range(2 * parameters.resample_interval + 1):
+        localizer.update(Odometry(tick, Pose2(tick * stride, 0.0, 0.0), STANDSTILL), Imu(tick, 0.0), scan)

@@ -1,0 +1,209 @@
+"""What localisation needs of a bag, found in it: scans, odometry, and where the laser sits."""
+
+import math
+from collections.abc import Callable, Iterator
+from dataclasses import dataclass
+from pathlib import Path
+from typing import TypeVar
+
+from sim.geometry import Pose2
+from thbridge.adapters.bag_reader import RawMessage, TopicInfo, info, messages
+from thbridge.adapters.errors import BadFile
+from thbridge.offline.laser import Laser, usable
+from thbridge.offline.odometry import OdometryTrack, Step
+from thbridge.ros import unpack
+from thbridge.ros.frames import FrameTree, PlanarMount, frame_name
+from thbridge.ros.types import LASER_SCAN, ODOMETRY, TFMESSAGE
+from thbridge.ros.unpack import LaserScan
+
+T = TypeVar("T")
+
+TF_TYPES = (TFMESSAGE, "tf/tfMessage")
+ODOM_FRAMES = ("odom", "odom_combined")
+BASE_FRAMES = ("base_footprint", "base_link")
+LEVEL = math.radians(10)
+"""A laser tilted by more than this does not see what a map of the plane shows."""
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class StampedScan:
+    """A scan, when it was sensed, and when it was recorded."""
+
+    stamp_ns: int
+    received_ns: int
+    scan: LaserScan
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Recording:
+    """A bag that a robot can be localised in.
+
+    Attributes:
+        path: the bag.
+        scan_topic: where its scans are.
+        messages: how many scans.
+        laser: reads them.
+        odometry: of the same robot.
+        odometry_source: the topic it is from, or the frames of tf.
+        notices: what was found out or assumed, for people.
+    """
+
+    path: Path
+    scan_topic: str
+    messages: int
+    laser: Laser
+    odometry: OdometryTrack
+    odometry_source: str
+    notices: tuple[str, ...]
+
+    def scans(self) -> Iterator[StampedScan]:
+        """Every scan in the order of recording. Raises BadFile: the bag is damaged."""
+        return _scans(self.path, self.scan_topic)
+
+
+def open_recording(path: Path, scan_topic: str, odom_topic: str, laser_in_base: Pose2 | None) -> Recording:
+    """Find everything in a bag.
+
+    Args:
+        path: a ROS 1 bag.
+        scan_topic: of type sensor_msgs/LaserScan.
+        odom_topic: of type nav_msgs/Odometry; where the bag has none, tf is asked.
+        laser_in_base: where the laser sits; None: as tf says.
+
+    Raises:
+        BadFile: the bag cannot be read, or lacks something; says what it has instead.
+    """
+    topics = info(path).topics
+    scans = _topic(topics, scan_topic, (LASER_SCAN,))
+    if scans is None:
+        problem = f"there are no scans on {scan_topic}; {_offer(topics, (LASER_SCAN,))}"
+        raise BadFile(path, None, None, problem, "name the topic by --scan-topic")
+    first = next((read.scan for read in _scans(path, scans.name) if usable(read.scan)), None)
+    if first is None:
+        problem = "no scan has two beams and an angle between them"
+        raise BadFile(path, None, scans.name, problem, "name another topic by --scan-topic")
+
+    notices: list[str] = []
+    tf_topics = [topic.name for topic in topics if topic.msgtype in TF_TYPES]
+    odometry = _topic(topics, odom_topic, (ODOMETRY,))
+    if odometry is not None:
+        tree = FrameTree()
+        steps, child = _odometry_of_topic(path, odometry.name)
+        source = odometry.name
+        bases = _base_names(child, first.frame)
+        if laser_in_base is None:
+            tree = _frames(path, tf_topics, lambda tree: _seat(tree, first.frame, bases) is not None)
+    else:
+        tree = _frames(path, tf_topics, lambda tree: _odom_edge(tree, first.frame, certain=True) is not None)
+        edge = _odom_edge(tree, first.frame, certain=False)
+        if edge is None:
+            problem = f"there is no odometry on {odom_topic} and none in tf; {_offer(topics, (ODOMETRY,))}"
+            raise BadFile(path, None, None, problem, "name the topic by --odom-topic")
+        steps = _odometry_of_tf(path, tf_topics, edge)
+        source = f"tf {edge[0]} -> {edge[1]}"
+        bases = (edge[1],)
+        notices.append(f"There is no odometry on {odom_topic}; it is taken from {source}.")
+    track = OdometryTrack(steps)
+    if not len(track):
+        raise BadFile(path, None, source, "there is no odometry in it", "name another topic by --odom-topic")
+    if track.clock_set_back:
+        notices.append(f"The stamps of {source} go back {track.clock_set_back} times: the clock was set anew.")
+
+    if laser_in_base is None:
+        seat = _seat(tree, first.frame, bases)
+        if seat is None:
+            frame = frame_name(first.frame)
+            problem = f"tf does not say where the laser {frame!r} sits on {' or '.join(bases)}"
+            raise BadFile(path, None, None, problem, "give it by --laser-pose X Y YAW")
+        if seat.tilt > LEVEL:
+            degrees = round(math.degrees(seat.tilt))
+            notices.append(f"The laser is tilted by {degrees} degrees; its scans are taken as if it were level.")
+        if seat.upside_down:
+            notices.append("The laser hangs upside down.")
+    else:
+        seat = PlanarMount(laser_in_base, upside_down=False, tilt=0.0)
+    laser = Laser.of(first, seat)
+    if laser.mount.range_max != first.range_max:
+        notices.append(f"range_max of the scans is {first.range_max}; {laser.mount.range_max:g} m is taken.")
+    return Recording(path, scans.name, scans.messages, laser, track, source, tuple(notices))
+
+
+def _topic(topics: tuple[TopicInfo, ...], name: str, types: tuple[str, ...]) -> TopicInfo | None:
+    wanted = "/" + name.lstrip("/")
+    found = (topic for topic in topics if "/" + topic.name.lstrip("/") == wanted)
+    return next((topic for topic in found if topic.msgtype in types and topic.messages), None)
+
+
+def _offer(topics: tuple[TopicInfo, ...], types: tuple[str, ...]) -> str:
+    names = [topic.name for topic in topics if topic.msgtype in types and topic.messages]
+    return f"{types[0]} is on {', '.join(names)}" if names else f"the bag has no {types[0]} at all"
+
+
+def _decoded(raw: RawMessage, decode: Callable[[bytes], T], path: Path) -> T:
+    try:
+        return decode(raw.data)
+    except ValueError as error:
+        remedy = "record the bag anew, or leave the topic out of it"
+        raise BadFile(path, None, raw.topic, f"a message of it is no {raw.msgtype}: {error}", remedy) from None
+
+
+def _scans(path: Path, topic: str) -> Iterator[StampedScan]:
+    for raw in messages(path, (topic,)):
+        scan = _decoded(raw, unpack.laser_scan, path)
+        yield StampedScan(scan.stamp_ns or raw.stamp_ns, raw.stamp_ns, scan)
+
+
+def _odometry_of_topic(path: Path, topic: str) -> tuple[list[Step], str]:
+    """All of it, and the frame it tells of; drivers that do not stamp have the time of recording."""
+    steps = []
+    child = ""
+    for raw in messages(path, (topic,)):
+        read = _decoded(raw, unpack.odometry, path)
+        child = child or read.child_frame
+        steps.append(Step(raw.stamp_ns, read.stamp_ns or raw.stamp_ns, read.pose))
+    return steps, child
+
+
+def _odometry_of_tf(path: Path, topics: list[str], edge: tuple[str, str]) -> list[Step]:
+    return [
+        Step(raw.stamp_ns, stamp_ns or raw.stamp_ns, pose)
+        for raw in messages(path, topics)
+        for stamp_ns, (parent, child, pose) in _decoded(raw, unpack.transforms, path)
+        if (frame_name(parent), frame_name(child)) == edge
+    ]
+
+
+def _frames(path: Path, topics: list[str], enough: Callable[[FrameTree], bool]) -> FrameTree:
+    """The frames of a bag, read until they are enough."""
+    tree = FrameTree()
+    for raw in messages(path, topics):
+        news = [tree.add(transform) for transform in _decoded(raw, unpack.spatial_transforms, path)]
+        if any(news) and enough(tree):
+            break
+    return tree
+
+
+def _base_names(child: str, laser: str) -> tuple[str, ...]:
+    """What the base may be called: as odometry says, or as usual, under the laser's prefix."""
+    prefix = frame_name(laser).rpartition("/")[0]
+    usual = [f"{prefix}/{name}" if prefix else name for name in BASE_FRAMES]
+    return tuple(dict.fromkeys(name for name in (frame_name(child), *usual) if name))
+
+
+def _seat(tree: FrameTree, laser: str, bases: tuple[str, ...]) -> PlanarMount | None:
+    poses = (tree.pose(laser, base) for base in bases)
+    return next((PlanarMount.of(pose) for pose in poses if pose is not None), None)
+
+
+def _odom_edge(tree: FrameTree, laser: str, certain: bool) -> tuple[str, str] | None:
+    """The transform of tf that is odometry: the one above the laser, or else, unless it must be certain, the only."""
+    chain = tree.chain(laser)
+    for child, parent in zip(chain, chain[1:], strict=False):
+        if _last_word(parent) in ODOM_FRAMES:
+            return parent, child
+    edges = [edge for edge in tree.edges() if _last_word(edge[0]) in ODOM_FRAMES]
+    return edges[0] if len(edges) == 1 and not certain else None
+
+
+def _last_word(frame: str) -> str:
+    return frame.rpartition("/")[2]

@@ -1,0 +1,105 @@
+"""The tree of frames that tf messages describe: who hangs on whom, and where, in three dimensions."""
+
+import math
+from dataclasses import dataclass
+
+import numpy as np
+
+from sim.geometry import FloatArray, Pose2, wrap_angle
+from thbridge.ros.unpack import SpatialTransform
+
+
+def frame_name(name: str) -> str:
+    """A frame's name without the leading slash that tf of old wrote and tf2 forbids."""
+    return name.lstrip("/")
+
+
+def matrix(transform: SpatialTransform) -> FloatArray:
+    """(4, 4) homogeneous transform from the child's coordinates to the parent's."""
+    x, y, z, w = transform.orientation
+    norm = math.sqrt(x * x + y * y + z * z + w * w)
+    # A quaternion that nobody filled in is all zero, and meant as no rotation.
+    x, y, z, w = (x / norm, y / norm, z / norm, w / norm) if norm > 0.0 else (0.0, 0.0, 0.0, 1.0)
+    whole = np.eye(4)
+    whole[:3, :3] = (
+        (1 - 2 * (y * y + z * z), 2 * (x * y - z * w), 2 * (x * z + y * w)),
+        (2 * (x * y + z * w), 1 - 2 * (x * x + z * z), 2 * (y * z - x * w)),
+        (2 * (x * z - y * w), 2 * (y * z + x * w), 1 - 2 * (x * x + y * y)),
+    )
+    whole[:3, 3] = transform.position
+    return whole
+
+
+class FrameTree:
+    """Frames and the first that was said of each; names without leading slash.
+
+    The first word holds: amcl, too, asks once where a laser sits and remembers it.
+    """
+
+    def __init__(self) -> None:
+        self._above: dict[str, tuple[str, FloatArray]] = {}
+
+    def add(self, transform: SpatialTransform) -> bool:
+        """Take in one transform; whether it was news."""
+        child = frame_name(transform.child)
+        if child in self._above or not np.isfinite((*transform.position, *transform.orientation)).all():
+            return False
+        self._above[child] = (frame_name(transform.parent), matrix(transform))
+        return True
+
+    def edges(self) -> list[tuple[str, str]]:
+        """Every (parent, child)."""
+        return [(parent, child) for child, (parent, _) in self._above.items()]
+
+    def chain(self, frame: str) -> list[str]:
+        """The frame and all it hangs on, nearest first."""
+        chain = [frame_name(frame)]
+        while chain[-1] in self._above:
+            parent = self._above[chain[-1]][0]
+            if parent in chain:
+                break
+            chain.append(parent)
+        return chain
+
+    def pose(self, frame: str, reference: str) -> FloatArray | None:
+        """(4, 4) pose of a frame in a reference frame, over whatever both hang on; None where nothing joins them."""
+        up, down = self.chain(frame), self.chain(reference)
+        common = next((name for name in up if name in down), None)
+        if common is None:
+            return None
+        frame_in_common = self._up_to(up[: up.index(common)])
+        reference_in_common = self._up_to(down[: down.index(common)])
+        pose: FloatArray = np.linalg.solve(reference_in_common, frame_in_common)
+        return pose
+
+    def _up_to(self, chain: list[str]) -> FloatArray:
+        whole = np.eye(4)
+        for name in chain:
+            whole = self._above[name][1] @ whole
+        return whole
+
+
+@dataclass(frozen=True, slots=True)
+class PlanarMount:
+    """How a planar laser sits on a base.
+
+    Attributes:
+        laser_in_base: where, and which way its x axis looks.
+        upside_down: whether its z axis points to the ground, so that its beams turn clockwise.
+        tilt: angle between its plane and the base's, radians in [0, pi/2].
+    """
+
+    laser_in_base: Pose2
+    upside_down: bool
+    tilt: float
+
+    @classmethod
+    def of(cls, pose: FloatArray) -> "PlanarMount":
+        """From a (4, 4) pose in the base frame, seen from above."""
+        yaw = math.atan2(pose[1, 0], pose[0, 0])
+        upward = float(pose[2, 2])
+        return cls(
+            Pose2(float(pose[0, 3]), float(pose[1, 3]), wrap_angle(yaw)),
+            upward < 0.0,
+            math.acos(min(1.0, abs(upward))),
+        )

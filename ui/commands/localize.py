@@ -1,0 +1,149 @@
+"""`thbridge localize`: where was the robot, by any bag with scans and odometry."""
+
+import time
+from pathlib import Path
+from typing import Annotated
+
+import numpy as np
+import typer
+from rich.progress import BarColumn, Progress, TextColumn, TimeRemainingColumn
+
+from sim.geometry import Pose2, wrap_angle
+from sim.grid import OccupancyGrid
+from sim.localization.amcl import Amcl
+from sim.parameters import AmclParameters
+from thbridge.adapters.errors import BadFile
+from thbridge.adapters.map_files import read_grid
+from thbridge.hunt.outcomes import Refused
+from thbridge.offline.localize import Localized, localize, warm_up
+from thbridge.offline.recording import Recording, open_recording
+from thbridge.offline.tum import tum_line
+from ui.options import AsJson, announce_compiling
+from ui.terminal import BAD_INPUT, FAILED, bad_input, err, fail, note, out, print_json
+
+ROBOT = "robot1"
+"""Names the filter's chance; a bag holds one robot's scans on a topic."""
+
+Triple = tuple[float, float, float]
+
+
+def localize_command(
+    bag: Annotated[Path, typer.Argument(help="A ROS 1 bag with scans and odometry.")],
+    map_yaml: Annotated[Path, typer.Option("--map", help="The map, a map_server YAML file.")],
+    params: Annotated[Path | None, typer.Option(help="amcl's parameters, a ROS YAML file; by default ROS's own.")] = None,
+    scan_topic: Annotated[str, typer.Option(help="Topic of the scans (sensor_msgs/LaserScan).")] = "/scan",
+    odom_topic: Annotated[
+        str, typer.Option(help="Topic of the odometry (nav_msgs/Odometry); where it is missing, tf is asked.")
+    ] = "/odom",
+    initial_pose: Annotated[
+        Triple | None, typer.Option(help="Where the robot starts in the map: metres, radians.", metavar="X Y YAW")
+    ] = None,
+    anywhere: Annotated[bool, typer.Option("--global", help="The robot may start anywhere on the map.")] = False,
+    laser_pose: Annotated[
+        Triple | None, typer.Option(help="Where the laser sits on the base; by default as tf says.", metavar="X Y YAW")
+    ] = None,
+    seed: Annotated[int, typer.Option(help="All chance is keyed by it.", min=0, max=2**31 - 1)] = 1,
+    to: Annotated[Path | None, typer.Option("--out", help="Write a TUM trajectory, one line for each update.")] = None,
+    as_json: AsJson = False,
+) -> None:
+    """Localise a robot after the fact (AMCL): where was it in a map, by the scans and the odometry of a bag."""
+    if (initial_pose is None) == (not anywhere):
+        fail(BAD_INPUT, "Say where the robot starts: give either --initial-pose X Y YAW or --global.")
+    with bad_input():
+        parameters = AmclParameters()
+        grid = read_grid(map_yaml)
+        seat = None if laser_pose is None else _pose(laser_pose)
+        recording = open_recording(bag, scan_topic, odom_topic, seat)
+    for notice in recording.notices:
+        note(notice)
+    announce_compiling()
+    start = None if initial_pose is None else _pose(initial_pose)
+    with bad_input():
+        result = _run(recording, grid, parameters, start, seed)
+    if isinstance(result, Refused):
+        fail(FAILED, result.sentence)
+    if to is not None:
+        with bad_input():
+            _write(to, result)
+    _tell(recording, result, as_json)
+
+
+def _pose(triple: Triple) -> Pose2:
+    if not np.isfinite(triple).all():
+        fail(BAD_INPUT, f"{triple} is not a pose. Write three finite numbers X Y YAW.")
+    x, y, yaw = triple
+    return Pose2(x, y, wrap_angle(yaw))
+
+
+def _run(
+    recording: Recording, grid: OccupancyGrid, parameters: AmclParameters, start: Pose2 | None, seed: int
+) -> Localized | Refused:
+    def begin() -> Amcl:
+        localizer = Amcl(parameters, grid, recording.laser.mount, seed, ROBOT)
+        if start is None:
+            localizer.globalize()
+        else:
+            variances = (parameters.initial_cov_xx, parameters.initial_cov_yy, parameters.initial_cov_aa)
+            localizer.start(start, np.diag(variances))
+        return localizer
+
+    warm_up(begin(), parameters, recording.laser.scan(0, recording.laser.first))
+    bar = Progress(
+        TextColumn("{task.completed} of {task.total} scans"),
+        BarColumn(),
+        TimeRemainingColumn(),
+        console=err,
+        transient=True,
+        disable=not err.is_terminal,
+    )
+    with bar:
+        task = bar.add_task("", total=recording.messages)
+        return localize(
+            begin(),
+            recording.laser,
+            recording.odometry,
+            recording.scans(),
+            time.process_time,
+            lambda: bar.advance(task),
+        )
+
+
+def _write(path: Path, result: Localized) -> None:
+    lines = "".join(f"{tum_line(fix.stamp_ns, fix.base_in_map)}\n" for fix in result.fixes)
+    try:
+        path.write_text(lines, encoding="ascii")
+    except OSError as error:
+        problem = f"it cannot be written ({error.strerror})"
+        raise BadFile(path, None, None, problem, "choose another file by --out") from None
+
+
+def _tell(recording: Recording, result: Localized, as_json: bool) -> None:
+    last, mount = result.last, recording.laser.mount
+    pose = last.base_in_map
+    if as_json:
+        print_json(
+            {
+                "updates": len(result.fixes),
+                "cpu_seconds": result.cpu_seconds,
+                "final_pose": [pose.x, pose.y, pose.theta],
+                "covariance": last.covariance.tolist(),
+                "lost": last.lost,
+                "scans": result.scans,
+                "skipped": {str(reason): count for reason, count in result.skipped.items()},
+                "odometry": recording.odometry_source,
+                "laser_pose": mount.laser_in_base.array().tolist(),
+                "upside_down": recording.laser.upside_down,
+                "notices": list(recording.notices),
+            }
+        )
+        return
+    deviations = np.sqrt(np.diag(last.covariance)).tolist()
+    out.print(f"At the end the robot is at x {pose.x:.3f} m, y {pose.y:.3f} m, yaw {pose.theta:.3f} rad", end="")
+    out.print(f" (standard deviations {deviations[0]:.3f}, {deviations[1]:.3f}, {deviations[2]:.3f}).")
+    if last.lost:
+        out.print("The filter holds that this is wrong: it is lost.")
+    each = 1000 * result.cpu_seconds / max(1, len(result.fixes))
+    out.print(f"{len(result.fixes)} updates from {result.scans} scans, {each:.2f} ms of the processor for each.")
+    for reason, count in result.skipped.items():
+        out.print(f"{count} scans were left out: {reason}.")
+    out.print(f"Odometry: {recording.odometry_source}.")
