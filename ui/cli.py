@@ -7,6 +7,7 @@ from rich.logging import RichHandler
 
 from ui.commands import files, programs
 from ui.commands.drive import GoalWithYaw, drive
+from ui.commands.localize import localize_command
 from ui.commands.measure import maps_measure
 from ui.commands.play import play
 from ui.commands.scan import scan
@@ -31,6 +32,7 @@ for command in (
 ):
     app.command()(command)
 app.command(cls=GoalWithYaw)(drive)
+app.command("localize")(localize_command)
 app.add_typer(files.bag_app, name="bag")
 files.maps_app.command("measure")(maps_measure)
 app.add_typer(files.maps_app, name="maps")

@@ -3,6 +3,7 @@
 import math
 from collections.abc import Callable, Iterator
 from dataclasses import dataclass
+from itertools import pairwise
 from pathlib import Path
 from typing import TypeVar
 
@@ -198,7 +199,7 @@ def _seat(tree: FrameTree, laser: str, bases: tuple[str, ...]) -> PlanarMount | 
 def _odom_edge(tree: FrameTree, laser: str, certain: bool) -> tuple[str, str] | None:
     """The transform of tf that is odometry: the one above the laser, or else, unless it must be certain, the only."""
     chain = tree.chain(laser)
-    for child, parent in zip(chain, chain[1:], strict=False):
+    for child, parent in pairwise(chain):
         if _last_word(parent) in ODOM_FRAMES:
             return parent, child
     edges = [edge for edge in tree.edges() if _last_word(edge[0]) in ODOM_FRAMES]

@@ -69,8 +69,7 @@ class FrameTree:
             return None
         frame_in_common = self._up_to(up[: up.index(common)])
         reference_in_common = self._up_to(down[: down.index(common)])
-        pose: FloatArray = np.linalg.solve(reference_in_common, frame_in_common)
-        return pose
+        return np.asarray(np.linalg.solve(reference_in_common, frame_in_common), dtype=np.float64)
 
     def _up_to(self, chain: list[str]) -> FloatArray:
         whole = np.eye(4)

@@ -30,7 +30,9 @@ Triple = tuple[float, float, float]
 def localize_command(
     bag: Annotated[Path, typer.Argument(help="A ROS 1 bag with scans and odometry.")],
     map_yaml: Annotated[Path, typer.Option("--map", help="The map, a map_server YAML file.")],
-    params: Annotated[Path | None, typer.Option(help="amcl's parameters, a ROS YAML file; by default ROS's own.")] = None,
+    params: Annotated[
+        Path | None, typer.Option(help="amcl's parameters, a ROS YAML file; by default ROS's own.")
+    ] = None,
     scan_topic: Annotated[str, typer.Option(help="Topic of the scans (sensor_msgs/LaserScan).")] = "/scan",
     odom_topic: Annotated[
         str, typer.Option(help="Topic of the odometry (nav_msgs/Odometry); where it is missing, tf is asked.")
