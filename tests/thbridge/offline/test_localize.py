@@ -1,0 +1,150 @@
+"""A robot followed through bags that are not ours."""
+
+import itertools
+import math
+from collections.abc import Iterator
+from pathlib import Path
+
+import numpy as np
+import pytest
+from hypothesis import given, settings
+from hypothesis import strategies as st
+from rosbags.rosbag1 import Writer
+
+from sim.geometry import IDENTITY, Pose2
+from sim.localization.amcl import Amcl
+from sim.parameters import AmclParameters
+from tests.thbridge.offline.foreign import FIRST, PERIOD_NS, START_NS, Robot, room, write
+from thbridge.adapters.errors import BadFile
+from thbridge.hunt.outcomes import Refused
+from thbridge.offline.localize import Localized, Skip, localize, warm_up
+from thbridge.offline.recording import Recording, open_recording
+
+PARAMETERS = AmclParameters(min_particles=200, max_particles=500)
+CERTAIN = np.diag((0.01, 0.01, 0.01))
+
+
+def follow(
+    recording: Recording, origin: Pose2 = IDENTITY, parameters: AmclParameters = PARAMETERS, start: Pose2 = FIRST
+) -> Localized:
+    localizer = Amcl(parameters, room(origin), recording.laser.mount, 1, "robot1")
+    localizer.start(origin.compose(start), CERTAIN)
+    clock = itertools.count()
+    done = localize(
+        localizer, recording.laser, recording.odometry, recording.scans(), lambda: float(next(clock)), lambda: None
+    )
+    assert isinstance(done, Localized)
+    return done
+
+
+def errors(done: Localized, truth: list[Pose2], origin: Pose2 = IDENTITY) -> Iterator[float]:
+    for fix in done.fixes:
+        index = round((fix.stamp_ns - START_NS) / PERIOD_NS)
+        yield origin.compose(truth[index]).distance(fix.base_in_map)
+
+
+BAGS = {
+    "odometry and tf": Robot(),
+    "tf only": Robot(odom_topic=None),
+    "frames with slashes": Robot(odom_frame="/odom", base_frame="/base_footprint", laser_frame="/hokuyo"),
+    "frames with a prefix": Robot(
+        odom_topic=None, odom_frame="a1/odom", base_frame="a1/base", body_frame="a1/body", laser_frame="a1/scan"
+    ),
+    "laser turned": Robot(laser=Pose2(-0.2, 0.1, 2.0)),
+    "laser upside down": Robot(laser=Pose2(0.1, 0.0, 0.7), roll=math.pi, angle_min=-1.0),
+    "slow odometry": Robot(odom_per_scan=1),
+    "fast odometry": Robot(odom_per_scan=5),
+    "bz2": Robot(compression=Writer.CompressionFormat.BZ2),
+    "lz4": Robot(compression=Writer.CompressionFormat.LZ4),
+}
+
+
+@pytest.mark.parametrize("robot", BAGS.values(), ids=BAGS.keys())
+def test_a_robot_is_followed(tmp_path: Path, robot: Robot) -> None:
+    truth = write(tmp_path / "a.bag", robot)
+    done = follow(open_recording(tmp_path / "a.bag", "/scan", "/odom", None))
+    assert len(done.fixes) > 10
+    assert np.mean(list(errors(done, truth))) < 0.08
+    assert done.last.base_in_map.distance(truth[-1]) < 0.15
+    assert not done.skipped
+
+
+def test_a_laser_pose_that_is_given_wins(tmp_path: Path) -> None:
+    robot = Robot(tf=False)
+    truth = write(tmp_path / "a.bag", robot)
+    done = follow(open_recording(tmp_path / "a.bag", "/scan", "/odom", robot.laser))
+    assert np.mean(list(errors(done, truth))) < 0.08
+
+
+@settings(max_examples=8)
+@given(st.builds(Pose2, st.floats(-1000, 1000), st.floats(-1000, 1000), st.floats(-math.pi, math.pi, exclude_max=True)))
+def test_where_the_world_lies_does_not_matter(tmp_path_factory: pytest.TempPathFactory, origin: Pose2) -> None:
+    """The whole world moved and turned, map with it: the errors stay, but for chance, which knows the map's axes."""
+    path = tmp_path_factory.mktemp("bag") / "a.bag"
+    truth = write(path, Robot(), seconds=3.0)
+    recording = open_recording(path, "/scan", "/odom", None)
+    here, there = follow(recording), follow(recording, origin)
+    assert [fix.stamp_ns for fix in here.fixes] == [fix.stamp_ns for fix in there.fixes]
+    mean_here, mean_there = np.mean(list(errors(here, truth))), np.mean(list(errors(there, truth, origin)))
+    assert mean_here == pytest.approx(mean_there, abs=0.03)
+
+
+def test_the_same_seed_gives_the_same_poses(tmp_path: Path) -> None:
+    write(tmp_path / "a.bag", Robot(), seconds=2.0)
+    first, second = (follow(open_recording(tmp_path / "a.bag", "/scan", "/odom", None)) for _ in range(2))
+    assert [fix.base_in_map for fix in first.fixes] == [fix.base_in_map for fix in second.fixes]
+
+
+def test_only_the_filter_is_timed(tmp_path: Path) -> None:
+    write(tmp_path / "a.bag", Robot(), seconds=1.0)
+    done = follow(open_recording(tmp_path / "a.bag", "/scan", "/odom", None))
+    assert done.cpu_seconds == done.scans == 11
+
+
+def test_scans_that_cannot_be_used_are_counted(tmp_path: Path) -> None:
+    """One is stamped long before, one a little before its forerunner, one as its forerunner."""
+    offsets = {4: -3_600_000_000_000, 6: -PERIOD_NS - 1, 8: -PERIOD_NS}
+    write(tmp_path / "a.bag", Robot(stamp_offsets=offsets), seconds=2.0)
+    done = follow(open_recording(tmp_path / "a.bag", "/scan", "/odom", None))
+    assert done.skipped == {Skip.NO_ODOMETRY: 1, Skip.NOT_NEWER: 2}
+    assert done.scans == 18
+
+
+def test_a_bag_without_a_usable_scan_is_refused(tmp_path: Path) -> None:
+    write(tmp_path / "a.bag", Robot(stamp_offsets=dict.fromkeys(range(11), 3_600_000_000_000)), seconds=1.0)
+    recording = open_recording(tmp_path / "a.bag", "/scan", "/odom", None)
+    localizer = Amcl(PARAMETERS, room(), recording.laser.mount, 1, "robot1")
+    done = localize(localizer, recording.laser, recording.odometry, recording.scans(), lambda: 0.0, lambda: None)
+    assert done == Refused("no-usable-scan", "No scan could be used: 11 no odometry near its time.")
+
+
+@pytest.mark.parametrize(
+    ("robot", "scan_topic", "told"),
+    [
+        (Robot(), "/base_scan", "sensor_msgs/LaserScan is on /scan"),
+        (Robot(tf=False, odom_topic="/wheels"), "/scan", "nav_msgs/Odometry is on /wheels"),
+        (Robot(tf=False, odom_topic=None), "/scan", "the bag has no nav_msgs/Odometry at all"),
+        (Robot(tf=False), "/scan", "--laser-pose"),
+    ],
+)
+def test_what_is_missing_is_told_with_what_there_is(tmp_path: Path, robot: Robot, scan_topic: str, told: str) -> None:
+    write(tmp_path / "a.bag", robot, seconds=0.5)
+    with pytest.raises(BadFile, match=told):
+        open_recording(tmp_path / "a.bag", scan_topic, "/odom", None)
+
+
+def test_a_cut_off_bag_is_refused_with_the_remedy(tmp_path: Path) -> None:
+    path = tmp_path / "a.bag"
+    write(path, Robot(), seconds=1.0)
+    path.write_bytes(path.read_bytes()[:-300])
+    with pytest.raises(BadFile, match="thbridge bag reindex"):
+        open_recording(path, "/scan", "/odom", None)
+
+
+def test_the_filter_that_warms_up_is_another_one(tmp_path: Path) -> None:
+    write(tmp_path / "a.bag", Robot(), seconds=1.0)
+    recording = open_recording(tmp_path / "a.bag", "/scan", "/odom", None)
+    alone = follow(recording)
+    scan = recording.laser.scan(0, recording.laser.first)
+    warm_up(Amcl(PARAMETERS, room(), recording.laser.mount, 1, "robot1"), PARAMETERS, scan)
+    assert follow(recording).last.base_in_map == alone.last.base_in_map

@@ -1,0 +1,91 @@
+import math
+
+import pytest
+from hypothesis import given
+from hypothesis import strategies as st
+
+from sim.geometry import Pose2
+from thbridge.offline.odometry import LONGEST_GAP_NS, REACH_NS, OdometryTrack, Step
+
+SECOND = 1_000_000_000
+
+
+def straight(start: int, count: int, offset: float = 0.0, period: int = SECOND // 10) -> list[Step]:
+    """One metre a second along x from `offset`; recorded as it is stamped."""
+    return [
+        Step(start + i * period, start + i * period, Pose2(offset + i * period / SECOND, 0.0, 0.0))
+        for i in range(count)
+    ]
+
+
+def x_at(track: OdometryTrack, stamp: int, received: int | None = None) -> float | None:
+    pose = track.at(stamp, stamp if received is None else received)
+    return None if pose is None else round(pose.x, 6)
+
+
+@given(st.integers(0, 19 * SECOND // 10))
+def test_between_two_messages_the_way_is_straight(stamp: int) -> None:
+    assert x_at(OdometryTrack(straight(0, 20)), stamp) == pytest.approx(stamp / SECOND, abs=1e-6)
+
+
+@given(st.permutations(range(12)))
+def test_the_order_of_messages_does_not_matter(order: list[int]) -> None:
+    steps = straight(0, 12, period=SECOND // 20)
+    track = OdometryTrack([steps[index]._replace(received_ns=0) for index in order])
+    assert x_at(track, SECOND // 4) == 0.25
+    assert track.clock_set_back == 0
+
+
+def test_headings_are_taken_the_short_way() -> None:
+    track = OdometryTrack([Step(0, 0, Pose2(0, 0, 3.0)), Step(SECOND, SECOND, Pose2(0, 0, -3.0))])
+    pose = track.at(SECOND // 2, 0)
+    assert pose is not None
+    assert abs(pose.theta) == pytest.approx(math.pi)
+
+
+def test_a_motion_is_carried_on_a_little_way_only() -> None:
+    track = OdometryTrack(straight(SECOND, 11))
+    assert x_at(track, SECOND - REACH_NS) == -0.1
+    assert x_at(track, 2 * SECOND + REACH_NS) == 1.1
+    assert x_at(track, SECOND - REACH_NS - 1) is None
+    assert x_at(track, 2 * SECOND + REACH_NS + 1) is None
+
+
+def test_a_long_gap_has_no_odometry() -> None:
+    track = OdometryTrack([*straight(0, 3), *straight(5 * SECOND, 3, offset=5.0)])
+    assert x_at(track, 2 * SECOND) is None
+    assert x_at(track, 2 * SECOND // 10 + REACH_NS) == 0.2
+    assert x_at(track, 5 * SECOND - REACH_NS) == 5.0
+    assert x_at(OdometryTrack(straight(0, 2, period=LONGEST_GAP_NS)), SECOND // 2) == 0.5
+
+
+def test_of_two_with_the_same_stamp_the_last_holds() -> None:
+    track = OdometryTrack([Step(0, 0, Pose2(0, 0, 0)), Step(1, 0, Pose2(1, 0, 0)), Step(2, SECOND, Pose2(2, 0, 0))])
+    assert x_at(track, 0) == 1.0
+
+
+def test_a_clock_that_was_set_back_begins_a_new_run() -> None:
+    """The same stamps twice: when a scan was recorded tells which are meant."""
+    before = [step._replace(received_ns=step.stamp_ns) for step in straight(100 * SECOND, 20)]
+    after = [step._replace(received_ns=step.stamp_ns + 10 * SECOND) for step in straight(100 * SECOND, 20, 7.0)]
+    track = OdometryTrack(before + after)
+    assert track.clock_set_back == 1
+    assert x_at(track, 101 * SECOND, 101 * SECOND) == 1.0
+    assert x_at(track, 101 * SECOND, 111 * SECOND) == 8.0
+
+
+def test_one_odd_stamp_does_not_hide_what_follows() -> None:
+    steps = straight(100 * SECOND, 20)
+    steps.insert(10, Step(steps[10].received_ns, 5, Pose2(0, 0, 0)))
+    track = OdometryTrack(steps)
+    assert [x_at(track, 100 * SECOND + i * SECOND // 10) for i in (5, 9, 10, 15)] == [0.5, 0.9, 1.0, 1.5]
+
+
+def test_what_is_not_finite_is_left_out() -> None:
+    steps = straight(0, 3)
+    steps.insert(1, Step(1, 1, Pose2(math.nan, 0, 0)))
+    assert len(OdometryTrack(steps)) == 3
+
+
+def test_no_odometry_at_all() -> None:
+    assert OdometryTrack([]).at(0, 0) is None
