@@ -14,6 +14,7 @@ from sim.localization.amcl import Amcl
 from sim.parameters import AmclParameters
 from thbridge.adapters.errors import BadFile
 from thbridge.adapters.map_files import read_grid
+from thbridge.adapters.yaml_files import Loaded, load
 from thbridge.hunt.outcomes import Refused
 from thbridge.offline.localize import Localized, localize, warm_up
 from thbridge.offline.recording import Recording, open_recording
@@ -50,13 +51,17 @@ def localize_command(
 ) -> None:
     """Localise a robot after the fact (AMCL): where was it in a map, by the scans and the odometry of a bag."""
     if (initial_pose is None) == (not anywhere):
-        fail(BAD_INPUT, "Say where the robot starts: give either --initial-pose X Y YAW or --global.")
+        fail(
+            BAD_INPUT,
+            "--initial-pose, --global: just one of the two is needed. Write --initial-pose X Y YAW or --global.",
+        )
     with bad_input():
-        parameters = AmclParameters()
+        given = Loaded(Path(), AmclParameters(), {}) if params is None else load(params, AmclParameters)
+        parameters = given.value
         grid = read_grid(map_yaml)
         seat = None if laser_pose is None else _pose(laser_pose)
         recording = open_recording(bag, scan_topic, odom_topic, seat)
-    for notice in recording.notices:
+    for notice in (*given.notices, *recording.notices):
         note(notice)
     announce_compiling()
     start = None if initial_pose is None else _pose(initial_pose)
