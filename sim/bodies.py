@@ -1,6 +1,8 @@
 """Bodies among walls: polygons, whether they overlap one another or occupied cells, and how near they come."""
 
 import math
+from collections.abc import Sequence
+from typing import NamedTuple
 
 import numpy as np
 from numba import njit
@@ -11,6 +13,36 @@ from sim.geometry import FloatArray
 from sim.grid import OCCUPIED, GridFrame, OccupancyGrid
 
 _HALF_DIAGONAL = math.sqrt(0.5)
+
+
+class Polygons(NamedTuple):
+    """Polygons side by side, in the form that kernels take.
+
+    Attributes:
+        corners: (v, 2) of all of them, metres.
+        ends: (p + 1,) int64; polygon i has the corners from ends[i] up to ends[i + 1].
+        circles: (p, 3) x, y and radius of a circle around each.
+    """
+
+    corners: FloatArray
+    ends: NDArray[np.int64]
+    circles: FloatArray
+
+
+def side_by_side(polygons: Sequence[FloatArray]) -> Polygons:
+    """Make polygons, (v, 2) each, ready for kernels; the arrays are read-only."""
+    corners = np.concatenate([np.empty((0, 2)), *polygons])
+    ends = np.cumsum([0, *(len(polygon) for polygon in polygons)], dtype=np.int64)
+    circles = np.empty((len(polygons), 3))
+    for circle, polygon in zip(circles, polygons, strict=True):
+        circle[:2] = polygon.mean(axis=0)
+        circle[2] = np.hypot(*(polygon - circle[:2]).T).max()
+    for array in (corners, ends, circles):
+        array.flags.writeable = False
+    return Polygons(corners, ends, circles)
+
+
+NO_POLYGONS = side_by_side([])
 
 Clearance = NDArray[np.uint8]
 """(rows, cols): how many king's moves from each cell to the nearest occupied one, 0 if itself, at most 255."""

@@ -8,6 +8,7 @@ import numpy as np
 from numba import njit
 from numpy.typing import NDArray
 
+from sim.bodies import Polygons
 from sim.geometry import FloatArray, Pose2
 from sim.grid import GridFrame, OccupancyGrid
 from sim.noise import key, normals, uniforms
@@ -27,8 +28,9 @@ def _sweep(
     footprint: FloatArray,
     squares: FreeSquares,
     frame: GridFrame,
+    bodies: Polygons,
 ) -> FloatArray:
-    """(m,) true ranges of one robot's laser: to walls and to the bodies of all other robots; inf beyond range_max."""
+    """(m,) true ranges of one robot's laser: to walls, all other robots and things; inf beyond range_max."""
     theta = poses[robot, 2]
     laser = np.empty((1, 3))
     laser[0, 0] = poses[robot, 0] + laser_x * math.cos(theta)
@@ -50,6 +52,14 @@ def _sweep(
             body[k, 0] = x + c * footprint[k, 0] - s * footprint[k, 1]
             body[k, 1] = y + s * footprint[k, 0] + c * footprint[k, 1]
         shorten_by_polygon(body, directions, range_max, ranges[0])
+    for k in range(bodies.circles.shape[0]):
+        seen = bodies.corners[bodies.ends[k] : bodies.ends[k + 1]].copy()
+        for corner in seen:
+            dx = corner[0] - laser[0, 0]
+            dy = corner[1] - laser[0, 1]
+            corner[0] = dx * math.cos(theta) + dy * math.sin(theta)
+            corner[1] = dy * math.cos(theta) - dx * math.sin(theta)
+        shorten_by_polygon(seen, directions, range_max, ranges[0])
     sweep: FloatArray = ranges[0]
     return sweep
 
@@ -113,9 +123,9 @@ class Sensors:
     """The sensors of every robot in one map; all of them read the same WorldState.
 
     Wheels and gyroscope report every tick. The laser reports `rate` times a second, at another tick for each of
-    neighbouring robots, so that their work spreads over time. It sees walls and the other robots' bodies, never its
-    own. A range is the true range plus a bias and normal noise; nearer than range_min it is range_min, beyond range_max
-    it is +inf, and a lost beam is NaN.
+    neighbouring robots, so that their work spreads over time. It sees walls, the bodies of the other robots and of
+    things, never its own. A range is the true range plus a bias and normal noise; nearer than range_min it is
+    range_min, beyond range_max it is +inf, and a lost beam is NaN.
     """
 
     def __init__(self, grid: OccupancyGrid, parameters: WorldParameters, seed: int, capacity: float) -> None:
@@ -170,6 +180,7 @@ class Sensors:
             self._footprint,
             self._squares,
             self._frame,
+            state.bodies,
         )
         ranges = _measured(
             true_ranges,

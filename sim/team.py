@@ -6,7 +6,7 @@ they are stepped changes nothing.
 """
 
 from collections.abc import Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 
@@ -21,7 +21,8 @@ from sim.observations import Neighbour, Twist
 from sim.parameters import RobotParameters, WorldParameters
 from sim.robot import Robot, RobotOutput
 from sim.sensors import Sensors, mount_of
-from sim.world import Misplaced, World, WorldState, with_charge
+from sim.things import Thing
+from sim.world import Misplaced, World, WorldState, with_charge, with_thing, without_thing
 
 
 @dataclass(frozen=True, slots=True)
@@ -33,12 +34,14 @@ class TeamSnapshot:
         world: the truth; not for robots, and for people only where the study says so.
         robots: one entry a robot, in the team's order.
         commands: (n, 2) m/s and rad/s that the motors were told in this tick, by navigators or by hand.
+        dead: indices of the robots that perceive, say and do nothing; their entries are the last they said.
     """
 
     tick: int
     world: WorldState
     robots: tuple[RobotOutput, ...]
     commands: FloatArray
+    dead: frozenset[int] = frozenset()
 
 
 @dataclass(frozen=True, slots=True)
@@ -81,7 +84,52 @@ class Place:
     base_in_map: Pose2
 
 
-TeamInput = Go | Halt | Drive | SetCharge | Place
+@dataclass(frozen=True, slots=True)
+class PutThing:
+    """Put a thing in the way, as soon as its place is free; one of the same name vanishes."""
+
+    thing: Thing
+
+
+@dataclass(frozen=True, slots=True)
+class RemoveThing:
+    """Take the thing of this name away."""
+
+    name: str
+
+
+@dataclass(frozen=True, slots=True)
+class Carry:
+    """Kidnap a robot: it is put somewhere else, as soon as no body stands there, and is told nothing."""
+
+    robot: int
+    base_in_map: Pose2
+
+
+@dataclass(frozen=True, slots=True)
+class Die:
+    """A robot's motors brake for good, its software stops and its goal is gone."""
+
+    robot: int
+
+
+@dataclass(frozen=True, slots=True)
+class Revive:
+    """A dead robot goes on where it stands, believing what it believed."""
+
+    robot: int
+
+
+TeamInput = Go | Halt | Drive | SetCharge | Place | PutThing | RemoveThing | Carry | Die | Revive
+
+
+@dataclass(frozen=True, slots=True)
+class Timed:
+    """An input that comes at a tick of its own accord."""
+
+    tick: int
+    input: TeamInput
+
 
 START_COVARIANCE: FloatArray = np.diag([0.05**2, 0.05**2, 0.05**2])
 """How well a robot knows where it is put at the start: people place it on a mark, 5 cm and 3 degrees."""
@@ -97,6 +145,7 @@ class Team:
         starts: a start pose a robot, map frame.
         seed: of every chance in here.
         charge: the energy each starts with.
+        schedule: inputs known beforehand; they act before those that come in at the same tick.
 
     Raises:
         ValueError: robots and starts differ in number, or a start is not free.
@@ -110,6 +159,7 @@ class Team:
         starts: Sequence[Pose2],
         seed: int,
         charge: float,
+        schedule: Sequence[Timed] = (),
     ) -> None:
         if len(robots) != len(starts):
             raise ValueError(f"{len(robots)} robots but {len(starts)} start poses")
@@ -121,6 +171,10 @@ class Team:
         self._state = state
         self._commands = np.zeros((len(robots), 2))
         self._driven: dict[int, Drive] = {}
+        self._schedule = sorted(schedule, key=lambda timed: timed.tick)
+        self._carried: dict[int, Carry] = {}
+        self._dead: set[int] = set()
+        self._said: list[RobotOutput | None] = [None] * len(robots)
         self._neighbours: tuple[Neighbour, ...] = ()
         footprint = np.array(world.footprint, dtype=np.float64)
         self._robots: list[Robot] = []
@@ -146,19 +200,32 @@ class Team:
 
     def step(self, inputs: Sequence[TeamInput] = ()) -> TeamSnapshot:
         """One tick, with what came in since the last one; inputs act in their order."""
+        tick = self._state.tick + 1
+        while self._schedule and self._schedule[0].tick <= tick:
+            self._take(self._schedule.pop(0).input)
         for item in inputs:
             self._take(item)
+        for robot in list(self._carried):
+            self._set_down(self._carried[robot])
         self._state = self._world.step(self._state, self._commands)
         outputs = tuple(self._step_robot(robot) for robot in self._robots)
-        self._neighbours = tuple(output.neighbour for output in outputs)
+        self._neighbours = tuple(output.neighbour for output in outputs if output.neighbour.robot not in self._dead)
         self._commands = np.array([self._command(output) for output in outputs])
-        return TeamSnapshot(self._state.tick, self._state, outputs, self._commands)
+        return TeamSnapshot(tick, self._state, outputs, self._commands, frozenset(self._dead))
 
     def _step_robot(self, robot: Robot) -> RobotOutput:
+        last = self._said[robot.number]
+        if robot.number in self._dead and last is not None:
+            return last
         others = [neighbour for neighbour in self._neighbours if neighbour.robot != robot.number]
-        return robot.step(self._sensors.sense(self._state, robot.number), others)
+        said = robot.step(self._sensors.sense(self._state, robot.number), others)
+        # What ended does not end again while a robot is dead.
+        self._said[robot.number] = replace(said, navigation=replace(said.navigation, result=None))
+        return said
 
     def _command(self, output: RobotOutput) -> tuple[float, float]:
+        if output.neighbour.robot in self._dead:
+            return 0.0, 0.0
         by_hand = self._driven.get(output.neighbour.robot)
         if by_hand is None:
             return output.navigation.command.linear, output.navigation.command.angular
@@ -168,8 +235,18 @@ class Team:
             self._driven[by_hand.robot] = Drive(by_hand.robot, by_hand.command, by_hand.ticks - 1)
         return by_hand.command.linear, by_hand.command.angular
 
+    def _set_down(self, carry: Carry) -> None:
+        placed = self._world.place(self._state, carry.robot, carry.base_in_map)
+        if isinstance(placed, WorldState):
+            self._state = placed
+        elif placed.reason in {"robot", "thing"}:
+            return
+        del self._carried[carry.robot]
+
     def _take(self, item: TeamInput) -> None:
         match item:
+            case Go(robot) | Halt(robot) | Drive(robot) if robot in self._dead:
+                pass  # It does not hear.
             case Go(robot, goal):
                 self._driven.pop(robot, None)
                 self._robots[robot].navigator.go(goal)
@@ -186,3 +263,18 @@ class Team:
                 if isinstance(placed, WorldState):
                     self._state = placed
                     self._robots[robot].localizer.start(pose, START_COVARIANCE)
+            case PutThing(thing):
+                self._state = with_thing(self._state, thing)
+            case RemoveThing(name):
+                self._state = without_thing(self._state, name)
+            case Carry(robot):
+                self._carried[robot] = item
+            case Die(robot):
+                self._driven.pop(robot, None)
+                self._robots[robot].navigator.cancel()
+                self._dead.add(robot)
+                # A snapshot holds the array that was.
+                self._commands = self._commands.copy()
+                self._commands[robot] = 0.0
+            case Revive(robot):
+                self._dead.discard(robot)

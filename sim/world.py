@@ -14,12 +14,22 @@ import numpy as np
 from numba import njit
 from numpy.typing import NDArray
 
-from sim.bodies import Clearance, clearance_of, is_clear_of_walls, near, near_wall, placed_at
+from sim.bodies import (
+    NO_POLYGONS,
+    Clearance,
+    Polygons,
+    clearance_of,
+    is_clear_of_walls,
+    near,
+    near_wall,
+    placed_at,
+)
 from sim.geometry import FloatArray, Pose2, wrap_angle
 from sim.grid import GridFrame, OccupancyGrid
 from sim.noise import key, normals
 from sim.observations import TICK
 from sim.parameters import WorldParameters
+from sim.things import Presence, Robots, Thing, after_a_tick, polygons_of
 
 BoolArray = NDArray[np.bool_]
 IntArray = NDArray[np.int64]
@@ -36,8 +46,10 @@ class WorldState:
         odom_poses: (n, 3) where the wheels say the bases are, in each robot's own frame odom (its start).
         odom_twists: (n, 2) the velocities that the wheels measured in the last tick.
         charge: (n,) energy left, in the game's units.
-        contact: (n,) bool, stopped by a wall or another robot, and not yet away from it.
+        contact: (n,) bool, stopped by a wall, another robot or a thing, and not yet away from it.
         collisions: (n,) int64, how often contact began.
+        things: in the way, and those that wait to appear.
+        bodies: of the things that are there, map frame.
     """
 
     tick: int
@@ -48,6 +60,8 @@ class WorldState:
     charge: FloatArray
     contact: BoolArray
     collisions: IntArray
+    things: tuple[Presence, ...] = ()
+    bodies: Polygons = NO_POLYGONS
 
     def __post_init__(self) -> None:
         """Seal the arrays: a recorded tick stays what it was."""
@@ -66,12 +80,12 @@ class Misplaced:
 
     Attributes:
         robot: its index in the team.
-        reason: "wall", "robot" (its body would overlap one), or "outside" (of the map).
+        reason: "wall", "robot", "thing" (its body would overlap one), or "outside" (of the map).
         sentence: the same for people, with robots and coordinates named.
     """
 
     robot: int
-    reason: Literal["wall", "robot", "outside"]
+    reason: Literal["wall", "robot", "thing", "outside"]
     sentence: str
 
 
@@ -106,10 +120,11 @@ def _touches(
     radius: float,
     clearance: Clearance,
     frame: GridFrame,
+    bodies: Polygons,
     margin: float,
     touched: BoolArray,
-) -> tuple[bool, bool]:
-    """What a robot's body overlaps or comes within `margin` metres of: walls? other robots?
+) -> tuple[bool, bool, bool]:
+    """What a robot's body overlaps or comes within `margin` metres of: walls? other robots? things?
 
     Args:
         robot: its index.
@@ -118,12 +133,14 @@ def _touches(
         radius: of the circle around the base that holds them.
         clearance: of the grid.
         frame: the grid's.
+        bodies: of things, map frame.
         margin: metres; 0 asks for overlap.
         touched: (n,) set to True for every robot that is touched.
     """
     x, y, theta = poses[robot]
     wall = False
     other = False
+    thing = False
     if not is_clear_of_walls(x, y, radius + margin, clearance, frame):
         wall = near_wall(placed_at(footprint, x, y, theta), clearance, frame, margin)
     for j in range(poses.shape[0]):
@@ -133,7 +150,13 @@ def _touches(
         if near(placed_at(footprint, x, y, theta), body, margin):
             touched[j] = True
             other = True
-    return wall, other
+    for k in range(bodies.circles.shape[0]):
+        distance = math.hypot(bodies.circles[k, 0] - x, bodies.circles[k, 1] - y)
+        if thing or distance > radius + bodies.circles[k, 2] + margin:
+            continue
+        body = bodies.corners[bodies.ends[k] : bodies.ends[k + 1]]
+        thing = near(placed_at(footprint, x, y, theta), body, margin)
+    return wall, other, thing
 
 
 @njit(cache=True)
@@ -166,6 +189,7 @@ def _step(
     body: _Body,
     clearance: Clearance,
     frame: GridFrame,
+    bodies: Polygons,
 ) -> tuple[FloatArray, FloatArray, FloatArray, FloatArray, BoolArray, IntArray]:
     """One tick for all robots; see WorldState for the arrays and World.step for what happens."""
     n = poses_before.shape[0]
@@ -193,8 +217,8 @@ def _step(
             poses[i, 0] = x + chord * math.cos(theta + half)
             poses[i, 1] = y + chord * math.sin(theta + half)
             poses[i, 2] = wrap_angle(theta + 2.0 * half)
-            wall, other = _touches(i, poses, footprint, body.radius, clearance, frame, 0.0, contact)
-            if wall or other:
+            wall, other, thing = _touches(i, poses, footprint, body.radius, clearance, frame, bodies, 0.0, contact)
+            if wall or other or thing:
                 blocked = True
                 break
         if blocked:
@@ -221,8 +245,10 @@ def _step(
         # A robot is refused up to one tick's travel from what is in its way. It keeps in contact until it is farther
         # than that: to creep nearer and be refused again is not another collision.
         if contact_before[i] and not contact[i]:
-            wall, other = _touches(i, poses, footprint, body.radius, clearance, frame, body.reach, ignored)
-            contact[i] = wall or other
+            wall, other, thing = _touches(
+                i, poses, footprint, body.radius, clearance, frame, bodies, body.reach, ignored
+            )
+            contact[i] = wall or other or thing
         if contact[i] and not contact_before[i]:
             collisions[i] += 1
     return poses, twists, odom, odom_twists, contact, collisions
@@ -239,6 +265,18 @@ def with_charge(state: WorldState, robot: int, charge: float) -> WorldState:
     charges = state.charge.copy()
     charges[robot] = charge
     return replace(state, charge=charges)
+
+
+def with_thing(state: WorldState, thing: Thing) -> WorldState:
+    """The same world with a thing that appears as soon as its place is free; one of the same name vanishes."""
+    kept = without_thing(state, thing.name)
+    return replace(kept, things=(*kept.things, Presence(thing)))
+
+
+def without_thing(state: WorldState, name: str) -> WorldState:
+    """The same world without the thing of this name."""
+    things = tuple(presence for presence in state.things if presence.thing.name != name)
+    return replace(state, things=things, bodies=polygons_of(things))
 
 
 class World:
@@ -283,7 +321,7 @@ class World:
         placed = np.empty((n, 3))
         for robot, pose in enumerate(poses):
             placed[robot] = pose.x, pose.y, wrap_angle(pose.theta)
-            obstacle = self._obstacle(robot, placed[: robot + 1])
+            obstacle = self._obstacle(robot, placed[: robot + 1], NO_POLYGONS)
             if obstacle is not None:
                 return obstacle
         return WorldState(
@@ -301,7 +339,7 @@ class World:
         """The same world with one robot (index) lifted to another pose, at rest; its wheels have felt nothing."""
         poses = state.poses.copy()
         poses[robot] = pose.x, pose.y, wrap_angle(pose.theta)
-        obstacle = self._obstacle(robot, poses)
+        obstacle = self._obstacle(robot, poses, state.bodies)
         if obstacle is not None:
             return obstacle
         twists = state.twists.copy()
@@ -313,7 +351,7 @@ class World:
         return replace(state, poses=poses, twists=twists, odom_twists=odom_twists, contact=contact)
 
     def step(self, state: WorldState, commands: FloatArray) -> WorldState:
-        """One tick later.
+        """One tick later: the things move, then the robots.
 
         Each robot's velocity goes towards its command as far as the motors' speed and acceleration allow, and moves it
         along an exact arc. One whose body would touch a wall or another body anywhere along it stays where it was and
@@ -333,6 +371,7 @@ class World:
         if not np.isfinite(commands).all():
             raise ValueError(f"commands must be finite numbers, not {commands.tolist()}")
         tick = state.tick + 1
+        things, bodies = self._move_things(state)
         poses, twists, odom_poses, odom_twists, contact, collisions = _step(
             tick,
             state.poses,
@@ -346,21 +385,34 @@ class World:
             self._body,
             self._clearance,
             self._frame,
+            bodies,
         )
-        return WorldState(tick, poses, twists, odom_poses, odom_twists, state.charge, contact, collisions)
+        return WorldState(
+            tick, poses, twists, odom_poses, odom_twists, state.charge, contact, collisions, things, bodies
+        )
 
-    def _obstacle(self, robot: int, poses: FloatArray) -> Misplaced | None:
-        """Why this robot's body cannot be where (n, 3) `poses` has it; None if it can."""
+    def _move_things(self, state: WorldState) -> tuple[tuple[Presence, ...], Polygons]:
+        if not state.things:
+            return state.things, state.bodies
+        robots = Robots(state.poses, state.twists, self._footprint, self._body.radius)
+        things = after_a_tick(state.things, robots)
+        still = all(after is before for after, before in zip(things, state.things, strict=True))
+        return things, state.bodies if still else polygons_of(things)
+
+    def _obstacle(self, robot: int, poses: FloatArray, bodies: Polygons) -> Misplaced | None:
+        """Why this robot's body cannot be where (n, 3) `poses` has it, among the bodies of things; None if it can."""
         x, y = float(poses[robot, 0]), float(poses[robot, 1])
         where = f"robot {robot + 1} cannot be at ({x:.2f}, {y:.2f})"
         if not self._grid.contains(*self._grid.cell_of(x, y)):
             return Misplaced(robot, "outside", f"{where}: that is outside the map")
         touched = np.zeros(poses.shape[0], dtype=np.bool_)
-        wall, other = _touches(
-            robot, poses, self._footprint, self._body.radius, self._clearance, self._frame, 0.0, touched
+        wall, other, thing = _touches(
+            robot, poses, self._footprint, self._body.radius, self._clearance, self._frame, bodies, 0.0, touched
         )
         if wall:
             return Misplaced(robot, "wall", f"{where}: its body would be in a wall")
         if other:
             return Misplaced(robot, "robot", f"{where}: robot {int(np.argmax(touched)) + 1} stands there")
+        if thing:
+            return Misplaced(robot, "thing", f"{where}: something stands there")
         return None
