@@ -21,12 +21,9 @@ from numba import njit
 
 from sim.control.braking import LATENCY, Surroundings, surroundings
 from sim.control.trajectory_rollout import Drive, TrajectoryRollout
+from sim.costmap.costmap_2d import Costmap2D
 from sim.costmap.costs import INSCRIBED, CostFrame, Costs
-from sim.costmap.footprint import circumscribed_radius, pad
-from sim.costmap.layered import LayeredCostmap
-from sim.costmap.obstacle import ObstacleLayer
-from sim.costmap.robots import RobotsLayer
-from sim.costmap.static import StaticLayer
+from sim.costmap.footprint import circumscribed_radius
 from sim.geometry import FloatArray, Pose2, wrap_angle
 from sim.grid import OccupancyGrid, distance_field
 from sim.observations import STANDSTILL, TICK, TICKS_PER_SECOND, Neighbour, Scan, Twist
@@ -158,25 +155,22 @@ class Navigator:
             raise ValueError("a robot cannot plan on a map whose origin is turned: set the yaw in `origin` to 0")
         self._parameters = parameters
         self._robot = robot
-        costmap = parameters.costmap
         resolution = static.resolution
-        self._footprint = pad(footprint, costmap.footprint_padding)
+        self._global = Costmap2D(parameters.global_costmap, footprint, static)
+        self._local = Costmap2D(parameters.local_costmap, footprint, static)
+        self._footprint = self._local.footprint
         self._frame = CostFrame(static.origin.x, static.origin.y, resolution)
         # Half a cell less: from an occupied cell's centre to its side.
         self._clearance = np.maximum(distance_field(static, 2.0) - np.float32(0.5 * resolution), np.float32(0))
-        self._obstacles = ObstacleLayer(costmap.obstacle_layer, static)
         self._router = Router(
             static,
             self._clearance.astype(np.float64),
-            self._footprint,
-            costmap,
-            self._obstacles,
+            self._global,
+            parameters.global_costmap.inflation_layer,
             parameters.NavfnROS.allow_unknown,
         )
-        cells = 2 * max(10, round(costmap.width / resolution / 2))
-        self._everybody = RobotsLayer(static, resting_only=False)
-        walls = StaticLayer(static, self._router.walls)
-        self._local = LayeredCostmap(static, [walls, self._obstacles, self._everybody, self._router.inflation], cells)
+        costmap = parameters.local_costmap
+        cells = min(self._local.costs.shape)
         self._reach = min(LOOK_AHEAD, cells / 2 * resolution - RIM)
         self._control_ticks = max(1, round(TICKS_PER_SECOND / parameters.move_base.controller_frequency))
         self._costmap_ticks = max(1, round(TICKS_PER_SECOND / costmap.update_frequency))
@@ -184,7 +178,7 @@ class Navigator:
         self._rollout = TrajectoryRollout(
             parameters.TrajectoryPlannerROS,
             self._footprint,
-            cells,
+            self._local.costs.shape,
             self._hold,
             costmap.inflation_layer.cost_scaling_factor,
             costmap.inflation_layer.inflation_radius,
@@ -226,12 +220,12 @@ class Navigator:
         self._shortest_tick = tick
 
     @property
-    def global_costmap(self) -> LayeredCostmap:
+    def global_costmap(self) -> Costmap2D:
         """Costs over the whole map, for plans."""
-        return self._router.costmap
+        return self._global
 
     @property
-    def local_costmap(self) -> LayeredCostmap:
+    def local_costmap(self) -> Costmap2D:
         """Costs around the robot, for commands."""
         return self._local
 
@@ -268,7 +262,9 @@ class Navigator:
             self._restart_clocks(tick)
             self._fresh = False
         if scan is not None:
-            self._obstacles.observe(base_in_map, scan, _discs(neighbours))
+            discs = _discs(neighbours)
+            for costmap in (self._global, self._local):
+                costmap.observe(base_in_map, scan, discs)
         team = len(neighbours) + 1
         if (tick - self._robot) % team == 0 and tick >= self._next_plan:
             self._choose_way(tick, base_in_map, neighbours)
@@ -326,8 +322,12 @@ class Navigator:
         if self._recoveries > RECOVERIES and self._goal is not None:
             self._end(self._given_up(self._goal))
         elif self._parameters.move_base.recovery_behavior_enabled:
-            self._obstacles.clear()
+            self._forget_obstacles()
             self._turn_left = math.tau if self._recoveries % 2 == 0 else 0.0
+
+    def _forget_obstacles(self) -> None:
+        for costmap in (self._global, self._local):
+            costmap.clear()
 
     def _given_up(self, goal: Goal) -> NoPath:
         if len(self._wish) > 0 or self._others_bar:
@@ -354,7 +354,7 @@ class Navigator:
                     self._end(self._given_up(goal))
             case Refused(code, sentence):
                 self._drop()
-                self._obstacles.clear()
+                self._forget_obstacles()
                 self._next_plan = tick + round(RETRY * TICKS_PER_SECOND)
                 waited = tick - self._planning_since > self._parameters.move_base.planner_patience * TICKS_PER_SECOND
                 if code in ("goal_outside", "goal_occupied") or waited:
@@ -411,8 +411,8 @@ class Navigator:
         if self._mark is None or self._mark.distance(pose) >= self._parameters.move_base.oscillation_distance:
             self._mark, self._mark_tick, self._recoveries = pose, tick, 0
         if (tick - self._robot) % self._costmap_ticks < self._control_ticks or self._progress == tick:
-            reach = self._parameters.costmap.width
-            self._everybody.see(
+            reach = max(self._parameters.local_costmap.width, self._parameters.local_costmap.height)
+            self._local.see(
                 [
                     other
                     for other in neighbours

@@ -155,7 +155,7 @@ class TrajectoryRollout:
     Args:
         parameters: base_local_planner's.
         footprint: (n, 2) padded corners, base frame.
-        cells: on each side of the local costmap.
+        shape: rows and columns of the local costmap.
         hold: seconds from one command to the next, latency included.
         cost_scaling_factor: of the costmap's inflation; inflation_radius too.
     """
@@ -164,7 +164,7 @@ class TrajectoryRollout:
         self,
         parameters: TrajectoryPlannerParameters,
         footprint: FloatArray,
-        cells: int,
+        shape: tuple[int, int],
         hold: float,
         cost_scaling_factor: float,
         inflation_radius: float,
@@ -177,9 +177,9 @@ class TrajectoryRollout:
         self._surely_free = (
             cost_at(circumscribed, self._inscribed, cost_scaling_factor) if circumscribed < inflation_radius else 0
         )
-        self._path_steps = np.empty((cells, cells), dtype=np.int32)
-        self._goal_steps = np.empty((cells, cells), dtype=np.int32)
-        self._queue = np.empty(cells * cells, dtype=np.int32)
+        self._path_steps = np.empty(shape, dtype=np.int32)
+        self._goal_steps = np.empty(shape, dtype=np.int32)
+        self._queue = np.empty(shape[0] * shape[1], dtype=np.int32)
         self._turning = False
         self._side = 0.0
 
@@ -251,7 +251,7 @@ class TrajectoryRollout:
         Args:
             pose: of the base in the map.
             twist: how it moves.
-            costs: (cells, cells) the local costmap.
+            costs: (rows, cols) the local costmap.
             frame: where it lies.
             path: (m, 2) map points from the robot on, within the costmap; it leads to the last one.
             slow_down: seconds left to reach the last point at the present speed, at least.

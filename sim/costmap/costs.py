@@ -3,6 +3,7 @@
 Source: ros-planning/navigation, costmap_2d/include/costmap_2d/cost_values.h and inflation_layer.h.
 """
 
+import functools
 import math
 from typing import NamedTuple
 
@@ -18,6 +19,9 @@ INSCRIBED = 253
 """A robot whose centre is here touches an obstacle, however it is turned."""
 LETHAL = 254
 UNKNOWN = 255
+
+MOST_CHANGES = 100
+"""Windows that are kept apart."""
 
 
 class CostFrame(NamedTuple):
@@ -40,6 +44,16 @@ class Window(NamedTuple):
     def empty(self) -> bool:
         """Whether it holds no cell."""
         return self.row_end <= self.row or self.col_end <= self.col
+
+    @property
+    def cells(self) -> int:
+        """How many cells it holds."""
+        return 0 if self.empty else (self.row_end - self.row) * (self.col_end - self.col)
+
+    def of(self, costs: Costs, origin: tuple[int, int] = (0, 0)) -> Costs:
+        """The part of an array that lies in this window, as a view; `origin` is the cell at which the array begins."""
+        row, col = origin
+        return costs[self.row - row : self.row_end - row, self.col - col : self.col_end - col]
 
     def union(self, other: "Window") -> "Window":
         """The smallest rectangle around both."""
@@ -70,7 +84,23 @@ class Window(NamedTuple):
         )
 
 
-NOTHING = Window(0, 0, 0, 0)
+class Changes:
+    """The windows that a layer has changed since it was last asked."""
+
+    def __init__(self) -> None:
+        self._windows: list[Window] = []
+
+    def add(self, window: Window) -> None:
+        """One more."""
+        self._windows.append(window)
+        if len(self._windows) > MOST_CHANGES:
+            # Nobody asks; one window around all of them is enough to know.
+            self._windows = [functools.reduce(Window.union, self._windows)]
+
+    def take(self) -> tuple[Window, ...]:
+        """All of them; from now on none."""
+        taken, self._windows = tuple(self._windows), []
+        return taken
 
 
 @njit(cache=True)

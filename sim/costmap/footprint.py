@@ -14,6 +14,13 @@ from sim.geometry import FloatArray
 COLLIDES = -1.0
 
 
+def of_radius(radius: float) -> FloatArray:
+    """(16, 2) corners of the polygon that costmap_2d takes for a round robot."""
+    angles = np.arange(16) * 2 * math.pi / 16
+    corners: FloatArray = radius * np.stack([np.cos(angles), np.sin(angles)], axis=1)
+    return corners
+
+
 def pad(footprint: FloatArray, padding: float) -> FloatArray:
     """Move every corner outward by `padding` metres along each axis; a coordinate that is 0 stays.
 

@@ -1,6 +1,7 @@
 """The layer of prudence: costs that fall with the distance from the nearest obstacle.
 
-Source: ros-planning/navigation, costmap_2d/plugins/inflation_layer.cpp.
+Source: ros-planning/navigation, costmap_2d/plugins/inflation_layer.cpp; Felzenszwalb, Huttenlocher, Distance Transforms
+of Sampled Functions (2012), for taking columns first and rows then.
 Differs: distances are exact, from cell centre to cell centre, where ROS hands the nearest obstacle from cell to cell
 and now and then misses a nearer one.
 """
@@ -9,57 +10,80 @@ import math
 
 import numpy as np
 from numba import njit
+from numpy.typing import NDArray
 
-from sim.costmap.costs import NOTHING, Costs, Window, cost_at
+from sim.costmap.costs import Costs, Window, cost_at
 from sim.parameters import InflationParameters
+
+FAR = np.float32(1e9)
+"""Squared distance, in cells, to an obstacle that is not there."""
+
+
+@njit(cache=True)
+def _columns_away(costs: Costs, row: int, row_end: int, left: int, right: int, reach: int) -> NDArray[np.float32]:
+    """(row_end - row, right - left) squared distance of each cell to the nearest lethal one of its own column."""
+    away = np.empty((row_end - row, right - left), np.float32)
+    last = np.full(right - left, np.float32(1e4))
+    for r in range(max(0, row - reach), row_end):
+        line = costs[r, left:right]
+        for c in range(right - left):
+            last[c] = np.float32(0) if line[c] == 254 else last[c] + np.float32(1)
+        if r >= row:
+            away[r - row, :] = last
+    last[:] = np.float32(1e4)
+    for r in range(min(costs.shape[0], row_end + reach) - 1, row - 1, -1):
+        line = costs[r, left:right]
+        for c in range(right - left):
+            last[c] = np.float32(0) if line[c] == 254 else last[c] + np.float32(1)
+        if r < row_end:
+            nearest = away[r - row]
+            for c in range(right - left):
+                least = last[c] if last[c] < nearest[c] else nearest[c]
+                nearest[c] = least * least
+    return away
 
 
 @njit(cache=True)
 def _inflate(
-    costs: Costs, kernel: Costs, row: int, col: int, row_end: int, col_end: int, walls: Costs, row_in_map: int,
-    col_in_map: int,
+    costs: Costs, table: Costs, inflate_unknown: bool, row: int, col: int, row_end: int, col_end: int
 ) -> None:  # fmt: skip
-    """Raise every cell of a window to the cost that each lethal cell near it asks for, walls of the map excepted.
+    """Raise every cell of a window to the cost that the lethal cell nearest to it asks for.
 
     Args:
         costs: (rows, cols).
-        kernel: (2 k + 1, 2 k + 1) what a lethal cell in the middle asks for.
-        row: where the window begins; so col, row_end and col_end.
-        walls: (rows of the map, columns of the map) LETHAL where costs are inflated already.
-        row_in_map: of the cell (0, 0) of `costs`; so col_in_map.
+        table: (k * k + 1,) the cost at each squared distance in cells, k the reach.
+        inflate_unknown: whether unknown cells take any cost, not only that of the inscribed radius.
+        row: where the window begins; so col, row_end and col_end. Within `costs`.
     """
-    rows, cols = costs.shape
-    radius = kernel.shape[0] // 2
-    for i in range(max(0, row - radius), min(rows, row_end + radius)):
-        for j in range(max(0, col - radius), min(cols, col_end + radius)):
-            if costs[i, j] != 254:
-                continue
-            at_row, at_col = i + row_in_map, j + col_in_map
-            if 0 <= at_row < walls.shape[0] and 0 <= at_col < walls.shape[1] and walls[at_row, at_col] == 254:
-                continue
-            # Cells amid obstacles add nothing: one at the rim is nearer to every free cell.
-            if (
-                0 < i < rows - 1
-                and 0 < j < cols - 1
-                and costs[i - 1, j] == 254
-                and costs[i + 1, j] == 254
-                and costs[i, j - 1] == 254
-                and costs[i, j + 1] == 254
-            ):
-                continue
-            top, bottom = max(row, i - radius), min(row_end, i + radius + 1)
-            left, right = max(col, j - radius), min(col_end, j + radius + 1)
-            for r in range(top, bottom):
-                line = kernel[r - i + radius]
-                target = costs[r]
-                for c in range(left, right):
-                    cost = line[c - j + radius]
-                    old = target[c]
-                    if old == 255:
-                        if cost >= 253:
-                            target[c] = cost
-                    elif cost > old:
+    reach = int(math.sqrt(table.shape[0] - 1))
+    farthest = np.float32(table.shape[0])
+    left, right = max(0, col - reach), min(costs.shape[1], col_end + reach)
+    away = _columns_away(costs, row, row_end, left, right, reach)
+    width = col_end - col
+    line = np.full(width + 2 * reach, FAR)
+    best = np.empty(width, np.float32)
+    for r in range(row, row_end):
+        line[left - (col - reach) : right - (col - reach)] = away[r - row]
+        if line.min() >= farthest:
+            continue
+        best[:] = line[reach : reach + width]
+        for step in range(1, reach + 1):
+            squared = np.float32(step * step)
+            before, behind = line[reach - step : reach - step + width], line[reach + step : reach + step + width]
+            for c in range(width):
+                nearer = before[c] if before[c] < behind[c] else behind[c]
+                nearer += squared
+                best[c] = nearer if nearer < best[c] else best[c]
+        target = costs[r, col:col_end]
+        for c in range(width):
+            if best[c] < farthest:
+                cost = table[int(best[c])]
+                old = target[c]
+                if old == 255:
+                    if cost >= 253 or (inflate_unknown and cost > 0):
                         target[c] = cost
+                elif cost > old:
+                    target[c] = cost
 
 
 class InflationLayer:
@@ -69,49 +93,37 @@ class InflationLayer:
         parameters: costmap_2d's.
         resolution: side of a cell, metres.
         inscribed_radius: of the padded footprint, metres.
-        walls: (rows, cols) costs of the map that are inflated already, where the layers before this one write these.
     """
 
-    def __init__(
-        self, parameters: InflationParameters, resolution: float, inscribed_radius: float, walls: Costs | None = None
-    ) -> None:
-        self._radius = math.floor(parameters.inflation_radius / resolution + 1e-9)
-        side = 2 * self._radius + 1
-        self._kernel: Costs = np.zeros((side, side), dtype=np.uint8)
-        for i in range(side):
-            for j in range(side):
-                distance = math.hypot(i - self._radius, j - self._radius) * resolution
-                if distance <= parameters.inflation_radius + 1e-9:
-                    self._kernel[i, j] = cost_at(distance, inscribed_radius, parameters.cost_scaling_factor)
-        # The lethal cells themselves stay the other layers' business.
-        self._kernel[self._radius, self._radius] = 0
-        self._walls: Costs = np.empty((0, 0), dtype=np.uint8) if walls is None else walls
+    def __init__(self, parameters: InflationParameters, resolution: float, inscribed_radius: float) -> None:
+        # Whole cells, rounded up: the last of them may lie a little farther away than the radius.
+        self._reach = math.ceil(parameters.inflation_radius / resolution)
+        self._inflate_unknown = parameters.inflate_unknown
+        distances = np.sqrt(np.arange(self._reach**2 + 1)) * resolution
+        self._table: Costs = np.array(
+            [cost_at(distance, inscribed_radius, parameters.cost_scaling_factor) for distance in distances],
+            dtype=np.uint8,
+        )
 
-    def inflated(self, costs: Costs) -> Costs:
-        """(rows, cols) costs of a whole map, inflated."""
-        inflated = costs.copy()
-        self.write(inflated, (0, 0), Window(0, 0, *costs.shape))
-        return inflated
-
-    def bounds(self) -> Window:
+    def bounds(self) -> tuple[Window, ...]:
         """Nothing of its own."""
-        return NOTHING
+        return ()
 
     def reach(self) -> int:
         """The inflation radius, in cells."""
-        return self._radius
+        return self._reach
 
     def write(self, costs: Costs, origin: tuple[int, int], window: Window) -> None:
-        """Inflate the lethal cells in and around the window; unknown cells change only within the inscribed radius."""
+        """Raise the costs around lethal cells in and near the window; unknown cells mostly stay unknown."""
+        if self._reach == 0:
+            return
         row, col = origin
         _inflate(
             costs,
-            self._kernel,
+            self._table,
+            self._inflate_unknown,
             window.row - row,
             window.col - col,
             window.row_end - row,
             window.col_end - col,
-            self._walls,
-            row,
-            col,
         )

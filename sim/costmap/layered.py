@@ -4,28 +4,30 @@ First every layer says where it has changed (the bounds), then every layer write
 costmap in which nothing moves costs nothing, however large.
 
 Source: ros-planning/navigation, costmap_2d/src/layered_costmap.cpp.
+Differs: changes that lie apart stay apart, where ROS draws one rectangle around all of them; ten robots all over a map
+are ten small windows.
 """
 
-from collections.abc import Sequence
+from collections.abc import Iterable, Sequence
 from typing import Protocol
 
 import numpy as np
 
-from sim.costmap.costs import FREE, NOTHING, CostFrame, Costs, Window
+from sim.costmap.costs import FREE, UNKNOWN, CostFrame, Costs, Window
 from sim.grid import OccupancyGrid
 
 
 class Layer(Protocol):
     """One kind of knowledge about costs. Windows are in cells of the static map, also outside of it."""
 
-    def bounds(self) -> Window:
+    def bounds(self) -> tuple[Window, ...]:
         """Where its costs differ from the last time it was asked."""
 
     def reach(self) -> int:
         """How many cells beyond a change its costs may change too."""
 
     def write(self, costs: Costs, origin: tuple[int, int], window: Window) -> None:
-        """Write its costs into a window.
+        """Write its costs into a window; twice the same leaves what once leaves.
 
         Args:
             costs: (rows, cols) of the whole costmap, with what the layers before this one wrote.
@@ -35,25 +37,30 @@ class Layer(Protocol):
 
 
 class LayeredCostmap:
-    """Costs on the cells of a map, or on a square of them that moves along with the robot.
-
-    A rolling one is written anew at every update and never asks layers for bounds, so it may share them with another.
+    """Costs on the cells of a map, or on a rectangle of them that moves along with the robot.
 
     Args:
         grid: the map whose cells are used; its origin must not be turned.
         layers: in the order in which they write.
-        size: cells on each side of a rolling window; None covers the map.
+        shape: rows and columns of a rolling window; None covers the map.
+        track_unknown_space: whether cells of which no layer says anything are unknown, else free.
     """
 
-    def __init__(self, grid: OccupancyGrid, layers: Sequence[Layer], size: int | None = None) -> None:
+    def __init__(
+        self,
+        grid: OccupancyGrid,
+        layers: Sequence[Layer],
+        shape: tuple[int, int] | None = None,
+        track_unknown_space: bool = False,
+    ) -> None:
         self._corner = (grid.origin.x, grid.origin.y)
         self._resolution = grid.resolution
         self._layers = tuple(layers)
-        self._rolling = size is not None
+        self._rolling = shape is not None
         self._reach = max((layer.reach() for layer in self._layers), default=0)
+        self._default = UNKNOWN if track_unknown_space else FREE
         self.origin = (0, 0)
-        rows, cols = (grid.rows, grid.cols) if size is None else (size, size)
-        self.costs: Costs = np.full((rows, cols), FREE, dtype=np.uint8)
+        self.costs: Costs = np.full(shape or grid.cells.shape, self._default, dtype=np.uint8)
 
     @property
     def frame(self) -> CostFrame:
@@ -62,30 +69,59 @@ class LayeredCostmap:
         x, y = self._corner
         return CostFrame(x + col * self._resolution, y + row * self._resolution, self._resolution)
 
-    def update(self, x: float, y: float) -> Window:
-        """Bring the costs up to date for a robot at this map point; a rolling window is centred there.
+    @property
+    def window(self) -> Window:
+        """The cells of the static map that it lies on."""
+        row, col = self.origin
+        return Window(row, col, row + self.costs.shape[0], col + self.costs.shape[1])
 
-        Returns:
-            The cells that were written, in cells of the static map.
-        """
-        rows, cols = self.costs.shape
+    def roll(self, x: float, y: float) -> None:
+        """Move a rolling window by whole cells until its middle is at this map point; `update` writes the costs."""
         if self._rolling:
+            rows, cols = self.costs.shape
             self.origin = (
                 round((y - self._corner[1]) / self._resolution) - rows // 2,
                 round((x - self._corner[0]) / self._resolution) - cols // 2,
             )
-        row, col = self.origin
-        whole = Window(row, col, row + rows, col + cols)
-        window = whole if self._rolling else self._changed().clipped(whole)
-        if window.empty:
-            return NOTHING
-        self.costs[window.row - row : window.row_end - row, window.col - col : window.col_end - col] = FREE
-        for layer in self._layers:
-            layer.write(self.costs, self.origin, window)
-        return window
 
-    def _changed(self) -> Window:
-        changed = NOTHING
+    def update(self) -> tuple[Window, ...]:
+        """Bring the costs up to date: of a rolling costmap all of them, else what changed.
+
+        Returns:
+            The cells that were written, in cells of the static map; windows may overlap.
+        """
+        changes = [window for layer in self._layers for window in layer.bounds()]
+        windows = (self.window,) if self._rolling else self._apart(changes)
+        self.write(windows)
+        return windows
+
+    def _apart(self, changes: Iterable[Window]) -> tuple[Window, ...]:
+        """The changes with all that they reach, those joined that are cheaper to write as one."""
+        apart: list[Window] = []
+        for change in changes:
+            window = change.grown(self._reach).clipped(self.window)
+            if window.empty:
+                continue
+            joined = True
+            while joined:
+                joined = False
+                for other in apart:
+                    union = window.union(other)
+                    # Around every window the costs are read as far as they reach.
+                    if union.grown(self._reach).cells <= (
+                        window.grown(self._reach).cells + other.grown(self._reach).cells
+                    ):
+                        apart.remove(other)
+                        window, joined = union, True
+                        break
+            apart.append(window)
+        return tuple(apart)
+
+    def write(self, windows: Sequence[Window]) -> None:
+        """Write the costs of these windows anew, each within the costmap; what layers tell as changed stays so."""
+        for window in windows:
+            window.of(self.costs, self.origin)[:] = self._default
+        # Layer by layer: what a layer reads around one window must be written in the others already.
         for layer in self._layers:
-            changed = changed.union(layer.bounds())
-        return changed.grown(self._reach)
+            for window in windows:
+                layer.write(self.costs, self.origin, window)

@@ -1,173 +1,316 @@
 """The layer of what the laser sees: readings mark obstacles, and clear the space before them.
 
 Source: ros-planning/navigation, costmap_2d/plugins/obstacle_layer.cpp.
-Differs: readings that the map or another robot explains do not mark, else every error of localisation would thicken
-the walls and every passing robot would leave a trail; readings beyond the laser's range clear (inf_is_valid).
+Differs: `explained_distance` keeps readings that the map or another robot explains from marking, else every error of
+localisation would thicken the walls and every passing robot would leave a trail; `clear_between_beams` clears what
+nothing else could, cells that lie between two beams far out; a beam that hit nothing never marks; every scan is used,
+where ROS takes the last one before each update.
 """
 
 import math
+from typing import NamedTuple
 
 import numpy as np
 from numba import njit
 from numpy.typing import NDArray
 
-from sim.costmap.costs import FREE, LETHAL, NOTHING, Costs, Window
+from sim.costmap.costs import FREE, UNKNOWN, Changes, CostFrame, Costs, Window
+from sim.costmap.lines import fill_convex, line
 from sim.geometry import FloatArray, Pose2
 from sim.grid import OccupancyGrid, distance_field
 from sim.observations import Scan
-from sim.parameters import ObstacleParameters
+from sim.parameters import ObservationSource, ObstacleParameters
 
-EXPLAINED = 0.2
-"""Metres from a wall, or beyond a robot's circumscribed radius, within which a reading is no news."""
+OVERWRITE = 0
+MAXIMUM = 1
+
+
+class Sweep(NamedTuple):
+    """A scan as the kernels take it: the laser's pose in the map, and where each of its beams ends.
+
+    Attributes:
+        x: of the laser in the map, metres; so y, and theta in radians.
+        angle_min: of the first beam, in the laser's frame.
+        angle_increment: from one beam to the next.
+        ranges: (beams,) metres; NaN where nothing is known, +inf where nothing was hit.
+    """
+
+    x: float
+    y: float
+    theta: float
+    angle_min: float
+    angle_increment: float
+    ranges: FloatArray
+
+
+class Explanation(NamedTuple):
+    """What is known to stand around, near which readings do not mark.
+
+    Attributes:
+        distance: metres within which they are explained.
+        wall_distance: (rows, cols) of the static map, metres to its nearest wall.
+        row: of the marks' cell (0, 0) in the static map; so col.
+        discs: (n, 3) x, y and radius of the other robots, metres.
+    """
+
+    distance: float
+    wall_distance: NDArray[np.float32]
+    row: int
+    col: int
+    discs: FloatArray
 
 
 @njit(cache=True)
-def _mark_and_clear(
-    marks: Costs,
-    wall_distance: FloatArray,
-    corner_x: float,
-    corner_y: float,
-    resolution: float,
-    x: float,
-    y: float,
-    theta: float,
-    angle_min: float,
-    angle_increment: float,
-    range_min: float,
-    ranges: NDArray[np.float32],
-    obstacle_range: float,
-    raytrace_range: float,
-    explained: float,
-    discs: FloatArray,
-    clear: bool,
-    changed: FloatArray,
-) -> int:
-    """Marks (and with `clear` clears) cells; returns how many it marked; `changed` becomes the bounds of both."""
+def _include(changed: NDArray[np.int64], row: int, col: int) -> None:
+    changed[0], changed[1] = min(changed[0], row), min(changed[1], col)
+    changed[2], changed[3] = max(changed[2], row + 1), max(changed[3], col + 1)
+
+
+@njit(cache=True)
+def _clear_along_beams(
+    marks: Costs, frame: CostFrame, sweep: Sweep, farthest: float, raytrace_range: float, changed: NDArray[np.int64]
+) -> None:
+    """Clear the cells from the laser to where each beam ends, no farther than raytrace_range.
+
+    Args:
+        marks: (rows, cols).
+        frame: where they lie.
+        sweep: the scan.
+        farthest: metres for which beams stand that hit nothing; 0 leaves them out.
+        raytrace_range: metres.
+        changed: (4,) the window that is grown by the cells that change.
+    """
     rows, cols = marks.shape
-    marked = 0
-    changed[0], changed[1], changed[2], changed[3] = rows, cols, -1, -1
-    if clear:
-        for i in range(ranges.shape[0]):
-            reading = ranges[i]
-            if math.isnan(reading) or reading < range_min:
+    size = frame.resolution
+    row, col = math.floor((sweep.y - frame.y) / size), math.floor((sweep.x - frame.x) / size)
+    if row < 0 or col < 0 or row >= rows or col >= cols:
+        return
+    longest = math.ceil(raytrace_range / size)
+    right, top = frame.x + cols * size, frame.y + rows * size
+    for i in range(sweep.ranges.shape[0]):
+        reading = sweep.ranges[i] if sweep.ranges[i] != np.inf else farthest
+        if not reading > 0.0:
+            continue
+        angle = sweep.theta + sweep.angle_min + i * sweep.angle_increment
+        a, b = reading * math.cos(angle), reading * math.sin(angle)
+        x, y = sweep.x + a, sweep.y + b
+        # Beams that leave the costmap end at its rim.
+        if x < frame.x:
+            x, y = frame.x, sweep.y + b * (frame.x - sweep.x) / a
+        if y < frame.y:
+            x, y = sweep.x + a * (frame.y - sweep.y) / b, frame.y
+        if x > right:
+            x, y = right - 0.001, sweep.y + b * (right - sweep.x) / a
+        if y > top:
+            x, y = sweep.x + a * (top - sweep.y) / b, top - 0.001
+        row_end, col_end = math.floor((y - frame.y) / size), math.floor((x - frame.x) / size)
+        if row_end < 0 or col_end < 0 or row_end >= rows or col_end >= cols:
+            continue
+        cells = line(row, col, row_end, col_end, longest)
+        for k in range(cells.shape[0]):
+            r, c = cells[k, 0], cells[k, 1]
+            if marks[r, c] != 0:
+                marks[r, c] = 0
+                _include(changed, r, c)
+
+
+@njit(cache=True)
+def _clear_between_beams(
+    marks: Costs, frame: CostFrame, sweep: Sweep, farthest: float, raytrace_range: float, changed: NDArray[np.int64]
+) -> None:
+    """Clear lethal cells that two neighbouring beams both see past. Arguments as for `_clear_along_beams`."""
+    rows, cols = marks.shape
+    size = frame.resolution
+    beams = sweep.ranges.shape[0]
+    reach = math.ceil(raytrace_range / size)
+    row, col = math.floor((sweep.y - frame.y) / size), math.floor((sweep.x - frame.x) / size)
+    for r in range(max(0, row - reach), min(rows, row + reach + 1)):
+        for c in range(max(0, col - reach), min(cols, col + reach + 1)):
+            if marks[r, c] != 254:
                 continue
-            angle = theta + angle_min + i * angle_increment
-            length = min(reading - resolution, raytrace_range)
-            steps = int(length / (0.5 * resolution))
-            dx, dy = 0.5 * resolution * math.cos(angle), 0.5 * resolution * math.sin(angle)
-            for step in range(steps + 1):
-                row = math.floor((y + step * dy - corner_y) / resolution)
-                col = math.floor((x + step * dx - corner_x) / resolution)
-                if 0 <= row < rows and 0 <= col < cols and marks[row, col] != 0:
-                    marks[row, col] = 0
-                    changed[0], changed[1] = min(changed[0], row), min(changed[1], col)
-                    changed[2], changed[3] = max(changed[2], row), max(changed[3], col)
-    for i in range(ranges.shape[0]):
-        reading = ranges[i]
-        if not (range_min <= reading <= obstacle_range):
+            dx, dy = frame.x + (c + 0.5) * size - sweep.x, frame.y + (r + 0.5) * size - sweep.y
+            distance = math.hypot(dx, dy)
+            if distance > raytrace_range:
+                continue
+            ahead = (math.atan2(dy, dx) - sweep.theta - sweep.angle_min) / sweep.angle_increment
+            whole_turn = math.tau / abs(sweep.angle_increment)
+            ahead -= math.floor(ahead / whole_turn) * whole_turn
+            before = int(ahead)
+            behind = before + 1
+            if behind == beams and beams >= whole_turn - 0.5:
+                behind = 0
+            if behind >= beams:
+                continue
+            one = sweep.ranges[before] if sweep.ranges[before] != np.inf else farthest
+            other = sweep.ranges[behind] if sweep.ranges[behind] != np.inf else farthest
+            if one > distance + size and other > distance + size:
+                marks[r, c] = 0
+                _include(changed, r, c)
+
+
+@njit(cache=True)
+def _mark(
+    marks: Costs, frame: CostFrame, sweep: Sweep, obstacle_range: float, known: Explanation, changed: NDArray[np.int64]
+) -> None:
+    """Make the cells lethal in which beams end nearer than obstacle_range, where nothing known explains it."""
+    rows, cols = marks.shape
+    for i in range(sweep.ranges.shape[0]):
+        reading = sweep.ranges[i]
+        if not reading < obstacle_range:
             continue
-        angle = theta + angle_min + i * angle_increment
-        px, py = x + reading * math.cos(angle), y + reading * math.sin(angle)
-        row = math.floor((py - corner_y) / resolution)
-        col = math.floor((px - corner_x) / resolution)
-        if row < 0 or col < 0 or row >= rows or col >= cols or marks[row, col] != 0:
+        angle = sweep.theta + sweep.angle_min + i * sweep.angle_increment
+        x, y = sweep.x + reading * math.cos(angle), sweep.y + reading * math.sin(angle)
+        row, col = math.floor((y - frame.y) / frame.resolution), math.floor((x - frame.x) / frame.resolution)
+        if row < 0 or col < 0 or row >= rows or col >= cols or marks[row, col] == 254:
             continue
-        if wall_distance[row, col] <= explained:
-            continue
-        known = False
-        for k in range(discs.shape[0]):
-            known = known or math.hypot(px - discs[k, 0], py - discs[k, 1]) <= discs[k, 2] + explained
-        if known:
-            continue
+        if known.distance > 0.0:
+            r, c = row + known.row, col + known.col
+            in_map = r >= 0 and c >= 0 and r < known.wall_distance.shape[0] and c < known.wall_distance.shape[1]
+            explained = in_map and known.wall_distance[r, c] <= known.distance
+            for k in range(known.discs.shape[0]):
+                off = math.hypot(x - known.discs[k, 0], y - known.discs[k, 1])
+                explained = explained or off <= known.discs[k, 2] + known.distance
+            if explained:
+                continue
         marks[row, col] = 254
-        marked += 1
-        changed[0], changed[1] = min(changed[0], row), min(changed[1], col)
-        changed[2], changed[3] = max(changed[2], row), max(changed[3], col)
-    return marked
+        _include(changed, row, col)
 
 
 class ObstacleLayer:
-    """What the laser has seen that neither the map nor the other robots explain."""
+    """What the laser has seen.
 
-    def __init__(self, parameters: ObstacleParameters, grid: OccupancyGrid) -> None:
+    Args:
+        parameters: costmap_2d's.
+        grid: the map on whose cells it marks.
+        footprint: (n, 2) padded corners of the robot, base frame: its own place is free.
+        track_unknown_space: of the costmap, which counts where the layer's own is not given.
+        shape: rows and columns of a rolling costmap; None covers the map.
+        explained_by_walls: whether the costmap shows the map's walls, so that readings near them are no news.
+    """
+
+    def __init__(
+        self,
+        parameters: ObstacleParameters,
+        grid: OccupancyGrid,
+        footprint: FloatArray,
+        track_unknown_space: bool = False,
+        shape: tuple[int, int] | None = None,
+        explained_by_walls: bool = True,
+    ) -> None:
         self._parameters = parameters
         self._grid = grid
-        self._wall_distance = distance_field(grid, 2 * EXPLAINED).astype(np.float64)
-        self._marks: Costs = np.full(grid.cells.shape, FREE, dtype=np.uint8)
-        self._any = False
-        self._pending = NOTHING
-        self._changed = np.zeros(4)
+        self._footprint = footprint
+        distance = parameters.explained_distance
+        if distance > 0.0 and explained_by_walls:
+            self._wall_distance = distance_field(grid, 2 * distance)
+        else:
+            self._wall_distance = np.empty((0, 0), np.float32)
+        own = parameters.track_unknown_space
+        self._default = UNKNOWN if (track_unknown_space if own is None else own) else FREE
+        self._marks: Costs = np.full(shape or grid.cells.shape, self._default, dtype=np.uint8)
+        self._origin = (0, 0)
+        self._changes = Changes()
 
     @property
     def marks(self) -> Costs:
-        """(rows, cols) of the static map: LETHAL where something stands, else FREE."""
+        """(rows, cols): LETHAL where something stands, FREE where nothing does, UNKNOWN where that is not known."""
         return self._marks
 
     @property
-    def any_marks(self) -> bool:
-        """Whether anything is marked at all."""
-        return self._any
+    def window(self) -> Window:
+        """The cells of the static map that the marks lie on."""
+        row, col = self._origin
+        return Window(row, col, row + self._marks.shape[0], col + self._marks.shape[1])
+
+    def roll(self, origin: tuple[int, int]) -> None:
+        """Move along with a rolling costmap, to begin at this cell of the static map; what leaves is forgotten."""
+        if origin == self._origin:
+            return
+        moved: Costs = np.full_like(self._marks, self._default)
+        row, col = origin
+        kept = self.window.clipped(Window(row, col, row + moved.shape[0], col + moved.shape[1]))
+        if not kept.empty:
+            kept.of(moved, origin)[:] = kept.of(self._marks, self._origin)
+        self._marks, self._origin = moved, origin
 
     def observe(self, base_in_map: Pose2, scan: Scan, discs: FloatArray) -> None:
-        """Take in a scan.
+        """Take in a scan: every source clears, then every source marks, then the robot's own place is cleared.
 
         Args:
             base_in_map: where the robot was when it scanned.
             scan: the readings.
-            discs: (n, 3) x, y, radius of the other robots, whose readings do not mark.
+            discs: (n, 3) x, y, radius of the other robots.
         """
-        laser = base_in_map.compose(scan.mount.laser_in_base)
-        marked = _mark_and_clear(
-            self._marks,
-            self._wall_distance,
-            self._grid.origin.x,
-            self._grid.origin.y,
-            self._grid.resolution,
-            laser.x,
-            laser.y,
-            laser.theta,
-            scan.mount.angle_min,
-            scan.mount.angle_increment,
-            scan.mount.range_min,
-            scan.ranges,
-            self._parameters.obstacle_range,
-            self._parameters.raytrace_range,
-            EXPLAINED,
-            discs,
-            self._any,
-            self._changed,
-        )
-        self._any = self._any or marked > 0
-        row, col, last_row, last_col = (int(value) for value in self._changed)
-        if last_row >= row:
-            self._pending = self._pending.union(Window(row, col, last_row + 1, last_col + 1))
-            self._any = bool(self._marks.any())
+        row, col = self._origin
+        size = self._grid.resolution
+        frame = CostFrame(self._grid.origin.x + col * size, self._grid.origin.y + row * size, size)
+        mount = scan.mount
+        laser = base_in_map.compose(mount.laser_in_base)
+        ranges = scan.ranges.astype(np.float64)
+        # The others are no readings: laser_geometry leaves them out as well.
+        ranges[(ranges < mount.range_min) | ((ranges >= mount.range_max) & (ranges != np.inf))] = np.nan
+        sweep = Sweep(laser.x, laser.y, laser.theta, mount.angle_min, mount.angle_increment, ranges)
+        known = Explanation(self._parameters.explained_distance, self._wall_distance, row, col, discs)
+        changed = np.array([*self._marks.shape, -1, -1], dtype=np.int64)
+        for source in self._parameters.observation_sources:
+            if source.clearing:
+                farthest = mount.range_max if source.inf_is_valid else 0.0
+                reach = self._raytrace_range(source)
+                _clear_along_beams(self._marks, frame, sweep, farthest, reach, changed)
+                if self._parameters.clear_between_beams:
+                    _clear_between_beams(self._marks, frame, sweep, farthest, reach, changed)
+        for source in self._parameters.observation_sources:
+            if source.marking:
+                _mark(self._marks, frame, sweep, self._obstacle_range(source), known, changed)
+        if changed[2] > changed[0]:
+            first, left, end, right = changed.tolist()
+            self._changes.add(Window(first + row, left + col, end + row, right + col))
+        if self._parameters.footprint_clearing_enabled:
+            self._clear_footprint(base_in_map, frame)
+
+    def _obstacle_range(self, source: ObservationSource) -> float:
+        return self._parameters.obstacle_range if source.obstacle_range is None else source.obstacle_range
+
+    def _raytrace_range(self, source: ObservationSource) -> float:
+        return self._parameters.raytrace_range if source.raytrace_range is None else source.raytrace_range
+
+    def _clear_footprint(self, base_in_map: Pose2, frame: CostFrame) -> None:
+        corners = (base_in_map.transform(self._footprint) - np.array([frame.x, frame.y])) / frame.resolution
+        low, high = np.floor(corners.min(axis=0)).astype(int), np.floor(corners.max(axis=0)).astype(int)
+        row, col = self._origin
+        around = Window(low[1] + row, low[0] + col, high[1] + row + 1, high[0] + col + 1)
+        if around.clipped(self.window) != around:
+            # As in ROS: a footprint that is not wholly on the costmap clears nothing.
+            return
+        place = around.of(self._marks, self._origin)
+        before = place.copy()
+        fill_convex(self._marks, corners, FREE)
+        if not np.array_equal(before, place):
+            self._changes.add(around)
 
     def clear(self) -> None:
         """Forget everything seen (move_base's clear_costmap_recovery)."""
-        if self._any:
-            rows, cols = np.nonzero(self._marks)
-            seen = Window(int(rows.min()), int(cols.min()), int(rows.max()) + 1, int(cols.max()) + 1)
-            self._pending = self._pending.union(seen)
-            self._marks[:] = FREE
-            self._any = False
+        self._marks[:] = self._default
+        self._changes.add(self.window)
 
-    def bounds(self) -> Window:
+    def bounds(self) -> tuple[Window, ...]:
         """What was marked or cleared since the last time."""
-        changed, self._pending = self._pending, NOTHING
-        return changed
+        return self._changes.take()
 
     def reach(self) -> int:
         """None."""
         return 0
 
     def write(self, costs: Costs, origin: tuple[int, int], window: Window) -> None:
-        """Lethal where something is marked."""
-        if not self._any:
-            return
-        row, col = origin
-        inside = window.clipped(Window(0, 0, *self._marks.shape))
+        """Combine what was seen with what the layers before say, by `combination_method`."""
+        inside = window.clipped(self.window)
         if inside.empty:
             return
-        target = costs[inside.row - row : inside.row_end - row, inside.col - col : inside.col_end - col]
-        target[self._marks[inside.row : inside.row_end, inside.col : inside.col_end] == LETHAL] = LETHAL
+        source, target = inside.of(self._marks, self._origin), inside.of(costs, origin)
+        if self._parameters.combination_method == OVERWRITE:
+            replaced = source != UNKNOWN
+        elif self._parameters.combination_method == MAXIMUM:
+            replaced = (source != UNKNOWN) & ((target == UNKNOWN) | (target < source))
+        else:
+            return
+        target[replaced] = source[replaced]

@@ -1,15 +1,18 @@
-"""The layer of the other robots: the report's GridLayer, where they stand by their own word."""
+"""The layer of the other robots (the GridLayer of the 2016 study): where they say they stand, and their paths."""
 
 import math
 from collections.abc import Sequence
+from dataclasses import dataclass
 
 import numpy as np
 from numba import njit
 
-from sim.costmap.costs import NOTHING, Costs, Window
+from sim.costmap.costs import UNKNOWN, Changes, Costs, Window
+from sim.costmap.lines import line
 from sim.geometry import FloatArray
 from sim.grid import OccupancyGrid
 from sim.observations import Neighbour
+from sim.parameters import RobotsParameters
 
 STIR = 0.05
 """Metres (and 0.1 rad for each) below which a change of pose is not worth an update."""
@@ -17,7 +20,7 @@ STIR = 0.05
 
 @njit(cache=True)
 def _fill(costs: Costs, corners: FloatArray, row: int, col: int, row_end: int, col_end: int) -> None:
-    """Make the cells lethal whose centre lies in a polygon (even-odd rule), and those under its outline's corners.
+    """Make the cells of a window lethal whose centre lies in a polygon (even-odd rule).
 
     Args:
         corners: (n, 2) column and row, in cells of `costs`.
@@ -38,76 +41,115 @@ def _fill(costs: Costs, corners: FloatArray, row: int, col: int, row_end: int, c
                 costs[r, c] = 254
 
 
+@dataclass(frozen=True, slots=True, eq=False)
+class _Seen:
+    """One robot as it was heard: its pose; corners and path, as columns and rows in the map; the window around both."""
+
+    x: float
+    y: float
+    theta: float
+    corners: FloatArray
+    path: FloatArray
+    window: Window
+
+
 class RobotsLayer:
-    """The footprints of the other robots.
+    """The footprints of the other robots, and the first part of their paths.
 
     Args:
+        parameters: which of them count, and how.
         grid: the map.
-        resting_only: whether robots that mean to move are left out. A plan through the map reckons with those that
-            stay; where the others are now says little of where they will be.
     """
 
-    def __init__(self, grid: OccupancyGrid, resting_only: bool) -> None:
-        self._grid = grid
-        self._resting_only = resting_only
-        self._seen: dict[int, tuple[float, float, float]] = {}
-        self._corners: dict[int, FloatArray] = {}
-        self._windows: dict[int, Window] = {}
-        self._pending = NOTHING
+    def __init__(self, parameters: RobotsParameters, grid: OccupancyGrid) -> None:
+        self._parameters = parameters
+        self._corner = np.array([grid.origin.x, grid.origin.y])
+        self._resolution = grid.resolution
+        self._seen: dict[int, _Seen] = {}
+        self._changes = Changes()
 
     def see(self, neighbours: Sequence[Neighbour]) -> None:
-        """Take in what the others said last."""
+        """Take in what the others said last; those not among them are gone."""
         heard = set()
         for neighbour in neighbours:
-            if self._resting_only and len(neighbour.times):
+            if not self._parameters.under_way and len(neighbour.times):
                 continue
             heard.add(neighbour.robot)
-            pose = neighbour.base_in_map
             seen = self._seen.get(neighbour.robot)
-            if (
-                seen is not None
-                and math.hypot(pose.x - seen[0], pose.y - seen[1]) < STIR
-                and abs(math.remainder(pose.theta - seen[2], math.tau)) < 2 * STIR
-            ):
+            if seen is not None and self._stirs_not(seen, neighbour):
                 continue
             self._forget(neighbour.robot)
-            origin = self._grid.origin
-            points = pose.transform(neighbour.footprint) - np.array([origin.x, origin.y])
-            self._seen[neighbour.robot] = (pose.x, pose.y, pose.theta)
-            corners = points / self._grid.resolution
-            (left, low), (right, high) = corners.min(axis=0).tolist(), corners.max(axis=0).tolist()
-            around = Window(math.floor(low), math.floor(left), math.floor(high) + 1, math.floor(right) + 1)
-            self._corners[neighbour.robot] = corners
-            self._windows[neighbour.robot] = around
-            self._pending = self._pending.union(around)
+            self._seen[neighbour.robot] = seen = self._drawn(neighbour)
+            self._changes.add(seen.window)
         for robot in [robot for robot in self._seen if robot not in heard]:
             self._forget(robot)
 
+    def _stirs_not(self, seen: _Seen, neighbour: Neighbour) -> bool:
+        pose = neighbour.base_in_map
+        moved = math.hypot(pose.x - seen.x, pose.y - seen.y)
+        turned = abs(math.remainder(pose.theta - seen.theta, math.tau))
+        same_path = self._parameters.path_length == 0.0 or np.array_equal(seen.path, self._path_ahead(neighbour))
+        return moved < STIR and turned < 2 * STIR and same_path
+
+    def _path_ahead(self, neighbour: Neighbour) -> FloatArray:
+        """(m, 2) column and row of the first points of a path, which ends at its greatest length."""
+        path = neighbour.path[:, :2]
+        if self._parameters.path_length == 0.0 or len(path) < 2:
+            return np.empty((0, 2))
+        lengths = np.append(0.0, np.cumsum(np.hypot(*np.diff(path, axis=0).T)))
+        end = min(self._parameters.path_length, lengths[-1])
+        last = [np.interp(end, lengths, path[:, axis]) for axis in (0, 1)]
+        return self._in_cells(np.vstack([path[lengths < end], last]))
+
+    def _in_cells(self, points: FloatArray) -> FloatArray:
+        cells: FloatArray = (points - self._corner) / self._resolution
+        return cells
+
+    def _drawn(self, neighbour: Neighbour) -> _Seen:
+        pose = neighbour.base_in_map
+        corners = self._in_cells(pose.transform(neighbour.footprint))
+        path = self._path_ahead(neighbour)
+        (left, low), (right, high) = (
+            bound(np.concatenate([corners, path]), axis=0).tolist() for bound in (np.min, np.max)
+        )
+        window = Window(math.floor(low), math.floor(left), math.floor(high) + 1, math.floor(right) + 1)
+        return _Seen(pose.x, pose.y, pose.theta, corners, path, window)
+
     def _forget(self, robot: int) -> None:
         if robot in self._seen:
-            self._pending = self._pending.union(self._windows[robot])
-            del self._seen[robot], self._corners[robot], self._windows[robot]
+            self._changes.add(self._seen.pop(robot).window)
 
-    def bounds(self) -> Window:
+    def bounds(self) -> tuple[Window, ...]:
         """Where robots came or went."""
-        changed, self._pending = self._pending, NOTHING
-        return changed
+        return self._changes.take()
 
     def reach(self) -> int:
         """None."""
         return 0
 
     def write(self, costs: Costs, origin: tuple[int, int], window: Window) -> None:
-        """Lethal under every footprint."""
+        """Lethal under every footprint; along paths at least `path_cost`."""
         row, col = origin
-        for robot, corners in self._corners.items():
-            if self._windows[robot].clipped(window).empty:
-                continue
-            _fill(
-                costs,
-                corners - np.array([col, row]),
-                window.row - row,
-                window.col - col,
-                window.row_end - row,
-                window.col_end - col,
-            )
+        shift = np.array([col, row])
+        for seen in self._seen.values():
+            if not seen.window.clipped(window).empty:
+                self._write_path(costs, origin, window, seen.path)
+        for seen in self._seen.values():
+            if not seen.window.clipped(window).empty:
+                _fill(
+                    costs,
+                    seen.corners - shift,
+                    window.row - row,
+                    window.col - col,
+                    window.row_end - row,
+                    window.col_end - col,
+                )
+
+    def _write_path(self, costs: Costs, origin: tuple[int, int], window: Window, path: FloatArray) -> None:
+        cells = np.floor(path[:, ::-1]).astype(np.int64)
+        for (row, col), (row_end, col_end) in zip(cells[:-1].tolist(), cells[1:].tolist(), strict=True):
+            along = line(row, col, row_end, col_end, abs(row_end - row) + abs(col_end - col))
+            inside = (along >= window[:2]) & (along < window[2:])
+            along = along[inside.all(axis=1)] - origin
+            old = costs[along[:, 0], along[:, 1]]
+            costs[along[:, 0], along[:, 1]] = np.where(old == UNKNOWN, old, np.maximum(old, self._parameters.path_cost))

@@ -1,53 +1,56 @@
 """The layer of the walls: the map as it was given.
 
-Source: ros-planning/navigation, costmap_2d/plugins/static_layer.cpp (trinary, track_unknown_space).
+Source: ros-planning/navigation, costmap_2d/plugins/static_layer.cpp.
 """
 
 import numpy as np
 
-from sim.costmap.costs import FREE, LETHAL, NOTHING, UNKNOWN, Costs, Window
-from sim.grid import OCCUPIED, OccupancyGrid
-from sim.grid import UNKNOWN as UNKNOWN_CELL
+from sim.costmap.costs import FREE, LETHAL, UNKNOWN, Changes, Costs, Window
+from sim.grid import OccupancyGrid
+from sim.parameters import StaticParameters
 
 
-def static_costs(grid: OccupancyGrid) -> Costs:
-    """(rows, cols): occupied cells are lethal, unknown ones unknown, all else free."""
-    costs: Costs = np.full(grid.cells.shape, FREE, dtype=np.uint8)
-    costs[grid.cells == OCCUPIED] = LETHAL
-    costs[grid.cells == UNKNOWN_CELL] = UNKNOWN
+def interpretation(parameters: StaticParameters) -> Costs:
+    """(256,) the cost of each value of an occupancy grid, taken as an unsigned byte as ROS takes it (-1 is 255)."""
+    values = np.arange(256)
+    lethal = parameters.lethal_cost_threshold
+    scaled = values / max(lethal, 1) * LETHAL
+    costs = np.where(values >= lethal, LETHAL, FREE if parameters.trinary_costmap else scaled).astype(np.uint8)
+    costs[parameters.unknown_cost_value % 256] = UNKNOWN if parameters.track_unknown_space else FREE
     return costs
 
 
 class StaticLayer:
-    """The walls of a map; outside of it all is unknown.
+    """The walls of a map; of what lies outside of it this layer says nothing.
 
     Args:
+        parameters: costmap_2d's.
         grid: the map.
-        inflated: (rows, cols) its costs where they are inflated once and for all, so that only what moves need be
-            inflated at every update. A rolling costmap then also knows of walls just beyond its rim.
     """
 
-    def __init__(self, grid: OccupancyGrid, inflated: Costs | None = None) -> None:
-        self._costs = static_costs(grid) if inflated is None else inflated
-        self._pending = Window(0, 0, grid.rows, grid.cols)
+    def __init__(self, parameters: StaticParameters, grid: OccupancyGrid) -> None:
+        self._costs: Costs = interpretation(parameters)[grid.cells.view(np.uint8)]
+        self._use_maximum = parameters.use_maximum
+        self._changes = Changes()
+        self._changes.add(Window(0, 0, grid.rows, grid.cols))
 
-    def bounds(self) -> Window:
+    def bounds(self) -> tuple[Window, ...]:
         """The whole map once, then nothing."""
-        changed, self._pending = self._pending, NOTHING
-        return changed
+        return self._changes.take()
 
     def reach(self) -> int:
         """None."""
         return 0
 
     def write(self, costs: Costs, origin: tuple[int, int], window: Window) -> None:
-        """The map's costs where there is map, else unknown."""
-        row, col = origin
-        rows, cols = self._costs.shape
-        known = window.clipped(Window(0, 0, rows, cols))
-        if known != window:
-            costs[window.row - row : window.row_end - row, window.col - col : window.col_end - col] = UNKNOWN
-        if not known.empty:
-            costs[known.row - row : known.row_end - row, known.col - col : known.col_end - col] = self._costs[
-                known.row : known.row_end, known.col : known.col_end
-            ]
+        """The map's costs where there is map; with use_maximum they only raise what other layers wrote."""
+        known = window.clipped(Window(0, 0, *self._costs.shape))
+        if known.empty:
+            return
+        source = known.of(self._costs)
+        target = known.of(costs, origin)
+        if self._use_maximum:
+            raised = (source != UNKNOWN) & ((target == UNKNOWN) | (source > target))
+            target[raised] = source[raised]
+        else:
+            target[:] = source

@@ -6,7 +6,16 @@ Names of the sections follow ROS: `amcl`, `costmap_2d`, `move_base`, `Trajectory
 """
 
 from sim.parameters.amcl import AmclParameters
-from sim.parameters.costmap_2d import CostmapParameters, InflationParameters, ObstacleParameters
+from sim.parameters.costmap_2d import (
+    CostmapParameters,
+    GlobalCostmapParameters,
+    InflationParameters,
+    LocalCostmapParameters,
+    ObservationSource,
+    ObstacleParameters,
+    RobotsParameters,
+    StaticParameters,
+)
 from sim.parameters.ekf import EkfParameters
 from sim.parameters.fake_localization import FakeLocalizationParameters
 from sim.parameters.global_planners import NavfnParameters
@@ -21,13 +30,18 @@ __all__ = [
     "CostmapParameters",
     "EkfParameters",
     "FakeLocalizationParameters",
+    "GlobalCostmapParameters",
     "InflationParameters",
     "LaserParameters",
+    "LocalCostmapParameters",
     "MoveBaseParameters",
     "NavfnParameters",
+    "ObservationSource",
     "ObstacleParameters",
     "OdometryNoise",
     "RobotParameters",
+    "RobotsParameters",
+    "StaticParameters",
     "TrajectoryPlannerParameters",
     "WorldParameters",
     "knob",

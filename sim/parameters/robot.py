@@ -3,13 +3,29 @@
 from dataclasses import dataclass
 
 from sim.parameters.amcl import AmclParameters
-from sim.parameters.costmap_2d import CostmapParameters
+from sim.parameters.costmap_2d import (
+    GlobalCostmapParameters,
+    InflationParameters,
+    LocalCostmapParameters,
+    ObservationSource,
+    ObstacleParameters,
+    RobotsParameters,
+)
 from sim.parameters.ekf import EkfParameters
 from sim.parameters.fake_localization import FakeLocalizationParameters
 from sim.parameters.global_planners import NavfnParameters
 from sim.parameters.knobs import knob
 from sim.parameters.local_planners import TrajectoryPlannerParameters
 from sim.parameters.move_base import MoveBaseParameters
+
+_LASER = ObstacleParameters(
+    obstacle_range=1.5,
+    observation_sources=(ObservationSource(clearing=True, inf_is_valid=True),),
+    # Robots err by less than this about where they and the others are.
+    explained_distance=0.2,
+    clear_between_beams=True,
+)
+_INFLATION = InflationParameters(inflation_radius=0.5)
 
 
 @dataclass(frozen=True, slots=True)
@@ -26,7 +42,28 @@ class RobotParameters:
     fake_localization: FakeLocalizationParameters = knob(
         FakeLocalizationParameters(), "the truth instead of an estimate"
     )
-    costmap: CostmapParameters = knob(CostmapParameters(), "costmaps")
+    global_costmap: GlobalCostmapParameters = knob(
+        GlobalCostmapParameters(
+            robot_radius=None,
+            track_unknown_space=True,
+            obstacle_layer=_LASER,
+            # Where robots under way are now says little of where they will be: plans reckon with their paths instead.
+            robots_layer=RobotsParameters(under_way=False),
+            inflation_layer=_INFLATION,
+        ),
+        "the costmap that covers the map, for plans",
+    )
+    local_costmap: LocalCostmapParameters = knob(
+        LocalCostmapParameters(
+            width=4.0,
+            height=4.0,
+            robot_radius=None,
+            track_unknown_space=True,
+            obstacle_layer=_LASER,
+            inflation_layer=_INFLATION,
+        ),
+        "the costmap that moves along with the robot, for commands",
+    )
     NavfnROS: NavfnParameters = knob(NavfnParameters(), "global planner")
     TrajectoryPlannerROS: TrajectoryPlannerParameters = knob(TrajectoryPlannerParameters(), "local planner")
     move_base: MoveBaseParameters = knob(MoveBaseParameters(), "navigator")

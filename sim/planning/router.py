@@ -5,17 +5,12 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from sim.costmap.costs import CostFrame, cost_at
-from sim.costmap.footprint import radii
-from sim.costmap.inflation import InflationLayer
-from sim.costmap.layered import LayeredCostmap
-from sim.costmap.obstacle import ObstacleLayer
-from sim.costmap.robots import RobotsLayer
-from sim.costmap.static import StaticLayer, static_costs
+from sim.costmap.costmap_2d import Costmap2D
+from sim.costmap.costs import LETHAL, CostFrame, Costs, cost_at
 from sim.geometry import FloatArray, Pose2
 from sim.grid import OccupancyGrid
 from sim.observations import Neighbour
-from sim.parameters import CostmapParameters
+from sim.parameters import InflationParameters
 from sim.planning import navfn
 from sim.planning.itinerary import SPACING, Itinerary, Others, clear, densified, executable, timed
 from sim.planning.path import Refused, thinned
@@ -46,9 +41,8 @@ class Router:
     Args:
         static: the map.
         clearance: (rows, cols) metres from each of its cells to the nearest wall.
-        footprint: (n, 2) padded corners of the robot.
-        parameters: of its costmaps.
-        obstacles: what its laser has seen.
+        costmap: the robot's, over the whole map.
+        inflation: its inflation layer's parameters.
         allow_unknown: whether ways may cross unknown space.
     """
 
@@ -56,32 +50,23 @@ class Router:
         self,
         static: OccupancyGrid,
         clearance: FloatArray,
-        footprint: FloatArray,
-        parameters: CostmapParameters,
-        obstacles: ObstacleLayer,
+        costmap: Costmap2D,
+        inflation: InflationParameters,
         allow_unknown: bool,
     ) -> None:
-        inscribed, circumscribed = radii(footprint)
-        self._static = static
         self._frame = CostFrame(static.origin.x, static.origin.y, static.resolution)
         self._allow_unknown = allow_unknown
-        self._obstacles = obstacles
-        self._resting = RobotsLayer(static, resting_only=True)
-        inflation = InflationLayer(parameters.inflation_layer, static.resolution, inscribed)
-        self.walls = inflation.inflated(static_costs(static))
-        self.inflation = InflationLayer(parameters.inflation_layer, static.resolution, inscribed, self.walls)
-        self.costmap = LayeredCostmap(
-            static, [StaticLayer(static, self.walls), obstacles, self._resting, self.inflation]
-        )
+        self.costmap = costmap
+        circumscribed = costmap.circumscribed_radius
         self.separation = 2 * circumscribed + GAP
         self.separation_driven = 2 * circumscribed + GAP_DRIVEN
         self._roadmap = roadmap(static, clearance, circumscribed + ROOM_TO_TURN)
         self._cells = static.cells_of(self._roadmap.centres.reshape(-1, 2))
-        self._too_near = cost_at(circumscribed, inscribed, parameters.inflation_layer.cost_scaling_factor)
+        self._too_near = cost_at(circumscribed, costmap.inscribed_radius, inflation.cost_scaling_factor)
 
     def see(self, neighbours: Sequence[Neighbour]) -> None:
         """Bring the costmap up to date with what the others said last."""
-        self._resting.see(neighbours)
+        self.costmap.see(neighbours)
         self.costmap.update(0.0, 0.0)
 
     def way(self, start: Pose2, goal: Pose2, time: float, others: Others) -> Itinerary | Blocked | Refused:
@@ -105,7 +90,7 @@ class Router:
             among = densified(among)
             if self._executable(among, others):
                 return among
-        alone = navfn.plan(walls.costs, self._frame, start, goal, self._allow_unknown)
+        alone = navfn.plan(walls, self._frame, start, goal, self._allow_unknown)
         if isinstance(alone, Refused):
             return alone
         return Blocked(thinned(alone.poses[:, :2], SPACING))
@@ -133,11 +118,10 @@ class Router:
     def _executable(self, way: Itinerary, others: Others) -> bool:
         return bool(executable(way.points, way.times, others, self.separation_driven))
 
-    def _rooms(self) -> tuple[BoolArray, LayeredCostmap]:
-        """Which coarse cells are free of walls and obstacles, and the costmap without the other robots."""
-        walls = LayeredCostmap(self._static, [StaticLayer(self._static, self.walls), self._obstacles, self.inflation])
-        walls.update(0.0, 0.0)
-        if not self._obstacles.any_marks:
+    def _rooms(self) -> tuple[BoolArray, Costs]:
+        """Which coarse cells are free of walls and obstacles, and the costs without the other robots."""
+        walls = self.costmap.without_robots()
+        if not (self.costmap.marks == LETHAL).any():
             return self._roadmap.free, walls
-        near = walls.costs[self._cells[:, 0], self._cells[:, 1]].reshape(self._roadmap.free.shape)
+        near = walls[self._cells[:, 0], self._cells[:, 1]].reshape(self._roadmap.free.shape)
         return self._roadmap.free & (near <= self._too_near), walls

@@ -181,6 +181,21 @@ def parse(path: Path, text: str) -> Node:
     return root[0] if root else Section(1, [])
 
 
+def _at_line(node: Node, line: int) -> Node:
+    """The same tree, all of it at one line."""
+    match node:
+        case Listing(_, items):
+            return Listing(line, [_at_line(item, line) for item in items])
+        case Section(_, entries):
+            return Section(line, [(_moved(key, line), _at_line(child, line)) for key, child in entries])
+        case Scalar():
+            return _moved(node, line)
+
+
+def _moved(scalar: Scalar, line: int) -> Scalar:
+    return dataclasses.replace(scalar, line=line)
+
+
 def _refuse_tabs(path: Path, text: str) -> None:
     for number, line in enumerate(text.split("\n"), start=1):
         if "\t" in line[: len(line) - len(line.lstrip())]:
@@ -323,6 +338,9 @@ class _Reader:
         return number
 
     def listing(self, node: Node, arguments: tuple[object, ...], metadata: Metadata, key: str) -> object:
+        if isinstance(node, Scalar) and not node.plain and node.text.lstrip().startswith("["):
+            # ROS's parameters hold lists of lists as text.
+            node = self.listing_in_text(node)
         if not isinstance(node, Listing):
             return self.wrong(node.line, key, "a list is needed", "Write [..., ...], or one line '- ...' for each item")
         if arguments[-1] is Ellipsis:
@@ -343,13 +361,22 @@ class _Reader:
             values.append(self.value(item, hint, metadata, place))
         return _WRONG if _WRONG in values else tuple(values)
 
+    def listing_in_text(self, node: Scalar) -> Node:
+        try:
+            return _at_line(parse(self.path, node.text), node.line)
+        except BadFile:
+            return node
+
     def section(self, node: Node, into: type, key: str, defaults: "DataclassInstance | None" = None) -> object:
         if isinstance(node, Scalar) and node.absent:
             node = Section(node.line, [])
         if not isinstance(node, Section):
             return self.wrong(node.line, key, "a section of 'key: value' lines is needed", _keys_of(into))
+        node = _handed_down(node, into)
         hints = cast(Mapping[str, object], get_type_hints(into))
         known = {knob.name: knob for knob in dataclasses.fields(into)}
+        listed = sections_named_in(into)
+        named = _named(node, into, defaults)
         values: dict[str, object] = {}
         first_lines: dict[str, int] = {}
         # What is like another field can only be read after it.
@@ -365,6 +392,9 @@ class _Reader:
                 meaning = ros_only_of(into)[name.text]
                 self.notices.append(f"{self.path}, line {name.line}: {place} has no effect here: {meaning}")
                 continue
+            if name.text == listed or name.text in named:
+                self.lines[place] = name.line
+                continue
             if name.text not in known:
                 self.unknown(name, place, into)
                 continue
@@ -377,6 +407,8 @@ class _Reader:
             else:
                 own = knob.default if defaults is None else cast(object, getattr(defaults, knob.name))
                 values[name.text] = self.field(child, hint, knob, place, own)
+        if listed in first_lines or any(name in first_lines for name in named):
+            values[listed] = self.named_sections(node, listed, named, get_args(hints[listed])[0], key)
         missing = [knob for knob in known.values() if _required(knob) and knob.name not in first_lines]
         for knob in missing:
             remedy = f"Add the line '{knob.name}: ...'. {_wanted(hints[knob.name], knob.metadata)} there"
@@ -384,6 +416,24 @@ class _Reader:
         if missing or _WRONG in values.values():
             return _WRONG
         return cast(object, into(**values) if defaults is None else dataclasses.replace(defaults, **values))
+
+    def named_sections(
+        self, node: Section, listed: str, named: Mapping[str, "DataclassInstance | None"], into: type, key: str
+    ) -> object:
+        """The sections whose names a text lists, or that are there by default; one that is not written is as it was."""
+        written = {name.text: child for name, child in node.entries}
+        names = written.get(listed)
+        place = f"{key}.{listed}" if key else listed
+        if names is not None and not isinstance(names, Scalar):
+            return self.wrong(names.line, place, "no text", "Write names with blanks between")
+        values = []
+        for name, default in named.items():
+            child = written.get(name, Section(node.line, []))
+            value = self.section(child, into, f"{key}.{name}" if key else name, default)
+            values.append(
+                value if value is _WRONG else dataclasses.replace(cast("DataclassInstance", value), name=name)
+            )
+        return _WRONG if _WRONG in values else tuple(values)
 
     def field(self, node: Node, hint: object, knob: "dataclasses.Field[object]", place: str, default: object) -> object:
         if dataclasses.is_dataclass(default) and not isinstance(default, type):
@@ -432,6 +482,56 @@ def ros_only_of(section: type) -> Mapping[str, str]:
 def _model(knob: "dataclasses.Field[object] | None") -> str | None:
     """The name of the field that this one's entries take their defaults from."""
     return None if knob is None else cast("str | None", knob.metadata.get("like"))
+
+
+def sections_named_in(section: type) -> str:
+    """The field of a class of parameters in which files name further sections; empty when it has none."""
+    return cast(str, getattr(section, "sections_named_in", ""))
+
+
+def _words(node: Section, key: str) -> list[str]:
+    """The words of the text that a section has under this key."""
+    texts = [child.text for name, child in node.entries if name.text == key and isinstance(child, Scalar)]
+    return [word for text in texts for word in text.split()]
+
+
+def _named(node: Section, into: type, defaults: "DataclassInstance | None") -> Mapping[str, "DataclassInstance | None"]:
+    """The names of a section's further sections, with their defaults where the names themselves are by default."""
+    listed = sections_named_in(into)
+    if any(name.text == listed for name, _ in node.entries):
+        return dict.fromkeys(_words(node, listed))
+    sections = cast(tuple["DataclassInstance", ...], getattr(defaults, listed, ()))
+    return {cast(str, getattr(section, "name")): section for section in sections}  # noqa: B009 - any class of them
+
+
+def _handed_down(node: Section, into: type) -> Section:
+    """The section with those entries standing in its parts that ROS hands down to them, in place of the parts' own."""
+    passed_on = cast(Mapping[str, str], getattr(into, "passed_on", {}))
+    parts: dict[str, list[tuple[Scalar, Node]]] = {}
+    gone: set[str] = set()
+    for key, child in node.entries:
+        if key.text not in passed_on:
+            continue
+        part, _, name = passed_on[key.text].partition(".")
+        entries = parts.setdefault(part, [])
+        entries.append((Scalar(name, plain=True, line=key.line), child))
+        if name == sections_named_in(cast(type, get_type_hints(into)[part])):
+            named = _words(node, key.text)
+            entries.extend(entry for entry in node.entries if entry[0].text in named)
+            gone.update(named)
+        if key.text not in {knob.name for knob in dataclasses.fields(into)}:
+            gone.add(key.text)
+    result = [entry for entry in node.entries if entry[0].text not in gone | set(parts)]
+    for part, entries in parts.items():
+        for key, own in [entry for entry in node.entries if entry[0].text == part]:
+            handed = {entry[0].text for entry in entries}
+            if isinstance(own, Section):
+                entries.extend(entry for entry in own.entries if entry[0].text not in handed)
+            elif not (isinstance(own, Scalar) and own.absent):
+                result.append((key, own))
+        line = entries[0][0].line
+        result.append((Scalar(part, plain=True, line=line), Section(line, entries)))
+    return Section(node.line, result)
 
 
 def _required(knob: "dataclasses.Field[object]") -> bool:

@@ -17,7 +17,7 @@ from sim.observations import TICKS_PER_SECOND
 from sim.parameters import RobotParameters, WorldParameters, knob
 from thbridge.adapters.errors import BadFile, BadFiles
 from thbridge.adapters.text_server import DEFAULT_PORT
-from thbridge.adapters.yaml_files import Loaded, allowed, load_tree, parse, quoted, read_text
+from thbridge.adapters.yaml_files import Loaded, allowed, load_tree, parse, quoted, read_text, sections_named_in
 from thbridge.app.noise import HOMES, NoiseSection, applied, preset, preset_in, value_at, view_of, with_value
 from thbridge.study.bots import BotStrategy
 from thbridge.wire.canonical import Dialect
@@ -243,7 +243,10 @@ def _lines(section: "DataclassInstance", key: str, commented: bool) -> Iterator[
         if place in _SHOWN_ELSEWHERE:
             continue
         value = cast(object, getattr(section, knob_field.name))
-        if isinstance(value, Mapping):
+        if knob_field.name == sections_named_in(type(section)):
+            named = cast(tuple["DataclassInstance", ...], value)
+            lines = list(_named_sections(knob_field.name, named))
+        elif isinstance(value, Mapping):
             like = cast("DataclassInstance", getattr(section, cast(str, knob_field.metadata["like"])))
             lines = list(_entries(knob_field.name, cast(Mapping[int, "DataclassInstance"], value), like))
         elif dataclasses.is_dataclass(value) and not isinstance(value, type):
@@ -269,12 +272,25 @@ def _entries(name: str, entries: Mapping[int, "DataclassInstance"], like: "Datac
         yield from (f"    {line}" for line in _differences(entry, like))
 
 
+def _named_sections(name: str, sections: tuple["DataclassInstance", ...]) -> Iterator[str]:
+    """The line that names sections, and those sections."""
+    names = [cast(str, getattr(section, "name")) for section in sections]  # noqa: B009 - any class of them
+    yield f"{name}: {quoted(' '.join(names))}"
+    for own_name, section in zip(names, sections, strict=True):
+        yield f"{own_name}:"
+        for knob_field in dataclasses.fields(section):
+            if knob_field.name != "name":
+                yield f"  {knob_field.name}: {_written(cast(object, getattr(section, knob_field.name)))}"
+
+
 def _differences(section: "DataclassInstance", like: "DataclassInstance") -> Iterator[str]:
     for knob_field in dataclasses.fields(section):
         value, other = (cast(object, getattr(each, knob_field.name)) for each in (section, like))
         if value == other:
             continue
-        if dataclasses.is_dataclass(value) and not isinstance(value, type):
+        if knob_field.name == sections_named_in(type(section)):
+            yield from _named_sections(knob_field.name, cast(tuple["DataclassInstance", ...], value))
+        elif dataclasses.is_dataclass(value) and not isinstance(value, type):
             yield f"{knob_field.name}:"
             yield from (f"  {line}" for line in _differences(value, cast("DataclassInstance", other)))
         else:

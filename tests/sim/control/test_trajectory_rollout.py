@@ -22,7 +22,7 @@ AHEAD = np.column_stack([np.linspace(0.0, 1.9, 20), np.zeros(20)])
 
 
 def planner():
-    return TrajectoryRollout(TrajectoryPlannerParameters(), STUDY, 80, 0.12, 10.0, 0.5)
+    return TrajectoryRollout(TrajectoryPlannerParameters(), STUDY, (80, 80), 0.12, 10.0, 0.5)
 
 
 def around(pose, clearance=FAR):

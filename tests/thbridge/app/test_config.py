@@ -34,7 +34,7 @@ class TestDefaults:
         assert (study.map, study.game.energy, study.server.port) == ("arena8", 100.0, 6009)
         planner = study.robot.TrajectoryPlannerROS
         assert (planner.max_vel_x, planner.min_vel_x, planner.pdist_scale, planner.gdist_scale) == (1.0, 0.1, 0.8, 0.6)
-        assert study.robot.costmap.inflation_layer.inflation_radius == 0.5
+        assert study.robot.global_costmap.inflation_layer.inflation_radius == 0.5
 
     def test_every_knob_tells_its_meaning(self) -> None:
         def check(section: type) -> None:

@@ -1,0 +1,130 @@
+"""One costmap of one robot, put together from its parameters.
+
+Source: ros-planning/navigation, costmap_2d/src/costmap_2d_ros.cpp.
+"""
+
+from collections.abc import Sequence
+
+import numpy as np
+
+from sim.costmap.costs import CostFrame, Costs, Window
+from sim.costmap.footprint import of_radius, pad, radii
+from sim.costmap.inflation import InflationLayer
+from sim.costmap.layered import Layer, LayeredCostmap
+from sim.costmap.obstacle import ObstacleLayer
+from sim.costmap.robots import RobotsLayer
+from sim.costmap.static import StaticLayer
+from sim.geometry import FloatArray, Pose2
+from sim.grid import OccupancyGrid
+from sim.observations import Neighbour, Scan
+from sim.parameters import CostmapParameters, LocalCostmapParameters
+
+
+class Costmap2D:
+    """A costmap with the layers static, obstacle, robots and inflation, in this order, as far as they are enabled.
+
+    Args:
+        parameters: costmap_2d's; those of a local costmap make one that moves along with the robot.
+        body: (n, 2) corners of the robot's true body, base frame, metres; they count where the parameters give none.
+        grid: the map on whose cells it lies; its origin must not be turned.
+
+    Attributes:
+        footprint: (n, 2) padded corners, base frame, metres.
+        inscribed_radius: of the padded footprint, metres.
+        circumscribed_radius: the same.
+    """
+
+    def __init__(self, parameters: CostmapParameters, body: FloatArray, grid: OccupancyGrid) -> None:
+        self._grid = grid
+        self._track_unknown_space = parameters.track_unknown_space
+        self.footprint = pad(_corners(parameters, body), parameters.footprint_padding)
+        self.inscribed_radius, self.circumscribed_radius = radii(self.footprint)
+        shape: tuple[int, int] | None = None
+        if isinstance(parameters, LocalCostmapParameters):
+            # As much more than a whole number of cells as reals err is no cell.
+            shape = (
+                int(parameters.height / grid.resolution + 1e-9),
+                int(parameters.width / grid.resolution + 1e-9),
+            )
+        self._obstacles = ObstacleLayer(
+            parameters.obstacle_layer,
+            grid,
+            self.footprint,
+            parameters.track_unknown_space,
+            shape,
+            explained_by_walls=parameters.static_layer.enabled,
+        )
+        self._robots = RobotsLayer(parameters.robots_layer, grid)
+        static = StaticLayer(parameters.static_layer, grid)
+        inflation = InflationLayer(parameters.inflation_layer, grid.resolution, self.inscribed_radius)
+        layers: tuple[tuple[Layer, bool], ...] = (
+            (static, parameters.static_layer.enabled),
+            (self._obstacles, parameters.obstacle_layer.enabled),
+            (self._robots, parameters.robots_layer.enabled),
+            (inflation, parameters.inflation_layer.enabled),
+        )
+        self._layers = [layer for layer, enabled in layers if enabled]
+        self._layered = LayeredCostmap(grid, self._layers, shape, parameters.track_unknown_space)
+
+    @property
+    def costs(self) -> Costs:
+        """(rows, cols) as of the last update."""
+        return self._layered.costs
+
+    @property
+    def frame(self) -> CostFrame:
+        """Where the costs lie."""
+        return self._layered.frame
+
+    @property
+    def marks(self) -> Costs:
+        """(rows, cols) what the laser has seen: LETHAL where something stands."""
+        return self._obstacles.marks
+
+    def observe(self, base_in_map: Pose2, scan: Scan, discs: FloatArray) -> None:
+        """Take in a scan.
+
+        Args:
+            base_in_map: where the robot was when it scanned.
+            scan: the readings.
+            discs: (n, 3) x, y and radius of the other robots, metres.
+        """
+        self._roll(base_in_map.x, base_in_map.y)
+        self._obstacles.observe(base_in_map, scan, discs)
+
+    def see(self, neighbours: Sequence[Neighbour]) -> None:
+        """Take in what the others said last."""
+        self._robots.see(neighbours)
+
+    def clear(self) -> None:
+        """Forget what the laser has seen (move_base's clear_costmap_recovery)."""
+        self._obstacles.clear()
+
+    def update(self, x: float, y: float) -> tuple[Window, ...]:
+        """Bring the costs up to date for a robot at this map point.
+
+        Returns:
+            The cells that were written, in cells of the static map; windows may overlap.
+        """
+        self._roll(x, y)
+        return self._layered.update()
+
+    def without_robots(self) -> Costs:
+        """(rows, cols) what the costs would be if the other robots were not there."""
+        layers = [layer for layer in self._layers if layer is not self._robots]
+        alone = LayeredCostmap(self._grid, layers, self.costs.shape, self._track_unknown_space)
+        alone.origin = self._layered.origin
+        alone.write((alone.window,))
+        return alone.costs
+
+    def _roll(self, x: float, y: float) -> None:
+        self._layered.roll(x, y)
+        self._obstacles.roll(self._layered.origin)
+
+
+def _corners(parameters: CostmapParameters, body: FloatArray) -> FloatArray:
+    if parameters.footprint:
+        return np.array(parameters.footprint)
+    if parameters.robot_radius is not None:
+        return of_radius(parameters.robot_radius)
+    return body
