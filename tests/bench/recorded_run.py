@@ -1,0 +1,75 @@
+"""A robot's tour of a map, as its filter would see it, with the truth beside: what localisers are compared on."""
+
+import struct
+from dataclasses import dataclass
+from pathlib import Path
+
+import numpy as np
+
+from sim.geometry import FloatArray
+from sim.navigator import Goal
+from sim.noise import Stream
+from sim.observations import Imu, LaserMount, Odometry, Scan
+from sim.parameters import LaserParameters, OdometryNoise, RobotParameters, WorldParameters
+from sim.sensors import mount_of
+from sim.team import Go, Team
+from thbridge.adapters.map_files import Map
+
+DEGRADED = WorldParameters(
+    odometry=OdometryNoise(linear_scale=1.05, angular_scale=1.10),
+    laser=LaserParameters(beams=541, range_max=10.0),
+)
+"""Wheels that report 5 % too much distance and 10 % too much turning, beside their noise."""
+
+
+@dataclass(frozen=True, slots=True)
+class Run:
+    """One tour.
+
+    Attributes:
+        mount: the laser.
+        observations: odometry, imu and scan of every tick that had a scan.
+        truth: (n, 3) of the base in the map, at each of them.
+    """
+
+    mount: LaserMount
+    observations: tuple[tuple[Odometry, Imu, Scan], ...]
+    truth: FloatArray
+
+
+def tour(place: Map, seed: int, rooms: int = 8, world: WorldParameters = DEGRADED) -> Run:
+    """Drive through so many rooms in an order that the seed draws; the driver knows the truth, its odometry is bad."""
+    order = np.argsort(Stream.named(seed, "tour").uniforms(0, len(place.rooms)))[:rooms]
+    robot = RobotParameters(localization="truth")
+    team = Team(place.grid, world, [robot], place.starts[:1], seed, 1e9)
+    observations, truth = [], []
+    for number, room in enumerate(order):
+        inputs = [Go(0, Goal(number, place.rooms[room].goal))]
+        while True:
+            output = team.step(inputs).robots[0]
+            inputs = []
+            seen = output.observations
+            if seen.scan is not None:
+                observations.append((seen.odometry, seen.imu, seen.scan))
+                truth.append(output.estimate.base_in_map.array())
+            if output.navigation.result is not None:
+                break
+    return Run(mount_of(world.laser), tuple(observations), np.array(truth))
+
+
+def write_for_peer(run: Run, place: Map, folder: Path) -> tuple[Path, Path]:
+    """The map and the run as amcl_peer.cpp reads them."""
+    grid, mount = place.grid, run.mount
+    drawn, log = folder / "map", folder / "log"
+    head = struct.pack("<ii3d", grid.rows, grid.cols, grid.resolution, grid.origin.x, grid.origin.y)
+    drawn.write_bytes(head + grid.cells.tobytes())
+    laser = mount.laser_in_base
+    parts = [
+        struct.pack("<i", mount.beams),
+        struct.pack("<3d", mount.angle_min, mount.angle_increment, mount.range_max),
+        struct.pack("<3d", laser.x, laser.y, laser.theta),
+    ]
+    for odometry, _, scan in run.observations:
+        parts += [odometry.base_in_odom.array().astype("<f8").tobytes(), scan.ranges.astype("<f4").tobytes()]
+    log.write_bytes(b"".join(parts))
+    return drawn, log
