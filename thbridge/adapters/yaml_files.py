@@ -41,6 +41,8 @@ LARGEST_FILE = 1 << 20
 """Bytes; a file that people write is some thousand."""
 DEEPEST = 32
 """Levels of nesting."""
+LARGEST_TREE = 100_000
+"""Values that a file may have once its aliases are followed."""
 
 Metadata = Mapping[str, object]
 NO_METADATA: Metadata = {}
@@ -48,11 +50,12 @@ NO_METADATA: Metadata = {}
 
 @dataclass(frozen=True, slots=True)
 class Scalar:
-    """A word, number or text; `plain` when it stands without quotes."""
+    """A word, number or text; `plain` when it stands without quotes, `tag` what stands before it (`!degrees`)."""
 
     text: str
     plain: bool
     line: int
+    tag: str | None = None
 
     @property
     def absent(self) -> bool:
@@ -126,8 +129,13 @@ def read_text(path: Path, largest: int = LARGEST_FILE) -> str:
         raise BadFile(path, line, None, problem, "Save the file with the encoding UTF-8") from None
 
 
-def parse(path: Path, text: str) -> Node:
+def parse(path: Path, text: str, ros: bool = False) -> Node:
     """The tree of one YAML document; an empty text is an empty section.
+
+    Args:
+        path: the file, for faults.
+        text: what it says.
+        ros: accept what files written for ROS may have: aliases, each as the tree of its anchor, and tags of scalars.
 
     Raises:
         BadFile: it is not YAML, or uses what a plain list of settings does not need: anchors, tags, several documents.
@@ -136,6 +144,7 @@ def parse(path: Path, text: str) -> Node:
     root: list[Node] = []
     stack: list[Listing | Section] = []
     pending_keys: list[Scalar | None] = []
+    anchors = _Anchors(path)
     documents = 0
     try:
         for event in YAML(typ="safe", pure=True).parse(text):
@@ -145,10 +154,13 @@ def parse(path: Path, text: str) -> Node:
                     line = event.start_mark.line + 1
                     raise BadFile(path, line, "---", "a second document begins", "Keep one document in a file")
             elif isinstance(event, (MappingEndEvent, SequenceEndEvent)):
-                stack.pop()
+                anchors.close(stack.pop())
                 pending_keys.pop()
             elif isinstance(event, NodeEvent):
-                node = _node(path, event)
+                alias = ros and isinstance(event, AliasEvent)
+                node = anchors.node_of(event) if alias else _node(path, event, ros)
+                if not alias:
+                    anchors.open(event, node)
                 if not stack:
                     root.append(node)
                 elif isinstance(stack[-1], Listing):
@@ -163,7 +175,7 @@ def parse(path: Path, text: str) -> Node:
                     pending_keys[-1] = node
                 else:
                     raise BadFile(path, node.line, None, "a list or section stands as a key", "Write a word as the key")
-                if not isinstance(node, Scalar):
+                if not isinstance(node, Scalar) and not alias:
                     stack.append(node)
                     pending_keys.append(None)
                 if len(stack) > DEEPEST:
@@ -202,16 +214,50 @@ def _refuse_tabs(path: Path, text: str) -> None:
             raise BadFile(path, number, None, "a tab in the indentation", "Indent with blanks")
 
 
-def _node(path: Path, event: NodeEvent) -> Node:
+class _Anchors:
+    """The anchors of a document, and how large it has become by their aliases."""
+
+    def __init__(self, path: Path) -> None:
+        self._path = path
+        self._nodes: dict[str, tuple[Node, int]] = {}
+        self._open: list[tuple[Node, str | None, int]] = []
+        self._count = 0
+
+    def open(self, event: NodeEvent, node: Node) -> None:
+        """A node begins; a scalar is also complete."""
+        self._count += 1
+        self._open.append((node, None if event.anchor is None else str(event.anchor), self._count))
+        if isinstance(node, Scalar):
+            self.close(node)
+
+    def close(self, node: Node) -> None:
+        """The node that was opened last is complete."""
+        _, anchor, before = self._open.pop()
+        if anchor is not None:
+            self._nodes[anchor] = node, self._count - before + 1
+
+    def node_of(self, event: NodeEvent) -> Node:
+        """The node that an alias stands for. Raises BadFile: there is none, or too many of them."""
+        line, name = event.start_mark.line + 1, str(event.anchor)
+        if name not in self._nodes:
+            raise BadFile(self._path, line, name, "an alias (*) of nothing before it", "Write the value out")
+        node, size = self._nodes[name]
+        self._count += size
+        if self._count > LARGEST_TREE:
+            raise BadFile(self._path, line, name, f"more than {LARGEST_TREE} values by aliases (*)", "Write less")
+        return node
+
+
+def _node(path: Path, event: NodeEvent, ros: bool) -> Node:
     line = event.start_mark.line + 1
-    if isinstance(event, AliasEvent) or event.anchor is not None:
+    if not ros and (isinstance(event, AliasEvent) or event.anchor is not None):
         raise BadFile(path, line, str(event.anchor), "an anchor or alias (& or *)", "Write the value out, or quote it")
     if not isinstance(event, (ScalarEvent, MappingStartEvent, SequenceStartEvent)):
         raise TypeError(f"an event of YAML that is no node: {event!r}")
-    if event.tag is not None:
+    if event.tag is not None and not (ros and isinstance(event, ScalarEvent)):
         raise BadFile(path, line, str(event.tag), "a tag (!)", "Write the plain value, or quote it")
     if isinstance(event, ScalarEvent):
-        return Scalar(event.value, event.style is None, line)
+        return Scalar(event.value, event.style is None, line, None if event.tag is None else str(event.tag))
     return Section(line, []) if isinstance(event, MappingStartEvent) else Listing(line, [])
 
 
