@@ -12,7 +12,7 @@ import re
 from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from pathlib import Path
-from typing import TYPE_CHECKING, TypeVar, cast, get_type_hints
+from typing import TYPE_CHECKING, Never, TypeVar, cast, get_type_hints
 
 from sim.parameters import RobotParameters
 from thbridge.adapters.errors import BadFile, BadFiles
@@ -140,9 +140,12 @@ class _Cleaner:
                 written: dict[str, Entry] = {}
                 for key, child in self.merged(entries):
                     name, inner = self.unfolded(key, self.node(child))
-                    if name.text in written:
-                        before = written[name.text][0].line
-                        told = f"{name.text} stands twice, first in line {before}; the later holds, as in ROS."
+                    before, known = written.get(name.text, (name, None))
+                    if isinstance(inner, Section) and isinstance(known, Section) and "/" in key.text.strip("/"):
+                        known.entries.extend(inner.entries)
+                        continue
+                    if known is not None:
+                        told = f"{name.text} stands twice, first in line {before.line}; the later holds, as in ROS"
                         self.notices.append(f"{self.path}, line {name.line}: {told}")
                     written[name.text] = name, inner
                 return Section(line, list(written.values()))
@@ -227,7 +230,10 @@ class _Router:
                 parts.setdefault(key.text, []).extend(child.entries)
             else:
                 whole.append((key, child))
-        for section, entries in self.homes(flat).items():
+        homes = self.homes(flat)
+        # A section that nobody knows is told as such.
+        whole += homes.pop("", [])
+        for section, entries in homes.items():
             parts.setdefault(section, []).extend(entries)
         for section, entries in parts.items():
             kept = list(self.read_by_ros(section, entries))
@@ -236,14 +242,21 @@ class _Router:
             whole.append((Scalar(section, plain=True, line=line), Section(line, shaped)))
         return Section(tree.line, whole)
 
-    def homes(self, flat: list[Entry]) -> Mapping[str, list[Entry]]:
-        """Parameters that stand alone, by the section that most of them belong to or else the first that knows them."""
+    def homes(self, flat: list[Entry]) -> dict[str, list[Entry]]:
+        """Parameters that stand alone, by the section that most of them belong to or else another that knows them.
+
+        Sections that none knows stand under an empty name.
+        """
         homes: dict[str, list[Entry]] = {}
         known = {section: self.names_of(section, flat) for section in SECTIONS}
         scores = {section: sum(_likeness(key.text, names) for key, _ in flat) for section, names in known.items()}
         ranked = sorted(SECTIONS, key=lambda section: -scores[section])
         for key, child in flat:
-            home = next((section for section in ranked if key.text in known[section]), ranked[0])
+            home = next((section for section in ranked if key.text in known[section]), None)
+            if home is None and isinstance(child, Section):
+                homes.setdefault("", []).append((key, child))
+                continue
+            home = home or ranked[0]
             for section in COSTMAPS if home in COSTMAPS else (home,):
                 homes.setdefault(section, []).append((key, child))
         return homes
@@ -273,7 +286,7 @@ class _Router:
                 self.notices.append(f"{self.path}, line {key.line}: {told}")
 
     def layer_of(self, name: str) -> str | None:
-        return self.layers.get(name) or (name if name in LAYERS else _layer_like(name))
+        return self.layers[name] if name in self.layers else _layer_like(name)
 
     def costmap(self, section: str, entries: list[Entry]) -> list[Entry]:
         """A costmap with its layers under our names, and without `plugins`."""
@@ -368,10 +381,10 @@ def _with_layers(value: RobotParameters, listed: Mapping[str, set[str]]) -> Robo
     """Layers that a costmap's `plugins` leaves out do not count in it."""
     for section, layers in listed.items():
         costmap = cast("DataclassInstance", getattr(value, section))
-        missing = {
-            layer: dataclasses.replace(cast("DataclassInstance", getattr(costmap, layer)), enabled=False)
-            for layer in LAYERS
-            if layer not in layers
-        }
-        value = dataclasses.replace(value, **{section: dataclasses.replace(costmap, **missing)})
+        off = {layer: _replaced(getattr(costmap, layer), {"enabled": False}) for layer in LAYERS if layer not in layers}
+        value = cast(RobotParameters, _replaced(value, {section: _replaced(costmap, off)}))
     return value
+
+
+def _replaced(section: "DataclassInstance", changes: Mapping[str, object]) -> "DataclassInstance":
+    return dataclasses.replace(section, **cast(Mapping[str, Never], changes))
