@@ -77,3 +77,20 @@ def test_bad_input_is_told_and_ends_with_2(folder: Path, options: list[str], tol
     done = run(folder, *options)
     assert done.exit_code == 2
     assert told in done.stderr
+
+
+def test_parameters_of_a_real_robot(folder: Path, tmp_path: Path) -> None:
+    """The filter does as they say: with update_min_d at half a metre it is updated half as often."""
+    sparse = tmp_path / "amcl.yaml"
+    sparse.write_text("update_min_d: 0.5\nmin_particles: 200\n")
+    often = json.loads(run(folder, *start(), "--json").stdout)["updates"]
+    seldom = json.loads(run(folder, *start(), "--json", "--params", str(sparse)).stdout)["updates"]
+    assert 1 < seldom < 0.7 * often
+
+
+def test_a_wrong_parameter_is_told_with_its_place(folder: Path, tmp_path: Path) -> None:
+    wrong = tmp_path / "amcl.yaml"
+    wrong.write_text("max_particles: 900\nupdate_min_dd: 0.5\n")
+    done = run(folder, *start(), "--params", str(wrong))
+    assert done.exit_code == 2
+    assert "line 2, amcl.update_min_dd: unknown key. The nearest right name is update_min_d" in done.stderr

@@ -438,7 +438,7 @@ class _Reader:
                 meaning = ros_only_of(into)[name.text]
                 self.notices.append(f"{self.path}, line {name.line}: {place} has no effect here: {meaning}")
                 continue
-            if name.text == listed or name.text in named:
+            if (listed and name.text == listed) or name.text in named:
                 self.lines[place] = name.line
                 continue
             if name.text not in known:
@@ -453,7 +453,7 @@ class _Reader:
             else:
                 own = knob.default if defaults is None else cast(object, getattr(defaults, knob.name))
                 values[name.text] = self.field(child, hint, knob, place, own)
-        if listed in first_lines or any(name in first_lines for name in named):
+        if listed and (listed in first_lines or any(name in first_lines for name in named)):
             values[listed] = self.named_sections(node, listed, named, get_args(hints[listed])[0], key)
         missing = [knob for knob in known.values() if _required(knob) and knob.name not in first_lines]
         for knob in missing:

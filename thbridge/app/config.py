@@ -16,8 +16,21 @@ from typing import TYPE_CHECKING, Never, cast, get_type_hints
 from sim.observations import TICKS_PER_SECOND
 from sim.parameters import RobotParameters, WorldParameters, knob
 from thbridge.adapters.errors import BadFile, BadFiles
+from thbridge.adapters.ros_yaml import read_ros_parameters
 from thbridge.adapters.text_server import DEFAULT_PORT
-from thbridge.adapters.yaml_files import Loaded, allowed, load_tree, parse, quoted, read_text, sections_named_in
+from thbridge.adapters.yaml_files import (
+    Listing,
+    Loaded,
+    Node,
+    Scalar,
+    Section,
+    allowed,
+    load_tree,
+    parse,
+    quoted,
+    read_text,
+    sections_named_in,
+)
 from thbridge.app.noise import HOMES, NoiseSection, applied, preset, preset_in, value_at, view_of, with_value
 from thbridge.study.bots import BotStrategy
 from thbridge.wire.canonical import Dialect
@@ -101,9 +114,12 @@ class Study:
 
 @dataclass(frozen=True, slots=True)
 class StudyFile(Study):
-    """A study as people write it: noise and what is believed of it also have a section of their own."""
+    """A study as people write it: noise also has a section of its own, and software may come from files of ROS."""
 
     noise: NoiseSection = knob(NoiseSection(), "how sensors err, and what the robots' software believes of it")
+    ros_parameters: tuple[Path, ...] = knob(
+        (), "ROS's YAML files (amcl.yaml, costmap_common_params.yaml, ...) for the software; the section robot wins"
+    )
 
     @classmethod
     def of(cls, study: Study) -> "StudyFile":
@@ -139,12 +155,21 @@ def _load(path: Path, text: str) -> Loaded[Study]:
     tree = parse(path, text)
     standard = Study()
     start = applied(preset(preset_in(tree), view_of(standard)), standard)
+    ros = read_ros_parameters(_ros_files(path, tree), start.robot)
+    start = dataclasses.replace(start, robot=ros.value)
     written = load_tree(path, tree, StudyFile, StudyFile.of(start))
-    loaded = Loaded(path, _gathered(written), written.lines, written.notices)
+    loaded = Loaded(path, _gathered(written), written.lines, ros.notices + written.notices)
     faults = (*_told_twice(written), *_contradictions(loaded))
     if faults:
         raise BadFiles(faults)
     return loaded
+
+
+def _ros_files(path: Path, tree: Node) -> list[Path]:
+    """The files of ROS that a study names; they are needed before the rest of it can be read."""
+    entries = tree.entries if isinstance(tree, Section) else []
+    lists = [child.items for key, child in entries if key.text == "ros_parameters" and isinstance(child, Listing)]
+    return [path.parent / item.text for items in lists for item in items if isinstance(item, Scalar)]
 
 
 def _gathered(written: Loaded[StudyFile]) -> Study:

@@ -16,7 +16,8 @@ from sim.geometry import Pose2
 from sim.parameters import RobotParameters, WorldParameters, knob
 from sim.world import Misplaced
 from thbridge.adapters.map_files import read_grid
-from thbridge.adapters.yaml_files import load
+from thbridge.adapters.ros_yaml import read_ros_parameters
+from thbridge.adapters.yaml_files import Section, load_tree, parse, read_text
 from thbridge.offline.drive import Errand, Outcome
 from thbridge.offline.drive import drive as driven
 from ui.options import AsJson, announce_compiling
@@ -65,7 +66,8 @@ def drive(
         str | None, typer.Option(help="Corners of the body, `[[0.3, 0.2], [-0.3, 0.2], ...]`, metres.")
     ] = None,
     params: Annotated[
-        Path | None, typer.Option(help="YAML file with the sections `world` and `robot` of a study.")
+        list[Path] | None,
+        typer.Option(help="ROS YAML file, or one with sections `world` and `robot` of a study; may be repeated."),
     ] = None,
     seed: Annotated[int, typer.Option(help="Same seed, same drive.", min=0, max=2**31 - 1)] = 1,
     as_json: AsJson = False,
@@ -76,7 +78,7 @@ def drive(
             fail(BAD_INPUT, f"{option}: not a finite number. Write metres, radians, seconds.")
     with bad_input():
         grid = read_grid(map_yaml)
-        given = Parameters() if params is None else load(params, Parameters).value
+        given = _given(params or [])
     world = given.world if footprint is None else dataclasses.replace(given.world, footprint=_corners(footprint))
     announce_compiling()
     errand = Errand(Pose2(*start), Pose2(*goal, goal_yaw or 0.0), goal_yaw is None, timeout)
@@ -92,6 +94,26 @@ def drive(
         f"{result.seconds:.1f} s, {result.distance:.2f} m, at least {result.min_clearance:.3f} m from walls,"
         f" {'collided' if result.collided else 'no collision'}"
     )
+
+
+def _given(files: list[Path]) -> Parameters:
+    """What the files say; those of ROS first, so that sections of a study win, as in a study."""
+    ours = {file: _is_ours(file) for file in files}
+    ros = read_ros_parameters([file for file in files if not ours[file]], RobotParameters())
+    given, notices = Parameters(robot=ros.value), ros.notices
+    for file in files:
+        if ours[file]:
+            loaded = load_tree(file, parse(file, read_text(file)), Parameters, given)
+            given, notices = loaded.value, notices + loaded.notices
+    for notice in notices:
+        note(notice)
+    return given
+
+
+def _is_ours(file: Path) -> bool:
+    """Whether a file has sections of a study, and not parameters of ROS."""
+    tree = parse(file, read_text(file), ros=True)
+    return isinstance(tree, Section) and any(key.text in {"world", "robot"} for key, _ in tree.entries)
 
 
 def _corners(text: str) -> Polygon:

@@ -1,5 +1,6 @@
 """`thbridge localize`: where was the robot, by any bag with scans and odometry."""
 
+import dataclasses
 import time
 from pathlib import Path
 from typing import Annotated
@@ -11,10 +12,10 @@ from rich.progress import BarColumn, Progress, TextColumn, TimeRemainingColumn
 from sim.geometry import Pose2, wrap_angle
 from sim.grid import OccupancyGrid
 from sim.localization.amcl import Amcl
-from sim.parameters import AmclParameters
+from sim.parameters import AmclParameters, RobotParameters
 from thbridge.adapters.errors import BadFile
 from thbridge.adapters.map_files import read_grid
-from thbridge.adapters.yaml_files import Loaded, load
+from thbridge.adapters.ros_yaml import read_ros_parameters
 from thbridge.hunt.outcomes import Refused
 from thbridge.offline.localize import Localized, localize, warm_up
 from thbridge.offline.recording import Recording, open_recording
@@ -32,7 +33,7 @@ def localize_command(
     bag: Annotated[Path, typer.Argument(help="A ROS 1 bag with scans and odometry.")],
     map_yaml: Annotated[Path, typer.Option("--map", help="The map, a map_server YAML file.")],
     params: Annotated[
-        Path | None, typer.Option(help="amcl's parameters, a ROS YAML file; by default ROS's own.")
+        list[Path] | None, typer.Option(help="ROS YAML file with amcl's parameters; may be repeated.")
     ] = None,
     scan_topic: Annotated[str, typer.Option(help="Topic of the scans (sensor_msgs/LaserScan).")] = "/scan",
     odom_topic: Annotated[
@@ -56,8 +57,9 @@ def localize_command(
             "--initial-pose, --global: just one of the two is needed. Write --initial-pose X Y YAW or --global.",
         )
     with bad_input():
-        given = Loaded(Path(), AmclParameters(), {}) if params is None else load(params, AmclParameters)
-        parameters = given.value
+        # What the files leave out is as in ROS, not as in our hunts.
+        given = read_ros_parameters(params or [], dataclasses.replace(RobotParameters(), amcl=AmclParameters()))
+        parameters = given.value.amcl
         grid = read_grid(map_yaml)
         seat = None if laser_pose is None else _pose(laser_pose)
         recording = open_recording(bag, scan_topic, odom_topic, seat)

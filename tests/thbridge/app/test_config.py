@@ -340,3 +340,28 @@ def test_worlds_and_robots_are_the_simulators_own() -> None:
     study = Study()
     assert isinstance(study.world, WorldParameters)
     assert isinstance(study.robot, RobotParameters)
+
+
+def test_software_may_come_from_files_of_ros(tmp_path: Path) -> None:
+    """Before the study's own section, and into the study that a bag holds."""
+    (tmp_path / "ros").mkdir()
+    (tmp_path / "ros" / "amcl.yaml").write_text("max_particles: 700\nkld_err: 0.02\n")
+    study_file = tmp_path / "study.yaml"
+    study_file.write_text("ros_parameters: [ros/amcl.yaml]\nrobot: {amcl: {kld_err: 0.03}}\n")
+    study = read_study(study_file)
+    assert (study.robot.amcl.max_particles, study.robot.amcl.kld_err) == (700, 0.03)
+    assert read_study_text(tmp_path / "elsewhere" / "study.yaml", resolved(study)) == study
+
+
+def test_a_fault_in_a_file_of_ros_is_told_there(tmp_path: Path) -> None:
+    (tmp_path / "amcl.yaml").write_text("max_particles: 700\nkld_er: 0.02\n")
+    (tmp_path / "study.yaml").write_text("ros_parameters: [amcl.yaml]\n")
+    with pytest.raises(BadFile, match=r"amcl\.yaml, line 2, amcl\.kld_er: .*kld_err"):
+        read_study(tmp_path / "study.yaml")
+
+
+@pytest.mark.parametrize("written", ["amcl.yaml", "[[a]]", "{a: 1}", "[nowhere.yaml]"])
+def test_ros_parameters_that_name_no_files(tmp_path: Path, written: str) -> None:
+    (tmp_path / "study.yaml").write_text(f"ros_parameters: {written}\n")
+    with pytest.raises(BadFile):
+        read_study(tmp_path / "study.yaml")
