@@ -42,6 +42,11 @@ def side_by_side(polygons: Sequence[FloatArray]) -> Polygons:
     return Polygons(corners, ends, circles)
 
 
+def apart(polygons: Polygons) -> list[FloatArray]:
+    """The corners of each, (v, 2)."""
+    return np.split(polygons.corners, polygons.ends[1:-1]) if len(polygons.circles) else []
+
+
 NO_POLYGONS = side_by_side([])
 
 Clearance = NDArray[np.uint8]

@@ -1,19 +1,26 @@
 """The root: builds every part of a session from one study. Nothing else looks anything up."""
 
+from collections.abc import Iterator
 from dataclasses import dataclass, replace
 from importlib import metadata
 from pathlib import Path
 from platform import python_version
 
+import numpy as np
+
 from sim import noise
+from sim.costmap.footprint import radii
+from sim.floor import Floor
+from sim.geometry import Pose2
 from sim.sensors import mount_of
 from sim.team import Team
 from thbridge.adapters.bag_writer import Recorder
-from thbridge.adapters.errors import BadFile
+from thbridge.adapters.errors import BadFile, BadFiles
 from thbridge.adapters.map_files import Map, read_map
 from thbridge.adapters.resources import Resources, shipped
 from thbridge.adapters.template_files import MAP_TIMES, TemplateSet, read_map_times, read_template_set
 from thbridge.app.config import Study, resolved
+from thbridge.app.things import schedule_of
 from thbridge.dialogue.engine import Engine
 from thbridge.dialogue.protocols import TemplateProtocol
 from thbridge.dialogue.strategies import TemplateStrategy
@@ -52,7 +59,8 @@ class Setting:
         study = self.study
         starts = self.place.starts[: study.robots]
         software = [study.software(number) for number in range(1, study.robots + 1)]
-        return Team(self.place.grid, study.world, software, starts, study.seed, study.game.energy)
+        schedule = schedule_of(study.things, study.mishaps)
+        return Team(self.place.grid, study.world, software, starts, study.seed, study.game.energy, schedule)
 
     def simr(self) -> SimR:
         """The robots' role."""
@@ -128,7 +136,20 @@ def read_setting(study: Study, beside: Path, resources: Resources | None = None)
             f"there are start poses for {len(place.starts)} robots, but the study has {study.robots}",
             "add start poses or lower `robots` in the study",
         )
+    faults = tuple(_misplaced(study, place, resources.find("maps", study.map, beside) / "map.yaml"))
+    if faults:
+        raise BadFiles(faults)
     return Setting(study, place, templates, _costs(study, beside, place, folder))
+
+
+def _misplaced(study: Study, place: Map, map_yaml: Path) -> Iterator[BadFile]:
+    """Robots that the study would carry into walls or off the map."""
+    floor = Floor.of(place.grid, *radii(np.array(study.world.footprint)))
+    for index, mishap in enumerate(study.mishaps):
+        if mishap.to is not None and floor.clearance_at(Pose2(*mishap.to)) < floor.inscribed:
+            x, y, _ = mishap.to
+            problem = f"robot {mishap.robot} would be carried to ({x:g}, {y:g}), where it does not fit on this map"
+            yield BadFile(map_yaml, None, None, problem, f"mend mishaps[{index}].to in the study")
 
 
 def _costs(study: Study, beside: Path, place: Map, folder: Path) -> CostMatrix:

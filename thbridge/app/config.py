@@ -11,7 +11,7 @@ from collections.abc import Iterator, Mapping
 from dataclasses import dataclass
 from enum import StrEnum
 from pathlib import Path
-from typing import TYPE_CHECKING, Never, cast, get_type_hints
+from typing import TYPE_CHECKING, Never, cast, get_args, get_origin, get_type_hints
 
 from sim.observations import TICKS_PER_SECOND
 from sim.parameters import RobotParameters, WorldParameters, knob
@@ -32,6 +32,7 @@ from thbridge.adapters.yaml_files import (
     sections_named_in,
 )
 from thbridge.app.noise import HOMES, NoiseSection, applied, preset, preset_in, value_at, view_of, with_value
+from thbridge.app.things import MishapEntry, ThingEntry, faults_of_mishaps, faults_of_things
 from thbridge.study.bots import BotStrategy
 from thbridge.wire.canonical import Dialect
 
@@ -106,6 +107,9 @@ class Study:
         default_factory=dict,
         metadata={"help": "robots whose software differs, by number: {2: {localization: ekf}}", "like": "robot"},
     )
+
+    things: tuple[ThingEntry, ...] = knob((), "bodies in the way that no map shows: each is a line - {key: value, ...}")
+    mishaps: tuple[MishapEntry, ...] = knob((), "what befalls robots: each is a line - {key: value, ...}")
 
     def software(self, number: int) -> RobotParameters:
         """The software of the robot with this number, counted from 1."""
@@ -215,6 +219,8 @@ def _contradictions(loaded: Loaded[Study]) -> Iterator[BadFile]:
             yield loaded.fault(f"each.{number}", problem, f"Write a number from 1 to {study.robots}, or raise robots")
         if software != study.robot:
             yield from _crossings(loaded, f"each.{number}", software)
+    yield from faults_of_things(loaded, study.things)
+    yield from faults_of_mishaps(loaded, study.mishaps, study.robots)
     if not _surrounds_origin(study.world.footprint):
         problem = "these corners do not surround the robot's centre (0, 0)"
         yield loaded.fault("world.footprint", problem, "Write three or more corners in turn around it")
@@ -277,13 +283,19 @@ def _lines(section: "DataclassInstance", key: str, commented: bool) -> Iterator[
         elif dataclasses.is_dataclass(value) and not isinstance(value, type):
             inner = _lines(value, place, commented)
             lines = [f"{knob_field.name}:", *(f"  {line}" if line else "" for line in inner)]
+        elif value and isinstance(value, tuple) and dataclasses.is_dataclass(value[0]):
+            lines = [f"{knob_field.name}:", *(f"  - {_written(item)}" for item in value)]
         else:
             lines = [f"{knob_field.name}: {_written(value)}"]
         if commented:
             words = allowed(hints[knob_field.name], knob_field.metadata)
             comment = f"# {knob_field.metadata['help']}" + (f" [{words}]" if words else "")
+            comments = [comment, *_keys_of_items(hints[knob_field.name])]
             # Numbers that were written would win over any preset that somebody then chooses.
-            lines = [comment, *(f"# {line}" if key == "noise" and place != "noise.preset" else line for line in lines)]
+            lines = [
+                *comments,
+                *(f"# {line}" if key == "noise" and place != "noise.preset" else line for line in lines),
+            ]
             if not key and len(lines) > 2:
                 lines.insert(0, "")
         yield from lines
@@ -322,6 +334,17 @@ def _differences(section: "DataclassInstance", like: "DataclassInstance") -> Ite
             yield f"{knob_field.name}: {_written(value)}"
 
 
+def _keys_of_items(hint: object) -> Iterator[str]:
+    """Comments about the keys of each item, where a list holds sections."""
+    item = get_args(hint)[0] if get_origin(hint) is tuple else None
+    if not (isinstance(item, type) and dataclasses.is_dataclass(item)):
+        return
+    hints = cast(Mapping[str, object], get_type_hints(item))
+    for knob_field in dataclasses.fields(item):
+        words = allowed(hints[knob_field.name], knob_field.metadata)
+        yield f"#   {knob_field.name}: {knob_field.metadata['help']}" + (f" [{words}]" if words else "")
+
+
 _SHOWN_ELSEWHERE = {"world.odometry", *HOMES.values()}
 """What the section `noise` shows."""
 
@@ -336,5 +359,12 @@ def _written(value: object) -> str:
         return repr(value)
     if isinstance(value, tuple):
         return f"[{', '.join(_written(item) for item in value)}]"
+    if dataclasses.is_dataclass(value) and not isinstance(value, type):
+        told = {
+            knob_field.name: cast(object, getattr(value, knob_field.name)) for knob_field in dataclasses.fields(value)
+        }
+        standard = {knob_field.name: cast(object, knob_field.default) for knob_field in dataclasses.fields(value)}
+        keys = (f"{name}: {_written(entry)}" for name, entry in told.items() if entry != standard[name])
+        return f"{{{', '.join(keys)}}}"
     text = str(value)
     return text if _WORD.fullmatch(text) and text.lower() not in _RESERVED else quoted(text)

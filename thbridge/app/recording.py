@@ -36,6 +36,8 @@ class BagWitness:
         self._recorder = recorder
         self._score: Score | None = None
         self._collisions: tuple[int, ...] = ()
+        self._things: tuple[str, ...] = ()
+        self._dead: frozenset[int] = frozenset()
 
     def saw(self, moment: Moment) -> None:
         """Write down one tick; raises what the recorder raises."""
@@ -51,6 +53,7 @@ class BagWitness:
             yield _utterance(utterance)
         if moment.snapshot is not None:
             yield from self._touches(moment.snapshot)
+            yield from self._incidents(moment.snapshot)
         score = None if moment.game is None else _score(moment.game)
         if score is not None and score != self._score:
             self._score = score
@@ -64,6 +67,19 @@ class BagWitness:
             if count > (before[robot] if before else 0):
                 text = json.dumps({"event": "collision", "robot": robot, "count": count})
                 yield GameEvent("collision", robot, None, text)
+
+    def _incidents(self, snapshot: TeamSnapshot) -> Iterator[GameEvent]:
+        """Things that came or went, robots that died or revived."""
+        things = tuple(presence.thing.name for presence in snapshot.world.things if presence.appeared)
+        before, self._things = self._things, things
+        for kind, names, others in (("appeared", things, before), ("vanished", before, things)):
+            for name in names:
+                if name not in others:
+                    yield GameEvent(kind, None, None, json.dumps({"event": kind, "thing": name}))
+        dead, self._dead = self._dead, snapshot.dead
+        for kind, robots in (("died", self._dead - dead), ("revived", dead - self._dead)):
+            for robot in sorted(robots):
+                yield GameEvent(kind, robot, None, json.dumps({"event": kind, "robot": robot}))
 
 
 def _lines(forwarded: Forwarded) -> Iterator[Record]:

@@ -39,6 +39,9 @@ SUBSCRIPTION = 10 * TICKS_PER_SECOND
 PATIENCE = TICKS_PER_SECOND
 """Ticks that a `%%goto` waits for a keeper; when none was ever heard, it is obeyed as in 2016."""
 
+SILENCE = 5 * TICKS_PER_SECOND
+"""Ticks after which a robot that says nothing any more is taken for dead, and its move has failed."""
+
 HAND_TICKS = TICKS_PER_SECOND // 2
 """Ticks that one `%%move` drives."""
 
@@ -262,6 +265,11 @@ class SimR:
                 self._ways[robot] = way = replace(
                     way, length=max(way.length, navigation.remaining), remaining=navigation.remaining
                 )
+            if snapshot.tick - output.observations.tick >= SILENCE:
+                del self._ways[robot]
+                silent = f"Robot {robot + 1} does not answer any more."
+                self._results[robot] = MoveResult(way.order.move, False, silent, way.share())
+                continue
             result = navigation.result
             if result is None or result.goal.id != way.order.move:
                 continue

@@ -17,6 +17,7 @@ GAME_EVENTS = "/hunt/events"
 SCORE = "/hunt/score"
 UTTERANCES = "/dialogue/utterances"
 INPUTS = "/inputs"
+THINGS = "/things"
 
 
 @dataclass(frozen=True, slots=True)

@@ -29,6 +29,7 @@ _POSE = Struct("<7d")
 _TWIST = Struct("<6d")
 _LASER = Struct("<7f")
 _BATTERY = Struct("<7f4B")
+_MARKER = Struct("<3i7d3d4f2iB")
 _GRID_META = Struct("<IIfII")
 _GAME_EVENT = Struct("<ii")
 _SCORE = Struct("<iII")
@@ -37,6 +38,14 @@ _INT64 = Struct("<q")
 
 _POWER_SUPPLY_UNKNOWN = 0
 _POWER_SUPPLY_STATUS_DISCHARGING = 2
+
+_ADD = 0
+_DELETEALL = 3
+_LINE_STRIP = 4
+"""Of visualization_msgs/Marker."""
+_LINE_WIDTH = 0.05
+_LINE_COLOUR = (0.9, 0.4, 0.0, 1.0)
+"""Metres; red, green, blue, opacity."""
 
 SUCCEEDED = 3
 ABORTED = 4
@@ -196,6 +205,43 @@ def occupancy_grid(tick: int, frame: str, grid: OccupancyGrid) -> bytes:
     """nav_msgs/OccupancyGrid."""
     return b"".join(
         (header(tick, frame), map_meta_data(tick, grid), _UINT32.pack(grid.cells.size), grid.cells.tobytes())
+    )
+
+
+def outlines(tick: int, frame: str, bodies: Iterable[tuple[str, FloatArray]]) -> bytes:
+    """visualization_msgs/MarkerArray with the outlines of bodies; it takes all earlier ones away.
+
+    Args:
+        tick: when the bodies were so.
+        frame: theirs.
+        bodies: name, and (v, 2) corners in turn.
+    """
+    parts = [_marker(tick, frame, _DELETEALL, 0, "", np.empty((0, 2)))]
+    for number, (name, corners) in enumerate(bodies):
+        parts.append(_marker(tick, frame, _ADD, number, name, np.vstack((corners, corners[:1]))))
+    return _UINT32.pack(len(parts)) + b"".join(parts)
+
+
+def _marker(tick: int, frame: str, action: int, number: int, name: str, line: FloatArray) -> bytes:
+    """visualization_msgs/Marker: a line strip; its namespace and text are the body's name."""
+    points = np.zeros((len(line), 3))
+    points[:, :2] = line
+    at_origin = (0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 1.0)
+    for_ever, unlocked, none = (0, 0), 0, _UINT32.pack(0)
+    return b"".join(
+        (
+            header(tick, frame),
+            string(name),
+            _MARKER.pack(
+                number, _LINE_STRIP, action, *at_origin, _LINE_WIDTH, 0.0, 0.0, *_LINE_COLOUR, *for_ever, unlocked
+            ),
+            _UINT32.pack(len(points)),
+            points.astype("<f8", copy=False).tobytes(),
+            none,  # colours of single points
+            string(name),
+            none,  # mesh
+            bytes((0,)),
+        )
     )
 
 

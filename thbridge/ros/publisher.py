@@ -7,6 +7,7 @@ from typing import NamedTuple, assert_never
 
 import numpy as np
 
+from sim.bodies import NO_POLYGONS, apart
 from sim.geometry import FloatArray, Pose2
 from sim.grid import OccupancyGrid
 from sim.navigator import Arrived, Cancelled, Goal, Navigation, NoPath
@@ -31,6 +32,9 @@ from thbridge.ros.stamps import stamp_ns
 
 COMMAND_PERIOD = 5
 """Ticks after which an unchanged command is said again while a goal is under way: 10 Hz, base drivers time out."""
+
+THINGS_PERIOD = 5
+"""Ticks from one word about things that walk to the next: 10 Hz."""
 
 UNMEASURED = 1e6
 """Variance by which ROS drivers say that a robot of the plane measures no z, roll and pitch."""
@@ -67,6 +71,7 @@ GAME_EVENTS = Topic(names.GAME_EVENTS, types.GAME_EVENT)
 SCORE = Topic(names.SCORE, types.SCORE, latched=True)
 UTTERANCES = Topic(names.UTTERANCES, types.UTTERANCE)
 INPUTS = Topic(names.INPUTS, types.INPUT)
+THINGS = Topic(names.THINGS, types.MARKER_ARRAY, latched=True)
 
 
 @dataclass(frozen=True, slots=True)
@@ -115,6 +120,8 @@ class Publisher:
     def __init__(self, robots: int, mount: LaserMount, scan_period: float) -> None:
         self._laser_in_base = mount.laser_in_base
         self._robots = [_RobotPublisher(robot, scan_period) for robot in range(robots)]
+        self._bodies = NO_POLYGONS
+        self._bodies_tick = 0
 
     def opening(self, tick: int, session: Session, grid: OccupancyGrid) -> list[Message]:
         """What is said once, before all else: session, frames that never move, the map. All of it is latched."""
@@ -146,15 +153,30 @@ class Publisher:
             x, y, theta = snapshot.world.poses[index].tolist()
             linear, angular = snapshot.world.twists[index].tolist()
             command = Twist(*snapshot.commands[index].tolist())
-            said = robot.tick(snapshot.tick, Pose2(x, y, theta), Twist(linear, angular), command, output)
+            said_by = output if index not in snapshot.dead else None
+            said = robot.tick(snapshot.tick, Pose2(x, y, theta), Twist(linear, angular), command, said_by)
             messages.extend(Message(topic, stamp, data) for topic, data in said)
+        messages.extend(Message(topic, stamp, data) for topic, data in self._things(snapshot))
         messages.extend(Message(topic, stamp, data) for topic, data in self._records(snapshot.tick, records))
         return messages
 
     def _moving_frames(self, snapshot: TeamSnapshot) -> Iterator[Transform]:
-        for robot, output in zip(self._robots, snapshot.robots, strict=True):
+        for index, (robot, output) in enumerate(zip(self._robots, snapshot.robots, strict=True)):
+            if index in snapshot.dead:
+                continue
             yield Transform(MAP_FRAME, robot.odom, output.estimate.odom_in_map)
             yield Transform(robot.odom, robot.base_footprint, output.observations.odometry.base_in_odom)
+
+    def _things(self, snapshot: TeamSnapshot) -> Iterator[tuple[Topic, bytes]]:
+        """All things, whenever one came, went or walked."""
+        bodies = snapshot.world.bodies
+        walks_only = len(bodies.circles) == len(self._bodies.circles)
+        if bodies is self._bodies or (walks_only and snapshot.tick - self._bodies_tick < THINGS_PERIOD):
+            return
+        self._bodies, self._bodies_tick = bodies, snapshot.tick
+        things = [presence.thing.name for presence in snapshot.world.things if presence.appeared]
+        outlines = zip(things, apart(bodies), strict=True)
+        yield THINGS, pack.outlines(snapshot.tick, MAP_FRAME, outlines)
 
     def _records(self, tick: int, records: Iterable[Record]) -> Iterator[tuple[Topic, bytes]]:
         for record in records:
@@ -196,9 +218,13 @@ class _RobotPublisher:
         self._plan: FloatArray = np.empty((0, 3))
 
     def tick(
-        self, tick: int, truth: Pose2, twist: Twist, command: Twist, output: RobotOutput
+        self, tick: int, truth: Pose2, twist: Twist, command: Twist, output: RobotOutput | None
     ) -> Iterator[tuple[Topic, bytes]]:
         topics = self.topics
+        true_pose = pack.odometry(tick, MAP_FRAME, self.base_footprint, truth, twist)
+        if output is None:  # of a dead robot only the truth is known
+            yield topics.base_pose_ground_truth, true_pose
+            return
         observations, estimate = output.observations, output.estimate
         sensed = observations.odometry
         yield (
@@ -207,7 +233,7 @@ class _RobotPublisher:
                 tick, self.odom, self.base_footprint, sensed.base_in_odom, sensed.twist, _ODOM_POSE, _ODOM_TWIST
             ),
         )
-        yield topics.base_pose_ground_truth, pack.odometry(tick, MAP_FRAME, self.base_footprint, truth, twist)
+        yield topics.base_pose_ground_truth, true_pose
         if observations.scan is not None:
             yield topics.scan, pack.laser_scan(observations.scan, self.names.base_laser, self._scan_period)
         if estimate.updated:

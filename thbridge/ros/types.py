@@ -19,6 +19,7 @@ POSE_WITH_COVARIANCE = "geometry_msgs/PoseWithCovarianceStamped"
 POSE_ARRAY = "geometry_msgs/PoseArray"
 TWIST = "geometry_msgs/Twist"
 STRING = "std_msgs/String"
+MARKER_ARRAY = "visualization_msgs/MarkerArray"
 MOVE_BASE_GOAL = "move_base_msgs/MoveBaseActionGoal"
 MOVE_BASE_RESULT = "move_base_msgs/MoveBaseActionResult"
 SESSION = "thbridge_msgs/Session"
@@ -39,6 +40,7 @@ STANDARD_TYPES = (
     POSE_ARRAY,
     TWIST,
     STRING,
+    MARKER_ARRAY,
     MOVE_BASE_GOAL,
     MOVE_BASE_RESULT,
 )

@@ -8,8 +8,9 @@ import pytest
 
 from thbridge.app.compose import Setting, read_setting
 from thbridge.app.config import Study
+from thbridge.app.things import Mishap, MishapEntry
 from thbridge.roles.notices import KEEPER, Order, Orders, RobotsReady, Status, Subscribe, Whereabouts, heard, tell
-from thbridge.roles.simr import PATIENCE, STREAM_PERIOD, SUBSCRIPTION, SimR
+from thbridge.roles.simr import PATIENCE, SILENCE, STREAM_PERIOD, SUBSCRIPTION, SimR
 from thbridge.wire import canonical, legacy
 from thbridge.wire.notice import Notice, parse_notice
 from thbridge.wire.text import Message
@@ -140,3 +141,13 @@ def test_whereabouts_go_to_those_who_asked_for_as_long_as_they_ask(driver):
     told = len(driver.levels(Whereabouts))
     driver.run(50)
     assert len(driver.levels(Whereabouts)) == told
+
+
+def test_the_move_of_a_robot_that_died_fails_with_its_reason(setting):
+    mishap = MishapEntry(robot=1, what=Mishap.DIES, time=1.0)
+    driver = Driver(replace(setting, study=replace(setting.study, mishaps=(mishap,))).simr())
+    driver.run(60, orders(1, Order(1, 2), None))
+    assert driver.levels(Status)[-1].results[0] is None
+    driver.run(SILENCE)
+    result = driver.levels(Status)[-1].results[0]
+    assert (result.arrived, result.sentence) == (False, "Robot 1 does not answer any more.")

@@ -250,3 +250,32 @@ def test_cut_messages_are_value_errors(data: st.DataObject) -> None:
     needed = 40 if read is not unpack.session else len(sample) - 1
     with pytest.raises(ValueError):
         read(sample[: data.draw(st.integers(0, min(needed, len(sample) - 1)))])
+
+
+@given(TICKS, FRAMES, st.lists(st.tuples(TEXTS, st.lists(st.tuples(REALS, REALS), min_size=3, max_size=9)), max_size=4))
+def test_outlines(tick: int, frame: str, bodies: list[tuple[str, list[tuple[float, float]]]]) -> None:
+    data = pack.outlines(tick, frame, [(name, np.array(corners)) for name, corners in bodies])
+
+    def marker(action: int, number: int, name: str, line: list[tuple[float, float]]) -> object:
+        return message(
+            "visualization_msgs/Marker",
+            ros_header(tick, frame),
+            name,
+            number,
+            4,
+            action,
+            ros_pose(Pose2(0.0, 0.0, 0.0)),
+            message("geometry_msgs/Vector3", 0.05, 0.0, 0.0),
+            message("std_msgs/ColorRGBA", np.float32(0.9), np.float32(0.4), 0.0, 1.0),
+            message("builtin_interfaces/Duration", 0, 0),
+            False,
+            [message("geometry_msgs/Point", x, y, 0.0) for x, y in line],
+            [],
+            name,
+            "",
+            False,
+        )
+
+    outlines = [marker(0, i, name, [*corners, corners[0]]) for i, (name, corners) in enumerate(bodies)]
+    array = message("visualization_msgs/MarkerArray", [marker(3, 0, "", []), *outlines])
+    assert data == serialised("visualization_msgs/MarkerArray", array)

@@ -8,6 +8,7 @@ import pytest
 from sim.geometry import Pose2
 from sim.navigator import Cancelled, Goal
 from sim.team import TeamSnapshot
+from sim.things import Presence, Thing, polygons_of
 from tests.thbridge.ros.drive import LEG, MOUNT, SCAN_PERIOD, SESSION, arena, records, snapshots
 from thbridge.ros import unpack
 from thbridge.ros.names import RobotNames
@@ -131,3 +132,34 @@ def test_a_team_of_another_size_is_refused() -> None:
 
 def _with(snapshot: TeamSnapshot, **changes: object) -> TeamSnapshot:
     return replace(snapshot, robots=(replace(snapshot.robots[0], **changes),))
+
+
+def crate(x: float) -> Presence:
+    return Presence(Thing("crate", ((0.1, 0.1), (-0.1, 0.1), (0.0, -0.1)), Pose2(x, 2.0, 0.0)), appeared=True)
+
+
+def test_things_are_said_when_they_come_and_go_and_at_ten_hertz_when_they_walk() -> None:
+    publisher = Publisher(1, MOUNT, SCAN_PERIOD)
+    said = []
+    for snapshot in snapshots(1, 40):
+        things = (crate(1.0 + 0.01 * snapshot.tick),) if snapshot.tick in range(10, 31) else ()
+        world = replace(snapshot.world, things=things, bodies=polygons_of(things))
+        topics = [message.topic.name for message in publisher.tick(replace(snapshot, world=world))]
+        if "/things" in topics:
+            said.append(snapshot.tick)
+    assert said == [10, 15, 20, 25, 30, 31]
+
+
+def test_without_things_nothing_is_said_of_them() -> None:
+    assert "/things" not in {message.topic.name for message in published(2, 100)}
+
+
+def test_of_a_dead_robot_only_the_truth_is_said() -> None:
+    (snapshot,) = snapshots(2, 1, first=100)
+    messages = Publisher(2, MOUNT, SCAN_PERIOD).tick(replace(snapshot, dead=frozenset({1})))
+    of_second = [message.topic.name for message in messages if message.topic.name.startswith("/robot2")]
+    assert of_second == ["/robot2/base_pose_ground_truth"]
+    assert {transform.child for _, transform in unpack.transforms(messages[0].data)} == {
+        "robot1/odom",
+        "robot1/base_footprint",
+    }

@@ -1,0 +1,38 @@
+import json
+from dataclasses import replace
+
+from sim.geometry import Pose2
+from sim.things import Presence, Thing
+from tests.thbridge.ros.drive import snapshots
+from thbridge.app.recording import BagWitness
+from thbridge.app.session import Moment
+from thbridge.ros.records import GameEvent
+
+CRATE = Presence(Thing("crate", ((0.1, 0.1), (-0.1, 0.1), (0.0, -0.1)), Pose2(1.0, 2.0, 0.0)))
+
+
+class Tape:
+    """A recorder that remembers."""
+
+    def __init__(self):
+        self.records = []
+
+    def record(self, snapshot, records):
+        self.records += records
+
+
+def test_what_befalls_robots_and_things_is_an_event():
+    tape = Tape()
+    witness = BagWitness(tape)
+    (snapshot,) = snapshots(2, 1)
+    for things, dead in (((CRATE,), ()), ((replace(CRATE, appeared=True),), (1,)), ((), (1,)), ((), ())):
+        world = replace(snapshot.world, things=things)
+        snapshot = replace(snapshot, world=world, dead=frozenset(dead))
+        witness.saw(Moment(1, snapshot, (), (), (), None))
+    assert all(isinstance(record, GameEvent) for record in tape.records)
+    assert [json.loads(record.json) for record in tape.records] == [
+        {"event": "appeared", "thing": "crate"},
+        {"event": "died", "robot": 1},
+        {"event": "vanished", "thing": "crate"},
+        {"event": "revived", "robot": 1},
+    ]
