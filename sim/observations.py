@@ -4,6 +4,7 @@ Everything is stamped with a tick: the count of physics steps since the session 
 """
 
 from dataclasses import dataclass
+from typing import NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
@@ -85,6 +86,18 @@ class Battery:
     capacity: float
 
 
+class Claim(NamedTuple):
+    """Whose wish it is that others clear the way; the lesser one counts more.
+
+    Attributes:
+        since: tick at which that robot took up its goal: who has waited longer is served first, so nobody starves.
+        robot: its index.
+    """
+
+    since: int
+    robot: int
+
+
 @dataclass(frozen=True, slots=True)
 class Neighbour:
     """What a robot tells the others about itself: heard one tick later.
@@ -97,6 +110,7 @@ class Neighbour:
         path: (m, 2) map points it is heading along, its own place first; empty when it stands.
         times: (m,) when it means to be there: the order in which robots pass a place (`sim.planning.itinerary`).
             Empty beside a path that is only wished for: others stand in the way and are asked to clear it.
+        claim: beside a path that is only wished for, in whose name.
     """
 
     robot: int
@@ -105,6 +119,7 @@ class Neighbour:
     footprint: FloatArray
     path: FloatArray
     times: FloatArray
+    claim: Claim | None = None
 
 
 @dataclass(frozen=True, slots=True)

@@ -50,7 +50,7 @@ class Robot:
         odometry = observations.odometry
         estimate = self.localizer.update(odometry, observations.imu, observations.scan)
         navigation = self.navigator.step(
-            observations.tick, estimate.base_in_map, odometry.twist, observations.scan, neighbours
+            observations.tick, estimate.base_in_map, odometry.twist, observations.scan, neighbours, estimate.lost
         )
         neighbour = Neighbour(
             self.number,
@@ -59,5 +59,6 @@ class Robot:
             self._footprint,
             navigation.plan[:, :2],
             navigation.times,
+            navigation.claim,
         )
         return RobotOutput(observations, estimate, navigation, neighbour)

@@ -16,7 +16,7 @@ import numpy as np
 from numba import njit
 from numpy.typing import NDArray
 
-from sim.costmap.costs import CostFrame
+from sim.costmap.costs import LETHAL, CostFrame, Costs
 from sim.costmap.footprint import circumscribed_radius
 from sim.geometry import FloatArray, Pose2
 from sim.observations import Neighbour
@@ -28,6 +28,8 @@ NEIGHBOUR_MARGIN = 0.14
 TURNING_MARGIN = 0.08
 LATENCY = 0.02
 """Seconds from a decision to the moment it acts."""
+NEARBY = 1.5
+"""Metres from a robot within which it looks out for obstacles that its laser has seen."""
 EARSHOT = 2.0
 """Metres between footprints beyond which a neighbour does not matter."""
 
@@ -172,6 +174,38 @@ def wall_clearance(
         high = (1.0 - right) * clearance[row + 1, col] + right * clearance[row + 1, col + 1]
         least = min(least, (1.0 - up) * low + up * high)
     return least
+
+
+@njit(cache=True)
+def beside_obstacles(
+    clearance: NDArray[np.float32], marks: Costs, frame: CostFrame, x: float, y: float
+) -> tuple[NDArray[np.float32], CostFrame]:
+    """The clearance around a robot, with the obstacles that its laser has seen for walls.
+
+    Args:
+        clearance: (rows, cols) metres to the nearest wall.
+        marks: (rows, cols) LETHAL where an obstacle was seen.
+        frame: where these cells lie.
+        x: of the robot in the map; so y.
+
+    Returns:
+        A window of the clearance, exact up to WALL_MARGIN, and where it lies.
+    """
+    cells = math.ceil(NEARBY / frame.resolution)
+    row, col = math.floor((y - frame.y) / frame.resolution), math.floor((x - frame.x) / frame.resolution)
+    low, left = max(0, row - cells), max(0, col - cells)
+    high, right = min(clearance.shape[0], row + cells + 1), min(clearance.shape[1], col + cells + 1)
+    near = clearance[low:high, left:right].copy()
+    span = math.ceil(WALL_MARGIN / frame.resolution) + 1
+    for r in range(low, high):
+        for c in range(left, right):
+            if marks[r, c] != LETHAL:
+                continue
+            for i in range(max(low, r - span), min(high, r + span + 1)):
+                for j in range(max(left, c - span), min(right, c + span + 1)):
+                    away = np.float32(max(0.0, (math.hypot(i - r, j - c) - 0.5) * frame.resolution))
+                    near[i - low, j - left] = min(near[i - low, j - left], away)
+    return near, CostFrame(frame.x + left * frame.resolution, frame.y + low * frame.resolution, frame.resolution)
 
 
 @njit(cache=True)

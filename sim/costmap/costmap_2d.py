@@ -7,7 +7,7 @@ from collections.abc import Sequence
 
 import numpy as np
 
-from sim.costmap.costs import CostFrame, Costs, Window
+from sim.costmap.costs import LETHAL, CostFrame, Costs, Window
 from sim.costmap.footprint import of_radius, pad, radii
 from sim.costmap.inflation import InflationLayer
 from sim.costmap.layered import Layer, LayeredCostmap
@@ -99,6 +99,15 @@ class Costmap2D:
     def clear(self) -> None:
         """Forget what the laser has seen (move_base's clear_costmap_recovery)."""
         self._obstacles.clear()
+
+    def clear_outside(self, x: float, y: float, side: float) -> None:
+        """Forget what the laser has seen outside a square of this side around a map point."""
+        self._obstacles.clear_outside(x, y, side)
+
+    @property
+    def any_marks(self) -> bool:
+        """Whether the laser has seen anything that stands."""
+        return bool((self._obstacles.marks == LETHAL).any())
 
     def update(self, x: float, y: float) -> tuple[Window, ...]:
         """Bring the costs up to date for a robot at this map point.

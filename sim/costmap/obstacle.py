@@ -293,6 +293,20 @@ class ObstacleLayer:
         self._marks[:] = self._default
         self._changes.add(self.window)
 
+    def clear_outside(self, x: float, y: float, side: float) -> None:
+        """Forget what was seen outside a square of this side around a map point (clear_costmap_recovery)."""
+        low, high = (
+            math.floor((y - self._grid.origin.y + half) / self._grid.resolution) for half in (-side / 2, side / 2)
+        )
+        left, right = (
+            math.floor((x - self._grid.origin.x + half) / self._grid.resolution) for half in (-side / 2, side / 2)
+        )
+        inside = Window(low, left, high + 1, right + 1).clipped(self.window)
+        kept = None if inside.empty else inside.of(self._marks, self._origin).copy()
+        self.clear()
+        if kept is not None:
+            inside.of(self._marks, self._origin)[:] = kept
+
     def bounds(self) -> tuple[Window, ...]:
         """What was marked or cleared since the last time."""
         return self._changes.take()

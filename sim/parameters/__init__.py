@@ -21,7 +21,7 @@ from sim.parameters.fake_localization import FakeLocalizationParameters
 from sim.parameters.global_planners import NavfnParameters
 from sim.parameters.knobs import knob
 from sim.parameters.local_planners import TrajectoryPlannerParameters
-from sim.parameters.move_base import MoveBaseParameters
+from sim.parameters.move_base import MoveBaseParameters, RecoveryBehavior
 from sim.parameters.robot import RobotParameters
 from sim.parameters.world import LaserParameters, OdometryNoise, WorldParameters
 
@@ -39,6 +39,7 @@ __all__ = [
     "ObservationSource",
     "ObstacleParameters",
     "OdometryNoise",
+    "RecoveryBehavior",
     "RobotParameters",
     "RobotsParameters",
     "StaticParameters",

@@ -66,4 +66,8 @@ class RobotParameters:
     )
     NavfnROS: NavfnParameters = knob(NavfnParameters(), "global planner")
     TrajectoryPlannerROS: TrajectoryPlannerParameters = knob(TrajectoryPlannerParameters(), "local planner")
-    move_base: MoveBaseParameters = knob(MoveBaseParameters(), "navigator")
+    move_base: MoveBaseParameters = knob(
+        # As often as the laser sweeps; and robots among robots must notice by themselves that they come nowhere.
+        MoveBaseParameters(controller_frequency=10.0, oscillation_timeout=10.0),
+        "navigator",
+    )

@@ -7,7 +7,15 @@ import numpy as np
 
 from sim.geometry import FloatArray
 
-RefusalCode = Literal["goal_occupied", "goal_outside", "start_occupied", "start_outside", "no_way", "robots_in_the_way"]
+RefusalCode = Literal[
+    "goal_occupied",
+    "goal_outside",
+    "start_occupied",
+    "start_outside",
+    "no_way",
+    "robots_in_the_way",
+    "blocked_by_obstacle",
+]
 
 
 @dataclass(frozen=True, slots=True)

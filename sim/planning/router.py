@@ -1,9 +1,11 @@
 """One robot's choice of way: over the map, and among the others."""
 
+import math
 from collections.abc import Sequence
 from dataclasses import dataclass
 
 import numpy as np
+from numba import njit
 
 from sim.costmap.costmap_2d import Costmap2D
 from sim.costmap.costs import LETHAL, CostFrame, Costs, cost_at
@@ -57,6 +59,7 @@ class Router:
         self._frame = CostFrame(static.origin.x, static.origin.y, static.resolution)
         self._allow_unknown = allow_unknown
         self.costmap = costmap
+        self._walls = costmap.without_robots()
         circumscribed = costmap.circumscribed_radius
         self.separation = 2 * circumscribed + GAP
         self.separation_driven = 2 * circumscribed + GAP_DRIVEN
@@ -92,8 +95,22 @@ class Router:
                 return among
         alone = navfn.plan(walls, self._frame, start, goal, self._allow_unknown)
         if isinstance(alone, Refused):
-            return alone
+            return self._why(alone, start, goal)
         return Blocked(thinned(alone.poses[:, :2], SPACING))
+
+    def _why(self, refused: Refused, start: Pose2, goal: Pose2) -> Refused:
+        """The refusal itself, unless it is for obstacles seen: the map alone would have a way."""
+        if not self.costmap.any_marks:
+            return refused
+        bare = navfn.plan(self._walls, self._frame, start, goal, self._allow_unknown)
+        if isinstance(bare, Refused):
+            return bare
+        return Refused("blocked_by_obstacle", "an obstacle that is not on the map blocks the way")
+
+    def obstructed(self, points: FloatArray) -> bool:
+        """Whether an obstacle seen lies on (m, 2) points of a way."""
+        radius = self.costmap.inscribed_radius - self._frame.resolution
+        return self.costmap.any_marks and bool(_touched(points, self.costmap.marks, self._frame, radius))
 
     def refuge(self, start: Pose2, wish: FloatArray, time: float, others: Others) -> Itinerary | None:
         """A way out of another robot's way; None when there is none.
@@ -121,7 +138,21 @@ class Router:
     def _rooms(self) -> tuple[BoolArray, Costs]:
         """Which coarse cells are free of walls and obstacles, and the costs without the other robots."""
         walls = self.costmap.without_robots()
-        if not (self.costmap.marks == LETHAL).any():
+        if not self.costmap.any_marks:
             return self._roadmap.free, walls
         near = walls[self._cells[:, 0], self._cells[:, 1]].reshape(self._roadmap.free.shape)
         return self._roadmap.free & (near <= self._too_near), walls
+
+
+@njit(cache=True)
+def _touched(points: FloatArray, marks: Costs, frame: CostFrame, radius: float) -> bool:
+    """Whether a marked cell's centre is within `radius` of any of (m, 2) points."""
+    span = int(radius / frame.resolution) + 1
+    for k in range(points.shape[0]):
+        row = math.floor((points[k, 1] - frame.y) / frame.resolution)
+        col = math.floor((points[k, 0] - frame.x) / frame.resolution)
+        for r in range(max(0, row - span), min(marks.shape[0], row + span + 1)):
+            for c in range(max(0, col - span), min(marks.shape[1], col + span + 1)):
+                if marks[r, c] == LETHAL and math.hypot(r - row, c - col) * frame.resolution < radius:
+                    return True
+    return False

@@ -105,7 +105,7 @@ class Rig:
             if self.said[i].result:
                 self.results[i].append(self.said[i].result)
         self.heard = [
-            Neighbour(i, self.poses[i], self.twists[i], STUDY, said.plan[:, :2], said.times)
+            Neighbour(i, self.poses[i], self.twists[i], STUDY, said.plan[:, :2], said.times, said.claim)
             for i, said in enumerate(self.said)
         ]
 

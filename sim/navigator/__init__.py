@@ -1,0 +1,17 @@
+"""move_base: from a goal to commands."""
+
+from sim.navigator.goals import Arrived, Cancelled, Goal, NoPath, Result
+from sim.navigator.move_base import NEARER, STALEMATE, Navigation, Navigator, NavigatorState
+
+__all__ = [
+    "NEARER",
+    "STALEMATE",
+    "Arrived",
+    "Cancelled",
+    "Goal",
+    "Navigation",
+    "Navigator",
+    "NavigatorState",
+    "NoPath",
+    "Result",
+]

@@ -1,0 +1,311 @@
+"""Following an itinerary: from where the robot is to the next command.
+
+The path ahead goes to the local planner as far as the right of way and the obstacles seen allow.
+"""
+
+import math
+from collections.abc import Sequence
+
+import numpy as np
+from numba import njit
+from numpy.typing import NDArray
+
+from sim.control.braking import LATENCY, Surroundings, beside_obstacles, surroundings
+from sim.control.trajectory_rollout import Drive, TrajectoryRollout
+from sim.costmap.costmap_2d import Costmap2D
+from sim.costmap.costs import INSCRIBED, CostFrame, Costs
+from sim.geometry import FloatArray, Pose2, wrap_angle
+from sim.grid import OccupancyGrid
+from sim.observations import STANDSTILL, TICK, TICKS_PER_SECOND, Neighbour, Twist
+from sim.parameters import RobotParameters
+from sim.planning.itinerary import Itinerary, heard, reached, right_of_way
+from sim.planning.path import headings
+from sim.planning.router import Router
+
+LOOK_AHEAD = 1.75
+"""Metres of path given to the local planner at most."""
+RIM = 0.25
+"""Metres from it to the local costmap's rim, toward which the robot drives until the next update."""
+HALT = 0.12
+"""Metres before a point that may not be passed at which a robot waits."""
+TURNS_BACK = 0.06
+"""Metres that a way comes nearer again before it counts as turning back."""
+YIELD_TIME = 0.5
+"""Seconds from such a point, at least, from which a robot slows down."""
+ESCAPE = 0.12
+"""Metres that a robot backs up where no command leads on."""
+STUCK = 2.0
+"""Seconds that a robot may be held up, other than by right of way, before it plans anew."""
+QUEUE = 20.0
+"""Seconds that it may be held up by right of way before it plans anew."""
+
+NOWHERE: FloatArray = np.empty((0, 3))
+NO_TIMES: FloatArray = np.empty(0)
+
+
+class Follower:
+    """Follows one itinerary after the other.
+
+    Args:
+        parameters: of this robot's software.
+        static: the map.
+        clearance: (rows, cols) metres from each of its cells to the nearest wall.
+        costmap: the local one.
+        marks: (rows, cols) of the map: LETHAL where the laser has seen an obstacle; others change it.
+        separation: metres between robots' centres by right of way.
+        robot: its index in the team.
+
+    Attributes:
+        control_ticks: from one command to the next.
+        valid: the last tick with a valid command, or with a good reason to wait.
+        way: the itinerary; None without one.
+        arrived: whether the robot stands at its end.
+        waiting: whether it waits for its right of way.
+        others_bar: whether others keep it from going farther.
+        local_plan: (k, 3) map poses the last command would lead through.
+        ahead: (m, 3) poses still to be passed, the (m,) times told with them, and how many metres they are.
+    """
+
+    def __init__(
+        self,
+        parameters: RobotParameters,
+        static: OccupancyGrid,
+        clearance: NDArray[np.float32],
+        costmap: Costmap2D,
+        marks: Costs,
+        separation: float,
+        robot: int,
+    ) -> None:
+        self._planner = parameters.TrajectoryPlannerROS
+        self._costmap = costmap
+        self._clearance = clearance
+        self._marks = marks
+        self._frame = CostFrame(static.origin.x, static.origin.y, static.resolution)
+        self._separation = separation
+        self._robot = robot
+        local = parameters.local_costmap
+        self._width = max(local.width, local.height)
+        self._reach = min(LOOK_AHEAD, min(costmap.costs.shape) / 2 * static.resolution - RIM)
+        self.control_ticks = max(1, round(TICKS_PER_SECOND / parameters.move_base.controller_frequency))
+        self._costmap_ticks = max(1, round(TICKS_PER_SECOND / local.update_frequency))
+        self._hold = self.control_ticks * TICK + LATENCY
+        self._rollout = TrajectoryRollout(
+            self._planner,
+            costmap.footprint,
+            costmap.costs.shape,
+            self._hold,
+            local.inflation_layer.cost_scaling_factor,
+            local.inflation_layer.inflation_radius,
+        )
+        self.valid = 0
+        self.drop()
+
+    def restart(self, tick: int) -> None:
+        """Begin with another goal."""
+        self.valid = tick
+
+    def drop(self) -> None:
+        """Stand, and follow nothing."""
+        self.way: Itinerary | None = None
+        self.arrived = False
+        self.waiting = False
+        self.others_bar = False
+        self.local_plan = NOWHERE
+        self.ahead = (NOWHERE, NO_TIMES, 0.0)
+        self._poses = NOWHERE
+        self._left = NO_TIMES
+        self._index = 0
+        self._turns_at_end = False
+        self._at_end = False
+        self._escaping_from: Pose2 | None = None
+
+    def follow(self, tick: int, way: Itinerary, heading: float, turns_at_end: bool) -> None:
+        """Follow an itinerary from now on.
+
+        Args:
+            tick: which one.
+            way: the itinerary; its first point is where the robot is.
+            heading: to be told as that of its last point.
+            turns_at_end: whether the robot has to turn to it there.
+        """
+        self.drop()
+        self.way = way
+        self._poses = headings(way.points, heading)
+        steps = np.hypot(*np.diff(way.points, axis=0).T)
+        self._left = np.append(np.cumsum(steps[::-1])[::-1], 0.0)
+        self._turns_at_end = turns_at_end
+        self._pass(way, 0)
+        self._progress, self._free = tick, tick - 1
+        self._rollout.reset()
+
+    def _pass(self, way: Itinerary, index: int) -> None:
+        """Have reached this point of the way."""
+        self._index = index
+        self.ahead = (self._poses[index:], way.times[index:], float(self._left[index]))
+
+    @property
+    def time(self) -> float:
+        """The time of the point of the way that has been reached."""
+        return float(self.way.times[self._index]) if self.way is not None else -math.inf
+
+    @property
+    def remaining(self) -> float:
+        """Metres of the way that are left."""
+        return self.ahead[2]
+
+    def held_up(self, tick: int) -> bool:
+        """Whether the way has led on no more for too long."""
+        patience = STUCK if self._progress <= self._free else QUEUE
+        return tick - self._progress > patience * TICKS_PER_SECOND
+
+    def obstructed(self, router: Router) -> bool:
+        """Whether an obstacle seen lies on the way ahead."""
+        return router.obstructed(self.ahead[0][:, :2])
+
+    def step(self, tick: int, pose: Pose2, twist: Twist, neighbours: Sequence[Neighbour]) -> Twist:
+        """The command that leads on; `arrived` and `waiting` tell how things stand.
+
+        Args:
+            tick: which one; a command is due.
+            pose: where the robot believes it is.
+            twist: how it moves.
+            neighbours: what the others said last.
+        """
+        self.local_plan, self.waiting = NOWHERE, False
+        way = self.way
+        if way is None:
+            return STANDSTILL
+        if (tick - self._robot) % self._costmap_ticks < self.control_ticks or self._progress == tick:
+            self._update_costmap(pose, neighbours)
+        index = int(reached(way.points, self._index, pose.x, pose.y))
+        if index > self._index:
+            self._pass(way, index)
+            self._progress = tick
+        drive = self._drive(tick, pose, twist, way, neighbours)
+        if drive is None:
+            return STANDSTILL
+        if not drive.stuck:
+            self.valid = tick
+        self.local_plan = drive.local_plan
+        return drive.command
+
+    def look_around(self, pose: Pose2, twist: Twist, neighbours: Sequence[Neighbour]) -> Drive:
+        """Turn in place (rotate_recovery)."""
+        return self._rollout.turn(pose, twist, pose.theta + 0.5 * math.pi, self._around(pose, neighbours))
+
+    def _update_costmap(self, pose: Pose2, neighbours: Sequence[Neighbour]) -> None:
+        reach = self._width
+        self._costmap.see(
+            [
+                other
+                for other in neighbours
+                if abs(other.base_in_map.x - pose.x) < reach and abs(other.base_in_map.y - pose.y) < reach
+            ]
+        )
+        self._costmap.update(pose.x, pose.y)
+
+    def _around(self, pose: Pose2, neighbours: Sequence[Neighbour]) -> Surroundings:
+        clearance, frame = beside_obstacles(self._clearance, self._marks, self._frame, pose.x, pose.y)
+        return surroundings(
+            clearance, frame, self._costmap.footprint, pose, neighbours, self._planner.acc_lim_x, self._hold
+        )
+
+    def _drive(
+        self, tick: int, pose: Pose2, twist: Twist, way: Itinerary, neighbours: Sequence[Neighbour]
+    ) -> Drive | None:
+        planner = self._planner
+        around = self._around(pose, neighbours)
+        end_x, end_y, end_heading = self._poses[-1]
+        off = math.hypot(end_x - pose.x, end_y - pose.y)
+        if self._left[self._index] < 3 * planner.xy_goal_tolerance and off <= planner.xy_goal_tolerance:
+            self._at_end = True
+        elif not planner.latch_xy_goal_tolerance:
+            self._at_end = False
+        if self._escaping_from is not None:
+            return self._escape(self._escaping_from, pose, twist, around)
+        if self._at_end:
+            return self._finish(tick, pose, twist, float(end_heading), around)
+        last = int(np.searchsorted(-self._left, self._reach - self._left[self._index], side="right")) - 1
+        last = max(self._index, last)
+        allowed, barred = right_of_way(
+            way.points, way.times, self._index, last, pose.x, pose.y, heard(neighbours), self._separation
+        )
+        self.others_bar = allowed < last
+        path, slow_down = self._stretch(pose, way, int(allowed), allowed < last)
+        if path is None:
+            self.waiting = allowed < last and not barred
+            if self.waiting:
+                self.valid = tick
+            else:
+                self._free = tick
+            return None
+        drive = self._rollout.follow(pose, twist, self._costmap.costs, self._costmap.frame, path, slow_down, around)
+        if drive.stuck:
+            self._free = tick
+            self._escaping_from = pose
+            return self._escape(pose, pose, twist, around)
+        if drive.command.linear == 0.0 and drive.command.angular != 0.0:
+            # Turning to the way is progress that no point of the way shows.
+            self._progress = tick
+        return drive
+
+    def _escape(self, begun: Pose2, pose: Pose2, twist: Twist, around: Surroundings) -> Drive:
+        """Back up a little from where no command led on, then turn to the way."""
+        drive = self._rollout.back_up(pose, twist, around)
+        if drive.stuck or begun.distance(pose) > ESCAPE:
+            self._escaping_from = None
+            self._rollout.turn_first()
+        return drive
+
+    def _finish(self, tick: int, pose: Pose2, twist: Twist, heading: float, around: Surroundings) -> Drive | None:
+        """At the end of the way: stop, turn to its heading if need be, be there."""
+        standing = abs(twist.linear) < 0.05 and abs(twist.angular) < 0.1
+        off = abs(wrap_angle(heading - pose.theta))
+        if not self._turns_at_end or off <= self._planner.yaw_goal_tolerance:
+            self.arrived = standing
+            return None
+        self._progress = tick
+        return self._rollout.turn(pose, twist, heading, around)
+
+    def _stretch(self, pose: Pose2, way: Itinerary, allowed: int, yields: bool) -> tuple[FloatArray | None, float]:
+        """The part of the way to drive along now, and how early to slow down; None where the robot has to wait."""
+        points = way.points[self._index : allowed + 1]
+        count, stopped, turns = _drivable(points, self._costmap.costs, self._costmap.frame, pose.x, pose.y)
+        points = points[:count]
+        yields = stopped or (yields and not turns)
+        if len(points) == 0 or (yields and math.hypot(points[-1, 0] - pose.x, points[-1, 1] - pose.y) < HALT):
+            return None, 0.0
+        ends = not yields and self._index + len(points) == len(way.points)
+        slow_down = self._planner.sim_time if ends else YIELD_TIME if yields else 0.1
+        return points, slow_down
+
+
+@njit(cache=True)
+def _drivable(points: FloatArray, costs: Costs, frame: CostFrame, x: float, y: float) -> tuple[int, bool, bool]:
+    """How many of (m, 2) points a robot at (x, y) may be led along at once.
+
+    Where the way turns back, to a place to wait and on again, it first leads to the turning point; and it ends before
+    the first point, HALT away or more, that lies in an obstacle's inscribed radius or off the costmap.
+
+    Returns:
+        How many; whether an obstacle ends them; whether a turning point does.
+    """
+    farthest = 0.0
+    end, turns = points.shape[0], False
+    top = 0
+    for i in range(points.shape[0]):
+        away = math.hypot(points[i, 0] - x, points[i, 1] - y)
+        if away > farthest or i == 0:
+            farthest, top = away, i
+        if away < farthest - TURNS_BACK:
+            end, turns = top + 1, True
+            break
+    for i in range(end):
+        row = math.floor((points[i, 1] - frame.y) / frame.resolution)
+        col = math.floor((points[i, 0] - frame.x) / frame.resolution)
+        inside = row >= 0 and col >= 0 and row < costs.shape[0] and col < costs.shape[1]
+        if inside and costs[row, col] < INSCRIBED:
+            continue
+        if math.hypot(points[i, 0] - x, points[i, 1] - y) > HALT:
+            return i, True, turns
+    return end, False, turns

@@ -1,0 +1,418 @@
+"""The states of move_base, from a goal to commands.
+
+A goal is planned for (`sim.planning.router`), followed as far as the right of way reaches (`sim.navigator.follower`),
+and ends Arrived, NoPath or Cancelled. Where robots that stand leave no way, the robot tells the path it wishes for;
+those of them that rest, or whose goals are younger, move aside. An obstacle seen on the way is planned around at once;
+where it leaves no way, the robot waits, then tries the recovery behaviours. Whatever the cause, a goal whose way left
+has not become shorter for STALEMATE seconds is given up: every goal ends in bounded time.
+
+Source: ros-planning/navigation, move_base/src/move_base.cpp.
+Differs: plans and commands are made in the tick that is due, without threads; robots take turns in planning. A goal
+that the map alone makes impossible is given up without recovery. A robot that waits for its right of way neither
+oscillates nor is out of valid commands.
+"""
+
+import math
+from collections import deque
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass
+from typing import Literal
+
+import numpy as np
+
+from sim.costmap.costmap_2d import Costmap2D
+from sim.costmap.footprint import circumscribed_radius
+from sim.geometry import FloatArray, Pose2
+from sim.grid import OccupancyGrid, distance_field
+from sim.navigator.follower import NO_TIMES, NOWHERE, Follower
+from sim.navigator.goals import Arrived, Cancelled, Goal, NoPath, Result
+from sim.navigator.recovery import Oscillation, Recovery
+from sim.navigator.silence import Silence
+from sim.observations import STANDSTILL, TICK, TICKS_PER_SECOND, Claim, Neighbour, Scan, Twist
+from sim.parameters import RobotParameters
+from sim.planning.itinerary import SPEED, Itinerary, Others, heard, resting_left_out, start_time
+from sim.planning.path import Refused, headings
+from sim.planning.router import Blocked, Router
+
+NavigatorState = Literal["idle", "planning", "controlling", "clearing"]
+
+
+@dataclass(frozen=True, slots=True)
+class Navigation:
+    """What a robot does about its goal in one tick.
+
+    Attributes:
+        command: the velocity it asks for.
+        goal: the one under way.
+        state: move_base's: "planning" waits for a plan, "controlling" follows it, "clearing" tries to get free.
+        plan: (m, 3) map poses still to be driven, the robot's own place first; empty without a goal. The path that
+            its neighbours hear.
+        times: (m,) the times that its neighbours hear with it; empty beside a plan that is only wished for.
+        local_plan: (k, 3) map poses the command would lead through.
+        result: how a goal ended in this very tick.
+        remaining: metres of the plan left.
+        claim: beside a plan that is only wished for, whose wish it is.
+    """
+
+    command: Twist
+    goal: Goal | None
+    state: NavigatorState
+    plan: FloatArray
+    times: FloatArray
+    local_plan: FloatArray
+    result: Result | None
+    remaining: float
+    claim: Claim | None = None
+
+
+RETRY = 0.5
+"""Seconds between attempts to plan."""
+PAUSE = 2.0
+"""The same for a robot that is held up."""
+WISHING = 60.0
+"""Seconds that a robot waits for others to clear its way."""
+STALEMATE = 120.0
+"""Seconds, beside those that its longest way takes, in which the way left must become shorter than ever, or the goal is
+given up: so every goal ends."""
+NEARER = 0.5
+"""Metres by which it must become so."""
+MAKING_WAY = 5.0
+"""Seconds that a robot that made way lets the other one plan first."""
+
+
+class Navigator:
+    """The navigator of one robot.
+
+    Args:
+        parameters: of this robot's software.
+        footprint: (n, 2) corners of its body, base frame, metres.
+        static: the map; its origin must not be turned.
+        robot: its index in the team.
+
+    Raises:
+        ValueError: the map's origin is turned.
+    """
+
+    def __init__(
+        self, parameters: RobotParameters, footprint: FloatArray, static: OccupancyGrid, robot: int = 0
+    ) -> None:
+        if static.origin.theta != 0.0:
+            raise ValueError("a robot cannot plan on a map whose origin is turned: set the yaw in `origin` to 0")
+        self._parameters = parameters.move_base
+        self._robot = robot
+        self._global = Costmap2D(parameters.global_costmap, footprint, static)
+        self._local = Costmap2D(parameters.local_costmap, footprint, static)
+        # Half a cell less: from an occupied cell's centre to its side.
+        clearance = np.maximum(distance_field(static, 2.0) - np.float32(0.5 * static.resolution), np.float32(0))
+        self._router = Router(
+            static,
+            clearance.astype(np.float64),
+            self._global,
+            parameters.global_costmap.inflation_layer,
+            parameters.NavfnROS.allow_unknown,
+        )
+        self._follower = Follower(
+            parameters, static, clearance, self._local, self._global.marks, self._router.separation_driven, robot
+        )
+        self._recovery = Recovery(self._parameters, self._global.circumscribed_radius)
+        self._oscillation = Oscillation(self._parameters.oscillation_timeout, self._parameters.oscillation_distance)
+        self._silence = Silence()
+        self._results: deque[Result] = deque()
+        self._goal: Goal | None = None
+        self._wish = NOWHERE
+        self._claim: Claim | None = None
+        self._tick = -1
+        self._command = STANDSTILL
+        self._making_way = False
+        self._restart_clocks(0)
+
+    def _restart_clocks(self, tick: int) -> None:
+        self._fresh = True
+        # In its first tick a robot has not heard the others yet, and would plan out of turn.
+        self._next_plan = tick + 1
+        self._began = tick
+        self._planned = tick
+        self._planning_since = tick
+        self._retries = 0
+        self._turn_left = 0.0
+        self._yielded = -math.inf
+        self._shortest = math.inf
+        self._shortest_tick = tick
+        self._longest = 0.0
+        self._recovery.restart()
+        self._oscillation.restart(tick)
+        self._follower.restart(tick)
+
+    @property
+    def global_costmap(self) -> Costmap2D:
+        """Costs over the whole map, for plans."""
+        return self._global
+
+    @property
+    def local_costmap(self) -> Costmap2D:
+        """Costs around the robot, for commands."""
+        return self._local
+
+    def go(self, goal: Goal) -> None:
+        """Take up a goal; the one under way ends Cancelled."""
+        self.cancel()
+        self._goal = goal
+        self._fresh = True
+
+    def cancel(self) -> None:
+        """Give up the goal under way, if any: it ends Cancelled, and the robot stops."""
+        if self._goal is not None:
+            self._end(Cancelled(self._goal))
+
+    def _end(self, result: Result) -> None:
+        self._results.append(result)
+        self._goal = None
+        self._drop()
+
+    def _drop(self) -> None:
+        """Stand, and follow nothing."""
+        self._wish, self._claim = NOWHERE, None
+        self._making_way = False
+        self._command = STANDSTILL
+        self._follower.drop()
+
+    def step(
+        self,
+        tick: int,
+        base_in_map: Pose2,
+        twist: Twist,
+        scan: Scan | None,
+        neighbours: Sequence[Neighbour],
+        lost: bool = False,
+    ) -> Navigation:
+        """One tick.
+
+        Args:
+            tick: which one.
+            base_in_map: where the robot believes it is.
+            twist: how it moves, by odometry.
+            scan: the laser's, where it was due.
+            neighbours: what the other robots said in the last tick.
+            lost: whether it had better not believe that: it stands until it knows.
+        """
+        if self._fresh or tick != self._tick + 1:
+            self._restart_clocks(tick)
+            self._fresh = False
+        self._tick = tick
+        self._silence.hear(tick, neighbours)
+        standing = self._silence.remembered(tick)
+        mates = [*neighbours, *standing]
+        if lost:
+            self._stay_lost(tick)
+            return self._told()
+        if scan is not None:
+            self._silence.look(base_in_map.compose(scan.mount.laser_in_base), scan)
+            if self._goal is not None or not self._parameters.shutdown_costmaps:
+                discs = _discs(mates)
+                for costmap in (self._global, self._local):
+                    costmap.observe(base_in_map, scan, discs)
+        # One and the same for all who speak, so that no two of them have their turn at once.
+        team = 1 + max(self._robot, max((neighbour.robot for neighbour in neighbours), default=0))
+        if (tick - self._robot) % team == 0 and tick >= self._next_plan and self._turn_left == 0.0:
+            self._choose_way(tick, base_in_map, mates)
+        if (tick - self._robot) % self._follower.control_ticks == 0:
+            bodies = [*neighbours, *self._silence.bodies()]
+            self._choose_command(tick, base_in_map, twist, bodies)
+        return self._told()
+
+    def _told(self) -> Navigation:
+        result = self._results.popleft() if self._results else None
+        follower = self._follower
+        state: NavigatorState = "planning"
+        if self._turn_left > 0.0:
+            state = "clearing"
+        elif follower.way is not None:
+            state = "controlling"
+        elif self._goal is None:
+            state = "idle"
+        plan, times, remaining = (self._wish, NO_TIMES, 0.0) if follower.way is None else follower.ahead
+        local_plan = follower.local_plan
+        return Navigation(self._command, self._goal, state, plan, times, local_plan, result, remaining, self._claim)
+
+    def _stay_lost(self, tick: int) -> None:
+        """Stand; a goal waits for the robot to know its place again, but not for ever."""
+        self._drop()
+        self._turn_left = 0.0
+        self._next_plan = tick + 2
+        if self._goal is not None and self._stalemate(tick):
+            self._end(NoPath(self._goal, "lost", "the robot does not know where it is"))
+
+    # Which way
+
+    def _choose_way(self, tick: int, pose: Pose2, neighbours: Sequence[Neighbour]) -> None:
+        """Plan if there is something to plan for; it is this robot's turn."""
+        if self._goal is not None and self._stalemate(tick):
+            self._end(self._given_up(self._goal))
+        keeps = False
+        if self._follower.way is not None:
+            if self._follower.obstructed(self._router):
+                self._next_plan = tick + round(RETRY * TICKS_PER_SECOND)
+            elif self._oscillation.due(tick) or self._out_of_control(tick):
+                self._recover(tick, pose, self._given_up)
+            elif self._follower.held_up(tick):
+                self._next_plan = tick + round(PAUSE * TICKS_PER_SECOND)
+            elif self._replans(tick):
+                keeps = True
+            else:
+                return
+        if self._turn_left > 0.0:
+            return
+        if self._goal is not None and tick - self._yielded >= MAKING_WAY * TICKS_PER_SECOND:
+            self._plan(tick, pose, self._goal, neighbours, keeps)
+        if self._follower.way is None:
+            asking = self._asked_to_clear(pose, neighbours)
+            if asking is not None:
+                self._make_way(tick, pose, asking, neighbours)
+            elif self._goal is None:
+                self._wish, self._claim = NOWHERE, None
+
+    def _stalemate(self, tick: int) -> bool:
+        return tick - self._shortest_tick > (STALEMATE + self._longest / SPEED) * TICKS_PER_SECOND
+
+    def _out_of_control(self, tick: int) -> bool:
+        return tick - self._follower.valid > self._parameters.controller_patience * TICKS_PER_SECOND
+
+    def _replans(self, tick: int) -> bool:
+        """Whether a plan is due although the present one is good."""
+        rate = self._parameters.planner_frequency
+        return rate > 0.0 and not self._making_way and tick - self._planned >= TICKS_PER_SECOND / rate
+
+    def _recover(self, tick: int, pose: Pose2, why: Callable[[Goal], NoPath]) -> None:
+        """Try the next recovery behaviour; when there is none left, the goal is given up."""
+        self._oscillation.restart(tick)
+        self._follower.restart(tick)
+        self._planning_since, self._retries = tick, 0
+        behaviour = self._recovery.next()
+        if behaviour is None:
+            if self._goal is not None:
+                self._end(why(self._goal))
+            else:
+                self._drop()
+        elif behaviour == "rotate_recovery":
+            self._drop()
+            self._turn_left = math.tau
+        else:
+            for costmap in (self._global, self._local):
+                costmap.clear_outside(pose.x, pose.y, self._recovery.square(behaviour))
+
+    def _given_up(self, goal: Goal) -> NoPath:
+        if len(self._wish) > 0 or self._follower.others_bar:
+            return NoPath(goal, "robots_in_the_way", "other robots stand in the way and do not clear it")
+        return NoPath(goal, "stuck", "the robot is stuck and cannot get free")
+
+    def _plan(self, tick: int, pose: Pose2, goal: Goal, neighbours: Sequence[Neighbour], keeps: bool) -> None:
+        others = heard(neighbours)
+        self._router.see(neighbours)
+        self._planned = tick
+        way = self._router.way(pose, goal.base_in_map, self._time(tick, pose, others), others)
+        if keeps and not isinstance(way, Itinerary):
+            return
+        match way:
+            case Itinerary():
+                self._follow(tick, way, goal.base_in_map.theta, turns_at_end=True)
+            case Blocked(wish):
+                self._drop()
+                self._wish = headings(wish, goal.base_in_map.theta)
+                self._claim = Claim(self._began, self._robot)
+                self._next_plan = tick + round(RETRY * TICKS_PER_SECOND)
+                if tick - self._planning_since > WISHING * TICKS_PER_SECOND:
+                    self._end(self._given_up(goal))
+            case Refused():
+                self._drop()
+                self._next_plan = tick + round(RETRY * TICKS_PER_SECOND)
+                self._refuse(tick, pose, goal, way)
+
+    def _refuse(self, tick: int, pose: Pose2, goal: Goal, refused: Refused) -> None:
+        """No way: wait for one, then recover, then give up."""
+        self._retries += 1
+        patience = self._parameters.planner_patience
+        waited = tick - self._planning_since > patience * TICKS_PER_SECOND
+        waited = waited or 0 <= self._parameters.max_planning_retries < self._retries
+        if refused.code in ("goal_outside", "goal_occupied") or (waited and refused.code != "blocked_by_obstacle"):
+            self._end(NoPath(goal, refused.code, refused.sentence))
+        elif waited:
+            self._recover(tick, pose, lambda goal: NoPath(goal, refused.code, refused.sentence))
+
+    def _asked_to_clear(self, pose: Pose2, neighbours: Sequence[Neighbour]) -> Neighbour | None:
+        """The robot that wishes for a way in which this one stands, and whose wish counts most, and more."""
+        own = None if self._goal is None else Claim(self._began, self._robot)
+        strongest: Neighbour | None = None
+        for other in neighbours:
+            if other.claim is None or (own is not None and other.claim > own):
+                continue
+            if strongest is not None and strongest.claim is not None and strongest.claim <= other.claim:
+                continue
+            if self._router.in_the_way(pose, other.path):
+                strongest = other
+        return strongest
+
+    def _make_way(self, tick: int, pose: Pose2, asking: Neighbour, neighbours: Sequence[Neighbour]) -> None:
+        others = heard(neighbours)
+        self._router.see(neighbours)
+        away = self._router.refuge(pose, asking.path, self._time(tick, pose, others), others)
+        self._next_plan = tick + round(RETRY * TICKS_PER_SECOND)
+        if away is None:
+            # Those that rest around it are asked in their turn, in the same name.
+            movers = resting_left_out(neighbours)
+            away = self._router.refuge(pose, asking.path, self._time(tick, pose, movers), movers)
+            if away is not None:
+                self._wish, self._claim = headings(away.points, pose.theta), asking.claim
+            elif self._goal is None:
+                self._wish, self._claim = NOWHERE, None
+            return
+        self._yielded = tick
+        self._follow(tick, away, pose.theta, turns_at_end=False)
+        self._making_way = True
+
+    def _time(self, tick: int, pose: Pose2, others: Others) -> float:
+        if self._follower.way is not None:
+            return self._follower.time
+        return float(start_time(tick * TICK, pose.x, pose.y, others, self._router.separation))
+
+    def _follow(self, tick: int, way: Itinerary, heading: float, turns_at_end: bool) -> None:
+        self._drop()
+        self._follower.follow(tick, way, heading, turns_at_end)
+        self._planning_since, self._retries = tick, 0
+        self._longest = max(self._longest, self._follower.remaining)
+
+    # Which command
+
+    def _choose_command(self, tick: int, pose: Pose2, twist: Twist, bodies: Sequence[Neighbour]) -> None:
+        follower = self._follower
+        if self._turn_left > 0.0:
+            self._turn(pose, twist, bodies)
+            return
+        if follower.way is None:
+            self._command = STANDSTILL
+            return
+        self._oscillation.watch(tick, pose)
+        self._command = follower.step(tick, pose, twist, bodies)
+        if follower.waiting:
+            self._oscillation.pause(follower.control_ticks)
+        if not self._making_way and follower.remaining < self._shortest - NEARER:
+            self._shortest, self._shortest_tick = follower.remaining, tick
+            self._recovery.restart()
+        if follower.arrived:
+            if self._goal is None or self._making_way:
+                self._drop()
+            else:
+                self._end(Arrived(self._goal))
+
+    def _turn(self, pose: Pose2, twist: Twist, bodies: Sequence[Neighbour]) -> None:
+        """A step of one turn in place, as far as that is safe."""
+        drive = self._follower.look_around(pose, twist, bodies)
+        turned = abs(drive.command.angular) * self._follower.control_ticks * TICK
+        self._turn_left = 0.0 if drive.stuck else max(0.0, self._turn_left - turned)
+        self._command = drive.command if self._turn_left > 0.0 else STANDSTILL
+
+
+def _discs(neighbours: Sequence[Neighbour]) -> FloatArray:
+    """(k, 3) x, y and circumscribed radius of the neighbours."""
+    return np.array(
+        [(other.base_in_map.x, other.base_in_map.y, circumscribed_radius(other.footprint)) for other in neighbours]
+    ).reshape(-1, 3)

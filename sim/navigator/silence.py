@@ -1,0 +1,58 @@
+"""Team mates that say nothing any more: where they stand by their last word.
+
+A robot that dies in a doorway stays there. The others count with it where it was heard last: for plans as long as the
+memory of it is fresh, then only if the laser sees it (it may have been carried away); for braking until the laser looks
+through the place where it stood.
+"""
+
+import math
+from collections.abc import Sequence
+from dataclasses import replace
+
+import numpy as np
+
+from sim.geometry import Pose2
+from sim.observations import STANDSTILL, TICKS_PER_SECOND, Neighbour, Scan
+
+MEMORY = 20.0
+"""Seconds that plans reckon with a robot which has fallen silent."""
+HEART = 0.15
+"""Metres around a robot's centre through which no laser looks while it stands there."""
+
+
+class Silence:
+    """Keeps the last word of those who have fallen silent."""
+
+    def __init__(self) -> None:
+        self._speaking: dict[int, Neighbour] = {}
+        self._silent: dict[int, tuple[int, Neighbour]] = {}
+
+    def hear(self, tick: int, neighbours: Sequence[Neighbour]) -> None:
+        """Take note of who spoke last."""
+        speaking = {neighbour.robot: neighbour for neighbour in neighbours}
+        for robot, neighbour in self._speaking.items():
+            if robot not in speaking:
+                self._silent[robot] = (tick, replace(neighbour, path=neighbour.path[:0], times=neighbour.times[:0]))
+        for robot in speaking:
+            self._silent.pop(robot, None)
+        self._speaking = speaking
+
+    def look(self, laser_in_map: Pose2, scan: Scan) -> None:
+        """Forget those through whose place the laser looks."""
+        for robot, (_, neighbour) in list(self._silent.items()):
+            place = neighbour.base_in_map
+            away = math.hypot(place.x - laser_in_map.x, place.y - laser_in_map.y)
+            bearing = math.atan2(place.y - laser_in_map.y, place.x - laser_in_map.x) - laser_in_map.theta
+            off = np.abs(np.remainder(scan.mount.angles() - bearing + math.pi, math.tau) - math.pi)
+            through = (off * away < HEART) & (off < 0.5) & (scan.ranges > away + HEART)
+            if away > HEART and through.any():
+                del self._silent[robot]
+
+    def remembered(self, tick: int) -> list[Neighbour]:
+        """Those that plans reckon with: they stand."""
+        fresh = MEMORY * TICKS_PER_SECOND
+        return [replace(word, twist=STANDSTILL) for since, word in self._silent.values() if tick - since <= fresh]
+
+    def bodies(self) -> list[Neighbour]:
+        """Those that may still stand there, each with the speed it had."""
+        return [word for _, word in self._silent.values()]
