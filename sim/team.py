@@ -219,8 +219,7 @@ class Team:
             return last
         others = [neighbour for neighbour in self._neighbours if neighbour.robot != robot.number]
         said = robot.step(self._sensors.sense(self._state, robot.number), others)
-        # What ended does not end again while a robot is dead.
-        self._said[robot.number] = replace(said, navigation=replace(said.navigation, result=None))
+        self._said[robot.number] = said
         return said
 
     def _command(self, output: RobotOutput) -> tuple[float, float]:
@@ -273,6 +272,9 @@ class Team:
                 self._driven.pop(robot, None)
                 self._robots[robot].navigator.cancel()
                 self._dead.add(robot)
+                if (said := self._said[robot]) is not None:
+                    # What has ended does not end again and again.
+                    self._said[robot] = replace(said, navigation=replace(said.navigation, result=None))
                 # A snapshot holds the array that was.
                 self._commands = self._commands.copy()
                 self._commands[robot] = 0.0
