@@ -11,7 +11,8 @@ from numba import njit
 from numpy.typing import NDArray
 
 from sim.control.braking import LATENCY, Surroundings, beside_obstacles, surroundings
-from sim.control.trajectory_rollout import Drive, TrajectoryRollout
+from sim.control.choice import local_planner
+from sim.control.local_planner import Drive
 from sim.costmap.costmap_2d import Costmap2D
 from sim.costmap.costs import INSCRIBED, CostFrame, Costs
 from sim.geometry import FloatArray, Pose2, wrap_angle
@@ -32,8 +33,6 @@ TURNS_BACK = 0.06
 """Metres that a way comes nearer again before it counts as turning back."""
 YIELD_TIME = 0.5
 """Seconds from such a point, at least, from which a robot slows down."""
-ESCAPE = 0.12
-"""Metres that a robot backs up where no command leads on."""
 STUCK = 2.0
 """Seconds that a robot may be held up, other than by right of way, before it plans anew."""
 QUEUE = 20.0
@@ -76,7 +75,6 @@ class Follower:
         separation: float,
         robot: int,
     ) -> None:
-        self._planner = parameters.TrajectoryPlannerROS
         self._costmap = costmap
         self._clearance = clearance
         self._marks = marks
@@ -89,14 +87,8 @@ class Follower:
         self.control_ticks = max(1, round(TICKS_PER_SECOND / parameters.move_base.controller_frequency))
         self._costmap_ticks = max(1, round(TICKS_PER_SECOND / local.update_frequency))
         self._hold = self.control_ticks * TICK + LATENCY
-        self._rollout = TrajectoryRollout(
-            self._planner,
-            costmap.footprint,
-            costmap.costs.shape,
-            self._hold,
-            local.inflation_layer.cost_scaling_factor,
-            local.inflation_layer.inflation_radius,
-        )
+        period = self.control_ticks * TICK
+        self._planner = local_planner(parameters, costmap.footprint, costmap.costs.shape, period)
         self.valid = 0
         self.drop()
 
@@ -136,7 +128,7 @@ class Follower:
         self._turns_at_end = turns_at_end
         self._pass(way, 0)
         self._progress, self._free = tick, tick - 1
-        self._rollout.reset()
+        self._planner.reset()
 
     def _pass(self, way: Itinerary, index: int) -> None:
         """Have reached this point of the way."""
@@ -191,7 +183,7 @@ class Follower:
 
     def look_around(self, pose: Pose2, twist: Twist, neighbours: Sequence[Neighbour]) -> Drive:
         """Turn in place (rotate_recovery)."""
-        return self._rollout.turn(pose, twist, pose.theta + 0.5 * math.pi, self._around(pose, neighbours))
+        return self._planner.turn(pose, twist, pose.theta + 0.5 * math.pi, self._around(pose, neighbours))
 
     def _update_costmap(self, pose: Pose2, neighbours: Sequence[Neighbour]) -> None:
         reach = self._width
@@ -207,19 +199,19 @@ class Follower:
     def _around(self, pose: Pose2, neighbours: Sequence[Neighbour]) -> Surroundings:
         clearance, frame = beside_obstacles(self._clearance, self._marks, self._frame, pose.x, pose.y)
         return surroundings(
-            clearance, frame, self._costmap.footprint, pose, neighbours, self._planner.acc_lim_x, self._hold
+            clearance, frame, self._costmap.footprint, pose, neighbours, self._planner.limits.acc_lim_x, self._hold
         )
 
     def _drive(
         self, tick: int, pose: Pose2, twist: Twist, way: Itinerary, neighbours: Sequence[Neighbour]
     ) -> Drive | None:
-        planner = self._planner
+        limits = self._planner.limits
         around = self._around(pose, neighbours)
         end_x, end_y, end_heading = self._poses[-1]
         off = math.hypot(end_x - pose.x, end_y - pose.y)
-        if self._left[self._index] < 3 * planner.xy_goal_tolerance and off <= planner.xy_goal_tolerance:
+        if self._left[self._index] < 3 * limits.xy_goal_tolerance and off <= limits.xy_goal_tolerance:
             self._at_end = True
-        elif not planner.latch_xy_goal_tolerance:
+        elif not limits.latch_xy_goal_tolerance:
             self._at_end = False
         if self._escaping_from is not None:
             return self._escape(self._escaping_from, pose, twist, around)
@@ -239,7 +231,7 @@ class Follower:
             else:
                 self._free = tick
             return None
-        drive = self._rollout.follow(pose, twist, self._costmap.costs, self._costmap.frame, path, slow_down, around)
+        drive = self._planner.follow(pose, twist, self._costmap.costs, self._costmap.frame, path, slow_down, around)
         if drive.stuck:
             self._free = tick
             self._escaping_from = pose
@@ -251,21 +243,24 @@ class Follower:
 
     def _escape(self, begun: Pose2, pose: Pose2, twist: Twist, around: Surroundings) -> Drive:
         """Back up a little from where no command led on, then turn to the way."""
-        drive = self._rollout.back_up(pose, twist, around)
-        if drive.stuck or begun.distance(pose) > ESCAPE:
+        drive = self._planner.back_up(pose, twist, around)
+        limits = self._planner.limits
+        turned = abs(wrap_angle(pose.theta - begun.theta))
+        if drive.stuck or begun.distance(pose) > limits.escape_reset_dist or turned > limits.escape_reset_theta:
             self._escaping_from = None
-            self._rollout.turn_first()
+            self._planner.turn_first()
         return drive
 
     def _finish(self, tick: int, pose: Pose2, twist: Twist, heading: float, around: Surroundings) -> Drive | None:
         """At the end of the way: stop, turn to its heading if need be, be there."""
-        standing = abs(twist.linear) < 0.05 and abs(twist.angular) < 0.1
+        limits = self._planner.limits
+        standing = abs(twist.linear) < limits.trans_stopped_vel and abs(twist.angular) < limits.theta_stopped_vel
         off = abs(wrap_angle(heading - pose.theta))
-        if not self._turns_at_end or off <= self._planner.yaw_goal_tolerance:
+        if not self._turns_at_end or off <= limits.yaw_goal_tolerance:
             self.arrived = standing
             return None
         self._progress = tick
-        return self._rollout.turn(pose, twist, heading, around)
+        return self._planner.turn(pose, twist, heading, around)
 
     def _stretch(self, pose: Pose2, way: Itinerary, allowed: int, yields: bool) -> tuple[FloatArray | None, float]:
         """The part of the way to drive along now, and how early to slow down; None where the robot has to wait."""
@@ -276,7 +271,7 @@ class Follower:
         if len(points) == 0 or (yields and math.hypot(points[-1, 0] - pose.x, points[-1, 1] - pose.y) < HALT):
             return None, 0.0
         ends = not yields and self._index + len(points) == len(way.points)
-        slow_down = self._planner.sim_time if ends else YIELD_TIME if yields else 0.1
+        slow_down = self._planner.limits.sim_time if ends else YIELD_TIME if yields else 0.1
         return points, slow_down
 
 

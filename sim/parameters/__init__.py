@@ -20,7 +20,7 @@ from sim.parameters.ekf import EkfParameters
 from sim.parameters.fake_localization import FakeLocalizationParameters
 from sim.parameters.global_planners import NavfnParameters
 from sim.parameters.knobs import knob
-from sim.parameters.local_planners import TrajectoryPlannerParameters
+from sim.parameters.local_planners import DwaPlannerParameters, TrajectoryPlannerParameters
 from sim.parameters.move_base import MoveBaseParameters, RecoveryBehavior
 from sim.parameters.robot import RobotParameters
 from sim.parameters.world import LaserParameters, OdometryNoise, WorldParameters
@@ -28,6 +28,7 @@ from sim.parameters.world import LaserParameters, OdometryNoise, WorldParameters
 __all__ = [
     "AmclParameters",
     "CostmapParameters",
+    "DwaPlannerParameters",
     "EkfParameters",
     "FakeLocalizationParameters",
     "GlobalCostmapParameters",

@@ -3,10 +3,11 @@
 A class of ROS parameters may hold `ros_only: ClassVar[Mapping[str, str]]`: names that only mean something inside ROS,
 each with what it does there. Files may have them, and are told that they change nothing.
 
-Two habits of ROS's files have a name too. `passed_on: ClassVar[Mapping[str, str]]`: a name that ROS hands down to a
-part, whatever the part itself says, and where: `obstacle_range` to `obstacle_layer.obstacle_range`.
-`sections_named_in: ClassVar[str]`: a field that holds a tuple of sections, each with a `name`; in a file it is a text
-of the names with blanks between, and each section stands under its name beside it.
+Three habits of ROS's files have a name too. `renamed: ClassVar[Mapping[str, str]]`: an old name that ROS still reads,
+and the present one. `passed_on: ClassVar[Mapping[str, str]]`: a name that ROS hands down to a part, whatever the part
+itself says, and where: `obstacle_range` to `obstacle_layer.obstacle_range`. `sections_named_in: ClassVar[str]`: a field
+that holds a tuple of sections, each with a `name`; in a file it is a text of the names with blanks between, and each
+section stands under its name beside it.
 """
 
 from dataclasses import field

@@ -33,7 +33,7 @@ class MoveBaseParameters:
     base_local_planner: str = knob(
         "base_local_planner/TrajectoryPlannerROS",
         "the local planner",
-        choices=("base_local_planner/TrajectoryPlannerROS",),
+        choices=("base_local_planner/TrajectoryPlannerROS", "dwa_local_planner/DWAPlannerROS"),
     )
     planner_frequency: float = knob(0.0, "plans per second under way; 0: only when the present one fails", "Hz", 0, 50)
     controller_frequency: float = knob(20.0, "commands per second", "Hz", 1, 50)

@@ -15,7 +15,7 @@ from sim.parameters.ekf import EkfParameters
 from sim.parameters.fake_localization import FakeLocalizationParameters
 from sim.parameters.global_planners import NavfnParameters
 from sim.parameters.knobs import knob
-from sim.parameters.local_planners import TrajectoryPlannerParameters
+from sim.parameters.local_planners import DwaPlannerParameters, TrajectoryPlannerParameters
 from sim.parameters.move_base import MoveBaseParameters
 
 _LASER = ObstacleParameters(
@@ -65,7 +65,40 @@ class RobotParameters:
         "the costmap that moves along with the robot, for commands",
     )
     NavfnROS: NavfnParameters = knob(NavfnParameters(), "global planner")
-    TrajectoryPlannerROS: TrajectoryPlannerParameters = knob(TrajectoryPlannerParameters(), "local planner")
+    TrajectoryPlannerROS: TrajectoryPlannerParameters = knob(
+        # The speeds and weights of the 2016 study, tried on a grid that leaves time for a team of robots.
+        TrajectoryPlannerParameters(
+            acc_lim_x=10.0,
+            acc_lim_theta=10.0,
+            max_vel_x=1.0,
+            min_vel_x=0.1,
+            sim_granularity=0.1,
+            angular_sim_granularity=0.1,
+            vx_samples=5,
+            vtheta_samples=15,
+            path_distance_bias=0.8,
+            goal_distance_bias=0.6,
+            occdist_scale=0.02,
+            meter_scoring=True,
+            latch_xy_goal_tolerance=True,
+            heading_lookahead=0.4,
+            escape_reset_dist=0.12,
+        ),
+        "local planner that rolls out trajectories",
+    )
+    DWAPlannerROS: DwaPlannerParameters = knob(
+        # As fast as the other one.
+        DwaPlannerParameters(
+            acc_lim_x=10.0,
+            acc_lim_theta=10.0,
+            max_vel_trans=1.0,
+            max_vel_x=1.0,
+            sim_granularity=0.05,
+            vx_samples=6,
+            latch_xy_goal_tolerance=True,
+        ),
+        "local planner by the dynamic window",
+    )
     move_base: MoveBaseParameters = knob(
         # As often as the laser sweeps; and robots among robots must notice by themselves that they come nowhere.
         MoveBaseParameters(controller_frequency=10.0, oscillation_timeout=10.0),

@@ -265,7 +265,7 @@ def load(path: Path, into: type[T]) -> Loaded[T]:
     """Read a YAML file into a dataclass whose fields are declared with `sim.parameters.knob` or plain.
 
     A section whose field has a section for its default takes what the file leaves out from there. The names in a
-    class's `ros_only` are accepted, with a notice.
+    class's `ros_only` are accepted, with a notice; those in its `renamed` stand for their present names.
 
     Fields may be bool, int, float, str, Literal, StrEnum, Path, tuples, dataclasses, and any of these or None. A field
     without a default must be in the file. A section that stands empty keeps its defaults. A field may also be a mapping
@@ -413,6 +413,20 @@ class _Reader:
         except BadFile:
             return node
 
+    def renamed(self, node: Section, into: type, key: str) -> Iterator[tuple[Scalar, Node]]:
+        """The entries of a section under their present names; an old name beside the present one is left out."""
+        written = {name.text for name, _ in node.entries}
+        for name, child in node.entries:
+            present = renamed_of(into).get(name.text)
+            if present is None:
+                yield name, child
+            elif present not in written:
+                yield dataclasses.replace(name, text=present), child
+            else:
+                place = f"{key}.{name.text}" if key else name.text
+                told = f"{place} has no effect here: it is an old name of {present}, which stands there, too"
+                self.notices.append(f"{self.path}, line {name.line}: {told}")
+
     def section(self, node: Node, into: type, key: str, defaults: "DataclassInstance | None" = None) -> object:
         if isinstance(node, Scalar) and node.absent:
             node = Section(node.line, [])
@@ -426,7 +440,9 @@ class _Reader:
         values: dict[str, object] = {}
         first_lines: dict[str, int] = {}
         # What is like another field can only be read after it.
-        for name, child in sorted(node.entries, key=lambda entry: _model(known.get(entry[0].text)) is not None):
+        for name, child in sorted(
+            self.renamed(node, into, key), key=lambda entry: _model(known.get(entry[0].text)) is not None
+        ):
             place = f"{key}.{name.text}" if key else name.text
             if name.text in first_lines:
                 self.wrong(
@@ -518,6 +534,11 @@ class _Reader:
         else:
             remedy = _keys_of(into)
         self.wrong(name.line, place, "unknown key", remedy)
+
+
+def renamed_of(section: type) -> Mapping[str, str]:
+    """The old names of parameters that a class still accepts, each with its present one."""
+    return cast(Mapping[str, str], getattr(section, "renamed", {}))
 
 
 def ros_only_of(section: type) -> Mapping[str, str]:

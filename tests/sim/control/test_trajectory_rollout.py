@@ -7,22 +7,23 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from sim.control.braking import surroundings
-from sim.control.map_grid import spread
-from sim.control.trajectory_rollout import TrajectoryRollout
+from sim.control.map_grid import grids, index_of, spread, survey
+from sim.control.trajectory_rollout import TrajectoryPlanner
 from sim.costmap.costs import CostFrame
 from sim.geometry import Pose2
 from sim.observations import STANDSTILL, Twist
-from sim.parameters import TrajectoryPlannerParameters, WorldParameters
+from sim.parameters import InflationParameters, RobotParameters, WorldParameters
 
 STUDY = np.array(WorldParameters().footprint)
 FRAME = CostFrame(-2.0, -2.0, 0.05)
 OPEN = np.zeros((80, 80), np.uint8)
 FAR = np.full((80, 80), 2.0, np.float32)
+ALL = np.empty(0, np.int32)
 AHEAD = np.column_stack([np.linspace(0.0, 1.9, 20), np.zeros(20)])
 
 
 def planner():
-    return TrajectoryRollout(TrajectoryPlannerParameters(), STUDY, (80, 80), 0.12, 10.0, 0.5)
+    return TrajectoryPlanner(RobotParameters().TrajectoryPlannerROS, STUDY, InflationParameters(), (80, 80), 0.1)
 
 
 def around(pose, clearance=FAR):
@@ -40,8 +41,10 @@ def test_steps_are_counted_as_a_breadth_first_search_does(walls, seed_col):
     for row, col in walls:
         costs[row, col] = 254
     frame = CostFrame(0.0, 0.0, 1.0)
-    steps, queue = np.empty((20, 20), np.int32), np.empty(400, np.int32)
-    spread(costs, frame, np.array([[seed_col + 0.5, 3.5]]), -9.0, -9.0, 0.0, steps, queue)
+    grid = grids(20, 20)
+    survey(costs, frame, -9.0, -9.0, 0.0, grid.terrain)
+    spread(grid, 20, np.array([index_of(costs, frame, seed_col + 0.5, 3.5)], np.int32), ALL, grid.path)
+    steps = grid.path.reshape(22, 22)[1:-1, 1:-1]
     expected = {(3, seed_col): 0}
     waiting = deque(expected)
     while waiting:
@@ -51,6 +54,28 @@ def test_steps_are_counted_as_a_breadth_first_search_does(walls, seed_col):
                 expected[cell] = expected[row, col] + 1
                 waiting.append(cell)
     assert {cell: int(count) for cell, count in np.ndenumerate(steps) if count >= 0} == expected
+
+
+@settings(max_examples=30, deadline=None)
+@given(
+    st.lists(st.tuples(st.integers(0, 19), st.integers(0, 19)), max_size=120),
+    st.lists(st.tuples(st.integers(0, 19), st.integers(0, 19)), min_size=1, max_size=8),
+)
+def test_steps_that_are_asked_for_are_the_same_without_the_others(walls, asked):
+    costs = np.zeros((20, 20), np.uint8)
+    for row, col in walls:
+        costs[row, col] = 254
+    frame = CostFrame(0.0, 0.0, 1.0)
+    grid = grids(20, 20)
+    survey(costs, frame, -9.0, -9.0, 0.0, grid.terrain)
+    seeds = np.array([index_of(costs, frame, 4.5, 3.5)], np.int32)
+    looked_at = np.array([index_of(costs, frame, col + 0.5, row + 0.5) for row, col in asked], np.int32)
+    spread(grid, 20, seeds, ALL, grid.path)
+    spread(grid, 20, seeds, looked_at, grid.goal)
+    reached = grid.path[looked_at] >= 0
+    assert grid.goal[looked_at][reached].tolist() == grid.path[looked_at][reached].tolist()
+    assert (grid.goal[looked_at][~reached] < 0).all()
+    assert not grid.wanted.any()
 
 
 def test_a_straight_path_is_driven_straight_and_fast():

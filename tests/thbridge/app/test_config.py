@@ -33,7 +33,8 @@ class TestDefaults:
         study = Study()
         assert (study.map, study.game.energy, study.server.port) == ("arena8", 100.0, 6009)
         planner = study.robot.TrajectoryPlannerROS
-        assert (planner.max_vel_x, planner.min_vel_x, planner.pdist_scale, planner.gdist_scale) == (1.0, 0.1, 0.8, 0.6)
+        assert (planner.max_vel_x, planner.min_vel_x) == (1.0, 0.1)
+        assert (planner.path_distance_bias, planner.goal_distance_bias) == (0.8, 0.6)
         assert study.robot.global_costmap.inflation_layer.inflation_radius == 0.5
 
     def test_every_knob_tells_its_meaning(self) -> None:
@@ -105,7 +106,8 @@ BROKEN = {
     "a key of another section": (
         "robots: 2\nmax_vel_theta: 1\n",
         "study.yaml, line 2, max_vel_theta: unknown key. "
-        "It belongs at world.max_vel_theta or robot.TrajectoryPlannerROS.max_vel_theta.",
+        "It belongs at world.max_vel_theta or robot.TrajectoryPlannerROS.max_vel_theta or"
+        " robot.DWAPlannerROS.max_vel_theta.",
     ),
     "a key like no other": (
         "server: {quux: 1}",
