@@ -63,7 +63,8 @@ def localize_command(
         grid = read_grid(map_yaml)
         seat = None if laser_pose is None else _pose(laser_pose)
         recording = open_recording(bag, scan_topic, odom_topic, seat)
-    for notice in (*given.notices, *recording.notices):
+    notices = (*given.notices, *recording.notices)
+    for notice in notices:
         note(notice)
     announce_compiling()
     start = None if initial_pose is None else _pose(initial_pose)
@@ -74,7 +75,10 @@ def localize_command(
     if to is not None:
         with bad_input():
             _write(to, result)
-    _tell(recording, result, as_json)
+    if as_json:
+        print_json(_told(recording, result, notices))
+    else:
+        _tell(recording, result)
 
 
 def _pose(triple: Triple) -> Pose2:
@@ -126,27 +130,26 @@ def _write(path: Path, result: Localized) -> None:
         raise BadFile(path, None, None, problem, "choose another file by --out") from None
 
 
-def _tell(recording: Recording, result: Localized, as_json: bool) -> None:
-    last, mount = result.last, recording.laser.mount
-    pose = last.base_in_map
-    if as_json:
-        print_json(
-            {
-                "updates": len(result.fixes),
-                "cpu_seconds": result.cpu_seconds,
-                "final_pose": [pose.x, pose.y, pose.theta],
-                "covariance": last.covariance.tolist(),
-                "lost": last.lost,
-                "scans": result.scans,
-                "skipped": {str(reason): count for reason, count in result.skipped.items()},
-                "odometry": recording.odometry_source,
-                "laser_pose": mount.laser_in_base.array().tolist(),
-                "upside_down": recording.laser.upside_down,
-                "notices": list(recording.notices),
-            }
-        )
-        return
-    deviations = np.sqrt(np.diag(last.covariance)).tolist()
+def _told(recording: Recording, result: Localized, notices: tuple[str, ...]) -> dict[str, object]:
+    pose = result.last.base_in_map
+    return {
+        "updates": len(result.fixes),
+        "cpu_seconds": result.cpu_seconds,
+        "final_pose": [pose.x, pose.y, pose.theta],
+        "covariance": result.last.covariance.tolist(),
+        "lost": result.last.lost,
+        "scans": result.scans,
+        "skipped": {str(reason): count for reason, count in result.skipped.items()},
+        "odometry": recording.odometry_source,
+        "laser_pose": recording.laser.mount.laser_in_base.array().tolist(),
+        "upside_down": recording.laser.upside_down,
+        "notices": list(notices),
+    }
+
+
+def _tell(recording: Recording, result: Localized) -> None:
+    last = result.last
+    pose, deviations = last.base_in_map, np.sqrt(np.diag(last.covariance)).tolist()
     out.print(f"At the end the robot is at x {pose.x:.3f} m, y {pose.y:.3f} m, yaw {pose.theta:.3f} rad", end="")
     out.print(f" (standard deviations {deviations[0]:.3f}, {deviations[1]:.3f}, {deviations[2]:.3f}).")
     if last.lost:
