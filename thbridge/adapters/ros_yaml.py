@@ -39,11 +39,12 @@ LAYERS = {
 
 UNREAD: Mapping[str, Mapping[str, str]] = {
     "move_base": {"recovery_behaviour_enabled": "recovery_behavior_enabled"},
-    "TrajectoryPlannerROS": {"controller_frequency": "move_base's controller_frequency"},
+    "TrajectoryPlannerROS": {"acc_lim_th": "acc_lim_theta", "controller_frequency": "move_base's controller_frequency"},
     "DWAPlannerROS": {
         "acc_lim_th": "acc_lim_theta",
         "max_vel_rot": "max_vel_theta",
         "min_vel_rot": "min_vel_theta",
+        "sim_period": "move_base's controller_frequency",
         "vtheta_samples": "vth_samples",
         "controller_frequency": "move_base's controller_frequency",
     },
