@@ -14,6 +14,7 @@ from typing import TYPE_CHECKING, Never, TypeVar, cast, get_type_hints
 
 from sim.parameters import RobotParameters
 from thbridge.adapters.errors import BadFile, BadFiles
+from thbridge.adapters.ros_recoveries import behaviour_names, with_our_behaviours
 from thbridge.adapters.ros_words import Cleaner, Entry
 from thbridge.adapters.yaml_files import Listing, Node, Scalar, Section, load_tree, parse, read_text
 
@@ -138,6 +139,8 @@ class _Router:
         for section, entries in parts.items():
             kept = list(self.read_by_ros(section, entries))
             shaped = self.costmap(section, kept) if section in COSTMAPS else kept
+            if section == "move_base":
+                shaped = with_our_behaviours(kept, str(self.path), self.notices)
             line = shaped[0][0].line if shaped else tree.line
             whole.append((Scalar(section, plain=True, line=line), Section(line, shaped)))
         return Section(tree.line, whole)
@@ -166,6 +169,8 @@ class _Router:
         names = {field.name for field in dataclasses.fields(into)} | set(UNREAD.get(section, {}))
         for table in ("ros_only", "renamed", "passed_on"):
             names |= set(cast(Mapping[str, str], getattr(into, table, {})))
+        if section == "move_base":
+            names |= behaviour_names(flat)
         if section in COSTMAPS:
             names |= {"plugins"}
             for key, child in flat:

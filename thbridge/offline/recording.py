@@ -20,7 +20,8 @@ from thbridge.ros.unpack import LaserScan
 T = TypeVar("T")
 
 TF_TYPES = (TFMESSAGE, "tf/tfMessage")
-ODOM_FRAMES = ("odom", "odom_combined")
+ODOM_FRAME = "odom"
+"""What frames of odometry begin with: odom, odom_combined."""
 BASE_FRAMES = ("base_footprint", "base_link")
 LEVEL = math.radians(10)
 """A laser tilted by more than this does not see what a map of the plane shows."""
@@ -200,9 +201,9 @@ def _odom_edge(tree: FrameTree, laser: str, certain: bool) -> tuple[str, str] | 
     """The transform of tf that is odometry: the one above the laser, or else, unless it must be certain, the only."""
     chain = tree.chain(laser)
     for child, parent in pairwise(chain):
-        if _last_word(parent) in ODOM_FRAMES:
+        if _last_word(parent).startswith(ODOM_FRAME):
             return parent, child
-    edges = [edge for edge in tree.edges() if _last_word(edge[0]) in ODOM_FRAMES]
+    edges = [edge for edge in tree.edges() if _last_word(edge[0]).startswith(ODOM_FRAME)]
     return edges[0] if len(edges) == 1 and not certain else None
 
 

@@ -256,3 +256,36 @@ def test_faults_of_all_files_are_told_at_once_and_each_once(tmp_path: Path) -> N
     with pytest.raises(BadFiles) as found:
         read(tmp_path, "footprint_paddin: 0.1\nrobot_radius: 1.0\n", "amcl: {kld_er: 0.1}")
     assert [(fault.path.name, fault.line) for fault in found.value.faults] == [("0.yaml", 1), ("1.yaml", 1)]
+
+
+def test_recovery_behaviours_of_any_name(tmp_path: Path) -> None:
+    text = """
+        recovery_behaviors:
+        - {name: reset_far, type: clear_costmap_recovery/ClearCostmapRecovery}
+        - {name: turn, type: rotate_recovery/RotateRecovery}
+        - {name: reset_close, type: clear_costmap_recovery/ClearCostmapRecovery}
+        - {name: back_up, type: back_up_recovery/BackUpRecovery}
+        reset_far: {reset_distance: 2.0, layer_names: [obstacle_layer]}
+        reset_close: {reset_distance: 0.0}
+        back_up: {backup_distance: 0.3}
+        """
+    read_now = read(tmp_path, text)
+    behaviours = [behaviour.name for behaviour in read_now.value.move_base.recovery_behaviors]
+    assert behaviours == ["conservative_reset", "rotate_recovery", "aggressive_reset"]
+    assert read_now.value.move_base.conservative_reset_dist == 2.0
+    assert [word for word in ("back_up", "layer_names", "reset_close") if word in " ".join(read_now.notices)] == [
+        "back_up",
+        "layer_names",
+        "reset_close",
+    ]
+
+
+def test_settings_of_the_usual_behaviours(tmp_path: Path) -> None:
+    text = "move_base:\n  conservative_reset: {reset_distance: 1.5}\n  aggressive_reset: {reset_distance: 0.5}\n"
+    assert read(tmp_path, text).value.move_base.conservative_reset_dist == 1.5
+
+
+def test_a_recovery_behaviour_without_a_type_must_be_ours(tmp_path: Path) -> None:
+    assert "'dance' is no choice here" in fault(
+        tmp_path, "recovery_behaviors: [{name: dance}]\nplanner_patience: 3.0\n"
+    )
