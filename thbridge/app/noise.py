@@ -21,10 +21,10 @@ T = TypeVar("T")
 S = TypeVar("S", bound="DataclassInstance")
 
 
-def _as_in(section: type["DataclassInstance"], name: str) -> float:
+def _as_in(section: type["DataclassInstance"], name: str, kind: type[T]) -> T:
     """A field that is declared as that one is."""
     (found,) = (field for field in dataclasses.fields(section) if field.name == name)
-    return cast(float, dataclasses.field(default=found.default, metadata=found.metadata))
+    return cast(T, dataclasses.field(default=found.default, metadata=found.metadata))
 
 
 class NoisePreset(StrEnum):
@@ -40,33 +40,34 @@ class NoisePreset(StrEnum):
 class LaserNoise:
     """How the laser errs."""
 
-    range_noise: float = _as_in(LaserParameters, "range_noise")
-    range_bias: float = _as_in(LaserParameters, "range_bias")
-    dropout: float = _as_in(LaserParameters, "dropout")
+    range_noise: float = _as_in(LaserParameters, "range_noise", float)
+    range_bias: float = _as_in(LaserParameters, "range_bias", float)
+    dropout: float = _as_in(LaserParameters, "dropout", float)
 
 
 @dataclass(frozen=True, slots=True)
 class AmclBelief:
     """What the particle filter believes of noise."""
 
-    odom_alpha1: float = _as_in(AmclParameters, "odom_alpha1")
-    odom_alpha2: float = _as_in(AmclParameters, "odom_alpha2")
-    odom_alpha3: float = _as_in(AmclParameters, "odom_alpha3")
-    odom_alpha4: float = _as_in(AmclParameters, "odom_alpha4")
-    laser_sigma_hit: float = _as_in(AmclParameters, "laser_sigma_hit")
-    laser_z_hit: float = _as_in(AmclParameters, "laser_z_hit")
-    laser_z_rand: float = _as_in(AmclParameters, "laser_z_rand")
+    odom_model_type: str = _as_in(AmclParameters, "odom_model_type", str)
+    odom_alpha1: float = _as_in(AmclParameters, "odom_alpha1", float)
+    odom_alpha2: float = _as_in(AmclParameters, "odom_alpha2", float)
+    odom_alpha3: float = _as_in(AmclParameters, "odom_alpha3", float)
+    odom_alpha4: float = _as_in(AmclParameters, "odom_alpha4", float)
+    laser_sigma_hit: float = _as_in(AmclParameters, "laser_sigma_hit", float)
+    laser_z_hit: float = _as_in(AmclParameters, "laser_z_hit", float)
+    laser_z_rand: float = _as_in(AmclParameters, "laser_z_rand", float)
 
 
 @dataclass(frozen=True, slots=True)
 class EkfBelief:
     """What the Kalman filter believes of noise; of the laser's it learns from every scan."""
 
-    odom_alpha1: float = _as_in(EkfParameters, "odom_alpha1")
-    odom_alpha2: float = _as_in(EkfParameters, "odom_alpha2")
-    odom_alpha3: float = _as_in(EkfParameters, "odom_alpha3")
-    odom_alpha4: float = _as_in(EkfParameters, "odom_alpha4")
-    gyro_noise: float = _as_in(EkfParameters, "gyro_noise")
+    odom_alpha1: float = _as_in(EkfParameters, "odom_alpha1", float)
+    odom_alpha2: float = _as_in(EkfParameters, "odom_alpha2", float)
+    odom_alpha3: float = _as_in(EkfParameters, "odom_alpha3", float)
+    odom_alpha4: float = _as_in(EkfParameters, "odom_alpha4", float)
+    gyro_noise: float = _as_in(EkfParameters, "gyro_noise", float)
 
 
 @dataclass(frozen=True, slots=True)
@@ -84,7 +85,7 @@ class NoiseSection:
     preset: NoisePreset = knob(NoisePreset.NONE, "numbers to begin from; a line below, once written, wins over it")
     odometry: OdometryNoise = knob(OdometryNoise(), "how the wheels truly err")
     laser: LaserNoise = knob(LaserNoise(), "how the laser truly errs")
-    gyro_noise: float = _as_in(WorldParameters, "gyro_noise")
+    gyro_noise: float = _as_in(WorldParameters, "gyro_noise", float)
     believed: Believed = knob(Believed(), "what the software of every robot believes of that")
 
 
@@ -180,7 +181,12 @@ believed:
     NoisePreset.BAD_WHEELS: """
 odometry: {alpha1: 0.1, alpha2: 0.1, alpha3: 0.1, alpha4: 0.1, linear_scale: 1.05, angular_scale: 1.1}
 believed:
-  amcl: {odom_alpha1: 0.4, odom_alpha2: 0.4, odom_alpha3: 0.4, odom_alpha4: 0.4}
+  amcl:
+    odom_model_type: diff-corrected
+    odom_alpha1: 0.05
+    odom_alpha2: 0.02
+    odom_alpha3: 0.02
+    odom_alpha4: 0.02
   ekf: {odom_alpha1: 0.1, odom_alpha2: 0.1, odom_alpha3: 0.1, odom_alpha4: 0.1}
 """,
 }

@@ -218,11 +218,11 @@ class TestNoise:
         text = "noise: {preset: bad wheels, odometry: {alpha3: 0.3}, believed: {amcl: {odom_alpha2: 0.7}}}"
         study = read_study_text(STUDY, text)
         assert study.world.odometry == OdometryNoise(0.1, 0.1, 0.3, 0.1, 1.05, 1.1)
-        assert (study.robot.amcl.odom_alpha1, study.robot.amcl.odom_alpha2) == (0.4, 0.7)
+        assert (study.robot.amcl.odom_alpha1, study.robot.amcl.odom_alpha2) == (0.05, 0.7)
 
     def test_a_number_may_stand_at_its_home_instead(self) -> None:
         study = read_study_text(STUDY, "noise: {preset: bad wheels}\nrobot: {amcl: {odom_alpha2: 0.7}}")
-        assert (study.robot.amcl.odom_alpha1, study.robot.amcl.odom_alpha2) == (0.4, 0.7)
+        assert (study.robot.amcl.odom_alpha1, study.robot.amcl.odom_alpha2) == (0.05, 0.7)
         assert read_study_text(STUDY, resolved(study)) == study
 
     def test_two_words_for_one_number_are_told(self) -> None:
@@ -271,7 +271,7 @@ class TestEach:
     def test_it_believes_of_noise_what_all_do_unless_it_says_otherwise(self) -> None:
         text = "noise: {preset: bad wheels}\neach: {2: {amcl: {odom_alpha1: 0.1}}}"
         amcl = read_study_text(STUDY, text).software(2).amcl
-        assert (amcl.odom_alpha1, amcl.odom_alpha2) == (0.1, 0.4)
+        assert (amcl.odom_alpha1, amcl.odom_alpha2) == (0.1, 0.02)
 
     @pytest.mark.parametrize(
         ("text", "told"),
