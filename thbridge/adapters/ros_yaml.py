@@ -38,22 +38,24 @@ LAYERS = {
 }
 """Layers of a costmap, and by which part of a plugin's type or of its name they are known."""
 
-UNREAD: Mapping[str, Mapping[str, str]] = {
-    "move_base": {"recovery_behaviour_enabled": "recovery_behavior_enabled"},
-    "TrajectoryPlannerROS": {"acc_lim_th": "acc_lim_theta", "controller_frequency": "move_base's controller_frequency"},
+_PERIOD = "the time between commands: here it is always as move_base's controller_frequency says"
+_UNREAD = "ROS does not read it there; probably meant is "
+WITHOUT_EFFECT: Mapping[str, Mapping[str, str]] = {
+    "move_base": {"recovery_behaviour_enabled": f"{_UNREAD}recovery_behavior_enabled"},
+    "TrajectoryPlannerROS": {"acc_lim_th": f"{_UNREAD}acc_lim_theta", "controller_frequency": _PERIOD},
     "DWAPlannerROS": {
-        "acc_lim_th": "acc_lim_theta",
-        "max_vel_rot": "max_vel_theta",
-        "min_vel_rot": "min_vel_theta",
-        "sim_period": "move_base's controller_frequency",
-        "vtheta_samples": "vth_samples",
-        "controller_frequency": "move_base's controller_frequency",
+        "acc_lim_th": f"{_UNREAD}acc_lim_theta",
+        "max_vel_rot": f"{_UNREAD}max_vel_theta",
+        "min_vel_rot": f"{_UNREAD}min_vel_theta",
+        "vtheta_samples": f"{_UNREAD}vth_samples",
+        "sim_period": _PERIOD,
+        "controller_frequency": _PERIOD,
     },
-    "GlobalPlanner": {"planner_costmap_publish_frequency": "nothing any more"},
-    "global_costmap": {"meter_scoring": "TrajectoryPlannerROS's meter_scoring"},
-    "local_costmap": {"meter_scoring": "TrajectoryPlannerROS's meter_scoring"},
+    "GlobalPlanner": {"planner_costmap_publish_frequency": "ROS no longer reads it"},
+    "global_costmap": {"meter_scoring": f"{_UNREAD}TrajectoryPlannerROS's"},
+    "local_costmap": {"meter_scoring": f"{_UNREAD}TrajectoryPlannerROS's"},
 }
-"""Names that files of well-known robots have and ROS does not read there, with what was probably meant."""
+"""Names that files of well-known robots have where no package declares them, with what they do or were meant for."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -137,7 +139,7 @@ class _Router:
         for section, entries in homes.items():
             parts.setdefault(section, []).extend(entries)
         for section, entries in parts.items():
-            kept = list(self.read_by_ros(section, entries))
+            kept = list(self.with_effect(section, entries))
             shaped = self.costmap(section, kept) if section in COSTMAPS else kept
             if section == "move_base":
                 shaped = with_our_behaviours(kept, str(self.path), self.notices)
@@ -166,7 +168,7 @@ class _Router:
 
     def names_of(self, section: str, flat: list[Entry]) -> set[str]:
         into = SECTIONS[section]
-        names = {field.name for field in dataclasses.fields(into)} | set(UNREAD.get(section, {}))
+        names = {field.name for field in dataclasses.fields(into)} | set(WITHOUT_EFFECT.get(section, {}))
         for table in ("ros_only", "renamed", "passed_on"):
             names |= set(cast(Mapping[str, str], getattr(into, table, {})))
         if section == "move_base":
@@ -180,14 +182,14 @@ class _Router:
                     names.add(key.text)
         return names
 
-    def read_by_ros(self, section: str, entries: list[Entry]) -> Iterator[Entry]:
-        """Without what ROS does not read there; each is told."""
+    def with_effect(self, section: str, entries: list[Entry]) -> Iterator[Entry]:
+        """Without the names in `WITHOUT_EFFECT`; each is told."""
         for key, child in entries:
-            meant = UNREAD.get(section, {}).get(key.text)
-            if meant is None:
+            meaning = WITHOUT_EFFECT.get(section, {}).get(key.text)
+            if meaning is None:
                 yield key, child
             else:
-                told = f"{section}.{key.text} has no effect, in ROS neither; probably meant: {meant}"
+                told = f"{section}.{key.text} has no effect here: {meaning}"
                 self.notices.append(f"{self.path}, line {key.line}: {told}")
 
     def layer_of(self, name: str) -> str | None:
