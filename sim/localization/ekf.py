@@ -5,7 +5,7 @@ matched pose for measurement; the algebra is filterpy's.
 """
 
 import math
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 
@@ -13,7 +13,7 @@ from sim.geometry import FloatArray, Pose2, wrap_angle
 from sim.grid import OccupancyGrid
 from sim.localization.estimate import Estimate, Start, read_only
 from sim.localization.likelihood_field import Beams
-from sim.localization.scan_matching import ScanMatcher
+from sim.localization.scan_matching import GOOD, SPACING, Match, ScanMatcher
 from sim.observations import TICK, Imu, LaserMount, Odometry, Scan
 from sim.parameters import EkfParameters
 
@@ -26,8 +26,23 @@ GATE = 16.27
 _LEAST_INFORMATION = np.diag((1.0, 1.0, 4.0))
 """Keeps a match's covariance finite where a corridor leaves a direction open: one metre, half a radian."""
 
-_MAP_ERROR = np.diag((0.02**2, 0.02**2, 0.005**2))
-"""Added to every match's covariance: matches made one after another share walls, clutter, and so their errors."""
+_SHARED = 1.0
+"""Part of a match's covariance that is common to all near by: they share walls, clutter, and so their errors."""
+
+_LEAST_SHARE = 0.4
+"""Of a scan's points, how many must lie on the map's walls; a scan from elsewhere hardly ever gets as far."""
+
+_LEARNING = 0.1
+"""How fast innovations that are greater or smaller than they should be change what is believed of the motion."""
+
+_WILDEST = 100.0
+"""Greatest factor by which the motion's noise may turn out to be more than the parameters say; the least is 1."""
+
+_DOUBTING = 1.5
+"""What a match that is too far off to be believed, though it fits, makes of the covariance: either may be wrong."""
+
+_PATIENCE = 20
+"""Scans refused one after another until the filter holds itself for lost: two seconds of a common laser."""
 
 _LEVER = 3.0
 """Metres: how far a wall is, typically, when a doubt of heading is to be told as one of place."""
@@ -40,18 +55,32 @@ class EkfBelief:
     Attributes:
         tick: of that prediction.
         base_in_map: the mean.
-        covariance: (3, 3) about it; read-only.
+        covariance: (3, 3) about it, but for `shared`; read-only.
+        shared: (3, 3) of the error that all matches near by have in common, which no number of them averages out;
+            read-only.
         base_in_odom: the odometry then.
         odom_in_map: the correction that makes the two poses agree.
         matched: the odometry when a scan was last weighed in; None before the first.
+        wildness: the factor by which the motion's variances have turned out to be more than the parameters say.
+        refused: scans that could not be believed since the last one that was.
+        poor: scans in a row that fitted badly, believed or not.
     """
 
     tick: int
     base_in_map: Pose2
     covariance: FloatArray
+    shared: FloatArray
     base_in_odom: Pose2
     odom_in_map: Pose2
     matched: Pose2 | None
+    wildness: float
+    refused: int
+    poor: int
+
+    @property
+    def lost(self) -> bool:
+        """Whether scans have not fitted for so long that the pose cannot be relied on."""
+        return self.refused >= _PATIENCE
 
 
 @dataclass(frozen=True, slots=True)
@@ -62,13 +91,13 @@ class EkfState:
         belief: where it believes to be.
         turned: radians that the gyroscope has counted since the last prediction.
         asked: whether the next scan is to be matched wherever the robot is.
-        lost: whether it was told to forget where it is, and nobody has told it since.
+        forgotten: whether it was told to forget where it is, and has neither found nor been told it since.
     """
 
     belief: Start | EkfBelief
     turned: float
     asked: bool
-    lost: bool
+    forgotten: bool
 
 
 def _anywhere(grid: OccupancyGrid) -> FloatArray:
@@ -78,9 +107,18 @@ def _anywhere(grid: OccupancyGrid) -> FloatArray:
     return np.diag((spread, spread, math.pi**2 / 3.0))
 
 
+_NOTHING = read_only(np.zeros((3, 3)))
+
+
 def _direct(_: FloatArray) -> FloatArray:
     """The measurement's Jacobian: a match measures the pose itself."""
     return np.eye(3)
+
+
+def _covariance(match: Match) -> FloatArray:
+    """(3, 3) how far a match may be off; read-only."""
+    covariance = np.linalg.inv(match.information + _LEAST_INFORMATION).astype(np.float64, copy=False)
+    return read_only(covariance)
 
 
 def _itself(mean: FloatArray) -> FloatArray:
@@ -94,7 +132,12 @@ def _residual(measured: FloatArray, predicted: FloatArray) -> FloatArray:
 
 
 class Ekf:
-    """One Gaussian hypothesis, cheap and smooth; it cannot find a robot that was carried away. See `Localizer`.
+    """One Gaussian hypothesis, cheap and smooth. See `Localizer`.
+
+    Where scans do not fit for some seconds it holds itself for lost, and looks for the one place where they do: near by
+    first, then all over the map; it looks as well where they fit badly for long, since another place may fit better. It
+    says that it is found only when a scan from another spot agrees. On a map that looks the same from two places it
+    stays lost, since one Gaussian cannot wait and see as particles do.
 
     Before the first `start` it believes to be at the map's origin.
     """
@@ -113,30 +156,28 @@ class Ekf:
         self._belief: Start | EkfBelief = Start(Pose2(0.0, 0.0, 0.0), read_only(np.diag(variances)))
         self._turned = 0.0
         self._asked = False
-        self._lost = False
+        self._forgotten = False
         self._anywhere = read_only(_anywhere(grid))
         self._particles = np.empty((0, 3))
 
     @property
     def state(self) -> EkfState:
         """Everything the next estimate depends on, besides what `update` will be told."""
-        return EkfState(self._belief, self._turned, self._asked, self._lost)
+        return EkfState(self._belief, self._turned, self._asked, self._forgotten)
 
     def restore(self, state: EkfState) -> None:
         """Go on from a state that `state` once gave."""
-        self._belief, self._turned, self._asked, self._lost = state.belief, state.turned, state.asked, state.lost
+        self._belief, self._turned = state.belief, state.turned
+        self._asked, self._forgotten = state.asked, state.forgotten
 
     def start(self, base_in_map: Pose2, covariance: FloatArray) -> None:
         """Begin anew around this pose, at the next tick; the first scan from then on is weighed at once."""
         self._belief, self._turned = Start(base_in_map, read_only(covariance.copy())), 0.0
-        self._lost = False
+        self._forgotten = False
 
     def globalize(self) -> None:
-        """Forget where the robot was: lost, with a covariance as wide as the map, until `start` tells it a pose.
-
-        One Gaussian cannot stand for "anywhere", so it does not search, and weighs no scan in the meantime.
-        """
-        self._lost = True
+        """Forget where the robot was: lost, with a covariance as wide as the map, until it is found or told a pose."""
+        self._forgotten = True
 
     def request_update(self) -> None:
         """Match the next scan even if the robot has not moved."""
@@ -148,7 +189,16 @@ class Ekf:
         if isinstance(belief, Start):
             odom_in_map = belief.base_in_map.compose(odometry.base_in_odom.inverse())
             belief = EkfBelief(
-                odometry.tick, belief.base_in_map, belief.covariance, odometry.base_in_odom, odom_in_map, None
+                tick=odometry.tick,
+                base_in_map=belief.base_in_map,
+                covariance=belief.covariance,
+                shared=_NOTHING,
+                base_in_odom=odometry.base_in_odom,
+                odom_in_map=odom_in_map,
+                matched=None,
+                wildness=1.0,
+                refused=0,
+                poor=0,
             )
         else:
             self._turned += imu.angular_velocity * TICK
@@ -156,20 +206,21 @@ class Ekf:
                 belief = self._predict(belief, odometry)
                 self._turned = 0.0
         updated = False
-        if scan is not None and not self._lost and (self._asked or self._due(belief)):
+        if scan is not None and self._parameters.vo_used and (self._forgotten or self._asked or self._due(belief)):
             self._asked = False
-            corrected = self._correct(belief, scan)
-            if corrected is not None:
-                belief, updated = corrected, True
+            if not self._forgotten:
+                belief, updated = self._correct(belief, scan)
+            if self._forgotten or (belief.lost and belief.refused % _PATIENCE == 0) or belief.poor >= _PATIENCE:
+                belief = self._search(belief, scan)
         self._belief = belief
         return Estimate(
             tick=odometry.tick,
             base_in_map=belief.odom_in_map.compose(odometry.base_in_odom),
             odom_in_map=belief.odom_in_map,
-            covariance=self._anywhere if self._lost else belief.covariance,
+            covariance=self._anywhere if self._forgotten else read_only(belief.covariance + belief.shared),
             particles=self._particles,
             updated=updated,
-            lost=self._lost,
+            lost=self._forgotten or belief.lost,
         )
 
     def _due(self, belief: EkfBelief) -> bool:
@@ -191,7 +242,8 @@ class Ekf:
         wheels_variance = parameters.odom_alpha1 * moved.theta**2 + parameters.odom_alpha2 * distance**2
         gyro_variance = (odometry.tick - belief.tick) * (parameters.gyro_noise * TICK) ** 2
         # Wheels that stand still are certain of it, and then the gyroscope's noise has no say.
-        trust = wheels_variance / (wheels_variance + gyro_variance) if wheels_variance > 0.0 else 0.0
+        listening = parameters.imu_used and wheels_variance > 0.0
+        trust = wheels_variance / (wheels_variance + gyro_variance) if listening else 0.0
         correction = trust * wrap_angle(self._turned - moved.theta)
         turn_variance = (1.0 - trust) * wheels_variance
         drive_variance = parameters.odom_alpha3 * distance**2 + parameters.odom_alpha4 * moved.theta**2
@@ -204,33 +256,88 @@ class Ekf:
         to_noise = np.array(((math.cos(bearing), -dy / 2.0), (math.sin(bearing), dx / 2.0), (0.0, 1.0)))
         algebra.x, algebra.P = here.array(), belief.covariance
         algebra.F = np.array(((1.0, 0.0, -dy), (0.0, 1.0, dx), (0.0, 0.0, 1.0)))
-        algebra.Q = to_noise @ np.diag((drive_variance, turn_variance)) @ to_noise.T
+        algebra.Q = belief.wildness * to_noise @ np.diag((drive_variance, turn_variance)) @ to_noise.T
         after = np.array((here.x + dx, here.y + dy, here.theta + moved.theta + correction))
         # filterpy predicts F x + B u; the motion is not linear, so u makes up for what F x lacks.
         algebra.predict(u=after - algebra.F @ algebra.x)
-        return self._believed(odometry.tick, odometry.base_in_odom, belief.matched)
+        mean, covariance = self._result()
+        return replace(
+            belief,
+            tick=odometry.tick,
+            base_in_map=mean,
+            covariance=covariance,
+            base_in_odom=odometry.base_in_odom,
+            odom_in_map=mean.compose(odometry.base_in_odom.inverse()),
+        )
 
-    def _correct(self, belief: EkfBelief, scan: Scan) -> EkfBelief | None:
-        """Weigh in the pose that the scan speaks for; None if it speaks for none, or for one too far off to believe."""
-        algebra = self._algebra
-        doubt = belief.covariance
+    def _correct(self, belief: EkfBelief, scan: Scan) -> tuple[EkfBelief, bool]:
+        """Weigh in the pose that the scan speaks for, if it can be believed; and whether it could.
+
+        How far innovations are from what they should be teaches how wild the motion is: a factor of its variances,
+        in which the parameters keep their proportions. A match too far off is not believed, but where scan after scan
+        fits as well and says the same, it is the covariance that gives way.
+
+        Source: Mehra, On the identification of variances and adaptive Kalman filtering (1970), for learning the
+            motion's noise from innovations; here as a running mean of its logarithm, which cannot become negative.
+        """
+        points = self._beams.end_points(scan)
+        doubt = belief.covariance + belief.shared
         error = 2.0 * math.sqrt(max(doubt[0, 0], doubt[1, 1]) + _LEVER**2 * doubt[2, 2])
-        match = self._matcher.match(belief.base_in_map, self._beams.end_points(scan), error)
+        match = self._matcher.match(belief.base_in_map, points, error)
         if match is None:
-            return None
-        noise = np.linalg.inv(match.information + _LEAST_INFORMATION) + _MAP_ERROR
+            return belief, False
+        belief = replace(belief, poor=belief.poor + 1 if match.share < GOOD else 0)
+        if match.share < _LEAST_SHARE:
+            return replace(belief, refused=belief.refused + 1), False
+        noise = _covariance(match)
         measured = match.base_in_map.array()
         innovation = _residual(measured, belief.base_in_map.array())
-        if innovation @ np.linalg.solve(belief.covariance + noise, innovation) > GATE:
-            return None
+        surprise = float(innovation @ np.linalg.solve(belief.covariance + noise, innovation))
+        lesson = _LEARNING * (min(surprise, GATE) / 3.0 - 1.0)
+        wildness = min(max(belief.wildness * math.exp(lesson), 1.0), _WILDEST)
+        if surprise > GATE:
+            doubting = read_only(_DOUBTING * belief.covariance)
+            return replace(belief, covariance=doubting, wildness=wildness, refused=belief.refused + 1), False
+        algebra = self._algebra
         algebra.x, algebra.P = belief.base_in_map.array(), belief.covariance
         algebra.update(measured, _direct, _itself, R=noise, residual=_residual)
-        return self._believed(belief.tick, belief.base_in_odom, belief.base_in_odom)
+        mean, covariance = self._result()
+        return (
+            replace(
+                belief,
+                base_in_map=mean,
+                covariance=covariance,
+                shared=read_only(_SHARED * noise),
+                odom_in_map=mean.compose(belief.base_in_odom.inverse()),
+                matched=belief.base_in_odom,
+                wildness=wildness,
+                refused=0,
+            ),
+            True,
+        )
 
-    def _believed(self, tick: int, base_in_odom: Pose2, matched: Pose2 | None) -> EkfBelief:
-        """What the algebra has come to."""
+    def _search(self, belief: EkfBelief, scan: Scan) -> EkfBelief:
+        """Begin anew where the scan fits, if that is one place only; lost, until the next match agrees."""
+        near = None if self._forgotten else belief.base_in_map
+        found = self._matcher.search(self._beams.end_points(scan), near)
+        belief = replace(belief, poor=0)
+        if found is None:
+            return belief
+        if near is not None and not belief.lost and near.distance(found.base_in_map) < SPACING:
+            return belief
+        self._forgotten = False
+        return replace(
+            belief,
+            base_in_map=found.base_in_map,
+            covariance=_covariance(found),
+            odom_in_map=found.base_in_map.compose(belief.base_in_odom.inverse()),
+            matched=belief.base_in_odom,
+            wildness=1.0,
+            refused=_PATIENCE,
+        )
+
+    def _result(self) -> tuple[Pose2, FloatArray]:
+        """Mean and covariance that the algebra has come to."""
         x, y, theta = (float(value) for value in self._algebra.x)
-        base_in_map = Pose2(x, y, wrap_angle(theta))
         covariance: FloatArray = (self._algebra.P + self._algebra.P.T) / 2.0
-        odom_in_map = base_in_map.compose(base_in_odom.inverse())
-        return EkfBelief(tick, base_in_map, read_only(covariance), base_in_odom, odom_in_map, matched)
+        return Pose2(x, y, wrap_angle(theta)), read_only(covariance)

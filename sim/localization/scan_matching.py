@@ -8,7 +8,7 @@ import numpy as np
 from numba import njit
 
 from sim.geometry import FloatArray, Pose2, wrap_angle
-from sim.grid import GridFrame, OccupancyGrid
+from sim.grid import FREE, GridFrame, OccupancyGrid
 from sim.localization.likelihood_field import INDEPENDENT_BEAMS, signed_distance
 
 REACH = 1.0
@@ -16,6 +16,18 @@ REACH = 1.0
 
 _FINEST, _COARSEST = 0.15, 0.6
 """Metres: points this far from a surface begin to count as something that the map does not show."""
+_SEARCHED = 0.3
+"""Metres: the same when places all over the map are compared, of which none is quite right."""
+SPACING, _HEADINGS = 0.4, 16
+"""Metres between the places, and how many headings at each, that a search begins with."""
+_REFINED = 40
+"""How many of them, the best, are looked at closely."""
+_FEWEST = 20
+"""Points that a search must have; it compares places by as many."""
+GOOD, _MARGIN = 0.8, 0.1
+"""Share of the points on walls that a pose must reach to be found, and by how much it must be better than others."""
+NEAR = 1.5
+"""Metres: where a robot that has lost its way is looked for first."""
 _STEPS = 4
 """Gauss-Newton steps at each width, from coarse to fine."""
 _DAMPING = 1e-3
@@ -28,10 +40,12 @@ class Match(NamedTuple):
     Attributes:
         base_in_map: the pose.
         information: (3, 3) inverse covariance of it; singular along a direction the scan does not fix.
+        share: of the points, how many lie on the map's surfaces there; 0 to 1.
     """
 
     base_in_map: Pose2
     information: FloatArray
+    share: float
 
 
 @njit(cache=True)
@@ -54,8 +68,8 @@ def _interpolate(field: FloatArray, along: float, across: float) -> tuple[float,
 @njit(cache=True)
 def _normal_equations(
     field: FloatArray, frame: GridFrame, x: float, y: float, theta: float, points: FloatArray, width: float
-) -> tuple[FloatArray, FloatArray, float]:
-    """Gauss-Newton's matrix and right side, and the weighted mean square of the distances, at a pose."""
+) -> tuple[FloatArray, FloatArray, float, float]:
+    """Gauss-Newton's matrix and right side, the weighted mean square of the distances, and the points' mean weight."""
     matrix = np.zeros((3, 3))
     right = np.zeros(3)
     squares, weights = 0.0, 0.0
@@ -79,16 +93,16 @@ def _normal_equations(
             right[a] -= weight * slopes[a] * distance
             for b in range(3):
                 matrix[a, b] += weight * slopes[a] * slopes[b]
-    return matrix, right, squares / weights
+    return matrix, right, squares / weights, weights / points.shape[0]
 
 
 @njit(cache=True)
 def _match(
     field: FloatArray, frame: GridFrame, x: float, y: float, theta: float, points: FloatArray, width: float
-) -> tuple[float, float, float, FloatArray]:
+) -> tuple[float, float, float, FloatArray, float]:
     while True:
         for _ in range(_STEPS):
-            matrix, right, _ = _normal_equations(field, frame, x, y, theta, points, width)
+            matrix, right, _, _ = _normal_equations(field, frame, x, y, theta, points, width)
             damping = _DAMPING * (matrix[0, 0] + matrix[1, 1] + matrix[2, 2]) / 3.0 + 1e-9
             for a in range(3):
                 matrix[a, a] += damping
@@ -99,11 +113,29 @@ def _match(
         if width <= _FINEST:
             break
         width = max(width / 2.0, _FINEST)
-    matrix, _, variance = _normal_equations(field, frame, x, y, theta, points, width)
-    # Half a cell is the least that a grid can err by.
-    variance = max(variance, (0.5 * frame.resolution) ** 2)
-    share = min(1.0, INDEPENDENT_BEAMS / points.shape[0])
-    return x, y, wrap_angle(theta), matrix * (share / variance)
+    matrix, _, variance, share = _normal_equations(field, frame, x, y, theta, points, width)
+    # A wall may lie anywhere in its cell.
+    variance = max(variance, frame.resolution**2 / 12.0)
+    independent = min(1.0, INDEPENDENT_BEAMS / points.shape[0])
+    return x, y, wrap_angle(theta), matrix * (independent / variance), share
+
+
+@njit(cache=True)
+def _shares(field: FloatArray, frame: GridFrame, poses: FloatArray, points: FloatArray) -> FloatArray:
+    """(n,) mean weights of the points, at the coarsest width, seen from each pose."""
+    shares = np.empty(poses.shape[0])
+    for i in range(poses.shape[0]):
+        c, s = math.cos(poses[i, 2]), math.sin(poses[i, 2])
+        total = 0.0
+        for j in range(points.shape[0]):
+            dx = poses[i, 0] + c * points[j, 0] - s * points[j, 1] - frame.x
+            dy = poses[i, 1] + s * points[j, 0] + c * points[j, 1] - frame.y
+            along = (frame.cos * dx + frame.sin * dy) / frame.resolution
+            across = (frame.cos * dy - frame.sin * dx) / frame.resolution
+            distance, _, _ = _interpolate(field, along, across)
+            total += 1.0 / (1.0 + (distance / _SEARCHED) ** 2) ** 2
+        shares[i] = total / points.shape[0]
+    return shares
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -113,15 +145,51 @@ class ScanMatcher:
     Attributes:
         field: (rows, cols) metres to the nearest surface, negative inside walls; see `signed_distance`.
         frame: where it lies.
+        free: (n, 3) poses in free cells, so dense that a match from one of them finds any pose of a robot.
     """
 
     field: FloatArray
     frame: GridFrame
+    free: FloatArray
 
     @classmethod
     def of(cls, grid: OccupancyGrid) -> "ScanMatcher":
         """Make a map ready, once."""
-        return cls(signed_distance(grid, REACH), grid.frame)
+        step = max(1, round(SPACING / grid.resolution))
+        cells = np.argwhere(grid.cells[::step, ::step] == FREE) * step
+        headings = np.arange(_HEADINGS) * (2.0 * math.pi / _HEADINGS) - math.pi
+        places = np.repeat(grid.centres_of(cells), _HEADINGS, axis=0)
+        free = np.column_stack((places, np.tile(headings, len(cells))))
+        return cls(signed_distance(grid, REACH), grid.frame, free)
+
+    def search(self, points: FloatArray, near: Pose2 | None = None) -> Match | None:
+        """The one pose from which the points lie on the map's walls, anywhere, or first within `NEAR` of a pose.
+
+        Returns:
+            None where no pose fits, or where another one fits nearly as well: a map that looks the same from two
+            places does not tell them apart.
+        """
+        if near is not None:
+            there = np.hypot(self.free[:, 0] - near.x, self.free[:, 1] - near.y) < NEAR
+            found = self._only(points, self.free[there])
+            if found is not None:
+                return found
+        return self._only(points, self.free)
+
+    def _only(self, points: FloatArray, poses: FloatArray) -> Match | None:
+        if len(points) < _FEWEST or len(poses) == 0:
+            return None
+        shares = _shares(self.field, self.frame, poses, points[:: max(1, len(points) // _FEWEST)])
+        guesses = poses[np.argsort(-shares, kind="stable")[:_REFINED]]
+        matches = [self.match(Pose2(x, y, theta), points, _COARSEST) for x, y, theta in guesses.tolist()]
+        best, *others = sorted((match for match in matches if match), key=lambda match: -match.share)
+        here = best.base_in_map
+        for other in others:
+            there = other.base_in_map
+            apart = here.distance(there) > SPACING or abs(wrap_angle(here.theta - there.theta)) > SPACING
+            if apart and other.share > best.share - _MARGIN:
+                return None
+        return best if best.share >= GOOD else None
 
     def match(self, guess: Pose2, points: FloatArray, error: float) -> Match | None:
         """The pose near `guess` from which the points lie on the map's walls.
@@ -142,5 +210,5 @@ class ScanMatcher:
         if len(points) < 3:
             return None
         width = max(_FINEST, min(error, _COARSEST))
-        x, y, theta, information = _match(self.field, self.frame, guess.x, guess.y, guess.theta, points, width)
-        return Match(Pose2(x, y, theta), information)
+        x, y, theta, information, share = _match(self.field, self.frame, guess.x, guess.y, guess.theta, points, width)
+        return Match(Pose2(x, y, theta), information, share)

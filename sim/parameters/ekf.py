@@ -1,14 +1,32 @@
 """Kalman filter localisation."""
 
+from collections.abc import Mapping
 from dataclasses import dataclass
+from typing import ClassVar
 
 from sim.parameters.knobs import knob
 
 
 @dataclass(frozen=True, slots=True)
 class EkfParameters:
-    """Extended Kalman filter localisation: odometry and gyroscope, corrected by matching scans to the map."""
+    """Extended Kalman filter localisation: odometry and gyroscope, corrected by matching scans to the map.
 
+    It stands where robot_pose_ekf stood, and takes its names: the matched pose is its visual odometry.
+    """
+
+    ros_only: ClassVar[Mapping[str, str]] = {
+        "freq": "how often estimates are published; here there is one every tick",
+        "sensor_timeout": "how long to wait for a sensor that fell silent; sensors do not, here",
+        "odom_used": "whether the wheels are listened to; here they always are",
+        "gps_used": "whether GPS is listened to; there is none indoors",
+        "debug": "whether the filter writes files about itself",
+        "self_diagnose": "whether the filter checks its sensors' time stamps",
+        "output_frame": "the name of the estimate's frame in tf",
+        "base_footprint_frame": "the name of the robot's frame in tf",
+    }
+
+    imu_used: bool = knob(True, "whether the gyroscope is listened to")
+    vo_used: bool = knob(True, "whether scans are matched to the map; without, doubt only grows")
     update_min_d: float = knob(0.2, "metres to drive before a scan is matched", "m", 0, 5)
     update_min_a: float = knob(0.523599, "angle to turn before a scan is matched", "rad", 0, 6.2832)
     initial_cov_xx: float = knob(0.25, "variance of the first pose", "m^2", 0)

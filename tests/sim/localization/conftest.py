@@ -83,7 +83,7 @@ def follow_tour(ticks: int, speed: float) -> FloatArray:
     twists = np.zeros((ticks, 2))
     for i in range(ticks):
         if math.hypot(TOUR[target][0] - x, TOUR[target][1] - y) < 0.15:
-            target = min(target + 1, len(TOUR) - 1)
+            target = (target + 1) % len(TOUR)
         bearing = math.atan2(TOUR[target][1] - y, TOUR[target][0] - x) - theta
         bearing = math.remainder(bearing, 2 * math.pi)
         angular = max(-1.0, min(1.0, 2.0 * bearing))
