@@ -1,5 +1,6 @@
 """Simulated participants: they decide from the view alone, as a person in front of the window would."""
 
+from collections import Counter
 from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from enum import StrEnum
@@ -26,6 +27,8 @@ from thbridge.roles.view import (
 
 DOUBT = 0.1
 """How often the `random` participant says Stop."""
+ATTEMPTS = 3
+"""How often a robot is sent to a room that it does not reach."""
 
 
 class BotStrategy(StrEnum):
@@ -58,7 +61,8 @@ class Bot:
 
     It plays each robot on its own: looks at what a robot found before that robot goes on, names a treasure whose
     colour and footprint leave no choice, takes a picture where they do and the energy suffices, and gives it up
-    otherwise.
+    otherwise. A room that a robot did not reach is left for last, whatever the strategy, and after three times
+    for good.
 
     Args:
         strategy: how it chooses rooms.
@@ -72,11 +76,14 @@ class Bot:
         self._choices = Stream.named(seed, "participant", "choices")
         self._doubts = Stream.named(seed, "participant", "doubts")
         self._stopped: set[int] = set()
+        self._bound: dict[int, int] = {}
+        self._missed: Counter[tuple[int, int]] = Counter()
 
     def wishes(self, view: View) -> Sequence[Wish]:
         """What it wants next; see `Player`."""
         if view.over is not None:
             return ()
+        self._watch(view)
         wishes: list[Wish] = [self._answer(dialogue) for dialogue in view.dialogues]
         talks: Sequence[DialogueView | Consent] = (*view.dialogues, *view.consents)
         taken = {talk.room for talk in talks if talk.matter == "select-room"}
@@ -86,6 +93,15 @@ class Bot:
                 if isinstance(wish, Select):
                     taken.add(wish.room)
         return wishes
+
+    def _watch(self, view: View) -> None:
+        """Remember which robot set out for which room and did not get there."""
+        for robot in view.robots:
+            bound = self._bound.pop(robot.robot, robot.moving_to)
+            if bound is not None and bound != robot.moving_to and view.room(bound).state == "unvisited":
+                self._missed[robot.robot, bound] += 1
+            if robot.moving_to is not None:
+                self._bound[robot.robot] = robot.moving_to
 
     def _for_robot(self, view: View, robot: RobotView, taken: set[int]) -> Iterator[Wish]:
         agreed = [consent for consent in view.consents if consent.robot == robot.robot]
@@ -101,13 +117,16 @@ class Bot:
             if consent.matter == "select-room":
                 yield SendRobot(robot.robot, consent.room)
                 return
-        affordable = self._affordable(view, robot, taken)
-        if not affordable:
+        rooms = self._affordable(view, robot, taken)
+        fresh = [room for room in rooms if not self._missed[robot.robot, room]]
+        open_to_it = fresh or [room for room in rooms if self._missed[robot.robot, room] < ATTEMPTS]
+        if not open_to_it:
             return
-        if self._strategy is BotStrategy.SUGGESTION:
+        if self._strategy is BotStrategy.SUGGESTION and fresh == rooms:
             yield Unsure(robot.robot)
         else:
-            yield Select(robot.robot, self._choice(view, robot, affordable))
+            # The robot would suggest the room that it missed, again and again.
+            yield Select(robot.robot, self._choice(view, robot, open_to_it))
 
     def _affordable(self, view: View, robot: RobotView, taken: set[int]) -> list[int]:
         row = view.costs[robot.place]

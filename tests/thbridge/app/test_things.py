@@ -6,7 +6,9 @@ from pathlib import Path
 import pytest
 
 from sim.geometry import Pose2
-from sim.team import Carry, Die, PutThing, RemoveThing, Revive, Timed
+from sim.navigator import Arrived, Goal
+from sim.observations import TICKS_PER_SECOND
+from sim.team import Carry, Die, Go, PutThing, RemoveThing, Revive, Timed
 from thbridge.adapters.errors import BadFile
 from thbridge.app.compose import read_setting
 from thbridge.app.config import read_study_text, resolved
@@ -97,3 +99,30 @@ def test_a_study_runs_as_it_says():
     assert names[3] == ["the visitor", "slab"]
     assert names[4] == ["the visitor", "slab", "crate"]
     assert [bool(snapshot.dead) for snapshot in snapshots].index(True) == 9
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("seed", [1, 2])
+def test_robots_among_people_touch_nobody_and_arrive(seed):
+    study = read_study_text(
+        STUDY,
+        f"""\
+robots: 4
+seed: {seed}
+things:
+  - {{name: crate, shape: crate, at: [2.0, 1.0, 0.5], appears: 5, vanishes: 60}}
+  - {{name: visitor, shape: person, path: [[0, 2.4], [5, 2.4]], back_and_forth: true}}
+  - {{name: hurry, shape: person, path: [[5.5, -0.4], [-0.4, -0.4], [-0.4, 4]], back_and_forth: true, speed: 1.2}}
+""",
+    )
+    setting = read_setting(study, Path())
+    team = setting.team()
+    arrived = 0
+    inputs = [Go(robot, Goal(0, setting.place.rooms[robot].goal)) for robot in range(4)]
+    for number in range(1, 100 * TICKS_PER_SECOND):
+        snapshot = team.step(inputs)
+        assert snapshot.world.collisions.tolist() == [0] * 4
+        ended = [robot for robot, said in enumerate(snapshot.robots) if isinstance(said.navigation.result, Arrived)]
+        arrived += len(ended)
+        inputs = [Go(robot, Goal(number, setting.place.rooms[(robot + arrived) % 8].goal)) for robot in ended]
+    assert arrived >= 8
