@@ -18,7 +18,7 @@ from sim.parameters.costmap_2d import (
 )
 from sim.parameters.ekf import EkfParameters
 from sim.parameters.fake_localization import FakeLocalizationParameters
-from sim.parameters.global_planners import NavfnParameters
+from sim.parameters.global_planners import GlobalPlannerParameters, NavfnParameters
 from sim.parameters.knobs import knob
 from sim.parameters.local_planners import DwaPlannerParameters, TrajectoryPlannerParameters
 from sim.parameters.move_base import MoveBaseParameters, RecoveryBehavior
@@ -32,6 +32,7 @@ __all__ = [
     "EkfParameters",
     "FakeLocalizationParameters",
     "GlobalCostmapParameters",
+    "GlobalPlannerParameters",
     "InflationParameters",
     "LaserParameters",
     "LocalCostmapParameters",

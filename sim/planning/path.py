@@ -1,11 +1,12 @@
 """A way through the map, or why there is none."""
 
 from dataclasses import dataclass
-from typing import Literal
+from typing import Literal, Protocol
 
 import numpy as np
 
-from sim.geometry import FloatArray
+from sim.costmap.costs import CostFrame, Costs
+from sim.geometry import FloatArray, Pose2
 
 RefusalCode = Literal[
     "goal_occupied",
@@ -16,6 +17,15 @@ RefusalCode = Literal[
     "robots_in_the_way",
     "blocked_by_obstacle",
 ]
+
+_SENTENCES: dict[RefusalCode, str] = {
+    "goal_outside": "the goal is outside the map",
+    "start_outside": "the robot is outside the map",
+    "goal_occupied": "the goal is inside a wall or too near to one",
+    "start_occupied": "the robot stands inside an obstacle",
+    "no_way": "there is no way from here to the goal",
+    "robots_in_the_way": "other robots stand in the way",
+}
 
 
 @dataclass(frozen=True, slots=True)
@@ -45,6 +55,25 @@ class Refused:
 
     code: RefusalCode
     sentence: str
+
+
+def refused(code: RefusalCode) -> Refused:
+    """The refusal with its sentence."""
+    return Refused(code, _SENTENCES[code])
+
+
+class Planner(Protocol):
+    """What finds paths over a costmap."""
+
+    def plan(self, costs: Costs, frame: CostFrame, start: Pose2, goal: Pose2) -> Path | Refused:
+        """A path between two poses.
+
+        Args:
+            costs: (rows, cols); left as they are.
+            frame: where they lie.
+            start: where the base is, in the costmap's frame.
+            goal: where it shall end.
+        """
 
 
 def headings(points: FloatArray, last: float) -> FloatArray:

@@ -13,9 +13,8 @@ from sim.geometry import FloatArray, Pose2
 from sim.grid import OccupancyGrid
 from sim.observations import Neighbour
 from sim.parameters import InflationParameters
-from sim.planning import navfn
 from sim.planning.itinerary import SPACING, Itinerary, Others, clear, densified, executable, timed
-from sim.planning.path import Refused, thinned
+from sim.planning.path import Planner, Refused, thinned
 from sim.planning.safe_interval import BoolArray, refuge, roadmap, route
 
 GAP = 0.16
@@ -45,7 +44,7 @@ class Router:
         clearance: (rows, cols) metres from each of its cells to the nearest wall.
         costmap: the robot's, over the whole map.
         inflation: its inflation layer's parameters.
-        allow_unknown: whether ways may cross unknown space.
+        planner: finds paths for it when it is alone.
     """
 
     def __init__(
@@ -54,10 +53,10 @@ class Router:
         clearance: FloatArray,
         costmap: Costmap2D,
         inflation: InflationParameters,
-        allow_unknown: bool,
+        planner: Planner,
     ) -> None:
         self._frame = CostFrame(static.origin.x, static.origin.y, static.resolution)
-        self._allow_unknown = allow_unknown
+        self._planner = planner
         self.costmap = costmap
         self._walls = costmap.without_robots()
         circumscribed = costmap.circumscribed_radius
@@ -73,7 +72,7 @@ class Router:
         self.costmap.update(0.0, 0.0)
 
     def way(self, start: Pose2, goal: Pose2, time: float, others: Others) -> Itinerary | Blocked | Refused:
-        """A way to a goal that keeps clear of all others: navfn's if it does, else the quickest.
+        """A way to a goal that keeps clear of all others: the planner's if it does, else the quickest.
 
         Args:
             start: where the base is.
@@ -81,7 +80,7 @@ class Router:
             time: from which the itinerary is numbered.
             others: the other robots' itineraries.
         """
-        path = navfn.plan(self.costmap.costs, self._frame, start, goal, self._allow_unknown)
+        path = self._planner.plan(self.costmap.costs, self._frame, start, goal)
         if not isinstance(path, Refused):
             direct = timed(thinned(path.poses[:, :2], SPACING), time)
             if clear(direct.points, direct.times, others, self.separation) and self._executable(direct, others):
@@ -93,7 +92,7 @@ class Router:
             among = densified(among)
             if self._executable(among, others):
                 return among
-        alone = navfn.plan(walls, self._frame, start, goal, self._allow_unknown)
+        alone = self._planner.plan(walls, self._frame, start, goal)
         if isinstance(alone, Refused):
             return self._why(alone, start, goal)
         return Blocked(thinned(alone.poses[:, :2], SPACING))

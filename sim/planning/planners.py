@@ -1,0 +1,23 @@
+"""The global planners that move_base may be told to use."""
+
+from sim.parameters import GlobalPlannerParameters, NavfnParameters
+from sim.planning.global_planner import GlobalPlanner
+from sim.planning.navfn import Navfn
+from sim.planning.path import Planner
+from sim.planning.potential_planner import PotentialPlanner
+
+BASE_GLOBAL_PLANNERS = ("navfn/NavfnROS", "global_planner/GlobalPlanner")
+"""What move_base's base_global_planner may be."""
+
+
+def global_planner(base_global_planner: str, navfn: NavfnParameters, global_planner: GlobalPlannerParameters) -> Planner:
+    """The planner of a name.
+
+    Args:
+        base_global_planner: one of BASE_GLOBAL_PLANNERS.
+        navfn: parameters if it is navfn.
+        global_planner: parameters if it is global_planner.
+    """
+    if base_global_planner == "global_planner/GlobalPlanner":
+        return PotentialPlanner(GlobalPlanner(global_planner))
+    return PotentialPlanner(Navfn(navfn))
