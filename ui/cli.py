@@ -9,6 +9,7 @@ from ui.commands import files, programs
 from ui.commands.drive import GoalWithYaw, drive
 from ui.commands.localize import localize_command
 from ui.commands.measure import maps_measure
+from ui.commands.plan import plan
 from ui.commands.play import play
 from ui.commands.scan import scan
 from ui.terminal import err
@@ -28,6 +29,7 @@ for command in (
     programs.tabui,
     files.suggest,
     files.report,
+    plan,
     scan,
 ):
     app.command()(command)

@@ -32,6 +32,7 @@ from sim.observations import STANDSTILL, TICK, TICKS_PER_SECOND, Claim, Neighbou
 from sim.parameters import RobotParameters
 from sim.planning.itinerary import SPEED, Itinerary, Others, heard, resting_left_out, start_time
 from sim.planning.path import Refused, headings
+from sim.planning.planners import global_planner
 from sim.planning.router import Blocked, Router
 
 NavigatorState = Literal["idle", "planning", "controlling", "clearing"]
@@ -109,7 +110,7 @@ class Navigator:
             clearance.astype(np.float64),
             self._global,
             parameters.global_costmap.inflation_layer,
-            parameters.NavfnROS.allow_unknown,
+            global_planner(parameters.move_base.base_global_planner, parameters.NavfnROS, parameters.GlobalPlanner),
         )
         self._follower = Follower(
             parameters, static, clearance, self._local, self._global.marks, self._router.separation_driven, robot

@@ -29,7 +29,9 @@ class MoveBaseParameters:
         "restore_defaults": "a button of dynamic_reconfigure",
     }
 
-    base_global_planner: str = knob("navfn/NavfnROS", "the global planner", choices=("navfn/NavfnROS",))
+    base_global_planner: str = knob(
+        "navfn/NavfnROS", "the global planner", choices=("navfn/NavfnROS", "global_planner/GlobalPlanner")
+    )
     base_local_planner: str = knob(
         "base_local_planner/TrajectoryPlannerROS",
         "the local planner",

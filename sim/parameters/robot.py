@@ -13,7 +13,7 @@ from sim.parameters.costmap_2d import (
 )
 from sim.parameters.ekf import EkfParameters
 from sim.parameters.fake_localization import FakeLocalizationParameters
-from sim.parameters.global_planners import NavfnParameters
+from sim.parameters.global_planners import GlobalPlannerParameters, NavfnParameters
 from sim.parameters.knobs import knob
 from sim.parameters.local_planners import DwaPlannerParameters, TrajectoryPlannerParameters
 from sim.parameters.move_base import MoveBaseParameters
@@ -64,7 +64,8 @@ class RobotParameters:
         ),
         "the costmap that moves along with the robot, for commands",
     )
-    NavfnROS: NavfnParameters = knob(NavfnParameters(), "global planner")
+    NavfnROS: NavfnParameters = knob(NavfnParameters(), "the global planner navfn")
+    GlobalPlanner: GlobalPlannerParameters = knob(GlobalPlannerParameters(), "the other global planner")
     TrajectoryPlannerROS: TrajectoryPlannerParameters = knob(
         # The speeds and weights of the 2016 study, tried on a grid that leaves time for a team of robots.
         TrajectoryPlannerParameters(

@@ -44,13 +44,13 @@ def translation(parameters: GlobalPlannerParameters) -> CellCosts:
     lethal = parameters.lethal_cost
     if not parameters.use_dijkstra:
         # A* takes costs as they are.
-        table = np.minimum(costs + parameters.neutral_cost, 255).astype(np.float32)
-        table[lethal:] = BLOCKED
+        taken: CellCosts = np.minimum(costs + parameters.neutral_cost, 255).astype(np.float32)
+        taken[lethal:] = BLOCKED
         if parameters.allow_unknown:
-            table[UNKNOWN] = 255.0
-        return table
+            taken[UNKNOWN] = 255.0
+        return taken
     scaled = np.floor(costs * parameters.cost_factor + parameters.neutral_cost)
-    table = np.minimum(scaled, max(lethal - 1, 1)).astype(np.float32)
+    table: CellCosts = np.minimum(scaled, max(lethal - 1, 1)).astype(np.float32)
     passable = costs < lethal - 1
     if parameters.allow_unknown:
         passable[UNKNOWN] = True
@@ -59,7 +59,9 @@ def translation(parameters: GlobalPlannerParameters) -> CellCosts:
 
 
 @njit(cache=True)
-def astar(potential: Potential, costs: CellCosts, cols: int, start: int, target: int, neutral: float, quad: bool) -> None:
+def astar(
+    potential: Potential, costs: CellCosts, cols: int, start: int, target: int, neutral: float, quad: bool
+) -> None:
     """Fill the potential cell by cell, always the one first that promises the shortest way, until the target is met.
 
     Args:
@@ -72,8 +74,7 @@ def astar(potential: Potential, costs: CellCosts, cols: int, start: int, target:
         quad: as `spread`.
     """
     potential[start] = np.float32(0.0)
-    first = (0.0, start)
-    queue = [first]
+    queue: list[tuple[float, int]] = [(0.0, start)]
     while len(queue) > 0:
         _, cell = heapq.heappop(queue)
         if cell == target:
@@ -88,7 +89,7 @@ def astar(potential: Potential, costs: CellCosts, cols: int, start: int, target:
                 value = potential[cell] + costs[neighbour]
             potential[neighbour] = value
             away = abs(neighbour % cols - target % cols) + abs(neighbour // cols - target // cols) if target >= 0 else 0
-            heapq.heappush(queue, (value + away * neutral, neighbour))
+            heapq.heappush(queue, (float(value) + away * neutral, neighbour))
 
 
 @njit(cache=True)
@@ -153,26 +154,26 @@ class GlobalPlanner:
         mode, window = self._parameters.orientation_mode, self._parameters.orientation_window_size
         return np.column_stack([points, orientations(points, mode, window, start, goal)])
 
-    def _seeds(self, space: Workspace, x: float, y: float) -> NDArray[np.int32]:
+    def _seeds(self, space: Workspace, x: float, y: float) -> NDArray[np.uint32]:
         """Set the potential where the wave begins: the robot's cell, and if exact the three others about it."""
         rows, cols = space.shape
         row, col = round(y), round(x)
         start = row * cols + col
         if not self.exact:
             space.potential[start] = 0.0
-            return np.array([start], np.int32)
+            return np.array([start], np.uint32)
         aside, up = (1 if x >= col else -1), (1 if y >= row else -1)
         seeds = [(row, col)]
         for r, c in ((row, col + aside), (row + up, col)):
             if 0 <= r < rows and 0 <= c < cols and space.costs[r * cols + c] < BLOCKED:
                 seeds.append((r, c))
         across = (row + up, col + aside)
-        if len(seeds) > 1 and all(0 <= i < n for i, n in zip(across, space.shape, strict=True)):
-            if space.costs[across[0] * cols + across[1]] < BLOCKED:
-                seeds.append(across)
+        within = all(0 <= i < n for i, n in zip(across, space.shape, strict=True))
+        if len(seeds) > 1 and within and space.costs[across[0] * cols + across[1]] < BLOCKED:
+            seeds.append(across)
         for r, c in seeds:
             space.potential[r * cols + c] = self._parameters.neutral_cost * math.hypot(c - x, r - y)
-        return np.array([r * cols + c for r, c in seeds], np.int32)
+        return np.array([r * cols + c for r, c in seeds], np.uint32)
 
 
 def orientations(points: FloatArray, mode: int, window: int, start: float, goal: float) -> FloatArray:

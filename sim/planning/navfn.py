@@ -21,7 +21,7 @@ COST_OBSTACLE = 254
 def translation(allow_unknown: bool) -> CellCosts:
     """(256,) what it costs to pass a cell of each of a costmap's costs: 50 when free, more near obstacles."""
     costs = np.arange(256)
-    table = np.minimum(COST_NEUTRAL + np.floor(COST_FACTOR * costs), COST_OBSTACLE - 1).astype(np.float32)
+    table: CellCosts = np.minimum(COST_NEUTRAL + np.floor(COST_FACTOR * costs), COST_OBSTACLE - 1).astype(np.float32)
     table[INSCRIBED] = table[LETHAL] = BLOCKED
     table[UNKNOWN] = COST_OBSTACLE - 1 if allow_unknown else BLOCKED
     return table
@@ -59,7 +59,7 @@ class Navfn:
             space.waiting,
             space.queues,
             cols,
-            np.array([start], np.int32),
+            np.array([start], np.uint32),
             target,
             attraction,
             threshold,

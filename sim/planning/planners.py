@@ -6,15 +6,14 @@ from sim.planning.navfn import Navfn
 from sim.planning.path import Planner
 from sim.planning.potential_planner import PotentialPlanner
 
-BASE_GLOBAL_PLANNERS = ("navfn/NavfnROS", "global_planner/GlobalPlanner")
-"""What move_base's base_global_planner may be."""
 
-
-def global_planner(base_global_planner: str, navfn: NavfnParameters, global_planner: GlobalPlannerParameters) -> Planner:
+def global_planner(
+    base_global_planner: str, navfn: NavfnParameters, global_planner: GlobalPlannerParameters
+) -> Planner:
     """The planner of a name.
 
     Args:
-        base_global_planner: one of BASE_GLOBAL_PLANNERS.
+        base_global_planner: move_base's parameter of this name.
         navfn: parameters if it is navfn.
         global_planner: parameters if it is global_planner.
     """

@@ -122,8 +122,10 @@ def _nearest_reached(space: Workspace, x: float, y: float, tolerance: float) -> 
     """(col, row) of the reached cell nearest to a position, none farther than the tolerance; all in cells."""
     rows, cols = space.shape
     top, left = max(0, math.floor(y - tolerance)), max(0, math.floor(x - tolerance))
-    window = space.potential.reshape(rows, cols)[top : math.ceil(y + tolerance) + 1, left : math.ceil(x + tolerance) + 1]
-    reached = np.argwhere(window < UNREACHED) + (top, left)
+    window = space.potential.reshape(rows, cols)[
+        top : math.ceil(y + tolerance) + 1, left : math.ceil(x + tolerance) + 1
+    ]
+    reached = np.argwhere(window < UNREACHED) + np.array([top, left])
     if len(reached) == 0:
         return None
     away = np.hypot(reached[:, 1] - x, reached[:, 0] - y)

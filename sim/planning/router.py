@@ -101,7 +101,7 @@ class Router:
         """The refusal itself, unless it is for obstacles seen: the map alone would have a way."""
         if not self.costmap.any_marks:
             return refused
-        bare = navfn.plan(self._walls, self._frame, start, goal, self._allow_unknown)
+        bare = self._planner.plan(self._walls, self._frame, start, goal)
         if isinstance(bare, Refused):
             return bare
         return Refused("blocked_by_obstacle", "an obstacle that is not on the map blocks the way")

@@ -20,7 +20,7 @@ from sim.costmap.costs import Costs
 Potential = NDArray[np.float32]
 """(rows * cols,) cost of the cheapest way from the robot; UNREACHED where the wave did not come."""
 CellCosts = NDArray[np.float32]
-Cells = NDArray[np.int32]
+Cells = NDArray[np.uint32]
 Points = NDArray[np.float32]
 
 BLOCKED = np.float32(np.inf)
@@ -45,7 +45,7 @@ class Workspace:
         self.costs = np.empty(rows * cols, np.float32)
         self.potential = np.empty(rows * cols, np.float32)
         self.waiting = np.zeros(rows * cols, np.bool_)
-        self.queues = np.empty((3, rows * cols), np.int32)
+        self.queues = np.empty((3, rows * cols), np.uint32)
 
 
 @njit(cache=True)
@@ -71,10 +71,10 @@ def prepare(costs: Costs, table: CellCosts, passage: CellCosts, potential: Poten
 
 
 @njit(cache=True)
-def value_of(potential: Potential, cell: int, cols: int, cost: np.float32, quadratic: bool) -> np.float32:
+def wave_value(
+    left: np.float32, right: np.float32, below: np.float32, above: np.float32, cost: np.float32, quadratic: bool
+) -> np.float32:
     """What a cell's potential is by its four neighbours'."""
-    left, right = potential[cell - 1], potential[cell + 1]
-    below, above = potential[cell - cols], potential[cell + cols]
     across = left if left < right else right
     along = below if below < above else above
     gap = across - along
@@ -82,10 +82,27 @@ def value_of(potential: Potential, cell: int, cols: int, cost: np.float32, quadr
     if gap < 0:
         gap, lowest = -gap, across
     if gap >= cost or not quadratic:
-        return lowest + cost
+        return np.float32(lowest + cost)
     # A plane wave between the two lower neighbours, as navfn's quadratic approximates it.
     d = gap / cost
-    return lowest + cost * np.float32(-0.2301 * d * d + 0.5307 * d + 0.7040)
+    return np.float32(lowest + cost * np.float32(-0.2301 * d * d + 0.5307 * d + 0.7040))
+
+
+@njit(cache=True)
+def value_of(potential: Potential, cell: int, cols: int, cost: np.float32, quadratic: bool) -> np.float32:
+    """The same, of a cell that is not on the rim."""
+    left, right = potential[cell - 1], potential[cell + 1]
+    return np.float32(wave_value(left, right, potential[cell - cols], potential[cell + cols], cost, quadratic))
+
+
+@njit(cache=True)
+def _push(queue: Cells, length: int, waiting: NDArray[np.bool_], cell: np.uint64) -> int:
+    """Put a cell into a queue unless it waits already; how long the queue is then."""
+    if waiting[cell]:
+        return length
+    waiting[cell] = True
+    queue[length] = cell
+    return length + 1
 
 
 @njit(cache=True)
@@ -123,35 +140,45 @@ def spread(
     target_row, target_col = target // cols, target % cols
     for seed in seeds:
         for step in (1, -1, -cols, cols):
-            cell = seed + step
-            if 0 <= cell < costs.size and costs[cell] < BLOCKED and not waiting[cell] and potential[cell] == UNREACHED:
-                current[n_current] = cell
+            first = np.int64(seed) + step
+            inside = 0 <= first < costs.size
+            if inside and costs[first] < BLOCKED and not waiting[first] and potential[first] == UNREACHED:
+                current[n_current] = first
                 n_current += 1
-                waiting[cell] = True
+                waiting[first] = True
+    # Unsigned, for which numba need not look out for indices that count from the end.
+    one, width = np.uint64(1), np.uint64(cols)
     while n_current > 0:
         for i in range(n_current):
             waiting[current[i]] = False
         for i in range(n_current):
-            cell = current[i]
-            value = value_of(potential, cell, cols, costs[cell], quadratic)
+            cell = np.uint64(current[i])
+            left, right = potential[cell - one], potential[cell + one]
+            below, above = potential[cell - width], potential[cell + width]
+            value = wave_value(left, right, below, above, costs[cell], quadratic)
             if value >= potential[cell]:
                 continue
             potential[cell] = value
             rank = value
             if attraction > 0.0:
-                row, col = cell // cols, cell % cols
-                rank += np.float32(attraction * math.hypot(col - target_col, row - target_row))
+                row, col = cell // width, cell % width
+                away = math.hypot(float(col) - target_col, float(row) - target_row)
+                rank += np.float32(np.float32(away) * attraction)
+            # navfn's A* also asks a neighbour to be worse by this rank: cells once reached are seldom looked at again.
             near = rank < limit
-            for step in (-1, 1, -cols, cols):
-                neighbour = cell + step
-                if potential[neighbour] > rank + np.float32(0.707106781 * costs[neighbour]) and not waiting[neighbour]:
-                    waiting[neighbour] = True
-                    if near:
-                        following[n_following] = neighbour
-                        n_following += 1
-                    else:
-                        later[n_later] = neighbour
-                        n_later += 1
+            queue, n = (following, n_following) if near else (later, n_later)
+            if left > rank + np.float32(0.707106781 * costs[cell - one]):
+                n = _push(queue, n, waiting, cell - one)
+            if right > rank + np.float32(0.707106781 * costs[cell + one]):
+                n = _push(queue, n, waiting, cell + one)
+            if below > rank + np.float32(0.707106781 * costs[cell - width]):
+                n = _push(queue, n, waiting, cell - width)
+            if above > rank + np.float32(0.707106781 * costs[cell + width]):
+                n = _push(queue, n, waiting, cell + width)
+            if near:
+                n_following = n
+            else:
+                n_later = n
         current, following = following, current
         n_current, n_following = n_following, 0
         if n_current == 0:

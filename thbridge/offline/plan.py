@@ -1,0 +1,97 @@
+"""Paths over any map, for a round robot that knows the map alone."""
+
+import time
+from dataclasses import dataclass
+from typing import Literal
+
+import numpy as np
+
+from sim.costmap.costs import CostFrame, Costs, Window
+from sim.costmap.footprint import pad, radii
+from sim.costmap.inflation import InflationLayer
+from sim.costmap.static import StaticLayer
+from sim.geometry import FloatArray, Pose2
+from sim.grid import OccupancyGrid
+from sim.parameters import InflationParameters, NavfnParameters, RobotParameters, StaticParameters, WorldParameters
+from sim.planning.navfn import Navfn
+from sim.planning.path import Path, RefusalCode
+from sim.planning.potential_planner import PotentialPlanner
+
+_COSTMAP = RobotParameters().global_costmap
+RADIUS, _ = radii(pad(np.array(WorldParameters().footprint), _COSTMAP.footprint_padding))
+"""Inscribed radius of our robot, metres."""
+INFLATION = _COSTMAP.inflation_layer.inflation_radius
+"""Inflation radius of our robot's global costmap, metres."""
+
+Algorithm = Literal["navfn", "astar"]
+
+
+@dataclass(frozen=True, slots=True)
+class Answer:
+    """What became of one query.
+
+    Attributes:
+        found: whether there is a path.
+        length: of the path, metres; None when there is none.
+        milliseconds: that planning took, of a program that has warmed up.
+        reason: why there is none, as a sentence; None when there is one.
+        code: the same for programs.
+    """
+
+    found: bool
+    length: float | None
+    milliseconds: float
+    reason: str | None
+    code: RefusalCode | None
+
+
+def costmap(grid: OccupancyGrid, radius: float, inflation: float) -> Costs:
+    """(rows, cols) costs of a map: its occupied cells, inflated.
+
+    Args:
+        grid: the map.
+        radius: of the robot, metres.
+        inflation: how far costs reach from an occupied cell, metres; they reach at least as far as the radius.
+    """
+    parameters = InflationParameters(
+        inflation_radius=max(inflation, radius), cost_scaling_factor=_COSTMAP.inflation_layer.cost_scaling_factor
+    )
+    costs = np.zeros(grid.cells.shape, np.uint8)
+    whole = Window(0, 0, grid.rows, grid.cols)
+    StaticLayer(StaticParameters(), grid).write(costs, (0, 0), whole)
+    InflationLayer(parameters, grid.resolution, radius).write(costs, (0, 0), whole)
+    return costs
+
+
+def plan(
+    grid: OccupancyGrid, queries: FloatArray, radius: float, inflation: float, algorithm: Algorithm
+) -> list[Answer]:
+    """Answer queries in their order.
+
+    Args:
+        grid: the map; its origin may be turned.
+        queries: (n, 4) x and y of the start, x and y of the goal, map frame, metres; n at least 1.
+        radius: as `costmap`.
+        inflation: as `costmap`.
+        algorithm: in which order navfn's wave spreads: Dijkstra's or A*'s.
+    """
+    planner = PotentialPlanner(Navfn(NavfnParameters(use_astar=algorithm == "astar")))
+    costs = costmap(grid, radius, inflation)
+    # In the grid's own frame, which is not turned.
+    to_grid = grid.origin.inverse()
+    ends = np.column_stack([to_grid.transform(queries[:, :2]), to_grid.transform(queries[:, 2:])]).tolist()
+    frame = CostFrame(0.0, 0.0, grid.resolution)
+    # What is compiled or reserved once is no part of any query.
+    planner.plan(np.zeros((9, 9), np.uint8), CostFrame(0.0, 0.0, 1.0), Pose2(2.5, 2.5, 0.0), Pose2(6.5, 6.5, 0.0))
+    asked = [(Pose2(x, y, 0.0), Pose2(u, v, 0.0)) for x, y, u, v in ends]
+    planner.plan(costs, frame, *asked[0])
+    return [_answer(planner, costs, frame, start, goal) for start, goal in asked]
+
+
+def _answer(planner: PotentialPlanner, costs: Costs, frame: CostFrame, start: Pose2, goal: Pose2) -> Answer:
+    begin = time.perf_counter()
+    result = planner.plan(costs, frame, start, goal)
+    milliseconds = 1e3 * (time.perf_counter() - begin)
+    if isinstance(result, Path):
+        return Answer(True, result.length, milliseconds, None, None)
+    return Answer(False, None, milliseconds, result.sentence, result.code)
