@@ -8,14 +8,15 @@ import math
 from dataclasses import dataclass, replace
 
 import numpy as np
-from numpy.typing import NDArray
 
 from sim.geometry import FloatArray, Pose2, wrap_angle
-from sim.grid import FREE, OccupancyGrid
-from sim.localization.clusters import Bins, bin_particles, summarise
+from sim.grid import OccupancyGrid
+from sim.localization.beam import BeamModel
+from sim.localization.clusters import Bins, Summary, bin_particles, summarise
 from sim.localization.estimate import Estimate, Start, read_only
+from sim.localization.free_space import FreeSpace
 from sim.localization.likelihood_field import Beams, LikelihoodField
-from sim.localization.motion import Alphas, increment, move, spread
+from sim.localization.motion import Alphas, MotionModel
 from sim.localization.recovery import Recovery
 from sim.localization.resampling import adaptive, systematic
 from sim.noise import Stream
@@ -24,6 +25,21 @@ from sim.parameters import AmclParameters
 
 CANDIDATES = 20
 """Places looked at for each particle drawn anew."""
+MOST_CANDIDATES = 400_000
+"""However many particles: a quarter of a second's work with 60 beams."""
+
+CONVERGED = 0.5
+"""Metres from the mean, along either axis, within which all particles must lie for beams to be skipped (pf.c)."""
+
+SURE = 0.8
+"""Share of the weight that the heaviest cluster must hold for a lost robot to be found."""
+
+RETRY = 25
+"""Ticks until a robot whose scans are not explained weighs the next one even if it stands: lost robots do."""
+
+
+NEVER_LOST = Recovery()
+"""What a filter begins with."""
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -33,21 +49,27 @@ class Belief:
     Attributes:
         particles: (n, 3) poses in the map at the last update; read-only.
         weights: (n,) their weights, summing to 1; read-only.
-        base_in_odom: the odometry at the last update.
+        tick: of the last update.
+        base_in_odom: the odometry then.
         odom_in_map: the correction found then.
         covariance: (3, 3) of the pose found then; read-only.
         updates: scans weighed since the start.
         recovery: how well the map explained them.
+        lost: the verdict, see `Estimate`.
+        anywhere: whether the particles lie all over the map, and no scan has been weighed.
         requested: whether the next scan is weighed in any case.
     """
 
     particles: FloatArray
     weights: FloatArray
+    tick: int
     base_in_odom: Pose2
     odom_in_map: Pose2
     covariance: FloatArray
-    updates: int
-    recovery: Recovery
+    updates: int = 0
+    recovery: Recovery = NEVER_LOST
+    lost: bool = False
+    anywhere: bool = False
     requested: bool = False
 
 
@@ -59,10 +81,24 @@ class Anywhere:
 AmclState = Start | Anywhere | Belief
 
 
+def saved(parameters: AmclParameters, estimate: Estimate) -> AmclParameters:
+    """Parameters with which a new filter begins where this estimate ends: what amcl leaves on the parameter server."""
+    pose, variances = estimate.base_in_map, np.diag(estimate.covariance)
+    return replace(
+        parameters,
+        initial_pose_x=pose.x,
+        initial_pose_y=pose.y,
+        initial_pose_a=pose.theta,
+        initial_cov_xx=float(variances[0]),
+        initial_cov_yy=float(variances[1]),
+        initial_cov_aa=float(variances[2]),
+    )
+
+
 class Amcl:
     """A particle filter over (x, y, theta) that weighs scans against the map; see `Localizer`.
 
-    Before the first `start` it believes to be at the map's origin, as amcl does.
+    Before the first `start` it believes to be where its parameters say, as amcl does: at the map's origin by default.
     """
 
     def __init__(
@@ -78,8 +114,9 @@ class Amcl:
             robot: its name, e.g. "robot1": no two robots draw the same noise.
         """
         self._parameters = parameters
-        self._grid = grid
-        self._beams = Beams.of(mount, parameters.laser_max_beams, parameters.laser_max_range)
+        self._beams = Beams.of(
+            mount, parameters.laser_max_beams, parameters.laser_max_range, parameters.laser_min_range
+        )
         self._field = LikelihoodField.of(
             grid,
             self._beams,
@@ -88,17 +125,23 @@ class Amcl:
             parameters.laser_sigma_hit,
             parameters.laser_likelihood_max_dist,
         )
-        self._alphas = Alphas(
-            parameters.odom_alpha1, parameters.odom_alpha2, parameters.odom_alpha3, parameters.odom_alpha4
+        self._beam_model = BeamModel.of(grid, self._beams, parameters)
+        alphas = Alphas(
+            parameters.odom_alpha1,
+            parameters.odom_alpha2,
+            parameters.odom_alpha3,
+            parameters.odom_alpha4,
+            parameters.odom_alpha5,
         )
-        self._corrected = parameters.odom_model_type == "diff-corrected"
-        self._free: NDArray[np.int64] = np.argwhere(grid.cells == FREE)
+        self._motion = MotionModel(parameters.odom_model_type, alphas)
+        self._free_space = FreeSpace.of(grid)
         self._start_noise = Stream.named(seed, robot, "amcl", "start")
         self._motion_noise = Stream.named(seed, robot, "amcl", "motion")
         self._resampling_noise = Stream.named(seed, robot, "amcl", "resampling")
         self._recovery_noise = Stream.named(seed, robot, "amcl", "recovery")
+        pose = Pose2(parameters.initial_pose_x, parameters.initial_pose_y, wrap_angle(parameters.initial_pose_a))
         variances = (parameters.initial_cov_xx, parameters.initial_cov_yy, parameters.initial_cov_aa)
-        self._state: AmclState = Start(Pose2(0.0, 0.0, 0.0), read_only(np.diag(variances)))
+        self._state: AmclState = Start(pose, read_only(np.diag(variances)))
 
     @property
     def state(self) -> AmclState:
@@ -129,7 +172,7 @@ class Amcl:
             belief = self._state = self._scatter(belief, odometry)
         elif isinstance(belief, Anywhere):
             belief = self._state = self._scatter_everywhere(odometry)
-        updated = scan is not None and self._due(belief, odometry.base_in_odom)
+        updated = scan is not None and self._due(belief, odometry)
         if scan is not None and updated:
             belief = self._state = self._weigh(belief, odometry, scan)
         return Estimate(
@@ -139,17 +182,19 @@ class Amcl:
             covariance=belief.covariance,
             particles=belief.particles,
             updated=updated,
+            lost=belief.lost,
         )
 
-    def _due(self, belief: Belief, base_in_odom: Pose2) -> bool:
+    def _due(self, belief: Belief, odometry: Odometry) -> bool:
         """Whether the robot moved enough along either axis of the odom frame, or turned enough (amcl_node.cpp)."""
-        before, limit = belief.base_in_odom, self._parameters.update_min_d
+        before, now, limit = belief.base_in_odom, odometry.base_in_odom, self._parameters.update_min_d
         return (
             belief.updates == 0
             or belief.requested
-            or abs(base_in_odom.x - before.x) > limit
-            or abs(base_in_odom.y - before.y) > limit
-            or abs(wrap_angle(base_in_odom.theta - before.theta)) > self._parameters.update_min_a
+            or abs(now.x - before.x) > limit
+            or abs(now.y - before.y) > limit
+            or abs(wrap_angle(now.theta - before.theta)) > self._parameters.update_min_a
+            or (belief.recovery.lost > 0.0 and odometry.tick - belief.tick >= RETRY)
         )
 
     def _scatter(self, start: Start, odometry: Odometry) -> Belief:
@@ -164,78 +209,108 @@ class Amcl:
         return Belief(
             particles=read_only(particles),
             weights=read_only(np.full(n, 1.0 / n)),
+            tick=odometry.tick,
             base_in_odom=odometry.base_in_odom,
             odom_in_map=start.base_in_map.compose(odometry.base_in_odom.inverse()),
             covariance=start.covariance,
-            updates=0,
-            recovery=Recovery(),
         )
 
     def _scatter_everywhere(self, odometry: Odometry) -> Belief:
         """As many particles as allowed, drawn over the whole map; its middle stands for a pose until a scan comes."""
         n = self._parameters.max_particles
-        particles = self._candidates(n, odometry.tick)
+        particles = self._free_space.draw(n, self._recovery_noise, odometry.tick)
         mean = Pose2(*particles.mean(axis=0).tolist())
         return Belief(
             particles=read_only(particles),
             weights=read_only(np.full(n, 1.0 / n)),
+            tick=odometry.tick,
             base_in_odom=odometry.base_in_odom,
             odom_in_map=mean.compose(odometry.base_in_odom.inverse()),
             covariance=read_only(np.cov(particles.T, bias=True)),
-            updates=0,
-            recovery=Recovery(),
+            lost=True,
+            anywhere=True,
         )
 
     def _weigh(self, belief: Belief, odometry: Odometry, scan: Scan) -> Belief:
-        """One turn of the filter: move, weigh, report, and every so often resample."""
-        parameters = self._parameters
-        particles = belief.particles
-        # The first scan may come ticks after the start; whatever was driven until then counts all the same.
-        moved = increment(belief.base_in_odom, odometry.base_in_odom)
-        noise = self._motion_noise.normals(odometry.tick, 3 * len(particles))
-        particles = move(particles, moved, spread(moved, self._alphas, self._corrected), noise)
+        """One turn of the filter: move, weigh, report, and every so often resample.
 
-        points = self._beams.end_points(scan)
-        log_weights = self._field.log_likelihood(particles, points)
-        weights = belief.weights * np.exp(log_weights - log_weights.max())
-        total = weights.sum()
-        weights = weights / total if total > 0.0 else belief.weights
+        Raises:
+            ValueError: the scan has another number of beams than the laser that the filter was made for.
+        """
+        if len(scan.ranges) != self._beams.mount.beams:
+            raise ValueError(f"a scan of {len(scan.ranges)} beams from a laser of {self._beams.mount.beams}")
+        parameters = self._parameters
+        points, ranges = self._beams.end_points(scan), self._beams.ranges(scan)
+        if belief.anywhere and len(points):
+            # What an even sample of the map this size would miss is found by one many times larger.
+            particles = self._newcomers(parameters.max_particles, points, odometry.tick)
+            weights: FloatArray = np.full(len(particles), 1.0 / len(particles))
+        else:
+            # The first scan may come ticks after the start; whatever was driven until then counts all the same.
+            noise = self._motion_noise.normals(odometry.tick, 3 * len(belief.particles))
+            particles = self._motion.move(belief.particles, belief.base_in_odom, odometry.base_in_odom, noise)
+            log_weights = self._log_likelihood(particles, points, ranges)
+            weights = belief.weights * np.exp(log_weights - log_weights.max())
+            total = weights.sum()
+            weights = weights / total if total > 0.0 else belief.weights
 
         bins = bin_particles(particles)
         summary = summarise(particles, weights, bins)
         recovery = belief.recovery
-        if len(points):
-            recovery = recovery.after(
-                self._field.agreement(summary.mean, points),
-                parameters.recovery_alpha_slow,
-                parameters.recovery_alpha_fast,
-            )
+        agreement = self._beam_model.agreement(summary.mean, ranges)
+        if agreement is not None:
+            recovery = recovery.after(agreement, parameters.recovery_alpha_slow, parameters.recovery_alpha_fast)
         updates = belief.updates + 1
-        if updates % parameters.resample_interval == 0:
+        if updates % parameters.resample_interval == 0 and not (
+            parameters.selective_resampling and recovery.lost == 0.0 and 2.0 / np.sum(weights**2) > len(weights)
+        ):
             particles = self._resample(particles, weights, bins, recovery.lost, points, odometry.tick)
             weights = np.full(len(particles), 1.0 / len(particles))
         return Belief(
             particles=read_only(particles),
             weights=read_only(weights),
+            tick=odometry.tick,
             base_in_odom=odometry.base_in_odom,
             odom_in_map=summary.mean.compose(odometry.base_in_odom.inverse()),
             covariance=read_only(summary.covariance),
             updates=updates,
             recovery=recovery,
+            lost=recovery.unexplained or (belief.lost and not self._found(summary)),
+            anywhere=belief.anywhere and not len(points),
         )
+
+    def _found(self, summary: Summary) -> bool:
+        """Whether a robot that was lost is sure of its place again."""
+        parameters = self._parameters
+        levels = (parameters.std_warn_level_x, parameters.std_warn_level_y, parameters.std_warn_level_yaw)
+        return summary.weight >= SURE and bool((np.sqrt(np.diag(summary.covariance)) <= levels).all())
+
+    def _log_likelihood(self, particles: FloatArray, points: FloatArray, ranges: FloatArray) -> FloatArray:
+        """(n,) how well a scan fits from each particle, by the model that the parameters name."""
+        parameters = self._parameters
+        if parameters.laser_model_type == "beam":
+            return self._beam_model.log_likelihood(particles, ranges)
+        if parameters.laser_model_type == "likelihood_field":
+            return self._field.log_likelihood(particles, points)
+        if parameters.do_beamskip and np.ptp(particles[:, :2], axis=0).max() <= 2.0 * CONVERGED:
+            points = self._field.explained(
+                particles,
+                points,
+                parameters.beam_skip_distance,
+                parameters.beam_skip_threshold,
+                parameters.beam_skip_error_threshold,
+            )
+        # amcl's plain product: every beam counts in full.
+        return self._field.log_likelihood(particles, points) / self._field.exponent
 
     def _resample(
         self, particles: FloatArray, weights: FloatArray, bins: Bins, lost: float, points: FloatArray, tick: int
     ) -> FloatArray:
-        """The next generation: heirs of the present one and, when lost, newcomers from all over the map.
-
-        Newcomers are drawn where the present scan fits (sensor resetting: Lenser and Veloso 2000); places drawn
-        blindly, as by amcl, hardly ever lie near enough to the truth to survive.
-        """
+        """The next generation: heirs of the present one and, when lost, newcomers from all over the map."""
         parameters = self._parameters
-        heirs_offset, newcomers, newcomers_offset = self._resampling_noise.uniforms(tick, 3)
+        heirs_offset, newcomers = self._resampling_noise.uniforms(tick, 2)
         # Newcomers lie in so many bins that KLD sampling would ask for the greatest number of particles anyway.
-        count = int(lost * parameters.max_particles + newcomers) if len(self._free) else 0
+        count = int(lost * parameters.max_particles + newcomers) if len(points) else 0
         if count == 0:
             heirs = adaptive(
                 weights,
@@ -247,14 +322,17 @@ class Amcl:
                 parameters.max_particles,
             )
             return particles[heirs]
-        candidates = self._candidates(count * CANDIDATES, tick)
-        fit = self._field.log_likelihood(candidates, points)
-        chosen = systematic(np.exp(fit - fit.max()), count, newcomers_offset)
         heirs = systematic(weights, parameters.max_particles - count, heirs_offset)
-        return np.concatenate((particles[heirs], candidates[chosen]))
+        return np.concatenate((particles[heirs], self._newcomers(count, points, tick)))
 
-    def _candidates(self, count: int, tick: int) -> FloatArray:
-        """(count, 3) poses in the middles of free cells, uniform over the map and all headings."""
-        cell, heading = self._recovery_noise.uniforms(tick, 2 * count).reshape(2, count)
-        cells = self._free[(cell * len(self._free)).astype(np.int64)]
-        return np.column_stack((self._grid.centres_of(cells), heading * 2.0 * math.pi - math.pi))
+    def _newcomers(self, count: int, points: FloatArray, tick: int) -> FloatArray:
+        """(count, 3) places from all over the map where a scan fits, drawn in proportion to how well.
+
+        Source: Lenser and Veloso, Sensor resetting localization for poorly modelled mobile robots (2000). Differs:
+            amcl draws blindly; such places hardly ever lie near enough to the truth to survive.
+        """
+        candidates = self._free_space.draw(min(count * CANDIDATES, MOST_CANDIDATES), self._recovery_noise, tick)
+        fit = self._field.log_likelihood(candidates, points)
+        offset = self._resampling_noise.uniforms(tick, 3)[2]
+        chosen: FloatArray = candidates[systematic(np.exp(fit - fit.max()), count, offset)]
+        return chosen

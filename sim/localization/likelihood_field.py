@@ -7,8 +7,8 @@ import numpy as np
 from numba import njit
 from numpy.typing import NDArray
 
-from sim.geometry import FloatArray, Pose2
-from sim.grid import FREE, OCCUPIED, GridFrame, OccupancyGrid, distance_field
+from sim.geometry import FloatArray
+from sim.grid import FREE, OCCUPIED, GridFrame, OccupancyGrid, cell_of, distance_field
 from sim.observations import LaserMount, Scan
 
 INDEPENDENT_BEAMS = 6
@@ -66,6 +66,25 @@ def _sum_over_points(
 
 
 @njit(cache=True)
+def _shares_above(
+    table: NDArray[np.float32], frame: GridFrame, limit: float, particles: FloatArray, points: FloatArray
+) -> FloatArray:
+    """(m,) of the (n, 3) poses, the share from which each of (m, 2) points falls where the table exceeds a limit."""
+    rows, cols = table.shape
+    out = np.zeros(points.shape[0])
+    for i in range(particles.shape[0]):
+        c, s = math.cos(particles[i, 2]), math.sin(particles[i, 2])
+        for j in range(points.shape[0]):
+            x = particles[i, 0] + c * points[j, 0] - s * points[j, 1]
+            y = particles[i, 1] + s * points[j, 0] + c * points[j, 1]
+            row, col = cell_of(frame, x, y)
+            if 0 <= row < rows and 0 <= col < cols and table[row, col] > limit:
+                out[j] += 1.0
+    out /= particles.shape[0]
+    return out
+
+
+@njit(cache=True)
 def _end_points(
     ranges: NDArray[np.float32],
     beams: NDArray[np.int64],
@@ -95,17 +114,19 @@ class Beams:
         mount: the laser.
         indices: (m,) which beams, evenly spread over the scan, both outermost among them.
         directions: (m, 2) unit vectors in the base frame.
+        range_min: metres; readings at or below it say nothing.
         range_max: metres; readings at or beyond it say nothing.
     """
 
     mount: LaserMount
     indices: NDArray[np.int64]
     directions: FloatArray
+    range_min: float
     range_max: float
 
     @classmethod
-    def of(cls, mount: LaserMount, max_beams: int, max_range: float) -> "Beams":
-        """At most `max_beams` beams (at least two); a negative `max_range` leaves the laser its own limit.
+    def of(cls, mount: LaserMount, max_beams: int, max_range: float, min_range: float = -1.0) -> "Beams":
+        """At most `max_beams` beams (at least two); a negative `max_range` or `min_range` leaves the laser its own.
 
         Differs: takes exactly as many as asked, where amcl's whole-numbered step takes up to one more.
         """
@@ -114,7 +135,8 @@ class Beams:
         angles = mount.angles()[indices] + mount.laser_in_base.theta
         directions = np.stack((np.cos(angles), np.sin(angles)), axis=1)
         range_max = min(max_range, mount.range_max) if max_range > 0.0 else mount.range_max
-        return cls(mount, indices, directions, range_max)
+        range_min = max(min_range, mount.range_min)
+        return cls(mount, indices, directions, range_min, range_max)
 
     def end_points(self, scan: Scan) -> FloatArray:
         """(m, 2) points of the base frame where the readings that mean something ended; metres.
@@ -123,9 +145,22 @@ class Beams:
         """
         laser = self.mount.laser_in_base
         points: FloatArray = _end_points(
-            scan.ranges, self.indices, self.directions, laser.x, laser.y, self.mount.range_min, self.range_max
+            scan.ranges, self.indices, self.directions, laser.x, laser.y, self.range_min, self.range_max
         )
         return points
+
+    def ranges(self, scan: Scan) -> FloatArray:
+        """(m,) metres along every beam; `range_max` where it saw nothing, NaN where it is lost or too short."""
+        ranges = scan.ranges[self.indices].astype(np.float64)
+        ranges[ranges <= self.range_min] = np.nan
+        return np.minimum(ranges, self.range_max)
+
+
+def _log_probability(distance: FloatArray, z_hit: float, rand_density: float, sigma_hit: float) -> FloatArray:
+    hit = z_hit * np.exp(-(distance**2) / (2.0 * sigma_hit**2))
+    # Without random readings a far cell's probability underflows; its logarithm must stay finite.
+    logs: FloatArray = np.log(np.maximum(hit + rand_density, np.finfo(np.float64).tiny))
+    return logs
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -135,19 +170,17 @@ class LikelihoodField:
     Attributes:
         table: (rows, cols) float32, log of `z_hit * exp(-d^2 / (2 sigma_hit^2)) + z_rand / range_max`, d being the
             distance to the nearest surface of a wall, capped at `max_dist`.
-        relative: (rows, cols) float32, the same as part of the likelihood on a surface, 0..1.
-        frame: where the two tables lie.
-        outside: what `table` would say beyond the map's edge.
-        relative_outside: what `relative` would say there.
+        frame: where the table lies.
+        outside: what the table would say beyond the map's edge.
         exponent: what each beam's logarithm counts.
+        noise: z_hit, z_rand / range_max and sigma_hit.
     """
 
     table: NDArray[np.float32]
-    relative: NDArray[np.float32]
     frame: GridFrame
     outside: float
-    relative_outside: float
     exponent: float
+    noise: tuple[float, float, float]
 
     @classmethod
     def of(
@@ -166,19 +199,11 @@ class LikelihoodField:
         Source: Probabilistic Robotics, table 6.3, without its constant factor (as amcl).
         Differs: measures to surfaces (see `signed_distance`), where table and amcl measure to occupied cells.
         """
-
-        def log_probability(distance: FloatArray) -> FloatArray:
-            hit = z_hit * np.exp(-(distance**2) / (2.0 * sigma_hit**2))
-            # Without random readings a far cell's probability underflows; its logarithm must stay finite.
-            return np.log(np.maximum(hit + z_rand / beams.range_max, np.finfo(np.float64).tiny))
-
-        logs = log_probability(signed_distance(grid, max_dist))
-        best, outside = log_probability(np.array([0.0, max_dist]))
-        table, relative = logs.astype(np.float32), np.exp(logs - best).astype(np.float32)
+        noise = z_hit, z_rand / beams.range_max, sigma_hit
+        table = _log_probability(signed_distance(grid, max_dist), *noise).astype(np.float32)
         table.setflags(write=False)
-        relative.setflags(write=False)
-        exponent = min(1.0, INDEPENDENT_BEAMS / beams.indices.size)
-        return cls(table, relative, grid.frame, float(outside), float(np.exp(outside - best)), exponent)
+        outside = float(_log_probability(np.array([max_dist]), *noise)[0])
+        return cls(table, grid.frame, outside, min(1.0, INDEPENDENT_BEAMS / beams.indices.size), noise)
 
     def log_likelihood(self, particles: FloatArray, points: FloatArray) -> FloatArray:
         """Log likelihood of a scan from each of several places.
@@ -197,11 +222,24 @@ class LikelihoodField:
         sums *= self.exponent
         return sums
 
-    def agreement(self, base_in_map: Pose2, points: FloatArray) -> float:
-        """How well the map explains a scan from one place: mean likelihood of its (m, 2) points, m > 0, as part of 1.
+    def explained(
+        self, particles: FloatArray, points: FloatArray, distance: float, threshold: float, error_threshold: float
+    ) -> FloatArray:
+        """The points of a scan that enough particles can explain: amcl's beam skipping.
 
-        About the share of the beams that end on what the map shows; other robots before the walls lower it.
+        Args:
+            particles: (n, 3) base poses in the map that agree on where the robot is.
+            points: (m, 2) end points of the beams in the base frame.
+            distance: a point this near a wall is explained, metres.
+            threshold: share of the particles that must explain it.
+            error_threshold: share of unexplained points from which on the particles are to blame: all points stay.
+
+        Returns:
+            (k, 2), k <= m.
         """
-        here = base_in_map.array()[np.newaxis]
-        sums: FloatArray = _sum_over_points(self.relative, self.frame, self.relative_outside, here, points)
-        return float(sums[0]) / len(points)
+        limit = _log_probability(np.array([distance]), *self.noise)[0]
+        kept = _shares_above(self.table, self.frame, float(limit), particles, points) > threshold
+        if np.count_nonzero(~kept) >= error_threshold * len(points):
+            return points
+        some: FloatArray = points[kept]
+        return some

@@ -1,6 +1,7 @@
-"""How particles move with the odometry: amcl's differential-drive models."""
+"""How particles move with the odometry: amcl's models of wheels that roll and of wheels that slide sideways."""
 
 import math
+from dataclasses import dataclass
 from typing import NamedTuple
 
 import numpy as np
@@ -29,12 +30,32 @@ class Spread(NamedTuple):
 
 
 class Alphas(NamedTuple):
-    """Believed odometry noise, as in table 5.6: turn per turn, turn per metre, metre per metre, metre per turn."""
+    """Believed odometry noise, as in table 5.6: turn per turn, turn per metre, metre per metre, metre per turn.
+
+    The fifth is sideways metre per metre.
+    """
 
     alpha1: float
     alpha2: float
     alpha3: float
     alpha4: float
+    alpha5: float = 0.0
+
+
+class Slide(NamedTuple):
+    """A movement of a base that can go sideways: a distance in a direction off its heading, and a turn."""
+
+    bearing: float
+    trans: float
+    rot: float
+
+
+class SlideSpread(NamedTuple):
+    """Standard deviations along and across a slide, and of its turn. Metres, metres, radians."""
+
+    trans: float
+    strafe: float
+    rot: float
 
 
 def increment(before: Pose2, after: Pose2) -> Increment:
@@ -105,3 +126,72 @@ def move(particles: FloatArray, moved: Increment, spread: Spread, noise: FloatAr
     """
     moved_particles: FloatArray = _move(particles, moved, spread, noise)
     return moved_particles
+
+
+def slide(before: Pose2, after: Pose2) -> Slide:
+    """The movement between two odometry poses, both in the odom frame, of a base that keeps its heading or not."""
+    dx, dy = after.x - before.x, after.y - before.y
+    bearing = wrap_angle(math.atan2(dy, dx) - before.theta)
+    return Slide(bearing, math.hypot(dx, dy), wrap_angle(after.theta - before.theta))
+
+
+def slide_spread(moved: Slide, alphas: Alphas, corrected: bool) -> SlideSpread:
+    """How far the true slide may be from the measured one.
+
+    Args:
+        moved: the measured movement.
+        alphas: the believed noise.
+        corrected: the sums are variances, and the alphas mean what they do for wheels that roll. Otherwise they are
+            standard deviations and alpha1 and alpha4 change places, as in amcl's model omni.
+
+    Source: amcl_odom.cpp.
+    """
+    drive, turn = moved.trans**2, moved.rot**2
+    if corrected:
+        return SlideSpread(
+            math.sqrt(alphas.alpha3 * drive + alphas.alpha4 * turn),
+            math.sqrt(alphas.alpha5 * drive + alphas.alpha4 * turn),
+            math.sqrt(alphas.alpha1 * turn + alphas.alpha2 * drive),
+        )
+    return SlideSpread(
+        alphas.alpha3 * drive + alphas.alpha1 * turn,
+        alphas.alpha5 * drive + alphas.alpha1 * turn,
+        alphas.alpha4 * turn + alphas.alpha2 * drive,
+    )
+
+
+@njit(cache=True)
+def _slide(particles: FloatArray, moved: Slide, spread: SlideSpread, noise: FloatArray) -> FloatArray:
+    out = np.empty_like(particles)
+    for i in range(particles.shape[0]):
+        along = moved.trans + spread.trans * noise[3 * i]
+        across = spread.strafe * noise[3 * i + 1]
+        direction = particles[i, 2] + moved.bearing
+        c, s = math.cos(direction), math.sin(direction)
+        out[i, 0] = particles[i, 0] + along * c + across * s
+        out[i, 1] = particles[i, 1] + along * s - across * c
+        out[i, 2] = wrap_angle(particles[i, 2] + moved.rot + spread.rot * noise[3 * i + 2])
+    return out
+
+
+@dataclass(frozen=True, slots=True)
+class MotionModel:
+    """How particles follow the odometry.
+
+    Attributes:
+        name: amcl's `odom_model_type`: diff, diff-corrected, omni or omni-corrected.
+        alphas: the believed noise.
+    """
+
+    name: str
+    alphas: Alphas
+
+    def move(self, particles: FloatArray, before: Pose2, after: Pose2, noise: FloatArray) -> FloatArray:
+        """(n, 3) particles after the robot went from one odometry pose to another; `noise` is (3 n,) normals."""
+        corrected = self.name.endswith("-corrected")
+        if self.name.startswith("diff"):
+            moved = increment(before, after)
+            return move(particles, moved, spread(moved, self.alphas, corrected), noise)
+        slid = slide(before, after)
+        followed: FloatArray = _slide(particles, slid, slide_spread(slid, self.alphas, corrected), noise)
+        return followed

@@ -8,6 +8,13 @@ MARGIN = 1.5
 Other robots hide a part of the map for a while; without a margin every such moment would scatter particles.
 """
 
+USUAL = 0.75
+"""The least that a map explains where the robot really is. A filter that settled in a wrong place from the beginning
+has never seen better, and would else take that for normal."""
+
+_MEMORY = 0.1
+"""Decay of the average that the verdict rests on, whatever the recovery's own decays are."""
+
 
 @dataclass(frozen=True, slots=True)
 class Recovery:
@@ -16,11 +23,13 @@ class Recovery:
     Attributes:
         slow: long-term average of the agreement, 0..1 (amcl: w_slow).
         fast: short-term average (amcl: w_fast).
+        recent: short-term average of the verdict's own.
         count: scans averaged so far.
     """
 
     slow: float = 0.0
     fast: float = 0.0
+    recent: float = 1.0
     count: int = 0
 
     def after(self, agreement: float, alpha_slow: float, alpha_fast: float) -> "Recovery":
@@ -31,24 +40,32 @@ class Recovery:
 
         Args:
             agreement: how well the map explains the scan from where the filter believes to be, 0..1.
-            alpha_slow: decay of the long-term average; 0 for both decays never counts as lost.
-            alpha_fast: decay of the short-term average.
+            alpha_slow: decay of the long-term average.
+            alpha_fast: decay of the short-term average; 0 for both never scatters particles.
 
         Source: Probabilistic Robotics, table 8.3, lines 10 and 11. Differs: amcl averages the mean unnormalised
             weight, which falls with the number of particles and of scans since the last resampling and so says little
             about being lost. Agreement at the reported pose has neither fault.
         """
+        recent = self.recent + _MEMORY * (agreement - self.recent)
+        if alpha_slow == 0.0 and alpha_fast == 0.0:
+            return Recovery(self.slow, self.fast, recent, self.count + 1)
         plain = 1.0 / (self.count + 1)
         beginning = plain > alpha_fast
         slow = self.slow + (plain if beginning else alpha_slow) * (agreement - self.slow)
         fast = self.fast + (plain if beginning else alpha_fast) * (agreement - self.fast)
-        return Recovery(slow, fast, self.count + 1)
+        return Recovery(slow, fast, recent, self.count + 1)
 
     @property
     def lost(self) -> float:
         """Share of the particles to draw anew from all over the map, 0..1.
 
         Source: Gutmann and Fox, An experimental comparison of localization methods continued (2002), for the margin;
-            table 8.3, line 13 is the case `MARGIN` = 1.
+            table 8.3, line 13 is the case `MARGIN` = 1 without `USUAL`.
         """
-        return max(0.0, 1.0 - MARGIN * self.fast / self.slow) if self.slow > 0.0 else 0.0
+        return max(0.0, 1.0 - MARGIN * self.fast / max(self.slow, USUAL)) if self.slow > 0.0 else 0.0
+
+    @property
+    def unexplained(self) -> bool:
+        """Whether the map has not explained the scans of late: the robot is not where the filter believes."""
+        return MARGIN * self.recent < USUAL

@@ -25,6 +25,8 @@ _LASER = ObstacleParameters(
     explained_distance=0.2,
     clear_between_beams=True,
 )
+# A cloud of 1000 follows a robot as well as one of 5000, at a fifth of the time, and our lasers err by 2 cm, not 20.
+_AMCL = AmclParameters(max_particles=1000, kld_err=0.05, laser_max_beams=60, laser_sigma_hit=0.1)
 _INFLATION = InflationParameters(inflation_radius=0.5)
 
 
@@ -37,7 +39,7 @@ class RobotParameters:
         "how it knows where it is; truth and fake_localization are the same",
         choices=("amcl", "ekf", "truth", "fake_localization"),
     )
-    amcl: AmclParameters = knob(AmclParameters(), "particle filter")
+    amcl: AmclParameters = knob(_AMCL, "particle filter")
     ekf: EkfParameters = knob(EkfParameters(), "Kalman filter")
     fake_localization: FakeLocalizationParameters = knob(
         FakeLocalizationParameters(), "the truth instead of an estimate"

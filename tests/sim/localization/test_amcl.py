@@ -7,9 +7,9 @@ import pytest
 from sim.geometry import Pose2
 from sim.localization.amcl import Amcl, Belief
 from sim.observations import STANDSTILL, Imu, Odometry, Scan
-from sim.parameters import AmclParameters
+from sim.parameters import RobotParameters
 
-PARAMETERS = AmclParameters()
+PARAMETERS = RobotParameters().amcl
 VAGUE = np.diag((0.25, 0.25, 0.07))
 SURE = np.diag((0.01, 0.01, 0.003))
 

@@ -64,13 +64,6 @@ def test_no_beams_say_nothing():
     assert field.log_likelihood(np.zeros((3, 3)), np.empty((0, 2))).tolist() == [0, 0, 0]
 
 
-def test_agreement_is_one_on_the_walls_and_low_in_the_open():
-    field = field_of(box(), Beams.of(MOUNT, 10, -1.0))
-    on_walls = np.array([[-0.85, 0.0], [-0.75, 0.5]])
-    assert field.agreement(Pose2(0, 0, 0), on_walls) == pytest.approx(1.0, abs=0.05)
-    assert field.agreement(Pose2(1.0, 0, 0), on_walls) < 0.1
-
-
 @pytest.mark.parametrize("wanted", [2, 7, 20, 21])
 def test_as_many_beams_as_asked_from_edge_to_edge(wanted):
     indices = Beams.of(MOUNT, wanted, -1.0).indices
