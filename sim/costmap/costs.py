@@ -55,6 +55,15 @@ class Window(NamedTuple):
         row, col = origin
         return costs[self.row - row : self.row_end - row, self.col - col : self.col_end - col]
 
+    def meets(self, other: "Window") -> bool:
+        """Whether the two have cells in common; neither is empty."""
+        return (
+            self.row < other.row_end
+            and other.row < self.row_end
+            and self.col < other.col_end
+            and other.col < self.col_end
+        )
+
     def union(self, other: "Window") -> "Window":
         """The smallest rectangle around both."""
         if self.empty:

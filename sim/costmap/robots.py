@@ -131,21 +131,22 @@ class RobotsLayer:
         """Lethal under every footprint; along paths at least `path_cost`."""
         row, col = origin
         shift = np.array([col, row])
-        for seen in self._seen.values():
-            if not seen.window.clipped(window).empty:
-                self._write_path(costs, origin, window, seen.path)
-        for seen in self._seen.values():
-            if not seen.window.clipped(window).empty:
-                _fill(
-                    costs,
-                    seen.corners - shift,
-                    window.row - row,
-                    window.col - col,
-                    window.row_end - row,
-                    window.col_end - col,
-                )
+        near = [seen for seen in self._seen.values() if seen.window.meets(window)]
+        for seen in near:
+            self._write_path(costs, origin, window, seen.path)
+        for seen in near:
+            _fill(
+                costs,
+                seen.corners - shift,
+                window.row - row,
+                window.col - col,
+                window.row_end - row,
+                window.col_end - col,
+            )
 
     def _write_path(self, costs: Costs, origin: tuple[int, int], window: Window, path: FloatArray) -> None:
+        if len(path) == 0:
+            return
         cells = np.floor(path[:, ::-1]).astype(np.int64)
         for (row, col), (row_end, col_end) in zip(cells[:-1].tolist(), cells[1:].tolist(), strict=True):
             along = line(row, col, row_end, col_end, abs(row_end - row) + abs(col_end - col))
