@@ -1,0 +1,170 @@
+"""Writes `docs/parameters.md`: every parameter of the navigation stack, from where the programs have them.
+
+python scripts/write_parameters.py [FILE]
+"""
+
+import dataclasses
+import re
+import sys
+from collections.abc import Iterator
+from dataclasses import dataclass
+from pathlib import Path
+from typing import get_args, get_type_hints
+
+from sim.parameters import RobotParameters
+from thbridge.adapters.yaml_files import allowed, ros_only_of, sections_named_in
+
+ROOT = Path(__file__).parents[1]
+
+HEAD = """\
+# Parameters
+
+Every parameter of a robot's software, under the name it has in ROS. `scripts/write_parameters.py` writes this page from
+the classes in `sim/parameters`, which the study file's reader and its error messages are made of too.
+
+* **yes**: does here what it does in ROS. **accepted**: means something inside ROS only; files may have it, and are told
+  that it changes nothing. **ours**: ROS has no such name.
+* *ROS* is the default that really applies in ROS noetic, from a node's code or from its `.cfg`, whichever wins there.
+  `thbridge localize` begins there. *Hunts* is what a study begins with, where that is something else.
+* Files of ROS are read as they are: `thbridge localize --params amcl.yaml`, `thbridge drive --params`, and in a study
+  `ros_parameters: [amcl.yaml, costmap_common_params.yaml, move_base_params.yaml]`. What they leave out stays as the
+  study has it.
+"""
+
+TITLES = {
+    ("amcl",): "amcl",
+    ("ekf",): "Kalman filter (robot_pose_ekf's place)",
+    ("fake_localization",): "fake_localization",
+    ("global_costmap", "local_costmap"): "costmap_2d",
+    ("NavfnROS",): "navfn",
+    ("GlobalPlanner",): "global_planner",
+    ("TrajectoryPlannerROS",): "base_local_planner",
+    ("DWAPlannerROS",): "dwa_local_planner",
+    ("move_base",): "move_base",
+}
+"""Headings, by the sections under them; the costmaps have nearly all parameters in common."""
+WITHOUT_ROS = {"ekf"}
+OURS = "not ROS's"
+NOTHING = "–"
+
+
+@dataclass(frozen=True)
+class Row:
+    """One parameter."""
+
+    name: str
+    state: str
+    default: str = NOTHING
+    hunts: str = NOTHING
+    unit: str = ""
+    range: str = ""
+    meaning: str = ""
+
+    def line(self) -> str:
+        """As a line of the table."""
+        cells = (f"`{self.name}`", self.state, self.default, self.hunts, self.unit, self.range, self.meaning)
+        return "| " + " | ".join(cell.replace("|", "\\|") for cell in cells) + " |"
+
+
+def rows(standard: object, hunts: object, prefix: str = "", ours: bool = False) -> Iterator[Row]:
+    """Every parameter of a section and of those inside it.
+
+    Args:
+        standard: the section with ROS's defaults.
+        hunts: the section as studies begin with it.
+        prefix: of the names, with its dot.
+        ours: whether ROS has no such section.
+    """
+    into = type(standard)
+    hints = get_type_hints(into)
+    ours = ours or OURS in (into.__doc__ or "")
+    for knob in dataclasses.fields(standard):
+        own, other = getattr(standard, knob.name), getattr(hunts, knob.name)
+        name, help_text = prefix + knob.name, knob.metadata["help"]
+        state = "ours" if ours or OURS in help_text else "yes"
+        if dataclasses.is_dataclass(own):
+            yield from rows(own, other, f"{name}.", ours)
+            continue
+        item = next(iter(get_args(hints[knob.name])), None)
+        if dataclasses.is_dataclass(item):
+            names = knob.name == sections_named_in(into)
+            lists = [", ".join(entry.name for entry in entries) or "none" for entries in (own, other)]
+            yield Row(name, state, lists[0], lists[1] if lists[1] != lists[0] else NOTHING, meaning=meaning(help_text))
+            inner = f"{prefix}NAME." if names else f"{name}[]."
+            # Sections with a name of their own begin at the class's defaults, whatever those that are there say.
+            sample = item() if names else own[0]
+            for row in rows(sample, sample, inner, ours):
+                if not row.name.endswith(".name"):
+                    yield row
+                elif not names:
+                    yield dataclasses.replace(row, default=NOTHING)
+            continue
+        choices = allowed(hints[knob.name], {**knob.metadata, "unit": ""})
+        yield Row(
+            name,
+            state,
+            shown(own),
+            NOTHING if own == other else shown(other),
+            knob.metadata.get("unit", ""),
+            choices,
+            meaning(help_text),
+        )
+    for old, new in getattr(into, "renamed", {}).items():
+        yield Row(prefix + old, "yes", meaning=f"old name of `{new}`")
+    for name, place in getattr(into, "passed_on", {}).items():
+        if name not in hints:
+            yield Row(prefix + name, "yes", meaning=f"the same as `{place}`")
+    for name, what in ros_only_of(into).items():
+        yield Row(prefix + name, "accepted", meaning=what)
+
+
+def shown(value: object) -> str:
+    """A value as files have it."""
+    if isinstance(value, tuple):
+        return f"[{', '.join(map(shown, value))}]"
+    words = {None: "null", True: "true", False: "false"}
+    return words[value] if value is None or isinstance(value, bool) else str(value)
+
+
+def meaning(help_text: str) -> str:
+    """A help text without its remark on whose parameter it is."""
+    return re.sub(rf"\s*\({OURS}(?:; )?([^)]*)\)", lambda found: f" ({found[1]})" if found[1] else "", help_text)
+
+
+def both(first: list[Row], second: list[Row]) -> Iterator[Row]:
+    """Rows of two sections in one table; where they differ, the global costmap's word comes first."""
+    others = {row.name: row for row in second}
+    for row in first:
+        other = others.pop(row.name, None)
+        if other is None or other == row:
+            yield row
+        elif other.state != row.state:
+            yield dataclasses.replace(other, meaning=f"{other.meaning}; global costmap: {row.meaning}")
+        else:
+            hunts = [each.default if each.hunts == NOTHING else each.hunts for each in (row, other)]
+            yield dataclasses.replace(row, hunts=f"{hunts[0]}, local {hunts[1]}")
+    yield from (dataclasses.replace(row, meaning=f"{row.meaning} (local costmap)") for row in others.values())
+
+
+def document() -> str:
+    """The whole page."""
+    robot = RobotParameters()
+    parts = [HEAD]
+    for sections, title in TITLES.items():
+        tables, said = [], []
+        for section in sections:
+            own = getattr(robot, section, None)
+            if own is None:
+                continue
+            tables.append(list(rows(type(own)(), own, ours=section in WITHOUT_ROS)))
+            said.append(f"`{section}`: {(type(own).__doc__ or '').splitlines()[0]}")
+        if not tables:
+            continue
+        parts.append(f"\n## {title}\n\n{' '.join(said)}\n")
+        parts.append("| name | here | ROS | hunts | unit | range | meaning |\n|---|---|---|---|---|---|---|")
+        parts += [row.line() for row in (both(*tables) if len(tables) == 2 else tables[0])]
+    return "\n".join(parts) + "\n"
+
+
+if __name__ == "__main__":
+    Path(sys.argv[1] if len(sys.argv) > 1 else ROOT / "docs" / "parameters.md").write_text(document(), encoding="utf-8")
