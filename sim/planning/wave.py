@@ -96,12 +96,12 @@ def value_of(potential: Potential, cell: int, cols: int, cost: np.float32, quadr
 
 
 @njit(cache=True)
-def _push(queue: Cells, length: int, waiting: NDArray[np.bool_], cell: np.uint64) -> int:
-    """Put a cell into a queue unless it waits already; how long the queue is then."""
+def _push(queues: Cells, queue: int, length: int, waiting: NDArray[np.bool_], cell: np.uint64) -> int:
+    """Put a cell into one of the queues unless it waits already; how long that queue is then."""
     if waiting[cell]:
         return length
     waiting[cell] = True
-    queue[length] = cell
+    queues[queue, length] = cell
     return length + 1
 
 
@@ -134,7 +134,7 @@ def spread(
         increment: ... then those of so much more, and so on.
         quadratic: whether the wave runs in all directions alike, or along rows and columns.
     """
-    current, following, later = queues[0], queues[1], queues[2]
+    current, following, later = 0, 1, 2
     n_current = n_following = n_later = 0
     limit = np.float32(threshold)
     target_row, target_col = target // cols, target % cols
@@ -143,16 +143,16 @@ def spread(
             first = np.int64(seed) + step
             inside = 0 <= first < costs.size
             if inside and costs[first] < BLOCKED and not waiting[first] and potential[first] == UNREACHED:
-                current[n_current] = first
+                queues[current, n_current] = first
                 n_current += 1
                 waiting[first] = True
     # Unsigned, for which numba need not look out for indices that count from the end.
     one, width = np.uint64(1), np.uint64(cols)
     while n_current > 0:
         for i in range(n_current):
-            waiting[current[i]] = False
+            waiting[queues[current, i]] = False
         for i in range(n_current):
-            cell = np.uint64(current[i])
+            cell = np.uint64(queues[current, i])
             left, right = potential[cell - one], potential[cell + one]
             below, above = potential[cell - width], potential[cell + width]
             value = wave_value(left, right, below, above, costs[cell], quadratic)
@@ -168,13 +168,13 @@ def spread(
             near = rank < limit
             queue, n = (following, n_following) if near else (later, n_later)
             if left > rank + np.float32(0.707106781 * costs[cell - one]):
-                n = _push(queue, n, waiting, cell - one)
+                n = _push(queues, queue, n, waiting, cell - one)
             if right > rank + np.float32(0.707106781 * costs[cell + one]):
-                n = _push(queue, n, waiting, cell + one)
+                n = _push(queues, queue, n, waiting, cell + one)
             if below > rank + np.float32(0.707106781 * costs[cell - width]):
-                n = _push(queue, n, waiting, cell - width)
+                n = _push(queues, queue, n, waiting, cell - width)
             if above > rank + np.float32(0.707106781 * costs[cell + width]):
-                n = _push(queue, n, waiting, cell + width)
+                n = _push(queues, queue, n, waiting, cell + width)
             if near:
                 n_following = n
             else:
@@ -189,9 +189,9 @@ def spread(
         if target >= 0 and potential[target] < UNREACHED:
             break
     for i in range(n_current):
-        waiting[current[i]] = False
+        waiting[queues[current, i]] = False
     for i in range(n_later):
-        waiting[later[i]] = False
+        waiting[queues[later, i]] = False
 
 
 @njit(cache=True)
