@@ -5,7 +5,7 @@ import numpy as np
 import pytest
 
 from sim.geometry import Pose2
-from sim.localization.amcl import Amcl, Belief
+from sim.localization.amcl import Amcl, Belief, saved
 from sim.observations import STANDSTILL, Imu, Odometry, Scan
 from sim.parameters import RobotParameters
 
@@ -230,3 +230,45 @@ def test_with_both_decays_zero_it_never_counts_as_lost(drive):
     state = amcl.state
     assert isinstance(state, Belief)
     assert state.recovery.lost == 0.0
+
+
+@pytest.mark.parametrize("model", ["likelihood_field_prob", "beam"])
+def test_every_sensor_model_tracks(drive, model):
+    tour = drive(seconds=30)
+    parameters = replace(PARAMETERS, laser_model_type=model, do_beamskip=True, selective_resampling=True)
+    estimates = run(amcl_of(tour, parameters), tour)
+    assert errors_of(tour, estimates)[250:].max() < 0.25
+    assert not any(estimate.lost for estimate in estimates)
+
+
+def test_a_robot_that_may_be_anywhere_is_lost_until_it_is_sure_and_can_be_found(drive):
+    # Turned by half a circle the arena is much the same, so that some filters settle in the twin of the right place.
+    tour = drive(seconds=60, furnished=True)
+    found = 0
+    for seed in range(1, 7):
+        amcl = Amcl(replace(PARAMETERS, max_particles=5000), tour.grid, tour.mount, seed, "robot1")
+        amcl.globalize()
+        estimates = run(amcl, tour)
+        assert estimates[0].lost
+        assert not estimates[-1].lost
+        found += tour.moments[-1].truth.distance(estimates[-1].base_in_map) < 0.5
+    assert found >= 4
+
+
+def test_a_standing_robot_looks_when_asked(drive):
+    tour = drive(seconds=2)
+    amcl = amcl_of(tour)
+    first = tour.moments[0]
+    amcl.update(first.odometry, first.imu, first.scan)
+    amcl.request_update()
+    assert amcl.update(first.odometry, first.imu, first.scan).updated
+    assert not amcl.update(first.odometry, first.imu, first.scan).updated
+
+
+def test_a_saved_pose_is_where_the_next_filter_begins(drive):
+    tour = drive(seconds=10)
+    last = run(amcl_of(tour), tour)[-1]
+    amcl = Amcl(saved(PARAMETERS, last), tour.grid, tour.mount, 1, "robot1")
+    first = amcl.update(tour.moments[-1].odometry, tour.moments[-1].imu, None)
+    assert first.base_in_map.array() == pytest.approx(last.base_in_map.array())
+    assert np.diag(first.covariance) == pytest.approx(np.diag(last.covariance))

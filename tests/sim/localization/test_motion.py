@@ -6,7 +6,17 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from sim.geometry import Pose2
-from sim.localization.motion import Alphas, Increment, Spread, increment, move, spread
+from sim.localization.motion import (
+    Alphas,
+    Increment,
+    MotionModel,
+    Spread,
+    increment,
+    move,
+    slide,
+    slide_spread,
+    spread,
+)
 from sim.noise import Stream
 
 ALPHAS = Alphas(0.1, 0.2, 0.3, 0.4)
@@ -62,3 +72,23 @@ def test_particles_scatter_with_the_spread():
 def test_headings_stay_wrapped():
     moved = move(np.array([[0.0, 0.0, 3.0]]), Increment(0.5, 0.0, 0.5), Spread(0, 0, 0), np.zeros(3))
     assert moved[0, 2] == pytest.approx(4.0 - 2 * math.pi)
+
+
+@pytest.mark.parametrize("name", ["diff", "diff-corrected", "omni", "omni-corrected"])
+@given(poses, poses, poses)
+def test_believed_perfect_wheels_are_followed_exactly(name, before, after, particle):
+    if before.distance(after) < 0.01:
+        after = before
+    followed = MotionModel(name, Alphas(0, 0, 0, 0, 0)).move(particle.array()[None], before, after, np.ones(3))[0]
+    expected = particle.compose(before.between(after))
+    assert followed[:2] == pytest.approx((expected.x, expected.y), abs=1e-9)
+    assert math.remainder(followed[2] - expected.theta, 2 * math.pi) == pytest.approx(0, abs=1e-9)
+
+
+def test_a_slide_spreads_as_amcl_says():
+    moved = slide(Pose2(0, 0, 0), Pose2(0.3, 0.4, 0.2))
+    alphas = Alphas(0.1, 0.2, 0.3, 0.4, 0.5)
+    first = (0.3 * 0.25 + 0.1 * 0.04, 0.5 * 0.25 + 0.1 * 0.04, 0.4 * 0.04 + 0.2 * 0.25)
+    assert slide_spread(moved, alphas, corrected=False) == pytest.approx(first)
+    variances = (0.3 * 0.25 + 0.4 * 0.04, 0.5 * 0.25 + 0.4 * 0.04, 0.1 * 0.04 + 0.2 * 0.25)
+    assert slide_spread(moved, alphas, corrected=True) == pytest.approx(np.sqrt(variances))
