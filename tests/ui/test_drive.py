@@ -49,10 +49,11 @@ def test_a_start_or_goal_in_a_wall_is_an_answer(place: tuple[str, str]) -> None:
     assert "wall" in told(*CORRIDOR, "--goal", *place)["reason"]
 
 
-def test_the_body_and_the_parameters_may_be_others(tmp_path: Path) -> None:
+@pytest.mark.parametrize("head", ["robot:\n  ", ""], ids=["a study's", "ROS's"])
+def test_the_body_and_the_parameters_may_be_others(tmp_path: Path, head: str) -> None:
     box = "[[0.45, 0.3], [-0.45, 0.3], [-0.45, -0.3], [0.45, -0.3]]"
     slow = tmp_path / "slow.yaml"
-    slow.write_text("robot:\n  TrajectoryPlannerROS:\n    max_vel_x: 0.3\n")
+    slow.write_text(f"{head}TrajectoryPlannerROS: {{max_vel_x: 0.3}}\n")
     wide = told(*CORRIDOR, "--goal", "1.5", "0", "--footprint", box, "--params", str(slow))
     assert wide["reached"]
     assert wide["min_clearance"] <= 0.64 + 0.1
