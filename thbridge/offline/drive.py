@@ -93,16 +93,19 @@ def drive(
         collided = bool(snapshot.world.collisions[0] > 0)
         result = snapshot.robots[0].navigation.result
         if isinstance(result, Arrived):
-            return Outcome(True, collided, tick * TICK, distance, room.least, None)
+            return Outcome(True, collided, round(tick * TICK, 2), distance, room.least, None)
         if isinstance(result, NoPath):
             reason = result.sentence
             break
-    return Outcome(False, collided, tick * TICK, distance, room.least, reason)
+    return Outcome(False, collided, round(tick * TICK, 2), distance, room.least, reason)
 
 
 def _heedless_of_heading(robot: RobotParameters) -> RobotParameters:
-    planner = dataclasses.replace(robot.TrajectoryPlannerROS, yaw_goal_tolerance=math.pi)
-    return dataclasses.replace(robot, TrajectoryPlannerROS=planner)
+    return dataclasses.replace(
+        robot,
+        TrajectoryPlannerROS=dataclasses.replace(robot.TrajectoryPlannerROS, yaw_goal_tolerance=math.pi),
+        DWAPlannerROS=dataclasses.replace(robot.DWAPlannerROS, yaw_goal_tolerance=math.pi),
+    )
 
 
 class _Room:
