@@ -105,7 +105,7 @@ class LocalPlanner(Protocol):
         ...
 
     def back_up(self, pose: Pose2, twist: Twist, around: Surroundings) -> Drive:
-        """Drive slowly backwards, if that is safe."""
+        """Drive slowly backwards, in an arc if need be, if that is safe."""
         ...
 
     def follow(
@@ -201,10 +201,13 @@ class SampledPlanner(ABC):
         return Drive(STANDSTILL, self._preview(pose, twist, STANDSTILL), True)
 
     def back_up(self, pose: Pose2, twist: Twist, around: Surroundings) -> Drive:
-        """Drive slowly backwards, if that is safe."""
-        command = Twist(self._limits.escape_vel, 0.0)
-        if self.safe(pose, twist, command, around):
-            return Drive(command, self._preview(pose, twist, command), False)
+        """Drive slowly backwards, in an arc if need be, if that is safe."""
+        # Beside a corner, which straight back would come nearer, an arc may lead away from it.
+        arc = 2.0 * self._limits.escape_vel / self._body.circumscribed
+        for turn in (0.0, arc, -arc):
+            command = Twist(self._limits.escape_vel, turn)
+            if self.safe(pose, twist, command, around):
+                return Drive(command, self._preview(pose, twist, command), False)
         return Drive(STANDSTILL, self._preview(pose, twist, STANDSTILL), True)
 
     def follow(
