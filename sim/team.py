@@ -209,9 +209,13 @@ class Team:
             self._set_down(self._carried[robot])
         self._state = self._world.step(self._state, self._commands)
         outputs = tuple(self._step_robot(robot) for robot in self._robots)
-        self._neighbours = tuple(output.neighbour for output in outputs if output.neighbour.robot not in self._dead)
+        self._neighbours = tuple(output.neighbour for output in outputs if self._speaks(output))
         self._commands = np.array([self._command(output) for output in outputs])
         return TeamSnapshot(tick, self._state, outputs, self._commands, frozenset(self._dead))
+
+    def _speaks(self, output: RobotOutput) -> bool:
+        """Whether the others hear of a robot: not when it is dead, and not what one says that is lost."""
+        return output.neighbour.robot not in self._dead and not output.estimate.lost
 
     def _step_robot(self, robot: Robot) -> RobotOutput:
         last = self._said[robot.number]

@@ -22,12 +22,13 @@ import numpy as np
 
 from sim.costmap.costmap_2d import Costmap2D
 from sim.costmap.footprint import circumscribed_radius
-from sim.geometry import FloatArray, Pose2
+from sim.geometry import IDENTITY, FloatArray, Pose2
 from sim.grid import OccupancyGrid, distance_field
 from sim.navigator.follower import NO_TIMES, NOWHERE, Follower
 from sim.navigator.goals import Arrived, Cancelled, Goal, NoPath, Result
 from sim.navigator.recovery import Oscillation, Recovery
 from sim.navigator.silence import Silence
+from sim.navigator.turned import Turned
 from sim.observations import STANDSTILL, TICK, TICKS_PER_SECOND, Claim, Neighbour, Scan, Twist
 from sim.parameters import RobotParameters
 from sim.planning.itinerary import SPEED, Itinerary, Others, heard, resting_left_out, start_time
@@ -87,18 +88,15 @@ class Navigator:
     Args:
         parameters: of this robot's software.
         footprint: (n, 2) corners of its body, base frame, metres.
-        static: the map; its origin must not be turned.
+        static: the map.
         robot: its index in the team.
-
-    Raises:
-        ValueError: the map's origin is turned.
     """
 
     def __init__(
         self, parameters: RobotParameters, footprint: FloatArray, static: OccupancyGrid, robot: int = 0
     ) -> None:
-        if static.origin.theta != 0.0:
-            raise ValueError("a robot cannot plan on a map whose origin is turned: set the yaw in `origin` to 0")
+        self._turned = Turned(static)
+        static = self._turned.grid
         self._parameters = parameters.move_base
         self._robot = robot
         self._global = Costmap2D(parameters.global_costmap, footprint, static)
@@ -120,6 +118,7 @@ class Navigator:
         self._silence = Silence()
         self._results: deque[Result] = deque()
         self._goal: Goal | None = None
+        self._target = IDENTITY
         self._wish = NOWHERE
         self._claim: Claim | None = None
         self._tick = -1
@@ -158,6 +157,7 @@ class Navigator:
         """Take up a goal; the one under way ends Cancelled."""
         self.cancel()
         self._goal = goal
+        self._target = self._turned.pose(goal.base_in_map)
         self._fresh = True
 
     def cancel(self) -> None:
@@ -200,6 +200,7 @@ class Navigator:
             self._restart_clocks(tick)
             self._fresh = False
         self._tick = tick
+        pose, neighbours = self._turned.pose(base_in_map), self._turned.neighbours(neighbours)
         self._silence.hear(tick, neighbours)
         standing = self._silence.remembered(tick)
         mates = [*neighbours, *standing]
@@ -207,18 +208,18 @@ class Navigator:
             self._stay_lost(tick)
             return self._told()
         if scan is not None:
-            self._silence.look(base_in_map.compose(scan.mount.laser_in_base), scan)
+            self._silence.look(pose.compose(scan.mount.laser_in_base), scan)
             if self._goal is not None or not self._parameters.shutdown_costmaps:
                 discs = _discs(mates)
                 for costmap in (self._global, self._local):
-                    costmap.observe(base_in_map, scan, discs)
+                    costmap.observe(pose, scan, discs)
         # One and the same for all who speak, so that no two of them have their turn at once.
-        team = 1 + max(self._robot, max((neighbour.robot for neighbour in neighbours), default=0))
+        team = 1 + max(self._robot, self._silence.highest)
         if (tick - self._robot) % team == 0 and tick >= self._next_plan and self._turn_left == 0.0:
-            self._choose_way(tick, base_in_map, mates)
+            self._choose_way(tick, pose, mates)
         if (tick - self._robot) % self._follower.control_ticks == 0:
             bodies = [*neighbours, *self._silence.bodies()]
-            self._choose_command(tick, base_in_map, twist, bodies)
+            self._choose_command(tick, pose, twist, bodies)
         return self._told()
 
     def _told(self) -> Navigation:
@@ -232,7 +233,7 @@ class Navigator:
         elif self._goal is None:
             state = "idle"
         plan, times, remaining = (self._wish, NO_TIMES, 0.0) if follower.way is None else follower.ahead
-        local_plan = follower.local_plan
+        plan, local_plan = self._turned.poses(plan), self._turned.poses(follower.local_plan)
         return Navigation(self._command, self._goal, state, plan, times, local_plan, result, remaining, self._claim)
 
     def _stay_lost(self, tick: int) -> None:
@@ -307,26 +308,44 @@ class Navigator:
         return NoPath(goal, "stuck", "the robot is stuck and cannot get free")
 
     def _plan(self, tick: int, pose: Pose2, goal: Goal, neighbours: Sequence[Neighbour], keeps: bool) -> None:
+        self._planned = tick
+        if self._defers(neighbours):
+            if not keeps:
+                self._next_plan = tick + round(RETRY * TICKS_PER_SECOND)
+            return
         others = heard(neighbours)
         self._router.see(neighbours)
-        self._planned = tick
-        way = self._router.way(pose, goal.base_in_map, self._time(tick, pose, others), others)
+        way = self._router.way(pose, self._target, self._time(tick, pose, others), others)
         if keeps and not isinstance(way, Itinerary):
             return
         match way:
             case Itinerary():
-                self._follow(tick, way, goal.base_in_map.theta, turns_at_end=True)
+                self._follow(tick, way, self._target.theta, turns_at_end=True)
             case Blocked(wish):
                 self._drop()
-                self._wish = headings(wish, goal.base_in_map.theta)
+                self._wish = headings(wish, self._target.theta)
                 self._claim = Claim(self._began, self._robot)
+                self._longest = max(self._longest, float(np.hypot(*np.diff(wish, axis=0).T).sum()))
                 self._next_plan = tick + round(RETRY * TICKS_PER_SECOND)
+                if any(len(other.times) and self._router.in_the_way(other.path[-1], wish) for other in neighbours):
+                    # They are still to arrive there, and can be asked only then.
+                    self._planning_since = tick
                 if tick - self._planning_since > WISHING * TICKS_PER_SECOND:
                     self._end(self._given_up(goal))
             case Refused():
                 self._drop()
                 self._next_plan = tick + round(RETRY * TICKS_PER_SECOND)
                 self._refuse(tick, pose, goal, way)
+
+    def _defers(self, neighbours: Sequence[Neighbour]) -> bool:
+        """Whether the goal lies on the way that a robot with an older goal wishes for: that one is to go first."""
+        own = Claim(self._began, self._robot)
+        return any(
+            other.claim is not None
+            and other.claim < own
+            and self._router.in_the_way(self._target.array()[:2], other.path)
+            for other in neighbours
+        )
 
     def _refuse(self, tick: int, pose: Pose2, goal: Goal, refused: Refused) -> None:
         """No way: wait for one, then recover, then give up."""
@@ -348,7 +367,7 @@ class Navigator:
                 continue
             if strongest is not None and strongest.claim is not None and strongest.claim <= other.claim:
                 continue
-            if self._router.in_the_way(pose, other.path):
+            if self._router.in_the_way(pose.array()[:2], other.path):
                 strongest = other
         return strongest
 

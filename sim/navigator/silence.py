@@ -24,18 +24,27 @@ class Silence:
     """Keeps the last word of those who have fallen silent."""
 
     def __init__(self) -> None:
-        self._speaking: dict[int, Neighbour] = {}
+        self._speaking: Sequence[Neighbour] = ()
+        self._robots: list[int] = []
         self._silent: dict[int, tuple[int, Neighbour]] = {}
 
     def hear(self, tick: int, neighbours: Sequence[Neighbour]) -> None:
         """Take note of who spoke last."""
-        speaking = {neighbour.robot: neighbour for neighbour in neighbours}
-        for robot, neighbour in self._speaking.items():
-            if robot not in speaking:
-                self._silent[robot] = (tick, replace(neighbour, path=neighbour.path[:0], times=neighbour.times[:0]))
-        for robot in speaking:
-            self._silent.pop(robot, None)
-        self._speaking = speaking
+        robots = [neighbour.robot for neighbour in neighbours]
+        if robots != self._robots:
+            for neighbour in self._speaking:
+                if neighbour.robot not in robots:
+                    stays = replace(neighbour, path=neighbour.path[:0], times=neighbour.times[:0], claim=None)
+                    self._silent[neighbour.robot] = (tick, stays)
+            for robot in robots:
+                self._silent.pop(robot, None)
+            self._robots = robots
+        self._speaking = neighbours
+
+    @property
+    def highest(self) -> int:
+        """The highest index of those who speak."""
+        return max(self._robots, default=0)
 
     def look(self, laser_in_map: Pose2, scan: Scan) -> None:
         """Forget those through whose place the laser looks."""

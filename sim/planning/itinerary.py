@@ -224,10 +224,13 @@ def right_of_way(
 
 @njit(cache=True)
 def executable(points: FloatArray, times: FloatArray, others: Others, separation: float) -> bool:
-    """Whether a robot would come to its itinerary's end, were it and all the others driven by right of way.
+    """Whether a robot would come to its itinerary's end, were it and all the others driven by right of way, and whether
+    all of them would come as far as if it stayed where it is.
 
-    Itineraries that keep their distance at equal times always are. Robots that stand nearer than that already may plan
+    Itineraries that keep their distance at equal times always do. Robots that stand nearer than that already may plan
     to stay so for a while, and then could bar each other's next points for good.
+
+    A step that is open stays open until it is taken, so the order in which robots are moved does not matter.
 
     Args:
         points: (m, 2) of the itinerary.
@@ -235,6 +238,23 @@ def executable(points: FloatArray, times: FloatArray, others: Others, separation
         others: the other robots', each from the point it has reached.
         separation: metres from centre to centre, as in `right_of_way`.
     """
+    own = points.shape[0]
+    count = others.starts.shape[0]
+    ends = np.empty(count, np.int64)
+    ends[0] = own - 1
+    ends[1:] = own + others.starts[1:] - 1
+    at = _driven(points, times, others, separation)
+    if at[0] < ends[0]:
+        return False
+    if (at == ends).all():
+        return True
+    stays = _driven(points[:1], np.full(1, -np.inf), others, separation)
+    return bool((at[1:] - own >= stays[1:] - 1).all())
+
+
+@njit(cache=True)
+def _driven(points: FloatArray, times: FloatArray, others: Others, separation: float) -> NDArray[np.int64]:
+    """(k + 1,) how far a robot and k others come by right of way: indices into the points of all, one after another."""
     own = points.shape[0]
     count = others.starts.shape[0]
     all_points = np.concatenate((points, others.points))
@@ -250,9 +270,7 @@ def executable(points: FloatArray, times: FloatArray, others: Others, separation
             while at[k] < last[k] and _open(all_points, all_times, at, last, k, separation):
                 at[k] += 1
                 moved = True
-        if at[0] == last[0]:
-            return True
-    return False
+    return at
 
 
 @njit(cache=True)

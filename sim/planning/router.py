@@ -127,9 +127,9 @@ class Router:
         away = densified(away)
         return away if self._executable(away, others) else None
 
-    def in_the_way(self, place: Pose2, wish: FloatArray) -> bool:
-        """Whether a robot at a place hinders another one on its path."""
-        return bool((np.hypot(wish[:, 0] - place.x, wish[:, 1] - place.y) < self.separation).any())
+    def in_the_way(self, place: FloatArray, wish: FloatArray) -> bool:
+        """Whether a robot at a (2,) place hinders another one on its (m, 2) path."""
+        return bool((np.hypot(wish[:, 0] - place[0], wish[:, 1] - place[1]) < self.separation).any())
 
     def _executable(self, way: Itinerary, others: Others) -> bool:
         return bool(executable(way.points, way.times, others, self.separation_driven))

@@ -113,7 +113,7 @@ def _traffic(
             if i > begin:
                 first = math.floor((others.times[i - 1] - time) / bin_length)
                 last = math.floor((others.times[i] - time) / bin_length)
-                if last - first <= 1:
+                if last - first == 1:
                     _shade(busy, centres, corner, side, x, y, separation, start[0], start[1], present, first, last)
     return busy
 

@@ -2,6 +2,7 @@
 
 import math
 import random
+from dataclasses import replace
 from pathlib import Path
 
 import numpy as np
@@ -15,7 +16,8 @@ from sim.grid import OccupancyGrid
 from sim.navigator import NEARER, STALEMATE, Arrived, Cancelled, Goal, Navigator, NoPath
 from sim.observations import STANDSTILL, TICK, LaserMount, Neighbour, Scan, Twist
 from sim.parameters import RobotParameters, WorldParameters
-from sim.team import Go, Team
+from sim.team import Go, PutThing, RemoveThing, Team, Timed
+from sim.things import Thing
 from thbridge.adapters.map_files import read_map
 
 STUDY = np.array(WorldParameters().footprint)
@@ -65,7 +67,7 @@ def arena8():
 
 
 ARENA = arena8()
-WAREHOUSE = read_map(Path(__file__).parents[2] / "maps" / "warehouse12")
+WAREHOUSE = read_map(Path(__file__).parents[3] / "maps" / "warehouse12")
 
 
 class Rig:
@@ -83,6 +85,7 @@ class Rig:
         self.scans = lambda pose: None
         self.strangers = []
         self.broken = set()
+        self.lost = set()
 
     def step(self):
         self.tick += 1
@@ -101,7 +104,7 @@ class Rig:
         for i, navigator in enumerate(self.navigators):
             others = [other for other in self.heard + self.strangers if other.robot != i]
             scan = self.scans(self.poses[i])
-            self.said[i] = navigator.step(self.tick, self.poses[i], self.twists[i], scan, others)
+            self.said[i] = navigator.step(self.tick, self.poses[i], self.twists[i], scan, others, i in self.lost)
             if self.said[i].result:
                 self.results[i].append(self.said[i].result)
         self.heard = [
@@ -235,11 +238,6 @@ def test_a_room_without_a_door_is_refused():
     rig.go(0, 4, 2)
     rig.run(10, lambda rig: rig.results[0])
     assert rig.results[0][0].reason == "no_way"
-
-
-def test_a_turned_map_is_refused():
-    with pytest.raises(ValueError, match="origin"):
-        Navigator(RobotParameters(), STUDY, OccupancyGrid(ARENA.cells, 0.05, Pose2(0, 0, 0.3)))
 
 
 def test_an_obstacle_that_the_map_does_not_know_is_driven_around():
@@ -401,3 +399,140 @@ def test_three_at_a_crossing_do_not_wait_for_each_other():
 def test_ten_robots_in_twelve_rooms_touch_nothing_on_noisy_wheels():
     rooms = random.Random(1).sample(WAREHOUSE.rooms, 10)
     touch_nothing_and_arrive(WAREHOUSE.grid, WAREHOUSE.starts[:10], [room.goal for room in rooms], 1)
+
+
+def test_a_map_whose_origin_is_turned_is_driven_like_any_other():
+    turn = Pose2(4.0, -1.0, 0.6)
+    rig = Rig([(0, 0, 0)], OccupancyGrid(ARENA.cells, 0.05, turn.compose(ARENA.origin)))
+    rig.poses = [turn.compose(Pose2(0, 0, 0))]
+    goal = turn.compose(Pose2(*ROOMS[3], 1.0))
+    rig.navigators[0].go(Goal(1, goal))
+    rig.run(60, lambda rig: rig.results[0])
+    assert isinstance(rig.results[0][0], Arrived)
+    assert rig.results[0][0].goal.base_in_map == goal
+    assert rig.poses[0].distance(goal) <= 0.1
+    assert abs(wrap_angle(rig.poses[0].theta - goal.theta)) <= 0.05
+
+
+def test_goals_that_change_under_way_end_once_each_and_hardly_slow_the_robot_down():
+    rig = Rig([(0, -4, 1.57)])
+    rig.go(0, 0, 6, 1.57)
+    rig.run(10, lambda rig: rig.poses[0].y > -2.5)
+    slowest = rig.twists[0].linear
+    for aside in (0.1, -0.1, 0.0):
+        rig.go(0, aside, 6, 1.57)
+        begun = rig.tick
+        while rig.tick < begun + 1 / TICK:
+            rig.step()
+            slowest = min(slowest, rig.twists[0].linear)
+    rig.run(60, lambda rig: rig.said[0].goal is None)
+    assert [type(result) for result in rig.results[0]] == [Cancelled, Cancelled, Cancelled, Arrived]
+    assert slowest > 0.3
+
+
+def test_a_lost_robot_stands_until_it_knows_its_place_and_not_for_ever():
+    rig = Rig([(0, -4, 1.57)])
+    rig.go(0, 0, 6, 1.57)
+    rig.run(10, lambda rig: rig.poses[0].y > -3)
+    rig.lost = {0}
+    rig.run(2, lambda rig: rig.twists[0] == STANDSTILL)
+    place = rig.poses[0]
+    rig.run(6, lambda rig: rig.tick % 250 == 0)
+    assert rig.poses[0] == place
+    rig.lost = set()
+    rig.run(60, everybody_arrived)
+    rig.lost = {0}
+    rig.go(0, 0, -4)
+    assert rig.run(STALEMATE + 60, lambda rig: len(rig.results[0]) == 2) > STALEMATE
+    assert rig.results[0][1].reason == "lost"
+
+
+@pytest.mark.parametrize(("frequency", "plans"), [(0.0, (1, 1)), (2.0, (8, 11))])
+def test_planner_frequency_makes_new_plans_under_way(frequency, plans):
+    parameters = RobotParameters()
+    rig = Rig(
+        [(0, -4, 1.57)],
+        parameters=replace(parameters, move_base=replace(parameters.move_base, planner_frequency=frequency)),
+    )
+    rig.go(0, 0, 6, 1.57)
+    made = []
+    for _ in range(int(5 / TICK)):
+        rig.step()
+        times = rig.said[0].times.base
+        if times is not None and (not made or times is not made[-1]):
+            made.append(times)
+    assert plans[0] <= len(made) <= plans[1]
+
+
+def dead_end():
+    """A corridor of 1.2 m that opens into a room on its right: who stands in the corridor can only go into the room."""
+    cells = np.full((80, 200), 100, np.int8)
+    cells[28:52, 4:120] = 0
+    cells[10:70, 120:196] = 0
+    return OccupancyGrid(cells, 0.05, Pose2(0, 0, 0))
+
+
+def test_those_in_the_way_of_those_in_the_way_are_asked_in_the_name_of_whoever_waits_longest():
+    rig = Rig([(1, 2, 0), (4, 2, 0), (5.2, 2, 0)], dead_end())
+    rig.run(1, lambda rig: rig.tick == 10)
+    rig.go(0, 8, 1.2)
+    rig.run(10, lambda rig: rig.tick == 100)
+    rig.run(120, lambda rig: rig.results[0])
+    assert isinstance(rig.results[0][0], Arrived)
+
+
+def closed(seconds, *, opens, parameters=None):
+    """A robot bound for the next room, the only door of which is shut by a crate; whether and when it gets there."""
+    cells = np.zeros((80, 160), np.int8)
+    cells[:, 79:82] = cells[0] = cells[-1] = 100
+    cells[:, 0] = cells[:, -1] = 100
+    cells[28:52, 79:82] = 0
+    grid = OccupancyGrid(cells, 0.05, Pose2(0, 0, 0))
+    crate = Thing("crate", ((0.2, 0.5), (-0.2, 0.5), (-0.2, -0.5), (0.2, -0.5)), Pose2(4.0, 2.0, 0.0))
+    schedule = [Timed(1, PutThing(crate)), Timed(round(opens / TICK), RemoveThing("crate"))]
+    robot = replace(parameters or RobotParameters(), localization="truth")
+    team = Team(grid, WorldParameters(), [robot], [Pose2(1.5, 2.0, 0.0)], 1, 1000.0, schedule)
+    snapshot = team.step([Go(0, Goal(1, Pose2(6.0, 2.0, 0.0)))])
+    while snapshot.robots[0].navigation.result is None:
+        snapshot = team.step()
+        assert snapshot.tick < seconds / TICK
+    assert not snapshot.world.collisions.any()
+    return snapshot.robots[0].navigation.result, snapshot.tick * TICK
+
+
+def test_a_closed_door_is_waited_for_then_given_up_with_its_reason():
+    result, seconds = closed(90, opens=1000)
+    assert isinstance(result, NoPath)
+    assert result.reason == "blocked_by_obstacle"
+    assert "obstacle" in result.sentence
+    assert seconds > 4 * RobotParameters().move_base.planner_patience
+
+
+def test_a_door_that_opens_in_time_is_passed():
+    result, seconds = closed(60, opens=12)
+    assert isinstance(result, Arrived)
+    assert seconds < 35
+
+
+def test_without_recovery_a_closed_door_is_given_up_after_the_retries_allowed():
+    parameters = RobotParameters()
+    move_base = replace(parameters.move_base, recovery_behavior_enabled=False, max_planning_retries=3)
+    result, seconds = closed(30, opens=1000, parameters=replace(parameters, move_base=move_base))
+    assert result.reason == "blocked_by_obstacle"
+    assert seconds < 10
+
+
+@pytest.mark.parametrize("shut_down", [False, True])
+def test_costmaps_that_are_shut_down_take_no_notice_of_obstacles_without_a_goal(shut_down):
+    parameters = RobotParameters()
+    rig = Rig(
+        [(0, 0, 0)],
+        parameters=replace(parameters, move_base=replace(parameters.move_base, shutdown_costmaps=shut_down)),
+    )
+    mount = LaserMount(Pose2(0.0, 0.0, 0.0), -0.1, 0.1, 3, 0.05, 8.0)
+    rig.scans = lambda pose: Scan(0, mount, np.full(3, 0.7, np.float32))
+    rig.step()
+    assert rig.navigators[0].global_costmap.any_marks is not shut_down
+    rig.go(0, 0, 6)
+    rig.step()
+    assert rig.navigators[0].global_costmap.any_marks
