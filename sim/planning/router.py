@@ -136,9 +136,9 @@ class Router:
 
     def _rooms(self) -> tuple[BoolArray, Costs]:
         """Which coarse cells are free of walls and obstacles, and the costs without the other robots."""
-        walls = self.costmap.without_robots()
         if not self.costmap.any_marks:
-            return self._roadmap.free, walls
+            return self._roadmap.free, self._walls
+        walls = self.costmap.without_robots()
         near = walls[self._cells[:, 0], self._cells[:, 1]].reshape(self._roadmap.free.shape)
         return self._roadmap.free & (near <= self._too_near), walls
 
