@@ -3,7 +3,6 @@
 Needs a checkout of github.com/ros-planning/navigation: `NAVIGATION_SRC=/path make bench`.
 """
 
-import os
 import subprocess
 import time
 from dataclasses import dataclass
@@ -16,8 +15,7 @@ from sim.geometry import FloatArray, Pose2
 from sim.localization.amcl import Amcl
 from sim.parameters import AmclParameters
 from tests.bench.recorded_run import Run, tour, write_for_peer
-from thbridge.adapters.map_files import Map, read_map
-from thbridge.adapters.resources import shipped
+from thbridge.adapters.map_files import Map
 
 pytestmark = pytest.mark.bench
 
@@ -39,12 +37,9 @@ class Tracked:
 
 
 @pytest.fixture(scope="session")
-def peer(tmp_path_factory) -> Path:
+def peer(navigation, tmp_path_factory) -> Path:
     """ROS's filter, built as ROS builds it for release."""
-    source = os.environ.get("NAVIGATION_SRC")
-    if not source:
-        pytest.skip("NAVIGATION_SRC names no checkout of ros-planning/navigation")
-    package, folder = Path(source) / "amcl", tmp_path_factory.mktemp("amcl")
+    package, folder = navigation / "amcl", tmp_path_factory.mktemp("amcl")
     flags = ["-O3", "-DNDEBUG", "-DHAVE_DRAND48", "-DHAVE_UNISTD_H"]
     flags += [f"-I{package / 'include'}", f"-I{package / 'include/amcl'}", f"-I{package / 'src/include'}"]
     objects = []
@@ -57,11 +52,6 @@ def peer(tmp_path_factory) -> Path:
     main = Path(__file__).parent / "peers" / "amcl_peer.cpp"
     subprocess.run(["g++", *flags, main, *objects, "-o", program], check=True)
     return program
-
-
-@pytest.fixture(scope="session")
-def office() -> Map:
-    return read_map(shipped().find("maps", "office", Path()))
 
 
 @pytest.fixture(scope="session")

@@ -1,0 +1,24 @@
+"""What the peers that are measured beside us are built from."""
+
+import os
+from pathlib import Path
+
+import pytest
+
+from thbridge.adapters.map_files import Map, read_map
+from thbridge.adapters.resources import shipped
+
+
+@pytest.fixture(scope="session")
+def navigation() -> Path:
+    """A checkout of github.com/ros-planning/navigation, named by NAVIGATION_SRC."""
+    source = os.environ.get("NAVIGATION_SRC")
+    if not source:
+        pytest.skip("NAVIGATION_SRC names no checkout of ros-planning/navigation")
+    return Path(source)
+
+
+@pytest.fixture(scope="session")
+def office() -> Map:
+    """The shipped map of 520 x 280 cells."""
+    return read_map(shipped().find("maps", "office", Path()))
