@@ -131,8 +131,6 @@ def spread(grid: Grids, cols: int, seeds: Steps, looked_at: Steps, steps: Steps)
         if cell >= 0 and not wanted[cell] and steps[cell] == OPEN:
             wanted[cell] = True
             left += 1
-    if left == 0 and looked_at.shape[0] > 0:
-        return
     if looked_at.shape[0] == 0:
         left = steps.shape[0]
     end = 0
