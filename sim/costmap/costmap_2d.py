@@ -7,7 +7,7 @@ from collections.abc import Sequence
 
 import numpy as np
 
-from sim.costmap.costs import LETHAL, CostFrame, Costs, Window
+from sim.costmap.costs import CostFrame, Costs, Window
 from sim.costmap.footprint import of_radius, pad, radii
 from sim.costmap.inflation import InflationLayer
 from sim.costmap.layered import Layer, LayeredCostmap
@@ -107,7 +107,7 @@ class Costmap2D:
     @property
     def any_marks(self) -> bool:
         """Whether the laser has seen anything that stands."""
-        return bool((self._obstacles.marks == LETHAL).any())
+        return self._obstacles.any_marks
 
     def update(self, x: float, y: float) -> tuple[Window, ...]:
         """Bring the costs up to date for a robot at this map point.

@@ -47,15 +47,59 @@ def line(row: int, col: int, row_end: int, col_end: int, longest: int) -> NDArra
 
 
 @njit(cache=True)
-def fill_convex(costs: Costs, corners: FloatArray, cost: int) -> None:
+def clear_line(
+    costs: Costs, row: int, col: int, row_end: int, col_end: int, longest: int, changed: NDArray[np.int64]
+) -> None:  # fmt: skip
+    """Make free the cells that `line` lists, all of them on the costmap, in half the time.
+
+    Args:
+        costs: (rows, cols), contiguous.
+        row: see `line`, as the other arguments.
+        changed: (4,) the window that is grown by the cells that change.
+    """
+    width = costs.shape[1]
+    flat = costs.reshape(costs.size)
+    dr, dc = abs(row_end - row), abs(col_end - col)
+    step_r = width if row_end > row else -width
+    step_c = 1 if col_end > col else -1
+    distance = math.hypot(dr, dc)
+    scale = 1.0 if distance == 0.0 else min(1.0, longest / distance)
+    along, across = max(dr, dc), min(dr, dc)
+    onward, sideways = (step_c, step_r) if dc >= dr else (step_r, step_c)
+    error = along // 2
+    cell = row * width + col
+    for _ in range(int(scale * along) + 1):
+        if flat[cell] != 0:
+            flat[cell] = 0
+            include(changed, cell // width, cell % width)
+        cell += onward
+        error += across
+        if error >= along:
+            error -= along
+            cell += sideways
+
+
+@njit(cache=True)
+def include(changed: NDArray[np.int64], row: int, col: int) -> None:
+    """Grow a (4,) window - row, col, row_end, col_end - by a cell."""
+    changed[0], changed[1] = min(changed[0], row), min(changed[1], col)
+    changed[2], changed[3] = max(changed[2], row + 1), max(changed[3], col + 1)
+
+
+@njit(cache=True)
+def fill_convex(costs: Costs, corners: FloatArray, cost: int) -> bool:
     """Give the cells of a convex polygon, its outline included, this cost; those off the costmap are left out.
 
     Args:
         costs: (rows, cols).
         corners: (n, 2) column and row, in cells, n at least 3.
         cost: 0..255.
+
+    Returns:
+        Whether any of them had another.
     """
     rows, cols = costs.shape
+    changes = False
     first = math.floor(corners[:, 0].min())
     lows = np.full(math.floor(corners[:, 0].max()) - first + 1, np.iinfo(np.int64).max)
     highs = np.full(lows.shape[0], np.iinfo(np.int64).min)
@@ -74,4 +118,6 @@ def fill_convex(costs: Costs, corners: FloatArray, cost: int) -> None:
             lows[c], highs[c] = min(lows[c], side[j, 0]), max(highs[c], side[j, 0])
     for c in range(max(first, 0), min(first + lows.shape[0], cols)):
         for r in range(max(lows[c - first], 0), min(highs[c - first] + 1, rows)):
+            changes = changes or costs[r, c] != cost
             costs[r, c] = cost
+    return changes

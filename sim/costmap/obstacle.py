@@ -3,8 +3,8 @@
 Source: ros-planning/navigation, costmap_2d/plugins/obstacle_layer.cpp.
 Differs: `explained_distance` keeps readings that the map or another robot explains from marking, else every error of
 localisation would thicken the walls and every passing robot would leave a trail; `clear_between_beams` clears what
-nothing else could, cells that lie between two beams far out; a beam that hit nothing never marks; every scan is used,
-where ROS takes the last one before each update.
+nothing else could, cells that lie between two beams far out; a beam that hit nothing never marks; a scan is
+taken in at once, where ROS keeps the last one for the next update.
 """
 
 import math
@@ -14,8 +14,8 @@ import numpy as np
 from numba import njit
 from numpy.typing import NDArray
 
-from sim.costmap.costs import FREE, UNKNOWN, Changes, CostFrame, Costs, Window
-from sim.costmap.lines import fill_convex, line
+from sim.costmap.costs import FREE, LETHAL, UNKNOWN, Changes, CostFrame, Costs, Window
+from sim.costmap.lines import clear_line, fill_convex, include
 from sim.geometry import FloatArray, Pose2
 from sim.grid import OccupancyGrid, distance_field
 from sim.observations import Scan
@@ -61,9 +61,15 @@ class Explanation(NamedTuple):
 
 
 @njit(cache=True)
-def _include(changed: NDArray[np.int64], row: int, col: int) -> None:
-    changed[0], changed[1] = min(changed[0], row), min(changed[1], col)
-    changed[2], changed[3] = max(changed[2], row + 1), max(changed[3], col + 1)
+def _readings(ranges: NDArray[np.float32], range_min: float, range_max: float) -> FloatArray:
+    """(beams,) metres; NaN where nothing is known, +inf where nothing was hit."""
+    readings = np.empty(ranges.shape[0])
+    for i in range(ranges.shape[0]):
+        reading = float(ranges[i])
+        # The others are no readings: laser_geometry leaves them out as well.
+        valid = range_min <= reading < range_max or reading == np.inf
+        readings[i] = reading if valid else np.nan
+    return readings
 
 
 @njit(cache=True)
@@ -106,12 +112,7 @@ def _clear_along_beams(
         row_end, col_end = math.floor((y - frame.y) / size), math.floor((x - frame.x) / size)
         if row_end < 0 or col_end < 0 or row_end >= rows or col_end >= cols:
             continue
-        cells = line(row, col, row_end, col_end, longest)
-        for k in range(cells.shape[0]):
-            r, c = cells[k, 0], cells[k, 1]
-            if marks[r, c] != 0:
-                marks[r, c] = 0
-                _include(changed, r, c)
+        clear_line(marks, row, col, row_end, col_end, longest, changed)
 
 
 @njit(cache=True)
@@ -145,15 +146,20 @@ def _clear_between_beams(
             other = sweep.ranges[behind] if sweep.ranges[behind] != np.inf else farthest
             if one > distance + size and other > distance + size:
                 marks[r, c] = 0
-                _include(changed, r, c)
+                include(changed, r, c)
 
 
 @njit(cache=True)
 def _mark(
     marks: Costs, frame: CostFrame, sweep: Sweep, obstacle_range: float, known: Explanation, changed: NDArray[np.int64]
-) -> None:
-    """Make the cells lethal in which beams end nearer than obstacle_range, where nothing known explains it."""
+) -> bool:
+    """Make the cells lethal in which beams end nearer than obstacle_range, where nothing known explains it.
+
+    Returns:
+        Whether there were any that were not.
+    """
     rows, cols = marks.shape
+    marked = False
     for i in range(sweep.ranges.shape[0]):
         reading = sweep.ranges[i]
         if not reading < obstacle_range:
@@ -173,7 +179,42 @@ def _mark(
             if explained:
                 continue
         marks[row, col] = 254
-        _include(changed, row, col)
+        marked = True
+        include(changed, row, col)
+    return marked
+
+
+@njit(cache=True)
+def _clear_footprint(
+    marks: Costs, frame: CostFrame, footprint: FloatArray, x: float, y: float, theta: float, changed: NDArray[np.int64]
+) -> None:  # fmt: skip
+    """Clear the robot's own place: (n, 2) corners in the base frame, whose pose in the map is (x, y, theta)."""
+    c, s = math.cos(theta), math.sin(theta)
+    corners = np.empty_like(footprint)
+    for i in range(footprint.shape[0]):
+        corners[i, 0] = (x + c * footprint[i, 0] - s * footprint[i, 1] - frame.x) / frame.resolution
+        corners[i, 1] = (y + s * footprint[i, 0] + c * footprint[i, 1] - frame.y) / frame.resolution
+    left, right = math.floor(corners[:, 0].min()), math.floor(corners[:, 0].max())
+    low, high = math.floor(corners[:, 1].min()), math.floor(corners[:, 1].max())
+    # As in ROS: a footprint that is not wholly on the costmap clears nothing.
+    if low < 0 or left < 0 or high >= marks.shape[0] or right >= marks.shape[1]:
+        return
+    if fill_convex(marks, corners, 0):
+        include(changed, low, left)
+        include(changed, high, right)
+
+
+@njit(cache=True)
+def _combine(
+    costs: Costs, row: int, col: int, marks: Costs, first: int, left: int, rows: int, cols: int, overwrite: bool
+) -> None:  # fmt: skip
+    """Write a rectangle of marks, from (first, left) on, over costs from (row, col) on, or raise the costs to them."""
+    for r in range(rows):
+        source, target = marks[first + r, left : left + cols], costs[row + r, col : col + cols]
+        for c in range(cols):
+            raises = target[c] == 255 or target[c] < source[c]
+            if source[c] != 255 and (overwrite or raises):
+                target[c] = source[c]
 
 
 class ObstacleLayer:
@@ -210,11 +251,19 @@ class ObstacleLayer:
         self._marks: Costs = np.full(shape or grid.cells.shape, self._default, dtype=np.uint8)
         self._origin = (0, 0)
         self._changes = Changes()
+        self._may_stand = False
 
     @property
     def marks(self) -> Costs:
         """(rows, cols): LETHAL where something stands, FREE where nothing does, UNKNOWN where that is not known."""
         return self._marks
+
+    @property
+    def any_marks(self) -> bool:
+        """Whether anything stands."""
+        # Nothing but a mark makes it true; that the last one is cleared is found out here.
+        self._may_stand = self._may_stand and bool((self._marks == LETHAL).any())
+        return self._may_stand
 
     @property
     def window(self) -> Window:
@@ -246,10 +295,8 @@ class ObstacleLayer:
         frame = CostFrame(self._grid.origin.x + col * size, self._grid.origin.y + row * size, size)
         mount = scan.mount
         laser = base_in_map.compose(mount.laser_in_base)
-        ranges = scan.ranges.astype(np.float64)
-        # The others are no readings: laser_geometry leaves them out as well.
-        ranges[(ranges < mount.range_min) | ((ranges >= mount.range_max) & (ranges != np.inf))] = np.nan
-        sweep = Sweep(laser.x, laser.y, laser.theta, mount.angle_min, mount.angle_increment, ranges)
+        readings = _readings(scan.ranges, mount.range_min, mount.range_max)
+        sweep = Sweep(laser.x, laser.y, laser.theta, mount.angle_min, mount.angle_increment, readings)
         known = Explanation(self._parameters.explained_distance, self._wall_distance, row, col, discs)
         changed = np.array([*self._marks.shape, -1, -1], dtype=np.int64)
         for source in self._parameters.observation_sources:
@@ -257,36 +304,24 @@ class ObstacleLayer:
                 farthest = mount.range_max if source.inf_is_valid else 0.0
                 reach = self._raytrace_range(source)
                 _clear_along_beams(self._marks, frame, sweep, farthest, reach, changed)
-                if self._parameters.clear_between_beams:
+                if self._parameters.clear_between_beams and self.any_marks:
                     _clear_between_beams(self._marks, frame, sweep, farthest, reach, changed)
         for source in self._parameters.observation_sources:
             if source.marking:
-                _mark(self._marks, frame, sweep, self._obstacle_range(source), known, changed)
+                marked = _mark(self._marks, frame, sweep, self._obstacle_range(source), known, changed)
+                self._may_stand = self._may_stand or bool(marked)
+        if self._parameters.footprint_clearing_enabled:
+            place = base_in_map
+            _clear_footprint(self._marks, frame, self._footprint, place.x, place.y, place.theta, changed)
         if changed[2] > changed[0]:
             first, left, end, right = changed.tolist()
             self._changes.add(Window(first + row, left + col, end + row, right + col))
-        if self._parameters.footprint_clearing_enabled:
-            self._clear_footprint(base_in_map, frame)
 
     def _obstacle_range(self, source: ObservationSource) -> float:
         return self._parameters.obstacle_range if source.obstacle_range is None else source.obstacle_range
 
     def _raytrace_range(self, source: ObservationSource) -> float:
         return self._parameters.raytrace_range if source.raytrace_range is None else source.raytrace_range
-
-    def _clear_footprint(self, base_in_map: Pose2, frame: CostFrame) -> None:
-        corners = (base_in_map.transform(self._footprint) - np.array([frame.x, frame.y])) / frame.resolution
-        low, high = np.floor(corners.min(axis=0)).astype(int), np.floor(corners.max(axis=0)).astype(int)
-        row, col = self._origin
-        around = Window(low[1] + row, low[0] + col, high[1] + row + 1, high[0] + col + 1)
-        if around.clipped(self.window) != around:
-            # As in ROS: a footprint that is not wholly on the costmap clears nothing.
-            return
-        place = around.of(self._marks, self._origin)
-        before = place.copy()
-        fill_convex(self._marks, corners, FREE)
-        if not np.array_equal(before, place):
-            self._changes.add(around)
 
     def clear(self) -> None:
         """Forget everything seen (move_base's clear_costmap_recovery)."""
@@ -320,11 +355,17 @@ class ObstacleLayer:
         inside = window.clipped(self.window)
         if inside.empty:
             return
-        source, target = inside.of(self._marks, self._origin), inside.of(costs, origin)
-        if self._parameters.combination_method == OVERWRITE:
-            replaced = source != UNKNOWN
-        elif self._parameters.combination_method == MAXIMUM:
-            replaced = (source != UNKNOWN) & ((target == UNKNOWN) | (target < source))
-        else:
+        method = self._parameters.combination_method
+        if method not in (OVERWRITE, MAXIMUM):
             return
-        target[replaced] = source[replaced]
+        _combine(
+            costs,
+            inside.row - origin[0],
+            inside.col - origin[1],
+            self._marks,
+            inside.row - self._origin[0],
+            inside.col - self._origin[1],
+            inside.row_end - inside.row,
+            inside.col_end - inside.col,
+            method == OVERWRITE,
+        )

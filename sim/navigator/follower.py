@@ -17,7 +17,7 @@ from sim.costmap.costmap_2d import Costmap2D
 from sim.costmap.costs import INSCRIBED, CostFrame, Costs
 from sim.geometry import FloatArray, Pose2, wrap_angle
 from sim.grid import OccupancyGrid
-from sim.observations import STANDSTILL, TICK, TICKS_PER_SECOND, Neighbour, Twist
+from sim.observations import STANDSTILL, TICK, TICKS_PER_SECOND, Neighbour, Scan, Twist
 from sim.parameters import RobotParameters
 from sim.planning.itinerary import Itinerary, heard, reached, right_of_way
 from sim.planning.path import headings
@@ -89,6 +89,7 @@ class Follower:
         self._hold = self.control_ticks * TICK + LATENCY
         period = self.control_ticks * TICK
         self._planner = local_planner(parameters, costmap.footprint, costmap.costs.shape, period)
+        self._looked: tuple[Pose2, Scan, FloatArray] | None = None
         self.valid = 0
         self.drop()
 
@@ -181,11 +182,24 @@ class Follower:
         self.local_plan = drive.local_plan
         return drive.command
 
+    def look(self, pose: Pose2, scan: Scan, discs: FloatArray) -> None:
+        """Keep a scan for the costmap's next update; as in ROS, the last one before it counts.
+
+        Args:
+            pose: where the robot scanned.
+            scan: the readings.
+            discs: (n, 3) x, y and radius of the other robots, metres.
+        """
+        self._looked = (pose, scan, discs)
+
     def look_around(self, pose: Pose2, twist: Twist, neighbours: Sequence[Neighbour]) -> Drive:
         """Turn in place (rotate_recovery)."""
         return self._planner.turn(pose, twist, pose.theta + 0.5 * math.pi, self._around(pose, neighbours))
 
     def _update_costmap(self, pose: Pose2, neighbours: Sequence[Neighbour]) -> None:
+        if self._looked is not None:
+            self._costmap.observe(*self._looked)
+            self._looked = None
         reach = self._width
         self._costmap.see(
             [

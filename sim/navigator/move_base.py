@@ -211,8 +211,8 @@ class Navigator:
             self._silence.look(pose.compose(scan.mount.laser_in_base), scan)
             if self._goal is not None or not self._parameters.shutdown_costmaps:
                 discs = _discs(mates)
-                for costmap in (self._global, self._local):
-                    costmap.observe(pose, scan, discs)
+                self._global.observe(pose, scan, discs)
+                self._follower.look(pose, scan, discs)
         # One and the same for all who speak, so that no two of them have their turn at once.
         team = 1 + max(self._robot, self._silence.highest)
         if (tick - self._robot) % team == 0 and tick >= self._next_plan and self._turn_left == 0.0:

@@ -1,28 +1,51 @@
 """How much simulated time a second of CPU buys, for the whole chain, robots always under way."""
 
+import math
 import time
+from collections.abc import Callable, Iterator, Sequence
+from contextlib import contextmanager
 from dataclasses import replace
 from pathlib import Path
 
+import numpy as np
 import pytest
 
+from sim.costmap.costmap_2d import Costmap2D
 from sim.geometry import Pose2
-from sim.navigator import Goal
+from sim.grid import OccupancyGrid
+from sim.localization.amcl import Amcl
+from sim.navigator.follower import Follower
+from sim.navigator.goals import Goal
+from sim.navigator.move_base import Navigator
 from sim.noise import Stream
 from sim.observations import TICKS_PER_SECOND
+from sim.parameters import LaserParameters, RobotParameters, WorldParameters
+from sim.planning.router import Router
+from sim.sensors import Sensors
 from sim.team import Go, Team, TeamInput, TeamSnapshot
-from thbridge.app.compose import Setting, read_setting
+from sim.world import World
+from thbridge.app.compose import read_setting
 from thbridge.app.config import Study
 
 pytestmark = pytest.mark.bench
 
 SECONDS = 60
 
+STAGES = {
+    "world": ((World, "step"),),
+    "sensing": ((Sensors, "sense"),),
+    "localisation": ((Amcl, "update"),),
+    "costmaps": ((Costmap2D, "observe"), (Costmap2D, "see"), (Costmap2D, "update"), (Costmap2D, "without_robots")),
+    "planning": ((Router, "way"), (Router, "refuge"), (Router, "obstructed")),
+    "control": ((Follower, "step"), (Follower, "look_around")),
+    "rest of the navigator": ((Navigator, "step"),),
+}
+
 
 class Errands:
-    """Sends every robot that stands to another room that nobody is at or under way to."""
+    """Sends every robot that stands to another place that nobody is at or under way to."""
 
-    def __init__(self, goals: tuple[Pose2, ...], robots: int) -> None:
+    def __init__(self, goals: Sequence[Pose2], robots: int) -> None:
         self._goals = goals
         self._bound = [-1] * robots
         self._chance = Stream.named(1, "errands")
@@ -42,20 +65,17 @@ class Errands:
         return inputs
 
 
-def drive(setting: Setting, team: Team, seconds: int, bag: Path | None = None) -> float:
+def drive(
+    team: Team, goals: Sequence[Pose2], seconds: int, watch: Callable[[TeamSnapshot], None] = lambda _: None
+) -> float:
     """CPU seconds for so many simulated ones."""
-    errands = Errands(tuple(room.goal for room in setting.place.rooms), team.size)
-    recorder = None if bag is None else setting.recorder(bag)
+    errands = Errands(goals, team.size)
     snapshot = None
     began = time.process_time()
     for _ in range(seconds * TICKS_PER_SECOND):
         snapshot = team.step(errands.next(snapshot))
-        if recorder is not None:
-            recorder.record(snapshot)
-    spent = time.process_time() - began
-    if recorder is not None:
-        recorder.close()
-    return spent
+        watch(snapshot)
+    return time.process_time() - began
 
 
 def test_simulated_seconds_per_cpu_second(tmp_path, capsys):
@@ -63,12 +83,94 @@ def test_simulated_seconds_per_cpu_second(tmp_path, capsys):
     for robots in (2, 10):
         # Twelve rooms, so that ten robots always have somewhere to go.
         setting = read_setting(replace(Study(), map="warehouse12", robots=robots), Path())
-        drive(setting, setting.team(), 2, tmp_path / f"warm-{robots}.bag")
-        figures[robots] = (
-            SECONDS / drive(setting, setting.team(), SECONDS),
-            SECONDS / drive(setting, setting.team(), SECONDS, tmp_path / f"{robots}.bag"),
-        )
+        rooms = [room.goal for room in setting.place.rooms]
+        drive(setting.team(), rooms, 2)
+        alone = drive(setting.team(), rooms, SECONDS)
+        recorder = setting.recorder(tmp_path / f"{robots}.bag")
+        figures[robots] = (SECONDS / alone, SECONDS / drive(setting.team(), rooms, SECONDS, recorder.record))
+        recorder.close()
     with capsys.disabled():
         print()
         for robots, (alone, recorded) in figures.items():
             print(f"{robots:3d} robots: {alone:6.1f} simulated s per CPU s, {recorded:6.1f} with a bag")
+
+
+def hall() -> tuple[OccupancyGrid, list[Pose2]]:
+    """A hall of 26 m by 14 m with rows of shelves, and the places between them, in an order that mixes them."""
+    cells = np.zeros((280, 520), np.int8)
+    cells[[0, 1, -2, -1], :] = 100
+    cells[:, [0, 1, -2, -1]] = 100
+    for row in range(60, 260, 80):
+        for col in range(40, 500, 80):
+            cells[row : row + 8, col : col + 40] = 100
+    places = [Pose2(1.0 + 1.5 * i, 1.0 + 2.0 * j, 0.0) for j in range(7) for i in range(17)]
+    places = [place for place in places if _room_at(cells, place)]
+    order = np.random.default_rng(0).permutation(len(places))
+    return OccupancyGrid(cells, 0.05, Pose2(0.0, 0.0, 0.0)), [places[i] for i in order]
+
+
+def _room_at(cells, place):
+    row, col = round(place.y / 0.05), round(place.x / 0.05)
+    return not cells[row - 12 : row + 12, col - 12 : col + 12].any()
+
+
+@contextmanager
+def timed_stages(monkeypatch) -> Iterator[dict[str, float]]:
+    """CPU seconds of each stage, without those of stages that it calls."""
+    spent = dict.fromkeys(STAGES, 0.0)
+    inner: list[float] = []
+
+    def timed(stage: str, method: Callable[..., object]) -> Callable[..., object]:
+        def run(*args: object) -> object:
+            inner.append(0.0)
+            began = time.process_time()
+            try:
+                return method(*args)
+            finally:
+                took = time.process_time() - began
+                spent[stage] += took - inner.pop()
+                if inner:
+                    inner[-1] += took
+
+        return run
+
+    with monkeypatch.context() as patched:
+        for stage, methods in STAGES.items():
+            for owner, name in methods:
+                patched.setattr(owner, name, timed(stage, getattr(owner, name)))
+        yield spent
+
+
+class Count:
+    """What has come of it."""
+
+    def __init__(self) -> None:
+        self.ended = 0
+        self.collisions = 0
+
+    def watch(self, snapshot: TeamSnapshot) -> None:
+        self.ended += sum(output.navigation.result is not None for output in snapshot.robots)
+        self.collisions = int(snapshot.world.collisions.sum())
+
+
+def test_how_it_grows(monkeypatch, capsys):
+    """Teams of 1 to 50 robots with 360 beams each, everything on, for half a minute."""
+    grid, places = hall()
+    world = WorldParameters(laser=LaserParameters(beams=360, field_of_view=2 * math.pi))
+    with capsys.disabled():
+        print()
+    for robots in (2, 1, 5, 10, 20, 50):
+        team = Team(grid, world, [RobotParameters()] * robots, places[:robots], 1, 1000.0)
+        # Two robots need all that is compiled at once.
+        drive(team, places, 10 if robots == 2 else 2)
+        count = Count()
+        with timed_stages(monkeypatch) as spent:
+            total = drive(team, places, 30, count.watch)
+        spent["rest"] = total - sum(spent.values())
+        shares = ", ".join(f"{stage} {seconds / total:.0%}" for stage, seconds in spent.items())
+        with capsys.disabled():
+            print(
+                f"{robots:3d} robots: {30 / total:6.1f} simulated s per CPU s,"
+                f" {total / 30 / robots * 1e3:5.2f} ms per robot and s; {count.ended} goals ended,"
+                f" {count.collisions} collisions; {shares}"
+            )

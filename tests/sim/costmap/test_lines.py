@@ -6,7 +6,7 @@ import numpy as np
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from sim.costmap.lines import fill_convex, line
+from sim.costmap.lines import clear_line, fill_convex, line
 
 cells = st.integers(-30, 30)
 
@@ -33,6 +33,19 @@ def test_a_line_is_cut_at_its_greatest_length_and_is_the_beginning_of_the_whole(
     assert np.hypot(*cut[-1]) <= longest + 1.0
     if np.hypot(row_end, col_end) <= longest:
         assert len(cut) == len(whole)
+
+
+@settings(deadline=None)
+@given(cells, cells, cells, cells, st.integers(0, 70))
+def test_clearing_a_line_clears_the_cells_of_the_line_and_tells_where(row, col, row_end, col_end, longest):
+    costs = np.full((61, 67), 255, np.uint8)
+    changed = np.array([*costs.shape, -1, -1])
+    clear_line(costs, row + 30, col + 30, row_end + 30, col_end + 30, longest, changed)
+    along = line(row, col, row_end, col_end, longest) + 30
+    expected = np.full_like(costs, 255)
+    expected[along[:, 0], along[:, 1]] = 0
+    assert np.array_equal(costs, expected)
+    assert changed.tolist() == [*along.min(axis=0), *(along.max(axis=0) + 1)]
 
 
 @settings(deadline=None)
