@@ -1,6 +1,6 @@
 # `make play` and `make test` are all that most people need; both set up what is missing first.
 .NOTPARALLEL:
-.PHONY: help play test check test-slow bench setup peers maps lock
+.PHONY: help play test check test-slow bench setup peers maps stress lock
 
 BIN := .venv/bin
 
@@ -24,6 +24,9 @@ test-slow: setup peers ## The tests that take their time.
 
 bench: setup ## Speed, as ratios against a peer in the same run.
 	$(BIN)/pytest -m bench
+
+stress: setup ## Play hundreds of random hunts on all cores; more with ARGS="--help".
+	$(BIN)/python scripts/stress_hunts.py $(ARGS)
 
 setup: ## Make .venv from requirements.lock; does nothing when it is up to date.
 	@scripts/set_up.sh

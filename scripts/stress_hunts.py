@@ -1,0 +1,172 @@
+"""Play many random hunts on all cores, and tell what went wrong in them and how long robots had to wait.
+
+Run it from the project's folder: `.venv/bin/python scripts/stress_hunts.py` (`make stress`). Every hunt is its own
+session as `thbridge play` would run it, its treasures, noise and participant drawn by its seed. Ends with 1 when
+robots collided, a hunt did not end, or a goal was given up.
+"""
+
+import argparse
+import math
+import os
+import sys
+import time
+from collections import Counter
+from collections.abc import Sequence
+from concurrent.futures import ProcessPoolExecutor
+from dataclasses import dataclass, replace
+from multiprocessing import get_context
+from pathlib import Path
+
+from sim.geometry import Pose2
+from sim.observations import TICK, TICKS_PER_SECOND
+from sim.team import TeamSnapshot
+from thbridge.app.compose import build_bot, read_setting
+from thbridge.app.config import Study
+from thbridge.app.session import Session
+from thbridge.hunt.events import Event, Failed
+from thbridge.roles.tabui import TabUI
+from thbridge.study.bots import BotStrategy
+from thbridge.wire.router import Router
+
+MAPS = ("arena8", "warehouse12")
+LONGEST = 1800.0
+"""Simulated seconds after which a hunt counts as hung."""
+STIRRED = 0.05
+"""Metres that count as having moved."""
+
+
+@dataclass(frozen=True, slots=True)
+class Hunt:
+    """One hunt to play."""
+
+    place: str
+    robots: int
+    seed: int
+
+
+@dataclass(frozen=True, slots=True)
+class Outcome:
+    """What became of it.
+
+    Attributes:
+        hunt: which.
+        ended: whether it did.
+        seconds: simulated.
+        goals: how many were reached.
+        failures: the reasons of those that were not.
+        collisions: of all robots.
+        waited: longest time that a robot with a goal stood still, seconds.
+        open: longest time from a goal to its end, seconds.
+        cpu: processor seconds.
+    """
+
+    hunt: Hunt
+    ended: bool
+    seconds: float
+    goals: int
+    failures: tuple[str, ...]
+    collisions: int
+    waited: float
+    open: float
+    cpu: float
+
+
+class Watch:
+    """Times how long goals stay open, and how long robots stand in the meantime."""
+
+    def __init__(self, robots: int) -> None:
+        self._goal: list[int | None] = [None] * robots
+        self._since = [0] * robots
+        self._stood = [0] * robots
+        self._place: list[Pose2 | None] = [None] * robots
+        self.waited = self.open = 0
+        self.reached = 0
+
+    def saw(self, snapshot: TeamSnapshot) -> None:
+        """Take in one tick."""
+        for robot, output in enumerate(snapshot.robots):
+            navigation, tick = output.navigation, snapshot.tick
+            goal = None if navigation.goal is None else navigation.goal.id
+            self.reached += type(navigation.result).__name__ == "Arrived"
+            here = Pose2(*snapshot.world.poses[robot])
+            before = self._place[robot]
+            moved = before is None or before.distance(here) > STIRRED or abs(before.theta - here.theta) > STIRRED
+            if goal != self._goal[robot] or goal is None:
+                self._goal[robot], self._since[robot], moved = goal, tick, True
+            if moved:
+                self._place[robot], self._stood[robot] = here, tick
+            self.waited = max(self.waited, tick - self._stood[robot])
+            self.open = max(self.open, tick - self._since[robot])
+
+
+class Events(list[Event]):
+    """A log of events in memory."""
+
+    def append(self, events: Sequence[Event]) -> None:  # type: ignore[override]  # a log takes several at once
+        """Keep them."""
+        self.extend(events)
+
+
+def play(hunt: Hunt) -> Outcome:
+    """Play one hunt to its end."""
+    began = time.process_time()
+    setting = read_setting(replace(Study(robots=hunt.robots, seed=hunt.seed), map=hunt.place), Path())
+    log, simr = Events(), setting.simr()
+    person = TabUI(build_bot(setting.templates, BotStrategy.RANDOM, hunt.seed))
+    session = Session(Router(), setting.keeper(), [simr, setting.hider(), person], log)
+    watch = Watch(hunt.robots)
+    while session.tick < LONGEST * TICKS_PER_SECOND and not (session.game is not None and session.game.ended):
+        snapshot = session.step().snapshot
+        if snapshot is not None:
+            watch.saw(snapshot)
+    return Outcome(
+        hunt,
+        session.game is not None and bool(session.game.ended),
+        session.tick * TICK,
+        watch.reached,
+        tuple(event.reason for event in log if isinstance(event, Failed)),
+        int(simr.snapshot.world.collisions.sum()) if simr.snapshot is not None else 0,
+        watch.waited * TICK,
+        watch.open * TICK,
+        time.process_time() - began,
+    )
+
+
+def told(robots: int, outcomes: Sequence[Outcome]) -> str:
+    """One line on the hunts with so many robots."""
+    failures = Counter(reason for outcome in outcomes for reason in outcome.failures)
+    simulated, cpu = (math.fsum(values) for values in zip(*((o.seconds, o.cpu) for o in outcomes), strict=True))
+    missed = f"{failures.total()} not {dict(failures)}" if failures else "0 not"
+    return (
+        f"{robots:2} robots: {len(outcomes)} hunts, {sum(not o.ended for o in outcomes)} hung, "
+        f"{sum(o.collisions for o in outcomes)} collisions, {sum(o.goals for o in outcomes)} goals reached, {missed}; "
+        f"longest stand {max(o.waited for o in outcomes):.0f} s, longest goal {max(o.open for o in outcomes):.0f} s; "
+        f"{simulated / cpu:.0f} simulated s per CPU s"
+    )
+
+
+def main() -> int:
+    """Play them all."""
+    parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
+    parser.add_argument("--hunts", default="2x100,4x100,8x100,16x20", help="ROBOTSxHUNTS, with commas between")
+    parser.add_argument("--first-seed", type=int, default=1)
+    parser.add_argument("--jobs", type=int, default=os.cpu_count() or 1)
+    options = parser.parse_args()
+    well = True
+    with ProcessPoolExecutor(options.jobs, mp_context=get_context("spawn")) as pool:
+        for words in options.hunts.split(","):
+            robots, count = (int(number) for number in words.split("x"))
+            # A small map has no room for so many to start.
+            places = MAPS if robots <= 10 else MAPS[1:]
+            hunts = [Hunt(places[n % len(places)], robots, options.first_seed + n) for n in range(count)]
+            outcomes = list(pool.map(play, hunts))
+            print(told(robots, outcomes), flush=True)
+            for outcome in outcomes:
+                if outcome.collisions or outcome.failures or not outcome.ended:
+                    well = False
+                    print("  ", outcome, flush=True)
+    return 0 if well else 1
+
+
+if __name__ == "__main__":
+    sys.exit(main())
