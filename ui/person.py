@@ -5,6 +5,7 @@ from dataclasses import dataclass, field
 from pathlib import Path
 
 from thbridge.hunt.costs import spoken_energy
+from thbridge.hunt.events import Condition
 from thbridge.hunt.rules import robot_name
 from thbridge.hunt.treasures import TreasureKind
 from thbridge.roles.view import (
@@ -13,6 +14,7 @@ from thbridge.roles.view import (
     Consent,
     DialogueView,
     Discuss,
+    GiveUp,
     Identify,
     Leave,
     RobotView,
@@ -25,6 +27,7 @@ from thbridge.roles.view import (
     View,
     Wish,
 )
+from ui.story import CONDITIONS
 
 HELP = """\
   1 4        talk with robot 1 about going to room 4
@@ -34,6 +37,7 @@ HELP = """\
   n 4 NAME   name the treasure in room 4 (the list: names)
   l 4        leave the treasure in room 4
   b 1        call robot 1 back
+  end        end the game
   names      which treasures there are
   ?          how things stand"""
 
@@ -81,6 +85,8 @@ class Person:
             case ["names"]:
                 for kind in self.kinds:
                     self.show(f"  {kind.name}: {kind.colour.lower()}, {kind.footprint.lower()}, {kind.points} points")
+            case ["end"]:
+                self._wanted = (GiveUp(view.game),)
             case ["c" | "s" as answer]:
                 self._answer(view, first=answer == "c")
             case ["p", room] if _is_number(room):
@@ -157,11 +163,14 @@ def _news(before: View | None, view: View, pictures: Path) -> list[str]:
 
 def _robot_news(was: RobotView, now: RobotView) -> list[str]:
     name = robot_name(now.robot).capitalize()
+    told = []
     if now.moving_to is not None and was.moving_to != now.moving_to:
-        return [f"{name} sets out for room {now.moving_to}; it has {spoken_energy(now.energy)} energy left."]
+        told.append(f"{name} sets out for room {now.moving_to}; it has {spoken_energy(now.energy)} energy left.")
     if was.moving_to is not None and now.moving_to is None:
-        return [f"{name} is in room {now.place}." if now.place == was.moving_to else f"{name} has stopped."]
-    return []
+        told.append(f"{name} is in room {now.place}." if now.place == was.moving_to else f"{name} has stopped.")
+    if now.condition is not was.condition:
+        told.append(f"{name} {CONDITIONS[now.condition]}")
+    return told
 
 
 def _room_news(old: RoomView, new: RoomView, pictures: Path) -> list[str]:
@@ -187,7 +196,10 @@ def _standing(view: View) -> list[str]:
     for robot in view.robots:
         place = "the corridor" if robot.place == 0 else f"room {robot.place}"
         where = f"in {place}" if robot.moving_to is None else f"under way to room {robot.moving_to}"
-        told.append(f"  {robot_name(robot.robot).capitalize()}: {where}, energy {spoken_energy(robot.energy)}")
+        name = robot_name(robot.robot).capitalize()
+        told.append(f"  {name}: {where}, energy {spoken_energy(robot.energy)}")
+        if robot.condition is not Condition.WELL:
+            told.append(f"  {name} {CONDITIONS[robot.condition]}")
     free = [str(room.room) for room in view.rooms if room.state == "unvisited"]
     told.append(f"  Rooms not visited: {' '.join(free) or 'none'}. Score {view.score}.")
     told += [f"  {_asked(dialogue)}" for dialogue in view.dialogues]

@@ -8,6 +8,7 @@ from thbridge.dialogue.moves import Speaker, Utterance
 from thbridge.hunt.costs import spoken_energy
 from thbridge.hunt.events import (
     Arrived,
+    Condition,
     Departed,
     Ended,
     EndReason,
@@ -17,6 +18,7 @@ from thbridge.hunt.events import (
     Identified,
     Left,
     Pictured,
+    Reported,
     Sensed,
     Started,
 )
@@ -31,6 +33,20 @@ def tell(moment: Moment) -> Iterator[str]:
         sentence = _happened(event)
         if sentence:
             yield _timed(moment, sentence)
+
+
+CONDITIONS = {
+    Condition.WELL: "is well again: it answers, and knows where it is.",
+    Condition.LOST: "does not know where it is.",
+    Condition.SILENT: "does not answer any more.",
+}
+"""What is said of a robot that comes into another condition."""
+
+ENDS = {
+    EndReason.ALL_VISITED: "every room is visited",
+    EndReason.NO_MOVE_LEFT: "no robot has a move left",
+    EndReason.GIVEN_UP: "the participant has ended it",
+}
 
 
 def _timed(moment: Moment, sentence: str) -> str:
@@ -56,6 +72,8 @@ def _happened(event: Event) -> str:
         case Failed(robot, room, reason, refund):
             back = f" {spoken_energy(refund)} energy comes back." if refund > 0.0 else ""
             return f"{robot_name(robot).capitalize()} does not get to {room}: {reason}{back}"
+        case Reported(robot, condition):
+            return f"{robot_name(robot).capitalize()} {CONDITIONS[condition]}"
         case Sensed(room, colour, footprint):
             return f"Something {colour.lower()}, {footprint.lower()}, is in {room}."
         case Pictured(room, robot, image):
@@ -66,5 +84,4 @@ def _happened(event: Event) -> str:
         case Left(room):
             return f"The treasure in {room} is left alone."
         case Ended(reason, score):
-            why = "every room is visited" if reason is EndReason.ALL_VISITED else "no robot has a move left"
-            return f"The game is over: {why}. Score {score}."
+            return f"The game is over: {ENDS[reason]}. Score {score}."

@@ -5,7 +5,7 @@ from pathlib import Path
 import pytest
 
 from tests.thbridge.roles.stage import Stage
-from thbridge.hunt.events import Departed, Hidden, Identified
+from thbridge.hunt.events import Condition, Departed, Hidden, Identified
 from thbridge.roles.tabui import TabUI
 from ui.person import Person
 
@@ -74,3 +74,15 @@ def test_stop_sends_nobody(seat):
 )
 def test_what_cannot_be_done_is_said(seat, typed, answer):
     assert seat.type(typed)[0].splitlines()[0] == answer
+
+
+def test_a_person_is_told_of_robots_that_do_not_answer_or_know_where_they_are(seat):
+    seat.stage.puppets.conditions = [Condition.SILENT, Condition.LOST]
+    seat.stage.run(60)
+    assert seat.shown[-2:] == ["Robot 1 does not answer any more.", "Robot 2 does not know where it is."]
+    assert "  Robot 2 does not know where it is." in seat.type("?")
+    assert seat.type("1 3") == ["Robot 1 does not answer any more."]
+
+
+def test_a_person_may_end_the_game(seat):
+    assert seat.type("end") == ["The game is over. Score 0."]

@@ -12,6 +12,7 @@ from typing import assert_never
 from thbridge.hunt.costs import CostMatrix
 from thbridge.hunt.events import (
     Arrived,
+    Condition,
     Departed,
     Ended,
     EndReason,
@@ -21,6 +22,7 @@ from thbridge.hunt.events import (
     Identified,
     Left,
     Pictured,
+    Reported,
     Sensed,
     Started,
 )
@@ -83,6 +85,8 @@ def _encoded(event: Event) -> tuple[str, dict[str, Json]]:
                 "refund": event.refund,
                 "at": event.at.people,
             }
+        case Reported():
+            return "reported", {"robot": event.robot, "condition": event.condition.value}
         case Sensed():
             return "sensed", {"room": event.room.people, "colour": event.colour, "footprint": event.footprint}
         case Pictured():
@@ -139,6 +143,10 @@ def _failed(fields: Fields) -> Event:
     )
 
 
+def _reported(fields: Fields) -> Event:
+    return Reported(fields.integer("robot"), Condition(fields.text("condition")))
+
+
 def _sensed(fields: Fields) -> Event:
     return Sensed(_room(fields), fields.text("colour"), fields.text("footprint"))
 
@@ -172,6 +180,7 @@ _DECODERS: dict[str, Callable[[Fields], Event]] = {
     "departed": _departed,
     "arrived": _arrived,
     "failed": _failed,
+    "reported": _reported,
     "sensed": _sensed,
     "pictured": _pictured,
     "identified": _identified,

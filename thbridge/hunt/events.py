@@ -13,6 +13,19 @@ class EndReason(StrEnum):
 
     ALL_VISITED = "all-visited"
     NO_MOVE_LEFT = "no-move-left"
+    GIVEN_UP = "given-up"
+
+
+class Condition(StrEnum):
+    """How a robot is, as far as the robots' program can tell.
+
+    A robot that is lost does not know where it is; one that is silent does not answer any more, so nobody can tell
+    whether it is dead.
+    """
+
+    WELL = "well"
+    LOST = "lost"
+    SILENT = "silent"
 
 
 @dataclass(frozen=True, slots=True)
@@ -94,6 +107,14 @@ class Failed:
 
 
 @dataclass(frozen=True, slots=True)
+class Reported:
+    """A robot is in another condition than before."""
+
+    robot: int
+    condition: Condition
+
+
+@dataclass(frozen=True, slots=True)
 class Sensed:
     """What the robot in a room perceives of the treasure there."""
 
@@ -146,4 +167,4 @@ class Ended:
     score: int
 
 
-Event = Started | Hidden | Departed | Arrived | Failed | Sensed | Pictured | Identified | Left | Ended
+Event = Started | Hidden | Departed | Arrived | Failed | Reported | Sensed | Pictured | Identified | Left | Ended

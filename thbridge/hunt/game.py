@@ -17,6 +17,7 @@ from typing import assert_never
 
 from thbridge.hunt.events import (
     Arrived,
+    Condition,
     Departed,
     Ended,
     Event,
@@ -25,6 +26,7 @@ from thbridge.hunt.events import (
     Identified,
     Left,
     Pictured,
+    Reported,
     Sensed,
     Started,
 )
@@ -41,17 +43,24 @@ class RobotState:
         energy: what is left; the whole cost of a move is taken at its departure.
         bound_for: the room it is under way to, or None.
         paid: what it paid for the way under way, the most that can be refunded.
+        condition: as last reported.
     """
 
     at: Room
     energy: float
     bound_for: Room | None = None
     paid: float = 0.0
+    condition: Condition = Condition.WELL
 
     @property
     def is_blocked(self) -> bool:
         """Whether its energy is used up: it can do nothing any more."""
         return self.energy <= 0.0
+
+    @property
+    def is_silent(self) -> bool:
+        """Whether it does not answer: it can do nothing until it does."""
+        return self.condition is Condition.SILENT
 
 
 @dataclass(frozen=True, slots=True)
@@ -181,6 +190,9 @@ def apply(state: GameState, event: Event) -> GameState:
             robot = _robot(state, event.robot)
             refund = min(event.refund, robot.paid)
             return _with_robot(state, event.robot, replace(_standing(robot, event.at), energy=robot.energy + refund))
+        case Reported():
+            robot = _robot(state, event.robot)
+            return _with_robot(state, event.robot, replace(robot, condition=event.condition))
         case Sensed():
             return _with_room(state, event.room, replace(_room(state, event.room), sensed=event))
         case Pictured():

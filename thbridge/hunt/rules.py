@@ -9,6 +9,7 @@ from enum import StrEnum
 from thbridge.hunt.costs import spoken_energy
 from thbridge.hunt.events import (
     Arrived,
+    Condition,
     Departed,
     Ended,
     EndReason,
@@ -17,6 +18,7 @@ from thbridge.hunt.events import (
     Identified,
     Left,
     Pictured,
+    Reported,
     Sensed,
 )
 from thbridge.hunt.game import GameState
@@ -33,6 +35,7 @@ class Reason(StrEnum):
     UNKNOWN_ROOM = "unknown-room"
     UNDER_WAY = "under-way"
     NOT_UNDER_WAY = "not-under-way"
+    SILENT = "silent"
     BLOCKED = "blocked"
     ALREADY_VISITED = "already-visited"
     RESERVED = "reserved"
@@ -54,6 +57,8 @@ def move(state: GameState, robot: int, room: Room) -> Ruling:
     mover = state.robots[robot]
     if mover.bound_for is not None:
         return Refused(Reason.UNDER_WAY, f"{_name(robot)} is still under way to {mover.bound_for}.")
+    if mover.is_silent:
+        return _silent(robot)
     if mover.is_blocked:
         return _blocked(robot)
     if state.room(room).visited:
@@ -113,6 +118,16 @@ def fail(state: GameState, robot: int, reason: str, share_done: float, at: Room 
     elif not (state.has_room(at) and state.room(at).visited):
         at = CORRIDOR
     return (Failed(robot, mover.bound_for, reason, mover.paid * (1.0 - done), at),)
+
+
+def report(state: GameState, robot: int, condition: Condition) -> Ruling:
+    """A robot is in this condition. The same again gives no new event."""
+    refused = _over(state)
+    if refused:
+        return refused
+    if not state.has_robot(robot):
+        return _no_robot(state, robot)
+    return () if state.robots[robot].condition is condition else (Reported(robot, condition),)
 
 
 def sense(state: GameState, room: Room, told: tuple[str, str] | None = None) -> Ruling:
@@ -198,10 +213,22 @@ def leave(state: GameState, room: Room) -> Ruling:
     return _decided(room) if state.room(room).is_decided else (Left(room),)
 
 
+def give_up(state: GameState) -> Ruling:
+    """End the game early. Robots that are under way have to arrive or be called back first."""
+    refused = _over(state)
+    if refused:
+        return refused
+    for number, robot in enumerate(state.robots):
+        if robot.bound_for is not None:
+            return Refused(Reason.UNDER_WAY, f"{_name(number)} is still under way to {robot.bound_for}.")
+    return (Ended(EndReason.GIVEN_UP, state.score),)
+
+
 def ending(state: GameState, *, wait_for_decisions: bool = True) -> tuple[Event, ...]:
     """The end of the game, if it has come: one `Ended`, or nothing.
 
     It has come when every room is visited, or no robot has a move left that it can pay, and no robot is under way.
+    Robots that do not answer count for nothing; nobody waits for them to answer again.
 
     Args:
         state: the game.
@@ -221,9 +248,9 @@ def ending(state: GameState, *, wait_for_decisions: bool = True) -> tuple[Event,
 
 
 def affordable(state: GameState, robot: int) -> tuple[Room, ...]:
-    """Free rooms that this robot has the energy to reach from where it stands; none if it is blocked."""
+    """Free rooms that this robot has the energy to reach from where it stands; none if it is blocked or silent."""
     mover = state.robots[robot]
-    if mover.is_blocked:
+    if mover.is_blocked or mover.is_silent:
         return ()
     return tuple(room for room in state.free_rooms if state.started.costs.cost(mover.at, room) <= mover.energy)
 
@@ -238,6 +265,7 @@ def _may_decide(state: GameState, robot: int) -> bool:
     return not (
         stander.at.is_corridor
         or state.room(stander.at).is_decided
+        or stander.is_silent
         or stander.is_blocked
         or stander.energy < state.started.identify_cost
     )
@@ -250,7 +278,7 @@ def _standing_robot(state: GameState, room: Room) -> int | Refused:
     robot = state.standing_in(room)
     if robot is None:
         return Refused(Reason.NOBODY_THERE, f"No robot stands in {room}.")
-    return robot
+    return _silent(robot) if state.robots[robot].is_silent else robot
 
 
 def _paid(state: GameState, robot: int, what: str, cost: float) -> Refused | None:
@@ -278,6 +306,10 @@ def _no_room(state: GameState, room: Room) -> Refused | None:
     if state.has_room(room):
         return None
     return Refused(Reason.UNKNOWN_ROOM, f"{_capital(room)} is not a room of this game; it has 1 to {len(state.rooms)}.")
+
+
+def _silent(robot: int) -> Refused:
+    return Refused(Reason.SILENT, f"{_name(robot)} does not answer any more.")
 
 
 def _blocked(robot: int) -> Refused:

@@ -224,7 +224,9 @@ class Keeper:
 
     def _status(self, status: Status) -> None:
         state = self.state
-        if state is None or status.game != state.started.game or len(status.poses) != len(state.robots):
+        if state is None or status.game != state.started.game or state.ended is not None:
+            return
+        if {len(status.poses), len(status.results), len(status.conditions)} != {len(state.robots)}:
             return
         self._poses = status.poses
         for robot, result in enumerate(status.results):
@@ -236,6 +238,9 @@ class Keeper:
             else:
                 self._book.take("Failed", rules.fail(self.state, robot, result.sentence, result.share))
                 self._book.refuse(SendRobot.__name__, Refused(Reason.NO_PATH, result.sentence))
+        for robot, condition in enumerate(status.conditions):
+            if self.state is not None:
+                self._book.take("Reported", rules.report(self.state, robot, condition))
 
     def _see_to_end(self) -> None:
         """Programs of 2016 never say that they give a treasure up, so nobody waits for them to."""

@@ -9,6 +9,7 @@ from typing import TypeVar
 
 import msgspec
 
+from thbridge.hunt.events import Condition
 from thbridge.hunt.treasures import TreasureKind
 from thbridge.wire.notice import JsonValue, Notice, notice
 from thbridge.wire.text import Message
@@ -80,17 +81,19 @@ class MoveResult:
 
 @dataclass(frozen=True, slots=True)
 class Status:
-    """SimR to keeper: where the robots are, and how each one's last move ended.
+    """SimR to keeper: where the robots are, how they are, and how each one's last move ended.
 
     Attributes:
         game: the one that SimR knows of; 0 before the first orders.
         poses: x, y, theta of every robot.
         results: one entry a robot; None while under way or before its first move.
+        conditions: one entry a robot.
     """
 
     game: int
     poses: tuple[tuple[float, float, float], ...]
     results: tuple[MoveResult | None, ...]
+    conditions: tuple[Condition, ...]
 
 
 @dataclass(frozen=True, slots=True)

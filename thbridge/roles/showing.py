@@ -35,7 +35,7 @@ def plain_costs(costs: CostMatrix) -> tuple[tuple[float | None, ...], ...]:
 def _robot(state: GameState, number: int) -> RobotView:
     robot = state.robots[number]
     moving_to = None if robot.bound_for is None else robot.bound_for.people
-    return RobotView(number, robot.at.people, moving_to, robot.energy, robot.is_blocked)
+    return RobotView(number, robot.at.people, moving_to, robot.energy, robot.is_blocked, robot.condition)
 
 
 def _room(state: GameState, room: Room) -> RoomView:

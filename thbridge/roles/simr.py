@@ -5,10 +5,13 @@ from collections.abc import Sequence
 from dataclasses import dataclass, replace
 
 from sim.geometry import Pose2
-from sim.navigator import Arrived, Cancelled, Goal, NoPath
+from sim.navigator import Arrived, Goal, NoPath
 from sim.observations import TICKS_PER_SECOND, Twist
+from sim.robot import RobotOutput
 from sim.team import Drive, Go, Halt, Place, SetCharge, Team, TeamInput, TeamSnapshot
+from thbridge.hunt.events import Condition
 from thbridge.hunt.rooms import Room
+from thbridge.roles import reasons
 from thbridge.roles.notices import (
     KEEPER,
     MoveResult,
@@ -40,7 +43,7 @@ PATIENCE = TICKS_PER_SECOND
 """Ticks that a `%%goto` waits for a keeper; when none was ever heard, it is obeyed as in 2016."""
 
 SILENCE = 5 * TICKS_PER_SECOND
-"""Ticks after which a robot that says nothing any more is taken for dead, and its move has failed."""
+"""Ticks after which a robot that says nothing any more counts as silent, and its move has failed."""
 
 HAND_TICKS = TICKS_PER_SECOND // 2
 """Ticks that one `%%move` drives."""
@@ -78,6 +81,7 @@ class _Way:
     """A move under way. `length` is the longest plan it has had, metres; 0 until there is one."""
 
     order: Order
+    recalled: bool = False
     length: float = 0.0
     remaining: float = 0.0
 
@@ -108,6 +112,7 @@ class SimR:
         self._inputs: list[TeamInput] = []
         self._ways: dict[int, _Way] = {}
         self._results: list[MoveResult | None] = [None] * team.size
+        self._conditions = (Condition.WELL,) * team.size
         self._obeyed = [0] * team.size
         self._game = 0
         self._waiting: list[tuple[int, legacy.Goto]] = []
@@ -142,7 +147,8 @@ class SimR:
         self._snapshot = self._team.step(inputs)
         ended = self._ended(self._snapshot)
         said += ended
-        if ended or tick % STATUS_PERIOD == 0:
+        before, self._conditions = self._conditions, _conditions_in(self._snapshot)
+        if ended or before != self._conditions or tick % STATUS_PERIOD == 0:
             said.append(tell(self.name, KEEPER, self._status(self._snapshot)))
         if tick % STREAM_PERIOD == 0:
             said += self._stream(tick)
@@ -205,6 +211,7 @@ class SimR:
             if order is not None and order.move != self._obeyed[robot]:
                 self._go(robot, order)
             elif order is None and robot in self._ways:
+                self._ways[robot] = replace(self._ways[robot], recalled=True)
                 self._inputs.append(Halt(robot))
         self._inputs += [SetCharge(robot, charge) for robot, charge in enumerate(orders.energy)]
 
@@ -232,8 +239,10 @@ class SimR:
         self._obeyed[robot] = order.move
         self._results[robot] = None
         self._ways[robot] = _Way(order)
-        goal = self._field.goals[Room.of_people(order.room).wire]
-        self._inputs.append(Go(robot, Goal(order.move, goal)))
+        self._inputs.append(self._setting_out(robot, order))
+
+    def _setting_out(self, robot: int, order: Order) -> Go:
+        return Go(robot, Goal(order.move, self._field.goals[Room.of_people(order.room).wire]))
 
     def _obey_unjudged(self, tick: int) -> None:
         """Obey what has waited for a keeper long enough; with a keeper there is nothing to obey but its orders."""
@@ -265,28 +274,32 @@ class SimR:
                 self._ways[robot] = way = replace(
                     way, length=max(way.length, navigation.remaining), remaining=navigation.remaining
                 )
-            if snapshot.tick - output.observations.tick >= SILENCE:
-                del self._ways[robot]
-                silent = f"Robot {robot + 1} does not answer any more."
-                self._results[robot] = MoveResult(way.order.move, False, silent, way.share())
-                continue
             result = navigation.result
-            if result is None or result.goal.id != way.order.move:
-                continue
-            del self._ways[robot]
-            match result:
-                case Arrived():
-                    self._results[robot] = MoveResult(way.order.move, True, "", 1.0)
-                    said.append(legacy.Arrived(robot, Room.of_people(way.order.room).wire).message())
-                case NoPath(sentence=sentence):
-                    self._results[robot] = MoveResult(way.order.move, False, sentence, way.share())
-                case Cancelled():
-                    self._results[robot] = MoveResult(way.order.move, False, "It was called back.", way.share())
+            if _is_silent(snapshot, output):
+                self._fail(robot, way, reasons.unanswered(robot))
+            elif result is not None and result.goal.id != way.order.move:
+                pass  # The end of an earlier goal.
+            elif isinstance(result, Arrived):
+                del self._ways[robot]
+                self._results[robot] = MoveResult(way.order.move, True, "", 1.0)
+                said.append(legacy.Arrived(robot, Room.of_people(way.order.room).wire).message())
+            elif isinstance(result, NoPath):
+                self._fail(robot, way, reasons.told(robot, result.reason))
+            elif navigation.goal is None and output.observations.tick == snapshot.tick:
+                if way.recalled:
+                    self._fail(robot, way, reasons.CALLED_BACK)
+                else:
+                    # It was dead for a moment, and has forgotten its order or never heard it.
+                    self._inputs.append(self._setting_out(robot, way.order))
         return said
+
+    def _fail(self, robot: int, way: _Way, sentence: str) -> None:
+        del self._ways[robot]
+        self._results[robot] = MoveResult(way.order.move, False, sentence, way.share())
 
     def _status(self, snapshot: TeamSnapshot) -> Status:
         poses = tuple((float(x), float(y), float(theta)) for x, y, theta in snapshot.world.poses)
-        return Status(self._game, poses, tuple(self._results))
+        return Status(self._game, poses, tuple(self._results), self._conditions)
 
     def _stream(self, tick: int) -> list[Message]:
         self._subscribers = {name: until for name, until in self._subscribers.items() if until > tick}
@@ -295,3 +308,16 @@ class SimR:
         believed = [output.estimate.base_in_map for output in self._snapshot.robots]
         value = Whereabouts(tick, tuple((pose.x, pose.y, pose.theta) for pose in believed))
         return [tell(self.name, subscriber, value) for subscriber in self._subscribers]
+
+
+def _is_silent(snapshot: TeamSnapshot, robot: RobotOutput) -> bool:
+    """Whether a robot has said nothing for so long that it counts as silent."""
+    return snapshot.tick - robot.observations.tick >= SILENCE
+
+
+def _conditions_in(snapshot: TeamSnapshot) -> tuple[Condition, ...]:
+    """How each robot is, as far as it can be heard."""
+    return tuple(
+        Condition.SILENT if _is_silent(snapshot, robot) else Condition.LOST if robot.estimate.lost else Condition.WELL
+        for robot in snapshot.robots
+    )

@@ -11,6 +11,7 @@ from typing import Literal
 
 import msgspec
 
+from thbridge.hunt.events import Condition
 from thbridge.wire.notice import JsonValue
 
 
@@ -24,6 +25,7 @@ class RobotView:
         moving_to: the room it is under way to.
         energy: what it has left.
         blocked: it has no energy left and does nothing any more.
+        condition: whether it answers, and knows where it is; a silent one does nothing until it answers again.
     """
 
     robot: int
@@ -31,6 +33,7 @@ class RobotView:
     moving_to: int | None
     energy: float
     blocked: bool
+    condition: Condition
 
 
 @dataclass(frozen=True, slots=True)
@@ -275,10 +278,30 @@ class Leave:
 
 
 @dataclass(frozen=True, slots=True)
+class GiveUp:
+    """End this game although robots could still do something."""
+
+    game: int
+
+
+@dataclass(frozen=True, slots=True)
 class PlayAgain:
     """Begin a new game once this one is over."""
 
     game: int
 
 
-Wish = Select | Unsure | Answer | SendRobot | CallBack | Sense | Discuss | TakePicture | Identify | Leave | PlayAgain
+Wish = (
+    Select
+    | Unsure
+    | Answer
+    | SendRobot
+    | CallBack
+    | Sense
+    | Discuss
+    | TakePicture
+    | Identify
+    | Leave
+    | GiveUp
+    | PlayAgain
+)

@@ -9,7 +9,7 @@ from thbridge.hunt.tour import suggest
 from thbridge.roles.book import Book, Reason
 from thbridge.roles.notices import heard
 from thbridge.roles.talks import MATTERS
-from thbridge.roles.view import Answer, CallBack, Discuss, Leave, Select, Unsure
+from thbridge.roles.view import Answer, CallBack, Discuss, GiveUp, Leave, Select, Unsure
 from thbridge.wire.notice import Notice
 
 
@@ -34,6 +34,9 @@ def grant(book: Book, state: GameState, notice: Notice, *, awaits_treasures: boo
             book.refuse(Answer.__name__, refused)
     elif (leave := heard(notice, Leave)) is not None:
         book.take(Leave.__name__, rules.leave(state, _room(leave.room)))
+    elif (end := heard(notice, GiveUp)) is not None:
+        if end.game == state.started.game:
+            book.take(GiveUp.__name__, rules.give_up(state))
     elif (back := heard(notice, CallBack)) is not None:
         if state.has_robot(back.robot) and state.robots[back.robot].bound_for is not None:
             book.recall(back.robot)

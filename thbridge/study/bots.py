@@ -6,12 +6,14 @@ from dataclasses import dataclass
 from enum import StrEnum
 
 from sim.noise import Stream
+from thbridge.hunt.events import Condition
 from thbridge.hunt.treasures import TreasureKind
 from thbridge.roles.view import (
     Answer,
     Consent,
     DialogueView,
     Discuss,
+    GiveUp,
     Identify,
     Leave,
     RobotView,
@@ -62,7 +64,8 @@ class Bot:
     It plays each robot on its own: looks at what a robot found before that robot goes on, names a treasure whose
     colour and footprint leave no choice, takes a picture where they do and the energy suffices, and gives it up
     otherwise. A room that a robot did not reach is left for last, whatever the strategy, and after three times
-    for good.
+    for good; a robot that is lost is sent once, for it looks for its place under way. When nothing is left that it
+    wants of any robot, it gives the game up.
 
     Args:
         strategy: how it chooses rooms.
@@ -78,6 +81,7 @@ class Bot:
         self._stopped: set[int] = set()
         self._bound: dict[int, int] = {}
         self._missed: Counter[tuple[int, int]] = Counter()
+        self._astray: set[int] = set()
 
     def wishes(self, view: View) -> Sequence[Wish]:
         """What it wants next; see `Player`."""
@@ -92,20 +96,26 @@ class Bot:
                 wishes.append(wish)
                 if isinstance(wish, Select):
                     taken.add(wish.room)
+        if not wishes and view.robots and all(robot.moving_to is None for robot in view.robots):
+            return (GiveUp(view.game),)
         return wishes
 
     def _watch(self, view: View) -> None:
-        """Remember which robot set out for which room and did not get there."""
+        """Remember which robot set out for which room and did not get there, and which is still lost after that."""
         for robot in view.robots:
+            if robot.condition is not Condition.LOST:
+                self._astray.discard(robot.robot)
             bound = self._bound.pop(robot.robot, robot.moving_to)
             if bound is not None and bound != robot.moving_to and view.room(bound).state == "unvisited":
                 self._missed[robot.robot, bound] += 1
+                if robot.condition is Condition.LOST:
+                    self._astray.add(robot.robot)
             if robot.moving_to is not None:
                 self._bound[robot.robot] = robot.moving_to
 
     def _for_robot(self, view: View, robot: RobotView, taken: set[int]) -> Iterator[Wish]:
         agreed = [consent for consent in view.consents if consent.robot == robot.robot]
-        if robot.blocked or robot.moving_to is not None:
+        if robot.blocked or robot.condition is Condition.SILENT or robot.moving_to is not None:
             return
         if any(dialogue.robot == robot.robot for dialogue in view.dialogues):
             return
@@ -117,6 +127,8 @@ class Bot:
             if consent.matter == "select-room":
                 yield SendRobot(robot.robot, consent.room)
                 return
+        if robot.robot in self._astray:
+            return
         rooms = self._affordable(view, robot, taken)
         fresh = [room for room in rooms if not self._missed[robot.robot, room]]
         open_to_it = fresh or [room for room in rooms if self._missed[robot.robot, room] < ATTEMPTS]

@@ -9,6 +9,7 @@ from thbridge.hunt.codec import from_json, to_json
 from thbridge.hunt.costs import CostMatrix
 from thbridge.hunt.events import (
     Arrived,
+    Condition,
     Departed,
     Ended,
     EndReason,
@@ -17,6 +18,7 @@ from thbridge.hunt.events import (
     Identified,
     Left,
     Pictured,
+    Reported,
     Sensed,
     Started,
 )
@@ -40,6 +42,7 @@ events = st.one_of(
     st.builds(Departed, robots, rooms, numbers),
     st.builds(Arrived, robots, rooms),
     st.builds(Failed, robots, rooms, texts, numbers, rooms),
+    st.builds(Reported, robots, st.sampled_from(Condition)),
     st.builds(Sensed, rooms, texts, texts),
     st.builds(Pictured, rooms, robots, texts, numbers),
     st.builds(Identified, st.none() | rooms, st.none() | robots, st.none() | texts, st.integers(), numbers),

@@ -12,6 +12,7 @@ from thbridge.hunt.codec import from_json, to_json
 from thbridge.hunt.costs import CostMatrix
 from thbridge.hunt.events import (
     Arrived,
+    Condition,
     Departed,
     Ended,
     EndReason,
@@ -20,6 +21,7 @@ from thbridge.hunt.events import (
     Identified,
     Left,
     Pictured,
+    Reported,
     Sensed,
     Started,
 )
@@ -89,6 +91,7 @@ def refusals():
     visited = visit(fresh, 0, ROOM_4)
     poor = new_game(energy=12.0)
     walled = new_game(costs=CostMatrix.of_map_times(((99.0, 5.0, 99.0), (99.0,) * 3, (99.0,) * 3)))
+    silent = apply(fresh, Reported(0, Condition.SILENT))
     exhausted = visit(new_game(energy=13.0), 0, ROOM_4)
     over = apply(fresh, Ended(EndReason.ALL_VISITED, 0))
     return [
@@ -102,6 +105,7 @@ def refusals():
         (poor, 0, ROOM_4, Reason.NOT_ENOUGH_ENERGY, ["Robot 1", "12", "13"]),
         (walled, 0, ROOM_2, Reason.NOT_A_MOVE, ["the corridor", "room 2"]),
         (exhausted, 0, ROOM_1, Reason.BLOCKED, ["Robot 1"]),
+        (silent, 0, ROOM_1, Reason.SILENT, ["Robot 1 does not answer"]),
         (over, 0, ROOM_1, Reason.GAME_OVER, ["over"]),
     ]
 
@@ -347,6 +351,46 @@ def test_another_robot_that_can_still_move_keeps_the_game_going():
     assert rules.affordable(state, 0) == () and rules.affordable(state, 1)
 
 
+def test_a_game_is_given_up_only_when_nobody_is_under_way():
+    state = new_game()
+    assert rules.give_up(state) == (Ended(EndReason.GIVEN_UP, 0),)
+    moving = after(state, rules.move(state, 1, ROOM_1))
+    assert rules.give_up(moving).reason is Reason.UNDER_WAY
+    assert rules.give_up(after(state, rules.give_up(state))).reason is Reason.GAME_OVER
+
+
+# --- how robots are
+
+
+def test_a_robot_that_does_not_answer_does_nothing_and_what_is_there_is_left_to_nobody_else():
+    state = after(in_room_4(), rules.report(in_room_4(), 0, Condition.SILENT))
+    for refused in (rules.move(state, 0, ROOM_1), rules.picture(state, ROOM_4), rules.identify(state, ROOM_4, "x")):
+        assert (refused.reason, refused.sentence) == (Reason.SILENT, "Robot 1 does not answer any more.")
+    assert rules.affordable(state, 0) == ()
+    assert rules.affordable(state, 1)
+    answering = after(state, rules.report(state, 0, Condition.WELL))
+    assert answering == in_room_4()
+
+
+def test_the_game_ends_when_no_robot_that_answers_can_do_anything_more():
+    state = in_room_4(energy=13.0, identify_cost=0.0)
+    state = after(state, rules.report(state, 1, Condition.SILENT))
+    state = after(state, rules.report(state, 0, Condition.SILENT))
+    assert rules.ending(state) == (Ended(EndReason.NO_MOVE_LEFT, 0),), "no treasure is decided by a silent robot"
+    assert rules.ending(after(state, rules.report(state, 1, Condition.WELL))) == ()
+
+
+def test_a_robot_that_is_lost_may_be_sent():
+    state = after(new_game(), rules.report(new_game(), 0, Condition.LOST))
+    assert rules.move(state, 0, ROOM_1) == rules.move(new_game(), 0, ROOM_1)
+
+
+def test_a_condition_told_again_is_no_event():
+    state = new_game()
+    assert rules.report(state, 0, Condition.WELL) == ()
+    assert rules.report(state, 5, Condition.LOST).reason is Reason.UNKNOWN_ROBOT
+
+
 # --- whatever people ask for
 
 RULES = (
@@ -356,6 +400,7 @@ RULES = (
     st.tuples(st.just(rules.picture), st.integers(0, 9).map(Room)),
     st.tuples(st.just(rules.identify), st.integers(0, 9).map(Room), st.sampled_from(["Pink can", "Orange Bottle"])),
     st.tuples(st.just(rules.leave), st.integers(0, 9).map(Room)),
+    st.tuples(st.just(rules.report), st.integers(-1, 3), st.sampled_from(Condition)),
 )
 ARRIVALS = st.tuples(st.just("arrive"), st.integers(0, 2))
 

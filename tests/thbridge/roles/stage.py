@@ -12,7 +12,7 @@ from thbridge.dialogue.engine import Engine
 from thbridge.dialogue.protocols import TemplateProtocol
 from thbridge.dialogue.strategies import TemplateStrategy
 from thbridge.dialogue.templates import TemplatePhrasing
-from thbridge.hunt.events import Event
+from thbridge.hunt.events import Condition, Event
 from thbridge.hunt.rooms import Room
 from thbridge.roles.keeper import GameRules, Keeper
 from thbridge.roles.notices import KEEPER, MoveResult, Order, Orders, RobotsReady, Status, Unfit, heard, tell
@@ -57,6 +57,7 @@ class Puppets:
         self.stuck: set[int] = set()
         self.unfit: str | None = None
         self.mute = False
+        self.conditions = [Condition.WELL] * robots
         self.orders: list[Orders] = []
         self._introduce = False
         self._ways: dict[int, tuple[Order, int]] = {}
@@ -89,7 +90,9 @@ class Puppets:
         if ended or self._recalled or tick % 50 == 0:
             self._recalled = False
             poses = tuple((float(robot), 0.0, 0.0) for robot in range(self.robots))
-            said.append(tell(self.name, KEEPER, Status(self._game, poses, tuple(self._results))))
+            said.append(
+                tell(self.name, KEEPER, Status(self._game, poses, tuple(self._results), tuple(self.conditions)))
+            )
         return said
 
     def _follow(self, orders: Orders, tick: int) -> None:

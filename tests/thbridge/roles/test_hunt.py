@@ -7,13 +7,26 @@ import pytest
 from tests.thbridge.roles import stage
 from thbridge.dialogue.moves import Continue, Speaker
 from thbridge.hunt import rules
-from thbridge.hunt.events import Arrived, Departed, Ended, EndReason, Failed, Hidden, Identified, Left, Started
+from thbridge.hunt.events import (
+    Arrived,
+    Condition,
+    Departed,
+    Ended,
+    EndReason,
+    Failed,
+    Hidden,
+    Identified,
+    Left,
+    Reported,
+    Started,
+)
 from thbridge.hunt.game import fold
 from thbridge.roles.tabui import TabUI
 from thbridge.roles.view import (
     Answer,
     CallBack,
     Discuss,
+    GiveUp,
     Identify,
     Leave,
     PlayAgain,
@@ -231,6 +244,59 @@ def test_a_robot_that_finds_no_way_says_so(scripted):
     assert view.refusal.sentence == "There is no way."
     assert view.room(3).state == "unvisited"
     assert any(isinstance(event, Failed) for event in scripted.log.events)
+
+
+def report(scripted, robot: int, condition: Condition) -> View:
+    scripted.puppets.conditions[robot] = condition
+    scripted.run(60)
+    return scripted.view()
+
+
+def test_nobody_talks_in_the_name_of_a_robot_that_does_not_answer_until_it_does(scripted):
+    scripted.say(Select(0, 3))
+    view = report(scripted, 0, Condition.SILENT)
+    assert view.robots[0].condition is Condition.SILENT
+    assert view.dialogues == ()
+    for wish in (Select(0, 5), Unsure(0)):
+        view = scripted.say(wish)
+        assert (view.refusal.reason, view.dialogues) == ("silent", ())
+    assert scripted.say(Select(1, 3)).dialogues[0].robot == 1
+    report(scripted, 0, Condition.WELL)
+    assert scripted.say(Unsure(0)).dialogues[-1].robot == 0
+    told = [event for event in scripted.log.events if isinstance(event, Reported)]
+    assert told == [Reported(0, Condition.SILENT), Reported(0, Condition.WELL)]
+
+
+def test_a_line_of_2016_moves_no_robot_that_does_not_answer(scripted):
+    report(scripted, 0, Condition.SILENT)
+    scripted.keeper._participants.clear()
+    scripted.run(1)
+    before = len(scripted.lines)
+    scripted.say(SendRobot(0, 3), ticks=20)
+    assert scripted.session.game.robots[0].bound_for is None
+    assert scripted.lines[before] == "%%goto TabUI SimR 0 2 2 45 "
+    assert not any(line.startswith("%%error SimR TabUI") for line in scripted.lines[before:])
+
+
+def test_a_hunt_whose_last_robot_falls_silent_is_over():
+    played = Stage(robots=2)
+    played.run(200)
+    played.puppets.conditions = [Condition.SILENT] * 2
+    played.finish(1000)
+    assert played.session.game.ended.reason is EndReason.NO_MOVE_LEFT
+
+
+def test_a_hunt_with_a_room_that_nobody_reaches_is_given_up_after_all_others():
+    played = Stage(robots=2, strategy=BotStrategy.NEAREST, rules=replace(stage.RULES, energy=1000.0))
+    played.puppets.stuck = {0, 1}
+    played.finish()
+    assert played.session.game.ended.reason is EndReason.GIVEN_UP
+    assert sum(isinstance(event, Failed) for event in played.log.events) == 2 * 3 * 8
+
+
+def test_a_participant_may_end_the_game(scripted):
+    assert scripted.say(GiveUp(2)).over is None, "that is another game"
+    assert scripted.say(GiveUp(1)).over == "given-up"
 
 
 def test_an_arrival_that_nobody_heard_is_learnt_from_the_status(scripted):

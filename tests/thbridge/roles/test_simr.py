@@ -6,9 +6,11 @@ from pathlib import Path
 
 import pytest
 
+from sim.observations import TICKS_PER_SECOND
 from thbridge.app.compose import Setting, read_setting
 from thbridge.app.config import Study
-from thbridge.app.things import Mishap, MishapEntry
+from thbridge.app.things import Mishap, MishapEntry, Shape, ThingEntry
+from thbridge.hunt.events import Condition
 from thbridge.roles.notices import KEEPER, Order, Orders, RobotsReady, Status, Subscribe, Whereabouts, heard, tell
 from thbridge.roles.simr import PATIENCE, SILENCE, STREAM_PERIOD, SUBSCRIPTION, SimR
 from thbridge.wire import canonical, legacy
@@ -143,11 +145,51 @@ def test_whereabouts_go_to_those_who_asked_for_as_long_as_they_ask(driver):
     assert len(driver.levels(Whereabouts)) == told
 
 
+def with_mishaps(setting: Setting, *mishaps: tuple[Mishap, float]) -> Driver:
+    entries = tuple(MishapEntry(robot=1, what=what, time=time) for what, time in mishaps)
+    return Driver(replace(setting, study=replace(setting.study, mishaps=entries)).simr())
+
+
 def test_the_move_of_a_robot_that_died_fails_with_its_reason(setting):
-    mishap = MishapEntry(robot=1, what=Mishap.DIES, time=1.0)
-    driver = Driver(replace(setting, study=replace(setting.study, mishaps=(mishap,))).simr())
+    driver = with_mishaps(setting, (Mishap.DIES, 1.0))
     driver.run(60, orders(1, Order(1, 2), None))
     assert driver.levels(Status)[-1].results[0] is None
     driver.run(SILENCE)
     result = driver.levels(Status)[-1].results[0]
     assert (result.arrived, result.sentence) == (False, "Robot 1 does not answer any more.")
+    assert driver.levels(Status)[-1].conditions == (Condition.SILENT, Condition.WELL)
+
+
+def test_a_robot_that_revives_is_told_of_at_once(setting):
+    driver = with_mishaps(setting, (Mishap.DIES, 0.1), (Mishap.REVIVES, 5.5))
+    driver.run(270)
+    assert driver.levels(Status)[-1].conditions[0] is Condition.SILENT
+    driver.run(8)
+    assert driver.levels(Status)[-1].conditions[0] is Condition.WELL
+
+
+@pytest.mark.parametrize("ordered", [20, 80])
+def test_a_robot_that_was_dead_for_a_moment_goes_where_it_was_sent(setting, ordered):
+    """Whether it has forgotten its order by that or has never heard it."""
+    driver = with_mishaps(setting, (Mishap.DIES, 1.0), (Mishap.REVIVES, 3.0))
+    driver.run(ordered, orders(1, None, None))
+    driver.run(200 - ordered, orders(1, Order(1, 2), None))
+    assert driver.simr.snapshot.robots[0].navigation.goal is not None
+    driver.run(5, orders(1, None, None))
+    assert driver.levels(Status)[-1].results[0].sentence == "It was called back."
+
+
+def test_a_robot_called_back_while_it_was_dead_for_a_moment_stays(setting):
+    driver = with_mishaps(setting, (Mishap.DIES, 1.0), (Mishap.REVIVES, 3.0))
+    driver.run(80, orders(1, Order(1, 2), None))
+    driver.run(120, orders(1, None, None))
+    assert driver.simr.snapshot.robots[0].navigation.goal is None
+    assert driver.levels(Status)[-1].results[0].sentence == "It was called back."
+
+
+def test_a_room_behind_a_closed_door_is_told_of_in_words(setting):
+    door = ThingEntry(name="door", shape=Shape.DOOR, at=(7.0, -4.0, math.pi / 2), size=(2.0, 0.1))
+    driver = Driver(replace(setting, study=replace(setting.study, things=(door,))).simr())
+    driver.run(100 * TICKS_PER_SECOND, orders(1, Order(1, 8), None))
+    result = driver.levels(Status)[-1].results[0]
+    assert result.sentence == "Something that is not on the map blocks the way of robot 1."

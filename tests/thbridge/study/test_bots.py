@@ -2,7 +2,8 @@ from dataclasses import replace
 
 import pytest
 
-from thbridge.roles.view import RobotView, RoomView, Select, Unsure, View
+from thbridge.hunt.events import Condition
+from thbridge.roles.view import GiveUp, RobotView, RoomView, Select, Unsure, View
 from thbridge.study.bots import Bot, BotStrategy, Knowledge
 
 COSTS = ((None, 5.0, 9.0, 7.0), (None, None, 5.0, 5.0), (None, 5.0, None, 5.0), (None, 5.0, 5.0, None))
@@ -23,7 +24,7 @@ def view_of(*moving_to: int | None) -> View:
         )
         for number in (1, 2, 3)
     )
-    robots = tuple(RobotView(robot, 0, bound, 100.0, blocked=False) for robot, bound in enumerate(moving_to))
+    robots = tuple(RobotView(robot, 0, bound, 100.0, False, Condition.WELL) for robot, bound in enumerate(moving_to))
     return View(1, True, COSTS, robots, rooms, (), (), 0, None, 5.0, 1.0, None)
 
 
@@ -42,7 +43,7 @@ def test_a_room_that_was_missed_is_left_for_last(strategy, first):
         assert list(player.wishes(view_of(None))) == [Select(0, then)]
     for missed in (1, 3, 2, 1, 3, 2):
         player.wishes(view_of(missed))
-    assert list(player.wishes(view_of(None))) == []
+    assert list(player.wishes(view_of(None))) == [GiveUp(1)]
 
 
 def test_what_one_robot_missed_another_may_reach():
@@ -53,3 +54,28 @@ def test_what_one_robot_missed_another_may_reach():
     arrived = view_of(None, None)
     arrived = replace(arrived, rooms=(*arrived.rooms[:2], visited))
     assert list(player.wishes(arrived)) == [Select(0, 2), Select(1, 1)]
+
+
+def in_condition(view: View, *conditions: Condition) -> View:
+    robots = tuple(replace(robot, condition=c) for robot, c in zip(view.robots, conditions, strict=True))
+    return replace(view, robots=robots)
+
+
+def test_a_robot_that_does_not_answer_is_asked_nothing_until_it_does():
+    player = bot(BotStrategy.NEAREST)
+    assert list(player.wishes(in_condition(view_of(None, None), Condition.SILENT, Condition.WELL))) == [Select(1, 1)]
+    assert list(player.wishes(in_condition(view_of(None, 1), Condition.SILENT, Condition.WELL))) == []
+    assert list(player.wishes(view_of(None, 1))) == [Select(0, 3)]
+
+
+def test_the_game_is_given_up_when_no_robot_answers():
+    assert list(bot(BotStrategy.NEAREST).wishes(in_condition(view_of(None), Condition.SILENT))) == [GiveUp(1)]
+
+
+def test_a_robot_that_stays_lost_is_sent_once_and_again_when_it_is_found():
+    player = bot(BotStrategy.NEAREST)
+    lost = in_condition(view_of(None), Condition.LOST)
+    assert list(player.wishes(lost)) == [Select(0, 1)]
+    player.wishes(in_condition(view_of(1), Condition.LOST))
+    assert list(player.wishes(lost)) == [GiveUp(1)]
+    assert list(player.wishes(view_of(None))) == [Select(0, 3)]
