@@ -28,7 +28,7 @@ from scipy.sparse.csgraph import dijkstra
 from sim.geometry import Pose2, wrap_angle
 from sim.grid import FREE, OCCUPIED, OccupancyGrid
 from thbridge.adapters.map_files import FOOTPRINT, read_map, write_grid
-from thbridge.adapters.yaml_files import quoted
+from thbridge.adapters.yaml_tree import quoted
 
 Point = tuple[float, float]
 Segment = tuple[float, float, float, float]

@@ -12,7 +12,7 @@ from pathlib import Path
 from typing import get_args, get_type_hints
 
 from sim.parameters import RobotParameters
-from thbridge.adapters.yaml_files import allowed, ros_only_of, sections_named_in
+from thbridge.adapters.declarations import allowed, ros_only_of, sections_named_in
 
 ROOT = Path(__file__).parents[1]
 

@@ -9,7 +9,7 @@ import numpy as np
 
 from sim.geometry import FloatArray
 from thbridge.adapters.errors import BadFile, BadFiles
-from thbridge.adapters.yaml_files import read_text
+from thbridge.adapters.yaml_tree import read_text
 
 LARGEST_TABLE = 1 << 26
 """Bytes; about a million rows."""

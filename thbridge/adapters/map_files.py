@@ -20,7 +20,8 @@ from sim.parameters import WorldParameters
 from thbridge.adapters.errors import BadFile, BadFiles
 from thbridge.adapters.image_files import read_image
 from thbridge.adapters.template_files import MAP_TIMES, read_map_times
-from thbridge.adapters.yaml_files import Loaded, load, quoted
+from thbridge.adapters.yaml_files import Loaded, load
+from thbridge.adapters.yaml_tree import quoted
 from thbridge.hunt.rooms import Room
 
 T = TypeVar("T")

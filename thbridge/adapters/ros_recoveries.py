@@ -1,7 +1,7 @@
 """Recovery behaviours as files of ROS have them: of any name, with a plugin's type and a section of settings each."""
 
 from thbridge.adapters.ros_words import Entry
-from thbridge.adapters.yaml_files import Listing, Node, Scalar, Section
+from thbridge.adapters.yaml_tree import Listing, Node, Scalar, Section
 
 CONSERVATIVE, AGGRESSIVE, ROTATE = "conservative_reset", "aggressive_reset", "rotate_recovery"
 USUAL = {CONSERVATIVE, AGGRESSIVE, ROTATE, "move_slow_and_clear"}

@@ -7,7 +7,7 @@ from dataclasses import dataclass
 from pathlib import Path
 
 from thbridge.adapters.errors import BadFile
-from thbridge.adapters.yaml_files import Listing, Node, Scalar, Section
+from thbridge.adapters.yaml_tree import Listing, Node, Scalar, Section
 
 Entry = tuple[Scalar, Node]
 

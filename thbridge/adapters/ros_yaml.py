@@ -16,7 +16,8 @@ from sim.parameters import RobotParameters
 from thbridge.adapters.errors import BadFile, BadFiles
 from thbridge.adapters.ros_recoveries import behaviour_names, with_our_behaviours
 from thbridge.adapters.ros_words import Cleaner, Entry
-from thbridge.adapters.yaml_files import Listing, Node, Scalar, Section, load_tree, parse, read_text
+from thbridge.adapters.yaml_files import load_tree
+from thbridge.adapters.yaml_tree import Listing, Node, Scalar, Section, parse, read_text
 
 if TYPE_CHECKING:
     from _typeshed import DataclassInstance

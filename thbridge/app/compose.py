@@ -19,7 +19,8 @@ from thbridge.adapters.errors import BadFile, BadFiles
 from thbridge.adapters.map_files import Map, read_map
 from thbridge.adapters.resources import Resources, shipped
 from thbridge.adapters.template_files import MAP_TIMES, TemplateSet, read_map_times, read_template_set
-from thbridge.app.config import Study, resolved
+from thbridge.app.config import Study
+from thbridge.app.study_text import resolved
 from thbridge.app.things import schedule_of
 from thbridge.dialogue.engine import Engine
 from thbridge.dialogue.protocols import TemplateProtocol

@@ -12,7 +12,8 @@ from pathlib import Path
 from typing import TYPE_CHECKING, TypeVar, cast
 
 from sim.parameters import AmclParameters, EkfParameters, LaserParameters, OdometryNoise, WorldParameters, knob
-from thbridge.adapters.yaml_files import Node, Scalar, Section, load_tree, parse
+from thbridge.adapters.yaml_files import load_tree
+from thbridge.adapters.yaml_tree import Node, Scalar, Section, parse
 
 if TYPE_CHECKING:
     from _typeshed import DataclassInstance

@@ -17,7 +17,8 @@ from sim.parameters import RobotParameters, WorldParameters, knob
 from sim.world import Misplaced
 from thbridge.adapters.map_files import read_grid
 from thbridge.adapters.ros_yaml import read_ros_parameters
-from thbridge.adapters.yaml_files import Section, load_tree, parse, read_text
+from thbridge.adapters.yaml_files import load_tree
+from thbridge.adapters.yaml_tree import Section, parse, read_text
 from thbridge.offline.drive import Errand, Outcome
 from thbridge.offline.drive import drive as driven
 from ui.options import AsJson, announce_compiling

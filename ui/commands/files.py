@@ -14,7 +14,7 @@ from thbridge.adapters.map_files import check_map
 from thbridge.adapters.resources import shipped
 from thbridge.adapters.ros_package import write_package
 from thbridge.adapters.template_files import read_map_times
-from thbridge.app.config import commented_study
+from thbridge.app.study_text import commented_study
 from thbridge.hunt.costs import CostMatrix
 from thbridge.hunt.outcomes import Refused
 from thbridge.hunt.rooms import Room

@@ -7,7 +7,8 @@ import pytest
 from sim.parameters import LocalCostmapParameters, ObservationSource, RobotParameters
 from thbridge.adapters.errors import BadFile
 from thbridge.adapters.yaml_files import load_text
-from thbridge.app.config import Study, read_study_text, resolved
+from thbridge.app.config import Study, read_study_text
+from thbridge.app.study_text import resolved
 
 PATH = Path("costmap.yaml")
 

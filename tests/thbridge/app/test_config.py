@@ -9,8 +9,9 @@ from hypothesis import strategies as st
 from sim.parameters import OdometryNoise, RobotParameters, WorldParameters
 from thbridge.adapters.errors import BadFile, BadFiles
 from thbridge.adapters.yaml_files import load_text
-from thbridge.app.config import GameSection, Study, commented_study, load_study, read_study, read_study_text, resolved
+from thbridge.app.config import GameSection, Study, load_study, read_study, read_study_text
 from thbridge.app.noise import NoisePreset
+from thbridge.app.study_text import commented_study, resolved
 
 STUDY = Path("study.yaml")
 

@@ -11,7 +11,8 @@ from sim.observations import TICKS_PER_SECOND
 from sim.team import Carry, Die, Go, PutThing, RemoveThing, Revive, Timed
 from thbridge.adapters.errors import BadFile
 from thbridge.app.compose import read_setting
-from thbridge.app.config import read_study_text, resolved
+from thbridge.app.config import read_study_text
+from thbridge.app.study_text import resolved
 from thbridge.app.things import schedule_of
 
 STUDY = Path("study.yaml")

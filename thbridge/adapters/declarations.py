@@ -1,0 +1,104 @@
+"""What the fields of a class of parameters say of themselves: their words, ranges, choices and old names.
+
+The fields are declared with `sim.parameters.knob`, or plain.
+"""
+
+import dataclasses
+import math
+from collections.abc import Iterator, Mapping
+from enum import StrEnum
+from pathlib import Path
+from typing import Literal, cast, get_args, get_origin, get_type_hints
+
+Metadata = Mapping[str, object]
+NO_METADATA: Metadata = {}
+
+
+def renamed_of(section: type) -> Mapping[str, str]:
+    """The old names of parameters that a class still accepts, each with its present one."""
+    return cast(Mapping[str, str], getattr(section, "renamed", {}))
+
+
+def ros_only_of(section: type) -> Mapping[str, str]:
+    """The names that a class of parameters accepts because ROS knows them, each with what it does there."""
+    return cast(Mapping[str, str], getattr(section, "ros_only", {}))
+
+
+def model_of(knob: "dataclasses.Field[object] | None") -> str | None:
+    """The name of the field that this one's entries take their defaults from."""
+    return None if knob is None else cast("str | None", knob.metadata.get("like"))
+
+
+def sections_named_in(section: type) -> str:
+    """The field of a class of parameters in which files name further sections; empty when it has none."""
+    return cast(str, getattr(section, "sections_named_in", ""))
+
+
+def required(knob: "dataclasses.Field[object]") -> bool:
+    """Whether files must hold the field."""
+    return knob.default is dataclasses.MISSING and knob.default_factory is dataclasses.MISSING
+
+
+def bounds(metadata: Metadata) -> tuple[float, float]:
+    """The least and the greatest number that a field may hold; infinite where there is none."""
+    minimum = cast("float | None", metadata.get("minimum"))
+    maximum = cast("float | None", metadata.get("maximum"))
+    return (-math.inf if minimum is None else minimum), (math.inf if maximum is None else maximum)
+
+
+def choices_of(hint: object, metadata: Metadata) -> tuple[str, ...]:
+    """The words a field may hold; empty when free."""
+    if get_origin(hint) is Literal:
+        return cast(tuple[str, ...], get_args(hint))
+    if isinstance(hint, type) and issubclass(hint, StrEnum):
+        return tuple(member.value for member in hint)
+    return cast(tuple[str, ...], metadata.get("choices", ()))
+
+
+def allowed(hint: object, metadata: Metadata) -> str:
+    """A field's choices, or its range and unit: `amcl, ekf or truth`, `0 to 20 m/s`, `at least 1`; empty when free."""
+    choices = choices_of(hint, metadata)
+    if choices:
+        return " or ".join([", ".join(choices[:-1]), choices[-1]] if choices[1:] else choices)
+    minimum, maximum = bounds(metadata)
+    if math.isfinite(minimum) and math.isfinite(maximum):
+        words = f"{minimum:.10g} to {maximum:.10g}"
+    elif math.isfinite(minimum):
+        words = f"at least {minimum:.10g}"
+    elif math.isfinite(maximum):
+        words = f"at most {maximum:.10g}"
+    else:
+        words = ""
+    return f"{words} {metadata.get('unit', '')}".strip()
+
+
+_KINDS: Mapping[object, str] = {
+    bool: "true or false",
+    int: "a whole number",
+    float: "a number",
+    str: "text",
+    Path: "a path",
+}
+
+
+def wanted(hint: object, metadata: Metadata) -> str:
+    """What to write into a field, as a request."""
+    words = allowed(hint, metadata)
+    if choices_of(hint, metadata):
+        return f"Write {words}"
+    kind = _KINDS.get(hint, "a list" if get_origin(hint) is tuple else "a section")
+    return f"Write {kind}, {words}" if words else f"Write {kind}"
+
+
+def keys_of(into: type) -> str:
+    """The keys of a section, as a sentence."""
+    return f"Its keys are {', '.join(knob.name for knob in dataclasses.fields(into))}"
+
+
+def paths(into: type, key: str = "") -> Iterator[str]:
+    """Key paths of a dataclass and of those inside it."""
+    for name, hint in get_type_hints(into).items():
+        place = f"{key}.{name}" if key else name
+        yield place
+        if isinstance(hint, type) and dataclasses.is_dataclass(hint):
+            yield from paths(hint, place)
