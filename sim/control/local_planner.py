@@ -9,7 +9,7 @@ from abc import ABC, abstractmethod
 from dataclasses import dataclass
 from typing import Protocol
 
-import numpy as np
+from numba import njit
 
 from sim.control.braking import LATENCY, Surroundings
 from sim.control.rollout import COMFORT, Body, Motion, command_safe, rollout
@@ -78,6 +78,19 @@ class Limits:
     latch_xy_goal_tolerance: bool
     trans_stopped_vel: float
     theta_stopped_vel: float
+
+
+@njit(cache=True)
+def _toward(path: FloatArray, x: float, y: float, lookahead: float) -> tuple[float, float]:
+    """Map heading from (x, y) to the first of (m, 2) points that is so far away, or to the last; metres to the last."""
+    last = path.shape[0] - 1
+    target = last
+    for i in range(last):
+        if math.hypot(path[i, 0] - x, path[i, 1] - y) >= lookahead:
+            target = i
+            break
+    heading = math.atan2(path[target, 1] - y, path[target, 0] - x)
+    return heading, math.hypot(path[last, 0] - x, path[last, 1] - y)
 
 
 class LocalPlanner(Protocol):
@@ -221,17 +234,14 @@ class SampledPlanner(ABC):
         around: Surroundings,
     ) -> Drive:
         """The command that leads along a path; see LocalPlanner."""
-        ahead = path - np.array([pose.x, pose.y])
-        distances = np.hypot(ahead[:, 0], ahead[:, 1])
-        beyond = np.flatnonzero(distances >= self._limits.heading_lookahead)
-        target = ahead[beyond[0]] if len(beyond) else ahead[-1]
-        off = abs(wrap_angle(math.atan2(target[1], target[0]) - pose.theta))
+        heading, to_end = _toward(path, pose.x, pose.y, self._limits.heading_lookahead)
+        off = abs(wrap_angle(heading - pose.theta))
         self._turning = off > (TURNED if self._turning else TURN_FIRST)
         if self._turning:
-            return self.turn(pose, twist, math.atan2(target[1], target[0]), around)
+            return self.turn(pose, twist, heading, around)
         if self._turned_at is not None and self._turned_at.distance(pose) > self._limits.oscillation_reset_dist:
             self._side, self._turned_at = 0.0, None
-        greatest = float(distances[-1]) / slow_down
+        greatest = to_end / slow_down
         impatient = self._impatient(pose)
         v, w, found = self._search(_motion(pose, twist), costs, frame, path, greatest, around, impatient)
         command = Twist(v, w)

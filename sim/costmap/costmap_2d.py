@@ -16,7 +16,7 @@ from sim.costmap.robots import RobotsLayer
 from sim.costmap.static import StaticLayer
 from sim.geometry import FloatArray, Pose2
 from sim.grid import OccupancyGrid
-from sim.observations import Neighbour, Scan
+from sim.observations import TICKS_PER_SECOND, Neighbour, Scan
 from sim.parameters import CostmapParameters, LocalCostmapParameters
 
 
@@ -54,6 +54,8 @@ class Costmap2D:
             shape,
             explained_by_walls=parameters.static_layer.enabled,
         )
+        self._clear_ticks = round(TICKS_PER_SECOND / parameters.update_frequency)
+        self._cleared = 0
         self._robots = RobotsLayer(parameters.robots_layer, grid)
         static = StaticLayer(parameters.static_layer, grid)
         inflation = InflationLayer(parameters.inflation_layer, grid.resolution, self.inscribed_radius)
@@ -82,7 +84,7 @@ class Costmap2D:
         return self._obstacles.marks
 
     def observe(self, base_in_map: Pose2, scan: Scan, discs: FloatArray) -> None:
-        """Take in a scan.
+        """Take in a scan: it marks at once, and clears as often as the costmap is to be updated.
 
         Args:
             base_in_map: where the robot was when it scanned.
@@ -90,7 +92,10 @@ class Costmap2D:
             discs: (n, 3) x, y and radius of the other robots, metres.
         """
         self._roll(base_in_map.x, base_in_map.y)
-        self._obstacles.observe(base_in_map, scan, discs)
+        clears = not 0 < scan.tick - self._cleared < self._clear_ticks
+        if clears:
+            self._cleared = scan.tick
+        self._obstacles.observe(base_in_map, scan, discs, clears)
 
     def see(self, neighbours: Sequence[Neighbour]) -> None:
         """Take in what the others said last."""

@@ -49,6 +49,17 @@ def radii(footprint: FloatArray) -> tuple[float, float]:
 
 
 @njit(cache=True)
+def in_cells(footprint: FloatArray, frame: CostFrame, x: float, y: float, theta: float) -> FloatArray:
+    """(n, 2) column and row, in cells, of a footprint's (n, 2) corners when its base is at (x, y, theta) in the map."""
+    c, s = math.cos(theta), math.sin(theta)
+    corners = np.empty_like(footprint)
+    for i in range(footprint.shape[0]):
+        corners[i, 0] = (x + c * footprint[i, 0] - s * footprint[i, 1] - frame.x) / frame.resolution
+        corners[i, 1] = (y + s * footprint[i, 0] + c * footprint[i, 1] - frame.y) / frame.resolution
+    return corners
+
+
+@njit(cache=True)
 def circumscribed_radius(footprint: FloatArray) -> float:
     """Metres from the base frame's origin to the farthest of (n, 2) corners."""
     farthest = 0.0

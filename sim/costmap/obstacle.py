@@ -3,8 +3,8 @@
 Source: ros-planning/navigation, costmap_2d/plugins/obstacle_layer.cpp.
 Differs: `explained_distance` keeps readings that the map or another robot explains from marking, else every error of
 localisation would thicken the walls and every passing robot would leave a trail; `clear_between_beams` clears what
-nothing else could, cells that lie between two beams far out; a beam that hit nothing never marks; a scan is
-taken in at once, where ROS keeps the last one for the next update.
+nothing else could, cells that lie between two beams far out; a beam that hit nothing never marks; a scan
+marks at once, where ROS keeps the last one for the next update.
 """
 
 import math
@@ -15,6 +15,7 @@ from numba import njit
 from numpy.typing import NDArray
 
 from sim.costmap.costs import FREE, LETHAL, UNKNOWN, Changes, CostFrame, Costs, Window
+from sim.costmap.footprint import in_cells
 from sim.costmap.lines import clear_line, fill_convex, include
 from sim.geometry import FloatArray, Pose2
 from sim.grid import OccupancyGrid, distance_field
@@ -26,13 +27,14 @@ MAXIMUM = 1
 
 
 class Sweep(NamedTuple):
-    """A scan as the kernels take it: the laser's pose in the map, and where each of its beams ends.
+    """A scan as the kernels take it: the laser's pose in the map, and where each of its beams leads and ends.
 
     Attributes:
         x: of the laser in the map, metres; so y, and theta in radians.
         angle_min: of the first beam, in the laser's frame.
         angle_increment: from one beam to the next.
         ranges: (beams,) metres; NaN where nothing is known, +inf where nothing was hit.
+        rays: (beams, 2) cosine and sine of its direction in the map.
     """
 
     x: float
@@ -41,6 +43,7 @@ class Sweep(NamedTuple):
     angle_min: float
     angle_increment: float
     ranges: FloatArray
+    rays: FloatArray
 
 
 class Explanation(NamedTuple):
@@ -61,15 +64,20 @@ class Explanation(NamedTuple):
 
 
 @njit(cache=True)
-def _readings(ranges: NDArray[np.float32], range_min: float, range_max: float) -> FloatArray:
-    """(beams,) metres; NaN where nothing is known, +inf where nothing was hit."""
-    readings = np.empty(ranges.shape[0])
+def _sweep(
+    x: float, y: float, theta: float, angle_min: float, angle_increment: float, ranges: NDArray[np.float32],
+    range_min: float, range_max: float,
+) -> Sweep:  # fmt: skip
+    """A scan from the pose (x, y, theta) of the laser in the map."""
+    readings, rays = np.empty(ranges.shape[0]), np.empty((ranges.shape[0], 2))
     for i in range(ranges.shape[0]):
         reading = float(ranges[i])
         # The others are no readings: laser_geometry leaves them out as well.
         valid = range_min <= reading < range_max or reading == np.inf
         readings[i] = reading if valid else np.nan
-    return readings
+        angle = theta + angle_min + i * angle_increment
+        rays[i, 0], rays[i, 1] = math.cos(angle), math.sin(angle)
+    return Sweep(x, y, theta, angle_min, angle_increment, readings, rays)
 
 
 @njit(cache=True)
@@ -97,8 +105,7 @@ def _clear_along_beams(
         reading = sweep.ranges[i] if sweep.ranges[i] != np.inf else farthest
         if not reading > 0.0:
             continue
-        angle = sweep.theta + sweep.angle_min + i * sweep.angle_increment
-        a, b = reading * math.cos(angle), reading * math.sin(angle)
+        a, b = reading * sweep.rays[i, 0], reading * sweep.rays[i, 1]
         x, y = sweep.x + a, sweep.y + b
         # Beams that leave the costmap end at its rim.
         if x < frame.x:
@@ -164,8 +171,7 @@ def _mark(
         reading = sweep.ranges[i]
         if not reading < obstacle_range:
             continue
-        angle = sweep.theta + sweep.angle_min + i * sweep.angle_increment
-        x, y = sweep.x + reading * math.cos(angle), sweep.y + reading * math.sin(angle)
+        x, y = sweep.x + reading * sweep.rays[i, 0], sweep.y + reading * sweep.rays[i, 1]
         row, col = math.floor((y - frame.y) / frame.resolution), math.floor((x - frame.x) / frame.resolution)
         if row < 0 or col < 0 or row >= rows or col >= cols or marks[row, col] == 254:
             continue
@@ -189,11 +195,7 @@ def _clear_footprint(
     marks: Costs, frame: CostFrame, footprint: FloatArray, x: float, y: float, theta: float, changed: NDArray[np.int64]
 ) -> None:  # fmt: skip
     """Clear the robot's own place: (n, 2) corners in the base frame, whose pose in the map is (x, y, theta)."""
-    c, s = math.cos(theta), math.sin(theta)
-    corners = np.empty_like(footprint)
-    for i in range(footprint.shape[0]):
-        corners[i, 0] = (x + c * footprint[i, 0] - s * footprint[i, 1] - frame.x) / frame.resolution
-        corners[i, 1] = (y + s * footprint[i, 0] + c * footprint[i, 1] - frame.y) / frame.resolution
+    corners = in_cells(footprint, frame, x, y, theta)
     left, right = math.floor(corners[:, 0].min()), math.floor(corners[:, 0].max())
     low, high = math.floor(corners[:, 1].min()), math.floor(corners[:, 1].max())
     # As in ROS: a footprint that is not wholly on the costmap clears nothing.
@@ -282,25 +284,34 @@ class ObstacleLayer:
             kept.of(moved, origin)[:] = kept.of(self._marks, self._origin)
         self._marks, self._origin = moved, origin
 
-    def observe(self, base_in_map: Pose2, scan: Scan, discs: FloatArray) -> None:
+    def observe(self, base_in_map: Pose2, scan: Scan, discs: FloatArray, clears: bool = True) -> None:
         """Take in a scan: every source clears, then every source marks, then the robot's own place is cleared.
 
         Args:
             base_in_map: where the robot was when it scanned.
             scan: the readings.
             discs: (n, 3) x, y, radius of the other robots.
+            clears: whether the space before the readings is cleared, which takes longest.
         """
         row, col = self._origin
         size = self._grid.resolution
         frame = CostFrame(self._grid.origin.x + col * size, self._grid.origin.y + row * size, size)
         mount = scan.mount
         laser = base_in_map.compose(mount.laser_in_base)
-        readings = _readings(scan.ranges, mount.range_min, mount.range_max)
-        sweep = Sweep(laser.x, laser.y, laser.theta, mount.angle_min, mount.angle_increment, readings)
+        sweep = _sweep(
+            laser.x,
+            laser.y,
+            laser.theta,
+            mount.angle_min,
+            mount.angle_increment,
+            scan.ranges,
+            mount.range_min,
+            mount.range_max,
+        )
         known = Explanation(self._parameters.explained_distance, self._wall_distance, row, col, discs)
         changed = np.array([*self._marks.shape, -1, -1], dtype=np.int64)
         for source in self._parameters.observation_sources:
-            if source.clearing:
+            if source.clearing and clears:
                 farthest = mount.range_max if source.inf_is_valid else 0.0
                 reach = self._raytrace_range(source)
                 _clear_along_beams(self._marks, frame, sweep, farthest, reach, changed)

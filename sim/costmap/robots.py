@@ -7,7 +7,8 @@ from dataclasses import dataclass
 import numpy as np
 from numba import njit
 
-from sim.costmap.costs import UNKNOWN, Changes, Costs, Window
+from sim.costmap.costs import UNKNOWN, Changes, CostFrame, Costs, Window
+from sim.costmap.footprint import in_cells
 from sim.costmap.lines import line
 from sim.geometry import FloatArray
 from sim.grid import OccupancyGrid
@@ -41,6 +42,14 @@ def _fill(costs: Costs, corners: FloatArray, row: int, col: int, row_end: int, c
                 costs[r, c] = 254
 
 
+@njit(cache=True)
+def _around(points: FloatArray) -> tuple[int, int, int, int]:
+    """The window around (n, 2) columns and rows."""
+    low, high = points[:, 1].min(), points[:, 1].max()
+    left, right = points[:, 0].min(), points[:, 0].max()
+    return math.floor(low), math.floor(left), math.floor(high) + 1, math.floor(right) + 1
+
+
 @dataclass(frozen=True, slots=True, eq=False)
 class _Seen:
     """One robot as it was heard: its pose; corners and path, as columns and rows in the map; the window around both."""
@@ -63,8 +72,7 @@ class RobotsLayer:
 
     def __init__(self, parameters: RobotsParameters, grid: OccupancyGrid) -> None:
         self._parameters = parameters
-        self._corner = np.array([grid.origin.x, grid.origin.y])
-        self._resolution = grid.resolution
+        self._frame = CostFrame(grid.origin.x, grid.origin.y, grid.resolution)
         self._seen: dict[int, _Seen] = {}
         self._changes = Changes()
 
@@ -99,21 +107,16 @@ class RobotsLayer:
         lengths = np.append(0.0, np.cumsum(np.hypot(*np.diff(path, axis=0).T)))
         end = min(self._parameters.path_length, lengths[-1])
         last = [np.interp(end, lengths, path[:, axis]) for axis in (0, 1)]
-        return self._in_cells(np.vstack([path[lengths < end], last]))
-
-    def _in_cells(self, points: FloatArray) -> FloatArray:
-        cells: FloatArray = (points - self._corner) / self._resolution
+        points = np.vstack([path[lengths < end], last])
+        cells: FloatArray = (points - (self._frame.x, self._frame.y)) / self._frame.resolution
         return cells
 
     def _drawn(self, neighbour: Neighbour) -> _Seen:
         pose = neighbour.base_in_map
-        corners = self._in_cells(pose.transform(neighbour.footprint))
+        corners = in_cells(neighbour.footprint, self._frame, pose.x, pose.y, pose.theta)
         path = self._path_ahead(neighbour)
-        (left, low), (right, high) = (
-            bound(np.concatenate([corners, path]), axis=0).tolist() for bound in (np.min, np.max)
-        )
-        window = Window(math.floor(low), math.floor(left), math.floor(high) + 1, math.floor(right) + 1)
-        return _Seen(pose.x, pose.y, pose.theta, corners, path, window)
+        drawn = np.concatenate([corners, path]) if len(path) else corners
+        return _Seen(pose.x, pose.y, pose.theta, corners, path, Window(*_around(drawn)))
 
     def _forget(self, robot: int) -> None:
         if robot in self._seen:

@@ -50,7 +50,7 @@ class Follower:
         static: the map.
         clearance: (rows, cols) metres from each of its cells to the nearest wall.
         costmap: the local one.
-        marks: (rows, cols) of the map: LETHAL where the laser has seen an obstacle; others change it.
+        seen: the costmap of the whole map, for what the laser has seen; others bring it up to date.
         separation: metres between robots' centres by right of way.
         robot: its index in the team.
 
@@ -71,13 +71,13 @@ class Follower:
         static: OccupancyGrid,
         clearance: NDArray[np.float32],
         costmap: Costmap2D,
-        marks: Costs,
+        seen: Costmap2D,
         separation: float,
         robot: int,
     ) -> None:
         self._costmap = costmap
         self._clearance = clearance
-        self._marks = marks
+        self._seen = seen
         self._frame = CostFrame(static.origin.x, static.origin.y, static.resolution)
         self._separation = separation
         self._robot = robot
@@ -211,7 +211,9 @@ class Follower:
         self._costmap.update(pose.x, pose.y)
 
     def _around(self, pose: Pose2, neighbours: Sequence[Neighbour]) -> Surroundings:
-        clearance, frame = beside_obstacles(self._clearance, self._marks, self._frame, pose.x, pose.y)
+        clearance, frame = self._clearance, self._frame
+        if self._seen.any_marks:
+            clearance, frame = beside_obstacles(clearance, self._seen.marks, frame, pose.x, pose.y)
         return surroundings(
             clearance, frame, self._costmap.footprint, pose, neighbours, self._planner.limits.acc_lim_x, self._hold
         )

@@ -111,7 +111,7 @@ class Navigator:
             global_planner(parameters.move_base.base_global_planner, parameters.NavfnROS, parameters.GlobalPlanner),
         )
         self._follower = Follower(
-            parameters, static, clearance, self._local, self._global.marks, self._router.separation_driven, robot
+            parameters, static, clearance, self._local, self._global, self._router.separation_driven, robot
         )
         self._recovery = Recovery(self._parameters, self._global.circumscribed_radius)
         self._oscillation = Oscillation(self._parameters.oscillation_timeout, self._parameters.oscillation_distance)

@@ -159,6 +159,13 @@ class CostmapParameters:
     )
     footprint_padding: float = knob(0.01, "added to every corner of the footprint", "m", 0, 10)
     track_unknown_space: bool = knob(False, "cells of which nothing is known are unknown, else free")
+    update_frequency: float = knob(
+        5.0,
+        "updates per second; of the global costmap, how often scans clear: they mark at once, costs follow for plans",
+        "Hz",
+        0.1,
+        50,
+    )
     static_layer: StaticParameters = knob(StaticParameters(), "the walls of the map")
     obstacle_layer: ObstacleParameters = knob(ObstacleParameters(), "marking and clearing by the laser")
     robots_layer: RobotsParameters = knob(RobotsParameters(), "the other robots")
@@ -171,7 +178,6 @@ class GlobalCostmapParameters(CostmapParameters):
 
     ros_only: ClassVar[Mapping[str, str]] = {
         **_COSTMAP_ROS_ONLY,
-        "update_frequency": "updates per second: here it is brought up to date for every plan",
         "width": "its size: here the map's",
         "height": "its size: here the map's",
     }
@@ -183,6 +189,5 @@ class LocalCostmapParameters(CostmapParameters):
 
     ros_only: ClassVar[Mapping[str, str]] = _COSTMAP_ROS_ONLY
 
-    update_frequency: float = knob(5.0, "updates per second", "Hz", 0.1, 50)
     width: float = knob(10.0, "its extent along the map's x axis", "m", 1, 100)
     height: float = knob(10.0, "its extent along the map's y axis", "m", 1, 100)
