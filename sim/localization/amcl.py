@@ -18,7 +18,7 @@ from sim.localization.free_space import FreeSpace
 from sim.localization.likelihood_field import Beams, LikelihoodField
 from sim.localization.motion import Alphas, MotionModel
 from sim.localization.recovery import Recovery
-from sim.localization.resampling import adaptive, systematic
+from sim.localization.resampling import adaptive, systematic, tempered
 from sim.noise import Stream
 from sim.observations import Imu, LaserMount, Odometry, Scan
 from sim.parameters import AmclParameters
@@ -28,11 +28,35 @@ CANDIDATES = 20
 MOST_CANDIDATES = 400_000
 """However many particles: a quarter of a second's work with 60 beams."""
 
+FITTING = 0.01
+"""Share of the candidates that must remain effective when newcomers are drawn by how well a scan fits."""
+SPACING = (0.05, 0.05, 0.05)
+"""Metres, metres, radians by which newcomers at one place differ."""
+
 CONVERGED = 0.5
 """Metres from the mean, along either axis, within which all particles must lie for beams to be skipped (pf.c)."""
 
+EFFECTIVE = 0.1
+"""Share of equal particles that every scan must leave effective, see `tempered`."""
+
+JITTER = (0.01, 0.01, 0.01)
+"""Metres, metres, radians by which heirs of one particle differ: a robot that turns on the spot gives wheels no reason
+for spreading them, and they would all become one.
+
+Source: Musso, Oudjane and Le Gland, Improving regularised particle filters (2001).
+"""
+
 SURE = 0.8
 """Share of the weight that the heaviest cluster must hold for a lost robot to be found."""
+
+SETTLED = 5
+"""Scans in a row that must say so."""
+
+SCATTERED = 0.5
+"""Share of the particles that are drawn from all over the map when a robot turns out to be lost; the others stay, for
+it may be wrong in that."""
+SEARCHING = 0.2
+"""The same every time that particles are drawn until it is found."""
 
 RETRY = 25
 """Ticks until a robot whose scans are not explained weighs the next one even if it stands: lost robots do."""
@@ -56,6 +80,7 @@ class Belief:
         updates: scans weighed since the start.
         recovery: how well the map explained them.
         lost: the verdict, see `Estimate`.
+        settled: scans in a row that found a lost robot.
         anywhere: whether the particles lie all over the map, and no scan has been weighed.
         requested: whether the next scan is weighed in any case.
     """
@@ -69,6 +94,7 @@ class Belief:
     updates: int = 0
     recovery: Recovery = NEVER_LOST
     lost: bool = False
+    settled: int = 0
     anywhere: bool = False
     requested: bool = False
 
@@ -135,9 +161,12 @@ class Amcl:
         )
         self._motion = MotionModel(parameters.odom_model_type, alphas)
         self._free_space = FreeSpace.of(grid)
+        # Walls may lie anywhere in their cells: an error that all particles share, and none can show.
+        self._unknowable = np.diag((1.0, 1.0, 0.0)) * grid.resolution**2 / 12.0
         self._start_noise = Stream.named(seed, robot, "amcl", "start")
         self._motion_noise = Stream.named(seed, robot, "amcl", "motion")
         self._resampling_noise = Stream.named(seed, robot, "amcl", "resampling")
+        self._jitter_noise = Stream.named(seed, robot, "amcl", "jitter")
         self._recovery_noise = Stream.named(seed, robot, "amcl", "recovery")
         pose = Pose2(parameters.initial_pose_x, parameters.initial_pose_y, wrap_angle(parameters.initial_pose_a))
         variances = (parameters.initial_cov_xx, parameters.initial_cov_yy, parameters.initial_cov_aa)
@@ -194,7 +223,7 @@ class Amcl:
             or abs(now.x - before.x) > limit
             or abs(now.y - before.y) > limit
             or abs(wrap_angle(now.theta - before.theta)) > self._parameters.update_min_a
-            or (belief.recovery.lost > 0.0 and odometry.tick - belief.tick >= RETRY)
+            or ((belief.lost or belief.recovery.unexplained) and odometry.tick - belief.tick >= RETRY)
         )
 
     def _scatter(self, start: Start, odometry: Odometry) -> Belief:
@@ -249,8 +278,7 @@ class Amcl:
             # The first scan may come ticks after the start; whatever was driven until then counts all the same.
             noise = self._motion_noise.normals(odometry.tick, 3 * len(belief.particles))
             particles = self._motion.move(belief.particles, belief.base_in_odom, odometry.base_in_odom, noise)
-            log_weights = self._log_likelihood(particles, points, ranges)
-            weights = belief.weights * np.exp(log_weights - log_weights.max())
+            weights = belief.weights * tempered(self._log_likelihood(particles, points, ranges), EFFECTIVE)
             total = weights.sum()
             weights = weights / total if total > 0.0 else belief.weights
 
@@ -260,11 +288,15 @@ class Amcl:
         agreement = self._beam_model.agreement(summary.mean, ranges)
         if agreement is not None:
             recovery = recovery.after(agreement, parameters.recovery_alpha_slow, parameters.recovery_alpha_fast)
+        settled = belief.settled + 1 if recovery.explained and self._sure(summary) else 0
+        lost = recovery.unexplained or (belief.lost and settled < SETTLED)
+        newcomers = self._share_of_newcomers(recovery, lost, belief.lost)
         updates = belief.updates + 1
-        if updates % parameters.resample_interval == 0 and not (
-            parameters.selective_resampling and recovery.lost == 0.0 and 2.0 / np.sum(weights**2) > len(weights)
-        ):
-            particles = self._resample(particles, weights, bins, recovery.lost, points, odometry.tick)
+        due = updates % parameters.resample_interval == 0 and not (
+            parameters.selective_resampling and newcomers == 0.0 and 2.0 / np.sum(weights**2) > len(weights)
+        )
+        if due or newcomers == SCATTERED:
+            particles = self._resample(particles, weights, bins, newcomers, points, odometry.tick)
             weights = np.full(len(particles), 1.0 / len(particles))
         return Belief(
             particles=read_only(particles),
@@ -272,27 +304,35 @@ class Amcl:
             tick=odometry.tick,
             base_in_odom=odometry.base_in_odom,
             odom_in_map=summary.mean.compose(odometry.base_in_odom.inverse()),
-            covariance=read_only(summary.covariance),
+            covariance=read_only(summary.covariance + self._unknowable),
             updates=updates,
             recovery=recovery,
-            lost=recovery.unexplained or (belief.lost and not self._found(summary)),
+            lost=lost,
+            settled=settled,
             anywhere=belief.anywhere and not len(points),
         )
 
-    def _found(self, summary: Summary) -> bool:
-        """Whether a robot that was lost is sure of its place again."""
+    def _sure(self, summary: Summary) -> bool:
+        """Whether nearly all particles agree on one place."""
         parameters = self._parameters
         levels = (parameters.std_warn_level_x, parameters.std_warn_level_y, parameters.std_warn_level_yaw)
-        return summary.weight >= SURE and bool((np.sqrt(np.diag(summary.covariance)) <= levels).all())
+        return summary.weight >= SURE and bool((np.sqrt(summary.variances) <= levels).all())
+
+    def _share_of_newcomers(self, recovery: Recovery, lost: bool, was_lost: bool) -> float:
+        """Of the next generation, 0..1, how many are to come from all over the map."""
+        if self._parameters.recovery_alpha_slow == 0.0 and self._parameters.recovery_alpha_fast == 0.0:
+            return 0.0
+        if not lost:
+            return recovery.lost
+        return max(recovery.lost, SEARCHING) if was_lost else SCATTERED
 
     def _log_likelihood(self, particles: FloatArray, points: FloatArray, ranges: FloatArray) -> FloatArray:
         """(n,) how well a scan fits from each particle, by the model that the parameters name."""
         parameters = self._parameters
         if parameters.laser_model_type == "beam":
             return self._beam_model.log_likelihood(particles, ranges)
-        if parameters.laser_model_type == "likelihood_field":
-            return self._field.log_likelihood(particles, points)
-        if parameters.do_beamskip and np.ptp(particles[:, :2], axis=0).max() <= 2.0 * CONVERGED:
+        skips = parameters.laser_model_type == "likelihood_field_prob" and parameters.do_beamskip
+        if skips and np.ptp(particles[:, :2], axis=0).max() <= 2.0 * CONVERGED:
             points = self._field.explained(
                 particles,
                 points,
@@ -300,17 +340,16 @@ class Amcl:
                 parameters.beam_skip_threshold,
                 parameters.beam_skip_error_threshold,
             )
-        # amcl's plain product: every beam counts in full.
-        return self._field.log_likelihood(particles, points) / self._field.exponent
+        return self._field.log_likelihood(particles, points)
 
     def _resample(
-        self, particles: FloatArray, weights: FloatArray, bins: Bins, lost: float, points: FloatArray, tick: int
+        self, particles: FloatArray, weights: FloatArray, bins: Bins, share: float, points: FloatArray, tick: int
     ) -> FloatArray:
-        """The next generation: heirs of the present one and, when lost, newcomers from all over the map."""
+        """The next generation: heirs of the present one and a share of newcomers from all over the map."""
         parameters = self._parameters
         heirs_offset, newcomers = self._resampling_noise.uniforms(tick, 2)
         # Newcomers lie in so many bins that KLD sampling would ask for the greatest number of particles anyway.
-        count = int(lost * parameters.max_particles + newcomers) if len(points) else 0
+        count = int(share * parameters.max_particles + newcomers) if len(points) else 0
         if count == 0:
             heirs = adaptive(
                 weights,
@@ -321,9 +360,14 @@ class Amcl:
                 parameters.min_particles,
                 parameters.max_particles,
             )
-            return particles[heirs]
+            return self._jittered(particles[heirs], tick)
         heirs = systematic(weights, parameters.max_particles - count, heirs_offset)
-        return np.concatenate((particles[heirs], self._newcomers(count, points, tick)))
+        return np.concatenate((self._jittered(particles[heirs], tick), self._newcomers(count, points, tick)))
+
+    def _jittered(self, particles: FloatArray, tick: int, spread: tuple[float, float, float] = JITTER) -> FloatArray:
+        """(n, 3) particles, each a little off, so that no two are the same."""
+        noise = self._jitter_noise.normals(tick, 3 * len(particles)).reshape(-1, 3)
+        return particles + noise * spread
 
     def _newcomers(self, count: int, points: FloatArray, tick: int) -> FloatArray:
         """(count, 3) places from all over the map where a scan fits, drawn in proportion to how well.
@@ -334,5 +378,5 @@ class Amcl:
         candidates = self._free_space.draw(min(count * CANDIDATES, MOST_CANDIDATES), self._recovery_noise, tick)
         fit = self._field.log_likelihood(candidates, points)
         offset = self._resampling_noise.uniforms(tick, 3)[2]
-        chosen: FloatArray = candidates[systematic(np.exp(fit - fit.max()), count, offset)]
-        return chosen
+        chosen: FloatArray = candidates[systematic(tempered(fit, FITTING), count, offset)]
+        return self._jittered(chosen, tick + 1, SPACING)

@@ -8,7 +8,7 @@ from numba import njit
 
 from sim.geometry import FloatArray, Pose2
 from sim.grid import OccupancyGrid
-from sim.localization.likelihood_field import INDEPENDENT_BEAMS, Beams
+from sim.localization.likelihood_field import Beams
 from sim.parameters import AmclParameters
 from sim.raycast import Raycaster, cast_beams
 
@@ -85,8 +85,8 @@ class BeamModel:
         """(n,) log likelihood of (m,) ranges (see `Beams.ranges`) from each of (n, 3) base poses in the map.
 
         Source: Probabilistic Robotics, table 6.1, with amcl's factors (a good reading's density is not normalised);
-            exact ranges. Differs: weakened sums of logarithms, as in `LikelihoodField`, where amcl adds cubes; a beam
-            that saw nothing counts as the greatest range and not as impossible; too short readings are left out.
+            exact ranges. Differs: sums of logarithms, where amcl adds cubes; a beam that saw nothing counts as the
+            greatest range and not as impossible; too short readings are left out.
         """
         p = self.parameters
         sums: FloatArray = _sums(
@@ -100,12 +100,12 @@ class BeamModel:
             p.laser_sigma_hit,
             p.laser_lambda_short,
         )
-        return sums * min(1.0, INDEPENDENT_BEAMS / self.beams.indices.size)
+        return sums
 
     def agreement(self, base_in_map: Pose2, ranges: FloatArray) -> float | None:
         """How well the map explains (m,) ranges from one place, 0..1; None where no beam says anything.
 
-        The share of readings that end where the map has a wall. A reading cut short speaks half as loud against the
+        The share of readings that end where the map has a wall. A reading cut short speaks a third as loud against the
         place as one that went through a wall: other robots do the one, nothing does the other.
         """
         told = ranges < self.beams.range_max
@@ -117,4 +117,4 @@ class BeamModel:
         short = np.count_nonzero(ranges[told] < expected.min(axis=0) - _TOLERANCE)
         through = np.count_nonzero(ranges[told] > expected.max(axis=0) + _TOLERANCE)
         hits = np.count_nonzero(told) - short - through
-        return hits / (hits + 0.5 * short + through)
+        return float(hits / (hits + short / 3.0 + through))

@@ -45,11 +45,13 @@ class Summary(NamedTuple):
         mean: weighted mean of the heaviest cluster, in the map.
         covariance: (3, 3) spread of the whole cloud about it: m^2, m rad, rad^2.
         weight: the heaviest cluster's share of the weight.
+        variances: (3,) of the heaviest cluster alone, about its mean: m^2, m^2, rad^2.
     """
 
     mean: Pose2
     covariance: FloatArray
     weight: float
+    variances: FloatArray
 
 
 @njit(cache=True)
@@ -134,7 +136,7 @@ def cluster_bins(bins: Bins) -> NDArray[np.int64]:
 @njit(cache=True)
 def _summarise(
     particles: FloatArray, weights: FloatArray, of_particle: NDArray[np.int64], labels: NDArray[np.int64]
-) -> tuple[float, float, float, FloatArray, float]:
+) -> tuple[float, float, float, FloatArray, float, FloatArray]:
     mass = np.zeros(labels.max() + 1)
     total = 0.0
     for i in range(weights.size):
@@ -152,6 +154,7 @@ def _summarise(
     y /= mass[heaviest]
     theta = wrap_angle(math.atan2(s, c))
     covariance = np.zeros((3, 3))
+    variances = np.zeros(3)
     for i in range(weights.size):
         dx, dy = particles[i, 0] - x, particles[i, 1] - y
         dtheta = wrap_angle(particles[i, 2] - theta)
@@ -162,10 +165,15 @@ def _summarise(
         covariance[1, 1] += weight * dy * dy
         covariance[1, 2] += weight * dy * dtheta
         covariance[2, 2] += weight * dtheta * dtheta
+        if labels[of_particle[i]] == heaviest:
+            variances[0] += weight * dx * dx
+            variances[1] += weight * dy * dy
+            variances[2] += weight * dtheta * dtheta
     covariance[1, 0] = covariance[0, 1]
     covariance[2, 0] = covariance[0, 2]
     covariance[2, 1] = covariance[1, 2]
-    return x, y, theta, covariance, mass[heaviest] / total
+    share = mass[heaviest] / total
+    return x, y, theta, covariance, share, variances / share
 
 
 def summarise(particles: FloatArray, weights: FloatArray, bins: Bins) -> Summary:
@@ -179,5 +187,5 @@ def summarise(particles: FloatArray, weights: FloatArray, bins: Bins) -> Summary
     Source: pf_cluster_stats. Differs: the spread is about the reported pose (amcl: about the mean of all clusters),
         and holds the correlations of heading with place, which amcl leaves 0.
     """
-    x, y, theta, covariance, weight = _summarise(particles, weights, bins.of_particle, cluster_bins(bins))
-    return Summary(Pose2(x, y, theta), covariance, weight)
+    x, y, theta, covariance, weight, variances = _summarise(particles, weights, bins.of_particle, cluster_bins(bins))
+    return Summary(Pose2(x, y, theta), covariance, weight, variances)

@@ -1,84 +1,124 @@
 """How well a scan fits the map from a place: the likelihood field."""
 
 import math
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
+from typing import NamedTuple
 
 import numpy as np
 from numba import njit
 from numpy.typing import NDArray
+from scipy.ndimage import distance_transform_edt
 
 from sim.geometry import FloatArray
-from sim.grid import FREE, OCCUPIED, GridFrame, OccupancyGrid, cell_of, distance_field
+from sim.grid import OCCUPIED, GridFrame, OccupancyGrid
 from sim.observations import LaserMount, Scan
 
-INDEPENDENT_BEAMS = 6
-"""Beams that together tell as much as all of them do.
 
-Neighbouring beams end on the same wall and share the map's errors: their likelihoods multiplied would make the filter
-far surer than it is right. Measured: with 60 beams counting as 6 the reported covariance covers the true error.
+def facing_distance(grid: OccupancyGrid, max_distance: float) -> NDArray[np.float32]:
+    """Metres from each cell's centre to the nearest surface that a beam of some direction can meet, capped.
 
-Source: Probabilistic Robotics, section 6.3.4, on weakening the likelihood by an exponent below 1.
-"""
-
-
-def signed_distance(grid: OccupancyGrid, max_distance: float) -> FloatArray:
-    """Metres from each cell's centre to the nearest surface of a wall, negative inside walls.
-
-    A laser sees surfaces. A field that is 0 throughout the walls, as amcl's, lets every beam sink into them for free,
-    and a robot that sees nothing behind itself then believes to be centimetres farther on than it is.
+    A laser sees the near side of walls. To a field of distances to the nearest wall, as amcl's, it makes no difference
+    whether a beam ends before a wall or behind it: through thin walls a robot that sees nothing behind itself may
+    believe to be their thickness farther on than it is. Here the far side of a wall is as good as not there.
 
     Returns:
-        (rows, cols) float64 in [-max_distance, max_distance].
+        (4, rows, cols); beams of quadrant 0 head for lower columns and rows, 1: higher columns and lower rows, 2: lower
+        columns and higher rows, 3: higher columns and rows.
     """
-    half = grid.resolution / 2.0
-    inverse = replace(grid, cells=np.where(grid.cells == OCCUPIED, FREE, OCCUPIED))
-    outside = distance_field(grid, max_distance + half).astype(np.float64) - half
-    inside = distance_field(inverse, max_distance + half).astype(np.float64) - half
-    distances: FloatArray = np.where(grid.cells == OCCUPIED, -inside, outside)
+    occupied = grid.cells == OCCUPIED
+    row, col = np.indices(occupied.shape, sparse=True)
+    distances = np.full((4, *occupied.shape), max_distance, dtype=np.float32)
+    for quadrant in range(4):
+        col_step = 1 if quadrant & 1 else -1
+        row_step = 1 if quadrant & 2 else -1
+        met = occupied & ~(_shifted(occupied, 0, col_step) & _shifted(occupied, row_step, 0))
+        if not met.any():
+            continue
+        away, (near_row, near_col) = distance_transform_edt(~met, return_indices=True)
+        # From the middle of the wall's outermost cell half a cell back to its surface.
+        behind = np.sign((row - near_row) * row_step + (col - near_col) * col_step)
+        beyond = np.where(met, 0.5, np.abs(away + 0.5 * behind))
+        distances[quadrant] = np.minimum(beyond * grid.resolution, max_distance)
     return distances
+
+
+def _shifted(mask: NDArray[np.bool_], rows: int, cols: int) -> NDArray[np.bool_]:
+    """The mask moved so many rows and columns on, with False in from the edge."""
+    padded = np.pad(mask, 1)
+    moved: NDArray[np.bool_] = padded[1 - rows : padded.shape[0] - 1 - rows, 1 - cols : padded.shape[1] - 1 - cols]
+    return moved
+
+
+class View(NamedTuple):
+    """How points of the base frame lie in a grid, seen from one pose: all in cells."""
+
+    along: float
+    across: float
+    cos: float
+    sin: float
+    laser_along: float
+    laser_across: float
+
+
+@njit(cache=True)
+def _view(frame: GridFrame, laser: tuple[float, float], x: float, y: float, theta: float) -> View:
+    dx, dy = x - frame.x, y - frame.y
+    c, s = math.cos(theta), math.sin(theta)
+    cos = (c * frame.cos + s * frame.sin) / frame.resolution
+    sin = (s * frame.cos - c * frame.sin) / frame.resolution
+    along = (frame.cos * dx + frame.sin * dy) / frame.resolution
+    across = (frame.cos * dy - frame.sin * dx) / frame.resolution
+    return View(along, across, cos, sin, cos * laser[0] - sin * laser[1], sin * laser[0] + cos * laser[1])
+
+
+@njit(cache=True)
+def _look_up(table: NDArray[np.float32], outside: float, view: View, x: float, y: float) -> float:
+    """The table's value for a beam that ended at (x, y) in the base frame."""
+    along = view.cos * x - view.sin * y
+    across = view.sin * x + view.cos * y
+    col, row = view.along + along, view.across + across
+    if not (0.0 <= col < table.shape[2] and 0.0 <= row < table.shape[1]):
+        return outside
+    quadrant = (1 if along > view.laser_along else 0) + (2 if across > view.laser_across else 0)
+    return float(table[quadrant, int(row), int(col)])
 
 
 @njit(cache=True)
 def _sum_over_points(
-    table: NDArray[np.float32], frame: GridFrame, outside: float, particles: FloatArray, points: FloatArray
+    table: NDArray[np.float32],
+    frame: GridFrame,
+    outside: float,
+    laser: tuple[float, float],
+    particles: FloatArray,
+    points: FloatArray,
 ) -> FloatArray:
     """(n,) sums of the table's values at (m, 2) points, as seen from each of (n, 3) poses."""
-    rows, cols = table.shape
     out = np.empty(particles.shape[0])
     for i in range(particles.shape[0]):
-        # In one piece and in cells: this loop is where the filter's time goes.
-        dx, dy = particles[i, 0] - frame.x, particles[i, 1] - frame.y
-        c, s = math.cos(particles[i, 2]), math.sin(particles[i, 2])
-        along = (frame.cos * dx + frame.sin * dy) / frame.resolution
-        across = (frame.cos * dy - frame.sin * dx) / frame.resolution
-        cos = (c * frame.cos + s * frame.sin) / frame.resolution
-        sin = (s * frame.cos - c * frame.sin) / frame.resolution
+        view = _view(frame, laser, particles[i, 0], particles[i, 1], particles[i, 2])
         total = 0.0
         for j in range(points.shape[0]):
-            col = along + cos * points[j, 0] - sin * points[j, 1]
-            row = across + sin * points[j, 0] + cos * points[j, 1]
-            if 0.0 <= col < cols and 0.0 <= row < rows:
-                total += table[int(row), int(col)]
-            else:
-                total += outside
+            total += _look_up(table, outside, view, points[j, 0], points[j, 1])
         out[i] = total
     return out
 
 
 @njit(cache=True)
 def _shares_above(
-    table: NDArray[np.float32], frame: GridFrame, limit: float, particles: FloatArray, points: FloatArray
+    table: NDArray[np.float32],
+    frame: GridFrame,
+    outside: float,
+    laser: tuple[float, float],
+    particles: FloatArray,
+    points: FloatArray,
+    limit: float,
 ) -> FloatArray:
-    """(m,) of the (n, 3) poses, the share from which each of (m, 2) points falls where the table exceeds a limit."""
-    rows, cols = table.shape
+    """(m,) of the (n, 3) poses, the share from which the table's value at each of (m, 2) points exceeds a limit."""
     out = np.zeros(points.shape[0])
     for i in range(particles.shape[0]):
-        c, s = math.cos(particles[i, 2]), math.sin(particles[i, 2])
+        view = _view(frame, laser, particles[i, 0], particles[i, 1], particles[i, 2])
         for j in range(points.shape[0]):
-            x = particles[i, 0] + c * points[j, 0] - s * points[j, 1]
-            y = particles[i, 1] + s * points[j, 0] + c * points[j, 1]
-            row, col = cell_of(frame, x, y)
-            if 0 <= row < rows and 0 <= col < cols and table[row, col] > limit:
+            if _look_up(table, outside, view, points[j, 0], points[j, 1]) > limit:
                 out[j] += 1.0
     out /= particles.shape[0]
     return out
@@ -156,7 +196,9 @@ class Beams:
         return np.minimum(ranges, self.range_max)
 
 
-def _log_probability(distance: FloatArray, z_hit: float, rand_density: float, sigma_hit: float) -> FloatArray:
+def _log_probability(
+    distance: FloatArray | NDArray[np.float32], z_hit: float, rand_density: float, sigma_hit: float
+) -> FloatArray:
     hit = z_hit * np.exp(-(distance**2) / (2.0 * sigma_hit**2))
     # Without random readings a far cell's probability underflows; its logarithm must stay finite.
     logs: FloatArray = np.log(np.maximum(hit + rand_density, np.finfo(np.float64).tiny))
@@ -168,18 +210,19 @@ class LikelihoodField:
     """How likely a beam is to end in each cell of the map.
 
     Attributes:
-        table: (rows, cols) float32, log of `z_hit * exp(-d^2 / (2 sigma_hit^2)) + z_rand / range_max`, d being the
-            distance to the nearest surface of a wall, capped at `max_dist`.
+        table: (4, rows, cols) float32, by the beam's quadrant (see `facing_distance`): log of
+            `z_hit * exp(-d^2 / (2 sigma_hit^2)) + z_rand / range_max`, d being the distance to the nearest surface
+            that faces the beam, capped at `max_dist`.
         frame: where the table lies.
         outside: what the table would say beyond the map's edge.
-        exponent: what each beam's logarithm counts.
+        laser: where the laser sits in the base frame, metres.
         noise: z_hit, z_rand / range_max and sigma_hit.
     """
 
     table: NDArray[np.float32]
     frame: GridFrame
     outside: float
-    exponent: float
+    laser: tuple[float, float]
     noise: tuple[float, float, float]
 
     @classmethod
@@ -197,13 +240,14 @@ class LikelihoodField:
             max_dist: distances are capped here, metres; also the distance of everything outside the map.
 
         Source: Probabilistic Robotics, table 6.3, without its constant factor (as amcl).
-        Differs: measures to surfaces (see `signed_distance`), where table and amcl measure to occupied cells.
+        Differs: measures to surfaces that face the beam, where table and amcl measure to occupied cells.
         """
         noise = z_hit, z_rand / beams.range_max, sigma_hit
-        table = _log_probability(signed_distance(grid, max_dist), *noise).astype(np.float32)
+        table = _log_probability(facing_distance(grid, max_dist), *noise).astype(np.float32)
         table.setflags(write=False)
         outside = float(_log_probability(np.array([max_dist]), *noise)[0])
-        return cls(table, grid.frame, outside, min(1.0, INDEPENDENT_BEAMS / beams.indices.size), noise)
+        laser = beams.mount.laser_in_base.x, beams.mount.laser_in_base.y
+        return cls(table, grid.frame, outside, laser, noise)
 
     def log_likelihood(self, particles: FloatArray, points: FloatArray) -> FloatArray:
         """Log likelihood of a scan from each of several places.
@@ -213,13 +257,11 @@ class LikelihoodField:
             points: (m, 2) end points of the beams in the base frame, see `Beams.end_points`.
 
         Returns:
-            (n,) weakened sums over the beams; 0 where no beam says anything.
+            (n,) sums over the beams; 0 where no beam says anything.
 
-        Source: Probabilistic Robotics, table 6.3, weakened as section 6.3.4 has it. Differs: ROS 1 amcl adds cubes,
-            `1 + sum(p^3)`; measured, that leaves the heading half as sure.
+        Source: Probabilistic Robotics, table 6.3. Differs: ROS 1 amcl adds cubes, `1 + sum(p^3)`.
         """
-        sums: FloatArray = _sum_over_points(self.table, self.frame, self.outside, particles, points)
-        sums *= self.exponent
+        sums: FloatArray = _sum_over_points(self.table, self.frame, self.outside, self.laser, particles, points)
         return sums
 
     def explained(
@@ -238,7 +280,8 @@ class LikelihoodField:
             (k, 2), k <= m.
         """
         limit = _log_probability(np.array([distance]), *self.noise)[0]
-        kept = _shares_above(self.table, self.frame, float(limit), particles, points) > threshold
+        shares = _shares_above(self.table, self.frame, self.outside, self.laser, particles, points, float(limit))
+        kept = shares > threshold
         if np.count_nonzero(~kept) >= error_threshold * len(points):
             return points
         some: FloatArray = points[kept]

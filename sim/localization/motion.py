@@ -197,18 +197,25 @@ class MotionModel:
     def move(self, particles: FloatArray, before: Pose2, after: Pose2, noise: FloatArray) -> FloatArray:
         """(n, 3) particles after the robot went from one odometry pose to another; `noise` is (3 n,) normals.
 
-        Differs: distances are never believed to better than a tenth, see `_SYSTEMATIC`.
+        Differs: distances and turns are never believed to better than a tenth, see `_SYSTEMATIC`.
         """
         corrected = self.name.endswith("-corrected")
         # Who believes in perfect wheels gets them.
-        least = _SYSTEMATIC if self.alphas.alpha3 > 0.0 else 0.0
+        straight = _SYSTEMATIC if self.alphas.alpha3 > 0.0 else 0.0
+        turning = _SYSTEMATIC if self.alphas.alpha1 > 0.0 else 0.0
         if self.name.startswith("diff"):
             moved = increment(before, after)
             doubt = spread(moved, self.alphas, corrected)
-            doubt = doubt._replace(trans=max(doubt.trans, least * moved.trans))
+            doubt = Spread(
+                max(doubt.rot1, turning * _turning(moved.rot1)),
+                max(doubt.trans, straight * moved.trans),
+                max(doubt.rot2, turning * _turning(moved.rot2)),
+            )
             return move(particles, moved, doubt, noise)
         slid = slide(before, after)
         slid_doubt = slide_spread(slid, self.alphas, corrected)
-        slid_doubt = slid_doubt._replace(trans=max(slid_doubt.trans, least * slid.trans))
+        slid_doubt = slid_doubt._replace(
+            trans=max(slid_doubt.trans, straight * slid.trans), rot=max(slid_doubt.rot, turning * abs(slid.rot))
+        )
         followed: FloatArray = _slide(particles, slid, slid_doubt, noise)
         return followed

@@ -1,9 +1,9 @@
-"""Noticing that the filter is lost: two running averages of how well the map explains the scans."""
+"""Noticing that the filter is lost: running averages of how well the map explains the scans."""
 
 from dataclasses import dataclass
 
 MARGIN = 1.5
-"""The map must explain this many times less than usual before the filter counts as lost at all.
+"""The map must explain this many times less than usual before particles are scattered.
 
 Other robots hide a part of the map for a while; without a margin every such moment would scatter particles.
 """
@@ -12,8 +12,12 @@ USUAL = 0.75
 """The least that a map explains where the robot really is. A filter that settled in a wrong place from the beginning
 has never seen better, and would else take that for normal."""
 
-_MEMORY = 0.1
-"""Decay of the average that the verdict rests on, whatever the recovery's own decays are."""
+LEAST = 0.65
+"""A robot of which the map has explained less than this is not where it believes to be: where it is, the map explains
+more among seven other robots, and elsewhere less in nineteen places of twenty."""
+
+_MEMORY = 0.5
+"""Decay of the average that the verdict rests on, whatever the recovery's own decays are: two or three scans."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -23,7 +27,7 @@ class Recovery:
     Attributes:
         slow: long-term average of the agreement, 0..1 (amcl: w_slow).
         fast: short-term average (amcl: w_fast).
-        recent: short-term average of the verdict's own.
+        recent: of the last scans only: the verdict's own.
         count: scans averaged so far.
     """
 
@@ -68,4 +72,9 @@ class Recovery:
     @property
     def unexplained(self) -> bool:
         """Whether the map has not explained the scans of late: the robot is not where the filter believes."""
-        return MARGIN * self.recent < USUAL
+        return self.recent < LEAST
+
+    @property
+    def explained(self) -> bool:
+        """Whether it has, as well as where the robot really is."""
+        return self.recent >= USUAL

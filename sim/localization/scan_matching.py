@@ -1,15 +1,14 @@
 """Where a scan fits the map best, near a guess: what the Kalman filter takes for a measurement of the pose."""
 
 import math
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import NamedTuple
 
 import numpy as np
 from numba import njit
 
 from sim.geometry import FloatArray, Pose2, wrap_angle
-from sim.grid import FREE, GridFrame, OccupancyGrid
-from sim.localization.likelihood_field import INDEPENDENT_BEAMS, signed_distance
+from sim.grid import FREE, OCCUPIED, GridFrame, OccupancyGrid, distance_field
 
 REACH = 1.0
 """Metres: farther from any wall the field is flat and points pull nowhere."""
@@ -28,6 +27,8 @@ GOOD, _MARGIN = 0.8, 0.1
 """Share of the points on walls that a pose must reach to be found, and by how much it must be better than others."""
 NEAR = 1.5
 """Metres: where a robot that has lost its way is looked for first."""
+INDEPENDENT_BEAMS = 6
+"""Points that together tell as much as all of them do: neighbours lie on the same wall and share the map's errors."""
 _STEPS = 4
 """Gauss-Newton steps at each width, from coarse to fine."""
 _DAMPING = 1e-3
@@ -46,6 +47,22 @@ class Match(NamedTuple):
     base_in_map: Pose2
     information: FloatArray
     share: float
+
+
+def signed_distance(grid: OccupancyGrid, max_distance: float) -> FloatArray:
+    """Metres from each cell's centre to the nearest surface of a wall, negative inside walls.
+
+    A laser sees surfaces: a field that is 0 throughout the walls would let beams sink into them for free.
+
+    Returns:
+        (rows, cols) float64 in [-max_distance, max_distance].
+    """
+    half = grid.resolution / 2.0
+    inverse = replace(grid, cells=np.where(grid.cells == OCCUPIED, FREE, OCCUPIED))
+    outside = distance_field(grid, max_distance + half).astype(np.float64) - half
+    inside = distance_field(inverse, max_distance + half).astype(np.float64) - half
+    distances: FloatArray = np.where(grid.cells == OCCUPIED, -inside, outside)
+    return distances
 
 
 @njit(cache=True)

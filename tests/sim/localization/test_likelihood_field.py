@@ -5,7 +5,7 @@ import pytest
 
 from sim.geometry import Pose2
 from sim.grid import OccupancyGrid
-from sim.localization.likelihood_field import INDEPENDENT_BEAMS, Beams, LikelihoodField, signed_distance
+from sim.localization.likelihood_field import Beams, LikelihoodField, facing_distance
 from sim.observations import LaserMount, Scan
 
 MOUNT = LaserMount(Pose2(0.2, 0.1, 0.3), -1.0, 0.1, 21, 0.125, 5.0)
@@ -24,15 +24,29 @@ def field_of(grid: OccupancyGrid, beams: Beams) -> LikelihoodField:
     return LikelihoodField.of(grid, beams, z_hit=0.9, z_rand=0.1, sigma_hit=0.2, max_dist=1.5)
 
 
-def test_distances_are_zero_on_the_surface_of_a_wall():
-    distances = signed_distance(box(), 1.5)
-    assert distances[10, :5] == pytest.approx((-0.15, -0.05, 0.05, 0.15, 0.25))
-    assert distances.max() <= 1.5
+def test_distances_are_those_to_the_side_of_a_wall_that_a_beam_can_meet():
+    cells = np.zeros((20, 30), dtype=np.int8)
+    cells[:, 10:12] = 100
+    lower, higher = facing_distance(OccupancyGrid(cells, 0.1, ORIGIN), 1.5)[:2, 10]
+    assert higher[7:14] == pytest.approx((0.25, 0.15, 0.05, 0.05, 0.15, 0.25, 0.35))
+    assert lower[8:15] == pytest.approx((0.35, 0.25, 0.15, 0.05, 0.05, 0.15, 0.25))
+    assert lower.max() == higher.max() == 1.5
+
+
+def test_a_beam_through_a_thin_wall_ends_off_the_map_though_near_a_wall():
+    cells = np.zeros((60, 60), dtype=np.int8)
+    cells[:, 30:32] = 100
+    grid = OccupancyGrid(cells, 0.05, Pose2(0, 0, 0))
+    mount = LaserMount(Pose2(0, 0, 0), 0.0, 0.1, 2, 0.05, 5.0)
+    field = LikelihoodField.of(grid, Beams.of(mount, 2, -1.0), 0.9, 0.1, 0.1, 1.0)
+    # A metre from the near side of the wall, and 5 cm behind its far side.
+    before, behind = (field.log_likelihood(np.array([[0.5, 1.5, 0.0]]), np.array([[x, 0.0]]))[0] for x in (1.0, 1.15))
+    assert before > behind + 1.0
 
 
 def test_a_map_without_walls_is_far_from_all():
     grid = OccupancyGrid(np.zeros((5, 5), dtype=np.int8), 0.1, Pose2(0, 0, 0))
-    assert signed_distance(grid, 1.5) == pytest.approx(1.5)
+    assert facing_distance(grid, 1.5) == pytest.approx(1.5)
 
 
 @pytest.mark.parametrize("origin", [ORIGIN, Pose2(0.5, 0.3, 0.7)])
@@ -40,18 +54,21 @@ def test_log_likelihood_is_that_of_table_6_3(origin):
     grid = box(origin)
     beams = Beams.of(MOUNT, 10, -1.0)
     field = field_of(grid, beams)
-    distances = signed_distance(grid, 1.5)
+    distances = facing_distance(grid, 1.5)
+    laser = MOUNT.laser_in_base.array()[:2]
     rng = np.random.default_rng(5)
     particles = rng.uniform((-3, -4, -3), (7, 4, 3), (50, 3))
     points = rng.uniform(-2, 2, (10, 2))
     got = field.log_likelihood(particles, points)
     for i, particle in enumerate(particles):
         total = 0.0
-        for x, y in Pose2(*particle).transform(points):
+        in_grid = Pose2(*particle).theta - origin.theta
+        for (x, y), beam in zip(Pose2(*particle).transform(points), points - laser, strict=True):
             row, col = grid.cell_of(x, y)
-            distance = distances[row, col] if grid.contains(row, col) else 1.5
+            right, up = Pose2(0.0, 0.0, in_grid).transform(beam[None])[0] > 0.0
+            distance = distances[right + 2 * up, row, col] if grid.contains(row, col) else 1.5
             total += math.log(0.9 * math.exp(-(distance**2) / (2 * 0.2**2)) + 0.1 / 5.0)
-        assert got[i] == pytest.approx(total * INDEPENDENT_BEAMS / 10, rel=1e-5)
+        assert got[i] == pytest.approx(total, rel=1e-5)
 
 
 def test_without_random_readings_the_logarithm_stays_finite():

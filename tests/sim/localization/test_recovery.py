@@ -19,6 +19,11 @@ def test_a_moment_behind_other_robots_is_no_loss():
     assert averaged([0.95] * 100 + [0.5] * 5).lost == 0.0
 
 
+def test_a_robot_carried_elsewhere_is_noticed_within_three_scans_but_not_by_one():
+    assert averaged([0.95] * 100 + [0.3] * 3).unexplained
+    assert not averaged([0.95] * 100 + [0.4]).unexplained
+
+
 def test_walls_that_stay_away_are():
     assert averaged([0.95] * 100 + [0.3] * 20).lost > 0.2
 

@@ -4,10 +4,28 @@ from hypothesis import given
 from hypothesis import strategies as st
 from scipy.stats import chi2, norm
 
-from sim.localization.resampling import adaptive, sample_limit, systematic
+from sim.localization.resampling import adaptive, sample_limit, systematic, tempered
 
 offsets = st.floats(0, 1, exclude_max=True)
 weights_of_some = st.lists(st.floats(0, 1), min_size=1, max_size=50).filter(lambda w: sum(w) > 1e-6)
+
+
+def effective(weights):
+    return weights.sum() ** 2 / (weights @ weights)
+
+
+@given(st.lists(st.floats(-500, 0), min_size=20, max_size=60))
+def test_tempering_leaves_a_share_effective_and_the_order_as_it_is(logs):
+    logs = np.array(logs)
+    likelihoods = tempered(logs, 0.1)
+    assert likelihoods.max() == pytest.approx(1.0)
+    assert effective(likelihoods) >= 0.1 * len(logs) * (1 - 1e-9)
+    assert (np.diff(likelihoods[np.argsort(logs, kind="stable")]) >= 0).all()
+
+
+def test_what_leaves_enough_effective_is_not_tempered():
+    logs = np.array([-1.0, -1.5, -2.0, -3.0])
+    assert tempered(logs, 0.1) == pytest.approx(np.exp(logs + 1.0))
 
 
 def test_sample_limit_is_foxs_approximation_of_a_chi_square_quantile():
