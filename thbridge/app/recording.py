@@ -4,6 +4,9 @@ import json
 from collections.abc import Iterator
 from typing import Protocol
 
+import numpy as np
+
+from sim.geometry import FloatArray
 from sim.team import TeamSnapshot
 from thbridge.app.session import Moment
 from thbridge.dialogue import moves
@@ -16,6 +19,9 @@ from thbridge.roles.talks import MATTERS
 from thbridge.ros.records import GameEvent, Input, Record, Score, SendRobots, Success, Utterance
 from thbridge.wire import legacy
 from thbridge.wire.router import Forwarded
+
+JUMP = 0.2
+"""Metres in one tick that no robot drives: it was put there."""
 
 
 class Recorder(Protocol):
@@ -38,6 +44,7 @@ class BagWitness:
         self._collisions: tuple[int, ...] = ()
         self._things: tuple[str, ...] = ()
         self._dead: frozenset[int] = frozenset()
+        self._places: FloatArray | None = None
 
     def saw(self, moment: Moment) -> None:
         """Write down one tick; raises what the recorder raises."""
@@ -69,7 +76,7 @@ class BagWitness:
                 yield GameEvent("collision", robot, None, text)
 
     def _incidents(self, snapshot: TeamSnapshot) -> Iterator[GameEvent]:
-        """Things that came or went, robots that died or revived."""
+        """Things that came or went, robots that died, revived or were put elsewhere."""
         things = tuple(presence.thing.name for presence in snapshot.world.things if presence.appeared)
         before, self._things = self._things, things
         for kind, names, others in (("appeared", things, before), ("vanished", before, things)):
@@ -79,7 +86,16 @@ class BagWitness:
         dead, self._dead = self._dead, snapshot.dead
         for kind, robots in (("died", self._dead - dead), ("revived", dead - self._dead)):
             for robot in sorted(robots):
-                yield GameEvent(kind, robot, None, json.dumps({"event": kind, "robot": robot}))
+                yield _befell(kind, robot)
+        places = snapshot.world.poses[:, :2]
+        if self._places is not None:
+            for robot in np.flatnonzero(np.hypot(*(places - self._places).T) > JUMP).tolist():
+                yield _befell("carried", robot)
+        self._places = places.copy()
+
+
+def _befell(kind: str, robot: int) -> GameEvent:
+    return GameEvent(kind, robot, None, json.dumps({"event": kind, "robot": robot}))
 
 
 def _lines(forwarded: Forwarded) -> Iterator[Record]:

@@ -39,7 +39,7 @@ _INT64 = Struct("<q")
 _POWER_SUPPLY_UNKNOWN = 0
 _POWER_SUPPLY_STATUS_DISCHARGING = 2
 
-_ADD = 0
+ADD = 0
 _DELETEALL = 3
 _LINE_STRIP = 4
 """Of visualization_msgs/Marker."""
@@ -218,7 +218,7 @@ def outlines(tick: int, frame: str, bodies: Iterable[tuple[str, FloatArray]]) ->
     """
     parts = [_marker(tick, frame, _DELETEALL, 0, "", np.empty((0, 2)))]
     for number, (name, corners) in enumerate(bodies):
-        parts.append(_marker(tick, frame, _ADD, number, name, np.vstack((corners, corners[:1]))))
+        parts.append(_marker(tick, frame, ADD, number, name, np.vstack((corners, corners[:1]))))
     return _UINT32.pack(len(parts)) + b"".join(parts)
 
 

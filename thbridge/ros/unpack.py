@@ -12,9 +12,9 @@ from struct import Struct, error
 import numpy as np
 from numpy.typing import NDArray
 
-from sim.geometry import Pose2
+from sim.geometry import FloatArray, Pose2
 from sim.grid import OccupancyGrid
-from thbridge.ros.pack import Transform
+from thbridge.ros.pack import ADD, Transform
 from thbridge.ros.records import GameEvent, Input, Score, Session, Utterance
 
 _UINT8 = Struct("<B")
@@ -25,6 +25,8 @@ _UINT64 = Struct("<Q")
 _FLOAT32 = Struct("<f")
 _STAMP = Struct("<II")
 _POSE = Struct("<7d")
+_MARKER_REST = 3 * 8 + 4 * 4 + 2 * 4 + 1
+"""Bytes of a marker's scale, colour, lifetime and frame_locked."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -134,6 +136,9 @@ class _Cursor:
         (value,) = _FLOAT32.unpack(self.take(_FLOAT32.size))
         return float(value)
 
+    def reals(self, count: int) -> FloatArray:
+        return np.frombuffer(self.take(8 * count), dtype="<f8").astype(np.float64)
+
     def string(self) -> str:
         return self.take(self.integer(_UINT32)).decode(errors="replace")
 
@@ -212,6 +217,27 @@ def occupancy_grid(data: bytes) -> OccupancyGrid:
     if cells.size != rows * cols:
         raise ValueError(f"a map of {rows} x {cols} cells has {cells.size} of them")
     return OccupancyGrid(cells.reshape(rows, cols), resolution, origin)
+
+
+def outlines(data: bytes) -> list[tuple[str, FloatArray]]:
+    """visualization_msgs/MarkerArray: of the markers that are added and have points, namespace and (v, 2) points."""
+    cursor = _Cursor(data)
+    found = []
+    for _ in range(cursor.integer(_UINT32)):
+        cursor.header()
+        name = cursor.string()
+        cursor.take(2 * _INT32.size)
+        action = cursor.integer(_INT32)
+        place = cursor.pose()
+        cursor.take(_MARKER_REST)
+        points = cursor.reals(3 * cursor.integer(_UINT32)).reshape(-1, 3)[:, :2]
+        cursor.take(4 * _FLOAT32.size * cursor.integer(_UINT32))
+        cursor.string()
+        cursor.string()
+        cursor.take(1)
+        if action == ADD and len(points):
+            found.append((name, place.transform(points)))
+    return found
 
 
 def battery_state(data: bytes) -> Charge:

@@ -17,6 +17,7 @@ import numpy as np
 from sim.geometry import FloatArray
 from sim.grid import OccupancyGrid
 from thbridge.ros import types, unpack
+from thbridge.ros.names import THINGS
 from thbridge.ros.pack import ABORTED, PREEMPTED, SUCCEEDED
 from thbridge.ros.records import GameEvent, Score, Session, Utterance
 
@@ -91,6 +92,21 @@ class Track:
     distance: float
 
 
+@dataclass(frozen=True, slots=True, eq=False)
+class Thing:
+    """Something that stood or walked in the way.
+
+    Attributes:
+        name: what people call it.
+        outline: (v, 2) closed, where it was seen first; map frame.
+        path: (n, 2) the middles of its outlines in order of time; one point if it stood.
+    """
+
+    name: str
+    outline: FloatArray
+    path: FloatArray
+
+
 @dataclass(frozen=True, slots=True)
 class Moment:
     """Something that happened or was said.
@@ -121,6 +137,7 @@ class Report:
         session: what it was run with; None in foreign bags.
         grid: the map, or None.
         tracks: one a robot, by name.
+        things: in the order of their appearance.
         moments: in order of time.
         score: the last one told, or None.
         inputs: how many inputs of people were recorded.
@@ -131,6 +148,7 @@ class Report:
     session: Session | None
     grid: OccupancyGrid | None
     tracks: tuple[Track, ...]
+    things: tuple[Thing, ...]
     moments: tuple[Moment, ...]
     score: Score | None
     inputs: int
@@ -171,6 +189,7 @@ class _Gathered:
         self._score: Score | None = None
         self._moments: list[Moment] = []
         self._inputs = 0
+        self._outlines: defaultdict[str, list[FloatArray]] = defaultdict(list)
         self._unread: dict[str, str] = {}
         self._takers: dict[str, Callable[[float, str, bytes], None]] = {
             types.ODOMETRY: self._odometry,
@@ -182,6 +201,7 @@ class _Gathered:
             types.OCCUPANCY_GRID: self._map,
             types.SESSION: self._take_session,
             types.SCORE: self._take_score,
+            types.MARKER_ARRAY: self._things,
             types.GAME_EVENT: self._event,
             types.UTTERANCE: self._utterance,
             types.INPUT: self._input,
@@ -213,6 +233,7 @@ class _Gathered:
             self._session,
             self._grid,
             tracks,
+            tuple(_thing(name, outlines) for name, outlines in self._outlines.items()),
             tuple(self._moments),
             self._score,
             self._inputs,
@@ -280,6 +301,11 @@ class _Gathered:
         if topic == "/map":
             self._grid = unpack.occupancy_grid(data)
 
+    def _things(self, time: float, topic: str, data: bytes) -> None:
+        if topic == THINGS:
+            for name, outline in unpack.outlines(data):
+                self._outlines[name].append(outline)
+
     def _take_session(self, time: float, topic: str, data: bytes) -> None:
         self._session = unpack.session(data)
 
@@ -321,6 +347,12 @@ def _by_number(item: tuple[str, _Robot]) -> tuple[int, str]:
     """robot2 before robot10."""
     digits = "".join(sign for sign in item[0] if sign.isdigit())
     return int(digits or 0), item[0]
+
+
+def _thing(name: str, outlines: list[FloatArray]) -> Thing:
+    middles = np.array([outline[:-1].mean(axis=0) for outline in outlines])
+    moved = np.hypot(*np.diff(middles, axis=0).T) > 0.0
+    return Thing(name, outlines[0], middles[np.concatenate(([True], moved))])
 
 
 def _names_without(tracks: tuple[Track, ...], part: Callable[[Track], FloatArray]) -> str:
@@ -368,12 +400,17 @@ def _told(event: GameEvent) -> tuple[str, int | None]:
     if not isinstance(fields, dict):
         return event.json, None
     told = (
-        f"{name.replace('_', ' ')} {value}"
+        f"{name.replace('_', ' ')} {_plain(value)}"
         for name, value in fields.items()
         if name not in _SAID_ELSEWHERE and isinstance(value, str | int | float) and not isinstance(value, bool)
     )
     points = fields.get("points")
     return ", ".join(told), points if isinstance(points, int) else None
+
+
+def _plain(value: str | int | float) -> str:
+    """A value within a list: sentences without their stop, numbers without digits that nobody reads."""
+    return value.rstrip(".") if isinstance(value, str) else f"{value:g}"
 
 
 _SAID_ELSEWHERE = frozenset({"v", "event", "robot", "room", "points"})

@@ -101,7 +101,8 @@ class _Figure:
 
 
 _PATHS_CAPTION = (
-    "Broad: where the robot was. Narrow: where it believed itself to be. A ring marks the start, a dot the end."
+    "Broad: where the robot was. Narrow: where it believed itself to be. A ring marks the start, a dot the end. "
+    "Yellow: things in the way, where they were first; dotted: where they walked."
 )
 _ERROR_CAPTION = "Distance and angle between where a robot was and where it believed itself to be."
 _TIMELINE_CAPTION = (
@@ -197,6 +198,11 @@ def _map_figure(report: Report) -> Figure:
     axes.grid(visible=False)
     if report.grid is not None:
         _draw_grid(axes, report.grid)
+    for thing in report.things:
+        axes.fill(thing.outline[:, 0], thing.outline[:, 1], fc="#f0b429", ec=_INK, lw=0.8, alpha=0.8, zorder=1)
+        way = _simplified(thing.path)
+        axes.plot(way[:, 0], way[:, 1], ":", color=_INK, lw=1.0, zorder=1)
+        axes.annotate(thing.name, thing.outline[:, :2].max(axis=0), color=_INK, fontsize=7, zorder=4)
     for index, track in enumerate(report.tracks):
         colour = _colour(index)
         for path, width, alpha in ((track.truth, 4.5, 0.35), (track.estimate, 1.1, 1.0)):

@@ -21,6 +21,17 @@ class Tape:
         self.records += records
 
 
+def test_a_robot_that_is_put_elsewhere_is_an_event_and_one_that_drives_is_not():
+    tape = Tape()
+    witness = BagWitness(tape)
+    for snapshot in snapshots(2, 100):
+        poses = snapshot.world.poses.copy()
+        poses[1, 0] += 0.3 * (snapshot.tick > 50)
+        carried = replace(snapshot, world=replace(snapshot.world, poses=poses))
+        witness.saw(Moment(snapshot.tick, carried, (), (), (), None))
+    assert [json.loads(record.json) for record in tape.records] == [{"event": "carried", "robot": 1}]
+
+
 def test_what_befalls_robots_and_things_is_an_event():
     tape = Tape()
     witness = BagWitness(tape)

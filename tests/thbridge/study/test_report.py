@@ -7,9 +7,13 @@ import pytest
 from sim.geometry import Pose2
 from sim.observations import STANDSTILL, Battery
 from tests.thbridge.ros.drive import LEG, MOUNT, SCAN_PERIOD, SESSION, arena, records, snapshots
+from thbridge.hunt.codec import to_json
+from thbridge.hunt.events import Failed
+from thbridge.hunt.rooms import Room
 from thbridge.ros import pack, types
 from thbridge.ros.pack import Transform
 from thbridge.ros.publisher import Publisher
+from thbridge.ros.records import GameEvent
 from thbridge.ros.types import plain_definition
 from thbridge.study.report import Report, read_report
 
@@ -38,6 +42,19 @@ def session(robots: int, ticks: int) -> Report:
 @pytest.fixture(scope="module")
 def report() -> Report:
     return session(2, 400)
+
+
+def test_things_are_drawn_where_they_were_first_and_where_they_walked() -> None:
+    square = np.array([[0.1, 0.1], [-0.1, 0.1], [-0.1, -0.1], [0.1, -0.1]])
+    said = [
+        pack.outlines(second, "map", [("crate", square), ("walker", square + np.array([0.5 * second, 1.0]))])
+        for second in range(3)
+    ]
+    report = read_report(recorded("/things", types.MARKER_ARRAY, second, data) for second, data in enumerate(said))
+    crate, walker = report.things
+    assert (crate.name, crate.path.tolist()) == ("crate", [[0.0, 0.0]])
+    assert crate.outline.tolist() == [*square.tolist(), square[0].tolist()]
+    assert walker.path == pytest.approx(np.array([[0.0, 1.0], [0.5, 1.0], [1.0, 1.0]]))
 
 
 def odometry(second: float, topic: str, frame: str, pose: Pose2) -> Recorded:
@@ -148,3 +165,11 @@ def test_a_bag_of_nothing_is_a_report_of_what_is_missing() -> None:
     report = read_report([])
     assert (report.duration, report.tracks, report.moments) == (0.0, (), ())
     assert len(report.missing) == 4
+
+
+def test_why_a_robot_did_not_get_there_is_told_in_words() -> None:
+    failed = Failed(1, Room(3), "Robot 2 is stuck and cannot get free.", 27.76007947445022, Room(0))
+    data = pack.game_event(0, GameEvent("failed", 1, 3, to_json(failed)))
+    (moment,) = read_report([recorded("/hunt/events", types.GAME_EVENT, 1.0, data)]).moments
+    assert (moment.who, moment.room) == ("robot2", 3)
+    assert moment.text == "reason Robot 2 is stuck and cannot get free, refund 27.7601, at 0"
