@@ -18,12 +18,13 @@ from multiprocessing import get_context
 from pathlib import Path
 
 from sim.geometry import Pose2
+from sim.navigator import Arrived, NoPath
 from sim.observations import TICK, TICKS_PER_SECOND
 from sim.team import TeamSnapshot
 from thbridge.app.compose import build_bot, read_setting
 from thbridge.app.config import Study
 from thbridge.app.session import Session
-from thbridge.hunt.events import Event, Failed
+from thbridge.hunt.events import Event
 from thbridge.roles.tabui import TabUI
 from thbridge.study.bots import BotStrategy
 from thbridge.wire.router import Router
@@ -53,7 +54,7 @@ class Outcome:
         ended: whether it did.
         seconds: simulated.
         goals: how many were reached.
-        failures: the reasons of those that were not.
+        failures: the reasons of those that were not, as codes.
         collisions: of all robots.
         waited: longest time that a robot with a goal stood still, seconds.
         open: longest time from a goal to its end, seconds.
@@ -81,13 +82,16 @@ class Watch:
         self._place: list[Pose2 | None] = [None] * robots
         self.waited = self.open = 0
         self.reached = 0
+        self.failures: list[str] = []
 
     def saw(self, snapshot: TeamSnapshot) -> None:
         """Take in one tick."""
         for robot, output in enumerate(snapshot.robots):
             navigation, tick = output.navigation, snapshot.tick
             goal = None if navigation.goal is None else navigation.goal.id
-            self.reached += type(navigation.result).__name__ == "Arrived"
+            self.reached += isinstance(navigation.result, Arrived)
+            if isinstance(navigation.result, NoPath):
+                self.failures.append(navigation.result.reason)
             here = Pose2(*snapshot.world.poses[robot])
             before = self._place[robot]
             moved = before is None or before.distance(here) > STIRRED or abs(before.theta - here.theta) > STIRRED
@@ -99,21 +103,20 @@ class Watch:
             self.open = max(self.open, tick - self._since[robot])
 
 
-class Events(list[Event]):
-    """A log of events in memory."""
+class NoLog:
+    """For hunts that nobody goes on with."""
 
-    def append(self, events: Sequence[Event]) -> None:  # type: ignore[override]  # a log takes several at once
-        """Keep them."""
-        self.extend(events)
+    def append(self, events: Sequence[Event]) -> None:
+        """Forget them."""
 
 
 def play(hunt: Hunt) -> Outcome:
     """Play one hunt to its end."""
     began = time.process_time()
     setting = read_setting(replace(Study(robots=hunt.robots, seed=hunt.seed), map=hunt.place), Path())
-    log, simr = Events(), setting.simr()
+    simr = setting.simr()
     person = TabUI(build_bot(setting.templates, BotStrategy.RANDOM, hunt.seed))
-    session = Session(Router(), setting.keeper(), [simr, setting.hider(), person], log)
+    session = Session(Router(), setting.keeper(), [simr, setting.hider(), person], NoLog())
     watch = Watch(hunt.robots)
     while session.tick < LONGEST * TICKS_PER_SECOND and not (session.game is not None and session.game.ended):
         snapshot = session.step().snapshot
@@ -124,7 +127,7 @@ def play(hunt: Hunt) -> Outcome:
         session.game is not None and bool(session.game.ended),
         session.tick * TICK,
         watch.reached,
-        tuple(event.reason for event in log if isinstance(event, Failed)),
+        tuple(watch.failures),
         int(simr.snapshot.world.collisions.sum()) if simr.snapshot is not None else 0,
         watch.waited * TICK,
         watch.open * TICK,

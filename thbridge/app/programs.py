@@ -40,6 +40,7 @@ class Outcome:
     Attributes:
         seed: of the study.
         score: points.
+        over: why the game ended (`hunt.events.EndReason`); None if it did not.
         rooms_visited: how many.
         identified: treasures named, rightly or wrongly.
         energy: what each robot has left.
@@ -51,6 +52,7 @@ class Outcome:
 
     seed: int
     score: int
+    over: str | None
     rooms_visited: int
     identified: int
     energy: tuple[float, ...]
@@ -189,6 +191,7 @@ def _outcome(
     return Outcome(
         seed=setting.study.seed,
         score=0 if game is None else game.score,
+        over=None if game is None or game.ended is None else game.ended.reason.value,
         rooms_visited=_visited(game),
         identified=0 if game is None else sum(room.points is not None for room in game.rooms),
         energy=() if game is None else tuple(robot.energy for robot in game.robots),

@@ -21,6 +21,7 @@ from thbridge.hunt.events import (
     Started,
 )
 from thbridge.hunt.game import fold
+from thbridge.roles.keeper import Keeper
 from thbridge.roles.tabui import TabUI
 from thbridge.roles.view import (
     Answer,
@@ -276,6 +277,15 @@ def test_a_line_of_2016_moves_no_robot_that_does_not_answer(scripted):
     assert scripted.session.game.robots[0].bound_for is None
     assert scripted.lines[before] == "%%goto TabUI SimR 0 2 2 45 "
     assert not any(line.startswith("%%error SimR TabUI") for line in scripted.lines[before:])
+
+
+def test_how_robots_are_outlives_every_program(scripted):
+    report(scripted, 0, Condition.SILENT)
+    keeper = Keeper(stage.RULES, lambda game: stage.engine(scripted.templates), tuple(scripted.log.events))
+    assert [robot.condition for robot in keeper.state.robots] == [Condition.SILENT, Condition.WELL]
+    # A SimR that comes back has robots that answer.
+    scripted.puppets.connected()
+    assert report(scripted, 0, Condition.WELL).robots[0].condition is Condition.WELL
 
 
 def test_a_hunt_whose_last_robot_falls_silent_is_over():
