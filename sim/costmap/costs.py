@@ -45,11 +45,6 @@ class Window(NamedTuple):
         """Whether it holds no cell."""
         return self.row_end <= self.row or self.col_end <= self.col
 
-    @property
-    def cells(self) -> int:
-        """How many cells it holds."""
-        return 0 if self.empty else (self.row_end - self.row) * (self.col_end - self.col)
-
     def of(self, costs: Costs, origin: tuple[int, int] = (0, 0)) -> Costs:
         """The part of an array that lies in this window, as a view; `origin` is the cell at which the array begins."""
         row, col = origin
@@ -76,12 +71,6 @@ class Window(NamedTuple):
             max(self.row_end, other.row_end),
             max(self.col_end, other.col_end),
         )
-
-    def grown(self, cells: int) -> "Window":
-        """The same with a rim of this many cells; still nothing when empty."""
-        if self.empty:
-            return self
-        return Window(self.row - cells, self.col - cells, self.row_end + cells, self.col_end + cells)
 
     def clipped(self, other: "Window") -> "Window":
         """What lies in both."""

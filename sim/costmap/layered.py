@@ -8,10 +8,12 @@ Differs: changes that lie apart stay apart, where ROS draws one rectangle around
 are ten small windows.
 """
 
-from collections.abc import Iterable, Sequence
+from collections.abc import Sequence
 from typing import Protocol
 
 import numpy as np
+from numba import njit
+from numpy.typing import NDArray
 
 from sim.costmap.costs import FREE, UNKNOWN, CostFrame, Costs, Window
 from sim.grid import OccupancyGrid
@@ -34,6 +36,49 @@ class Layer(Protocol):
             origin: row and column of the costmap's cell (0, 0) in the static map.
             window: in cells of the static map, within the costmap.
         """
+
+
+@njit(cache=True)
+def _cells(window: NDArray[np.int64], reach: int) -> int:
+    """How many cells a window holds with a rim of so many."""
+    return int((window[2] - window[0] + 2 * reach) * (window[3] - window[1] + 2 * reach))
+
+
+@njit(cache=True)
+def _apart(changes: NDArray[np.int64], reach: int, bounds: NDArray[np.int64]) -> NDArray[np.int64]:
+    """Changed windows with all that they reach, those joined that are cheaper to write as one.
+
+    Args:
+        changes: (n, 4) row, col, row_end, col_end of each.
+        reach: cells by which a change reaches beyond itself.
+        bounds: (4,) the window outside of which nothing counts.
+
+    Returns:
+        (m, 4), none empty.
+    """
+    apart = np.empty_like(changes)
+    count = 0
+    for i in range(changes.shape[0]):
+        if changes[i, 2] <= changes[i, 0] or changes[i, 3] <= changes[i, 1]:
+            continue
+        window = np.empty(4, np.int64)
+        window[:2] = np.maximum(changes[i, :2] - reach, bounds[:2])
+        window[2:] = np.minimum(changes[i, 2:] + reach, bounds[2:])
+        if window[2] <= window[0] or window[3] <= window[1]:
+            continue
+        k = 0
+        while k < count:
+            union = np.concatenate((np.minimum(window[:2], apart[k, :2]), np.maximum(window[2:], apart[k, 2:])))
+            # Around every window the costs are read as far as they reach.
+            if _cells(union, reach) <= _cells(window, reach) + _cells(apart[k], reach):
+                apart[k : count - 1] = apart[k + 1 : count].copy()
+                count -= 1
+                window, k = union, 0
+            else:
+                k += 1
+        apart[count] = window
+        count += 1
+    return apart[:count]
 
 
 class LayeredCostmap:
@@ -91,31 +136,12 @@ class LayeredCostmap:
             The cells that were written, in cells of the static map; windows may overlap.
         """
         changes = [window for layer in self._layers for window in layer.bounds()]
-        windows = (self.window,) if self._rolling else self._apart(changes)
+        windows: tuple[Window, ...] = (self.window,)
+        if not self._rolling:
+            apart = _apart(np.array(changes, np.int64).reshape(-1, 4), self._reach, np.array(self.window))
+            windows = tuple(Window(*window) for window in apart.tolist())
         self.write(windows)
         return windows
-
-    def _apart(self, changes: Iterable[Window]) -> tuple[Window, ...]:
-        """The changes with all that they reach, those joined that are cheaper to write as one."""
-        apart: list[Window] = []
-        for change in changes:
-            window = change.grown(self._reach).clipped(self.window)
-            if window.empty:
-                continue
-            joined = True
-            while joined:
-                joined = False
-                for other in apart:
-                    union = window.union(other)
-                    # Around every window the costs are read as far as they reach.
-                    if union.grown(self._reach).cells <= (
-                        window.grown(self._reach).cells + other.grown(self._reach).cells
-                    ):
-                        apart.remove(other)
-                        window, joined = union, True
-                        break
-            apart.append(window)
-        return tuple(apart)
 
     def write(self, windows: Sequence[Window]) -> None:
         """Write the costs of these windows anew, each within the costmap; what layers tell as changed stays so."""

@@ -179,9 +179,12 @@ def _mark(
             r, c = row + known.row, col + known.col
             in_map = r >= 0 and c >= 0 and r < known.wall_distance.shape[0] and c < known.wall_distance.shape[1]
             explained = in_map and known.wall_distance[r, c] <= known.distance
-            for k in range(known.discs.shape[0]):
-                off = math.hypot(x - known.discs[k, 0], y - known.discs[k, 1])
-                explained = explained or off <= known.discs[k, 2] + known.distance
+            k = 0
+            while not explained and k < known.discs.shape[0]:
+                reach = known.discs[k, 2] + known.distance
+                dx, dy = x - known.discs[k, 0], y - known.discs[k, 1]
+                explained = abs(dx) <= reach and abs(dy) <= reach and math.hypot(dx, dy) <= reach
+                k += 1
             if explained:
                 continue
         marks[row, col] = 254

@@ -202,21 +202,19 @@ class Navigator:
         self._tick = tick
         pose, neighbours = self._turned.pose(base_in_map), self._turned.neighbours(neighbours)
         self._silence.hear(tick, neighbours)
-        standing = self._silence.remembered(tick)
-        mates = [*neighbours, *standing]
         if lost:
             self._stay_lost(tick)
             return self._told()
         if scan is not None:
             self._silence.look(pose.compose(scan.mount.laser_in_base), scan)
             if self._goal is not None or not self._parameters.shutdown_costmaps:
-                discs = _discs(mates)
+                discs = _discs([*neighbours, *self._silence.remembered(tick)])
                 self._global.observe(pose, scan, discs)
                 self._follower.look(pose, scan, discs)
         # One and the same for all who speak, so that no two of them have their turn at once.
         team = 1 + max(self._robot, self._silence.highest)
         if (tick - self._robot) % team == 0 and tick >= self._next_plan and self._turn_left == 0.0:
-            self._choose_way(tick, pose, mates)
+            self._choose_way(tick, pose, [*neighbours, *self._silence.remembered(tick)])
         if (tick - self._robot) % self._follower.control_ticks == 0:
             bodies = [*neighbours, *self._silence.bodies()]
             self._choose_command(tick, pose, twist, bodies)

@@ -71,18 +71,13 @@ def heard(neighbours: Sequence[Neighbour]) -> Others:
     """What the neighbours said of their itineraries."""
     if not neighbours:
         return Others(np.empty((0, 2)), np.empty(0), np.zeros(1, dtype=np.int64))
-    points: list[FloatArray] = []
-    times: list[FloatArray] = []
-    starts = [0]
-    for neighbour in neighbours:
-        if len(neighbour.times):
-            points.append(neighbour.path)
-            times.append(neighbour.times)
-        else:
-            points.append(np.array([[neighbour.base_in_map.x, neighbour.base_in_map.y]]))
-            times.append(_FOR_GOOD)
-        starts.append(starts[-1] + len(times[-1]))
-    return Others(np.concatenate(points), np.concatenate(times), np.array(starts))
+    points = [
+        other.path if len(other.times) else np.array([[other.base_in_map.x, other.base_in_map.y]])
+        for other in neighbours
+    ]
+    times = [other.times if len(other.times) else _FOR_GOOD for other in neighbours]
+    starts = np.cumsum([0, *map(len, times)])
+    return Others(np.concatenate(points), np.concatenate(times), starts)
 
 
 def resting_left_out(neighbours: Sequence[Neighbour]) -> Others:

@@ -68,10 +68,10 @@ def roadmap(grid: OccupancyGrid, clearance: FloatArray, radius: float) -> Roadma
 
 @njit(cache=True)
 def _shade(
-    busy: BoolArray, centres: FloatArray, corner: FloatArray, side: float, x: float, y: float, radius: float,
-    start_x: float, start_y: float, present: float, first: int, last: int,
+    busy: BoolArray, free: BoolArray, centres: FloatArray, corner: FloatArray, side: float, x: float, y: float,
+    radius: float, start_x: float, start_y: float, present: float, first: int, last: int,
 ) -> None:  # fmt: skip
-    """Mark the cells around a robot at (x, y) busy from bin `first` to bin `last`."""
+    """Mark the free cells around a robot at (x, y) busy from bin `first` to bin `last`."""
     rows, cols, bins = busy.shape
     first, last = max(first, 0), min(last, bins - 1)
     if last < first:
@@ -81,22 +81,28 @@ def _shade(
     for r in range(max(0, int(row - span)), min(rows, int(row + span) + 1)):
         for c in range(max(0, int(col - span)), min(cols, int(col + span) + 1)):
             cx, cy = centres[r, c, 0], centres[r, c, 1]
+            if not free[r, c] or abs(cx - x) >= radius or abs(cy - y) >= radius:
+                continue
+            distance = math.hypot(cx - x, cy - y)
+            if distance >= radius:
+                continue
             needed = radius
             off = math.hypot(cx - start_x, cy - start_y)
             if off < side:
                 # The cell that the start is rounded to may seem nearer than the robot is; no other may be.
                 needed = min(radius, present - (0.75 * side if off < 0.71 * side else 0.02))
-            if math.hypot(cx - x, cy - y) < needed:
-                busy[r, c, first : last + 1] = True
+            if distance < needed:
+                for b in range(first, last + 1):
+                    busy[r, c, b] = True
 
 
 @njit(cache=True)
 def _traffic(
-    centres: FloatArray, corner: FloatArray, side: float, others: Others, start: FloatArray, time: float,
-    separation: float, bins: int, bin_length: float,
+    free: BoolArray, centres: FloatArray, corner: FloatArray, side: float, others: Others, start: FloatArray,
+    time: float, separation: float, bins: int, bin_length: float,
 ) -> BoolArray:  # fmt: skip
-    """(rows, cols, bins) whether another robot comes near a cell within a span of time."""
-    rows, cols = centres.shape[0], centres.shape[1]
+    """(rows, cols, bins) whether another robot comes near a free cell within a span of time."""
+    rows, cols = free.shape
     busy = np.zeros((rows, cols, bins), np.bool_)
     for k in range(others.starts.shape[0] - 1):
         begin, end = others.starts[k], others.starts[k + 1]
@@ -104,17 +110,19 @@ def _traffic(
         now_x, now_y = others.points[begin, 0], others.points[begin, 1]
         present = math.hypot(now_x - start[0], now_y - start[1])
         first = math.floor((others.times[begin] - time) / bin_length) if others.times[begin] > -math.inf else 0
-        _shade(busy, centres, corner, side, now_x, now_y, separation, start[0], start[1], present, 0, first)
+        _shade(busy, free, centres, corner, side, now_x, now_y, separation, start[0], start[1], present, 0, first)
         for i in range(begin, end):
             x, y = others.points[i, 0], others.points[i, 1]
             first = 0 if others.times[i] == -math.inf else math.floor((others.times[i] - time) / bin_length)
             last = bins - 1 if i == end - 1 else math.floor((others.times[i + 1] - time) / bin_length)
-            _shade(busy, centres, corner, side, x, y, separation, start[0], start[1], present, first, last)
+            _shade(busy, free, centres, corner, side, x, y, separation, start[0], start[1], present, first, last)
             if i > begin:
                 first = math.floor((others.times[i - 1] - time) / bin_length)
                 last = math.floor((others.times[i] - time) / bin_length)
                 if last - first == 1:
-                    _shade(busy, centres, corner, side, x, y, separation, start[0], start[1], present, first, last)
+                    _shade(
+                        busy, free, centres, corner, side, x, y, separation, start[0], start[1], present, first, last
+                    )
     return busy
 
 
@@ -254,6 +262,24 @@ def _search(
     return way[:n][::-1].copy()
 
 
+@njit(cache=True)
+def _off_path(
+    free: BoolArray, centres: FloatArray, corner: FloatArray, side: float, path: FloatArray, distance: float
+) -> BoolArray:  # fmt: skip
+    """(rows, cols) the free cells that are so many metres or more from each of (m, 2) points."""
+    off = free.copy()
+    rows, cols = free.shape
+    span = distance / side + 1.0
+    for i in range(path.shape[0]):
+        x, y = path[i, 0], path[i, 1]
+        col, row = (x - corner[0]) / side, (y - corner[1]) / side
+        for r in range(max(0, int(row - span)), min(rows, int(row + span) + 1)):
+            for c in range(max(0, int(col - span)), min(cols, int(col + span) + 1)):
+                if math.hypot(centres[r, c, 0] - x, centres[r, c, 1] - y) < distance:
+                    off[r, c] = False
+    return off
+
+
 def _nearest(chart: Roadmap, free: BoolArray, x: float, y: float, reach: float) -> tuple[int, int] | None:
     """The free cell whose centre is nearest to a map point, within `reach` metres."""
     col, row = ((np.array([x, y]) - chart.corner) / chart.side).astype(np.int64)
@@ -312,12 +338,8 @@ def refuge(
         others: the other robots'.
         separation: metres from centre to centre, also from that path.
     """
-    flat = chart.centres.reshape(-1, 2)
-    nearest = np.full(len(flat), np.inf)
-    for point in wish:
-        nearest = np.minimum(nearest, np.hypot(*(flat - point).T))
     # Not just off it: the other one plans between rounded places too.
-    targets = (nearest >= separation + chart.side).reshape(free.shape) & free
+    targets = _off_path(free, chart.centres, chart.corner, chart.side, wish, separation + chart.side)
     return _way(chart, free, start, targets, time, others, separation)
 
 
@@ -333,7 +355,7 @@ def _way(
     cell = _nearest(chart, free, start[0], start[1], NEAR_START)
     if cell is None:
         return None
-    busy = _traffic(chart.centres, chart.corner, chart.side, others, start, time, separation, BINS, BIN)
+    busy = _traffic(free, chart.centres, chart.corner, chart.side, others, start, time, separation, BINS, BIN)
     way = _search(free, busy, targets, chart.centres, chart.side, *cell, BIN, SPEED)
     if len(way) < 2:
         return None
