@@ -5,6 +5,7 @@ Grids are (rows, cols) with row 0 and column 0 at the map's origin, as nav_msgs/
 
 import math
 from dataclasses import dataclass
+from functools import lru_cache
 from typing import Literal, NamedTuple
 
 import numpy as np
@@ -193,16 +194,20 @@ def interpret_image(
     return np.ascontiguousarray(cells[::-1])
 
 
+@lru_cache(maxsize=8)
 def distance_field(grid: OccupancyGrid, max_distance: float) -> NDArray[np.float32]:
     """Metres from each cell's centre to the centre of the nearest occupied cell, capped.
 
     Exact Euclidean distance, where ROS's likelihood field and inflation propagate it approximately.
 
     Returns:
-        (rows, cols) float32 in [0, max_distance]; `max_distance` everywhere when no cell is occupied.
+        (rows, cols) float32 in [0, max_distance]; `max_distance` everywhere when no cell is occupied. Read-only: a map
+        never changes, and all robots on it share one field.
     """
     open_cells = grid.cells != OCCUPIED
-    if open_cells.all():
-        return np.full(grid.cells.shape, max_distance, dtype=np.float32)
-    metres = np.asarray(distance_transform_edt(open_cells)) * grid.resolution
-    return np.minimum(metres, max_distance).astype(np.float32)
+    field = np.full(grid.cells.shape, max_distance, dtype=np.float32)
+    if not open_cells.all():
+        metres = np.asarray(distance_transform_edt(open_cells)) * grid.resolution
+        field = np.minimum(metres, max_distance).astype(np.float32)
+    field.setflags(write=False)
+    return field

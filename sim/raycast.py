@@ -7,6 +7,7 @@ in an occupied cell has range 0.
 
 import math
 from dataclasses import dataclass
+from functools import lru_cache
 
 import numpy as np
 from numba import njit
@@ -51,9 +52,14 @@ def _free_squares(cells: Cells) -> FreeSquares:
     return squares
 
 
+@lru_cache(maxsize=8)
 def free_squares_of(grid: OccupancyGrid) -> FreeSquares:
-    """How far a beam may go in one stride from every cell, for each quadrant that it may head for."""
+    """How far a beam may go in one stride from every cell, for each quadrant that it may head for.
+
+    Read-only: a map never changes, and all who cast beams through it share one table.
+    """
     squares: FreeSquares = _free_squares(grid.cells)
+    squares.setflags(write=False)
     return squares
 
 

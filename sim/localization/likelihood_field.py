@@ -2,6 +2,7 @@
 
 import math
 from dataclasses import dataclass
+from functools import lru_cache
 from typing import NamedTuple
 
 import numpy as np
@@ -47,6 +48,19 @@ def _shifted(mask: NDArray[np.bool_], rows: int, cols: int) -> NDArray[np.bool_]
     padded = np.pad(mask, 1)
     moved: NDArray[np.bool_] = padded[1 - rows : padded.shape[0] - 1 - rows, 1 - cols : padded.shape[1] - 1 - cols]
     return moved
+
+
+@lru_cache(maxsize=8)
+def _table(
+    grid: OccupancyGrid, max_distance: float, z_hit: float, random: float, sigma_hit: float
+) -> NDArray[np.float32]:
+    """(4, rows, cols) log probability of readings that end there, see `facing_distance`.
+
+    Read-only: a map never changes, and all robots on it with the same laser share one table.
+    """
+    table = _log_probability(facing_distance(grid, max_distance), z_hit, random, sigma_hit).astype(np.float32)
+    table.setflags(write=False)
+    return table
 
 
 class View(NamedTuple):
@@ -243,8 +257,7 @@ class LikelihoodField:
         Differs: measures to surfaces that face the beam, where table and amcl measure to occupied cells.
         """
         noise = z_hit, z_rand / beams.range_max, sigma_hit
-        table = _log_probability(facing_distance(grid, max_dist), *noise).astype(np.float32)
-        table.setflags(write=False)
+        table = _table(grid, max_dist, *noise)
         outside = float(_log_probability(np.array([max_dist]), *noise)[0])
         laser = beams.mount.laser_in_base.x, beams.mount.laser_in_base.y
         return cls(table, grid.frame, outside, laser, noise)
