@@ -25,6 +25,8 @@ from sim.parameters import AmclParameters
 
 CANDIDATES = 20
 """Places looked at for each particle drawn anew."""
+LEAST_CANDIDATES = 50_000
+"""However few particles: so that one lies near enough to the right place in a map of some hundred square metres."""
 MOST_CANDIDATES = 400_000
 """However many particles: a quarter of a second's work with 60 beams."""
 
@@ -223,7 +225,7 @@ class Amcl:
             or abs(now.x - before.x) > limit
             or abs(now.y - before.y) > limit
             or abs(wrap_angle(now.theta - before.theta)) > self._parameters.update_min_a
-            or ((belief.lost or belief.recovery.unexplained) and odometry.tick - belief.tick >= RETRY)
+            or ((belief.lost or belief.recovery.doubtful) and odometry.tick - belief.tick >= RETRY)
         )
 
     def _scatter(self, start: Start, odometry: Odometry) -> Belief:
@@ -286,11 +288,13 @@ class Amcl:
         summary = summarise(particles, weights, bins)
         recovery = belief.recovery
         agreement = self._beam_model.agreement(summary.mean, ranges)
-        if agreement is not None:
+        if agreement is not None and belief.lost:
+            recovery = recovery.searching(agreement)
+        elif agreement is not None:
             recovery = recovery.after(agreement, parameters.recovery_alpha_slow, parameters.recovery_alpha_fast)
         settled = belief.settled + 1 if recovery.explained and self._sure(summary) else 0
-        lost = recovery.unexplained or (belief.lost and settled < SETTLED)
-        newcomers = self._share_of_newcomers(recovery, lost, belief.lost)
+        lost = settled < SETTLED if belief.lost else recovery.lost
+        newcomers = self._share_of_newcomers(lost, belief.lost)
         updates = belief.updates + 1
         due = updates % parameters.resample_interval == 0 and not (
             parameters.selective_resampling and newcomers == 0.0 and 2.0 / np.sum(weights**2) > len(weights)
@@ -318,13 +322,12 @@ class Amcl:
         levels = (parameters.std_warn_level_x, parameters.std_warn_level_y, parameters.std_warn_level_yaw)
         return summary.weight >= SURE and bool((np.sqrt(summary.variances) <= levels).all())
 
-    def _share_of_newcomers(self, recovery: Recovery, lost: bool, was_lost: bool) -> float:
+    def _share_of_newcomers(self, lost: bool, was_lost: bool) -> float:
         """Of the next generation, 0..1, how many are to come from all over the map."""
-        if self._parameters.recovery_alpha_slow == 0.0 and self._parameters.recovery_alpha_fast == 0.0:
+        never = self._parameters.recovery_alpha_slow == 0.0 and self._parameters.recovery_alpha_fast == 0.0
+        if never or not lost:
             return 0.0
-        if not lost:
-            return recovery.lost
-        return max(recovery.lost, SEARCHING) if was_lost else SCATTERED
+        return SEARCHING if was_lost else SCATTERED
 
     def _log_likelihood(self, particles: FloatArray, points: FloatArray, ranges: FloatArray) -> FloatArray:
         """(n,) how well a scan fits from each particle, by the model that the parameters name."""
@@ -375,7 +378,8 @@ class Amcl:
         Source: Lenser and Veloso, Sensor resetting localization for poorly modelled mobile robots (2000). Differs:
             amcl draws blindly; such places hardly ever lie near enough to the truth to survive.
         """
-        candidates = self._free_space.draw(min(count * CANDIDATES, MOST_CANDIDATES), self._recovery_noise, tick)
+        places = max(LEAST_CANDIDATES, min(count * CANDIDATES, MOST_CANDIDATES))
+        candidates = self._free_space.draw(places, self._recovery_noise, tick)
         fit = self._field.log_likelihood(candidates, points)
         offset = self._resampling_noise.uniforms(tick, 3)[2]
         chosen: FloatArray = candidates[systematic(tempered(fit, FITTING), count, offset)]

@@ -15,6 +15,9 @@ from sim.raycast import Raycaster, cast_beams
 _TOLERANCE = 0.3
 """Metres by which a reading may miss the wall that the map shows and count as explained: errors of pose and map."""
 
+_CUT_SHORT = 0.1
+"""What a reading counts that something unmapped may have cut short, beside one that went through a wall."""
+
 _TURNS = np.array([-0.02, 0.0, 0.02])
 """Radians by which the heading may be wrong: how far a beam that grazes a wall goes then is no evidence."""
 
@@ -105,7 +108,7 @@ class BeamModel:
     def agreement(self, base_in_map: Pose2, ranges: FloatArray) -> float | None:
         """How well the map explains (m,) ranges from one place, 0..1; None where no beam says anything.
 
-        The share of readings that end where the map has a wall. A reading cut short speaks a third as loud against the
+        The share of readings that end where the map has a wall. A reading cut short speaks a tenth as loud against the
         place as one that went through a wall: other robots do the one, nothing does the other.
         """
         told = ranges < self.beams.range_max
@@ -117,4 +120,4 @@ class BeamModel:
         short = np.count_nonzero(ranges[told] < expected.min(axis=0) - _TOLERANCE)
         through = np.count_nonzero(ranges[told] > expected.max(axis=0) + _TOLERANCE)
         hits = np.count_nonzero(told) - short - through
-        return float(hits / (hits + short / 3.0 + through))
+        return float(hits / (hits + _CUT_SHORT * short + through))

@@ -1,23 +1,19 @@
 """Noticing that the filter is lost: running averages of how well the map explains the scans."""
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
-MARGIN = 1.5
-"""The map must explain this many times less than usual before particles are scattered.
+LEAST = 0.7
+"""Of the last two or three scans the map explains this much, or the robot is not where it believes to be: where it is,
+the map explains more even among seven other robots, and elsewhere less in four places of five."""
 
-Other robots hide a part of the map for a while; without a margin every such moment would scatter particles.
-"""
+DOUBTED = 0.9
+"""In the long run it explains this share of what is usual. Twins of the right place differ in a door or two."""
 
-USUAL = 0.75
-"""The least that a map explains where the robot really is. A filter that settled in a wrong place from the beginning
-has never seen better, and would else take that for normal."""
-
-LEAST = 0.65
-"""A robot of which the map has explained less than this is not where it believes to be: where it is, the map explains
-more among seven other robots, and elsewhere less in nineteen places of twenty."""
+FOUND = 0.93
+"""A place of which the map explains less than this share of what is usual is not one to be found in."""
 
 _MEMORY = 0.5
-"""Decay of the average that the verdict rests on, whatever the recovery's own decays are: two or three scans."""
+"""Decay of the average over the last scans."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -25,9 +21,9 @@ class Recovery:
     """How well the map has explained the scans of late, and in the long run.
 
     Attributes:
-        slow: long-term average of the agreement, 0..1 (amcl: w_slow).
+        slow: long-term average of the agreement, 0..1: what is usual (amcl: w_slow).
         fast: short-term average (amcl: w_fast).
-        recent: of the last scans only: the verdict's own.
+        recent: of the last scans only, whatever the parameters say.
         count: scans averaged so far.
     """
 
@@ -45,36 +41,39 @@ class Recovery:
         Args:
             agreement: how well the map explains the scan from where the filter believes to be, 0..1.
             alpha_slow: decay of the long-term average.
-            alpha_fast: decay of the short-term average; 0 for both never scatters particles.
+            alpha_fast: decay of the short-term average; with 0 for both only the last scans count.
 
         Source: Probabilistic Robotics, table 8.3, lines 10 and 11. Differs: amcl averages the mean unnormalised
             weight, which falls with the number of particles and of scans since the last resampling and so says little
-            about being lost. Agreement at the reported pose has neither fault.
+            about being lost. Agreement at the reported pose has neither fault. A scan that is explained as badly as
+            elsewhere does not become usual.
         """
         recent = self.recent + _MEMORY * (agreement - self.recent)
         if alpha_slow == 0.0 and alpha_fast == 0.0:
-            return Recovery(self.slow, self.fast, recent, self.count + 1)
+            return replace(self, recent=recent, count=self.count + 1)
         plain = 1.0 / (self.count + 1)
         beginning = plain > alpha_fast
-        slow = self.slow + (plain if beginning else alpha_slow) * (agreement - self.slow)
         fast = self.fast + (plain if beginning else alpha_fast) * (agreement - self.fast)
+        usual = agreement if agreement >= LEAST else self.slow
+        slow = self.slow + (plain if beginning else alpha_slow) * (usual - self.slow)
         return Recovery(slow, fast, recent, self.count + 1)
 
-    @property
-    def lost(self) -> float:
-        """Share of the particles to draw anew from all over the map, 0..1.
-
-        Source: Gutmann and Fox, An experimental comparison of localization methods continued (2002), for the margin;
-            table 8.3, line 13 is the case `MARGIN` = 1 without `USUAL`.
-        """
-        return max(0.0, 1.0 - MARGIN * self.fast / max(self.slow, USUAL)) if self.slow > 0.0 else 0.0
+    def searching(self, agreement: float) -> "Recovery":
+        """One more scan, of a robot known to be lost: what it sees says nothing of what is usual."""
+        recent = self.recent + _MEMORY * (agreement - self.recent)
+        return replace(self, recent=recent, fast=recent)
 
     @property
-    def unexplained(self) -> bool:
-        """Whether the map has not explained the scans of late: the robot is not where the filter believes."""
-        return self.recent < LEAST
+    def lost(self) -> bool:
+        """Whether the robot cannot be where the filter believes."""
+        return self.recent < LEAST or self.fast < DOUBTED * self.slow
+
+    @property
+    def doubtful(self) -> bool:
+        """Whether the last scans are explained worse than usual."""
+        return self.recent < max(LEAST, DOUBTED * self.slow)
 
     @property
     def explained(self) -> bool:
-        """Whether it has, as well as where the robot really is."""
-        return self.recent >= USUAL
+        """Whether the map has explained the last scans as well as where the robot really is."""
+        return self.recent >= FOUND * max(self.slow, DOUBTED)

@@ -15,8 +15,9 @@ from sim.control.choice import local_planner
 from sim.control.local_planner import Drive
 from sim.costmap.costmap_2d import Costmap2D
 from sim.costmap.costs import INSCRIBED, CostFrame, Costs
-from sim.geometry import FloatArray, Pose2, wrap_angle
+from sim.geometry import IDENTITY, FloatArray, Pose2, wrap_angle
 from sim.grid import OccupancyGrid
+from sim.navigator.seeking import may_turn, seen_around
 from sim.observations import STANDSTILL, TICK, TICKS_PER_SECOND, Neighbour, Scan, Twist
 from sim.parameters import RobotParameters
 from sim.planning.itinerary import Itinerary, heard, reached, right_of_way
@@ -37,6 +38,11 @@ STUCK = 2.0
 """Seconds that a robot may be held up, other than by right of way, before it plans anew."""
 QUEUE = 20.0
 """Seconds that it may be held up by right of way before it plans anew."""
+
+SEEKING = 0.5
+"""Radians ahead to which a robot turns that looks for its place: so many a second."""
+CREEPING = 0.1
+"""Metres a second at which it drives on where it cannot turn."""
 
 NOWHERE: FloatArray = np.empty((0, 3))
 NO_TIMES: FloatArray = np.empty(0)
@@ -195,6 +201,23 @@ class Follower:
     def look_around(self, pose: Pose2, twist: Twist, neighbours: Sequence[Neighbour]) -> Drive:
         """Turn in place (rotate_recovery)."""
         return self._planner.turn(pose, twist, pose.theta + 0.5 * math.pi, self._around(pose, neighbours))
+
+    def seek(self, twist: Twist, scan: Scan) -> Twist:
+        """Turn slowly to see more, where there is no room for it drive on slowly, where there is none either stand.
+
+        Whoever does not know where it is may trust its laser, and no map.
+
+        Args:
+            twist: how the robot moves.
+            scan: the latest.
+        """
+        around = seen_around(scan, len(self._costmap.footprint))
+        if may_turn(scan, self._costmap.circumscribed_radius):
+            drive = self._planner.turn(IDENTITY, twist, SEEKING, around)
+            if not drive.stuck:
+                return drive.command
+        ahead = Twist(CREEPING, 0.0)
+        return ahead if self._planner.safe(IDENTITY, twist, ahead, around) else STANDSTILL
 
     def _update_costmap(self, pose: Pose2, neighbours: Sequence[Neighbour]) -> None:
         if self._looked is not None:

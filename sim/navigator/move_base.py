@@ -124,6 +124,7 @@ class Navigator:
         self._tick = -1
         self._command = STANDSTILL
         self._making_way = False
+        self._lost = False
         self._restart_clocks(0)
 
     def _restart_clocks(self, tick: int) -> None:
@@ -194,7 +195,7 @@ class Navigator:
             twist: how it moves, by odometry.
             scan: the laser's, where it was due.
             neighbours: what the other robots said in the last tick.
-            lost: whether it had better not believe that: it stands until it knows.
+            lost: whether it had better not believe that: with a goal it looks around until it knows.
         """
         if self._fresh or tick != self._tick + 1:
             self._restart_clocks(tick)
@@ -203,8 +204,9 @@ class Navigator:
         pose, neighbours = self._turned.pose(base_in_map), self._turned.neighbours(neighbours)
         self._silence.hear(tick, neighbours)
         if lost:
-            self._stay_lost(tick)
+            self._seek(tick, twist, scan)
             return self._told()
+        self._lost = False
         if scan is not None:
             self._silence.look(pose.compose(scan.mount.laser_in_base), scan)
             if self._goal is not None or not self._parameters.shutdown_costmaps:
@@ -234,12 +236,23 @@ class Navigator:
         plan, local_plan = self._turned.poses(plan), self._turned.poses(follower.local_plan)
         return Navigation(self._command, self._goal, state, plan, times, local_plan, result, remaining, self._claim)
 
-    def _stay_lost(self, tick: int) -> None:
-        """Stand; a goal waits for the robot to know its place again, but not for ever."""
+    def _seek(self, tick: int, twist: Twist, scan: Scan | None) -> None:
+        """Look around; a goal waits for the robot to know its place again, but not for ever."""
+        command = self._command
         self._drop()
+        if not self._lost:
+            # What was seen from a wrong place stands in wrong places.
+            for costmap in (self._global, self._local):
+                costmap.clear_outside(0.0, 0.0, 0.0)
+            self._lost, command = True, STANDSTILL
         self._turn_left = 0.0
         self._next_plan = tick + 2
-        if self._goal is not None and self._stalemate(tick):
+        if self._goal is None:
+            return
+        if scan is not None:
+            command = self._follower.seek(twist, scan)
+        self._command = command
+        if self._stalemate(tick):
             self._end(NoPath(self._goal, "lost", "the robot does not know where it is"))
 
     # Which way

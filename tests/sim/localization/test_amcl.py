@@ -225,14 +225,14 @@ def test_a_robot_carried_off_notices_and_mostly_finds_back(drive):
     assert found >= 5
 
 
-def test_with_both_decays_zero_it_never_counts_as_lost(drive):
+def test_with_both_decays_zero_no_particles_are_scattered(drive):
     tour = drive(seconds=120, furnished=True)
     amcl = amcl_of(tour, replace(PARAMETERS, recovery_alpha_slow=0.0, recovery_alpha_fast=0.0))
     run(amcl, tour.moments[:750])
     run(amcl, kidnapped(tour, 750, 2000))
     state = amcl.state
     assert isinstance(state, Belief)
-    assert state.recovery.lost == 0.0
+    assert len(state.particles) < 200
 
 
 @pytest.mark.parametrize("model", ["likelihood_field_prob", "beam"])

@@ -430,7 +430,7 @@ def test_goals_that_change_under_way_end_once_each_and_hardly_slow_the_robot_dow
     assert slowest > 0.3
 
 
-def test_a_lost_robot_stands_until_it_knows_its_place_and_not_for_ever():
+def test_a_lost_robot_that_sees_nothing_stands_until_it_knows_its_place_and_not_for_ever():
     rig = Rig([(0, -4, 1.57)])
     rig.go(0, 0, 6, 1.57)
     rig.run(10, lambda rig: rig.poses[0].y > -3)
@@ -445,6 +445,19 @@ def test_a_lost_robot_stands_until_it_knows_its_place_and_not_for_ever():
     rig.go(0, 0, -4)
     assert rig.run(STALEMATE + 60, lambda rig: len(rig.results[0]) == 2) > STALEMATE
     assert rig.results[0][1].reason == "lost"
+
+
+def test_a_lost_robot_with_a_goal_turns_on_the_spot_whatever_it_believes():
+    rig = Rig([(0, -4, 1.57)])
+    mount = LaserMount(Pose2(0.1, 0.0, 0.0), -2.3, 0.05, 93, 0.05, 8.0)
+    rig.scans = lambda pose: Scan(0, mount, np.full(93, 2.0, np.float32))
+    rig.lost = {0}
+    rig.run(2, lambda rig: rig.tick == 50)
+    assert rig.poses[0].theta == 1.57
+    rig.go(0, 0, 6, 1.57)
+    rig.run(6, lambda rig: rig.tick == 200)
+    assert 1.0 < rig.poses[0].theta - 1.57 < 2.0
+    assert rig.poses[0].distance(Pose2(0, -4, 0)) < 0.01
 
 
 @pytest.mark.parametrize(("frequency", "plans"), [(0.0, (1, 1)), (2.0, (8, 11))])
