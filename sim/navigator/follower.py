@@ -246,7 +246,7 @@ class Follower:
     ) -> Drive | None:
         limits = self._planner.limits
         around = self._around(pose, neighbours)
-        end_x, end_y, end_heading = self._poses[-1]
+        end_x, end_y, end_heading = self._poses[-1].tolist()
         off = math.hypot(end_x - pose.x, end_y - pose.y)
         if self._left[self._index] < 3 * limits.xy_goal_tolerance and off <= limits.xy_goal_tolerance:
             self._at_end = True
@@ -255,9 +255,8 @@ class Follower:
         if self._escaping_from is not None:
             return self._escape(self._escaping_from, pose, twist, around)
         if self._at_end:
-            return self._finish(tick, pose, twist, float(end_heading), around)
-        last = int(np.searchsorted(-self._left, self._reach - self._left[self._index], side="right")) - 1
-        last = max(self._index, last)
+            return self._finish(tick, pose, twist, end_heading, around)
+        last = _as_far_as(self._left, self._index, self._reach)
         allowed, barred = right_of_way(
             way.points, way.times, self._index, last, pose.x, pose.y, heard(neighbours), self._separation
         )
@@ -312,6 +311,15 @@ class Follower:
         ends = not yields and self._index + len(points) == len(way.points)
         slow_down = self._planner.limits.sim_time if ends else YIELD_TIME if yields else 0.1
         return points, slow_down
+
+
+@njit(cache=True)
+def _as_far_as(left: FloatArray, index: int, reach: float) -> int:
+    """The last point of a way within `reach` metres along it from point `index`; (m,) metres are left at each."""
+    last = index
+    while last + 1 < left.shape[0] and left[index] - left[last + 1] <= reach:
+        last += 1
+    return last
 
 
 @njit(cache=True)
