@@ -1,7 +1,7 @@
 """A robot's tour of a map, as its filter would see it, with the truth beside: what localisers are compared on."""
 
 import struct
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from pathlib import Path
 
 import numpy as np
@@ -55,6 +55,39 @@ def tour(place: Map, seed: int, rooms: int = 8, world: WorldParameters = DEGRADE
             if output.navigation.result is not None:
                 break
     return Run(mount_of(world.laser), tuple(observations), np.array(truth))
+
+
+def part(run: Run, begin: int, scans: int) -> Run:
+    """So many scans of a run."""
+    return replace(run, observations=run.observations[begin : begin + scans], truth=run.truth[begin : begin + scans])
+
+
+def kidnapped(run: Run, seed: int, before: int = 150, after: int = 600, least: float = 4.0) -> Run:
+    """Two parts of a run, `before` scans and `after`: between them the robot is carried, and its wheels do not notice.
+
+    Where from and where to the seed draws; at least so many metres lie between.
+    """
+    for first, second in Stream.named(seed, "kidnapping").uniforms(0, 2000).reshape(-1, 2):
+        lifted = before + int(first * (len(run.truth) - before))
+        put = int(second * (len(run.truth) - after))
+        if np.hypot(*(run.truth[lifted - 1] - run.truth[put])[:2]) > least:
+            break
+    head, tail = part(run, lifted - before, before), part(run, put, after)
+    wheels, there = head.observations[-1][0], tail.observations[0][0]
+    later = wheels.tick + 1 - there.tick
+    moved = [
+        (
+            replace(
+                odometry,
+                tick=odometry.tick + later,
+                base_in_odom=wheels.base_in_odom.compose(there.base_in_odom.between(odometry.base_in_odom)),
+            ),
+            imu,
+            scan,
+        )
+        for odometry, imu, scan in tail.observations
+    ]
+    return Run(run.mount, (*head.observations, *moved), np.concatenate((head.truth, tail.truth)))
 
 
 def write_for_peer(run: Run, place: Map, folder: Path) -> tuple[Path, Path]:
