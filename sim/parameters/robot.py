@@ -25,8 +25,8 @@ _LASER = ObstacleParameters(
     explained_distance=0.2,
     clear_between_beams=True,
 )
-# 1000 at most err no more than 5000 (2.1 and 2.0 cm on tours of the office). Our lasers err by 2 cm, not 20: believing in
-# 10 brings the error there from 3.2 to 2.1 cm, and among eight robots from 3.4 to 1.6 cm.
+# 1000 at most err no more than 5000 (2.1 and 2.0 cm on tours of the office). Our lasers err by 2 cm, not by 20:
+# believing in 10 brings the error there from 3.2 to 2.1 cm, and among eight robots from 3.4 to 1.6 cm.
 _AMCL = AmclParameters(max_particles=1000, kld_err=0.05, laser_max_beams=60, laser_sigma_hit=0.1)
 _INFLATION = InflationParameters(inflation_radius=0.5)
 
