@@ -117,8 +117,8 @@ class LocalPlanner(Protocol):
         """Turn in place toward a heading, the other way round if something is near; slower as it gets there."""
         ...
 
-    def back_up(self, pose: Pose2, twist: Twist, around: Surroundings) -> Drive:
-        """Drive slowly backwards, in an arc if need be, if that is safe."""
+    def escape(self, pose: Pose2, twist: Twist, around: Surroundings) -> Drive:
+        """Drive slowly backwards, in an arc if need be, or where there is no room behind forwards, if that is safe."""
         ...
 
     def follow(
@@ -183,12 +183,15 @@ class SampledPlanner(ABC):
         self._turning = False
         self._side = 0.0
         self._turned_at: Pose2 | None = None
+        self._barred: tuple[float, ...] = ()
+        self._leaving = self._limits.escape_vel
         self._mark: Pose2 | None = None
         self._slow_for = 0.0
 
     def turn_first(self) -> None:
         """Turn to the path before setting out again."""
         self._turning = True
+        self._leaving = self._limits.escape_vel
 
     def safe(self, pose: Pose2, twist: Twist, command: Twist, around: Surroundings) -> bool:
         """Whether a command leaves room to stop."""
@@ -201,26 +204,33 @@ class SampledPlanner(ABC):
         limits = self._limits
         difference = wrap_angle(heading - pose.theta)
         speed = min(limits.max_vel_theta, max(limits.min_in_place_vel_theta, abs(difference)))
-        moved = self._turned_at is None or self._turned_at.distance(pose) > limits.oscillation_reset_dist
-        if moved or self._side == 0.0 or abs(difference) < TURN_FIRST:
+        if self._turned_at is None or self._turned_at.distance(pose) > limits.oscillation_reset_dist:
+            self._turned_at, self._side, self._barred = pose, 0.0, ()
+        if self._side == 0.0 or abs(difference) < TURN_FIRST:
             self._side = math.copysign(1.0, difference)
-            self._turned_at = pose
-        # Having begun to turn the long way round, go on with it.
+        # Having begun to turn the long way round, go on with it; and a side that something bars stays barred here, or
+        # the robot would turn to and fro between two obstacles.
         for side in (self._side, -self._side):
+            if side in self._barred:
+                continue
             command = Twist(0.0, side * speed)
             if self.safe(pose, twist, command, around):
                 self._side = side
                 return Drive(command, self._preview(pose, twist, command), False)
+            self._barred = (*self._barred, side)
         return Drive(STANDSTILL, self._preview(pose, twist, STANDSTILL), True)
 
-    def back_up(self, pose: Pose2, twist: Twist, around: Surroundings) -> Drive:
-        """Drive slowly backwards, in an arc if need be, if that is safe."""
-        # Beside a corner, which straight back would come nearer, an arc may lead away from it.
-        arc = 2.0 * self._limits.escape_vel / self._body.circumscribed
-        for turn in (0.0, arc, -arc):
-            command = Twist(self._limits.escape_vel, turn)
-            if self.safe(pose, twist, command, around):
-                return Drive(command, self._preview(pose, twist, command), False)
+    def escape(self, pose: Pose2, twist: Twist, around: Surroundings) -> Drive:
+        """Drive slowly backwards, in an arc if need be, or where there is no room behind forwards, if that is safe."""
+        # Having turned round before an obstacle, do not go back to it.
+        for speed in (self._leaving, -self._leaving):
+            # Beside a corner, which straight on would come nearer, an arc may lead away from it.
+            arc = 2.0 * speed / self._body.circumscribed
+            for turn in (0.0, arc, -arc):
+                command = Twist(speed, turn)
+                if self.safe(pose, twist, command, around):
+                    self._leaving = speed
+                    return Drive(command, self._preview(pose, twist, command), False)
         return Drive(STANDSTILL, self._preview(pose, twist, STANDSTILL), True)
 
     def follow(

@@ -280,8 +280,8 @@ class Follower:
         return drive
 
     def _escape(self, begun: Pose2, pose: Pose2, twist: Twist, around: Surroundings) -> Drive:
-        """Back up a little from where no command led on, then turn to the way."""
-        drive = self._planner.back_up(pose, twist, around)
+        """Get a little off the place where no command led on, then turn to the way."""
+        drive = self._planner.escape(pose, twist, around)
         limits = self._planner.limits
         turned = abs(wrap_angle(pose.theta - begun.theta))
         if drive.stuck or begun.distance(pose) > limits.escape_reset_dist or turned > limits.escape_reset_theta:

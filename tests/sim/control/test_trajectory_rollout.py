@@ -121,9 +121,34 @@ def test_nose_to_a_wall_it_is_stuck_and_backs_up():
     drive = follow(pose, AHEAD[:5], costs=costs, clearance=clearance)
     assert drive.stuck
     assert drive.command == STANDSTILL
-    back = planner().back_up(pose, STANDSTILL, around(pose, clearance))
+    back = planner().escape(pose, STANDSTILL, around(pose, clearance))
     assert back.command.linear < 0
     assert not back.stuck
+
+
+def test_with_a_wall_behind_it_escapes_forwards_and_does_not_go_back():
+    x = FRAME.x + (np.arange(80) + 0.5) * 0.05
+    clearance = np.tile(np.maximum(x + 0.34, 0.0), (80, 1)).astype(np.float32)
+    local, pose = planner(), Pose2(0.0, 0.0, 0.0)
+    for _ in range(10):
+        drive = local.escape(pose, STANDSTILL, around(pose, clearance))
+        assert drive.command.linear > 0
+        pose = Pose2(pose.x + 0.1 * drive.command.linear, 0.0, 0.0)
+
+
+def test_between_two_walls_it_does_not_turn_to_and_fro_but_says_that_it_is_stuck():
+    y = FRAME.y + (np.arange(80) + 0.5) * 0.05
+    clearance = np.repeat(np.maximum(0.4 - np.abs(y), 0.0)[:, np.newaxis], 80, axis=1).astype(np.float32)
+    local, pose, turns = planner(), Pose2(0.0, 0.0, 0.0), []
+    for _ in range(100):
+        drive = local.turn(pose, STANDSTILL, 1.5, around(pose, clearance))
+        if drive.stuck:
+            break
+        turns.append(math.copysign(1.0, drive.command.angular))
+        pose = Pose2(0.0, 0.0, pose.theta + 0.1 * drive.command.angular)
+    assert drive.stuck
+    assert len(turns) > 1
+    assert turns == sorted(turns, reverse=True)
 
 
 @pytest.mark.parametrize("heading", [0.3, -2.0, 3.0])
