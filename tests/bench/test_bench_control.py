@@ -19,9 +19,16 @@ from sim.costmap.costmap_2d import Costmap2D
 from sim.geometry import FloatArray, Pose2
 from sim.grid import distance_field
 from sim.observations import Twist
-from sim.parameters import DwaPlannerParameters, RobotParameters, TrajectoryPlannerParameters, WorldParameters
-from sim.planning import navfn
+from sim.parameters import (
+    DwaPlannerParameters,
+    NavfnParameters,
+    RobotParameters,
+    TrajectoryPlannerParameters,
+    WorldParameters,
+)
+from sim.planning.navfn import Navfn
 from sim.planning.path import Path as Plan
+from sim.planning.potential_planner import PotentialPlanner
 from thbridge.adapters.map_files import read_map
 
 pytestmark = pytest.mark.bench
@@ -34,9 +41,10 @@ REACH = 3.0
 def along(costmap: Costmap2D) -> list[FloatArray]:
     """The stretches of path ahead at places all along the tour of the office."""
     stretches = []
+    planner = PotentialPlanner(Navfn(NavfnParameters()))
     places = [OFFICE.starts[0], *(OFFICE.rooms[number - 1].goal for number in (1, 8, 2, 7, 3, 5, 6, 4))]
     for start, goal in pairwise(places):
-        plan = navfn.plan(costmap.costs, costmap.frame, start, goal, True)
+        plan = planner.plan(costmap.costs, costmap.frame, start, goal)
         assert isinstance(plan, Plan)
         for at in range(0, len(plan.poses) - 40, 40):
             ahead = plan.poses[at:]
