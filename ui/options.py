@@ -92,7 +92,7 @@ def make_ready(bag: Path) -> None:
 def announce_compiling() -> None:
     """Say so when the first start will take its time."""
     if not is_compiled():
-        note("Compiling the simulator for this machine; only the first start takes this long, some 20 s.")
+        note("Compiling the simulator for this machine; only the first start takes this long, some 25 s.")
 
 
 def write_report(bag: Path, page: Path) -> None:
