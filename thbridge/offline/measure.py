@@ -1,11 +1,8 @@
 """How long a robot takes from room to room: what fills a `mapTimes` file."""
 
 import math
-from collections.abc import Callable, Iterator
-from concurrent.futures import ProcessPoolExecutor, as_completed
+from collections.abc import Iterable, Iterator
 from dataclasses import dataclass
-from functools import partial
-from multiprocessing import get_context
 from statistics import fmean, stdev
 
 from sim import noise
@@ -115,31 +112,8 @@ def drive(course: Course, trip: Trip) -> Driven:
     return Driven(trip, None, f"the robot was still under way after {LIMIT:g} s")
 
 
-def measure(course: Course, runs: int, processes: int, progress: Callable[[Driven], None]) -> tuple[Times, ...]:
-    """Drive all trips of a map, several at a time.
-
-    The result does not depend on the number of processes.
-
-    Args:
-        course: what is measured.
-        runs: trips a pair.
-        processes: how many drive at a time.
-        progress: told of each trip that has ended, in the order of their ending.
-
-    Returns:
-        A pair's times each, ordered by start and goal.
-    """
-    waiting = list(trips(course.place, runs))
-    done: list[Driven] = []
-    # Forking would copy the threads of whoever shows the progress in the middle of what they do.
-    with ProcessPoolExecutor(processes, mp_context=get_context("spawn")) as pool:
-        for ended in as_completed(pool.submit(partial(drive, course), trip) for trip in waiting):
-            done.append(ended.result())
-            progress(done[-1])
-    return _by_pair(done)
-
-
-def _by_pair(done: list[Driven]) -> tuple[Times, ...]:
+def by_pair(done: Iterable[Driven]) -> tuple[Times, ...]:
+    """The times of each pair of places, ordered by start and goal, in whatever order the trips ended."""
     pairs: dict[tuple[Room, Room], list[Driven]] = {}
     for driven in sorted(done, key=lambda driven: driven.trip):
         pairs.setdefault((driven.trip.start, driven.trip.goal), []).append(driven)

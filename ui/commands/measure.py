@@ -2,7 +2,10 @@
 
 import os
 from collections.abc import Callable, Iterator, Sequence
+from concurrent.futures import ProcessPoolExecutor, as_completed
 from contextlib import contextmanager
+from functools import partial
+from multiprocessing import get_context
 from pathlib import Path
 from typing import Annotated, TextIO
 
@@ -12,7 +15,7 @@ from rich.table import Table
 
 from thbridge.adapters.template_files import map_times
 from thbridge.hunt.rooms import Room
-from thbridge.offline.measure import Course, Driven, Times, measure, trips
+from thbridge.offline.measure import Course, Driven, Times, by_pair, drive, trips
 from ui.options import AsJson, announce_compiling, setting_of, study_of
 from ui.terminal import BAD_INPUT, FAILED, err, fail, note, out, print_json
 
@@ -81,15 +84,20 @@ def _write(file: TextIO, text: str) -> None:
 
 
 def _measured(course: Course, runs: int, jobs: int) -> tuple[Times, ...]:
+    """Drive all trips, several at a time; how many changes nothing in the result."""
+    waiting = list(trips(course.place, runs))
     columns = TextColumn("{task.description}"), BarColumn(), MofNCompleteColumn(), TimeRemainingColumn()
-    with Progress(*columns, console=err, transient=True) as shown:
-        total = sum(1 for _ in trips(course.place, runs))
-        task = shown.add_task(f"Trips on {course.place.name}", total=total)
-
-        def progress(driven: Driven) -> None:
+    with (
+        Progress(*columns, console=err, transient=True) as shown,
+        # Forking would copy the thread that draws the progress in the middle of what it does.
+        ProcessPoolExecutor(jobs, mp_context=get_context("spawn")) as pool,
+    ):
+        task = shown.add_task(f"Trips on {course.place.name}", total=len(waiting))
+        done: list[Driven] = []
+        for ended in as_completed(pool.submit(partial(drive, course), trip) for trip in waiting):
+            done.append(ended.result())
             shown.advance(task)
-
-        return measure(course, runs, jobs, progress)
+    return by_pair(done)
 
 
 def _matrix(times: Sequence[Times], rooms: int) -> list[list[float | None]]:

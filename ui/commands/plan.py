@@ -2,6 +2,7 @@
 
 import dataclasses
 import math
+import time
 from enum import StrEnum
 from pathlib import Path
 from typing import Annotated
@@ -60,7 +61,7 @@ def plan(
         grid = read_grid(map_yaml)
         queries = _queries(start, goal, batch)
     announce_compiling()
-    answers = planned(grid, queries, radius, inflation, planner.value)
+    answers = planned(grid, queries, radius, inflation, planner.value, time.perf_counter)
     if as_json:
         print_json({"queries": [dataclasses.asdict(answer) for answer in answers]})
     else:

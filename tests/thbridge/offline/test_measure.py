@@ -9,7 +9,7 @@ from thbridge.adapters.map_files import read_map
 from thbridge.adapters.resources import shipped
 from thbridge.adapters.template_files import read_map_times
 from thbridge.hunt.rooms import Room
-from thbridge.offline.measure import Course, Driven, Trip, _by_pair, drive, measure, trips
+from thbridge.offline.measure import Course, Driven, Trip, by_pair, drive, trips
 
 
 def course(seed: int = 1) -> Course:
@@ -47,7 +47,7 @@ def test_trips_that_fail_are_told_apart_from_those_that_arrive() -> None:
         Driven(Trip(Room(2), Room(1), 0), None, "no way"),
         Driven(Trip(Room(1), Room(2), 0), 10.0, None),
     ]
-    there, back = _by_pair(done)
+    there, back = by_pair(done)
     assert (there.seconds, there.mean) == ((10.0, 12.0), 11.0)
     assert there.deviation == pytest.approx(math.sqrt(2.0))
     assert (back.seconds, back.mean, back.refusals) == ((), None, ("no way",))
@@ -55,8 +55,8 @@ def test_trips_that_fail_are_told_apart_from_those_that_arrive() -> None:
 
 @pytest.mark.slow
 def test_times_rank_like_those_of_2016() -> None:
-    place = course().place
-    measured = measure(Course(place, WorldParameters(), RobotParameters(), 1), 1, 2, lambda driven: None)
+    driven = Course(course().place, WorldParameters(), RobotParameters(), 1)
+    measured = by_pair(drive(driven, trip) for trip in trips(driven.place, 1))
     costs = read_map_times(shipped().find("templates", "original-2016", Path()) / "mapTimes")
     pairs = [(times.mean, costs.cost(times.start, times.goal)) for times in measured]
     assert len(pairs) == 64
