@@ -1,4 +1,4 @@
-"""A tour of the office, room after room without a stop between, with all that a robot has: 8 goals, doors of 1.1 m."""
+"""A tour of the office, room after room, with all that a robot has: 8 goals, doors of 1.1 m; and single doors."""
 
 import time
 from dataclasses import replace
@@ -7,10 +7,13 @@ from itertools import pairwise
 import numpy as np
 import pytest
 
+from sim.geometry import Pose2
+from sim.grid import OccupancyGrid
 from sim.navigator import Arrived, Goal
 from sim.observations import TICK
-from sim.parameters import RobotParameters, WorldParameters
+from sim.parameters import DwaPlannerParameters, RobotParameters, TrajectoryPlannerParameters, WorldParameters
 from sim.team import Go, Team
+from thbridge.offline.drive import Errand, Outcome, drive
 
 pytestmark = pytest.mark.bench
 
@@ -43,4 +46,34 @@ def test_tour(planner, seed, office, capsys):
             f"\n{planner.partition('/')[2]}, seed {seed}: {reached} of {len(places)} reached in {ticks * TICK:.0f} s, "
             f"{driven:.0f} m driven ({straight:.0f} m as the crow flies), "
             f"{int(snapshot.world.collisions.sum())} collisions; {100 * cpu / (ticks * TICK):.1f} % of a core"
+        )
+
+
+@pytest.mark.parametrize("width", [0.9, 1.1])
+@pytest.mark.parametrize("planner", PLANNERS)
+@pytest.mark.parametrize("weights", ["ours", "ROS's"])
+def test_doors(width, planner, weights, capsys):
+    """Through a door in the middle of a hall, from straight before it and from aside."""
+    cells = np.full((120, 160), 100, dtype=np.int8)
+    cells[2:-2, 2:-2] = 0
+    cells[:, 79:81] = 100
+    first = round((3.0 - width / 2) / 0.05)
+    cells[first : first + round(width / 0.05), 79:81] = 0
+    grid = OccupancyGrid(cells, 0.05, Pose2(0.0, 0.0, 0.0))
+    robot = RobotParameters()
+    robot = replace(robot, move_base=replace(robot.move_base, base_local_planner=planner))
+    if weights != "ours":
+        robot = replace(robot, TrajectoryPlannerROS=TrajectoryPlannerParameters(), DWAPlannerROS=DwaPlannerParameters())
+    outcomes = [
+        drive(grid, WorldParameters(), robot, Errand(Pose2(2.0, y, 0.0), Pose2(6.0, 4.5, 0.0), True, 150.0), seed)
+        for seed in (1, 2, 3)
+        for y in (1.5, 3.0)
+    ]
+    driven = [outcome for outcome in outcomes if isinstance(outcome, Outcome)]
+    reached, collided = sum(one.reached for one in driven), sum(one.collided for one in driven)
+    longest, nearest = max(one.seconds for one in driven), min(one.min_clearance for one in driven)
+    with capsys.disabled():
+        print(
+            f"\ndoor of {width} m, {planner.partition('/')[2]}, {weights} weights: {reached} of {len(outcomes)} reached, "
+            f"{collided} collided, at most {longest:.0f} s, least clearance {nearest:.2f} m"
         )
