@@ -74,6 +74,6 @@ def test_doors(width, planner, weights, capsys):
     longest, nearest = max(one.seconds for one in driven), min(one.min_clearance for one in driven)
     with capsys.disabled():
         print(
-            f"\ndoor of {width} m, {planner.partition('/')[2]}, {weights} weights: {reached} of {len(outcomes)} reached, "
-            f"{collided} collided, at most {longest:.0f} s, least clearance {nearest:.2f} m"
+            f"\ndoor of {width} m, {planner.partition('/')[2]}, {weights} weights: {reached} of {len(outcomes)}"
+            f" reached, {collided} collided, at most {longest:.0f} s, least clearance {nearest:.2f} m"
         )
