@@ -22,6 +22,7 @@ import numpy as np
 
 from sim.costmap.costmap_2d import Costmap2D
 from sim.costmap.footprint import circumscribed_radius
+from sim.costmap.view import CostmapView
 from sim.geometry import IDENTITY, FloatArray, Pose2
 from sim.grid import OccupancyGrid, distance_field
 from sim.navigator.follower import NO_TIMES, NOWHERE, Follower
@@ -54,6 +55,8 @@ class Navigation:
         result: how a goal ended in this very tick.
         remaining: metres of the plan left.
         claim: beside a plan that is only wished for, whose wish it is.
+        global_costmap: the costs that plans are made with, in the ticks when they are due to be shown.
+        local_costmap: the same of commands.
     """
 
     command: Twist
@@ -65,6 +68,8 @@ class Navigation:
     result: Result | None
     remaining: float
     claim: Claim | None = None
+    global_costmap: CostmapView | None = None
+    local_costmap: CostmapView | None = None
 
 
 RETRY = 0.5

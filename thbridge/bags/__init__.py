@@ -1,0 +1,1 @@
+"""Work on recordings, ours and foreign ones: judge, export, plot, convert, cut, compare."""
