@@ -5,7 +5,7 @@ import logging
 import typer
 from rich.logging import RichHandler
 
-from ui.commands import files, programs
+from ui.commands import bag, files, programs
 from ui.commands.drive import GoalWithYaw, drive
 from ui.commands.localize import localize_command
 from ui.commands.measure import maps_measure
@@ -35,7 +35,7 @@ for command in (
     app.command()(command)
 app.command(cls=GoalWithYaw)(drive)
 app.command("localize")(localize_command)
-app.add_typer(files.bag_app, name="bag")
+app.add_typer(bag.bag_app, name="bag")
 files.maps_app.command("measure")(maps_measure)
 app.add_typer(files.maps_app, name="maps")
 app.add_typer(files.study_app, name="study")

@@ -1,15 +1,11 @@
-"""The commands about files: recordings, maps, studies, costs, ROS message types."""
+"""The commands about files: reports, maps, studies, costs, ROS message types."""
 
 from contextlib import suppress
 from pathlib import Path
 from typing import Annotated
 
-import msgspec
 import typer
-from rich.table import Table
 
-from thbridge.adapters.bag_reader import info as bag_info
-from thbridge.adapters.bag_repair import reindex as reindex_bag
 from thbridge.adapters.map_files import check_map
 from thbridge.adapters.resources import shipped
 from thbridge.adapters.ros_package import write_package
@@ -22,7 +18,6 @@ from thbridge.hunt.tour import best_tour
 from ui.options import AsJson, setting_of, study_of, write_report
 from ui.terminal import BAD_INPUT, FAILED, bad_input, fail, note, out, print_json
 
-bag_app = typer.Typer(help="Look into recordings and mend them.", no_args_is_help=True)
 maps_app = typer.Typer(help="Maps: the arenas that robots drive in.", no_args_is_help=True)
 ros_app = typer.Typer(help="Where a ROS 1 is installed: make it know our messages.", no_args_is_help=True)
 study_app = typer.Typer(help="Study files: everything that can be set, in one YAML file.", no_args_is_help=True)
@@ -69,35 +64,6 @@ def report(
     """Make a report of a bag: one HTML page with paths, errors, energy, events and talk."""
     with bad_input():
         write_report(bag, to or bag.with_suffix(".html"))
-
-
-@bag_app.command("info")
-def bag_info_command(bag: Annotated[Path, typer.Argument(help="A ROS 1 bag.")], as_json: AsJson = False) -> None:
-    """Say what is in a bag."""
-    with bad_input():
-        found = bag_info(bag)
-    if as_json:
-        print_json(msgspec.to_builtins(found, enc_hook=str))
-        return
-    table = Table("topic", "type", "messages", title=f"{bag}: {found.duration:.1f} s, {found.messages} messages")
-    for topic in found.topics:
-        table.add_row(topic.name, topic.msgtype, str(topic.messages))
-    out.print(table)
-
-
-@bag_app.command("reindex")
-def bag_reindex_command(
-    bag: Annotated[Path, typer.Argument(help="A bag whose writer was killed.")], as_json: AsJson = False
-) -> None:
-    """Recover a bag that was cut off; the original is kept beside it."""
-    with bad_input():
-        done = reindex_bag(bag)
-    if as_json:
-        print_json(msgspec.to_builtins(done, enc_hook=str))
-        return
-    out.print(f"Recovered {done.messages} messages into {done.path}; the original is {done.backup}.", highlight=False)
-    if done.lost_bytes:
-        out.print(f"{done.lost_bytes} bytes at its end were half written and are lost.", highlight=False)
 
 
 @maps_app.command("check")
