@@ -1,0 +1,345 @@
+"""XML-RPC as ROS 1 speaks it: bytes to values and back, without sockets.
+
+What comes in may be anything. A document type is refused where it begins, before any entity of it is declared (so no
+billion laughs and no external entities), and size, nesting and number of elements have limits. What cannot be read is
+a value, `Malformed`; decoding raises nothing.
+
+Source: http://xmlrpc.com/spec.md; Python's xmlrpc.client and ROS's xmlrpcpp for what ROS nodes really send: untyped
+``<value>text</value>``, white space between elements, ``<i8>`` and ``<nil/>``.
+"""
+
+from __future__ import annotations
+
+import base64
+import re
+from dataclasses import dataclass, field
+from typing import TypeAlias
+from xml.parsers import expat
+
+MAX_BYTES = 16 * 2**20
+"""Longest document that is read. A robot_description with its meshes' names is some 100 kB."""
+
+MAX_ELEMENTS = 250_000
+"""Most XML elements of a document; a parameter takes about four."""
+
+MAX_DEPTH = 128
+"""Deepest nesting of values, read or written."""
+
+_ELEMENTS_PER_LEVEL = 4  # value, struct, member, value; or value, array, data, value
+_I4 = range(-(2**31), 2**31)
+_I8 = range(-(2**63), 2**63)
+
+
+@dataclass(frozen=True, slots=True)
+class DateTime:
+    """A ``dateTime.iso8601``, as it is written: ROS has no use for it and XML-RPC gives it no time zone."""
+
+    text: str
+
+
+XmlRpcValue: TypeAlias = (
+    "bool | int | float | str | bytes | DateTime | list[XmlRpcValue] | dict[str, XmlRpcValue] | None"
+)
+"""Whatever XML-RPC can carry, with the extensions ``nil`` and ``i8``."""
+
+
+@dataclass(frozen=True, slots=True)
+class Call:
+    """A method called with parameters by position."""
+
+    method: str
+    params: list[XmlRpcValue]
+
+
+@dataclass(frozen=True, slots=True)
+class Response:
+    """What a method returned."""
+
+    value: XmlRpcValue
+
+
+@dataclass(frozen=True, slots=True)
+class Fault:
+    """That a method could not be carried out: XML-RPC's own error, below ROS's status codes."""
+
+    code: int
+    text: str
+
+
+@dataclass(frozen=True, slots=True)
+class Malformed:
+    """Why bytes are not the document they should be."""
+
+    reason: str
+
+
+def encode_call(method: str, params: list[XmlRpcValue]) -> bytes:
+    """Write a call.
+
+    Raises:
+        ValueError: a parameter cannot be written, see `encode_response`.
+    """
+    listed = "".join(f"<param>\n{_written(value)}\n</param>\n" for value in params)
+    return _document(
+        f"<methodCall>\n<methodName>{_escaped(method)}</methodName>\n<params>\n{listed}</params>\n</methodCall>"
+    )
+
+
+def encode_response(value: XmlRpcValue) -> bytes:
+    """Write a successful answer.
+
+    Integers beyond 32 bits become ``i8``, None becomes ``nil``: Python's nodes read them, C++ nodes do not. Characters
+    that XML cannot hold, such as NUL, become U+FFFD.
+
+    Raises:
+        ValueError: an integer beyond 64 bits, or values nested deeper than `MAX_DEPTH`.
+    """
+    return _document(f"<methodResponse>\n<params>\n<param>\n{_written(value)}\n</param>\n</params>\n</methodResponse>")
+
+
+def encode_fault(code: int, text: str) -> bytes:
+    """Write a fault."""
+    value = _written({"faultCode": code, "faultString": text})
+    return _document(f"<methodResponse>\n<fault>\n{value}\n</fault>\n</methodResponse>")
+
+
+def decode_call(data: bytes) -> Call | Malformed:
+    """Read a call."""
+    try:
+        root = _parsed(data, "methodCall")
+        name = root.only_child("methodName", others=("params",)).leaf()
+        return Call(name.strip(), _params(root))
+    except _MalformedError as error:
+        return Malformed(str(error))
+
+
+def decode_response(data: bytes) -> Response | Fault | Malformed:
+    """Read the answer to a call."""
+    try:
+        root = _parsed(data, "methodResponse")
+        if any(child.name == "fault" for child in root.children):
+            return _fault(_value(root.only_child("fault").only_child("value")))
+        params = _params(root)
+        if len(params) != 1:
+            return Malformed(f"an answer holds one value, this one {len(params)}")
+        return Response(params[0])
+    except _MalformedError as error:
+        return Malformed(str(error))
+
+
+def _fault(value: XmlRpcValue) -> Fault | Malformed:
+    match value:
+        case {"faultCode": int(code), "faultString": str(text)}:
+            return Fault(code, text)
+        case _:
+            return Malformed("a fault without code or text")
+
+
+# -- writing ----------------------------------------------------------------------------------------------------------
+
+_NOT_IN_XML = re.compile("[^\t\n\r\x20-\ud7ff\ue000-\ufffd\U00010000-\U0010ffff]")
+
+
+def _document(text: str) -> bytes:
+    return b"<?xml version='1.0'?>\n" + text.encode() + b"\n"
+
+
+def _escaped(text: str) -> str:
+    legal = _NOT_IN_XML.sub("\ufffd", text)
+    # A bare carriage return would be read as a line feed.
+    return legal.replace("&", "&amp;").replace("<", "&lt;").replace(">", "&gt;").replace("\r", "&#13;")
+
+
+def _written(value: XmlRpcValue) -> str:
+    parts: list[str] = []
+    _write(value, parts, 0)
+    return "".join(parts)
+
+
+def _write(value: XmlRpcValue, parts: list[str], depth: int) -> None:
+    if depth >= MAX_DEPTH:
+        raise ValueError(f"values nested deeper than {MAX_DEPTH}")
+    match value:
+        case None:
+            parts.append("<value><nil/></value>")
+        case bool():
+            parts.append(f"<value><boolean>{int(value)}</boolean></value>")
+        case int():
+            if value not in _I8:
+                raise ValueError(f"{value} does not fit into 64 bits")
+            name = "int" if value in _I4 else "i8"
+            parts.append(f"<value><{name}>{value}</{name}></value>")
+        case float():
+            parts.append(f"<value><double>{value!r}</double></value>")
+        case str():
+            parts.append(f"<value><string>{_escaped(value)}</string></value>")
+        case bytes():
+            parts.append(f"<value><base64>{base64.b64encode(value).decode()}</base64></value>")
+        case DateTime(text):
+            parts.append(f"<value><dateTime.iso8601>{_escaped(text)}</dateTime.iso8601></value>")
+        case list():
+            parts.append("<value><array><data>")
+            for item in value:
+                _write(item, parts, depth + 1)
+            parts.append("</data></array></value>")
+        case dict():
+            parts.append("<value><struct>")
+            for name, item in value.items():
+                parts.append(f"<member><name>{_escaped(name)}</name>")
+                _write(item, parts, depth + 1)
+                parts.append("</member>")
+            parts.append("</struct></value>")
+
+
+# -- reading ----------------------------------------------------------------------------------------------------------
+
+
+class _MalformedError(Exception):
+    """Leaves the parser's callbacks and the interpretation; never leaves this module."""
+
+
+@dataclass(slots=True)
+class _Element:
+    name: str
+    children: list[_Element] = field(default_factory=list)
+    text: list[str] = field(default_factory=list)
+
+    def leaf(self) -> str:
+        """The text of an element that may hold nothing else."""
+        if self.children:
+            raise _MalformedError(f"<{self.children[0].name}> inside <{self.name}>")
+        return "".join(self.text)
+
+    def branches(self, *names: str) -> list[_Element]:
+        """The children of an element that may hold nothing but elements of these names."""
+        if any(not piece.isspace() for piece in self.text):
+            raise _MalformedError(f"text inside <{self.name}>")
+        for child in self.children:
+            if child.name not in names:
+                raise _MalformedError(f"<{child.name}> inside <{self.name}>")
+        return self.children
+
+    def only_child(self, name: str, others: tuple[str, ...] = ()) -> _Element:
+        found = [child for child in self.branches(name, *others) if child.name == name]
+        if len(found) != 1:
+            raise _MalformedError(f"<{self.name}> needs one <{name}>")
+        return found[0]
+
+
+def _parsed(data: bytes, root: str) -> _Element:
+    """The document's tree of elements; its size is bounded by the limits of this module."""
+    if len(data) > MAX_BYTES:
+        raise _MalformedError(f"longer than {MAX_BYTES} bytes")
+    top = _Element("")
+    path = [top]
+    elements = 0
+
+    def start(name: str, attributes: dict[str, str]) -> None:
+        nonlocal elements
+        elements += 1
+        if elements > MAX_ELEMENTS:
+            raise _MalformedError(f"more than {MAX_ELEMENTS} elements")
+        if len(path) > _ELEMENTS_PER_LEVEL * MAX_DEPTH:
+            raise _MalformedError("nested too deeply")
+        # Apache's extensions come as ex:i8 and ex:nil.
+        element = _Element(name.rpartition(":")[2])
+        path[-1].children.append(element)
+        path.append(element)
+
+    def end(name: str) -> None:
+        path.pop()
+
+    def text(data: str) -> None:
+        path[-1].text.append(data)
+
+    def refuse(name: str, system: str | None, public: str | None, has_subset: bool) -> None:
+        raise _MalformedError("a document type, which XML-RPC has no use for")
+
+    parser = expat.ParserCreate()
+    parser.buffer_text = True
+    parser.StartElementHandler = start
+    parser.EndElementHandler = end
+    parser.CharacterDataHandler = text
+    parser.StartDoctypeDeclHandler = refuse
+    try:
+        parser.Parse(data, True)
+    except (expat.ExpatError, LookupError, ValueError) as error:  # the last two: the encoding it says it is in
+        raise _MalformedError(str(error)) from None
+    return top.only_child(root)
+
+
+def _params(root: _Element) -> list[XmlRpcValue]:
+    """The parameters of a call or an answer; a call without any may leave out ``<params>``."""
+    found = [child for child in root.children if child.name == "params"]
+    if len(found) > 1:
+        raise _MalformedError("more than one <params>")
+    return [_value(param.only_child("value")) for params in found for param in params.branches("param")]
+
+
+def _value(element: _Element, depth: int = 0) -> XmlRpcValue:
+    if depth >= MAX_DEPTH:
+        raise _MalformedError("nested too deeply")
+    if not element.children:
+        return element.leaf()  # untyped: a string, white space included
+    if len(element.children) > 1 or any(not piece.isspace() for piece in element.text):
+        raise _MalformedError("<value> holds more than one thing")
+    typed = element.children[0]
+    match typed.name:
+        case "i4" | "int" | "i8" | "i1" | "i2":
+            return _integer(typed.leaf())
+        case "boolean":
+            return _boolean(typed.leaf())
+        case "double" | "float":
+            return _double(typed.leaf())
+        case "string":
+            return typed.leaf()
+        case "base64":
+            return _base64(typed.leaf())
+        case "dateTime.iso8601":
+            return DateTime(typed.leaf().strip())
+        case "nil":
+            return None
+        case "array":
+            return [_value(item, depth + 1) for item in typed.only_child("data").branches("value")]
+        case "struct":
+            return dict(_member(member, depth + 1) for member in typed.branches("member"))
+        case name:
+            raise _MalformedError(f"<{name}> is no type of XML-RPC")
+
+
+def _member(member: _Element, depth: int) -> tuple[str, XmlRpcValue]:
+    name = member.only_child("name", others=("value",)).leaf()
+    return name, _value(member.only_child("value", others=("name",)), depth)
+
+
+def _integer(text: str) -> int:
+    # Twenty characters hold any 64 bits; Python would refuse thousands of digits with an exception of its own.
+    if re.fullmatch(r"[+-]?[0-9]{1,20}", text.strip()) is None or (value := int(text)) not in _I8:
+        raise _MalformedError(f"{text[:30]!r} is no integer of 64 bits")
+    return value
+
+
+def _boolean(text: str) -> bool:
+    match text.strip():
+        case "0":
+            return False
+        case "1":
+            return True
+        case other:
+            raise _MalformedError(f"{other[:30]!r} is no boolean")
+
+
+def _double(text: str) -> float:
+    try:
+        if "_" in text:  # Python's own way of writing thousands
+            raise ValueError
+        return float(text)
+    except ValueError:
+        raise _MalformedError(f"{text[:30]!r} is no double") from None
+
+
+def _base64(text: str) -> bytes:
+    try:
+        return base64.b64decode("".join(text.split()), validate=True)
+    except ValueError:
+        raise _MalformedError("base64 that is none") from None
