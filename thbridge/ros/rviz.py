@@ -1,0 +1,162 @@
+"""A configuration of rviz that shows a whole team: map, robots, scans, particle clouds, plans, costmaps.
+
+Source: what rviz 1.14 saves itself; what is left out here it takes from its own defaults.
+"""
+
+from collections.abc import Iterator, Mapping, Sequence
+from io import StringIO
+from typing import TypeAlias
+
+from ruamel.yaml import YAML
+
+from sim.geometry import Pose2
+from sim.grid import OccupancyGrid
+from thbridge.ros import names
+from thbridge.ros.names import MAP_FRAME, RobotNames
+
+Value: TypeAlias = "bool | int | float | str | Sequence[Value] | Mapping[str, Value]"
+Section: TypeAlias = dict[str, Value]
+
+COLOURS = ("0; 114; 178", "213; 94; 0", "0; 158; 115", "204; 121; 167", "230; 159; 0", "86; 180; 233", "120; 94; 240")
+"""One a robot, in turn; they stay apart for colour-blind eyes (Okabe and Ito; the yellow is lost on a white floor)."""
+
+WINDOW = (1280, 900)
+"""Pixels, width and height."""
+
+_SHARE_OF_WINDOW = 0.9
+"""Of the space for the view that the map fills."""
+_PANEL = 320
+"""Pixels of width that the list of displays takes."""
+_PANELS = (
+    "000000ff00000000fd00000001000000000000012c00000320fc0200000001fb000000100044006900730070006c0061"
+    "00790073010000004100000320000000dd00ffffff000003c00000032000000004000000040000000800000008fc0000"
+    "000100000002000000010000000a0054006f006f006c00730100000000ffffffff0000000000000000"
+)
+"""Where panels are, as Qt writes it (QMainWindow::saveState): the displays at the left, 300 pixels wide. Without it
+they would cover the map."""
+
+
+def configuration(robots: int, grid: OccupancyGrid, global_plan: str, local_plan: str) -> str:
+    """The file for a team of this size on this map, seen from above.
+
+    Args:
+        robots: how many.
+        grid: the map, for where to look and how near.
+        global_plan: topic of a plan in a robot's namespace, for example "move_base/NavfnROS/plan".
+        local_plan: the same of the local planner.
+    """
+    team = [RobotNames.of(number) for number in range(robots)]
+    groups = [_robot(robot, colour_of(index), global_plan, local_plan) for index, robot in enumerate(team)]
+    whole: Section = {
+        "Panels": [
+            {"Class": "rviz/Displays", "Name": "Displays", "Tree Height": 500},
+        ],
+        "Visualization Manager": {
+            "Class": "",
+            "Displays": [*_shared(team), *groups],
+            "Enabled": True,
+            "Global Options": {"Background Color": "255; 255; 255", "Fixed Frame": MAP_FRAME, "Frame Rate": 30},
+            "Name": "root",
+            "Tools": [
+                {"Class": "rviz/Interact"},
+                {"Class": "rviz/MoveCamera"},
+                {"Class": "rviz/Select"},
+                {"Class": "rviz/Measure"},
+                *(tool for robot in team for tool in _tools(robot)),
+            ],
+            "Value": True,
+            "Views": {"Current": _from_above(grid)},
+        },
+        "Window Geometry": {"Width": WINDOW[0], "Height": WINDOW[1], "QMainWindow State": _PANELS},
+    }
+    text = StringIO()
+    yaml = YAML()
+    yaml.indent(mapping=2, sequence=4, offset=2)
+    yaml.dump(whole, text)
+    return text.getvalue()
+
+
+def colour_of(robot: int) -> str:
+    """A robot's colour as rviz writes it: red, green and blue from 0 to 255."""
+    return COLOURS[robot % len(COLOURS)]
+
+
+def _display(kind: str, name: str, topic: str | None, enabled: bool, **properties: Value) -> Section:
+    """One display; rviz keeps whether it is on twice."""
+    given = {key.replace("_", " "): value for key, value in properties.items()}
+    about = {} if topic is None else {"Topic": topic}
+    return {"Class": f"rviz/{kind}", "Name": name, "Enabled": enabled, "Value": enabled, **about, **given}
+
+
+def _shared(team: Sequence[RobotNames]) -> Iterator[Section]:
+    yield _display("Map", "map", names.MAP, True, Color_Scheme="map", Alpha=0.6, Draw_Behind=True)
+    yield _display("MarkerArray", "things", None, True, **{"Marker Topic": names.THINGS})
+    # Of each robot one frame: with odom and the laser's the names would hide the map.
+    shown = {MAP_FRAME: False} | {
+        frame: frame == robot.base_link
+        for robot in team
+        for frame in (robot.odom, robot.base_footprint, robot.base_link, robot.base_laser)
+    }
+    frames: Section = {"All Enabled": False, **{frame: {"Value": on} for frame, on in shown.items()}}
+    yield _display("TF", "robots", None, True, Frames=frames, Marker_Scale=1.0, Show_Arrows=False, Show_Names=True)
+
+
+def _robot(robot: RobotNames, colour: str, global_plan: str, local_plan: str) -> Section:
+    costmaps = [
+        _display(
+            "Map",
+            f"{which} costmap",
+            robot.topic(f"move_base/{which}_costmap/costmap"),
+            which == "local",
+            Color_Scheme="costmap",
+            Alpha=0.35,
+        )
+        for which in ("global", "local")
+    ]
+    displays = [
+        *costmaps,
+        _display(
+            "LaserScan", "scan", robot.topic("scan"), True, Color_Transformer="FlatColor", Color=colour,
+            Style="Points", **{"Size (Pixels)": 3},
+        ),
+        _display(
+            "PoseArray", "particles", robot.topic("particlecloud"), True, Color=colour, Shape="Arrow (Flat)",
+            Alpha=0.4, Arrow_Length=0.25,
+        ),
+        _display(
+            "Path", "plan", robot.topic(global_plan), True, Color=colour, Line_Style="Billboards", Line_Width=0.06,
+        ),
+        _display("Path", "local plan", robot.topic(local_plan), True, Color="0; 0; 0", Line_Width=0.03),
+        _display("Polygon", "footprint", robot.topic("move_base/local_costmap/footprint"), True, Color=colour),
+        _display(
+            "PoseWithCovariance", "estimate", robot.topic("amcl_pose"), True, Color=colour, Alpha=0.8,
+            Shape="Arrow", Head_Length=0.2, Head_Radius=0.12, Shaft_Length=0.4, Shaft_Radius=0.04,
+        ),
+        _display(
+            "Odometry", "truth", robot.topic("base_pose_ground_truth"), False, Keep=1,
+            Shape={"Value": "Arrow", "Color": "0; 0; 0", "Alpha": 0.6}, Covariance={"Value": False},
+        ),
+    ]  # fmt: skip
+    return {"Class": "rviz/Group", "Name": robot.namespace[1:], "Enabled": True, "Displays": displays}
+
+
+def _tools(robot: RobotNames) -> Iterator[Section]:
+    """rviz has one button for each; without names of their own they are told apart by their topics only."""
+    yield {"Class": "rviz/SetInitialPose", "Topic": robot.topic("initialpose")}
+    yield {"Class": "rviz/SetGoal", "Topic": robot.topic("move_base_simple/goal")}
+
+
+def _from_above(grid: OccupancyGrid) -> Section:
+    """A view of the whole map; rviz's scale is in pixels a metre."""
+    width, height = grid.cols * grid.resolution, grid.rows * grid.resolution
+    scale = _SHARE_OF_WINDOW * min((WINDOW[0] - _PANEL) / width, (WINDOW[1] - 120) / height)
+    middle = grid.origin.compose(Pose2(width / 2, height / 2, 0.0))
+    return {
+        "Class": "rviz/TopDownOrtho",
+        "Name": "Current View",
+        "Target Frame": MAP_FRAME,
+        "Angle": 0.0,
+        "Scale": round(scale, 2),
+        "X": round(middle.x, 3),
+        "Y": round(middle.y, 3),
+    }
