@@ -1,0 +1,44 @@
+from collections.abc import Iterator
+
+import numpy as np
+from ruamel.yaml import YAML
+
+from sim.geometry import IDENTITY
+from sim.grid import OccupancyGrid
+from thbridge.ros.rviz import configuration
+
+GRID = OccupancyGrid(np.zeros((20, 40), dtype=np.int8), 0.5, IDENTITY)
+
+
+def topics(robots: int) -> list[str]:
+    whole = YAML(typ="safe").load(configuration(robots, GRID, "move_base/NavfnROS/plan", "move_base/Dwa/local_plan"))
+    return list(named(whole["Visualization Manager"]))
+
+
+def named(section: object) -> Iterator[str]:
+    if isinstance(section, dict):
+        for key, value in section.items():
+            if key in ("Topic", "Marker Topic"):
+                yield value
+            yield from named(value)
+    elif isinstance(section, list):
+        for item in section:
+            yield from named(item)
+
+
+def test_every_robot_is_shown_with_all_it_perceives_and_plans() -> None:
+    found = topics(3)
+    for robot in ("/robot1", "/robot2", "/robot3"):
+        for topic in ("scan", "particlecloud", "amcl_pose", "move_base/NavfnROS/plan", "move_base/Dwa/local_plan",
+                      "move_base/local_costmap/costmap", "move_base/global_costmap/costmap",
+                      "move_base/local_costmap/footprint", "initialpose", "move_base_simple/goal"):  # fmt: skip
+            assert found.count(f"{robot}/{topic}") == 1
+    assert "/map" in found
+    assert not any(topic.startswith("/robot4") for topic in found)
+
+
+def test_the_view_holds_the_whole_map() -> None:
+    text = YAML(typ="safe").load(configuration(1, GRID, "plan", "local_plan"))
+    view = text["Visualization Manager"]["Views"]["Current"]
+    assert (view["X"], view["Y"]) == (10.0, 5.0)
+    assert 0.5 * (1280 - 320) / 20 < view["Scale"] <= (1280 - 320) / 20
