@@ -38,7 +38,7 @@ class DateTime:
 
 
 XmlRpcValue: TypeAlias = (
-    "bool | int | float | str | bytes | DateTime | list[XmlRpcValue] | dict[str, XmlRpcValue] | None"
+    bool | int | float | str | bytes | DateTime | list["XmlRpcValue"] | dict[str, "XmlRpcValue"] | None
 )
 """Whatever XML-RPC can carry, with the extensions ``nil`` and ``i8``."""
 
