@@ -12,17 +12,56 @@ import numpy as np
 
 from sim.geometry import FloatArray, Pose2
 from sim.grid import OccupancyGrid
+from sim.inputs import (
+    Carry,
+    ClearCostmaps,
+    Die,
+    Drive,
+    Globalize,
+    Go,
+    Halt,
+    Localize,
+    Place,
+    PutThing,
+    RemoveThing,
+    RequestUpdate,
+    Revive,
+    SetCharge,
+    TeamInput,
+    Timed,
+)
 from sim.localization.amcl import Amcl
 from sim.localization.ekf import Ekf
 from sim.localization.estimate import Localizer
 from sim.localization.truth import Truth
-from sim.navigator import Goal, Navigator
-from sim.observations import Neighbour, Twist
+from sim.navigator import Navigator
+from sim.observations import Neighbour
 from sim.parameters import RobotParameters, WorldParameters
 from sim.robot import Robot, RobotOutput
 from sim.sensors import Sensors, mount_of
-from sim.things import Thing
 from sim.world import Misplaced, World, WorldState, with_charge, with_thing, without_thing
+
+__all__ = [
+    "START_COVARIANCE",
+    "Carry",
+    "ClearCostmaps",
+    "Die",
+    "Drive",
+    "Globalize",
+    "Go",
+    "Halt",
+    "Localize",
+    "Place",
+    "PutThing",
+    "RemoveThing",
+    "RequestUpdate",
+    "Revive",
+    "SetCharge",
+    "Team",
+    "TeamInput",
+    "TeamSnapshot",
+    "Timed",
+]
 
 
 @dataclass(frozen=True, slots=True)
@@ -42,93 +81,6 @@ class TeamSnapshot:
     robots: tuple[RobotOutput, ...]
     commands: FloatArray
     dead: frozenset[int] = frozenset()
-
-
-@dataclass(frozen=True, slots=True)
-class Go:
-    """Send a robot somewhere; a goal under way is given up for it."""
-
-    robot: int
-    goal: Goal
-
-
-@dataclass(frozen=True, slots=True)
-class Halt:
-    """Withdraw a robot's goal."""
-
-    robot: int
-
-
-@dataclass(frozen=True, slots=True)
-class Drive:
-    """Drive by hand: this command instead of the navigator's, for so many ticks."""
-
-    robot: int
-    command: Twist
-    ticks: int
-
-
-@dataclass(frozen=True, slots=True)
-class SetCharge:
-    """The energy that a robot has left."""
-
-    robot: int
-    charge: float
-
-
-@dataclass(frozen=True, slots=True)
-class Place:
-    """Put a robot somewhere, and tell it so (a restart, not a kidnapping)."""
-
-    robot: int
-    base_in_map: Pose2
-
-
-@dataclass(frozen=True, slots=True)
-class PutThing:
-    """Put a thing in the way, as soon as its place is free; one of the same name vanishes."""
-
-    thing: Thing
-
-
-@dataclass(frozen=True, slots=True)
-class RemoveThing:
-    """Take the thing of this name away."""
-
-    name: str
-
-
-@dataclass(frozen=True, slots=True)
-class Carry:
-    """Kidnap a robot: it is put somewhere else, as soon as no body stands there, and is told nothing."""
-
-    robot: int
-    base_in_map: Pose2
-
-
-@dataclass(frozen=True, slots=True)
-class Die:
-    """A robot's motors brake for good, its software stops and its goal is gone."""
-
-    robot: int
-
-
-@dataclass(frozen=True, slots=True)
-class Revive:
-    """A dead robot goes on where it stands, believing what it believed."""
-
-    robot: int
-
-
-TeamInput = Go | Halt | Drive | SetCharge | Place | PutThing | RemoveThing | Carry | Die | Revive
-
-
-@dataclass(frozen=True, slots=True)
-class Timed:
-    """An input that comes at a tick of its own accord."""
-
-    tick: int
-    input: TeamInput
 
 
 START_COVARIANCE: FloatArray = np.diag([0.05**2, 0.05**2, 0.05**2])
@@ -248,7 +200,15 @@ class Team:
 
     def _take(self, item: TeamInput) -> None:
         match item:
-            case Go(robot) | Halt(robot) | Drive(robot) if robot in self._dead:
+            case (
+                Go(robot)
+                | Halt(robot)
+                | Drive(robot)
+                | Localize(robot)
+                | Globalize(robot)
+                | RequestUpdate(robot)
+                | ClearCostmaps(robot)
+            ) if robot in self._dead:
                 pass  # It does not hear.
             case Go(robot, goal):
                 self._driven.pop(robot, None)
@@ -259,6 +219,15 @@ class Team:
             case Drive(robot):
                 self._robots[robot].navigator.cancel()
                 self._driven[robot] = item
+            case Localize(robot, pose, covariance):
+                self._robots[robot].localizer.start(pose, covariance)
+                self._robots[robot].navigator.replan()
+            case Globalize(robot):
+                self._robots[robot].localizer.globalize()
+            case RequestUpdate(robot):
+                self._robots[robot].localizer.request_update()
+            case ClearCostmaps(robot):
+                self._robots[robot].navigator.clear_costmaps()
             case SetCharge(robot, charge):
                 self._state = with_charge(self._state, robot, charge)
             case Place(robot, pose):
@@ -277,8 +246,9 @@ class Team:
                 self._robots[robot].navigator.cancel()
                 self._dead.add(robot)
                 if (said := self._said[robot]) is not None:
-                    # What has ended does not end again and again.
-                    self._said[robot] = replace(said, navigation=replace(said.navigation, result=None))
+                    # What has ended does not end again and again, nor is what was shown once.
+                    last = replace(said.navigation, result=None, global_costmap=None, local_costmap=None)
+                    self._said[robot] = replace(said, navigation=last)
                 # A snapshot holds the array that was.
                 self._commands = self._commands.copy()
                 self._commands[robot] = 0.0

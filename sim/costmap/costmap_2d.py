@@ -4,6 +4,7 @@ Source: ros-planning/navigation, costmap_2d/src/costmap_2d_ros.cpp.
 """
 
 from collections.abc import Sequence
+from typing import NamedTuple
 
 import numpy as np
 
@@ -18,6 +19,20 @@ from sim.geometry import FloatArray, Pose2
 from sim.grid import OccupancyGrid
 from sim.observations import TICKS_PER_SECOND, Neighbour, Scan
 from sim.parameters import CostmapParameters, LocalCostmapParameters
+
+
+class Look(NamedTuple):
+    """A scan, and what must be known to make use of it.
+
+    Attributes:
+        base_in_map: where the robot was when it scanned.
+        scan: the readings.
+        discs: (n, 3) x, y and radius of the other robots, metres.
+    """
+
+    base_in_map: Pose2
+    scan: Scan
+    discs: FloatArray
 
 
 class Costmap2D:
@@ -39,10 +54,10 @@ class Costmap2D:
         self._track_unknown_space = parameters.track_unknown_space
         self.footprint = pad(_corners(parameters, body), parameters.footprint_padding)
         self.inscribed_radius, self.circumscribed_radius = radii(self.footprint)
-        shape: tuple[int, int] | None = None
+        self._shape: tuple[int, int] | None = None
         if isinstance(parameters, LocalCostmapParameters):
             # As much more than a whole number of cells as reals err is no cell.
-            shape = (
+            self._shape = (
                 int(parameters.height / grid.resolution + 1e-9),
                 int(parameters.width / grid.resolution + 1e-9),
             )
@@ -51,11 +66,12 @@ class Costmap2D:
             grid,
             self.footprint,
             parameters.track_unknown_space,
-            shape,
+            self._shape,
             explained_by_walls=parameters.static_layer.enabled,
         )
         self._clear_ticks = round(TICKS_PER_SECOND / parameters.update_frequency)
         self._cleared = 0
+        self._robots_parameters = parameters.robots_layer
         self._robots = RobotsLayer(parameters.robots_layer, grid)
         static = StaticLayer(parameters.static_layer, grid)
         inflation = InflationLayer(parameters.inflation_layer, grid.resolution, self.inscribed_radius)
@@ -66,7 +82,7 @@ class Costmap2D:
             (inflation, parameters.inflation_layer.enabled),
         )
         self._layers = [layer for layer, enabled in layers if enabled]
-        self._layered = LayeredCostmap(grid, self._layers, shape, parameters.track_unknown_space)
+        self._layered = LayeredCostmap(grid, self._layers, self._shape, parameters.track_unknown_space)
 
     @property
     def costs(self) -> Costs:
@@ -130,6 +146,32 @@ class Costmap2D:
         alone.origin = self._layered.origin
         alone.write((alone.window,))
         return alone.costs
+
+    def as_updated(
+        self, x: float, y: float, neighbours: Sequence[Neighbour], unseen: Look | None = None
+    ) -> tuple[Costs, CostFrame]:
+        """What the costs would be, and where they would lie, after an update now; nothing of the costmap changes.
+
+        Args:
+            x: where the robot is, map point; so y.
+            neighbours: the other robots.
+            unseen: a scan that the update would take in.
+
+        Returns:
+            (rows, cols) and its frame.
+        """
+        robots = RobotsLayer(self._robots_parameters, self._grid)
+        robots.see(neighbours)
+        obstacles = self._obstacles.copied()
+        instead: dict[Layer, Layer] = {self._robots: robots, self._obstacles: obstacles}
+        layers = [instead.get(layer, layer) for layer in self._layers]
+        updated = LayeredCostmap(self._grid, layers, self._shape, self._track_unknown_space)
+        updated.roll(x, y)
+        obstacles.roll(updated.origin)
+        if unseen is not None:
+            obstacles.observe(*unseen)
+        updated.write((updated.window,))
+        return updated.costs, updated.frame
 
     def _roll(self, x: float, y: float) -> None:
         self._layered.roll(x, y)

@@ -7,6 +7,7 @@ nothing else could, cells that lie between two beams far out; a beam that hit no
 marks at once, where ROS keeps the last one for the next update.
 """
 
+import copy
 import math
 from typing import NamedTuple
 
@@ -336,6 +337,12 @@ class ObstacleLayer:
 
     def _raytrace_range(self, source: ObservationSource) -> float:
         return self._parameters.raytrace_range if source.raytrace_range is None else source.raytrace_range
+
+    def copied(self) -> "ObstacleLayer":
+        """A layer that has seen the same, and goes its own way from now on."""
+        other = copy.copy(self)
+        other._marks, other._changes = self._marks.copy(), Changes()
+        return other
 
     def clear(self) -> None:
         """Forget everything seen (move_base's clear_costmap_recovery)."""

@@ -13,7 +13,7 @@ from numpy.typing import NDArray
 from sim.control.braking import LATENCY, Surroundings, beside_obstacles, surroundings
 from sim.control.choice import local_planner
 from sim.control.local_planner import Drive
-from sim.costmap.costmap_2d import Costmap2D
+from sim.costmap.costmap_2d import Costmap2D, Look
 from sim.costmap.costs import INSCRIBED, CostFrame, Costs
 from sim.geometry import IDENTITY, FloatArray, Pose2, wrap_angle
 from sim.grid import OccupancyGrid
@@ -68,6 +68,7 @@ class Follower:
         waiting: whether it waits for its right of way.
         others_bar: whether others keep it from going farther.
         local_plan: (k, 3) map poses the last command would lead through.
+        unseen: the last scan, until the costmap has taken it in.
         ahead: (m, 3) poses still to be passed, the (m,) times told with them, and how many metres they are.
     """
 
@@ -95,7 +96,7 @@ class Follower:
         self._hold = self.control_ticks * TICK + LATENCY
         period = self.control_ticks * TICK
         self._planner = local_planner(parameters, costmap.footprint, costmap.costs.shape, period)
-        self._looked: tuple[Pose2, Scan, FloatArray] | None = None
+        self.unseen: Look | None = None
         self.valid = 0
         self.drop()
 
@@ -196,7 +197,7 @@ class Follower:
             scan: the readings.
             discs: (n, 3) x, y and radius of the other robots, metres.
         """
-        self._looked = (pose, scan, discs)
+        self.unseen = Look(pose, scan, discs)
 
     def look_around(self, pose: Pose2, twist: Twist, neighbours: Sequence[Neighbour]) -> Drive:
         """Turn in place (rotate_recovery)."""
@@ -220,9 +221,9 @@ class Follower:
         return ahead if self._planner.safe(IDENTITY, twist, ahead, around) else STANDSTILL
 
     def _update_costmap(self, pose: Pose2, neighbours: Sequence[Neighbour]) -> None:
-        if self._looked is not None:
-            self._costmap.observe(*self._looked)
-            self._looked = None
+        if self.unseen is not None:
+            self._costmap.observe(*self.unseen)
+            self.unseen = None
         reach = self._width
         self._costmap.see(
             [

@@ -25,6 +25,7 @@ from sim.costmap.footprint import circumscribed_radius
 from sim.costmap.view import CostmapView
 from sim.geometry import IDENTITY, FloatArray, Pose2
 from sim.grid import OccupancyGrid, distance_field
+from sim.navigator.display import Display
 from sim.navigator.follower import NO_TIMES, NOWHERE, Follower
 from sim.navigator.goals import Arrived, Cancelled, Goal, NoPath, Result
 from sim.navigator.recovery import Oscillation, Recovery
@@ -121,6 +122,11 @@ class Navigator:
         self._recovery = Recovery(self._parameters, self._global.circumscribed_radius)
         self._oscillation = Oscillation(self._parameters.oscillation_timeout, self._parameters.oscillation_distance)
         self._silence = Silence()
+        self._displays = (
+            # Seldom shown, so that who looks has not to wait for the first one.
+            Display(self._global, parameters.global_costmap.publish_frequency, self._turned, robot, at_once=True),
+            Display(self._local, parameters.local_costmap.publish_frequency, self._turned, robot),
+        )
         self._results: deque[Result] = deque()
         self._goal: Goal | None = None
         self._target = IDENTITY
@@ -171,6 +177,16 @@ class Navigator:
         if self._goal is not None:
             self._end(Cancelled(self._goal))
 
+    def replan(self) -> None:
+        """Look for another way to the goal under way: the robot was told that it is somewhere else."""
+        self._drop()
+        self._next_plan = self._tick + 1
+
+    def clear_costmaps(self) -> None:
+        """Forget what the laser has seen."""
+        self._global.clear()
+        self._local.clear()
+
     def _end(self, result: Result) -> None:
         self._results.append(result)
         self._goal = None
@@ -210,7 +226,7 @@ class Navigator:
         self._silence.hear(tick, neighbours)
         if lost:
             self._seek(tick, twist, scan)
-            return self._told()
+            return self._told(tick, pose, neighbours)
         self._lost = False
         if scan is not None:
             self._silence.look(pose.compose(scan.mount.laser_in_base), scan)
@@ -225,9 +241,9 @@ class Navigator:
         if (tick - self._robot) % self._follower.control_ticks == 0:
             bodies = [*neighbours, *self._silence.bodies()]
             self._choose_command(tick, pose, twist, bodies)
-        return self._told()
+        return self._told(tick, pose, neighbours)
 
-    def _told(self) -> Navigation:
+    def _told(self, tick: int, pose: Pose2, neighbours: Sequence[Neighbour]) -> Navigation:
         result = self._results.popleft() if self._results else None
         follower = self._follower
         state: NavigatorState = "planning"
@@ -239,7 +255,32 @@ class Navigator:
             state = "idle"
         plan, times, remaining = (self._wish, NO_TIMES, 0.0) if follower.way is None else follower.ahead
         plan, local_plan = self._turned.poses(plan), self._turned.poses(follower.local_plan)
-        return Navigation(self._command, self._goal, state, plan, times, local_plan, result, remaining, self._claim)
+        return Navigation(
+            self._command,
+            self._goal,
+            state,
+            plan,
+            times,
+            local_plan,
+            result,
+            remaining,
+            self._claim,
+            *self._shown(tick, pose, neighbours),
+        )
+
+    def _shown(
+        self, tick: int, pose: Pose2, neighbours: Sequence[Neighbour]
+    ) -> tuple[CostmapView | None, CostmapView | None]:
+        """The global costmap and the local one, where they are due."""
+        due = [display.due(tick) for display in self._displays]
+        if not any(due):
+            return None, None
+        others = [*neighbours, *self._silence.remembered(tick)]
+        whole, around = self._displays
+        return (
+            whole.show(tick, pose, others, None) if due[0] else None,
+            around.show(tick, pose, others, self._follower.unseen) if due[1] else None,
+        )
 
     def _seek(self, tick: int, twist: Twist, scan: Scan | None) -> None:
         """Look around; a goal waits for the robot to know its place again, but not for ever."""

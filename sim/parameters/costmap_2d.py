@@ -114,7 +114,6 @@ _COSTMAP_ROS_ONLY: Mapping[str, str] = {
     "global_frame": "the frame it is kept in: here the map's",
     "robot_base_frame": "the frame of the robot",
     "transform_tolerance": "how old transforms may be",
-    "publish_frequency": "how often it is published",
     "always_send_full_costmap": "how it is published",
     "footprint_topic": "where footprints come from",
     "published_footprint_topic": "where the footprint is published",
@@ -166,6 +165,7 @@ class CostmapParameters:
         0.1,
         50,
     )
+    publish_frequency: float = knob(0.0, "how often it is shown, in a recording or live; 0: never", "Hz", 0, 50)
     static_layer: StaticParameters = knob(StaticParameters(), "the walls of the map")
     obstacle_layer: ObstacleParameters = knob(ObstacleParameters(), "marking and clearing by the laser")
     robots_layer: RobotsParameters = knob(RobotsParameters(), "the other robots")

@@ -49,6 +49,7 @@ class RobotParameters:
         GlobalCostmapParameters(
             robot_radius=None,
             track_unknown_space=True,
+            publish_frequency=0.2,
             obstacle_layer=_LASER,
             # Where robots under way are now says little of where they will be: plans reckon with their paths instead.
             robots_layer=RobotsParameters(under_way=False),
@@ -62,6 +63,7 @@ class RobotParameters:
             height=4.0,
             robot_radius=None,
             track_unknown_space=True,
+            publish_frequency=1.0,
             obstacle_layer=_LASER,
             inflation_layer=_INFLATION,
         ),

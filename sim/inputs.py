@@ -1,0 +1,153 @@
+"""What comes to a team from outside: what people ask of its robots, and what happens to them.
+
+Plain values all, so that a recording can hold them and a run can be repeated. A dead robot hears nothing that is said
+to its software.
+"""
+
+from dataclasses import dataclass
+
+from sim.geometry import FloatArray, Pose2
+from sim.navigator import Goal
+from sim.observations import Twist
+from sim.things import Thing
+
+
+@dataclass(frozen=True, slots=True)
+class Go:
+    """Send a robot somewhere; a goal under way is given up for it."""
+
+    robot: int
+    goal: Goal
+
+
+@dataclass(frozen=True, slots=True)
+class Halt:
+    """Withdraw a robot's goal."""
+
+    robot: int
+
+
+@dataclass(frozen=True, slots=True)
+class Drive:
+    """Drive by hand (ROS: cmd_vel): this command instead of the navigator's, for so many ticks; a goal ends for it.
+
+    Attributes:
+        command: may ask for more than the motors can: they do what they can.
+        ticks: at least 1; another one that comes before they are over takes its place.
+    """
+
+    robot: int
+    command: Twist
+    ticks: int
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Localize:
+    """Tell a robot where it is (ROS: initialpose): its localiser begins anew there; body and goal stay.
+
+    Attributes:
+        covariance: (3, 3) of x, y and theta, how sure; m^2, m rad, rad^2.
+    """
+
+    robot: int
+    base_in_map: Pose2
+    covariance: FloatArray
+
+
+@dataclass(frozen=True, slots=True)
+class Globalize:
+    """Let a robot forget where it is (ROS: global_localization)."""
+
+    robot: int
+
+
+@dataclass(frozen=True, slots=True)
+class RequestUpdate:
+    """Let a robot weigh its next scan even if it stands (ROS: request_nomotion_update)."""
+
+    robot: int
+
+
+@dataclass(frozen=True, slots=True)
+class ClearCostmaps:
+    """Let both costmaps of a robot forget what the laser has seen (ROS: move_base/clear_costmaps)."""
+
+    robot: int
+
+
+@dataclass(frozen=True, slots=True)
+class SetCharge:
+    """The energy that a robot has left."""
+
+    robot: int
+    charge: float
+
+
+@dataclass(frozen=True, slots=True)
+class Place:
+    """Put a robot somewhere, and tell it so (a restart, not a kidnapping)."""
+
+    robot: int
+    base_in_map: Pose2
+
+
+@dataclass(frozen=True, slots=True)
+class PutThing:
+    """Put a thing in the way, as soon as its place is free; one of the same name vanishes."""
+
+    thing: Thing
+
+
+@dataclass(frozen=True, slots=True)
+class RemoveThing:
+    """Take the thing of this name away."""
+
+    name: str
+
+
+@dataclass(frozen=True, slots=True)
+class Carry:
+    """Kidnap a robot: it is put somewhere else, as soon as no body stands there, and is told nothing."""
+
+    robot: int
+    base_in_map: Pose2
+
+
+@dataclass(frozen=True, slots=True)
+class Die:
+    """A robot's motors brake for good, its software stops and its goal is gone."""
+
+    robot: int
+
+
+@dataclass(frozen=True, slots=True)
+class Revive:
+    """A dead robot goes on where it stands, believing what it believed."""
+
+    robot: int
+
+
+TeamInput = (
+    Go
+    | Halt
+    | Drive
+    | Localize
+    | Globalize
+    | RequestUpdate
+    | ClearCostmaps
+    | SetCharge
+    | Place
+    | PutThing
+    | RemoveThing
+    | Carry
+    | Die
+    | Revive
+)
+
+
+@dataclass(frozen=True, slots=True)
+class Timed:
+    """An input that comes at a tick of its own accord."""
+
+    tick: int
+    input: TeamInput
