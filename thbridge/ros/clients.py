@@ -1,0 +1,160 @@
+"""What ROS clients say to robots, as values: estimates, goals, velocities, questions about plans.
+
+Clients are strangers: whatever their bytes are, the answer is a value or a `Refused`, whose sentence is for their log.
+"""
+
+import math
+from dataclasses import dataclass
+
+import numpy as np
+
+from sim.geometry import FloatArray, Pose2
+from sim.observations import Twist
+from thbridge.ros.cursor import FLOAT32, Cursor
+from thbridge.ros.frames import frame_name
+from thbridge.ros.names import MAP_FRAME
+
+_PLANAR = np.ix_((0, 1, 5), (0, 1, 5))
+"""x, y and yaw among x, y, z, roll, pitch, yaw."""
+_FLAT = math.cos(math.radians(10.0))
+"""move_base, too, takes a goal's tilt of some degrees for noise and more than that for a mistake."""
+
+
+@dataclass(frozen=True, slots=True)
+class Refused:
+    """A message that cannot be used, and why."""
+
+    sentence: str
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class PoseEstimate:
+    """Where a robot is, and how sure that is: (3, 3) covariance of x, y, theta."""
+
+    base_in_map: Pose2
+    covariance: FloatArray
+
+
+@dataclass(frozen=True, slots=True)
+class ActionGoal:
+    """A goal with the name and the time that its client gave it; `pose` says if it cannot be driven to."""
+
+    goal_id: str
+    stamp_ns: int
+    pose: Pose2 | Refused
+
+
+@dataclass(frozen=True, slots=True)
+class ActionCancel:
+    """Goals to be given up: that of this name, and all up to this time; all of them when both are empty."""
+
+    goal_id: str
+    stamp_ns: int
+
+
+@dataclass(frozen=True, slots=True)
+class PlanQuestion:
+    """nav_msgs/GetPlan: from where (None: where the robot is), to where, and how far beside it will do, metres."""
+
+    start: Pose2 | None
+    goal: Pose2
+    tolerance: float
+
+
+def pose_estimate(data: bytes) -> PoseEstimate | Refused:
+    """geometry_msgs/PoseWithCovarianceStamped, of `initialpose` and of robot_localization's `set_pose`."""
+    try:
+        cursor = Cursor(data)
+        _, frame = cursor.header()
+        pose = _pose_in_map(cursor, frame)
+        covariance = cursor.reals(36).reshape(6, 6)[_PLANAR]
+    except ValueError as error:
+        return Refused(str(error))
+    if isinstance(pose, Refused):
+        return pose
+    if not np.isfinite(covariance).all() or np.linalg.eigvalsh(0.5 * (covariance + covariance.T)).min() < -1e-9:
+        return Refused("its covariance is not one: it has to be finite and positive semi-definite")
+    return PoseEstimate(pose, covariance)
+
+
+def goal_pose(data: bytes) -> Pose2 | Refused:
+    """geometry_msgs/PoseStamped."""
+    try:
+        cursor = Cursor(data)
+        _, frame = cursor.header()
+        return _pose_in_map(cursor, frame)
+    except ValueError as error:
+        return Refused(str(error))
+
+
+def action_goal(data: bytes) -> ActionGoal | Refused:
+    """move_base_msgs/MoveBaseActionGoal."""
+    try:
+        cursor = Cursor(data)
+        cursor.header()
+        stamp_ns, goal_id = cursor.stamp(), cursor.string()
+        _, frame = cursor.header()
+        return ActionGoal(goal_id, stamp_ns, _pose_in_map(cursor, frame))
+    except ValueError as error:
+        return Refused(str(error))
+
+
+def action_cancel(data: bytes) -> ActionCancel | Refused:
+    """actionlib_msgs/GoalID."""
+    try:
+        cursor = Cursor(data)
+        stamp_ns = cursor.stamp()
+        return ActionCancel(cursor.string(), stamp_ns)
+    except ValueError as error:
+        return Refused(str(error))
+
+
+def velocity(data: bytes) -> Twist | Refused:
+    """geometry_msgs/Twist; of a robot with two wheels only x forward and z around count."""
+    try:
+        six = Cursor(data).reals(6)
+    except ValueError as error:
+        return Refused(str(error))
+    if not np.isfinite(six).all():
+        return Refused("it is not finite")
+    return Twist(float(six[0]), float(six[5]))
+
+
+def plan_question(data: bytes) -> PlanQuestion | Refused:
+    """The request of nav_msgs/GetPlan; a start without a frame is the robot's own place, as in move_base."""
+    try:
+        cursor = Cursor(data)
+        _, start_frame = cursor.header()
+        start: Pose2 | Refused | None = None
+        if start_frame:
+            start = _pose_in_map(cursor, start_frame)
+        else:
+            cursor.seven()
+        _, goal_frame = cursor.header()
+        goal = _pose_in_map(cursor, goal_frame)
+        (tolerance,) = FLOAT32.unpack(cursor.take(FLOAT32.size))
+    except ValueError as error:
+        return Refused(str(error))
+    if isinstance(start, Refused):
+        return start
+    if isinstance(goal, Refused):
+        return goal
+    if not (math.isfinite(tolerance) and tolerance >= 0.0):
+        return Refused(f"its tolerance of {tolerance} m is none")
+    return PlanQuestion(start, goal, float(tolerance))
+
+
+def _pose_in_map(cursor: Cursor, frame: str) -> Pose2 | Refused:
+    x, y, z, qx, qy, qz, qw = cursor.seven()
+    if frame_name(frame) != MAP_FRAME:
+        return Refused(f"its frame is {frame!r}; give it in the frame {MAP_FRAME!r}")
+    length = math.sqrt(qx * qx + qy * qy + qz * qz + qw * qw)
+    if not math.isfinite(x + y + z + length):
+        return Refused("its pose is not finite")
+    if length < 1e-6:
+        return Refused("its quaternion is empty; no rotation is (0, 0, 0, 1)")
+    qx, qy, qz, qw = qx / length, qy / length, qz / length, qw / length
+    if 1.0 - 2.0 * (qx * qx + qy * qy) < _FLAT:
+        return Refused("its pose is tilted; robots here drive in the plane")
+    yaw = math.atan2(2.0 * (qw * qz + qx * qy), 1.0 - 2.0 * (qy * qy + qz * qz))
+    return Pose2(x, y, yaw if yaw < math.pi else -math.pi)
