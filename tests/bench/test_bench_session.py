@@ -86,7 +86,7 @@ def test_simulated_seconds_per_cpu_second(tmp_path, capsys):
         rooms = [room.goal for room in setting.place.rooms]
         drive(setting.team(), rooms, 2)
         alone = drive(setting.team(), rooms, SECONDS)
-        recorder = setting.recorder(tmp_path / f"{robots}.bag")
+        recorder = setting.recorder(tmp_path / f"{robots}.bag", setting.record("play", [], ""))
         figures[robots] = (SECONDS / alone, SECONDS / drive(setting.team(), rooms, SECONDS, recorder.record))
         recorder.close()
     with capsys.disabled():

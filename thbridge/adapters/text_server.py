@@ -1,11 +1,7 @@
 """The text server's sockets: carries out over TCP what the router decides.
 
 Everything happens on the thread of one event loop, the router included. A session that runs programs inside this
-process drives them on the same loop::
-
-    router.submit(...)
-    server.perform(router.exchange())
-    router.take(...)
+process drives them on the same loop, stands before its router, and so sees all that comes in.
 """
 
 from __future__ import annotations
@@ -15,11 +11,12 @@ import logging
 import time
 from asyncio import BufferedProtocol, Transport
 from collections import deque
-from collections.abc import Callable, Iterable
+from collections.abc import Callable, Iterable, Sequence
 from dataclasses import dataclass
+from typing import Protocol
 
 from thbridge.adapters.errors import reason_of
-from thbridge.wire.router import Close, ConnectionId, Forwarded, Joined, Left, Output, Router, Send, Skipped, TurnedAway
+from thbridge.wire.router import Close, ConnectionId, Forwarded, Joined, Left, Output, Send, Skipped, TurnedAway
 
 DEFAULT_HOST = "127.0.0.1"
 DEFAULT_PORT = 6009
@@ -59,26 +56,48 @@ class CannotListen:
         )
 
 
+class Switchboard(Protocol):
+    """What decides for a server: a `Router`, or whoever stands before one; see there for more."""
+
+    def connect(self, now: float) -> ConnectionId | TurnedAway:
+        """A connection is opened."""
+
+    def receive_data(self, connection: ConnectionId, data: bytes, now: float) -> Sequence[Output]:
+        """Bytes have come in."""
+
+    def eof(self, connection: ConnectionId) -> Sequence[Output]:
+        """A connection has ended."""
+
+    def report_backlog(self, connection: ConnectionId, size: int) -> Sequence[Output]:
+        """So many bytes wait for a connection."""
+
+    def advance(self, now: float) -> Sequence[Output]:
+        """Time has passed."""
+
+    def stop(self) -> Sequence[Output]:
+        """The server ends."""
+
+
 def _ignore(forwarded: Forwarded) -> None:
     """Listen to nothing."""
 
 
 class TextServer:
-    """Serves one router over TCP.
+    """Serves one switchboard over TCP.
 
     Args:
-        router: decides; may have local endpoints that never see a socket.
+        switchboard: decides; it may have local endpoints that never see a socket.
         tap: hears of every message passed on, delivered or not, in order. It must not raise.
         clock: seconds; must not run backwards.
     """
 
     def __init__(
         self,
-        router: Router,
+        switchboard: Switchboard,
         tap: Callable[[Forwarded], None] = _ignore,
         clock: Callable[[], float] = time.monotonic,
     ) -> None:
-        self.router = router
+        self._switchboard = switchboard
         self._tap = tap
         self._clock = clock
         self._transports: dict[ConnectionId, Transport] = {}
@@ -109,7 +128,7 @@ class TextServer:
             return
         self._server.close()
         self._watch.cancel()
-        self.perform(self.router.stop())
+        self.perform(self._switchboard.stop())
         while self._open:
             self._all_closed.clear()
             await self._all_closed.wait()
@@ -126,7 +145,7 @@ class TextServer:
                     transport = self._transports.get(connection)
                     if transport is not None:
                         transport.write(data)
-                        waiting += self.router.report_backlog(connection, transport.get_write_buffer_size())
+                        waiting += self._switchboard.report_backlog(connection, transport.get_write_buffer_size())
                 case Close(connection, reason):
                     _log.info("client %d is closed: %s", connection, reason.value)
                     transport = self._transports.pop(connection, None)
@@ -144,7 +163,7 @@ class TextServer:
     def connected(self, transport: Transport) -> ConnectionId | None:
         """Take on a new connection, or turn it away."""
         self._open.add(transport)
-        connection = self.router.connect(self._clock())
+        connection = self._switchboard.connect(self._clock())
         if isinstance(connection, TurnedAway):
             _log.warning("a client is turned away: the server is full")
             transport.write(connection.farewell)
@@ -155,11 +174,11 @@ class TextServer:
 
     def received(self, connection: ConnectionId, data: bytes) -> None:
         """Handle bytes of a connection."""
-        self.perform(self.router.receive_data(connection, data, self._clock()))
+        self.perform(self._switchboard.receive_data(connection, data, self._clock()))
 
     def ended(self, connection: ConnectionId) -> None:
         """Hear that a client has sent its last byte."""
-        self.perform(self.router.eof(connection))
+        self.perform(self._switchboard.eof(connection))
         self._transports.pop(connection, None)
 
     def lost(self, transport: Transport) -> None:
@@ -170,7 +189,7 @@ class TextServer:
     async def _watch_for_silence(self) -> None:
         while True:
             await asyncio.sleep(_CHECK_INTERVAL)
-            self.perform(self.router.advance(self._clock()))
+            self.perform(self._switchboard.advance(self._clock()))
 
 
 class _Connection(BufferedProtocol):

@@ -1,6 +1,6 @@
 """The root: builds every part of a session from one study. Nothing else looks anything up."""
 
-from collections.abc import Iterator
+from collections.abc import Iterator, Sequence
 from dataclasses import dataclass, replace
 from importlib import metadata
 from pathlib import Path
@@ -83,12 +83,17 @@ class Setting:
         """The treasures' role."""
         return build_hider(self.templates, self.study.seed)
 
-    def recorder(self, path: Path) -> Recorder:
+    def record(self, program: str, roles: Sequence[str], participant: str) -> SessionRecord:
+        """What a bag says first; see `SessionRecord` for the arguments."""
+        study = self.study
+        return SessionRecord(resolved(study), study.seed, versions(), program, tuple(roles), participant)
+
+    def recorder(self, path: Path, session: SessionRecord) -> Recorder:
         """A recorder of these robots into a new bag. Raises BagNotWritten."""
         laser = self.study.world.laser
         return Recorder.open(
             path,
-            SessionRecord(resolved(self.study), self.study.seed, versions()),
+            session,
             self.place.grid,
             self.study.robots,
             mount_of(laser),

@@ -5,6 +5,7 @@ from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 from itertools import count
 from pathlib import Path
+from typing import Protocol
 
 from sim.observations import TICK, TICKS_PER_SECOND
 from thbridge.adapters.ledger import Ledger
@@ -14,7 +15,7 @@ from thbridge.adapters.text_client import LossReason, Lost, TextClient
 from thbridge.adapters.text_server import CannotListen, Listening, TextServer
 from thbridge.app.compose import Setting
 from thbridge.app.recording import BagWitness
-from thbridge.app.session import Moment, Session, Witness
+from thbridge.app.session import Moment, Outpost, Session, Witness
 from thbridge.hunt.game import GameState
 from thbridge.roles.hider import Hider
 from thbridge.roles.keeper import Keeper
@@ -24,10 +25,13 @@ from thbridge.roles.tabui import TabUI
 from thbridge.roles.view import View
 from thbridge.wire import legacy
 from thbridge.wire.client import Registered
-from thbridge.wire.router import Forwarded, Router
+from thbridge.wire.router import Router
 from thbridge.wire.text import Message
 
 _log = logging.getLogger(__name__)
+
+PLAY, SIMR = "play", "simr"
+"""What recordings call the programs that make them."""
 
 LAST_WORDS = TICKS_PER_SECOND // 2
 """Ticks that a session goes on after the end of the game, so that everybody hears of it and the bag has it."""
@@ -84,12 +88,14 @@ class PlayOptions:
         rate: simulated seconds per second; 0 as fast as it can.
         bag: where to record; None for no recording.
         outside: the roles that other programs will take, by name.
+        participant: who plays, for the record; for example "person" or "suggestion".
         max_seconds: simulated time after which an unfinished game is given up.
     """
 
     rate: float
     bag: Path | None
     outside: frozenset[str]
+    participant: str
     max_seconds: float
 
 
@@ -117,15 +123,17 @@ async def play(
     roles: list[Role] = [setting.simr()]
     if legacy.HIDER not in options.outside:
         roles.append(setting.hider())
-    if legacy.TABUI not in options.outside:
-        roles.append(participant)
+    inside = None if legacy.TABUI in options.outside else participant
+    who = "" if inside is None else options.participant
+    names = [role.name for role in (*roles, inside) if role is not None]
+    record = setting.record(PLAY, names, who)
     ledger = Ledger(journal_of(options.bag)) if options.bag is not None else None
-    recorder = setting.recorder(options.bag) if options.bag is not None else None
+    recorder = setting.recorder(options.bag, record) if options.bag is not None else None
     try:
         router = Router()
         witnesses: list[Witness] = [] if recorder is None else [BagWitness(recorder)]
-        session = Session(router, setting.keeper(), roles, ledger or _NoLog(), witnesses)
-        server = TextServer(router, session.hear)
+        session = Session(router, setting.keeper(), roles, ledger or NoLog(), witnesses, inside)
+        server = TextServer(session, session.hear)
         session.perform = server.perform
         ending = Ending(options.max_seconds)
 
@@ -154,7 +162,7 @@ def _period(rate: float) -> float:
     return TICK / rate if rate > 0.0 else 0.0
 
 
-class _NoLog:
+class NoLog:
     """For a session that is not recorded at all."""
 
     def append(self, events: Sequence[object]) -> None:
@@ -230,7 +238,7 @@ async def serve(
         keeper: Keeper = setting.keeper(() if unfinished is None else unfinished.history, last_game)
         router = Router()
         session = Session(router, keeper, [], ledger)
-        server = TextServer(router, session.hear)
+        server = TextServer(session, session.hear)
         session.perform = server.perform
         listening = await server.start(setting.study.server.host, setting.study.server.port)
         ready(listening)
@@ -249,41 +257,70 @@ async def serve(
         ledger.close()
 
 
+class Lodger(Protocol):
+    """A role that runs by itself, at a server of another process; what it hears, it answers with the next tick."""
+
+    def connected(self) -> None:
+        """The server has (again) accepted the name."""
+
+    def hear(self, message: Message) -> None:
+        """Somebody said something to this role."""
+
+    def step(self) -> Sequence[Message]:
+        """One tick; what the role says."""
+
+
+class _Lone:
+    """The plainest lodger: it only counts the ticks of a role."""
+
+    def __init__(self, role: Role) -> None:
+        self._role = role
+        self._ticks = count()
+        self._heard: list[Message] = []
+
+    def connected(self) -> None:
+        self._role.connected()
+
+    def hear(self, message: Message) -> None:
+        self._heard.append(message)
+
+    def step(self) -> Sequence[Message]:
+        heard, self._heard = self._heard, []
+        return self._role.step(next(self._ticks), heard)
+
+
 async def take_part(
-    role: Role,
+    lodger: Lodger,
     client: TextClient,
     rate: float,
-    done: Callable[[Sequence[Message], Sequence[Message]], bool],
+    done: Callable[[], bool],
     lost: Callable[[Lost], None],
 ) -> bool:
     """Run one role against a server until it is done or stopped; it reconnects by itself.
 
     Args:
-        role: the role.
+        lodger: the role.
         client: its connection, not running yet.
         rate: ticks run at this many times real time.
-        done: asked after every tick, given what was heard and said in it.
+        done: asked after every tick.
         lost: told when the connection is lost, and why.
 
     Returns:
         Whether it is done; or else somebody stopped it.
     """
-    ticks = count()
 
     def tick() -> bool:
-        heard: list[Message] = []
         for event in client.take():
             match event:
                 case Message():
-                    heard.append(event)
+                    lodger.hear(event)
                 case Registered():
-                    role.connected()
+                    lodger.connected()
                 case Lost():
                     lost(event)
-        said = role.step(next(ticks), heard)
-        for message in said:
+        for message in lodger.step():
             client.send(message)
-        return not done(heard, said)
+        return not done()
 
     async with client.running():
         run = await run_ticks(tick, _period(rate))
@@ -302,20 +339,11 @@ async def simr(
         BagNotWritten: the bag cannot be written; it is closed, and the program over.
     """
     role = setting.simr()
-    recorder = setting.recorder(bag) if bag is not None else None
-    witness = None if recorder is None else BagWitness(recorder)
-    tick = 0
-
-    def after(heard: Sequence[Message], said: Sequence[Message]) -> bool:
-        nonlocal tick
-        if witness is not None:
-            passed = tuple(Forwarded(message, True, False) for message in (*heard, *said))
-            witness.saw(Moment(tick, role.snapshot, passed, (), (), None))
-        tick += 1
-        return role.unfit is not None
-
+    recorder = None if bag is None else setting.recorder(bag, setting.record(SIMR, [role.name], ""))
+    outpost = Outpost(role, [] if recorder is None else [BagWitness(recorder)])
     try:
-        await take_part(role, TextClient(role.name, token, host, port), rate, after, lost)
+        client = TextClient(role.name, token, host, port)
+        await take_part(outpost, client, rate, lambda: role.unfit is not None, lost)
     finally:
         if recorder is not None:
             recorder.close()
@@ -324,7 +352,7 @@ async def simr(
 
 async def hider(role: Hider, host: str, port: int, token: str, lost: Callable[[Lost], None]) -> None:
     """Run the treasures' program until stopped."""
-    await take_part(role, TextClient(role.name, token, host, port), 1.0, lambda heard, said: False, lost)
+    await take_part(_Lone(role), TextClient(role.name, token, host, port), 1.0, lambda: False, lost)
 
 
 async def tabui(
@@ -345,14 +373,14 @@ async def tabui(
     """
     last: View | None = None
 
-    def after(heard: Sequence[Message], said: Sequence[Message]) -> bool:
+    def after() -> bool:
         nonlocal last
         if role.view is not None and role.view is not last:
             last = role.view
             shown(last)
         return last is not None and last.over is not None
 
-    finished = await take_part(role, TextClient(role.name, token, host, port), 1.0, after, lost)
+    finished = await take_part(_Lone(role), TextClient(role.name, token, host, port), 1.0, after, lost)
     return last if finished else None
 
 

@@ -8,15 +8,15 @@ import numpy as np
 
 from sim.geometry import FloatArray
 from sim.team import TeamSnapshot
+from thbridge.app.inputs import to_record
 from thbridge.app.session import Moment
 from thbridge.dialogue import moves
 from thbridge.hunt import events
 from thbridge.hunt.codec import to_json
 from thbridge.hunt.game import GameState
 from thbridge.hunt.rooms import Room
-from thbridge.roles.notices import KEEPER
 from thbridge.roles.talks import MATTERS
-from thbridge.ros.records import GameEvent, Input, Record, Score, SendRobots, Success, Utterance
+from thbridge.ros.records import GameEvent, Record, Score, SendRobots, Success, Utterance
 from thbridge.wire import legacy
 from thbridge.wire.router import Forwarded
 
@@ -52,6 +52,8 @@ class BagWitness:
             self._recorder.record(moment.snapshot, tuple(self._records(moment)))
 
     def _records(self, moment: Moment) -> Iterator[Record]:
+        for item in moment.inputs:
+            yield to_record(item)
         for forwarded in moment.forwarded:
             yield from _lines(forwarded)
         for event in moment.events:
@@ -100,8 +102,6 @@ def _befell(kind: str, robot: int) -> GameEvent:
 
 def _lines(forwarded: Forwarded) -> Iterator[Record]:
     message = forwarded.message
-    if message.sender not in {KEEPER, legacy.SIMR, legacy.HIDER}:
-        yield Input(message.sender, message.line())
     match legacy.decode(message):
         case legacy.Goto() if message.receiver == legacy.SIMR:
             yield SendRobots(message.line())

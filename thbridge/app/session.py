@@ -1,17 +1,35 @@
-"""The session: programs of this process around one router, and the tick they share."""
+"""The session: programs of this process around one router, and the tick they share.
+
+Whatever comes from outside comes in between two ticks, by the methods of `Session` (or of `Outpost`, for robots whose
+server is another process), and becomes an `Input` of the next one.
+"""
 
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 from typing import Protocol
 
 from sim.team import TeamSnapshot
+from thbridge.app.inputs import (
+    Advanced,
+    Asked,
+    Backlogged,
+    Closed,
+    Heard,
+    Input,
+    Opened,
+    Received,
+    Registered,
+    Said,
+)
 from thbridge.dialogue.moves import Utterance
 from thbridge.hunt.events import Event
 from thbridge.hunt.game import GameState
 from thbridge.roles.keeper import Keeper
+from thbridge.roles.requests import Request
 from thbridge.roles.role import Role
 from thbridge.roles.simr import SimR
-from thbridge.wire.router import Forwarded, Output, Router
+from thbridge.wire.router import ConnectionId, Forwarded, Output, Router, TurnedAway
+from thbridge.wire.text import Message
 
 
 @dataclass(frozen=True, slots=True)
@@ -20,6 +38,7 @@ class Moment:
 
     Attributes:
         tick: which one.
+        inputs: what had come from outside, in order.
         snapshot: of the robots; None where they are another program's.
         forwarded: the lines that were passed on, in order.
         events: of the game.
@@ -28,6 +47,7 @@ class Moment:
     """
 
     tick: int
+    inputs: tuple[Input, ...]
     snapshot: TeamSnapshot | None
     forwarded: tuple[Forwarded, ...]
     events: tuple[Event, ...]
@@ -53,16 +73,17 @@ class Session:
     """Runs the programs of one process in step: what one says in a tick, the others hear in the next.
 
     Args:
-        router: where they meet, and where programs of other processes join.
+        router: where they meet, and where programs of other processes join; from now on only through this session.
         keeper: of the game.
         roles: the other programs of this process.
         log: of the game's events.
         witnesses: who record.
+        participant: whoever plays in this process, if anybody; what they say comes from outside.
 
     Attributes:
         tick: the number of the next tick.
         perform: carries out what the router decides. A server of outside connections takes this over, and must give
-            every `Forwarded` to `hear`.
+            every `Forwarded` to `hear`. This session is the switchboard of such a server.
 
     Raises:
         ValueError: two roles have the same name, or one is held already.
@@ -75,6 +96,7 @@ class Session:
         roles: Sequence[Role],
         log: EventLog,
         witnesses: Sequence[Witness] = (),
+        participant: Role | None = None,
     ) -> None:
         self.tick = 0
         self.perform: Callable[[Sequence[Output]], None] = self._hear_all
@@ -83,8 +105,11 @@ class Session:
         self._roles = tuple(roles)
         self._log = log
         self._witnesses = tuple(witnesses)
+        self._participant = participant
+        self._simr = next((role for role in roles if isinstance(role, SimR)), None)
+        self._inputs: list[Input] = []
         self._heard: list[Forwarded] = []
-        for role in (keeper, *self._roles):
+        for role in (keeper, *self._roles, *(() if participant is None else (participant,))):
             taken = router.attach(role.name)
             if taken is not None:
                 raise ValueError(f"two programs are called {taken.name}")
@@ -99,12 +124,73 @@ class Session:
         """The router passed a line on: the tap of this session."""
         self._heard.append(forwarded)
 
+    # What comes from outside
+
+    def ask(self, sender: str, request: Request) -> None:
+        """Ask something of the robots, in the name of whoever wants it.
+
+        Raises:
+            ValueError: the robots are another program's.
+        """
+        if self._simr is None:
+            raise ValueError("the robots are not in this process")
+        self._inputs.append(Asked(sender, request))
+        self._simr.ask(request)
+
+    def connect(self, now: float) -> ConnectionId | TurnedAway:
+        """See `Router`, for this and the next ones; only what makes a difference counts as an input."""
+        connection = self._router.connect(now)
+        if not isinstance(connection, TurnedAway):
+            self._inputs.append(Opened(connection, now))
+        return connection
+
+    def receive_data(self, connection: ConnectionId, data: bytes, now: float) -> list[Output]:
+        """Each line is an input of its own."""
+        outputs: list[Output] = []
+        for line in data.splitlines(keepends=True):
+            sender = self._router.called(connection)
+            if sender is None:
+                break
+            self._inputs.append(Received(connection, sender, line, now))
+            outputs += self._router.receive_data(connection, line, now)
+        return outputs
+
+    def eof(self, connection: ConnectionId) -> list[Output]:
+        """A connection that is open ends."""
+        sender = self._router.called(connection)
+        if sender is not None:
+            self._inputs.append(Closed(connection, sender))
+        return self._router.eof(connection)
+
+    def report_backlog(self, connection: ConnectionId, size: int) -> list[Output]:
+        """Somebody does not read."""
+        sender = self._router.called(connection)
+        outputs = self._router.report_backlog(connection, size)
+        if sender is not None and outputs:
+            self._inputs.append(Backlogged(connection, sender, size))
+        return outputs
+
+    def advance(self, now: float) -> list[Output]:
+        """Time has passed."""
+        outputs = self._router.advance(now)
+        if outputs:
+            self._inputs.append(Advanced(now))
+        return outputs
+
+    def stop(self) -> list[Output]:
+        """The end: nothing comes in any more."""
+        return self._router.stop()
+
+    # The tick
+
     def step(self) -> Moment:
         """One tick.
 
         Raises:
             Exception: whatever the log or a witness raises when it cannot write; the session must end then.
         """
+        # What comes in from here on, a reader that lags behind what is sent now for example, is the next tick's.
+        inputs, self._inputs = self._inputs, []
         self.perform(self._router.exchange())
         heard, self._heard = tuple(self._heard), []
         self._keeper.tap(heard)
@@ -113,18 +199,81 @@ class Session:
         self._log.append(decided.events)
         for role in self._roles:
             self._step_role(role)
-        snapshot = next((role.snapshot for role in self._roles if isinstance(role, SimR)), None)
-        moment = Moment(self.tick, snapshot, heard, decided.events, decided.utterances, self._keeper.state)
+        if self._participant is not None:
+            inputs += [Said(message) for message in self._step_role(self._participant)]
+        moment = Moment(
+            self.tick,
+            tuple(inputs),
+            None if self._simr is None else self._simr.snapshot,
+            heard,
+            decided.events,
+            decided.utterances,
+            self._keeper.state,
+        )
         for witness in self._witnesses:
             witness.saw(moment)
         self.tick += 1
         return moment
 
-    def _step_role(self, role: Role) -> None:
-        for message in role.step(self.tick, self._router.take(role.name)):
+    def _step_role(self, role: Role) -> Sequence[Message]:
+        said = role.step(self.tick, self._router.take(role.name))
+        for message in said:
             self._router.submit(role.name, message)
+        return said
 
     def _hear_all(self, outputs: Sequence[Output]) -> None:
         for output in outputs:
             if isinstance(output, Forwarded):
                 self.hear(output)
+
+
+class Outpost:
+    """The robots by themselves, at a text server of another process.
+
+    Args:
+        simr: the robots' role.
+        witnesses: who record.
+
+    Attributes:
+        tick: the number of the next tick.
+    """
+
+    def __init__(self, simr: SimR, witnesses: Sequence[Witness] = ()) -> None:
+        self.tick = 0
+        self._simr = simr
+        self._witnesses = tuple(witnesses)
+        self._inputs: list[Input] = []
+
+    # What comes from outside
+
+    def ask(self, sender: str, request: Request) -> None:
+        """Ask something of the robots, in the name of whoever wants it."""
+        self._inputs.append(Asked(sender, request))
+        self._simr.ask(request)
+
+    def connected(self) -> None:
+        """The server has (again) accepted the name."""
+        self._inputs.append(Registered())
+        self._simr.connected()
+
+    def hear(self, message: Message) -> None:
+        """Somebody said something to the robots."""
+        self._inputs.append(Heard(message))
+
+    # The tick
+
+    def step(self) -> list[Message]:
+        """One tick; what SimR says in it, for the server.
+
+        Raises:
+            Exception: whatever a witness raises when it cannot write; the program must end then.
+        """
+        inputs, self._inputs = tuple(self._inputs), []
+        heard = [item.message for item in inputs if isinstance(item, Heard)]
+        said = self._simr.step(self.tick, heard)
+        passed = tuple(Forwarded(message, True, False) for message in (*heard, *said))
+        moment = Moment(self.tick, inputs, self._simr.snapshot, passed, (), (), None)
+        for witness in self._witnesses:
+            witness.saw(moment)
+        self.tick += 1
+        return said

@@ -25,6 +25,7 @@ from thbridge.roles.notices import (
     heard,
     tell,
 )
+from thbridge.roles.requests import Request
 from thbridge.wire import canonical, legacy
 from thbridge.wire.canonical import Dialect, GotoPoint, Move, Where, decode_goto
 from thbridge.wire.notice import Notice, parse_notice
@@ -110,6 +111,7 @@ class SimR:
         self._introduce = False
         self._snapshot: TeamSnapshot | None = None
         self._inputs: list[TeamInput] = []
+        self._by_hand: dict[int, int] = {}
         self._ways: dict[int, _Way] = {}
         self._results: list[MoveResult | None] = [None] * team.size
         self._conditions = (Condition.WELL,) * team.size
@@ -134,6 +136,15 @@ class SimR:
         """Tell the keeper with the next step that the robots are there."""
         self._introduce = True
 
+    def ask(self, request: Request) -> None:
+        """Do this with the next step, before what is said to SimR then; an order of the game goes on afterwards."""
+        match request:
+            case Drive(robot, _, ticks):
+                self._by_hand[robot] = ticks
+            case Go(robot) | Halt(robot):
+                self._by_hand.pop(robot, None)
+        self._inputs.append(request)
+
     def step(self, tick: int, messages: Sequence[Message]) -> list[Message]:
         """One tick of the role and of the team; see `Role`."""
         said: list[Message] = []
@@ -145,6 +156,7 @@ class SimR:
         self._obey_unjudged(tick)
         inputs, self._inputs = self._inputs, []
         self._snapshot = self._team.step(inputs)
+        self._by_hand = {robot: left - 1 for robot, left in self._by_hand.items() if left > 1}
         ended = self._ended(self._snapshot)
         said += ended
         before, self._conditions = self._conditions, _conditions_in(self._snapshot)
@@ -270,7 +282,8 @@ class SimR:
             if way is None:
                 continue
             navigation = output.navigation
-            if navigation.goal is not None and navigation.state == "controlling":
+            ordered = navigation.goal is not None and navigation.goal.id == way.order.move
+            if ordered and navigation.state == "controlling":
                 self._ways[robot] = way = replace(
                     way, length=max(way.length, navigation.remaining), remaining=navigation.remaining
                 )
@@ -288,8 +301,8 @@ class SimR:
             elif navigation.goal is None and output.observations.tick == snapshot.tick:
                 if way.recalled:
                     self._fail(robot, way, reasons.CALLED_BACK)
-                else:
-                    # It was dead for a moment, and has forgotten its order or never heard it.
+                elif robot not in self._by_hand:
+                    # It was dead for a moment, or sent elsewhere or driven by hand, and has forgotten its order.
                     self._inputs.append(self._setting_out(robot, way.order))
         return said
 

@@ -295,7 +295,18 @@ def move_base_result(tick: int, goal_id: str, goal_tick: int, status: int, text:
 def session(tick: int, record: Session) -> bytes:
     """thbridge_msgs/Session."""
     versions = json.dumps(record.versions, sort_keys=True)
-    return header(tick) + string(record.study) + _UINT64.pack(record.seed) + string(versions)
+    return b"".join(
+        (
+            header(tick),
+            string(record.study),
+            _UINT64.pack(record.seed),
+            string(versions),
+            string(record.program),
+            _UINT32.pack(len(record.roles)),
+            *(string(role) for role in record.roles),
+            string(record.participant),
+        )
+    )
 
 
 def game_event(tick: int, record: GameEvent) -> bytes:
@@ -326,9 +337,9 @@ def utterance(tick: int, record: Utterance) -> bytes:
     )
 
 
-def person_input(tick: int, record: Input) -> bytes:
+def outside_input(tick: int, record: Input) -> bytes:
     """thbridge_msgs/Input."""
-    return header(tick) + string(record.sender) + string(record.line)
+    return header(tick) + b"".join(string(text) for text in (record.kind, record.sender, record.line, record.json))
 
 
 def _robot(robot: int | None) -> int:

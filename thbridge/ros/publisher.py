@@ -142,13 +142,16 @@ class Publisher:
         ]
 
     def tick(self, snapshot: TeamSnapshot, records: Iterable[Record] = ()) -> list[Message]:
-        """What is said in one tick: the robots in the team's order, then the records in theirs.
+        """What is said in one tick: inputs first, then the robots in the team's order, then the other records.
 
         Raises:
             ValueError: the team is not as large as was said.
         """
         stamp = stamp_ns(snapshot.tick)
-        messages = [Message(TF, stamp, pack.transforms(snapshot.tick, self._moving_frames(snapshot)))]
+        records = tuple(records)
+        inputs = [record for record in records if isinstance(record, Input)]
+        messages = [Message(INPUTS, stamp, pack.outside_input(snapshot.tick, record)) for record in inputs]
+        messages.append(Message(TF, stamp, pack.transforms(snapshot.tick, self._moving_frames(snapshot))))
         for index, (robot, output) in enumerate(zip(self._robots, snapshot.robots, strict=True)):
             x, y, theta = snapshot.world.poses[index].tolist()
             linear, angular = snapshot.world.twists[index].tolist()
@@ -188,7 +191,7 @@ class Publisher:
                 case Utterance():
                     yield UTTERANCES, pack.utterance(tick, record)
                 case Input():
-                    yield INPUTS, pack.person_input(tick, record)
+                    pass  # Said before all else.
                 case SendRobots(line):
                     yield SEND_ROBOTS, pack.string(line)
                 case Success(line):

@@ -17,11 +17,17 @@ class Session:
         study: the resolved study file, YAML.
         seed: of every chance; 0 to 2^64 - 1.
         versions: of the programs and libraries, by name.
+        program: that was run: "play", or "simr" by itself at a server of another process.
+        roles: that ran inside it, besides the keeper.
+        participant: who played inside it, for example "person" or "suggestion"; empty when nobody did.
     """
 
     study: str
     seed: int
     versions: dict[str, str]
+    program: str
+    roles: tuple[str, ...]
+    participant: str
 
 
 @dataclass(frozen=True, slots=True)
@@ -83,15 +89,19 @@ class Utterance:
 
 @dataclass(frozen=True, slots=True)
 class Input:
-    """Something a person or a foreign program did, exactly as it came in.
+    """Something that came into a session from outside, exactly as it came; said before what follows from it.
 
     Attributes:
-        sender: the connection or window it came from.
-        line: what it said.
+        kind: one word, for example "received" or "asked".
+        sender: the program, connection or window it came from; empty for the clock.
+        line: what it was, for people.
+        json: all of it.
     """
 
+    kind: str
     sender: str
     line: str
+    json: str
 
 
 @dataclass(frozen=True, slots=True)

@@ -59,9 +59,12 @@ OWN_TEXTS = {
     SESSION: """\
 # What it takes to run a session again; the first record of its bag.
 std_msgs/Header header
-string study     # the resolved study file, YAML
-uint64 seed      # of every chance
-string versions  # of the programs and libraries, JSON
+string study        # the resolved study file, YAML
+uint64 seed         # of every chance
+string versions     # of the programs and libraries, JSON
+string program      # that was run: "play" or "simr"
+string[] roles      # that ran inside it, besides the keeper of the game
+string participant  # who played inside it, for example "person" or "suggestion"; empty: nobody
 """,
     GAME_EVENT: """\
 # Something happened in the game.
@@ -91,10 +94,12 @@ string text      # the sentence
 string move      # what it does, for example "continue"
 """,
     INPUT: """\
-# What a person or a foreign program did, exactly as it came in.
+# What came into a session from outside, exactly as it came; said before what follows from it.
 std_msgs/Header header
-string sender  # the program it came from
-string line    # what it said
+string kind    # one word, for example "received" or "asked"
+string sender  # the program or connection it came from; empty: the clock
+string line    # what it was, for people
+string json    # all of it
 """,
 }
 """Our own types, in the text of their .msg files."""

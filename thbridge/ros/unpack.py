@@ -214,7 +214,10 @@ def session(data: bytes) -> Session:
     versions = json.loads(cursor.string())
     if not isinstance(versions, dict):
         raise ValueError("the versions are not a JSON object")
-    return Session(study, seed, {str(name): str(version) for name, version in versions.items()})
+    told = {str(name): str(version) for name, version in versions.items()}
+    program = cursor.string()
+    roles = tuple(cursor.string() for _ in range(cursor.integer(UINT32)))
+    return Session(study, seed, told, program, roles, cursor.string())
 
 
 def game_event(data: bytes) -> GameEvent:
@@ -244,11 +247,11 @@ def utterance(data: bytes) -> Utterance:
     return Utterance(dialogue, speaker, robot, room, cursor.string(), cursor.string(), cursor.string())
 
 
-def person_input(data: bytes) -> Input:
+def outside_input(data: bytes) -> Input:
     """thbridge_msgs/Input."""
     cursor = Cursor(data)
     cursor.header()
-    return Input(cursor.string(), cursor.string())
+    return Input(cursor.string(), cursor.string(), cursor.string(), cursor.string())
 
 
 def _robot(number: int) -> int | None:

@@ -273,6 +273,11 @@ class Router:
             outputs += self._close(client, CloseReason.STOPPED)
         return outputs
 
+    def called(self, connection: ConnectionId) -> str | None:
+        """What people may call a connection: the name it holds, or its number; None when it is not open."""
+        client = self._connections.get(connection)
+        return None if client is None else client.name or f"connection {connection}"
+
     # Local endpoints
 
     def attach(self, name: str) -> NameTaken | None:

@@ -99,7 +99,7 @@ def play(
     announce_compiling()
     unfinished: Unfinished | None = None
     try:
-        program = programs.play(setting, seat.tabui, PlayOptions(pace, path, others, limit), ready, progress)
+        program = programs.play(setting, seat.tabui, PlayOptions(pace, path, others, who, limit), ready, progress)
         outcome = run(program, seat.typed)
     except Unfinished as early:
         outcome, unfinished = early.outcome, early

@@ -28,7 +28,7 @@ def test_a_robot_that_is_put_elsewhere_is_an_event_and_one_that_drives_is_not():
         poses = snapshot.world.poses.copy()
         poses[1, 0] += 0.3 * (snapshot.tick > 50)
         carried = replace(snapshot, world=replace(snapshot.world, poses=poses))
-        witness.saw(Moment(snapshot.tick, carried, (), (), (), None))
+        witness.saw(Moment(snapshot.tick, (), carried, (), (), (), None))
     assert [json.loads(record.json) for record in tape.records] == [{"event": "carried", "robot": 1}]
 
 
@@ -39,7 +39,7 @@ def test_what_befalls_robots_and_things_is_an_event():
     for things, dead in (((CRATE,), ()), ((replace(CRATE, appeared=True),), (1,)), ((), (1,)), ((), ())):
         world = replace(snapshot.world, things=things)
         snapshot = replace(snapshot, world=world, dead=frozenset(dead))
-        witness.saw(Moment(1, snapshot, (), (), (), None))
+        witness.saw(Moment(1, (), snapshot, (), (), (), None))
     assert all(isinstance(record, GameEvent) for record in tape.records)
     assert [json.loads(record.json) for record in tape.records] == [
         {"event": "appeared", "thing": "crate"},

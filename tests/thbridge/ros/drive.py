@@ -27,7 +27,14 @@ from thbridge.ros.records import GameEvent, InitialPose, Input, Record, Score, S
 
 MOUNT = LaserMount(Pose2(0.1, 0.0, 0.0), -2.0, 4.0 / 180, 181, 0.05, 8.0)
 SCAN_PERIOD = 0.1
-SESSION = Session("map: arena\nname: Müller's £ study\n", 2**63 + 5, {"thbridge": "0.1", "python": "3.11"})
+SESSION = Session(
+    "map: arena\nname: Müller's £ study\n",
+    2**63 + 5,
+    {"thbridge": "0.1", "python": "3.11"},
+    "play",
+    ("SimR", "Hider"),
+    "nearest",
+)
 SPEED = 0.5
 LEG = 100
 """Ticks that a goal takes; a pause of half as long follows."""
@@ -64,7 +71,7 @@ def records(tick: int) -> tuple[Record, ...]:
         return ()
     room = 1 + tick // 50 % 8
     return (
-        Input("Hans", f"%%goto Hans SimR 0 {room - 1}"),
+        Input("said", "Hans", f"%%goto Hans SimR 0 {room - 1}", "{}"),
         SendRobots(f"%%goto Hans SimR 0 {room - 1}"),
         Success("%%error SimR Hans 0"),
         GameEvent("arrived", 0, room, f'{{"event":"arrived","robot":0,"room":{room}}}'),

@@ -195,7 +195,9 @@ def test_goal_and_result() -> None:
 def test_session() -> None:
     data = pack.session(0, SESSION)
     versions = '{"python": "3.11", "thbridge": "0.1"}'
-    expected = message(types.SESSION, ros_header(0), SESSION.study, SESSION.seed, versions)
+    expected = message(
+        types.SESSION, ros_header(0), SESSION.study, SESSION.seed, versions, "play", ["SimR", "Hider"], "nearest"
+    )
     assert data == serialised(types.SESSION, expected)
     assert unpack.session(data) == SESSION
 
@@ -227,11 +229,12 @@ def test_utterance(tick: int, dialogue: int, speaker: str, text: str, room: int 
     assert unpack.utterance(data) == record
 
 
-@given(TICKS, TEXTS, TEXTS)
-def test_person_input(tick: int, sender: str, line: str) -> None:
-    data = pack.person_input(tick, Input(sender, line))
-    assert data == serialised(types.INPUT, message(types.INPUT, ros_header(tick), sender, line))
-    assert unpack.person_input(data) == Input(sender, line)
+@given(TICKS, TEXTS, TEXTS, TEXTS)
+def test_outside_input(tick: int, sender: str, line: str, json: str) -> None:
+    record = Input("received", sender, line, json)
+    data = pack.outside_input(tick, record)
+    assert data == serialised(types.INPUT, message(types.INPUT, ros_header(tick), "received", sender, line, json))
+    assert unpack.outside_input(data) == record
 
 
 @given(st.data())

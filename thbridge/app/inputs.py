@@ -1,0 +1,172 @@
+"""What comes into a session from outside: all that a run depends on beside its study.
+
+Each input is a value. It is taken between two ticks and acts in the one that follows, or, where somebody inside speaks
+freely (a person, a simulated participant), in the tick in which it was said. A recording holds every input, before
+whatever follows from it; a session that is given the same ones in the same ticks does the same.
+"""
+
+import json
+from dataclasses import dataclass
+from typing import TypeAlias, TypeVar, get_args
+
+import msgspec
+import numpy as np
+
+from thbridge.roles.requests import Request
+from thbridge.ros.records import Input as InputRecord
+from thbridge.wire.router import ConnectionId
+from thbridge.wire.text import Message
+
+
+@dataclass(frozen=True, slots=True)
+class Opened:
+    """A connection was opened at the text server, at `now` seconds of its clock."""
+
+    connection: ConnectionId
+    now: float
+
+
+@dataclass(frozen=True, slots=True)
+class Received:
+    """Bytes came in at the text server: a line, or part of one. `sender` is what the connection was called then."""
+
+    connection: ConnectionId
+    sender: str
+    data: bytes
+    now: float
+
+
+@dataclass(frozen=True, slots=True)
+class Closed:
+    """A connection ended at the text server."""
+
+    connection: ConnectionId
+    sender: str
+
+
+@dataclass(frozen=True, slots=True)
+class Backlogged:
+    """So many bytes waited for a connection that it was given up."""
+
+    connection: ConnectionId
+    sender: str
+    size: int
+
+
+@dataclass(frozen=True, slots=True)
+class Advanced:
+    """The text server's clock showed `now` seconds, and somebody was pinged or dropped for it."""
+
+    now: float
+
+
+@dataclass(frozen=True, slots=True)
+class Said:
+    """The participant inside this process said something."""
+
+    message: Message
+
+
+@dataclass(frozen=True, slots=True)
+class Registered:
+    """The server has (again) accepted the name of a program that runs by itself."""
+
+
+@dataclass(frozen=True, slots=True)
+class Heard:
+    """The server passed a message on to a program that runs by itself."""
+
+    message: Message
+
+
+@dataclass(frozen=True, slots=True)
+class Asked:
+    """Somebody, for example the ROS node of this name, asked something of the robots."""
+
+    sender: str
+    request: Request
+
+
+Input: TypeAlias = Opened | Received | Closed | Backlogged | Advanced | Said | Registered | Heard | Asked
+
+T = TypeVar("T")
+_KINDS: dict[str, type[Input]] = {kind.__name__.lower(): kind for kind in get_args(Input)}
+_REQUESTS: dict[str, type[Request]] = {kind.__name__: kind for kind in get_args(Request)}
+
+
+def to_record(item: Input) -> InputRecord:
+    """The input as it is recorded; nothing of it is lost."""
+    kind = type(item).__name__.lower()
+    if isinstance(item, Asked):
+        request = type(item.request).__name__
+        fields = _json(item.request)
+        text = f'{{"sender":{json.dumps(item.sender)},"request":{json.dumps(request)},"fields":{fields}}}'
+        return InputRecord(kind, item.sender, _readable(f"{request} {fields}"), text)
+    return InputRecord(kind, *_for_people(item), _json(item))
+
+
+def from_record(record: InputRecord) -> Input:
+    """The input that was recorded.
+
+    Raises:
+        ValueError: it is none, or one of another release.
+    """
+    kind = _KINDS.get(record.kind)
+    if kind is None:
+        raise ValueError(f"no input is of the kind {record.kind!r}")
+    value: object = json.loads(record.json)
+    if kind is not Asked:
+        return _value(value, kind)
+    match value:
+        case {"sender": str(sender), "request": str(name), "fields": fields} if name in _REQUESTS:
+            return Asked(sender, _value(fields, _REQUESTS[name]))
+    raise ValueError("nobody can be asked for that")
+
+
+def _for_people(item: Input) -> tuple[str, str]:
+    """Who it came from, and what it was."""
+    match item:
+        case Opened(connection):
+            return f"connection {connection}", "a connection is opened"
+        case Received(_, sender, data):
+            return _readable(sender), data.decode(errors="replace").rstrip("\r\n")
+        case Closed(_, sender):
+            return _readable(sender), "the connection has ended"
+        case Backlogged(_, sender, size):
+            return _readable(sender), f"the connection is given up: {size} bytes wait for it"
+        case Advanced():
+            return "", "somebody has been silent for long"
+        case Said(message) | Heard(message):
+            return _readable(message.sender), _readable(message.line())
+        case Registered():
+            return "", "the server has accepted the name"
+        case Asked(sender):
+            return _readable(sender), ""
+
+
+def _readable(text: str) -> str:
+    """Text that a bag can hold: what UTF-8 cannot (lone surrogates) becomes a question mark."""
+    return text.encode(errors="replace").decode()
+
+
+def _json(value: object) -> str:
+    """A dataclass as JSON: floats to their last bit, infinities and NaN by Python's names, bytes in base 64."""
+    return json.dumps(msgspec.to_builtins(value, enc_hook=_plain), separators=(",", ":"))
+
+
+def _plain(value: object) -> object:
+    if isinstance(value, np.ndarray):
+        rows: object = value.tolist()
+        return rows
+    raise NotImplementedError(f"no way to record a {type(value).__name__}")
+
+
+def _value(value: object, kind: type[T]) -> T:
+    try:
+        return msgspec.convert(value, kind, dec_hook=_array)
+    except msgspec.ValidationError as error:
+        raise ValueError(str(error)) from None
+
+
+def _array(kind: type, value: object) -> object:
+    return np.array(value, dtype=np.float64)
