@@ -1,0 +1,55 @@
+"""What all TCPROS connections of a node have in common: how they end, and how they are told of in bus info."""
+
+from __future__ import annotations
+
+import asyncio
+import logging
+import socket
+from asyncio import Transport
+
+HANDSHAKE_SECONDS = 10.0
+"""What a peer may take from the connection to the end of its header."""
+
+_LINGER = 10.0
+"""Seconds that a closed connection has to take what it was sent before."""
+
+_REMEMBERED = 256
+"""Complaints that are told apart; peers word them, so there must be an end to them."""
+
+
+def keep_alive(transport: Transport) -> None:
+    """Let the system find out when the other side is gone without a word; ROS's own figures, some two minutes."""
+    link = transport.get_extra_info("socket")
+    link.setsockopt(socket.SOL_SOCKET, socket.SO_KEEPALIVE, 1)
+    link.setsockopt(socket.IPPROTO_TCP, socket.TCP_KEEPIDLE, 60)
+    link.setsockopt(socket.IPPROTO_TCP, socket.TCP_KEEPINTVL, 10)
+    link.setsockopt(socket.IPPROTO_TCP, socket.TCP_KEEPCNT, 9)
+
+
+def close_gently(transport: Transport) -> None:
+    """Close once everything is sent, and in any case soon."""
+    transport.close()
+    asyncio.get_running_loop().call_later(_LINGER, transport.abort)
+
+
+def endpoints(transport: Transport) -> tuple[int, str, int, int]:
+    """Local port, remote host, remote port, number of the socket; of a transport that is open."""
+    here = transport.get_extra_info("sockname")
+    there = transport.get_extra_info("peername")
+    return here[1], there[0], there[1], transport.get_extra_info("socket").fileno()
+
+
+class Complaints:
+    """Warns of each thing once, however often a peer tries."""
+
+    def __init__(self, log: logging.Logger) -> None:
+        self._log = log
+        self._told: set[str] = set()
+
+    def tell(self, complaint: str) -> None:
+        """Warn, unless this was said before."""
+        if complaint in self._told or len(self._told) >= _REMEMBERED:
+            self._log.debug("%s", complaint)
+            return
+        self._told.add(complaint)
+        self._log.warning("%s", complaint)

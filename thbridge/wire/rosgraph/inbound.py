@@ -1,0 +1,169 @@
+"""The end of a TCPROS connection that was connected to: a publisher's, or a server's."""
+
+from __future__ import annotations
+
+from enum import Enum, auto
+from typing import Protocol
+
+from thbridge.wire.rosgraph.links import (
+    Ended,
+    InboundEvent,
+    Refused,
+    Requested,
+    Send,
+    Service,
+    ServiceFailed,
+    Subscribed,
+    Topic,
+    objection,
+    quoted,
+    take_header,
+)
+from thbridge.wire.rosgraph.tcpros import REQUEST_LIMIT, Fields, FrameBuffer, Malformed, Overlong, encode_header, frame
+
+
+class Offers(Protocol):
+    """What a node has to offer."""
+
+    def topic(self, name: str) -> Topic | None:
+        """The topic of that name, if this node publishes it."""
+
+    def service(self, name: str) -> Service | None:
+        """The service of that name, if this node serves it."""
+
+
+class _Phase(Enum):
+    HANDSHAKE = auto()
+    IDLE = auto()
+    ANSWERING = auto()
+    DEAF = auto()
+
+
+class InboundLink:
+    """What a node does with a connection that another one has opened: as a publisher, or as a server.
+
+    Args:
+        caller: this node's name.
+        offers: asked when the other side has said what it wants.
+    """
+
+    def __init__(self, caller: str, offers: Offers) -> None:
+        self._caller = caller
+        self._offers = offers
+        self._buffer = FrameBuffer()
+        self._phase = _Phase.HANDSHAKE
+        self._service: Service | None = None
+        self._persistent = False
+
+    @property
+    def greeted(self) -> bool:
+        """Whether the other side has sent its header."""
+        return self._phase is not _Phase.HANDSHAKE
+
+    def receive(self, data: bytes) -> list[InboundEvent]:
+        """Hear bytes of the other side. A subscriber has nothing more to say after its header, and is not heard."""
+        if self._phase is _Phase.DEAF:
+            return []
+        self._buffer.feed(data)
+        match self._phase:
+            case _Phase.HANDSHAKE:
+                return self._shake_hands()
+            case _Phase.IDLE:
+                return self._next_request()
+            case _:
+                if len(self._buffer) > REQUEST_LIMIT:
+                    return self._over(Ended("it sends requests faster than they are answered"))
+                return []
+
+    def respond(self, answer: bytes | ServiceFailed) -> list[InboundEvent]:
+        """Answer the request that was handed out last."""
+        if self._phase is not _Phase.ANSWERING:
+            return []
+        sent: list[InboundEvent] = [Send(_encode_answer(answer))]
+        if not self._persistent:
+            return sent + self._over(Ended("the request is answered"))
+        self._phase = _Phase.IDLE
+        return sent + self._next_request()
+
+    def _shake_hands(self) -> list[InboundEvent]:
+        fields = take_header(self._buffer)
+        if fields is None:
+            return []
+        if isinstance(fields, Malformed):
+            return self._over(Ended(fields.reason))
+        if "topic" in fields:
+            return self._meet_subscriber(fields)
+        if "service" in fields:
+            return self._meet_client(fields)
+        return self._refuse("the header names neither a topic nor a service")
+
+    def _meet_subscriber(self, fields: Fields) -> list[InboundEvent]:
+        topic = self._offers.topic(fields["topic"])
+        if topic is None:
+            return self._refuse(f"{self._caller} does not publish {quoted(fields['topic'])}")
+        against = objection(topic.name, topic.type, topic.md5, fields)
+        if against:
+            return self._refuse(against)
+        self._phase = _Phase.DEAF
+        header = encode_header(
+            {
+                "callerid": self._caller,
+                "latching": "1" if topic.latched else "0",
+                "md5sum": topic.md5,
+                "message_definition": topic.definition,
+                "topic": topic.name,
+                "type": topic.type,
+            }
+        )
+        return [Send(header), Subscribed(topic.name, quoted(fields.get("callerid", "")))]
+
+    def _meet_client(self, fields: Fields) -> list[InboundEvent]:
+        service = self._offers.service(fields["service"])
+        if service is None:
+            return self._refuse(f"{self._caller} does not serve {quoted(fields['service'])}")
+        against = objection(service.name, service.type, service.md5, fields)
+        if against:
+            return self._refuse(against)
+        header = Send(
+            encode_header(
+                {
+                    "callerid": self._caller,
+                    "md5sum": service.md5,
+                    "request_type": service.request_type,
+                    "response_type": service.response_type,
+                    "service": service.name,
+                    "type": service.type,
+                }
+            )
+        )
+        if fields.get("probe") == "1":
+            return [header, *self._over(Ended("it wanted the header only"))]
+        self._service = service
+        self._persistent = fields.get("persistent", "").lower() in ("1", "true")
+        self._phase = _Phase.IDLE
+        return [header, *self._next_request()]
+
+    def _next_request(self) -> list[InboundEvent]:
+        request = self._buffer.take(REQUEST_LIMIT)
+        if request is None or self._service is None:
+            return []
+        if isinstance(request, Overlong):
+            return self._over(Ended(f"it sends {request}"))
+        self._phase = _Phase.ANSWERING
+        return [Requested(self._service.name, request)]
+
+    def _refuse(self, reason: str) -> list[InboundEvent]:
+        return [Send(encode_header({"error": reason})), *self._over(Refused(reason))]
+
+    def _over(self, event: Refused | Ended) -> list[InboundEvent]:
+        self._phase = _Phase.DEAF
+        self._buffer = FrameBuffer()
+        return [event]
+
+
+def _encode_answer(answer: bytes | ServiceFailed) -> bytes:
+    match answer:
+        case ServiceFailed(reason):
+            return b"\x00" + frame(reason.encode(errors="replace"))
+        case response:
+            return b"\x01" + frame(response)

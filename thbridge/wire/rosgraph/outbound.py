@@ -1,0 +1,157 @@
+"""The end of a TCPROS connection that connects: a subscriber's, or a client's."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from enum import Enum, auto
+
+from thbridge.wire.rosgraph.links import (
+    Accepted,
+    Answered,
+    ClientEvent,
+    Ended,
+    Received,
+    Refused,
+    Send,
+    ServiceFailed,
+    SubscriberEvent,
+    objection,
+    quoted,
+    take_header,
+)
+from thbridge.wire.rosgraph.tcpros import (
+    BODY_LIMIT,
+    Fields,
+    FrameBuffer,
+    Malformed,
+    Overlong,
+    encode_header,
+    frame,
+)
+
+
+class _Phase(Enum):
+    HANDSHAKE = auto()
+    OPEN = auto()
+    OVER = auto()
+
+
+class SubscriberLink:
+    """What a subscriber does with its connection to one publisher.
+
+    Args:
+        caller: this node's name.
+        topic: global name.
+        kind: the type that is expected, or `ANY`.
+        md5: its md5 sum, or `ANY`.
+        tcp_nodelay: whether the publisher is asked to send small messages at once.
+    """
+
+    def __init__(self, caller: str, topic: str, kind: str, md5: str, tcp_nodelay: bool = True) -> None:
+        self._asked = {
+            "callerid": caller,
+            "md5sum": md5,
+            "tcp_nodelay": "1" if tcp_nodelay else "0",
+            "topic": topic,
+            "type": kind,
+        }
+        self._buffer = FrameBuffer()
+        self._phase = _Phase.HANDSHAKE
+
+    def opening(self) -> bytes:
+        """What is sent once connected."""
+        return encode_header(self._asked)
+
+    def receive(self, data: bytes) -> list[SubscriberEvent]:
+        """Hear bytes of the publisher."""
+        if self._phase is _Phase.OVER:
+            return []
+        self._buffer.feed(data)
+        events: list[SubscriberEvent] = []
+        if self._phase is _Phase.HANDSHAKE:
+            fields = _judge_header(self._buffer, self._asked["topic"], self._asked)
+            if fields is None:
+                return []
+            if isinstance(fields, Refused | Ended):
+                return [self._over(fields)]
+            self._phase = _Phase.OPEN
+            events.append(Accepted(quoted(fields.get("callerid", ""))))
+        while (message := self._buffer.take(BODY_LIMIT)) is not None:
+            if isinstance(message, Overlong):
+                return [*events, self._over(Ended(f"it sends {message}"))]
+            events.append(Received(message))
+        return events
+
+    def _over(self, event: Refused | Ended) -> Refused | Ended:
+        self._phase = _Phase.OVER
+        self._buffer = FrameBuffer()
+        return event
+
+
+class ServiceClientLink:
+    """What a client does with its connection to a server, for one request.
+
+    Args:
+        caller: this node's name.
+        service: global name.
+        md5: the service type's md5 sum, or `ANY`.
+        request: the request, serialised.
+    """
+
+    def __init__(self, caller: str, service: str, md5: str, request: bytes) -> None:
+        self._asked = {"callerid": caller, "md5sum": md5, "service": service}
+        self._request = request
+        self._buffer = FrameBuffer()
+        self._phase = _Phase.HANDSHAKE
+        self._ok: int | None = None
+
+    def opening(self) -> bytes:
+        """What is sent once connected."""
+        return encode_header(self._asked)
+
+    def receive(self, data: bytes) -> list[ClientEvent]:
+        """Hear bytes of the server."""
+        if self._phase is _Phase.OVER:
+            return []
+        self._buffer.feed(data)
+        events: list[ClientEvent] = []
+        if self._phase is _Phase.HANDSHAKE:
+            fields = _judge_header(self._buffer, self._asked["service"], self._asked)
+            if fields is None:
+                return []
+            if isinstance(fields, Refused | Ended):
+                return [self._over(fields)]
+            self._phase = _Phase.OPEN
+            events.append(Send(frame(self._request)))
+        return events + self._take_answer()
+
+    def _take_answer(self) -> list[ClientEvent]:
+        if self._ok is None:
+            self._ok = self._buffer.take_byte()
+        if self._ok is None:
+            return []
+        body = self._buffer.take(BODY_LIMIT)
+        if body is None:
+            return []
+        if isinstance(body, Overlong):
+            return [self._over(Ended(f"it sends {body}"))]
+        answer = body if self._ok else ServiceFailed(body.decode(errors="replace"))
+        return [Answered(answer), self._over(Ended("the request is answered"))]
+
+    def _over(self, event: Refused | Ended) -> Refused | Ended:
+        self._phase = _Phase.OVER
+        self._buffer = FrameBuffer()
+        return event
+
+
+def _judge_header(buffer: FrameBuffer, what: str, asked: Mapping[str, str]) -> Fields | Refused | Ended | None:
+    """The header that answers ours, if it means agreement."""
+    fields = take_header(buffer)
+    if fields is None:
+        return None
+    if isinstance(fields, Malformed):
+        return Ended(fields.reason)
+    if "error" in fields:
+        return Refused(quoted(fields["error"]))
+    against = objection(what, asked.get("type", "the type"), asked["md5sum"], fields)
+    return Refused(against) if against else fields

@@ -1,0 +1,232 @@
+"""The slave API: what a ROS node answers to the master, to other nodes and to the tools.
+
+A call goes in with what the node is at the moment; out come the reply, ``[code, message, value]``, and what the node is
+to do in consequence. Codes are ROS's: 1 done, 0 failed, -1 the caller's error.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Iterable, Mapping, Sequence
+from dataclasses import dataclass
+from typing import TypeAlias
+
+from thbridge.wire.rosgraph.xmlrpc import Call, XmlRpcValue
+
+TRANSPORT = "TCPROS"
+
+
+@dataclass(frozen=True, slots=True)
+class Connection:
+    """One open TCPROS connection of a topic.
+
+    Attributes:
+        id: unique within the node.
+        peer: name of the subscriber, or URI of the publisher.
+        outgoing: whether we publish.
+        topic: global name.
+        endpoints: local port, remote host, remote port, number of the socket.
+        bytes: of messages that passed.
+        messages: that passed.
+        dropped: messages that did not, because the subscriber was too slow.
+    """
+
+    id: int
+    peer: str
+    outgoing: bool
+    topic: str
+    endpoints: tuple[int, str, int, int]
+    bytes: int
+    messages: int
+    dropped: int = 0
+
+
+@dataclass(frozen=True, slots=True)
+class Node:
+    """What a node is at the moment.
+
+    Attributes:
+        name: global name.
+        uri: of its slave API.
+        master_uri: of its master.
+        pid: of its process.
+        tcpros: host and port where it takes TCPROS connections.
+        publications: type by topic.
+        subscriptions: type by topic.
+        parameters: keys it wants to hear of.
+        connections: those that are open.
+    """
+
+    name: str
+    uri: str
+    master_uri: str
+    pid: int
+    tcpros: tuple[str, int]
+    publications: Mapping[str, str]
+    subscriptions: Mapping[str, str]
+    parameters: Iterable[str]
+    connections: Sequence[Connection]
+
+
+@dataclass(frozen=True, slots=True)
+class PublishersChanged:
+    """These, by the URIs of their slave APIs, publish a topic now; those left out do so no more."""
+
+    topic: str
+    uris: tuple[str, ...]
+
+
+@dataclass(frozen=True, slots=True)
+class ParameterChanged:
+    """A parameter has a new value; an empty dictionary for one that was deleted.
+
+    Attributes:
+        key: global name, without a slash at its end.
+        value: the new one.
+        wanted: those of the node's keys that it lies at or below.
+    """
+
+    key: str
+    value: XmlRpcValue
+    wanted: tuple[str, ...]
+
+
+@dataclass(frozen=True, slots=True)
+class ShutdownAsked:
+    """The node is told to go: by the master when another has taken its name, or by ``rosnode kill``."""
+
+    reason: str
+
+
+Consequence: TypeAlias = PublishersChanged | ParameterChanged | ShutdownAsked
+
+
+@dataclass(frozen=True, slots=True)
+class Answer:
+    """What a call comes to."""
+
+    reply: XmlRpcValue
+    consequence: Consequence | None = None
+
+
+def answer(call: Call, node: Node) -> Answer:
+    """Answer a call of the slave API."""
+    method = _METHODS.get(call.method)
+    if method is None:
+        return _wrong(f"there is no method {call.method}")
+    if not call.params or not isinstance(call.params[0], str):
+        return _wrong("the first argument is the caller's name")
+    return method(node, call.params[1:])
+
+
+def _done(value: XmlRpcValue, message: str = "", consequence: Consequence | None = None) -> Answer:
+    return Answer([1, message, value], consequence)
+
+
+def _wrong(message: str, value: XmlRpcValue = 0) -> Answer:
+    return Answer([-1, message, value])
+
+
+def _get_bus_stats(node: Node, _: Sequence[XmlRpcValue]) -> Answer:
+    # After rospy, which for subscribers has the number of messages where the specification has none. A third field of
+    # a publisher's connections, the dropped messages, would be news to both; it is in the log instead.
+    sent: list[XmlRpcValue] = []
+    for topic in node.publications:
+        links = [each for each in node.connections if each.outgoing and each.topic == topic]
+        sent.append([topic, sum(each.bytes for each in links), [[c.id, c.bytes, c.messages, True] for c in links]])
+    heard: list[XmlRpcValue] = []
+    for topic in node.subscriptions:
+        links = [each for each in node.connections if not each.outgoing and each.topic == topic]
+        heard.append([topic, [[c.id, c.bytes, c.messages, -1, True] for c in links]])
+    return _done([sent, heard, []], "bus stats")
+
+
+def _get_bus_info(node: Node, _: Sequence[XmlRpcValue]) -> Answer:
+    return _done([_bus_info(each) for each in node.connections], "bus info")
+
+
+def _bus_info(connection: Connection) -> XmlRpcValue:
+    port, host, other_port, socket = connection.endpoints
+    # rosnode reads the ports out of this sentence.
+    text = f"{TRANSPORT} connection on port {port} to [{host}:{other_port} on socket {socket}]"
+    direction = "o" if connection.outgoing else "i"
+    return [connection.id, connection.peer, direction, TRANSPORT, connection.topic, True, text]
+
+
+def _get_master_uri(node: Node, _: Sequence[XmlRpcValue]) -> Answer:
+    return _done(node.master_uri)
+
+
+def _get_name(node: Node, _: Sequence[XmlRpcValue]) -> Answer:
+    return _done(node.name)
+
+
+def _get_uri(node: Node, _: Sequence[XmlRpcValue]) -> Answer:
+    return _done(node.uri)
+
+
+def _get_pid(node: Node, _: Sequence[XmlRpcValue]) -> Answer:
+    return _done(node.pid)
+
+
+def _get_publications(node: Node, _: Sequence[XmlRpcValue]) -> Answer:
+    return _done([[topic, kind] for topic, kind in node.publications.items()], "publications")
+
+
+def _get_subscriptions(node: Node, _: Sequence[XmlRpcValue]) -> Answer:
+    return _done([[topic, kind] for topic, kind in node.subscriptions.items()], "subscriptions")
+
+
+def _shutdown(node: Node, params: Sequence[XmlRpcValue]) -> Answer:
+    reason = params[0] if params and isinstance(params[0], str) else ""
+    return _done(0, "shutdown", ShutdownAsked(reason))
+
+
+def _param_update(node: Node, params: Sequence[XmlRpcValue]) -> Answer:
+    match params:
+        case [str(key), value]:
+            key = "/" + key.strip("/")
+            wanted = tuple(each for each in node.parameters if f"{key}/".startswith(f"{each.rstrip('/')}/"))
+            if not wanted:
+                return _wrong("not subscribed")
+            return _done(0, "", ParameterChanged(key, value, wanted))
+    return _wrong("paramUpdate takes a key and a value")
+
+
+def _publisher_update(node: Node, params: Sequence[XmlRpcValue]) -> Answer:
+    match params:
+        case [str(topic), list(publishers)]:
+            uris = tuple(each for each in publishers if isinstance(each, str))
+            if len(uris) == len(publishers):
+                return _done(0, "", PublishersChanged(topic, uris))
+    return _wrong("publisherUpdate takes a topic and a list of URIs")
+
+
+def _request_topic(node: Node, params: Sequence[XmlRpcValue]) -> Answer:
+    match params:
+        case [str(topic), list(protocols)]:
+            if topic not in node.publications:
+                return _wrong(f"{node.name} does not publish {topic}", [])
+            if any(isinstance(each, list) and each[:1] == [TRANSPORT] for each in protocols):
+                host, port = node.tcpros
+                return _done([TRANSPORT, host, port], f"ready on {host}:{port}")
+            return Answer([0, f"{TRANSPORT} is the only protocol here", []])
+    return _wrong("requestTopic takes a topic and a list of protocols", [])
+
+
+_METHODS: Mapping[str, Callable[[Node, Sequence[XmlRpcValue]], Answer]] = {
+    "getBusInfo": _get_bus_info,
+    "getBusStats": _get_bus_stats,
+    "getMasterUri": _get_master_uri,
+    "getName": _get_name,
+    "getPid": _get_pid,
+    "getPublications": _get_publications,
+    "getSubscriptions": _get_subscriptions,
+    "getUri": _get_uri,
+    "paramUpdate": _param_update,
+    "publisherUpdate": _publisher_update,
+    "requestTopic": _request_topic,
+    "shutdown": _shutdown,
+}
+
+METHODS = frozenset(_METHODS)
+"""Names of everything that `answer` knows."""
