@@ -18,6 +18,9 @@ SCORE = "/hunt/score"
 UTTERANCES = "/dialogue/utterances"
 INPUTS = "/inputs"
 THINGS = "/things"
+ROSOUT = "/rosout"
+DIAGNOSTICS = "/diagnostics"
+CLOCK = "/clock"
 
 
 @dataclass(frozen=True, slots=True)

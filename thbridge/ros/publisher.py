@@ -15,18 +15,24 @@ from sim.observations import STANDSTILL, TICKS_PER_SECOND, LaserMount, Twist
 from sim.robot import RobotOutput
 from sim.team import TeamSnapshot
 from thbridge.ros import names, pack, types
+from thbridge.ros.goals import GoalId, GoalStatus, Status
 from thbridge.ros.names import MAP_FRAME, RobotNames
 from thbridge.ros.pack import Transform
 from thbridge.ros.records import (
+    CancelRequest,
     GameEvent,
+    GoalRequest,
     InitialPose,
     Input,
+    LogLine,
     Record,
     Score,
     SendRobots,
     Session,
+    SimpleGoal,
     Success,
     Utterance,
+    VelocityCommand,
 )
 from thbridge.ros.stamps import stamp_ns
 
@@ -71,6 +77,7 @@ GAME_EVENTS = Topic(names.GAME_EVENTS, types.GAME_EVENT)
 SCORE = Topic(names.SCORE, types.SCORE, latched=True)
 UTTERANCES = Topic(names.UTTERANCES, types.UTTERANCE)
 INPUTS = Topic(names.INPUTS, types.INPUT)
+ROSOUT = Topic(names.ROSOUT, types.LOG)
 THINGS = Topic(names.THINGS, types.MARKER_ARRAY, latched=True)
 
 
@@ -201,6 +208,10 @@ class Publisher:
                         self._robots[robot].topics.initialpose,
                         pack.pose_with_covariance(tick, MAP_FRAME, pose, planar),
                     )
+                case LogLine():
+                    yield ROSOUT, pack.log(tick, record)
+                case GoalRequest() | CancelRequest() | SimpleGoal() | VelocityCommand():
+                    pass  # What becomes of them shows in the robot's own topics.
                 case _:
                     assert_never(record)
 
@@ -272,22 +283,22 @@ class _RobotPublisher:
 
     def _set_goal(self, tick: int, goal: Goal) -> tuple[Topic, bytes]:
         self._goal, self._goal_tick = goal, tick
-        return self.topics.goal, pack.move_base_goal(tick, MAP_FRAME, self._goal_id(goal), goal.base_in_map)
+        return self.topics.goal, pack.move_base_goal(tick, self._goal_id(goal), MAP_FRAME, goal.base_in_map)
 
     def _packed_result(self, tick: int, result: Arrived | NoPath | Cancelled) -> bytes:
         match result:
             case Arrived(goal):
-                status, text = pack.SUCCEEDED, "Goal reached."
+                status, text = Status.SUCCEEDED, "Goal reached."
             case NoPath(goal, _, sentence):
-                status, text = pack.ABORTED, sentence
+                status, text = Status.ABORTED, sentence
             case Cancelled(goal):
-                status, text = pack.PREEMPTED, ""
+                status, text = Status.PREEMPTED, ""
             case _:
                 assert_never(result)
-        return pack.move_base_result(tick, self._goal_id(goal), self._goal_tick, status, text)
+        return pack.move_base_result(tick, GoalStatus(self._goal_id(goal), status, text))
 
-    def _goal_id(self, goal: Goal) -> str:
-        return f"{self.names.namespace[1:]}-{goal.id}"
+    def _goal_id(self, goal: Goal) -> GoalId:
+        return GoalId(f"{self.names.namespace[1:]}-{goal.id}", stamp_ns(self._goal_tick))
 
 
 def _is_rest(plan: FloatArray, last: FloatArray) -> bool:

@@ -5,8 +5,10 @@ count from 1, as their namespaces do.
 """
 
 from dataclasses import dataclass
+from enum import IntEnum
 
 from sim.geometry import FloatArray, Pose2
+from sim.observations import Twist
 
 
 @dataclass(frozen=True, slots=True)
@@ -133,4 +135,86 @@ class InitialPose:
     covariance: FloatArray
 
 
-Record = GameEvent | Score | Utterance | Input | SendRobots | Success | InitialPose
+@dataclass(frozen=True, slots=True)
+class GoalRequest:
+    """A client of a robot's action server move_base set a goal.
+
+    Attributes:
+        robot: which.
+        goal_id: the client's name for it; empty where it left naming to the server.
+        stamp_ns: when the client says that it was, nanoseconds of ROS time; 0: now.
+        base_in_map: where the base shall end; None where that cannot be used.
+        number: the `Goal.id` it has in the simulation, another one for every goal.
+        refusal: why it cannot be used, for people.
+    """
+
+    robot: int
+    goal_id: str
+    stamp_ns: int
+    base_in_map: Pose2 | None
+    number: int
+    refusal: str = ""
+
+
+@dataclass(frozen=True, slots=True)
+class CancelRequest:
+    """A client of a robot's action server move_base took goals back.
+
+    Attributes:
+        robot: which.
+        goal_id: that of the goal; empty: no single one.
+        stamp_ns: goals of this time and before, nanoseconds of ROS time; 0 and no goal_id: all goals.
+    """
+
+    robot: int
+    goal_id: str
+    stamp_ns: int
+
+
+@dataclass(frozen=True, slots=True)
+class SimpleGoal:
+    """Somebody pointed at the map to send a robot there (rviz: 2D Nav Goal); attributes as in `GoalRequest`."""
+
+    robot: int
+    base_in_map: Pose2 | None
+    number: int
+    refusal: str = ""
+
+
+@dataclass(frozen=True, slots=True)
+class VelocityCommand:
+    """Somebody drives a robot by hand."""
+
+    robot: int
+    twist: Twist
+
+
+class LogLevel(IntEnum):
+    """How grave a line of the log is, in the codes of rosgraph_msgs/Log."""
+
+    DEBUG = 1
+    INFO = 2
+    WARN = 4
+    ERROR = 8
+    FATAL = 16
+
+
+@dataclass(frozen=True, slots=True)
+class LogLine:
+    """One fact for the log that ROS nodes share.
+
+    Attributes:
+        level: how grave.
+        name: of the node that says it, for example "/robot1/move_base".
+        text: the fact.
+    """
+
+    level: LogLevel
+    name: str
+    text: str
+
+
+GraphRequest = GoalRequest | CancelRequest | SimpleGoal | VelocityCommand | InitialPose
+"""What others on a ROS graph ask of a robot by topics."""
+
+Record = GameEvent | Score | Utterance | Input | SendRobots | Success | LogLine | GraphRequest

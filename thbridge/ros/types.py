@@ -3,10 +3,13 @@
 from collections.abc import Callable, Iterator
 from dataclasses import dataclass
 from functools import cache
+from hashlib import md5
 
 from rosbags.typesys import Stores, TypesysError, get_types_from_msg, get_typestore
 from rosbags.typesys.msg import normalize_msgtype
 from rosbags.typesys.store import Typestore
+
+from thbridge.ros.ros_texts import ROS_TEXTS
 
 TFMESSAGE = "tf2_msgs/TFMessage"
 ODOMETRY = "nav_msgs/Odometry"
@@ -20,8 +23,26 @@ POSE_ARRAY = "geometry_msgs/PoseArray"
 TWIST = "geometry_msgs/Twist"
 STRING = "std_msgs/String"
 MARKER_ARRAY = "visualization_msgs/MarkerArray"
+POSE_STAMPED = "geometry_msgs/PoseStamped"
+POLYGON_STAMPED = "geometry_msgs/PolygonStamped"
 MOVE_BASE_GOAL = "move_base_msgs/MoveBaseActionGoal"
+MOVE_BASE_FEEDBACK = "move_base_msgs/MoveBaseActionFeedback"
 MOVE_BASE_RESULT = "move_base_msgs/MoveBaseActionResult"
+GOAL_ID = "actionlib_msgs/GoalID"
+GOAL_STATUS_ARRAY = "actionlib_msgs/GoalStatusArray"
+LOG = "rosgraph_msgs/Log"
+CLOCK = "rosgraph_msgs/Clock"
+DIAGNOSTIC_ARRAY = "diagnostic_msgs/DiagnosticArray"
+CONFIG = "dynamic_reconfigure/Config"
+CONFIG_DESCRIPTION = "dynamic_reconfigure/ConfigDescription"
+EMPTY = "std_srvs/Empty"
+GET_MAP = "nav_msgs/GetMap"
+SET_MAP = "nav_msgs/SetMap"
+GET_PLAN = "nav_msgs/GetPlan"
+RECONFIGURE = "dynamic_reconfigure/Reconfigure"
+SET_POSE = "robot_localization/SetPose"
+MAVLINK = "mavros_msgs/Mavlink"
+MAVROS_STATE = "mavros_msgs/State"
 SESSION = "thbridge_msgs/Session"
 GAME_EVENT = "thbridge_msgs/GameEvent"
 SCORE = "thbridge_msgs/Score"
@@ -38,22 +59,25 @@ STANDARD_TYPES = (
     BATTERY_STATE,
     POSE_WITH_COVARIANCE,
     POSE_ARRAY,
+    POSE_STAMPED,
+    POLYGON_STAMPED,
     TWIST,
     STRING,
     MARKER_ARRAY,
     MOVE_BASE_GOAL,
+    MOVE_BASE_FEEDBACK,
     MOVE_BASE_RESULT,
+    GOAL_ID,
+    GOAL_STATUS_ARRAY,
+    LOG,
+    CLOCK,
+    DIAGNOSTIC_ARRAY,
 )
+"""ROS's types that sessions speak in bags and on a graph."""
+FURTHER_TYPES = (CONFIG, CONFIG_DESCRIPTION, MAVLINK, MAVROS_STATE)
+"""Types of packages that not every ROS has."""
+SERVICES = (EMPTY, GET_MAP, SET_MAP, GET_PLAN, RECONFIGURE, SET_POSE)
 OWN_TYPES = (SESSION, GAME_EVENT, SCORE, UTTERANCE, INPUT)
-
-_BEYOND_THE_STORE = {
-    TFMESSAGE: "geometry_msgs/TransformStamped[] transforms",
-    "move_base_msgs/MoveBaseGoal": "geometry_msgs/PoseStamped target_pose",
-    "move_base_msgs/MoveBaseResult": "",
-    MOVE_BASE_GOAL: "std_msgs/Header header\nactionlib_msgs/GoalID goal_id\nmove_base_msgs/MoveBaseGoal goal",
-    MOVE_BASE_RESULT: "std_msgs/Header header\nactionlib_msgs/GoalStatus status\nmove_base_msgs/MoveBaseResult result",
-}
-"""ROS's types that rosbags' store lacks."""
 
 OWN_TEXTS = {
     SESSION: """\
@@ -128,11 +152,10 @@ class Definition:
 def typestore() -> Typestore:
     """rosbags' types of ROS 1 Noetic, completed by those a session needs."""
     store = get_typestore(Stores.ROS1_NOETIC)
-    # The parser takes no empty text, and an empty message is one all the same.
-    store.register({"move_base_msgs/msg/MoveBaseResult": ([], [])})
-    for name, text in {**_BEYOND_THE_STORE, **OWN_TEXTS}.items():
-        if text:
-            store.register(get_types_from_msg(text, normalize_msgtype(name)))
+    for name, text in {**ROS_TEXTS, **OWN_TEXTS}.items():
+        known_as = normalize_msgtype(name)
+        # The parser takes no empty text, and an empty message is one all the same.
+        store.register(get_types_from_msg(text, known_as) if text else {known_as: ([], [])})
     return store
 
 
@@ -148,6 +171,48 @@ def plain_definition(msgtype: str) -> Definition:
     except TypesysError:
         raise KeyError(msgtype) from None
     return Definition(text.replace(_EMPTY_PART, _EMPTY_PART + _GENERATED_MARK), md5)
+
+
+@dataclass(frozen=True, slots=True)
+class ServiceType:
+    """A service: what is asked and what is answered.
+
+    Attributes:
+        name: for example "nav_msgs/GetPlan".
+        md5: ROS's sum over the fields of both.
+        request: message type.
+        response: message type.
+    """
+
+    name: str
+    md5: str
+    request: str
+    response: str
+
+
+@cache
+def service_type(name: str) -> ServiceType:
+    """A service by its name.
+
+    Raises:
+        KeyError: there is no such type.
+    """
+    request, response = f"{name}Request", f"{name}Response"
+    fields = _summed(request) + _summed(response)
+    return ServiceType(name, md5(fields.encode()).hexdigest(), request, response)
+
+
+def _summed(msgtype: str) -> str:
+    """What the sum of a type is taken over: its fields, with sums in the place of inner types.
+
+    Source: ros/genmsg, gentools.py, compute_md5_text.
+    """
+    lines = []
+    for line in plain_definition(msgtype).text.partition(_SEPARATOR)[0].splitlines():
+        kind, _, name = line.partition(" ")
+        inner = kind.partition("[")[0]
+        lines.append(f"{plain_definition(inner).md5} {name}" if "/" in inner else line)
+    return "\n".join(lines)
 
 
 @cache

@@ -17,11 +17,11 @@ import numpy as np
 from sim.geometry import FloatArray
 from sim.grid import OccupancyGrid
 from thbridge.ros import types, unpack
+from thbridge.ros.goals import Status
 from thbridge.ros.names import THINGS
-from thbridge.ros.pack import ABORTED, PREEMPTED, SUCCEEDED
 from thbridge.ros.records import GameEvent, Score, Session, Utterance
 
-OUTCOMES = {SUCCEEDED: "arrived", ABORTED: "no path", PREEMPTED: "cancelled"}
+OUTCOMES: dict[int, str] = {Status.SUCCEEDED: "arrived", Status.ABORTED: "no path", Status.PREEMPTED: "cancelled"}
 UNDER_WAY = "under way"
 
 _TF_OLD = "tf/tfMessage"

@@ -12,6 +12,7 @@ from sim.geometry import Pose2
 from sim.observations import Battery, Scan, Twist
 from tests.thbridge.ros.drive import MOUNT, SESSION, arena
 from thbridge.ros import pack, types, unpack
+from thbridge.ros.goals import GoalId, GoalStatus, Status
 from thbridge.ros.pack import Transform
 from thbridge.ros.records import GameEvent, Input, Score, Utterance
 
@@ -181,13 +182,13 @@ def test_goal_and_result() -> None:
     goal_id = message("actionlib_msgs/GoalID", message("builtin_interfaces/Time", 1, 20_000_000), "robot1-4")
     target = message("geometry_msgs/PoseStamped", ros_header(1, "map"), ros_pose(POSE))
     goal = message(types.MOVE_BASE_GOAL, ros_header(1), goal_id, message("move_base_msgs/MoveBaseGoal", target))
-    data = pack.move_base_goal(1, "map", "robot1-4", POSE)
+    data = pack.move_base_goal(1, GoalId("robot1-4", 1_020_000_000), "map", POSE)
     assert data == serialised(types.MOVE_BASE_GOAL, goal)
     assert unpack.move_base_goal(data).pose.theta == pytest.approx(POSE.theta)
     assert (unpack.move_base_goal(data).goal_id, unpack.move_base_goal(data).frame) == ("robot1-4", "map")
     status = message("actionlib_msgs/GoalStatus", goal_id, 4, "no way")
     result = message(types.MOVE_BASE_RESULT, ros_header(9), status, message("move_base_msgs/MoveBaseResult"))
-    data = pack.move_base_result(9, "robot1-4", 1, pack.ABORTED, "no way")
+    data = pack.move_base_result(9, GoalStatus(GoalId("robot1-4", 1_020_000_000), Status.ABORTED, "no way"))
     assert data == serialised(types.MOVE_BASE_RESULT, result)
     assert unpack.move_base_result(data) == unpack.GoalEnd("robot1-4", 4, "no way")
 

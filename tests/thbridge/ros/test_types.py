@@ -1,9 +1,19 @@
+import re
 from pathlib import Path
 
 import pytest
 
 from thbridge.adapters.ros_definitions import Definitions
-from thbridge.ros.types import OWN_TYPES, STANDARD_TYPES, full_text, md5_of, plain_definition
+from thbridge.ros.types import (
+    FURTHER_TYPES,
+    OWN_TYPES,
+    SERVICES,
+    STANDARD_TYPES,
+    full_text,
+    md5_of,
+    plain_definition,
+    service_type,
+)
 
 # The sums that ROS Noetic's own tools print.
 ROS_MD5 = {
@@ -13,6 +23,20 @@ ROS_MD5 = {
     "sensor_msgs/BatteryState": "4ddae7f048e32fda22cac764685e3974",
     "move_base_msgs/MoveBaseActionGoal": "660d6895a1b9a16dce51fbdd9a64a56b",
     "move_base_msgs/MoveBaseActionResult": "1eb06eeff08fa7ea874431638cb52332",
+    "move_base_msgs/MoveBaseActionFeedback": "7d1870ff6e0decea702b943b5af0b42e",
+    "actionlib_msgs/GoalStatusArray": "8b2b82f13216d0a8ea88bd3af735e619",
+    "rosgraph_msgs/Log": "acffd30cd6b6de30f120938c17c593fb",
+    "diagnostic_msgs/DiagnosticArray": "60810da900de1dd6ddd437c3503511da",
+    "dynamic_reconfigure/ConfigDescription": "757ce9d44ba8ddd801bb30bc456f946f",
+    "mavros_msgs/Mavlink": "41093e1fd0f3eea1da2aa33a177e5ba6",
+    "mavros_msgs/State": "65cd0a9fff993b062b91e354554ec7e9",
+}
+ROS_SERVICE_MD5 = {
+    "std_srvs/Empty": "d41d8cd98f00b204e9800998ecf8427e",
+    "nav_msgs/GetMap": "6cdd0a18e0aff5b0a3ca2326a89b54ff",
+    "nav_msgs/SetMap": "c36922319011e63ed7784112ad4fdd32",
+    "nav_msgs/GetPlan": "421c8ea4d21c6c9db7054b4bbdf1e024",
+    "dynamic_reconfigure/Reconfigure": "bb125d226a21982a4a98760418dc2672",
 }
 
 
@@ -21,7 +45,23 @@ def test_sums_are_those_of_ros(msgtype: str, md5: str) -> None:
     assert plain_definition(msgtype).md5 == md5
 
 
-@pytest.mark.parametrize("msgtype", [*STANDARD_TYPES, *OWN_TYPES])
+@pytest.mark.parametrize(("name", "md5"), ROS_SERVICE_MD5.items())
+def test_sums_of_services_are_those_of_ros(name: str, md5: str) -> None:
+    assert service_type(name).md5 == md5
+
+
+def test_what_a_service_asks_and_answers_are_messages() -> None:
+    for service in map(service_type, SERVICES):
+        for msgtype in (service.request, service.response):
+            assert re.fullmatch("[0-9a-f]{32}", plain_definition(msgtype).md5)
+
+
+def test_an_unknown_service_is_a_key_error() -> None:
+    with pytest.raises(KeyError):
+        service_type("std_srvs/Nonsense")
+
+
+@pytest.mark.parametrize("msgtype", [*STANDARD_TYPES, *FURTHER_TYPES, *OWN_TYPES])
 def test_a_definition_carries_all_it_takes_to_read_the_type(msgtype: str) -> None:
     definition = plain_definition(msgtype)
     assert md5_of(msgtype, definition.text) == definition.md5

@@ -1,10 +1,5 @@
-"""Bytes of ROS 1 messages as values: what reports and replays read back from bags, ours and others'.
+"""What robots say: poses, scans, maps."""
 
-Poses come from three dimensions; their yaw is taken and the rest left. Every function raises ValueError when the bytes
-are not a message of its type.
-"""
-
-import json
 from dataclasses import dataclass
 
 import numpy as np
@@ -12,9 +7,8 @@ from numpy.typing import NDArray
 
 from sim.geometry import FloatArray, Pose2
 from sim.grid import OccupancyGrid
-from thbridge.ros.cursor import FLOAT32, INT32, INT64, UINT8, UINT32, UINT64, Cursor
+from thbridge.ros.cursor import FLOAT32, INT32, UINT32, Cursor
 from thbridge.ros.pack import ADD, Transform
-from thbridge.ros.records import GameEvent, Input, Score, Session, Utterance
 
 _MARKER_REST = 3 * 8 + 4 * 4 + 2 * 4 + 1
 """Bytes of a marker's scale, colour, lifetime and frame_locked."""
@@ -45,24 +39,6 @@ class Charge:
 
     charge: float
     percentage: float
-
-
-@dataclass(frozen=True, slots=True)
-class GoalStart:
-    """move_base_msgs/MoveBaseActionGoal: the goal's name and its pose in `frame`."""
-
-    goal_id: str
-    frame: str
-    pose: Pose2
-
-
-@dataclass(frozen=True, slots=True)
-class GoalEnd:
-    """move_base_msgs/MoveBaseActionResult: the goal's name, its status in actionlib's codes, and why."""
-
-    goal_id: str
-    status: int
-    text: str
 
 
 @dataclass(frozen=True, slots=True)
@@ -188,75 +164,12 @@ def battery_state(data: bytes) -> Charge:
     return Charge(charge, percentage)
 
 
-def move_base_goal(data: bytes) -> GoalStart:
-    """move_base_msgs/MoveBaseActionGoal."""
+def path(data: bytes) -> FloatArray:
+    """nav_msgs/Path: (n, 3) x, y, yaw of its poses, in its frame."""
     cursor = Cursor(data)
     cursor.header()
-    cursor.stamp()
-    goal_id = cursor.string()
-    _, frame = cursor.header()
-    return GoalStart(goal_id, frame, cursor.pose())
-
-
-def move_base_result(data: bytes) -> GoalEnd:
-    """move_base_msgs/MoveBaseActionResult."""
-    cursor = Cursor(data)
-    cursor.header()
-    cursor.stamp()
-    return GoalEnd(cursor.string(), cursor.integer(UINT8), cursor.string())
-
-
-def session(data: bytes) -> Session:
-    """thbridge_msgs/Session."""
-    cursor = Cursor(data)
-    cursor.header()
-    study, seed = cursor.string(), cursor.integer(UINT64)
-    versions = json.loads(cursor.string())
-    if not isinstance(versions, dict):
-        raise ValueError("the versions are not a JSON object")
-    told = {str(name): str(version) for name, version in versions.items()}
-    program = cursor.string()
-    roles = tuple(cursor.string() for _ in range(cursor.integer(UINT32)))
-    return Session(study, seed, told, program, roles, cursor.string())
-
-
-def game_event(data: bytes) -> GameEvent:
-    """thbridge_msgs/GameEvent."""
-    cursor = Cursor(data)
-    cursor.header()
-    kind = cursor.string()
-    robot, room = _robot(cursor.integer(INT32)), _room(cursor.integer(INT32))
-    return GameEvent(kind, robot, room, cursor.string())
-
-
-def score(data: bytes) -> Score:
-    """thbridge_msgs/Score."""
-    cursor = Cursor(data)
-    cursor.header()
-    points, visited, rooms = cursor.integer(INT32), cursor.integer(UINT32), cursor.integer(UINT32)
-    energy = np.frombuffer(cursor.take(8 * cursor.integer(UINT32)), dtype="<f8")
-    return Score(points, visited, rooms, tuple(energy.tolist()))
-
-
-def utterance(data: bytes) -> Utterance:
-    """thbridge_msgs/Utterance."""
-    cursor = Cursor(data)
-    cursor.header()
-    dialogue, speaker = cursor.integer(INT64), cursor.string()
-    robot, room = cursor.integer(INT32) - 1, _room(cursor.integer(INT32))
-    return Utterance(dialogue, speaker, robot, room, cursor.string(), cursor.string(), cursor.string())
-
-
-def outside_input(data: bytes) -> Input:
-    """thbridge_msgs/Input."""
-    cursor = Cursor(data)
-    cursor.header()
-    return Input(cursor.string(), cursor.string(), cursor.string(), cursor.string())
-
-
-def _robot(number: int) -> int | None:
-    return None if number == 0 else number - 1
-
-
-def _room(number: int) -> int | None:
-    return None if number < 0 else number
+    poses = np.empty((cursor.integer(UINT32), 3))
+    for row in poses:
+        cursor.header()
+        row[:] = cursor.pose().array()
+    return poses

@@ -1,0 +1,61 @@
+"""Bytes of ROS 1 messages as values: what reports and replays read back from bags, ours and others'.
+
+Poses come from three dimensions; their yaw is taken and the rest left. Every function raises ValueError when the bytes
+are not a message of its type.
+"""
+
+from thbridge.ros.unpack.actions import (
+    GoalEnd,
+    GoalStart,
+    goal_id,
+    goal_status_array,
+    move_base_feedback,
+    move_base_goal,
+    move_base_result,
+)
+from thbridge.ros.unpack.game import game_event, outside_input, score, session, utterance
+from thbridge.ros.unpack.robots import (
+    Charge,
+    LaserScan,
+    Odometry,
+    PoseInFrame,
+    SpatialTransform,
+    battery_state,
+    laser_scan,
+    occupancy_grid,
+    odometry,
+    outlines,
+    path,
+    pose_with_covariance,
+    spatial_transforms,
+    transforms,
+)
+
+__all__ = [
+    "Charge",
+    "GoalEnd",
+    "GoalStart",
+    "LaserScan",
+    "Odometry",
+    "PoseInFrame",
+    "SpatialTransform",
+    "battery_state",
+    "game_event",
+    "goal_id",
+    "goal_status_array",
+    "laser_scan",
+    "move_base_feedback",
+    "move_base_goal",
+    "move_base_result",
+    "occupancy_grid",
+    "odometry",
+    "outlines",
+    "outside_input",
+    "path",
+    "pose_with_covariance",
+    "score",
+    "session",
+    "spatial_transforms",
+    "transforms",
+    "utterance",
+]
