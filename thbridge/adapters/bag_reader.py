@@ -10,6 +10,7 @@ from rosbags.rosbag1 import Reader, ReaderError
 from rosbags.typesys.msg import denormalize_msgtype
 
 from thbridge.adapters.errors import BadFile
+from thbridge.adapters.recordings import parts_of
 
 MAGIC = b"#ROSBAG V"
 VERSION = b"2.0\n"
@@ -75,11 +76,32 @@ class RawMessage:
 
 
 def info(path: Path) -> BagInfo:
-    """What a bag holds, from its index.
+    """What a recording holds, from its index; of a split one, what all parts hold together.
+
+    The latched messages that each part begins with are counted in each.
 
     Raises:
         BadFile: there is no such file, it is not a ROS 1 bag, or it is cut off or damaged.
     """
+    parts = [_info_of(part) for part in parts_of(path)]
+    topics: dict[str, TopicInfo] = {}
+    for topic in (topic for part in parts for topic in part.topics):
+        before = topics.get(topic.name)
+        topics[topic.name] = topic if before is None else _together(before, topic)
+    starts = [part.start_ns for part in parts if part.start_ns is not None]
+    ends = [part.end_ns for part in parts if part.end_ns is not None]
+    return BagInfo(
+        path=path,
+        size=sum(part.size for part in parts),
+        start_ns=min(starts, default=None),
+        end_ns=max(ends, default=None),
+        duration=(max(ends) - min(starts)) / 1e9 if starts else 0.0,
+        messages=sum(part.messages for part in parts),
+        topics=tuple(topic for _, topic in sorted(topics.items())),
+    )
+
+
+def _info_of(path: Path) -> BagInfo:
     with _opened(path) as reader:
         topics = tuple(
             TopicInfo(
@@ -96,23 +118,39 @@ def info(path: Path) -> BagInfo:
         return BagInfo(path, path.stat().st_size, start, end, duration, messages, topics)
 
 
+def _together(one: TopicInfo, other: TopicInfo) -> TopicInfo:
+    types = {*one.msgtype.split(", "), *other.msgtype.split(", ")}
+    return TopicInfo(one.name, ", ".join(sorted(types)), one.messages + other.messages, one.latched or other.latched)
+
+
 def messages(path: Path, topics: Collection[str] | None = None) -> Iterator[RawMessage]:
     """Every message, oldest first.
 
+    The parts of a split recording are read as one: the latched messages that a part begins with, because it may be
+    played by itself, are left out where they only repeat what the part before it said.
+
     Args:
-        path: the bag.
+        path: the bag, or the name of a split recording.
         topics: names of those wanted; None for all. What holds none of them is not unpacked.
 
     Raises:
         BadFile: there is no such file, it is not a ROS 1 bag, or it is cut off or damaged.
     """
-    with _opened(path) as reader:
-        wanted = [connection for connection in reader.connections if topics is None or connection.topic in topics]
-        # To the reader an empty list means every topic.
-        for connection, stamp, data in reader.messages(wanted) if wanted else ():
-            yield RawMessage(
-                connection.topic, denormalize_msgtype(connection.msgtype), connection.digest, stamp, bytes(data)
-            )
+    latched: dict[str, bytes] = {}
+    for part in parts_of(path):
+        with _opened(part) as reader:
+            repeatable = dict(latched)
+            wanted = [connection for connection in reader.connections if topics is None or connection.topic in topics]
+            # To the reader an empty list means every topic.
+            for connection, stamp, data in reader.messages(wanted) if wanted else ():
+                data = bytes(data)  # noqa: PLW2901
+                if stamp == reader.start_time and repeatable.pop(connection.topic, None) == data:
+                    continue
+                if _latched(connection.ext):
+                    latched[connection.topic] = data
+                yield RawMessage(
+                    connection.topic, denormalize_msgtype(connection.msgtype), connection.digest, stamp, data
+                )
 
 
 def check_is_bag(path: Path) -> None:

@@ -3,18 +3,17 @@
 import struct
 from collections.abc import Iterator
 from dataclasses import dataclass
-from io import SEEK_END, BytesIO
+from io import SEEK_CUR, SEEK_END, BytesIO
 from pathlib import Path
 from typing import BinaryIO
 
-from rosbags.interfaces import Connection
 from rosbags.rosbag1.reader import Header, ReaderError, RecordType, decompressors, read_bytes, read_uint32
-from rosbags.typesys.msg import normalize_msgtype
 
-from thbridge.adapters.bag_file import MAGIC, BagFile
+from thbridge.adapters.bag_file import BagFile
 from thbridge.adapters.bag_reader import check_is_bag
-from thbridge.adapters.bag_writer import ACTIVE
+from thbridge.adapters.bag_records import MAGIC, Compression, Connection
 from thbridge.adapters.errors import BadFile
+from thbridge.adapters.recordings import ACTIVE
 
 _TORN = (ReaderError, struct.error, ValueError, LookupError, EOFError, OSError, RuntimeError, MemoryError)
 """What reading beyond a tear may answer; decompressors add their own words."""
@@ -37,19 +36,6 @@ class Reindexed:
     messages: int
     end_ns: int | None
     lost_bytes: int
-
-
-@dataclass(frozen=True, slots=True)
-class _Publisher:
-    """A connection record: one publisher of one topic."""
-
-    number: int
-    topic: str
-    msgtype: str
-    md5: str
-    definition: str
-    caller: str | None
-    latching: int | None
 
 
 @dataclass(frozen=True, slots=True)
@@ -93,15 +79,13 @@ def _copy(path: Path, fresh: Path) -> tuple[int, int | None, int]:
     """Number of messages copied, the last stamp, and the bytes left over."""
     count, end_ns = 0, None
     connections: dict[int, Connection] = {}
-    target = BagFile(fresh)
-    target.open()
     with path.open("rb") as source:
         scan = _Scan(source)
+        target = BagFile(fresh, scan.compression())
         for record in scan.records():
             match record:
-                case _Publisher(number):
-                    if number not in connections:
-                        connections[number] = _connection(target, record)
+                case Connection(number):
+                    connections.setdefault(number, record)
                 case _Said(number, stamp_ns, data):
                     if number in connections:
                         target.write(connections[number], stamp_ns, data)
@@ -109,24 +93,6 @@ def _copy(path: Path, fresh: Path) -> tuple[int, int | None, int]:
                         end_ns = stamp_ns if end_ns is None else max(end_ns, stamp_ns)
     target.close()
     return count, end_ns, scan.lost
-
-
-def _connection(target: BagFile, publisher: _Publisher) -> Connection:
-    # Two records may say the same of different numbers; rosbags takes a description once.
-    caller = publisher.caller
-    for connection in target.connections:
-        if (connection.topic, connection.digest) == (publisher.topic, publisher.md5) and (
-            getattr(connection.ext, "callerid", None) == caller
-        ):
-            return connection
-    return target.add_connection(
-        publisher.topic,
-        normalize_msgtype(publisher.msgtype),
-        msgdef=publisher.definition,
-        md5sum=publisher.md5,
-        callerid=caller,
-        latching=publisher.latching,
-    )
 
 
 class _Scan:
@@ -140,7 +106,20 @@ class _Scan:
         self._source = source
         self.lost = 0
 
-    def records(self) -> Iterator[_Publisher | _Said]:
+    def compression(self) -> Compression:
+        """Of the first chunk."""
+        try:
+            self._source.seek(len(MAGIC))
+            for _ in range(2):
+                header = Header.read(self._source)
+                if header.get_uint8("op") == RecordType.CHUNK:
+                    return Compression(header.get_string("compression"))
+                self._source.seek(read_uint32(self._source), SEEK_CUR)
+        except _TORN:
+            pass
+        return Compression.NONE
+
+    def records(self) -> Iterator[Connection | _Said]:
         """Connections and messages in the file's order, up to the end or the first unreadable record."""
         end = self._source.seek(0, SEEK_END)
         at = self._source.seek(len(MAGIC))
@@ -163,7 +142,7 @@ class _Scan:
     def _inside(self, header: Header, data: bytes) -> BytesIO:
         return BytesIO(decompressors[header.get_string("compression")](data))
 
-    def _chunk(self, inner: BytesIO) -> Iterator[_Publisher | _Said]:
+    def _chunk(self, inner: BytesIO) -> Iterator[Connection | _Said]:
         end = len(inner.getbuffer())
         at = 0
         while at < end:
@@ -176,7 +155,7 @@ class _Scan:
             at = inner.tell()
 
 
-def _inner_record(source: BinaryIO) -> _Publisher | _Said:
+def _inner_record(source: BinaryIO) -> Connection | _Said:
     header = Header.read(source)
     kind = header.get_uint8("op")
     if kind == RecordType.MSGDATA:
@@ -186,12 +165,12 @@ def _inner_record(source: BinaryIO) -> _Publisher | _Said:
         raise ReaderError(f"no record of kind {kind} belongs into a chunk")
     number, topic = header.get_uint32("conn"), header.get_string("topic")
     said = Header.read(source)
-    return _Publisher(
+    return Connection(
         number,
         topic,
         said.get_string("type"),
         said.get_string("md5sum"),
         said.get_string("message_definition"),
         said.get_string("callerid") if "callerid" in said else None,
-        int(said["latching"]) if said.get("latching") else None,
+        said["latching"] == b"1" if said.get("latching") else None,
     )

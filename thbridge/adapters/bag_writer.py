@@ -1,21 +1,21 @@
 """Records a session: killed at any moment, a recording loses no more than its last second."""
 
 import time
-from collections.abc import Callable, Iterable, Iterator
-from contextlib import contextmanager
+from collections.abc import Callable, Iterable
 from pathlib import Path
 from types import TracebackType
 from typing import Self
 
-from rosbags.interfaces import Connection
-from rosbags.typesys.msg import normalize_msgtype
-
 from sim.grid import OccupancyGrid
 from sim.observations import LaserMount
 from sim.team import TeamSnapshot
-from thbridge.adapters.bag_file import BagFile
+from thbridge.adapters.bag_chunks import Chunk, Chunks
+from thbridge.adapters.bag_parts import Parts, Piece, Splitting
+from thbridge.adapters.bag_records import Compression, Connection
 from thbridge.adapters.errors import BadFile
+from thbridge.adapters.recordings import active_of, part_of, parts_of
 from thbridge.adapters.ros_definitions import Definitions
+from thbridge.adapters.worker import Lane, Worker
 from thbridge.ros.names import CALLER
 from thbridge.ros.publisher import Message, Publisher, Topic
 from thbridge.ros.records import Record, Session
@@ -23,8 +23,16 @@ from thbridge.ros.records import Record, Session
 SYNC_SECONDS = 1.0
 """Wall time after which everything said so far is forced onto the disk."""
 
-ACTIVE = ".active"
-"""Ending of a bag that is being written, after rosbag's custom."""
+BEHIND_SECONDS = 10.0
+"""A disk that is so far behind ends the recording."""
+
+WAITING_BYTES = 8 * 2**20
+"""Beyond so many bytes that wait for the disk, the session waits too."""
+
+LAST_SECONDS = 60.0
+"""How long the end of a recording waits for the disk."""
+
+WHOLE = Splitting()
 
 
 class BagNotWritten(BadFile):
@@ -38,15 +46,19 @@ class BagNotWritten(BadFile):
 
 
 class BagWriter:
-    """Writes messages into `PATH.active` and, closed, leaves them in `PATH`.
+    """Writes messages into `PATH.active` and, closed, leaves them in `PATH`, or `NAME_0.bag`, `NAME_1.bag`, ...
 
     Use it as a context manager: however its block is left, the bag is complete. Equal messages give equal bytes.
+    Packing and writing are done by threads, so a disk that is slow for a while delays nobody.
 
     Args:
         path: of the finished bag, customarily `*.bag`.
         definitions: of message types; None takes them from an installed ROS, where there is one.
         overwrite: whether a bag of this name, finished or cut off, may go.
         clock: seconds that never go back; says when to force the file onto the disk.
+        compression: of the bag's chunks.
+        splitting: when to go on in another file.
+        lane: makes the threads, given a name for each.
 
     Raises:
         BagNotWritten: there is such a bag, or the folder cannot be written to.
@@ -58,20 +70,30 @@ class BagWriter:
         definitions: Definitions | None = None,
         overwrite: bool = False,
         clock: Callable[[], float] = time.monotonic,
+        compression: Compression = Compression.NONE,
+        splitting: Splitting = WHOLE,
+        lane: Callable[[str], Lane] = Worker,
     ) -> None:
         self.path = path
-        self.active = path.with_name(path.name + ACTIVE)
         self._definitions = definitions or Definitions()
-        self._overwrite = overwrite
         self._clock = clock
+        self._splitting = splitting
         self._connections: dict[Topic, Connection] = {}
-        self._stamp_ns: int | None = None
+        self._latched: dict[Connection, bytes] = {}
+        self._latched_before: tuple[tuple[Connection, bytes], ...] = ()
+        self._chunks = Chunks()
+        self._first_ns: int | None = None
+        self._stamp_ns = -1
+        self._period = 0
         self._open = True
+        if not overwrite:
+            _refuse_taken(path)
+        self._syncing = lane("bag sync")
+        self._writing = lane("bag writer")
         try:
-            self._make_room()
-            self._file = BagFile(self.active)
-            self._file.open()
+            self._parts = Parts(path, compression, splitting, overwrite, self._syncing)
         except OSError as error:
+            self._end_lanes()
             raise BagNotWritten(path, _reason(error), "name a folder that exists and may be written to") from error
         self._synced = clock()
 
@@ -79,31 +101,37 @@ class BagWriter:
         """Write one message; its topic is registered with its first.
 
         Raises:
-            BagNotWritten: the disk is full or gone; the bag is closed, and what it held is kept.
+            BagNotWritten: the disk is full, gone or too slow; the bag is closed, and what it held is kept.
             ValueError: the message is older than the last one, or the bag is closed.
         """
-        if not self._open:
-            raise ValueError(f"{self.path} is closed")
-        if self._stamp_ns is not None and message.stamp_ns < self._stamp_ns:
-            raise ValueError(f"a message at {message.stamp_ns} ns after one at {self._stamp_ns} ns")
-        connection = self._connections.get(message.topic) or self._connect(message.topic)
-        try:
-            self._file.write(connection, message.stamp_ns, message.data)
-        except OSError as error:
-            raise self._saved(error) from error
-        self._stamp_ns = message.stamp_ns
+        topic, stamp_ns, data = message
+        if stamp_ns != self._stamp_ns or not self._open:
+            self._turn_to(stamp_ns)
+        connection = self._connections.get(topic) or self._connect(topic)
+        self._chunks.add(connection, stamp_ns, data)
+        if topic.latched:
+            self._latched[connection] = data
+        if self._chunks.full:
+            self._hand_over()
 
     def sync_if_due(self) -> None:
         """Once a second of wall time, force everything onto the disk; to be called at least as often.
 
         Raises:
-            BagNotWritten: the disk is full or the file was deleted.
+            BagNotWritten: as `write` does.
         """
-        if not self._open or self._clock() - self._synced < SYNC_SECONDS:
+        if not self._open:
             return
-        with self._keeping():
-            self._file.sync()
+        self._check()
+        if self._clock() - self._synced < SYNC_SECONDS:
+            return
+        if self._chunks.size:
+            piece = self._piece(self._chunks.so_far())
+            self._writing.give(lambda: self._parts.preview(piece))
+        else:
+            self._writing.give(self._parts.sync)
         self._synced = self._clock()
+        self._check()
 
     def close(self) -> None:
         """Complete the bag and give it its name; closing again does nothing.
@@ -113,10 +141,12 @@ class BagWriter:
         """
         if not self._open:
             return
-        with self._keeping():
-            self._file.close()
-            self._open = False
-            self._rename()
+        in_time = self._complete()
+        self._check_failures()
+        if not in_time:
+            raise self._stuck()
+        self._open = False
+        self._end_lanes()
 
     def __enter__(self) -> Self:
         return self
@@ -126,59 +156,120 @@ class BagWriter:
     ) -> None:
         self.close()
 
-    def _make_room(self) -> None:
-        if self._overwrite:
-            self.active.unlink(missing_ok=True)
-        elif self.path.exists():
-            raise BagNotWritten(self.path, "there is such a file already", "choose another name, or allow overwriting")
-        elif self.active.exists():
-            raise BagNotWritten(
-                self.active,
-                "a recording of this name is being written, or was cut off",
-                f"save it with `thbridge bag reindex {self.active}`, choose another name, or allow overwriting",
-            )
+    def _turn_to(self, stamp_ns: int) -> None:
+        """Go on to another stamp."""
+        if not self._open:
+            raise ValueError(f"{self.path} is closed")
+        if self._first_ns is None:
+            self._first_ns = stamp_ns
+        elif stamp_ns < self._stamp_ns:
+            raise ValueError(f"a message at {stamp_ns} ns after one at {self._stamp_ns} ns")
+        self._stamp_ns = stamp_ns
+        period = (stamp_ns - self._first_ns) // self._splitting.duration_ns if self._splitting.duration_ns else 0
+        if self._chunks.size and (period != self._period or not self._chunks.takes(stamp_ns)):
+            self._hand_over()
+        self._period = period
 
     def _connect(self, topic: Topic) -> Connection:
         definition = self._definitions.of(topic.msgtype)
-        connection = self._file.add_connection(
-            topic.name,
-            normalize_msgtype(topic.msgtype),
-            msgdef=definition.text,
-            md5sum=definition.md5,
-            callerid=CALLER,
-            latching=int(topic.latched),
+        number = len(self._connections)
+        connection = Connection(
+            number, topic.name, topic.msgtype, definition.md5, definition.text, CALLER, topic.latched
         )
         self._connections[topic] = connection
         return connection
 
-    def _rename(self) -> None:
-        if not self._overwrite and self.path.exists():
-            raise FileExistsError(f"{self.path} has appeared meanwhile")
-        self.active.replace(self.path)
+    def _hand_over(self) -> None:
+        """Give the chunk away, and go on only if the disk does."""
+        self._give_chunk()
+        # A session at full speed waits here for the disk; one that keeps to the clock never has so much.
+        self._writing.wait(WAITING_BYTES, BEHIND_SECONDS)
+        self._check()
 
-    @contextmanager
-    def _keeping(self) -> Iterator[None]:
-        """Turn an OSError into words, after saving what can be saved."""
-        try:
-            yield
-        except OSError as error:
-            raise self._saved(error) from error
+    def _give_chunk(self) -> None:
+        if self._chunks.size:
+            piece = self._piece(self._chunks.take())
+            self._latched_before = tuple(self._latched.items()) if self._splitting.wanted else ()
+            self._writing.give(lambda: self._parts.append(piece), len(piece.chunk.data))
 
-    def _saved(self, error: OSError) -> BagNotWritten:
-        try:
-            if self._open:
-                self._file.close()
+    def _piece(self, chunk: Chunk) -> Piece:
+        return Piece(chunk, self._latched_before, self._period)
+
+    def _complete(self) -> bool:
+        """Have everything written; whether that was done, or failed, in time."""
+        self._give_chunk()
+        self._writing.give(self._parts.finish)
+        return self._writing.wait(0, LAST_SECONDS) and self._syncing.wait(0, LAST_SECONDS)
+
+    def _check(self) -> None:
+        """Go on only if the disk does."""
+        self._check_failures()
+        behind = max(self._writing.behind(), self._syncing.behind())
+        if behind > BEHIND_SECONDS:
+            in_time = self._complete()
+            self._check_failures()
+            if not in_time:
+                raise self._stuck()
             self._open = False
-            self._rename()
+            self._end_lanes()
+            problem = f"the disk is too slow: it was {behind:.0f} s behind"
+            raise BagNotWritten(self._parts.last, problem, "it holds everything up to here; record onto a faster disk")
+
+    def _check_failures(self) -> None:
+        for lane in (self._writing, self._syncing):
+            if lane.failure is not None:
+                raise self._saved(lane.failure)
+
+    def _saved(self, failure: Exception) -> Exception:
+        """Save what can be saved, and put it into words."""
+        self._give_chunk()  # the file may well be whole, and only its folder gone or its name taken
+        in_time = self._writing.wait(0, LAST_SECONDS)
+        self._open = False
+        self._end_lanes()
+        if not (in_time and self._syncing.wait(0, LAST_SECONDS)):
+            return self._stuck()
+        if not isinstance(failure, OSError):
+            self._parts.abandon()
+            return failure
+        try:
+            self._parts.salvage()
         except OSError:
-            self._open = False
-            self._file.abort()
-            if not self.active.exists():
-                return BagNotWritten(self.path, _reason(error), "record again, into a folder that stays")
-            remedy = f"it holds all but the last second: make room, then run `thbridge bag reindex {self.active}`"
-            return BagNotWritten(self.active, _reason(error), remedy)
+            self._parts.abandon()
+            return self._left(_reason(failure))
         return BagNotWritten(
-            self.path, _reason(error), "it holds all but the last second; make room before recording again"
+            self._parts.last, _reason(failure), "it holds all but the last second; make room before recording again"
+        )
+
+    def _stuck(self) -> BagNotWritten:
+        """The disk takes nothing any more; its threads are left to themselves."""
+        self._open = False
+        self._end_lanes()
+        return self._left(f"the disk does not answer, not even within {LAST_SECONDS:.0f} s")
+
+    def _left(self, problem: str) -> BagNotWritten:
+        """What to do about a file that could not be completed."""
+        active = self._parts.unfinished
+        if active is None or not active.exists():
+            return BagNotWritten(self.path, problem, "record again, into a folder that stays")
+        remedy = f"it holds all but the last second: make room, then run `thbridge bag reindex {active}`"
+        return BagNotWritten(active, problem, remedy)
+
+    def _end_lanes(self) -> None:
+        self._writing.end()
+        self._syncing.end()
+
+
+def _refuse_taken(path: Path) -> None:
+    """Pass if there is no recording of this name."""
+    finished = [file for file in parts_of(path) if file.exists()]
+    active = [file for file in (active_of(path), active_of(part_of(path, 0))) if file.exists()]
+    if finished:
+        raise BagNotWritten(finished[0], "there is such a file already", "choose another name, or allow overwriting")
+    if active:
+        raise BagNotWritten(
+            active[0],
+            "a recording of this name is being written, or was cut off",
+            f"save it with `thbridge bag reindex {active[0]}`, choose another name, or allow overwriting",
         )
 
 
@@ -213,10 +304,12 @@ class Recorder:
         robots: int,
         mount: LaserMount,
         scan_period: float,
-        overwrite: bool = False,
+        compression: Compression = Compression.NONE,
+        splitting: Splitting = WHOLE,
     ) -> Self:
         """A recorder into a new bag; see `BagWriter` and `Publisher` for the arguments and what is raised."""
-        return cls(BagWriter(path, overwrite=overwrite), Publisher(robots, mount, scan_period), session, grid)
+        writer = BagWriter(path, compression=compression, splitting=splitting)
+        return cls(writer, Publisher(robots, mount, scan_period), session, grid)
 
     def record(self, snapshot: TeamSnapshot, records: Iterable[Record] = ()) -> None:
         """Write down one tick. Ticks come in order, from 0 on.

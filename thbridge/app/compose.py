@@ -98,6 +98,8 @@ class Setting:
             self.study.robots,
             mount_of(laser),
             1.0 / laser.rate,
+            self.study.recording.compression,
+            self.study.recording.splitting,
         )
 
     def _engine(self, game: int) -> Engine:

@@ -14,6 +14,8 @@ from typing import TYPE_CHECKING, Never, cast
 
 from sim.observations import TICKS_PER_SECOND
 from sim.parameters import RobotParameters, WorldParameters, knob
+from thbridge.adapters.bag_parts import Splitting
+from thbridge.adapters.bag_records import Compression
 from thbridge.adapters.errors import BadFile, BadFiles
 from thbridge.adapters.ros_yaml import read_ros_parameters
 from thbridge.adapters.text_server import DEFAULT_PORT
@@ -71,6 +73,29 @@ class ServerSection:
 
 
 @dataclass(frozen=True, slots=True)
+class RecordingSection:
+    """How a session is recorded."""
+
+    compression: Compression = knob(
+        Compression.NONE, "how the bag's chunks are packed; lz4 is quick, bz2 is small and slow"
+    )
+    split_size: float | None = knob(
+        None, "size of a file beyond which the recording goes on in another; null: one file", "MB", 0.1, 1e6
+    )
+    split_duration: float | None = knob(
+        None, "simulated time after which the recording goes on in another file; null: one file", "s", 1.0, 1e6
+    )
+
+    @property
+    def splitting(self) -> Splitting:
+        """When the recording goes on in another file. A megabyte is what rosbag takes it for, 2^20 bytes."""
+        size, duration = self.split_size, self.split_duration
+        return Splitting(
+            None if size is None else round(size * 2**20), None if duration is None else round(duration * 1e9)
+        )
+
+
+@dataclass(frozen=True, slots=True)
 class Study:
     """A study: what is played, by whom, on which map, with which robots."""
 
@@ -85,6 +110,7 @@ class Study:
     participant: ParticipantSection = knob(ParticipantSection(), "who plays when no person does")
     dialogue: DialogueSection = knob(DialogueSection(), "how robots talk")
     server: ServerSection = knob(ServerSection(), "the text server")
+    recording: RecordingSection = knob(RecordingSection(), "the bag")
     world: WorldParameters = knob(WorldParameters(), "bodies, motors and sensors as they truly are")
     robot: RobotParameters = knob(RobotParameters(), "the software of every robot, under ROS's names")
     each: Mapping[int, RobotParameters] = dataclasses.field(

@@ -1,16 +1,26 @@
 import errno
 import os
+import threading
+import time
+import tracemalloc
 from collections.abc import Callable, Iterator
+from itertools import count
 from pathlib import Path
 
 import pytest
 from rosbags.rosbag1 import Reader
+from rosbags.rosbag1.reader import decompressors
 
 from tests.thbridge.ros.drive import MOUNT, SCAN_PERIOD, SESSION, arena, records, snapshots
-from thbridge.adapters import bag_file
+from thbridge.adapters import bag_chunks, bag_file, bag_writer
+from thbridge.adapters.bag_parts import Splitting
 from thbridge.adapters.bag_reader import info, messages
-from thbridge.adapters.bag_writer import BagNotWritten, BagWriter, Recorder
+from thbridge.adapters.bag_records import Compression
+from thbridge.adapters.bag_repair import reindex
+from thbridge.adapters.bag_writer import WHOLE, BagNotWritten, BagWriter, Recorder
+from thbridge.adapters.recordings import make_room, parts_of
 from thbridge.adapters.ros_definitions import Definitions
+from thbridge.adapters.worker import Inline, Lane, Worker
 from thbridge.ros.publisher import Message, Publisher, Topic
 
 CHATTER = Topic("/chatter", "std_msgs/String")
@@ -22,9 +32,22 @@ def text(tick: int, size: int = 100) -> Message:
     return Message(CHATTER, 1_000_000_000 + tick * 20_000_000, len(data).to_bytes(4, "little") + data)
 
 
-def recorded(path: Path, robots: int, ticks: int, clock: Callable[[], float] = lambda: 0.0) -> list[Message]:
+def inline(_: str) -> Inline:
+    """No threads: what goes wrong is told at once."""
+    return Inline()
+
+
+def recorded(
+    path: Path,
+    robots: int,
+    ticks: int,
+    clock: Callable[[], float] = lambda: 0.0,
+    compression: Compression = Compression.NONE,
+    splitting: Splitting = WHOLE,
+) -> list[Message]:
     publisher = Publisher(robots, MOUNT, SCAN_PERIOD)
-    with Recorder(BagWriter(path, PLAIN, clock=clock), publisher, SESSION, arena()) as recorder:
+    writer = BagWriter(path, PLAIN, clock=clock, compression=compression, splitting=splitting)
+    with Recorder(writer, publisher, SESSION, arena()) as recorder:
         for snapshot in snapshots(robots, ticks):
             recorder.record(snapshot, records(snapshot.tick))
     twin = Publisher(robots, MOUNT, SCAN_PERIOD)
@@ -96,7 +119,7 @@ def test_a_chunk_is_not_much_larger_than_its_bound(tmp_path: Path) -> None:
         for _ in range(100):
             writer.write(text(0, 10_000))
     with Reader(path) as reader:
-        assert all(chunk.datasize <= bag_file.CHUNK_BYTES + 10_100 for chunk in reader.chunks.values())
+        assert all(chunk.datasize <= bag_chunks.CHUNK_BYTES + 11_000 for chunk in reader.chunks.values())
 
 
 @pytest.mark.parametrize("failure", [RuntimeError, KeyboardInterrupt, SystemExit])
@@ -172,31 +195,35 @@ def test_a_closed_bag_takes_no_more(tmp_path: Path) -> None:
 def room(monkeypatch: pytest.MonkeyPatch) -> Iterator[list[int]]:
     """A disk with so many bytes of room; a negative number is a disk without end."""
     left = [-1]
-    put = bag_file._Disk.put
+    put = bag_file.ChunkFile._put
 
-    def bounded(self: bag_file._Disk, position: int, data: bytes | memoryview) -> None:
+    def bounded(self: bag_file.ChunkFile, position: int, data: bytes) -> None:
         end = position + len(data)
         if 0 <= left[0] < end:
             # As a real disk does it: what fits is written, then comes the error.
-            fits = bytes(data)[: max(0, left[0] - position)]
-            put(self, position, fits)
-            self._file.truncate(self._committed)
+            put(self, position, data[: max(0, left[0] - position)])
+            self._file.truncate(self.size)
             raise OSError(errno.ENOSPC, os.strerror(errno.ENOSPC))
         put(self, position, data)
 
-    monkeypatch.setattr(bag_file._Disk, "put", bounded)
+    monkeypatch.setattr(bag_file.ChunkFile, "_put", bounded)
     yield left
 
 
-def test_a_full_disk_is_told_and_all_before_it_is_kept(tmp_path: Path, room: list[int]) -> None:
+@pytest.mark.parametrize("lane", [inline, Worker])
+def test_a_full_disk_is_told_and_all_before_it_is_kept(
+    tmp_path: Path, room: list[int], lane: Callable[[str], Lane]
+) -> None:
     path = tmp_path / "a.bag"
-    writer = BagWriter(path, PLAIN)
+    writer = BagWriter(path, PLAIN, lane=lane)
     for tick in range(200):
         writer.write(text(tick, 1000))
     room[0] = 4117 + 170_000
     with pytest.raises(BagNotWritten, match="no space left") as raised:
         for tick in range(200, 500):
             writer.write(text(tick, 1000))
+            writer.sync_if_due()
+        writer.close()
     writer.close()
     assert raised.value.path in (path, tmp_path / "a.bag.active")
     room[0] = -1
@@ -206,18 +233,20 @@ def test_a_full_disk_is_told_and_all_before_it_is_kept(tmp_path: Path, room: lis
 
 def test_a_disk_too_full_for_an_index_leaves_a_bag_to_reindex(tmp_path: Path, room: list[int]) -> None:
     path = tmp_path / "a.bag"
-    writer = BagWriter(path, PLAIN)
+    writer = BagWriter(path, PLAIN, lane=inline)
     for tick in range(151):
         writer.write(text(tick, 1000))
     room[0] = (tmp_path / "a.bag.active").stat().st_size + 10
     with pytest.raises(BagNotWritten, match="reindex"):
         writer.close()
     assert not path.exists()
+    room[0] = -1
+    assert reindex(tmp_path / "a.bag.active").messages == 150
 
 
 def test_a_full_disk_at_the_regular_sync_is_told(tmp_path: Path, room: list[int]) -> None:
     seconds = iter(range(100))
-    writer = BagWriter(tmp_path / "a.bag", PLAIN, clock=lambda: float(next(seconds)))
+    writer = BagWriter(tmp_path / "a.bag", PLAIN, clock=lambda: float(next(seconds)), lane=inline)
     writer.write(text(0, 1000))
     writer.sync_if_due()
     room[0] = (tmp_path / "a.bag.active").stat().st_size + 10
@@ -230,7 +259,7 @@ def test_a_folder_that_vanishes_is_told(tmp_path: Path) -> None:
     folder = tmp_path / "bags"
     folder.mkdir()
     seconds = iter(range(100))
-    writer = BagWriter(folder / "a.bag", PLAIN, clock=lambda: float(next(seconds)))
+    writer = BagWriter(folder / "a.bag", PLAIN, clock=lambda: float(next(seconds)), lane=inline)
     writer.write(text(0))
     (folder / "a.bag.active").unlink()
     folder.rmdir()
@@ -239,9 +268,57 @@ def test_a_folder_that_vanishes_is_told(tmp_path: Path) -> None:
     writer.close()
 
 
+@pytest.mark.parametrize("compression", Compression)
+def test_whichever_write_fails_all_that_was_written_can_be_read(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch, compression: Compression
+) -> None:
+    put = bag_file.ChunkFile._put
+    left = 0
+
+    def failing(self: bag_file.ChunkFile, position: int, data: bytes) -> None:
+        nonlocal left
+        left -= 1
+        if left < 0:
+            self._file.seek(position)
+            self._file.write(data[: len(data) // 2])
+            self._file.truncate(self.size)
+            raise OSError(errno.EIO, os.strerror(errno.EIO))
+        put(self, position, data)
+
+    monkeypatch.setattr(bag_file.ChunkFile, "_put", failing)
+    said = [text(tick, 10 + tick) for tick in range(130)]
+    twentieths = count()
+    for writes in range(1, 30):
+        left = writes
+        folder = tmp_path / str(writes)
+        folder.mkdir()
+        try:
+            with BagWriter(
+                folder / "a.bag",
+                PLAIN,
+                False,
+                lambda: next(twentieths) / 20,
+                compression,
+                lane=inline,
+            ) as writer:
+                for message in said:
+                    writer.write(message)
+                    writer.sync_if_due()
+        except BagNotWritten as failure:
+            assert "input/output error" in str(failure)
+        else:
+            break
+        left = 1000
+        if failure_left := list(folder.glob("*.active")):
+            reindex(failure_left[0])
+        read = [message.data for message in messages(folder / "a.bag")]
+        assert read == [message.data for message in said[: len(read)]]
+    assert 5 < writes < 29
+
+
 def test_the_regular_sync_puts_every_message_on_the_disk(tmp_path: Path) -> None:
     seconds = iter(range(100))
-    writer = BagWriter(tmp_path / "a.bag", PLAIN, clock=lambda: float(next(seconds)))
+    writer = BagWriter(tmp_path / "a.bag", PLAIN, clock=lambda: float(next(seconds)), lane=inline)
     writer.write(text(0))
     writer.sync_if_due()
     size = (tmp_path / "a.bag.active").stat().st_size
@@ -252,7 +329,127 @@ def test_the_regular_sync_puts_every_message_on_the_disk(tmp_path: Path) -> None
 
 
 def test_memory_does_not_keep_what_was_written(tmp_path: Path) -> None:
-    with BagWriter(tmp_path / "a.bag", PLAIN) as writer:
+    with BagWriter(tmp_path / "a.bag", PLAIN, lane=inline) as writer:
+        tracemalloc.start()
         for tick in range(500):
-            writer.write(text(tick))
-        assert len(writer._file.chunks) == 1
+            writer.write(text(tick, 10_000))
+        held, _ = tracemalloc.get_traced_memory()
+        tracemalloc.stop()
+    assert held < 600_000
+
+
+class Stalled(Worker):
+    """A disk that answers nothing until it is let go."""
+
+    def __init__(self, name: str, gate: threading.Event, clock: Callable[[], float]) -> None:
+        super().__init__(name, clock)
+        if name == "bag writer":
+            self.give(lambda: bool(gate.wait(30)) or None)
+
+
+def test_a_disk_that_is_too_slow_ends_the_recording_with_everything_in_it(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    gate, now = threading.Event(), [0.0]
+    path = tmp_path / "a.bag"
+    writer = BagWriter(path, PLAIN, clock=lambda: now[0], lane=lambda name: Stalled(name, gate, lambda: now[0]))
+    for tick in range(120):
+        writer.write(text(tick))
+        writer.sync_if_due()
+    now[0] = 11.0
+    threading.Timer(0.05, gate.set).start()
+    with pytest.raises(BagNotWritten, match="too slow: it was 11 s behind"):
+        writer.sync_if_due()
+    assert info(path).messages == 120
+
+
+def test_a_disk_that_does_not_answer_leaves_the_file_to_be_mended(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setattr(bag_writer, "LAST_SECONDS", 0.05)
+    gate = threading.Event()
+    writer = BagWriter(tmp_path / "a.bag", PLAIN, lane=lambda name: Stalled(name, gate, time.monotonic))
+    writer.write(text(0))
+    with pytest.raises(BagNotWritten, match=r"does not answer.*reindex"):
+        writer.close()
+    gate.set()
+
+
+@pytest.mark.parametrize("compression", [Compression.LZ4, Compression.BZ2])
+def test_packed_bags_hold_the_same_in_less_room(tmp_path: Path, compression: Compression) -> None:
+    recorded(tmp_path / "plain.bag", 2, 120)
+    recorded(tmp_path / "packed.bag", 2, 120, compression=compression)
+    assert list(messages(tmp_path / "packed.bag")) == list(messages(tmp_path / "plain.bag"))
+    assert (tmp_path / "packed.bag").stat().st_size < 0.6 * (tmp_path / "plain.bag").stat().st_size
+    with Reader(tmp_path / "packed.bag") as reader:
+        assert {chunk.decompressor for chunk in reader.chunks.values()} == {decompressors[compression]}
+
+
+SPLITTINGS = [Splitting(size=200_000), Splitting(duration_ns=700_000_000), Splitting(150_000, 1_500_000_000)]
+
+
+@pytest.mark.parametrize("splitting", SPLITTINGS)
+@pytest.mark.parametrize("compression", Compression)
+def test_parts_read_as_one_are_the_whole(tmp_path: Path, splitting: Splitting, compression: Compression) -> None:
+    recorded(tmp_path / "whole.bag", 2, 200)
+    recorded(tmp_path / "a.bag", 2, 200, compression=compression, splitting=splitting)
+    parts = parts_of(tmp_path / "a.bag")
+    assert [path.name for path in parts] == [f"a_{number}.bag" for number in range(len(parts))]
+    assert sorted(path.name for path in tmp_path.iterdir()) == sorted(["whole.bag", *(path.name for path in parts)])
+    assert len(parts) > 1
+    assert list(messages(tmp_path / "a.bag")) == list(messages(tmp_path / "whole.bag"))
+    assert list(messages(tmp_path / "a.bag", {"/map", "/tf"})) == list(
+        messages(tmp_path / "whole.bag", {"/map", "/tf"})
+    )
+
+
+@pytest.mark.parametrize("splitting", SPLITTINGS)
+def test_each_part_stands_alone(tmp_path: Path, splitting: Splitting) -> None:
+    said = {message.topic.name: message for message in recorded(tmp_path / "a.bag", 2, 200, splitting=splitting)}
+    for part in parts_of(tmp_path / "a.bag"):
+        assert b"topic=/thbridge/session" in part.read_bytes()[4117:4300]
+        told = info(part)
+        first = {m.topic: m for m in reversed(list(messages(part))) if m.stamp_ns == told.start_ns}
+        for topic in ("/thbridge/session", "/tf_static", "/map", "/map_metadata"):
+            assert first[topic].data == said[topic].data
+        assert all(topic.latched == said[topic.name].topic.latched for topic in told.topics)
+        if splitting.duration_ns:
+            assert told.duration * 1e9 < splitting.duration_ns
+        if splitting.size:
+            assert told.size < splitting.size + 160_000 + 60_000  # a chunk and the index
+
+
+def test_a_new_part_begins_at_multiples_of_the_duration(tmp_path: Path) -> None:
+    recorded(tmp_path / "a.bag", 1, 200, splitting=Splitting(duration_ns=1_500_000_000))
+    starts = [info(part).start_ns for part in parts_of(tmp_path / "a.bag")]
+    assert starts == [1_000_000_000, 2_500_000_000, 4_000_000_000]
+
+
+@pytest.mark.parametrize("splitting", SPLITTINGS)
+def test_parts_do_not_depend_on_the_wall_clock(tmp_path: Path, splitting: Splitting) -> None:
+    slow = iter(float(second) for second in range(10_000))
+    for folder, clock in (("slow", lambda: next(slow)), ("fast", lambda: 0.0)):
+        (tmp_path / folder).mkdir()
+        recorded(tmp_path / folder / "a.bag", 2, 120, clock, Compression.LZ4, splitting)
+    fast, slowly = (sorted((tmp_path / folder).iterdir()) for folder in ("fast", "slow"))
+    assert [(path.name, path.read_bytes()) for path in fast] == [(path.name, path.read_bytes()) for path in slowly]
+
+
+def test_a_folder_that_vanishes_between_parts_is_told(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    writer = BagWriter(tmp_path / "a.bag", PLAIN, splitting=Splitting(size=1000), lane=inline)
+    for tick in range(60):
+        writer.write(text(tick, 1000))
+    (tmp_path / "a_1.bag.active").mkdir()
+    with pytest.raises(BagNotWritten, match="file exists"):
+        for tick in range(60, 200):
+            writer.write(text(tick, 1000))
+    assert info(tmp_path / "a_0.bag").messages == 50
+
+
+def test_an_older_split_recording_is_not_mixed_in(tmp_path: Path) -> None:
+    recorded(tmp_path / "a.bag", 1, 100, splitting=Splitting(duration_ns=1_000_000_000))
+    with pytest.raises(BagNotWritten, match="already"):
+        BagWriter(tmp_path / "a.bag", PLAIN)
+    assert make_room(tmp_path / "a.bag") == tmp_path / "a-1.bag"
+    assert sorted(path.name for path in tmp_path.iterdir()) == ["a-1_0.bag", "a-1_1.bag"]
+    assert info(tmp_path / "a-1.bag").start_ns == 1_000_000_000

@@ -1,0 +1,152 @@
+"""The records of ROS 1's bag format 2.0, as bytes (wiki.ros.org/Bags/Format/2.0).
+
+Differs from rosbags' writer in two things that ROS 1's own tools depend on: the first record is padded as ROS pads it,
+and LZ4 frames are of the one kind that roslz4 reads.
+"""
+
+import bz2
+from collections.abc import Mapping
+from dataclasses import dataclass
+from enum import StrEnum
+from struct import Struct
+
+import lz4.frame
+from rosbags.rosbag1.reader import RecordType
+
+MAGIC = b"#ROSBAG V2.0\n"
+HEADER_BYTES = 4096
+"""Header and padding of the first record, without its two length words. rosbags counts those in, ROS 1 does not, and
+ROS 1's `reindex` overwrites as many bytes as it would have written itself."""
+
+U32 = Struct("<I")
+_U64 = Struct("<Q")
+_TIME = Struct("<II")
+_BZ2_LEVEL = 9
+
+
+class Compression(StrEnum):
+    """How the chunks of a bag are packed."""
+
+    NONE = "none"
+    LZ4 = "lz4"
+    BZ2 = "bz2"
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Connection:
+    """One publisher of one topic. Two are the same only if they are one object.
+
+    Attributes:
+        number: of it in its bag.
+        topic: its name.
+        msgtype: for example "nav_msgs/Odometry".
+        md5: of the type.
+        definition: of the type, with those that it is made of.
+        caller: name of the publishing node; None where it is not known.
+        latching: whether late listeners get the last message; None where it is not known.
+    """
+
+    number: int
+    topic: str
+    msgtype: str
+    md5: str
+    definition: str
+    caller: str | None
+    latching: bool | None
+
+
+def time_bytes(stamp_ns: int) -> bytes:
+    """A stamp as records have it: seconds and nanoseconds."""
+    return _TIME.pack(*divmod(stamp_ns, 1_000_000_000))
+
+
+def bag_header(index_pos: int, connections: int, chunks: int) -> bytes:
+    """The first record, always as long; all zero while the bag is being written."""
+    header = _header(
+        RecordType.BAGHEADER,
+        index_pos=_U64.pack(index_pos),
+        conn_count=U32.pack(connections),
+        chunk_count=U32.pack(chunks),
+    )
+    return header + _sized(b" " * (HEADER_BYTES - len(header) + 4))
+
+
+def connection_record(connection: Connection) -> bytes:
+    """What a bag says of a connection."""
+    said = {
+        "topic": connection.topic,
+        "type": connection.msgtype,
+        "md5sum": connection.md5,
+        "message_definition": connection.definition,
+    }
+    if connection.caller is not None:
+        said["callerid"] = connection.caller
+    if connection.latching is not None:
+        said["latching"] = str(int(connection.latching))
+    fields = {name: value.encode() for name, value in said.items()}
+    head = _header(RecordType.CONNECTION, conn=U32.pack(connection.number), topic=fields["topic"])
+    return head + _fields(fields)
+
+
+def message_head(connection: Connection) -> bytes:
+    """The beginning of a message's record; there follow `time_bytes`, the message's length (`U32`) and the message."""
+    fields = (b"op=" + bytes((RecordType.MSGDATA,)), b"conn=" + U32.pack(connection.number))
+    head = b"".join(map(_sized, fields)) + U32.pack(len(b"time=") + _TIME.size) + b"time="
+    return U32.pack(len(head) + _TIME.size) + head
+
+
+def chunk_record(data: bytes, compression: Compression) -> bytes:
+    """A chunk of records."""
+    header = _header(RecordType.CHUNK, compression=compression.encode(), size=U32.pack(len(data)))
+    return header + _sized(_packed(data, compression))
+
+
+def index_record(connection: Connection, entries: bytes) -> bytes:
+    """Where in the chunk before it a connection's messages are: a stamp and an offset of 4 bytes for each."""
+    head = _header(
+        RecordType.IDXDATA,
+        ver=U32.pack(1),
+        conn=U32.pack(connection.number),
+        count=U32.pack(len(entries) // INDEX_ENTRY_BYTES),
+    )
+    return head + _sized(entries)
+
+
+INDEX_ENTRY_BYTES = _TIME.size + U32.size
+
+
+def chunk_info_record(position: int, start_ns: int, end_ns: int, counts: Mapping[Connection, int]) -> bytes:
+    """What the index says of a chunk: its place, first and last stamp, and number of messages by connection."""
+    head = _header(
+        RecordType.CHUNK_INFO,
+        ver=U32.pack(1),
+        chunk_pos=_U64.pack(position),
+        start_time=time_bytes(start_ns),
+        end_time=time_bytes(end_ns),
+        count=U32.pack(len(counts)),
+    )
+    return head + _sized(b"".join(U32.pack(who.number) + U32.pack(count) for who, count in counts.items()))
+
+
+def _packed(data: bytes, compression: Compression) -> bytes:
+    match compression:
+        case Compression.NONE:
+            return data
+        case Compression.LZ4:
+            # The only frames that roslz4 takes: independent blocks, no content size, a checksum of the content.
+            packed: bytes = lz4.frame.compress(data, block_linked=False, store_size=False, content_checksum=True)
+            return packed
+        case Compression.BZ2:
+            return bz2.compress(data, _BZ2_LEVEL)
+
+
+def _header(kind: RecordType, **fields: bytes) -> bytes:
+    return _fields({"op": bytes((kind,)), **fields})
+
+
+def _fields(fields: Mapping[str, bytes]) -> bytes:
+    return _sized(b"".join(_sized(name.encode() + b"=" + value) for name, value in fields.items()))
+
+
+def _sized(data: bytes) -> bytes:
+    return U32.pack(len(data)) + data
