@@ -1,0 +1,67 @@
+"""`thbridge bag` as people and scripts meet it."""
+
+import json
+from pathlib import Path
+
+import pytest
+from typer.testing import CliRunner
+
+from tests.thbridge.bags.planting import clean, content, write
+from ui.cli import app
+
+RUN = CliRunner()
+
+
+@pytest.fixture
+def bag(tmp_path: Path) -> Path:
+    return write(tmp_path / "a.bag", clean())
+
+
+@pytest.fixture
+def bad(tmp_path: Path) -> Path:
+    planted = clean()
+    planted.drop("/tf_static")
+    return write(tmp_path / "bad.bag", planted)
+
+
+def test_check_of_a_clean_bag(bag: Path) -> None:
+    done = RUN.invoke(app, ["bag", "check", str(bag)])
+    assert done.exit_code == 0
+    assert done.stdout.count("takes it\n") == 5
+
+
+def test_check_says_what_where_and_what_to_do(bad: Path) -> None:
+    done = RUN.invoke(app, ["bag", "check", str(bad)])
+    assert done.exit_code == 1
+    assert "error for rviz, Foxglove: /scan: nothing joins its frame 'laser' to 'map'" in done.stdout
+    assert "(first at 0.000 s; 30 messages)" in done.stdout
+    assert "rviz        stumbles" in done.stdout
+
+
+def test_check_for_scripts(bad: Path) -> None:
+    done = RUN.invoke(app, ["bag", "check", str(bad), "--json"])
+    assert done.exit_code == 1
+    told = json.loads(done.stdout)
+    assert told["ok"] is False
+    assert told["tools"]["rviz"] == "error"
+    assert told["tools"]["evo"] == "ok"
+    (finding,) = told["findings"]
+    assert (finding["rule"], finding["topic"], finding["messages"]) == ("tf-missing", "/scan", 30)
+
+
+@pytest.mark.parametrize("what", [b"", b"this is a text\n", b"#ROSBAG V1.2\n", None])
+def test_what_is_not_a_bag(tmp_path: Path, what: bytes | None) -> None:
+    path = tmp_path / "a.bag"
+    if what is not None:
+        path.write_bytes(what)
+    done = RUN.invoke(app, ["bag", "check", str(path)])
+    assert done.exit_code == 2
+    assert str(path) in done.stderr
+
+
+def test_check_of_a_damaged_bag(tmp_path: Path) -> None:
+    path = tmp_path / "a.bag"
+    path.write_bytes(content(clean())[:9000])
+    done = RUN.invoke(app, ["bag", "check", str(path)])
+    assert done.exit_code == 1
+    assert "thbridge bag reindex" in done.stdout

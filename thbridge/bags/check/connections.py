@@ -1,0 +1,157 @@
+"""Rules about connections: types, definitions, latching, who publishes what."""
+
+import re
+from collections.abc import Iterator
+
+from thbridge.adapters.bag_scan import Source
+from thbridge.bags.check.finding import Finding, Severity, Structure, Tool
+from thbridge.bags.check.reading import fields_of
+from thbridge.ros.types import OCCUPANCY_GRID, TFMESSAGE, md5_of, plain_definition
+
+TF_TYPES = (TFMESSAGE, "tf/tfMessage")
+READERS = (Tool.ROSBAG, Tool.FOXGLOVE, Tool.PLOTJUGGLER)
+"""They read messages by the definition in the bag; rviz and evo have definitions of their own."""
+LIVE = (Tool.ROSBAG, Tool.RVIZ)
+"""rviz sees what `rosbag play` publishes."""
+MAP_PERIOD = 5.0
+"""Seconds; a map that is said at least that often needs no latching."""
+_PART = re.compile(r"^={40,}\r?\nMSG: *(\S+)\r?$", re.MULTILINE)
+
+
+def definition_missing(bag: Structure) -> Iterator[Finding]:
+    """Without its whole definition a message is a row of bytes."""
+    for source in _used(bag):
+        try:
+            fields_of(source.msgtype, source.definition)
+            problem = None if source.definition.strip() or _is_empty(source) else "its definition is empty"
+        except ValueError as error:
+            problem = str(error)
+        if problem:
+            what = f"{source.msgtype}: {problem}"
+            remedy = "record it anew with the definitions of all nested types"
+            yield Finding("definition-missing", Severity.ERROR, READERS, source.topic, what, remedy)
+
+
+def definition_twice(bag: Structure) -> Iterator[Finding]:
+    """Readers look nested types up by name: the topic's own has none, and no name may come twice."""
+    for source in _used(bag):
+        names = _PART.findall(source.definition)
+        twice = sorted({name for name in names if names.count(name) > 1})
+        if source.definition.lstrip().startswith("MSG:"):
+            problem = "the definition of the topic's own type begins with a name, as only nested ones may"
+        elif twice:
+            problem = f"the definition has {', '.join(twice)} more than once"
+        else:
+            continue
+        remedy = "record it anew with one definition for each type"
+        yield Finding("definition-twice", Severity.WARNING, (Tool.FOXGLOVE,), source.topic, problem, remedy)
+
+
+def md5_wrong(bag: Structure) -> Iterator[Finding]:
+    """Subscribers compare sums: a wrong one is refused, and so is another release's."""
+    for source in _used(bag):
+        given = md5_of(source.msgtype, source.definition) if source.definition.strip() else None
+        if given is not None and source.md5 not in (given, "*"):
+            what = f"the md5 of {source.msgtype} is {source.md5}, and its definition gives {given}"
+            remedy = "mend it by `rosrun rosbag fix_msg_defs.py`, or record it anew"
+            yield Finding("md5-wrong", Severity.ERROR, LIVE, source.topic, what, remedy)
+            continue
+        try:
+            ours = plain_definition(source.msgtype).md5
+        except KeyError:
+            continue
+        if source.md5 not in (ours, "*") and given is not None:
+            what = f"{source.msgtype} has other fields than in ROS Noetic"
+            remedy = "migrate it by `rosbag fix`"
+            yield Finding("other-release", Severity.WARNING, (Tool.RVIZ, Tool.EVO), source.topic, what, remedy)
+
+
+def latching_word(bag: Structure) -> Iterator[Finding]:
+    """rosbag latches where it says 1; rosbags, and so evo, takes nothing but a number."""
+    for source in _used(bag):
+        if source.latching not in (None, "", "0", "1"):
+            what = f"latching is {source.latching!r}: `rosbag play` does not latch it, and rosbags refuses the bag"
+            tools = (Tool.ROSBAG, Tool.EVO)
+            yield Finding("latching-word", Severity.ERROR, tools, source.topic, what, "write it as 0 or 1")
+
+
+def unlatched(bag: Structure) -> Iterator[Finding]:
+    """What is said once and not latched is lost to whoever listens later."""
+    for topic, sources in bag.of_topic().items():
+        latched = all(source.latched for source in sources)
+        types = {source.msgtype for source in sources}
+        rare = sum(bag.counts[source.number] for source in sources) * MAP_PERIOD <= max(bag.seconds, MAP_PERIOD)
+        is_static = topic.endswith("tf_static") and not types.isdisjoint(TF_TYPES)
+        if latched or not (is_static or (OCCUPANCY_GRID in types and rare)):
+            continue
+        severity = Severity.ERROR if is_static or topic.endswith("/map") else Severity.WARNING
+        what = "it is not latched: an rviz that comes after its message, and every seek in play, goes without"
+        remedy = "record it from a latching publisher, latching=1 in its connection"
+        yield Finding("unlatched", severity, LIVE, topic, what, remedy)
+
+
+def two_latched(bag: Structure) -> Iterator[Finding]:
+    """`rosbag play` is one node: of a topic it latches one message, the last."""
+    for topic, sources in bag.of_topic().items():
+        if len(sources) > 1 and (topic.endswith("tf_static") or any(source.latched for source in sources)):
+            severity = Severity.ERROR if topic.endswith("tf_static") else Severity.WARNING
+            names = ", ".join(source.caller or "?" for source in sources)
+            what = f"{len(sources)} publishers latch it ({names}): played, each one's message replaces the other's"
+            remedy = "let one publisher say all of it in one message"
+            yield Finding("two-latched", severity, LIVE, topic, what, remedy)
+
+
+def two_types(bag: Structure) -> Iterator[Finding]:
+    """A topic has one type."""
+    for topic, sources in bag.of_topic().items():
+        kinds = sorted({f"{source.msgtype} {source.md5[:8]}" for source in sources})
+        if len(kinds) > 1:
+            what = f"its publishers disagree on the type: {', '.join(kinds)}"
+            tools = (Tool.ROSBAG, Tool.RVIZ, Tool.FOXGLOVE, Tool.EVO)
+            yield Finding("two-types", Severity.ERROR, tools, topic, what, "give each type a topic of its own")
+
+
+def unused(bag: Structure) -> Iterator[Finding]:
+    """A topic in the index without a message: `rosbag info` may give it a negative duration."""
+    for source in bag.sources.values():
+        if not bag.counts.get(source.number) and not bag.tears:
+            what = "it has a connection and no message"
+            remedy = "register a topic with its first message; `thbridge bag cut` leaves it out"
+            yield Finding("unused", Severity.WARNING, (Tool.ROSBAG,), source.topic, what, remedy)
+
+
+def unknown_source(bag: Structure) -> Iterator[Finding]:
+    """Messages of which nothing says what they are."""
+    lost = sum(count for number, count in bag.counts.items() if number not in bag.sources)
+    if lost:
+        what = f"{lost} messages belong to no connection of the bag"
+        tools = (Tool.ROSBAG, Tool.FOXGLOVE, Tool.PLOTJUGGLER, Tool.EVO)
+        yield Finding("unknown-source", Severity.ERROR, tools, None, what, "run `thbridge bag reindex`", None, lost)
+
+
+def _used(bag: Structure) -> Iterator[Source]:
+    """One connection of each kind that has messages."""
+    seen = set()
+    for source in bag.sources.values():
+        kind = (source.topic, source.msgtype, source.md5, source.definition, source.latching)
+        if bag.counts.get(source.number) and kind not in seen:
+            seen.add(kind)
+            yield source
+
+
+def _is_empty(source: Source) -> bool:
+    """Whether the type has no fields at all."""
+    return source.md5 == "d41d8cd98f00b204e9800998ecf8427e"
+
+
+RULES = (
+    definition_missing,
+    definition_twice,
+    md5_wrong,
+    latching_word,
+    unlatched,
+    two_latched,
+    two_types,
+    unused,
+    unknown_source,
+)
