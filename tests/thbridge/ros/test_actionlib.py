@@ -1,0 +1,273 @@
+"""The account of an action server, driven by a navigator of a few lines."""
+
+from collections.abc import Sequence
+
+import numpy as np
+import pytest
+
+from sim.geometry import Pose2
+from sim.inputs import Go, Halt
+from sim.navigator import Arrived, Cancelled, Goal, Navigation, NoPath, Result
+from sim.observations import STANDSTILL
+from thbridge.ros.actionlib import ActionRequest, Ended, Feedback, GoalSet, MoveBaseServer, Said, StatusList
+from thbridge.ros.goals import Status
+from thbridge.ros.records import CancelRequest, GoalRequest, SimpleGoal
+
+HERE = Pose2(1.0, 2.0, 0.5)
+SECOND = 1_000_000_000
+ALL = CancelRequest(0, "", 0)
+
+
+class Robot:
+    """A server with a navigator that does as it is told, and queues results as the real one does."""
+
+    def __init__(self) -> None:
+        self.server = MoveBaseServer(0)
+        self.tick = 0
+        self.goal: Goal | None = None
+        self.results: list[Result] = []
+        self.told: list[Go | Halt] = []
+
+    def go(self, goal: Goal) -> None:
+        self.halt()
+        self.goal = goal
+
+    def halt(self) -> None:
+        if self.goal is not None:
+            self.results.append(Cancelled(self.goal))
+        self.goal = None
+
+    def end(self, result: type[Arrived]) -> None:
+        assert self.goal is not None
+        self.results.append(result(self.goal))
+        self.goal = None
+
+    def step(self, *requests: ActionRequest, dead: bool = False) -> list[Said]:
+        self.told = self.server.take(self.tick, requests)
+        for item in self.told:
+            self.go(item.goal) if isinstance(item, Go) else self.halt()
+        if dead:
+            self.goal, self.results = None, []
+        result = self.results.pop(0) if self.results else None
+        said = self.server.follow(self.tick, None if dead else navigation(self.goal, result), HERE)
+        self.tick += 1
+        return said
+
+    def wait(self, ticks: int) -> list[Said]:
+        return [said for _ in range(ticks) for said in self.step()]
+
+
+def navigation(goal: Goal | None, result: Result | None) -> Navigation:
+    none = np.empty((0, 3))
+    return Navigation(STANDSTILL, goal, "idle", none, np.empty(0), none, result, 0.0)
+
+
+def goal(name: str, number: int, stamp_ns: int = 0) -> GoalRequest:
+    return GoalRequest(0, name, stamp_ns, Pose2(float(number), 0.0, 0.0), number)
+
+
+def ends(said: Sequence[Said]) -> list[tuple[str, Status]]:
+    return [(item.entry.goal.id, item.entry.status) for item in said if isinstance(item, Ended)]
+
+
+def lists(said: Sequence[Said]) -> list[list[tuple[str, Status]]]:
+    return [[(e.goal.id, e.status) for e in item.entries] for item in said if isinstance(item, StatusList)]
+
+
+def test_a_goal_becomes_active_and_its_end_a_result() -> None:
+    robot = Robot()
+    robot.step()
+    said = robot.step(goal("a", 7))
+    assert robot.told == [Go(0, Goal(7, Pose2(7.0, 0.0, 0.0)))]
+    assert lists(said) == [[("a", Status.ACTIVE)]]
+    robot.end(Arrived)
+    said = robot.step()
+    assert ends(said) == [("a", Status.SUCCEEDED)]
+    assert lists(said)[-1] == [("a", Status.SUCCEEDED)]
+
+
+def test_a_goal_that_is_given_up_is_aborted_with_the_reason() -> None:
+    robot = Robot()
+    robot.step(goal("a", 7))
+    assert robot.goal is not None
+    robot.results, robot.goal = [NoPath(robot.goal, "stuck", "it is stuck")], None
+    (ended,) = [item for item in robot.step() if isinstance(item, Ended)]
+    assert (ended.entry.status, ended.entry.text) == (Status.ABORTED, "it is stuck")
+
+
+def test_a_newer_goal_preempts() -> None:
+    robot = Robot()
+    robot.step(goal("a", 1))
+    said = robot.step(goal("b", 2))
+    assert robot.told == [Go(0, Goal(2, Pose2(2.0, 0.0, 0.0)))]
+    assert ends(said) == [("a", Status.PREEMPTED)]
+    assert lists(said)[-1] == [("a", Status.PREEMPTED), ("b", Status.ACTIVE)]
+    assert ends(robot.wait(20)) == []
+
+
+def test_of_two_goals_in_one_tick_the_first_is_recalled() -> None:
+    robot = Robot()
+    said = robot.step(goal("a", 1), goal("b", 2))
+    assert ends(said) == [("a", Status.RECALLED)]
+    assert [item.goal.id for item in robot.told if isinstance(item, Go)] == [2]
+
+
+def test_an_older_goal_than_the_one_under_way_is_recalled() -> None:
+    robot = Robot()
+    robot.step(goal("a", 1, 5 * SECOND))
+    said = robot.step(goal("b", 2, 4 * SECOND))
+    assert ends(said) == [("b", Status.RECALLED)]
+    assert robot.told == []
+
+
+@pytest.mark.parametrize(
+    "cancel", [CancelRequest(0, "a", 0), ALL, CancelRequest(0, "", 3 * SECOND), CancelRequest(0, "x", 3 * SECOND)]
+)
+def test_a_goal_is_taken_back_by_name_by_time_and_with_all(cancel: CancelRequest) -> None:
+    robot = Robot()
+    robot.step(goal("a", 1, 2 * SECOND))
+    said = robot.step(cancel)
+    assert robot.told == [Halt(0)]
+    assert [dict(entries)["a"] for entries in lists(said)] == [Status.PREEMPTING, Status.PREEMPTED]
+    assert ends(said) == [("a", Status.PREEMPTED)]
+
+
+@pytest.mark.parametrize("cancel", [CancelRequest(0, "b", 0), CancelRequest(0, "", 1 * SECOND)])
+def test_other_goals_go_on(cancel: CancelRequest) -> None:
+    robot = Robot()
+    robot.step(goal("a", 1, 2 * SECOND))
+    assert ends(robot.step(cancel)) == []
+    assert robot.told == []
+
+
+def test_a_goal_that_was_taken_back_before_it_came_is_recalled() -> None:
+    robot = Robot()
+    assert lists(robot.step(CancelRequest(0, "a", 0)))[-1] == [("a", Status.RECALLING)]
+    assert ends(robot.step(goal("a", 1))) == [("a", Status.RECALLED)]
+    assert robot.told == []
+
+
+def test_goals_of_before_the_last_cancel_are_recalled_and_those_without_a_time_are_not() -> None:
+    robot = Robot()
+    robot.step(CancelRequest(0, "", 9 * SECOND))
+    assert ends(robot.step(goal("a", 1, 9 * SECOND))) == [("a", Status.RECALLED)]
+    assert ends(robot.step(goal("b", 2))) == []
+    assert ends(robot.step(goal("c", 3, 9 * SECOND + 1))) == [("b", Status.PREEMPTED)]
+
+
+def test_a_goal_that_is_taken_back_in_its_own_tick_never_moves_the_robot() -> None:
+    robot = Robot()
+    assert ends(robot.step(goal("a", 1), CancelRequest(0, "a", 0))) == [("a", Status.PREEMPTED)]
+    assert robot.told == []
+
+
+def test_the_same_goal_twice_is_one() -> None:
+    robot = Robot()
+    robot.step(goal("a", 1))
+    said = robot.step(goal("a", 2))
+    assert (robot.told, ends(said)) == ([], [])
+
+
+def test_a_goal_without_name_or_time_gets_both() -> None:
+    robot = Robot()
+    robot.wait(25)
+    said = robot.step(goal("", 1))
+    (entry,) = next(item for item in said if isinstance(item, StatusList)).entries
+    assert entry.goal == ("/robot1/move_base-1-1.500000000", 1_500_000_000)
+
+
+def test_a_goal_that_cannot_be_used_is_aborted_and_stops_the_robot() -> None:
+    robot = Robot()
+    robot.step(goal("a", 1))
+    said = robot.step(GoalRequest(0, "b", 0, None, 2, "its quaternion is none"))
+    assert ends(said) == [("a", Status.PREEMPTED), ("b", Status.ABORTED)]
+    assert robot.told == [Halt(0)]
+    last = [item for item in said if isinstance(item, Ended)][-1]
+    assert last.entry.text == "its quaternion is none"
+
+
+def test_a_place_that_was_pointed_at_becomes_a_goal_with_a_name() -> None:
+    robot = Robot()
+    said = robot.step(SimpleGoal(0, Pose2(1.0, 1.0, 0.0), 4))
+    (set_goal,) = [item for item in said if isinstance(item, GoalSet)]
+    assert lists(said)[-1] == [(set_goal.goal.id, Status.ACTIVE)]
+    assert robot.told == [Go(0, Goal(4, Pose2(1.0, 1.0, 0.0)))]
+
+
+def test_the_game_is_a_client_whose_goals_always_count() -> None:
+    robot = Robot()
+    robot.step(goal("a", 1, 10**18))  # a client that takes the time from the wall
+    robot.go(Goal(5, HERE))
+    said = robot.step()
+    assert [item.goal.id for item in said if isinstance(item, GoalSet)] == ["robot1-5"]
+    assert ends(said) == [("a", Status.PREEMPTED)]
+    robot.end(Arrived)
+    assert ends(robot.step()) == [("robot1-5", Status.SUCCEEDED)]
+
+
+def test_clients_can_take_back_the_games_goal_and_the_game_can_set_it_again() -> None:
+    robot = Robot()
+    robot.go(Goal(5, HERE))
+    robot.step()
+    assert ends(robot.step(ALL)) == [("robot1-5", Status.PREEMPTED)]
+    assert robot.goal is None
+    robot.go(Goal(5, HERE))
+    assert lists(robot.step())[-1] == [("robot1-5", Status.ACTIVE)]
+
+
+def test_a_goal_of_the_game_that_ends_in_its_first_tick_is_told_whole() -> None:
+    robot = Robot()
+    robot.go(Goal(5, HERE))
+    robot.halt()
+    said = robot.step()
+    assert [type(item) for item in said if not isinstance(item, StatusList)] == [GoalSet, Ended]
+    assert ends(said) == [("robot1-5", Status.PREEMPTED)]
+
+
+def test_a_client_and_the_game_in_one_tick_end_each_goal_once() -> None:
+    robot = Robot()
+    robot.go(Goal(5, HERE))
+    robot.step()
+    robot.server.take(robot.tick, [goal("a", 100)])
+    robot.go(Goal(100, Pose2(100.0, 0.0, 0.0)))
+    robot.go(Goal(6, HERE))
+    said = robot.step() + robot.wait(5)
+    assert ends(said) == [("robot1-5", Status.PREEMPTED), ("a", Status.PREEMPTED)]
+    assert lists(said)[-1][-1] == ("robot1-6", Status.ACTIVE)
+
+
+def test_status_comes_five_times_a_second_and_feedback_ten_times_while_under_way() -> None:
+    robot = Robot()
+    said = robot.wait(50)
+    assert len(lists(said)) == 5
+    assert not any(isinstance(item, Feedback) for item in said)
+    robot.step(goal("a", 1))
+    told = [item for item in robot.wait(50) if isinstance(item, Feedback)]
+    assert len(told) == 10
+    assert (told[0].entry.goal.id, told[0].base_in_map) == ("a", HERE)
+
+
+def test_goals_stay_listed_for_five_seconds_after_their_end() -> None:
+    robot = Robot()
+    robot.step(goal("a", 1))
+    robot.end(Arrived)
+    robot.step()
+    assert lists(robot.wait(240))[-1] == [("a", Status.SUCCEEDED)]
+    assert lists(robot.wait(30))[-1] == []
+
+
+def test_a_dead_robot_hears_and_says_nothing_and_ends_its_goal_when_it_revives() -> None:
+    robot = Robot()
+    robot.step(goal("a", 1))
+    assert robot.step(dead=True) == []
+    assert robot.step(goal("b", 2), ALL, dead=True) == []
+    said = robot.step()
+    assert ends(said) == [("a", Status.PREEMPTED)]
+    robot.step(goal("c", 3))
+    assert robot.told == [Go(0, Goal(3, Pose2(3.0, 0.0, 0.0)))]
+
+
+def test_two_accounts_of_the_same_requests_are_alike() -> None:
+    first, second = Robot(), Robot()
+    requests = [(), (goal("a", 1),), (goal("", 2), CancelRequest(0, "a", 0)), (ALL,), (goal("z", 4, 3 * SECOND),)]
+    assert [first.step(*some) for some in requests] == [second.step(*some) for some in requests]

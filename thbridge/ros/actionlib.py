@@ -1,0 +1,311 @@
+"""The action server move_base of one robot, as clients see it: a pure account of whose goals stand how.
+
+Clients set goals and take them back; the game, too, sets goals, and is one client among them. The newest goal wins.
+Twice in a tick the account is asked: `take` says what the navigator is to do about the requests that came in, `follow`
+learns what it did and says what goes out. The same requests and the same navigation give the same account, so whoever
+moves the robot and whoever writes down what is said may each keep one.
+
+Source: actionlib, action_server.py, simple_action_server.py and server_goal_handle.py; ros-planning/navigation,
+move_base.cpp.
+Differs: within a tick requests come first and the newest goal is accepted then, without threads between. A goal of the
+game is under way whatever its time stamp: the navigator has taken it. One that only points at the map is named before
+it is said, so that what came of it can be found. While a robot is dead its server is, too; goals under way end when
+it revives.
+"""
+
+from collections.abc import Iterable
+from dataclasses import dataclass
+from typing import TypeAlias, assert_never
+
+from sim.geometry import Pose2
+from sim.inputs import Go, Halt
+from sim.navigator import Arrived, Cancelled, Goal, Navigation, NoPath, Result
+from sim.observations import TICKS_PER_SECOND
+from thbridge.ros.goals import ENDED, GoalId, GoalStatus, Status
+from thbridge.ros.names import RobotNames
+from thbridge.ros.records import CancelRequest, GoalRequest, SimpleGoal
+from thbridge.ros.stamps import stamp_ns
+
+STATUS_PERIOD = TICKS_PER_SECOND // 5
+"""Ticks from one word about all goals to the next, besides those when something changes: actionlib_status_frequency."""
+FEEDBACK_PERIOD = TICKS_PER_SECOND // 10
+"""Ticks from one word about the base on its way to the next."""
+LISTED_NS = 5_000_000_000
+"""How long a goal stays listed after its end: status_list_timeout."""
+
+ActionRequest: TypeAlias = GoalRequest | CancelRequest | SimpleGoal
+
+_ACCEPTED = "under way"
+_REPLACED = "a newer goal took its place"
+_TAKEN_BACK = "taken back before it came"
+_DIED = "the robot stopped working"
+
+
+@dataclass(frozen=True, slots=True)
+class GoalSet:
+    """A goal that did not come from a client of the action: the game's, or a place somebody pointed at."""
+
+    goal: GoalId
+    base_in_map: Pose2
+
+
+@dataclass(frozen=True, slots=True)
+class StatusList:
+    """How all goals stand, those that ended of late among them."""
+
+    entries: tuple[GoalStatus, ...]
+
+
+@dataclass(frozen=True, slots=True)
+class Feedback:
+    """Where the base is on its way to a goal."""
+
+    entry: GoalStatus
+    base_in_map: Pose2
+
+
+@dataclass(frozen=True, slots=True)
+class Ended:
+    """How a goal ended."""
+
+    entry: GoalStatus
+
+
+Said: TypeAlias = GoalSet | StatusList | Feedback | Ended
+
+
+@dataclass(slots=True, eq=False)
+class _Entry:
+    """One goal in the list.
+
+    Attributes:
+        goal: its name and time.
+        status: how it stands.
+        text: why.
+        target: what the navigator is to be told of it; None where it cannot be used.
+        refusal: why it cannot be used.
+        came: whether the goal itself did; a client may take one back before.
+        left_ns: when it ended, from when on it is listed only for a while; None: it has not.
+    """
+
+    goal: GoalId
+    status: Status
+    text: str = ""
+    target: Goal | None = None
+    refusal: str = ""
+    came: bool = True
+    left_ns: int | None = None
+
+    @property
+    def under_way(self) -> bool:
+        return self.status in {Status.ACTIVE, Status.PREEMPTING}
+
+    def told(self) -> GoalStatus:
+        return GoalStatus(self.goal, self.status, self.text)
+
+
+class MoveBaseServer:
+    """The account of one robot's action server.
+
+    Args:
+        robot: its index in the team.
+    """
+
+    def __init__(self, robot: int) -> None:
+        self._robot = robot
+        self._names = RobotNames.of(robot)
+        self._listed: list[_Entry] = []
+        self._current: _Entry | None = None
+        self._next: _Entry | None = None
+        self._last_cancel_ns = 0
+        self._named = 0
+        self._now = 0
+        self._driven: Goal | None = None
+        self._halted: _Entry | None = None
+        self._dead = False
+        self._said: list[Said] = []
+
+    def take(self, tick: int, requests: Iterable[ActionRequest]) -> list[Go | Halt]:
+        """Hear what clients want, before the robots' tick.
+
+        Args:
+            tick: of the step in which the robot's navigator does what is returned.
+            requests: to this robot, in their order.
+
+        Returns:
+            What the navigator is to do; a dead robot's server hears nothing.
+        """
+        if self._dead:
+            return []
+        self._now = stamp_ns(tick)
+        for request in requests:
+            match request:
+                case GoalRequest(_, goal_id, stamp, base, number, refusal):
+                    self._hear_goal(GoalId(goal_id, stamp), base, number, refusal)
+                case SimpleGoal(_, base, number, refusal):
+                    goal = GoalId(self._new_name(), self._now)
+                    if base is not None:
+                        self._said.append(GoalSet(goal, base))
+                    self._hear_goal(goal, base, number, refusal)
+                case CancelRequest(_, goal_id, stamp):
+                    self._hear_cancel(GoalId(goal_id, stamp))
+                case _:
+                    assert_never(request)
+        return self._execute()
+
+    def follow(self, tick: int, navigation: Navigation | None, base_in_map: Pose2) -> list[Said]:
+        """Learn what the navigator did in the tick, and say what there is to say.
+
+        Args:
+            tick: which one.
+            navigation: of this tick; None: the robot is dead.
+            base_in_map: where the robot believes it is.
+        """
+        if navigation is None:
+            self._dead = True
+            return []
+        self._now = stamp_ns(tick)
+        if self._dead:
+            self._revive()
+        if navigation.result is not None:
+            self._end_driven(navigation.result)
+        if navigation.goal is not None and navigation.goal != self._driven:
+            self._adopt(navigation.goal)
+        self._driven = navigation.goal
+        if tick % FEEDBACK_PERIOD == 0 and self._current is not None and self._current.under_way:
+            self._said.append(Feedback(self._current.told(), base_in_map))
+        if tick % STATUS_PERIOD == 0:
+            self._say_status()
+        said, self._said = self._said, []
+        return said
+
+    # What clients want
+
+    def _hear_goal(self, goal: GoalId, base: Pose2 | None, number: int, refusal: str) -> None:
+        known = next((entry for entry in self._listed if entry.goal.id == goal.id), None)
+        if known is not None:
+            if known.status is Status.RECALLING:
+                self._end(known, Status.RECALLED, known.text)
+            elif not known.came:
+                known.left_ns = self._now
+            return
+        named = GoalId(goal.id or self._new_name(), goal.stamp_ns or self._now)
+        target = None if base is None else Goal(number, base)
+        entry = _Entry(named, Status.PENDING, target=target, refusal=refusal)
+        self._listed.append(entry)
+        # A goal without a time is never too old; the clock is asked for the list only.
+        if 0 < goal.stamp_ns <= self._last_cancel_ns:
+            self._end(entry, Status.RECALLED, _TAKEN_BACK)
+        elif any(other is not None and named.stamp_ns < other.goal.stamp_ns for other in (self._current, self._next)):
+            self._end(entry, Status.RECALLED, _REPLACED)
+        else:
+            waiting = self._next
+            if waiting is not None and waiting is not self._current and waiting.status not in ENDED:
+                self._end(waiting, Status.RECALLED, _REPLACED)
+            self._next = entry
+
+    def _hear_cancel(self, asked: GoalId) -> None:
+        everything = not asked.id and asked.stamp_ns == 0
+        found = False
+        for entry in self._listed:
+            named = entry.goal.id == asked.id
+            found = found or named
+            older = asked.stamp_ns > 0 and entry.goal.stamp_ns <= asked.stamp_ns
+            if not (everything or named or older):
+                continue
+            if not entry.came:
+                entry.left_ns = self._now
+            elif entry.status is Status.PENDING:
+                entry.status = Status.RECALLING
+                self._say_status()
+            elif entry.status is Status.ACTIVE:
+                entry.status = Status.PREEMPTING
+                self._say_status()
+        if asked.id and not found:
+            # It may be faster than its goal.
+            self._listed.append(_Entry(asked, Status.RECALLING, came=False, left_ns=self._now))
+        self._last_cancel_ns = max(self._last_cancel_ns, asked.stamp_ns)
+
+    def _new_name(self) -> str:
+        self._named += 1
+        seconds, nanoseconds = divmod(self._now, 1_000_000_000)
+        return f"{self._names.topic('move_base')}-{self._named}-{seconds}.{nanoseconds}"
+
+    # What is done about it
+
+    def _execute(self) -> list[Go | Halt]:
+        current, entry = self._current, self._next
+        if entry is None or entry is current or entry.status in ENDED:
+            self._next = current
+            if current is not None and current.status is Status.PREEMPTING and self._halted is not current:
+                self._halted = current
+                return [Halt(self._robot)]
+            return []
+        drives = current is not None and current.under_way
+        self._replace_current(entry)
+        entry.status = Status.ACTIVE if entry.status is Status.PENDING else Status.PREEMPTING
+        entry.text = _ACCEPTED
+        self._say_status()
+        if entry.target is None:
+            self._end(entry, Status.ABORTED, entry.refusal)
+        elif entry.status is Status.PREEMPTING:
+            self._end(entry, Status.PREEMPTED, "")
+        else:
+            return [Go(self._robot, entry.target)]
+        return [Halt(self._robot)] if drives else []
+
+    def _replace_current(self, entry: _Entry) -> None:
+        if self._current is not None and self._current.under_way:
+            self._end(self._current, Status.PREEMPTED, _REPLACED)
+        self._current = self._next = entry
+
+    def _end_driven(self, result: Result) -> None:
+        """The navigator is done with a goal."""
+        known = [entry for entry in self._listed if entry.target == result.goal]
+        entry = next((entry for entry in known if entry.under_way), None)
+        if entry is None and not known:
+            entry = self._adopt(result.goal)  # set and given up within one tick
+        self._driven = None
+        if entry is None:
+            return  # Its client knows already.
+        match result:
+            case Arrived():
+                self._end(entry, Status.SUCCEEDED, "Goal reached.")
+            case NoPath(_, _, sentence):
+                self._end(entry, Status.ABORTED, sentence)
+            case Cancelled():
+                self._end(entry, Status.PREEMPTED, "")
+            case _:
+                assert_never(result)
+
+    def _adopt(self, goal: Goal) -> _Entry | None:
+        """The navigator drives to a goal; None where a client's, which is known, came of it."""
+        if any(entry.target == goal and entry.under_way for entry in self._listed):
+            return None
+        named = GoalId(f"{self._names.namespace[1:]}-{goal.id}", self._now)
+        # The game may take up a goal once more.
+        self._listed = [entry for entry in self._listed if entry.goal.id != named.id]
+        entry = _Entry(named, Status.ACTIVE, _ACCEPTED, goal)
+        self._replace_current(entry)
+        self._listed.append(entry)
+        self._said.append(GoalSet(named, goal.base_in_map))
+        self._say_status()
+        return entry
+
+    def _revive(self) -> None:
+        self._dead = False
+        self._driven = None
+        for entry in list(self._listed):
+            if entry.under_way:
+                self._end(entry, Status.PREEMPTED, _DIED)
+
+    def _end(self, entry: _Entry, status: Status, text: str) -> None:
+        entry.status, entry.text, entry.left_ns = status, text, self._now
+        self._said.append(Ended(entry.told()))
+        self._say_status()
+
+    def _say_status(self) -> None:
+        self._listed = [
+            entry for entry in self._listed if entry.left_ns is None or entry.left_ns + LISTED_NS >= self._now
+        ]
+        self._said.append(StatusList(tuple(entry.told() for entry in self._listed)))
