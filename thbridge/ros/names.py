@@ -21,6 +21,10 @@ THINGS = "/things"
 ROSOUT = "/rosout"
 DIAGNOSTICS = "/diagnostics"
 CLOCK = "/clock"
+STATIC_MAP = "/static_map"
+"""A service."""
+USE_SIM_TIME = "/use_sim_time"
+"""A parameter."""
 
 
 @dataclass(frozen=True, slots=True)

@@ -5,7 +5,7 @@ What `amcl` has of a robot is `/robot1/amcl/...`; all that lives in move_base (c
 """
 
 import dataclasses
-from collections.abc import Mapping
+from collections.abc import Iterator, Mapping
 from enum import Enum
 from pathlib import PurePath
 from typing import TYPE_CHECKING, TypeAlias, cast
@@ -70,6 +70,23 @@ def _value(value: object) -> ParameterValue:
     if dataclasses.is_dataclass(value) and not isinstance(value, type):
         return tree_of(value)
     raise TypeError(f"no parameter can be made of {value!r}")
+
+
+def leaves(key: str, value: ParameterValue) -> Iterator[tuple[str, ParameterValue]]:
+    """Every single parameter at or below a key, by its full name."""
+    if not isinstance(value, dict):
+        yield key, value
+        return
+    for name, inner in value.items():
+        yield from leaves(f"{key}/{name}", inner)
+
+
+def value_at(software: RobotParameters, path: str) -> ParameterValue | None:
+    """The value at a place of the software ("amcl.min_particles"); None where it has none."""
+    section: object = software
+    for name in path.split("."):
+        section = cast(object, getattr(section, name))
+    return None if section is None else _value(section)
 
 
 def path_of(robot: RobotNames, key: str) -> str | None:

@@ -1,18 +1,12 @@
 from thbridge.app.config import Study
 from thbridge.ros.names import RobotNames
-from thbridge.ros.parameters import ParameterValue, name_of, path_of, robot_tree, tree_of
+from thbridge.ros.parameters import leaves, name_of, path_of, robot_tree, tree_of, value_at
 
 ROBOT = RobotNames.of(0)
 
 
-def leaves(tree: ParameterValue, prefix: str) -> dict[str, ParameterValue]:
-    if not isinstance(tree, dict):
-        return {prefix: tree}
-    return {key: value for name, inner in tree.items() for key, value in leaves(inner, f"{prefix}/{name}").items()}
-
-
 def test_parameters_have_the_names_that_ros_gives_them() -> None:
-    found = leaves(robot_tree(Study().robot), "/robot1")
+    found = dict(leaves("/robot1", robot_tree(Study().robot)))
     assert found["/robot1/amcl/laser_max_beams"] == 60
     assert found["/robot1/move_base/controller_frequency"] == 10.0
     assert found["/robot1/move_base/base_global_planner"] == "navfn/NavfnROS"
@@ -37,3 +31,8 @@ def test_all_of_a_study_can_be_on_the_parameter_server() -> None:
     tree = tree_of(Study())
     assert tree["robots"] == 2
     assert "costs" not in tree["game"]  # null there, and ROS has no word for it
+
+
+def test_the_value_at_a_place_is_as_the_server_has_it() -> None:
+    assert value_at(Study().robot, "amcl.laser_max_beams") == 60
+    assert value_at(Study().robot, "local_costmap.robot_radius") is None

@@ -236,6 +236,13 @@ class RosNode:
         result = await self._ask_master("setParam", key, value)
         return result if isinstance(result, CallFailed) else None
 
+    def declare_param(self, key: str, value: XmlRpcValue) -> None:
+        """Set a parameter, or a whole tree of them, with this master and with every one to come.
+
+        It lasts as long as the node and is set before anything else is registered; declared again it has the new value.
+        """
+        self._registrar.declare(key, value)
+
     def subscribe_param(self, key: str, changed: Changed) -> None:
         """Hear of changes that others make to a parameter or to any below it.
 

@@ -120,6 +120,8 @@ class Registrar:
         self._happenings = happenings
         self._wanted: dict[Registration, Callable[[XmlRpcValue], None]] = {}
         self._registered: set[Registration] = set()
+        self._parameters: dict[str, XmlRpcValue] = {}
+        self._unset: dict[str, None] = {}
         self._reached = False
         self._woken = asyncio.Event()
         self._settled = asyncio.Event()
@@ -128,6 +130,13 @@ class Registrar:
     def want(self, registration: Registration, registered: Callable[[XmlRpcValue], None]) -> None:
         """Register something, now and with every master to come; hear what each master says to it."""
         self._wanted[registration] = registered
+        self._settled.clear()
+        self._woken.set()
+
+    def declare(self, key: str, value: XmlRpcValue) -> None:
+        """Set a parameter, now and with every master to come; it is deleted when we leave."""
+        self._parameters[key] = value
+        self._unset[key] = None
         self._settled.clear()
         self._woken.set()
 
@@ -162,6 +171,9 @@ class Registrar:
         """Take back what is registered, as far as the master is there."""
         with suppress(TimeoutError):
             async with asyncio.timeout(_FAREWELL_SECONDS):
+                for key in self._parameters.keys() - self._unset.keys():
+                    if isinstance(await self._call("deleteParam", key), CallFailed):
+                        return
                 for registration in self._registered:
                     method, params = registration.undoing(addresses)
                     if isinstance(await self._call(method, *params), CallFailed):
@@ -170,28 +182,40 @@ class Registrar:
     async def _register_afresh(self, addresses: Addresses) -> None:
         news = not self._reached or bool(self._registered)
         self._registered.clear()
+        self._unset = dict.fromkeys(self._parameters)
         self._reached = await self._register(addresses)
         if news and self._reached:
             _log.info("the master at %s knows %s now", self._master_uri, self._caller)
             self._happenings.found()
 
     async def _register(self, addresses: Addresses) -> bool:
-        """Register what is not yet; whether the master answered to everything."""
+        """Register what is not yet; whether the master answered to everything.
+
+        Parameters come first: a node that sees ours, and then looks for `/use_sim_time`, finds it.
+        """
         complete = True
+        for key in list(self._unset):
+            value = self._parameters[key]
+            reply = await self._call("setParam", key, value)
+            if isinstance(reply, CallFailed):
+                self._miss(reply)
+                return False
+            if self._parameters[key] is value:  # Else it was declared anew meanwhile.
+                del self._unset[key]
         for registration in [each for each in self._wanted if each not in self._registered]:
             method, params = registration.doing(addresses)
             reply = await self._call(method, *params)
             if isinstance(reply, CallFailed):
                 self._miss(reply)
                 return False
-            value = value_of(self._master_uri, reply)
-            if isinstance(value, CallFailed):
-                self._complaints.tell(f"the master does not accept {registration.name}: {value.reason}")
+            answer = value_of(self._master_uri, reply)
+            if isinstance(answer, CallFailed):
+                self._complaints.tell(f"the master does not accept {registration.name}: {answer.reason}")
                 complete = False
             else:
                 self._registered.add(registration)
-                self._wanted[registration](value)
-        if complete and self._registered >= self._wanted.keys():
+                self._wanted[registration](answer)
+        if complete and not self._unset and self._registered >= self._wanted.keys():
             self._settled.set()
         return True
 
@@ -203,5 +227,5 @@ class Registrar:
         else:
             self._complaints.tell(f"the master is not there: {failed}; it is waited for")
 
-    async def _call(self, method: str, *params: str) -> Response | Fault | CallFailed:
+    async def _call(self, method: str, *params: XmlRpcValue) -> Response | Fault | CallFailed:
         return await self._client.call(self._master_uri, method, self._caller, *params)
