@@ -12,6 +12,7 @@ from pathlib import Path
 from typing import get_args, get_type_hints
 
 from sim.parameters import RobotParameters
+from sim.parameters.reconfiguration import is_live
 from thbridge.adapters.declarations import allowed, ros_only_of, sections_named_in
 
 ROOT = Path(__file__).parents[1]
@@ -22,7 +23,8 @@ HEAD = """\
 Every parameter of a robot's software, under the name it has in ROS. `scripts/write_parameters.py` writes this page from
 the classes in `sim/parameters`, which the study file's reader and its error messages are made of too.
 
-* **yes**: does here what it does in ROS. **accepted**: means something inside ROS only; files may have it, and are told
+* **yes**: does here what it does in ROS. **live**: that, and it may change while the robot runs, which it can in ROS by
+  dynamic_reconfigure. **accepted**: means something inside ROS only; files may have it, and are told
   that it changes nothing. **ours**: ROS has no such name.
 * *ROS* is the default that really applies in ROS noetic, from a node's code or from its `.cfg`, whichever wins there.
   `thbridge localize` begins there. *Hunts* is what a study begins with, where that is something else.
@@ -81,7 +83,7 @@ def rows(standard: object, hunts: object, prefix: str = "", ours: bool = False) 
     for knob in dataclasses.fields(standard):
         own, other = getattr(standard, knob.name), getattr(hunts, knob.name)
         name, help_text = prefix + knob.name, knob.metadata["help"]
-        state = "ours" if ours or OURS in help_text else "yes"
+        state = "ours" if ours or OURS in help_text else "live" if is_live(knob) else "yes"
         if dataclasses.is_dataclass(own):
             yield from rows(own, other, f"{name}.", ours)
             continue

@@ -9,6 +9,7 @@ from dataclasses import dataclass
 from sim.geometry import FloatArray, Pose2
 from sim.navigator import Goal
 from sim.observations import Twist
+from sim.parameters import RobotParameters
 from sim.things import Thing
 
 
@@ -76,6 +77,19 @@ class ClearCostmaps:
 
 
 @dataclass(frozen=True, slots=True)
+class Configure:
+    """Change the parameters of a robot's software while it runs (ROS: dynamic_reconfigure).
+
+    Attributes:
+        parameters: all of them; they may differ from those it has where `sim.parameters.reconfigured` could have made
+            them differ.
+    """
+
+    robot: int
+    parameters: RobotParameters
+
+
+@dataclass(frozen=True, slots=True)
 class SetCharge:
     """The energy that a robot has left."""
 
@@ -135,6 +149,7 @@ TeamInput = (
     | Globalize
     | RequestUpdate
     | ClearCostmaps
+    | Configure
     | SetCharge
     | Place
     | PutThing

@@ -7,6 +7,7 @@ from sim.geometry import FloatArray
 from sim.localization.estimate import Estimate, Localizer
 from sim.navigator import Navigation, Navigator
 from sim.observations import Neighbour, Observations
+from sim.parameters import RobotParameters
 
 
 @dataclass(frozen=True, slots=True)
@@ -39,6 +40,11 @@ class Robot:
         self.localizer = localizer
         self.navigator = navigator
         self._footprint = footprint
+
+    def configure(self, parameters: RobotParameters) -> None:
+        """Go on with these parameters, believing what it believed, seen and meant to do."""
+        self.localizer.configure(parameters)
+        self.navigator.configure(parameters)
 
     def step(self, observations: Observations, neighbours: Sequence[Neighbour]) -> RobotOutput:
         """One tick: estimate from what was sensed, then plan and choose the next command.

@@ -15,6 +15,7 @@ from sim.grid import OccupancyGrid
 from sim.inputs import (
     Carry,
     ClearCostmaps,
+    Configure,
     Die,
     Drive,
     Globalize,
@@ -37,6 +38,8 @@ from sim.localization.truth import Truth
 from sim.navigator import Navigator
 from sim.observations import Neighbour
 from sim.parameters import RobotParameters, WorldParameters
+from sim.parameters.reconfiguration import fixed_differences
+from sim.planning.path import Refused
 from sim.robot import Robot, RobotOutput
 from sim.sensors import Sensors, mount_of
 from sim.world import Misplaced, World, WorldState, with_charge, with_thing, without_thing
@@ -45,6 +48,7 @@ __all__ = [
     "START_COVARIANCE",
     "Carry",
     "ClearCostmaps",
+    "Configure",
     "Die",
     "Drive",
     "Globalize",
@@ -117,6 +121,7 @@ class Team:
             raise ValueError(f"{len(robots)} robots but {len(starts)} start poses")
         self._world = World(grid, world, seed, charge)
         self._sensors = Sensors(grid, world, seed, charge)
+        self._parameters = list(robots)
         state = self._world.start(starts)
         if isinstance(state, Misplaced):
             raise ValueError(state.sentence)
@@ -150,8 +155,34 @@ class Team:
         """How many robots."""
         return len(self._robots)
 
+    @property
+    def parameters(self) -> tuple[RobotParameters, ...]:
+        """Of each robot's software, as they are now."""
+        return tuple(self._parameters)
+
+    def make_plan(self, robot: int, start: Pose2 | None, goal: Pose2, tolerance: float) -> FloatArray | Refused:
+        """A plan of a robot's for somebody who asks (ROS: move_base/make_plan); nothing that follows changes by it.
+
+        Args:
+            robot: its index.
+            start: where the plan shall begin; None: where the robot believes it is.
+            goal: where it shall end.
+            tolerance: metres by which it may miss the goal, along x and along y, where that cannot be reached.
+
+        Returns:
+            (m, 3) poses in the map, or why there are none.
+        """
+        said = self._said[robot]
+        # Before its first tick it knows no more than where it was put.
+        base_in_map = Pose2(*self._state.poses[robot].tolist()) if said is None else said.estimate.base_in_map
+        return self._robots[robot].navigator.make_plan(base_in_map, start or base_in_map, goal, tolerance)
+
     def step(self, inputs: Sequence[TeamInput] = ()) -> TeamSnapshot:
-        """One tick, with what came in since the last one; inputs act in their order."""
+        """One tick, with what came in since the last one; inputs act in their order.
+
+        Raises:
+            ValueError: parameters differ that cannot change while a robot runs.
+        """
         tick = self._state.tick + 1
         while self._schedule and self._schedule[0].tick <= tick:
             self._take(self._schedule.pop(0).input)
@@ -198,6 +229,13 @@ class Team:
             return
         del self._carried[carry.robot]
 
+    def _configure(self, robot: int, parameters: RobotParameters) -> None:
+        fixed = fixed_differences(self._parameters[robot], parameters)
+        if fixed:
+            raise ValueError(f"robot {robot} cannot change these while it runs: {', '.join(fixed)}")
+        self._robots[robot].configure(parameters)
+        self._parameters[robot] = parameters
+
     def _take(self, item: TeamInput) -> None:
         match item:
             case (
@@ -208,6 +246,7 @@ class Team:
                 | Globalize(robot)
                 | RequestUpdate(robot)
                 | ClearCostmaps(robot)
+                | Configure(robot)
             ) if robot in self._dead:
                 pass  # It does not hear.
             case Go(robot, goal):
@@ -228,6 +267,8 @@ class Team:
                 self._robots[robot].localizer.request_update()
             case ClearCostmaps(robot):
                 self._robots[robot].navigator.clear_costmaps()
+            case Configure(robot, parameters):
+                self._configure(robot, parameters)
             case SetCharge(robot, charge):
                 self._state = with_charge(self._state, robot, charge)
             case Place(robot, pose):

@@ -4,6 +4,7 @@ Source: ros-planning/navigation, costmap_2d/src/costmap_2d_ros.cpp.
 """
 
 from collections.abc import Sequence
+from dataclasses import replace
 from typing import NamedTuple
 
 import numpy as np
@@ -51,8 +52,16 @@ class Costmap2D:
 
     def __init__(self, parameters: CostmapParameters, body: FloatArray, grid: OccupancyGrid) -> None:
         self._grid = grid
-        self._track_unknown_space = parameters.track_unknown_space
-        self.footprint = pad(_corners(parameters, body), parameters.footprint_padding)
+        self._body = body
+        self._robots = RobotsLayer(parameters.robots_layer, grid)
+        self._cleared = 0
+        self._build(parameters)
+
+    def _build(self, parameters: CostmapParameters) -> None:
+        """Put the costmap together; only the robots' layer stays what it was."""
+        grid = self._grid
+        self._parameters = parameters
+        self.footprint = pad(_corners(parameters, self._body), parameters.footprint_padding)
         self.inscribed_radius, self.circumscribed_radius = radii(self.footprint)
         self._shape: tuple[int, int] | None = None
         if isinstance(parameters, LocalCostmapParameters):
@@ -70,9 +79,6 @@ class Costmap2D:
             explained_by_walls=parameters.static_layer.enabled,
         )
         self._clear_ticks = round(TICKS_PER_SECOND / parameters.update_frequency)
-        self._cleared = 0
-        self._robots_parameters = parameters.robots_layer
-        self._robots = RobotsLayer(parameters.robots_layer, grid)
         static = StaticLayer(parameters.static_layer, grid)
         inflation = InflationLayer(parameters.inflation_layer, grid.resolution, self.inscribed_radius)
         layers: tuple[tuple[Layer, bool], ...] = (
@@ -82,7 +88,25 @@ class Costmap2D:
             (inflation, parameters.inflation_layer.enabled),
         )
         self._layers = [layer for layer, enabled in layers if enabled]
-        self._layered = LayeredCostmap(grid, self._layers, self._shape, parameters.track_unknown_space)
+        self._layered = self._empty(self._layers)
+
+    def _empty(self, layers: Sequence[Layer]) -> LayeredCostmap:
+        """A costmap of this one's size, of which nothing is written yet."""
+        return LayeredCostmap(self._grid, layers, self._shape, self._parameters.track_unknown_space)
+
+    def configure(self, parameters: CostmapParameters) -> None:
+        """Go on with these parameters, having seen what was seen; the costs are up to date at once."""
+        if replace(parameters, publish_frequency=self._parameters.publish_frequency) == self._parameters:
+            return
+        seen, window = self._obstacles, self._layered.window
+        middle = (window.row + window.row_end) // 2, (window.col + window.col_end) // 2
+        self._build(parameters)
+        if self._shape is not None:
+            rows, cols = self._shape
+            self._layered.origin = (middle[0] - rows // 2, middle[1] - cols // 2)
+            self._obstacles.roll(self._layered.origin)
+        self._obstacles.take_over(seen)
+        self._layered.write((self._layered.window,))
 
     @property
     def costs(self) -> Costs:
@@ -141,11 +165,20 @@ class Costmap2D:
 
     def without_robots(self) -> Costs:
         """(rows, cols) what the costs would be if the other robots were not there."""
-        layers = [layer for layer in self._layers if layer is not self._robots]
-        alone = LayeredCostmap(self._grid, layers, self.costs.shape, self._track_unknown_space)
-        alone.origin = self._layered.origin
-        alone.write((alone.window,))
-        return alone.costs
+        return self._composed([layer for layer in self._layers if layer is not self._robots])
+
+    def unseen(self) -> Costs:
+        """(rows, cols) what the costs would be if moreover the laser had seen nothing."""
+        blank = self._obstacles.copied()
+        blank.clear()
+        layers = [blank if layer is self._obstacles else layer for layer in self._layers]
+        return self._composed([layer for layer in layers if layer is not self._robots])
+
+    def _composed(self, layers: Sequence[Layer]) -> Costs:
+        composed = self._empty(layers)
+        composed.origin = self._layered.origin
+        composed.write((composed.window,))
+        return composed.costs
 
     def as_updated(
         self, x: float, y: float, neighbours: Sequence[Neighbour], unseen: Look | None = None
@@ -160,12 +193,12 @@ class Costmap2D:
         Returns:
             (rows, cols) and its frame.
         """
-        robots = RobotsLayer(self._robots_parameters, self._grid)
+        robots = RobotsLayer(self._parameters.robots_layer, self._grid)
         robots.see(neighbours)
         obstacles = self._obstacles.copied()
         instead: dict[Layer, Layer] = {self._robots: robots, self._obstacles: obstacles}
         layers = [instead.get(layer, layer) for layer in self._layers]
-        updated = LayeredCostmap(self._grid, layers, self._shape, self._track_unknown_space)
+        updated = self._empty(layers)
         updated.roll(x, y)
         obstacles.roll(updated.origin)
         if unseen is not None:

@@ -344,6 +344,13 @@ class ObstacleLayer:
         other._marks, other._changes = self._marks.copy(), Changes()
         return other
 
+    def take_over(self, other: "ObstacleLayer") -> None:
+        """Have seen what another layer has seen, as far as both lie on the same cells."""
+        common = self.window.clipped(other.window)
+        if not common.empty:
+            common.of(self._marks, self._origin)[:] = common.of(other._marks, other._origin)
+            self._may_stand = other._may_stand
+
     def clear(self) -> None:
         """Forget everything seen (move_base's clear_costmap_recovery)."""
         self._marks[:] = self._default

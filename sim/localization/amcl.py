@@ -21,7 +21,7 @@ from sim.localization.recovery import Recovery
 from sim.localization.resampling import adaptive, systematic, tempered
 from sim.noise import Stream
 from sim.observations import Imu, LaserMount, Odometry, Scan
-from sim.parameters import AmclParameters
+from sim.parameters import AmclParameters, RobotParameters
 
 CANDIDATES = 20
 """Places looked at for each particle drawn anew."""
@@ -141,27 +141,9 @@ class Amcl:
             seed: the session's.
             robot: its name, e.g. "robot1": no two robots draw the same noise.
         """
-        self._parameters = parameters
-        self._beams = Beams.of(
-            mount, parameters.laser_max_beams, parameters.laser_max_range, parameters.laser_min_range
-        )
-        self._field = LikelihoodField.of(
-            grid,
-            self._beams,
-            parameters.laser_z_hit,
-            parameters.laser_z_rand,
-            parameters.laser_sigma_hit,
-            parameters.laser_likelihood_max_dist,
-        )
-        self._beam_model = BeamModel.of(grid, self._beams, parameters)
-        alphas = Alphas(
-            parameters.odom_alpha1,
-            parameters.odom_alpha2,
-            parameters.odom_alpha3,
-            parameters.odom_alpha4,
-            parameters.odom_alpha5,
-        )
-        self._motion = MotionModel(parameters.odom_model_type, alphas)
+        self._grid = grid
+        self._mount = mount
+        self._use(parameters)
         self._free_space = FreeSpace.of(grid)
         # Walls may lie anywhere in their cells: an error that all particles share, and none can show.
         self._unknowable = np.diag((1.0, 1.0, 0.0)) * grid.resolution**2 / 12.0
@@ -173,6 +155,30 @@ class Amcl:
         pose = Pose2(parameters.initial_pose_x, parameters.initial_pose_y, wrap_angle(parameters.initial_pose_a))
         variances = (parameters.initial_cov_xx, parameters.initial_cov_yy, parameters.initial_cov_aa)
         self._state: AmclState = Start(pose, read_only(np.diag(variances)))
+
+    def _use(self, parameters: AmclParameters) -> None:
+        """Make the models that these parameters ask for."""
+        self._parameters = parameters
+        self._beams = Beams.of(
+            self._mount, parameters.laser_max_beams, parameters.laser_max_range, parameters.laser_min_range
+        )
+        self._field = LikelihoodField.of(
+            self._grid,
+            self._beams,
+            parameters.laser_z_hit,
+            parameters.laser_z_rand,
+            parameters.laser_sigma_hit,
+            parameters.laser_likelihood_max_dist,
+        )
+        self._beam_model = BeamModel.of(self._grid, self._beams, parameters)
+        alphas = Alphas(
+            parameters.odom_alpha1,
+            parameters.odom_alpha2,
+            parameters.odom_alpha3,
+            parameters.odom_alpha4,
+            parameters.odom_alpha5,
+        )
+        self._motion = MotionModel(parameters.odom_model_type, alphas)
 
     @property
     def state(self) -> AmclState:
@@ -195,6 +201,14 @@ class Amcl:
         """Weigh the next scan even if the robot has not moved; the first scan after a start is weighed anyway."""
         if isinstance(self._state, Belief):
             self._state = replace(self._state, requested=True)
+
+    def configure(self, parameters: RobotParameters) -> None:
+        """Go on with these parameters; a smaller cloud is drawn with the next generation.
+
+        Differs: amcl draws its particles anew, around the pose that it last told.
+        """
+        if parameters.amcl != self._parameters:
+            self._use(parameters.amcl)
 
     def update(self, odometry: Odometry, imu: Imu, scan: Scan | None) -> Estimate:
         """Take in one tick; a scan is weighed when the robot has moved enough since the last one that was."""

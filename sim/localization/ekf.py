@@ -15,7 +15,7 @@ from sim.localization.estimate import Estimate, Start, read_only
 from sim.localization.likelihood_field import Beams
 from sim.localization.scan_matching import GOOD, SPACING, Match, ScanMatcher
 from sim.observations import TICK, Imu, LaserMount, Odometry, Scan
-from sim.parameters import EkfParameters
+from sim.parameters import EkfParameters, RobotParameters
 
 PREDICTION_INTERVAL = 5
 """Ticks between predictions where no scan asks for one; in between, odometry alone carries the estimate on."""
@@ -182,6 +182,9 @@ class Ekf:
     def request_update(self) -> None:
         """Match the next scan even if the robot has not moved."""
         self._asked = True
+
+    def configure(self, parameters: RobotParameters) -> None:
+        """Nothing that can change while it runs, as in robot_pose_ekf."""
 
     def update(self, odometry: Odometry, imu: Imu, scan: Scan | None) -> Estimate:
         """Take in one tick; a scan is matched when the robot has moved enough since the last one that was."""

@@ -5,6 +5,7 @@ from typing import Protocol
 
 from sim.geometry import FloatArray, Pose2
 from sim.observations import Imu, Odometry, Scan
+from sim.parameters import RobotParameters
 
 
 @dataclass(frozen=True, slots=True)
@@ -60,6 +61,9 @@ class Localizer(Protocol):
 
     def request_update(self) -> None:
         """Weigh the next scan even if the robot has not moved (ROS: request_nomotion_update)."""
+
+    def configure(self, parameters: RobotParameters) -> None:
+        """Go on with these parameters, believing what it believed (ROS: dynamic_reconfigure)."""
 
     def update(self, odometry: Odometry, imu: Imu, scan: Scan | None) -> Estimate:
         """Take in one tick; a scan where the laser was due."""

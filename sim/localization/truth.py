@@ -7,7 +7,7 @@ import numpy as np
 from sim.geometry import FloatArray, Pose2, wrap_angle
 from sim.localization.estimate import Estimate, read_only
 from sim.observations import Imu, Odometry, Scan
-from sim.parameters import FakeLocalizationParameters
+from sim.parameters import FakeLocalizationParameters, RobotParameters
 
 
 class Truth:
@@ -38,6 +38,9 @@ class Truth:
 
     def request_update(self) -> None:
         """Nothing to weigh."""
+
+    def configure(self, parameters: RobotParameters) -> None:
+        """Nothing that can change while it runs, as in ROS."""
 
     def update(self, odometry: Odometry, imu: Imu, scan: Scan | None) -> Estimate:
         """The true pose now; `odom_in_map` is whatever makes the odometry agree with it."""

@@ -5,6 +5,7 @@ The path ahead goes to the local planner as far as the right of way and the obst
 
 import math
 from collections.abc import Sequence
+from dataclasses import replace
 
 import numpy as np
 from numba import njit
@@ -12,7 +13,7 @@ from numpy.typing import NDArray
 
 from sim.control.braking import LATENCY, Surroundings, beside_obstacles, surroundings
 from sim.control.choice import local_planner
-from sim.control.local_planner import Drive
+from sim.control.local_planner import Drive, LocalPlanner
 from sim.costmap.costmap_2d import Costmap2D, Look
 from sim.costmap.costs import INSCRIBED, CostFrame, Costs
 from sim.geometry import IDENTITY, FloatArray, Pose2, wrap_angle
@@ -86,19 +87,39 @@ class Follower:
         self._clearance = clearance
         self._seen = seen
         self._frame = CostFrame(static.origin.x, static.origin.y, static.resolution)
-        self._separation = separation
         self._robot = robot
-        local = parameters.local_costmap
-        self._width = max(local.width, local.height)
-        self._reach = min(LOOK_AHEAD, min(costmap.costs.shape) / 2 * static.resolution - RIM)
-        self.control_ticks = max(1, round(TICKS_PER_SECOND / parameters.move_base.controller_frequency))
-        self._costmap_ticks = max(1, round(TICKS_PER_SECOND / local.update_frequency))
-        self._hold = self.control_ticks * TICK + LATENCY
-        period = self.control_ticks * TICK
-        self._planner = local_planner(parameters, costmap.footprint, costmap.costs.shape, period)
+        self._use(parameters, separation)
+        self._planner = self._chosen_planner(parameters)
         self.unseen: Look | None = None
         self.valid = 0
         self.drop()
+
+    def _use(self, parameters: RobotParameters, separation: float) -> None:
+        self._parameters, self._separation = parameters, separation
+        costmap, local = self._costmap, parameters.local_costmap
+        self._width = max(local.width, local.height)
+        self._reach = min(LOOK_AHEAD, min(costmap.costs.shape) / 2 * costmap.frame.resolution - RIM)
+        self.control_ticks = max(1, round(TICKS_PER_SECOND / parameters.move_base.controller_frequency))
+        self._costmap_ticks = max(1, round(TICKS_PER_SECOND / local.update_frequency))
+        self._hold = self.control_ticks * TICK + LATENCY
+
+    def _chosen_planner(self, parameters: RobotParameters) -> LocalPlanner:
+        costmap = self._costmap
+        return local_planner(parameters, costmap.footprint, costmap.costs.shape, self.control_ticks * TICK)
+
+    def configure(self, parameters: RobotParameters, separation: float) -> None:
+        """Go on along the way with these parameters; the costmap has been told already.
+
+        A planner that they change begins as with a new way: whether it was turning, say, is forgotten.
+
+        Args:
+            parameters: of this robot's software.
+            separation: metres between robots' centres by right of way.
+        """
+        before = self._parameters
+        self._use(parameters, separation)
+        if _made_from(parameters) != _made_from(before):
+            self._planner = self._chosen_planner(parameters)
 
     def restart(self, tick: int) -> None:
         """Begin with another goal."""
@@ -312,6 +333,17 @@ class Follower:
         ends = not yields and self._index + len(points) == len(way.points)
         slow_down = self._planner.limits.sim_time if ends else YIELD_TIME if yields else 0.1
         return points, slow_down
+
+
+def _made_from(parameters: RobotParameters) -> tuple[object, ...]:
+    """All that a local planner depends on."""
+    return (
+        parameters.move_base.base_local_planner,
+        parameters.move_base.controller_frequency,
+        parameters.TrajectoryPlannerROS,
+        parameters.DWAPlannerROS,
+        replace(parameters.local_costmap, publish_frequency=0.0),
+    )
 
 
 @njit(cache=True)

@@ -32,10 +32,12 @@ from sim.navigator.recovery import Oscillation, Recovery
 from sim.navigator.silence import Silence
 from sim.navigator.turned import Turned
 from sim.observations import STANDSTILL, TICK, TICKS_PER_SECOND, Claim, Neighbour, Scan, Twist
-from sim.parameters import RobotParameters
+from sim.parameters import GlobalPlannerParameters, NavfnParameters, RobotParameters
 from sim.planning.itinerary import SPEED, Itinerary, Others, heard, resting_left_out, start_time
+from sim.planning.make_plan import make_plan
 from sim.planning.path import Refused, headings
 from sim.planning.planners import global_planner
+from sim.planning.potential_planner import PotentialPlanner
 from sim.planning.router import Blocked, Router
 
 NavigatorState = Literal["idle", "planning", "controlling", "clearing"]
@@ -103,6 +105,7 @@ class Navigator:
     ) -> None:
         self._turned = Turned(static)
         static = self._turned.grid
+        self._software = parameters
         self._parameters = parameters.move_base
         self._robot = robot
         self._global = Costmap2D(parameters.global_costmap, footprint, static)
@@ -114,7 +117,7 @@ class Navigator:
             clearance.astype(np.float64),
             self._global,
             parameters.global_costmap.inflation_layer,
-            global_planner(parameters.move_base.base_global_planner, parameters.NavfnROS, parameters.GlobalPlanner),
+            _planner(parameters),
         )
         self._follower = Follower(
             parameters, static, clearance, self._local, self._global, self._router.separation_driven, robot
@@ -187,6 +190,42 @@ class Navigator:
         self._global.clear()
         self._local.clear()
 
+    def configure(self, parameters: RobotParameters) -> None:
+        """Go on with these parameters (ROS: dynamic_reconfigure): with the same goal, plan and obstacles seen."""
+        before = self._software
+        if parameters == before:
+            return
+        self._software, self._parameters = parameters, parameters.move_base
+        self._global.configure(parameters.global_costmap)
+        self._local.configure(parameters.local_costmap)
+        if parameters.global_costmap != before.global_costmap or _plans_by(parameters) != _plans_by(before):
+            self._router.configure(parameters.global_costmap.inflation_layer, _planner(parameters))
+        self._follower.configure(parameters, self._router.separation_driven)
+        self._recovery.configure(self._parameters, self._global.circumscribed_radius)
+        self._oscillation.configure(self._parameters.oscillation_timeout, self._parameters.oscillation_distance)
+        for display, costmap in zip(self._displays, (parameters.global_costmap, parameters.local_costmap), strict=True):
+            display.configure(costmap.publish_frequency)
+
+    def make_plan(self, base_in_map: Pose2, start: Pose2, goal: Pose2, tolerance: float) -> FloatArray | Refused:
+        """A plan for somebody who asks (ROS: move_base/make_plan); nothing comes of it for the robot.
+
+        Args:
+            base_in_map: where the robot believes it is.
+            start: where the plan shall begin.
+            goal: where it shall end.
+            tolerance: metres by which it may miss the goal, along x and along y, where that cannot be reached.
+
+        Returns:
+            (m, 3) poses in the map, or why there are none.
+        """
+        turned = self._turned
+        place = turned.pose(base_in_map)
+        costs, frame = self._global.as_updated(place.x, place.y, self._silence.known(self._tick))
+        adds = self._parameters.make_plan_add_unreachable_goal
+        planner = _planner(self._software)
+        poses = make_plan(planner, costs, frame, turned.pose(start), turned.pose(goal), tolerance, adds)
+        return poses if isinstance(poses, Refused) else turned.poses(poses)
+
     def _end(self, result: Result) -> None:
         self._results.append(result)
         self._goal = None
@@ -226,24 +265,24 @@ class Navigator:
         self._silence.hear(tick, neighbours)
         if lost:
             self._seek(tick, twist, scan)
-            return self._told(tick, pose, neighbours)
+            return self._told(tick, pose)
         self._lost = False
         if scan is not None:
             self._silence.look(pose.compose(scan.mount.laser_in_base), scan)
             if self._goal is not None or not self._parameters.shutdown_costmaps:
-                discs = _discs([*neighbours, *self._silence.remembered(tick)])
+                discs = _discs(self._silence.known(tick))
                 self._global.observe(pose, scan, discs)
                 self._follower.look(pose, scan, discs)
         # One and the same for all who speak, so that no two of them have their turn at once.
         team = 1 + max(self._robot, self._silence.highest)
         if (tick - self._robot) % team == 0 and tick >= self._next_plan and self._turn_left == 0.0:
-            self._choose_way(tick, pose, [*neighbours, *self._silence.remembered(tick)])
+            self._choose_way(tick, pose, self._silence.known(tick))
         if (tick - self._robot) % self._follower.control_ticks == 0:
             bodies = [*neighbours, *self._silence.bodies()]
             self._choose_command(tick, pose, twist, bodies)
-        return self._told(tick, pose, neighbours)
+        return self._told(tick, pose)
 
-    def _told(self, tick: int, pose: Pose2, neighbours: Sequence[Neighbour]) -> Navigation:
+    def _told(self, tick: int, pose: Pose2) -> Navigation:
         result = self._results.popleft() if self._results else None
         follower = self._follower
         state: NavigatorState = "planning"
@@ -265,17 +304,15 @@ class Navigator:
             result,
             remaining,
             self._claim,
-            *self._shown(tick, pose, neighbours),
+            *self._shown(tick, pose),
         )
 
-    def _shown(
-        self, tick: int, pose: Pose2, neighbours: Sequence[Neighbour]
-    ) -> tuple[CostmapView | None, CostmapView | None]:
+    def _shown(self, tick: int, pose: Pose2) -> tuple[CostmapView | None, CostmapView | None]:
         """The global costmap and the local one, where they are due."""
         due = [display.due(tick) for display in self._displays]
         if not any(due):
             return None, None
-        others = [*neighbours, *self._silence.remembered(tick)]
+        others = self._silence.known(tick)
         whole, around = self._displays
         return (
             whole.show(tick, pose, others, None) if due[0] else None,
@@ -486,6 +523,16 @@ class Navigator:
         turned = abs(drive.command.angular) * self._follower.control_ticks * TICK
         self._turn_left = 0.0 if drive.stuck else max(0.0, self._turn_left - turned)
         self._command = drive.command if self._turn_left > 0.0 else STANDSTILL
+
+
+def _plans_by(parameters: RobotParameters) -> tuple[str, NavfnParameters, GlobalPlannerParameters]:
+    """All that a global planner is made from."""
+    return parameters.move_base.base_global_planner, parameters.NavfnROS, parameters.GlobalPlanner
+
+
+def _planner(parameters: RobotParameters) -> PotentialPlanner:
+    """The global planner that these parameters name."""
+    return global_planner(*_plans_by(parameters))
 
 
 def _discs(neighbours: Sequence[Neighbour]) -> FloatArray:

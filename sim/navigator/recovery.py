@@ -22,6 +22,11 @@ class Recovery:
     """
 
     def __init__(self, parameters: MoveBaseParameters, circumscribed: float) -> None:
+        self._next = 0
+        self.configure(parameters, circumscribed)
+
+    def configure(self, parameters: MoveBaseParameters, circumscribed: float) -> None:
+        """Go on with these parameters, with the behaviours that are left."""
         names = [behaviour.name for behaviour in parameters.recovery_behaviors]
         if not parameters.clearing_rotation_allowed:
             names = [name for name in names if name != "rotate_recovery"]
@@ -30,7 +35,6 @@ class Recovery:
             "conservative_reset": parameters.conservative_reset_dist,
             "aggressive_reset": 4.0 * circumscribed,
         }
-        self._next = 0
 
     def restart(self) -> None:
         """Begin the list again."""
@@ -57,10 +61,14 @@ class Oscillation:
     """
 
     def __init__(self, timeout: float, distance: float) -> None:
-        self._ticks = timeout * TICKS_PER_SECOND if timeout > 0.0 else math.inf
-        self._distance = distance
         self._mark: Pose2 | None = None
         self._since = 0
+        self.configure(timeout, distance)
+
+    def configure(self, timeout: float, distance: float) -> None:
+        """Go on with these parameters, from the last mark."""
+        self._ticks = timeout * TICKS_PER_SECOND if timeout > 0.0 else math.inf
+        self._distance = distance
 
     def restart(self, tick: int) -> None:
         """Count from now on."""

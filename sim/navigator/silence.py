@@ -57,6 +57,10 @@ class Silence:
             if away > HEART and through.any():
                 del self._silent[robot]
 
+    def known(self, tick: int) -> list[Neighbour]:
+        """All that plans reckon with: those who speak, and those remembered."""
+        return [*self._speaking, *self.remembered(tick)]
+
     def remembered(self, tick: int) -> list[Neighbour]:
         """Those that plans reckon with: they stand."""
         fresh = MEMORY * TICKS_PER_SECOND

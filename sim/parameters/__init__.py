@@ -22,10 +22,12 @@ from sim.parameters.global_planners import GlobalPlannerParameters, NavfnParamet
 from sim.parameters.knobs import knob
 from sim.parameters.local_planners import DwaPlannerParameters, TrajectoryPlannerParameters
 from sim.parameters.move_base import MoveBaseParameters, RecoveryBehavior
-from sim.parameters.robot import RobotParameters
+from sim.parameters.reconfiguration import Rejected, reconfigurable, reconfigured
+from sim.parameters.robot import ORDERED, RobotParameters
 from sim.parameters.world import LaserParameters, OdometryNoise, WorldParameters
 
 __all__ = [
+    "ORDERED",
     "AmclParameters",
     "CostmapParameters",
     "DwaPlannerParameters",
@@ -42,10 +44,13 @@ __all__ = [
     "ObstacleParameters",
     "OdometryNoise",
     "RecoveryBehavior",
+    "Rejected",
     "RobotParameters",
     "RobotsParameters",
     "StaticParameters",
     "TrajectoryPlannerParameters",
     "WorldParameters",
     "knob",
+    "reconfigurable",
+    "reconfigured",
 ]

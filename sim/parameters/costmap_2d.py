@@ -4,7 +4,7 @@ from collections.abc import Mapping
 from dataclasses import dataclass
 from typing import ClassVar
 
-from sim.parameters.knobs import knob
+from sim.parameters.knobs import knob, live
 
 _LAYERS = "which layers there are: here static, obstacle, robots, inflation, each with its `enabled`"
 _VOXELS = "the voxel layer; lasers here see in one plane"
@@ -20,7 +20,7 @@ class StaticParameters:
         "subscribe_to_updates": "where the map's changes come from",
     }
 
-    enabled: bool = knob(True, "whether the map's walls count")
+    enabled: bool = live(True, "whether the map's walls count")
     track_unknown_space: bool = knob(True, "unknown cells of the map are unknown, else free")
     lethal_cost_threshold: int = knob(100, "cells of the map with this value or more are obstacles", "", 0, 100)
     unknown_cost_value: int = knob(-1, "the value of the map's unknown cells", "", -128, 255)
@@ -67,14 +67,14 @@ class ObstacleParameters:
     }
     sections_named_in: ClassVar[str] = "observation_sources"
 
-    enabled: bool = knob(True, "whether what the laser sees counts")
-    footprint_clearing_enabled: bool = knob(True, "the robot's own place is free")
-    combination_method: int = knob(
+    enabled: bool = live(True, "whether what the laser sees counts")
+    footprint_clearing_enabled: bool = live(True, "the robot's own place is free")
+    combination_method: int = live(
         1, "0: what the laser saw replaces the map, 1: it raises the map's costs, else nothing", "", 0, 99
     )
     track_unknown_space: bool | None = knob(None, "cells not seen yet are unknown, else free; null: the costmap's")
-    obstacle_range: float = knob(2.5, "farther readings do not mark", "m", 0, 50)
-    raytrace_range: float = knob(3.0, "farther space is not cleared", "m", 0, 50)
+    obstacle_range: float = live(2.5, "farther readings do not mark", "m", 0, 50)
+    raytrace_range: float = live(3.0, "farther space is not cleared", "m", 0, 50)
     observation_sources: tuple[ObservationSource, ...] = knob(
         (), "names of the uses of the laser, with blanks between; each has a section under its name"
     )
@@ -102,10 +102,10 @@ class RobotsParameters:
 class InflationParameters:
     """Costs around obstacles (costmap_2d's InflationLayer)."""
 
-    enabled: bool = knob(True, "whether obstacles make costs around them")
-    inflation_radius: float = knob(0.55, "costs reach this far from an obstacle, rounded up to whole cells", "m", 0, 50)
-    cost_scaling_factor: float = knob(10.0, "how fast the costs fall with the distance", "1/m", 0, 100)
-    inflate_unknown: bool = knob(False, "unknown cells take costs too")
+    enabled: bool = live(True, "whether obstacles make costs around them")
+    inflation_radius: float = live(0.55, "costs reach this far from an obstacle, rounded up to whole cells", "m", 0, 50)
+    cost_scaling_factor: float = live(10.0, "how fast the costs fall with the distance", "1/m", 0, 100)
+    inflate_unknown: bool = live(False, "unknown cells take costs too")
 
 
 _COSTMAP_ROS_ONLY: Mapping[str, str] = {
@@ -152,20 +152,20 @@ class CostmapParameters:
         "inflation_radius": "inflation_layer.inflation_radius",
     }
 
-    footprint: tuple[tuple[float, float], ...] = knob((), "corners of the robot; none: a circle of robot_radius", "m")
-    robot_radius: float | None = knob(
+    footprint: tuple[tuple[float, float], ...] = live((), "corners of the robot; none: a circle of robot_radius", "m")
+    robot_radius: float | None = live(
         0.46, "radius of a robot whose corners are not given; null: corners of its true body", "m", 0, 10
     )
-    footprint_padding: float = knob(0.01, "added to every corner of the footprint", "m", 0, 10)
+    footprint_padding: float = live(0.01, "added to every corner of the footprint", "m", 0, 10)
     track_unknown_space: bool = knob(False, "cells of which nothing is known are unknown, else free")
-    update_frequency: float = knob(
+    update_frequency: float = live(
         5.0,
         "updates per second; of the global costmap, how often scans clear: they mark at once, costs follow for plans",
         "Hz",
         0.1,
         50,
     )
-    publish_frequency: float = knob(0.0, "how often it is shown, in a recording or live; 0: never", "Hz", 0, 50)
+    publish_frequency: float = live(0.0, "how often it is shown, in a recording or live; 0: never", "Hz", 0, 50)
     static_layer: StaticParameters = knob(StaticParameters(), "the walls of the map")
     obstacle_layer: ObstacleParameters = knob(ObstacleParameters(), "marking and clearing by the laser")
     robots_layer: RobotsParameters = knob(RobotsParameters(), "the other robots")
@@ -189,5 +189,5 @@ class LocalCostmapParameters(CostmapParameters):
 
     ros_only: ClassVar[Mapping[str, str]] = _COSTMAP_ROS_ONLY
 
-    width: float = knob(10.0, "its extent along the map's x axis", "m", 1, 100)
-    height: float = knob(10.0, "its extent along the map's y axis", "m", 1, 100)
+    width: float = live(10.0, "its extent along the map's x axis", "m", 1, 100)
+    height: float = live(10.0, "its extent along the map's y axis", "m", 1, 100)

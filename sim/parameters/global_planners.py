@@ -4,7 +4,7 @@ from collections.abc import Mapping
 from dataclasses import dataclass
 from typing import ClassVar
 
-from sim.parameters.knobs import knob
+from sim.parameters.knobs import knob, live
 
 _WINDOW = "the size of a window around the robot: read, but never used by ROS either"
 
@@ -42,10 +42,10 @@ class GlobalPlannerParameters:
     use_quadratic: bool = knob(True, "potentials grow alike in all directions, else along rows and columns")
     use_grid_path: bool = knob(False, "paths go from cell to cell, else down the slope of the potential")
     old_navfn_behavior: bool = knob(False, "paths begin and end at the centres of cells, as navfn's do")
-    lethal_cost: int = knob(253, "cells of this cost, of one less with Dijkstra, or more cannot be passed", "", 1, 255)
-    neutral_cost: int = knob(50, "what it costs to pass a free cell", "", 1, 255)
-    cost_factor: float = knob(3.0, "what the costmap's costs are multiplied by (with Dijkstra)", "", 0.01, 5.0)
-    orientation_mode: int = knob(
+    lethal_cost: int = live(253, "cells of this cost, of one less with Dijkstra, or more cannot be passed", "", 1, 255)
+    neutral_cost: int = live(50, "what it costs to pass a free cell", "", 1, 255)
+    cost_factor: float = live(3.0, "what the costmap's costs are multiplied by (with Dijkstra)", "", 0.01, 5.0)
+    orientation_mode: int = live(
         1,
         "headings along plans: 0 none, 1 forward, 2 evenly from start to goal, 3 forward and evenly at last,"
         " 4 backward, 5 leftward, 6 rightward",
@@ -53,4 +53,4 @@ class GlobalPlannerParameters:
         0,
         6,
     )
-    orientation_window_size: int = knob(1, "how many poses on each side a heading is taken from", "", 1, 255)
+    orientation_window_size: int = live(1, "how many poses on each side a heading is taken from", "", 1, 255)

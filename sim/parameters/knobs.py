@@ -37,3 +37,19 @@ def knob(
     metadata = {"help": help, "unit": unit, "minimum": minimum, "maximum": maximum, "choices": choices}
     # Every parameter class is frozen, so one default may serve all.
     return field(default=default, metadata=metadata)
+
+
+def live(
+    default: T,
+    help: str,  # noqa: A002 - as above
+    unit: str = "",
+    minimum: float | None = None,
+    maximum: float | None = None,
+    choices: tuple[str, ...] = (),
+) -> T:
+    """A knob that may be turned while a robot runs, as by ROS's dynamic_reconfigure: it stands in a .cfg file there.
+
+    Arguments as for `knob`; see `sim.parameters.reconfiguration`.
+    """
+    metadata = {"help": help, "unit": unit, "minimum": minimum, "maximum": maximum, "choices": choices, "live": True}
+    return field(default=default, metadata=metadata)

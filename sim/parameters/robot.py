@@ -30,6 +30,13 @@ _LASER = ObstacleParameters(
 _AMCL = AmclParameters(max_particles=1000, kld_err=0.05, laser_max_beams=60, laser_sigma_hit=0.1)
 _INFLATION = InflationParameters(inflation_radius=0.5)
 
+ORDERED = (
+    ("amcl", "min_particles", "max_particles"),
+    ("TrajectoryPlannerROS", "min_vel_x", "max_vel_x"),
+    ("TrajectoryPlannerROS", "min_in_place_vel_theta", "max_vel_theta"),
+)
+"""Sections of a robot's software with two names each, of which the first must not be above the second."""
+
 
 @dataclass(frozen=True, slots=True)
 class RobotParameters:

@@ -3,13 +3,12 @@
 from sim.parameters import GlobalPlannerParameters, NavfnParameters
 from sim.planning.global_planner import GlobalPlanner
 from sim.planning.navfn import Navfn
-from sim.planning.path import Planner
 from sim.planning.potential_planner import PotentialPlanner
 
 
 def global_planner(
     base_global_planner: str, navfn: NavfnParameters, global_planner: GlobalPlannerParameters
-) -> Planner:
+) -> PotentialPlanner:
     """The planner of a name.
 
     Args:

@@ -10,6 +10,7 @@ import math
 from typing import Protocol
 
 import numpy as np
+from numpy.typing import NDArray
 
 from sim.costmap.costs import LETHAL, CostFrame, Costs
 from sim.geometry import FloatArray, Pose2
@@ -53,6 +54,18 @@ class PotentialPlanner:
         self._method = method
         self._space = Workspace(0, 0)
 
+    def reached(self, costs: Costs, frame: CostFrame, start: Pose2) -> NDArray[np.bool_]:
+        """(rows, cols) whether a path from a start may end in a cell; arguments as for `plan`."""
+        rows, cols = costs.shape
+        x, y = _position(frame, start)
+        if not (0 <= round(y) < rows and 0 <= round(x) < cols) or costs[round(y), round(x)] == LETHAL:
+            return np.zeros(costs.shape, dtype=np.bool_)
+        if not self._method.exact:
+            x, y = float(round(x)), float(round(y))
+        space = self._prepared(costs)
+        self._method.spread(space, x, y, -1)
+        return space.potential.reshape(rows, cols) < UNREACHED
+
     def plan(self, costs: Costs, frame: CostFrame, start: Pose2, goal: Pose2) -> Path | Refused:
         """A path from start to goal that keeps off obstacles as their costs ask for.
 
@@ -83,10 +96,7 @@ class PotentialPlanner:
             return Path(np.array([[start.x, start.y, goal.theta], [goal.x, goal.y, goal.theta]]))
         if not method.exact:
             x, y, goal_x, goal_y = float(col), float(row), float(goal_col), float(goal_row)
-        if self._space.shape != (rows, cols):
-            self._space = Workspace(rows, cols)
-        space = self._space
-        prepare(costs, method.table, space.costs, space.potential)
+        space = self._prepared(costs)
         method.spread(space, x, y, -1 if blocked else goal_row * cols + goal_col)
         end = goal
         if blocked or space.potential[goal_row * cols + goal_col] >= UNREACHED:
@@ -104,6 +114,13 @@ class PotentialPlanner:
         points[0] = start.x, start.y
         points[-1] = end.x, end.y
         return Path(method.orient(points, start.theta, end.theta))
+
+    def _prepared(self, costs: Costs) -> Workspace:
+        """The workspace, for these costs and with nothing reached."""
+        if self._space.shape != costs.shape:
+            self._space = Workspace(*costs.shape)
+        prepare(costs, self._method.table, self._space.costs, self._space.potential)
+        return self._space
 
 
 def _position(frame: CostFrame, pose: Pose2) -> tuple[float, float]:

@@ -55,14 +55,26 @@ class Router:
         inflation: InflationParameters,
         planner: Planner,
     ) -> None:
+        self._static = static
+        self._clearance = clearance
         self._frame = CostFrame(static.origin.x, static.origin.y, static.resolution)
-        self._planner = planner
         self.costmap = costmap
-        self._walls = costmap.without_robots()
+        self.configure(inflation, planner)
+
+    def configure(self, inflation: InflationParameters, planner: Planner) -> None:
+        """Go on with this planner, and with what the costmap has become by other parameters.
+
+        Args:
+            inflation: its inflation layer's parameters.
+            planner: finds paths for the robot when it is alone.
+        """
+        static, costmap = self._static, self.costmap
+        self._planner = planner
+        self._walls = costmap.unseen()
         circumscribed = costmap.circumscribed_radius
         self.separation = 2 * circumscribed + GAP
         self.separation_driven = 2 * circumscribed + GAP_DRIVEN
-        self._roadmap = roadmap(static, clearance, circumscribed + ROOM_TO_TURN)
+        self._roadmap = roadmap(static, self._clearance, circumscribed + ROOM_TO_TURN)
         self._cells = static.cells_of(self._roadmap.centres.reshape(-1, 2))
         self._too_near = cost_at(circumscribed, costmap.inscribed_radius, inflation.cost_scaling_factor)
 

@@ -13,7 +13,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Never, cast
 
 from sim.observations import TICKS_PER_SECOND
-from sim.parameters import RobotParameters, WorldParameters, knob
+from sim.parameters import ORDERED, RobotParameters, WorldParameters, knob
 from thbridge.adapters.bag_parts import Splitting
 from thbridge.adapters.bag_records import Compression
 from thbridge.adapters.errors import BadFile, BadFiles
@@ -236,16 +236,8 @@ def _contradictions(loaded: Loaded[Study]) -> Iterator[BadFile]:
         yield loaded.fault("world.footprint", problem, "Write three or more corners in turn around it")
 
 
-_ORDERED = (
-    ("amcl", "min_particles", "max_particles"),
-    ("TrajectoryPlannerROS", "min_vel_x", "max_vel_x"),
-    ("TrajectoryPlannerROS", "min_in_place_vel_theta", "max_vel_theta"),
-)
-"""Sections of a robot's software with two names each, of which the first must not be above the second."""
-
-
 def _crossings(loaded: Loaded[Study], key: str, software: RobotParameters) -> Iterator[BadFile]:
-    for name, low, high in _ORDERED:
+    for name, low, high in ORDERED:
         section = value_at(software, name)
         # What a robot of its own has from all robots has been told there.
         inherited = key != "robot" and section == value_at(loaded.value.robot, name)

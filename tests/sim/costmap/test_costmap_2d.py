@@ -6,12 +6,18 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from sim.costmap.costmap_2d import Costmap2D
+from sim.costmap.costmap_2d import Costmap2D, Look
 from sim.costmap.costs import FREE, LETHAL, UNKNOWN
 from sim.geometry import Pose2
 from sim.grid import OccupancyGrid
 from sim.observations import STANDSTILL, LaserMount, Neighbour, Scan
-from sim.parameters import GlobalCostmapParameters, RobotParameters, StaticParameters, WorldParameters
+from sim.parameters import (
+    GlobalCostmapParameters,
+    InflationParameters,
+    RobotParameters,
+    StaticParameters,
+    WorldParameters,
+)
 
 BODY = np.array(WorldParameters().footprint)
 HUNT = RobotParameters()
@@ -75,3 +81,68 @@ def test_a_local_costmap_moves_along_and_keeps_what_the_laser_saw():
         row, col = int((2.0 - frame.y) / frame.resolution + 1e-9), int((2.0 - frame.x) / frame.resolution + 1e-9)
         assert costmap.costs[row, col] == LETHAL
         assert frame.x == pytest.approx(x - 1.5)
+
+
+def seeing(parameters):
+    """A costmap that has seen an obstacle before a wall, and heard of a robot."""
+    costmap = Costmap2D(parameters, BODY, grid())
+    look = Look(Pose2(1.0, 2.0, 0.0), Scan(0, MOUNT, np.array([0.8], np.float32)), np.empty((0, 3)))
+    costmap.observe(*look)
+    costmap.see([neighbour(Pose2(1.5, 1.2, 0.3))])
+    costmap.update(1.0, 2.0)
+    return costmap
+
+
+@pytest.mark.parametrize("standard", [HUNT.global_costmap, HUNT.local_costmap], ids=["global", "local"])
+@pytest.mark.parametrize(
+    "change",
+    [
+        {"inflation_layer": InflationParameters(inflation_radius=0.9, cost_scaling_factor=2.0)},
+        {"static_layer": StaticParameters(enabled=False)},
+        {"footprint_padding": 0.1},
+        {"update_frequency": 1.0},
+    ],
+)
+def test_a_costmap_configured_anew_is_as_if_it_had_always_been_so(standard, change):
+    costmap, new = seeing(standard), replace(standard, **change)
+    costmap.configure(new)
+    other = seeing(new)
+    assert np.array_equal(costmap.costs, other.costs)
+    assert costmap.frame == other.frame
+    assert costmap.any_marks
+    costmap.update(1.2, 2.0)
+    other.update(1.2, 2.0)
+    assert np.array_equal(costmap.costs, other.costs)
+
+
+def test_a_layer_switched_off_and_on_again_has_forgotten_nothing():
+    costmap = seeing(HUNT.global_costmap)
+    before = costmap.costs.copy()
+    blind = replace(HUNT.global_costmap, obstacle_layer=replace(HUNT.global_costmap.obstacle_layer, enabled=False))
+    costmap.configure(blind)
+    assert not np.array_equal(costmap.costs, before)
+    costmap.configure(HUNT.global_costmap)
+    assert np.array_equal(costmap.costs, before)
+
+
+def test_what_an_update_would_make_of_a_costmap_is_what_it_makes():
+    costmap = seeing(HUNT.local_costmap)
+    before, marks = costmap.costs.copy(), costmap.marks.copy()
+    look = Look(Pose2(1.1, 1.8, 0.1), Scan(25, MOUNT, np.array([0.6], np.float32)), np.empty((0, 3)))
+    others = [neighbour(Pose2(0.4, 2.9, -1.0))]
+    costs, frame = costmap.as_updated(1.1, 1.8, others, look)
+    assert np.array_equal(costmap.costs, before)
+    assert np.array_equal(costmap.marks, marks)
+    assert not np.array_equal(costs, before)
+    costmap.observe(*look)
+    costmap.see(others)
+    costmap.update(1.1, 1.8)
+    assert np.array_equal(costmap.costs, costs)
+    assert costmap.frame == frame
+
+
+def test_what_the_laser_saw_can_be_thought_away_too():
+    costmap, unseeing = seeing(HUNT.global_costmap), Costmap2D(HUNT.global_costmap, BODY, grid())
+    unseeing.update(0.0, 0.0)
+    assert np.array_equal(costmap.unseen(), unseeing.costs)
+    assert not np.array_equal(costmap.without_robots(), unseeing.costs)

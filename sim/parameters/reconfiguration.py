@@ -1,0 +1,186 @@
+"""Changing parameters while a robot runs: what ROS's dynamic_reconfigure does.
+
+Which may change is said where they are declared, by `live` instead of `knob`: those of ROS's .cfg files. A place is
+named by the keys that lead to it, with dots between: `local_costmap.inflation_layer.inflation_radius`.
+"""
+
+import dataclasses
+import json
+import math
+from collections.abc import Iterator, Mapping
+from dataclasses import dataclass
+from typing import TYPE_CHECKING, Literal, TypeGuard, TypeVar, cast, get_args, get_type_hints
+
+from sim.parameters.robot import ORDERED, RobotParameters
+
+if TYPE_CHECKING:
+    from _typeshed import DataclassInstance
+
+Reason = Literal["unknown", "fixed", "kind", "range"]
+
+
+@dataclass(frozen=True, slots=True)
+class Rejected:
+    """Why a parameter keeps its value.
+
+    Attributes:
+        path: which one.
+        reason: the cause as a code: there is no such parameter; it cannot change while the robot runs; the value is of
+            the wrong kind, or out of its range.
+        sentence: the cause for people, with a remedy where there is one.
+    """
+
+    path: str
+    reason: Reason
+    sentence: str
+
+
+def reconfigurable(into: "type[DataclassInstance]" = RobotParameters, path: str = "") -> Iterator[str]:
+    """The paths of all parameters that may change while a robot runs, in the order in which they are declared."""
+    hints = get_type_hints(into)
+    for field in dataclasses.fields(into):
+        place, hint = f"{path}.{field.name}" if path else field.name, cast(object, hints[field.name])
+        if is_live(field):
+            yield place
+        elif isinstance(hint, type) and dataclasses.is_dataclass(hint):
+            yield from reconfigurable(hint, place)
+
+
+def is_live(field: "dataclasses.Field[object]") -> bool:
+    """Whether a parameter may change while a robot runs."""
+    return bool(field.metadata.get("live"))
+
+
+def reconfigured(parameters: RobotParameters, path: str, value: object) -> RobotParameters | Rejected:
+    """The parameters with one of them changed, or why it may not.
+
+    Args:
+        parameters: as they are.
+        path: of the one to change.
+        value: its new value; a footprint may also come as ROS writes it, `[[x, y], ...]` in one text.
+    """
+    changed = _changed(parameters, path.split("."), path, value)
+    if isinstance(changed, Rejected):
+        return changed
+    for section, low, high in ORDERED:
+        least, greatest = (_value_at(changed, f"{section}.{name}") for name in (low, high))
+        if cast(float, least) > cast(float, greatest):
+            sentence = f"{section}.{low} would be {least}, above {section}.{high}, which would be {greatest}"
+            return Rejected(path, "range", sentence)
+    return changed
+
+
+def fixed_differences(before: RobotParameters, after: RobotParameters) -> tuple[str, ...]:
+    """The paths at which two robots' parameters differ although they cannot change while a robot runs."""
+    return tuple(_differences(before, after, ""))
+
+
+def _differences(before: "DataclassInstance", after: "DataclassInstance", path: str) -> Iterator[str]:
+    for field in dataclasses.fields(before):
+        place = f"{path}.{field.name}" if path else field.name
+        one, other = cast(object, getattr(before, field.name)), cast(object, getattr(after, field.name))
+        if one == other or is_live(field):
+            continue
+        if _is_section(one) and _is_section(other):
+            yield from _differences(one, other, place)
+        else:
+            yield place
+
+
+def _is_section(value: object) -> "TypeGuard[DataclassInstance]":
+    return dataclasses.is_dataclass(value) and not isinstance(value, type)
+
+
+def _value_at(section: object, path: str) -> object:
+    for name in path.split("."):
+        section = cast(object, getattr(section, name))
+    return section
+
+
+_Section = TypeVar("_Section", bound="DataclassInstance")
+
+
+def _changed(section: _Section, names: list[str], path: str, value: object) -> _Section | Rejected:
+    """A section with the value in its place inside of it."""
+    name, *inner = names
+    fields = {field.name: field for field in dataclasses.fields(section)}
+    if name not in fields:
+        return Rejected(path, "unknown", f"there is no parameter {path}")
+    own = cast(object, getattr(section, name))
+    if inner:
+        if not _is_section(own):
+            return Rejected(path, "unknown", f"there is no parameter {path}")
+        inside = _changed(own, inner, path, value)
+        return inside if isinstance(inside, Rejected) else dataclasses.replace(section, **{name: inside})
+    if not is_live(fields[name]):
+        return Rejected(path, "fixed", f"{path} cannot change while the robot runs")
+    new = _fit(get_type_hints(type(section))[name], fields[name].metadata, path, value)
+    return new if isinstance(new, Rejected) else dataclasses.replace(section, **{name: new})
+
+
+def _fit(hint: object, metadata: Mapping[str, object], path: str, value: object) -> object:
+    """A value as a field of this type holds it, or why it cannot."""
+    kinds = get_args(hint) if type(None) in get_args(hint) else (hint,)
+    choices = cast(tuple[str, ...], metadata["choices"])
+    if value is None and type(None) in kinds:
+        return None
+    if bool in kinds:
+        return value if isinstance(value, bool) else Rejected(path, "kind", f"{path} is true or false, not {value!r}")
+    if str in kinds:
+        if not isinstance(value, str):
+            return Rejected(path, "kind", f"{path} is text, not {value!r}")
+        if choices and value not in choices:
+            return Rejected(path, "range", f"{path} is {' or '.join(choices)}, not {value!r}")
+        return value
+    if int in kinds or float in kinds:
+        number = _number(value, whole=int in kinds)
+        if number is None:
+            kind = "a whole number" if int in kinds else "a number"
+            return Rejected(path, "kind", f"{path} is {kind}, not {value!r}")
+        return _in_range(metadata, path, number)
+    corners = _corners(value)
+    if corners is None:
+        return Rejected(path, "kind", f"{path} is three or more corners, [[x, y], ...], or [], not {value!r}")
+    return corners
+
+
+def _number(value: object, whole: bool) -> float | int | None:
+    if isinstance(value, bool) or not isinstance(value, int | float):
+        return None
+    if whole:
+        return value if isinstance(value, int) else None
+    try:
+        number = float(value)
+    except OverflowError:
+        return None
+    return number if math.isfinite(number) else None
+
+
+def _in_range(metadata: Mapping[str, object], path: str, number: float | int) -> object:
+    least, greatest = cast("float | None", metadata["minimum"]), cast("float | None", metadata["maximum"])
+    unit = f" {metadata['unit']}" if metadata["unit"] else ""
+    if least is not None and number < least:
+        return Rejected(path, "range", f"{path} is at least {least:.10g}{unit}, not {number:.10g}")
+    if greatest is not None and number > greatest:
+        return Rejected(path, "range", f"{path} is at most {greatest:.10g}{unit}, not {number:.10g}")
+    return number
+
+
+def _corners(value: object) -> tuple[tuple[float, float], ...] | None:
+    """A polygon; None when it is none."""
+    if isinstance(value, str):
+        try:
+            value = cast(object, json.loads(value or "[]"))
+        except ValueError:
+            return None
+    if not isinstance(value, list | tuple) or 0 < len(value) < 3:
+        return None
+    corners: list[tuple[float, float]] = []
+    for corner in cast(tuple[object, ...], value):
+        if not isinstance(corner, list | tuple) or len(corner) != 2:
+            return None
+        x, y = (_number(coordinate, whole=False) for coordinate in cast(tuple[object, ...], corner))
+        if x is None or y is None:
+            return None
+        corners.append((x, y))
+    return tuple(corners)

@@ -1,0 +1,307 @@
+"""Parameters that change while robots run."""
+
+from dataclasses import replace
+from pathlib import Path
+
+import numpy as np
+import pytest
+from hypothesis import given
+from hypothesis import strategies as st
+
+from sim.costmap.costs import INSCRIBED, LETHAL
+from sim.geometry import Pose2
+from sim.navigator import Arrived, Goal
+from sim.observations import Twist
+from sim.parameters import Rejected, RobotParameters, WorldParameters, reconfigurable, reconfigured
+from sim.planning.path import Refused
+from sim.team import Configure, Die, Drive, Go, PutThing, Team
+from sim.things import Thing
+from thbridge.adapters.map_files import read_map
+
+ARENA = read_map(Path(__file__).parents[2] / "maps" / "arena8")
+SECOND = 50
+STUDY = RobotParameters()
+SHOWN = replace(
+    STUDY,
+    global_costmap=replace(STUDY.global_costmap, publish_frequency=10.0),
+    local_costmap=replace(STUDY.local_costmap, publish_frequency=10.0),
+)
+FAR = Goal(1, ARENA.rooms[3].goal)
+
+
+def changed(path, value, parameters=STUDY):
+    result = reconfigured(parameters, path, value)
+    assert isinstance(result, RobotParameters), result
+    return result
+
+
+def team_of(parameters=STUDY):
+    return Team(ARENA.grid, WorldParameters(), [parameters], ARENA.starts[:1], 1, 1e9)
+
+
+def run(team, seconds, *inputs):
+    snapshots = [team.step(inputs)]
+    while len(snapshots) < seconds * SECOND:
+        snapshots.append(team.step())
+    return snapshots
+
+
+def trace(snapshots):
+    return [
+        part
+        for s in snapshots
+        for part in (
+            s.world.poses.tobytes(),
+            s.commands.tobytes(),
+            s.robots[0].estimate.particles.tobytes(),
+            s.robots[0].navigation.plan.tobytes(),
+            s.robots[0].navigation.local_plan.tobytes(),
+        )
+    ]
+
+
+def last_views(snapshots):
+    navigation = [s.robots[0].navigation for s in snapshots if s.robots[0].navigation.local_costmap][-1]
+    return navigation.global_costmap, navigation.local_costmap
+
+
+# Which values are taken
+
+
+@pytest.mark.parametrize(
+    ("path", "value", "reason"),
+    [
+        ("amcl.no_such", 1, "unknown"),
+        ("amcl.min_particles.deeper", 1, "unknown"),
+        ("", 1, "unknown"),
+        ("amcl", 1, "fixed"),
+        ("amcl.initial_pose_x", 1.0, "fixed"),
+        ("localization", "ekf", "fixed"),
+        ("NavfnROS.allow_unknown", True, "fixed"),
+        ("amcl.min_particles", 1.5, "kind"),
+        ("amcl.min_particles", True, "kind"),
+        ("amcl.kld_err", "much", "kind"),
+        ("amcl.kld_err", float("nan"), "kind"),
+        ("amcl.kld_err", 10**400, "kind"),
+        ("amcl.do_beamskip", 1, "kind"),
+        ("amcl.laser_model_type", 3, "kind"),
+        ("amcl.laser_model_type", "sonar", "range"),
+        ("amcl.min_particles", 0, "range"),
+        ("amcl.min_particles", STUDY.amcl.max_particles + 1, "range"),
+        ("TrajectoryPlannerROS.max_vel_x", 21.0, "range"),
+        ("local_costmap.footprint", "[[0, 0], [1, 1]]", "kind"),
+        ("local_costmap.footprint", "a square", "kind"),
+    ],
+)
+def test_what_cannot_be_is_rejected_for_the_right_reason(path, value, reason):
+    result = reconfigured(STUDY, path, value)
+    assert isinstance(result, Rejected)
+    assert (result.path, result.reason) == (path, reason)
+    assert path in result.sentence
+
+
+def test_a_rejection_tells_the_bounds_and_the_unit():
+    result = reconfigured(STUDY, "TrajectoryPlannerROS.max_vel_x", 21)
+    assert result.sentence == "TrajectoryPlannerROS.max_vel_x is at most 20 m/s, not 21"
+
+
+@pytest.mark.parametrize(
+    ("path", "value", "kept"),
+    [
+        ("amcl.kld_err", 1, 1.0),
+        ("amcl.do_beamskip", True, True),
+        ("amcl.laser_model_type", "beam", "beam"),
+        ("local_costmap.inflation_layer.inflation_radius", 0.2, 0.2),
+        ("local_costmap.robot_radius", None, None),
+        ("local_costmap.footprint", "[[0.1, 0.1], [-0.1, 0.1], [0, -0.1]]", ((0.1, 0.1), (-0.1, 0.1), (0.0, -0.1))),
+        ("local_costmap.footprint", "", ()),
+    ],
+)
+def test_a_value_is_kept_as_its_field_holds_it(path, value, kept):
+    section = changed(path, value)
+    for name in path.split("."):
+        section = getattr(section, name)
+    assert section == kept
+    assert type(section) is type(kept)
+
+
+def test_only_the_one_parameter_changes():
+    new = changed("local_costmap.inflation_layer.inflation_radius", 0.2)
+    inflation = replace(STUDY.local_costmap.inflation_layer, inflation_radius=0.2)
+    assert new == replace(STUDY, local_costmap=replace(STUDY.local_costmap, inflation_layer=inflation))
+
+
+def test_those_of_ros_can_change_and_others_cannot():
+    paths = set(reconfigurable())
+    assert {"amcl.max_particles", "global_costmap.obstacle_layer.enabled", "move_base.base_local_planner"} <= paths
+    assert {"local_costmap.width", "GlobalPlanner.lethal_cost", "DWAPlannerROS.xy_goal_tolerance"} <= paths
+    # Not in ROS's .cfg files.
+    assert not {"TrajectoryPlannerROS.xy_goal_tolerance", "amcl.initial_cov_xx", "ekf.imu_used"} & paths
+    assert not {"move_base.recovery_behaviors", "global_costmap.track_unknown_space"} & paths
+
+
+@given(st.sampled_from(sorted(reconfigurable())), st.none() | st.booleans() | st.integers() | st.floats() | st.text())
+def test_whatever_comes_is_taken_or_rejected(path, value):
+    result = reconfigured(STUDY, path, value)
+    assert isinstance(result, RobotParameters | Rejected)
+
+
+# What they do
+
+
+def test_configuring_with_the_same_parameters_changes_nothing():
+    traces = []
+    for inputs in ([], [Configure(0, replace(STUDY, amcl=replace(STUDY.amcl)))]):
+        team = team_of()
+        snapshots = run(team, 3, Go(0, FAR))
+        traces.append(trace(snapshots + run(team, 3, *inputs)))
+    assert traces[0] == traces[1]
+
+
+def test_how_often_costmaps_are_shown_can_change_and_nothing_else_does():
+    shown = changed("local_costmap.publish_frequency", 10.0, changed("global_costmap.publish_frequency", 10.0))
+    traces = []
+    for inputs in ([], [Configure(0, shown)]):
+        team = team_of()
+        before = run(team, 3, Go(0, FAR))
+        after = run(team, 3, *inputs)
+        traces.append(trace(before + after))
+    assert traces[0] == traces[1]
+    assert sum(s.robots[0].navigation.local_costmap is not None for s in after) == 30
+
+
+def test_a_slower_robot_keeps_goal_and_plan_and_arrives():
+    team = team_of()
+    last = run(team, 3, Go(0, FAR))[-1]
+    snapshots = run(team, 60, Configure(0, changed("TrajectoryPlannerROS.max_vel_x", 0.5)))
+    navigation = snapshots[0].robots[0].navigation
+    assert navigation.goal == FAR
+    assert len(navigation.plan) >= len(last.robots[0].navigation.plan) - 1
+    assert max(s.robots[0].navigation.command.linear for s in snapshots[SECOND:]) == pytest.approx(0.5)
+    assert any(isinstance(s.robots[0].navigation.result, Arrived) for s in snapshots)
+
+
+def test_the_other_planners_take_over_under_way():
+    team = team_of()
+    run(team, 2, Go(0, FAR))
+    for path, value in (
+        ("move_base.base_local_planner", "dwa_local_planner/DWAPlannerROS"),
+        ("move_base.base_global_planner", "global_planner/GlobalPlanner"),
+        ("move_base.controller_frequency", 5.0),
+    ):
+        team.step([Configure(0, changed(path, value, team.parameters[0]))])
+    assert team.parameters[0].move_base.controller_frequency == 5.0
+    assert any(isinstance(s.robots[0].navigation.result, Arrived) for s in run(team, 60))
+
+
+def test_particles_stay_and_their_number_follows_the_new_bounds():
+    team = team_of()
+    before = run(team, 3, Go(0, FAR))[-1].robots[0].estimate
+    fewer = changed("amcl.max_particles", 150, changed("amcl.min_particles", 120))
+    first, *rest = run(team, 5, Configure(0, fewer))
+    if not first.robots[0].estimate.updated:
+        assert np.array_equal(first.robots[0].estimate.particles, before.particles)
+    assert not any(s.robots[0].estimate.lost for s in rest)
+    assert 120 <= len(rest[-1].robots[0].estimate.particles) <= 150
+
+
+def test_costmaps_keep_what_was_seen_and_take_the_new_inflation():
+    start = ARENA.starts[0]
+    crate = Thing("crate", ((0.1, 0.1), (-0.1, 0.1), (-0.1, -0.1), (0.1, -0.1)), start.compose(Pose2(0.9, 0.0, 0.0)))
+    team = team_of(SHOWN)
+    before = last_views(run(team, 2, PutThing(crate), Drive(0, Twist(0.0, 0.0), 1)))
+    wider = SHOWN
+    for costmap in ("global_costmap", "local_costmap"):
+        wider = changed(f"{costmap}.inflation_layer.inflation_radius", 0.8, wider)
+        wider = changed(f"{costmap}.inflation_layer.cost_scaling_factor", 2.0, wider)
+    after = last_views(run(team, 0.2, Configure(0, wider)))
+    for old, new in zip(before, after, strict=True):
+        # The laser went on marking and clearing meanwhile.
+        assert abs(int((new.costs == LETHAL).sum()) - int((old.costs == LETHAL).sum())) < 5
+        prudent = [((view.costs > 0) & (view.costs < INSCRIBED)).sum() for view in (old, new)]
+        assert prudent[1] > 1.2 * prudent[0]
+
+
+def test_a_local_costmap_of_another_size_stays_around_the_robot():
+    team = team_of(SHOWN)
+    run(team, 2, Go(0, FAR))
+    _, view = last_views(run(team, 1, Configure(0, changed("local_costmap.width", 6.0, SHOWN))))
+    assert view.costs.shape == (80, 120)
+    pose = team.step().robots[0].estimate.base_in_map
+    assert abs(view.origin.x + 3.0 - pose.x) < 0.5
+    assert abs(view.origin.y + 2.0 - pose.y) < 0.5
+    assert any(isinstance(s.robots[0].navigation.result, Arrived) for s in run(team, 60))
+
+
+def test_a_dead_robot_takes_no_parameters():
+    team = team_of()
+    run(team, 1, Die(0), Configure(0, changed("amcl.max_particles", 500)))
+    assert team.parameters == (STUDY,)
+
+
+def test_what_cannot_change_is_no_input():
+    with pytest.raises(ValueError, match=r"robot 0 cannot change .* ekf\.imu_used, .* move_base\.recovery_behaviors"):
+        team_of().step(
+            [
+                Configure(
+                    0,
+                    replace(
+                        STUDY,
+                        ekf=replace(STUDY.ekf, imu_used=False, vo_used=False),
+                        move_base=replace(STUDY.move_base, recovery_behaviors=()),
+                    ),
+                )
+            ]
+        )
+
+
+# Plans for those who ask
+
+
+def test_a_plan_that_is_asked_for_changes_nothing():
+    traces = []
+    for asks in (False, True):
+        team = team_of()
+        snapshots = []
+        for tick in range(4 * SECOND):
+            snapshots.append(team.step([Go(0, FAR)] if tick == 0 else []))
+            if asks:
+                team.make_plan(0, None, ARENA.rooms[tick % 8].goal, 0.5)
+        traces.append(trace(snapshots))
+    assert traces[0] == traces[1]
+
+
+def test_a_plan_leads_from_the_robot_to_the_goal_even_before_the_first_tick():
+    team, goal = team_of(), ARENA.rooms[5].goal
+    for _ in range(2):
+        plan = team.make_plan(0, None, goal, 0.0)
+        assert plan[0, :2] == pytest.approx(ARENA.starts[0].array()[:2], abs=0.1)
+        assert plan[-1] == pytest.approx(goal.array())
+        assert np.hypot(*np.diff(plan[:, :2], axis=0).T).max() < 0.2
+        team.step()
+
+
+def test_a_plan_may_begin_elsewhere():
+    plan = team_of().make_plan(0, ARENA.rooms[1].goal, ARENA.rooms[5].goal, 0.0)
+    assert plan[0, :2] == pytest.approx(ARENA.rooms[1].goal.array()[:2])
+
+
+def test_where_the_goal_is_a_wall_the_plan_ends_as_near_as_is_tolerated():
+    row, col = np.argwhere(ARENA.grid.cells == 100)[1000].tolist()
+    x, y = ARENA.grid.centres_of(np.array([[row, col]]))[0].tolist()
+    wall, team = Pose2(x, y, 0.3), team_of()
+    assert isinstance(team.make_plan(0, None, wall, 0.0), Refused)
+    assert isinstance(team.make_plan(0, None, wall, 0.1), Refused)
+    plan = team.make_plan(0, None, wall, 1.5)
+    assert plan[-1] == pytest.approx(wall.array())
+    near = plan[-2]
+    assert 0.2 < max(abs(near[0] - x), abs(near[1] - y)) <= 0.6
+    shorter = team_of(changed("move_base.make_plan_add_unreachable_goal", False))
+    assert np.array_equal(shorter.make_plan(0, None, wall, 1.5), plan[:-1])
+
+
+@pytest.mark.parametrize("tolerance", [1e9, float("inf"), float("nan"), -1.0])
+def test_a_tolerance_of_any_size_is_answered(tolerance):
+    plan = team_of().make_plan(0, None, Pose2(1e6, 1e6, 0.0), tolerance)
+    assert isinstance(plan, Refused)
+    assert plan.code == "goal_outside"
