@@ -65,3 +65,41 @@ def test_check_of_a_damaged_bag(tmp_path: Path) -> None:
     done = RUN.invoke(app, ["bag", "check", str(path)])
     assert done.exit_code == 1
     assert "thbridge bag reindex" in done.stdout
+
+
+def test_info_names_all_topics_in_full(bag: Path) -> None:
+    done = RUN.invoke(app, ["bag", "info", str(bag)])
+    assert done.exit_code == 0
+    assert "2.9 s, 92 messages" in done.stdout
+    (odometry,) = [line.split() for line in done.stdout.splitlines() if line.startswith("/odom ")]
+    assert odometry[:6] == ["/odom", "30", "10.0", "0.0", "2.9", "nav_msgs/Odometry"]
+
+
+def test_info_for_scripts(bag: Path) -> None:
+    told = json.loads(RUN.invoke(app, ["bag", "info", str(bag), "--json"]).stdout)
+    assert (told["messages"], told["parts"][0]["messages"], told["session"]) == (92, 92, None)
+    assert {topic["name"] for topic in told["topics"]} == {"/map", "/odom", "/scan", "/tf", "/tf_static"}
+
+
+def test_cut(bag: Path) -> None:
+    options = ["--from", "1", "--to", "2", "--topics", "/scan,/map", "--compression", "lz4"]
+    done = RUN.invoke(app, ["bag", "cut", str(bag), *options])
+    assert done.exit_code == 0
+    assert "12 messages into" in done.stdout
+    told = json.loads(RUN.invoke(app, ["bag", "info", str(bag.with_name("a-cut.bag")), "--json"]).stdout)
+    assert (told["messages"], told["compression"]) == (12, "lz4")
+    again = RUN.invoke(app, ["bag", "cut", str(bag), *options])
+    assert again.exit_code == 2
+    assert "--overwrite" in again.stderr
+
+
+def test_cut_refuses_what_is_not_there(bag: Path) -> None:
+    done = RUN.invoke(app, ["bag", "cut", str(bag), "--topics", "/nothing"])
+    assert done.exit_code == 2
+    assert "there is no topic /nothing" in done.stderr
+
+
+def test_to_mcap(bag: Path) -> None:
+    done = RUN.invoke(app, ["bag", "to-mcap", str(bag), "--compression", "none", "--json"])
+    assert json.loads(done.stdout)["messages"] == 92
+    assert bag.with_suffix(".mcap").read_bytes().startswith(b"\x89MCAP")

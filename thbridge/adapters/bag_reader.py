@@ -6,9 +6,11 @@ from contextlib import contextmanager
 from dataclasses import dataclass
 from pathlib import Path
 
+from rosbags.interfaces import Connection as ConnectionInIndex
 from rosbags.rosbag1 import Reader, ReaderError
 from rosbags.typesys.msg import denormalize_msgtype
 
+from thbridge.adapters.bag_records import Connection
 from thbridge.adapters.errors import BadFile
 from thbridge.adapters.recordings import parts_of
 
@@ -102,7 +104,7 @@ def info(path: Path) -> BagInfo:
 
 
 def _info_of(path: Path) -> BagInfo:
-    with _opened(path) as reader:
+    with opened(path) as reader:
         topics = tuple(
             TopicInfo(
                 name,
@@ -124,10 +126,17 @@ def _together(one: TopicInfo, other: TopicInfo) -> TopicInfo:
 
 
 def messages(path: Path, topics: Collection[str] | None = None) -> Iterator[RawMessage]:
-    """Every message, oldest first.
+    """Every message, oldest first; see `recorded` for the arguments, the parts of a recording, and what is raised."""
+    for connection, stamp_ns, data in recorded(path, topics):
+        yield RawMessage(connection.topic, connection.msgtype, connection.md5, stamp_ns, data)
+
+
+def recorded(path: Path, topics: Collection[str] | None = None) -> Iterator[tuple[Connection, int, bytes]]:
+    """Every message, oldest first: its publisher, when it was recorded (nanoseconds), and its bytes.
 
     The parts of a split recording are read as one: the latched messages that a part begins with, because it may be
-    played by itself, are left out where they only repeat what the part before it said.
+    played by itself, are left out where they only repeat what the part before it said. A publisher that is in several
+    parts is one.
 
     Args:
         path: the bag, or the name of a split recording.
@@ -137,20 +146,29 @@ def messages(path: Path, topics: Collection[str] | None = None) -> Iterator[RawM
         BadFile: there is no such file, it is not a ROS 1 bag, or it is cut off or damaged.
     """
     latched: dict[str, bytes] = {}
+    known: dict[tuple[str | bool | None, ...], Connection] = {}
     for part in parts_of(path):
-        with _opened(part) as reader:
+        with opened(part) as reader:
             repeatable = dict(latched)
             wanted = [connection for connection in reader.connections if topics is None or connection.topic in topics]
+            publishers = {connection.id: _publisher(connection, known) for connection in wanted}
             # To the reader an empty list means every topic.
             for connection, stamp, data in reader.messages(wanted) if wanted else ():
                 data = bytes(data)  # noqa: PLW2901
                 if stamp == reader.start_time and repeatable.pop(connection.topic, None) == data:
                     continue
-                if _latched(connection.ext):
+                publisher = publishers[connection.id]
+                if publisher.latching:
                     latched[connection.topic] = data
-                yield RawMessage(
-                    connection.topic, denormalize_msgtype(connection.msgtype), connection.digest, stamp, data
-                )
+                yield publisher, stamp, data
+
+
+def _publisher(said: ConnectionInIndex, known: dict[tuple[str | bool | None, ...], Connection]) -> Connection:
+    caller = getattr(said.ext, "callerid", None)
+    latching = None if getattr(said.ext, "latching", None) is None else _latched(said.ext)
+    topic, msgtype, md5, definition = said.topic, denormalize_msgtype(said.msgtype), said.digest, said.msgdef.data
+    key = (topic, msgtype, md5, definition, caller, latching)
+    return known.setdefault(key, Connection(len(known), topic, msgtype, md5, definition, caller, latching))
 
 
 def check_is_bag(path: Path) -> None:
@@ -179,7 +197,8 @@ def _latched(ext: object) -> bool:
 
 
 @contextmanager
-def _opened(path: Path) -> Iterator[Reader]:
+def opened(path: Path) -> Iterator[Reader]:
+    """rosbags' reader of one file, in whose block damage is told in our words. Raises BadFile."""
     check_is_bag(path)
     reader = Reader(path)
     # rosbags answers damage with whatever its parser stumbles over, assertions among it.

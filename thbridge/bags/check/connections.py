@@ -6,7 +6,7 @@ from collections.abc import Iterator
 from thbridge.adapters.bag_scan import Source
 from thbridge.bags.check.finding import Finding, Severity, Structure, Tool
 from thbridge.bags.check.reading import fields_of
-from thbridge.ros.types import OCCUPANCY_GRID, TFMESSAGE, md5_of, plain_definition
+from thbridge.ros.types import OCCUPANCY_GRID, OWN_TYPES, TFMESSAGE, md5_of, plain_definition
 
 TF_TYPES = (TFMESSAGE, "tf/tfMessage")
 READERS = (Tool.ROSBAG, Tool.FOXGLOVE, Tool.PLOTJUGGLER)
@@ -60,7 +60,8 @@ def md5_wrong(bag: Structure) -> Iterator[Finding]:
             ours = plain_definition(source.msgtype).md5
         except KeyError:
             continue
-        if source.md5 not in (ours, "*") and given is not None:
+        # A release of ours is no business of ROS's.
+        if source.msgtype not in OWN_TYPES and source.md5 not in (ours, "*") and given is not None:
             what = f"{source.msgtype} has other fields than in ROS Noetic"
             remedy = "migrate it by `rosbag fix`"
             yield Finding("other-release", Severity.WARNING, (Tool.RVIZ, Tool.EVO), source.topic, what, remedy)
