@@ -1,0 +1,604 @@
+"""The ROS node over real TCP, with a small stand-in for the master."""
+
+import asyncio
+import functools
+import logging
+import os
+import random
+import socket
+import struct
+from collections import defaultdict
+from collections.abc import AsyncIterator, Awaitable, Callable
+from contextlib import asynccontextmanager
+
+import pytest
+
+from thbridge.adapters.rosgraph import publications, sockets, subscriptions, tcpros_server
+from thbridge.adapters.rosgraph.http import CallFailed, XmlRpcClient, XmlRpcServer
+from thbridge.adapters.rosgraph.node import RosNode, Started
+from thbridge.adapters.text_server import CannotListen, Listening
+from thbridge.wire.rosgraph.links import ServiceFailed
+from thbridge.wire.rosgraph.tcpros import decode_header, encode_header, frame
+from thbridge.wire.rosgraph.xmlrpc import Response
+
+PATIENCE = 30.0
+STRING = ("std_msgs/String", "992ce8a1687cec8c8bd883ec73ca41d1", "string data\n")
+TRIGGER = (
+    "std_srvs/Trigger",
+    "937c9679a518e3a18d831e57125ea522",
+    "std_srvs/TriggerRequest",
+    "std_srvs/TriggerResponse",
+)
+
+
+def with_patience(test: Callable[..., Awaitable[None]]) -> Callable[..., None]:
+    """Run a test's coroutine, but not for ever; afterwards nothing is left running."""
+
+    @functools.wraps(test)
+    def run(*args, **kwargs) -> None:
+        async def patient() -> None:
+            async with asyncio.timeout(PATIENCE):
+                await test(*args, **kwargs)
+                while len(asyncio.all_tasks()) > 1:
+                    await asyncio.sleep(0.01)
+
+        asyncio.run(patient())
+
+    return run
+
+
+async def eventually(true: Callable[[], object]) -> None:
+    while not true():
+        await asyncio.sleep(0.005)
+
+
+class SmallMaster:
+    """Knows where topics, services and nodes are, and no more."""
+
+    METHODS = frozenset(
+        f"{begin}{what}" for begin in ("register", "unregister") for what in ("Publisher", "Subscriber", "Service")
+    ) | {"lookupNode", "lookupService", "subscribeParam", "unsubscribeParam"}
+
+    def __init__(self) -> None:
+        self.nodes: dict[str, str] = {}
+        self.publishers: dict[str, list[str]] = defaultdict(list)
+        self.subscribers: dict[str, list[str]] = defaultdict(list)
+        self.services: dict[str, str] = {}
+        self.calls: list[str] = []
+        self._client = XmlRpcClient()
+        self._server = XmlRpcServer(self.METHODS, self._answer)
+        self._news: set[asyncio.Task] = set()
+        self.port = 0
+
+    @property
+    def uri(self) -> str:
+        return f"http://127.0.0.1:{self.port}"
+
+    async def start(self) -> None:
+        listening = await self._server.start("127.0.0.1", self.port)
+        assert isinstance(listening, Listening)
+        self.port = listening.port
+
+    async def stop(self) -> None:
+        await asyncio.gather(*self._news)
+        await self._server.stop()
+        await self._client.close()
+
+    def _answer(self, call, peer):
+        self.calls.append(call.method)
+        match call.method, call.params:
+            case "lookupNode", [_, name]:
+                return [1, "", self.nodes[name]] if name in self.nodes else [-1, "unknown", ""]
+            case "lookupService", [_, name]:
+                return [1, "", self.services[name]] if name in self.services else [-1, "unknown", ""]
+            case "registerPublisher", [caller, topic, _, uri]:
+                self.nodes[caller] = uri
+                self.publishers[topic].append(uri)
+                self._tell(topic)
+                return [1, "", self.subscribers[topic]]
+            case "registerSubscriber", [caller, topic, _, uri]:
+                self.nodes[caller] = uri
+                self.subscribers[topic].append(uri)
+                return [1, "", self.publishers[topic]]
+            case "registerService", [caller, service, service_uri, uri]:
+                self.nodes[caller] = uri
+                self.services[service] = service_uri
+            case "unregisterPublisher", [_, topic, uri]:
+                self.publishers[topic].remove(uri)
+                self._tell(topic)
+        return [1, "", 0]
+
+    def _tell(self, topic: str) -> None:
+        for uri in self.subscribers[topic]:
+            news = self._client.call(uri, "publisherUpdate", "/master", topic, [*self.publishers[topic]])
+            task = asyncio.ensure_future(news)
+            self._news.add(task)
+            task.add_done_callback(self._news.discard)
+
+
+@asynccontextmanager
+async def master() -> AsyncIterator[SmallMaster]:
+    made = SmallMaster()
+    await made.start()
+    try:
+        yield made
+    finally:
+        await made.stop()
+
+
+@asynccontextmanager
+async def running(*nodes: RosNode) -> AsyncIterator[None]:
+    for node in nodes:
+        assert isinstance(await node.start(), Started)
+    try:
+        for node in nodes:
+            await node.registered()
+        yield
+    finally:
+        for node in nodes:
+            await node.stop()
+
+
+async def where(node: RosNode, uri: str) -> tuple[str, int]:
+    """Where a node takes subscribers and clients, as anybody may ask it."""
+    client = XmlRpcClient()
+    topic = next(iter(await published(client, uri)))
+    reply = await client.call(uri, "requestTopic", "/them", topic, [["TCPROS"]])
+    await client.close()
+    assert isinstance(reply, Response)
+    return reply.value[2][1], reply.value[2][2]
+
+
+async def published(client: XmlRpcClient, uri: str) -> list[str]:
+    reply = await client.call(uri, "getPublications", "/them")
+    assert isinstance(reply, Response)
+    return [topic for topic, _ in reply.value[2]]
+
+
+class Peer:
+    """A connection to a node's TCPROS port, made by hand."""
+
+    def __init__(self, reader: asyncio.StreamReader, writer: asyncio.StreamWriter) -> None:
+        self.reader = reader
+        self.writer = writer
+
+    @classmethod
+    async def of(cls, ros: SmallMaster, node: RosNode) -> "Peer":
+        return cls(*await asyncio.open_connection(*await where(node, ros.nodes[node.name])))
+
+    async def subscribes(self, topic: str = "/chatter", md5: str = STRING[1]) -> dict[str, str]:
+        self.writer.write(encode_header({"callerid": "/them", "md5sum": md5, "topic": topic, "type": "a/B"}))
+        fields = decode_header(await self.hears())
+        assert isinstance(fields, dict)
+        return fields
+
+    async def hears(self) -> bytes:
+        (length,) = struct.unpack("<I", await self.reader.readexactly(4))
+        return await self.reader.readexactly(length)
+
+    async def is_cut_off(self) -> bool:
+        try:
+            return await self.reader.read() == b""
+        except ConnectionResetError:
+            return True
+
+    def goes(self) -> None:
+        self.writer.transport.abort()
+
+
+# -- topics
+
+
+@with_patience
+async def test_messages_pass_between_two_nodes_in_order_and_back_to_oneself():
+    async with master() as ros:
+        heard, echoed = [], []
+        us, them = RosNode("/us", ros.uri), RosNode("/them", ros.uri)
+        chatter = us.advertise("/chatter", *STRING)
+        us.subscribe("/chatter", *STRING[:2], lambda data, caller: echoed.append(data))
+        them.subscribe("/chatter", *STRING[:2], lambda data, caller: heard.append((data, caller)))
+        async with running(us, them):
+            await eventually(lambda: chatter.subscribers == 2)
+            sent = [bytes([number]) * number * 100 for number in range(100)]
+            for data in sent:
+                chatter.publish(data)
+            await eventually(lambda: len(heard) == len(echoed) == 100)
+            assert heard == [(data, "/us") for data in sent]
+            assert echoed == sent
+            assert chatter.dropped == 0
+
+
+@with_patience
+async def test_a_publisher_that_comes_later_is_found_and_one_that_comes_back_is_found_again():
+    async with master() as ros:
+        heard = []
+        us = RosNode("/us", ros.uri)
+        us.subscribe("/chatter", "*", "*", lambda data, caller: heard.append(data))
+        async with running(us):
+            for word in (b"first", b"second"):
+                them = RosNode("/them", ros.uri)
+                them.advertise("/chatter", *STRING, latched=True).publish(word)
+                async with running(them):
+                    await eventually(lambda word=word: word in heard)
+        assert heard == [b"first", b"second"]
+
+
+@with_patience
+async def test_a_late_subscriber_gets_the_last_message_of_a_latched_topic():
+    async with master() as ros:
+        us = RosNode("/us", ros.uri)
+        latched = us.advertise("/latched", *STRING, latched=True)
+        async with running(us):
+            latched.publish(b"old")
+            latched.publish(b"new")
+            peer = await Peer.of(ros, us)
+            assert (await peer.subscribes("/latched"))["latching"] == "1"
+            assert await peer.hears() == b"new"
+            peer.goes()
+
+
+@with_patience
+async def test_a_broken_connection_is_made_again(monkeypatch):
+    monkeypatch.setattr(subscriptions, "_FIRST_PAUSE", 0.01)
+    async with master() as ros:
+        heard = []
+        us, them = RosNode("/us", ros.uri), RosNode("/them", ros.uri)
+        chatter = them.advertise("/chatter", *STRING)
+        us.subscribe("/chatter", *STRING[:2], lambda data, caller: heard.append(data))
+        async with running(us, them):
+            for word in (b"one", b"two"):
+                await eventually(lambda: chatter.subscribers == 1)
+                chatter.publish(word)
+                await eventually(lambda word=word: word in heard)
+                for connection in [*them._tcpros._connections]:
+                    connection.cut_off()
+                await eventually(lambda: chatter.subscribers == 0)
+
+
+@with_patience
+async def test_who_wants_another_type_is_refused_and_complained_of_once(caplog, monkeypatch):
+    monkeypatch.setattr(subscriptions, "_FIRST_PAUSE", 0.001)
+    async with master() as ros:
+        us, them = RosNode("/us", ros.uri), RosNode("/them", ros.uri)
+        chatter = us.advertise("/chatter", *STRING)
+        them.subscribe("/chatter", "std_msgs/Int32", "0" * 32, lambda data, caller: None)
+        with caplog.at_level(logging.DEBUG):
+            async with running(us, them):
+                await eventually(lambda: caplog.text.count("does not let us hear /chatter") > 3)
+        assert chatter.subscribers == 0
+    warnings = [record.getMessage() for record in caplog.records if record.levelno == logging.WARNING]
+    assert len(warnings) == 2  # one on each side
+    assert all("std_msgs/Int32" in warning for warning in warnings)
+
+
+@with_patience
+async def test_a_subscriber_that_never_reads_loses_messages_alone_and_in_bounded_memory():
+    async with master() as ros:
+        heard = []
+        us, them = RosNode("/us", ros.uri), RosNode("/them", ros.uri)
+        chatter = us.advertise("/chatter", *STRING)
+        them.subscribe("/chatter", "*", "*", lambda data, caller: heard.append(data[:1]))
+        async with running(us, them):
+            stalled = await Peer.of(ros, us)
+            await stalled.subscribes()
+            stalled.writer.transport.pause_reading()
+            await eventually(lambda: chatter.subscribers == 2)
+            for number in range(100):
+                chatter.publish(bytes([number]) * 200_000)
+                await eventually(lambda number=number: len(heard) > number)
+            assert heard == [bytes([number]) for number in range(100)]
+            assert 0 < chatter.dropped < 100
+            (outlet,) = [each for each in chatter._outlets if each.dropped]
+            assert outlet._waiting_bytes <= publications.WAITING_LIMIT
+            stalled.goes()
+
+
+@with_patience
+async def test_a_message_longer_than_the_limit_gets_through_alone():
+    async with master() as ros:
+        heard = []
+        us, them = RosNode("/us", ros.uri), RosNode("/them", ros.uri)
+        chatter = us.advertise("/chatter", *STRING)
+        them.subscribe("/chatter", "*", "*", lambda data, caller: heard.append(data))
+        async with running(us, them):
+            await eventually(lambda: chatter.subscribers == 1)
+            chatter.publish(os.urandom(20 * publications.WAITING_LIMIT))
+            chatter.publish(b"small")
+            await eventually(lambda: len(heard) == 2)
+            assert [len(data) for data in heard] == [20 * publications.WAITING_LIMIT, 5]
+
+
+@with_patience
+async def test_bus_info_and_stats_tell_what_passed():
+    async with master() as ros:
+        heard = []
+        us = RosNode("/us", ros.uri)
+        chatter = us.advertise("/chatter", *STRING)
+        us.subscribe("/chatter", *STRING[:2], lambda data, caller: heard.append(data))
+        async with running(us):
+            await eventually(lambda: chatter.subscribers == 1)
+            chatter.publish(b"12345678")
+            chatter.publish(b"12345678")
+            await eventually(lambda: len(heard) == 2)
+            client = XmlRpcClient()
+            info = (await client.call(ros.nodes["/us"], "getBusInfo", "/them")).value[2]
+            stats = (await client.call(ros.nodes["/us"], "getBusStats", "/them")).value[2]
+            await client.close()
+    assert [entry[1:6] for entry in info] == [
+        ["/us", "o", "TCPROS", "/chatter", True],
+        [ros.nodes["/us"], "i", "TCPROS", "/chatter", True],
+    ]
+    assert info[0][0] != info[1][0]
+    sent, received, _ = stats
+    assert sent == [["/chatter", 16, [[info[0][0], 16, 2, True]]]]
+    assert received == [["/chatter", [[info[1][0], 16, 2, -1, True]]]]
+
+
+# -- services
+
+
+@with_patience
+async def test_services_answer_at_once_in_time_or_not_at_all():
+    async def later(request: bytes) -> bytes:
+        await asyncio.sleep(0)
+        return request * 2
+
+    def broken(request: bytes) -> bytes:
+        raise RuntimeError("a bug")
+
+    async def broken_later(request: bytes) -> bytes:
+        raise RuntimeError("a bug")
+
+    async def never(request: bytes) -> bytes:
+        await asyncio.sleep(0.3)
+        return b""
+
+    async with master() as ros:
+        us, them = RosNode("/us", ros.uri), RosNode("/them", ros.uri)
+        us.advertise("/chatter", *STRING)
+        for name, handler in {
+            "/now": lambda request: request,
+            "/later": later,
+            "/fails": lambda request: ServiceFailed("no way"),
+            "/broken": broken,
+            "/broken_later": broken_later,
+            "/never": never,
+        }.items():
+            us.serve(name, *TRIGGER, handler)
+        async with running(us, them_with_nothing(them)):
+            assert await them.call_service("/now", TRIGGER[1], b"x", 5.0) == b"x"
+            assert await them.call_service("/later", "*", b"x", 5.0) == b"xx"
+            assert await them.call_service("/fails", "*", b"x", 5.0) == ServiceFailed("no way")
+            for name in ("/broken", "/broken_later"):
+                assert isinstance(await them.call_service(name, "*", b"", 5.0), ServiceFailed)
+            assert "within" in (await them.call_service("/never", "*", b"", 0.05)).reason
+            assert isinstance(await them.call_service("/now", "0" * 32, b"x", 5.0), ServiceFailed)
+            assert isinstance(await them.call_service("/nobody", "*", b"x", 5.0), ServiceFailed)
+            assert await us.call_service("/now", TRIGGER[1], b"own", 5.0) == b"own"
+
+
+def them_with_nothing(node: RosNode) -> RosNode:
+    node.advertise("/something", *STRING)
+    return node
+
+
+# -- master
+
+
+@with_patience
+async def test_a_master_that_is_late_or_lost_or_restarted_is_told_everything(monkeypatch):
+    monkeypatch.setattr("thbridge.adapters.rosgraph.registrar._HEARTBEAT", 0.02)
+    monkeypatch.setattr("thbridge.adapters.rosgraph.registrar._LAST_PAUSE", 0.02)
+    log: list[str] = []
+    ros = SmallMaster()
+    await ros.start()
+    await ros.stop()
+    us = RosNode("/us", ros.uri, on_lost=lambda: log.append("lost"), on_found=lambda: log.append("found"))
+    us.advertise("/chatter", *STRING)
+    us.serve("/now", *TRIGGER, lambda request: request)
+    us.subscribe_param("/key", lambda key, value: None)
+    assert isinstance(await us.start(), Started)
+    first = SmallMaster()
+    first.port = ros.port
+    await first.start()
+    await us.registered()
+    await eventually(lambda: log == ["found"])
+    await first.stop()
+    await eventually(lambda: log == ["found", "lost"])
+    second = SmallMaster()
+    second.port = ros.port
+    await second.start()
+    await eventually(lambda: log == ["found", "lost", "found"])
+    assert (set(second.publishers), set(second.services)) == ({"/chatter"}, {"/now"})
+    assert "subscribeParam" in second.calls
+    second.nodes.clear()  # as if it had been restarted between two looks
+    await eventually(lambda: log == ["found", "lost", "found", "found"])
+    us.advertise("/later", *STRING)
+    await us.registered()
+    assert "/later" in second.publishers
+    await us.stop()
+    assert [call for call in second.calls if call.startswith("un")].__len__() == 4
+    await second.stop()
+
+
+@pytest.mark.parametrize("told", [True, False])
+@with_patience
+async def test_a_node_that_lost_its_name_says_so_once_and_does_not_take_it_back(told, monkeypatch):
+    monkeypatch.setattr("thbridge.adapters.rosgraph.registrar._HEARTBEAT", 0.02)
+    async with master() as ros:
+        reasons: list[str] = []
+        us = RosNode("/us", ros.uri, on_shutdown=reasons.append)
+        us.advertise("/chatter", *STRING)
+        async with running(us):
+            our_uri, ros.nodes["/us"] = ros.nodes["/us"], "http://127.0.0.1:1/"
+            if told:
+                client = XmlRpcClient()
+                await client.call(our_uri, "shutdown", "/master", "new node registered")
+                await client.close()
+            await eventually(lambda: reasons)
+            before = len(ros.calls)
+            us.advertise("/later", *STRING)
+            await asyncio.sleep(0.1)
+            assert len(ros.calls) == before
+            assert len(reasons) == 1
+
+
+@with_patience
+async def test_without_a_master_nothing_fails_and_stopping_is_quick():
+    with socket.create_server(("127.0.0.1", 0)) as taken:
+        nobody = f"http://127.0.0.1:{taken.getsockname()[1]}"
+    us = RosNode("/us", nobody)
+    us.advertise("/chatter", *STRING, latched=True).publish(b"unheard")
+    assert isinstance(await us.start(), Started)
+    assert isinstance(await us.get_param("/key"), CallFailed)
+    assert isinstance(await us.set_param("/key", 1), CallFailed)
+    assert isinstance(await us.call_service("/now", "*", b"", 1.0), ServiceFailed)
+    await us.stop()
+    await us.stop()
+
+
+@with_patience
+async def test_a_host_that_is_not_ours_cannot_be_listened_on():
+    assert isinstance(await RosNode("/us", "http://127.0.0.1:11311", host="192.0.2.1").start(), CannotListen)
+
+
+@with_patience
+async def test_nothing_is_offered_twice():
+    us = RosNode("/us", "http://127.0.0.1:11311")
+    us.advertise("/chatter", *STRING)
+    us.subscribe("/chatter", *STRING[:2], lambda data, caller: None)
+    us.serve("/now", *TRIGGER, lambda request: request)
+    us.subscribe_param("/key", lambda key, value: None)
+    for again in (
+        lambda: us.advertise("/chatter", *STRING),
+        lambda: us.subscribe("/chatter", *STRING[:2], lambda data, caller: None),
+        lambda: us.serve("/now", *TRIGGER, lambda request: request),
+        lambda: us.subscribe_param("/key", lambda key, value: None),
+    ):
+        with pytest.raises(ValueError, match="already"):
+            again()
+
+
+# -- strangers
+
+
+@with_patience
+async def test_silent_peers_are_cut_off_but_patient_clients_are_not(monkeypatch):
+    monkeypatch.setattr(tcpros_server, "HANDSHAKE_SECONDS", 0.05)
+    async with master() as ros:
+        us = RosNode("/us", ros.uri)
+        us.advertise("/chatter", *STRING)
+        us.serve("/now", *TRIGGER, lambda request: request)
+        async with running(us):
+            silent, slow, client = [await Peer.of(ros, us) for _ in range(3)]
+            slow.writer.write(b"\xff\x00")
+            client.writer.write(
+                encode_header({"callerid": "/them", "md5sum": "*", "service": "/now", "persistent": "1"})
+            )
+            assert await silent.is_cut_off()
+            assert await slow.is_cut_off()
+            await client.hears()
+            client.writer.write(frame(b"still here"))
+            assert await client.reader.readexactly(1) == b"\x01"
+            assert await client.hears() == b"still here"
+            client.goes()
+
+
+@with_patience
+async def test_a_publisher_that_says_nothing_is_given_up(monkeypatch):
+    monkeypatch.setattr(subscriptions, "HANDSHAKE_SECONDS", 0.05)
+    monkeypatch.setattr(subscriptions, "_FIRST_PAUSE", 0.01)
+    connected = []
+    mute = await asyncio.start_server(lambda reader, writer: connected.append(writer), "127.0.0.1", 0)
+    liar = XmlRpcServer({"requestTopic"}, lambda call, peer: [1, "", ["TCPROS", *mute.sockets[0].getsockname()]])
+    address = await liar.start("127.0.0.1", 0)
+    async with master() as ros:
+        ros.publishers["/chatter"].append(f"http://127.0.0.1:{address.port}/")
+        us = RosNode("/us", ros.uri)
+        us.subscribe("/chatter", "*", "*", lambda data, caller: None)
+        async with running(us):
+            await eventually(lambda: len(connected) >= 2)
+    for writer in connected:
+        writer.transport.abort()
+    await liar.stop()
+    mute.close()
+
+
+@pytest.mark.parametrize(
+    "offer",
+    [[], 0, "TCPROS", ["UDPROS", "127.0.0.1", 1], ["TCPROS", "127.0.0.1", -1], ["TCPROS", "127.0.0.1", 10**6]]
+    + [["TCPROS", "\x00", 80], ["TCPROS", "." * 100, 80], ["TCPROS", "127.0.0.1", 1]],
+)
+@with_patience
+async def test_whatever_a_publisher_offers_does_no_harm(offer, monkeypatch):
+    monkeypatch.setattr(subscriptions, "_FIRST_PAUSE", 0.001)
+    asked = []
+    liar = XmlRpcServer({"requestTopic"}, lambda call, peer: asked.append(call) or [1, "", offer])
+    address = await liar.start("127.0.0.1", 0)
+    async with master() as ros:
+        ros.publishers["/chatter"] += [f"http://127.0.0.1:{address.port}/", "nonsense", "http://[", ""]
+        us = RosNode("/us", ros.uri)
+        us.subscribe("/chatter", "*", "*", lambda data, caller: None)
+        async with running(us):
+            await eventually(lambda: len(asked) >= 2)
+            assert len(us._subscriptions["/chatter"]._followed) == 4
+    await liar.stop()
+
+
+@with_patience
+async def test_there_are_only_so_many_connections(monkeypatch):
+    monkeypatch.setattr(tcpros_server, "CONNECTION_LIMIT", 3)
+    async with master() as ros:
+        us = RosNode("/us", ros.uri)
+        chatter = us.advertise("/chatter", *STRING)
+        async with running(us):
+            peers = [await Peer.of(ros, us) for _ in range(3)]
+            for peer in peers:
+                await peer.subscribes()
+            assert await (await Peer.of(ros, us)).is_cut_off()
+            peers[0].goes()
+            await eventually(lambda: chatter.subscribers == 2)
+            again = await Peer.of(ros, us)
+            await again.subscribes()
+            for peer in (*peers, again):
+                peer.goes()
+
+
+@with_patience
+async def test_mutated_traffic_harms_nobody_and_leaves_nothing_behind():
+    dice = random.Random(4)
+    openings = [
+        encode_header({"callerid": "/them", "md5sum": "*", "topic": "/chatter"}),
+        encode_header({"callerid": "/them", "md5sum": "*", "service": "/now", "persistent": "1"}) + frame(b"x") * 3,
+    ]
+    async with master() as ros:
+        us = RosNode("/us", ros.uri)
+        chatter = us.advertise("/chatter", *STRING)
+        us.serve("/now", *TRIGGER, lambda request: request)
+        async with running(us):
+            address = await where(us, ros.nodes["/us"])
+            for _ in range(200):
+                data = bytearray(dice.choice(openings))
+                for _ in range(dice.randint(1, 4)):
+                    data[dice.randrange(len(data))] = dice.randrange(256)
+                _, writer = await asyncio.open_connection(*address)
+                writer.write(bytes(data))
+                chatter.publish(b"to whom it may concern")
+                await asyncio.sleep(0)
+                writer.transport.abort() if dice.random() < 0.5 else writer.close()
+            await eventually(lambda: not us._tcpros._connections)
+            assert chatter.subscribers == 0
+            witness = await Peer.of(ros, us)
+            await witness.subscribes()
+            chatter.publish(b"all is well")
+            assert await witness.hears() == b"all is well"
+            witness.goes()
+
+
+def test_complaints_come_to_an_end(caplog):
+    complaints = sockets.Complaints(logging.getLogger("test"))
+    with caplog.at_level(logging.WARNING):
+        for number in range(10_000):
+            complaints.tell(f"stranger {number}")
+            complaints.tell("stranger 0")
+    assert 0 < len(caplog.records) < 1000
