@@ -12,7 +12,10 @@ from thbridge.wire.rosgraph.slave import Connection
 from thbridge.wire.rosgraph.tcpros import frame
 
 WAITING_LIMIT = 1 << 20
-"""Bytes that may wait for one subscriber before messages are dropped. One message alone may be longer."""
+"""Bytes of messages that may wait for one subscriber behind the one under way before newer ones are dropped.
+
+A single message may be longer.
+"""
 
 
 class Outlet:
@@ -40,7 +43,7 @@ class Outlet:
         if not self._paused:
             self._hand_over(message)
             return True
-        if self._transport.get_write_buffer_size() + self._waiting_bytes + len(message) > WAITING_LIMIT:
+        if self._waiting and self._waiting_bytes + len(message) > WAITING_LIMIT:
             self.dropped += 1
             return False
         self._waiting.append(message)

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import asyncio
 import logging
-from collections.abc import Callable
+from collections.abc import Callable, Iterable
 from contextlib import suppress
 from dataclasses import dataclass
 from enum import Enum
@@ -171,7 +171,12 @@ class Registrar:
         """Take back what is registered, as far as the master is there."""
         with suppress(TimeoutError):
             async with asyncio.timeout(_FAREWELL_SECONDS):
-                for key in self._parameters.keys() - self._unset.keys():
+                match await self._call("lookupNode", self._caller):
+                    case Response([1, _, str(uri)]) if uri != addresses.slave:
+                        ours: Iterable[str] = ()  # a successor of our name has set them anew
+                    case _:
+                        ours = self._parameters.keys() - self._unset.keys()
+                for key in ours:
                     if isinstance(await self._call("deleteParam", key), CallFailed):
                         return
                 for registration in self._registered:

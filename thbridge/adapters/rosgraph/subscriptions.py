@@ -16,6 +16,7 @@ from thbridge.adapters.rosgraph.sockets import HANDSHAKE_SECONDS, Complaints, en
 from thbridge.wire.rosgraph.links import Accepted, Ended, Received, Refused
 from thbridge.wire.rosgraph.outbound import SubscriberLink
 from thbridge.wire.rosgraph.slave import TRANSPORT, Connection
+from thbridge.wire.rosgraph.tcpros import LENGTH_BYTES
 
 PUBLISHER_LIMIT = 256
 """Publishers of one topic that are connected to; anybody may claim that there are more."""
@@ -166,7 +167,7 @@ class _Listener(asyncio.Protocol):
         for event in self._link.receive(data):
             match event:
                 case Received(message):
-                    self._bytes += len(message)
+                    self._bytes += LENGTH_BYTES + len(message)
                     self._messages += 1
                     self._heard(message, self._publisher)
                 case Accepted(publisher):

@@ -31,6 +31,9 @@ from thbridge.wire.rosgraph.slave import Connection
 CONNECTION_LIMIT = 1024
 """Connections taken at a time, of subscribers and clients together."""
 
+ANSWERING_LIMIT = 64
+"""Requests whose answers take their time, at a time; a client may leave, and ask again, before it has its answer."""
+
 ServiceAnswer: TypeAlias = bytes | ServiceFailed
 Handler: TypeAlias = Callable[[bytes], ServiceAnswer | Awaitable[ServiceAnswer]]
 """Answers a serialised request, at once or in time."""
@@ -59,6 +62,7 @@ class TcprosServer:
         self.complaints = Complaints(_log)
         self._services: dict[str, _Served] = {}
         self._connections: set[_Inbound] = set()
+        self._answering: set[asyncio.Task[None]] = set()
         self._server: asyncio.Server | None = None
 
     async def start(self, host: str) -> Listening | CannotListen:
@@ -73,9 +77,11 @@ class TcprosServer:
         return Listening(address[0], address[1])
 
     def stop(self) -> None:
-        """Close the port and cut off every connection."""
+        """Close the port, cut off every connection, and give up what is being answered."""
         if self._server is not None:
             self._server.close()
+        for task in self._answering:
+            task.cancel()
         for connection in self._connections:
             connection.cut_off()
 
@@ -114,12 +120,21 @@ class TcprosServer:
         """Hear that a connection is closed."""
         self._connections.discard(connection)
 
-    def handle(self, service: str, request: bytes) -> ServiceAnswer | Awaitable[ServiceAnswer]:
-        """The handler's answer to a request, or what becomes it."""
+    def handle(self, service: str, request: bytes, respond: Callable[[ServiceAnswer], None]) -> ServiceAnswer | None:
+        """Have a request answered: with what is returned, or else by `respond` in time."""
         try:
-            return self._services[service].handler(request)
+            answer = self._services[service].handler(request)
         except Exception:
             return _broken(service)
+        if isinstance(answer, bytes | ServiceFailed):
+            return answer
+        if len(self._answering) >= ANSWERING_LIMIT:
+            asyncio.ensure_future(answer).cancel()
+            return ServiceFailed(f"{service} has too many requests at a time")
+        task = asyncio.ensure_future(_answer_in_time(service, answer, respond))
+        self._answering.add(task)
+        task.add_done_callback(self._answering.discard)
+        return None
 
 
 class _Inbound(asyncio.Protocol):
@@ -132,7 +147,6 @@ class _Inbound(asyncio.Protocol):
         self._patience: asyncio.TimerHandle | None = None
         self._publication: Publication | None = None
         self._outlet: Outlet | None = None
-        self._answering: asyncio.Task[None] | None = None
 
     def connection_made(self, transport: asyncio.BaseTransport) -> None:
         if not isinstance(transport, Transport):
@@ -185,11 +199,9 @@ class _Inbound(asyncio.Protocol):
                     self._outlet = Outlet(self._transport, next(self._server.numbers), caller)
                     self._publication.add(self._outlet)
                 case Requested(service, request):
-                    answer = self._server.handle(service, request)
-                    if isinstance(answer, bytes | ServiceFailed):
+                    answer = self._server.handle(service, request, self._respond)
+                    if answer is not None:
                         waiting.extend(self._link.respond(answer))
-                    else:
-                        self._answering = asyncio.ensure_future(self._answer_in_time(service, answer))
                 case Refused(reason):
                     self._server.complaints.tell(f"a peer is refused: {reason}")
                     close_gently(self._transport)
@@ -197,12 +209,18 @@ class _Inbound(asyncio.Protocol):
                     _log.debug("a connection ends: %s", reason)
                     close_gently(self._transport)
 
-    async def _answer_in_time(self, service: str, pending: Awaitable[ServiceAnswer]) -> None:
-        try:
-            answer = await pending
-        except Exception:
-            answer = _broken(service)
+    def _respond(self, answer: ServiceAnswer) -> None:
         self._perform(self._link.respond(answer))
+
+
+async def _answer_in_time(
+    service: str, pending: Awaitable[ServiceAnswer], respond: Callable[[ServiceAnswer], None]
+) -> None:
+    try:
+        answer = await pending
+    except Exception:
+        answer = _broken(service)
+    respond(answer)
 
 
 def _broken(service: str) -> ServiceFailed:

@@ -25,7 +25,7 @@ class Connection:
         outgoing: whether we publish.
         topic: global name.
         endpoints: local port, remote host, remote port, number of the socket.
-        bytes: of messages that passed.
+        bytes: of the messages that passed, their lengths included.
         messages: that passed.
         dropped: messages that did not, because the subscriber was too slow.
     """

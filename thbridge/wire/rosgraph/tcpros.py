@@ -27,6 +27,9 @@ Fields: TypeAlias = dict[str, str]
 
 _LENGTH = struct.Struct("<I")
 
+LENGTH_BYTES = _LENGTH.size
+"""What a frame has beside its body."""
+
 
 @dataclass(frozen=True, slots=True)
 class Malformed:
@@ -74,10 +77,10 @@ def decode_header(body: bytes) -> Fields | Malformed:
     fields: Fields = {}
     at = 0
     while at < len(body):
-        if len(body) - at < _LENGTH.size:
+        if len(body) - at < LENGTH_BYTES:
             return Malformed("the header ends inside a field's length")
         (length,) = _LENGTH.unpack_from(body, at)
-        at += _LENGTH.size
+        at += LENGTH_BYTES
         if length > len(body) - at:
             return Malformed("a field is longer than what is left of the header")
         name, equals, value = body[at : at + length].partition(b"=")
@@ -107,16 +110,16 @@ class FrameBuffer:
 
     def take(self, limit: int) -> bytes | Overlong | None:
         """The next frame's body, None while it is incomplete. After `Overlong` the stream is of no more use."""
-        if len(self._held) < _LENGTH.size:
+        if len(self._held) < LENGTH_BYTES:
             return None
         (length,) = _LENGTH.unpack_from(self._held)
         if length > limit:
             self._held.clear()
             return Overlong(length, limit)
-        end = _LENGTH.size + length
+        end = LENGTH_BYTES + length
         if len(self._held) < end:
             return None
-        body = bytes(memoryview(self._held)[_LENGTH.size : end])
+        body = bytes(memoryview(self._held)[LENGTH_BYTES:end])
         del self._held[:end]
         return body
 

@@ -57,13 +57,14 @@ class SmallMaster:
 
     METHODS = frozenset(
         f"{begin}{what}" for begin in ("register", "unregister") for what in ("Publisher", "Subscriber", "Service")
-    ) | {"lookupNode", "lookupService", "subscribeParam", "unsubscribeParam"}
+    ) | {"lookupNode", "lookupService", "subscribeParam", "unsubscribeParam", "setParam", "deleteParam"}
 
     def __init__(self) -> None:
         self.nodes: dict[str, str] = {}
         self.publishers: dict[str, list[str]] = defaultdict(list)
         self.subscribers: dict[str, list[str]] = defaultdict(list)
         self.services: dict[str, str] = {}
+        self.parameters: dict[str, object] = {}
         self.calls: list[str] = []
         self._client = XmlRpcClient()
         self._server = XmlRpcServer(self.METHODS, self._answer)
@@ -103,6 +104,10 @@ class SmallMaster:
             case "registerService", [caller, service, service_uri, uri]:
                 self.nodes[caller] = uri
                 self.services[service] = service_uri
+            case "setParam", [_, key, value]:
+                self.parameters[key] = value
+            case "deleteParam", [_, key]:
+                del self.parameters[key]
             case "unregisterPublisher", [_, topic, uri]:
                 self.publishers[topic].remove(uri)
                 self._tell(topic)
@@ -181,6 +186,8 @@ class Peer:
             return await self.reader.read() == b""
         except ConnectionResetError:
             return True
+        finally:
+            self.goes()
 
     def goes(self) -> None:
         self.writer.transport.abort()
@@ -330,15 +337,15 @@ async def test_bus_info_and_stats_tell_what_passed():
     ]
     assert info[0][0] != info[1][0]
     sent, received, _ = stats
-    assert sent == [["/chatter", 16, [[info[0][0], 16, 2, True]]]]
-    assert received == [["/chatter", [[info[1][0], 16, 2, -1, True]]]]
+    assert sent == [["/chatter", 24, [[info[0][0], 24, 2, True]]]]
+    assert received == [["/chatter", [[info[1][0], 24, 2, -1, True]]]]
 
 
 # -- services
 
 
 @with_patience
-async def test_services_answer_at_once_in_time_or_not_at_all():
+async def test_services_answer_at_once_in_time_or_not_at_all(monkeypatch):
     async def later(request: bytes) -> bytes:
         await asyncio.sleep(0)
         return request * 2
@@ -350,7 +357,7 @@ async def test_services_answer_at_once_in_time_or_not_at_all():
         raise RuntimeError("a bug")
 
     async def never(request: bytes) -> bytes:
-        await asyncio.sleep(0.3)
+        await asyncio.Event().wait()
         return b""
 
     async with master() as ros:
@@ -372,6 +379,8 @@ async def test_services_answer_at_once_in_time_or_not_at_all():
             for name in ("/broken", "/broken_later"):
                 assert isinstance(await them.call_service(name, "*", b"", 5.0), ServiceFailed)
             assert "within" in (await them.call_service("/never", "*", b"", 0.05)).reason
+            monkeypatch.setattr(tcpros_server, "ANSWERING_LIMIT", 1)
+            assert "too many" in (await them.call_service("/later", "*", b"", 5.0)).reason
             assert isinstance(await them.call_service("/now", "0" * 32, b"x", 5.0), ServiceFailed)
             assert isinstance(await them.call_service("/nobody", "*", b"x", 5.0), ServiceFailed)
             assert await us.call_service("/now", TRIGGER[1], b"own", 5.0) == b"own"
@@ -397,6 +406,7 @@ async def test_a_master_that_is_late_or_lost_or_restarted_is_told_everything(mon
     us.advertise("/chatter", *STRING)
     us.serve("/now", *TRIGGER, lambda request: request)
     us.subscribe_param("/key", lambda key, value: None)
+    us.declare_param("/use_sim_time", True)
     assert isinstance(await us.start(), Started)
     first = SmallMaster()
     first.port = ros.port
@@ -410,6 +420,7 @@ async def test_a_master_that_is_late_or_lost_or_restarted_is_told_everything(mon
     await second.start()
     await eventually(lambda: log == ["found", "lost", "found"])
     assert (set(second.publishers), set(second.services)) == ({"/chatter"}, {"/now"})
+    assert second.parameters == {"/use_sim_time": True}
     assert "subscribeParam" in second.calls
     second.nodes.clear()  # as if it had been restarted between two looks
     await eventually(lambda: log == ["found", "lost", "found", "found"])
@@ -417,7 +428,8 @@ async def test_a_master_that_is_late_or_lost_or_restarted_is_told_everything(mon
     await us.registered()
     assert "/later" in second.publishers
     await us.stop()
-    assert [call for call in second.calls if call.startswith("un")].__len__() == 4
+    assert sum(call.startswith("un") for call in second.calls) == 4
+    assert not second.parameters
     await second.stop()
 
 
@@ -429,6 +441,7 @@ async def test_a_node_that_lost_its_name_says_so_once_and_does_not_take_it_back(
         reasons: list[str] = []
         us = RosNode("/us", ros.uri, on_shutdown=reasons.append)
         us.advertise("/chatter", *STRING)
+        us.declare_param("/use_sim_time", True)
         async with running(us):
             our_uri, ros.nodes["/us"] = ros.nodes["/us"], "http://127.0.0.1:1/"
             if told:
@@ -436,11 +449,9 @@ async def test_a_node_that_lost_its_name_says_so_once_and_does_not_take_it_back(
                 await client.call(our_uri, "shutdown", "/master", "new node registered")
                 await client.close()
             await eventually(lambda: reasons)
-            before = len(ros.calls)
-            us.advertise("/later", *STRING)
-            await asyncio.sleep(0.1)
-            assert len(ros.calls) == before
+            await eventually(us._registering.done)
             assert len(reasons) == 1
+        assert ros.parameters == {"/use_sim_time": True}  # which its successor has set as well
 
 
 @with_patience
@@ -526,8 +537,17 @@ async def test_a_publisher_that_says_nothing_is_given_up(monkeypatch):
 
 @pytest.mark.parametrize(
     "offer",
-    [[], 0, "TCPROS", ["UDPROS", "127.0.0.1", 1], ["TCPROS", "127.0.0.1", -1], ["TCPROS", "127.0.0.1", 10**6]]
-    + [["TCPROS", "\x00", 80], ["TCPROS", "." * 100, 80], ["TCPROS", "127.0.0.1", 1]],
+    [
+        [],
+        0,
+        "TCPROS",
+        ["UDPROS", "127.0.0.1", 1],
+        ["TCPROS", "127.0.0.1", -1],
+        ["TCPROS", "127.0.0.1", 10**6],
+        ["TCPROS", "\x00", 80],
+        ["TCPROS", "." * 100, 80],
+        ["TCPROS", "127.0.0.1", 1],
+    ],
 )
 @with_patience
 async def test_whatever_a_publisher_offers_does_no_harm(offer, monkeypatch):
