@@ -1,0 +1,337 @@
+"""The ROS master as a state machine: calls in, replies and notifications out.
+
+It knows who publishes, subscribes and serves what, and keeps the parameters. It carries no message.
+
+Source: http://wiki.ros.org/ROS/Master_API and ROS/Parameter_Server_API; ROS's rosmaster/master_api.py, whose status
+codes, texts and order of checks these are.
+
+Differs: a tree of parameters that is nested too deeply to be sent is refused. A node that answers a parameter's update
+with an error loses the subscription, as rosmaster means to do. Caller ids are taken for global names.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import dataclass
+from typing import TypeAlias
+
+from thbridge.wire.rosgraph.arguments import (
+    InvalidArgumentError,
+    api_uri,
+    global_key,
+    graph_name,
+    relative_key,
+    subgraph,
+    topic_type,
+)
+from thbridge.wire.rosgraph.names import ANY_TYPE, SEPARATOR
+from thbridge.wire.rosgraph.parameter_tree import ParameterTree, updates
+from thbridge.wire.rosgraph.registrations import Kind, Registrations
+from thbridge.wire.rosgraph.xmlrpc import Call, XmlRpcValue
+
+ERROR, FAILURE, SUCCESS = -1, 0, 1
+"""Status codes: the caller's mistake, ours, none."""
+
+
+@dataclass(frozen=True, slots=True)
+class Reply:
+    """What a method of the master or slave API returns: a status code, a sentence for people, a value."""
+
+    status: int
+    message: str
+    value: XmlRpcValue
+
+    def as_value(self) -> XmlRpcValue:
+        """The list that XML-RPC carries."""
+        return [self.status, self.message, self.value]
+
+
+@dataclass(frozen=True, slots=True)
+class PublisherUpdate:
+    """A subscriber is to hear who publishes a topic now; ``api`` and ``publishers`` are URIs of slave APIs."""
+
+    api: str
+    topic: str
+    publishers: tuple[str, ...]
+
+
+@dataclass(frozen=True, slots=True)
+class ParamUpdate:
+    """A subscriber is to hear a parameter's value; ``key`` has a slash at its end, an empty dict means unset."""
+
+    api: str
+    key: str
+    value: XmlRpcValue
+
+
+@dataclass(frozen=True, slots=True)
+class Shutdown:
+    """A node is to end, because another took its name."""
+
+    api: str
+    node: str
+    reason: str
+
+
+Notification: TypeAlias = PublisherUpdate | ParamUpdate | Shutdown
+
+_VALUE_ON_ERROR: Mapping[str, XmlRpcValue] = {
+    "registerService": 0,
+    "unregisterService": 0,
+    "registerSubscriber": [],
+    "unregisterSubscriber": 0,
+    "registerPublisher": [],
+    "unregisterPublisher": 0,
+    "lookupNode": "",
+    "lookupService": "",
+    "getPublishedTopics": 0,
+    "getTopicTypes": [],
+    "getSystemState": [[], [], []],
+    "getUri": "",
+    "getPid": -1,
+    "shutdown": 0,
+    "deleteParam": 0,
+    "setParam": 0,
+    "getParam": 0,
+    "searchParam": 0,
+    "subscribeParam": 0,
+    "unsubscribeParam": 0,
+    "hasParam": False,
+    "getParamNames": [],
+}
+
+METHODS = frozenset(_VALUE_ON_ERROR)
+"""The names of everything that can be called."""
+
+
+class Master:
+    """The state of a ROS graph.
+
+    Args:
+        uri: where the master is said to be.
+        pid: the number of the process that is said to run it.
+    """
+
+    def __init__(self, uri: str, pid: int) -> None:
+        self._uri = uri
+        self._pid = pid
+        self._registrations = Registrations()
+        self._types: dict[str, str] = {}
+        self._parameters = ParameterTree()
+        self._notifications: list[Notification] = []
+        self._stopped = False
+
+    @property
+    def stopped(self) -> bool:
+        """Whether somebody called ``shutdown``."""
+        return self._stopped
+
+    def handle(self, call: Call) -> tuple[Reply, list[Notification]]:
+        """Carry out a call of the master or the parameter server API.
+
+        Args:
+            call: one of `METHODS`.
+
+        Returns:
+            the reply to the caller, and what is to be told to others, in this order.
+
+        Raises:
+            KeyError: there is no such method.
+        """
+        on_error = _VALUE_ON_ERROR[call.method]
+        self._notifications = []
+        if not call.params:
+            return Reply(ERROR, "missing required caller_id parameter", on_error), []
+        caller, *given = call.params
+        try:
+            if not isinstance(caller, str):
+                raise InvalidArgumentError("caller_id must be a string")
+            reply = self._carry_out(call.method, caller, given)
+        except InvalidArgumentError as error:
+            reply = Reply(ERROR, str(error), on_error)
+        except ValueError as error:
+            reply = Reply(FAILURE, f"Internal failure: {error}", on_error)
+        if reply.value is None:
+            reply = Reply(ERROR, "Internal error (None value returned)", on_error)
+        return reply, self._notifications
+
+    def refuse_update(self, api: str, key: str) -> None:
+        """Hear that a node does not want to be told of a parameter (with a slash at its end) any more."""
+        self._registrations.unsubscribe_all(key, api)
+
+    def _carry_out(self, method: str, caller: str, given: list[XmlRpcValue]) -> Reply:
+        # The patterns are the API's signatures; arguments are checked from left to right.
+        match method, given:
+            case "registerPublisher", [topic, type_, api]:
+                name = graph_name(topic, "topic", caller)
+                return self._register_publisher(caller, name, topic_type(type_), api_uri(api))
+            case "unregisterPublisher", [topic, api]:
+                return self._unregister_publisher(caller, graph_name(topic, "topic", caller), api_uri(api))
+            case "registerSubscriber", [topic, type_, api]:
+                name = graph_name(topic, "topic", caller)
+                return self._register_subscriber(caller, name, topic_type(type_), api_uri(api))
+            case "unregisterSubscriber", [topic, api]:
+                return self._unregister(Kind.SUBSCRIBER, caller, graph_name(topic, "topic", caller), api_uri(api))
+            case "registerService", [service, service_api, api]:
+                name = graph_name(service, "service", caller)
+                return self._register_service(caller, name, api_uri(service_api, "service_api"), api_uri(api))
+            case "unregisterService", [service, service_api]:
+                name = graph_name(service, "service", caller)
+                return self._unregister_service(caller, name, api_uri(service_api, "service_api"))
+            case "lookupService", [service]:
+                return self._lookup_service(graph_name(service, "service", caller))
+            case "lookupNode", [node]:
+                return self._lookup_node(graph_name(node, "node", caller, root=True))
+            case "getPublishedTopics", [namespace]:
+                return self._published_topics(subgraph(namespace, caller))
+            case "getTopicTypes", []:
+                return Reply(SUCCESS, "current system state", [[name, type_] for name, type_ in self._types.items()])
+            case "getSystemState", []:
+                shown = (Kind.PUBLISHER, Kind.SUBSCRIBER, Kind.SERVICE)
+                return Reply(SUCCESS, "current system state", [self._registrations.state(kind) for kind in shown])
+            case "getUri", []:
+                return Reply(SUCCESS, "", self._uri)
+            case "getPid", []:
+                return Reply(SUCCESS, "", self._pid)
+            case "shutdown", [_]:
+                self._stopped = True
+                return Reply(SUCCESS, "shutdown", 0)
+            case "setParam", [key, value]:
+                return self._set_param(caller, global_key(key, caller), value)
+            case "getParam", [key]:
+                return self._get_param(global_key(key, caller))
+            case "deleteParam", [key]:
+                return self._delete_param(global_key(key, caller))
+            case "hasParam", [key]:
+                name = global_key(key, caller)
+                return Reply(SUCCESS, name, name in self._parameters)
+            case "searchParam", [key]:
+                return self._search_param(caller, relative_key(key))
+            case "subscribeParam", [api, key]:
+                return self._subscribe_param(caller, api_uri(api), global_key(key, caller))
+            case "unsubscribeParam", [api, key]:
+                return self._unsubscribe_param(caller, api_uri(api), global_key(key, caller))
+            case "getParamNames", []:
+                return Reply(SUCCESS, "Parameter names", [*self._parameters.names()])
+            case _:
+                raise InvalidArgumentError("Error: bad call arity")
+
+    # -- publishers, subscribers, services -----------------------------------------------------------------------------
+
+    def _register(self, kind: Kind, key: str, caller: str, caller_api: str, api: str | None = None) -> None:
+        replaced = self._registrations.register(kind, key, caller, caller_api, api)
+        if replaced is not None:
+            self._notifications.append(Shutdown(replaced, caller, "new node registered with same name"))
+
+    def _unregister(self, kind: Kind, caller: str, key: str, api: str) -> Reply:
+        if self._registrations.api_of(caller) is None:
+            return Reply(SUCCESS, f"[{caller}] is not a registered node", 0)
+        if self._registrations.unregister(kind, key, caller, api):
+            return Reply(SUCCESS, f"Unregistered [{caller}] as provider of [{key}]", 1)
+        return Reply(SUCCESS, f"[{caller}] is not a known provider of [{key}]", 0)
+
+    def _tell_subscribers(self, topic: str) -> list[str]:
+        """Have all subscribers of a topic told who publishes it; returns where they are."""
+        publishers = tuple(self._registrations.apis(Kind.PUBLISHER, topic))
+        subscribers = self._registrations.apis(Kind.SUBSCRIBER, topic)
+        self._notifications += [PublisherUpdate(api, topic, publishers) for api in subscribers]
+        return subscribers
+
+    def _register_publisher(self, caller: str, topic: str, type_: str, api: str) -> Reply:
+        self._register(Kind.PUBLISHER, topic, caller, api)
+        if type_ != ANY_TYPE or topic not in self._types:
+            self._types[topic] = type_
+        subscribers = self._tell_subscribers(topic)
+        return Reply(SUCCESS, f"Registered [{caller}] as publisher of [{topic}]", [*subscribers])
+
+    def _unregister_publisher(self, caller: str, topic: str, api: str) -> Reply:
+        reply = self._unregister(Kind.PUBLISHER, caller, topic, api)
+        if reply.value:
+            self._tell_subscribers(topic)
+        return reply
+
+    def _register_subscriber(self, caller: str, topic: str, type_: str, api: str) -> Reply:
+        self._register(Kind.SUBSCRIBER, topic, caller, api)
+        if type_ != ANY_TYPE:
+            self._types.setdefault(topic, type_)
+        publishers = self._registrations.apis(Kind.PUBLISHER, topic)
+        return Reply(SUCCESS, f"Subscribed to [{topic}]", [*publishers])
+
+    def _register_service(self, caller: str, service: str, service_api: str, api: str) -> Reply:
+        self._register(Kind.SERVICE, service, caller, api, service_api)
+        return Reply(SUCCESS, f"Registered [{caller}] as provider of [{service}]", 1)
+
+    def _unregister_service(self, caller: str, service: str, service_api: str) -> Reply:
+        reply = self._unregister(Kind.SERVICE, caller, service, service_api)
+        if reply.value == 0 and self._registrations.api_of(caller) is not None:
+            message = f"[{service_api}] is no longer the current service api handle for [{service}]"
+            return Reply(SUCCESS, message, 0)
+        return reply
+
+    def _lookup_service(self, service: str) -> Reply:
+        match self._registrations.apis(Kind.SERVICE, service):
+            case [api]:
+                return Reply(SUCCESS, f"rosrpc URI: [{api}]", api)
+            case _:
+                return Reply(ERROR, "no provider", "")
+
+    def _lookup_node(self, node: str) -> Reply:
+        api = self._registrations.api_of(node)
+        return Reply(ERROR, f"unknown node [{node}]", "") if api is None else Reply(SUCCESS, "node api", api)
+
+    def _published_topics(self, namespace: str) -> Reply:
+        inside = namespace and namespace.removesuffix(SEPARATOR) + SEPARATOR
+        topics = [topic for topic in self._registrations.keys(Kind.PUBLISHER) if topic.startswith(inside)]
+        return Reply(SUCCESS, "current topics", [[topic, self._types[topic]] for topic in topics])
+
+    # -- parameters ----------------------------------------------------------------------------------------------------
+
+    def _tell_of_change(self, key: str, value: XmlRpcValue, author: str | None) -> None:
+        subscribed = self._registrations.keys(Kind.PARAMETER)
+        for update in updates(subscribed, key, value):
+            for provider in self._registrations.providers(Kind.PARAMETER, update.subscription):
+                if not (update.own and provider.node == author):
+                    self._notifications.append(ParamUpdate(provider.api, update.key, update.value))
+
+    def _set_param(self, caller: str, key: str, value: XmlRpcValue) -> Reply:
+        if value is None:
+            raise InvalidArgumentError("ERROR: parameter [value] must be specified")
+        try:
+            self._parameters.set(key, value)
+        except ValueError as error:
+            return Reply(ERROR, f"Error: invalid arguments: {error}", 0)
+        self._tell_of_change(key, value, author=caller)
+        return Reply(SUCCESS, f"parameter {key} set", 0)
+
+    def _get_param(self, key: str) -> Reply:
+        try:
+            return Reply(SUCCESS, f"Parameter [{key}]", self._parameters.get(key))
+        except KeyError:
+            return Reply(ERROR, f"Parameter [{key}] is not set", 0)
+
+    def _delete_param(self, key: str) -> Reply:
+        try:
+            self._parameters.delete(key)
+        except KeyError:
+            return Reply(ERROR, f"parameter [{key}] is not set", 0)
+        self._tell_of_change(key, {}, author=None)
+        return Reply(SUCCESS, f"parameter {key} deleted", 0)
+
+    def _search_param(self, caller: str, key: str) -> Reply:
+        found = self._parameters.search(caller, key)
+        if found is None:
+            return Reply(ERROR, f"Cannot find parameter [{key}] in an upwards search", "")
+        return Reply(SUCCESS, f"Found [{found}]", found)
+
+    def _subscribe_param(self, caller: str, api: str, key: str) -> Reply:
+        self._register(Kind.PARAMETER, _subscription(key), caller, api)
+        value: XmlRpcValue = self._parameters.get(key) if key in self._parameters else {}
+        return Reply(SUCCESS, f"Subscribed to parameter [{key}]", value)
+
+    def _unsubscribe_param(self, caller: str, api: str, key: str) -> Reply:
+        self._registrations.unregister(Kind.PARAMETER, _subscription(key), caller, api)
+        return Reply(SUCCESS, f"Unsubscribe to parameter [{key}]", 1)
+
+
+def _subscription(key: str) -> str:
+    return key.removesuffix(SEPARATOR) + SEPARATOR

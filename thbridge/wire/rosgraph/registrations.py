@@ -1,0 +1,134 @@
+"""Who publishes, subscribes and serves what: the graph as the master knows it.
+
+Source: ROS's rosmaster/registrations.py.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, field
+from enum import Enum
+
+from thbridge.wire.rosgraph.xmlrpc import XmlRpcValue
+
+
+class Kind(Enum):
+    """What a node can be registered for."""
+
+    PUBLISHER = "publisher"
+    SUBSCRIBER = "subscriber"
+    SERVICE = "service"
+    PARAMETER = "parameter"
+
+
+@dataclass(frozen=True, slots=True)
+class Provider:
+    """A node that is registered for a topic, a service or a parameter.
+
+    Args:
+        node: its name, the caller id.
+        api: where its slave API is, or where the service is.
+    """
+
+    node: str
+    api: str
+
+
+@dataclass(slots=True)
+class _Node:
+    """A node while it is registered for anything."""
+
+    api: str
+    registered: set[tuple[Kind, str]] = field(default_factory=set)
+
+
+class Registrations:
+    """The registrations of all nodes.
+
+    A service has one provider, the last that registered; topics and parameters have as many as there are. Topics keep
+    the order in which they were first registered.
+    """
+
+    def __init__(self) -> None:
+        self._nodes: dict[str, _Node] = {}
+        self._providers: dict[Kind, dict[str, list[Provider]]] = {kind: {} for kind in Kind}
+
+    def keys(self, kind: Kind) -> list[str]:
+        """The topics, services or parameters that anybody is registered for."""
+        return [*self._providers[kind]]
+
+    def providers(self, kind: Kind, key: str) -> tuple[Provider, ...]:
+        """Who is registered, first come first."""
+        return tuple(self._providers[kind].get(key, ()))
+
+    def apis(self, kind: Kind, key: str) -> list[str]:
+        """Where those who are registered can be called, first come first."""
+        return [provider.api for provider in self.providers(kind, key)]
+
+    def api_of(self, node: str) -> str | None:
+        """Where a node can be called; None when it is not registered for anything."""
+        known = self._nodes.get(node)
+        return None if known is None else known.api
+
+    def state(self, kind: Kind) -> list[XmlRpcValue]:
+        """Pairs of a key and the names of the nodes registered for it."""
+        return [[key, [provider.node for provider in providers]] for key, providers in self._providers[kind].items()]
+
+    def register(self, kind: Kind, key: str, node: str, node_api: str, api: str | None = None) -> str | None:
+        """Register a node.
+
+        Args:
+            kind: what for.
+            key: the topic, service or parameter.
+            node: the node's name.
+            node_api: its slave API.
+            api: of the service itself, where it is one.
+
+        Returns:
+            the slave API of another node of the same name that this one takes the place of, or None. Nothing of the
+            other is left.
+        """
+        known = self._nodes.get(node)
+        replaced = None if known is None or known.api == node_api else known.api
+        if known is None or replaced is not None:
+            known = self._nodes[node] = _Node(node_api)
+        if replaced is not None:
+            self._forget(node)
+        known.registered.add((kind, key))
+        provider = Provider(node, api or node_api)
+        there = self._providers[kind].setdefault(key, [])
+        if kind is Kind.SERVICE:
+            there[:] = [provider]
+        elif provider not in there:
+            there.append(provider)
+        return replaced
+
+    def unregister(self, kind: Kind, key: str, node: str, api: str) -> bool:
+        """Take back a registration; False when there is none like this."""
+        known = self._nodes.get(node)
+        if known is None:
+            return False
+        there = self._providers[kind].get(key, [])
+        provider = Provider(node, api)
+        found = provider in there
+        if found:
+            there.remove(provider)
+            known.registered.discard((kind, key))
+            if not there:
+                del self._providers[kind][key]
+        if not known.registered:
+            del self._nodes[node]
+        return found
+
+    def unsubscribe_all(self, key: str, api: str) -> None:
+        """Take back the subscriptions to a parameter of whatever nodes are at a slave API."""
+        for provider in self.providers(Kind.PARAMETER, key):
+            if provider.api == api:
+                self.unregister(Kind.PARAMETER, key, provider.node, api)
+
+    def _forget(self, node: str) -> None:
+        for kind, by_key in self._providers.items():
+            self._providers[kind] = {
+                key: rest
+                for key, there in by_key.items()
+                if (rest := [provider for provider in there if provider.node != node])
+            }
