@@ -68,7 +68,7 @@ def test_a_search_goes_up_by_the_first_word():
     assert tree.search("/robot2", "/map") == "/map"
     assert tree.search("/robot2", "/nothing") is None
     for space, key in (("robot2", "map"), ("/", "~map"), ("/", "")):
-        with pytest.raises(ValueError, match="must be|invalid"):
+        with pytest.raises(ValueError, match=r"must be|invalid"):
             tree.search(space, key)
 
 
