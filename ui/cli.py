@@ -11,6 +11,7 @@ from ui.commands.localize import localize_command
 from ui.commands.measure import maps_measure
 from ui.commands.plan import plan
 from ui.commands.play import play
+from ui.commands.ros import ros_app
 from ui.commands.scan import scan
 from ui.terminal import err
 
@@ -39,7 +40,7 @@ app.add_typer(bag.bag_app, name="bag")
 files.maps_app.command("measure")(maps_measure)
 app.add_typer(files.maps_app, name="maps")
 app.add_typer(files.study_app, name="study")
-app.add_typer(files.ros_app, name="ros")
+app.add_typer(ros_app, name="ros")
 
 
 def main() -> None:

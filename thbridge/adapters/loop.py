@@ -32,7 +32,7 @@ async def run_ticks(tick: Callable[[], bool], period: float) -> Run:
     """
     pacer = Pacer(period)
     started = time.monotonic()
-    with _stopping() as stopped:
+    with stopping() as stopped:
         finished = False
         while not finished and not stopped.is_set():
             finished = not tick()
@@ -41,7 +41,7 @@ async def run_ticks(tick: Callable[[], bool], period: float) -> Run:
 
 
 @contextmanager
-def _stopping() -> Iterator[asyncio.Event]:
+def stopping() -> Iterator[asyncio.Event]:
     """An event that Ctrl-C and SIGTERM set instead of ending the program where it stands."""
     loop = asyncio.get_running_loop()
     stopped = asyncio.Event()

@@ -8,7 +8,6 @@ import typer
 
 from thbridge.adapters.map_files import check_map
 from thbridge.adapters.resources import shipped
-from thbridge.adapters.ros_package import write_package
 from thbridge.adapters.template_files import read_map_times
 from thbridge.app.study_text import commented_study
 from thbridge.hunt.costs import CostMatrix
@@ -19,7 +18,6 @@ from ui.options import AsJson, setting_of, study_of, write_report
 from ui.terminal import BAD_INPUT, FAILED, bad_input, fail, note, out, print_json
 
 maps_app = typer.Typer(help="Maps: the arenas that robots drive in.", no_args_is_help=True)
-ros_app = typer.Typer(help="Where a ROS 1 is installed: make it know our messages.", no_args_is_help=True)
 study_app = typer.Typer(help="Study files: everything that can be set, in one YAML file.", no_args_is_help=True)
 
 
@@ -91,14 +89,6 @@ def maps_list() -> None:
     """Name the maps that come with the project."""
     for name in shipped().names("maps"):
         out.print(name)
-
-
-@ros_app.command("messages")
-def ros_messages(folder: Annotated[Path, typer.Argument(help="Where the package goes, e.g. a catkin `src`.")]) -> None:
-    """Write our message types as the ROS package `thbridge_msgs`."""
-    with bad_input():
-        package = write_package(folder)
-    note(f"Wrote {package}.")
 
 
 @study_app.command("init")

@@ -11,6 +11,7 @@ from collections import OrderedDict
 from collections.abc import Awaitable, Callable
 from types import TracebackType
 
+from thbridge.adapters.loop import stopping
 from thbridge.adapters.rosgraph.http import CallFailed, XmlRpcClient, XmlRpcServer
 from thbridge.adapters.text_server import CannotListen, Listening
 from thbridge.wire.rosgraph.master import (
@@ -134,6 +135,27 @@ class MasterServer:
 
     async def _tell(self, api: str, method: str, *params: XmlRpcValue) -> Response | Fault | CallFailed:
         return await self._client.call(api, method, CALLER_ID, *params, timeout=self._patience)
+
+
+async def serve(host: str, port: int, ready: Callable[[Listening | CannotListen], None]) -> None:
+    """Be a master until Ctrl-C, SIGTERM, or a node's call of ``shutdown``.
+
+    Args:
+        host: see `MasterServer`.
+        port: see `MasterServer`.
+        ready: told where nodes can reach it, or why they cannot.
+    """
+    master = MasterServer(host, port)
+    where = await master.start()
+    ready(where)
+    if isinstance(where, CannotListen):
+        return
+    with stopping() as stopped:
+        endings = [asyncio.ensure_future(ending) for ending in (stopped.wait(), master.stopped())]
+        await asyncio.wait(endings, return_when=asyncio.FIRST_COMPLETED)
+        for ending in endings:
+            ending.cancel()
+    await master.stop()
 
 
 class _Deliveries:
