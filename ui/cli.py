@@ -7,6 +7,7 @@ from rich.logging import RichHandler
 
 from ui.commands import bag, files, programs
 from ui.commands.drive import GoalWithYaw, drive
+from ui.commands.export import bag_export
 from ui.commands.localize import localize_command
 from ui.commands.measure import maps_measure
 from ui.commands.plan import plan
@@ -36,6 +37,7 @@ for command in (
     app.command()(command)
 app.command(cls=GoalWithYaw)(drive)
 app.command("localize")(localize_command)
+bag.bag_app.command("export")(bag_export)
 app.add_typer(bag.bag_app, name="bag")
 files.maps_app.command("measure")(maps_measure)
 app.add_typer(files.maps_app, name="maps")

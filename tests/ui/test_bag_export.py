@@ -1,0 +1,43 @@
+"""`thbridge bag export` as people and programs call it."""
+
+import json
+from pathlib import Path
+
+import pytest
+from typer.testing import CliRunner, Result
+
+from tests.thbridge.offline.foreign import Robot, write
+from ui.cli import app
+
+
+@pytest.fixture(scope="module")
+def bag(tmp_path_factory: pytest.TempPathFactory) -> Path:
+    path = tmp_path_factory.mktemp("export") / "a.bag"
+    write(path, Robot(), seconds=1.0)
+    return path
+
+
+def run(bag: Path, to: Path, *options: str) -> Result:
+    return CliRunner().invoke(app, ["bag", "export", str(bag), "--to", str(to), *options])
+
+
+def test_json(bag: Path, tmp_path: Path) -> None:
+    done = run(bag, tmp_path / "out", "--format", "both", "--topics", "/sc*, /scan", "--json")
+    assert done.exit_code == 0, done.output
+    assert json.loads(done.stdout) == {"folder": str(tmp_path / "out"), "rows": {"scan": 11}, "notices": []}
+    made = {path.name for path in (tmp_path / "out").iterdir()}
+    assert made == {"scan.csv", "scan.parquet", "dictionary.csv", "session.json", "README.md"}
+
+
+def test_a_topic_that_is_not_there(bag: Path, tmp_path: Path) -> None:
+    done = run(bag, tmp_path / "out", "--topics", "/camera")
+    assert done.exit_code == 2
+    assert "there is no topic /camera. There are /odom, /scan" in done.stderr
+    assert not (tmp_path / "out").exists()
+
+
+def test_a_folder_that_cannot_be_made(bag: Path, tmp_path: Path) -> None:
+    (tmp_path / "file").write_text("")
+    done = run(bag, tmp_path / "file")
+    assert done.exit_code == 2
+    assert "--to" in done.stderr

@@ -1,0 +1,125 @@
+"""Tables as files for pandas, R and their like: Parquet and CSV, written piece by piece."""
+
+import base64
+from collections.abc import Collection, Sequence
+from enum import StrEnum
+from pathlib import Path
+from typing import Protocol, TypeAlias
+
+import numpy as np
+import pyarrow as pa
+from numpy.typing import NDArray
+from pyarrow import compute, csv, parquet
+
+Array: TypeAlias = "np.ndarray[tuple[int, ...], np.dtype[np.generic[object]]]"
+
+
+class TableFormat(StrEnum):
+    """A kind of file."""
+
+    CSV = "csv"
+    PARQUET = "parquet"
+
+
+class Described(Protocol):
+    """A column."""
+
+    @property
+    def name(self) -> str:
+        """Unique in its table."""
+
+    @property
+    def kind(self) -> str:
+        """Of its values; "bytes" where they are no text."""
+
+    @property
+    def unit(self) -> str:
+        """Of its values, or ""."""
+
+
+class Arrays(Protocol):
+    """A column of arrays."""
+
+    @property
+    def lengths(self) -> NDArray[np.int64]:
+        """How long each is."""
+
+    @property
+    def elements(self) -> "Array | list[str]":
+        """What is in them, one behind the other."""
+
+
+Values: TypeAlias = "Array | list[str] | list[str | None] | list[bytes] | Arrays"
+
+
+class TableFiles:
+    """Files of a folder, NAME.csv and NAME.parquet, that stay open until all are closed.
+
+    The same pieces give the same bytes.
+
+    Args:
+        folder: where; must exist.
+        formats: which kinds.
+    """
+
+    def __init__(self, folder: Path, formats: Collection[TableFormat]) -> None:
+        self._folder = folder
+        self._formats = formats
+        self._csv: dict[str, csv.CSVWriter] = {}
+        self._parquet: dict[str, parquet.ParquetWriter] = {}
+
+    def write(self, name: str, columns: Sequence[Described], values: Sequence[Values]) -> None:
+        """Append rows.
+
+        Args:
+            name: of the table.
+            columns: those of the pieces before; Parquet files keep their units in the fields' metadata.
+            values: of the columns, in their order.
+
+        Raises:
+            OSError: the disk is full, or the like.
+        """
+        arrays = [_array(column.kind, each) for column, each in zip(columns, values, strict=True)]
+        fields = [
+            pa.field(column.name, array.type, metadata={"unit": column.unit} if column.unit else None)
+            for column, array in zip(columns, arrays, strict=True)
+        ]
+        table = pa.Table.from_arrays(arrays, schema=pa.schema(fields))
+        if TableFormat.PARQUET in self._formats:
+            if name not in self._parquet:
+                path = self._folder / f"{name}.parquet"
+                self._parquet[name] = parquet.ParquetWriter(path, table.schema, compression="zstd")
+            if table.num_rows:
+                self._parquet[name].write_table(table)
+        if TableFormat.CSV in self._formats:
+            plain = pa.Table.from_arrays([_cells(array) for array in arrays], names=table.column_names)
+            if name not in self._csv:
+                options = csv.WriteOptions(quoting_style="needed", quoting_header="needed")
+                self._csv[name] = csv.CSVWriter(self._folder / f"{name}.csv", plain.schema, write_options=options)
+            self._csv[name].write_table(plain)
+
+    def close(self) -> None:
+        """Finish every file. Raises OSError: the disk is full, or the like."""
+        for writer in (*self._csv.values(), *self._parquet.values()):
+            writer.close()
+
+
+def _array(kind: str, values: Values) -> pa.Array:
+    if isinstance(values, np.ndarray):
+        return pa.array(values)
+    if isinstance(values, list):
+        # Said outright: an empty piece would be of no type.
+        return pa.array(values, type=pa.binary() if kind == "bytes" else pa.string())
+    offsets = np.concatenate(([0], np.cumsum(values.lengths))).astype(np.int32)
+    elements = pa.array(values.elements, type=pa.string() if isinstance(values.elements, list) else None)
+    return pa.ListArray.from_arrays(pa.array(offsets), elements)
+
+
+def _cells(array: pa.Array) -> pa.Array:
+    """What CSV can hold: arrays as their elements with blanks between, bytes as base64."""
+    if pa.types.is_list(array.type):
+        texts = pa.ListArray.from_arrays(array.offsets, compute.cast(array.values, pa.string()))
+        return compute.binary_join(texts, " ")
+    if pa.types.is_binary(array.type):
+        return pa.array([base64.b64encode(each).decode() for each in array.to_pylist()], type=pa.string())
+    return array
