@@ -81,7 +81,7 @@ def leaves(key: str, value: ParameterValue) -> Iterator[tuple[str, ParameterValu
         yield from leaves(f"{key}/{name}", inner)
 
 
-def value_at(software: RobotParameters, path: str) -> ParameterValue | None:
+def value_at(software: RobotParameters, path: str) -> "ParameterValue | None":
     """The value at a place of the software ("amcl.min_particles"); None where it has none."""
     section: object = software
     for name in path.split("."):

@@ -1,0 +1,139 @@
+"""The topics of a session, with the types of their messages."""
+
+from dataclasses import dataclass
+from typing import NamedTuple
+
+from sim.parameters import RobotParameters
+from thbridge.ros import names, types
+from thbridge.ros.names import RobotNames
+
+
+class Topic(NamedTuple):
+    """A topic with the type of its messages; who comes late to a latched one gets its last message."""
+
+    name: str
+    msgtype: str
+    latched: bool = False
+
+
+class Message(NamedTuple):
+    """One message.
+
+    Attributes:
+        topic: its topic.
+        stamp_ns: when it was said, nanoseconds of ROS time.
+        data: its bytes.
+        heard: whether somebody else said it on a ROS graph: it is recorded, and not said there once more.
+    """
+
+    topic: Topic
+    stamp_ns: int
+    data: bytes
+    heard: bool = False
+
+
+CLOCK = Topic(names.CLOCK, types.CLOCK)
+"""Said on a graph only: who plays a bag makes the clock."""
+TF = Topic(names.TF, types.TFMESSAGE)
+TF_STATIC = Topic(names.TF_STATIC, types.TFMESSAGE, latched=True)
+MAP = Topic(names.MAP, types.OCCUPANCY_GRID, latched=True)
+MAP_METADATA = Topic(names.MAP_METADATA, types.MAP_META_DATA, latched=True)
+SESSION = Topic(names.SESSION, types.SESSION, latched=True)
+SEND_ROBOTS = Topic(names.SEND_ROBOTS, types.STRING)
+SUCCESS = Topic(names.SUCCESS, types.STRING)
+GAME_EVENTS = Topic(names.GAME_EVENTS, types.GAME_EVENT)
+SCORE = Topic(names.SCORE, types.SCORE, latched=True)
+UTTERANCES = Topic(names.UTTERANCES, types.UTTERANCE)
+INPUTS = Topic(names.INPUTS, types.INPUT)
+THINGS = Topic(names.THINGS, types.MARKER_ARRAY, latched=True)
+ROSOUT = Topic(names.ROSOUT, types.LOG)
+DIAGNOSTICS = Topic(names.DIAGNOSTICS, types.DIAGNOSTIC_ARRAY)
+
+TEAM_TOPICS = (
+    TF,
+    TF_STATIC,
+    MAP,
+    MAP_METADATA,
+    SESSION,
+    SEND_ROBOTS,
+    SUCCESS,
+    GAME_EVENTS,
+    SCORE,
+    UTTERANCES,
+    INPUTS,
+    THINGS,
+    ROSOUT,
+    DIAGNOSTICS,
+)
+"""All that no single robot has."""
+
+
+@dataclass(frozen=True, slots=True)
+class Planners:
+    """Names of a robot's planners, by which move_base calls the topics of their plans."""
+
+    base_global_planner: str = "NavfnROS"
+    base_local_planner: str = "TrajectoryPlannerROS"
+
+    @classmethod
+    def of(cls, parameters: RobotParameters) -> "Planners":
+        """Those that a robot uses: "navfn/NavfnROS" is called NavfnROS."""
+        chosen = parameters.move_base
+        return cls(chosen.base_global_planner.rpartition("/")[2], chosen.base_local_planner.rpartition("/")[2])
+
+
+@dataclass(frozen=True, slots=True)
+class RobotTopics:
+    """The topics of one robot."""
+
+    odom: Topic
+    base_pose_ground_truth: Topic
+    scan: Topic
+    amcl_pose: Topic
+    particlecloud: Topic
+    initialpose: Topic
+    cmd_vel: Topic
+    battery: Topic
+    simple_goal: Topic
+    goal: Topic
+    cancel: Topic
+    status: Topic
+    feedback: Topic
+    result: Topic
+    plan: Topic
+    local_plan: Topic
+    global_costmap: Topic
+    local_costmap: Topic
+    global_footprint: Topic
+    local_footprint: Topic
+
+    @classmethod
+    def of(cls, robot: RobotNames, planners: Planners) -> "RobotTopics":
+        """The topics in a robot's namespace."""
+        return cls(
+            odom=Topic(robot.topic("odom"), types.ODOMETRY),
+            base_pose_ground_truth=Topic(robot.topic("base_pose_ground_truth"), types.ODOMETRY),
+            scan=Topic(robot.topic("scan"), types.LASER_SCAN),
+            amcl_pose=Topic(robot.topic("amcl_pose"), types.POSE_WITH_COVARIANCE, latched=True),
+            particlecloud=Topic(robot.topic("particlecloud"), types.POSE_ARRAY, latched=True),
+            initialpose=Topic(robot.topic("initialpose"), types.POSE_WITH_COVARIANCE),
+            cmd_vel=Topic(robot.topic("cmd_vel"), types.TWIST),
+            battery=Topic(robot.topic("battery"), types.BATTERY_STATE),
+            simple_goal=Topic(robot.topic("move_base_simple/goal"), types.POSE_STAMPED),
+            goal=Topic(robot.topic("move_base/goal"), types.MOVE_BASE_GOAL),
+            cancel=Topic(robot.topic("move_base/cancel"), types.GOAL_ID),
+            status=Topic(robot.topic("move_base/status"), types.GOAL_STATUS_ARRAY, latched=True),
+            feedback=Topic(robot.topic("move_base/feedback"), types.MOVE_BASE_FEEDBACK),
+            result=Topic(robot.topic("move_base/result"), types.MOVE_BASE_RESULT),
+            plan=Topic(robot.topic(f"move_base/{planners.base_global_planner}/plan"), types.PATH),
+            local_plan=Topic(robot.topic(f"move_base/{planners.base_local_planner}/local_plan"), types.PATH),
+            # costmap_2d sends its last costmap to whoever comes late: as good as latched.
+            global_costmap=Topic(robot.topic("move_base/global_costmap/costmap"), types.OCCUPANCY_GRID, latched=True),
+            local_costmap=Topic(robot.topic("move_base/local_costmap/costmap"), types.OCCUPANCY_GRID, latched=True),
+            global_footprint=Topic(robot.topic("move_base/global_costmap/footprint"), types.POLYGON_STAMPED),
+            local_footprint=Topic(robot.topic("move_base/local_costmap/footprint"), types.POLYGON_STAMPED),
+        )
+
+    def all(self) -> tuple[Topic, ...]:
+        """Every one of them."""
+        return tuple(getattr(self, name) for name in self.__slots__)
