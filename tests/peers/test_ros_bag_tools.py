@@ -21,11 +21,15 @@ from pathlib import Path
 
 import pytest
 import rosbag
+from rosbags.rosbag1 import Reader
 
 from tests.thbridge.ros.drive import MOUNT, SCAN_PERIOD, SESSION, arena, records, snapshots
+from thbridge.adapters.bag_parts import Splitting
 from thbridge.adapters.bag_reader import info, messages
+from thbridge.adapters.bag_records import Compression
 from thbridge.adapters.bag_repair import reindex
-from thbridge.adapters.bag_writer import BagWriter, Recorder
+from thbridge.adapters.bag_writer import WHOLE, BagWriter, Recorder
+from thbridge.adapters.recordings import parts_of
 from thbridge.adapters.ros_definitions import Definitions
 from thbridge.ros.publisher import Publisher
 from thbridge.ros.types import MARKER_ARRAY, OWN_TYPES, STANDARD_TYPES
@@ -79,9 +83,14 @@ def eventually(true: Callable[[], bool], what: str) -> None:
         time.sleep(0.05)
 
 
-def record(path: Path, definitions: Definitions) -> Path:
-    recorder = Recorder(BagWriter(path, definitions), Publisher(ROBOTS, MOUNT, SCAN_PERIOD), SESSION, arena())
-    with recorder:
+def record(
+    path: Path,
+    definitions: Definitions,
+    compression: Compression = Compression.NONE,
+    splitting: Splitting = WHOLE,
+) -> Path:
+    writer = BagWriter(path, definitions, compression=compression, splitting=splitting)
+    with Recorder(writer, Publisher(ROBOTS, MOUNT, SCAN_PERIOD), SESSION, arena()) as recorder:
         for snapshot in snapshots(ROBOTS, TICKS):
             recorder.record(snapshot, records(snapshot.tick))
     return path
@@ -90,6 +99,13 @@ def record(path: Path, definitions: Definitions) -> Path:
 @pytest.fixture(scope="module")
 def bag(tmp_path_factory: pytest.TempPathFactory) -> Path:
     return record(tmp_path_factory.mktemp("bags") / "a.bag", Definitions())
+
+
+@pytest.fixture(scope="module")
+def packed(tmp_path_factory: pytest.TempPathFactory) -> dict[Compression, Path]:
+    """The same recording, packed in every way."""
+    folder = tmp_path_factory.mktemp("packed")
+    return {kind: record(folder / f"{kind}.bag", Definitions(), kind) for kind in Compression}
 
 
 @needs_ros
@@ -148,6 +164,81 @@ def test_the_ros_python_reader_reads_every_message(bag: Path) -> None:
     session = said[0][2] if said[0][0] == "/thbridge/session" else None
     assert session is None or session.study == SESSION.study
     assert all(message.intensities == () for topic, _, message in said if topic.endswith("/scan"))
+
+
+def contents(path: Path) -> list[tuple[str, int, bytes]]:
+    return sorted((message.topic, message.stamp_ns, message.data) for message in messages(path))
+
+
+@needs_ros
+@pytest.mark.parametrize("compression", Compression)
+def test_rosbag_filter_reads_every_compression(
+    tmp_path: Path, packed: dict[Compression, Path], compression: Compression
+) -> None:
+    assert f"compression: {compression}\n" in run("rosbag", "info", "--yaml", str(packed[compression]))
+    run("rosbag", "filter", str(packed[compression]), str(tmp_path / "some.bag"), "topic != '/tf'")
+    expected = [item for item in contents(packed[Compression.NONE]) if item[0] != "/tf"]
+    assert contents(tmp_path / "some.bag") == expected
+
+
+@needs_our_messages
+@pytest.mark.parametrize("compression", [Compression.LZ4, Compression.BZ2])
+def test_rosbag_check_wants_nothing_of_packed_bags(packed: dict[Compression, Path], compression: Compression) -> None:
+    assert run("rosbag", "check", str(packed[compression])).strip() == "Bag file does not need any migrations."
+
+
+@needs_ros
+@pytest.mark.parametrize("compression", [Compression.LZ4, Compression.BZ2])
+def test_rosbag_packs_our_bags_and_unpacks_them(
+    tmp_path: Path, packed: dict[Compression, Path], compression: Compression
+) -> None:
+    path = tmp_path / "a.bag"
+    shutil.copy(packed[Compression.NONE], path)
+    run("rosbag", "compress", "--quiet", f"--{compression}", str(path))
+    assert contents(path) == contents(packed[Compression.NONE])
+    shutil.copy(packed[compression], path)
+    (tmp_path / "a.orig.bag").unlink()
+    run("rosbag", "decompress", "--quiet", str(path))
+    assert f"compression: {Compression.NONE}\n" in run("rosbag", "info", "--yaml", str(path))
+    assert contents(path) == contents(packed[Compression.NONE])
+
+
+@needs_ros
+@pytest.mark.parametrize("compression", [Compression.LZ4, Compression.BZ2])
+def test_rosbag_and_we_reindex_packed_bags_alike(
+    tmp_path: Path, packed: dict[Compression, Path], compression: Compression
+) -> None:
+    whole = packed[compression].read_bytes()
+    for name in ("ours", "theirs"):
+        (tmp_path / f"{name}.bag").write_bytes(whole[: len(whole) * 2 // 3])
+    run("rosbag", "reindex", "--quiet", str(tmp_path / "theirs.bag"))
+    assert reindex(tmp_path / "ours.bag").messages > 500
+    assert contents(tmp_path / "ours.bag") == contents(tmp_path / "theirs.bag")
+    assert f"compression: {compression}\n" in run("rosbag", "info", "--yaml", str(tmp_path / "ours.bag"))
+
+
+@pytest.mark.parametrize("compression", Compression)
+def test_the_ros_python_reader_and_rosbags_read_every_compression(
+    packed: dict[Compression, Path], compression: Compression
+) -> None:
+    expected = contents(packed[Compression.NONE])
+    with rosbag.Bag(str(packed[compression])) as reader:
+        said = [(topic, stamp.to_nsec(), raw[1]) for topic, raw, stamp in reader.read_messages(raw=True)]
+    assert sorted(said) == expected
+    with Reader(packed[compression]) as reader:
+        assert sorted((c.topic, stamp, bytes(data)) for c, stamp, data in reader.messages()) == expected
+
+
+@needs_ros
+def test_each_part_of_a_split_recording_is_a_bag_to_rosbag(tmp_path: Path) -> None:
+    record(tmp_path / "a.bag", Definitions(), Compression.LZ4, Splitting(duration_ns=1_500_000_000))
+    parts = parts_of(tmp_path / "a.bag")
+    assert len(parts) == 3
+    for part in parts:
+        said = run("rosbag", "info", "--yaml", str(part))
+        assert f"messages: {info(part).messages}\n" in said
+        assert f"duration: {info(part).duration:.6f}\n" in said
+        assert "- topic: /map\n" in said
 
 
 WRITE = """
@@ -294,6 +385,36 @@ def test_rosbag_play_plays_every_topic_and_late_listeners_get_the_map(bag: Path,
         last_frame = run("rostopic", "echo", "-n", "1", "/tf_static/transforms[3]/child_frame_id", master=master)
         assert "robot2/base_laser" in last_frame
         assert player.poll() is None
+
+
+@needs_ros
+def test_rosbag_plays_the_parts_of_a_packed_recording_as_one(tmp_path: Path, master: str) -> None:
+    record(tmp_path / "a.bag", Definitions(), Compression.LZ4, Splitting(duration_ns=1_500_000_000))
+    topic, parts = "/robot1/base_pose_ground_truth", map(str, parts_of(tmp_path / "a.bag"))
+    with playing(master, "--rate=4", "--wait-for-subscribers", *parts, "--topics", topic) as player:
+        eventually(lambda: topic in published(master), "play to advertise")
+        said = run("rostopic", "echo", "-n", str(TICKS), f"{topic}/header/seq", master=master)
+        player.wait(PATIENCE)
+    assert [int(line) for line in said.split() if line != "---"] == list(range(TICKS))
+
+
+@needs_ros
+def test_rostopic_hz_finds_odometry_at_fifty_hertz(bag: Path, master: str) -> None:
+    with playing(master, "--loop", str(bag), "--topics", "/robot1/odom"):
+        hz = subprocess.Popen(
+            ["rostopic", "hz", "--window=50", "/robot1/odom"],
+            env=_environment(master),
+            stdout=subprocess.PIPE,
+            text=True,
+        )
+        assert hz.stdout is not None
+        try:
+            rates = (float(line.split()[-1]) for line in hz.stdout if line.startswith("average rate"))
+            assert any(45 < rate < 55 for _, rate in zip(range(10), rates, strict=False))
+        finally:
+            hz.kill()
+            hz.wait()
+            hz.stdout.close()
 
 
 def published(master: str) -> set[str]:

@@ -10,7 +10,10 @@ from thbridge.adapters.bag_records import U32, Connection, message_head, time_by
 
 CHUNK_BYTES = 128 * 1024
 CHUNK_NS = 1_000_000_000
-"""A chunk is closed beyond so many bytes, and when it spans so much time."""
+"""A chunk ends with the stamp that takes it beyond so many bytes, and when it spans so much time."""
+
+MOST_BYTES = 8 * CHUNK_BYTES
+"""Beyond so many bytes it ends even within a stamp."""
 
 _ENTRY = np.dtype([("time", "V8"), ("offset", "<u4")])
 
@@ -60,13 +63,12 @@ class Chunks:
         self._start_ns = self._end_ns = 0
 
     def takes(self, stamp_ns: int) -> bool:
-        """Whether a message of this stamp belongs to those that have gathered, for the time that they span."""
-        return not self.size or stamp_ns - self._start_ns < CHUNK_NS
-
-    @property
-    def full(self) -> bool:
-        """Whether they are a chunk."""
-        return self.size > CHUNK_BYTES
+        """Whether a message of this stamp belongs to those that have gathered."""
+        if not self.size:
+            return True
+        if stamp_ns == self._stamp_ns:
+            return self.size <= MOST_BYTES
+        return self.size <= CHUNK_BYTES and stamp_ns - self._start_ns < CHUNK_NS
 
     def add(self, connection: Connection, stamp_ns: int, data: bytes) -> None:
         """Add a message."""

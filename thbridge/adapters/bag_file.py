@@ -1,7 +1,6 @@
 """A file of chunks that becomes a ROS 1 bag, safe from kills and full disks."""
 
 import os
-from dataclasses import dataclass
 from pathlib import Path
 
 from thbridge.adapters.bag_chunks import Chunk, Chunks
@@ -15,23 +14,14 @@ from thbridge.adapters.bag_records import (
     connection_record,
     index_record,
 )
-
-
-@dataclass(frozen=True, slots=True)
-class _Kept:
-    """A chunk of the file, as the index needs it."""
-
-    position: int
-    chunk_start_ns: int
-    chunk_end_ns: int
-    counts: dict[Connection, int]
+from thbridge.adapters.disk_room import set_aside
 
 
 class ChunkFile:
     """A bag that grows by whole chunks. A chunk reaches it whole or, with an OSError, not at all.
 
-    Each chunk begins with the records of connections that are new to the file. Connections that no chunk uses stay out
-    of the index (they would give `rosbag info` a negative duration). Memory grows with the chunks, not the messages.
+    Each chunk begins with the records of connections that are new to the file, so there is none that no message uses
+    (it would give `rosbag info` a negative duration). Memory grows with the chunks, not the messages.
 
     Args:
         path: of the file; it may not exist yet.
@@ -49,8 +39,10 @@ class ChunkFile:
         self.path = path
         self.size = 0
         self._compression = compression
-        self._known: dict[Connection, None] = {}
-        self._kept: list[_Kept] = []
+        self._known: set[Connection] = set()
+        self._infos: list[bytes] = []
+        self._index_bytes = 0
+        self._end = 0
         self._complete = False
         self._file = path.open("xb", buffering=0)
         self._append(MAGIC + bag_header(0, 0, 0))
@@ -60,10 +52,16 @@ class ChunkFile:
         fresh = self._fresh(chunk)
         head = b"".join(map(connection_record, fresh))
         index = b"".join(index_record(who, chunk.moved_entries(who, len(head))) for who in chunk.entries)
-        position = self.size
-        self._append(chunk_record(head + chunk.data, self._compression) + index)
-        self._known.update(dict.fromkeys(fresh))
-        self._kept.append(_Kept(position, chunk.start_ns, chunk.end_ns, dict(chunk.counts)))
+        info = chunk_info_record(self.size, chunk.start_ns, chunk.end_ns, chunk.counts)
+        # Even when the disk is full there is room for the index.
+        self._index_bytes += len(head) + len(info)
+        try:
+            self._append(chunk_record(head + chunk.data, self._compression) + index)
+        except OSError:
+            self._index_bytes -= len(head) + len(info)
+            raise
+        self._known.update(fresh)
+        self._infos.append(info)
 
     def preview(self, chunk: Chunk) -> None:
         """Put down a chunk that is still growing where its longer self will be. Raises OSError, like `append`.
@@ -71,7 +69,7 @@ class ChunkFile:
         It is never compressed: what is on the disk stays readable while more of it is written over it.
         """
         head = b"".join(map(connection_record, self._fresh(chunk)))
-        self._put(self.size, chunk_record(head + chunk.data, Compression.NONE))
+        self._put(chunk_record(head + chunk.data, Compression.NONE))
 
     def sync(self) -> None:
         """Force the file onto the disk. Raises OSError, also when somebody deleted the file."""
@@ -83,14 +81,12 @@ class ChunkFile:
         """Write the index, once. Raises OSError; then the file is as it was, and this can be tried again."""
         if self._complete:
             return
-        used = {connection for kept in self._kept for connection in kept.counts}
         # Readers order messages of one stamp by their connections here; so all parts of a recording are read alike.
-        indexed = sorted(used, key=lambda connection: connection.number)
-        position = self.size
-        infos = (chunk_info_record(k.position, k.chunk_start_ns, k.chunk_end_ns, k.counts) for k in self._kept)
-        self._append(b"".join((*map(connection_record, indexed), *infos)))
+        known = sorted(self._known, key=lambda connection: connection.number)
+        position, self._index_bytes = self.size, 0
+        self._append(b"".join((*map(connection_record, known), *self._infos)))
         try:
-            self._put(len(MAGIC), bag_header(position, len(indexed), len(self._kept)))
+            self._write(len(MAGIC), bag_header(position, len(known), len(self._infos)))
         except OSError:
             self.size = position
             raise
@@ -105,21 +101,38 @@ class ChunkFile:
 
     def _append(self, data: bytes) -> None:
         """Write behind all that is kept, and keep it."""
-        self._put(self.size, data)
+        self._put(data)
         self.size += len(data)
-        # What was previewed may have been longer than its compressed self.
-        self._file.truncate(self.size)
+        if self._end > self.size:
+            # What was previewed was longer than its compressed self.
+            self._cut()
+            self._set_aside(0)
 
-    def _put(self, position: int, data: bytes) -> None:
-        """Write at a place of the file. Raises OSError; then nothing stays behind what is kept."""
+    def _put(self, data: bytes) -> None:
+        """Write behind all that is kept. Raises OSError; then nothing stays there."""
+        self._set_aside(len(data))
         try:
-            self._file.seek(position)
-            view = memoryview(data)
-            while view:
-                view = view[self._file.write(view) :]
+            self._write(self.size, data)
         except OSError:
-            self._file.truncate(self.size)
+            self._cut()
             raise
+        self._end = max(self._end, self.size + len(data))
+
+    def _write(self, position: int, data: bytes) -> None:
+        self._file.seek(position)
+        view = memoryview(data)
+        while view:
+            view = view[self._file.write(view) :]
+
+    def _cut(self) -> None:
+        """Drop what is not kept."""
+        self._file.truncate(self.size)
+        self._end = self.size
+
+    def _set_aside(self, size: int) -> None:
+        """Have room for so many bytes behind all that is kept, and for the index behind them. Raises OSError."""
+        if size + self._index_bytes:
+            set_aside(self._file.fileno(), self.size, size + self._index_bytes)
 
 
 class BagFile:
@@ -150,8 +163,6 @@ class BagFile:
         if not self._chunks.takes(stamp_ns):
             self._file.append(self._chunks.take())
         self._chunks.add(connection, stamp_ns, data)
-        if self._chunks.full:
-            self._file.append(self._chunks.take())
 
     def close(self) -> None:
         """End the open chunk, write the index and close the file."""

@@ -16,7 +16,7 @@ class Splitting:
     """When a recording goes on in another file.
 
     Attributes:
-        size: bytes beyond which a file is ended with its chunk; None for any size.
+        size: bytes beyond which a file ends, with the chunk and with all that has the same stamp; None for any size.
         duration_ns: recorded time that a file spans at most; None for any.
     """
 
@@ -70,6 +70,7 @@ class Parts:
         self._syncing = syncing
         self._number = self._period = 0
         self._full = False
+        self._end_ns = 0
         self._open: list[ChunkFile] = []
         self._file = self._begin(0)
 
@@ -88,6 +89,7 @@ class Parts:
         self._turn_to(piece)
         self._file.append(piece.chunk)
         self._full = self._splitting.size is not None and self._file.size > self._splitting.size
+        self._end_ns = piece.chunk.end_ns
 
     def preview(self, piece: Piece) -> None:
         """Bring a chunk that is still growing onto the disk, with all before it. Raises OSError."""
@@ -119,7 +121,8 @@ class Parts:
 
     def _turn_to(self, piece: Piece) -> None:
         """Go on in another file where a chunk does not belong into this one."""
-        if not self._full and piece.period == self._period:
+        # What was said at one stamp stays together, and keeps its order.
+        if not (self._full and piece.chunk.start_ns > self._end_ns) and piece.period == self._period:
             return
         self.finish()
         self._file = self._begin(self._number + 1)

@@ -107,12 +107,12 @@ class BagWriter:
         topic, stamp_ns, data = message
         if stamp_ns != self._stamp_ns or not self._open:
             self._turn_to(stamp_ns)
+        if not self._chunks.takes(stamp_ns):
+            self._hand_over()
         connection = self._connections.get(topic) or self._connect(topic)
         self._chunks.add(connection, stamp_ns, data)
         if topic.latched:
             self._latched[connection] = data
-        if self._chunks.full:
-            self._hand_over()
 
     def sync_if_due(self) -> None:
         """Once a second of wall time, force everything onto the disk; to be called at least as often.
@@ -166,7 +166,7 @@ class BagWriter:
             raise ValueError(f"a message at {stamp_ns} ns after one at {self._stamp_ns} ns")
         self._stamp_ns = stamp_ns
         period = (stamp_ns - self._first_ns) // self._splitting.duration_ns if self._splitting.duration_ns else 0
-        if self._chunks.size and (period != self._period or not self._chunks.takes(stamp_ns)):
+        if self._chunks.size and period != self._period:
             self._hand_over()
         self._period = period
 

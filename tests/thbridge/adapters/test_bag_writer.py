@@ -4,7 +4,7 @@ import threading
 import time
 import tracemalloc
 from collections.abc import Callable, Iterator
-from itertools import count
+from itertools import count, pairwise
 from pathlib import Path
 
 import pytest
@@ -113,13 +113,23 @@ def test_a_chunk_holds_no_more_than_a_second_and_chunks_come_in_order(tmp_path: 
     assert len(chunks) == 9
 
 
-def test_a_chunk_is_not_much_larger_than_its_bound(tmp_path: Path) -> None:
+def test_a_chunk_ends_beyond_its_bound_and_never_within_a_stamp(tmp_path: Path) -> None:
+    path = tmp_path / "a.bag"
+    recorded(path, 2, 200)
+    with Reader(path) as reader:
+        infos = list(reader.chunk_infos)
+        assert all(chunk.datasize <= bag_chunks.CHUNK_BYTES + 60_000 for chunk in reader.chunks.values())
+    assert len(infos) > 5
+    assert all(before.end_time < after.start_time for before, after in pairwise(infos))
+
+
+def test_a_stamp_of_very_much_is_several_chunks(tmp_path: Path) -> None:
     path = tmp_path / "a.bag"
     with BagWriter(path, PLAIN) as writer:
-        for _ in range(100):
+        for _ in range(300):
             writer.write(text(0, 10_000))
     with Reader(path) as reader:
-        assert all(chunk.datasize <= bag_chunks.CHUNK_BYTES + 11_000 for chunk in reader.chunks.values())
+        assert all(chunk.datasize <= bag_chunks.MOST_BYTES + 11_000 for chunk in reader.chunks.values())
 
 
 @pytest.mark.parametrize("failure", [RuntimeError, KeyboardInterrupt, SystemExit])
@@ -195,18 +205,17 @@ def test_a_closed_bag_takes_no_more(tmp_path: Path) -> None:
 def room(monkeypatch: pytest.MonkeyPatch) -> Iterator[list[int]]:
     """A disk with so many bytes of room; a negative number is a disk without end."""
     left = [-1]
-    put = bag_file.ChunkFile._put
+    write = bag_file.ChunkFile._write
 
     def bounded(self: bag_file.ChunkFile, position: int, data: bytes) -> None:
         end = position + len(data)
         if 0 <= left[0] < end:
             # As a real disk does it: what fits is written, then comes the error.
-            put(self, position, data[: max(0, left[0] - position)])
-            self._file.truncate(self.size)
+            write(self, position, data[: max(0, left[0] - position)])
             raise OSError(errno.ENOSPC, os.strerror(errno.ENOSPC))
-        put(self, position, data)
+        write(self, position, data)
 
-    monkeypatch.setattr(bag_file.ChunkFile, "_put", bounded)
+    monkeypatch.setattr(bag_file.ChunkFile, "_write", bounded)
     yield left
 
 
@@ -272,22 +281,21 @@ def test_a_folder_that_vanishes_is_told(tmp_path: Path) -> None:
 def test_whichever_write_fails_all_that_was_written_can_be_read(
     tmp_path: Path, monkeypatch: pytest.MonkeyPatch, compression: Compression
 ) -> None:
-    put = bag_file.ChunkFile._put
+    write = bag_file.ChunkFile._write
     left = 0
 
     def failing(self: bag_file.ChunkFile, position: int, data: bytes) -> None:
         nonlocal left
         left -= 1
         if left < 0:
-            self._file.seek(position)
-            self._file.write(data[: len(data) // 2])
-            self._file.truncate(self.size)
+            write(self, position, data[: len(data) // 2])
             raise OSError(errno.EIO, os.strerror(errno.EIO))
-        put(self, position, data)
+        write(self, position, data)
 
-    monkeypatch.setattr(bag_file.ChunkFile, "_put", failing)
+    monkeypatch.setattr(bag_file.ChunkFile, "_write", failing)
     said = [text(tick, 10 + tick) for tick in range(130)]
     twentieths = count()
+    kept = 0
     for writes in range(1, 30):
         left = writes
         folder = tmp_path / str(writes)
@@ -313,6 +321,8 @@ def test_whichever_write_fails_all_that_was_written_can_be_read(
             reindex(failure_left[0])
         read = [message.data for message in messages(folder / "a.bag")]
         assert read == [message.data for message in said[: len(read)]]
+        assert len(read) >= kept
+        kept = len(read)
     assert 5 < writes < 29
 
 
@@ -335,7 +345,7 @@ def test_memory_does_not_keep_what_was_written(tmp_path: Path) -> None:
             writer.write(text(tick, 10_000))
         held, _ = tracemalloc.get_traced_memory()
         tracemalloc.stop()
-    assert held < 600_000
+    assert held < 1_000_000
 
 
 class Stalled(Worker):
@@ -416,7 +426,7 @@ def test_each_part_stands_alone(tmp_path: Path, splitting: Splitting) -> None:
         if splitting.duration_ns:
             assert told.duration * 1e9 < splitting.duration_ns
         if splitting.size:
-            assert told.size < splitting.size + 160_000 + 60_000  # a chunk and the index
+            assert told.size < splitting.size + 190_000 + 60_000  # a chunk and the index
 
 
 def test_a_new_part_begins_at_multiples_of_the_duration(tmp_path: Path) -> None:
