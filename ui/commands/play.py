@@ -8,6 +8,7 @@ from typing import Annotated
 import typer
 from rich.table import Table
 
+from thbridge.adapters.recordings import parts_of
 from thbridge.adapters.text_server import CannotListen, Listening
 from thbridge.app import programs
 from thbridge.app.programs import Outcome, PlayOptions, Unfinished
@@ -135,5 +136,7 @@ def _show(outcome: Outcome) -> None:
         table.add_row(f"energy of robot {robot + 1}", f"{energy:g}")
     table.add_row("simulated time", f"{outcome.sim_seconds:.1f} s in {outcome.wall_seconds:.1f} s")
     table.add_row("collisions", str(outcome.collisions))
-    table.add_row("bag", str(outcome.bag))
+    if outcome.bag is not None:
+        first, *others = parts_of(outcome.bag)
+        table.add_row("bag", f"{first} to {others[-1].name}" if others else str(first))
     out.print(table)
