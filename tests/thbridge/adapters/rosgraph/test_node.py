@@ -1,4 +1,4 @@
-"""The ROS node over real TCP, with a small stand-in for the master."""
+"""The ROS node over real TCP, at our own master."""
 
 import asyncio
 import functools
@@ -7,14 +7,15 @@ import os
 import random
 import socket
 import struct
-from collections import defaultdict
 from collections.abc import AsyncIterator, Awaitable, Callable
 from contextlib import asynccontextmanager
+from urllib.parse import urlsplit
 
 import pytest
 
-from thbridge.adapters.rosgraph import publications, sockets, subscriptions, tcpros_server
+from thbridge.adapters.rosgraph import publications, registrar, sockets, subscriptions, tcpros_server
 from thbridge.adapters.rosgraph.http import CallFailed, XmlRpcClient, XmlRpcServer
+from thbridge.adapters.rosgraph.master_server import MasterServer
 from thbridge.adapters.rosgraph.node import RosNode, Started
 from thbridge.adapters.text_server import CannotListen, Listening
 from thbridge.wire.rosgraph.links import ServiceFailed
@@ -52,83 +53,26 @@ async def eventually(true: Callable[[], object]) -> None:
         await asyncio.sleep(0.005)
 
 
-class SmallMaster:
-    """Knows where topics, services and nodes are, and no more."""
-
-    METHODS = frozenset(
-        f"{begin}{what}" for begin in ("register", "unregister") for what in ("Publisher", "Subscriber", "Service")
-    ) | {"lookupNode", "lookupService", "subscribeParam", "unsubscribeParam", "setParam", "deleteParam"}
-
-    def __init__(self) -> None:
-        self.nodes: dict[str, str] = {}
-        self.publishers: dict[str, list[str]] = defaultdict(list)
-        self.subscribers: dict[str, list[str]] = defaultdict(list)
-        self.services: dict[str, str] = {}
-        self.parameters: dict[str, object] = {}
-        self.calls: list[str] = []
-        self._client = XmlRpcClient()
-        self._server = XmlRpcServer(self.METHODS, self._answer)
-        self._news: set[asyncio.Task] = set()
-        self.port = 0
-
-    @property
-    def uri(self) -> str:
-        return f"http://127.0.0.1:{self.port}"
-
-    async def start(self) -> None:
-        listening = await self._server.start("127.0.0.1", self.port)
-        assert isinstance(listening, Listening)
-        self.port = listening.port
-
-    async def stop(self) -> None:
-        await asyncio.gather(*self._news)
-        await self._server.stop()
-        await self._client.close()
-
-    def _answer(self, call, peer):
-        self.calls.append(call.method)
-        match call.method, call.params:
-            case "lookupNode", [_, name]:
-                return [1, "", self.nodes[name]] if name in self.nodes else [-1, "unknown", ""]
-            case "lookupService", [_, name]:
-                return [1, "", self.services[name]] if name in self.services else [-1, "unknown", ""]
-            case "registerPublisher", [caller, topic, _, uri]:
-                self.nodes[caller] = uri
-                self.publishers[topic].append(uri)
-                self._tell(topic)
-                return [1, "", self.subscribers[topic]]
-            case "registerSubscriber", [caller, topic, _, uri]:
-                self.nodes[caller] = uri
-                self.subscribers[topic].append(uri)
-                return [1, "", self.publishers[topic]]
-            case "registerService", [caller, service, service_uri, uri]:
-                self.nodes[caller] = uri
-                self.services[service] = service_uri
-            case "setParam", [_, key, value]:
-                self.parameters[key] = value
-            case "deleteParam", [_, key]:
-                del self.parameters[key]
-            case "unregisterPublisher", [_, topic, uri]:
-                self.publishers[topic].remove(uri)
-                self._tell(topic)
-        return [1, "", 0]
-
-    def _tell(self, topic: str) -> None:
-        for uri in self.subscribers[topic]:
-            news = self._client.call(uri, "publisherUpdate", "/master", topic, [*self.publishers[topic]])
-            task = asyncio.ensure_future(news)
-            self._news.add(task)
-            task.add_done_callback(self._news.discard)
-
-
 @asynccontextmanager
-async def master() -> AsyncIterator[SmallMaster]:
-    made = SmallMaster()
-    await made.start()
+async def master(port: int = 0) -> AsyncIterator[MasterServer]:
+    made = MasterServer(port=port)
+    assert isinstance(await made.start(), Listening)
     try:
         yield made
     finally:
         await made.stop()
+
+
+def uri_of(ros: MasterServer, node: str = "/us") -> str:
+    uri = ros.call("lookupNode", "/test", node).value
+    assert isinstance(uri, str)
+    return uri
+
+
+def port_of(ros: MasterServer) -> int:
+    port = urlsplit(ros.uri).port
+    assert port is not None
+    return port
 
 
 @asynccontextmanager
@@ -168,8 +112,8 @@ class Peer:
         self.writer = writer
 
     @classmethod
-    async def of(cls, ros: SmallMaster, node: RosNode) -> "Peer":
-        return cls(*await asyncio.open_connection(*await where(node, ros.nodes[node.name])))
+    async def of(cls, ros: MasterServer, node: RosNode) -> "Peer":
+        return cls(*await asyncio.open_connection(*await where(node, uri_of(ros, node.name))))
 
     async def subscribes(self, topic: str = "/chatter", md5: str = STRING[1]) -> dict[str, str]:
         self.writer.write(encode_header({"callerid": "/them", "md5sum": md5, "topic": topic, "type": "a/B"}))
@@ -328,12 +272,13 @@ async def test_bus_info_and_stats_tell_what_passed():
             chatter.publish(b"12345678")
             await eventually(lambda: len(heard) == 2)
             client = XmlRpcClient()
-            info = (await client.call(ros.nodes["/us"], "getBusInfo", "/them")).value[2]
-            stats = (await client.call(ros.nodes["/us"], "getBusStats", "/them")).value[2]
+            info = (await client.call(uri_of(ros), "getBusInfo", "/them")).value[2]
+            stats = (await client.call(uri_of(ros), "getBusStats", "/them")).value[2]
             await client.close()
+            uri = uri_of(ros)
     assert [entry[1:6] for entry in info] == [
         ["/us", "o", "TCPROS", "/chatter", True],
-        [ros.nodes["/us"], "i", "TCPROS", "/chatter", True],
+        [uri, "i", "TCPROS", "/chatter", True],
     ]
     assert info[0][0] != info[1][0]
     sent, received, _ = stats
@@ -396,62 +341,66 @@ def them_with_nothing(node: RosNode) -> RosNode:
 
 @with_patience
 async def test_a_master_that_is_late_or_lost_or_restarted_is_told_everything(monkeypatch):
-    monkeypatch.setattr("thbridge.adapters.rosgraph.registrar._HEARTBEAT", 0.02)
-    monkeypatch.setattr("thbridge.adapters.rosgraph.registrar._LAST_PAUSE", 0.02)
+    monkeypatch.setattr(registrar, "_HEARTBEAT", 0.02)
+    monkeypatch.setattr(registrar, "_LAST_PAUSE", 0.02)
     log: list[str] = []
-    ros = SmallMaster()
-    await ros.start()
-    await ros.stop()
+    async with master() as ros:
+        port = port_of(ros)
     us = RosNode("/us", ros.uri, on_lost=lambda: log.append("lost"), on_found=lambda: log.append("found"))
     us.advertise("/chatter", *STRING)
     us.serve("/now", *TRIGGER, lambda request: request)
-    us.subscribe_param("/key", lambda key, value: None)
+    us.subscribe_param("/key", lambda key, value: log.append(f"{key} is {value}"))
     us.declare_param("/use_sim_time", True)
     assert isinstance(await us.start(), Started)
-    first = SmallMaster()
-    first.port = ros.port
-    await first.start()
-    await us.registered()
-    await eventually(lambda: log == ["found"])
-    await first.stop()
+    async with master(port) as ros:
+        await us.registered()
+        await eventually(lambda: log == ["found"])
     await eventually(lambda: log == ["found", "lost"])
-    second = SmallMaster()
-    second.port = ros.port
-    await second.start()
-    await eventually(lambda: log == ["found", "lost", "found"])
-    assert (set(second.publishers), set(second.services)) == ({"/chatter"}, {"/now"})
-    assert second.parameters == {"/use_sim_time": True}
-    assert "subscribeParam" in second.calls
-    second.nodes.clear()  # as if it had been restarted between two looks
-    await eventually(lambda: log == ["found", "lost", "found", "found"])
-    us.advertise("/later", *STRING)
-    await us.registered()
-    assert "/later" in second.publishers
-    await us.stop()
-    assert sum(call.startswith("un") for call in second.calls) == 4
-    assert not second.parameters
-    await second.stop()
+    log.clear()
+    async with master(port) as ros:
+        await eventually(lambda: log == ["found"])
+        assert ros.call("getPublishedTopics", "/test", "").value == [["/chatter", "std_msgs/String"]]
+        assert ros.call("lookupService", "/test", "/now").status == 1
+        assert ros.call("getParam", "/test", "/use_sim_time").value is True
+        ros.call("setParam", "/test", "/key", 1)
+        await eventually(lambda: log == ["found", "/key is 1"])
+        log.clear()
+        ros.call("unregisterPublisher", "/us", "/chatter", uri := uri_of(ros))
+        ros.call("unregisterService", "/us", "/now", ros.call("lookupService", "/test", "/now").value)
+        ros.call("unsubscribeParam", "/us", uri, "/key")  # now it is as if restarted between two looks
+        await eventually(lambda: log == ["found"])
+        us.advertise("/later", *STRING)
+        await us.registered()
+        assert len(ros.call("getPublishedTopics", "/test", "").value) == 2
+        await us.stop()
+        assert ros.call("getSystemState", "/test").value == [[], [], []]
+        assert ros.call("lookupNode", "/test", "/us").status == -1
+        assert ros.call("hasParam", "/test", "/use_sim_time").value is False
 
 
 @pytest.mark.parametrize("told", [True, False])
 @with_patience
 async def test_a_node_that_lost_its_name_says_so_once_and_does_not_take_it_back(told, monkeypatch):
-    monkeypatch.setattr("thbridge.adapters.rosgraph.registrar._HEARTBEAT", 0.02)
+    async def tell_nothing(*_) -> CallFailed:
+        return CallFailed("", "not delivered")
+
+    monkeypatch.setattr(registrar, "_HEARTBEAT", 0.02)
     async with master() as ros:
+        if not told:
+            monkeypatch.setattr(ros, "_tell", tell_nothing)
         reasons: list[str] = []
         us = RosNode("/us", ros.uri, on_shutdown=reasons.append)
         us.advertise("/chatter", *STRING)
         us.declare_param("/use_sim_time", True)
         async with running(us):
-            our_uri, ros.nodes["/us"] = ros.nodes["/us"], "http://127.0.0.1:1/"
-            if told:
-                client = XmlRpcClient()
-                await client.call(our_uri, "shutdown", "/master", "new node registered")
-                await client.close()
+            ros.call("registerPublisher", "/us", "/chatter", STRING[0], "http://127.0.0.1:1/")
             await eventually(lambda: reasons)
+            us.advertise("/later", *STRING)
             await eventually(us._registering.done)
             assert len(reasons) == 1
-        assert ros.parameters == {"/use_sim_time": True}  # which its successor has set as well
+        assert ros.call("getSystemState", "/test").value[0] == [["/chatter", ["/us"]]]
+        # Its successor has set them as well.
+        assert ros.call("getParam", "/test", "/use_sim_time").value is True
 
 
 @with_patience
@@ -524,7 +473,7 @@ async def test_a_publisher_that_says_nothing_is_given_up(monkeypatch):
     liar = XmlRpcServer({"requestTopic"}, lambda call, peer: [1, "", ["TCPROS", *mute.sockets[0].getsockname()]])
     address = await liar.start("127.0.0.1", 0)
     async with master() as ros:
-        ros.publishers["/chatter"].append(f"http://127.0.0.1:{address.port}/")
+        ros.call("registerPublisher", "/mute", "/chatter", "*", f"http://127.0.0.1:{address.port}/")
         us = RosNode("/us", ros.uri)
         us.subscribe("/chatter", "*", "*", lambda data, caller: None)
         async with running(us):
@@ -556,10 +505,13 @@ async def test_whatever_a_publisher_offers_does_no_harm(offer, monkeypatch):
     liar = XmlRpcServer({"requestTopic"}, lambda call, peer: asked.append(call) or [1, "", offer])
     address = await liar.start("127.0.0.1", 0)
     async with master() as ros:
-        ros.publishers["/chatter"] += [f"http://127.0.0.1:{address.port}/", "nonsense", "http://[", ""]
         us = RosNode("/us", ros.uri)
         us.subscribe("/chatter", "*", "*", lambda data, caller: None)
         async with running(us):
+            client = XmlRpcClient()
+            uris = [f"http://127.0.0.1:{address.port}/", "nonsense", "http://[", ""]
+            await client.call(uri_of(ros), "publisherUpdate", "/master", "/chatter", uris)
+            await client.close()
             await eventually(lambda: len(asked) >= 2)
             assert len(us._subscriptions["/chatter"]._followed) == 4
     await liar.stop()
@@ -596,7 +548,7 @@ async def test_mutated_traffic_harms_nobody_and_leaves_nothing_behind():
         chatter = us.advertise("/chatter", *STRING)
         us.serve("/now", *TRIGGER, lambda request: request)
         async with running(us):
-            address = await where(us, ros.nodes["/us"])
+            address = await where(us, uri_of(ros))
             for _ in range(200):
                 data = bytearray(dice.choice(openings))
                 for _ in range(dice.randint(1, 4)):
