@@ -16,11 +16,13 @@ import asyncio
 import itertools
 import logging
 import os
+import socket
 from collections.abc import Callable
 from dataclasses import dataclass
 from typing import TypeAlias
 
-from thbridge.adapters.rosgraph.http import CallFailed, XmlRpcClient, XmlRpcServer
+from thbridge.adapters.errors import reason_of
+from thbridge.adapters.rosgraph.http import CallFailed, ServerLimits, XmlRpcClient, XmlRpcServer
 from thbridge.adapters.rosgraph.publications import Publication
 from thbridge.adapters.rosgraph.registrar import Addresses, Happenings, Kind, Registrar, Registration
 from thbridge.adapters.rosgraph.replies import value_of
@@ -43,6 +45,9 @@ from thbridge.wire.rosgraph.xmlrpc import Call, XmlRpcValue
 
 Changed: TypeAlias = Callable[[str, XmlRpcValue], None]
 """Hears the key of a parameter and its new value."""
+
+_CALLERS = 128
+"""Connections to the slave API that are kept."""
 
 _log = logging.getLogger(__name__)
 
@@ -104,7 +109,7 @@ class RosNode:
         self._on_shutdown = on_shutdown
         self._numbers = itertools.count(1)
         self._client = XmlRpcClient()
-        self._slave = XmlRpcServer(METHODS, self._answer)
+        self._slave = XmlRpcServer(METHODS, self._answer, ServerLimits(connections=_CALLERS))
         self._tcpros = TcprosServer(name, self._numbers)
         self._tcpros_port = 0
         self._subscriptions: dict[str, Subscription] = {}
@@ -117,10 +122,13 @@ class RosNode:
 
     async def start(self) -> Started | CannotListen:
         """Listen, and begin to register; the master need not be there yet."""
-        tcpros = await self._tcpros.start(self.host)
+        address = await self._address()
+        if isinstance(address, CannotListen):
+            return address
+        tcpros = await self._tcpros.start(address)
         if isinstance(tcpros, CannotListen):
             return tcpros
-        slave = await self._slave.start(self.host)
+        slave = await self._slave.start(address)
         if isinstance(slave, CannotListen):
             self._tcpros.stop()
             return slave
@@ -129,8 +137,21 @@ class RosNode:
         self._registering = asyncio.get_running_loop().create_task(self._registrar.run(self._addresses))
         return Started(self._addresses.slave)
 
+    async def _address(self) -> str | CannotListen:
+        """The one address of our host: ROS's nodes know IPv4 only, and a name may have others beside."""
+        try:
+            found = await asyncio.get_running_loop().getaddrinfo(self.host, 0, family=socket.AF_INET)
+        except OSError as error:
+            return CannotListen(self.host, 0, reason_of(error))
+        except UnicodeError:
+            return CannotListen(self.host, 0, "that is not a host's name")
+        return str(found[0][4][0])
+
     async def registered(self) -> None:
-        """Wait until the master knows everything that this node does at the moment."""
+        """Wait until the master knows everything that this node does at the moment.
+
+        What it refuses is complained of in the log, and tried again and again.
+        """
         await self._registrar.settled()
 
     async def stop(self) -> None:

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import logging
 from asyncio import Transport
 from collections import deque
 from collections.abc import Iterable
@@ -10,6 +11,8 @@ from thbridge.adapters.rosgraph.sockets import endpoints
 from thbridge.wire.rosgraph.links import Topic
 from thbridge.wire.rosgraph.slave import Connection
 from thbridge.wire.rosgraph.tcpros import frame
+
+_log = logging.getLogger(__name__)
 
 WAITING_LIMIT = 1 << 20
 """Bytes of messages that may wait for one subscriber behind the one under way before newer ones are dropped.
@@ -26,14 +29,15 @@ class Outlet:
     slow, a message is not copied for them.
     """
 
-    def __init__(self, transport: Transport, number: int, caller: str) -> None:
+    def __init__(self, transport: Transport, topic: str, number: int, caller: str) -> None:
         transport.set_write_buffer_limits(high=0)
-        self.number = number
-        self.caller = caller
-        self.bytes = 0
-        self.messages = 0
-        self.dropped = 0
         self._transport = transport
+        self._topic = topic
+        self._number = number
+        self._caller = caller
+        self._bytes = 0
+        self._messages = 0
+        self._too_slow = False
         self._waiting: deque[bytes] = deque()
         self._waiting_bytes = 0
         self._paused = transport.get_write_buffer_size() > 0
@@ -44,7 +48,9 @@ class Outlet:
             self._hand_over(message)
             return True
         if self._waiting and self._waiting_bytes + len(message) > WAITING_LIMIT:
-            self.dropped += 1
+            if not self._too_slow:
+                self._too_slow = True
+                _log.warning("%s reads %s too slowly, and does not get all of it", self._caller, self._topic)
             return False
         self._waiting.append(message)
         self._waiting_bytes += len(message)
@@ -62,10 +68,10 @@ class Outlet:
             self._waiting_bytes -= len(message)
             self._hand_over(message)
 
-    def connection(self, topic: str) -> Connection:
+    def connection(self) -> Connection:
         """This link as the node tells of it."""
         ends = endpoints(self._transport)
-        return Connection(self.number, self.caller, True, topic, ends, self.bytes, self.messages)
+        return Connection(self._number, self._caller, True, self._topic, ends, self._bytes, self._messages)
 
     @property
     def open(self) -> bool:
@@ -75,8 +81,8 @@ class Outlet:
     def _hand_over(self, message: bytes) -> None:
         if self.open:
             self._transport.write(message)
-            self.bytes += len(message)
-            self.messages += 1
+            self._bytes += len(message)
+            self._messages += 1
 
 
 class Publication:
@@ -122,4 +128,4 @@ class Publication:
 
     def connections(self) -> Iterable[Connection]:
         """The subscribers as the node tells of them."""
-        return [outlet.connection(self.topic.name) for outlet in self._outlets if outlet.open]
+        return [outlet.connection() for outlet in self._outlets if outlet.open]

@@ -35,7 +35,7 @@ def close_gently(transport: Transport) -> None:
 def endpoints(transport: Transport) -> tuple[int, str, int, int]:
     """Local port, remote host, remote port, number of the socket; of a transport that is open."""
     here = transport.get_extra_info("sockname")
-    there = transport.get_extra_info("peername")
+    there = transport.get_extra_info("peername") or ("", 0)  # it was gone before it was asked
     return here[1], there[0], there[1], transport.get_extra_info("socket").fileno()
 
 

@@ -22,7 +22,7 @@ PUBLISHER_LIMIT = 256
 """Publishers of one topic that are connected to; anybody may claim that there are more."""
 
 _FIRST_PAUSE = 0.25
-"""Seconds before the first attempt to come back; each vain one doubles them."""
+"""Seconds before the first attempt to come back; each that does not last doubles them."""
 
 _LAST_PAUSE = 8.0
 
@@ -101,6 +101,7 @@ class Subscription:
         try:
             while uri in self._named:
                 listener = _Listener(self._link(), self._heard, next(self._numbers))
+                began = asyncio.get_running_loop().time()
                 try:
                     end = await self._listen(uri, listener)
                 finally:
@@ -110,8 +111,9 @@ class Subscription:
                     self._complaints.tell(f"{uri} does not let us hear {self.what.topic}: {end.reason}")
                 else:
                     _log.debug("%s is not heard from %s: %s", self.what.topic, uri, end.reason)
-                pause = _FIRST_PAUSE if listener.accepted.done() else min(2 * pause, _LAST_PAUSE)
                 await asyncio.sleep(pause)
+                lasted = asyncio.get_running_loop().time() - began
+                pause = _FIRST_PAUSE if lasted > 2 * _LAST_PAUSE else min(2 * pause, _LAST_PAUSE)
         finally:
             del self._followed[uri]
 

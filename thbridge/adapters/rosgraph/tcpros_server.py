@@ -28,8 +28,8 @@ from thbridge.wire.rosgraph.links import (
 )
 from thbridge.wire.rosgraph.slave import Connection
 
-CONNECTION_LIMIT = 1024
-"""Connections taken at a time, of subscribers and clients together."""
+CONNECTION_LIMIT = 768
+"""Connections taken at a time, of subscribers and clients together; of the 1024 files that a process has as a rule."""
 
 ANSWERING_LIMIT = 64
 """Requests whose answers take their time, at a time; a client may leave, and ask again, before it has its answer."""
@@ -196,7 +196,7 @@ class _Inbound(asyncio.Protocol):
                     self._transport.write(data)
                 case Subscribed(topic, caller):
                     self._publication = self._server.publications[topic]
-                    self._outlet = Outlet(self._transport, next(self._server.numbers), caller)
+                    self._outlet = Outlet(self._transport, topic, next(self._server.numbers), caller)
                     self._publication.add(self._outlet)
                 case Requested(service, request):
                     answer = self._server.handle(service, request, self._respond)

@@ -78,7 +78,7 @@ class SubscriberLink:
             events.append(Accepted(quoted(fields.get("callerid", ""))))
         while (message := self._buffer.take(BODY_LIMIT)) is not None:
             if isinstance(message, Overlong):
-                return [*events, self._over(Ended(f"it sends {message}"))]
+                return [*events, self._over(Refused(f"it sends {message}"))]
             events.append(Received(message))
         return events
 

@@ -27,7 +27,6 @@ class Connection:
         endpoints: local port, remote host, remote port, number of the socket.
         bytes: of the messages that passed, their lengths included.
         messages: that passed.
-        dropped: messages that did not, because the subscriber was too slow.
     """
 
     id: int
@@ -37,7 +36,6 @@ class Connection:
     endpoints: tuple[int, str, int, int]
     bytes: int
     messages: int
-    dropped: int = 0
 
 
 @dataclass(frozen=True, slots=True)
@@ -127,8 +125,7 @@ def _wrong(message: str, value: XmlRpcValue = 0) -> Answer:
 
 
 def _get_bus_stats(node: Node, _: Sequence[XmlRpcValue]) -> Answer:
-    # After rospy, which for subscribers has the number of messages where the specification has none. A third field of
-    # a publisher's connections, the dropped messages, would be news to both; it is in the log instead.
+    # After rospy, which for subscribers has the number of messages where the specification has none.
     sent: list[XmlRpcValue] = []
     for topic in node.publications:
         links = [each for each in node.connections if each.outgoing and each.topic == topic]

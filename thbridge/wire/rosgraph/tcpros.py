@@ -11,13 +11,13 @@ from collections.abc import Mapping
 from dataclasses import dataclass
 from typing import TypeAlias
 
-HEADER_LIMIT = 1 << 20
+HEADER_LIMIT = 1 << 18
 """Longest header that is read, bytes. A message's whole definition is one of its fields."""
 
 BODY_LIMIT = 1 << 26
 """Longest message or response that is read, bytes: a map of 8000 x 8000 cells."""
 
-REQUEST_LIMIT = 1 << 20
+REQUEST_LIMIT = 1 << 18
 """Longest request to one of our services that is read, bytes."""
 
 ANY = "*"

@@ -275,7 +275,7 @@ def test_a_header_that_claims_to_be_huge_ends_the_link_at_once(made, length):
 
 def test_so_does_a_message_a_request_or_an_answer():
     header = encode_header({"callerid": "/us", "md5sum": MD5, "type": CHATTER.type})
-    assert isinstance(subscriber().receive(header + struct.pack("<I", BODY_LIMIT + 1))[-1], Ended)
+    assert isinstance(subscriber().receive(header + struct.pack("<I", BODY_LIMIT + 1))[-1], Refused)
     assert isinstance(inbound().receive(caller() + struct.pack("<I", REQUEST_LIMIT + 1))[-1], Ended)
     client = ServiceClientLink("/them", "/trigger", MD5, b"")
     assert isinstance(client.receive(header + b"\x01" + struct.pack("<I", BODY_LIMIT + 1))[-1], Ended)
