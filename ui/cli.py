@@ -12,6 +12,7 @@ from ui.commands.localize import localize_command
 from ui.commands.measure import maps_measure
 from ui.commands.plan import plan
 from ui.commands.play import play
+from ui.commands.replay import replay_command
 from ui.commands.ros import ros_app
 from ui.commands.scan import scan
 from ui.terminal import err
@@ -38,6 +39,7 @@ for command in (
 app.command(cls=GoalWithYaw)(drive)
 app.command("localize")(localize_command)
 bag.bag_app.command("export")(bag_export)
+app.command("replay")(replay_command)
 app.add_typer(bag.bag_app, name="bag")
 files.maps_app.command("measure")(maps_measure)
 app.add_typer(files.maps_app, name="maps")

@@ -8,6 +8,7 @@ from pathlib import Path
 
 from rosbags.interfaces import Connection as ConnectionInIndex
 from rosbags.rosbag1 import Reader, ReaderError
+from rosbags.rosbag1.reader import IndexData
 from rosbags.typesys.msg import denormalize_msgtype
 
 from thbridge.adapters.bag_records import Connection
@@ -134,6 +135,8 @@ def messages(path: Path, topics: Collection[str] | None = None) -> Iterator[RawM
 def recorded(path: Path, topics: Collection[str] | None = None) -> Iterator[tuple[Connection, int, bytes]]:
     """Every message, oldest first: its publisher, when it was recorded (nanoseconds), and its bytes.
 
+    Those of one stamp come in the order in which they were recorded.
+
     The parts of a split recording are read as one: the latched messages that a part begins with, because it may be
     played by itself, are left out where they only repeat what the part before it said. A publisher that is in several
     parts is one.
@@ -152,6 +155,7 @@ def recorded(path: Path, topics: Collection[str] | None = None) -> Iterator[tupl
             repeatable = dict(latched)
             wanted = [connection for connection in reader.connections if topics is None or connection.topic in topics]
             publishers = {connection.id: _publisher(connection, known) for connection in wanted}
+            _order(reader)
             # To the reader an empty list means every topic.
             for connection, stamp, data in reader.messages(wanted) if wanted else ():
                 data = bytes(data)  # noqa: PLW2901
@@ -169,6 +173,18 @@ def _publisher(said: ConnectionInIndex, known: dict[tuple[str | bool | None, ...
     topic, msgtype, md5, definition = said.topic, denormalize_msgtype(said.msgtype), said.digest, said.msgdef.data
     key = (topic, msgtype, md5, definition, caller, latching)
     return known.setdefault(key, Connection(len(known), topic, msgtype, md5, definition, caller, latching))
+
+
+class _Place(IndexData):
+    """Where a message stands; ordered by time, then by place."""
+
+    __lt__, __eq__, __hash__ = tuple.__lt__, tuple.__eq__, tuple.__hash__
+
+
+def _order(reader: Reader) -> None:
+    """Let a reader go by places, too: rosbags compares times alone, so topics of one stamp would change places."""
+    for number, entries in reader.indexes.items():
+        reader.indexes[number] = sorted(_Place(*entry) for entry in entries)
 
 
 def check_is_bag(path: Path) -> None:

@@ -7,7 +7,6 @@ from types import TracebackType
 from typing import Self
 
 from sim.grid import OccupancyGrid
-from sim.observations import LaserMount
 from sim.team import TeamSnapshot
 from thbridge.adapters.bag_chunks import Chunk, Chunks
 from thbridge.adapters.bag_parts import Parts, Piece, Splitting
@@ -295,22 +294,6 @@ class Recorder:
         self._publisher = publisher
         for message in publisher.opening(0, session, grid):
             writer.write(message)
-
-    @classmethod
-    def open(
-        cls,
-        path: Path,
-        session: Session,
-        grid: OccupancyGrid,
-        robots: int,
-        mount: LaserMount,
-        scan_period: float,
-        compression: Compression = Compression.NONE,
-        splitting: Splitting = WHOLE,
-    ) -> Self:
-        """A recorder into a new bag; see `BagWriter` and `Publisher` for the arguments and what is raised."""
-        writer = BagWriter(path, compression=compression, splitting=splitting)
-        return cls(writer, Publisher(robots, mount, scan_period), session, grid)
 
     def record(self, snapshot: TeamSnapshot, records: Iterable[Record] = ()) -> None:
         """Write down one tick. Ticks come in order, from 0 on.

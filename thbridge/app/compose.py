@@ -14,7 +14,7 @@ from sim.floor import Floor
 from sim.geometry import Pose2
 from sim.sensors import mount_of
 from sim.team import Team
-from thbridge.adapters.bag_writer import Recorder
+from thbridge.adapters.bag_writer import BagWriter, Recorder
 from thbridge.adapters.errors import BadFile, BadFiles
 from thbridge.adapters.map_files import Map, read_map
 from thbridge.adapters.resources import Resources, shipped
@@ -32,6 +32,7 @@ from thbridge.roles.hider import Hider
 from thbridge.roles.keeper import GameRules, Keeper
 from thbridge.roles.showing import plain_costs
 from thbridge.roles.simr import Field, SimR
+from thbridge.ros.publisher import Publisher
 from thbridge.ros.records import Session as SessionRecord
 from thbridge.study.bots import Bot, BotStrategy, Knowledge
 
@@ -88,19 +89,19 @@ class Setting:
         study = self.study
         return SessionRecord(resolved(study), study.seed, versions(), program, tuple(roles), participant)
 
+    def publisher(self) -> Publisher:
+        """What these robots say as ROS nodes."""
+        laser = self.study.world.laser
+        return Publisher(self.study.robots, mount_of(laser), 1.0 / laser.rate)
+
+    def writer(self, path: Path) -> BagWriter:
+        """A new bag. Raises BagNotWritten."""
+        recording = self.study.recording
+        return BagWriter(path, compression=recording.compression, splitting=recording.splitting)
+
     def recorder(self, path: Path, session: SessionRecord) -> Recorder:
         """A recorder of these robots into a new bag. Raises BagNotWritten."""
-        laser = self.study.world.laser
-        return Recorder.open(
-            path,
-            session,
-            self.place.grid,
-            self.study.robots,
-            mount_of(laser),
-            1.0 / laser.rate,
-            self.study.recording.compression,
-            self.study.recording.splitting,
-        )
+        return Recorder(self.writer(path), self.publisher(), session, self.place.grid)
 
     def _engine(self, game: int) -> Engine:
         template = self.templates.dialogue

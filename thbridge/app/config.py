@@ -165,8 +165,16 @@ def read_study_text(path: Path, text: str) -> Study:
     return _load(path, text).value
 
 
+def read_study_tree(path: Path, tree: Node) -> Study:
+    """As `read_study_text`, of a text that is taken apart already."""
+    return _load_tree(path, tree).value
+
+
 def _load(path: Path, text: str) -> Loaded[Study]:
-    tree = parse(path, text)
+    return _load_tree(path, parse(path, text))
+
+
+def _load_tree(path: Path, tree: Node) -> Loaded[Study]:
     standard = Study()
     start = applied(preset(preset_in(tree), view_of(standard)), standard)
     ros = read_ros_parameters(_ros_files(path, tree), start.robot)

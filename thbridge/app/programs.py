@@ -143,7 +143,7 @@ async def play(
 
         ready(await server.start(study.server.host, study.server.port))
         try:
-            run = await run_ticks(tick, _period(options.rate))
+            run = await run_ticks(tick, period_of(options.rate))
         finally:
             await server.stop()
     finally:
@@ -157,7 +157,7 @@ async def play(
     return outcome
 
 
-def _period(rate: float) -> float:
+def period_of(rate: float) -> float:
     """Seconds of wall time for a tick; 0 for a rate of 0, as fast as it can."""
     return TICK / rate if rate > 0.0 else 0.0
 
@@ -323,7 +323,7 @@ async def take_part(
         return not done()
 
     async with client.running():
-        run = await run_ticks(tick, _period(rate))
+        run = await run_ticks(tick, period_of(rate))
     return run.finished
 
 

@@ -8,7 +8,7 @@ import numpy as np
 
 from sim.geometry import FloatArray
 from sim.team import TeamSnapshot
-from thbridge.app.inputs import to_record
+from thbridge.app.inputs import Asked, to_record
 from thbridge.app.session import Moment
 from thbridge.dialogue import moves
 from thbridge.hunt import events
@@ -16,7 +16,7 @@ from thbridge.hunt.codec import to_json
 from thbridge.hunt.game import GameState
 from thbridge.hunt.rooms import Room
 from thbridge.roles.talks import MATTERS
-from thbridge.ros.records import GameEvent, Record, Score, SendRobots, Success, Utterance
+from thbridge.ros.records import GameEvent, GraphRequest, Record, Score, SendRobots, Success, Utterance
 from thbridge.wire import legacy
 from thbridge.wire.router import Forwarded
 
@@ -54,6 +54,8 @@ class BagWitness:
     def _records(self, moment: Moment) -> Iterator[Record]:
         for item in moment.inputs:
             yield to_record(item)
+            if isinstance(item, Asked) and isinstance(item.request, GraphRequest):
+                yield item.request
         for forwarded in moment.forwarded:
             yield from _lines(forwarded)
         for event in moment.events:

@@ -1,6 +1,53 @@
 """What may be asked of the robots beside the game, by whoever sits at their controls: ROS clients, windows."""
 
-from sim.inputs import TeamInput
+from collections.abc import Sequence
+from dataclasses import dataclass
 
-Request = TeamInput
+from sim.inputs import TeamInput
+from sim.parameters import RobotParameters
+from sim.parameters.reconfiguration import Rejected, reconfigured
+from thbridge.ros.records import GraphRequest
+
+ParameterValue = bool | int | float | str | None
+"""Of one parameter; a list of corners comes as text, `[[x, y], ...]`."""
+
+
+@dataclass(frozen=True, slots=True)
+class SetParameters:
+    """Change parameters of a robot's software while it runs.
+
+    Attributes:
+        robot: which.
+        values: by path, such as `amcl.kld_err`. All are changed, or none.
+    """
+
+    robot: int
+    values: tuple[tuple[str, ParameterValue], ...]
+
+
+Request = TeamInput | GraphRequest | SetParameters
 """Acts in the next tick. What is asked of a robot that is under way for the game delays its order, and no more."""
+
+
+def with_values(
+    parameters: RobotParameters, values: Sequence[tuple[str, ParameterValue]]
+) -> RobotParameters | Rejected:
+    """The parameters with all these values, or why one of them may not be.
+
+    In whatever order they come: a least that is above the greatest as it was waits for the greatest.
+    """
+    left = tuple(values)
+    while left:
+        waiting: list[tuple[str, ParameterValue]] = []
+        rejected: list[Rejected] = []
+        for path, value in left:
+            changed = reconfigured(parameters, path, value)
+            if isinstance(changed, Rejected):
+                waiting.append((path, value))
+                rejected.append(changed)
+            else:
+                parameters = changed
+        if len(waiting) == len(left):
+            return rejected[0]
+        left = tuple(waiting)
+    return parameters

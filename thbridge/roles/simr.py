@@ -7,8 +7,23 @@ from dataclasses import dataclass, replace
 from sim.geometry import Pose2
 from sim.navigator import Arrived, Goal, NoPath
 from sim.observations import TICKS_PER_SECOND, Twist
+from sim.parameters import RobotParameters
+from sim.parameters.reconfiguration import Rejected
 from sim.robot import RobotOutput
-from sim.team import Drive, Go, Halt, Place, SetCharge, Team, TeamInput, TeamSnapshot
+from sim.team import (
+    Configure,
+    Drive,
+    Go,
+    Halt,
+    Localize,
+    Place,
+    PutThing,
+    RemoveThing,
+    SetCharge,
+    Team,
+    TeamInput,
+    TeamSnapshot,
+)
 from thbridge.hunt.events import Condition
 from thbridge.hunt.rooms import Room
 from thbridge.roles import reasons
@@ -25,7 +40,8 @@ from thbridge.roles.notices import (
     heard,
     tell,
 )
-from thbridge.roles.requests import Request
+from thbridge.roles.requests import Request, SetParameters, with_values
+from thbridge.ros.records import CancelRequest, GoalRequest, InitialPose, SimpleGoal, VelocityCommand
 from thbridge.wire import canonical, legacy
 from thbridge.wire.canonical import Dialect, GotoPoint, Move, Where, decode_goto
 from thbridge.wire.notice import Notice, parse_notice
@@ -138,12 +154,16 @@ class SimR:
 
     def ask(self, request: Request) -> None:
         """Do this with the next step, before what is said to SimR then; an order of the game goes on afterwards."""
-        match request:
+        if not (isinstance(request, PutThing | RemoveThing) or 0 <= request.robot < self._team.size):
+            return
+        meant = self._meant_by(request)
+        match meant:
             case Drive(robot, _, ticks):
                 self._by_hand[robot] = ticks
             case Go(robot) | Halt(robot):
                 self._by_hand.pop(robot, None)
-        self._inputs.append(request)
+        if meant is not None:
+            self._inputs.append(meant)
 
     def step(self, tick: int, messages: Sequence[Message]) -> list[Message]:
         """One tick of the role and of the team; see `Role`."""
@@ -165,6 +185,30 @@ class SimR:
         if tick % STREAM_PERIOD == 0:
             said += self._stream(tick)
         return said
+
+    # What is asked of the robots
+
+    def _meant_by(self, request: Request) -> TeamInput | None:
+        """What a robot shall do when this is asked of it; None when it cannot be done."""
+        match request:
+            case GoalRequest(robot, base_in_map=goal, number=number) | SimpleGoal(robot, goal, number):
+                return None if goal is None else Go(robot, Goal(number, goal))
+            case CancelRequest(robot):
+                return Halt(robot)
+            case VelocityCommand(robot, twist):
+                return Drive(robot, twist, HAND_TICKS)
+            case InitialPose(robot, base_in_map, covariance):
+                return Localize(robot, base_in_map, covariance)
+            case SetParameters(robot, values):
+                changed = with_values(self._software(robot), values)
+                return None if isinstance(changed, Rejected) else Configure(robot, changed)
+            case _:
+                return request
+
+    def _software(self, robot: int) -> RobotParameters:
+        """A robot's parameters as they will be when what has been asked so far is done."""
+        asked = [item.parameters for item in self._inputs if isinstance(item, Configure) and item.robot == robot]
+        return asked[-1] if asked else self._team.parameters[robot]
 
     # What is said to SimR
 

@@ -101,7 +101,12 @@ class Puppets:
         for robot, order in enumerate(orders.moves):
             known = self._ways.get(robot)
             last = self._results[robot]
-            if order is not None and (known is None or known[0] != order) and (last is None or last.move != order.move):
+            if (
+                order is not None
+                and order.room > 0
+                and (known is None or known[0] != order)
+                and (last is None or last.move != order.move)
+            ):
                 self._ways[robot] = (order, tick + self.ticks)
                 self._results[robot] = None
             elif order is None and known is not None:

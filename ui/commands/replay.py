@@ -1,0 +1,181 @@
+"""`thbridge replay`: run a recording again, as it was or with something changed."""
+
+import dataclasses
+from collections.abc import Iterator
+from pathlib import Path
+from tempfile import TemporaryDirectory
+from typing import Annotated
+
+import typer
+from rich.table import Table
+
+from thbridge.adapters.bag_reader import messages
+from thbridge.app.compose import read_setting, versions
+from thbridge.app.config import read_study_text
+from thbridge.app.replay import Difference, Replayed, ReplayOptions, replay, session_of
+from thbridge.app.session import Moment
+from thbridge.app.what_if import Change, changed
+from thbridge.ros.records import Session
+from thbridge.study.comparison import RobotFigures, RunFigures, figures_of
+from thbridge.study.report import read_report
+from ui.options import AsJson, announce_compiling, make_ready
+from ui.seats import run
+from ui.story import tell
+from ui.terminal import BAD_INPUT, FAILED, bad_input, fail, note, out, print_json
+
+
+def replay_command(
+    bag: Annotated[Path, typer.Argument(help="A recording of `thbridge play` or `thbridge simr`.")],
+    rate: Annotated[
+        float | None, typer.Option(help="Simulated seconds per second; full speed by default.", min=0.01)
+    ] = None,
+    start: Annotated[
+        float,
+        typer.Option("--from", help="Run at full speed and tell nothing up to this session time, seconds.", min=0),
+    ] = 0.0,
+    to: Annotated[Path | None, typer.Option(help="Keep the new recording in this bag.")] = None,
+    changes: Annotated[
+        list[str] | None,
+        typer.Option(
+            "--with",
+            metavar="KEY=VALUE|FILE.yaml",
+            help="What if: same inputs, but this in the study, e.g. `--with seed=2`. May be given several times.",
+        ),
+    ] = None,
+    beside: Annotated[Path, typer.Option(help="Folder that paths in the study start from.")] = Path(),
+    as_json: AsJson = False,
+) -> None:
+    """Run a recording again: the same inputs go into a fresh session, which must say what the recorded one said.
+
+    Ends with 0 when every message is the same, bit for bit, and with 1 when one differs; then it says which. With
+    `--with` the two runs are compared by their figures, too.
+    """
+    files, assignments = _changes(changes or [])
+    with bad_input():
+        record = session_of(bag)
+        study = read_study_text(bag, record.study)
+        setting = read_setting(changed(study, files, assignments), beside)
+    what_if = bool(changes)
+    for sentence in _other_versions(record):
+        note(sentence)
+    if to is not None:
+        if to.resolve() == bag.resolve():
+            fail(BAD_INPUT, f"--to: {to} is the recording itself. Give another name.")
+        make_ready(to)
+
+    def progress(moment: Moment) -> None:
+        if not as_json:
+            for sentence in tell(moment):
+                out.print(sentence, highlight=False, markup=False)
+
+    announce_compiling()
+    figures: tuple[RunFigures, RunFigures] | None = None
+    with TemporaryDirectory(prefix="thbridge-") as folder:
+        kept = to or (Path(folder) / "replay.bag" if what_if else None)
+        done = run(replay(bag, setting, ReplayOptions(rate or 0.0, start, kept, kept is not None), progress))
+        if what_if and kept is not None and done.finished:
+            with bad_input():
+                figures = figures_of(read_report(messages(bag))), figures_of(read_report(messages(kept)))
+    if as_json:
+        print_json(_told(done, to, figures))
+    else:
+        _show(done, figures)
+    if not done.finished:
+        fail(FAILED, "stopped before the end of the recording")
+    if done.difference is not None and not what_if:
+        raise typer.Exit(FAILED)
+
+
+def _changes(given: list[str]) -> tuple[list[Path], list[Change]]:
+    """Files and single changes apart."""
+    files, changes = [], []
+    for text in given:
+        key, equals, value = text.partition("=")
+        if equals and key and not Path(text).exists():
+            changes.append(Change(key.strip(), value))
+        elif text.endswith((".yaml", ".yml")):
+            files.append(Path(text))
+        else:
+            problem = f"--with: {text!r} is neither KEY=VALUE nor a study file"
+            fail(BAD_INPUT, f"{problem}. Write for example --with robot.amcl.max_particles=500.")
+    return files, changes
+
+
+def _other_versions(record: Session) -> Iterator[str]:
+    now = versions()
+    other = [f"{name} {was} then, {now.get(name, 'none')} now" for name, was in record.versions.items()]
+    other = [text for (name, was), text in zip(record.versions.items(), other, strict=True) if now.get(name) != was]
+    if other:
+        yield f"Recorded with other versions, which may make a difference: {'; '.join(other)}."
+
+
+def _told(done: Replayed, to: Path | None, figures: tuple[RunFigures, RunFigures] | None) -> dict[str, object]:
+    told: dict[str, object] = {
+        "equal": done.difference is None and done.finished,
+        "first_difference": None if done.difference is None else dataclasses.asdict(done.difference),
+        "messages": done.messages,
+        "ticks": done.ticks,
+        "cut_off": done.cut_off,
+        "wall_seconds": round(done.wall_seconds, 2),
+        "bag": None if to is None else str(to),
+    }
+    if figures is not None:
+        told |= {"recorded": dataclasses.asdict(figures[0]), "replayed": dataclasses.asdict(figures[1])}
+    return told
+
+
+def _show(done: Replayed, figures: tuple[RunFigures, RunFigures] | None) -> None:
+    if done.difference is None:
+        ending = " The recording was cut off amid its last tick." if done.cut_off else ""
+        text = f"All {done.messages} messages of {done.ticks} ticks are the same, bit for bit.{ending}"
+        out.print(f"{text} ({done.wall_seconds:.1f} s)", highlight=False)
+    else:
+        _show_difference(done.difference)
+    if figures is not None:
+        out.print(_table(*figures))
+
+
+def _show_difference(difference: Difference) -> None:
+    where = f"message {difference.number}, number {difference.topic_number} on {difference.topic}"
+    out.print(f"The first difference: {where}, at {difference.seconds:.2f} s: {difference.what}.", highlight=False)
+    if difference.fields:
+        table = Table("field", "was", "is")
+        for field in difference.fields:
+            table.add_row(field.field, field.was, field.now)
+        out.print(table)
+
+
+def _table(was: RunFigures, now: RunFigures) -> Table:
+    table = Table("", "recorded", "replayed", title="What became of it")
+    table.add_row("score", _figure(was.score), _figure(now.score))
+    table.add_row("rooms visited", _figure(was.rooms_visited), _figure(now.rooms_visited))
+    for index in range(max(len(was.robots), len(now.robots))):
+        one, other = (run.robots[index] if index < len(run.robots) else None for run in (was, now))
+        name = next(robot.name for robot in (one, other) if robot is not None)
+        table.add_section()
+        for row in zip(_ROWS, _column(one), _column(other), strict=True):
+            table.add_row(f"{name}: {row[0]}", *row[1:])
+    return table
+
+
+_ROWS = ("mean error", "95 % of errors within", "driven", "arrivals", "at, s", "energy left")
+
+
+def _column(robot: RobotFigures | None) -> tuple[str, ...]:
+    """What the rows say of a robot, or of none."""
+    if robot is None:
+        return ("-",) * len(_ROWS)
+    return (
+        _figure(robot.error_mean, " m"),
+        _figure(robot.error_95, " m"),
+        _figure(robot.distance, " m"),
+        str(len(robot.arrivals)),
+        " ".join(f"{time:.1f}" for time in robot.arrivals),
+        _figure(robot.energy),
+    )
+
+
+def _figure(value: float | None, unit: str = "") -> str:
+    if value is None:
+        return "-"
+    return f"{value:.3f}{unit}" if unit else f"{value:g}"
