@@ -13,6 +13,7 @@ from struct import Struct
 from typing import BinaryIO
 
 import lz4.frame
+from rosbags.rosbag1.reader import RecordType
 
 from thbridge.adapters.bag_reader import MAGIC, VERSION, check_is_bag
 
@@ -20,7 +21,8 @@ _UINT32 = Struct("<I")
 _UINT64 = Struct("<Q")
 _TIME = Struct("<II")
 _PAIR = Struct("<II")
-_OP_MESSAGE, _OP_HEADER, _OP_INDEX, _OP_CHUNK, _OP_CHUNK_INFO, _OP_CONNECTION = 2, 3, 4, 5, 6, 7
+_LZ4_FLAGS = 4
+"""Where in an LZ4 frame its FLG is, behind the magic number."""
 _MESSAGE_HEADER = 38
 """The usual head of a message record: the fields op, conn and time, each with its length before it."""
 _OP_CONN_TIME = Struct("<II3sBI5sII5sII")
@@ -84,12 +86,14 @@ class Chunk:
         compression: its name.
         size: bytes it takes in the file.
         unpacked: bytes of its records.
+        lz4_flags: the byte FLG of an LZ4 frame; None for other compressions.
     """
 
     position: int
     compression: str
     size: int
     unpacked: int
+    lz4_flags: int | None
 
 
 @dataclass(frozen=True, slots=True)
@@ -182,7 +186,7 @@ def scan(path: Path) -> Iterator[Record]:
 
 def _outer(at: int, fields: dict[bytes, bytes], data: bytes, size: int) -> Iterator[Record]:
     match _kind(fields):
-        case 3:
+        case RecordType.BAGHEADER:
             encryptor = fields.get(b"encryptor", b"").decode(errors="replace")
             # Each field has its own length before it.
             length = sum(len(name) + len(value) + 5 for name, value in fields.items()) + size
@@ -193,20 +197,21 @@ def _outer(at: int, fields: dict[bytes, bytes], data: bytes, size: int) -> Itera
                 length,
                 encryptor,
             )
-        case 5:
+        case RecordType.CHUNK:
             compression = _word(fields, b"compression")
             unpacked = _unpack(_UINT32, fields, b"size")
-            yield Chunk(at, compression, size, unpacked)
+            flags = data[_LZ4_FLAGS] if compression == "lz4" and len(data) > _LZ4_FLAGS else None
+            yield Chunk(at, compression, size, unpacked, flags)
             yield from _chunk(at, compression, data, unpacked)
-        case 6:
+        case RecordType.CHUNK_INFO:
             start, end = _time(fields, b"start_time"), _time(fields, b"end_time")
             counts = dict(_PAIR.iter_unpack(data[: len(data) // 8 * 8]))
             yield ChunkIndex(_unpack(_UINT64, fields, b"chunk_pos"), start, end, counts)
-        case 7:
+        case RecordType.CONNECTION:
             yield _source(fields, data)
-        case 2:
+        case RecordType.MSGDATA:
             yield Said(_unpack(_UINT32, fields, b"conn"), _time(fields, b"time"), data)
-        case 4:
+        case RecordType.IDXDATA:
             yield MessageIndex(_unpack(_UINT32, fields, b"conn"), _unpack(_UINT32, fields, b"count"))
         case kind:
             raise _Torn(f"there is no kind of record {kind}")
@@ -230,9 +235,9 @@ def _chunk(at: int, compression: str, packed: bytes, size: int) -> Iterator[Reco
             body, place_after = _sized(data, after)
             fields = _fields(head)
             match _kind(fields):
-                case 2:
+                case RecordType.MSGDATA:
                     yield Said(_unpack(_UINT32, fields, b"conn"), _time(fields, b"time"), body)
-                case 7:
+                case RecordType.CONNECTION:
                     yield _source(fields, body)
                 case kind:
                     raise _Torn(f"no record of kind {kind} belongs into a chunk")
@@ -249,7 +254,7 @@ def _usual_message(data: bytes, at: int) -> tuple[Said, int] | None:
     head, _, name, kind, _, conn, number, _, time, seconds, nanoseconds = _OP_CONN_TIME.unpack_from(data, at)
     if name != b"op=":
         head, _, conn, number, _, name, kind, _, time, seconds, nanoseconds = _CONN_OP_TIME.unpack_from(data, at)
-    if (head, name, kind, conn, time) != (_MESSAGE_HEADER, b"op=", _OP_MESSAGE, b"conn=", b"time="):
+    if (head, name, kind, conn, time) != (_MESSAGE_HEADER, b"op=", RecordType.MSGDATA, b"conn=", b"time="):
         return None
     end = start + _UINT32.unpack_from(data, start - 4)[0]
     if end > len(data):

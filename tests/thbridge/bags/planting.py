@@ -4,6 +4,7 @@ import math
 from dataclasses import dataclass, field, replace
 from pathlib import Path
 
+import lz4.frame
 import numpy as np
 from rosbags.typesys.msg import normalize_msgtype
 
@@ -130,6 +131,8 @@ class Form:
     reverse_chunks: bool = False
     extra_lines: tuple[Line, ...] = ()
     ros_order: bool = False
+    empty_chunk: bool = False
+    lz4_flags: dict[str, bool] | None = None
 
 
 def fields(**values: bytes) -> bytes:
@@ -189,6 +192,8 @@ def content(planted: Planted, form: Form = Form()) -> bytes:  # noqa: B008 - it 
         size += len(entry.bytes())
     if form.reverse_chunks:
         groups.reverse()
+    if form.empty_chunk:
+        groups.append([])
     out = bytearray(b"#ROSBAG V2.0\n" + file_header(0, 0, 0, form.padded_to))
     infos = []
     for group in groups:
@@ -202,7 +207,10 @@ def content(planted: Planted, form: Form = Form()) -> bytes:  # noqa: B008 - it 
             places.setdefault(number, []).append((entry.ns, len(inside)))
             inside += message_record(number, entry, form.ros_order)
         position = len(out)
-        out += record(fields(op=b"\x05", compression=b"none", size=uint32(len(inside))), bytes(inside))
+        packed, name = bytes(inside), b"none"
+        if form.lz4_flags is not None:
+            packed, name = lz4.frame.compress(packed, **form.lz4_flags), b"lz4"
+        out += record(fields(op=b"\x05", compression=name, size=uint32(len(inside))), packed)
         for number, found_at in places.items():
             head = fields(op=b"\x04", ver=uint32(1), conn=uint32(number), count=uint32(len(found_at)))
             out += record(head, b"".join(time_of(ns) + uint32(place) for ns, place in found_at))

@@ -4,11 +4,10 @@ import re
 from collections.abc import Iterator
 
 from thbridge.adapters.bag_scan import Source
-from thbridge.bags.check.finding import Finding, Severity, Structure, Tool
+from thbridge.bags.check.finding import TF_TYPES, Finding, Severity, Structure, Tool
 from thbridge.bags.check.reading import fields_of
-from thbridge.ros.types import OCCUPANCY_GRID, OWN_TYPES, TFMESSAGE, md5_of, plain_definition
+from thbridge.ros.types import OCCUPANCY_GRID, OWN_TYPES, md5_of, plain_definition
 
-TF_TYPES = (TFMESSAGE, "tf/tfMessage")
 READERS = (Tool.ROSBAG, Tool.FOXGLOVE, Tool.PLOTJUGGLER)
 """They read messages by the definition in the bag; rviz and evo have definitions of their own."""
 LIVE = (Tool.ROSBAG, Tool.RVIZ)
@@ -64,7 +63,8 @@ def md5_wrong(bag: Structure) -> Iterator[Finding]:
         if source.msgtype not in OWN_TYPES and source.md5 not in (ours, "*") and given is not None:
             what = f"{source.msgtype} has other fields than in ROS Noetic"
             remedy = "migrate it by `rosbag fix`"
-            yield Finding("other-release", Severity.WARNING, (Tool.RVIZ, Tool.EVO), source.topic, what, remedy)
+            tools = bag.tools_of(source.topic, (Tool.RVIZ, Tool.EVO))
+            yield Finding("other-release", Severity.WARNING, tools, source.topic, what, remedy)
 
 
 def latching_word(bag: Structure) -> Iterator[Finding]:

@@ -4,34 +4,34 @@ import math
 from collections.abc import Callable, Iterator, Mapping
 
 from thbridge.adapters.bag_scan import Source
-from thbridge.bags.check.connections import TF_TYPES
-from thbridge.bags.check.finding import Finding, Heard, Listener, Severity, Structure, Tally, Tool
+from thbridge.bags.check.finding import TF_TYPES, Finding, Heard, Listener, Severity, Structure, Tally, Tool
 from thbridge.bags.check.reading import Quaternion
 from thbridge.ros.types import LASER_SCAN, OCCUPANCY_GRID, ODOMETRY, POSE_WITH_COVARIANCE
 
 UNIT_TOLERANCE = 1e-2
-"""Of a quaternion's squared length (tf2, buffer_core.cpp, QUATERNION_NORMALIZATION_TOLERANCE, which is 10e-3)."""
-POSES = (Tool.RVIZ, Tool.FOXGLOVE, Tool.EVO)
+"""Of a quaternion's squared length (tf2, buffer_core.cpp, and rviz, validate_quaternions.h: 10e-3)."""
+ALL_ZERO = "all zero"
+POSES: tuple[Tool, ...] = (Tool.RVIZ, Tool.FOXGLOVE, Tool.EVO)
 PLOTTED_ARRAY = 500
-"""Longest array that PlotJuggler plots element by element unless told otherwise."""
+"""Longest array that PlotJuggler plots element by element unless told otherwise; older ones take 100."""
 _GROUND_TRUTH = "ground_truth"
 
 
 class Rotations:
-    """A rotation is a quaternion of length one: tf2 ignores others, rviz shows an error."""
+    """A rotation is a quaternion of length one: tf2 ignores transforms with others, rviz refuses messages.
+
+    All zero is what nobody filled in: rviz takes it for no rotation, though not in tf.
+    """
 
     def __init__(self) -> None:
         self._off: Tally[tuple[str, str]] = Tally()
         self._tf: set[str] = set()
-        self._marks: set[str] = set()
 
-    def listen(self, source: Source) -> Listener | None:
+    def listen(self, source: Source) -> Listener:
         """Every topic; an IMU without orientation may have none, its driver says so elsewhere."""
         topic, imu = source.topic, source.msgtype == "sensor_msgs/Imu"
         if source.msgtype in TF_TYPES:
             self._tf.add(topic)
-        if source.msgtype.startswith("visualization_msgs/"):
-            self._marks.add(topic)
 
         def hear(heard: Heard) -> None:
             for quaternion in heard.reading.quaternions:
@@ -39,7 +39,7 @@ class Rotations:
                 # Written so that NaN fails it.
                 if not abs(x * x + y * y + z * z + w * w - 1.0) <= UNIT_TOLERANCE:
                     fault = _fault(quaternion)
-                    if not (imu and fault == "all zero"):
+                    if not (imu and fault == ALL_ZERO):
                         self._off.add((topic, fault), heard.stamp_ns)
                     return
 
@@ -48,17 +48,21 @@ class Rotations:
     def findings(self, bag: Structure) -> Iterator[Finding]:
         """One for each topic and kind of fault."""
         for (topic, fault), first, count in self._off.items():
-            what = f"quaternions are {fault}" + (", and tf2 ignores such transforms" if topic in self._tf else "")
-            # rviz takes a marker without rotation for one that is not turned.
-            severity = Severity.WARNING if topic in self._marks else Severity.ERROR
+            severity, tools = Severity.ERROR, POSES
+            what = f"quaternions are {fault}"
+            if topic in self._tf:
+                what += ": tf2 ignores such transforms"
+            elif fault == ALL_ZERO:
+                severity, tools = Severity.WARNING, POSES[1:]
+                what += ": taken for no rotation, if at all"
             remedy = "make their length one; no rotation is 0 0 0 1"
-            yield Finding("quaternion", severity, POSES, topic, what, remedy, first, count)
+            yield Finding("quaternion", severity, bag.tools_of(topic, tools), topic, what, remedy, first, count)
 
 
 def _fault(quaternion: Quaternion) -> str:
     if not all(math.isfinite(part) for part in quaternion):
         return "not finite"
-    return "not of length one" if any(quaternion) else "all zero"
+    return "not of length one" if any(quaternion) else ALL_ZERO
 
 
 class Places:
@@ -82,7 +86,8 @@ class Places:
         for topic, first, count in self._off.items():
             what = "positions or vectors are NaN or infinite"
             remedy = "leave out what is not known"
-            yield Finding("not-finite", Severity.ERROR, POSES, topic, what, remedy, first, count)
+            tools = bag.tools_of(topic, POSES)
+            yield Finding("not-finite", Severity.ERROR, tools, topic, what, remedy, first, count)
 
 
 class Covariances:

@@ -7,6 +7,7 @@ from typing import Generic, Protocol, TypeVar
 
 from thbridge.adapters.bag_scan import Chunk, ChunkIndex, FileHeader, Source, Tear
 from thbridge.bags.check.reading import Reading
+from thbridge.ros.types import ODOMETRY, POSE_WITH_COVARIANCE, TFMESSAGE
 
 K = TypeVar("K")
 
@@ -30,6 +31,11 @@ class Severity(StrEnum):
 
 
 ALL = tuple(Tool)
+TF_TYPES = (TFMESSAGE, "tf/tfMessage")
+POINT = "geometry_msgs/PointStamped"
+STAMPED_POSES = (ODOMETRY, POSE_WITH_COVARIANCE, "geometry_msgs/PoseStamped", "geometry_msgs/TransformStamped", POINT)
+EVO_TYPES = (*STAMPED_POSES, *TF_TYPES)
+"""What evo makes trajectories of (evo, file_interface.py)."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -106,6 +112,11 @@ class Structure:
     def seconds(self) -> float:
         """From the first message to the last."""
         return 0.0 if self.start_ns is None or self.end_ns is None else (self.end_ns - self.start_ns) / 1e9
+
+    def tools_of(self, topic: str, tools: tuple[Tool, ...]) -> tuple[Tool, ...]:
+        """Those tools that read a topic: evo makes trajectories of some types only."""
+        types = {source.msgtype for source in self.sources.values() if source.topic == topic}
+        return tools if types.intersection(EVO_TYPES) else tuple(tool for tool in tools if tool is not Tool.EVO)
 
     def of_topic(self) -> dict[str, list[Source]]:
         """The connections of each topic that have messages."""

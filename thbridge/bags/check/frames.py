@@ -7,8 +7,7 @@ from collections.abc import Iterator
 from dataclasses import dataclass
 
 from thbridge.adapters.bag_scan import Source
-from thbridge.bags.check.connections import TF_TYPES
-from thbridge.bags.check.finding import Finding, Heard, Listener, Severity, Structure, Tally, Tool
+from thbridge.bags.check.finding import TF_TYPES, Finding, Heard, Listener, Severity, Structure, Tally, Tool
 from thbridge.ros.frames import frame_name
 
 SHOWN = (Tool.RVIZ, Tool.FOXGLOVE)
@@ -22,14 +21,17 @@ LATE_NS = 1_000_000_000
 
 
 class SlashedFrames:
-    """tf2 knows no name that begins with a slash."""
+    """tf2 looks up no name that begins with a slash; in transforms it drops the slash, as Foxglove does everywhere."""
 
     def __init__(self) -> None:
         self._slashed: Tally[tuple[str, str]] = Tally()
+        self._tf: set[str] = set()
 
     def listen(self, source: Source) -> Listener:
         """Every topic."""
         topic = source.topic
+        if source.msgtype in TF_TYPES:
+            self._tf.add(topic)
 
         def hear(heard: Heard) -> None:
             for _, frame in heard.reading.headers:
@@ -44,10 +46,13 @@ class SlashedFrames:
     def findings(self, bag: Structure) -> Iterator[Finding]:
         """One for each topic and frame."""
         for (topic, frame), first, count in self._slashed.items():
-            what = f"the frame {frame!r} begins with a slash: tf2 refuses such names"
+            if topic in self._tf:
+                severity, tools, harm = Severity.WARNING, (Tool.EVO,), "evo knows it by this name only"
+            else:
+                severity, tools, harm = Severity.ERROR, (Tool.RVIZ,), "tf2 refuses such names, and rviz shows nothing"
+            what = f"the frame {frame!r} begins with a slash: {harm}"
             remedy = f"call it {frame_name(frame)!r}"
-            tools = (Tool.RVIZ, Tool.EVO)
-            yield Finding("frame-slash", Severity.WARNING, tools, topic, what, remedy, first, count)
+            yield Finding("frame-slash", severity, tools, topic, what, remedy, first, count)
 
 
 @dataclass(slots=True)

@@ -80,7 +80,8 @@ class _DataFits:
         for (topic, fault), first, count in self._off.items():
             what = f"messages do not fit their definition: {fault}"
             remedy = "record the topic anew, or leave it out by `thbridge bag cut --topics`"
-            yield Finding("data-wrong", Severity.ERROR, ALL, topic, what, remedy, first, count)
+            tools = bag.tools_of(topic, ALL)
+            yield Finding("data-wrong", Severity.ERROR, tools, topic, what, remedy, first, count)
 
 
 class _Line:

@@ -6,6 +6,10 @@ from thbridge.bags.check.finding import ALL, Finding, Severity, Structure, Tool
 
 HEADER_BYTES = 4096
 """Header and padding of the first record as ROS 1 writes it (rosbag, bag.py, _FILE_HEADER_LENGTH)."""
+ROS_LZ4_FLAGS = 0x64
+"""FLG of the frames that roslz4 reads: version 1, independent blocks, checksum of the content."""
+OVERLAP_SHARE = 0.25
+CUT = "run `thbridge bag cut` on it, which sorts"
 REINDEX = "run `thbridge bag reindex`"
 
 
@@ -68,16 +72,37 @@ def encrypted(bag: Structure) -> Iterator[Finding]:
 
 
 def chunk_order(bag: Structure) -> Iterator[Finding]:
-    """`rosbag info` takes the first chunk's start and the last chunk's end for the bag's."""
-    if not bag.index or bag.start_ns is None or bag.end_ns is None:
+    """`rosbag info` takes the first chunk's start and the last chunk's end for the bag's, empty ones among them."""
+    if not bag.index or bag.start_ns is None:
         return
-    full = [entry for entry in bag.index if entry.counts]
-    if full and (full[0].start_ns, full[-1].end_ns) != (bag.start_ns, bag.end_ns):
+    told = (bag.index[-1].end_ns - bag.index[0].start_ns) / 1e9
+    if (bag.index[0].start_ns, bag.index[-1].end_ns) != (bag.start_ns, bag.end_ns):
         problem = (
-            f"chunks are not in the order of time: `rosbag info` will say "
-            f"{(full[-1].end_ns - full[0].start_ns) / 1e9:.1f} s for {bag.seconds:.1f} s"
+            f"chunks are empty or not in the order of time: `rosbag info` says it lasts {told:.1f} s "
+            f"where it does {bag.seconds:.1f} s"
         )
-        yield Finding("chunk-order", Severity.WARNING, (Tool.ROSBAG,), None, problem, "run `thbridge bag cut` on it")
+        yield Finding("chunk-order", Severity.WARNING, (Tool.ROSBAG,), None, problem, CUT)
+
+
+def chunks_overlap(bag: Structure) -> Iterator[Finding]:
+    """Foxglove keeps overlapping chunks in memory together, and complains (BagIterableSource.ts)."""
+    latest_ns, overlapping = 0, 0
+    for entry in bag.index:
+        overlapping += entry.start_ns < latest_ns
+        latest_ns = max(latest_ns, entry.end_ns)
+    if overlapping > OVERLAP_SHARE * len(bag.index):
+        problem = f"{overlapping} of {len(bag.index)} chunks overlap others in time"
+        yield Finding("chunks-overlap", Severity.WARNING, (Tool.FOXGLOVE,), None, problem, CUT)
+
+
+def lz4_frames(bag: Structure) -> Iterator[Finding]:
+    """roslz4 unpacks one kind of frame only: independent blocks, and a checksum of the content, not of each block."""
+    other = [known for known in bag.chunks if known.chunk.lz4_flags not in (None, ROS_LZ4_FLAGS)]
+    if other:
+        problem = f"{len(other)} chunks are LZ4 frames that ROS cannot unpack, first at byte {other[0].chunk.position}"
+        tools = (Tool.ROSBAG, Tool.RVIZ, Tool.PLOTJUGGLER)
+        remedy = "run `thbridge bag cut --compression lz4` on it"
+        yield Finding("lz4-frames", Severity.ERROR, tools, None, problem, remedy, other[0].start_ns)
 
 
 def nothing(bag: Structure) -> Iterator[Finding]:
@@ -86,4 +111,4 @@ def nothing(bag: Structure) -> Iterator[Finding]:
         yield Finding("empty", Severity.WARNING, ALL, None, "there are no messages in the bag", "record it again")
 
 
-RULES = (index_missing, index_wrong, torn, header_padding, encrypted, chunk_order, nothing)
+RULES = (index_missing, index_wrong, torn, header_padding, encrypted, chunk_order, chunks_overlap, lz4_frames, nothing)

@@ -3,14 +3,11 @@
 from collections.abc import Iterator
 
 from thbridge.adapters.bag_scan import Source
-from thbridge.bags.check.finding import Finding, Heard, Listener, Severity, Structure, Tally, Tool
-from thbridge.ros.types import ODOMETRY, POSE_WITH_COVARIANCE
+from thbridge.bags.check.finding import STAMPED_POSES, Finding, Heard, Listener, Severity, Structure, Tally, Tool
+from thbridge.bags.check.structure import CUT
 
 TF_CACHE = 10.0
 """Seconds that tf2 remembers (tf2, buffer_core.h, DEFAULT_CACHE_TIME)."""
-POINT = "geometry_msgs/PointStamped"
-EVO_TYPES = (ODOMETRY, POSE_WITH_COVARIANCE, "geometry_msgs/PoseStamped", "geometry_msgs/TransformStamped", POINT)
-"""What evo makes trajectories of, besides tf (evo, file_interface.py)."""
 
 
 class StampZero:
@@ -64,9 +61,8 @@ class BackInTime:
         """One for the bag."""
         if self._count:
             what = f"messages are out of the order of time, by up to {self._worst_ns / 1e9:.3f} s"
-            remedy = "run `thbridge bag cut` on it, which sorts"
             tools = (Tool.ROSBAG, Tool.PLOTJUGGLER)
-            yield Finding("back-in-time", Severity.WARNING, tools, None, what, remedy, self._first_ns, self._count)
+            yield Finding("back-in-time", Severity.WARNING, tools, None, what, CUT, self._first_ns, self._count)
 
 
 class HeaderFar:
@@ -115,11 +111,12 @@ class Trajectories:
     def __init__(self) -> None:
         self._zero: Tally[str] = Tally()
         self._back: Tally[str] = Tally()
+        self._again: Tally[str] = Tally()
         self._latest_ns: dict[str, int] = {}
 
     def listen(self, source: Source) -> Listener | None:
         """What evo reads."""
-        if source.msgtype not in EVO_TYPES:
+        if source.msgtype not in STAMPED_POSES:
             return None
         topic = source.topic
 
@@ -131,6 +128,8 @@ class Trajectories:
                 self._zero.add(topic, heard.stamp_ns)
             elif stamp_ns < self._latest_ns.get(topic, 0):
                 self._back.add(topic, heard.stamp_ns)
+            elif stamp_ns == self._latest_ns.get(topic):
+                self._again.add(topic, heard.stamp_ns)
             else:
                 self._latest_ns[topic] = stamp_ns
 
@@ -147,6 +146,10 @@ class Trajectories:
             what = "stamps of headers go back: evo's check fails, and its association is wrong"
             remedy = "let one publisher speak on the topic, with one clock"
             yield Finding("header-back", Severity.ERROR, tools, topic, what, remedy, first, count)
+        for topic, first, count in self._again.items():
+            what = "headers repeat the stamp before them: evo computes no speeds"
+            remedy = "leave out what is said twice"
+            yield Finding("header-repeated", Severity.WARNING, tools, topic, what, remedy, first, count)
 
 
 RULES = (StampZero, BackInTime, HeaderFar, Trajectories)
