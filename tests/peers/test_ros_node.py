@@ -14,9 +14,11 @@ from contextlib import asynccontextmanager
 
 import pytest
 
-from thbridge.adapters.rosgraph.http import CallFailed
+from thbridge.adapters.rosgraph.http import CallFailed, XmlRpcClient
 from thbridge.adapters.rosgraph.node import RosNode, Started
 from thbridge.wire.rosgraph.links import ServiceFailed
+from thbridge.wire.rosgraph.tcpros import encode_header
+from thbridge.wire.rosgraph.xmlrpc import Response
 
 PYTHON = "/usr/bin/python3"
 TOOLS = ("rosmaster", "rostopic", "rosnode", "rosservice", "rosparam")
@@ -211,6 +213,31 @@ async def test_we_hear_rostopic():
             heard.clear()
             await ros.says("rostopic", "pub", "-1", "/in", "std_msgs/String", "again")
             assert [data for data, _ in heard] == [string("again")]
+
+
+@with_patience
+async def test_rostopic_hears_us_beside_a_subscriber_that_never_reads():
+    async with graph() as ros:
+        node = RosNode("/us", ros.uri)
+        chatter = node.advertise("/chatter", *STRING)
+        started = await node.start()
+        assert isinstance(started, Started)
+        stalled = socket.socket()
+        try:
+            client = XmlRpcClient()
+            offered = await client.call(started.uri, "requestTopic", "/stalled", "/chatter", [["TCPROS"]])
+            await client.close()
+            assert isinstance(offered, Response)
+            stalled.connect(tuple(offered.value[2][1:]))
+            stalled.sendall(encode_header({"callerid": "/stalled", "md5sum": "*", "topic": "/chatter"}))
+            await eventually(lambda: chatter.subscribers == 1, "the stalled subscriber")
+            while chatter.dropped == 0:
+                chatter.publish(string("x" * 100_000))
+            async with repeating(chatter, string("hello")):
+                assert 'data: "hello"' in await ros.says("rostopic", "echo", "-n", "10", "/chatter")
+        finally:
+            stalled.close()
+            await node.stop()
 
 
 @with_patience

@@ -130,7 +130,7 @@ class RosNode:
             return tcpros
         slave = await self._slave.start(address)
         if isinstance(slave, CannotListen):
-            self._tcpros.stop()
+            await self._tcpros.stop()
             return slave
         self._tcpros_port = tcpros.port
         self._addresses = Addresses(f"http://{self.host}:{slave.port}/", f"rosrpc://{self.host}:{tcpros.port}")
@@ -155,14 +155,14 @@ class RosNode:
         await self._registrar.settled()
 
     async def stop(self) -> None:
-        """Take back every registration and close every connection."""
+        """Take back every registration, see that what was published is sent, and close every connection."""
         if self._registering is None:
             return
         self._registering.cancel()
         await asyncio.wait([self._registering])
         await self._registrar.leave(self._addresses)
         await asyncio.gather(*(each.stop() for each in self._subscriptions.values()))
-        self._tcpros.stop()
+        await self._tcpros.stop()
         await self._slave.stop()
         await self._client.close()
         self._registering = None

@@ -68,6 +68,13 @@ class Outlet:
             self._waiting_bytes -= len(message)
             self._hand_over(message)
 
+    def close(self) -> None:
+        """Close the connection once all that waits is sent."""
+        for message in self._waiting:
+            self._hand_over(message)
+        self._waiting.clear()
+        self._transport.close()
+
     def connection(self) -> Connection:
         """This link as the node tells of it."""
         ends = endpoints(self._transport)

@@ -205,6 +205,9 @@ class Registrar:
             if isinstance(reply, CallFailed):
                 self._miss(reply)
                 return False
+            outcome = value_of(self._master_uri, reply)
+            if isinstance(outcome, CallFailed):
+                self._complaints.tell(f"the master does not take {key}: {outcome.reason}")
             if self._parameters[key] is value:  # Else it was declared anew meanwhile.
                 del self._unset[key]
         for registration in [each for each in self._wanted if each not in self._registered]:

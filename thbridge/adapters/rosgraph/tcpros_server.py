@@ -7,6 +7,7 @@ import logging
 from asyncio import Transport
 from collections import deque
 from collections.abc import Awaitable, Callable, Iterable, Iterator
+from contextlib import suppress
 from dataclasses import dataclass
 from typing import TypeAlias
 
@@ -33,6 +34,9 @@ CONNECTION_LIMIT = 768
 
 ANSWERING_LIMIT = 64
 """Requests whose answers take their time, at a time; a client may leave, and ask again, before it has its answer."""
+
+_FAREWELL_SECONDS = 1.0
+"""What subscribers may take, altogether, to read what they were sent last."""
 
 ServiceAnswer: TypeAlias = bytes | ServiceFailed
 Handler: TypeAlias = Callable[[bytes], ServiceAnswer | Awaitable[ServiceAnswer]]
@@ -62,6 +66,7 @@ class TcprosServer:
         self.complaints = Complaints(_log)
         self._services: dict[str, _Served] = {}
         self._connections: set[_Inbound] = set()
+        self._one_gone = asyncio.Event()
         self._answering: set[asyncio.Task[None]] = set()
         self._server: asyncio.Server | None = None
 
@@ -76,12 +81,22 @@ class TcprosServer:
         address = self._server.sockets[0].getsockname()
         return Listening(address[0], address[1])
 
-    def stop(self) -> None:
-        """Close the port, cut off every connection, and give up what is being answered."""
+    async def stop(self) -> None:
+        """Close the port, give up what is being answered, and close every connection.
+
+        Subscribers have a moment to take what was published last.
+        """
         if self._server is not None:
             self._server.close()
         for task in self._answering:
             task.cancel()
+        for connection in self._connections:
+            connection.close()
+        with suppress(TimeoutError):
+            async with asyncio.timeout(_FAREWELL_SECONDS):
+                while self._connections:
+                    self._one_gone.clear()
+                    await self._one_gone.wait()
         for connection in self._connections:
             connection.cut_off()
 
@@ -119,6 +134,7 @@ class TcprosServer:
     def forget(self, connection: _Inbound) -> None:
         """Hear that a connection is closed."""
         self._connections.discard(connection)
+        self._one_gone.set()
 
     def handle(self, service: str, request: bytes, respond: Callable[[ServiceAnswer], None]) -> ServiceAnswer | None:
         """Have a request answered: with what is returned, or else by `respond` in time."""
@@ -177,6 +193,13 @@ class _Inbound(asyncio.Protocol):
             self._publication.remove(self._outlet)
         # What a handler is about runs on: it may have moved a robot already. Only nobody hears the answer.
         self._transport = None
+
+    def close(self) -> None:
+        """End the connection once all is sent."""
+        if self._outlet is not None:
+            self._outlet.close()
+        elif self._transport is not None:
+            self._transport.close()
 
     def cut_off(self) -> None:
         """End the connection at once."""

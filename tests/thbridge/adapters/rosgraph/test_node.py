@@ -244,6 +244,39 @@ async def test_a_subscriber_that_never_reads_loses_messages_alone_and_in_bounded
 
 
 @with_patience
+async def test_what_was_said_last_is_still_heard():
+    async with master() as ros:
+        heard = []
+        us, them = RosNode("/us", ros.uri), RosNode("/them", ros.uri)
+        chatter = us.advertise("/chatter", *STRING)
+        them.subscribe("/chatter", "*", "*", lambda data, caller: heard.append(data[:1]))
+        async with running(us, them):
+            await eventually(lambda: chatter.subscribers == 1)
+            for number in range(20):  # much more than the system buffers, less than may wait
+                chatter.publish(bytes([number]) * (3_000_000 if number == 0 else 50_000))
+            await us.stop()
+            await eventually(lambda: len(heard) == 20)
+            assert heard == [bytes([number]) for number in range(20)]
+
+
+@with_patience
+async def test_a_subscriber_that_never_reads_does_not_keep_us(monkeypatch):
+    monkeypatch.setattr(tcpros_server, "_FAREWELL_SECONDS", 0.05)
+    async with master() as ros:
+        us = RosNode("/us", ros.uri)
+        chatter = us.advertise("/chatter", *STRING)
+        async with running(us):
+            stalled = await Peer.of(ros, us)
+            await stalled.subscribes()
+            stalled.writer.transport.pause_reading()
+            chatter.publish(bytes(20 * publications.WAITING_LIMIT))
+            chatter.publish(b"waits")
+            await us.stop()
+            await eventually(lambda: not us._tcpros._connections)
+            stalled.goes()
+
+
+@with_patience
 async def test_a_message_longer_than_the_limit_gets_through_alone():
     async with master() as ros:
         heard = []
