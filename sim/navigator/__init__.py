@@ -1,7 +1,8 @@
 """move_base: from a goal to commands."""
 
 from sim.navigator.goals import Arrived, Cancelled, Goal, NoPath, Result
-from sim.navigator.move_base import NEARER, STALEMATE, Navigation, Navigator, NavigatorState
+from sim.navigator.move_base import NEARER, STALEMATE, Navigator
+from sim.navigator.navigation import Navigation, NavigatorState
 
 __all__ = [
     "NEARER",

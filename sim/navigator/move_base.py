@@ -15,19 +15,16 @@ oscillates nor is out of valid commands.
 import math
 from collections import deque
 from collections.abc import Callable, Sequence
-from dataclasses import dataclass
-from typing import Literal
 
 import numpy as np
 
-from sim.costmap.costmap_2d import Costmap2D
 from sim.costmap.footprint import circumscribed_radius
-from sim.costmap.view import CostmapView
 from sim.geometry import IDENTITY, FloatArray, Pose2
 from sim.grid import OccupancyGrid, distance_field
-from sim.navigator.display import Display
+from sim.navigator.costmaps import Costmaps
 from sim.navigator.follower import NO_TIMES, NOWHERE, Follower
 from sim.navigator.goals import Arrived, Cancelled, Goal, NoPath, Result
+from sim.navigator.navigation import Navigation, NavigatorState
 from sim.navigator.recovery import Oscillation, Recovery
 from sim.navigator.silence import Silence
 from sim.navigator.turned import Turned
@@ -39,41 +36,6 @@ from sim.planning.path import Refused, headings
 from sim.planning.planners import global_planner
 from sim.planning.potential_planner import PotentialPlanner
 from sim.planning.router import Blocked, Router
-
-NavigatorState = Literal["idle", "planning", "controlling", "clearing"]
-
-
-@dataclass(frozen=True, slots=True)
-class Navigation:
-    """What a robot does about its goal in one tick.
-
-    Attributes:
-        command: the velocity it asks for.
-        goal: the one under way.
-        state: move_base's: "planning" waits for a plan, "controlling" follows it, "clearing" tries to get free.
-        plan: (m, 3) map poses still to be driven, the robot's own place first; empty without a goal. The path that
-            its neighbours hear.
-        times: (m,) the times that its neighbours hear with it; empty beside a plan that is only wished for.
-        local_plan: (k, 3) map poses the command would lead through.
-        result: how a goal ended in this very tick.
-        remaining: metres of the plan left.
-        claim: beside a plan that is only wished for, whose wish it is.
-        global_costmap: the costs that plans are made with, in the ticks when they are due to be shown.
-        local_costmap: the same of commands.
-    """
-
-    command: Twist
-    goal: Goal | None
-    state: NavigatorState
-    plan: FloatArray
-    times: FloatArray
-    local_plan: FloatArray
-    result: Result | None
-    remaining: float
-    claim: Claim | None = None
-    global_costmap: CostmapView | None = None
-    local_costmap: CostmapView | None = None
-
 
 RETRY = 0.5
 """Seconds between attempts to plan."""
@@ -108,28 +70,28 @@ class Navigator:
         self._software = parameters
         self._parameters = parameters.move_base
         self._robot = robot
-        self._global = Costmap2D(parameters.global_costmap, footprint, static)
-        self._local = Costmap2D(parameters.local_costmap, footprint, static)
+        self._costmaps = Costmaps(parameters, footprint, self._turned, robot)
         # Half a cell less: from an occupied cell's centre to its side.
         clearance = np.maximum(distance_field(static, 2.0) - np.float32(0.5 * static.resolution), np.float32(0))
         self._router = Router(
             static,
             clearance.astype(np.float64),
-            self._global,
+            self._costmaps.whole,
             parameters.global_costmap.inflation_layer,
             _planner(parameters),
         )
         self._follower = Follower(
-            parameters, static, clearance, self._local, self._global, self._router.separation_driven, robot
+            parameters,
+            static,
+            clearance,
+            self._costmaps.around,
+            self._costmaps.whole,
+            self._router.separation_driven,
+            robot,
         )
-        self._recovery = Recovery(self._parameters, self._global.circumscribed_radius)
+        self._recovery = Recovery(self._parameters, self._costmaps.whole.circumscribed_radius)
         self._oscillation = Oscillation(self._parameters.oscillation_timeout, self._parameters.oscillation_distance)
         self._silence = Silence()
-        self._displays = (
-            # Seldom shown, so that who looks has not to wait for the first one.
-            Display(self._global, parameters.global_costmap.publish_frequency, self._turned, robot, at_once=True),
-            Display(self._local, parameters.local_costmap.publish_frequency, self._turned, robot),
-        )
         self._results: deque[Result] = deque()
         self._goal: Goal | None = None
         self._target = IDENTITY
@@ -158,16 +120,6 @@ class Navigator:
         self._oscillation.restart(tick)
         self._follower.restart(tick)
 
-    @property
-    def global_costmap(self) -> Costmap2D:
-        """Costs over the whole map, for plans."""
-        return self._global
-
-    @property
-    def local_costmap(self) -> Costmap2D:
-        """Costs around the robot, for commands."""
-        return self._local
-
     def go(self, goal: Goal) -> None:
         """Take up a goal; the one under way ends Cancelled."""
         self.cancel()
@@ -184,11 +136,11 @@ class Navigator:
         """Look for another way to the goal under way: the robot was told that it is somewhere else."""
         self._drop()
         self._next_plan = self._tick + 1
+        self._shortest, self._shortest_tick = math.inf, self._tick
 
     def clear_costmaps(self) -> None:
         """Forget what the laser has seen."""
-        self._global.clear()
-        self._local.clear()
+        self._costmaps.clear()
 
     def configure(self, parameters: RobotParameters) -> None:
         """Go on with these parameters (ROS: dynamic_reconfigure): with the same goal, plan and obstacles seen."""
@@ -196,15 +148,12 @@ class Navigator:
         if parameters == before:
             return
         self._software, self._parameters = parameters, parameters.move_base
-        self._global.configure(parameters.global_costmap)
-        self._local.configure(parameters.local_costmap)
+        self._costmaps.configure(parameters)
         if parameters.global_costmap != before.global_costmap or _plans_by(parameters) != _plans_by(before):
             self._router.configure(parameters.global_costmap.inflation_layer, _planner(parameters))
         self._follower.configure(parameters, self._router.separation_driven)
-        self._recovery.configure(self._parameters, self._global.circumscribed_radius)
+        self._recovery.configure(self._parameters, self._costmaps.whole.circumscribed_radius)
         self._oscillation.configure(self._parameters.oscillation_timeout, self._parameters.oscillation_distance)
-        for display, costmap in zip(self._displays, (parameters.global_costmap, parameters.local_costmap), strict=True):
-            display.configure(costmap.publish_frequency)
 
     def make_plan(self, base_in_map: Pose2, start: Pose2, goal: Pose2, tolerance: float) -> FloatArray | Refused:
         """A plan for somebody who asks (ROS: move_base/make_plan); nothing comes of it for the robot.
@@ -220,7 +169,7 @@ class Navigator:
         """
         turned = self._turned
         place = turned.pose(base_in_map)
-        costs, frame = self._global.as_updated(place.x, place.y, self._silence.known(self._tick))
+        costs, frame = self._costmaps.whole.as_updated(place.x, place.y, self._silence.known(self._tick))
         adds = self._parameters.make_plan_add_unreachable_goal
         planner = _planner(self._software)
         poses = make_plan(planner, costs, frame, turned.pose(start), turned.pose(goal), tolerance, adds)
@@ -271,7 +220,7 @@ class Navigator:
             self._silence.look(pose.compose(scan.mount.laser_in_base), scan)
             if self._goal is not None or not self._parameters.shutdown_costmaps:
                 discs = _discs(self._silence.known(tick))
-                self._global.observe(pose, scan, discs)
+                self._costmaps.whole.observe(pose, scan, discs)
                 self._follower.look(pose, scan, discs)
         # One and the same for all who speak, so that no two of them have their turn at once.
         team = 1 + max(self._robot, self._silence.highest)
@@ -304,19 +253,7 @@ class Navigator:
             result,
             remaining,
             self._claim,
-            *self._shown(tick, pose),
-        )
-
-    def _shown(self, tick: int, pose: Pose2) -> tuple[CostmapView | None, CostmapView | None]:
-        """The global costmap and the local one, where they are due."""
-        due = [display.due(tick) for display in self._displays]
-        if not any(due):
-            return None, None
-        others = self._silence.known(tick)
-        whole, around = self._displays
-        return (
-            whole.show(tick, pose, others, None) if due[0] else None,
-            around.show(tick, pose, others, self._follower.unseen) if due[1] else None,
+            *self._costmaps.shown(tick, pose, self._silence, follower.unseen),
         )
 
     def _seek(self, tick: int, twist: Twist, scan: Scan | None) -> None:
@@ -325,8 +262,7 @@ class Navigator:
         self._drop()
         if not self._lost:
             # What was seen from a wrong place stands in wrong places.
-            for costmap in (self._global, self._local):
-                costmap.clear_outside(0.0, 0.0, 0.0)
+            self._costmaps.clear_outside(0.0, 0.0, 0.0)
             self._lost, command = True, STANDSTILL
         self._turn_left = 0.0
         self._next_plan = tick + 2
@@ -393,8 +329,7 @@ class Navigator:
             self._drop()
             self._turn_left = math.tau
         else:
-            for costmap in (self._global, self._local):
-                costmap.clear_outside(pose.x, pose.y, self._recovery.square(behaviour))
+            self._costmaps.clear_outside(pose.x, pose.y, self._recovery.square(behaviour))
 
     def _given_up(self, goal: Goal) -> NoPath:
         if len(self._wish) > 0 or self._follower.others_bar:

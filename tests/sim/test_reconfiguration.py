@@ -158,6 +158,53 @@ def test_configuring_with_the_same_parameters_changes_nothing():
     assert traces[0] == traces[1]
 
 
+def another(path):
+    """A value that a parameter may have and has not."""
+    section = STUDY
+    *sections, name = path.split(".")
+    for part in sections:
+        section = getattr(section, part)
+    value, metadata = getattr(section, name), section.__dataclass_fields__[name].metadata
+    if isinstance(value, bool):
+        return not value
+    if metadata["choices"]:
+        return next(choice for choice in metadata["choices"] if choice != value)
+    if name == "footprint":
+        return "[[0.2, 0.2], [-0.2, 0.2], [-0.2, -0.2], [0.2, -0.2]]"
+    if value is None:
+        return 0.3
+    if isinstance(value, int):
+        return value + 1 if metadata["maximum"] is None or value < metadata["maximum"] else value - 1
+    return 0.9 * value if value != 0.0 else 0.1
+
+
+def sections():
+    found = {}
+    for path in reconfigurable():
+        found.setdefault(path.partition(".")[0], []).append(path)
+    return found
+
+
+@pytest.mark.parametrize(("section", "paths"), sections().items(), ids=sections())
+def test_what_is_told_before_the_first_tick_acts_as_if_it_had_been_so_from_the_beginning(section, paths):
+    start = STUDY
+    if section in {"DWAPlannerROS", "GlobalPlanner"}:
+        planners = {
+            "base_local_planner": "dwa_local_planner/DWAPlannerROS",
+            "base_global_planner": "global_planner/GlobalPlanner",
+        }
+        start = replace(STUDY, move_base=replace(STUDY.move_base, **planners))
+    new = start
+    for path in paths:
+        new = changed(path, another(path), new)
+    traces = [
+        trace(run(team, 4, *inputs, Go(0, FAR)))
+        for team, inputs in ((team_of(new), []), (team_of(start), [Configure(0, new)]), (team_of(start), []))
+    ]
+    assert traces[0] == traces[1]
+    assert traces[0] != traces[2]
+
+
 def test_how_often_costmaps_are_shown_can_change_and_nothing_else_does():
     shown = changed("local_costmap.publish_frequency", 10.0, changed("global_costmap.publish_frequency", 10.0))
     traces = []
