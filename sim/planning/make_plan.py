@@ -6,7 +6,6 @@ while the robot drives.
 """
 
 import math
-from collections.abc import Iterator
 
 import numpy as np
 
@@ -48,25 +47,28 @@ def make_plan(
     if not tolerance > 0.0:
         return path
     reached = planner.reached(costs, frame, start)
+    step = min(STEP * frame.resolution, tolerance)
     # Beyond the map's size there is nothing to search.
     farthest = min(tolerance, sum(costs.shape) * frame.resolution)
-    for x, y in _around(goal, min(STEP * frame.resolution, tolerance), farthest):
-        row, col = math.floor((y - frame.y) / frame.resolution), math.floor((x - frame.x) / frame.resolution)
-        if not (0 <= row < costs.shape[0] and 0 <= col < costs.shape[1] and reached[row, col]):
-            continue
-        near = planner.plan(costs, frame, start, Pose2(x, y, goal.theta))
-        if isinstance(near, Path):
-            return np.vstack([near.poses, goal.array()]) if add_unreachable_goal else near.poses
+    for ring in range(1, math.floor(farthest / step + 1e-6) + 1):
+        points = np.array([goal.x, goal.y]) + _square(ring) * step
+        cells = np.floor((points[:, ::-1] - (frame.y, frame.x)) / frame.resolution).astype(np.int64)
+        within = ((cells >= 0) & (cells < costs.shape)).all(axis=1)
+        points, cells = points[within], cells[within]
+        for x, y in points[reached[cells[:, 0], cells[:, 1]]].tolist():
+            near = planner.plan(costs, frame, start, Pose2(x, y, goal.theta))
+            if isinstance(near, Path):
+                return np.vstack([near.poses, goal.array()]) if add_unreachable_goal else near.poses
     return path
 
 
-def _around(goal: Pose2, step: float, farthest: float) -> Iterator[tuple[float, float]]:
-    """Points of squares around a goal, from the smallest on; on each in the order in which ROS tries them."""
-    for ring in range(1, math.floor(farthest / step + 1e-6) + 1):
-        for up in range(ring + 1):
-            for right in range(ring + 1):
-                if max(up, right) < ring:
-                    continue
-                for dy in sorted({-up, up}):
-                    for dx in sorted({-right, right}):
-                        yield goal.x + dx * step, goal.y + dy * step
+_SIGNS = np.array([(-1, -1), (1, -1), (-1, 1), (1, 1)])
+
+
+def _square(ring: int) -> FloatArray:
+    """(k, 2) x and y, in steps, of points on a square so many steps around (0, 0), in the order in which ROS goes."""
+    along = np.arange(ring + 1)
+    sides = np.column_stack([np.full(ring, ring), along[:-1]])
+    ends = np.column_stack([along, np.full(ring + 1, ring)])
+    points: FloatArray = (np.vstack([sides, ends])[:, np.newaxis] * _SIGNS).reshape(-1, 2).astype(np.float64)
+    return points
