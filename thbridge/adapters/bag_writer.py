@@ -104,7 +104,7 @@ class BagWriter:
             BagNotWritten: the disk is full, gone or too slow; the bag is closed, and what it held is kept.
             ValueError: the message is older than the last one, or the bag is closed.
         """
-        topic, stamp_ns, data = message
+        topic, stamp_ns, data, _ = message
         if stamp_ns != self._stamp_ns or not self._open:
             self._turn_to(stamp_ns)
         if not self._chunks.takes(stamp_ns):

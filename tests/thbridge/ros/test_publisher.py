@@ -5,15 +5,20 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
+from sim.costmap.view import CostmapView
 from sim.geometry import Pose2
 from sim.navigator import Cancelled, Goal
+from sim.observations import Battery, Twist
+from sim.parameters import RobotParameters
 from sim.team import TeamSnapshot
 from sim.things import Presence, Thing, polygons_of
 from tests.thbridge.ros.drive import LEG, MOUNT, SCAN_PERIOD, SESSION, arena, records, snapshots
-from thbridge.ros import unpack
+from thbridge.ros import types, unpack
+from thbridge.ros.goals import Status
 from thbridge.ros.names import RobotNames
-from thbridge.ros.publisher import Message, Publisher
-from thbridge.ros.types import plain_definition
+from thbridge.ros.publisher import Message, Planners, Publisher, Topic, clock_message
+from thbridge.ros.records import CancelRequest, GoalRequest, SimpleGoal, VelocityCommand
+from thbridge.ros.types import plain_definition, typestore
 
 
 def published(robots: int, ticks: int) -> list[Message]:
@@ -96,7 +101,9 @@ def test_a_command_is_said_when_it_changes_and_ten_times_a_second_while_driving(
 
 def test_goals_and_results_come_in_pairs() -> None:
     names = [message.topic.name for message in published(1, 3 * LEG)]
-    kinds = [name.rpartition("/")[2] for name in names if name.startswith("/robot1/move_base/") and "plan" not in name]
+    kinds = [
+        name.rpartition("/")[2] for name in names if name in {"/robot1/move_base/goal", "/robot1/move_base/result"}
+    ]
     assert kinds == ["goal", "result", "goal", "result"]
 
 
@@ -108,12 +115,156 @@ def test_a_goal_that_another_replaces_ends_before_the_other_begins() -> None:
     assert old is not None
     navigation = replace(second.robots[0].navigation, goal=Goal(99, Pose2(1.0, 1.0, 0.0)), result=Cancelled(old))
     said = publisher.tick(_with(second, navigation=navigation))
-    assert [m.topic.name.rpartition("/")[2] for m in said if "move_base/" in m.topic.name] == ["result", "goal"]
+    kinds = [m.topic.name.rpartition("/")[2] for m in said if "move_base/" in m.topic.name]
+    assert [kind for kind in kinds if kind != "status"] == ["result", "goal"]
 
 
 def test_a_plan_is_said_when_new_and_when_gone_but_not_as_it_is_driven() -> None:
     plans = [m for m in published(1, 2 * LEG) if m.topic.name.endswith("/plan")]
     assert len(plans) == 3  # the first leg's, none, the second leg's
+
+
+def test_plans_are_named_by_the_robots_own_planners() -> None:
+    named = [Planners("GlobalPlanner", "DWAPlannerROS"), Planners.of(RobotParameters())]
+    topics = {topic.name for topic in Publisher(2, MOUNT, SCAN_PERIOD, named).topics}
+    assert {"/robot1/move_base/GlobalPlanner/plan", "/robot1/move_base/DWAPlannerROS/local_plan"} <= topics
+    assert {"/robot2/move_base/NavfnROS/plan", "/robot2/move_base/TrajectoryPlannerROS/local_plan"} <= topics
+
+
+def test_whatever_is_said_is_on_one_of_the_topics_that_were_announced() -> None:
+    announced = set(Publisher(2, MOUNT, SCAN_PERIOD).topics)
+    assert {message.topic for message in published(2, 200)} <= announced
+
+
+def test_a_local_plan_is_said_when_it_changes() -> None:
+    publisher = Publisher(1, MOUNT, SCAN_PERIOD)
+    plan = np.array([[0.0, 0.0, 0.0], [1.0, 0.5, 0.1]])
+    said = []
+    for snapshot, local_plan in zip(snapshots(1, 4), (plan, plan.copy(), plan[:1], np.empty((0, 3))), strict=True):
+        navigation = replace(snapshot.robots[0].navigation, local_plan=local_plan)
+        messages = publisher.tick(_with(snapshot, navigation=navigation))
+        said.append([unpack.path(m.data).tolist() for m in messages if m.topic.name.endswith("/local_plan")])
+    assert [len(paths) for paths in said] == [1, 0, 1, 1]
+    assert said[0][0] == pytest.approx(plan)
+
+
+def test_costmaps_are_said_when_they_are_shown() -> None:
+    (snapshot,) = snapshots(1, 1)
+    view = CostmapView(0, Pose2(-1.0, -2.0, 0.0), 0.05, np.array([[0, 1, 252], [253, 254, 255]], dtype=np.uint8))
+    navigation = replace(snapshot.robots[0].navigation, local_costmap=view)
+    messages = Publisher(1, MOUNT, SCAN_PERIOD).tick(_with(snapshot, navigation=navigation))
+    (shown,) = [m for m in messages if m.topic.name.endswith("_costmap/costmap")]
+    assert shown.topic == Topic("/robot1/move_base/local_costmap/costmap", types.OCCUPANCY_GRID, latched=True)
+    grid = unpack.occupancy_grid(shown.data)
+    assert grid.cells.tolist() == [[0, 1, 98], [99, 100, -1]]
+    assert (grid.resolution, grid.origin) == (0.05, view.origin)
+
+
+def test_footprints_lie_where_the_robot_believes_it_is() -> None:
+    (snapshot,) = snapshots(1, 1)
+    square = np.array([[0.2, 0.1], [-0.2, 0.1], [-0.2, -0.1], [0.2, -0.1]])
+    robot = snapshot.robots[0]
+    snapshot = _with(snapshot, neighbour=replace(robot.neighbour, footprint=square))
+    messages = Publisher(1, MOUNT, SCAN_PERIOD).tick(snapshot)
+    shown = {m.topic.name: m.data for m in messages if m.topic.name.endswith("/footprint")}
+    assert set(shown) == {"/robot1/move_base/global_costmap/footprint", "/robot1/move_base/local_costmap/footprint"}
+    (data,) = set(shown.values())
+    corners = np.frombuffer(data[-4 * 12 :], dtype="<f4").reshape(4, 3)
+    assert corners[:, :2] == pytest.approx(robot.estimate.base_in_map.transform(square), abs=1e-5)
+
+
+def test_what_clients_said_is_recorded_as_they_said_it_before_what_follows() -> None:
+    first, second = snapshots(1, 2, first=LEG)
+    publisher = Publisher(1, MOUNT, SCAN_PERIOD)
+    publisher.tick(first)
+    target = Pose2(1.0, 2.0, 0.5)
+    asked = (
+        GoalRequest(0, "rviz-1", 5, target, 1000),
+        CancelRequest(0, "rviz-1", 0),
+        SimpleGoal(0, target, 1001),
+        GoalRequest(0, "rviz-2", 0, None, 1002, "it is in another frame"),
+        VelocityCommand(0, Twist(0.1, 0.0)),
+    )
+    messages = publisher.tick(second, asked)
+    heard = [message for message in messages if message.heard]
+    assert heard == messages[: len(heard)]
+    assert [m.topic.name for m in heard] == [
+        "/robot1/move_base/goal",
+        "/robot1/move_base/cancel",
+        "/robot1/move_base_simple/goal",
+    ]
+    assert unpack.move_base_goal(heard[0].data).goal_id == "rviz-1"
+    assert unpack.goal_id(heard[1].data) == ("rviz-1", 0)
+    ended = [unpack.move_base_result(m.data) for m in messages if m.topic.name.endswith("/result")]
+    assert ended[-1] == unpack.GoalEnd("rviz-2", Status.ABORTED, "it is in another frame")
+
+
+def test_status_feedback_and_the_log_tell_of_a_goal() -> None:
+    messages = published(1, LEG + 1)
+    per_topic = Counter(message.topic.name for message in messages)
+    assert per_topic["/robot1/move_base/feedback"] == LEG // 5
+    assert LEG // 10 < per_topic["/robot1/move_base/status"] < LEG // 10 + 5
+    log = [message.data for message in messages if message.topic.name == "/rosout"]
+    assert [b"/robot1/move_base" in data for data in log] == [True, True]
+    assert b"robot1-0 is reached" in log[-1]
+
+
+def test_the_log_tells_of_collisions_and_of_robots_that_are_lost_or_dead_once() -> None:
+    publisher = Publisher(1, MOUNT, SCAN_PERIOD)
+    texts = []
+    for snapshot in snapshots(1, 12, first=1):
+        tick = snapshot.tick
+        lost = replace(snapshot.robots[0].estimate, lost=3 <= tick < 5)
+        world = replace(snapshot.world, collisions=np.array([1 if tick >= 6 else 0]))
+        dead = frozenset({0}) if 8 <= tick < 10 else frozenset()
+        messages = publisher.tick(replace(_with(snapshot, estimate=lost), world=world, dead=dead))
+        texts += [(tick, message.data) for message in messages if message.topic.name == "/rosout"]
+    for tick, word in (
+        (3, b"does not know"),
+        (5, b"knows where"),
+        (6, b"run into"),
+        (8, b"stopped"),
+        (10, b"runs again"),
+    ):
+        assert [told for told, data in texts if word in data] == [tick]
+
+
+def test_diagnostics_come_once_a_second_with_every_part_of_every_robot() -> None:
+    messages = [message for message in published(2, 100) if message.topic.name == "/diagnostics"]
+    assert len(messages) == 2
+    message = typestore().deserialize_ros1(messages[0].data, "diagnostic_msgs/msg/DiagnosticArray")
+    parts = ["software", "localisation", "navigation", "energy", "bumper"]
+    assert [status.name for status in message.status] == [f"robot{n}: {part}" for n in (1, 2) for part in parts]
+    assert {status.level for status in message.status} == {0}
+
+
+@pytest.mark.parametrize(
+    ("charge", "lost", "dead", "part", "level"),
+    [
+        (0.0, False, False, "energy", 2),
+        (10.0, False, False, "energy", 1),
+        (90.0, True, False, "localisation", 2),
+        (90.0, False, True, "software", 3),
+    ],
+)
+def test_diagnostics_say_what_is_wrong(charge: float, lost: bool, dead: bool, part: str, level: int) -> None:
+    (snapshot,) = snapshots(1, 1)
+    robot = snapshot.robots[0]
+    snapshot = _with(
+        snapshot,
+        estimate=replace(robot.estimate, lost=lost),
+        observations=replace(robot.observations, battery=Battery(0, charge, 100.0)),
+    )
+    snapshot = replace(snapshot, dead=frozenset({0}) if dead else frozenset())
+    (data,) = [m.data for m in Publisher(1, MOUNT, SCAN_PERIOD).tick(snapshot) if m.topic.name == "/diagnostics"]
+    message = typestore().deserialize_ros1(data, "diagnostic_msgs/msg/DiagnosticArray")
+    assert {status.name: status.level for status in message.status}[f"robot1: {part}"] == level
+
+
+def test_the_clock_tells_the_stamp_of_a_tick() -> None:
+    message = clock_message(75)
+    assert (message.topic.name, message.stamp_ns) == ("/clock", 2_500_000_000)
+    assert message.data == bytes((2, 0, 0, 0)) + (500_000_000).to_bytes(4, "little")
 
 
 def test_a_localiser_without_particles_says_no_cloud() -> None:
@@ -158,7 +309,7 @@ def test_of_a_dead_robot_only_the_truth_is_said() -> None:
     (snapshot,) = snapshots(2, 1, first=100)
     messages = Publisher(2, MOUNT, SCAN_PERIOD).tick(replace(snapshot, dead=frozenset({1})))
     of_second = [message.topic.name for message in messages if message.topic.name.startswith("/robot2")]
-    assert of_second == ["/robot2/base_pose_ground_truth"]
+    assert of_second == ["/robot2/base_pose_ground_truth"]  # and the log says that it died
     assert {transform.child for _, transform in unpack.transforms(messages[0].data)} == {
         "robot1/odom",
         "robot1/base_footprint",

@@ -1,0 +1,168 @@
+"""What the ROS nodes of one robot say, tick by tick: driver, localiser and navigator."""
+
+import math
+from collections.abc import Iterator, Sequence
+from typing import assert_never
+
+import numpy as np
+
+from sim.geometry import FloatArray, Pose2
+from sim.navigator import Navigation
+from sim.observations import STANDSTILL, TICKS_PER_SECOND, Twist
+from sim.robot import RobotOutput
+from thbridge.ros import pack
+from thbridge.ros.actionlib import ActionRequest, Ended, Feedback, GoalSet, MoveBaseServer, Said, StatusList
+from thbridge.ros.goals import GoalId
+from thbridge.ros.names import MAP_FRAME, RobotNames
+from thbridge.ros.records import CancelRequest, GoalRequest, SimpleGoal
+from thbridge.ros.topics import Message, Planners, RobotTopics, Topic
+
+COMMAND_PERIOD = 5
+"""Ticks after which an unchanged command is said again while a goal is under way: 10 Hz, base drivers time out."""
+GLOBAL_FOOTPRINT_PERIOD = TICKS_PER_SECOND
+LOCAL_FOOTPRINT_PERIOD = TICKS_PER_SECOND // 5
+"""Ticks from one footprint to the next; move_base says them with every update of a costmap."""
+
+UNMEASURED = 1e6
+"""Variance by which ROS drivers say that a robot of the plane measures no z, roll and pitch."""
+
+_ODOM_POSE = pack.covariance(np.diag([1e-3, 1e-3, 1e-3]), UNMEASURED)
+_ODOM_TWIST = pack.covariance(np.diag([1e-3, 1e-3, 1e-3]), UNMEASURED)
+"""Nominal and constant, as drivers of real bases give them: filters that fuse odometry (robot_pose_ekf,
+robot_localization) take steps from it, and a covariance that grows with the way would make them distrust every step."""
+
+
+class RobotPublisher:
+    """One robot's topics, and what it said last where only changes are worth saying.
+
+    Args:
+        robot: its index in the team.
+        scan_period: seconds between two scans.
+        planners: names of its planners.
+
+    Attributes:
+        names: what it is called.
+        topics: all that it speaks on.
+    """
+
+    def __init__(self, robot: int, scan_period: float, planners: Planners) -> None:
+        self.names = RobotNames.of(robot)
+        self.topics = RobotTopics.of(self.names, planners)
+        self.odom, self.base_footprint = self.names.odom, self.names.base_footprint
+        self._robot = robot
+        self._base_laser = self.names.base_laser
+        self._scan_period = scan_period
+        self._server = MoveBaseServer(robot)
+        self._charge = math.nan
+        self._command = STANDSTILL
+        self._command_tick = 0
+        self._plan: FloatArray = np.empty((0, 3))
+        self._local_plan: FloatArray = self._plan
+
+    def heard(self, stamp_ns: int, tick: int, request: ActionRequest) -> Iterator[Message]:
+        """What a client said, as far as that was a message at all."""
+        match request:
+            case GoalRequest(_, goal_id, goal_stamp_ns, Pose2() as base):
+                data = pack.move_base_goal(tick, GoalId(goal_id, goal_stamp_ns), MAP_FRAME, base)
+                yield Message(self.topics.goal, stamp_ns, data, heard=True)
+            case SimpleGoal(_, Pose2() as base):
+                yield Message(self.topics.simple_goal, stamp_ns, pack.pose_stamped(tick, MAP_FRAME, base), heard=True)
+            case CancelRequest(_, goal_id, goal_stamp_ns):
+                yield Message(self.topics.cancel, stamp_ns, pack.goal_id(GoalId(goal_id, goal_stamp_ns)), heard=True)
+
+    def goals(self, tick: int, requests: Sequence[ActionRequest], output: RobotOutput, dead: bool) -> list[Said]:
+        """What the action server says in a tick, given what clients asked of it in that tick."""
+        self._server.take(tick, requests)
+        return self._server.follow(tick, None if dead else output.navigation, output.estimate.base_in_map)
+
+    def truth(self, tick: int, base_in_map: Pose2, twist: Twist) -> tuple[Topic, bytes]:
+        """Where the robot really is; known of a dead one, too."""
+        data = pack.odometry(tick, MAP_FRAME, self.base_footprint, base_in_map, twist)
+        return self.topics.base_pose_ground_truth, data
+
+    def tick(
+        self, tick: int, command: Twist, output: RobotOutput, goals: Sequence[Said]
+    ) -> Iterator[tuple[Topic, bytes]]:
+        """What a robot that lives says in one tick.
+
+        Args:
+            tick: which one.
+            command: what its motors were told.
+            output: what it makes of the tick.
+            goals: what its action server says.
+        """
+        topics, observations, estimate = self.topics, output.observations, output.estimate
+        sensed = observations.odometry
+        yield (
+            topics.odom,
+            pack.odometry(
+                tick, self.odom, self.base_footprint, sensed.base_in_odom, sensed.twist, _ODOM_POSE, _ODOM_TWIST
+            ),
+        )
+        if observations.scan is not None:
+            yield topics.scan, pack.laser_scan(observations.scan, self._base_laser, self._scan_period)
+        if estimate.updated:
+            yield (
+                topics.amcl_pose,
+                pack.pose_with_covariance(tick, MAP_FRAME, estimate.base_in_map, estimate.covariance),
+            )
+            if len(estimate.particles):
+                yield topics.particlecloud, pack.pose_array(tick, MAP_FRAME, estimate.particles)
+        charge = observations.battery.charge
+        if tick % TICKS_PER_SECOND == 0 or charge != self._charge:
+            self._charge = charge
+            yield topics.battery, pack.battery_state(observations.battery, self.names.namespace[1:])
+        for said in goals:
+            yield self._packed(tick, said)
+        yield from self._navigation(tick, command, output.navigation)
+        yield from self._footprints(tick, estimate.base_in_map, output.neighbour.footprint)
+
+    def _packed(self, tick: int, said: Said) -> tuple[Topic, bytes]:
+        match said:
+            case GoalSet(goal, base):
+                return self.topics.goal, pack.move_base_goal(tick, goal, MAP_FRAME, base)
+            case StatusList(entries):
+                return self.topics.status, pack.goal_status_array(tick, entries)
+            case Feedback(entry, base):
+                return self.topics.feedback, pack.move_base_feedback(tick, entry, MAP_FRAME, base)
+            case Ended(entry):
+                return self.topics.result, pack.move_base_result(tick, entry)
+            case _:
+                assert_never(said)
+
+    def _navigation(self, tick: int, command: Twist, navigation: Navigation) -> Iterator[tuple[Topic, bytes]]:
+        topics = self.topics
+        repeated = navigation.goal is not None and tick - self._command_tick >= COMMAND_PERIOD
+        if command != self._command or repeated:
+            self._command, self._command_tick = command, tick
+            yield topics.cmd_vel, pack.command(command)
+        if not _is_rest(navigation.plan, self._plan):
+            yield topics.plan, pack.path(tick, MAP_FRAME, navigation.plan)
+        self._plan = navigation.plan
+        local_plan = navigation.local_plan
+        if local_plan is not self._local_plan and not np.array_equal(local_plan, self._local_plan):
+            yield topics.local_plan, pack.path(tick, MAP_FRAME, local_plan)
+        self._local_plan = local_plan
+        if navigation.global_costmap is not None:
+            yield topics.global_costmap, pack.costmap(MAP_FRAME, navigation.global_costmap)
+        if navigation.local_costmap is not None:
+            yield topics.local_costmap, pack.costmap(MAP_FRAME, navigation.local_costmap)
+
+    def _footprints(self, tick: int, base: Pose2, footprint: FloatArray) -> Iterator[tuple[Topic, bytes]]:
+        turn = tick - self._robot
+        if turn % LOCAL_FOOTPRINT_PERIOD or not len(footprint):
+            return
+        corners = pack.polygon(tick, MAP_FRAME, base.transform(footprint))
+        yield self.topics.local_footprint, corners
+        if turn % GLOBAL_FOOTPRINT_PERIOD == 0:
+            yield self.topics.global_footprint, corners
+
+
+def _is_rest(plan: FloatArray, last: FloatArray) -> bool:
+    """Whether a plan is the last one, or what is left of it to drive from a new place: not worth saying."""
+    if plan is last:
+        return True
+    if not len(plan):
+        return not len(last)
+    ahead = plan[1:]
+    return len(plan) <= len(last) and np.array_equal(last[len(last) - len(ahead) :], ahead)
