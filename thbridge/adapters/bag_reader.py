@@ -19,17 +19,6 @@ MAGIC = b"#ROSBAG V"
 VERSION = b"2.0\n"
 
 
-class _Place(IndexData):
-    """Where a message is: messages of one time come in the order in which they were written, whatever their topics."""
-
-    __slots__ = ()
-
-    # The reader's own compare times alone.
-    __lt__ = tuple.__lt__
-    __eq__ = tuple.__eq__
-    __hash__ = tuple.__hash__
-
-
 @dataclass(frozen=True, slots=True)
 class TopicInfo:
     """One topic of a bag.
@@ -165,8 +154,6 @@ def recorded(path: Path, topics: Collection[str] | None = None) -> Iterator[tupl
         with opened(part) as reader:
             repeatable = dict(latched)
             wanted = [connection for connection in reader.connections if topics is None or connection.topic in topics]
-            for connection in wanted:
-                reader.indexes[connection.id] = [_Place(*entry) for entry in reader.indexes[connection.id]]
             publishers = {connection.id: _publisher(connection, known) for connection in wanted}
             _order(reader)
             # To the reader an empty list means every topic.

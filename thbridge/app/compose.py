@@ -32,7 +32,7 @@ from thbridge.roles.hider import Hider
 from thbridge.roles.keeper import GameRules, Keeper
 from thbridge.roles.showing import plain_costs
 from thbridge.roles.simr import Field, SimR
-from thbridge.ros.publisher import Publisher
+from thbridge.ros.publisher import Planners, Publisher
 from thbridge.ros.records import Session as SessionRecord
 from thbridge.study.bots import Bot, BotStrategy, Knowledge
 
@@ -91,8 +91,9 @@ class Setting:
 
     def publisher(self) -> Publisher:
         """What these robots say as ROS nodes."""
-        laser = self.study.world.laser
-        return Publisher(self.study.robots, mount_of(laser), 1.0 / laser.rate)
+        study, laser = self.study, self.study.world.laser
+        planners = [Planners.of(study.software(number)) for number in range(1, study.robots + 1)]
+        return Publisher(study.robots, mount_of(laser), 1.0 / laser.rate, planners)
 
     def writer(self, path: Path) -> BagWriter:
         """A new bag. Raises BagNotWritten."""
