@@ -382,7 +382,7 @@ class Comparison:
     def _compared(self, was: RawMessage, now: Message | None) -> Difference | None:
         if now is None:
             return self._difference(was.topic, was.stamp_ns, "it was recorded, and is not said any more")
-        topic, stamp_ns, data = now
+        topic, stamp_ns, data, _ = now
         if topic.name != was.topic:
             return self._difference(was.topic, was.stamp_ns, f"in its place there is one on {topic.name}")
         if stamp_ns != was.stamp_ns:
