@@ -203,3 +203,11 @@ def test_roswtf_finds_nothing_wrong_with_the_graph(graph):
         graph.node_of("/healthy")
         online = graph.says("roswtf").partition("Beginning tests of your ROS graph")[2]
     assert "graph rules" in online and "ERROR" not in online
+
+
+def test_what_nodes_log_is_said_again_on_one_topic(graph):
+    logging = "import rospy; rospy.init_node('logger'); rospy.sleep(1); rospy.logwarn('mind the gap'); rospy.sleep(1)"
+    with graph.running("rostopic", "echo", "/rosout_agg/msg") as echo:
+        eventually(lambda: "/rosout_agg" in graph.says("rostopic", "list", "-s"), "the subscriber")
+        graph.says(PYTHON, "-c", logging)
+        eventually(lambda: "mind the gap" in echo.text, "the warning")

@@ -13,6 +13,7 @@ from types import TracebackType
 
 from thbridge.adapters.loop import stopping
 from thbridge.adapters.rosgraph.http import CallFailed, XmlRpcClient, XmlRpcServer
+from thbridge.adapters.rosgraph.rosout import rosout_node
 from thbridge.adapters.text_server import CannotListen, Listening
 from thbridge.wire.rosgraph.master import (
     ERROR,
@@ -138,7 +139,7 @@ class MasterServer:
 
 
 async def serve(host: str, port: int, ready: Callable[[Listening | CannotListen], None]) -> None:
-    """Be a master until Ctrl-C, SIGTERM, or a node's call of ``shutdown``.
+    """Be what roscore is, master and log, until Ctrl-C, SIGTERM, or a node's call of ``shutdown``.
 
     Args:
         host: see `MasterServer`.
@@ -150,11 +151,15 @@ async def serve(host: str, port: int, ready: Callable[[Listening | CannotListen]
     ready(where)
     if isinstance(where, CannotListen):
         return
+    rosout = rosout_node(master.uri, _advertised(where.host))
+    if isinstance(cannot := await rosout.start(), CannotListen):
+        _log.warning("no /rosout_agg: %s", cannot)
     with stopping() as stopped:
         endings = [asyncio.ensure_future(ending) for ending in (stopped.wait(), master.stopped())]
         await asyncio.wait(endings, return_when=asyncio.FIRST_COMPLETED)
         for ending in endings:
             ending.cancel()
+    await rosout.stop()
     await master.stop()
 
 
