@@ -69,6 +69,11 @@ class MasterServer:
         self.uri = ""
         """Where nodes find the master once it is started: what ``ROS_MASTER_URI`` is to say."""
 
+    @property
+    def connections(self) -> int:
+        """How many connections of nodes and tools are open."""
+        return self._server.connections
+
     async def start(self) -> Listening | CannotListen:
         """Begin to serve."""
         where = await self._server.start(self._host, self._port)

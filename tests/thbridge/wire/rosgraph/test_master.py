@@ -1,9 +1,11 @@
 """The master's state: replies, and who is told what. tests/peers compares it with rosmaster, call by call."""
 
 import pytest
+from hypothesis import given
+from hypothesis import strategies as st
 
 from thbridge.wire.rosgraph.master import METHODS, Master, ParamUpdate, PublisherUpdate, Reply, Shutdown
-from thbridge.wire.rosgraph.xmlrpc import Call, XmlRpcValue
+from thbridge.wire.rosgraph.xmlrpc import Call, XmlRpcValue, encode_response
 
 TALKER, LISTENER, SECOND = "http://localhost:1/", "http://localhost:2/", "http://localhost:3/"
 STRING = "std_msgs/String"
@@ -123,3 +125,21 @@ def test_wrong_calls_are_refused_by_every_method(ask, method):
 def test_what_is_too_deep_to_be_sent_is_refused(ask):
     refused = ask("setParam", "/test", "/a" * 1000, 1)
     assert refused.status == -1 and "deep" in refused.message
+
+
+names = st.text("ab/~: ", max_size=6) | st.sampled_from(["/a", "http://h:1/", "a/B", "*"])
+values = st.recursive(
+    st.none() | st.booleans() | st.integers(-9, 9) | st.binary(max_size=2) | names,
+    lambda inner: st.lists(inner, max_size=3) | st.dictionaries(names, inner, max_size=3),
+    max_leaves=6,
+)
+calls = st.tuples(st.sampled_from(sorted(METHODS)), st.lists(names | values, max_size=4))
+
+
+@given(st.lists(calls, max_size=30))
+def test_whatever_is_called_gets_a_reply_that_can_be_sent(sequence):
+    master = Master("http://localhost:11311/", 17)
+    for method, params in sequence:
+        reply, _ = master.handle(Call(method, params))
+        assert reply.status in {-1, 0, 1}
+        assert encode_response(reply.as_value())
