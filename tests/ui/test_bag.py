@@ -67,6 +67,16 @@ def test_check_of_a_damaged_bag(tmp_path: Path) -> None:
     assert "thbridge bag reindex" in done.stdout
 
 
+def test_check_of_a_split_recording_tells_which_part(tmp_path: Path, bag: Path, bad: Path) -> None:
+    bag.rename(tmp_path / "hunt_0.bag")
+    bad.rename(tmp_path / "hunt_1.bag")
+    done = RUN.invoke(app, ["bag", "check", str(tmp_path / "hunt.bag"), "--json"])
+    assert done.exit_code == 1
+    told = json.loads(done.stdout)
+    assert told["messages"] == 92 + 91
+    assert [finding["file"] for finding in told["findings"]] == [str(tmp_path / "hunt_1.bag")]
+
+
 def test_info_names_all_topics_in_full(bag: Path) -> None:
     done = RUN.invoke(app, ["bag", "info", str(bag)])
     assert done.exit_code == 0

@@ -1,6 +1,7 @@
 """`thbridge bag`: look into recordings and mend them."""
 
 import math
+from collections.abc import Mapping
 from enum import StrEnum
 from pathlib import Path
 from typing import Annotated
@@ -11,6 +12,7 @@ import typer
 from thbridge.adapters.bag_records import Compression
 from thbridge.adapters.bag_repair import reindex as reindex_bag
 from thbridge.adapters.bag_scan import scan
+from thbridge.adapters.recordings import parts_of
 from thbridge.bags.check import Finding, Judgement, Severity, Tool, judge
 from thbridge.bags.cut import Piece, cut
 from thbridge.bags.summary import Summary, summarise
@@ -81,15 +83,15 @@ def _seconds(stamp_ns: int | None, start_ns: int | None) -> str:
 
 
 @bag_app.command("check")
-def bag_check_command(bag: Annotated[Path, typer.Argument(help="A ROS 1 bag.")], as_json: AsJson = False) -> None:
+def bag_check_command(bag: Bag, as_json: AsJson = False) -> None:
     """Judge a bag: will rosbag, rviz, Foxglove, PlotJuggler and evo take it, and why not."""
     with bad_input():
-        judgement = judge(scan(bag))
+        judgements = {part: judge(scan(part)) for part in parts_of(bag)}
     if as_json:
-        print_json(_told(judgement))
+        print_json(_told(judgements))
     else:
-        _show(judgement)
-    if not judgement.ok:
+        _show(judgements)
+    if not all(judgement.ok for judgement in judgements.values()):
         raise typer.Exit(FAILED)
 
 
@@ -101,9 +103,16 @@ _VERDICTS = {
 }
 
 
-def _told(judgement: Judgement) -> dict[str, object]:
+def _verdicts(judgements: Mapping[Path, Judgement]) -> dict[Tool, Severity | None]:
+    """The worst that each tool meets in any part."""
+    worst = {tool: [judgement.worst(tool) for judgement in judgements.values()] for tool in Tool}
+    return {tool: next((severity for severity in Severity if severity in met), None) for tool, met in worst.items()}
+
+
+def _told(judgements: Mapping[Path, Judgement]) -> dict[str, object]:
     findings = [
         {
+            "file": str(path),
             "rule": finding.rule,
             "severity": finding.severity,
             "tools": list(finding.tools),
@@ -114,23 +123,29 @@ def _told(judgement: Judgement) -> dict[str, object]:
             "at_seconds": _seconds_in(finding, judgement),
             "messages": finding.count,
         }
+        for path, judgement in judgements.items()
         for finding in judgement.findings
     ]
-    tools = {tool: judgement.worst(tool) or "ok" for tool in Tool}
-    return {"ok": judgement.ok, "messages": judgement.messages, "tools": tools, "findings": findings}
+    return {
+        "ok": all(judgement.ok for judgement in judgements.values()),
+        "messages": sum(judgement.messages for judgement in judgements.values()),
+        "tools": {tool: severity or "ok" for tool, severity in _verdicts(judgements).items()},
+        "findings": findings,
+    }
 
 
-def _show(judgement: Judgement) -> None:
-    for finding in judgement.findings:
-        where = finding.topic or "the bag"
-        seconds = _seconds_in(finding, judgement)
-        since = "" if seconds is None else f" (first at {seconds:.3f} s{_messages(finding.count)})"
-        tools = ", ".join(finding.tools)
-        remedy = finding.remedy[:1].upper() + finding.remedy[1:]
-        text = f"{finding.severity} for {tools}: {where}: {finding.what}{since}. {remedy}. [{finding.rule}]"
-        _say(text)
-    for tool in Tool:
-        _say(f"{tool:<12}{_VERDICTS[judgement.worst(tool)]}")
+def _show(judgements: Mapping[Path, Judgement]) -> None:
+    for path, judgement in judgements.items():
+        if len(judgements) > 1:
+            _say(f"{path}:")
+        for finding in judgement.findings:
+            seconds = _seconds_in(finding, judgement)
+            since = "" if seconds is None else f" (first at {seconds:.3f} s{_messages(finding.count)})"
+            what = f"{finding.topic or 'the bag'}: {finding.what}{since}"
+            remedy = finding.remedy[:1].upper() + finding.remedy[1:]
+            _say(f"{finding.severity} for {', '.join(finding.tools)}: {what}. {remedy}. [{finding.rule}]")
+    for tool, severity in _verdicts(judgements).items():
+        _say(f"{tool:<12}{_VERDICTS[severity]}")
 
 
 def _messages(count: int) -> str:

@@ -288,6 +288,38 @@ def test_frame_that_nothing_joins(tmp_path: Path) -> None:
     assert set(finding.tools) == {Tool.RVIZ, Tool.FOXGLOVE}
 
 
+def test_no_transforms_at_all_are_one_finding(tmp_path: Path) -> None:
+    planted = clean()
+    planted.drop("/tf_static")
+    planted.drop("/tf")
+    (finding,) = judged(tmp_path, planted).findings
+    assert (finding.rule, finding.topic, finding.severity) == ("tf-missing", None, Severity.ERROR)
+    assert "laser, map, odom" in finding.what
+
+
+def test_one_frame_needs_no_transforms(tmp_path: Path) -> None:
+    planted = clean()
+    planted.entries = planted.of("/odom")
+    assert judged(tmp_path, planted).findings == ()
+
+
+def test_what_is_not_shown_hangs_loose_with_a_warning(tmp_path: Path) -> None:
+    planted = clean()
+    line = Line("/battery", "sensor_msgs/BatteryState")
+    data = b"\0" * 4 + (START // 10**9).to_bytes(4, "little") + b"\0" * 4 + b"\x03\0\0\0gps" + b"\0" * 48
+    planted.entries.append(Entry(line, START + 30 * STEP, data=data))
+    assert found(judged(tmp_path, planted), "tf-missing").severity is Severity.WARNING
+
+
+def test_everybody_latches_the_log(tmp_path: Path) -> None:
+    planted = clean()
+    text = "string msg\n"
+    for caller in ("/amcl", "/move_base"):
+        line = Line("/rosout", "rosgraph_msgs/Log", "1", caller, definition=text)
+        planted.entries.append(Entry(line, START + 30 * STEP, data=b"\0\0\0\0"))
+    assert "two-latched" not in rules(judged(tmp_path, planted))
+
+
 def test_tree_in_two_pieces(tmp_path: Path) -> None:
     planted = clean()
     planted.entries = [

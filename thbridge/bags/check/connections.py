@@ -94,7 +94,10 @@ def unlatched(bag: Structure) -> Iterator[Finding]:
 def two_latched(bag: Structure) -> Iterator[Finding]:
     """`rosbag play` is one node: of a topic it latches one message, the last."""
     for topic, sources in bag.of_topic().items():
-        if len(sources) > 1 and (topic.endswith("tf_static") or any(source.latched for source in sources)):
+        # Every node's log is latched, and nobody minds.
+        if sources[0].msgtype == "rosgraph_msgs/Log" or len(sources) < 2:
+            continue
+        if topic.endswith("tf_static") or any(source.latched for source in sources):
             severity = Severity.ERROR if topic.endswith("tf_static") else Severity.WARNING
             names = ", ".join(source.caller or "?" for source in sources)
             what = f"{len(sources)} publishers latch it ({names}): played, each one's message replaces the other's"

@@ -13,9 +13,16 @@ from thbridge.ros.frames import frame_name
 SHOWN = (Tool.RVIZ, Tool.FOXGLOVE)
 FIXED_FRAMES = ("map", "world", "odom")
 """What tools take for the frame that stands still, in this order."""
-FRAMED_PACKAGES = ("geometry_msgs/", "nav_msgs/", "sensor_msgs/")
-"""Their messages with a header are shown in space."""
-UNFRAMED = ("sensor_msgs/BatteryState", "sensor_msgs/Joy", "sensor_msgs/JointState", "sensor_msgs/TimeReference")
+SHOWN_TYPES = frozenset(
+    {"visualization_msgs/Marker"}
+    | {f"nav_msgs/{name}" for name in ("GridCells", "OccupancyGrid", "Odometry", "Path")}
+    | {f"sensor_msgs/{name}" for name in ("LaserScan", "PointCloud", "PointCloud2", "Range")}
+    | {
+        f"geometry_msgs/{name}"
+        for name in ("PointStamped", "PolygonStamped", "PoseArray", "PoseStamped", "PoseWithCovarianceStamped")
+    }
+)
+"""Messages that are shown at a place in space."""
 LATE_NS = 1_000_000_000
 """So long a start without transforms is usual."""
 
@@ -71,6 +78,7 @@ class _Use:
 
     heard_ns: int
     stamp_ns: int
+    shown: bool
     count: int = 0
 
 
@@ -112,20 +120,20 @@ class Tree:
 
     def _users(self, source: Source) -> Listener:
         topic = source.topic
-        framed = source.msgtype.startswith(FRAMED_PACKAGES) and source.msgtype not in UNFRAMED
+        shown = source.msgtype in SHOWN_TYPES
 
         def hear(heard: Heard) -> None:
             headers = heard.reading.headers
             if not headers:
                 return
-            if framed and not headers[0][1]:
+            if shown and not headers[0][1]:
                 self._unnamed.add(topic, heard.stamp_ns)
             for stamp_ns, frame in headers if len(headers) < 3 else set(headers):
                 if not frame:
                     continue
                 use = self._uses.get((topic, frame))
                 if use is None:
-                    use = self._uses[(topic, frame)] = _Use(heard.stamp_ns, stamp_ns or heard.stamp_ns)
+                    use = self._uses[(topic, frame)] = _Use(heard.stamp_ns, stamp_ns or heard.stamp_ns, shown)
                 use.count += 1
 
         return hear
@@ -198,6 +206,9 @@ class Tree:
 
     def _hanging(self) -> Iterator[Finding]:
         fixed = self._fixed()
+        if not self._edges:
+            yield from self._no_tree()
+            return
         for (topic, name), use in self._uses.items():
             frame = frame_name(name)
             if self._root(frame) != fixed:
@@ -205,12 +216,20 @@ class Tree:
                 if self._root(frame) != frame:
                     what += f", it hangs on {self._root(frame)!r}"
                 remedy = "record /tf and /tf_static with it, base to sensor included"
-                yield Finding("tf-missing", Severity.ERROR, SHOWN, topic, what, remedy, use.heard_ns, use.count)
+                severity = Severity.ERROR if use.shown else Severity.WARNING
+                yield Finding("tf-missing", severity, SHOWN, topic, what, remedy, use.heard_ns, use.count)
             elif (late := self._since_ns(frame) - use.stamp_ns) > 0:
                 severity = Severity.WARNING if late > LATE_NS else Severity.NOTE
                 what = f"its first message is {late / 1e9:.3f} s older than the first transforms of {frame!r}"
                 remedy = "begin to record transforms before the sensors"
                 yield Finding("tf-late", severity, SHOWN, topic, what, remedy, use.heard_ns, 1)
+
+    def _no_tree(self) -> Iterator[Finding]:
+        shown = {frame_name(frame): use for (_, frame), use in self._uses.items() if use.shown}
+        if len(shown) > 1:
+            what = f"there are no transforms in the bag, and its messages are in frames {', '.join(sorted(shown))}"
+            first = min(use.heard_ns for use in shown.values())
+            yield Finding("tf-missing", Severity.ERROR, SHOWN, None, what, "record /tf and /tf_static with it", first)
 
 
 class StaticWhole:
