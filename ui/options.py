@@ -10,6 +10,7 @@ import typer
 
 from sim import is_compiled
 from thbridge.adapters.errors import BadFile
+from thbridge.adapters.map_files import read_grid
 from thbridge.adapters.recordings import make_room, try_place
 from thbridge.adapters.text_server import DEFAULT_HOST, DEFAULT_PORT
 from thbridge.app.compose import Setting, read_setting
@@ -95,14 +96,18 @@ def announce_compiling() -> None:
         note("Compiling the simulator for this machine; only the first start takes this long, some 25 s.")
 
 
-def write_report(bag: Path, page: Path) -> None:
-    """Make the report of a bag. Raises BadFile: the bag cannot be read, or the page not be written."""
+def write_report(bag: Path, page: Path, map_yaml: Path | None = None) -> None:
+    """Make the report of a bag, on a map of its own if one is given.
+
+    Raises:
+        BadFile: the bag or the map cannot be read, or the page not be written.
+    """
     # Half a second of imports that no other command needs.
-    from thbridge.study.report_page import build_report  # noqa: PLC0415
+    from thbridge.bags.report.page import build_report  # noqa: PLC0415
 
     if page.exists() and bag.exists() and page.samefile(bag):
         raise BadFile(page, None, None, "this is the bag itself", "choose another file by --to")
-    html = build_report(bag)
+    html = build_report(bag, None if map_yaml is None else read_grid(map_yaml))
     try:
         page.write_text(html, encoding="utf-8")
     except OSError as error:

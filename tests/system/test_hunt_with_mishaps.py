@@ -6,7 +6,7 @@ import pytest
 
 from tests.system.test_play import messages, play
 from thbridge.adapters.bag_reader import messages as recorded
-from thbridge.study.report import read_report
+from thbridge.bags.report.gathering import read_report
 
 STUDY = """\
 robots: 3

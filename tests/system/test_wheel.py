@@ -13,7 +13,7 @@ import thbridge
 from thbridge.adapters.map_files import read_map
 from thbridge.adapters.resources import shipped
 print(Path(thbridge.__file__).parent)
-print(Path(thbridge.__file__).with_name("study").joinpath("report_page.html").is_file())
+print(Path(thbridge.__file__).with_name("bags").joinpath("report", "page.html").is_file())
 print(len(read_map(shipped().find("maps", "arena8", Path())).rooms), *shipped().names("templates"))
 """
 

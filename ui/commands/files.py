@@ -58,10 +58,13 @@ def _room(costs: CostMatrix, text: str) -> Room:
 def report(
     bag: Annotated[Path, typer.Argument(help="A ROS 1 bag.")],
     to: Annotated[Path | None, typer.Option("--to", help="The page; by default beside the bag.")] = None,
+    map_yaml: Annotated[
+        Path | None, typer.Option("--map", help="The map, a map_server YAML file; by default the bag's own.")
+    ] = None,
 ) -> None:
     """Make a report of a bag: one HTML page with paths, errors, energy, events and talk."""
     with bad_input():
-        write_report(bag, to or bag.with_suffix(".html"))
+        write_report(bag, to or bag.with_suffix(".html"), map_yaml)
 
 
 @maps_app.command("check")

@@ -15,9 +15,9 @@ from thbridge.app.config import read_study_text
 from thbridge.app.replay import Difference, Replayed, ReplayOptions, replay, session_of
 from thbridge.app.session import Moment
 from thbridge.app.what_if import Change, changed
+from thbridge.bags.comparison import RobotFigures, RunFigures, figures_of
+from thbridge.bags.report.gathering import read_report
 from thbridge.ros.records import Session
-from thbridge.study.comparison import RobotFigures, RunFigures, figures_of
-from thbridge.study.report import read_report
 from ui.options import AsJson, announce_compiling, make_ready
 from ui.seats import run
 from ui.story import tell

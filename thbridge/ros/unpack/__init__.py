@@ -26,9 +26,11 @@ from thbridge.ros.unpack.robots import (
     odometry,
     outlines,
     path,
+    pose_stamped,
     pose_with_covariance,
     spatial_transforms,
     transforms,
+    twist,
 )
 
 __all__ = [
@@ -52,10 +54,12 @@ __all__ = [
     "outlines",
     "outside_input",
     "path",
+    "pose_stamped",
     "pose_with_covariance",
     "score",
     "session",
     "spatial_transforms",
     "transforms",
+    "twist",
     "utterance",
 ]

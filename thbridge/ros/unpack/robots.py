@@ -7,30 +7,43 @@ from numpy.typing import NDArray
 
 from sim.geometry import FloatArray, Pose2
 from sim.grid import OccupancyGrid
+from sim.observations import Twist
 from thbridge.ros.cursor import FLOAT32, INT32, UINT32, Cursor
 from thbridge.ros.pack import ADD, Transform
 
+_COVARIANCE = 36
+_PLANAR = (0, 1, 5)
+"""x, y and yaw within ROS's covariances."""
 _MARKER_REST = 3 * 8 + 4 * 4 + 2 * 4 + 1
 """Bytes of a marker's scale, colour, lifetime and frame_locked."""
 
 
 @dataclass(frozen=True, slots=True)
 class Odometry:
-    """nav_msgs/Odometry: pose of `child_frame` in `frame`; twists and covariances are left out."""
+    """nav_msgs/Odometry: pose of `child_frame` in `frame`, speeds in `child_frame`; covariances are left out."""
 
     stamp_ns: int
     frame: str
     child_frame: str
     pose: Pose2
+    twist: Twist
 
 
-@dataclass(frozen=True, slots=True)
+@dataclass(frozen=True, slots=True, eq=False)
 class PoseInFrame:
-    """geometry_msgs/PoseWithCovarianceStamped; the covariance is left out."""
+    """geometry_msgs/PoseWithCovarianceStamped, and PoseStamped, which has no covariance.
+
+    Attributes:
+        stamp_ns: of the pose.
+        frame: that it is in.
+        pose: where.
+        covariance: (3, 3) of x, y, yaw; NaN where nobody says.
+    """
 
     stamp_ns: int
     frame: str
     pose: Pose2
+    covariance: FloatArray
 
 
 @dataclass(frozen=True, slots=True)
@@ -80,7 +93,19 @@ def odometry(data: bytes) -> Odometry:
     """nav_msgs/Odometry."""
     cursor = Cursor(data)
     stamp_ns, frame = cursor.header()
-    return Odometry(stamp_ns, frame, cursor.string(), cursor.pose())
+    child_frame, pose = cursor.string(), cursor.pose()
+    cursor.reals(_COVARIANCE)
+    return Odometry(stamp_ns, frame, child_frame, pose, _twist(cursor))
+
+
+def twist(data: bytes) -> Twist:
+    """geometry_msgs/Twist."""
+    return _twist(Cursor(data))
+
+
+def _twist(cursor: Cursor) -> Twist:
+    linear_x, _, _, _, _, angular_z = cursor.reals(6).tolist()
+    return Twist(linear_x, angular_z)
 
 
 def transforms(data: bytes) -> list[tuple[int, Transform]]:
@@ -118,7 +143,15 @@ def pose_with_covariance(data: bytes) -> PoseInFrame:
     """geometry_msgs/PoseWithCovarianceStamped."""
     cursor = Cursor(data)
     stamp_ns, frame = cursor.header()
-    return PoseInFrame(stamp_ns, frame, cursor.pose())
+    pose = cursor.pose()
+    return PoseInFrame(stamp_ns, frame, pose, cursor.reals(_COVARIANCE).reshape(6, 6)[np.ix_(_PLANAR, _PLANAR)])
+
+
+def pose_stamped(data: bytes) -> PoseInFrame:
+    """geometry_msgs/PoseStamped."""
+    cursor = Cursor(data)
+    stamp_ns, frame = cursor.header()
+    return PoseInFrame(stamp_ns, frame, cursor.pose(), np.full((3, 3), np.nan))
 
 
 def occupancy_grid(data: bytes) -> OccupancyGrid:

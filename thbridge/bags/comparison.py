@@ -4,8 +4,9 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from thbridge.bags.report.gathering import OUTCOMES
+from thbridge.bags.report.values import Report, Track
 from thbridge.ros.goals import Status
-from thbridge.study.report import OUTCOMES, Report, Track
 
 
 @dataclass(frozen=True, slots=True)

@@ -9,8 +9,8 @@ from tests.thbridge.ros.drive import MOUNT, SCAN_PERIOD, SESSION, arena, records
 from thbridge.adapters.bag_writer import BagWriter, Recorder
 from thbridge.adapters.errors import BadFile
 from thbridge.adapters.ros_definitions import Definitions
+from thbridge.bags.report.page import build_report
 from thbridge.ros.publisher import Message, Publisher, Topic
-from thbridge.study.report_page import build_report
 
 
 @pytest.fixture(scope="module")

@@ -7,6 +7,8 @@ import pytest
 from sim.geometry import Pose2
 from sim.observations import STANDSTILL, Battery
 from tests.thbridge.ros.drive import LEG, MOUNT, SCAN_PERIOD, SESSION, arena, records, snapshots
+from thbridge.bags.report.gathering import read_report
+from thbridge.bags.report.values import Report
 from thbridge.hunt.codec import to_json
 from thbridge.hunt.events import Failed
 from thbridge.hunt.rooms import Room
@@ -15,7 +17,6 @@ from thbridge.ros.pack import Transform
 from thbridge.ros.publisher import Publisher
 from thbridge.ros.records import GameEvent
 from thbridge.ros.types import plain_definition
-from thbridge.study.report import Report, read_report
 
 
 @dataclass(frozen=True)

@@ -19,7 +19,8 @@ from matplotlib.ticker import FuncFormatter, MaxNLocator, MultipleLocator
 from sim.geometry import FloatArray
 from sim.grid import OCCUPIED, OccupancyGrid
 from thbridge.adapters.bag_reader import messages
-from thbridge.study.report import Leg, Report, Track, read_report
+from thbridge.bags.report.gathering import read_report
+from thbridge.bags.report.values import Leg, Report, Track
 
 COLOURS = ("#0072B2", "#D55E00", "#009E73", "#CC79A7", "#E69F00", "#56B4E9", "#7A5195", "#8C6D31", "#4D4D4D", "#B2182B")
 """A colour a robot, told apart by colour-blind readers too (Okabe and Ito's, then darker ones)."""
@@ -55,13 +56,17 @@ def _style(salt: str = "") -> AbstractContextManager[None]:
     )
 
 
-def build_report(bag: Path) -> str:
+def build_report(bag: Path, grid: OccupancyGrid | None = None) -> str:
     """The report of a bag as HTML; the same bag gives the same page.
+
+    Args:
+        bag: ours, or another robot's.
+        grid: the map, in place of the bag's own.
 
     Raises:
         BadFile: the bag cannot be read; says what to do.
     """
-    return render(read_report(messages(bag)), bag.name)
+    return render(read_report(messages(bag), grid), bag.name)
 
 
 def render(report: Report, name: str) -> str:
@@ -81,7 +86,7 @@ def render(report: Report, name: str) -> str:
     if report.moments or any(track.legs for track in report.tracks):
         figures.append(_Figure("Timeline", _TIMELINE_CAPTION, _timeline_figure(report)))
     environment = Environment(autoescape=True, undefined=StrictUndefined, trim_blocks=True, lstrip_blocks=True)
-    template = environment.from_string(Path(__file__).with_name("report_page.html").read_text(encoding="utf-8"))
+    template = environment.from_string(Path(__file__).with_name("page.html").read_text(encoding="utf-8"))
     return template.render(
         name=name,
         report=report,
