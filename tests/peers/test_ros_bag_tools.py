@@ -31,7 +31,8 @@ from thbridge.adapters.bag_repair import reindex
 from thbridge.adapters.bag_writer import WHOLE, BagWriter, Recorder
 from thbridge.adapters.recordings import parts_of
 from thbridge.adapters.ros_definitions import Definitions
-from thbridge.ros.publisher import Publisher
+from thbridge.adapters.worker import Inline
+from thbridge.ros.publisher import Message, Publisher, Topic
 from thbridge.ros.types import MARKER_ARRAY, OWN_TYPES, STANDARD_TYPES
 
 PYTHON = "/usr/bin/python3"
@@ -125,6 +126,14 @@ def test_rosbag_check_wants_no_migration_at_all(bag: Path) -> None:
 
 
 @needs_our_messages
+def test_rosbag_check_wants_no_migration_of_any_type(tmp_path: Path) -> None:
+    with BagWriter(tmp_path / "types.bag") as writer:
+        for number, msgtype in enumerate((*STANDARD_TYPES, *OWN_TYPES)):
+            writer.write(Message(Topic(f"/type{number}", msgtype), 1_000_000_000 + number, b""))
+    assert run("rosbag", "check", str(tmp_path / "types.bag")).strip() == "Bag file does not need any migrations."
+
+
+@needs_our_messages
 def test_rostopic_reads_our_own_types(bag: Path) -> None:
     assert "text: " in run("rostopic", "echo", "-b", str(bag), "-n", "1", "/dialogue/utterances")
 
@@ -215,6 +224,21 @@ def test_rosbag_and_we_reindex_packed_bags_alike(
     assert reindex(tmp_path / "ours.bag").messages > 500
     assert contents(tmp_path / "ours.bag") == contents(tmp_path / "theirs.bag")
     assert f"compression: {compression}\n" in run("rosbag", "info", "--yaml", str(tmp_path / "ours.bag"))
+
+
+@needs_ros
+@pytest.mark.parametrize("compression", Compression)
+def test_rosbag_reindex_recovers_a_chunk_that_was_growing(tmp_path: Path, compression: Compression) -> None:
+    seconds = iter(range(1000))
+    writer = BagWriter(
+        tmp_path / "a.bag", clock=lambda: float(next(seconds)), compression=compression, lane=lambda _: Inline()
+    )
+    with Recorder(writer, Publisher(ROBOTS, MOUNT, SCAN_PERIOD), SESSION, arena()) as recorder:
+        for snapshot in snapshots(ROBOTS, TICKS):
+            recorder.record(snapshot)
+        shutil.copy(tmp_path / "a.bag.active", tmp_path / "growing.bag")
+    run("rosbag", "reindex", "--quiet", str(tmp_path / "growing.bag"))
+    assert contents(tmp_path / "growing.bag") == contents(tmp_path / "a.bag")
 
 
 @pytest.mark.parametrize("compression", Compression)

@@ -49,18 +49,16 @@ class ChunkFile:
 
     def append(self, chunk: Chunk) -> None:
         """Add a chunk. Raises OSError; then the file is as it was, but for what was previewed."""
-        fresh = self._fresh(chunk)
-        head = b"".join(map(connection_record, fresh))
-        index = b"".join(index_record(who, chunk.moved_entries(who, len(head))) for who in chunk.entries)
+        head = self._head(chunk)
         info = chunk_info_record(self.size, chunk.start_ns, chunk.end_ns, chunk.counts)
         # Even when the disk is full there is room for the index.
         self._index_bytes += len(head) + len(info)
         try:
-            self._append(chunk_record(head + chunk.data, self._compression) + index)
+            self._append(_records(head, chunk, self._compression))
         except OSError:
             self._index_bytes -= len(head) + len(info)
             raise
-        self._known.update(fresh)
+        self._known.update(chunk.entries)
         self._infos.append(info)
 
     def preview(self, chunk: Chunk) -> None:
@@ -68,8 +66,7 @@ class ChunkFile:
 
         It is never compressed: what is on the disk stays readable while more of it is written over it.
         """
-        head = b"".join(map(connection_record, self._fresh(chunk)))
-        self._put(chunk_record(head + chunk.data, Compression.NONE))
+        self._put(_records(self._head(chunk), chunk, Compression.NONE))
 
     def sync(self) -> None:
         """Force the file onto the disk. Raises OSError, also when somebody deleted the file."""
@@ -96,8 +93,9 @@ class ChunkFile:
         """Close the file as it is."""
         self._file.close()
 
-    def _fresh(self, chunk: Chunk) -> list[Connection]:
-        return [connection for connection in chunk.entries if connection not in self._known]
+    def _head(self, chunk: Chunk) -> bytes:
+        """What a chunk has to say of connections before its messages."""
+        return b"".join(connection_record(connection) for connection in chunk.entries if connection not in self._known)
 
     def _append(self, data: bytes) -> None:
         """Write behind all that is kept, and keep it."""
@@ -133,6 +131,12 @@ class ChunkFile:
         """Have room for so many bytes behind all that is kept, and for the index behind them. Raises OSError."""
         if size + self._index_bytes:
             set_aside(self._file.fileno(), self.size, size + self._index_bytes)
+
+
+def _records(head: bytes, chunk: Chunk, compression: Compression) -> bytes:
+    """A chunk and where its messages are. ROS's `reindex` takes no last chunk that does not say so."""
+    index = (index_record(connection, chunk.moved_entries(connection, len(head))) for connection in chunk.entries)
+    return b"".join((chunk_record(head + chunk.data, compression), *index))
 
 
 class BagFile:

@@ -53,20 +53,16 @@ class Parts:
         path: of the bag; parts are named after it.
         compression: of the chunks.
         splitting: when a file is full.
-        overwrite: whether finished bags may go.
         syncing: where files are forced onto the disk.
 
     Raises:
         OSError: the first file cannot be created.
     """
 
-    def __init__(
-        self, path: Path, compression: Compression, splitting: Splitting, overwrite: bool, syncing: Lane
-    ) -> None:
+    def __init__(self, path: Path, compression: Compression, splitting: Splitting, syncing: Lane) -> None:
         self._path = path
         self._compression = compression
         self._splitting = splitting
-        self._overwrite = overwrite
         self._syncing = syncing
         self._number = self._period = 0
         self._full = False
@@ -135,12 +131,8 @@ class Parts:
 
     def _begin(self, number: int) -> ChunkFile:
         path = part_of(self._path, number) if self._splitting.wanted else self._path
-        if not self._overwrite and path.exists():
-            raise FileExistsError(f"{path} has appeared meanwhile")
-        active = active_of(path)
-        if self._overwrite:
-            active.unlink(missing_ok=True)
-        file = ChunkFile(active, self._compression)
+        _refuse_taken(path)
+        file = ChunkFile(active_of(path), self._compression)
         self._open.append(file)
         return file
 
@@ -148,8 +140,7 @@ class Parts:
         """Give a complete file its name."""
         file.sync()
         name = _finished(file)
-        if not self._overwrite and name.exists():
-            raise FileExistsError(f"{name} has appeared meanwhile")
+        _refuse_taken(name)
         file.path.replace(name)
         _sync_folder(name.parent)
         self._open.remove(file)
@@ -158,6 +149,11 @@ class Parts:
 
 def _finished(file: ChunkFile) -> Path:
     return file.path.with_name(file.path.name.removesuffix(ACTIVE))
+
+
+def _refuse_taken(path: Path) -> None:
+    if path.exists():
+        raise FileExistsError(f"{path} has appeared meanwhile")
 
 
 def _sync_folder(folder: Path) -> None:

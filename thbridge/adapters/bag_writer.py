@@ -32,6 +32,8 @@ WAITING_BYTES = 8 * 2**20
 LAST_SECONDS = 60.0
 """How long the end of a recording waits for the disk."""
 
+ALMOST_ALL = "it holds all but the last second"
+
 WHOLE = Splitting()
 
 
@@ -54,7 +56,6 @@ class BagWriter:
     Args:
         path: of the finished bag, customarily `*.bag`.
         definitions: of message types; None takes them from an installed ROS, where there is one.
-        overwrite: whether a bag of this name, finished or cut off, may go.
         clock: seconds that never go back; says when to force the file onto the disk.
         compression: of the bag's chunks.
         splitting: when to go on in another file.
@@ -68,7 +69,6 @@ class BagWriter:
         self,
         path: Path,
         definitions: Definitions | None = None,
-        overwrite: bool = False,
         clock: Callable[[], float] = time.monotonic,
         compression: Compression = Compression.NONE,
         splitting: Splitting = WHOLE,
@@ -86,12 +86,11 @@ class BagWriter:
         self._stamp_ns = -1
         self._period = 0
         self._open = True
-        if not overwrite:
-            _refuse_taken(path)
+        _refuse_taken(path)
         self._syncing = lane("bag sync")
         self._writing = lane("bag writer")
         try:
-            self._parts = Parts(path, compression, splitting, overwrite, self._syncing)
+            self._parts = Parts(path, compression, splitting, self._syncing)
         except OSError as error:
             self._end_lanes()
             raise BagNotWritten(path, _reason(error), "name a folder that exists and may be written to") from error
@@ -115,7 +114,7 @@ class BagWriter:
             self._latched[connection] = data
 
     def sync_if_due(self) -> None:
-        """Once a second of wall time, force everything onto the disk; to be called at least as often.
+        """Force everything onto the disk if `SYNC_SECONDS` have passed; to be called much more often.
 
         Raises:
             BagNotWritten: as `write` does.
@@ -235,24 +234,22 @@ class BagWriter:
             self._parts.salvage()
         except OSError:
             self._parts.abandon()
-            return self._left(_reason(failure))
-        return BagNotWritten(
-            self._parts.last, _reason(failure), "it holds all but the last second; make room before recording again"
-        )
+            return self._left(_reason(failure), f"{ALMOST_ALL}: make room, then")
+        return BagNotWritten(self._parts.last, _reason(failure), f"{ALMOST_ALL}; make room before recording again")
 
     def _stuck(self) -> BagNotWritten:
         """The disk takes nothing any more; its threads are left to themselves."""
         self._open = False
         self._end_lanes()
-        return self._left(f"the disk does not answer, not even within {LAST_SECONDS:.0f} s")
+        problem = f"the disk does not answer, not even within {LAST_SECONDS:.0f} s"
+        return self._left(problem, "it holds what reached the disk: when that works again,")
 
-    def _left(self, problem: str) -> BagNotWritten:
+    def _left(self, problem: str, remedy: str) -> BagNotWritten:
         """What to do about a file that could not be completed."""
         active = self._parts.unfinished
         if active is None or not active.exists():
             return BagNotWritten(self.path, problem, "record again, into a folder that stays")
-        remedy = f"it holds all but the last second: make room, then run `thbridge bag reindex {active}`"
-        return BagNotWritten(active, problem, remedy)
+        return BagNotWritten(active, problem, f"{remedy} run `thbridge bag reindex {active}`")
 
     def _end_lanes(self) -> None:
         self._writing.end()
@@ -264,12 +261,12 @@ def _refuse_taken(path: Path) -> None:
     finished = [file for file in parts_of(path) if file.exists()]
     active = [file for file in (active_of(path), active_of(part_of(path, 0))) if file.exists()]
     if finished:
-        raise BagNotWritten(finished[0], "there is such a file already", "choose another name, or allow overwriting")
+        raise BagNotWritten(finished[0], "there is such a file already", "choose another name, or move it elsewhere")
     if active:
         raise BagNotWritten(
             active[0],
             "a recording of this name is being written, or was cut off",
-            f"save it with `thbridge bag reindex {active[0]}`, choose another name, or allow overwriting",
+            f"save it with `thbridge bag reindex {active[0]}`, or choose another name",
         )
 
 

@@ -148,25 +148,19 @@ def test_a_bag_without_messages_is_a_bag(tmp_path: Path) -> None:
     assert info(tmp_path / "a.bag").messages == 0
 
 
-def test_an_existing_bag_is_not_overwritten_unless_told(tmp_path: Path) -> None:
+def test_an_existing_bag_is_not_overwritten(tmp_path: Path) -> None:
     path = tmp_path / "a.bag"
     path.write_bytes(b"dear")
     with pytest.raises(BagNotWritten, match="already"):
         BagWriter(path, PLAIN)
     assert path.read_bytes() == b"dear"
-    with BagWriter(path, PLAIN, overwrite=True) as writer:
-        writer.write(text(0))
-        assert path.read_bytes() == b"dear"
-    assert info(path).messages == 1
 
 
-def test_a_bag_cut_off_is_not_overwritten_unless_told(tmp_path: Path) -> None:
-    active = tmp_path / "a.bag.active"
-    active.write_bytes(b"dear")
-    with pytest.raises(BagNotWritten, match="reindex"):
+@pytest.mark.parametrize("name", ["a.bag.active", "a_0.bag.active"])
+def test_a_bag_cut_off_is_not_overwritten(tmp_path: Path, name: str) -> None:
+    (tmp_path / name).write_bytes(b"dear")
+    with pytest.raises(BagNotWritten, match=f"reindex .*{name}"):
         BagWriter(tmp_path / "a.bag", PLAIN)
-    BagWriter(tmp_path / "a.bag", PLAIN, overwrite=True).close()
-    assert not active.exists()
 
 
 def test_a_bag_that_appears_meanwhile_is_not_overwritten(tmp_path: Path) -> None:
@@ -304,7 +298,6 @@ def test_whichever_write_fails_all_that_was_written_can_be_read(
             with BagWriter(
                 folder / "a.bag",
                 PLAIN,
-                False,
                 lambda: next(twentieths) / 20,
                 compression,
                 lane=inline,
