@@ -1,7 +1,7 @@
 """What the commands that play or serve share: their options, and the study they make."""
 
 import dataclasses
-from collections.abc import Mapping
+from collections.abc import Callable, Mapping
 from enum import StrEnum
 from pathlib import Path
 from typing import Annotated
@@ -12,7 +12,8 @@ from sim import is_compiled
 from thbridge.adapters.errors import BadFile
 from thbridge.adapters.map_files import read_grid
 from thbridge.adapters.recordings import make_room, try_place
-from thbridge.adapters.text_server import DEFAULT_HOST, DEFAULT_PORT
+from thbridge.adapters.rosgraph.joining import DEFAULT_URI, Graph, Master, is_master_uri
+from thbridge.adapters.text_server import DEFAULT_HOST, DEFAULT_PORT, CannotListen
 from thbridge.app.compose import Setting, read_setting
 from thbridge.app.config import Study, load_study
 from thbridge.study.bots import BotStrategy
@@ -34,6 +35,24 @@ AsJson = Annotated[bool, typer.Option("--json", help="Print one JSON object on s
 Templates = Annotated[str | None, typer.Option(help="Name of a set of templates, or path of its folder.")]
 ADDRESS = f"{DEFAULT_HOST}:{DEFAULT_PORT}"
 Server = Annotated[str, typer.Option("--server", help="Where the text server is, HOST:PORT.", metavar="HOST:PORT")]
+Ros = Annotated[bool, typer.Option("--ros", help="Take part in a ROS 1 graph; see docs/live-graph.md.")]
+RosMaster = Annotated[
+    str | None,
+    typer.Option(
+        "--ros-master",
+        envvar="ROS_MASTER_URI",
+        metavar="URI",
+        help=f"The ROS master, by default {DEFAULT_URI}. Where none answers on this machine, this program is it.",
+    ),
+]
+RosHost = Annotated[
+    str | None,
+    typer.Option(
+        "--ros-host",
+        envvar=["ROS_HOSTNAME", "ROS_IP"],
+        help="Address for ROS nodes to reach this program, by default 127.0.0.1: who reaches it can drive robots.",
+    ),
+]
 
 
 class Who(StrEnum):
@@ -75,6 +94,28 @@ def setting_of(study: Study, file: Path | None) -> Setting:
     """Everything the study names; paths start from the folder of its file."""
     with bad_input():
         return read_setting(study, Path() if file is None else file.parent)
+
+
+def graph_of(ros: bool, master: str | None, host: str | None) -> Graph | None:
+    """Where to meet ROS; None where that is not wanted."""
+    if not ros:
+        return None
+    uri = master or DEFAULT_URI
+    if not is_master_uri(uri):
+        fail(BAD_INPUT, f"--ros-master: {uri!r} is not a master's address. Write {DEFAULT_URI}, for example.")
+    return Graph(uri, host or DEFAULT_HOST)
+
+
+def teller_of_masters(graph: Graph | None, quiet: bool = False) -> Callable[[Master | CannotListen], None]:
+    """Tells people who is the master, and ends the program where there can be no graph."""
+
+    def joined(master: Master | CannotListen) -> None:
+        if isinstance(master, CannotListen):
+            fail(BAD_INPUT, f"ROS: {master}")
+        if not quiet and graph is not None:
+            note(f"ROS: {master.value} ({graph.master_uri}).")
+
+    return joined
 
 
 def make_ready(bag: Path) -> None:

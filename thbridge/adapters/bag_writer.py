@@ -113,6 +113,12 @@ class BagWriter:
         if topic.latched:
             self._latched[connection] = data
 
+    def take(self, tick: int, messages: Iterable[Message]) -> None:
+        """Write what is said in a tick, and see that all is safe once a second; raises as `write` does."""
+        for message in messages:
+            self.write(message)
+        self.sync_if_due()
+
     def sync_if_due(self) -> None:
         """Force everything onto the disk if `SYNC_SECONDS` have passed; to be called much more often.
 

@@ -20,6 +20,7 @@ from thbridge.adapters.map_files import Map, read_map
 from thbridge.adapters.resources import Resources, shipped
 from thbridge.adapters.template_files import MAP_TIMES, TemplateSet, read_map_times, read_template_set
 from thbridge.app.config import Study
+from thbridge.app.live import Facts
 from thbridge.app.study_text import resolved
 from thbridge.app.things import schedule_of
 from thbridge.dialogue.engine import Engine
@@ -32,6 +33,7 @@ from thbridge.roles.hider import Hider
 from thbridge.roles.keeper import GameRules, Keeper
 from thbridge.roles.showing import plain_costs
 from thbridge.roles.simr import Field, SimR
+from thbridge.ros.parameters import tree_of
 from thbridge.ros.publisher import Planners, Publisher
 from thbridge.ros.records import Session as SessionRecord
 from thbridge.study.bots import Bot, BotStrategy, Knowledge
@@ -99,6 +101,13 @@ class Setting:
         """A new bag. Raises BagNotWritten."""
         recording = self.study.recording
         return BagWriter(path, compression=recording.compression, splitting=recording.splitting)
+
+    def facts(self, publisher: Publisher) -> Facts:
+        """What a ROS graph is told of these robots."""
+        study = self.study
+        software = [study.software(number) for number in range(1, study.robots + 1)]
+        rest = {name: value for name, value in tree_of(study).items() if name not in {"robot", "each"}}
+        return Facts(publisher.topics, software, self.place.grid, rest)
 
     def recorder(self, path: Path, session: SessionRecord) -> Recorder:
         """A recorder of these robots into a new bag. Raises BagNotWritten."""

@@ -2,6 +2,7 @@
 
 import logging
 from collections.abc import Callable, Sequence
+from contextlib import AsyncExitStack, closing
 from dataclasses import dataclass
 from itertools import count
 from pathlib import Path
@@ -11,14 +12,18 @@ from sim.observations import TICK, TICKS_PER_SECOND
 from thbridge.adapters.ledger import Ledger
 from thbridge.adapters.loop import run_ticks
 from thbridge.adapters.recordings import journal_of
+from thbridge.adapters.rosgraph.joining import Graph, Master
 from thbridge.adapters.text_client import LossReason, Lost, TextClient
 from thbridge.adapters.text_server import CannotListen, Listening, TextServer
+from thbridge.app.broadcast import Broadcast, Listener
 from thbridge.app.compose import Setting
+from thbridge.app.live import LiveGraph, on_graph
 from thbridge.app.recording import BagWitness
-from thbridge.app.session import Moment, Outpost, Session, Witness
+from thbridge.app.session import EventLog, Moment, Outpost, Session
 from thbridge.hunt.game import GameState
 from thbridge.roles.hider import Hider
 from thbridge.roles.keeper import Keeper
+from thbridge.roles.requests import Request
 from thbridge.roles.role import Role
 from thbridge.roles.simr import SimR
 from thbridge.roles.tabui import TabUI
@@ -90,6 +95,7 @@ class PlayOptions:
         outside: the roles that other programs will take, by name.
         participant: who plays, for the record; for example "person" or "suggestion".
         max_seconds: simulated time after which an unfinished game is given up.
+        graph: the ROS graph to take part in; None for none.
     """
 
     rate: float
@@ -97,6 +103,11 @@ class PlayOptions:
     outside: frozenset[str]
     participant: str
     max_seconds: float
+    graph: Graph | None = None
+
+
+def _untold(master: Master | CannotListen) -> None:
+    """For those who are on no graph."""
 
 
 async def play(
@@ -105,6 +116,7 @@ async def play(
     options: PlayOptions,
     ready: Callable[[Listening | CannotListen], None],
     progress: Callable[[Moment], None],
+    joined: Callable[[Master | CannotListen], None] = _untold,
 ) -> Outcome:
     """Play one hunt with all roles in this process, but those left to others.
 
@@ -114,25 +126,37 @@ async def play(
         options: how.
         ready: told where others can join, or why they cannot.
         progress: told of every tick.
+        joined: told who is the master of the graph, or why there is none.
 
     Raises:
         BadFile: the journal or the bag cannot be written (as `BagNotWritten`).
         Unfinished: it was stopped, or the game was not over in time; what was recorded is complete.
     """
-    study = setting.study
-    roles: list[Role] = [setting.simr()]
+    simr = setting.simr()
+    roles: list[Role] = [simr]
     if legacy.HIDER not in options.outside:
         roles.append(setting.hider())
     inside = None if legacy.TABUI in options.outside else participant
     who = "" if inside is None else options.participant
     names = [role.name for role in (*roles, inside) if role is not None]
     record = setting.record(PLAY, names, who)
-    ledger = Ledger(journal_of(options.bag)) if options.bag is not None else None
-    recorder = setting.recorder(options.bag, record) if options.bag is not None else None
-    try:
-        router = Router()
-        witnesses: list[Witness] = [] if recorder is None else [BagWitness(recorder)]
-        session = Session(router, setting.keeper(), roles, ledger or NoLog(), witnesses, inside)
+    publisher = setting.publisher()
+    listeners: list[Listener] = []
+    async with AsyncExitStack() as opened:
+        if options.graph is not None:
+
+            def ask(sender: str, request: Request) -> None:
+                session.ask(sender, request)
+
+            live = LiveGraph(options.graph, setting.facts(publisher), simr.make_plan, ask)
+            await opened.enter_async_context(on_graph(live, options.graph, joined))
+            listeners.append(live)
+        log: EventLog = NoLog()
+        if options.bag is not None:
+            log = opened.enter_context(closing(Ledger(journal_of(options.bag))))
+            listeners.append(opened.enter_context(setting.writer(options.bag)))
+        witnesses = [BagWitness(Broadcast(publisher, record, setting.place.grid, listeners))] if listeners else []
+        session = Session(Router(), setting.keeper(), roles, log, witnesses, inside)
         server = TextServer(session, session.hear)
         session.perform = server.perform
         ending = Ending(options.max_seconds)
@@ -141,16 +165,9 @@ async def play(
             progress(session.step())
             return not ending.reached(session)
 
-        ready(await server.start(study.server.host, study.server.port))
-        try:
-            run = await run_ticks(tick, period_of(options.rate))
-        finally:
-            await server.stop()
-    finally:
-        if recorder is not None:
-            recorder.close()
-        if ledger is not None:
-            ledger.close()
+        ready(await server.start(setting.study.server.host, setting.study.server.port))
+        opened.push_async_callback(server.stop)
+        run = await run_ticks(tick, period_of(options.rate))
     outcome = _outcome(setting, session, ending, roles, run.seconds, options.bag)
     if ending.tick is None:
         raise Unfinished(outcome, stopped=not run.finished)
@@ -327,10 +344,40 @@ async def take_part(
     return run.finished
 
 
+@dataclass(frozen=True, slots=True)
+class SimrOptions:
+    """How the robots' program is run.
+
+    Attributes:
+        host: of the text server.
+        port: of the text server.
+        token: marks this run of the program.
+        rate: simulated seconds per second.
+        bag: where to record; None for no recording.
+        graph: the ROS graph to take part in; None for none.
+    """
+
+    host: str
+    port: int
+    token: str
+    rate: float
+    bag: Path | None
+    graph: Graph | None = None
+
+
 async def simr(
-    setting: Setting, host: str, port: int, token: str, rate: float, bag: Path | None, lost: Callable[[Lost], None]
+    setting: Setting,
+    options: SimrOptions,
+    lost: Callable[[Lost], None],
+    joined: Callable[[Master | CannotListen], None] = _untold,
 ) -> str | None:
     """Run the robots' program until stopped.
+
+    Args:
+        setting: the study.
+        options: how.
+        lost: told when the connection is lost, and why.
+        joined: told who is the master of the graph, or why there is none.
 
     Returns:
         Why the keeper does not want these robots, or None when stopped.
@@ -339,14 +386,24 @@ async def simr(
         BagNotWritten: the bag cannot be written; it is closed, and the program over.
     """
     role = setting.simr()
-    recorder = None if bag is None else setting.recorder(bag, setting.record(SIMR, [role.name], ""))
-    outpost = Outpost(role, [] if recorder is None else [BagWitness(recorder)])
-    try:
-        client = TextClient(role.name, token, host, port)
-        await take_part(outpost, client, rate, lambda: role.unfit is not None, lost)
-    finally:
-        if recorder is not None:
-            recorder.close()
+    publisher = setting.publisher()
+    listeners: list[Listener] = []
+    async with AsyncExitStack() as opened:
+        if options.graph is not None:
+
+            def ask(sender: str, request: Request) -> None:
+                outpost.ask(sender, request)
+
+            live = LiveGraph(options.graph, setting.facts(publisher), role.make_plan, ask)
+            await opened.enter_async_context(on_graph(live, options.graph, joined))
+            listeners.append(live)
+        if options.bag is not None:
+            listeners.append(opened.enter_context(setting.writer(options.bag)))
+        record = setting.record(SIMR, [role.name], "")
+        witnesses = [BagWitness(Broadcast(publisher, record, setting.place.grid, listeners))] if listeners else []
+        outpost = Outpost(role, witnesses)
+        client = TextClient(role.name, options.token, options.host, options.port)
+        await take_part(outpost, client, options.rate, lambda: role.unfit is not None, lost)
     return role.unfit
 
 

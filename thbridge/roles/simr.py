@@ -4,11 +4,12 @@ import math
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
 
-from sim.geometry import Pose2
+from sim.geometry import FloatArray, Pose2
 from sim.navigator import Arrived, Goal, NoPath
 from sim.observations import TICKS_PER_SECOND, Twist
 from sim.parameters import RobotParameters
 from sim.parameters.reconfiguration import Rejected
+from sim.planning.path import Refused
 from sim.robot import RobotOutput
 from sim.team import (
     Configure,
@@ -164,6 +165,10 @@ class SimR:
                 self._by_hand.pop(robot, None)
         if meant is not None:
             self._inputs.append(meant)
+
+    def make_plan(self, robot: int, start: Pose2 | None, goal: Pose2, tolerance: float) -> FloatArray | Refused:
+        """See `Team.make_plan`."""
+        return self._team.make_plan(robot, start, goal, tolerance)
 
     def step(self, tick: int, messages: Sequence[Message]) -> list[Message]:
         """One tick of the role and of the team; see `Role`."""

@@ -72,13 +72,23 @@ def _value(value: object) -> ParameterValue:
     raise TypeError(f"no parameter can be made of {value!r}")
 
 
-def leaves(key: str, value: ParameterValue) -> Iterator[tuple[str, ParameterValue]]:
+def leaves(key: str, value: object) -> Iterator[tuple[str, object]]:
     """Every single parameter at or below a key, by its full name."""
     if not isinstance(value, dict):
         yield key, value
         return
-    for name, inner in value.items():
+    for name, inner in cast(dict[str, object], value).items():
         yield from leaves(f"{key}/{name}", inner)
+
+
+def has(software: RobotParameters, path: str) -> bool:
+    """Whether this is the place of a parameter, and not of a section or of nothing."""
+    section: object = software
+    for name in path.split("."):
+        if not dataclasses.is_dataclass(section) or name not in {field.name for field in dataclasses.fields(section)}:
+            return False
+        section = cast(object, getattr(section, name))
+    return not dataclasses.is_dataclass(section)
 
 
 def value_at(software: RobotParameters, path: str) -> "ParameterValue | None":

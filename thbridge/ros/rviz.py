@@ -11,8 +11,10 @@ from ruamel.yaml import YAML
 
 from sim.geometry import Pose2
 from sim.grid import OccupancyGrid
+from sim.parameters import RobotParameters
 from thbridge.ros import names
 from thbridge.ros.names import MAP_FRAME, RobotNames
+from thbridge.ros.topics import Planners, RobotTopics
 
 Value: TypeAlias = "bool | int | float | str | Sequence[Value] | Mapping[str, Value]"
 Section: TypeAlias = dict[str, Value]
@@ -36,17 +38,16 @@ _PANELS = (
 they would cover the map."""
 
 
-def configuration(robots: int, grid: OccupancyGrid, global_plan: str, local_plan: str) -> str:
-    """The file for a team of this size on this map, seen from above.
+def configuration(software: Sequence[RobotParameters], grid: OccupancyGrid) -> str:
+    """The file for a team on this map, seen from above.
 
     Args:
-        robots: how many.
+        software: of each robot; its planners name the topics of its plans.
         grid: the map, for where to look and how near.
-        global_plan: topic of a plan in a robot's namespace, for example "move_base/NavfnROS/plan".
-        local_plan: the same of the local planner.
     """
-    team = [RobotNames.of(number) for number in range(robots)]
-    groups = [_robot(robot, colour_of(index), global_plan, local_plan) for index, robot in enumerate(team)]
+    team = [RobotNames.of(number) for number in range(len(software))]
+    topics = [RobotTopics.of(robot, Planners.of(own)) for robot, own in zip(team, software, strict=True)]
+    groups = [_robot(robot, of, colour_of(index)) for index, (robot, of) in enumerate(zip(team, topics, strict=True))]
     whole: Section = {
         "Panels": [
             {"Class": "rviz/Displays", "Name": "Displays", "Tree Height": 500},
@@ -62,7 +63,7 @@ def configuration(robots: int, grid: OccupancyGrid, global_plan: str, local_plan
                 {"Class": "rviz/MoveCamera"},
                 {"Class": "rviz/Select"},
                 {"Class": "rviz/Measure"},
-                *(tool for robot in team for tool in _tools(robot)),
+                *(tool for of in topics for tool in _tools(of)),
             ],
             "Value": True,
             "Views": {"Current": _from_above(grid)},
@@ -101,49 +102,45 @@ def _shared(team: Sequence[RobotNames]) -> Iterator[Section]:
     yield _display("TF", "robots", None, True, Frames=frames, Marker_Scale=1.0, Show_Arrows=False, Show_Names=True)
 
 
-def _robot(robot: RobotNames, colour: str, global_plan: str, local_plan: str) -> Section:
+def _robot(robot: RobotNames, of: RobotTopics, colour: str) -> Section:
     costmaps = [
-        _display(
-            "Map",
-            f"{which} costmap",
-            robot.topic(f"move_base/{which}_costmap/costmap"),
-            which == "local",
-            Color_Scheme="costmap",
-            Alpha=0.35,
+        _display("Map", name, topic.name, shown, Color_Scheme="costmap", Alpha=0.35)
+        for name, topic, shown in (
+            ("global costmap", of.global_costmap, False),
+            ("local costmap", of.local_costmap, True),
         )
-        for which in ("global", "local")
     ]
     displays = [
         *costmaps,
         _display(
-            "LaserScan", "scan", robot.topic("scan"), True, Color_Transformer="FlatColor", Color=colour,
+            "LaserScan", "scan", of.scan.name, True, Color_Transformer="FlatColor", Color=colour,
             Style="Points", **{"Size (Pixels)": 3},
         ),
         _display(
-            "PoseArray", "particles", robot.topic("particlecloud"), True, Color=colour, Shape="Arrow (Flat)",
+            "PoseArray", "particles", of.particlecloud.name, True, Color=colour, Shape="Arrow (Flat)",
             Alpha=0.4, Arrow_Length=0.25,
         ),
         _display(
-            "Path", "plan", robot.topic(global_plan), True, Color=colour, Line_Style="Billboards", Line_Width=0.06,
+            "Path", "plan", of.plan.name, True, Color=colour, Line_Style="Billboards", Line_Width=0.06,
         ),
-        _display("Path", "local plan", robot.topic(local_plan), True, Color="0; 0; 0", Line_Width=0.03),
-        _display("Polygon", "footprint", robot.topic("move_base/local_costmap/footprint"), True, Color=colour),
+        _display("Path", "local plan", of.local_plan.name, True, Color="0; 0; 0", Line_Width=0.03),
+        _display("Polygon", "footprint", of.local_footprint.name, True, Color=colour),
         _display(
-            "PoseWithCovariance", "estimate", robot.topic("amcl_pose"), True, Color=colour, Alpha=0.8,
+            "PoseWithCovariance", "estimate", of.amcl_pose.name, True, Color=colour, Alpha=0.8,
             Shape="Arrow", Head_Length=0.2, Head_Radius=0.12, Shaft_Length=0.4, Shaft_Radius=0.04,
         ),
         _display(
-            "Odometry", "truth", robot.topic("base_pose_ground_truth"), False, Keep=1,
+            "Odometry", "truth", of.base_pose_ground_truth.name, False, Keep=1,
             Shape={"Value": "Arrow", "Color": "0; 0; 0", "Alpha": 0.6}, Covariance={"Value": False},
         ),
     ]  # fmt: skip
     return {"Class": "rviz/Group", "Name": robot.namespace[1:], "Enabled": True, "Displays": displays}
 
 
-def _tools(robot: RobotNames) -> Iterator[Section]:
+def _tools(of: RobotTopics) -> Iterator[Section]:
     """rviz has one button for each; without names of their own they are told apart by their topics only."""
-    yield {"Class": "rviz/SetInitialPose", "Topic": robot.topic("initialpose")}
-    yield {"Class": "rviz/SetGoal", "Topic": robot.topic("move_base_simple/goal")}
+    yield {"Class": "rviz/SetInitialPose", "Topic": of.initialpose.name}
+    yield {"Class": "rviz/SetGoal", "Topic": of.simple_goal.name}
 
 
 def _from_above(grid: OccupancyGrid) -> Section:

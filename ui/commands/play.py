@@ -20,13 +20,18 @@ from ui.options import (
     MapName,
     Port,
     Robots,
+    Ros,
+    RosHost,
+    RosMaster,
     Seed,
     StudyFile,
     Who,
     announce_compiling,
+    graph_of,
     make_ready,
     setting_of,
     study_of,
+    teller_of_masters,
     with_server,
     write_report,
 )
@@ -67,6 +72,9 @@ def play(
         bool | None,
         typer.Option("--report/--no-report", help="Make a page of the bag; by default without --json."),
     ] = None,
+    ros: Ros = False,
+    ros_master: RosMaster = None,
+    ros_host: RosHost = None,
     as_json: AsJson = False,
 ) -> None:
     """Play a whole hunt: all roles in one program, recorded into a bag.
@@ -78,6 +86,7 @@ def play(
     others = _roles(outside)
     who = participant or Who(study.participant.strategy)
     seat = seat_of(who, setting.templates, study.seed)
+    graph = graph_of(ros, ros_master, ros_host)
     people = bool(others) or who is Who.PERSON
     path = bag or Path("bags") / f"{setting.place.name}-{study.robots}robots-seed{study.seed}.bag"
     make_ready(path)
@@ -96,11 +105,12 @@ def play(
                 out.print(sentence, highlight=False, markup=False)
 
     limit = max_seconds or (math.inf if people else AN_HOUR)
-    pace = next(given for given in (rate, study.rate, float(people)) if given is not None)
+    pace = next(given for given in (rate, study.rate, float(people or ros)) if given is not None)
     announce_compiling()
     unfinished: Unfinished | None = None
     try:
-        program = programs.play(setting, seat.tabui, PlayOptions(pace, path, others, who, limit), ready, progress)
+        options = PlayOptions(pace, path, others, who, limit, graph)
+        program = programs.play(setting, seat.tabui, options, ready, progress, teller_of_masters(graph, as_json))
         outcome = run(program, seat.typed)
     except Unfinished as early:
         outcome, unfinished = early.outcome, early

@@ -14,6 +14,7 @@ from thbridge.adapters.text_server import CannotListen, Listening
 from thbridge.app import programs
 from thbridge.app.compose import build_hider
 from thbridge.app.config import Study
+from thbridge.app.programs import SimrOptions
 from thbridge.roles.view import View
 from ui.options import (
     ADDRESS,
@@ -22,6 +23,9 @@ from ui.options import (
     MapName,
     Port,
     Robots,
+    Ros,
+    RosHost,
+    RosMaster,
     Seed,
     Server,
     StudyFile,
@@ -29,9 +33,11 @@ from ui.options import (
     Templates,
     Who,
     announce_compiling,
+    graph_of,
     make_ready,
     setting_of,
     study_of,
+    teller_of_masters,
     with_server,
 )
 from ui.seats import run, seat_of
@@ -69,14 +75,19 @@ def simr(
     ] = None,
     seed: Seed = None,
     bag: BagFile = None,
+    ros: Ros = False,
+    ros_master: RosMaster = None,
+    ros_host: RosHost = None,
 ) -> None:
     """Run the robots (SimR) at a text server until stopped."""
     host, port = _address(server)
     setting = setting_of(study_of(study_file, {"robots": robots, "map": map_name, "seed": seed}), study_file)
+    graph = graph_of(ros, ros_master, ros_host)
     if bag is not None:
         make_ready(bag)
     announce_compiling()
-    unfit = run(programs.simr(setting, host, port, _token(), rate or setting.study.rate or 1.0, bag, _lost))
+    options = SimrOptions(host, port, _token(), rate or setting.study.rate or 1.0, bag, graph)
+    unfit = run(programs.simr(setting, options, _lost, teller_of_masters(graph)))
     if unfit is not None:
         fail(FAILED, unfit)
 

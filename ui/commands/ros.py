@@ -1,4 +1,4 @@
-"""The commands about ROS 1: our message types for a ROS that is installed, and a master where none is."""
+"""The commands about ROS 1: message types for a ROS that is installed, a master where none is, what rviz shows."""
 
 import asyncio
 from pathlib import Path
@@ -9,9 +9,11 @@ import typer
 from thbridge.adapters.ros_package import write_package
 from thbridge.adapters.rosgraph import master_server
 from thbridge.adapters.text_server import CannotListen, Listening
+from thbridge.ros.rviz import configuration
+from ui.options import MapName, Robots, StudyFile, setting_of, study_of
 from ui.terminal import BAD_INPUT, bad_input, fail, note
 
-ros_app = typer.Typer(help="ROS 1: our message types for it, and its master.", no_args_is_help=True)
+ros_app = typer.Typer(help="ROS 1: our message types for it, a master, and rviz's configuration.", no_args_is_help=True)
 
 
 @ros_app.command("messages")
@@ -39,3 +41,24 @@ def ros_master(
         print(f"listening on {where.host}:{where.port}", flush=True)  # noqa: T201 - programs wait for this line
 
     asyncio.run(master_server.serve(host, port, ready))
+
+
+@ros_app.command("rviz")
+def ros_rviz(
+    study_file: StudyFile = None,
+    robots: Robots = None,
+    map_name: MapName = None,
+    to: Annotated[Path | None, typer.Option("--to", help="The file; by default standard output.")] = None,
+) -> None:
+    """Write a configuration of rviz that shows a study's whole team; open it by `rviz -d FILE`."""
+    study = study_of(study_file, {"robots": robots, "map": map_name})
+    setting = setting_of(study, study_file)
+    text = configuration([setting.study.software(number) for number in range(1, study.robots + 1)], setting.place.grid)
+    if to is None:
+        print(text, end="")  # noqa: T201 - this is what was asked for
+        return
+    try:
+        to.write_text(text, encoding="utf-8")
+    except OSError as error:
+        fail(BAD_INPUT, f"--to: {to} cannot be written ({error.strerror}). Choose another file.")
+    note(f"Wrote {to}. Open it by: rviz -d {to}")

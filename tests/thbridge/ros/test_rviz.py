@@ -5,13 +5,16 @@ from ruamel.yaml import YAML
 
 from sim.geometry import IDENTITY
 from sim.grid import OccupancyGrid
+from sim.parameters import RobotParameters
+from sim.parameters.move_base import MoveBaseParameters
 from thbridge.ros.rviz import configuration
 
+SOFTWARE = RobotParameters(move_base=MoveBaseParameters(base_local_planner="dwa_local_planner/DWAPlannerROS"))
 GRID = OccupancyGrid(np.zeros((20, 40), dtype=np.int8), 0.5, IDENTITY)
 
 
 def topics(robots: int) -> list[str]:
-    whole = YAML(typ="safe").load(configuration(robots, GRID, "move_base/NavfnROS/plan", "move_base/Dwa/local_plan"))
+    whole = YAML(typ="safe").load(configuration([SOFTWARE] * robots, GRID))
     return list(named(whole["Visualization Manager"]))
 
 
@@ -29,7 +32,8 @@ def named(section: object) -> Iterator[str]:
 def test_every_robot_is_shown_with_all_it_perceives_and_plans() -> None:
     found = topics(3)
     for robot in ("/robot1", "/robot2", "/robot3"):
-        for topic in ("scan", "particlecloud", "amcl_pose", "move_base/NavfnROS/plan", "move_base/Dwa/local_plan",
+        for topic in ("scan", "particlecloud", "amcl_pose", "move_base/NavfnROS/plan",
+                      "move_base/DWAPlannerROS/local_plan",
                       "move_base/local_costmap/costmap", "move_base/global_costmap/costmap",
                       "move_base/local_costmap/footprint", "initialpose", "move_base_simple/goal"):  # fmt: skip
             assert found.count(f"{robot}/{topic}") == 1
@@ -38,7 +42,7 @@ def test_every_robot_is_shown_with_all_it_perceives_and_plans() -> None:
 
 
 def test_the_view_holds_the_whole_map() -> None:
-    text = YAML(typ="safe").load(configuration(1, GRID, "plan", "local_plan"))
+    text = YAML(typ="safe").load(configuration([SOFTWARE], GRID))
     view = text["Visualization Manager"]["Views"]["Current"]
     assert (view["X"], view["Y"]) == (10.0, 5.0)
     assert 0.5 * (1280 - 320) / 20 < view["Scale"] <= (1280 - 320) / 20

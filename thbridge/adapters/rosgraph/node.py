@@ -22,8 +22,7 @@ from dataclasses import dataclass
 from typing import TypeAlias
 
 from thbridge.adapters.errors import reason_of
-from thbridge.adapters.rosgraph.http_client import CallFailed, XmlRpcClient
-from thbridge.adapters.rosgraph.http_server import ServerLimits, XmlRpcServer
+from thbridge.adapters.rosgraph.http import CallFailed, ServerLimits, XmlRpcClient, XmlRpcServer
 from thbridge.adapters.rosgraph.publications import Publication
 from thbridge.adapters.rosgraph.registrar import Addresses, Happenings, Kind, Registrar, Registration
 from thbridge.adapters.rosgraph.replies import value_of
@@ -120,6 +119,7 @@ class RosNode:
         )
         self._addresses = Addresses("", "")
         self._registering: asyncio.Task[None] | None = None
+        self._leaving: asyncio.Task[None] | None = None
 
     async def start(self) -> Started | CannotListen:
         """Listen, and begin to register; the master need not be there yet."""
@@ -157,16 +157,23 @@ class RosNode:
 
     async def stop(self) -> None:
         """Take back every registration, see that what was published is sent, and close every connection."""
-        if self._registering is None:
+        registering, self._registering = self._registering, None
+        if registering is None:
+            if self._leaving is not None and self._leaving is not asyncio.current_task():
+                await self._leaving
             return
-        self._registering.cancel()
-        await asyncio.wait([self._registering])
+        registering.cancel()
+        await asyncio.wait([registering])
         await self._registrar.leave(self._addresses)
         await asyncio.gather(*(each.stop() for each in self._subscriptions.values()))
         await self._tcpros.stop()
         await self._slave.stop()
         await self._client.close()
-        self._registering = None
+
+    def leave(self) -> None:
+        """As `stop`, without waiting for it."""
+        if self._leaving is None:
+            self._leaving = asyncio.get_running_loop().create_task(self.stop())
 
     def advertise(self, topic: str, kind: str, md5: str, definition: str, latched: bool = False) -> Publication:
         """Publish a topic.

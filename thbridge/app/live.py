@@ -1,0 +1,290 @@
+"""A session on a ROS graph: says there all that a bag would hold, and passes on what clients ask of the robots.
+
+Nothing that a client does acts at once: it becomes a request that the session takes between two ticks and records.
+Questions (the map, a plan) are answered at once and change nothing.
+"""
+
+import json
+import logging
+from collections.abc import AsyncIterator, Callable, Iterable, Sequence
+from contextlib import asynccontextmanager
+from dataclasses import dataclass
+from functools import partial
+from itertools import count
+from typing import TypeAlias, cast
+
+import numpy as np
+
+from sim.geometry import FloatArray, Pose2
+from sim.grid import OccupancyGrid
+from sim.inputs import ClearCostmaps, Globalize, Localize, RequestUpdate
+from sim.parameters import RobotParameters
+from sim.parameters.reconfiguration import Rejected
+from sim.planning.path import Refused as NoPlan
+from thbridge.adapters.ros_definitions import Definitions
+from thbridge.adapters.rosgraph.joining import Graph, Master, master_of
+from thbridge.adapters.rosgraph.node import RosNode, Started
+from thbridge.adapters.rosgraph.publications import Publication
+from thbridge.adapters.text_server import CannotListen
+from thbridge.roles.requests import ParameterValue as SetValue
+from thbridge.roles.requests import Request, SetParameters, with_values
+from thbridge.ros import clients, names, pack, types
+from thbridge.ros.clients import Refused
+from thbridge.ros.names import CALLER, MAP_FRAME, RobotNames
+from thbridge.ros.parameters import ParameterValue, Tree, has, leaves, name_of, path_of, robot_tree, value_at
+from thbridge.ros.records import CancelRequest, GoalRequest, InitialPose, SimpleGoal, VelocityCommand
+from thbridge.ros.topics import CLOCK, Message, Topic
+from thbridge.ros.types import service_type
+from thbridge.wire.rosgraph.links import ServiceFailed
+from thbridge.wire.rosgraph.xmlrpc import XmlRpcValue
+
+_log = logging.getLogger(__name__)
+
+NO_POSES: FloatArray = np.empty((0, 3))
+
+FIRST_GOAL = 1_000_000_000
+"""Number of the first goal of a client; those of the game are far below."""
+
+
+MakePlan: TypeAlias = Callable[[int, Pose2 | None, Pose2, float], FloatArray | NoPlan]
+"""Answers questions about plans; see `sim.team.Team.make_plan`."""
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Facts:
+    """What a graph is told of a team.
+
+    Attributes:
+        topics: all that will be said.
+        software: of each robot.
+        grid: the map.
+        rest: of the study, as parameters.
+    """
+
+    topics: Sequence[Topic]
+    software: Sequence[RobotParameters]
+    grid: OccupancyGrid
+    rest: Tree
+
+
+class LiveGraph:
+    """One node that stands for all of ROS's: map_server, amcl, move_base, the robots' drivers.
+
+    Args:
+        graph: where.
+        facts: about the team.
+        make_plan: answers questions about plans.
+        ask: takes what clients want of the robots, with the client's name.
+    """
+
+    def __init__(
+        self,
+        graph: Graph,
+        facts: Facts,
+        make_plan: MakePlan,
+        ask: Callable[[str, Request], None],
+    ) -> None:
+        self._node = RosNode(CALLER, graph.master_uri, graph.host, on_shutdown=self._told_to_go)
+        self._facts = facts
+        self._plan = make_plan
+        self._ask = ask
+        self._robots = [RobotNames.of(robot) for robot in range(len(facts.software))]
+        self._software = list(facts.software)
+        self._goals = count(FIRST_GOAL)
+        self._tick = 0
+        self._definitions = Definitions()
+        self._publications = {topic.name: self._advertise(topic) for topic in (CLOCK, *facts.topics)}
+        self._offer_map()
+        for robot, named in enumerate(self._robots):
+            self._listen_to_clients(robot, named)
+            self._offer_services(robot, named)
+        self._declare_parameters()
+
+    async def start(self) -> Started | CannotListen:
+        """Join the graph; its master need not be there yet."""
+        return await self._node.start()
+
+    async def registered(self) -> None:
+        """Wait until the master knows everything."""
+        await self._node.registered()
+
+    async def stop(self) -> None:
+        """Leave the graph."""
+        await self._node.stop()
+
+    def _told_to_go(self, reason: str) -> None:
+        # The hunt is the participant's, and nobody on the graph may end it.
+        _log.warning("the session leaves the ROS graph (%s) and goes on without it", reason)
+        self._node.leave()
+
+    @property
+    def dropped(self) -> int:
+        """Messages that slow subscribers did not get."""
+        return sum(publication.dropped for publication in self._publications.values())
+
+    def take(self, tick: int, messages: Iterable[Message]) -> None:
+        """Say what is said in one tick, the time first."""
+        self._tick = tick
+        self._publications[CLOCK.name].publish(pack.clock(tick))
+        for message in messages:
+            if not message.heard:
+                self._publications[message.topic.name].publish(message.data)
+
+    # What is said
+
+    def _advertise(self, topic: Topic) -> Publication:
+        definition = self._definitions.of(topic.msgtype)
+        return self._node.advertise(topic.name, topic.msgtype, definition.md5, definition.text, topic.latched)
+
+    # What clients want
+
+    def _listen_to_clients(self, robot: int, named: RobotNames) -> None:
+        for topic, msgtype, heard in (
+            ("initialpose", types.POSE_WITH_COVARIANCE, self._pose_heard),
+            ("cmd_vel", types.TWIST, self._velocity_heard),
+            ("move_base_simple/goal", types.POSE_STAMPED, self._simple_goal_heard),
+            ("move_base/goal", types.MOVE_BASE_GOAL, self._goal_heard),
+            ("move_base/cancel", types.GOAL_ID, self._cancel_heard),
+        ):
+            name, md5 = named.topic(topic), self._definitions.of(msgtype).md5
+            self._node.subscribe(name, msgtype, md5, partial(self._heard, name, partial(heard, robot)))
+
+    def _heard(self, topic: str, read: Callable[[bytes], Request | Refused], data: bytes, caller: str) -> None:
+        if caller == CALLER:
+            return  # The game's own goals and commands are on the same topics.
+        request = read(data)
+        if isinstance(request, Refused):
+            _log.warning("%s: what %s said is of no use: %s", topic, caller, request.sentence)
+        else:
+            self._ask(caller, request)
+
+    def _pose_heard(self, robot: int, data: bytes) -> Request | Refused:
+        found = clients.pose_estimate(data)
+        return found if isinstance(found, Refused) else InitialPose(robot, found.base_in_map, found.covariance)
+
+    def _velocity_heard(self, robot: int, data: bytes) -> Request | Refused:
+        found = clients.velocity(data)
+        return found if isinstance(found, Refused) else VelocityCommand(robot, found)
+
+    def _simple_goal_heard(self, robot: int, data: bytes) -> Request | Refused:
+        found = clients.goal_pose(data)
+        return found if isinstance(found, Refused) else SimpleGoal(robot, found, next(self._goals))
+
+    def _goal_heard(self, robot: int, data: bytes) -> Request | Refused:
+        found = clients.action_goal(data)
+        if isinstance(found, Refused):
+            return found
+        number = next(self._goals)
+        if isinstance(found.pose, Refused):  # Its client waits for an answer, and gets one.
+            return GoalRequest(robot, found.goal_id, found.stamp_ns, None, number, found.pose.sentence)
+        return GoalRequest(robot, found.goal_id, found.stamp_ns, found.pose, number)
+
+    def _cancel_heard(self, robot: int, data: bytes) -> Request | Refused:
+        found = clients.action_cancel(data)
+        return found if isinstance(found, Refused) else CancelRequest(robot, found.goal_id, found.stamp_ns)
+
+    # Services
+
+    def _serve(self, name: str, kind: str, handler: Callable[[bytes], bytes | ServiceFailed]) -> None:
+        service = service_type(kind)
+        self._node.serve(name, kind, service.md5, service.request, service.response, handler)
+
+    def _offer_map(self) -> None:
+        whole = pack.occupancy_grid(0, MAP_FRAME, self._facts.grid)
+        self._serve(names.STATIC_MAP, types.GET_MAP, lambda request: whole)
+
+    def _offer_services(self, robot: int, named: RobotNames) -> None:
+        for service, request in (
+            ("global_localization", Globalize(robot)),
+            ("request_nomotion_update", RequestUpdate(robot)),
+            ("move_base/clear_costmaps", ClearCostmaps(robot)),
+        ):
+            name = named.topic(service)
+            self._serve(name, types.EMPTY, partial(self._pass_on, name, request))
+        self._serve(named.topic("set_pose"), types.SET_POSE, partial(self._set_pose, robot))
+        for service in ("move_base/make_plan", "move_base/NavfnROS/make_plan"):
+            self._serve(named.topic(service), types.GET_PLAN, partial(self._make_plan, robot))
+
+    def _pass_on(self, service: str, request: Request, data: bytes) -> bytes:
+        self._ask(service, request)
+        return b""
+
+    def _set_pose(self, robot: int, data: bytes) -> bytes | ServiceFailed:
+        found = clients.pose_estimate(data)
+        if isinstance(found, Refused):
+            return ServiceFailed(found.sentence)
+        self._ask(self._robots[robot].topic("set_pose"), Localize(robot, found.base_in_map, found.covariance))
+        return b""
+
+    def _make_plan(self, robot: int, data: bytes) -> bytes | ServiceFailed:
+        question = clients.plan_question(data)
+        if isinstance(question, Refused):
+            return ServiceFailed(question.sentence)
+        plan = self._plan(robot, question.start, question.goal, question.tolerance)
+        if isinstance(plan, NoPlan):
+            # move_base, too, answers with an empty plan; why, only its log says.
+            _log.info("%s: no plan: %s", self._robots[robot].topic("move_base/make_plan"), plan.sentence)
+            return pack.path(self._tick, MAP_FRAME, NO_POSES)
+        return pack.path(self._tick, MAP_FRAME, plan)
+
+    # Parameters
+
+    def _declare_parameters(self) -> None:
+        self._node.declare_param(names.USE_SIM_TIME, True)
+        self._node.declare_param(CALLER, _sendable(self._facts.rest))
+        for robot, named in enumerate(self._robots):
+            self._node.declare_param(named.namespace, _sendable(robot_tree(self._software[robot])))
+            self._node.subscribe_param(named.namespace, partial(self._parameters_set, robot))
+
+    def _parameters_set(self, robot: int, key: str, value: XmlRpcValue) -> None:
+        """Somebody set a parameter, or many below one key: what may change acts, the rest is put back."""
+        named, before = self._robots[robot], self._software[robot]
+        given = [
+            (path, _readable(leaf)) for name, leaf in leaves(key.rstrip("/"), value) if (path := path_of(named, name))
+        ]
+        # Anybody may keep parameters of their own beside ours.
+        changed = [(path, leaf) for path, leaf in given if has(before, path) and leaf != value_at(before, path)]
+        whole = with_values(before, changed)
+        # What cannot be done together is done one by one, as far as it goes.
+        for values in [changed] if not isinstance(whole, Rejected) else [[one] for one in changed]:
+            after = with_values(self._software[robot], values)
+            if isinstance(after, Rejected):
+                _log.warning("%s keeps its value: %s", name_of(named, after.path), after.sentence)
+            elif after != self._software[robot]:
+                self._software[robot] = after
+                self._ask(named.topic("parameters"), SetParameters(robot, tuple(values)))
+        for path, leaf in changed:
+            now = value_at(self._software[robot], path)
+            if now != leaf and now is not None:
+                self._node.declare_param(name_of(named, path), _sendable(now))
+
+
+@asynccontextmanager
+async def on_graph(
+    live: LiveGraph, graph: Graph, joined: Callable[[Master | CannotListen], None]
+) -> AsyncIterator[None]:
+    """While it lasts the session is on the graph.
+
+    Args:
+        live: the session's node.
+        graph: where.
+        joined: told who is the master, or why we cannot be, or cannot be called; it may raise.
+    """
+    async with master_of(graph) as master:
+        joined(master)
+        where = await live.start()
+        if isinstance(where, CannotListen):
+            joined(where)
+        try:
+            yield
+        finally:
+            await live.stop()
+
+
+def _sendable(value: ParameterValue) -> XmlRpcValue:
+    return cast(XmlRpcValue, value)
+
+
+def _readable(value: object) -> SetValue:
+    """A parameter's value as requests hold it: lists, such as footprints, as text."""
+    return value if isinstance(value, bool | int | float | str | None) else json.dumps(value, default=str)
