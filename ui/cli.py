@@ -12,6 +12,7 @@ from ui.commands.localize import localize_command
 from ui.commands.measure import maps_measure
 from ui.commands.plan import plan
 from ui.commands.play import play
+from ui.commands.plot import bag_plot
 from ui.commands.replay import replay_command
 from ui.commands.ros import ros_app
 from ui.commands.scan import scan
@@ -39,6 +40,7 @@ for command in (
 app.command(cls=GoalWithYaw)(drive)
 app.command("localize")(localize_command)
 bag.bag_app.command("export")(bag_export)
+bag.bag_app.command("plot")(bag_plot)
 app.command("replay")(replay_command)
 app.add_typer(bag.bag_app, name="bag")
 files.maps_app.command("measure")(maps_measure)

@@ -1,0 +1,90 @@
+"""Figures: what is in them, that they are the same every time, and what is said when there is nothing to draw."""
+
+from dataclasses import replace
+from io import BytesIO
+from xml.etree import ElementTree
+
+import numpy as np
+import pytest
+from matplotlib.figure import Figure
+from PIL import Image
+
+from tests.thbridge.bags.test_report import session
+from thbridge.bags.plot.figures import SIGMAS, What, draw
+from thbridge.bags.plot.look import ONE_COLUMN, TWO_COLUMNS, Kind, Look
+from thbridge.bags.report.gathering import read_report
+from thbridge.bags.report.values import Moment, Report
+from thbridge.hunt.outcomes import Refused
+
+LOOKS = (ONE_COLUMN, TWO_COLUMNS)
+
+
+@pytest.fixture(scope="module")
+def report() -> Report:
+    return session(2, 400)
+
+
+def drawn(what: What, report: Report, look: Look = TWO_COLUMNS) -> Figure:
+    figure = draw(what, report, look)
+    assert isinstance(figure, Figure)
+    return figure
+
+
+@pytest.mark.parametrize("look", LOOKS)
+@pytest.mark.parametrize("what", What)
+def test_everything_can_be_plotted_of_a_session_of_ours(report: Report, what: What, look: Look) -> None:
+    for axes in drawn(what, report, look).axes:
+        assert axes.lines or axes.patches or axes.collections
+        assert axes.get_ylabel() or axes.get_yticklabels()
+
+
+def test_print_has_300_dots_an_inch(report: Report) -> None:
+    image = Image.open(BytesIO(ONE_COLUMN.rendered(drawn(What.PATHS, report, ONE_COLUMN), Kind.PNG)))
+    assert image.width == int(ONE_COLUMN.width * 300)
+
+
+@pytest.mark.parametrize("kind", Kind)
+def test_the_same_report_gives_the_same_bytes(report: Report, kind: Kind) -> None:
+    one, other = (TWO_COLUMNS.rendered(drawn(What.ERROR, report), kind) for _ in range(2))
+    assert one == other
+    assert b"Matplotlib" not in one
+    if kind is Kind.SVG:
+        ElementTree.fromstring(one)
+
+
+@pytest.mark.parametrize("what", What)
+def test_what_is_missing_is_told(what: What) -> None:
+    refused = draw(what, read_report([]), TWO_COLUMNS)
+    assert isinstance(refused, Refused)
+    assert "There is nothing to plot" in refused.sentence
+
+
+def test_the_band_is_what_the_localiser_admits(report: Report) -> None:
+    axes = drawn(What.ERROR, report).axes[0]
+    (band,) = axes.collections
+    top = band.get_paths()[0].vertices[:, 1].max()
+    # The drawn team admits variances of 0.01 and 0.02 m2.
+    assert top == pytest.approx(100 * SIGMAS * np.sqrt(0.03))
+    assert axes.lines[0].get_ydata().max() == pytest.approx(100 * report.tracks[0].errors[:, 1].max())
+
+
+def test_a_robot_that_is_known_by_odometry_alone_has_its_path(report: Report) -> None:
+    nothing = np.empty((0, 4))
+    tracks = tuple(replace(track, truth=nothing, estimate=nothing) for track in report.tracks)
+    axes = drawn(What.PATHS, replace(report, tracks=tracks, grid=None)).axes[0]
+    assert any(line.get_linestyle() == "--" and len(line.get_xdata()) > 10 for line in axes.lines)
+    assert "odometry" in [text.get_text() for text in axes.get_legend().get_texts()]
+
+
+def test_goals_have_the_number_of_their_room(report: Report) -> None:
+    leg = report.tracks[0].legs[0]
+    departed = Moment(leg.start, "departed", "robot1", 7, "")
+    axes = drawn(What.TIMELINE, replace(report, moments=(departed,))).axes[0]
+    assert "7" in [text.get_text() for text in axes.texts]
+
+
+@pytest.mark.parametrize(("duration", "labels"), [(3.0, "0:01"), (60.0, "0:10"), (400.0, "1:00"), (7000.0, "30:00")])
+def test_times_are_round_as_clocks_are(report: Report, duration: float, labels: str) -> None:
+    axes = drawn(What.ENERGY, replace(report, duration=duration)).axes[0]
+    ticks = axes.xaxis.get_major_locator().tick_values(0.0, duration)
+    assert labels in [axes.xaxis.get_major_formatter()(tick, None) for tick in ticks]

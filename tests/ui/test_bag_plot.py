@@ -1,0 +1,48 @@
+"""`thbridge bag plot` as people and programs call it."""
+
+from pathlib import Path
+
+import pytest
+from typer.testing import CliRunner, Result
+
+from tests.thbridge.offline.foreign import Robot, write, write_map
+from ui.cli import app
+
+
+@pytest.fixture(scope="module")
+def folder(tmp_path_factory: pytest.TempPathFactory) -> Path:
+    folder = tmp_path_factory.mktemp("plot")
+    write(folder / "a.bag", Robot(), seconds=1.0)
+    write_map(folder)
+    return folder
+
+
+def run(folder: Path, *options: str) -> Result:
+    return CliRunner().invoke(app, ["bag", "plot", str(folder / "a.bag"), *options])
+
+
+def test_a_foreign_bag_on_a_map_of_its_own(folder: Path, tmp_path: Path) -> None:
+    to = tmp_path / "paths.svg"
+    done = run(folder, "--what", "paths", "--to", str(to), "--map", str(folder / "map.yaml"), "--width", "one")
+    assert done.exit_code == 0, done.output
+    assert to.read_bytes().startswith(b"<?xml")
+    assert "odometry from /odom" in done.stderr
+
+
+def test_what_the_bag_lacks_is_told_and_nothing_written(folder: Path, tmp_path: Path) -> None:
+    done = run(folder, "--what", "error", "--to", str(tmp_path / "error.pdf"))
+    assert done.exit_code == 1
+    assert "no robot whose true and estimated paths" in done.stderr
+    assert not (tmp_path / "error.pdf").exists()
+
+
+def test_no_figure_but_these_three(folder: Path, tmp_path: Path) -> None:
+    done = run(folder, "--what", "paths", "--to", str(tmp_path / "paths.jpg"))
+    assert done.exit_code == 2
+    assert "ends in .png, .svg or .pdf" in done.stderr
+
+
+def test_a_place_that_cannot_be_written(folder: Path) -> None:
+    done = run(folder, "--what", "paths", "--to", "/nowhere/at/all.png")
+    assert done.exit_code == 2
+    assert "--to" in done.stderr

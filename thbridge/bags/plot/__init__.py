@@ -1,0 +1,1 @@
+"""Figures of recordings, for pages and for print."""
