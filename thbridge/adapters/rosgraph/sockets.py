@@ -10,8 +10,8 @@ from asyncio import Transport
 HANDSHAKE_SECONDS = 10.0
 """What a peer may take from the connection to the end of its header."""
 
-_LINGER = 10.0
-"""Seconds that a closed connection has to take what it was sent before."""
+_LINGER = 60.0
+"""Seconds that a closed connection has to take what it was sent before: a large map, over a poor radio."""
 
 _REMEMBERED = 256
 """Complaints that are told apart; peers word them, so there must be an end to them."""
@@ -26,10 +26,10 @@ def keep_alive(transport: Transport) -> None:
     link.setsockopt(socket.IPPROTO_TCP, socket.TCP_KEEPCNT, 9)
 
 
-def close_gently(transport: Transport) -> None:
-    """Close once everything is sent, and in any case soon."""
+def close_gently(transport: Transport) -> asyncio.TimerHandle:
+    """Close once everything is sent, and in any case in a minute; to be cancelled when the connection is lost."""
     transport.close()
-    asyncio.get_running_loop().call_later(_LINGER, transport.abort)
+    return asyncio.get_running_loop().call_later(_LINGER, transport.abort)
 
 
 def endpoints(transport: Transport) -> tuple[int, str, int, int]:

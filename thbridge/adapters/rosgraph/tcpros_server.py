@@ -12,7 +12,7 @@ from dataclasses import dataclass
 from typing import TypeAlias
 
 from thbridge.adapters.errors import reason_of
-from thbridge.adapters.rosgraph.publications import Outlet, Publication
+from thbridge.adapters.rosgraph.publications import WAITING_LIMIT, Outlet, Publication
 from thbridge.adapters.rosgraph.sockets import HANDSHAKE_SECONDS, Complaints, close_gently, keep_alive
 from thbridge.adapters.text_server import CannotListen, Listening
 from thbridge.wire.rosgraph.inbound import InboundLink
@@ -221,16 +221,24 @@ class _Inbound(asyncio.Protocol):
                     self._publication = self._server.publications[topic]
                     self._outlet = Outlet(self._transport, topic, next(self._server.numbers), caller)
                     self._publication.add(self._outlet)
+                case Requested() if self._transport.get_write_buffer_size() > WAITING_LIMIT:
+                    _log.debug("a client is cut off: it asks, and does not read the answers")
+                    self.cut_off()
                 case Requested(service, request):
                     answer = self._server.handle(service, request, self._respond)
                     if answer is not None:
                         waiting.extend(self._link.respond(answer))
                 case Refused(reason):
                     self._server.complaints.tell(f"a peer is refused: {reason}")
-                    close_gently(self._transport)
+                    self._end(self._transport)
                 case Ended(reason):
                     _log.debug("a connection ends: %s", reason)
-                    close_gently(self._transport)
+                    self._end(self._transport)
+
+    def _end(self, transport: Transport) -> None:
+        if self._patience is not None:
+            self._patience.cancel()
+        self._patience = close_gently(transport)
 
     def _respond(self, answer: ServiceAnswer) -> None:
         self._perform(self._link.respond(answer))

@@ -2,6 +2,7 @@
 
 import asyncio
 import functools
+import gc
 import logging
 import os
 import random
@@ -582,7 +583,26 @@ async def test_there_are_only_so_many_connections(monkeypatch):
 
 
 @with_patience
-async def test_mutated_traffic_harms_nobody_and_leaves_nothing_behind():
+async def test_a_client_that_asks_and_does_not_read_is_cut_off():
+    async with master() as ros:
+        us, asked = RosNode("/us", ros.uri), []
+        us.advertise("/chatter", *STRING)
+        us.serve("/map", *TRIGGER, lambda request: asked.append(1) or bytes(publications.WAITING_LIMIT))
+        async with running(us):
+            client = await Peer.of(ros, us)
+            client.writer.transport.pause_reading()
+            client.writer.write(
+                encode_header({"callerid": "/them", "md5sum": "*", "service": "/map", "persistent": "1"})
+            )
+            client.writer.write(frame(b"") * 1000)
+            await eventually(lambda: not us._tcpros._connections)
+            assert 1 < len(asked) < 50
+            client.goes()
+
+
+@pytest.mark.parametrize("rounds", [200, pytest.param(5000, marks=pytest.mark.slow)])
+@with_patience
+async def test_mutated_traffic_harms_nobody_and_leaves_nothing_behind(rounds):
     dice = random.Random(4)
     openings = [
         encode_header({"callerid": "/them", "md5sum": "*", "topic": "/chatter"}),
@@ -594,7 +614,7 @@ async def test_mutated_traffic_harms_nobody_and_leaves_nothing_behind():
         us.serve("/now", *TRIGGER, lambda request: request)
         async with running(us):
             address = await where(us, uri_of(ros))
-            for _ in range(200):
+            for _ in range(rounds):
                 data = bytearray(dice.choice(openings))
                 for _ in range(dice.randint(1, 4)):
                     data[dice.randrange(len(data))] = dice.randrange(256)
@@ -605,6 +625,9 @@ async def test_mutated_traffic_harms_nobody_and_leaves_nothing_behind():
                 writer.transport.abort() if dice.random() < 0.5 else writer.close()
             await eventually(lambda: not us._tcpros._connections)
             assert chatter.subscribers == 0
+            del writer
+            gc.collect()
+            assert sum(isinstance(each, tcpros_server._Inbound) for each in gc.get_objects()) == 0
             witness = await Peer.of(ros, us)
             await witness.subscribes()
             chatter.publish(b"all is well")
