@@ -152,14 +152,14 @@ def recorded(path: Path, topics: Collection[str] | None = None) -> Iterator[tupl
     known: dict[tuple[str | bool | None, ...], Connection] = {}
     for part in parts_of(path):
         with opened(part) as reader:
-            repeatable = dict(latched)
+            repeatable, start_ns = dict(latched), reader.start_time
             wanted = [connection for connection in reader.connections if topics is None or connection.topic in topics]
             publishers = {connection.id: _publisher(connection, known) for connection in wanted}
             _order(reader)
             # To the reader an empty list means every topic.
             for connection, stamp, data in reader.messages(wanted) if wanted else ():
                 data = bytes(data)  # noqa: PLW2901
-                if stamp == reader.start_time and repeatable.pop(connection.topic, None) == data:
+                if stamp == start_ns and repeatable.pop(connection.topic, None) == data:
                     continue
                 publisher = publishers[connection.id]
                 if publisher.latching:

@@ -18,8 +18,9 @@ GAP_PERIODS = 5.0
 GAP_NS = 1_000_000_000
 """A topic has a gap where it is silent for more than so many of its median periods, and for a second at least."""
 REGULAR = 10
-REGULAR_SHARE = 0.75
-"""Only topics of so many messages, so many of their periods within a factor of two of the median, have gaps at all."""
+REGULAR_SHARE = 0.5
+"""Only topics of so many messages have gaps at all, and only if at their median period they fill so much of the time:
+what is said in bursts is silent between them."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -172,8 +173,7 @@ def _topic(name: str, publishers: Sequence[Indexed]) -> TopicSummary:
 
 
 def _gaps(stamps: NDArray[np.int64], periods: NDArray[np.int64], median: float) -> tuple[Gap, ...]:
-    usual = np.mean((periods >= median / 2) & (periods <= median * 2)) if periods.size else 0.0
-    if stamps.size < REGULAR or usual < REGULAR_SHARE:
+    if stamps.size < REGULAR or median * stamps.size < REGULAR_SHARE * float(stamps[-1] - stamps[0]):
         return ()
     (places,) = np.nonzero(periods > max(GAP_PERIODS * median, GAP_NS))
     longest = sorted(places.tolist(), key=lambda place: -int(periods[place]))[:10]

@@ -53,12 +53,13 @@ def _show_summary(found: Summary) -> None:
     if found.session is not None:
         versions = ", ".join(f"{name} {version}" for name, version in found.session.versions.items())
         _say(f"a session of ours, seed {found.session.seed}: {versions}")
-    rows = [("topic", "messages", "Hz", "from", "to", "type", "md5", "published by")]
+    rows = [("topic", "messages", "Hz", "from", "to", "", "type", "md5", "published by")]
     for topic in found.topics:
-        rate = "latched" if topic.latched else "" if topic.hertz is None else f"{topic.hertz:.1f}"
+        rate = "" if topic.hertz is None else f"{topic.hertz:.1f}"
+        latched = "latched" if topic.latched else ""
         times = (_seconds(topic.start_ns, found.start_ns), _seconds(topic.end_ns, found.start_ns))
         callers = ", ".join(topic.callers)
-        rows.append((topic.name, str(topic.messages), rate, *times, topic.msgtype, topic.md5, callers))
+        rows.append((topic.name, str(topic.messages), rate, *times, latched, topic.msgtype, topic.md5, callers))
     widths = [max(len(row[column]) for row in rows) for column in range(len(rows[0]))]
     for row in rows:
         # Names to the left, figures to the right.

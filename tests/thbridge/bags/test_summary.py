@@ -46,6 +46,12 @@ def test_what_speaks_now_and_then_has_no_gaps(tmp_path: Path) -> None:
     assert topic(summarise(write(tmp_path / "a.bag", planted)), "/odom").gaps == ()
 
 
+def test_bursts_have_no_gaps(tmp_path: Path) -> None:
+    times = [burst * 10_000_000_000 + index * 10_000_000 for burst in range(5) for index in range(20)]
+    planted = Planted([Entry(ODOM_LINE, START + ns, odom_message(START)) for ns in times])
+    assert topic(summarise(write(tmp_path / "a.bag", planted)), "/odom").gaps == ()
+
+
 def test_parts_are_summed_up_together(tmp_path: Path) -> None:
     planted = clean()
     write(tmp_path / "a_0.bag", Planted(planted.entries[:50]))

@@ -202,7 +202,6 @@ class LongArrays:
     """PlotJuggler leaves long arrays out unless told otherwise."""
 
     def __init__(self) -> None:
-        self._long: Tally[str] = Tally()
         self._longest: dict[str, int] = {}
 
     def listen(self, source: Source) -> Listener:
@@ -211,17 +210,17 @@ class LongArrays:
 
         def hear(heard: Heard) -> None:
             if heard.reading.longest > PLOTTED_ARRAY:
-                self._long.add(topic, heard.stamp_ns)
                 self._longest[topic] = max(self._longest.get(topic, 0), heard.reading.longest)
 
         return hear
 
     def findings(self, bag: Structure) -> Iterator[Finding]:
-        """One for each topic."""
-        for topic, first, count in self._long.items():
-            what = f"arrays have up to {self._longest[topic]} elements; it plots {PLOTTED_ARRAY} unless told otherwise"
-            remedy = "raise its maximum array size, or leave the topic out"
-            yield Finding("long-array", Severity.NOTE, (Tool.PLOTJUGGLER,), topic, what, remedy, first, count)
+        """One for all topics."""
+        if self._longest:
+            told = ", ".join(f"{topic} ({length})" for topic, length in sorted(self._longest.items()))
+            what = f"it plots {PLOTTED_ARRAY} elements of an array unless told otherwise, and there are more in {told}"
+            remedy = "raise its maximum array size, or leave these topics out"
+            yield Finding("long-array", Severity.NOTE, (Tool.PLOTJUGGLER,), None, what, remedy)
 
 
 RULES = (Rotations, Places, Covariances, Lengths, LongArrays)
