@@ -8,13 +8,14 @@ from hypothesis import given
 from hypothesis import strategies as st
 from rosbags.typesys.msg import normalize_msgtype
 
+from sim.costmap.view import CostmapView
 from sim.geometry import Pose2
 from sim.observations import Battery, Scan, Twist
 from tests.thbridge.ros.drive import MOUNT, SESSION, arena
 from thbridge.ros import pack, types, unpack
 from thbridge.ros.goals import GoalId, GoalStatus, Status
-from thbridge.ros.pack import Transform
-from thbridge.ros.records import GameEvent, Input, Score, Utterance
+from thbridge.ros.pack import Diagnosis, DiagnosticLevel, Transform
+from thbridge.ros.records import GameEvent, Input, LogLevel, LogLine, Score, Utterance
 
 TICKS = st.integers(0, 50 * 86400)
 REALS = st.floats(-1e6, 1e6)
@@ -191,6 +192,73 @@ def test_goal_and_result() -> None:
     data = pack.move_base_result(9, GoalStatus(GoalId("robot1-4", 1_020_000_000), Status.ABORTED, "no way"))
     assert data == serialised(types.MOVE_BASE_RESULT, result)
     assert unpack.move_base_result(data) == unpack.GoalEnd("robot1-4", 4, "no way")
+
+
+@given(TICKS, st.lists(st.tuples(TEXTS, st.integers(0, 10**12), st.sampled_from(Status), TEXTS), max_size=4))
+def test_status_array(tick: int, rows: list[tuple[str, int, Status, str]]) -> None:
+    entries = [GoalStatus(GoalId(goal_id, stamp_ns), status, text) for goal_id, stamp_ns, status, text in rows]
+    data = pack.goal_status_array(tick, entries)
+    expected = message(types.GOAL_STATUS_ARRAY, ros_header(tick), [ros_status(entry) for entry in entries])
+    assert data == serialised(types.GOAL_STATUS_ARRAY, expected)
+    assert unpack.goal_status_array(data) == entries
+
+
+def ros_status(entry: GoalStatus) -> object:
+    time = message("builtin_interfaces/Time", *divmod(entry.goal.stamp_ns, 1_000_000_000))
+    return message(
+        "actionlib_msgs/GoalStatus", message("actionlib_msgs/GoalID", time, entry.goal.id), entry.status, entry.text
+    )
+
+
+def test_feedback_and_cancel() -> None:
+    entry = GoalStatus(GoalId("robot1-4", 1_020_000_000), Status.ACTIVE, "under way")
+    base = message("geometry_msgs/PoseStamped", ros_header(7, "map"), ros_pose(POSE))
+    feedback = message("move_base_msgs/MoveBaseFeedback", base)
+    data = pack.move_base_feedback(7, entry, "map", POSE)
+    assert data == serialised(
+        types.MOVE_BASE_FEEDBACK, message(types.MOVE_BASE_FEEDBACK, ros_header(7), ros_status(entry), feedback)
+    )
+    status, frame, pose = unpack.move_base_feedback(data)
+    assert (status, frame, pose.x, pose.y) == (entry, "map", POSE.x, POSE.y)
+    data = pack.goal_id(entry.goal)
+    time = message("builtin_interfaces/Time", 1, 20_000_000)
+    assert data == serialised(types.GOAL_ID, message(types.GOAL_ID, time, "robot1-4"))
+    assert unpack.goal_id(data) == entry.goal
+
+
+def test_pose_stamped_and_polygon() -> None:
+    expected = message(types.POSE_STAMPED, ros_header(2, "map"), ros_pose(POSE))
+    assert pack.pose_stamped(2, "map", POSE) == serialised(types.POSE_STAMPED, expected)
+    corners = [message("geometry_msgs/Point32", 0.5, -0.25, 0.0), message("geometry_msgs/Point32", 1.0, 2.0, 0.0)]
+    polygon = message(types.POLYGON_STAMPED, ros_header(2, "map"), message("geometry_msgs/Polygon", corners))
+    data = pack.polygon(2, "map", np.array([[0.5, -0.25], [1.0, 2.0]]))
+    assert data == serialised(types.POLYGON_STAMPED, polygon)
+
+
+@given(TICKS, TEXTS, TEXTS, st.sampled_from(LogLevel))
+def test_log_and_clock(tick: int, name: str, text: str, level: LogLevel) -> None:
+    data = pack.log(tick, LogLine(level, name, text))
+    assert data == serialised(types.LOG, message(types.LOG, ros_header(tick), level, name, text, "", "", 0, []))
+    time = message("builtin_interfaces/Time", 1 + tick // 50, tick % 50 * 20_000_000)
+    assert pack.clock(tick) == serialised(types.CLOCK, message(types.CLOCK, time))
+
+
+def test_diagnostics() -> None:
+    entry = Diagnosis(DiagnosticLevel.WARN, "robot1: energy", "little left", "robot1", {"charge": "9.5", "unit": "£"})
+    values = [message("diagnostic_msgs/KeyValue", key, value) for key, value in entry.values.items()]
+    status = message("diagnostic_msgs/DiagnosticStatus", 1, entry.name, entry.message, entry.hardware_id, values)
+    expected = message(types.DIAGNOSTIC_ARRAY, ros_header(50), [status])
+    assert pack.diagnostic_array(50, [entry]) == serialised(types.DIAGNOSTIC_ARRAY, expected)
+
+
+def test_a_costmap_is_translated_as_costmap_2d_does_it() -> None:
+    costs = np.arange(256, dtype=np.uint8).reshape(16, 16)
+    data = pack.costmap("map", CostmapView(50, POSE, 0.05, costs))
+    cells = unpack.occupancy_grid(data).cells.ravel().tolist()
+    assert (cells[0], cells[253], cells[254], cells[255]) == (0, 99, 100, -1)
+    # By costmap_2d's own formula, in whole numbers: 1 + 97 * (cost - 1) / 251.
+    assert cells[1:253] == [1 + 97 * (cost - 1) // 251 for cost in range(1, 253)]
+    assert (cells[1], cells[252]) == (1, 98)
 
 
 def test_session() -> None:
