@@ -114,7 +114,7 @@ class Publisher:
         ]
 
     def tick(self, snapshot: TeamSnapshot, records: Iterable[Record] = ()) -> list[Message]:
-        """What is said in one tick: inputs first, then the robots in the team's order, then the other records.
+        """What is said in one tick: what came from outside, then the robots in their order, then the other records.
 
         Raises:
             ValueError: the team is not as large as was said.
@@ -122,15 +122,19 @@ class Publisher:
         tick, stamp = snapshot.tick, stamp_ns(snapshot.tick)
         records = tuple(records)
         requests: defaultdict[int, list[ActionRequest]] = defaultdict(list)
-        messages = []
+        messages: list[Message] = []
+        lines: list[LogLine] = []
         for record in records:
             if isinstance(record, Input):
                 messages.append(Message(INPUTS, stamp, pack.outside_input(tick, record)))
             elif isinstance(record, ActionRequest):
                 requests[record.robot].append(record)
                 messages.extend(self._robots[record.robot].heard(stamp, tick, record))
+                lines += self._watches[record.robot].asked(record)
+            elif isinstance(record, InitialPose):
+                data = pack.pose_with_covariance(tick, MAP_FRAME, record.base_in_map, record.covariance)
+                messages.append(Message(self._robots[record.robot].topics.initialpose, stamp, data, heard=True))
         messages.append(Message(TF, stamp, pack.transforms(tick, self._moving_frames(snapshot))))
-        lines: list[LogLine] = []
         poses, twists, commands = snapshot.world.poses.tolist(), snapshot.world.twists.tolist(), snapshot.commands
         for index, (robot, output) in enumerate(zip(self._robots, snapshot.robots, strict=True)):
             dead = index in snapshot.dead
@@ -188,10 +192,7 @@ class Publisher:
                 yield Message(SUCCESS, stamp, pack.string(line))
             case LogLine():
                 yield Message(ROSOUT, stamp, pack.log(tick, record))
-            case InitialPose(robot, pose, planar):
-                data = pack.pose_with_covariance(tick, MAP_FRAME, pose, planar)
-                yield Message(self._robots[robot].topics.initialpose, stamp, data, heard=True)
-            case Input() | GoalRequest() | CancelRequest() | SimpleGoal():
+            case Input() | GoalRequest() | CancelRequest() | SimpleGoal() | InitialPose():
                 pass  # Said before all else.
             case VelocityCommand():
                 pass  # What the motors were told of it is on cmd_vel.

@@ -3,14 +3,15 @@
 import math
 from collections.abc import Iterator, Sequence
 
+from sim.geometry import Pose2
 from sim.navigator import NavigatorState
 from sim.robot import RobotOutput
 from sim.team import TeamSnapshot
-from thbridge.ros.actionlib import Ended, GoalSet, Said
+from thbridge.ros.actionlib import ActionRequest, Ended, GoalSet, Said
 from thbridge.ros.goals import Status
 from thbridge.ros.names import CALLER, RobotNames
 from thbridge.ros.pack import Diagnosis, DiagnosticLevel
-from thbridge.ros.records import LogLevel, LogLine
+from thbridge.ros.records import CancelRequest, GoalRequest, LogLevel, LogLine
 
 SPREAD = 0.5
 """Metres of standard deviation from which a robot had better be doubted."""
@@ -78,6 +79,16 @@ class RobotWatch:
         self._clears = clears
         for said in goals:
             yield from self._goal(said)
+
+    def asked(self, request: ActionRequest) -> Iterator[LogLine]:
+        """That a client wants something of the robot, which hears it unless it is dead."""
+        match request:
+            case GoalRequest(_, goal_id, _, Pose2() as base) if not self._dead:
+                yield LogLine(
+                    LogLevel.INFO, self._navigator, f"a client's goal {goal_id}: ({base.x:.2f}, {base.y:.2f})"
+                )
+            case CancelRequest() if not self._dead:
+                yield LogLine(LogLevel.INFO, self._navigator, "a client takes goals back")
 
     def _goal(self, said: Said) -> Iterator[LogLine]:
         match said:

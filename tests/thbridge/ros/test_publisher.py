@@ -196,6 +196,9 @@ def test_what_clients_said_is_recorded_as_they_said_it_before_what_follows() -> 
     assert unpack.move_base_goal(heard[0].data).goal_id == "rviz-1"
     assert unpack.goal_id(heard[1].data) == ("rviz-1", 0)
     ended = [unpack.move_base_result(m.data) for m in messages if m.topic.name.endswith("/result")]
+    log = b"".join(message.data for message in messages if message.topic.name == "/rosout")
+    assert b"a client's goal rviz-1: (1.00, 2.00)" in log
+    assert b"goal rviz-2 is given up: it is in another frame" in log
     assert ended[-1] == unpack.GoalEnd("rviz-2", Status.ABORTED, "it is in another frame")
 
 
