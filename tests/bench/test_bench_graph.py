@@ -40,7 +40,6 @@ TYPE = ("std_msgs/String", "992ce8a1687cec8c8bd883ec73ca41d1")
 
 LISTENERS = """
 import asyncio, sys
-from thbridge.adapters.rosgraph.http import XmlRpcClient
 from thbridge.adapters.rosgraph.node import RosNode
 
 async def main():
