@@ -14,14 +14,15 @@ from thbridge.offline.laser import Laser, usable
 from thbridge.offline.odometry import OdometryTrack, Step
 from thbridge.ros import unpack
 from thbridge.ros.frames import FrameTree, PlanarMount, frame_name
+from thbridge.ros.robots import ODOM_FRAME, is_odom_frame, is_truth, namespace_of, owner_of, usual_first
 from thbridge.ros.types import LASER_SCAN, ODOMETRY, TFMESSAGE
 from thbridge.ros.unpack import LaserScan
 
 T = TypeVar("T")
 
 TF_TYPES = (TFMESSAGE, "tf/tfMessage")
-ODOM_FRAME = "odom"
-"""What frames of odometry begin with: odom, odom_combined."""
+SCANS = ("scan", "base_scan", "scan_filtered")
+"""What lasers are called by which robots localise themselves, the usual first."""
 BASE_FRAMES = ("base_footprint", "base_link")
 LEVEL = math.radians(10)
 """A laser tilted by more than this does not see what a map of the plane shows."""
@@ -63,31 +64,36 @@ class Recording:
         return _scans(self.path, self.scan_topic)
 
 
-def open_recording(path: Path, scan_topic: str, odom_topic: str, laser_in_base: Pose2 | None) -> Recording:
+def open_recording(
+    path: Path, scan_topic: str | None, odom_topic: str | None, laser_in_base: Pose2 | None
+) -> Recording:
     """Find everything in a bag.
 
     Args:
         path: a ROS 1 bag.
-        scan_topic: of type sensor_msgs/LaserScan.
-        odom_topic: of type nav_msgs/Odometry; where the bag has none, tf is asked.
+        scan_topic: of type sensor_msgs/LaserScan; None: the only robot's, by its type.
+        odom_topic: of type nav_msgs/Odometry; None: of the robot whose scans these are. Where it is missing, tf is
+            asked.
         laser_in_base: where the laser sits; None: as tf says.
 
     Raises:
         BadFile: the bag cannot be read, or lacks something; says what it has instead.
     """
     topics = info(path).topics
-    scans = _topic(topics, scan_topic, (LASER_SCAN,))
+    notices: list[str] = []
+    scan_name = scan_topic or _only_scans(path, topics, notices)
+    scans = _topic(topics, scan_name, (LASER_SCAN,))
     if scans is None:
-        problem = f"there are no scans on {scan_topic}; {_offer(topics, (LASER_SCAN,))}"
+        problem = f"there are no scans on {scan_name}; {_offer(topics, (LASER_SCAN,))}"
         raise BadFile(path, None, None, problem, "name the topic by --scan-topic")
     first = next((read.scan for read in _scans(path, scans.name) if usable(read.scan)), None)
     if first is None:
         problem = "no scan has two beams and an angle between them"
         raise BadFile(path, None, scans.name, problem, "name another topic by --scan-topic")
 
-    notices: list[str] = []
     tf_topics = [topic.name for topic in topics if topic.msgtype in TF_TYPES]
-    odometry = _topic(topics, odom_topic, (ODOMETRY,))
+    odom_name = odom_topic or _odometry_beside(scans.name, topics, notices)
+    odometry = _topic(topics, odom_name, (ODOMETRY,))
     if odometry is not None:
         tree = FrameTree()
         steps, child = _odometry_of_topic(path, odometry.name)
@@ -99,12 +105,12 @@ def open_recording(path: Path, scan_topic: str, odom_topic: str, laser_in_base: 
         tree = _frames(path, tf_topics, lambda tree: _odom_edge(tree, first.frame, certain=True) is not None)
         edge = _odom_edge(tree, first.frame, certain=False)
         if edge is None:
-            problem = f"there is no odometry on {odom_topic} and none in tf; {_offer(topics, (ODOMETRY,))}"
+            problem = f"there is no odometry on {odom_name} and none in tf; {_offer(topics, (ODOMETRY,))}"
             raise BadFile(path, None, None, problem, "name the topic by --odom-topic")
         steps = _odometry_of_tf(path, tf_topics, edge)
         source = f"tf {edge[0]} -> {edge[1]}"
         bases = (edge[1],)
-        notices.append(f"There is no odometry on {odom_topic}; it is taken from {source}.")
+        notices.append(f"There is no odometry on {odom_name}; it is taken from {source}.")
     track = OdometryTrack(steps)
     if not len(track):
         raise BadFile(path, None, source, "there is no odometry in it", "name another topic by --odom-topic")
@@ -130,6 +136,35 @@ def open_recording(path: Path, scan_topic: str, odom_topic: str, laser_in_base: 
     return Recording(path, scans.name, scans.messages, laser, track, source, tuple(notices))
 
 
+def _only_scans(path: Path, topics: tuple[TopicInfo, ...], notices: list[str]) -> str:
+    """The topic of the scans, by type; which of several lasers a robot localises by is told by their names."""
+    names = usual_first(_of_type(topics, LASER_SCAN), SCANS)
+    robots = sorted({namespace_of(name) for name in names})
+    if len(robots) > 1:
+        problem = f"there are several robots: {_offer(topics, (LASER_SCAN,))}"
+        raise BadFile(path, None, None, problem, "name the topic of one by --scan-topic")
+    if len(names) > 1:
+        notices.append(f"Scans are taken from {names[0]}; there are also {', '.join(names[1:])}.")
+    return names[0] if names else f"/{SCANS[0]}"
+
+
+def _odometry_beside(scans: str, topics: tuple[TopicInfo, ...], notices: list[str]) -> str:
+    """The topic of the odometry of the robot that the scans are of."""
+    names = [name for name in _of_type(topics, ODOMETRY) if not is_truth(name)]
+    robots = {namespace_of(name) for name in (*names, scans)}
+    own = usual_first((name for name in names if owner_of(name, robots) == owner_of(scans, robots)), (ODOM_FRAME,))
+    # Where only nodes have odometry, it is the one robot's, whatever its scans are called.
+    own = own or usual_first((name for name in names if not namespace_of(name)), (ODOM_FRAME,))
+    if len(own) > 1:
+        notices.append(f"Odometry is taken from {own[0]}; there is also {', '.join(own[1:])}.")
+    namespace = owner_of(scans, robots)
+    return own[0] if own else f"/{namespace}/odom" if namespace else "/odom"
+
+
+def _of_type(topics: tuple[TopicInfo, ...], msgtype: str) -> list[str]:
+    return [topic.name for topic in topics if topic.msgtype == msgtype and topic.messages]
+
+
 def _topic(topics: tuple[TopicInfo, ...], name: str, types: tuple[str, ...]) -> TopicInfo | None:
     wanted = "/" + name.lstrip("/")
     found = (topic for topic in topics if "/" + topic.name.lstrip("/") == wanted)
@@ -137,7 +172,7 @@ def _topic(topics: tuple[TopicInfo, ...], name: str, types: tuple[str, ...]) -> 
 
 
 def _offer(topics: tuple[TopicInfo, ...], types: tuple[str, ...]) -> str:
-    names = [topic.name for topic in topics if topic.msgtype in types and topic.messages]
+    names = _of_type(topics, types[0])
     return f"{types[0]} is on {', '.join(names)}" if names else f"the bag has no {types[0]} at all"
 
 
@@ -201,11 +236,7 @@ def _odom_edge(tree: FrameTree, laser: str, certain: bool) -> tuple[str, str] | 
     """The transform of tf that is odometry: the one above the laser, or else, unless it must be certain, the only."""
     chain = tree.chain(laser)
     for child, parent in pairwise(chain):
-        if _last_word(parent).startswith(ODOM_FRAME):
+        if is_odom_frame(parent):
             return parent, child
-    edges = [edge for edge in tree.edges() if _last_word(edge[0]).startswith(ODOM_FRAME)]
+    edges = [edge for edge in tree.edges() if is_odom_frame(edge[0])]
     return edges[0] if len(edges) == 1 and not certain else None
-
-
-def _last_word(frame: str) -> str:
-    return frame.rpartition("/")[2]

@@ -35,10 +35,13 @@ def localize_command(
     params: Annotated[
         list[Path] | None, typer.Option(help="ROS YAML file with amcl's parameters; may be repeated.")
     ] = None,
-    scan_topic: Annotated[str, typer.Option(help="Topic of the scans (sensor_msgs/LaserScan).")] = "/scan",
+    scan_topic: Annotated[
+        str | None, typer.Option(help="Topic of the scans (sensor_msgs/LaserScan); by default the only robot's.")
+    ] = None,
     odom_topic: Annotated[
-        str, typer.Option(help="Topic of the odometry (nav_msgs/Odometry); where it is missing, tf is asked.")
-    ] = "/odom",
+        str | None,
+        typer.Option(help="Topic of the odometry (nav_msgs/Odometry); by default that robot's, or else tf."),
+    ] = None,
     initial_pose: Annotated[
         Triple | None, typer.Option(help="Where the robot starts in the map: metres, radians.", metavar="X Y YAW")
     ] = None,
@@ -140,6 +143,7 @@ def _told(recording: Recording, result: Localized, notices: tuple[str, ...]) -> 
         "lost": result.last.lost,
         "scans": result.scans,
         "skipped": {str(reason): count for reason, count in result.skipped.items()},
+        "scan_topic": recording.scan_topic,
         "odometry": recording.odometry_source,
         "laser_pose": recording.laser.mount.laser_in_base.array().tolist(),
         "upside_down": recording.laser.upside_down,
@@ -158,4 +162,4 @@ def _tell(recording: Recording, result: Localized) -> None:
     out.print(f"{len(result.fixes)} updates from {result.scans} scans, {each:.2f} ms of the processor for each.")
     for reason, count in result.skipped.items():
         out.print(f"{count} scans were left out: {reason}.")
-    out.print(f"Odometry: {recording.odometry_source}.")
+    out.print(f"Scans: {recording.scan_topic}. Odometry: {recording.odometry_source}.")

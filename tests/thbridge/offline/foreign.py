@@ -6,6 +6,7 @@ from pathlib import Path
 
 import numpy as np
 from rosbags.rosbag1 import Writer
+from rosbags.typesys import get_types_from_msg
 
 from sim.geometry import IDENTITY, FloatArray, Pose2
 from sim.grid import OccupancyGrid
@@ -14,6 +15,7 @@ from thbridge.adapters.map_files import write_grid
 from thbridge.ros.types import typestore
 
 STORE = typestore()
+STORE.register(get_types_from_msg("geometry_msgs/TransformStamped[] transforms", "tf/msg/tfMessage"))
 TYPES = STORE.types
 Header = TYPES["std_msgs/msg/Header"]
 Time = TYPES["builtin_interfaces/msg/Time"]
@@ -62,6 +64,9 @@ class Robot:
     laser_frame: str = "hokuyo"
     tf: bool = True
     odom_topic: str | None = "/odom"
+    scan_topic: str = "/scan"
+    more_scans: tuple[str, ...] = ()
+    tf_type: str = "tf2_msgs/msg/TFMessage"
     odom_per_scan: int = 2
     slip: float = 1.02
     beams: int = 181
@@ -135,9 +140,12 @@ def write(path: Path, robot: Robot, seconds: float = 6.0) -> list[Pose2]:
     if robot.compression is not None:
         writer.set_compression(robot.compression)
     with writer as bag:
-        topics = {"/scan": "sensor_msgs/msg/LaserScan"}
+        scans = (robot.scan_topic, *robot.more_scans)
+        topics = dict.fromkeys(scans, "sensor_msgs/msg/LaserScan")
+        # tf of old had no topic for frames that stay: they are said again and again.
+        static = "/tf_static" if robot.tf_type == "tf2_msgs/msg/TFMessage" else "/tf"
         if robot.tf:
-            topics |= {"/tf": "tf2_msgs/msg/TFMessage", "/tf_static": "tf2_msgs/msg/TFMessage"}
+            topics |= dict.fromkeys(("/tf", static), robot.tf_type)
         if robot.odom_topic:
             topics[robot.odom_topic] = "nav_msgs/msg/Odometry"
         at = {name: bag.add_connection(name, msgtype, typestore=STORE) for name, msgtype in topics.items()}
@@ -146,10 +154,10 @@ def write(path: Path, robot: Robot, seconds: float = 6.0) -> list[Pose2]:
             bag.write(at[topic], ns, STORE.serialize_ros1(message, at[topic].msgtype))
 
         if robot.tf:
-            tf_message = TYPES["tf2_msgs/msg/TFMessage"]
+            tf_message = TYPES[robot.tf_type]
             lift = transform(START_NS, robot.base_frame, robot.body_frame, Pose2(0.0, 0.0, 0.0), z=0.1)
             seat = transform(START_NS, robot.body_frame, robot.laser_frame, robot.laser, robot.roll, robot.laser_height)
-            say("/tf_static", START_NS, tf_message([lift, seat]))
+            say(static, START_NS, tf_message([lift, seat]))
 
         def say_odometry(ns: int, pose: Pose2) -> None:
             if robot.odom_topic:
@@ -162,7 +170,8 @@ def write(path: Path, robot: Robot, seconds: float = 6.0) -> list[Pose2]:
         for index, pose in enumerate(poses):
             ns = START_NS + index * PERIOD_NS
             said = ns + robot.stamp_offsets.get(index, 0)
-            say("/scan", ns, laser_scan(said, robot, angles, ranges_at(grid, robot, pose, angles)))
+            for topic in scans:
+                say(topic, ns, laser_scan(said, robot, angles, ranges_at(grid, robot, pose, angles)))
             if index + 1 < len(poses):
                 moved = pose.between(poses[index + 1])
                 part = 1.0 / robot.odom_per_scan

@@ -148,3 +148,60 @@ def test_the_filter_that_warms_up_is_another_one(tmp_path: Path) -> None:
     scan = recording.laser.scan(0, recording.laser.first)
     warm_up(Amcl(PARAMETERS, room(), recording.laser.mount, 1, "robot1"), PARAMETERS, scan)
     assert follow(recording).last.base_in_map == alone.last.base_in_map
+
+
+OLD_TF = "tf/msg/tfMessage"
+LAYOUTS = {
+    "TurtleBot": (Robot(), "/scan", "/odom"),
+    "Stage": (
+        Robot(scan_topic="/base_scan", tf_type=OLD_TF, odom_frame="/odom", base_frame="/base_link"),
+        "/base_scan",
+        "/odom",
+    ),
+    "PR2": (
+        Robot(
+            scan_topic="/base_scan",
+            more_scans=("/tilt_scan",),
+            odom_topic="/base_odometry/odom",
+            odom_frame="odom_combined",
+            tf_type=OLD_TF,
+        ),
+        "/base_scan",
+        "/base_odometry/odom",
+    ),
+    "gmapping's tutorial": (
+        Robot(scan_topic="/base_scan", odom_topic=None, tf_type=OLD_TF),
+        "/base_scan",
+        "tf odom -> base_footprint",
+    ),
+    "one of a fleet": (
+        Robot(
+            scan_topic="/tb3_1/scan",
+            odom_topic="/tb3_1/odom",
+            odom_frame="tb3_1/odom",
+            base_frame="tb3_1/base_footprint",
+            body_frame="tb3_1/base_link",
+            laser_frame="tb3_1/base_scan",
+        ),
+        "/tb3_1/scan",
+        "/tb3_1/odom",
+    ),
+}
+
+
+@pytest.mark.parametrize("layout", LAYOUTS)
+def test_scans_and_odometry_are_found_under_the_names_of_other_robots(tmp_path: Path, layout: str) -> None:
+    robot, scans, odometry = LAYOUTS[layout]
+    truth = write(tmp_path / "a.bag", robot)
+    recording = open_recording(tmp_path / "a.bag", None, None, None)
+    assert (recording.scan_topic, recording.odometry_source) == (scans, odometry)
+    assert max(errors(follow(recording), truth)) < 0.3
+    assert any("/tilt_scan" in notice for notice in recording.notices) == bool(robot.more_scans)
+
+
+def test_of_several_robots_one_must_be_named(tmp_path: Path) -> None:
+    robot = Robot(scan_topic="/robot_0/base_scan", more_scans=("/robot_1/base_scan",), odom_topic="/robot_1/odom")
+    write(tmp_path / "a.bag", robot, seconds=1.0)
+    with pytest.raises(BadFile, match=r"several robots.*/robot_0/base_scan, /robot_1/base_scan.*--scan-topic"):
+        open_recording(tmp_path / "a.bag", None, None, None)
+    assert open_recording(tmp_path / "a.bag", "/robot_1/base_scan", None, None).odometry_source == "/robot_1/odom"
