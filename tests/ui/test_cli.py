@@ -2,6 +2,7 @@
 
 import json
 import os
+import socket
 from collections.abc import Callable
 from pathlib import Path
 
@@ -251,6 +252,13 @@ def test_ros_messages_are_a_package() -> None:
     assert Path("src/thbridge_msgs/package.xml").is_file()
     Path("file").touch()
     assert "it cannot be written" in refusal("ros", "messages", "file")
+
+
+def test_a_master_that_cannot_listen_says_so() -> None:
+    with socket.create_server(("127.0.0.1", 0)) as taken:
+        port = taken.getsockname()[1]
+        told = refusal("ros", "master", "--port", str(port))
+    assert f"cannot listen on 127.0.0.1:{port}: Address already in use" in told
 
 
 @pytest.mark.parametrize(

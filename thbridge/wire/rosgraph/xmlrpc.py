@@ -145,7 +145,7 @@ def _document(text: str) -> bytes:
 
 
 def _escaped(text: str) -> str:
-    legal = _NOT_IN_XML.sub("\ufffd", text)
+    legal = text if text.isprintable() else _NOT_IN_XML.sub("\ufffd", text)
     # A bare carriage return would be read as a line feed.
     return legal.replace("&", "&amp;").replace("<", "&lt;").replace(">", "&gt;").replace("\r", "&#13;")
 
@@ -160,8 +160,8 @@ def _write(value: XmlRpcValue, parts: list[str], depth: int) -> None:
     if depth >= MAX_DEPTH:
         raise ValueError(f"values nested deeper than {MAX_DEPTH}")
     match value:
-        case None:
-            parts.append("<value><nil/></value>")
+        case str():
+            parts.append(f"<value><string>{_escaped(value)}</string></value>")
         case bool():
             parts.append(f"<value><boolean>{int(value)}</boolean></value>")
         case int():
@@ -171,12 +171,12 @@ def _write(value: XmlRpcValue, parts: list[str], depth: int) -> None:
             parts.append(f"<value><{name}>{value}</{name}></value>")
         case float():
             parts.append(f"<value><double>{value!r}</double></value>")
-        case str():
-            parts.append(f"<value><string>{_escaped(value)}</string></value>")
         case bytes():
             parts.append(f"<value><base64>{base64.b64encode(value).decode()}</base64></value>")
         case DateTime(text):
             parts.append(f"<value><dateTime.iso8601>{_escaped(text)}</dateTime.iso8601></value>")
+        case None:
+            parts.append("<value><nil/></value>")
         case list():
             parts.append("<value><array><data>")
             for item in value:
