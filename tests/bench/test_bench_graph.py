@@ -14,7 +14,7 @@ import time
 
 import pytest
 
-from thbridge.adapters.rosgraph.http import XmlRpcClient
+from thbridge.adapters.rosgraph.http_client import XmlRpcClient
 from thbridge.adapters.rosgraph.node import RosNode, Started
 from thbridge.adapters.rosgraph.publications import Publication
 from thbridge.wire.rosgraph.tcpros import encode_header

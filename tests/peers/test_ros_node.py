@@ -14,7 +14,7 @@ from contextlib import asynccontextmanager
 
 import pytest
 
-from thbridge.adapters.rosgraph.http import CallFailed, XmlRpcClient
+from thbridge.adapters.rosgraph.http_client import CallFailed, XmlRpcClient
 from thbridge.adapters.rosgraph.node import RosNode, Started
 from thbridge.wire.rosgraph.links import ServiceFailed
 from thbridge.wire.rosgraph.tcpros import encode_header

@@ -6,7 +6,7 @@ from dataclasses import dataclass
 from enum import Enum
 from urllib.parse import urlsplit
 
-from thbridge.adapters.rosgraph.http import CallFailed, XmlRpcClient
+from thbridge.adapters.rosgraph.http_client import CallFailed, XmlRpcClient
 from thbridge.adapters.rosgraph.master_server import DEFAULT_PORT, MasterServer
 from thbridge.adapters.text_server import CannotListen
 

@@ -12,7 +12,8 @@ from collections.abc import Awaitable, Callable
 from types import TracebackType
 
 from thbridge.adapters.loop import stopping
-from thbridge.adapters.rosgraph.http import CallFailed, XmlRpcClient, XmlRpcServer
+from thbridge.adapters.rosgraph.http_client import CallFailed, XmlRpcClient
+from thbridge.adapters.rosgraph.http_server import XmlRpcServer
 from thbridge.adapters.rosgraph.rosout import rosout_node
 from thbridge.adapters.text_server import CannotListen, Listening
 from thbridge.wire.rosgraph.master import (

@@ -22,7 +22,8 @@ from dataclasses import dataclass
 from typing import TypeAlias
 
 from thbridge.adapters.errors import reason_of
-from thbridge.adapters.rosgraph.http import CallFailed, ServerLimits, XmlRpcClient, XmlRpcServer
+from thbridge.adapters.rosgraph.http_client import CallFailed, XmlRpcClient
+from thbridge.adapters.rosgraph.http_server import ServerLimits, XmlRpcServer
 from thbridge.adapters.rosgraph.publications import Publication
 from thbridge.adapters.rosgraph.registrar import Addresses, Happenings, Kind, Registrar, Registration
 from thbridge.adapters.rosgraph.replies import value_of

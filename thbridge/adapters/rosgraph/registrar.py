@@ -9,7 +9,7 @@ from contextlib import suppress
 from dataclasses import dataclass
 from enum import Enum
 
-from thbridge.adapters.rosgraph.http import CallFailed, XmlRpcClient
+from thbridge.adapters.rosgraph.http_client import CallFailed, XmlRpcClient
 from thbridge.adapters.rosgraph.replies import value_of
 from thbridge.adapters.rosgraph.sockets import Complaints
 from thbridge.wire.rosgraph.xmlrpc import Fault, Response, XmlRpcValue

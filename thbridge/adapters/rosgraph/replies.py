@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from thbridge.adapters.rosgraph.http import CallFailed
+from thbridge.adapters.rosgraph.http_client import CallFailed
 from thbridge.wire.rosgraph.xmlrpc import Fault, Response, XmlRpcValue
 
 

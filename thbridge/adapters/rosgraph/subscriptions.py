@@ -10,7 +10,7 @@ from dataclasses import dataclass
 from typing import TypeAlias
 
 from thbridge.adapters.errors import reason_of
-from thbridge.adapters.rosgraph.http import CallFailed, XmlRpcClient
+from thbridge.adapters.rosgraph.http_client import CallFailed, XmlRpcClient
 from thbridge.adapters.rosgraph.replies import value_of
 from thbridge.adapters.rosgraph.sockets import HANDSHAKE_SECONDS, Complaints, endpoints, keep_alive
 from thbridge.wire.rosgraph.links import Accepted, Ended, Received, Refused

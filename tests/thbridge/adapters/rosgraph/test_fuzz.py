@@ -8,7 +8,7 @@ from contextlib import suppress
 
 import pytest
 
-from thbridge.adapters.rosgraph.http import XmlRpcClient
+from thbridge.adapters.rosgraph.http_client import XmlRpcClient
 from thbridge.adapters.rosgraph.master_server import MasterServer
 from thbridge.wire.rosgraph.xmlrpc import Response, XmlRpcValue, encode_call
 

@@ -10,7 +10,8 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from thbridge.adapters.rosgraph.http import CallFailed, Handler, ServerLimits, XmlRpcClient, XmlRpcServer
+from thbridge.adapters.rosgraph.http_client import CallFailed, XmlRpcClient
+from thbridge.adapters.rosgraph.http_server import Handler, ServerLimits, XmlRpcServer
 from thbridge.adapters.text_server import CannotListen, Listening
 from thbridge.wire.rosgraph import xmlrpc as codec
 from thbridge.wire.rosgraph.xmlrpc import Call, Fault, Response, XmlRpcValue

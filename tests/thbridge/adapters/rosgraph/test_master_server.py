@@ -6,7 +6,8 @@ from contextlib import asynccontextmanager
 
 import pytest
 
-from thbridge.adapters.rosgraph.http import XmlRpcClient, XmlRpcServer
+from thbridge.adapters.rosgraph.http_client import XmlRpcClient
+from thbridge.adapters.rosgraph.http_server import XmlRpcServer
 from thbridge.adapters.rosgraph.master_server import MasterServer
 from thbridge.adapters.text_server import CannotListen, Listening
 from thbridge.wire.rosgraph.xmlrpc import Call, Response, XmlRpcValue

@@ -15,7 +15,8 @@ from urllib.parse import urlsplit
 import pytest
 
 from thbridge.adapters.rosgraph import publications, registrar, sockets, subscriptions, tcpros_server
-from thbridge.adapters.rosgraph.http import CallFailed, XmlRpcClient, XmlRpcServer
+from thbridge.adapters.rosgraph.http_client import CallFailed, XmlRpcClient
+from thbridge.adapters.rosgraph.http_server import XmlRpcServer
 from thbridge.adapters.rosgraph.master_server import MasterServer
 from thbridge.adapters.rosgraph.node import RosNode, Started
 from thbridge.adapters.text_server import CannotListen, Listening
