@@ -206,4 +206,4 @@ def _address_of(uri: str) -> _Address | None:
         return None
     if parts.scheme != "http" or not parts.hostname:
         return None
-    return _Address(parts.hostname, port or 80, parts.netloc, parts.path or "/RPC2")
+    return _Address(parts.hostname, 80 if port is None else port, parts.netloc, parts.path or "/RPC2")

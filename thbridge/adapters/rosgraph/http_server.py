@@ -157,10 +157,12 @@ class XmlRpcServer:
         writer.transport.set_write_buffer_limits(0)
         task = asyncio.get_running_loop().create_task(self._serve(reader, writer))
         self._connections[task] = None
-        task.add_done_callback(self._ended)
 
-    def _ended(self, task: asyncio.Task[None]) -> None:
-        self._connections.pop(task, None)
+        def ended(task: asyncio.Task[None]) -> None:
+            self._connections.pop(task, None)
+            writer.close()  # here, because a task that is cancelled before its first step has no `finally`
+
+        task.add_done_callback(ended)
 
     async def _serve(self, reader: asyncio.StreamReader, writer: asyncio.StreamWriter) -> None:
         """One connection's life."""
@@ -179,8 +181,6 @@ class XmlRpcServer:
                 await self._turn_away(http, writer, error)
         except (OSError, asyncio.CancelledError):  # gone, too slow (a TimeoutError), or cut off
             writer.transport.abort()
-        finally:
-            writer.close()
 
     async def _request(
         self, http: h11.Connection, reader: asyncio.StreamReader, writer: asyncio.StreamWriter

@@ -157,6 +157,7 @@ def test_requests_one_upon_another_and_byte_by_byte():
         (b"GET / HTTP/1.1\r\nHost: x\r\n\r\n", b"405"),
         (b"POST / HTTP/1.1\r\nHost: x\r\nContent-Length: 99999999999\r\n\r\n", b"413"),
         (b"POST / HTTP/1.1\r\nHost: x\r\nContent-Length: many\r\n\r\n", b"400"),
+        (b"POST / HTTP/1.1\r\nHost: x\r\nContent-Length: " + b"9" * 5000 + b"\r\n\r\n", b"400"),
         (b"POST / HTTP/1.1\r\nHost: x\r\n" + b"a: b\r\n" * 50_000 + b"\r\n", b"431"),
         (
             b"POST / HTTP/1.1\r\nHost: x\r\nTransfer-Encoding: chunked\r\n\r\n"
@@ -233,6 +234,21 @@ def test_one_connection_too_many_ends_the_one_that_is_silent_longest():
                 await reader.readuntil(b"</methodResponse>\n")
             for _, writer in peers:
                 writer.close()
+
+    run(scenario)
+
+
+def test_a_connection_that_is_cut_off_before_its_first_word_is_closed():
+    async def scenario():
+        server = XmlRpcServer(METHODS, handle, ServerLimits(connections=1))
+        at = await server.start()
+        assert isinstance(at, Listening)
+        peers = [await asyncio.open_connection(at.host, at.port) for _ in range(20)]
+        await until(lambda: server.connections == 1)
+        await server.stop()
+        for reader, writer in peers:
+            assert await reader.read() == b""
+            writer.close()
 
     run(scenario)
 
