@@ -28,6 +28,8 @@ PATIENCE = 3.0
 GETTING_ON = 0.3
 GOT_ON = 1.0
 """Metres after which their costs count again."""
+THINNEST = 0.05
+"""Metres: thinner robots, points even, back up in arcs as one of this radius does."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -225,7 +227,7 @@ class SampledPlanner(ABC):
         # Having turned round before an obstacle, do not go back to it.
         for speed in (self._leaving, -self._leaving):
             # Beside a corner, which straight on would come nearer, an arc may lead away from it.
-            arc = 2.0 * speed / self._body.circumscribed
+            arc = 2.0 * speed / max(self._body.circumscribed, THINNEST)
             for turn in (0.0, arc, -arc):
                 command = Twist(speed, turn)
                 if self.safe(pose, twist, command, around):

@@ -208,6 +208,22 @@ def test_what_is_shown_is_the_map_of_the_walls_and_what_stands_before_the_robot(
         whole.costs[0, 0] = 0
 
 
+def test_on_a_map_whose_origin_is_turned_costmaps_lie_as_the_map_does():
+    grid = replace(ARENA.grid, origin=Pose2(2.0, -1.0, 0.5))
+    turned = grid.origin.compose(ARENA.grid.origin.inverse())
+    start, goal = (turned.compose(pose) for pose in (ARENA.starts[0], ARENA.rooms[3].goal))
+    team = Team(grid, MOTORS, [SHOWN_OFTEN], [start], 1, 1e9)
+    shown = [s.robots[0].navigation for s in run(team, 1) if s.robots[0].navigation.local_costmap][-1]
+    whole, around = shown.global_costmap, shown.local_costmap
+    assert whole.origin == grid.origin
+    assert np.array_equal(whole.costs == LETHAL, grid.cells == 100)
+    assert around.origin.theta == grid.origin.theta
+    middle = around.origin.compose(Pose2(2.0, 2.0, 0.0))
+    assert middle.distance(start) < 0.05
+    plan = team.make_plan(0, None, goal, 0.0)
+    assert plan[-1] == pytest.approx(goal.array())
+
+
 def test_that_costmaps_are_looked_at_changes_nothing():
     traces = []
     for parameters in (KNOWING, SHOWN_OFTEN):

@@ -126,6 +126,14 @@ def test_nose_to_a_wall_it_is_stuck_and_backs_up():
     assert not back.stuck
 
 
+def test_a_robot_of_no_size_escapes_too():
+    point = np.zeros((16, 2))
+    local = TrajectoryPlanner(RobotParameters().TrajectoryPlannerROS, point, InflationParameters(), (80, 80), 0.1)
+    pose = Pose2(0.0, 0.0, 0.0)
+    drive = local.escape(pose, STANDSTILL, surroundings(FAR, FRAME, point, pose, [], 10.0, 0.12))
+    assert drive.command.linear < 0.0
+
+
 def test_with_a_wall_behind_it_escapes_forwards_and_does_not_go_back():
     x = FRAME.x + (np.arange(80) + 0.5) * 0.05
     clearance = np.tile(np.maximum(x + 0.34, 0.0), (80, 1)).astype(np.float32)
