@@ -22,17 +22,17 @@ from thbridge.adapters.recordings import ACTIVE, parts_of
 
 SPIED_PLAY = """
 import os, struct, sys, time
-from thbridge.adapters.bag_writer import Recorder
+from thbridge.app.broadcast import Broadcast
 from ui.cli import main
 
 log = os.open("ticks", os.O_WRONLY | os.O_CREAT | os.O_APPEND)
-record = Recorder.record
+record = Broadcast.record
 
 def spied(self, snapshot, records=()):
     record(self, snapshot, records)
     os.write(log, struct.pack("<dq", time.monotonic(), snapshot.tick))
 
-Recorder.record = spied
+Broadcast.record = spied
 main()
 """
 """`thbridge`, that also says of each tick when it was recorded."""
