@@ -1,0 +1,88 @@
+"""Scripts for ROS's own Python beside a running session; each prints one line of JSON."""
+
+ACTION_CLIENT = """
+import json, sys
+import actionlib, rospy
+from actionlib_msgs.msg import GoalStatus
+from move_base_msgs.msg import MoveBaseAction, MoveBaseGoal
+
+rospy.init_node("client")
+client = actionlib.SimpleActionClient(sys.argv[1] + "/move_base", MoveBaseAction)
+found = client.wait_for_server(rospy.Duration(60))
+
+def goal(x, y):
+    wanted = MoveBaseGoal()
+    wanted.target_pose.header.frame_id = "map"
+    wanted.target_pose.pose.position.x, wanted.target_pose.pose.position.y = x, y
+    wanted.target_pose.pose.orientation.w = 1.0
+    return wanted
+
+def drive(x, y, leave_after=None):
+    seen = []
+    client.send_goal(goal(x, y), feedback_cb=lambda f: seen.append(f.base_position.header.frame_id))
+    if leave_after is not None:
+        while len(seen) < leave_after:
+            rospy.sleep(0.05)
+        return seen
+    client.wait_for_result(rospy.Duration(120))
+    return client.get_state(), len(seen), sorted(set(seen))
+
+places = json.loads(sys.argv[2])
+said = {"found": found, "arrived": drive(*places[0])}
+drive(*places[1], leave_after=3)
+client.cancel_goal()
+client.wait_for_result(rospy.Duration(30))
+said["cancelled"] = client.get_state()
+drive(*places[1], leave_after=3)
+other = actionlib.SimpleActionClient(sys.argv[1] + "/move_base", MoveBaseAction)
+other.wait_for_server(rospy.Duration(30))
+other.send_goal(goal(*places[0]))
+client.wait_for_result(rospy.Duration(30))
+said["replaced"] = client.get_state()
+other.wait_for_result(rospy.Duration(120))
+said["replacing"] = other.get_state()
+client.send_goal(goal(-1000.0, 0.0))
+client.wait_for_result(rospy.Duration(60))
+said["impossible"] = [client.get_state(), client.get_goal_status_text()]
+print(json.dumps(said))
+"""
+
+TF_LISTENER = """
+import json, sys
+import rospy, tf2_ros
+
+rospy.init_node("listener")
+buffer = tf2_ros.Buffer()
+tf2_ros.TransformListener(buffer)
+found = {}
+for pair in sys.argv[1:]:
+    target, source = pair.split(",")
+    transform = buffer.lookup_transform(target, source, rospy.Time(0), rospy.Duration(60))
+    where = transform.transform.translation
+    found[pair] = [where.x, where.y, where.z]
+print(json.dumps(found))
+"""
+
+LOCALIZED = """
+import json, sys
+import rospy
+from geometry_msgs.msg import PoseWithCovarianceStamped
+
+rospy.init_node("localized")
+out = rospy.Publisher("/robot1/initialpose", PoseWithCovarianceStamped, queue_size=1)
+while out.get_num_connections() == 0:
+    rospy.sleep(0.05)
+message = PoseWithCovarianceStamped()
+message.header.frame_id = "map"
+x, y = json.loads(sys.argv[1])
+message.pose.pose.position.x, message.pose.pose.position.y = x, y
+message.pose.pose.orientation.w = 1.0
+message.pose.covariance = [0.01 if i in (0, 7, 35) else 0.0 for i in range(36)]
+out.publish(message)
+while True:
+    pose = rospy.wait_for_message("/robot1/amcl_pose", PoseWithCovarianceStamped, 60).pose.pose.position
+    if abs(pose.x - x) < 0.5 and abs(pose.y - y) < 0.5:
+        break
+    rospy.wait_for_message("/robot1/odom", rospy.AnyMsg, 60)
+print(json.dumps([pose.x, pose.y]))
+"""

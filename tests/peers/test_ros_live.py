@@ -1,0 +1,247 @@
+"""ROS 1's own tools beside a running session: rosnode, rostopic, rosparam, rosservice, actionlib, tf2, rosbag.
+
+Debian 12 has them, see test_ros_bag_tools.py; and python3-actionlib python3-tf2-ros python3-rosservice
+python3-rosparam.
+"""
+
+import json
+import os
+import shutil
+import signal
+import socket
+import subprocess
+import time
+from collections.abc import Iterator
+from contextlib import contextmanager
+from pathlib import Path
+
+import pytest
+
+from tests.peers import live
+from tests.system.programs import Program, until
+from thbridge.adapters.bag_reader import RawMessage, messages
+
+PYTHON = "/usr/bin/python3"
+NEEDED = ("rosbag", "rostopic", "rosnode", "rosparam", "rosservice")
+
+
+def _knows(*modules: str) -> bool:
+    asked = [PYTHON, "-c", f"import {', '.join(modules)}"]
+    return (
+        Path(PYTHON).exists() and subprocess.run(asked, capture_output=True, env=_clean(), check=False).returncode == 0
+    )
+
+
+def _clean() -> dict[str, str]:
+    # Debian's Python must not see this environment's packages.
+    hidden = ("PYTHONPATH", "PYTHONHOME", "VIRTUAL_ENV")
+    return {name: value for name, value in os.environ.items() if name not in hidden}
+
+
+pytestmark = [
+    pytest.mark.skipif(
+        any(shutil.which(tool) is None for tool in NEEDED)
+        or not _knows("rospy", "actionlib", "tf2_ros", "move_base_msgs"),
+        reason=f"not installed: {', '.join(NEEDED)}, python3-actionlib, python3-tf2-ros (see this file's head)",
+    ),
+]
+
+PATIENCE = 180.0
+CORRIDOR = [[2.0, 0.0], [-2.0, 0.0]]
+
+
+class Ros:
+    """ROS's programs at the master of a session."""
+
+    def __init__(self, port: int, folder: Path) -> None:
+        self.environment = {
+            **_clean(),
+            "ROS_MASTER_URI": f"http://127.0.0.1:{port}",
+            "ROS_IP": "127.0.0.1",
+            "ROS_LOG_DIR": str(folder),
+            "ROS_HOME": str(folder),
+            "PYTHONUNBUFFERED": "1",
+        }
+
+    def says(self, *command: str) -> str:
+        done = subprocess.run(
+            command, env=self.environment, capture_output=True, text=True, timeout=PATIENCE, check=False
+        )
+        assert done.returncode == 0, done.stdout + done.stderr
+        return done.stdout
+
+    def script(self, text: str, *arguments: str) -> object:
+        return json.loads(self.says(PYTHON, "-c", text, *arguments).splitlines()[-1])
+
+    @contextmanager
+    def running(self, *command: str, cwd: Path | None = None) -> Iterator[subprocess.Popen[str]]:
+        process = subprocess.Popen(
+            command, env=self.environment, stdout=subprocess.PIPE, stderr=subprocess.STDOUT, text=True,
+            cwd=cwd, start_new_session=True,
+        )  # fmt: skip
+        try:
+            yield process
+        finally:
+            if process.poll() is None:
+                os.killpg(process.pid, signal.SIGINT)
+                process.wait(30)
+            if process.stdout is not None:
+                process.stdout.close()
+
+
+def free_port() -> int:
+    with socket.socket() as probe:
+        probe.bind(("127.0.0.1", 0))
+        return int(probe.getsockname()[1])
+
+
+@contextmanager
+def session(folder: Path, *arguments: str) -> Iterator[tuple[Ros, Program]]:
+    """A text server and the robots, on a graph of which they are the master; nobody plays."""
+    port, server_port = free_port(), free_port()
+    uri = f"http://127.0.0.1:{port}"
+    server = Program(folder, "server", "--port", str(server_port))
+    until("the server", lambda: "listening" in server.text, [server])
+    robots = Program(folder, "simr", "--server", f"127.0.0.1:{server_port}", "--ros", "--ros-master", uri, *arguments)
+    ros = Ros(port, folder)
+    try:
+        until("the session to be on the graph", lambda: "this program is it" in robots.text, [robots])
+        ros.says("rostopic", "echo", "-n", "1", "/robot1/odom/header/seq")
+        yield ros, robots
+    finally:
+        for program in (robots, server):
+            program.close()
+
+
+@pytest.fixture(scope="module")
+def beside(tmp_path_factory: pytest.TempPathFactory) -> Iterator[Ros]:
+    with session(tmp_path_factory.mktemp("live")) as (ros, _):
+        yield ros
+
+
+def test_rosnode_sees_one_node_that_answers(beside: Ros) -> None:
+    assert "/thbridge" in beside.says("rosnode", "list").split()
+    assert "ping average" in beside.says("rosnode", "ping", "-c", "2", "/thbridge")
+    told = beside.says("rosnode", "info", "/thbridge")
+    assert "* /robot1/scan [sensor_msgs/LaserScan]" in told
+    assert "* /robot1/move_base/make_plan" in told
+
+
+def test_rostopic_hears_odometry_at_fifty_hertz_and_the_map_late(beside: Ros) -> None:
+    with beside.running("rostopic", "hz", "-w", "200", "/robot1/odom") as process:
+        assert process.stdout is not None
+        rates = [line for line in (process.stdout.readline() for _ in range(14)) if line.startswith("average rate")]
+    # By the session's clock, which is what rostopic goes by; the wall's may be slower than that on a busy machine.
+    assert 45.0 < float(rates[-1].split()[-1]) < 55.0
+    assert beside.says("rostopic", "echo", "-n", "1", "/map/info/width").split()[0] == "320"
+    assert "robot2/base_laser" in beside.says("rostopic", "echo", "-n", "1", "/tf_static/transforms[3]/child_frame_id")
+
+
+def test_time_is_the_sessions(beside: Ros) -> None:
+    assert beside.says("rosparam", "get", "/use_sim_time").strip() == "true"
+    first, second = (
+        int(line) for line in beside.says("rostopic", "echo", "-n", "2", "/clock/clock/nsecs").split()[::2]
+    )
+    assert (second - first) % 1_000_000_000 == 20_000_000
+
+
+def test_rosparam_finds_the_study_and_what_may_change_acts(beside: Ros) -> None:
+    assert beside.says("rosparam", "get", "/robot2/move_base/base_global_planner").strip() == "navfn/NavfnROS"
+    assert beside.says("rosparam", "get", "/thbridge/seed").strip() == "1"
+    beside.says("rosparam", "set", "/robot2/amcl/min_particles", "321")
+    beside.says("rosparam", "set", "/robot2/amcl/max_particles", "321")
+    beside.says("rosservice", "call", "/robot2/request_nomotion_update")
+    end = time.monotonic() + PATIENCE
+    particles = 0
+    while particles != 321 and time.monotonic() < end:
+        beside.says("rosservice", "call", "/robot2/request_nomotion_update")
+        said = beside.says("rostopic", "echo", "-n", "1", "/robot2/particlecloud/poses")
+        particles = said.count("position:")
+    assert particles == 321
+
+
+def test_a_parameter_that_cannot_be_is_put_back(beside: Ros) -> None:
+    before = beside.says("rosparam", "get", "/robot1/amcl/laser_model_type")
+    beside.says("rosparam", "set", "/robot1/amcl/laser_model_type", "guess")
+    end = time.monotonic() + PATIENCE
+    while beside.says("rosparam", "get", "/robot1/amcl/laser_model_type") != before and time.monotonic() < end:
+        time.sleep(0.1)
+    assert beside.says("rosparam", "get", "/robot1/amcl/laser_model_type") == before
+
+
+def test_services_answer(beside: Ros) -> None:
+    assert "width: 320" in beside.says("rosservice", "call", "/static_map")
+    assert beside.says("rosservice", "type", "/robot1/global_localization").strip() == "std_srvs/Empty"
+    beside.says("rosservice", "call", "/robot1/move_base/clear_costmaps")
+    question = "{goal: {header: {frame_id: map}, pose: {position: {x: 2.0, y: 0.0}, orientation: {w: 1.0}}}}"
+    assert beside.says("rosservice", "call", "/robot1/move_base/make_plan", question).count('frame_id: "map"') > 10
+
+
+def test_tf2_finds_every_robots_laser_in_the_map(beside: Ros) -> None:
+    pairs = ["map,robot1/base_laser", "map,robot2/base_laser", "robot1/base_link,robot2/base_link"]
+    found = beside.script(live.TF_LISTENER, *pairs)
+    assert isinstance(found, dict)
+    assert set(found) == set(pairs)
+    assert all(abs(value) < 10.0 for place in found.values() for value in place)
+
+
+def test_somebody_tells_a_robot_where_it_is(beside: Ros) -> None:
+    x, y = beside.script(live.LOCALIZED, "[1.0, 0.5]")
+    assert abs(x - 1.0) < 0.5
+    assert abs(y - 0.5) < 0.5
+
+
+def test_somebody_drives_by_hand_and_the_robot_stops_by_itself(beside: Ros) -> None:
+    start = float(beside.says("rostopic", "echo", "-n", "1", "/robot2/odom/pose/pose/orientation/z").split()[0])
+    beside.says("rostopic", "pub", "--once", "/robot2/cmd_vel", "geometry_msgs/Twist", "{angular: {z: 1.0}}")
+    end = time.monotonic() + PATIENCE
+    turned = start
+    while abs(turned - start) < 0.05 and time.monotonic() < end:
+        turned = float(beside.says("rostopic", "echo", "-n", "1", "/robot2/odom/pose/pose/orientation/z").split()[0])
+    assert abs(turned - start) >= 0.05
+    still = float(beside.says("rostopic", "echo", "-n", "1", "/robot2/odom/twist/twist/angular/z").split()[0])
+    assert abs(still) < 0.1
+
+
+def test_an_action_client_drives_cancels_and_is_replaced(tmp_path: Path) -> None:
+    with session(tmp_path, "--robots", "1") as (ros, _):
+        said = ros.script(live.ACTION_CLIENT, "/robot1", json.dumps(CORRIDOR))
+    preempted, succeeded, aborted = 2, 3, 4
+    assert isinstance(said, dict)
+    assert said["found"]
+    state, feedback, frames = said["arrived"]
+    assert (state, frames) == (succeeded, ["map"])
+    assert feedback > 5
+    assert said["cancelled"] == preempted
+    assert said["replaced"] == preempted
+    assert said["replacing"] == succeeded
+    assert said["impossible"][0] == aborted
+    assert said["impossible"][1]
+
+
+def test_rosbag_records_the_same_messages_live(tmp_path: Path) -> None:
+    ours, theirs = tmp_path / "ours.bag", tmp_path / "theirs.bag"
+    with session(tmp_path, "--bag", str(ours)) as (ros, robots):
+        with ros.running("rosbag", "record", "-a", "-O", str(theirs), cwd=tmp_path) as recorder:
+            ros.says("rostopic", "echo", "-n", "600", "/robot1/odom/header/seq")  # Twelve seconds of the session.
+            os.killpg(recorder.pid, signal.SIGINT)
+            recorder.wait(30)
+        robots.stop()
+    heard, said = of_topics(theirs), of_topics(ours)
+    assert {"/tf", "/robot1/scan", "/robot2/odom", "/robot1/move_base/status", "/map", "/tf_static"} <= heard.keys()
+    everybodys = {"/rosout", "/rosout_agg"}
+    for topic, received in heard.items():
+        if topic in said and topic not in everybodys:
+            recorded = [message.data for message in said[topic]]
+            first = recorded.index(received[0].data)
+            assert [message.data for message in received] == recorded[first : first + len(received)], topic
+            assert received[0].md5 == said[topic][0].md5
+    assert heard.keys() - said.keys() <= {"/clock", *everybodys}
+    assert len(heard["/robot1/odom"]) > 200
+
+
+def of_topics(path: Path) -> dict[str, list[RawMessage]]:
+    found: dict[str, list[RawMessage]] = {}
+    for message in messages(path):
+        found.setdefault(message.topic, []).append(message)
+    return found
