@@ -139,7 +139,7 @@ def test_pieces_join_without_a_seam(bag: Path, folder: Path, tmp_path: Path, mon
 
 def test_a_choice_of_topics_and_time(bag: Path, tmp_path: Path) -> None:
     export_bag(bag, tmp_path, (TableFormat.CSV,), {"/robot1/odom"}, start=0.5, until=1.0)
-    assert sorted(path.name for path in tmp_path.glob("*.csv")) == ["dictionary.csv", "robot1_odom.csv"]
+    assert sorted(path.name for path in tmp_path.glob("*.csv")) == ["dictionary.csv", "poses.csv", "robot1_odom.csv"]
     times = arrow_csv.read_csv(tmp_path / "robot1_odom.csv")["t_s"].to_pylist()
     assert (min(times), max(times)) == (0.5, 1.0)
 
@@ -148,7 +148,7 @@ def test_a_choice_of_topics_and_time(bag: Path, tmp_path: Path) -> None:
 def test_bags_of_other_robots(tmp_path: Path, compression: Writer.CompressionFormat | None) -> None:
     foreign.write(tmp_path / "a.bag", foreign.Robot(compression=compression), seconds=1.0)
     exported = export_bag(tmp_path / "a.bag", tmp_path / "out", BOTH)
-    assert set(exported.tables) == {"scan", "odom", "tf", "tf_static"}
+    assert set(exported.tables) == {"scan", "odom", "tf", "tf_static", "poses"}
     assert table(tmp_path / "out", "scan").num_rows == 11
     assert json.loads((tmp_path / "out" / "session.json").read_text())["seed"] is None
 
@@ -179,3 +179,17 @@ def test_a_folder_that_holds_something_is_left_alone(bag: Path, tmp_path: Path) 
     with pytest.raises(BadFile, match="something in this folder"):
         export_bag(bag, tmp_path, BOTH)
     assert [path.name for path in tmp_path.iterdir()] == ["mine.txt"]
+
+
+def test_all_robots_poses_are_in_one_table(folder: Path) -> None:
+    poses = table(folder, "poses").to_pydict()
+    assert poses["robot"] == ["robot1"] * TICKS + ["robot2"] * TICKS
+    second = slice(TICKS, 2 * TICKS)
+    truth, odometry = table(folder, "robot2_base_pose_ground_truth"), table(folder, "robot2_odom")
+    assert poses["t_s"][second] == odometry["t_s"].to_pylist()
+    assert poses["true_x_m"][second] == pytest.approx(truth["x_m"].to_pylist())
+    assert poses["odometry_yaw_rad"][second] == pytest.approx(odometry["yaw_rad"].to_pylist())
+    # The drawn team believes itself 3 cm ahead, up to 4 cm aside, and turned by 0.02 rad.
+    aside = 0.04 * np.sin(np.arange(TICKS) / 100 + 1)
+    assert poses["error_m"][second] == pytest.approx(np.hypot(0.03, aside), abs=1e-4)
+    assert poses["error_yaw_rad"] == pytest.approx([0.02] * 2 * TICKS, abs=1e-6)

@@ -1,4 +1,4 @@
-"""A recording into tables, as it is read: memory holds a few thousand messages of each topic, never all."""
+"""A recording into tables, as it is read: memory holds a few thousand messages of each topic, and all poses."""
 
 import re
 from collections import Counter
@@ -6,6 +6,7 @@ from collections.abc import Iterable, Iterator
 from dataclasses import dataclass, field
 
 from thbridge.adapters.bag_records import Connection
+from thbridge.bags.export import poses
 from thbridge.bags.export.layout import layout_of
 from thbridge.bags.export.tables import Piece, Table, TopicTables
 from thbridge.ros import unpack
@@ -44,7 +45,8 @@ def export(recorded: Iterable[tuple[Connection, int, bytes]], start_ns: int, exp
         exported: is told what there was.
     """
     topics: dict[tuple[str, str, str], TopicTables | None] = {}
-    names: set[str] = set()
+    names = {poses.NAME}
+    together = poses.PosesTable()
     broken: Counter[str] = Counter()
     for publisher, stamp_ns, data in recorded:
         key = (publisher.topic, publisher.msgtype, publisher.md5)
@@ -60,11 +62,13 @@ def export(recorded: Iterable[tuple[Connection, int, bytes]], start_ns: int, exp
         except ValueError as error:
             broken[f"{publisher.topic}: {error}"] += 1
         if gathered.size > PIECE:
-            yield from _counted(gathered.take(), exported)
+            yield from _counted(gathered.take(), together, exported)
     for gathered in topics.values():
         if gathered is not None:
-            yield from _counted(gathered.take(), exported)
+            yield from _counted(gathered.take(), together, exported)
             exported.frames |= gathered.frames()
+    exported.frames |= poses.FRAMES
+    yield from _counted(together.pieces(), poses.PosesTable(), exported)
     exported.notices += [f"{count} messages of {what}." for what, count in broken.items()]
 
 
@@ -90,8 +94,9 @@ def _file_name(topic: str, taken: set[str]) -> str:
     return name
 
 
-def _counted(pieces: Iterable[Piece], exported: Exported) -> Iterator[Piece]:
+def _counted(pieces: Iterable[Piece], together: poses.PosesTable, exported: Exported) -> Iterator[Piece]:
     for piece in pieces:
+        together.see(piece)
         _, before = exported.tables.get(piece.table.name, (piece.table, 0))
         exported.tables[piece.table.name] = (piece.table, before + piece.rows)
         yield piece

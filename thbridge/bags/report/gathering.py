@@ -153,7 +153,7 @@ class _Gathered:
         said = unpack.odometry(data)
         poses = self._heard.odometry.setdefault(topic, Poses(said.frame, said.child_frame))
         poses.add(time, said.pose)
-        poses.speeds.append((time, said.twist.linear, said.twist.angular))
+        poses.speeds.extend((time, said.twist.linear, said.twist.angular))
 
     def _transforms(self, time: float, topic: str, data: bytes) -> None:
         for _, (parent, child, pose) in unpack.transforms(data):
@@ -171,17 +171,17 @@ class _Gathered:
         poses = self._heard.poses.setdefault(topic, Poses(said.frame, ""))
         poses.add(time, said.pose)
         if (row := deviations(time, said.covariance)) is not None:
-            poses.deviations.append(row)
+            poses.deviations.extend(row)
 
     def _command(self, time: float, topic: str, data: bytes) -> None:
         said = unpack.twist(data)
-        self._heard.commands[topic].append((time, said.linear, said.angular))
+        self._heard.commands[topic].extend((time, said.linear, said.angular))
 
     def _battery(self, time: float, topic: str, data: bytes) -> None:
         said = unpack.battery_state(data)
         left = said.charge if math.isfinite(said.charge) else 100.0 * said.percentage
         if math.isfinite(left):
-            self._heard.energy[topic].append((time, left))
+            self._heard.energy[topic].extend((time, left))
 
     def _goal(self, time: float, topic: str, data: bytes) -> None:
         self._heard.goals[_action(topic)][unpack.move_base_goal(data).goal_id] = time

@@ -1,13 +1,15 @@
 """Paths over time: what is believed against what is true."""
 
+from array import array
+
 import numpy as np
 
 from sim.geometry import FloatArray
 
 
-def table(rows: list[tuple[float, ...]], columns: int) -> FloatArray:
-    """(n, columns) of rows, also when there are none."""
-    return np.array(rows, dtype=np.float64).reshape(-1, columns)
+def table(series: "array[float]", columns: int) -> FloatArray:
+    """(n, columns) of numbers row by row, also when there are none."""
+    return np.array(series, dtype=np.float64).reshape(-1, columns)
 
 
 def corrected(odometry: FloatArray, corrections: FloatArray) -> FloatArray:
@@ -26,9 +28,17 @@ def errors(estimate: FloatArray, truth: FloatArray) -> FloatArray:
         return np.empty((0, 3))
     within = estimate[(estimate[:, 0] >= truth[0, 0]) & (estimate[:, 0] <= truth[-1, 0])]
     times = within[:, 0]
-    x, y = np.interp(times, truth[:, 0], truth[:, 1]), np.interp(times, truth[:, 0], truth[:, 2])
-    theta = np.interp(times, truth[:, 0], np.unwrap(truth[:, 3]))
+    x, y, theta = at_times(truth, times).T
     return np.column_stack((times, np.hypot(within[:, 1] - x, within[:, 2] - y), np.abs(wrapped(within[:, 3] - theta))))
+
+
+def at_times(path: FloatArray, times: FloatArray) -> FloatArray:
+    """(n, 3) x, y, theta between the poses of a path of rows time, x, y, theta; NaN before and after it."""
+    if not len(path):
+        return np.full((len(times), 3), np.nan)
+    columns = (path[:, 1], path[:, 2], np.unwrap(path[:, 3]))
+    x, y, theta = (np.interp(times, path[:, 0], column, left=np.nan, right=np.nan) for column in columns)
+    return np.column_stack((x, y, wrapped(theta)))
 
 
 def wrapped(angles: FloatArray) -> FloatArray:

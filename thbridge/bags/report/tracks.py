@@ -1,5 +1,6 @@
 """Robots out of what was heard of them: which topic is whose, and which are truth, odometry, estimate."""
 
+from array import array
 from collections import defaultdict
 from collections.abc import Callable, Iterable
 from dataclasses import dataclass, field
@@ -29,7 +30,10 @@ NO_ESTIMATES = ("initialpose", "goal", "current_goal", "target")
 """Poses on the map that somebody wants, or says."""
 BASES = ("base_footprint", "base_link")
 
-Row = tuple[float, ...]
+
+def numbers() -> "array[float]":
+    """Room for rows of numbers, one behind the other: hours of them fit."""
+    return array("d")
 
 
 @dataclass(slots=True)
@@ -39,20 +43,20 @@ class Poses:
     Attributes:
         frame: that they are in.
         child: whose they are; "" where nobody says.
-        rows: time, x, y, theta.
-        speeds: time, m/s, rad/s.
-        deviations: time, standard deviations of position and heading.
+        rows: time, x, y, theta, again and again.
+        speeds: time, m/s, rad/s, likewise.
+        deviations: time, standard deviations of position and heading, likewise.
     """
 
     frame: str
     child: str
-    rows: list[Row] = field(default_factory=list)
-    speeds: list[Row] = field(default_factory=list)
-    deviations: list[Row] = field(default_factory=list)
+    rows: "array[float]" = field(default_factory=numbers)
+    speeds: "array[float]" = field(default_factory=numbers)
+    deviations: "array[float]" = field(default_factory=numbers)
 
     def add(self, time: float, pose: Pose2) -> None:
         """Append a pose."""
-        self.rows.append((time, pose.x, pose.y, pose.theta))
+        self.rows.extend((time, pose.x, pose.y, pose.theta))
 
 
 @dataclass(slots=True)
@@ -72,8 +76,8 @@ class Heard:
     odometry: dict[str, Poses] = field(default_factory=dict)
     poses: dict[str, Poses] = field(default_factory=dict)
     edges: dict[tuple[str, str, str], Poses] = field(default_factory=dict)
-    energy: defaultdict[str, list[Row]] = field(default_factory=lambda: defaultdict(list))
-    commands: defaultdict[str, list[Row]] = field(default_factory=lambda: defaultdict(list))
+    energy: "defaultdict[str, array[float]]" = field(default_factory=lambda: defaultdict(numbers))
+    commands: "defaultdict[str, array[float]]" = field(default_factory=lambda: defaultdict(numbers))
     goals: defaultdict[str, dict[str, float]] = field(default_factory=lambda: defaultdict(dict))
     legs: defaultdict[str, list[Leg]] = field(default_factory=lambda: defaultdict(list))
 
@@ -146,16 +150,16 @@ class Heard:
                     estimate = table(found.rows, 4)
                     break
         admitted = next(
-            (pose_topics[name].deviations for name in usual_first(_estimates(pose_topics), ESTIMATES)), list[Row]()
+            (pose_topics[name].deviations for name in usual_first(_estimates(pose_topics), ESTIMATES)), numbers()
         )
-        energy = next((self.energy[name] for name in usual_first(own(self.energy), BATTERIES)), list[Row]())
-        commands = next((self.commands[name] for name in usual_first(own(self.commands), COMMANDS)), list[Row]())
+        energy = next((self.energy[name] for name in usual_first(own(self.energy), BATTERIES)), numbers())
+        commands = next((self.commands[name] for name in usual_first(own(self.commands), COMMANDS)), numbers())
         legs = [leg for topic in own(self.legs) for leg in self.legs[topic]]
         legs += [
             Leg(start, duration, UNDER_WAY, "") for topic in own(self.goals) for start in self.goals[topic].values()
         ]
-        true_path = table(truth.rows if truth is not None else [], 4)
-        driven = table(odometry.rows if odometry is not None else [], 4)
+        true_path = table(truth.rows if truth is not None else numbers(), 4)
+        driven = table(odometry.rows if odometry is not None else numbers(), 4)
         return Track(
             name=robot or "robot",
             truth=true_path,
@@ -165,7 +169,7 @@ class Heard:
             legs=tuple(sorted(legs, key=lambda leg: leg.start)),
             distance=distance(next((path for path in (true_path, estimate, driven) if len(path)), true_path)),
             odometry=driven,
-            speeds=table(odometry.speeds if odometry is not None else [], 3),
+            speeds=table(odometry.speeds if odometry is not None else numbers(), 3),
             commands=table(commands, 3),
             deviations=table(admitted, 3),
             sources=tuple(sources),
@@ -196,7 +200,7 @@ def _by_number(robot: str) -> tuple[int, str]:
     return int(digits or 0), robot
 
 
-def deviations(time: float, covariance: FloatArray) -> Row | None:
+def deviations(time: float, covariance: FloatArray) -> tuple[float, float, float] | None:
     """A row of `Poses.deviations`; None where the covariance says nothing."""
     position, heading = covariance[0, 0] + covariance[1, 1], covariance[2, 2]
     if not (position >= 0.0 and heading >= 0.0):
