@@ -14,6 +14,7 @@ from contextlib import asynccontextmanager
 
 import pytest
 
+from thbridge.adapters.bag_reader import messages
 from thbridge.adapters.rosgraph.http_client import CallFailed, XmlRpcClient
 from thbridge.adapters.rosgraph.node import RosNode, Started
 from thbridge.wire.rosgraph.links import ServiceFailed
@@ -26,6 +27,8 @@ pytestmark = pytest.mark.skipif(
     any(shutil.which(tool) is None for tool in TOOLS),
     reason=f"not installed: {', '.join(TOOLS)} (see the head of test_ros_bag_tools.py)",
 )
+
+needs_rosbag = pytest.mark.skipif(shutil.which("rosbag") is None, reason="not installed: rosbag")
 
 PATIENCE = 60.0
 STRING = ("std_msgs/String", "992ce8a1687cec8c8bd883ec73ca41d1", "string data\n")
@@ -257,6 +260,34 @@ async def test_rosnode_knows_us():
             assert "transport: TCPROS" in info
 
 
+@needs_rosbag
+@with_patience
+async def test_the_cpp_nodes_of_rosbag_hear_us_and_are_heard(tmp_path):
+    bag = tmp_path / "chatter.bag"
+    async with graph() as ros:
+        node, heard = RosNode("/us", ros.uri), []
+        chatter = node.advertise("/chatter", *STRING)
+        node.advertise("/latched", *STRING, latched=True).publish(string("from before"))
+        node.subscribe("/repeated", *STRING[:2], lambda data, caller: heard.append(data))
+        async with running(node):
+            recorder = await ros.run("rosbag", "record", "-a", "-O", str(bag), "__name:=recorder")
+            await eventually(lambda: chatter.subscribers == 1, "the recorder")
+            for number in range(100):
+                chatter.publish(string(f"message {number}"))
+            await eventually_async(lambda: received(ros, "/recorder", "/chatter", 100), "the recorder to have them all")
+            await end(recorder)
+            recorded = list(messages(bag))
+            said = [message.data for message in recorded if message.topic == "/chatter"]
+            assert said == [string(f"message {number}") for number in range(100)]
+            assert [message.data for message in recorded if message.topic == "/latched"] == [string("from before")]
+            player = await ros.run(
+                "rosbag", "play", "-q", "--topics", "/chatter", "--bags", str(bag), "/chatter:=/repeated"
+            )
+            await eventually(lambda: len(heard) >= 100, "the player's messages")
+            await end(player)
+            assert heard == said
+
+
 @with_patience
 async def test_rosservice_calls_us():
     async def in_time(request: bytes) -> bytes:
@@ -311,6 +342,18 @@ rospy.spin()
                 assert isinstance(nobody, ServiceFailed)
             finally:
                 await end(process)
+
+
+async def received(ros: Graph, node: str, topic: str, count: int) -> bool:
+    """Whether a C++ node has so many messages of a topic; it answers without ROS's code and message."""
+    client = XmlRpcClient()
+    found = await client.call(ros.uri, "lookupNode", "/probe", node)
+    assert isinstance(found, Response)
+    stats = await client.call(found.value[2], "getBusStats", "/probe")
+    await client.close()
+    assert isinstance(stats, Response)
+    _, subscribed = stats.value
+    return [messages for name, [[_, _, messages, *_]] in subscribed if name == topic] == [count]
 
 
 async def _is_value(answer: Awaitable[object]) -> bool:
