@@ -217,8 +217,18 @@ def opened(path: Path) -> Iterator[Reader]:
     """rosbags' reader of one file, in whose block damage is told in our words. Raises BadFile."""
     check_is_bag(path)
     reader = Reader(path)
-    # rosbags answers damage with whatever its parser stumbles over, assertions among it.
-    stumbles = (ReaderError, AssertionError, struct.error, ValueError, LookupError, EOFError, OSError, MemoryError)
+    # rosbags answers damage with whatever its parser and its decompressors stumble over, assertions among it.
+    stumbles = (
+        ReaderError,
+        AssertionError,
+        struct.error,
+        ValueError,
+        LookupError,
+        EOFError,
+        OSError,
+        MemoryError,
+        RuntimeError,
+    )
     try:
         reader.open()
         yield reader

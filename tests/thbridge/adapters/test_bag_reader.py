@@ -4,7 +4,9 @@ import pytest
 from rosbags.rosbag1 import Writer
 from rosbags.typesys import Stores, get_typestore
 
+from thbridge.adapters.bag_file import BagFile
 from thbridge.adapters.bag_reader import BagInfo, TopicInfo, info, messages
+from thbridge.adapters.bag_records import Compression
 from thbridge.adapters.bag_writer import BagWriter
 from thbridge.adapters.errors import BadFile
 from thbridge.adapters.ros_definitions import Definitions
@@ -86,3 +88,18 @@ def test_no_file_is_refused(tmp_path: Path) -> None:
         info(tmp_path / "a.bag")
     with pytest.raises(BadFile):
         info(tmp_path)
+
+
+def test_a_packed_chunk_that_is_garbled_is_refused_with_the_remedy(tmp_path: Path) -> None:
+    bag = BagFile(tmp_path / "a.bag", Compression.LZ4)
+    line = bag.connect("/chatter", "std_msgs/String", "992ce8a1687cec8c8bd883ec73ca41d1", "string data\n", None, None)
+    for second in range(50):
+        bag.write(line, second, HELLO)
+    bag.close()
+    path = tmp_path / "a.bag"
+    data = bytearray(path.read_bytes())
+    at = data.index(b"hello")
+    data[at] ^= 0xFF
+    path.write_bytes(data)
+    with pytest.raises(BadFile, match="thbridge bag reindex"):
+        list(messages(path))

@@ -22,12 +22,16 @@ from tests.thbridge.bags.planting import (
     Planted,
     clean,
     content,
+    fields,
     found,
     grid,
     judged,
     odom_message,
+    record,
     scan_message,
     tf,
+    uint32,
+    uint64,
     write,
 )
 from tests.thbridge.offline.foreign import transform
@@ -468,6 +472,31 @@ def test_data_that_do_not_fit_the_definition(tmp_path: Path, change: object) -> 
     finding = found(judged(tmp_path, planted), "data-wrong")
     assert (finding.topic, finding.count, finding.first_ns) == ("/scan", 1, last.ns)
     assert set(finding.tools) == set(Tool) - {Tool.EVO}, "evo does not read scans"
+
+
+def test_nothing_for_evo(tmp_path: Path) -> None:
+    planted = clean()
+    planted.entries = planted.of("/scan")
+    finding = found(judged(tmp_path, planted), "no-trajectory")
+    assert (finding.severity, finding.tools) == (Severity.NOTE, (Tool.EVO,))
+
+
+def test_messages_of_no_connection(tmp_path: Path) -> None:
+    data = content(clean())
+    # The number of the connection of the first message of /scan, of which there are more in this chunk.
+    at = data.rindex(b"conn=", 0, data.index(b"laser", data.index(b"/scan"))) + len(b"conn=")
+    path = tmp_path / "a.bag"
+    path.write_bytes(data[:at] + b"\x63" + data[at + 1 :])
+    finding = found(judge(scan(path)), "unknown-source")
+    assert (finding.severity, finding.count) == (Severity.ERROR, 1)
+
+
+def test_an_encrypted_bag(tmp_path: Path) -> None:
+    data = content(clean())
+    head = fields(op=b"\x03", index_pos=uint64(0), conn_count=uint32(0), chunk_count=uint32(0), encryptor=b"rosbag/Aes")
+    path = tmp_path / "a.bag"
+    path.write_bytes(data[:13] + record(head, b" " * (4096 - len(head))) + data[13 + 4104 :])
+    assert Tool.FOXGLOVE in found(judge(scan(path)), "encrypted").tools
 
 
 def test_verdict_of_each_tool(tmp_path: Path) -> None:

@@ -4,7 +4,7 @@ import re
 from collections.abc import Iterator
 
 from thbridge.adapters.bag_scan import Source
-from thbridge.bags.check.finding import TF_TYPES, Finding, Severity, Structure, Tool
+from thbridge.bags.check.finding import EVO_TYPES, TF_TYPES, Finding, Severity, Structure, Tool
 from thbridge.bags.check.reading import fields_of
 from thbridge.ros.types import OCCUPANCY_GRID, OWN_TYPES, md5_of, plain_definition
 
@@ -73,7 +73,8 @@ def latching_word(bag: Structure) -> Iterator[Finding]:
         if source.latching not in (None, "", "0", "1"):
             what = f"latching is {source.latching!r}: `rosbag play` does not latch it, and rosbags refuses the bag"
             tools = (Tool.ROSBAG, Tool.EVO)
-            yield Finding("latching-word", Severity.ERROR, tools, source.topic, what, "write it as 0 or 1")
+            remedy = "run `thbridge bag reindex`, which writes 0 for it"
+            yield Finding("latching-word", Severity.ERROR, tools, source.topic, what, remedy)
 
 
 def unlatched(bag: Structure) -> Iterator[Finding]:
@@ -133,6 +134,14 @@ def unknown_source(bag: Structure) -> Iterator[Finding]:
         yield Finding("unknown-source", Severity.ERROR, tools, None, what, "run `thbridge bag reindex`", None, lost)
 
 
+def no_trajectory(bag: Structure) -> Iterator[Finding]:
+    """evo can do nothing with a bag without poses."""
+    types = {source.msgtype for sources in bag.of_topic().values() for source in sources}
+    if types and types.isdisjoint(EVO_TYPES):
+        what = f"there is no topic to make a trajectory of: evo reads {', '.join(EVO_TYPES)}"
+        yield Finding("no-trajectory", Severity.NOTE, (Tool.EVO,), None, what, "record odometry or tf with it")
+
+
 def _used(bag: Structure) -> Iterator[Source]:
     """One connection of each kind that has messages."""
     seen = set()
@@ -158,4 +167,5 @@ RULES = (
     two_types,
     unused,
     unknown_source,
+    no_trajectory,
 )

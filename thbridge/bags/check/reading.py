@@ -130,7 +130,9 @@ class Layout:
             case (1, ("string", _)):
                 return [_read_child if name == "child_frame_id" else _read_string]
             case (1, (str(base), _)):
-                if path in self._numbers:
+                if base not in _SIZES:
+                    raise ValueError(f"ROS 1 has no {base}")
+                if path in self._numbers and base in _FORMS:
                     return [_Number(path, Struct(_FORMS[base]))]
                 return [_Skip(_SIZES[base])]
             case (2, str(inner)):
