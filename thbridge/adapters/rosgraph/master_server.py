@@ -141,7 +141,10 @@ class MasterServer:
             _log.info("could not be told (%s): %s", answer, notification)
 
     async def _tell(self, api: str, method: str, *params: XmlRpcValue) -> Response | Fault | CallFailed:
-        return await self._client.call(api, method, CALLER_ID, *params, timeout=self._patience)
+        try:
+            return await self._client.call(api, method, CALLER_ID, *params, timeout=self._patience)
+        except ValueError as error:  # a parameter that somebody set, and that is too long once it is written
+            return CallFailed(api, str(error))
 
 
 async def serve(host: str, port: int, ready: Callable[[Listening | CannotListen], None]) -> None:

@@ -17,13 +17,16 @@ from typing import TypeAlias
 from xml.parsers import expat
 
 MAX_BYTES = 16 * 2**20
-"""Longest document that is read. A robot_description with its meshes' names is some 100 kB."""
+"""Longest document that is read or written. A robot_description with its meshes' names is some 100 kB."""
 
 MAX_ELEMENTS = 250_000
 """Most XML elements of a document; a parameter takes about four."""
 
 MAX_DEPTH = 128
 """Deepest nesting of values, read or written."""
+
+_LONGEST_FAULT = 10_000
+"""Characters."""
 
 _ELEMENTS_PER_LEVEL = 4  # value, struct, member, value; or value, array, data, value
 _I4 = range(-(2**31), 2**31)
@@ -92,14 +95,14 @@ def encode_response(value: XmlRpcValue) -> bytes:
     that XML cannot hold, such as NUL, become U+FFFD.
 
     Raises:
-        ValueError: an integer beyond 64 bits, or values nested deeper than `MAX_DEPTH`.
+        ValueError: an integer beyond 64 bits, values nested deeper than `MAX_DEPTH` or longer than `MAX_BYTES`.
     """
     return _document(f"<methodResponse>\n<params>\n<param>\n{_written(value)}\n</param>\n</params>\n</methodResponse>")
 
 
 def encode_fault(code: int, text: str) -> bytes:
-    """Write a fault."""
-    value = _written({"faultCode": code, "faultString": text})
+    """Write a fault; of a text that quotes a stranger at length, the beginning."""
+    value = _written({"faultCode": code, "faultString": text[:_LONGEST_FAULT]})
     return _document(f"<methodResponse>\n<fault>\n{value}\n</fault>\n</methodResponse>")
 
 
@@ -150,45 +153,62 @@ def _escaped(text: str) -> str:
     return legal.replace("&", "&amp;").replace("<", "&lt;").replace(">", "&gt;").replace("\r", "&#13;")
 
 
+class _Pieces:
+    """The pieces of a document, up to a length: one short call can ask for all parameters a hundred thousand times."""
+
+    def __init__(self) -> None:
+        self._pieces: list[str] = []
+        self._room = MAX_BYTES
+
+    def add(self, piece: str) -> None:
+        self._room -= len(piece)
+        if self._room < 0:
+            raise ValueError(f"longer than {MAX_BYTES} characters")
+        self._pieces.append(piece)
+
+    def joined(self) -> str:
+        return "".join(self._pieces)
+
+
 def _written(value: XmlRpcValue) -> str:
-    parts: list[str] = []
-    _write(value, parts, 0)
-    return "".join(parts)
+    pieces = _Pieces()
+    _write(value, pieces, 0)
+    return pieces.joined()
 
 
-def _write(value: XmlRpcValue, parts: list[str], depth: int) -> None:
+def _write(value: XmlRpcValue, pieces: _Pieces, depth: int) -> None:
     if depth >= MAX_DEPTH:
         raise ValueError(f"values nested deeper than {MAX_DEPTH}")
     match value:
         case str():
-            parts.append(f"<value><string>{_escaped(value)}</string></value>")
+            pieces.add(f"<value><string>{_escaped(value)}</string></value>")
         case bool():
-            parts.append(f"<value><boolean>{int(value)}</boolean></value>")
+            pieces.add(f"<value><boolean>{int(value)}</boolean></value>")
         case int():
             if value not in _I8:
                 raise ValueError(f"{value} does not fit into 64 bits")
             name = "int" if value in _I4 else "i8"
-            parts.append(f"<value><{name}>{value}</{name}></value>")
+            pieces.add(f"<value><{name}>{value}</{name}></value>")
         case float():
-            parts.append(f"<value><double>{value!r}</double></value>")
+            pieces.add(f"<value><double>{value!r}</double></value>")
         case bytes():
-            parts.append(f"<value><base64>{base64.b64encode(value).decode()}</base64></value>")
+            pieces.add(f"<value><base64>{base64.b64encode(value).decode()}</base64></value>")
         case DateTime(text):
-            parts.append(f"<value><dateTime.iso8601>{_escaped(text)}</dateTime.iso8601></value>")
+            pieces.add(f"<value><dateTime.iso8601>{_escaped(text)}</dateTime.iso8601></value>")
         case None:
-            parts.append("<value><nil/></value>")
+            pieces.add("<value><nil/></value>")
         case list():
-            parts.append("<value><array><data>")
+            pieces.add("<value><array><data>")
             for item in value:
-                _write(item, parts, depth + 1)
-            parts.append("</data></array></value>")
+                _write(item, pieces, depth + 1)
+            pieces.add("</data></array></value>")
         case dict():
-            parts.append("<value><struct>")
+            pieces.add("<value><struct>")
             for name, item in value.items():
-                parts.append(f"<member><name>{_escaped(name)}</name>")
-                _write(item, parts, depth + 1)
-                parts.append("</member>")
-            parts.append("</struct></value>")
+                pieces.add(f"<member><name>{_escaped(name)}</name>")
+                _write(item, pieces, depth + 1)
+                pieces.add("</member>")
+            pieces.add("</struct></value>")
 
 
 # -- reading ----------------------------------------------------------------------------------------------------------

@@ -10,7 +10,7 @@ from thbridge.adapters.rosgraph.http_client import XmlRpcClient
 from thbridge.adapters.rosgraph.http_server import XmlRpcServer
 from thbridge.adapters.rosgraph.master_server import MasterServer
 from thbridge.adapters.text_server import CannotListen, Listening
-from thbridge.wire.rosgraph.xmlrpc import Call, Response, XmlRpcValue
+from thbridge.wire.rosgraph.xmlrpc import Call, Fault, Response, XmlRpcValue
 
 PATIENCE = 20
 STRING = "std_msgs/String"
@@ -142,6 +142,31 @@ def test_a_node_that_refuses_a_parameter_is_not_told_again():
                 master.call("setParam", "/x", "/p", number)
                 assert await taking.told.get() == ("paramUpdate", "/p/", number)
             assert refusing.told.qsize() < 5
+
+    run(scenario)
+
+
+def test_what_is_asked_for_too_often_at_once_is_refused_and_the_master_goes_on():
+    async def scenario():
+        async with serving() as master:
+            client = XmlRpcClient()
+            assert master.call("setParam", "/x", "/big", "x" * 100_000).status == 1
+            calls: list[XmlRpcValue] = [{"methodName": "getParam", "params": ["/x", "/"]}] * 200
+            refused = await client.call(master.uri, "system.multicall", calls)
+            assert isinstance(refused, Fault) and "longer" in refused.text
+            assert isinstance(await client.call(master.uri, "getParam", "/x", "/big"), Response)
+            await client.close()
+
+    run(scenario)
+
+
+def test_a_parameter_that_is_too_long_to_be_told_keeps_nothing_else_back():
+    async def scenario():
+        async with serving() as master, Slave() as slave:
+            master.call("subscribeParam", "/s", slave.uri, "/p")
+            master.call("setParam", "/x", "/p", "&" * 5_000_000)
+            master.call("setParam", "/x", "/p/inner", 2)
+            assert await slave.told.get() == ("paramUpdate", "/p/inner/", 2)
 
     run(scenario)
 

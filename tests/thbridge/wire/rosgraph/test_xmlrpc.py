@@ -154,6 +154,13 @@ def test_what_cannot_be_written_is_a_bug_of_the_caller():
         deep = [deep]
     with pytest.raises(ValueError, match="deeper"):
         ours.encode_response(deep)
+    with pytest.raises(ValueError, match="longer"):
+        ours.encode_response(["x" * 2**20] * 17)
+
+
+def test_a_fault_can_always_be_written():
+    fault = ours.decode_response(ours.encode_fault(1, "&" * 20_000_000))
+    assert isinstance(fault, Fault) and fault.text == "&" * 10_000
 
 
 traffic = [
