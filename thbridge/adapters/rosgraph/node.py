@@ -86,7 +86,8 @@ class RosNode:
         name: the node's, ``/thbridge``.
         master_uri: ``http://127.0.0.1:11311``.
         host: where the node listens, and what other nodes are told to connect to. Anybody who can connect can command
-            robots, for TCPROS knows no passwords; with 127.0.0.1 only this machine's users can.
+            robots, for TCPROS knows no passwords; with 127.0.0.1 only this machine's users can. With 0.0.0.0 it listens
+            on every address, and others are told this machine's name.
         on_shutdown: called when the node is told to go, with the reason: another node has taken its name, or somebody
             said ``rosnode kill``. It should make the owner call `stop`.
         on_lost: called when the master does not answer any more.
@@ -107,6 +108,7 @@ class RosNode:
         self.name = name
         self.master_uri = master_uri
         self.host = host
+        self._told = socket.gethostname() if host == "0.0.0.0" else host
         self._on_shutdown = on_shutdown
         self._numbers = itertools.count(1)
         self._client = XmlRpcClient()
@@ -135,7 +137,7 @@ class RosNode:
             await self._tcpros.stop()
             return slave
         self._tcpros_port = tcpros.port
-        self._addresses = Addresses(f"http://{self.host}:{slave.port}/", f"rosrpc://{self.host}:{tcpros.port}")
+        self._addresses = Addresses(f"http://{self._told}:{slave.port}/", f"rosrpc://{self._told}:{tcpros.port}")
         self._registering = asyncio.get_running_loop().create_task(self._registrar.run(self._addresses))
         return Started(self._addresses.slave)
 
@@ -307,7 +309,7 @@ class RosNode:
             uri=self._addresses.slave,
             master_uri=self.master_uri,
             pid=os.getpid(),
-            tcpros=(self.host, self._tcpros_port),
+            tcpros=(self._told, self._tcpros_port),
             publications={name: each.topic.type for name, each in self._tcpros.publications.items()},
             subscriptions={name: each.what.kind for name, each in self._subscriptions.items()},
             parameters=self._parameters.keys(),

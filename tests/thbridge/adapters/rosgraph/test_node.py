@@ -458,6 +458,19 @@ async def test_a_host_that_is_not_ours_cannot_be_listened_on(host):
 
 
 @with_patience
+async def test_who_listens_everywhere_is_known_by_the_machines_name():
+    async with master() as ros:
+        us = RosNode("/us", ros.uri, host="0.0.0.0")
+        us.advertise("/chatter", *STRING)
+        us.serve("/now", *TRIGGER, lambda request: request)
+        async with running(us):
+            await us.registered()
+            name = socket.gethostname()
+            assert uri_of(ros).startswith(f"http://{name}:")
+            assert ros.call("lookupService", "/test", "/now").value.startswith(f"rosrpc://{name}:")
+
+
+@with_patience
 async def test_a_name_with_addresses_of_both_kinds_is_reached_by_nodes_that_know_one():
     async with master() as ros:
         us = RosNode("/us", ros.uri, host="localhost")
