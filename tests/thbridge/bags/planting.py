@@ -247,3 +247,8 @@ def found(judgement: Judgement, rule: str) -> Finding:
     findings = [finding for finding in judgement.findings if finding.rule == rule]
     assert findings, f"{rule} is not among {[finding.rule for finding in judgement.findings]}"
     return findings[0]
+
+
+def rules(judgement: Judgement) -> set[str]:
+    """The names of all rules that found something."""
+    return {finding.rule for finding in judgement.findings}

@@ -134,6 +134,14 @@ def unknown_source(bag: Structure) -> Iterator[Finding]:
         yield Finding("unknown-source", Severity.ERROR, tools, None, what, "run `thbridge bag reindex`", None, lost)
 
 
+def clock_recorded(bag: Structure) -> Iterator[Finding]:
+    """`rosbag play --clock` makes a clock of its own: with the recorded one, time jumps to and fro."""
+    if "/clock" in bag.of_topic():
+        what = "it is recorded, and `rosbag play --clock` publishes another"
+        remedy = "play the other topics only, or cut it away by `thbridge bag cut --topics`"
+        yield Finding("clock-recorded", Severity.WARNING, LIVE, "/clock", what, remedy)
+
+
 def no_trajectory(bag: Structure) -> Iterator[Finding]:
     """evo can do nothing with a bag without poses."""
     types = {source.msgtype for sources in bag.of_topic().values() for source in sources}
@@ -167,5 +175,6 @@ RULES = (
     two_types,
     unused,
     unknown_source,
+    clock_recorded,
     no_trajectory,
 )

@@ -4,7 +4,7 @@ import math
 from collections.abc import Callable, Iterator, Mapping
 
 from thbridge.adapters.bag_scan import Source
-from thbridge.bags.check.finding import TF_TYPES, Finding, Heard, Listener, Severity, Structure, Tally, Tool
+from thbridge.bags.check.finding import ALL, TF_TYPES, Finding, Heard, Listener, Severity, Structure, Tally, Tool
 from thbridge.bags.check.reading import Quaternion
 from thbridge.ros.types import LASER_SCAN, OCCUPANCY_GRID, ODOMETRY, POSE_WITH_COVARIANCE
 
@@ -15,6 +15,31 @@ POSES: tuple[Tool, ...] = (Tool.RVIZ, Tool.FOXGLOVE, Tool.EVO)
 PLOTTED_ARRAY = 500
 """Longest array that PlotJuggler plots element by element unless told otherwise; older ones take 100."""
 _GROUND_TRUTH = "ground_truth"
+
+
+class DataFits:
+    """Bytes that are no message of their type: whoever reads the topic stops there."""
+
+    def __init__(self) -> None:
+        self._off: Tally[tuple[str, str]] = Tally()
+
+    def listen(self, source: Source) -> Listener:
+        """Every topic."""
+        topic = source.topic
+
+        def hear(heard: Heard) -> None:
+            if heard.fault is not None:
+                self._off.add((topic, heard.fault), heard.stamp_ns)
+
+        return hear
+
+    def findings(self, bag: Structure) -> Iterator[Finding]:
+        """One for each topic and fault."""
+        for (topic, fault), first, count in self._off.items():
+            what = f"messages do not fit their definition: {fault}"
+            remedy = "record the topic anew, or leave it out by `thbridge bag cut --topics`"
+            tools = bag.tools_of(topic, ALL)
+            yield Finding("data-wrong", Severity.ERROR, tools, topic, what, remedy, first, count)
 
 
 class Rotations:
@@ -223,4 +248,4 @@ class LongArrays:
             yield Finding("long-array", Severity.NOTE, (Tool.PLOTJUGGLER,), None, what, remedy)
 
 
-RULES = (Rotations, Places, Covariances, Lengths, LongArrays)
+RULES = (DataFits, Rotations, Places, Covariances, Lengths, LongArrays)

@@ -133,11 +133,13 @@ class Heard:
 
     Attributes:
         stamp_ns: when it was recorded.
-        reading: what is in it; empty when its definition cannot be read.
+        reading: what is in it; empty when it or its definition cannot be read.
+        fault: why its bytes are no message of its type, as a clause; None when they are, or nobody knows.
     """
 
     stamp_ns: int
     reading: Reading
+    fault: str | None = None
 
 
 Listener = Callable[[Heard], None]

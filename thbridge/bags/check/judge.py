@@ -1,21 +1,18 @@
 """Hears a bag out and gives the judgement."""
 
-from collections.abc import Iterable, Iterator
+from collections.abc import Iterable
 from contextlib import suppress
 from dataclasses import dataclass
 
 from thbridge.adapters.bag_scan import Chunk, ChunkIndex, FileHeader, MessageIndex, Record, Said, Source, Tear
 from thbridge.bags.check import connections, contents, frames, structure, times
 from thbridge.bags.check.finding import (
-    ALL,
     Finding,
     Heard,
     KnownChunk,
-    Listener,
     MessageRule,
     Severity,
     Structure,
-    Tally,
     Tool,
 )
 from thbridge.bags.check.reading import Layout, Reading, Unreadable
@@ -63,46 +60,20 @@ def judge(records: Iterable[Record]) -> Judgement:
     return Judgement(tuple(findings), sum(bag.counts.values()), bag.seconds, bag.start_ns)
 
 
-class _DataFits:
-    """Bytes that are no message of their type: whoever reads the topic stops there."""
-
-    def __init__(self) -> None:
-        self._off: Tally[tuple[str, str]] = Tally()
-
-    def add(self, topic: str, fault: str, stamp_ns: int) -> None:
-        self._off.add((topic, fault), stamp_ns)
-
-    def listen(self, source: Source) -> Listener | None:
-        """Nothing: the hearing itself tells what it cannot read."""
-        return None
-
-    def findings(self, bag: Structure) -> Iterator[Finding]:
-        for (topic, fault), first, count in self._off.items():
-            what = f"messages do not fit their definition: {fault}"
-            remedy = "record the topic anew, or leave it out by `thbridge bag cut --topics`"
-            tools = bag.tools_of(topic, ALL)
-            yield Finding("data-wrong", Severity.ERROR, tools, topic, what, remedy, first, count)
-
-
 class _Line:
     """One connection: reads its messages and passes them to whoever listens."""
 
-    def __init__(self, source: Source, rules: Iterable[MessageRule], data_fits: _DataFits) -> None:
-        self._topic = source.topic
-        self._data_fits = data_fits
+    def __init__(self, source: Source, rules: Iterable[MessageRule]) -> None:
         self._listeners = [hear for rule in rules if (hear := rule.listen(source)) is not None]
         self._layout: Layout | None = None
         with suppress(ValueError):  # a rule about connections says why
             self._layout = Layout(source.msgtype, source.definition, contents.numbers_of(source.msgtype))
 
     def hear(self, said: Said) -> None:
-        reading = Reading()
-        if self._layout is not None:
-            try:
-                reading = self._layout.read(said.data)
-            except Unreadable as fault:
-                self._data_fits.add(self._topic, str(fault), said.stamp_ns)
-        heard = Heard(said.stamp_ns, reading)
+        try:
+            heard = Heard(said.stamp_ns, Reading() if self._layout is None else self._layout.read(said.data))
+        except Unreadable as fault:
+            heard = Heard(said.stamp_ns, Reading(), str(fault))
         for hear in self._listeners:
             hear(heard)
 
@@ -111,10 +82,8 @@ class _Hearing:
     """Collects what rules need from the records in the file's order."""
 
     def __init__(self) -> None:
-        data_fits = _DataFits()
-        self._data_fits = data_fits
         rules = (*times.RULES, *frames.RULES, *contents.RULES)
-        self.rules: tuple[MessageRule, ...] = (data_fits, *(rule() for rule in rules))
+        self.rules: tuple[MessageRule, ...] = tuple(rule() for rule in rules)
         self._header: FileHeader | None = None
         self._sources: dict[int, Source] = {}
         self._lines: dict[int, _Line] = {}
@@ -137,7 +106,7 @@ class _Hearing:
             case Source(number):
                 if number not in self._sources:
                     self._sources[number] = record
-                    self._lines[number] = _Line(record, self.rules, self._data_fits)
+                    self._lines[number] = _Line(record, self.rules)
                 # Those that come after the last chunk and its places are the index's.
                 self._indexed_sources.add(number)
             case Chunk():
