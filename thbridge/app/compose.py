@@ -12,6 +12,9 @@ from sim import noise
 from sim.costmap.footprint import radii
 from sim.floor import Floor
 from sim.geometry import Pose2
+from sim.inputs import Go
+from sim.navigator import Goal
+from sim.observations import TICKS_PER_SECOND
 from sim.sensors import mount_of
 from sim.team import Team
 from thbridge.adapters.bag_writer import BagWriter, Recorder
@@ -38,6 +41,8 @@ from thbridge.ros.publisher import Planners, Publisher
 from thbridge.ros.records import Session as SessionRecord
 from thbridge.study.bots import Bot, BotStrategy, Knowledge
 
+REHEARSAL = 2 * TICKS_PER_SECOND
+"""Ticks after which a robot has localised, planned and driven."""
 RECORDED_PACKAGES = ("thbridge", "numpy", "scipy", "numba", "filterpy", "rosbags")
 """Whose versions a bag tells: what else could make the same study run differently."""
 
@@ -65,6 +70,12 @@ class Setting:
         software = [study.software(number) for number in range(1, study.robots + 1)]
         schedule = schedule_of(study.things, study.mishaps)
         return Team(self.place.grid, study.world, software, starts, study.seed, study.game.energy, schedule)
+
+    def rehearse(self) -> None:
+        """Drive another such team for a moment: what is to be compiled is compiled before anybody waits for it."""
+        team = self.team()
+        for tick in range(REHEARSAL):
+            team.step([Go(0, Goal(0, self.place.rooms[0].goal))] if tick == 0 else [])
 
     def simr(self) -> SimR:
         """The robots' role."""

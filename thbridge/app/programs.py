@@ -132,6 +132,8 @@ async def play(
         BadFile: the journal or the bag cannot be written (as `BagNotWritten`).
         Unfinished: it was stopped, or the game was not over in time; what was recorded is complete.
     """
+    if options.rate > 0.0:
+        setting.rehearse()
     simr = setting.simr()
     roles: list[Role] = [simr]
     if legacy.HIDER not in options.outside:
@@ -385,6 +387,7 @@ async def simr(
     Raises:
         BagNotWritten: the bag cannot be written; it is closed, and the program over.
     """
+    setting.rehearse()
     role = setting.simr()
     publisher = setting.publisher()
     listeners: list[Listener] = []
