@@ -160,8 +160,10 @@ async def serve(host: str, port: int, ready: Callable[[Listening | CannotListen]
     ready(where)
     if isinstance(where, CannotListen):
         return
-    rosout = rosout_node(master.uri, _advertised(where.host))
-    if isinstance(cannot := await rosout.start(), CannotListen):
+    rosout = rosout_node(master.uri, where.host)
+    if ":" in where.host:
+        _log.warning("no /rosout_agg: nodes speak IPv4 only")
+    elif isinstance(cannot := await rosout.start(), CannotListen):
         _log.warning("no /rosout_agg: %s", cannot)
     with stopping() as stopped:
         endings = [asyncio.ensure_future(ending) for ending in (stopped.wait(), master.stopped())]
