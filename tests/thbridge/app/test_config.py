@@ -7,6 +7,8 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from sim.parameters import OdometryNoise, RobotParameters, WorldParameters
+from thbridge.adapters.bag_parts import Splitting
+from thbridge.adapters.bag_records import Compression
 from thbridge.adapters.errors import BadFile, BadFiles
 from thbridge.adapters.yaml_files import load_text
 from thbridge.app.config import GameSection, Study, load_study, read_study, read_study_text
@@ -368,3 +370,19 @@ def test_ros_parameters_that_name_no_files(tmp_path: Path, written: str) -> None
     (tmp_path / "study.yaml").write_text(f"ros_parameters: {written}\n")
     with pytest.raises(BadFile):
         read_study(tmp_path / "study.yaml")
+
+
+class TestRecording:
+    def test_sizes_are_in_megabytes_and_times_in_seconds(self) -> None:
+        text = "recording: {compression: lz4, split_size: 1.5, split_duration: 60}"
+        recording = read_study_text(STUDY, text).recording
+        assert recording.compression is Compression.LZ4
+        assert recording.splitting == Splitting(3 * 2**19, 60_000_000_000)
+
+    def test_by_default_a_recording_is_one_file_that_is_not_packed(self) -> None:
+        recording = read_study_text(STUDY, "").recording
+        assert (recording.compression, recording.splitting) == (Compression.NONE, Splitting())
+
+    @pytest.mark.parametrize("line", ["compression: zip", "split_size: 0", "split_duration: 0.5"])
+    def test_what_cannot_be_is_refused(self, line: str) -> None:
+        assert f"recording.{line.split(':', maxsplit=1)[0]}" in refusal(f"recording: {{{line}}}")
