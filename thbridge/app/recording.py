@@ -55,7 +55,7 @@ class BagWitness:
         for item in moment.inputs:
             yield to_record(item)
             if isinstance(item, Asked) and isinstance(item.request, GraphRequest):
-                yield item.request
+                yield from self._asked(moment, item.request)
         for forwarded in moment.forwarded:
             yield from _lines(forwarded)
         for event in moment.events:
@@ -69,6 +69,11 @@ class BagWitness:
         if score is not None and score != self._score:
             self._score = score
             yield score
+
+    def _asked(self, moment: Moment, request: GraphRequest) -> Iterator[Record]:
+        """What a ROS client said, if there is such a robot."""
+        if moment.snapshot is not None and request.robot < len(moment.snapshot.robots):
+            yield request
 
     def _touches(self, snapshot: TeamSnapshot) -> Iterator[GameEvent]:
         """A robot that has begun to touch a wall or another robot."""

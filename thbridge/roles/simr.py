@@ -7,27 +7,13 @@ from dataclasses import dataclass, replace
 from sim.geometry import FloatArray, Pose2
 from sim.navigator import Arrived, Goal, NoPath
 from sim.observations import TICKS_PER_SECOND, Twist
-from sim.parameters import RobotParameters
-from sim.parameters.reconfiguration import Rejected
 from sim.planning.path import Refused
 from sim.robot import RobotOutput
-from sim.team import (
-    Configure,
-    Drive,
-    Go,
-    Halt,
-    Localize,
-    Place,
-    PutThing,
-    RemoveThing,
-    SetCharge,
-    Team,
-    TeamInput,
-    TeamSnapshot,
-)
+from sim.team import Drive, Go, Halt, Place, SetCharge, Team, TeamInput, TeamSnapshot
 from thbridge.hunt.events import Condition
 from thbridge.hunt.rooms import Room
 from thbridge.roles import reasons
+from thbridge.roles.controls import HAND_TICKS, Controls
 from thbridge.roles.notices import (
     KEEPER,
     MoveResult,
@@ -41,8 +27,7 @@ from thbridge.roles.notices import (
     heard,
     tell,
 )
-from thbridge.roles.requests import Request, SetParameters, with_values
-from thbridge.ros.records import CancelRequest, GoalRequest, InitialPose, SimpleGoal, VelocityCommand
+from thbridge.roles.requests import Request
 from thbridge.wire import canonical, legacy
 from thbridge.wire.canonical import Dialect, GotoPoint, Move, Where, decode_goto
 from thbridge.wire.notice import Notice, parse_notice
@@ -62,9 +47,6 @@ PATIENCE = TICKS_PER_SECOND
 
 SILENCE = 5 * TICKS_PER_SECOND
 """Ticks after which a robot that says nothing any more counts as silent, and its move has failed."""
-
-HAND_TICKS = TICKS_PER_SECOND // 2
-"""Ticks that one `%%move` drives."""
 
 HAND_SPEEDS = {
     canonical.Drive.FORWARD: (1.0, 0.0),
@@ -123,12 +105,12 @@ class SimR:
 
     def __init__(self, team: Team, field: Field, dialect: Dialect = Dialect.LEGACY_2016) -> None:
         self._team = team
+        self._controls = Controls(team)
         self._field = field
         self._dialect = dialect
         self._introduce = False
         self._snapshot: TeamSnapshot | None = None
         self._inputs: list[TeamInput] = []
-        self._by_hand: dict[int, int] = {}
         self._ways: dict[int, _Way] = {}
         self._results: list[MoveResult | None] = [None] * team.size
         self._conditions = (Condition.WELL,) * team.size
@@ -155,16 +137,7 @@ class SimR:
 
     def ask(self, request: Request) -> None:
         """Do this with the next step, before what is said to SimR then; an order of the game goes on afterwards."""
-        if not (isinstance(request, PutThing | RemoveThing) or 0 <= request.robot < self._team.size):
-            return
-        meant = self._meant_by(request)
-        match meant:
-            case Drive(robot, _, ticks):
-                self._by_hand[robot] = ticks
-            case Go(robot) | Halt(robot):
-                self._by_hand.pop(robot, None)
-        if meant is not None:
-            self._inputs.append(meant)
+        self._controls.ask(request)
 
     def make_plan(self, robot: int, start: Pose2 | None, goal: Pose2, tolerance: float) -> FloatArray | Refused:
         """See `Team.make_plan`."""
@@ -173,15 +146,18 @@ class SimR:
     def step(self, tick: int, messages: Sequence[Message]) -> list[Message]:
         """One tick of the role and of the team; see `Role`."""
         said: list[Message] = []
+        # What robots had forgotten comes first: what is asked of them is newer, and what is ordered now even more so.
+        resumed, self._inputs = self._inputs, []
         if self._introduce:
             self._introduce = False
             said.append(tell(self.name, KEEPER, RobotsReady(self._field.name, self._team.size, self._field.costs)))
         for message in messages:
             said += self._hear(tick, message)
         self._obey_unjudged(tick)
-        inputs, self._inputs = self._inputs, []
-        self._snapshot = self._team.step(inputs)
-        self._by_hand = {robot: left - 1 for robot, left in self._by_hand.items() if left > 1}
+        asked = self._controls.take_inputs(1 if self._snapshot is None else self._snapshot.tick + 1)
+        self._snapshot = self._team.step([*resumed, *asked, *self._inputs])
+        self._inputs.clear()
+        self._controls.follow(self._snapshot)
         ended = self._ended(self._snapshot)
         said += ended
         before, self._conditions = self._conditions, _conditions_in(self._snapshot)
@@ -190,30 +166,6 @@ class SimR:
         if tick % STREAM_PERIOD == 0:
             said += self._stream(tick)
         return said
-
-    # What is asked of the robots
-
-    def _meant_by(self, request: Request) -> TeamInput | None:
-        """What a robot shall do when this is asked of it; None when it cannot be done."""
-        match request:
-            case GoalRequest(robot, base_in_map=goal, number=number) | SimpleGoal(robot, goal, number):
-                return None if goal is None else Go(robot, Goal(number, goal))
-            case CancelRequest(robot):
-                return Halt(robot)
-            case VelocityCommand(robot, twist):
-                return Drive(robot, twist, HAND_TICKS)
-            case InitialPose(robot, base_in_map, covariance):
-                return Localize(robot, base_in_map, covariance)
-            case SetParameters(robot, values):
-                changed = with_values(self._software(robot), values)
-                return None if isinstance(changed, Rejected) else Configure(robot, changed)
-            case _:
-                return request
-
-    def _software(self, robot: int) -> RobotParameters:
-        """A robot's parameters as they will be when what has been asked so far is done."""
-        asked = [item.parameters for item in self._inputs if isinstance(item, Configure) and item.robot == robot]
-        return asked[-1] if asked else self._team.parameters[robot]
 
     # What is said to SimR
 
@@ -300,10 +252,10 @@ class SimR:
         self._obeyed[robot] = order.move
         self._results[robot] = None
         self._ways[robot] = _Way(order)
-        self._inputs.append(self._setting_out(robot, order))
+        self._inputs.append(Go(robot, self._goal(order)))
 
-    def _setting_out(self, robot: int, order: Order) -> Go:
-        return Go(robot, Goal(order.move, self._field.goals[Room.of_people(order.room).wire]))
+    def _goal(self, order: Order) -> Goal:
+        return Goal(order.move, self._field.goals[Room.of_people(order.room).wire])
 
     def _obey_unjudged(self, tick: int) -> None:
         """Obey what has waited for a keeper long enough; with a keeper there is nothing to obey but its orders."""
@@ -331,16 +283,16 @@ class SimR:
             if way is None:
                 continue
             navigation = output.navigation
-            ordered = navigation.goal is not None and navigation.goal.id == way.order.move
-            if ordered and navigation.state == "controlling":
+            goal = self._goal(way.order)
+            if navigation.goal == goal and navigation.state == "controlling":
                 self._ways[robot] = way = replace(
                     way, length=max(way.length, navigation.remaining), remaining=navigation.remaining
                 )
             result = navigation.result
             if _is_silent(snapshot, output):
                 self._fail(robot, way, reasons.unanswered(robot))
-            elif result is not None and result.goal.id != way.order.move:
-                pass  # The end of an earlier goal.
+            elif result is not None and result.goal != goal:
+                pass  # The end of an earlier goal, or of one that somebody else set.
             elif isinstance(result, Arrived):
                 del self._ways[robot]
                 self._results[robot] = MoveResult(way.order.move, True, "", 1.0)
@@ -350,9 +302,9 @@ class SimR:
             elif navigation.goal is None and output.observations.tick == snapshot.tick:
                 if way.recalled:
                     self._fail(robot, way, reasons.CALLED_BACK)
-                elif robot not in self._by_hand:
+                elif not self._controls.is_driven(robot):
                     # It was dead for a moment, or sent elsewhere or driven by hand, and has forgotten its order.
-                    self._inputs.append(self._setting_out(robot, way.order))
+                    self._inputs.append(Go(robot, goal))
         return said
 
     def _fail(self, robot: int, way: _Way, sentence: str) -> None:

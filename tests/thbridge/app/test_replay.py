@@ -1,39 +1,87 @@
 import asyncio
 import dataclasses
+from collections.abc import Callable, Iterator, Mapping, Sequence
 from pathlib import Path
 
+import numpy as np
 import pytest
 
+from sim.geometry import Pose2
+from sim.observations import Twist
+from sim.team import Carry, ClearCostmaps, Die, Drive, Globalize, Localize, PutThing, RemoveThing, RequestUpdate, Revive
+from sim.things import Thing
 from thbridge.adapters.bag_reader import messages
+from thbridge.adapters.bag_records import Compression
+from thbridge.adapters.bag_repair import reindex
+from thbridge.adapters.bag_writer import BagWriter
+from thbridge.adapters.errors import BadFile
+from thbridge.adapters.text_client import TextClient
+from thbridge.adapters.text_server import Listening
 from thbridge.app import programs
 from thbridge.app.compose import Setting, build_bot, read_setting
-from thbridge.app.config import Study, read_study_text
-from thbridge.app.programs import PlayOptions, Unfinished
-from thbridge.app.replay import Replayed, ReplayOptions, replay, session_of
+from thbridge.app.config import RecordingSection, Study, read_study_text
+from thbridge.app.inputs import Input
+from thbridge.app.programs import PLAY, SIMR, NoLog, PlayOptions, Unfinished
+from thbridge.app.recording import BagWitness
+from thbridge.app.replay import Replayed, ReplayOptions, replay, session_of, ticks_of
+from thbridge.app.session import Moment, Outpost, Session
 from thbridge.app.what_if import Change, changed
+from thbridge.roles.notices import KEEPER, Order, Orders, tell
+from thbridge.roles.requests import Request, SetParameters
 from thbridge.roles.tabui import TabUI
+from thbridge.ros import names
+from thbridge.ros.publisher import Message, Topic
+from thbridge.ros.records import CancelRequest, GoalRequest, InitialPose, SimpleGoal, VelocityCommand
+from thbridge.wire import legacy
+from thbridge.wire.router import ConnectionId, Router
 
-STUDY = dataclasses.replace(
-    Study(), seed=7, server=dataclasses.replace(Study().server, port=0), map="arena8", templates="original-2016"
-)
+STUDY = dataclasses.replace(Study(), seed=7, server=dataclasses.replace(Study().server, port=0))
 
 
 def setting_of(study: Study) -> Setting:
     return read_setting(study, Path())
 
 
+def bot_of(setting: Setting) -> TabUI:
+    return TabUI(build_bot(setting.templates, setting.study.participant.strategy, setting.study.seed))
+
+
 def record(bag: Path, study: Study, seconds: float) -> None:
     """A hunt with a simulated participant, given up after some time."""
     setting = setting_of(study)
-    tabui = TabUI(build_bot(setting.templates, study.participant.strategy, study.seed))
     options = PlayOptions(0.0, bag, frozenset(), "suggestion", seconds)
     with pytest.raises(Unfinished):
-        asyncio.run(programs.play(setting, tabui, options, lambda where: None, lambda moment: None))
+        asyncio.run(programs.play(setting, bot_of(setting), options, lambda where: None, lambda moment: None))
+
+
+def act(bag: Path, study: Study, ticks: int, doing: Callable[[int, Session], None]) -> None:
+    """A hunt with a simulated participant, and something that is done from outside before each tick."""
+    setting = setting_of(study)
+    roles = [setting.simr(), setting.hider()]
+    session_record = setting.record(PLAY, [legacy.SIMR, legacy.HIDER, legacy.TABUI], "suggestion")
+    with setting.recorder(bag, session_record) as recorder:
+        witness = BagWitness(recorder)
+        session = Session(Router(), setting.keeper(), roles, NoLog(), [witness], bot_of(setting))
+        for tick in range(ticks):
+            doing(tick, session)
+            session.step()
 
 
 def again(bag: Path, *changes: Change, to: Path | None = None, to_the_end: bool = False) -> Replayed:
     study = changed(read_study_text(bag, session_of(bag).study), [], changes)
     return asyncio.run(replay(bag, setting_of(study), ReplayOptions(0.0, 0.0, to, to_the_end), lambda moment: None))
+
+
+def equal(bag: Path, ticks: int) -> None:
+    done = again(bag)
+    assert done.difference is None
+    assert (done.cut_off, done.finished, done.ticks) == (False, True, ticks)
+    assert done.messages == len(list(messages(bag))) - 1
+
+
+def inputs(bag: Path) -> Iterator[Input]:
+    for tick in ticks_of(bag):
+        yield from tick.inputs
 
 
 @pytest.fixture(scope="module")
@@ -43,24 +91,230 @@ def hunt(tmp_path_factory: pytest.TempPathFactory) -> Path:
     return bag
 
 
-def test_a_hunt_is_the_same_again_to_the_last_bit(hunt: Path, tmp_path: Path) -> None:
-    done = again(hunt, to=tmp_path / "again.bag")
-    assert done.difference is None
-    assert not done.cut_off
-    assert (done.ticks, done.messages) == (25 * 50, len(list(messages(hunt))) - 1)
-    assert list(messages(tmp_path / "again.bag")) == list(messages(hunt))
+class TestSame:
+    def test_a_hunt_is_the_same_again_to_the_last_bit(self, hunt: Path, tmp_path: Path) -> None:
+        equal(hunt, 25 * 50)
+        again(hunt, to=tmp_path / "again.bag")
+        assert list(messages(tmp_path / "again.bag")) == list(messages(hunt))
+
+    def test_packed_and_split_recordings_are_read_as_one(self, tmp_path: Path) -> None:
+        bag = tmp_path / "hunt.bag"
+        recording = RecordingSection(Compression.LZ4, split_duration=2.0)
+        record(bag, dataclasses.replace(STUDY, recording=recording), 5.0)
+        assert (tmp_path / "hunt_1.bag").exists()
+        equal(bag, 5 * 50)
+
+    def test_things_in_the_way_and_what_befalls_robots(self, tmp_path: Path) -> None:
+        study = read_study_text(
+            Path("study.yaml"),
+            "robots: 3\nthings:\n  - {name: visitor, shape: person, path: [[0, 2], [6, 2]], back_and_forth: true}\n"
+            "mishaps:\n  - {robot: 2, what: dies, time: 4}\n  - {robot: 2, what: revives, time: 8}\n"
+            "  - {robot: 3, what: carried, time: 6, to: [0, 4, 1]}\n",
+        )
+        record(tmp_path / "hunt.bag", dataclasses.replace(study, server=STUDY.server), 15.0)
+        equal(tmp_path / "hunt.bag", 15 * 50)
+
+    def test_all_that_can_be_asked_of_robots(self, tmp_path: Path) -> None:
+        here = Pose2(1.0, 0.1 + 0.2, -0.0)
+        crate = Thing("crate", ((0.1, 0.1), (-0.1, 0.1), (0.0, -0.1)), Pose2(3.0, 1.0, 0.0))
+        asked: Mapping[int, Sequence[Request]] = {
+            50: [Drive(0, Twist(0.3, 0.1), 40), Localize(1, here, np.diag([0.1, 0.1, 0.2]))],
+            120: [Globalize(0), RequestUpdate(1), ClearCostmaps(1)],
+            150: [PutThing(crate), Die(1)],
+            200: [Revive(1), GoalRequest(1, "rviz-1", 4_000_000_000, Pose2(-2.0, 0.0, 1.0), 10**6)],
+            230: [SimpleGoal(1, Pose2(2.0, 0.0, 1.0), 10**6 + 1), VelocityCommand(0, Twist(0.2, -0.4))],
+            260: [CancelRequest(1, "", 0), InitialPose(0, here, np.eye(3) / 7)],
+            290: [
+                SetParameters(0, (("amcl.max_particles", 333), ("local_costmap.inflation_layer.inflation_radius", 0.3)))
+            ],
+            300: [
+                GoalRequest(0, "", 0, None, 10**6 + 2, "no frame"),
+                RemoveThing("crate"),
+                Carry(1, Pose2(0.0, 4.0, 1.0)),
+            ],
+            310: [GoalRequest(7, "nobody", 0, here, 10**6 + 3)],
+        }
+
+        def doing(tick: int, session: Session) -> None:
+            for request in asked.get(tick, ()):
+                session.ask("/rviz", request)
+
+        act(tmp_path / "asked.bag", STUDY, 400, doing)
+        assert sum(type(item).__name__ == "Asked" for item in inputs(tmp_path / "asked.bag")) == sum(
+            map(len, asked.values())
+        )
+        equal(tmp_path / "asked.bag", 400)
+
+    def test_connections_of_every_kind_of_misbehaviour(self, tmp_path: Path) -> None:
+        def doing(tick: int, session: Session) -> None:
+            def send(connection: int, data: bytes) -> None:
+                session.perform(session.receive_data(ConnectionId(connection), data, tick * 0.1))
+
+            match tick:
+                case 5:
+                    session.connect(0.3)
+                    session.connect(0.1 + 0.2)
+                    send(1, b"%%setid Noise extended a\n%%goto Noise SimR 0 5\r\n%%pi")
+                    send(2, b"\xff\x00 \r\n%%setid SimR\n")
+                case 9:
+                    send(1, b"ng\n%%error Noise Game thbridge {\n")
+                    send(2, b"%%ping\n")
+                case 20:
+                    session.perform(session.report_backlog(ConnectionId(1), 1000))
+                    session.perform(session.report_backlog(ConnectionId(1), 2**30))
+                    session.perform(session.eof(ConnectionId(1)))
+                case 30:
+                    session.connect(3.0)
+                    send(3, b"%%setid Noise\n%%where Noise SimR 0\n")
+                case 200 | 400:
+                    session.perform(session.advance(tick * 0.1))
+                case 420:
+                    session.connect(42.0)
+                    session.perform(session.eof(ConnectionId(4)))
+
+        act(tmp_path / "noise.bag", STUDY, 450, doing)
+        kinds = {type(item).__name__ for item in inputs(tmp_path / "noise.bag")}
+        assert kinds == {"Opened", "Received", "Backlogged", "Advanced", "Closed", "Said"}
+        equal(tmp_path / "noise.bag", 450)
+
+    def test_robots_by_themselves(self, tmp_path: Path) -> None:
+        setting = setting_of(STUDY)
+        simr = setting.simr()
+        with setting.recorder(tmp_path / "simr.bag", setting.record(SIMR, [simr.name], "")) as recorder:
+            outpost = Outpost(simr, [BagWitness(recorder)])
+            for tick in range(400):
+                if tick in {3, 200}:
+                    outpost.connected()
+                if tick == 10:
+                    outpost.hear(tell(KEEPER, legacy.SIMR, Orders(1, (Order(1, 2), None), (90.0, 80.0), (0, 0), None)))
+                if tick == 100:
+                    outpost.hear(legacy.Goto(1, 3).message())
+                    outpost.ask("/teleop", VelocityCommand(0, Twist(0.1, 0.0)))
+                outpost.step()
+        equal(tmp_path / "simr.bag", 400)
+
+    def test_a_program_from_outside_that_comes_goes_and_comes_again(self, tmp_path: Path) -> None:
+        setting = setting_of(STUDY)
+        where: list[Listening] = []
+
+        async def outside() -> None:
+            while not where:
+                await asyncio.sleep(0.01)
+            for token, turns in (("first", 40), ("second", 1000)):
+                role = bot_of(setting)
+                client = TextClient(role.name, token, where[0].host, where[0].port)
+                async with client.running():
+                    for tick in range(turns):
+                        heard = []
+                        for event in client.take():
+                            if type(event).__name__ == "Registered":
+                                role.connected()
+                            elif type(event).__name__ == "Message":
+                                heard.append(event)
+                        for message in role.step(tick, heard):
+                            client.send(message)
+                        await asyncio.sleep(0.01)
+
+        async def both() -> None:
+            participant = asyncio.create_task(outside())
+            options = PlayOptions(20.0, tmp_path / "hunt.bag", frozenset({legacy.TABUI}), "person", 40.0)
+            try:
+                await programs.play(setting, bot_of(setting), options, where.append, lambda moment: None)
+            finally:
+                participant.cancel()
+
+        with pytest.raises(Unfinished):
+            asyncio.run(both())
+        assert session_of(tmp_path / "hunt.bag").participant == ""
+        opened = [item for item in inputs(tmp_path / "hunt.bag") if type(item).__name__ == "Opened"]
+        assert len(opened) == 2
+        equal(tmp_path / "hunt.bag", 40 * 50)
 
 
-def test_another_seed_is_found_where_it_first_shows(hunt: Path) -> None:
-    difference = again(hunt, Change("seed", "8")).difference
-    assert difference is not None
-    assert (difference.topic, difference.topic_number, difference.seconds) == ("/hunt/events", 1, 0.04)
-    (field,) = difference.fields
-    assert '"seed":7' in field.was
-    assert '"seed":8' in field.now
+class TestDifferent:
+    def test_another_seed_is_found_where_it_first_shows(self, hunt: Path) -> None:
+        difference = again(hunt, Change("seed", "8")).difference
+        assert difference is not None
+        assert (difference.topic, difference.topic_number, difference.seconds) == ("/hunt/events", 1, 0.04)
+        (field,) = difference.fields
+        assert '"seed":7' in field.was
+        assert '"seed":8' in field.now
+
+    def test_one_parameter_of_one_robot_is_found(self, hunt: Path) -> None:
+        done = again(hunt, Change("robot.amcl.max_particles", "300"))
+        assert done.difference is not None
+        assert done.ticks < 250
+
+    def test_a_larger_team_says_more(self, hunt: Path) -> None:
+        difference = again(hunt, Change("robots", "3")).difference
+        assert difference is not None
+        assert difference.topic == "/tf_static"
+
+    def test_a_smaller_team_forgets_what_is_asked_of_robots_that_it_has_not(self, tmp_path: Path) -> None:
+        def doing(tick: int, session: Session) -> None:
+            if tick == 10:
+                session.ask("/rviz", SimpleGoal(1, Pose2(0.0, 0.0, 0.0), 10**6))
+                session.ask("/rviz", InitialPose(1, Pose2(0.0, 0.0, 0.0), np.eye(3)))
+
+        act(tmp_path / "a.bag", STUDY, 50, doing)
+        assert again(tmp_path / "a.bag", Change("robots", "1"), to_the_end=True).ticks == 50
+
+    @pytest.mark.parametrize("forged", ["missing", "new", "changed", "moved"])
+    def test_a_message_that_was_tampered_with_is_named(self, hunt: Path, tmp_path: Path, forged: str) -> None:
+        victim = 2000
+        with BagWriter(tmp_path / "forged.bag") as writer:
+            for number, message in enumerate(messages(hunt)):
+                topic = Topic(message.topic, message.msgtype)
+                data = message.data
+                if number == victim:
+                    if forged == "missing":
+                        continue
+                    if forged == "moved":
+                        topic = Topic("/elsewhere", message.msgtype)
+                    if forged == "changed":
+                        data = data[:-1] + bytes([data[-1] ^ 1])
+                    if forged == "new":
+                        writer.write(Message(topic, message.stamp_ns, data))
+                writer.write(Message(topic, message.stamp_ns, data))
+        difference = again(tmp_path / "forged.bag").difference
+        assert difference is not None
+        assert difference.number == victim + (forged == "new")
+        assert difference.seconds == pytest.approx(again_seconds(hunt, victim))
+
+    def test_one_that_was_cut_off_is_the_same_up_to_its_end(self, hunt: Path, tmp_path: Path) -> None:
+        whole = hunt.read_bytes()
+        for share in (0.3, 0.61, 0.9):
+            cut = tmp_path / f"cut{share}.bag"
+            cut.write_bytes(whole[: int(share * len(whole))])
+            reindex(cut)
+            done = again(cut)
+            assert done.difference is None
+            assert done.finished
+            assert 0 < done.messages == len(list(messages(cut))) - 1
 
 
-def test_one_parameter_of_one_robot_is_found(hunt: Path) -> None:
-    difference = again(hunt, Change("robot.amcl.max_particles", "300")).difference
-    assert difference is not None
-    assert difference.seconds < 5.0
+def again_seconds(bag: Path, number: int) -> float:
+    return (list(messages(bag))[number].stamp_ns - 10**9) / 1e9
+
+
+def test_it_tells_what_happens_from_the_time_asked_for(hunt: Path) -> None:
+    told: list[Moment] = []
+    setting = setting_of(read_study_text(hunt, session_of(hunt).study))
+    asyncio.run(replay(hunt, setting, ReplayOptions(0.0, 20.0, None, False), told.append))
+    assert [moment.tick for moment in told] == list(range(1000, 1250))
+
+
+def test_bags_that_are_not_ours_are_refused(tmp_path: Path) -> None:
+    with BagWriter(tmp_path / "foreign.bag") as writer:
+        writer.write(Message(Topic("/chatter", "std_msgs/String"), 10**9, b"\0\0\0\0"))
+    with pytest.raises(BadFile, match="no session of ours"):
+        session_of(tmp_path / "foreign.bag")
+
+
+def test_an_input_of_another_release_is_refused(hunt: Path, tmp_path: Path) -> None:
+    with BagWriter(tmp_path / "other.bag") as writer:
+        for message in messages(hunt):
+            data = message.data.replace(b"said", b"sung") if message.topic == names.INPUTS else message.data
+            writer.write(Message(Topic(message.topic, message.msgtype), message.stamp_ns, data))
+    with pytest.raises(BadFile, match="no input is of the kind 'sung'"):
+        again(tmp_path / "other.bag")
