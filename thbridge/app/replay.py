@@ -19,7 +19,7 @@ from thbridge.adapters.bag_reader import RawMessage
 from thbridge.adapters.bag_writer import BagWriter
 from thbridge.adapters.errors import BadFile
 from thbridge.adapters.loop import run_ticks
-from thbridge.app.compose import Setting
+from thbridge.app.compose import Setting, build_bot
 from thbridge.app.inputs import (
     Advanced,
     Asked,
@@ -37,12 +37,14 @@ from thbridge.app.programs import PLAY, SIMR, NoLog, period_of
 from thbridge.app.recording import BagWitness
 from thbridge.app.session import Moment, Outpost, Session, Witness
 from thbridge.roles.role import Role
+from thbridge.roles.tabui import TabUI
 from thbridge.ros import names, types, unpack
 from thbridge.ros.differences import FieldDifference, differences
 from thbridge.ros.publisher import Message, Publisher
 from thbridge.ros.records import Record
 from thbridge.ros.records import Session as SessionRecord
 from thbridge.ros.stamps import START_NS, TICK_NS
+from thbridge.study.bots import BotStrategy
 from thbridge.wire import legacy, text
 from thbridge.wire.router import Router
 
@@ -98,12 +100,15 @@ class ReplayOptions:
         start: session time up to which it runs as fast as it can anyway, seconds.
         to: where to keep the new recording; None for nowhere.
         to_the_end: go on after a difference.
+        participant: lets a simulated participant play anew, where one played or a person did; None: what the recorded
+            participant said is said again, whether or not it still fits.
     """
 
     rate: float
     start: float
     to: Path | None
     to_the_end: bool
+    participant: BotStrategy | None = None
 
 
 @dataclass(frozen=True, slots=True)
@@ -180,10 +185,10 @@ async def replay(path: Path, setting: Setting, options: ReplayOptions, progress:
     """
     record = session_of(path)
     publisher = setting.publisher()
-    fresh = setting.record(record.program, record.roles, record.participant)
+    fresh = setting.record(record.program, record.roles, options.participant or record.participant)
     with _Tape(publisher, None if options.to is None else setting.writer(options.to)) as tape:
         tape.keep(publisher.opening(0, fresh, setting.place.grid))
-        stage = _stage(setting, record, [BagWitness(tape), _Teller(progress, options.start)])
+        stage = _stage(setting, record, options.participant, [BagWitness(tape), _Teller(progress, options.start)])
         comparison = Comparison()
         recorded = ticks_of(path)
         over = False
@@ -212,15 +217,20 @@ async def replay(path: Path, setting: Setting, options: ReplayOptions, progress:
     return Replayed(stage.tick, comparison.messages, comparison.difference, comparison.cut_off, run.finished, wall)
 
 
-def _stage(setting: Setting, record: SessionRecord, witnesses: Sequence[Witness]) -> Stage:
+def _stage(
+    setting: Setting, record: SessionRecord, participant: BotStrategy | None, witnesses: Sequence[Witness]
+) -> Stage:
     """The programs that ran inside the recorded session; lines of its participant are inputs."""
     if record.program == SIMR:
         return _Alone(Outpost(setting.simr(), witnesses))
     roles: list[Role] = [setting.simr()]
     if legacy.HIDER in record.roles:
         roles.append(setting.hider())
-    prompter = _Prompter() if legacy.TABUI in record.roles else None
-    return _Together(Session(Router(), setting.keeper(), roles, NoLog(), witnesses, prompter), prompter)
+    prompter = _Prompter() if legacy.TABUI in record.roles and participant is None else None
+    player: Role | None = prompter
+    if participant is not None:
+        player = TabUI(build_bot(setting.templates, participant, setting.study.seed))
+    return _Together(Session(Router(), setting.keeper(), roles, NoLog(), witnesses, player), prompter)
 
 
 class _Prompter:

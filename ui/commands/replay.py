@@ -18,6 +18,7 @@ from thbridge.app.what_if import Change, changed
 from thbridge.bags.comparison import RobotFigures, RunFigures, figures_of
 from thbridge.bags.report.gathering import read_report
 from thbridge.ros.records import Session
+from thbridge.study.bots import BotStrategy
 from ui.options import AsJson, announce_compiling, make_ready
 from ui.seats import run
 from ui.story import tell
@@ -42,20 +43,26 @@ def replay_command(
             help="What if: same inputs, but this in the study, e.g. `--with seed=2`. May be given several times.",
         ),
     ] = None,
+    participant: Annotated[
+        BotStrategy | None,
+        typer.Option(help="Let a simulated participant play anew, instead of saying again what was said."),
+    ] = None,
     beside: Annotated[Path, typer.Option(help="Folder that paths in the study start from.")] = Path(),
     as_json: AsJson = False,
 ) -> None:
     """Run a recording again: the same inputs go into a fresh session, which must say what the recorded one said.
 
     Ends with 0 when every message is the same, bit for bit, and with 1 when one differs; then it says which. With
-    `--with` the two runs are compared by their figures, too.
+    `--with` or `--participant` the two runs are compared by their figures, and a difference is no failure.
     """
     files, assignments = _changes(changes or [])
     with bad_input():
         record = session_of(bag)
         study = read_study_text(bag, record.study)
         setting = read_setting(changed(study, files, assignments), beside)
-    what_if = bool(changes)
+    if participant is not None and not record.participant:
+        fail(BAD_INPUT, f"--participant: nobody played inside the program that recorded {bag}. Leave the option out.")
+    what_if = bool(changes) or participant is not None
     for sentence in _other_versions(record):
         note(sentence)
     if to is not None:
@@ -72,7 +79,8 @@ def replay_command(
     figures: tuple[RunFigures, RunFigures] | None = None
     with TemporaryDirectory(prefix="thbridge-") as folder:
         kept = to or (Path(folder) / "replay.bag" if what_if else None)
-        done = run(replay(bag, setting, ReplayOptions(rate or 0.0, start, kept, kept is not None), progress))
+        options = ReplayOptions(rate or 0.0, start, kept, kept is not None, participant)
+        done = run(replay(bag, setting, options, progress))
         if what_if and kept is not None and done.finished:
             with bad_input():
                 figures = figures_of(read_report(messages(bag))), figures_of(read_report(messages(kept)))

@@ -32,6 +32,7 @@ from thbridge.roles.tabui import TabUI
 from thbridge.ros import names
 from thbridge.ros.publisher import Message, Topic
 from thbridge.ros.records import CancelRequest, GoalRequest, InitialPose, SimpleGoal, VelocityCommand
+from thbridge.study.bots import BotStrategy
 from thbridge.wire import legacy, text
 from thbridge.wire.client import Registered
 from thbridge.wire.router import ConnectionId, Router
@@ -88,13 +89,13 @@ def inputs(bag: Path) -> Iterator[Input]:
 @pytest.fixture(scope="module")
 def hunt(tmp_path_factory: pytest.TempPathFactory) -> Path:
     bag = tmp_path_factory.mktemp("hunt") / "hunt.bag"
-    record(bag, STUDY, 25.0)
+    record(bag, STUDY, 16.0)
     return bag
 
 
 class TestSame:
     def test_a_hunt_is_the_same_again_to_the_last_bit(self, hunt: Path, tmp_path: Path) -> None:
-        equal(hunt, 25 * 50)
+        equal(hunt, 16 * 50)
         again(hunt, to=tmp_path / "again.bag")
         assert list(messages(tmp_path / "again.bag")) == list(messages(hunt))
 
@@ -112,8 +113,8 @@ class TestSame:
             "mishaps:\n  - {robot: 2, what: dies, time: 4}\n  - {robot: 2, what: revives, time: 8}\n"
             "  - {robot: 3, what: carried, time: 6, to: [0, 4, 1]}\n",
         )
-        record(tmp_path / "hunt.bag", dataclasses.replace(study, server=STUDY.server), 15.0)
-        equal(tmp_path / "hunt.bag", 15 * 50)
+        record(tmp_path / "hunt.bag", dataclasses.replace(study, server=STUDY.server), 10.0)
+        equal(tmp_path / "hunt.bag", 10 * 50)
 
     def test_all_that_can_be_asked_of_robots(self, tmp_path: Path) -> None:
         here = Pose2(1.0, 0.1 + 0.2, -0.0)
@@ -212,7 +213,7 @@ class TestSame:
 
         async def both() -> None:
             participant = asyncio.create_task(outside())
-            options = PlayOptions(20.0, tmp_path / "hunt.bag", frozenset({legacy.TABUI}), "person", 40.0)
+            options = PlayOptions(20.0, tmp_path / "hunt.bag", frozenset({legacy.TABUI}), "person", 30.0)
             try:
                 await programs.play(setting, bot_of(setting), options, where.append, lambda moment: None)
             finally:
@@ -223,7 +224,7 @@ class TestSame:
         assert session_of(tmp_path / "hunt.bag").participant == ""
         opened = [item for item in inputs(tmp_path / "hunt.bag") if isinstance(item, Opened)]
         assert len(opened) == 2
-        equal(tmp_path / "hunt.bag", 40 * 50)
+        equal(tmp_path / "hunt.bag", 30 * 50)
 
 
 class TestDifferent:
@@ -295,8 +296,18 @@ def again_seconds(bag: Path, number: int) -> float:
 def test_it_tells_what_happens_from_the_time_asked_for(hunt: Path) -> None:
     told: list[Moment] = []
     setting = setting_of(read_study_text(hunt, session_of(hunt).study))
-    asyncio.run(replay(hunt, setting, ReplayOptions(0.0, 20.0, None, False), told.append))
-    assert [moment.tick for moment in told] == list(range(1000, 1250))
+    asyncio.run(replay(hunt, setting, ReplayOptions(0.0, 12.0, None, False), told.append))
+    assert [moment.tick for moment in told] == list(range(600, 800))
+
+
+def test_a_participant_who_plays_anew_makes_the_best_of_a_changed_study(hunt: Path, tmp_path: Path) -> None:
+    setting = setting_of(read_study_text(hunt, session_of(hunt).study))
+    options = ReplayOptions(0.0, 0.0, tmp_path / "again.bag", True, BotStrategy.SUGGESTION)
+    assert asyncio.run(replay(hunt, setting, options, lambda moment: None)).difference is None
+    options = dataclasses.replace(options, to=tmp_path / "other.bag", participant=BotStrategy.NEAREST)
+    assert asyncio.run(replay(hunt, setting, options, lambda moment: None)).difference is not None
+    assert session_of(tmp_path / "other.bag").participant == "nearest"
+    assert again(tmp_path / "other.bag").difference is None
 
 
 def test_bags_that_are_not_ours_are_refused(tmp_path: Path) -> None:

@@ -220,7 +220,7 @@ class _Gathered:
         self._moments.append(Moment(time, "said", who, said.room, said.text or said.move))
 
     def _input(self, time: float, topic: str, data: bytes) -> None:
-        self._inputs += 1
+        self._inputs += unpack.outside_input(data).kind in {"said", "received", "asked"}
 
 
 def _action(topic: str) -> str:

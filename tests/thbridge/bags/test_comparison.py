@@ -1,15 +1,15 @@
 import numpy as np
 import pytest
 
+from thbridge.bags.comparison import RobotFigures, figures_of
+from thbridge.bags.report.values import Leg, Report, Track
 from thbridge.ros.records import Score
-from thbridge.study.comparison import RobotFigures, figures_of
-from thbridge.study.report import Leg, Report, Track
 
 NONE = np.empty((0, 4))
 
 
 def track(errors: np.ndarray, energy: np.ndarray, legs: tuple[Leg, ...] = ()) -> Track:
-    return Track("robot1", NONE, NONE, errors, energy, legs, 12.5)
+    return Track("robot1", NONE, NONE, errors, energy, legs, 12.5, NONE, NONE, NONE, NONE, ())
 
 
 def report(tracks: tuple[Track, ...], score: Score | None) -> Report:
