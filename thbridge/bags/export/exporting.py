@@ -57,10 +57,10 @@ def export(recorded: Iterable[tuple[Connection, int, bytes]], start_ns: int, exp
             continue
         try:
             gathered.add(stamp_ns, data)
-            if publisher.msgtype == SESSION and exported.session is None:
-                exported.session = unpack.session(data)
         except ValueError as error:
             broken[f"{publisher.topic}: {error}"] += 1
+        if publisher.msgtype == SESSION:
+            exported.session = exported.session or _session(data)
         if gathered.size > PIECE:
             yield from _counted(gathered.take(), together, exported)
     for gathered in topics.values():
@@ -82,6 +82,14 @@ def _begun(publisher: Connection, names: set[str], start_ns: int, notices: list[
         notices.append(f"{publisher.topic} is left out: {error}.")
         return None
     return TopicTables(_file_name(publisher.topic, names), publisher.topic, record, start_ns)
+
+
+def _session(data: bytes) -> Session | None:
+    """The session, if this is the release that recorded it; else its table has what it says."""
+    try:
+        return unpack.session(data)
+    except ValueError:
+        return None
 
 
 def _file_name(topic: str, taken: set[str]) -> str:
