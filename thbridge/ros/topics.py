@@ -125,8 +125,11 @@ class RobotTopics:
             status=Topic(robot.topic("move_base/status"), types.GOAL_STATUS_ARRAY, latched=True),
             feedback=Topic(robot.topic("move_base/feedback"), types.MOVE_BASE_FEEDBACK),
             result=Topic(robot.topic("move_base/result"), types.MOVE_BASE_RESULT),
-            plan=Topic(robot.topic(f"move_base/{planners.base_global_planner}/plan"), types.PATH),
-            local_plan=Topic(robot.topic(f"move_base/{planners.base_local_planner}/local_plan"), types.PATH),
+            # ROS's are not latched, but said again and again; ours only when they change, the last one being empty.
+            plan=Topic(robot.topic(f"move_base/{planners.base_global_planner}/plan"), types.PATH, latched=True),
+            local_plan=Topic(
+                robot.topic(f"move_base/{planners.base_local_planner}/local_plan"), types.PATH, latched=True
+            ),
             # costmap_2d sends its last costmap to whoever comes late: as good as latched.
             global_costmap=Topic(robot.topic("move_base/global_costmap/costmap"), types.OCCUPANCY_GRID, latched=True),
             local_costmap=Topic(robot.topic("move_base/local_costmap/costmap"), types.OCCUPANCY_GRID, latched=True),

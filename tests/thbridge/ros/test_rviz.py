@@ -1,4 +1,5 @@
 from collections.abc import Iterator
+from pathlib import Path
 
 import numpy as np
 from ruamel.yaml import YAML
@@ -7,7 +8,12 @@ from sim.geometry import IDENTITY
 from sim.grid import OccupancyGrid
 from sim.parameters import RobotParameters
 from sim.parameters.move_base import MoveBaseParameters
+from thbridge.adapters.map_files import read_map
+from thbridge.adapters.resources import shipped
+from thbridge.app.config import Study
 from thbridge.ros.rviz import configuration
+
+ROOT = Path(__file__).parents[3]
 
 SOFTWARE = RobotParameters(move_base=MoveBaseParameters(base_local_planner="dwa_local_planner/DWAPlannerROS"))
 GRID = OccupancyGrid(np.zeros((20, 40), dtype=np.int8), 0.5, IDENTITY)
@@ -46,3 +52,11 @@ def test_the_view_holds_the_whole_map() -> None:
     view = text["Visualization Manager"]["Views"]["Current"]
     assert (view["X"], view["Y"]) == (10.0, 5.0)
     assert 0.5 * (1280 - 320) / 20 < view["Scale"] <= (1280 - 320) / 20
+
+
+def test_the_file_that_comes_with_the_documents_is_what_the_program_writes() -> None:
+    study = Study(robots=3)
+    place = read_map(shipped().find("maps", study.map, Path()))
+    assert (ROOT / "docs" / "thbridge.rviz").read_text() == configuration([study.robot] * 3, place.grid), (
+        "run: thbridge ros rviz --robots 3 --to docs/thbridge.rviz"
+    )
