@@ -93,7 +93,11 @@ def unlatched(bag: Structure) -> Iterator[Finding]:
 
 
 def two_latched(bag: Structure) -> Iterator[Finding]:
-    """`rosbag play` is one node: of a topic it latches one message, the last."""
+    """Of a topic that several latch, many know the last message only.
+
+    Source: ros_comm 1.15 (Noetic) latches for each publisher, roscpp before it for each topic of a node, and
+    `rosbag play` is one node. Foxglove asks for one message of a topic when it seeks (BagIterableSource.ts).
+    """
     for topic, sources in bag.of_topic().items():
         # Every node's log is latched, and nobody minds.
         if sources[0].msgtype == "rosgraph_msgs/Log" or len(sources) < 2:
@@ -101,9 +105,13 @@ def two_latched(bag: Structure) -> Iterator[Finding]:
         if topic.endswith("tf_static") or any(source.latched for source in sources):
             severity = Severity.ERROR if topic.endswith("tf_static") else Severity.WARNING
             names = ", ".join(source.caller or "?" for source in sources)
-            what = f"{len(sources)} publishers latch it ({names}): played, each one's message replaces the other's"
+            what = (
+                f"{len(sources)} publishers latch it ({names}): each one's message replaces the others' "
+                "in `rosbag play` before Noetic, and in Foxglove after a seek"
+            )
             remedy = "let one publisher say all of it in one message"
-            yield Finding("two-latched", severity, LIVE, topic, what, remedy)
+            tools = (*LIVE, Tool.FOXGLOVE)
+            yield Finding("two-latched", severity, tools, topic, what, remedy)
 
 
 def two_types(bag: Structure) -> Iterator[Finding]:
