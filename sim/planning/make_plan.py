@@ -48,13 +48,16 @@ def make_plan(
         return path
     reached = planner.reached(costs, frame, start)
     step = min(STEP * frame.resolution, tolerance)
+    rows, cols = costs.shape
+    corner = np.array([frame.x, frame.y])
+    # A hair less, or rounding might lead to a cell beyond the last one.
+    opposite = corner + (np.array([cols, rows]) - 1e-6) * frame.resolution
     # Beyond the map's size there is nothing to search.
-    farthest = min(tolerance, sum(costs.shape) * frame.resolution)
+    farthest = min(tolerance, (rows + cols) * frame.resolution)
     for ring in range(1, math.floor(farthest / step + 1e-6) + 1):
         points = np.array([goal.x, goal.y]) + _square(ring) * step
-        cells = np.floor((points[:, ::-1] - (frame.y, frame.x)) / frame.resolution).astype(np.int64)
-        within = ((cells >= 0) & (cells < costs.shape)).all(axis=1)
-        points, cells = points[within], cells[within]
+        points = points[((points >= corner) & (points < opposite)).all(axis=1)]
+        cells = ((points[:, ::-1] - corner[::-1]) / frame.resolution).astype(np.int64)
         for x, y in points[reached[cells[:, 0], cells[:, 1]]].tolist():
             near = planner.plan(costs, frame, start, Pose2(x, y, goal.theta))
             if isinstance(near, Path):

@@ -17,6 +17,9 @@ from sim.geometry import FloatArray, Pose2
 from sim.planning.path import Path, Refused, refused
 from sim.planning.wave import BLOCKED, UNREACHED, CellCosts, Points, Potential, Workspace, prepare
 
+FARTHEST = 1e9
+"""Cells from a map's corner, at most, that places are told apart."""
+
 
 class Method(Protocol):
     """What makes one planner different from another."""
@@ -131,6 +134,8 @@ def _position(frame: CostFrame, pose: Pose2) -> tuple[float, float]:
 
 
 def _within(position: float) -> float:
+    # Whatever lies beyond is on no map, and may be infinitely many cells away.
+    position = min(max(position, -FARTHEST), FARTHEST)
     cell = math.floor(position)
     return cell + min(max(position - cell - 0.5, -0.499999), 0.499999)
 

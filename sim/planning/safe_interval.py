@@ -282,7 +282,11 @@ def _off_path(
 
 def _nearest(chart: Roadmap, free: BoolArray, x: float, y: float, reach: float) -> tuple[int, int] | None:
     """The free cell whose centre is nearest to a map point, within `reach` metres."""
-    col, row = ((np.array([x, y]) - chart.corner) / chart.side).astype(np.int64)
+    place = np.array([x, y]) - chart.corner
+    if (place < -reach).any() or (place > chart.side * np.array(free.shape[::-1]) + reach).any():
+        # So far off that its cell might have no number.
+        return None
+    col, row = (place / chart.side).astype(np.int64)
     span = math.ceil(reach / chart.side)
     rows, cols = slice(max(0, row - span), row + span + 1), slice(max(0, col - span), col + span + 1)
     distances = np.where(

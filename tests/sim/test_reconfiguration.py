@@ -382,6 +382,15 @@ def test_where_the_goal_is_a_wall_the_plan_ends_as_near_as_is_tolerated():
     assert np.array_equal(shorter.make_plan(0, None, wall, 1.5), plan[:-1])
 
 
+@pytest.mark.parametrize("far", [1e6, 1e100, 1.7e308])
+def test_a_goal_however_far_away_is_refused(far):
+    team, place = team_of(), Pose2(far, -far, 0.0)
+    for start, goal in ((None, place), (place, FAR.base_in_map)):
+        assert isinstance(team.make_plan(0, start, goal, 0.5), Refused)
+    results = [s.robots[0].navigation.result for s in run(team, 2, Go(0, Goal(7, place)))]
+    assert [result.reason for result in results if result] == ["goal_outside"]
+
+
 @pytest.mark.parametrize("tolerance", [1e9, float("inf"), float("nan"), -1.0])
 def test_a_tolerance_of_any_size_is_answered(tolerance):
     plan = team_of().make_plan(0, None, Pose2(1e6, 1e6, 0.0), tolerance)
