@@ -91,7 +91,13 @@ def open_recording(
         problem = "no scan has two beams and an angle between them"
         raise BadFile(path, None, scans.name, problem, "name another topic by --scan-topic")
 
-    tf_topics = [topic.name for topic in topics if topic.msgtype in TF_TYPES]
+    # Robots with a tf of their own all have the same frames in it.
+    robot = namespace_of(scans.name)
+    tf_topics = [
+        topic.name
+        for topic in topics
+        if topic.msgtype in TF_TYPES and topic.name.strip("/").rpartition("/")[0] in {"", robot}
+    ]
     odom_name = odom_topic or _odometry_beside(scans.name, topics, notices)
     odometry = _topic(topics, odom_name, (ODOMETRY,))
     if odometry is not None:

@@ -67,6 +67,8 @@ class Robot:
     scan_topic: str = "/scan"
     more_scans: tuple[str, ...] = ()
     tf_type: str = "tf2_msgs/msg/TFMessage"
+    tf_namespace: str = ""
+    stray_tf: str | None = None
     odom_per_scan: int = 2
     slip: float = 1.02
     beams: int = 181
@@ -143,9 +145,12 @@ def write(path: Path, robot: Robot, seconds: float = 6.0) -> list[Pose2]:
         scans = (robot.scan_topic, *robot.more_scans)
         topics = dict.fromkeys(scans, "sensor_msgs/msg/LaserScan")
         # tf of old had no topic for frames that stay: they are said again and again.
-        static = "/tf_static" if robot.tf_type == "tf2_msgs/msg/TFMessage" else "/tf"
+        moving = f"{robot.tf_namespace}/tf"
+        static = f"{robot.tf_namespace}/tf_static" if robot.tf_type == "tf2_msgs/msg/TFMessage" else moving
         if robot.tf:
-            topics |= dict.fromkeys(("/tf", static), robot.tf_type)
+            topics |= dict.fromkeys((moving, static), robot.tf_type)
+        if robot.stray_tf:
+            topics[robot.stray_tf] = robot.tf_type
         if robot.odom_topic:
             topics[robot.odom_topic] = "nav_msgs/msg/Odometry"
         at = {name: bag.add_connection(name, msgtype, typestore=STORE) for name, msgtype in topics.items()}
@@ -163,7 +168,9 @@ def write(path: Path, robot: Robot, seconds: float = 6.0) -> list[Pose2]:
             if robot.odom_topic:
                 say(robot.odom_topic, ns, odometry(ns, robot.odom_frame, robot.base_frame, pose))
             if robot.tf:
-                say("/tf", ns, tf_message([transform(ns, robot.odom_frame, robot.base_frame, pose)]))
+                say(moving, ns, tf_message([transform(ns, robot.odom_frame, robot.base_frame, pose)]))
+            if robot.stray_tf:  # of another robot that calls its frames the same, and stands
+                say(robot.stray_tf, ns, tf_message([transform(ns, robot.odom_frame, robot.base_frame, IDENTITY)]))
 
         half = PERIOD_NS // (2 * robot.odom_per_scan)
         say_odometry(START_NS - half, in_odom)

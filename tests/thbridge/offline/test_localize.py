@@ -174,6 +174,11 @@ LAYOUTS = {
         "/base_scan",
         "tf odom -> base_footprint",
     ),
+    "one of several with a tf of their own": (
+        Robot(scan_topic="/tb3_1/scan", odom_topic=None, tf_namespace="/tb3_1", stray_tf="/tb3_0/tf"),
+        "/tb3_1/scan",
+        "tf odom -> base_footprint",
+    ),
     "one of a fleet": (
         Robot(
             scan_topic="/tb3_1/scan",

@@ -128,7 +128,7 @@ class Rows:
 
     def run(self, index: int, run: Run) -> NDArray[np.void]:
         """(count,) structures of the part at an index."""
-        return np.frombuffer(bytes(self._runs[index]), dtype=run.dtype)
+        return np.frombuffer(self._runs[index], dtype=run.dtype)
 
     def texts(self, index: int) -> list[str]:
         """Strings of the part at an index: one a row, or those of all rows where it is an array."""
@@ -140,7 +140,7 @@ class Rows:
 
     def numbers(self, index: int, part: Numbers) -> Array:
         """The numbers of all rows of the part at an index."""
-        return np.frombuffer(bytes(self._runs[index]), dtype=DTYPES[part.kind])
+        return np.frombuffer(self._runs[index], dtype=DTYPES[part.kind])
 
     def blobs(self, index: int) -> list[bytes]:
         """The bytes of each row of the part at an index."""

@@ -2,7 +2,7 @@
 
 from array import array
 from collections import defaultdict
-from collections.abc import Callable, Iterable
+from collections.abc import Callable, Iterable, Mapping
 from dataclasses import dataclass, field
 
 import numpy as np
@@ -12,6 +12,7 @@ from thbridge.bags.report.paths import corrected, distance, errors, table
 from thbridge.bags.report.values import Leg, Track
 from thbridge.ros.frames import frame_name
 from thbridge.ros.robots import (
+    ODOM_FRAME,
     is_map_frame,
     is_odom_frame,
     is_truth,
@@ -97,90 +98,119 @@ class Heard:
         return frozenset(named if len(named) == 1 else found)
 
     def _track(self, robot: str, robots: frozenset[str], duration: float) -> Track:
-        def own(topics: Iterable[str]) -> list[str]:
-            return [topic for topic in topics if owner_of(topic, robots) == robot]
-
-        def own_poses(heard: dict[str, Poses]) -> dict[str, Poses]:
-            return {
-                topic: poses
-                for topic, poses in heard.items()
-                if (prefix_of(poses.child) if prefix_of(poses.child) in robots - {""} else owner_of(topic, robots))
-                == robot
-            }
-
-        edges = {
-            f"tf {poses.frame} -> {poses.child}": poses
-            for key, poses in self.edges.items()
-            if _owner_of_edge(key) == robot or len(robots) == 1
-        }
-        odometry_topics, pose_topics = own_poses(self.odometry), own_poses(self.poses)
-        sources = []
-
-        def take(what: str, candidates: dict[str, Poses], usual: tuple[str, ...] = ()) -> Poses | None:
-            names = usual_first(candidates, usual)
-            if not names:
-                return None
-            others = f"; there is also {', '.join(names[1:])}" if len(names) > 1 else ""
-            sources.append(f"{what} from {names[0]}{others}")
-            return candidates[names[0]]
-
-        truth = take("truth", _chosen(odometry_topics, lambda topic, _: is_truth(topic))) or take(
-            "truth", _chosen(pose_topics, lambda topic, _: is_truth(topic))
-        )
-        if truth is not None and truth.frame and not is_map_frame(truth.frame):
-            sources.append(f"the truth is in the frame {frame_name(truth.frame)}, and is taken as places on the map")
-        counted = _chosen(odometry_topics, lambda topic, poses: not is_truth(topic) and not is_map_frame(poses.frame))
-        odometry = take("odometry", counted, ("odom",)) or take(
-            "odometry", _chosen(edges, lambda _, poses: is_odom_frame(poses.frame)), BASES
-        )
-        estimate = np.empty((0, 4))
-        corrections = _chosen(
-            edges,
-            lambda _, poses: odometry is not None and frame_name(poses.child) == frame_name(odometry.frame),
-        )
-        if odometry is not None and (correction := take("estimate", corrections)) is not None:
-            estimate = corrected(table(odometry.rows, 4), table(correction.rows, 4))
-        else:
-            for kind, usual in (
-                (_estimates(pose_topics), ESTIMATES),
-                (_chosen(odometry_topics, lambda topic, poses: not is_truth(topic) and is_map_frame(poses.frame)), ()),
-                (_chosen(edges, lambda _, poses: last_word(poses.child) in BASES and is_map_frame(poses.frame)), BASES),
-            ):
-                if (found := take("estimate", kind, usual)) is not None:
-                    estimate = table(found.rows, 4)
-                    break
-        admitted = next(
-            (pose_topics[name].deviations for name in usual_first(_estimates(pose_topics), ESTIMATES)), numbers()
-        )
-        energy = next((self.energy[name] for name in usual_first(own(self.energy), BATTERIES)), numbers())
-        commands = next((self.commands[name] for name in usual_first(own(self.commands), COMMANDS)), numbers())
-        legs = [leg for topic in own(self.legs) for leg in self.legs[topic]]
+        sources = _Sources(self, robot, robots)
+        truth, odometry = sources.truth(), sources.odometry()
+        estimate = sources.estimate(odometry)
+        true_path, driven = table(truth.rows, 4), table(odometry.rows, 4)
+        legs = [leg for topic in sources.own(self.legs) for leg in self.legs[topic]]
         legs += [
-            Leg(start, duration, UNDER_WAY, "") for topic in own(self.goals) for start in self.goals[topic].values()
+            Leg(start, duration, UNDER_WAY, "")
+            for topic in sources.own(self.goals)
+            for start in self.goals[topic].values()
         ]
-        true_path = table(truth.rows if truth is not None else numbers(), 4)
-        driven = table(odometry.rows if odometry is not None else numbers(), 4)
         return Track(
             name=robot or "robot",
             truth=true_path,
             estimate=estimate,
             errors=errors(estimate, true_path),
-            energy=table(energy, 2),
+            energy=table(_first(self.energy, sources.own(self.energy), BATTERIES), 2),
             legs=tuple(sorted(legs, key=lambda leg: leg.start)),
             distance=distance(next((path for path in (true_path, estimate, driven) if len(path)), true_path)),
             odometry=driven,
-            speeds=table(odometry.speeds if odometry is not None else numbers(), 3),
-            commands=table(commands, 3),
-            deviations=table(admitted, 3),
-            sources=tuple(sources),
+            speeds=table(odometry.speeds, 3),
+            commands=table(_first(self.commands, sources.own(self.commands), COMMANDS), 3),
+            deviations=table(sources.admitted(), 3),
+            sources=tuple(sources.told),
         )
 
 
-def _chosen(heard: dict[str, Poses], wanted: Callable[[str, Poses], bool]) -> dict[str, Poses]:
+class _Sources:
+    """Which of the topics and transforms heard are one robot's truth, odometry and estimate.
+
+    Attributes:
+        told: what was taken, for people.
+    """
+
+    def __init__(self, heard: Heard, robot: str, robots: frozenset[str]) -> None:
+        self.told: list[str] = []
+        self._robot, self._robots = robot, robots
+        self._odometry = self._own_poses(heard.odometry)
+        self._poses = self._own_poses(heard.poses)
+        self._edges = {
+            f"tf {poses.frame} -> {poses.child}": poses
+            for key, poses in heard.edges.items()
+            if _owner_of_edge(key) == robot or len(robots) == 1
+        }
+
+    def own(self, topics: Iterable[str]) -> list[str]:
+        """Those of the robot's namespace."""
+        return [topic for topic in topics if owner_of(topic, self._robots) == self._robot]
+
+    def truth(self) -> Poses:
+        """Where it was, without rows where nobody says."""
+
+        def known(topic: str, _: Poses) -> bool:
+            return is_truth(topic)
+
+        truth = self._take("truth", (_chosen(self._odometry, known), ()), (_chosen(self._poses, known), ()))
+        if truth.frame and not is_map_frame(truth.frame):
+            self.told.append(f"the truth is in the frame {frame_name(truth.frame)}, and is taken as places on the map")
+        return truth
+
+    def odometry(self) -> Poses:
+        """What its wheels counted, likewise."""
+        topics = _chosen(self._odometry, lambda topic, said: not is_truth(topic) and not is_map_frame(said.frame))
+        edges = _chosen(self._edges, lambda _, said: is_odom_frame(said.frame))
+        return self._take("odometry", (topics, (ODOM_FRAME,)), (edges, ()))
+
+    def estimate(self, odometry: Poses) -> FloatArray:
+        """(n, 4) time, x, y, theta: where it believed itself to be; the correction of its odometry before all."""
+        corrections = _chosen(
+            self._edges,
+            lambda _, said: is_map_frame(said.frame) and frame_name(said.child) == frame_name(odometry.frame),
+        )
+        if odometry.rows and corrections:
+            return corrected(table(odometry.rows, 4), table(self._take("estimate", (corrections, ())).rows, 4))
+        fused = _chosen(self._odometry, lambda topic, said: not is_truth(topic) and is_map_frame(said.frame))
+        direct = _chosen(self._edges, lambda _, said: is_map_frame(said.frame) and last_word(said.child) in BASES)
+        found = self._take("estimate", (_estimates(self._poses), ESTIMATES), (fused, ()), (direct, ()))
+        return table(found.rows, 4)
+
+    def admitted(self) -> "array[float]":
+        """Rows of what its localiser admits; see `Poses.deviations`."""
+        names = usual_first(_estimates(self._poses), ESTIMATES)
+        return self._poses[names[0]].deviations if names else numbers()
+
+    def _own_poses(self, heard: Mapping[str, Poses]) -> dict[str, Poses]:
+        """By the prefix of the frame, if that is a robot's, else by the namespace."""
+        named = self._robots - {""}
+        return {
+            topic: poses
+            for topic, poses in heard.items()
+            if (prefix if (prefix := prefix_of(poses.child)) in named else owner_of(topic, self._robots)) == self._robot
+        }
+
+    def _take(self, what: str, *choices: tuple[Mapping[str, Poses], tuple[str, ...]]) -> Poses:
+        """Of the first choice that there is the usual one; none is poses without rows."""
+        for candidates, usual in choices:
+            if names := usual_first(candidates, usual):
+                others = f"; there is also {', '.join(names[1:])}" if len(names) > 1 else ""
+                self.told.append(f"{what} from {names[0]}{others}")
+                return candidates[names[0]]
+        return Poses("", "")
+
+
+def _first(heard: Mapping[str, "array[float]"], topics: Iterable[str], usual: tuple[str, ...]) -> "array[float]":
+    """The rows of the usual topic; none where there is no topic."""
+    names = usual_first(topics, usual)
+    return heard[names[0]] if names else numbers()
+
+
+def _chosen(heard: Mapping[str, Poses], wanted: Callable[[str, Poses], bool]) -> dict[str, Poses]:
     return {name: poses for name, poses in heard.items() if wanted(name, poses)}
 
 
-def _estimates(poses: dict[str, Poses]) -> dict[str, Poses]:
+def _estimates(poses: Mapping[str, Poses]) -> dict[str, Poses]:
     """Poses on the map that may be a localiser's."""
     return _chosen(
         poses,
