@@ -16,6 +16,8 @@ from thbridge.ros.names import MAP_FRAME
 
 _PLANAR = np.ix_((0, 1, 5), (0, 1, 5))
 """x, y and yaw among x, y, z, roll, pitch, yaw."""
+_FARTHEST = 1e6
+"""Metres: no map is that large, and squares of farther numbers leave what can be counted with."""
 _FLAT = math.cos(math.radians(10.0))
 """move_base, too, takes a goal's tilt of some degrees for noise and more than that for a mistake."""
 
@@ -72,7 +74,8 @@ def pose_estimate(data: bytes) -> PoseEstimate | Refused:
         return Refused(str(error))
     if isinstance(pose, Refused):
         return pose
-    if not np.isfinite(covariance).all() or np.linalg.eigvalsh(0.5 * (covariance + covariance.T)).min() < -1e-9:
+    bounded = bool((np.abs(covariance) <= _FARTHEST**2).all())
+    if not bounded or np.linalg.eigvalsh(0.5 * (covariance + covariance.T)).min() < -1e-9:
         return Refused("its covariance is not one: it has to be finite and positive semi-definite")
     return PoseEstimate(pose, covariance)
 
@@ -151,6 +154,8 @@ def _pose_in_map(cursor: Cursor, frame: str) -> Pose2 | Refused:
     length = math.sqrt(qx * qx + qy * qy + qz * qz + qw * qw)
     if not math.isfinite(x + y + z + length):
         return Refused("its pose is not finite")
+    if max(abs(x), abs(y)) > _FARTHEST:
+        return Refused("its pose is farther away than any map is large")
     if length < 1e-6:
         return Refused("its quaternion is empty; no rotation is (0, 0, 0, 1)")
     qx, qy, qz, qw = qx / length, qy / length, qz / length, qw / length

@@ -52,6 +52,7 @@ def test_frames_may_have_the_slash_of_old() -> None:
         (stamped("robot1/odom"), "robot1/odom"),
         (stamped(x=math.nan), "finite"),
         (stamped(y=math.inf), "finite"),
+        (stamped(x=-1e300), "farther"),
         (stamped(scale=0.0), "quaternion"),
         (stamped()[:-1], "ends too early"),
     ],
@@ -85,7 +86,7 @@ def test_an_estimate_has_the_covariance_of_the_plane() -> None:
     assert np.array_equal(found.covariance, np.diag([0.1, 0.2, 0.3]))
 
 
-@pytest.mark.parametrize("bad", [np.full((6, 6), np.nan), -np.eye(6)])
+@pytest.mark.parametrize("bad", [np.full((6, 6), np.nan), -np.eye(6), 1e308 * np.eye(6)])
 def test_an_estimate_with_an_impossible_covariance_is_refused(bad: np.ndarray) -> None:
     assert isinstance(clients.pose_estimate(estimate(bad)), Refused)
 
