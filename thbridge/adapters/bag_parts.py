@@ -17,6 +17,7 @@ class Splitting:
 
     Attributes:
         size: bytes beyond which a file ends, with the chunk and with all that has the same stamp; None for any size.
+            What a file begins with, because files before it said so, does not count: it alone may be larger.
         duration_ns: recorded time that a file spans at most; None for any.
     """
 
@@ -65,6 +66,7 @@ class Parts:
         self._splitting = splitting
         self._syncing = syncing
         self._number = self._period = 0
+        self._repeated = 0
         self._full = False
         self._end_ns = 0
         self._open: list[ChunkFile] = []
@@ -84,7 +86,8 @@ class Parts:
         """Add a chunk. Raises OSError; then everything before it is kept."""
         self._turn_to(piece)
         self._file.append(piece.chunk)
-        self._full = self._splitting.size is not None and self._file.size > self._splitting.size
+        said = self._file.size - self._repeated
+        self._full = self._splitting.size is not None and said > self._splitting.size
         self._end_ns = piece.chunk.end_ns
 
     def preview(self, piece: Piece) -> None:
@@ -128,6 +131,7 @@ class Parts:
             opening.add(connection, piece.chunk.start_ns, data)
         if opening.size:
             self._file.append(opening.take())
+        self._repeated = self._file.size
 
     def _begin(self, number: int) -> ChunkFile:
         path = part_of(self._path, number) if self._splitting.wanted else self._path
