@@ -9,6 +9,8 @@ import pytest
 from matplotlib.figure import Figure
 from PIL import Image
 
+from sim.geometry import Pose2
+from sim.grid import OccupancyGrid
 from tests.thbridge.bags.test_report import session
 from thbridge.bags.plot.figures import SIGMAS, What, draw
 from thbridge.bags.plot.look import ONE_COLUMN, TWO_COLUMNS, Kind, Look
@@ -68,12 +70,21 @@ def test_the_band_is_what_the_localiser_admits(report: Report) -> None:
     assert axes.lines[0].get_ydata().max() == pytest.approx(100 * report.tracks[0].errors[:, 1].max())
 
 
-def test_a_robot_that_is_known_by_odometry_alone_has_its_path(report: Report) -> None:
+def test_odometry_alone_is_drawn_without_the_map_it_is_not_in(report: Report) -> None:
     nothing = np.empty((0, 4))
     tracks = tuple(replace(track, truth=nothing, estimate=nothing) for track in report.tracks)
-    axes = drawn(What.PATHS, replace(report, tracks=tracks, grid=None)).axes[0]
+    axes = drawn(What.PATHS, replace(report, tracks=tracks)).axes[0]
     assert any(line.get_linestyle() == "--" and len(line.get_xdata()) > 10 for line in axes.lines)
     assert "odometry" in [text.get_text() for text in axes.get_legend().get_texts()]
+    assert not axes.images
+
+
+def test_unknown_ground_about_a_map_is_cut_off(report: Report) -> None:
+    cells = np.full((400, 600), -1, dtype=np.int8)
+    cells[100:200, 300:500] = 0
+    grid = OccupancyGrid(cells, 0.1, Pose2(-30.0, -20.0, 0.0))
+    axes = drawn(What.PATHS, replace(report, tracks=(), grid=grid)).axes[0]
+    assert (axes.get_xlim(), axes.get_ylim()) == (pytest.approx((0.0, 20.0)), pytest.approx((-10.0, 0.0)))
 
 
 def test_goals_have_the_number_of_their_room(report: Report) -> None:

@@ -13,7 +13,7 @@ from matplotlib.patches import Patch
 from matplotlib.ticker import FuncFormatter, MaxNLocator, MultipleLocator
 
 from sim.geometry import FloatArray
-from sim.grid import OCCUPIED, OccupancyGrid
+from sim.grid import OCCUPIED, UNKNOWN, OccupancyGrid
 from thbridge.bags.plot.look import FAINT, INK, Look, clock, colour, label_above
 from thbridge.bags.plot.thinning import changes, peaks, simplified
 from thbridge.bags.report.values import Leg, Moment, Report, Track
@@ -47,35 +47,47 @@ def draw(what: What, report: Report, look: Look) -> Figure | Refused:
 
 
 def paths(report: Report, look: Look) -> Figure | None:
-    """The map with things and ways: broad the true ones, narrow those believed."""
-    tracks = [track for track in report.tracks if len(_best(track))]
-    if not tracks and report.grid is None:
+    """The map with things and ways: broad the true ones, narrow those believed.
+
+    Where no pose on the map is known, the ways by odometry, without the map: they begin wherever the wheels began to
+    count.
+    """
+    placed = any(len(track.truth) or len(track.estimate) for track in report.tracks)
+    counted = not placed and any(len(track.odometry) for track in report.tracks)
+    grid = None if counted else report.grid
+    ways = [(track.odometry,) if counted else (track.truth, track.estimate) for track in report.tracks]
+    seen = [path[:, 1:3] for way in ways for path in way if len(path)]
+    if not seen and grid is None:
         return None
-    left, right, bottom, top = _extent(report, tracks)
+    left, right, bottom, top = _extent(grid, seen)
     # A legend of robots needs a line, the axes' labels another.
     height = look.width * (top - bottom) / (right - left) + 6.0 * look.font / 72.0
     figure, ((axes,),) = look.figure(min(max(height, 0.3 * look.width), 1.4 * look.width))
     axes.grid(visible=False)
-    if report.grid is not None:
-        _draw_grid(axes, report.grid)
-    for thing in report.things:
+    if grid is not None:
+        _draw_grid(axes, grid)
+    for thing in () if counted else report.things:
         axes.fill(thing.outline[:, 0], thing.outline[:, 1], fc=_THING, ec=INK, lw=0.6, alpha=0.8, zorder=1)
-        way = simplified(thing.path)
-        axes.plot(way[:, 0], way[:, 1], ":", color=INK, lw=0.8, zorder=1)
+        walk = simplified(thing.path)
+        axes.plot(walk[:, 0], walk[:, 1], ":", color=INK, lw=0.8, zorder=1)
         axes.annotate(thing.name, thing.outline[:, :2].max(axis=0), color=INK, fontsize=look.font - 2, zorder=4)
+    styles = (
+        (("odometry", look.line, 1.0, "--"),)
+        if counted
+        else (("true", 4.0 * look.line, 0.35, "-"), ("estimated", look.line, 1.0, "-"))
+    )
     mark = 0.75 * look.font
-    for index, track in enumerate(report.tracks):
+    for index, way in enumerate(ways):
         tint = colour(index)
-        for path, width, alpha in ((track.truth, 4.0 * look.line, 0.35), (track.estimate, look.line, 1.0)):
-            line = simplified(path[:, 1:3])
-            axes.plot(line[:, 0], line[:, 1], color=tint, lw=width, alpha=alpha, solid_capstyle="round", zorder=2)
-        path = _best(track)
-        if not len(track.truth) and not len(track.estimate) and len(path):
-            line = simplified(path[:, 1:3])
-            axes.plot(line[:, 0], line[:, 1], "--", color=tint, zorder=2)
-        if len(path):
-            axes.plot(*path[0, 1:3], "o", ms=mark, mfc="white", mec=tint, mew=1.2, zorder=3)
-            axes.plot(*path[-1, 1:3], "o", ms=mark, color=tint, mec="white", zorder=3)
+        for path, (_, width, alpha, line) in zip(way, styles, strict=True):
+            points = simplified(path[:, 1:3])
+            axes.plot(
+                points[:, 0], points[:, 1], line, color=tint, lw=width, alpha=alpha, solid_capstyle="round", zorder=2
+            )
+        best = next((path for path in way if len(path)), None)
+        if best is not None:
+            axes.plot(*best[0, 1:3], "o", ms=mark, mfc="white", mec=tint, mew=1.2, zorder=3)
+            axes.plot(*best[-1, 1:3], "o", ms=mark, color=tint, mec="white", zorder=3)
     axes.set_aspect("equal")
     axes.set_xlim(left, right)
     axes.set_ylim(bottom, top)
@@ -84,13 +96,9 @@ def paths(report: Report, look: Look) -> Figure | None:
     axes.set_xlabel("x, m")
     axes.set_ylabel("y, m")
     kinds = [
-        Line2D([], [], color=FAINT, lw=width, alpha=alpha, label=name, ls=style)
-        for name, width, alpha, style, there in (
-            ("true", 4.0 * look.line, 0.6, "-", any(len(track.truth) for track in tracks)),
-            ("estimated", look.line, 1.0, "-", any(len(track.estimate) for track in tracks)),
-            ("odometry", look.line, 1.0, "--", any(not len(t.truth) and not len(t.estimate) for t in tracks)),
-        )
-        if there
+        Line2D([], [], color=FAINT, lw=width, alpha=max(alpha, 0.6), label=name, ls=line)
+        for kind, (name, width, alpha, line) in enumerate(styles)
+        if any(len(way[kind]) for way in ways)
     ]
     label_above(axes, [*_robots(report.tracks), *kinds], 3 if look.narrow else 8)
     return figure
@@ -235,17 +243,13 @@ def _failed(report: Report) -> bool:
     return any(leg.outcome in {"no path", "cancelled"} for track in report.tracks for leg in track.legs)
 
 
-def _best(track: Track) -> FloatArray:
-    """The truest path there is."""
-    return next((path for path in (track.truth, track.estimate, track.odometry) if len(path)), track.truth)
-
-
-def _extent(report: Report, tracks: Sequence[Track]) -> tuple[float, float, float, float]:
-    """Left, right, bottom, top of what is to be seen."""
-    corners = [_corners(report.grid)] if report.grid is not None else [_best(track)[:, 1:3] for track in tracks]
-    low, high = np.vstack(corners).min(axis=0), np.vstack(corners).max(axis=0)
+def _extent(grid: OccupancyGrid | None, seen: Sequence[FloatArray]) -> tuple[float, float, float, float]:
+    """Left, right, bottom, top of what is to be seen: the known part of the map, and the ways."""
+    known = [] if grid is None else [_corners(grid)]
+    points = np.vstack([*known, *seen])
+    low, high = points.min(axis=0), points.max(axis=0)
     # The map's own edge is its margin; a path needs one, however short it is.
-    margin = 0.0 if report.grid is not None else 0.5 + 0.05 * float((high - low).max())
+    margin = 0.0 if known else 0.5 + 0.05 * float((high - low).max())
     return (
         float(low[0]) - margin,
         float(high[0]) + margin,
@@ -255,7 +259,12 @@ def _extent(report: Report, tracks: Sequence[Track]) -> tuple[float, float, floa
 
 
 def _corners(grid: OccupancyGrid) -> FloatArray:
-    unit = np.array([[0.0, 0.0], [grid.cols, 0.0], [grid.cols, grid.rows], [0.0, grid.rows]])
+    """Of the part that is known: mapping programs put much unknown ground around it."""
+    rows, cols = (np.flatnonzero((grid.cells != UNKNOWN).any(axis=axis)) for axis in (1, 0))
+    if not len(rows):
+        rows, cols = np.arange(grid.rows), np.arange(grid.cols)
+    left, right, bottom, top = cols[0], cols[-1] + 1, rows[0], rows[-1] + 1
+    unit = np.array([[left, bottom], [right, bottom], [right, top], [left, top]], dtype=np.float64)
     return grid.origin.transform(unit * grid.resolution)
 
 
