@@ -32,18 +32,17 @@ def definition_missing(bag: Structure) -> Iterator[Finding]:
 
 
 def definition_twice(bag: Structure) -> Iterator[Finding]:
-    """Readers look nested types up by name: the topic's own has none, and no name may come twice."""
+    """Foxglove refuses a whole bag in which a definition has two words on one type; the same word twice is no harm."""
     for source in _used(bag):
-        names = _PART.findall(source.definition)
-        twice = sorted({name for name in names if names.count(name) > 1})
-        if source.definition.lstrip().startswith("MSG:"):
-            problem = "the definition of the topic's own type begins with a name, as only nested ones may"
-        elif twice:
-            problem = f"the definition has {', '.join(twice)} more than once"
-        else:
-            continue
-        remedy = "record it anew with one definition for each type"
-        yield Finding("definition-twice", Severity.WARNING, (Tool.FOXGLOVE,), source.topic, problem, remedy)
+        parts = _PART.split(source.definition)[1:]
+        texts: dict[str, set[str]] = {}
+        for name, text in zip(parts[::2], parts[1::2], strict=True):
+            texts.setdefault(name, set()).add(text.strip())
+        twice = sorted(name for name, said in texts.items() if len(said) > 1)
+        if twice:
+            what = f"the definition says different things of {', '.join(twice)}"
+            remedy = "record it anew with one definition for each type"
+            yield Finding("definition-twice", Severity.ERROR, (Tool.FOXGLOVE,), source.topic, what, remedy)
 
 
 def md5_wrong(bag: Structure) -> Iterator[Finding]:

@@ -165,8 +165,8 @@ def fields_of(msgtype: str, text: str) -> Fields:
         types = get_types_from_msg(text, normalize_msgtype(msgtype))
         # It finds what names and nesting leave open.
         get_typestore(Stores.EMPTY).register(types)
-    except (TypesysError, LookupError, AssertionError, RecursionError) as error:
-        raise ValueError(f"its definition cannot be read ({error})") from None
+    except (TypesysError, LookupError, AssertionError, RecursionError):
+        raise ValueError("its definition cannot be parsed") from None
     fields: dict[str, Sequence[tuple[str, object]]] = {name: described for name, (_, described) in types.items()}
     missing = missing_types(fields)
     if missing:

@@ -72,15 +72,23 @@ def encrypted(bag: Structure) -> Iterator[Finding]:
 
 
 def chunk_order(bag: Structure) -> Iterator[Finding]:
-    """`rosbag info` takes the first chunk's start and the last chunk's end for the bag's, empty ones among them."""
+    """`rosbag info` takes the first chunk's start and the last chunk's end for the bag's, empty ones among them.
+
+    Foxglove's reader begins at the first chunk's start, and leaves out what is before it.
+    """
     if not bag.index or bag.start_ns is None:
         return
-    told = (bag.index[-1].end_ns - bag.index[0].start_ns) / 1e9
-    if (bag.index[0].start_ns, bag.index[-1].end_ns) != (bag.start_ns, bag.end_ns):
-        problem = (
-            f"chunks are empty or not in the order of time: `rosbag info` says it lasts {told:.1f} s "
-            f"where it does {bag.seconds:.1f} s"
-        )
+    first, last = bag.index[0], bag.index[-1]
+    if (first.start_ns, last.end_ns) == (bag.start_ns, bag.end_ns):
+        return
+    problem = (
+        "chunks are empty or not in the order of time: "
+        f"`rosbag info` says it lasts {(last.end_ns - first.start_ns) / 1e9:.1f} s where it does {bag.seconds:.1f} s"
+    )
+    if first.start_ns > bag.start_ns:
+        problem += f", and Foxglove leaves out all before {(first.start_ns - bag.start_ns) / 1e9:.1f} s"
+        yield Finding("chunk-order", Severity.ERROR, (Tool.ROSBAG, Tool.FOXGLOVE), None, problem, CUT)
+    else:
         yield Finding("chunk-order", Severity.WARNING, (Tool.ROSBAG,), None, problem, CUT)
 
 

@@ -103,12 +103,24 @@ def test_no_definition_at_all(tmp_path: Path) -> None:
     assert found(judged(tmp_path, planted), "definition-missing").topic == "/odom"
 
 
-def test_definition_that_names_a_type_twice(tmp_path: Path) -> None:
-    planted = clean()
+def test_definition_that_says_two_things_of_a_type(tmp_path: Path) -> None:
     text = plain_definition("nav_msgs/Odometry").text
     separator = "=" * 80
+    planted = clean()
+    planted.change(
+        "/odom", definition=f"{text}{separator}\nMSG: std_msgs/Header\nuint32 seq\ntime stamp\nstring name\n"
+    )
+    finding = found(judged(tmp_path, planted), "definition-twice")
+    assert (finding.severity, finding.tools) == (Severity.ERROR, (Tool.FOXGLOVE,))
+    assert "std_msgs/Header" in finding.what
+
+
+def test_definition_that_says_a_thing_twice(tmp_path: Path) -> None:
+    text = plain_definition("nav_msgs/Odometry").text
+    separator = "=" * 80
+    planted = clean()
     planted.change("/odom", definition=text + separator + text.partition(separator)[2])
-    assert "std_msgs/Header" in found(judged(tmp_path, planted), "definition-twice").what
+    assert judged(tmp_path, planted).findings == ()
 
 
 def test_connection_without_messages(tmp_path: Path) -> None:

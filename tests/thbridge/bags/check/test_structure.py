@@ -44,13 +44,17 @@ def test_first_record_of_another_length(tmp_path: Path, padded_to: int) -> None:
 
 def test_chunks_out_of_order(tmp_path: Path) -> None:
     judgement = judged(tmp_path, clean(), reverse_chunks=True)
-    assert "says it lasts -2.7 s where it does 2.9 s" in found(judgement, "chunk-order").what
+    finding = found(judgement, "chunk-order")
+    assert (finding.severity, finding.tools) == (Severity.ERROR, (Tool.ROSBAG, Tool.FOXGLOVE))
+    assert "says it lasts -2.7 s where it does 2.9 s, and Foxglove leaves out all before 2.9 s" in finding.what
     assert found(judgement, "chunks-overlap").tools == (Tool.FOXGLOVE,)
     assert found(judgement, "back-in-time").count > 1
 
 
 def test_an_empty_chunk_at_the_end(tmp_path: Path) -> None:
-    assert "-100.0 s" in found(judged(tmp_path, clean(), empty_chunk=True), "chunk-order").what
+    finding = found(judged(tmp_path, clean(), empty_chunk=True), "chunk-order")
+    assert "-100.0 s" in finding.what
+    assert (finding.severity, finding.tools) == (Severity.WARNING, (Tool.ROSBAG,))
 
 
 ROS_LZ4 = {"block_linked": False, "store_size": False, "content_checksum": True}
