@@ -7,18 +7,18 @@ left out: it tells which versions of the programs ran, and those of today may be
 
 from collections import Counter
 from collections.abc import Callable, Iterator, Sequence
+from contextlib import ExitStack
 from dataclasses import dataclass
 from itertools import groupby, zip_longest
 from pathlib import Path
-from typing import Protocol, Self
+from typing import Protocol
 
 from sim.observations import TICK, TICKS_PER_SECOND
-from sim.team import TeamSnapshot
 from thbridge.adapters import bag_reader
 from thbridge.adapters.bag_reader import RawMessage
-from thbridge.adapters.bag_writer import BagWriter
 from thbridge.adapters.errors import BadFile
 from thbridge.adapters.loop import run_ticks
+from thbridge.app.broadcast import Broadcast
 from thbridge.app.compose import Setting, build_bot
 from thbridge.app.inputs import (
     Advanced,
@@ -40,8 +40,7 @@ from thbridge.roles.role import Role
 from thbridge.roles.tabui import TabUI
 from thbridge.ros import names, types, unpack
 from thbridge.ros.differences import FieldDifference, differences
-from thbridge.ros.publisher import Message, Publisher
-from thbridge.ros.records import Record
+from thbridge.ros.publisher import Message
 from thbridge.ros.records import Session as SessionRecord
 from thbridge.ros.stamps import START_NS, TICK_NS
 from thbridge.study.bots import BotStrategy
@@ -184,11 +183,12 @@ async def replay(path: Path, setting: Setting, options: ReplayOptions, progress:
         BadFile: the bag cannot be read, or the new one not be written (as `BagNotWritten`).
     """
     record = session_of(path)
-    publisher = setting.publisher()
     fresh = setting.record(record.program, record.roles, options.participant or record.participant)
-    with _Tape(publisher, None if options.to is None else setting.writer(options.to)) as tape:
-        tape.keep(publisher.opening(0, fresh, setting.place.grid))
-        stage = _stage(setting, record, options.participant, [BagWitness(tape), _Teller(progress, options.start)])
+    tape = _Tape()
+    with ExitStack() as opened:
+        kept = [] if options.to is None else [opened.enter_context(setting.writer(options.to))]
+        broadcast = Broadcast(setting.publisher(), fresh, setting.place.grid, [tape, *kept])
+        stage = _stage(setting, record, options.participant, [BagWitness(broadcast), _Teller(progress, options.start)])
         comparison = Comparison()
         recorded = ticks_of(path)
         over = False
@@ -203,7 +203,7 @@ async def replay(path: Path, setting: Setting, options: ReplayOptions, progress:
                 for item in was.inputs:
                     stage.take(item)
                 stage.step()
-            comparison.compare(was.messages, tape.take())
+            comparison.compare(was.messages, tape.unwind())
             over = comparison.difference is not None and not options.to_the_end
             return not over
 
@@ -323,34 +323,18 @@ class _Teller:
 
 
 class _Tape:
-    """Holds what is said in a tick, and writes it down if it shall be kept."""
+    """Holds what was said since somebody asked."""
 
-    def __init__(self, publisher: Publisher, writer: BagWriter | None) -> None:
-        self._publisher = publisher
-        self._writer = writer
+    def __init__(self) -> None:
         self._messages: list[Message] = []
 
-    def record(self, snapshot: TeamSnapshot, records: tuple[Record, ...]) -> None:
-        self.keep(self._publisher.tick(snapshot, records))
-
-    def keep(self, messages: Sequence[Message]) -> None:
+    def take(self, tick: int, messages: Sequence[Message]) -> None:
         self._messages += messages
-        if self._writer is not None:
-            for message in messages:
-                self._writer.write(message)
-            self._writer.sync_if_due()
 
-    def take(self) -> list[Message]:
+    def unwind(self) -> list[Message]:
         """What was said since the last call, but for the session's own record."""
         messages, self._messages = self._messages, []
         return [message for message in messages if message.topic.name != names.SESSION]
-
-    def __enter__(self) -> Self:
-        return self
-
-    def __exit__(self, *_: object) -> None:
-        if self._writer is not None:
-            self._writer.close()
 
 
 class Comparison:

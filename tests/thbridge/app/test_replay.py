@@ -26,7 +26,7 @@ from thbridge.app.recording import BagWitness
 from thbridge.app.replay import Replayed, ReplayOptions, replay, session_of, ticks_of
 from thbridge.app.session import Moment, Outpost, Session
 from thbridge.app.what_if import Change, changed
-from thbridge.roles.notices import KEEPER, Order, Orders, tell
+from thbridge.roles.notices import KEEPER, Order, Orders, Subscribe, tell
 from thbridge.roles.requests import Request, SetParameters
 from thbridge.roles.tabui import TabUI
 from thbridge.ros import names
@@ -35,7 +35,7 @@ from thbridge.ros.records import CancelRequest, GoalRequest, InitialPose, Simple
 from thbridge.study.bots import BotStrategy
 from thbridge.wire import legacy, text
 from thbridge.wire.client import Registered
-from thbridge.wire.router import ConnectionId, Router
+from thbridge.wire.router import ConnectionId, Forwarded, Output, Router, Send
 
 STUDY = dataclasses.replace(Study(), seed=7, server=dataclasses.replace(Study().server, port=0))
 
@@ -79,6 +79,10 @@ def equal(bag: Path, ticks: int) -> None:
     assert done.difference is None
     assert (done.cut_off, done.finished, done.ticks) == (False, True, ticks)
     assert done.messages == len(list(messages(bag))) - 1
+
+
+def subscription(name: str) -> bytes:
+    return (tell(name, legacy.SIMR, Subscribe()).line() + "\n").encode()
 
 
 def inputs(bag: Path) -> Iterator[Input]:
@@ -172,6 +176,25 @@ class TestSame:
         kinds = {type(item) for item in inputs(tmp_path / "noise.bag")}
         assert kinds == {Opened, Received, Backlogged, Advanced, Closed, Said}
         equal(tmp_path / "noise.bag", 450)
+
+    def test_a_reader_that_lags_behind_while_it_is_sent_something(self, tmp_path: Path) -> None:
+        def doing(tick: int, session: Session) -> None:
+            def perform(outputs: Sequence[Output]) -> None:
+                for output in outputs:
+                    if isinstance(output, Forwarded):
+                        session.hear(output)
+                    if isinstance(output, Send) and tick > 30:
+                        perform(session.report_backlog(output.connection, 2**30))
+
+            session.perform = perform
+            if tick == 5:
+                session.connect(0.0)
+                perform(session.receive_data(ConnectionId(1), b"%%setid Deaf extended\n", 0.0))
+                perform(session.receive_data(ConnectionId(1), subscription("Deaf"), 0.0))
+
+        act(tmp_path / "deaf.bag", STUDY, 100, doing)
+        assert [type(item) for item in inputs(tmp_path / "deaf.bag") if isinstance(item, Backlogged)] == [Backlogged]
+        equal(tmp_path / "deaf.bag", 100)
 
     def test_robots_by_themselves(self, tmp_path: Path) -> None:
         setting = setting_of(STUDY)
