@@ -1,0 +1,22 @@
+"""A hunt whose program was killed is replayed up to its last second."""
+
+from pathlib import Path
+
+from tests.system.programs import Program, until
+from tests.system.test_play import thbridge
+from thbridge.adapters.bag_reader import messages
+
+ENOUGH = 2_000_000
+"""Bytes; some ten seconds of a hunt."""
+
+
+def test_a_killed_hunt_replays_up_to_its_end(tmp_path: Path) -> None:
+    hunt = Program(tmp_path, "play", "--port", "0", "--seed", "7", "--rate", "8", "--json", "--bag", "hunt.bag")
+    active = tmp_path / "hunt.bag.active"
+    until("some of a hunt", lambda: active.exists() and active.stat().st_size > ENOUGH, [hunt])
+    hunt.kill()
+    hunt.close()
+    assert thbridge(tmp_path, "bag", "reindex", str(active)).returncode == 0
+    done = thbridge(tmp_path, "replay", "hunt.bag")
+    assert done.returncode == 0, done.stdout + done.stderr
+    assert f"All {len(list(messages(tmp_path / 'hunt.bag'))) - 1} messages" in done.stdout
