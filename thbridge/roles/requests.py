@@ -16,6 +16,8 @@ ParameterValue = bool | int | float | str | None
 class SetParameters:
     """Change parameters of a robot's software while it runs.
 
+    Unlike `Configure` it says what changes, and so means something to a robot whose other parameters are not the same.
+
     Attributes:
         robot: which.
         values: by path, such as `amcl.kld_err`. All are changed, or none.

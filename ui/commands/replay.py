@@ -111,8 +111,8 @@ def _changes(given: list[str]) -> tuple[list[Path], list[Change]]:
 
 def _other_versions(record: Session) -> Iterator[str]:
     now = versions()
-    other = [f"{name} {was} then, {now.get(name, 'none')} now" for name, was in record.versions.items()]
-    other = [text for (name, was), text in zip(record.versions.items(), other, strict=True) if now.get(name) != was]
+    then = record.versions.items()
+    other = [f"{name} {was} then, {now.get(name, 'none')} now" for name, was in then if now.get(name) != was]
     if other:
         yield f"Recorded with other versions, which may make a difference: {'; '.join(other)}."
 
