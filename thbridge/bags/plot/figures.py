@@ -10,7 +10,7 @@ from matplotlib.colors import ListedColormap
 from matplotlib.figure import Figure
 from matplotlib.lines import Line2D
 from matplotlib.patches import Patch
-from matplotlib.ticker import FuncFormatter, MaxNLocator, MultipleLocator
+from matplotlib.ticker import FuncFormatter, LogLocator, MaxNLocator, MultipleLocator, NullFormatter
 
 from sim.geometry import FloatArray
 from sim.grid import OCCUPIED, UNKNOWN, OccupancyGrid
@@ -143,7 +143,9 @@ def covariance(report: Report, look: Look) -> Figure | None:
     for axes in rows[0]:
         # A robot that looks for itself admits metres, one that follows itself centimetres.
         axes.set_yscale("log", nonpositive="mask")
+        axes.yaxis.set_major_locator(LogLocator(subs=(1.0, 2.0, 5.0)))
         axes.yaxis.set_major_formatter(FuncFormatter(lambda value, _: f"{value:g}"))
+        axes.yaxis.set_minor_formatter(NullFormatter())
     _time_below(rows, report.duration, look)
     label_above(rows[0][0], _robots(report.tracks, [index for index, _ in shown]), 3 if look.narrow else 10)
     return figure
