@@ -3,20 +3,18 @@
 from collections.abc import Callable, Mapping, Sequence
 from enum import StrEnum
 
-import matplotlib as mpl
 import numpy as np
 from matplotlib.axes import Axes
-from matplotlib.colors import ListedColormap
 from matplotlib.figure import Figure
 from matplotlib.lines import Line2D
 from matplotlib.patches import Patch
-from matplotlib.ticker import FuncFormatter, LogLocator, MaxNLocator, MultipleLocator, NullFormatter
+from matplotlib.ticker import FuncFormatter, LogLocator, MultipleLocator, NullFormatter
 
 from sim.geometry import FloatArray
-from sim.grid import OCCUPIED, UNKNOWN, OccupancyGrid
-from thbridge.bags.plot.look import FAINT, INK, Look, clock, colour, label_above
-from thbridge.bags.plot.thinning import changes, peaks, simplified
-from thbridge.bags.report.values import Leg, Moment, Report, Track
+from thbridge.bags.plot.look import FAINT, INK, Look, clock, colour, label_above, robot_handles
+from thbridge.bags.plot.thinning import changes, peaks
+from thbridge.bags.plot.ways import paths
+from thbridge.bags.report.values import Leg, Moment, Report
 from thbridge.hunt.outcomes import Refused
 
 SIGMAS = 2.0
@@ -25,7 +23,6 @@ _OUTCOME_ALPHA = {"arrived": 0.9, "no path": 0.3, "cancelled": 0.3}
 _BAND_ALPHA = 0.2
 _CLOCK_STEPS = (1.0, 2.0, 5.0, 10.0, 15.0, 30.0, 60.0, 120.0, 300.0, 600.0, 900.0, 1800.0, 3600.0, 7200.0)
 """Seconds between labels of the time."""
-_THING = "#f0b429"
 
 
 class What(StrEnum):
@@ -44,64 +41,6 @@ def draw(what: What, report: Report, look: Look) -> Figure | Refused:
     with look.style():
         drawn = _FIGURES[what](report, look)
     return Refused("nothing-to-plot", f"There is nothing to plot: {_MISSING[what]}.") if drawn is None else drawn
-
-
-def paths(report: Report, look: Look) -> Figure | None:
-    """The map with things and ways: broad the true ones, narrow those believed.
-
-    Where no pose on the map is known, the ways by odometry, without the map: they begin wherever the wheels began to
-    count.
-    """
-    placed = any(len(track.truth) or len(track.estimate) for track in report.tracks)
-    counted = not placed and any(len(track.odometry) for track in report.tracks)
-    grid = None if counted else report.grid
-    ways = [(track.odometry,) if counted else (track.truth, track.estimate) for track in report.tracks]
-    seen = [path[:, 1:3] for way in ways for path in way if len(path)]
-    if not seen and grid is None:
-        return None
-    left, right, bottom, top = _extent(grid, seen)
-    # A legend of robots needs a line, the axes' labels another.
-    height = look.width * (top - bottom) / (right - left) + 6.0 * look.font / 72.0
-    figure, ((axes,),) = look.figure(min(max(height, 0.3 * look.width), 1.4 * look.width))
-    axes.grid(visible=False)
-    if grid is not None:
-        _draw_grid(axes, grid)
-    for thing in () if counted else report.things:
-        axes.fill(thing.outline[:, 0], thing.outline[:, 1], fc=_THING, ec=INK, lw=0.6, alpha=0.8, zorder=1)
-        walk = simplified(thing.path)
-        axes.plot(walk[:, 0], walk[:, 1], ":", color=INK, lw=0.8, zorder=1)
-        axes.annotate(thing.name, thing.outline[:, :2].max(axis=0), color=INK, fontsize=look.font - 2, zorder=4)
-    styles = (
-        (("odometry", look.line, 1.0, "--"),)
-        if counted
-        else (("true", 4.0 * look.line, 0.35, "-"), ("estimated", look.line, 1.0, "-"))
-    )
-    mark = 0.75 * look.font
-    for index, way in enumerate(ways):
-        tint = colour(index)
-        for path, (_, width, alpha, line) in zip(way, styles, strict=True):
-            points = simplified(path[:, 1:3])
-            axes.plot(
-                points[:, 0], points[:, 1], line, color=tint, lw=width, alpha=alpha, solid_capstyle="round", zorder=2
-            )
-        best = next((path for path in way if len(path)), None)
-        if best is not None:
-            axes.plot(*best[0, 1:3], "o", ms=mark, mfc="white", mec=tint, mew=1.2, zorder=3)
-            axes.plot(*best[-1, 1:3], "o", ms=mark, color=tint, mec="white", zorder=3)
-    axes.set_aspect("equal")
-    axes.set_xlim(left, right)
-    axes.set_ylim(bottom, top)
-    for axis in (axes.xaxis, axes.yaxis):
-        axis.set_major_locator(MaxNLocator(5 if look.narrow else 9, integer=True))
-    axes.set_xlabel("x, m")
-    axes.set_ylabel("y, m")
-    kinds = [
-        Line2D([], [], color=FAINT, lw=width, alpha=max(alpha, 0.6), label=name, ls=line)
-        for kind, (name, width, alpha, line) in enumerate(styles)
-        if any(len(way[kind]) for way in ways)
-    ]
-    label_above(axes, [*_robots(report.tracks), *kinds], 3 if look.narrow else 8)
-    return figure
 
 
 def error(report: Report, look: Look) -> Figure | None:
@@ -123,7 +62,7 @@ def error(report: Report, look: Look) -> Figure | None:
             # From zero, and not so fine that rounding looks like an error.
             axes.set_ylim(0.0, max(least, axes.get_ylim()[1]))
     _time_below(rows, report.duration, look)
-    handles: list[object] = _robots(report.tracks, [index for index, _ in shown])
+    handles: list[object] = robot_handles(report.tracks, [index for index, _ in shown])
     if any(len(track.deviations) for _, track in shown):
         handles.append(Patch(color=FAINT, alpha=2 * _BAND_ALPHA, lw=0, label=f"{SIGMAS:g}σ admitted"))
     label_above(rows[0][0], handles, 3 if look.narrow else 10)
@@ -147,7 +86,7 @@ def covariance(report: Report, look: Look) -> Figure | None:
         axes.yaxis.set_major_formatter(FuncFormatter(lambda value, _: f"{value:g}"))
         axes.yaxis.set_minor_formatter(NullFormatter())
     _time_below(rows, report.duration, look)
-    label_above(rows[0][0], _robots(report.tracks, [index for index, _ in shown]), 3 if look.narrow else 10)
+    label_above(rows[0][0], robot_handles(report.tracks, [index for index, _ in shown]), 3 if look.narrow else 10)
     return figure
 
 
@@ -163,7 +102,7 @@ def energy(report: Report, look: Look) -> Figure | None:
     axes.axhline(0.0, color=FAINT, lw=0.8)
     axes.set_ylabel("energy left")
     _time_below([[axes]], report.duration, look)
-    label_above(axes, _robots(report.tracks, shown), 3 if look.narrow else 10)
+    label_above(axes, robot_handles(report.tracks, shown), 3 if look.narrow else 10)
     return figure
 
 
@@ -183,7 +122,7 @@ def velocity(report: Report, look: Look) -> Figure | None:
                 axes.step(told[:, 0], told[:, column], where="post", color=INK, lw=0.7 * look.line)
     _time_below(rows, report.duration, look)
     commanded = [Line2D([], [], color=INK, lw=look.line, label="commanded")]
-    label_above(rows[0][0], [*_robots(report.tracks, [index for index, _ in shown]), *commanded], 4)
+    label_above(rows[0][0], [*robot_handles(report.tracks, [index for index, _ in shown]), *commanded], 4)
     return figure
 
 
@@ -243,59 +182,6 @@ _MISSING: Mapping[What, str] = {
 
 def _failed(report: Report) -> bool:
     return any(leg.outcome in {"no path", "cancelled"} for track in report.tracks for leg in track.legs)
-
-
-def _extent(grid: OccupancyGrid | None, seen: Sequence[FloatArray]) -> tuple[float, float, float, float]:
-    """Left, right, bottom, top of what is to be seen: the known part of the map, and the ways."""
-    known = [] if grid is None else [_corners(grid)]
-    points = np.vstack([*known, *seen])
-    low, high = points.min(axis=0), points.max(axis=0)
-    # The map's own edge is its margin; a path needs one, however short it is.
-    margin = 0.0 if known else 0.5 + 0.05 * float((high - low).max())
-    return (
-        float(low[0]) - margin,
-        float(high[0]) + margin,
-        float(low[1]) - margin,
-        float(high[1]) + margin,
-    )
-
-
-def _corners(grid: OccupancyGrid) -> FloatArray:
-    """Of the part that is known: mapping programs put much unknown ground around it."""
-    rows, cols = (np.flatnonzero((grid.cells != UNKNOWN).any(axis=axis)) for axis in (1, 0))
-    if not len(rows):
-        rows, cols = np.arange(grid.rows), np.arange(grid.cols)
-    left, right, bottom, top = cols[0], cols[-1] + 1, rows[0], rows[-1] + 1
-    unit = np.array([[left, bottom], [right, bottom], [right, top], [left, top]], dtype=np.float64)
-    return grid.origin.transform(unit * grid.resolution)
-
-
-def _draw_grid(axes: Axes, grid: OccupancyGrid) -> None:
-    """Walls dark, free space white, the rest grey; turned with the map's origin."""
-    kinds = np.full(grid.cells.shape, 1, dtype=np.uint8)
-    kinds[grid.cells == 0] = 0
-    kinds[grid.cells == OCCUPIED] = 2
-    image = axes.imshow(
-        kinds,
-        cmap=ListedColormap(["#ffffff", "#e4e7eb", "#52606d"]),
-        vmin=0,
-        vmax=2,
-        origin="lower",
-        interpolation="nearest",
-        extent=(0.0, grid.cols * grid.resolution, 0.0, grid.rows * grid.resolution),
-        zorder=0,
-    )
-    turned = mpl.transforms.Affine2D().rotate(grid.origin.theta).translate(grid.origin.x, grid.origin.y)
-    image.set_transform(turned + axes.transData)
-
-
-def _robots(tracks: Sequence[Track], shown: Sequence[int] | None = None) -> list[object]:
-    """Handles for a legend."""
-    return [
-        Line2D([], [], color=colour(index), lw=2.0, label=track.name)
-        for index, track in enumerate(tracks)
-        if shown is None or index in shown
-    ]
 
 
 def _panels(look: Look, robots: int, labels: tuple[str, str]) -> tuple[Figure, list[list[Axes]]]:

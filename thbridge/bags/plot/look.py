@@ -9,6 +9,9 @@ from io import BytesIO
 import matplotlib as mpl
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
+from matplotlib.lines import Line2D
+
+from thbridge.bags.report.values import Track
 
 COLOURS = ("#0072B2", "#D55E00", "#009E73", "#CC79A7", "#E69F00", "#56B4E9", "#7A5195", "#8C6D31", "#4D4D4D", "#B2182B")
 """A colour a robot, told apart by colour-blind readers too (Okabe and Ito's, then darker ones)."""
@@ -130,3 +133,12 @@ def label_above(axes: Axes, handles: Sequence[object], columns: int = 10) -> Non
         columnspacing=1.2,
         frameon=False,
     )
+
+
+def robot_handles(tracks: Sequence[Track], shown: Sequence[int] | None = None) -> list[object]:
+    """Handles for a legend."""
+    return [
+        Line2D([], [], color=colour(index), lw=2.0, label=track.name)
+        for index, track in enumerate(tracks)
+        if shown is None or index in shown
+    ]

@@ -11,8 +11,9 @@ from matplotlib.figure import Figure
 from sim.geometry import FloatArray
 from sim.grid import OccupancyGrid
 from thbridge.adapters.bag_reader import messages
-from thbridge.bags.plot.figures import energy, error, paths, timeline
+from thbridge.bags.plot.figures import energy, error, timeline
 from thbridge.bags.plot.look import PAGE, Kind, Look, clock, colour
+from thbridge.bags.plot.ways import paths
 from thbridge.bags.report.gathering import read_report
 from thbridge.bags.report.values import Report, Track
 
