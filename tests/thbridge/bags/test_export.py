@@ -116,6 +116,7 @@ def test_the_dictionary_has_every_column_of_every_table_with_unit_and_frame(fold
 def test_the_session_and_a_readme_go_with_it(folder: Path) -> None:
     told = json.loads((folder / "session.json").read_text(encoding="utf-8"))
     assert (told["seed"], told["study"], told["versions"]) == (SESSION.seed, SESSION.study, SESSION.versions)
+    assert (told["program"], told["participant"]) == (SESSION.program, SESSION.participant)
     readme = (folder / "README.md").read_text(encoding="utf-8")
     assert f"| `robot1_odom` | /robot1/odom | nav_msgs/Odometry | {TICKS} |" in readme
 

@@ -30,6 +30,9 @@ def session_json(exported: Exported, bag: str, start_ns: int, duration: float) -
         "duration_s": duration,
         "seed": None if session is None else session.seed,
         "versions": None if session is None else dict(sorted(session.versions.items())),
+        "program": None if session is None else session.program,
+        "roles": None if session is None else list(session.roles),
+        "participant": None if session is None else session.participant,
         "study": None if session is None else session.study,
     }
     return json.dumps(told, indent=2, ensure_ascii=False) + "\n"
