@@ -18,8 +18,9 @@ from sim.team import TeamSnapshot
 from tests.bench.test_bench_session import drive
 from tests.thbridge.ros.drive import SESSION
 from thbridge.adapters.bag_records import Compression
-from thbridge.adapters.bag_writer import BagWriter, Recorder
+from thbridge.adapters.bag_writer import BagWriter
 from thbridge.adapters.ros_definitions import Definitions
+from thbridge.app.broadcast import Broadcast
 from thbridge.app.compose import Setting, read_setting
 from thbridge.app.config import Study
 from thbridge.ros.publisher import Message, Publisher, Topic
@@ -88,9 +89,10 @@ def test_messages_per_cpu_second(tmp_path, robots, capsys):
         return time.process_time() - began
 
     def ours_from_snapshots(path: Path) -> float:
-        recorder = Recorder(BagWriter(path, definitions), session.publisher(), SESSION, session.setting.place.grid)
+        writer = BagWriter(path, definitions)
+        recorder = Broadcast(session.publisher(), SESSION, session.setting.place.grid, [writer])
         began = time.process_time()
-        with recorder:
+        with writer:
             for snapshot in session.snapshots:
                 recorder.record(snapshot)
         return time.process_time() - began

@@ -24,6 +24,7 @@ from sim.planning.router import Router
 from sim.sensors import Sensors
 from sim.team import Go, Team, TeamInput, TeamSnapshot
 from sim.world import World
+from thbridge.app.broadcast import Broadcast
 from thbridge.app.compose import read_setting
 from thbridge.app.config import Study
 
@@ -92,9 +93,10 @@ def test_simulated_seconds_per_cpu_second(tmp_path, capsys):
         rooms = [room.goal for room in setting.place.rooms]
         drive(setting.team(), rooms, 2)
         alone = drive(setting.team(), rooms, SECONDS)
-        recorder = setting.recorder(tmp_path / f"{robots}.bag", setting.record("play", [], ""))
-        figures[robots] = (SECONDS / alone, SECONDS / drive(setting.team(), rooms, SECONDS, recorder.record))
-        recorder.close()
+        record = setting.record("play", [], "")
+        with setting.writer(tmp_path / f"{robots}.bag") as writer:
+            said = Broadcast(setting.publisher(), record, setting.place.grid, [writer])
+            figures[robots] = (SECONDS / alone, SECONDS / drive(setting.team(), rooms, SECONDS, said.record))
     with capsys.disabled():
         print()
         for robots, (alone, recorded) in figures.items():

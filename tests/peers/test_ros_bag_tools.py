@@ -28,10 +28,11 @@ from thbridge.adapters.bag_parts import Splitting
 from thbridge.adapters.bag_reader import info, messages
 from thbridge.adapters.bag_records import Compression
 from thbridge.adapters.bag_repair import reindex
-from thbridge.adapters.bag_writer import WHOLE, BagWriter, Recorder
+from thbridge.adapters.bag_writer import WHOLE, BagWriter
 from thbridge.adapters.recordings import parts_of
 from thbridge.adapters.ros_definitions import Definitions
 from thbridge.adapters.worker import Inline
+from thbridge.app.broadcast import Broadcast
 from thbridge.ros.publisher import Message, Publisher, Topic
 from thbridge.ros.types import MARKER_ARRAY, OWN_TYPES, STANDARD_TYPES
 
@@ -91,7 +92,8 @@ def record(
     splitting: Splitting = WHOLE,
 ) -> Path:
     writer = BagWriter(path, definitions, compression=compression, splitting=splitting)
-    with Recorder(writer, Publisher(ROBOTS, MOUNT, SCAN_PERIOD), SESSION, arena()) as recorder:
+    with writer:
+        recorder = Broadcast(Publisher(ROBOTS, MOUNT, SCAN_PERIOD), SESSION, arena(), [writer])
         for snapshot in snapshots(ROBOTS, TICKS):
             recorder.record(snapshot, records(snapshot.tick))
     return path
@@ -233,7 +235,8 @@ def test_rosbag_reindex_recovers_a_chunk_that_was_growing(tmp_path: Path, compre
     writer = BagWriter(
         tmp_path / "a.bag", clock=lambda: float(next(seconds)), compression=compression, lane=lambda _: Inline()
     )
-    with Recorder(writer, Publisher(ROBOTS, MOUNT, SCAN_PERIOD), SESSION, arena()) as recorder:
+    with writer:
+        recorder = Broadcast(Publisher(ROBOTS, MOUNT, SCAN_PERIOD), SESSION, arena(), [writer])
         for snapshot in snapshots(ROBOTS, TICKS):
             recorder.record(snapshot)
         shutil.copy(tmp_path / "a.bag.active", tmp_path / "growing.bag")
@@ -269,10 +272,12 @@ WRITE = """
 import sys
 from pathlib import Path
 from tests.thbridge.ros.drive import MOUNT, SCAN_PERIOD, SESSION, arena, snapshots
-from thbridge.adapters.bag_writer import BagWriter, Recorder
+from thbridge.adapters.bag_writer import BagWriter
+from thbridge.app.broadcast import Broadcast
 from thbridge.ros.publisher import Publisher
 
-recorder = Recorder(BagWriter(Path(sys.argv[1])), Publisher(2, MOUNT, SCAN_PERIOD), SESSION, arena())
+writer = BagWriter(Path(sys.argv[1]))
+recorder = Broadcast(Publisher(2, MOUNT, SCAN_PERIOD), SESSION, arena(), [writer])
 for snapshot in snapshots(2, 100_000):
     recorder.record(snapshot)
     print(snapshot.tick, flush=True)

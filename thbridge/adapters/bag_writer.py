@@ -6,8 +6,6 @@ from pathlib import Path
 from types import TracebackType
 from typing import Self
 
-from sim.grid import OccupancyGrid
-from sim.team import TeamSnapshot
 from thbridge.adapters.bag_chunks import Chunk, Chunks
 from thbridge.adapters.bag_parts import Parts, Piece, Splitting
 from thbridge.adapters.bag_records import Compression, Connection
@@ -16,8 +14,7 @@ from thbridge.adapters.recordings import active_of, part_of, parts_of
 from thbridge.adapters.ros_definitions import Definitions
 from thbridge.adapters.worker import Lane, Worker
 from thbridge.ros.names import CALLER
-from thbridge.ros.publisher import Message, Publisher, Topic
-from thbridge.ros.records import Record, Session
+from thbridge.ros.publisher import Message, Topic
 
 SYNC_SECONDS = 0.75
 """Wall time after which everything said so far is forced onto the disk: at most a second is lost, with a quarter of it
@@ -278,44 +275,3 @@ def _refuse_taken(path: Path) -> None:
 
 def _reason(error: OSError) -> str:
     return (error.strerror or str(error)).lower()
-
-
-class Recorder:
-    """Records a team: its robots tick by tick, and the game, the talk and the inputs that go with them.
-
-    The session is the bag's first record, the map and the frames that never move follow.
-
-    Args:
-        writer: an empty bag; the recorder closes it.
-        publisher: of the same team.
-        session: what it takes to run this session again.
-        grid: the map.
-    """
-
-    def __init__(self, writer: BagWriter, publisher: Publisher, session: Session, grid: OccupancyGrid) -> None:
-        self._writer = writer
-        self._publisher = publisher
-        for message in publisher.opening(0, session, grid):
-            writer.write(message)
-
-    def record(self, snapshot: TeamSnapshot, records: Iterable[Record] = ()) -> None:
-        """Write down one tick. Ticks come in order, from 0 on.
-
-        Raises:
-            BagNotWritten: the disk is full or gone; the bag is closed, and what it held is kept.
-        """
-        for message in self._publisher.tick(snapshot, records):
-            self._writer.write(message)
-        self._writer.sync_if_due()
-
-    def close(self) -> None:
-        """Complete the bag and give it its name; closing again does nothing. Raises BagNotWritten."""
-        self._writer.close()
-
-    def __enter__(self) -> Self:
-        return self
-
-    def __exit__(
-        self, kind: type[BaseException] | None, error: BaseException | None, traceback: TracebackType | None
-    ) -> None:
-        self.close()

@@ -17,7 +17,7 @@ from sim.navigator import Goal
 from sim.observations import TICKS_PER_SECOND
 from sim.sensors import mount_of
 from sim.team import Team
-from thbridge.adapters.bag_writer import BagWriter, Recorder
+from thbridge.adapters.bag_writer import BagWriter
 from thbridge.adapters.errors import BadFile, BadFiles
 from thbridge.adapters.map_files import Map, read_map
 from thbridge.adapters.resources import Resources, shipped
@@ -119,10 +119,6 @@ class Setting:
         software = [study.software(number) for number in range(1, study.robots + 1)]
         rest = {name: value for name, value in tree_of(study).items() if name not in {"robot", "each"}}
         return Facts(publisher.topics, software, self.place.grid, rest)
-
-    def recorder(self, path: Path, session: SessionRecord) -> Recorder:
-        """A recorder of these robots into a new bag. Raises BagNotWritten."""
-        return Recorder(self.writer(path), self.publisher(), session, self.place.grid)
 
     def _engine(self, game: int) -> Engine:
         template = self.templates.dialogue

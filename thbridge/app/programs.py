@@ -146,7 +146,7 @@ async def play(
     listeners: list[Listener] = []
     async with AsyncExitStack() as opened:
         if options.graph is not None:
-
+            # Nobody is heard before the session stands: a node registers in the loop's next turn.
             def ask(sender: str, request: Request) -> None:
                 session.ask(sender, request)
 

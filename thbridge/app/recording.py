@@ -24,22 +24,22 @@ JUMP = 0.2
 """Metres in one tick that no robot drives: it was put there."""
 
 
-class Recorder(Protocol):
-    """Writes ticks into a bag."""
+class Speaker(Protocol):
+    """Says ticks to whoever listens; see `Broadcast`."""
 
     def record(self, snapshot: TeamSnapshot, records: tuple[Record, ...]) -> None:
-        """Write down one tick."""
+        """Say one tick."""
 
 
 class BagWitness:
     """Takes down every tick of a session that has robots.
 
     Args:
-        recorder: of the bag.
+        speaker: says them.
     """
 
-    def __init__(self, recorder: Recorder) -> None:
-        self._recorder = recorder
+    def __init__(self, speaker: Speaker) -> None:
+        self._speaker = speaker
         self._score: Score | None = None
         self._collisions: tuple[int, ...] = ()
         self._things: tuple[str, ...] = ()
@@ -47,9 +47,9 @@ class BagWitness:
         self._places: FloatArray | None = None
 
     def saw(self, moment: Moment) -> None:
-        """Write down one tick; raises what the recorder raises."""
+        """Write down one tick; raises what the speaker raises."""
         if moment.snapshot is not None:
-            self._recorder.record(moment.snapshot, tuple(self._records(moment)))
+            self._speaker.record(moment.snapshot, tuple(self._records(moment)))
 
     def _records(self, moment: Moment) -> Iterator[Record]:
         for item in moment.inputs:

@@ -17,10 +17,11 @@ from thbridge.adapters.bag_parts import Splitting
 from thbridge.adapters.bag_reader import info, messages
 from thbridge.adapters.bag_records import Compression
 from thbridge.adapters.bag_repair import reindex
-from thbridge.adapters.bag_writer import WHOLE, BagNotWritten, BagWriter, Recorder
+from thbridge.adapters.bag_writer import WHOLE, BagNotWritten, BagWriter
 from thbridge.adapters.recordings import make_room, parts_of
 from thbridge.adapters.ros_definitions import Definitions
 from thbridge.adapters.worker import Inline, Lane, Worker
+from thbridge.app.broadcast import Broadcast
 from thbridge.ros.publisher import Message, Publisher, Topic
 
 CHATTER = Topic("/chatter", "std_msgs/String")
@@ -47,7 +48,8 @@ def recorded(
 ) -> list[Message]:
     publisher = Publisher(robots, MOUNT, SCAN_PERIOD)
     writer = BagWriter(path, PLAIN, clock=clock, compression=compression, splitting=splitting)
-    with Recorder(writer, publisher, SESSION, arena()) as recorder:
+    with writer:
+        recorder = Broadcast(publisher, SESSION, arena(), [writer])
         for snapshot in snapshots(robots, ticks):
             recorder.record(snapshot, records(snapshot.tick))
     twin = Publisher(robots, MOUNT, SCAN_PERIOD)

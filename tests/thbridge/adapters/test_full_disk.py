@@ -12,9 +12,10 @@ from tests.thbridge.ros.drive import MOUNT, SCAN_PERIOD, SESSION, arena, records
 from thbridge.adapters.bag_parts import Splitting
 from thbridge.adapters.bag_reader import messages
 from thbridge.adapters.bag_records import Compression
-from thbridge.adapters.bag_writer import WHOLE, BagNotWritten, BagWriter, Recorder
+from thbridge.adapters.bag_writer import WHOLE, BagNotWritten, BagWriter
 from thbridge.adapters.recordings import parts_of
 from thbridge.adapters.ros_definitions import Definitions
+from thbridge.app.broadcast import Broadcast
 from thbridge.ros.publisher import Publisher
 
 PLAIN = Definitions(())
@@ -35,7 +36,8 @@ def disk(tmp_path: Path, request: pytest.FixtureRequest) -> Iterator[Path]:
 
 def record(path: Path, compression: Compression, splitting: Splitting) -> None:
     writer = BagWriter(path, PLAIN, compression=compression, splitting=splitting)
-    with Recorder(writer, Publisher(2, MOUNT, SCAN_PERIOD), SESSION, arena()) as recorder:
+    with writer:
+        recorder = Broadcast(Publisher(2, MOUNT, SCAN_PERIOD), SESSION, arena(), [writer])
         for snapshot in snapshots(2, TICKS):
             recorder.record(snapshot, records(snapshot.tick))
 

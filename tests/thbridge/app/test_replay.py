@@ -18,6 +18,7 @@ from thbridge.adapters.errors import BadFile
 from thbridge.adapters.text_client import TextClient
 from thbridge.adapters.text_server import Listening
 from thbridge.app import programs
+from thbridge.app.broadcast import Broadcast
 from thbridge.app.compose import Setting, build_bot, read_setting
 from thbridge.app.config import RecordingSection, Study, read_study_text
 from thbridge.app.inputs import Advanced, Asked, Backlogged, Closed, Input, Opened, Received, Said
@@ -61,8 +62,8 @@ def act(bag: Path, study: Study, ticks: int, doing: Callable[[int, Session], Non
     setting = setting_of(study)
     roles = [setting.simr(), setting.hider()]
     session_record = setting.record(PLAY, [legacy.SIMR, legacy.HIDER, legacy.TABUI], "suggestion")
-    with setting.recorder(bag, session_record) as recorder:
-        witness = BagWitness(recorder)
+    with setting.writer(bag) as writer:
+        witness = BagWitness(Broadcast(setting.publisher(), session_record, setting.place.grid, [writer]))
         session = Session(Router(), setting.keeper(), roles, NoLog(), [witness], bot_of(setting))
         for tick in range(ticks):
             doing(tick, session)
@@ -199,8 +200,10 @@ class TestSame:
     def test_robots_by_themselves(self, tmp_path: Path) -> None:
         setting = setting_of(STUDY)
         simr = setting.simr()
-        with setting.recorder(tmp_path / "simr.bag", setting.record(SIMR, [simr.name], "")) as recorder:
-            outpost = Outpost(simr, [BagWitness(recorder)])
+        record = setting.record(SIMR, [simr.name], "")
+        with setting.writer(tmp_path / "simr.bag") as writer:
+            said = Broadcast(setting.publisher(), record, setting.place.grid, [writer])
+            outpost = Outpost(simr, [BagWitness(said)])
             for tick in range(400):
                 if tick in {3, 200}:
                     outpost.connected()

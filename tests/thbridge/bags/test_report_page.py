@@ -6,9 +6,10 @@ from xml.etree import ElementTree
 import pytest
 
 from tests.thbridge.ros.drive import MOUNT, SCAN_PERIOD, SESSION, arena, records, snapshots
-from thbridge.adapters.bag_writer import BagWriter, Recorder
+from thbridge.adapters.bag_writer import BagWriter
 from thbridge.adapters.errors import BadFile
 from thbridge.adapters.ros_definitions import Definitions
+from thbridge.app.broadcast import Broadcast
 from thbridge.bags.report.page import build_report
 from thbridge.ros.publisher import Message, Publisher, Topic
 
@@ -16,7 +17,8 @@ from thbridge.ros.publisher import Message, Publisher, Topic
 @pytest.fixture(scope="module")
 def bag(tmp_path_factory: pytest.TempPathFactory) -> Path:
     path = tmp_path_factory.mktemp("report") / "a <b>.bag"
-    with Recorder(BagWriter(path, Definitions(())), Publisher(2, MOUNT, SCAN_PERIOD), SESSION, arena()) as recorder:
+    with BagWriter(path, Definitions(())) as writer:
+        recorder = Broadcast(Publisher(2, MOUNT, SCAN_PERIOD), SESSION, arena(), [writer])
         for snapshot in snapshots(2, 300):
             recorder.record(snapshot, records(snapshot.tick))
     return path

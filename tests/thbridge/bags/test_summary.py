@@ -4,7 +4,8 @@ import pytest
 
 from tests.thbridge.bags.planting import ODOM_LINE, START, STEP, Entry, Planted, clean, odom_message, write
 from tests.thbridge.ros.drive import MOUNT, SCAN_PERIOD, SESSION, arena, snapshots
-from thbridge.adapters.bag_writer import BagWriter, Recorder
+from thbridge.adapters.bag_writer import BagWriter
+from thbridge.app.broadcast import Broadcast
 from thbridge.bags.summary import Summary, TopicSummary, summarise
 from thbridge.ros.publisher import Publisher
 from thbridge.ros.types import plain_definition
@@ -64,7 +65,8 @@ def test_parts_are_summed_up_together(tmp_path: Path) -> None:
 
 def test_the_session_of_a_recording_of_ours(tmp_path: Path) -> None:
     path = tmp_path / "ours.bag"
-    with Recorder(BagWriter(path), Publisher(1, MOUNT, SCAN_PERIOD), SESSION, arena()) as recorder:
+    with BagWriter(path) as writer:
+        recorder = Broadcast(Publisher(1, MOUNT, SCAN_PERIOD), SESSION, arena(), [writer])
         for snapshot in snapshots(1, 10):
             recorder.record(snapshot)
     session = summarise(path).session

@@ -6,8 +6,9 @@ from mcap.reader import make_reader
 from tests.thbridge.bags.planting import STATIC_LINE, clean, write
 from tests.thbridge.ros.drive import MOUNT, SCAN_PERIOD, SESSION, arena, snapshots
 from thbridge.adapters.bag_reader import recorded
-from thbridge.adapters.bag_writer import BagWriter, Recorder
+from thbridge.adapters.bag_writer import BagWriter
 from thbridge.adapters.errors import BadFile
+from thbridge.app.broadcast import Broadcast
 from thbridge.bags.to_mcap import COMPRESSIONS, to_mcap
 from thbridge.ros.publisher import Publisher
 from thbridge.ros.types import plain_definition
@@ -52,7 +53,8 @@ def test_the_conventions_of_ros_1(tmp_path: Path, bag: Path) -> None:
 
 def test_a_session_of_ours_can_be_found(tmp_path: Path) -> None:
     path = tmp_path / "ours.bag"
-    with Recorder(BagWriter(path), Publisher(1, MOUNT, SCAN_PERIOD), SESSION, arena()) as recorder:
+    with BagWriter(path) as writer:
+        recorder = Broadcast(Publisher(1, MOUNT, SCAN_PERIOD), SESSION, arena(), [writer])
         for snapshot in snapshots(1, 10):
             recorder.record(snapshot)
     done = to_mcap(path, tmp_path / "ours.mcap")

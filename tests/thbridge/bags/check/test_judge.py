@@ -15,7 +15,8 @@ from tests.thbridge.bags.planting import (
 )
 from tests.thbridge.ros.drive import MOUNT, SCAN_PERIOD, SESSION, arena, records, snapshots
 from thbridge.adapters.bag_scan import scan
-from thbridge.adapters.bag_writer import BagWriter, Recorder
+from thbridge.adapters.bag_writer import BagWriter
+from thbridge.app.broadcast import Broadcast
 from thbridge.bags.check import Severity, Tool, judge
 from thbridge.ros.publisher import Publisher
 
@@ -28,7 +29,8 @@ def test_the_bag_that_faults_are_planted_in_is_clean(tmp_path: Path) -> None:
 
 def test_a_recording_of_ours_is_clean(tmp_path: Path) -> None:
     path = tmp_path / "ours.bag"
-    with Recorder(BagWriter(path), Publisher(2, MOUNT, SCAN_PERIOD), SESSION, arena()) as recorder:
+    with BagWriter(path) as writer:
+        recorder = Broadcast(Publisher(2, MOUNT, SCAN_PERIOD), SESSION, arena(), [writer])
         for snapshot in snapshots(2, 120):
             recorder.record(snapshot, records(snapshot.tick))
     judgement = judge(scan(path))
