@@ -135,9 +135,14 @@ def test_rosbag_check_wants_no_migration_of_any_type(tmp_path: Path) -> None:
     assert run("rosbag", "check", str(tmp_path / "types.bag")).strip() == "Bag file does not need any migrations."
 
 
-@needs_our_messages
-def test_rostopic_reads_our_own_types(bag: Path) -> None:
-    assert "text: " in run("rostopic", "echo", "-b", str(bag), "-n", "1", "/dialogue/utterances")
+@needs_ros
+def test_rostopic_reads_our_own_types_though_no_package_has_them(bag: Path, tmp_path: Path) -> None:
+    (tmp_path / "thbridge_msgs").mkdir()
+    (tmp_path / "thbridge_msgs" / "__init__.py").write_text("raise ImportError")
+    command = ["rostopic", "echo", "-b", str(bag), "-n", "1", "/dialogue/utterances"]
+    environment = {**_environment(""), "PYTHONPATH": str(tmp_path)}
+    said = subprocess.run(command, env=environment, capture_output=True, text=True, timeout=PATIENCE, check=True)
+    assert "text: " in said.stdout
 
 
 @needs_our_messages
