@@ -25,7 +25,11 @@ from thbridge.adapters.ros_definitions import Definitions
 from thbridge.adapters.rosgraph.joining import Graph, Master, master_of
 from thbridge.adapters.rosgraph.node import RosNode, Started
 from thbridge.adapters.rosgraph.publications import Publication
+from thbridge.adapters.rosgraph.sockets import Complaints
+from thbridge.adapters.rosgraph.tcpros_server import Handler
+from thbridge.adapters.rosgraph.turns import Turns
 from thbridge.adapters.text_server import CannotListen
+from thbridge.app.door import Door
 from thbridge.roles.requests import ParameterValue as SetValue
 from thbridge.roles.requests import Request, SetParameters, with_values
 from thbridge.ros import clients, names, pack, types
@@ -91,6 +95,9 @@ class LiveGraph:
         self._robots = [RobotNames.of(robot) for robot in range(len(facts.software))]
         self._software = list(facts.software)
         self._goals = count(FIRST_GOAL)
+        self._door = Door()
+        self._turns = Turns()
+        self._complaints = Complaints(_log)
         self._tick = 0
         self._definitions = Definitions()
         self._publications = {topic.name: self._advertise(topic) for topic in (CLOCK, *facts.topics)}
@@ -125,6 +132,7 @@ class LiveGraph:
     def take(self, tick: int, messages: Iterable[Message]) -> None:
         """Say what is said in one tick, the time first."""
         self._tick = tick
+        self._door.tick()
         self._publications[CLOCK.name].publish(pack.clock(tick))
         for message in messages:
             if not message.heard:
@@ -152,9 +160,11 @@ class LiveGraph:
     def _heard(self, topic: str, read: Callable[[bytes], Request | Refused], data: bytes, caller: str) -> None:
         if caller == CALLER:
             return  # The game's own goals and commands are on the same topics.
+        if not self._door.admits(topic, caller):
+            return
         request = read(data)
         if isinstance(request, Refused):
-            _log.warning("%s: what %s said is of no use: %s", topic, caller, request.sentence)
+            self._complaints.tell(f"{topic}: what {caller} said is of no use: {request.sentence}")
         else:
             self._ask(caller, request)
 
@@ -185,7 +195,7 @@ class LiveGraph:
 
     # Services
 
-    def _serve(self, name: str, kind: str, handler: Callable[[bytes], bytes | ServiceFailed]) -> None:
+    def _serve(self, name: str, kind: str, handler: Handler) -> None:
         service = service_type(kind)
         self._node.serve(name, kind, service.md5, service.request, service.response, handler)
 
@@ -203,17 +213,21 @@ class LiveGraph:
             self._serve(name, types.EMPTY, partial(self._pass_on, name, request))
         self._serve(named.topic("set_pose"), types.SET_POSE, partial(self._set_pose, robot))
         for service in ("move_base/make_plan", "move_base/NavfnROS/make_plan"):
-            self._serve(named.topic(service), types.GET_PLAN, partial(self._make_plan, robot))
+            self._serve(named.topic(service), types.GET_PLAN, self._turns.of(partial(self._make_plan, robot)))
 
     def _pass_on(self, service: str, request: Request, data: bytes) -> bytes:
-        self._ask(service, request)
+        if self._door.is_first(service):
+            self._ask(service, request)
         return b""
 
     def _set_pose(self, robot: int, data: bytes) -> bytes | ServiceFailed:
+        service = self._robots[robot].topic("set_pose")
+        if not self._door.admits(service, "clients"):
+            return ServiceFailed("it is asked too often")
         found = clients.pose_estimate(data)
         if isinstance(found, Refused):
             return ServiceFailed(found.sentence)
-        self._ask(self._robots[robot].topic("set_pose"), Localize(robot, found.base_in_map, found.covariance))
+        self._ask(service, Localize(robot, found.base_in_map, found.covariance))
         return b""
 
     def _make_plan(self, robot: int, data: bytes) -> bytes | ServiceFailed:

@@ -10,7 +10,7 @@ move_base.cpp.
 Differs: within a tick requests come first and the newest goal is accepted then, without threads between. A goal of the
 game is under way whatever its time stamp: the navigator has taken it. One that only points at the map is named before
 it is said, so that what came of it can be found. While a robot is dead its server is, too; goals under way end when
-it revives.
+it revives. However many goals clients set, the list of those that ended has a bound.
 """
 
 from collections.abc import Iterable
@@ -32,6 +32,8 @@ FEEDBACK_PERIOD = TICKS_PER_SECOND // 10
 """Ticks from one word about the base on its way to the next."""
 LISTED_NS = 5_000_000_000
 """How long a goal stays listed after its end: status_list_timeout."""
+LISTED = 64
+"""How many goals that ended stay listed at most; the list is said whenever one of them changes."""
 
 ActionRequest: TypeAlias = GoalRequest | CancelRequest | SimpleGoal
 
@@ -305,7 +307,7 @@ class MoveBaseServer:
         self._say_status()
 
     def _say_status(self) -> None:
-        self._listed = [
-            entry for entry in self._listed if entry.left_ns is None or entry.left_ns + LISTED_NS >= self._now
-        ]
+        left = [entry for entry in self._listed if entry.left_ns is not None]
+        dropped = {entry for entry in left if (entry.left_ns or 0) + LISTED_NS < self._now} | {*left[:-LISTED]}
+        self._listed = [entry for entry in self._listed if entry not in dropped]
         self._said.append(StatusList(tuple(entry.told() for entry in self._listed)))

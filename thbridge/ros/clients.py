@@ -14,6 +14,8 @@ from thbridge.ros.cursor import FLOAT32, Cursor
 from thbridge.ros.frames import frame_name
 from thbridge.ros.names import MAP_FRAME
 
+_GOAL_ID_LENGTH = 512
+"""actionlib's names are the client's node, a number and a time; every list of goals repeats them."""
 _PLANAR = np.ix_((0, 1, 5), (0, 1, 5))
 """x, y and yaw among x, y, z, roll, pitch, yaw."""
 _FARTHEST = 1e6
@@ -95,7 +97,7 @@ def action_goal(data: bytes) -> ActionGoal | Refused:
     try:
         cursor = Cursor(data)
         cursor.header()
-        stamp_ns, goal_id = cursor.stamp(), cursor.string()
+        stamp_ns, goal_id = cursor.stamp(), _goal_id(cursor)
         _, frame = cursor.header()
         return ActionGoal(goal_id, stamp_ns, _pose_in_map(cursor, frame))
     except ValueError as error:
@@ -107,7 +109,7 @@ def action_cancel(data: bytes) -> ActionCancel | Refused:
     try:
         cursor = Cursor(data)
         stamp_ns = cursor.stamp()
-        return ActionCancel(cursor.string(), stamp_ns)
+        return ActionCancel(_goal_id(cursor), stamp_ns)
     except ValueError as error:
         return Refused(str(error))
 
@@ -145,6 +147,13 @@ def plan_question(data: bytes) -> PlanQuestion | Refused:
     if not (math.isfinite(tolerance) and tolerance >= 0.0):
         return Refused(f"its tolerance of {tolerance} m is none")
     return PlanQuestion(start, goal, float(tolerance))
+
+
+def _goal_id(cursor: Cursor) -> str:
+    goal_id = cursor.string()
+    if len(goal_id) > _GOAL_ID_LENGTH:
+        raise ValueError(f"its goal has a name of more than {_GOAL_ID_LENGTH} characters")
+    return goal_id
 
 
 def _pose_in_map(cursor: Cursor, frame: str) -> Pose2 | Refused:

@@ -9,7 +9,7 @@ from sim.geometry import Pose2
 from sim.inputs import Go, Halt
 from sim.navigator import Arrived, Cancelled, Goal, Navigation, NoPath, Result
 from sim.observations import STANDSTILL
-from thbridge.ros.actionlib import ActionRequest, Ended, Feedback, GoalSet, MoveBaseServer, Said, StatusList
+from thbridge.ros.actionlib import LISTED, ActionRequest, Ended, Feedback, GoalSet, MoveBaseServer, Said, StatusList
 from thbridge.ros.goals import Status
 from thbridge.ros.records import CancelRequest, GoalRequest, SimpleGoal
 
@@ -254,6 +254,17 @@ def test_goals_stay_listed_for_five_seconds_after_their_end() -> None:
     robot.step()
     assert lists(robot.wait(240))[-1] == [("a", Status.SUCCEEDED)]
     assert lists(robot.wait(30))[-1] == []
+
+
+def test_the_list_of_goals_that_ended_has_a_bound_and_the_newest_are_on_it() -> None:
+    robot = Robot()
+    for number in range(200):
+        robot.step(goal(f"{number}", number))
+    listed = [name for name, _ in lists(robot.wait(10))[-1]]
+    assert listed == [f"{number}" for number in range(200 - LISTED - 1, 200)]
+    for number in range(200):
+        robot.step(CancelRequest(0, f"never came {number}", 0))
+    assert len(lists(robot.wait(10))[-1]) == LISTED + 1
 
 
 def test_a_dead_robot_hears_and_says_nothing_and_ends_its_goal_when_it_revives() -> None:

@@ -104,6 +104,14 @@ def test_goals_and_cancels_of_actions_keep_their_names_and_times() -> None:
     assert clients.action_cancel(data) == ActionCancel("me-1", 5_000_000_006)
 
 
+def test_goals_with_endless_names_are_refused() -> None:
+    for length, kind in ((512, ActionCancel), (513, Refused)):
+        data = struct.pack("<III", 0, 0, length) + b"x" * length
+        assert isinstance(clients.action_cancel(data), kind)
+        whole = packed("std_msgs/msg/Header", seq=0, stamp=header().stamp, frame_id="") + data + stamped()
+        assert isinstance(clients.action_goal(whole), ActionGoal if kind is ActionCancel else Refused)
+
+
 def test_a_velocity_is_forward_and_around() -> None:
     assert clients.velocity(struct.pack("<6d", 0.5, 9.0, 9.0, 9.0, 9.0, -0.25)) == Twist(0.5, -0.25)
     assert isinstance(clients.velocity(struct.pack("<6d", math.nan, 0, 0, 0, 0, 0)), Refused)

@@ -1,0 +1,111 @@
+"""A session's doors to a ROS graph without the graph: a node that only remembers what it is to do."""
+
+import asyncio
+import inspect
+from collections.abc import Awaitable, Callable
+from pathlib import Path
+
+import pytest
+
+from sim.team import TeamSnapshot
+from thbridge.adapters.rosgraph.joining import Graph
+from thbridge.app import live
+from thbridge.app.broadcast import Broadcast
+from thbridge.app.compose import Setting
+from thbridge.app.inputs import Asked
+from thbridge.app.live import LiveGraph
+from thbridge.app.programs import PLAY, NoLog
+from thbridge.app.recording import BagWitness
+from thbridge.app.session import Moment, Session
+from thbridge.roles.requests import Request
+from thbridge.wire import legacy
+from thbridge.wire.rosgraph.links import ServiceFailed
+from thbridge.wire.rosgraph.xmlrpc import XmlRpcValue
+from thbridge.wire.router import Router
+
+Answer = bytes | ServiceFailed
+
+
+class Silence:
+    """A publication that nobody subscribes to."""
+
+    dropped = 0
+
+    def publish(self, data: bytes) -> None:
+        """Nobody hears it."""
+
+
+class Doors:
+    """Stands in for `RosNode`."""
+
+    def __init__(self, *_: object, **__: object) -> None:
+        self.heard: dict[str, Callable[[bytes, str], None]] = {}
+        self.services: dict[str, Callable[[bytes], Answer | Awaitable[Answer]]] = {}
+        self.parameters: dict[str, Callable[[str, XmlRpcValue], None]] = {}
+        self.declared: dict[str, XmlRpcValue] = {}
+
+    def advertise(self, *_: object, **__: object) -> Silence:
+        return Silence()
+
+    def subscribe(self, topic: str, kind: str, md5: str, heard: Callable[[bytes, str], None]) -> None:
+        self.heard[topic] = heard
+
+    def serve(self, service: str, kind: str, md5: str, request: str, response: str, handler: object) -> None:
+        assert callable(handler)
+        self.services[service] = handler
+
+    def subscribe_param(self, key: str, changed: Callable[[str, XmlRpcValue], None]) -> None:
+        self.parameters[key] = changed
+
+    def declare_param(self, key: str, value: XmlRpcValue) -> None:
+        self.declared[key] = value
+
+
+class Visited:
+    """A hunt that nobody plays, on a graph whose clients knock by hand."""
+
+    def __init__(self, setting: Setting, bag: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+        made: list[Doors] = []
+
+        def doors(*_: object, **__: object) -> Doors:
+            made.append(Doors())
+            return made[0]
+
+        monkeypatch.setattr(live, "RosNode", doors)
+        simr, publisher = setting.simr(), setting.publisher()
+        graph = LiveGraph(Graph(), setting.facts(publisher), simr.make_plan, self._ask)
+        self.doors = made[0]
+        self.writer = setting.writer(bag)
+        record = setting.record(PLAY, [legacy.SIMR, legacy.HIDER], "")
+        witness = BagWitness(Broadcast(publisher, record, setting.place.grid, [graph, self.writer]))
+        self._session = Session(Router(), setting.keeper(), [simr, setting.hider()], NoLog(), [witness])
+
+    def _ask(self, sender: str, request: Request) -> None:
+        self._session.ask(sender, request)
+
+    def say(self, topic: str, data: bytes, caller: str = "/client") -> None:
+        self.doors.heard[topic](data, caller)
+
+    def call(self, service: str, request: bytes = b"") -> Answer:
+        async def answered() -> Answer:
+            answer = self.doors.services[service](request)
+            return await answer if inspect.isawaitable(answer) else answer
+
+        return asyncio.run(answered())
+
+    def set_parameter(self, key: str, value: XmlRpcValue) -> None:
+        for below, changed in self.doors.parameters.items():
+            if key.startswith(below):
+                changed(key, value)
+
+    def step(self) -> Moment:
+        return self._session.step()
+
+    def robots(self) -> TeamSnapshot:
+        snapshot = self.step().snapshot
+        assert snapshot is not None
+        return snapshot
+
+
+def asked(moment: Moment) -> list[Request]:
+    return [item.request for item in moment.inputs if isinstance(item, Asked)]

@@ -1,0 +1,98 @@
+"""What clients ask of a session on a graph: how much of it comes in, and as what."""
+
+import asyncio
+import dataclasses
+import logging
+import struct
+from collections.abc import Iterator
+from pathlib import Path
+
+import pytest
+
+from sim.observations import Twist
+from sim.team import RequestUpdate
+from tests.thbridge.app.knocking import Visited, asked
+from tests.thbridge.ros.test_clients import stamped
+from thbridge.app.compose import read_setting
+from thbridge.app.config import Study
+from thbridge.app.door import REQUESTS
+from thbridge.ros.records import SimpleGoal, VelocityCommand
+from thbridge.wire.rosgraph.links import ServiceFailed
+
+FORWARD = struct.pack("<6d", 0.1, 0, 0, 0, 0, 0)
+
+
+@pytest.fixture
+def visited(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Iterator[Visited]:
+    setting = read_setting(dataclasses.replace(Study(), robots=2), Path())
+    session = Visited(setting, tmp_path / "hunt.bag", monkeypatch)
+    with session.writer:
+        yield session
+
+
+def test_a_client_that_floods_a_topic_gets_in_so_often_a_tick_and_the_log_says_so_once(
+    visited: Visited, caplog: pytest.LogCaptureFixture
+) -> None:
+    with caplog.at_level(logging.WARNING):
+        for _ in range(2):
+            for _ in range(500):
+                visited.say("/robot1/move_base_simple/goal", stamped(), "/flood")
+            assert len(asked(visited.step())) == REQUESTS
+    told = [line.getMessage() for line in caplog.records]
+    assert len(told) == 1
+    assert "/flood" in told[0]
+    assert "/robot1/move_base_simple/goal" in told[0]
+
+
+def test_a_flood_costs_nobody_else_a_request(visited: Visited) -> None:
+    for _ in range(500):
+        visited.say("/robot1/cmd_vel", FORWARD, "/flood")
+    visited.say("/robot1/cmd_vel", FORWARD, "/joystick")
+    visited.say("/robot2/cmd_vel", FORWARD, "/flood")
+    visited.say("/robot1/move_base_simple/goal", stamped(), "/flood")
+    requests = asked(visited.step())
+    assert sum(item == VelocityCommand(0, Twist(0.1, 0.0)) for item in requests) == REQUESTS + 1
+    assert VelocityCommand(1, Twist(0.1, 0.0)) in requests
+    assert isinstance(requests[-1], SimpleGoal)
+
+
+def test_what_is_the_same_once_and_often_is_asked_once_and_answered_every_time(visited: Visited) -> None:
+    assert [visited.call("/robot1/request_nomotion_update") for _ in range(50)] == [b""] * 50
+    assert asked(visited.step()) == [RequestUpdate(0)]
+    visited.call("/robot1/request_nomotion_update")
+    assert asked(visited.step()) == [RequestUpdate(0)]
+
+
+def test_a_flood_of_estimates_is_told_no(visited: Visited) -> None:
+    estimate = stamped() + bytes(36 * 8)
+    answers = [visited.call("/robot1/set_pose", estimate) for _ in range(50)]
+    assert answers.count(b"") == REQUESTS
+    assert isinstance(answers[-1], ServiceFailed)
+    assert len(asked(visited.step())) == REQUESTS
+
+
+def test_of_many_questions_about_plans_one_is_answered_at_a_turn(visited: Visited) -> None:
+    visited.step()
+    question = stamped(x=2.0, y=0.0) + stamped(x=-2.0, y=0.0) + struct.pack("<f", 0.0)
+
+    async def longest_turn() -> int:
+        pending = [
+            asyncio.ensure_future(visited.doors.services["/robot1/move_base/make_plan"](question)) for _ in range(8)
+        ]
+        longest = done = 0
+        while done < len(pending):
+            await asyncio.sleep(0)
+            now = sum(each.done() for each in pending)
+            longest, done = max(longest, now - done), now
+        assert all(each.result() == pending[0].result() for each in pending)
+        return longest
+
+    assert asyncio.run(longest_turn()) == 1
+
+
+def test_a_mistake_is_told_once_however_often_it_is_made(visited: Visited, caplog: pytest.LogCaptureFixture) -> None:
+    with caplog.at_level(logging.WARNING):
+        for _ in range(5):
+            visited.say("/robot1/move_base_simple/goal", stamped("odom"))
+            assert asked(visited.step()) == []
+    assert len(caplog.records) == 1
