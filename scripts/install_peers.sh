@@ -7,7 +7,8 @@ cd "$(dirname "$0")/.."
 packages="python3-rosbag python3-rostopic python3-rosnode python3-rosmsg ros-core default-jdk-headless
     python3-genpy python3-std-msgs python3-geometry-msgs python3-sensor-msgs python3-nav-msgs python3-actionlib-msgs
     python3-move-base-msgs python3-tf2-msgs python3-visualization-msgs ros-std-msgs ros-geometry-msgs ros-sensor-msgs
-    ros-nav-msgs ros-actionlib-msgs ros-move-base-msgs ros-tf2-msgs ros-visualization-msgs"
+    ros-nav-msgs ros-actionlib-msgs ros-move-base-msgs ros-tf2-msgs ros-visualization-msgs
+    python3-dynamic-reconfigure"
 
 missing=""
 for package in $packages; do

@@ -4,14 +4,13 @@ Nothing that a client does acts at once: it becomes a request that the session t
 Questions (the map, a plan) are answered at once and change nothing.
 """
 
-import json
 import logging
 from collections.abc import AsyncIterator, Callable, Iterable, Sequence
 from contextlib import asynccontextmanager
 from dataclasses import dataclass
 from functools import partial
 from itertools import count
-from typing import TypeAlias, cast
+from typing import TypeAlias
 
 import numpy as np
 
@@ -19,28 +18,24 @@ from sim.geometry import FloatArray, Pose2
 from sim.grid import OccupancyGrid
 from sim.inputs import ClearCostmaps, Globalize, Localize, RequestUpdate
 from sim.parameters import RobotParameters
-from sim.parameters.reconfiguration import Rejected
 from sim.planning.path import Refused as NoPlan
 from thbridge.adapters.ros_definitions import Definitions
 from thbridge.adapters.rosgraph.joining import Graph, Master, master_of
 from thbridge.adapters.rosgraph.node import RosNode, Started
-from thbridge.adapters.rosgraph.publications import Publication
 from thbridge.adapters.rosgraph.sockets import Complaints
-from thbridge.adapters.rosgraph.tcpros_server import Handler
 from thbridge.adapters.rosgraph.turns import Turns
 from thbridge.adapters.text_server import CannotListen
 from thbridge.app.door import Door
-from thbridge.roles.requests import ParameterValue as SetValue
-from thbridge.roles.requests import Request, SetParameters, with_values
+from thbridge.app.live_parameters import LiveParameters, sendable
+from thbridge.app.typed_node import TypedNode
+from thbridge.roles.requests import Request
 from thbridge.ros import clients, names, pack, types
 from thbridge.ros.clients import Refused
 from thbridge.ros.names import CALLER, MAP_FRAME, RobotNames
-from thbridge.ros.parameters import ParameterValue, Tree, has, leaves, name_of, path_of, robot_tree, value_at
+from thbridge.ros.parameters import Tree
 from thbridge.ros.records import CancelRequest, GoalRequest, InitialPose, SimpleGoal, VelocityCommand
 from thbridge.ros.topics import CLOCK, Message, Topic
-from thbridge.ros.types import service_type
 from thbridge.wire.rosgraph.links import ServiceFailed
-from thbridge.wire.rosgraph.xmlrpc import XmlRpcValue
 
 _log = logging.getLogger(__name__)
 
@@ -88,41 +83,45 @@ class LiveGraph:
         make_plan: MakePlan,
         ask: Callable[[str, Request], None],
     ) -> None:
-        self._node = RosNode(CALLER, graph.master_uri, graph.host, on_shutdown=self._told_to_go)
+        node = RosNode(CALLER, graph.master_uri, graph.host, on_shutdown=self._told_to_go)
+        self._node = TypedNode(node, Definitions())
         self._facts = facts
         self._plan = make_plan
         self._ask = ask
         self._robots = [RobotNames.of(robot) for robot in range(len(facts.software))]
-        self._software = list(facts.software)
         self._goals = count(FIRST_GOAL)
         self._door = Door()
         self._turns = Turns()
         self._complaints = Complaints(_log)
         self._tick = 0
-        self._definitions = Definitions()
-        self._publications = {topic.name: self._advertise(topic) for topic in (CLOCK, *facts.topics)}
+        self._publications = {
+            topic.name: self._node.advertise(topic.name, topic.msgtype, topic.latched)
+            for topic in (CLOCK, *facts.topics)
+        }
         self._offer_map()
         for robot, named in enumerate(self._robots):
             self._listen_to_clients(robot, named)
             self._offer_services(robot, named)
-        self._declare_parameters()
+        node.declare_param(names.USE_SIM_TIME, True)
+        node.declare_param(CALLER, sendable(facts.rest))
+        self._parameters = LiveParameters(self._node, facts.software, self._door, ask)
 
     async def start(self) -> Started | CannotListen:
         """Join the graph; its master need not be there yet."""
-        return await self._node.start()
+        return await self._node.ros.start()
 
     async def registered(self) -> None:
         """Wait until the master knows everything."""
-        await self._node.registered()
+        await self._node.ros.registered()
 
     async def stop(self) -> None:
         """Leave the graph."""
-        await self._node.stop()
+        await self._node.ros.stop()
 
     def _told_to_go(self, reason: str) -> None:
         # The hunt is the participant's, and nobody on the graph may end it.
         _log.warning("the session leaves the ROS graph (%s) and goes on without it", reason)
-        self._node.leave()
+        self._node.ros.leave()
 
     @property
     def dropped(self) -> int:
@@ -138,12 +137,6 @@ class LiveGraph:
             if not message.heard:
                 self._publications[message.topic.name].publish(message.data)
 
-    # What is said
-
-    def _advertise(self, topic: Topic) -> Publication:
-        definition = self._definitions.of(topic.msgtype)
-        return self._node.advertise(topic.name, topic.msgtype, definition.md5, definition.text, topic.latched)
-
     # What clients want
 
     def _listen_to_clients(self, robot: int, named: RobotNames) -> None:
@@ -154,8 +147,8 @@ class LiveGraph:
             ("move_base/goal", types.MOVE_BASE_GOAL, self._goal_heard),
             ("move_base/cancel", types.GOAL_ID, self._cancel_heard),
         ):
-            name, md5 = named.topic(topic), self._definitions.of(msgtype).md5
-            self._node.subscribe(name, msgtype, md5, partial(self._heard, name, partial(heard, robot)))
+            name = named.topic(topic)
+            self._node.subscribe(name, msgtype, partial(self._heard, name, partial(heard, robot)))
 
     def _heard(self, topic: str, read: Callable[[bytes], Request | Refused], data: bytes, caller: str) -> None:
         if caller == CALLER:
@@ -195,13 +188,9 @@ class LiveGraph:
 
     # Services
 
-    def _serve(self, name: str, kind: str, handler: Handler) -> None:
-        service = service_type(kind)
-        self._node.serve(name, kind, service.md5, service.request, service.response, handler)
-
     def _offer_map(self) -> None:
         whole = pack.occupancy_grid(0, MAP_FRAME, self._facts.grid)
-        self._serve(names.STATIC_MAP, types.GET_MAP, lambda request: whole)
+        self._node.serve(names.STATIC_MAP, types.GET_MAP, lambda request: whole)
 
     def _offer_services(self, robot: int, named: RobotNames) -> None:
         for service, request in (
@@ -210,10 +199,10 @@ class LiveGraph:
             ("move_base/clear_costmaps", ClearCostmaps(robot)),
         ):
             name = named.topic(service)
-            self._serve(name, types.EMPTY, partial(self._pass_on, name, request))
-        self._serve(named.topic("set_pose"), types.SET_POSE, partial(self._set_pose, robot))
+            self._node.serve(name, types.EMPTY, partial(self._pass_on, name, request))
+        self._node.serve(named.topic("set_pose"), types.SET_POSE, partial(self._set_pose, robot))
         for service in ("move_base/make_plan", "move_base/NavfnROS/make_plan"):
-            self._serve(named.topic(service), types.GET_PLAN, self._turns.of(partial(self._make_plan, robot)))
+            self._node.serve(named.topic(service), types.GET_PLAN, self._turns.of(partial(self._make_plan, robot)))
 
     def _pass_on(self, service: str, request: Request, data: bytes) -> bytes:
         if self._door.is_first(service):
@@ -241,37 +230,6 @@ class LiveGraph:
             return pack.path(self._tick, MAP_FRAME, NO_POSES)
         return pack.path(self._tick, MAP_FRAME, plan)
 
-    # Parameters
-
-    def _declare_parameters(self) -> None:
-        self._node.declare_param(names.USE_SIM_TIME, True)
-        self._node.declare_param(CALLER, _sendable(self._facts.rest))
-        for robot, named in enumerate(self._robots):
-            self._node.declare_param(named.namespace, _sendable(robot_tree(self._software[robot])))
-            self._node.subscribe_param(named.namespace, partial(self._parameters_set, robot))
-
-    def _parameters_set(self, robot: int, key: str, value: XmlRpcValue) -> None:
-        """Somebody set a parameter, or many below one key: what may change acts, the rest is put back."""
-        named, before = self._robots[robot], self._software[robot]
-        given = [
-            (path, _readable(leaf)) for name, leaf in leaves(key.rstrip("/"), value) if (path := path_of(named, name))
-        ]
-        # Anybody may keep parameters of their own beside ours.
-        changed = [(path, leaf) for path, leaf in given if has(before, path) and leaf != value_at(before, path)]
-        whole = with_values(before, changed)
-        # What cannot be done together is done one by one, as far as it goes.
-        for values in [changed] if not isinstance(whole, Rejected) else [[one] for one in changed]:
-            after = with_values(self._software[robot], values)
-            if isinstance(after, Rejected):
-                _log.warning("%s keeps its value: %s", name_of(named, after.path), after.sentence)
-            elif after != self._software[robot]:
-                self._software[robot] = after
-                self._ask(named.topic("parameters"), SetParameters(robot, tuple(values)))
-        for path, leaf in changed:
-            now = value_at(self._software[robot], path)
-            if now != leaf and now is not None:
-                self._node.declare_param(name_of(named, path), _sendable(now))
-
 
 @asynccontextmanager
 async def on_graph(
@@ -293,12 +251,3 @@ async def on_graph(
             yield
         finally:
             await live.stop()
-
-
-def _sendable(value: ParameterValue) -> XmlRpcValue:
-    return cast(XmlRpcValue, value)
-
-
-def _readable(value: object) -> SetValue:
-    """A parameter's value as requests hold it: lists, such as footprints, as text."""
-    return value if isinstance(value, bool | int | float | str | None) else json.dumps(value, default=str)

@@ -1,0 +1,258 @@
+"""What a dynamic_reconfigure server says of a robot's live parameters, and what its clients ask of them.
+
+In ROS every node, costmap, layer and planner that has such parameters is a server with a name of its own. The same
+sections of `RobotParameters` are here. A parameter's description is its knob's, so nothing is said twice.
+
+Source: ros/dynamic_reconfigure, server.h, config_tools.h and encoding.py; its messages Config and ConfigDescription.
+
+Differs: no parameter has a level, as nobody needs to be told what has to start anew; `restore_defaults` is missing.
+A choice of words that ROS leaves to the typist is an enum.
+"""
+
+import dataclasses
+import json
+import math
+from collections.abc import Callable, Iterable, Mapping
+from dataclasses import dataclass
+from functools import cache
+from struct import Struct
+from typing import Literal, cast, get_args, get_type_hints
+
+from sim.parameters import RobotParameters, reconfigurable
+from thbridge.ros.clients import Refused
+from thbridge.ros.cursor import INT32, UINT8, Cursor
+from thbridge.ros.names import RobotNames
+from thbridge.ros.pack.fields import UINT32, string
+from thbridge.ros.parameters import name_of, value_at
+
+Kind = Literal["bool", "int", "str", "double"]
+Value = bool | int | str | float
+
+_KINDS: tuple[Kind, ...] = get_args(Kind)
+"""In the order in which a Config lists them."""
+
+_FLOAT64 = Struct("<d")
+_GROUP = "Default"
+_GROUP_IDS = INT32.pack(0) * 2
+"""The group's own number and its parent's: all parameters are in the one group that there always is."""
+_GROUP_STATE = string(_GROUP) + UINT8.pack(True) + _GROUP_IDS
+_NO_LEVEL = UINT32.pack(0)
+
+_NUMBERED: Mapping[str, Mapping[str, int]] = {
+    "combination_method": {"Overwrite": 0, "Maximum": 1, "Nothing": 99},
+    "orientation_mode": {
+        "None": 0,
+        "Forward": 1,
+        "Interpolate": 2,
+        "ForwardThenInterpolate": 3,
+        "Backward": 4,
+        "Leftward": 5,
+        "Rightward": 6,
+    },
+}
+"""Numbers that have names in ROS's .cfg files."""
+
+
+@dataclass(frozen=True, slots=True)
+class Parameter:
+    """One live parameter as dynamic_reconfigure describes it.
+
+    Attributes:
+        name: within its section.
+        path: its place in `RobotParameters`, such as "amcl.kld_err".
+        kind: ROS's name of its type.
+        description: for people, with the unit.
+        edit_method: its choices, as the text of a Python dictionary that clients evaluate; empty when it is free.
+        minimum: least value; of text empty.
+        maximum: greatest value; of text empty.
+        default: ROS's.
+    """
+
+    name: str
+    path: str
+    kind: Kind
+    description: str
+    edit_method: str
+    minimum: Value
+    maximum: Value
+    default: Value
+
+    def clamped(self, value: Value) -> Value:
+        """The nearest value within the bounds, as every such server does it; NaN remains."""
+        if isinstance(value, str):
+            return value
+        return min(max(value, cast(float, self.minimum)), cast(float, self.maximum))
+
+    def told(self, software: RobotParameters) -> Value:
+        """Its value in a robot's software. A number without a value (null) is told as 0, as messages have no null."""
+        value = value_at(software, self.path)
+        if self.kind == "double":
+            return float(cast("float | None", value) or 0.0)
+        return value if isinstance(value, bool | int | str) else json.dumps(value)
+
+
+@dataclass(frozen=True, slots=True)
+class Section:
+    """The live parameters of one server.
+
+    Attributes:
+        path: its place in `RobotParameters`: "amcl", "local_costmap.inflation_layer".
+        parameters: in the order in which they are declared.
+    """
+
+    path: str
+    parameters: tuple[Parameter, ...]
+
+    def server(self, robot: RobotNames) -> str:
+        """The server's name: "/robot1/move_base/local_costmap/inflation_layer"."""
+        return name_of(robot, self.parameters[0].path).rpartition("/")[0]
+
+
+@cache
+def sections() -> tuple[Section, ...]:
+    """All servers of a robot."""
+    found: dict[str, list[Parameter]] = {}
+    for path in reconfigurable():
+        found.setdefault(path.rpartition(".")[0], []).append(_parameter(path))
+    return tuple(Section(path, tuple(parameters)) for path, parameters in found.items())
+
+
+def _parameter(path: str) -> Parameter:
+    *within, name = path.split(".")
+    section: type = RobotParameters
+    for each in within:
+        section = cast(type, get_type_hints(section)[each])
+    (field,) = (each for each in dataclasses.fields(section) if each.name == name)
+    hint = cast(object, get_type_hints(section)[name])
+    types = get_args(hint) or (hint,)
+    kind = _kind(types)
+    known = cast(Mapping[str, object], field.metadata)
+    help_, unit = cast(str, known["help"]), cast(str, known["unit"])
+    minimum, maximum = _bounds(kind, cast("float | None", known["minimum"]), cast("float | None", known["maximum"]))
+    default = cast(object, field.default)
+    return Parameter(
+        name,
+        path,
+        kind,
+        help_ + (f" [{unit}]" if unit else "") + (" (null is told as 0)" if type(None) in types else ""),
+        _edit_method(kind, help_, _choices(name, cast(tuple[str, ...], known["choices"]))),
+        minimum,
+        maximum,
+        default if isinstance(default, bool | int | float | str) else json.dumps(default),
+    )
+
+
+def _kind(types: tuple[object, ...]) -> Kind:
+    if float in types:
+        return "double"
+    if bool in types:
+        return "bool"
+    return "int" if int in types else "str"
+
+
+def _bounds(kind: Kind, least: float | None, greatest: float | None) -> tuple[Value, Value]:
+    match kind:
+        case "bool":
+            return False, True
+        case "str":
+            return "", ""
+        case "int":
+            return -(2**31) if least is None else int(least), 2**31 - 1 if greatest is None else int(greatest)
+        case "double":
+            return -math.inf if least is None else float(least), math.inf if greatest is None else float(greatest)
+
+
+def _choices(name: str, words: tuple[str, ...]) -> Mapping[str, Value]:
+    return _NUMBERED.get(name, {word: word for word in words})
+
+
+def _edit_method(kind: Kind, help_: str, choices: Mapping[str, Value]) -> str:
+    if not choices:
+        return ""
+    enum = [{"name": name, "type": kind, "value": value, "description": ""} for name, value in choices.items()]
+    return repr({"enum_description": help_, "enum": enum})
+
+
+# What a server says
+
+
+def description(section: Section) -> bytes:
+    """dynamic_reconfigure/ConfigDescription."""
+    parameters = b"".join(
+        string(each.name) + string(each.kind) + _NO_LEVEL + string(each.description) + string(each.edit_method)
+        for each in section.parameters
+    )
+    group = string(_GROUP) + string("") + UINT32.pack(len(section.parameters)) + parameters + _GROUP_IDS
+    return b"".join(
+        (
+            UINT32.pack(1),
+            group,
+            _config((each, each.maximum) for each in section.parameters),
+            _config((each, each.minimum) for each in section.parameters),
+            _config((each, each.default) for each in section.parameters),
+        )
+    )
+
+
+def config(section: Section, software: RobotParameters) -> bytes:
+    """dynamic_reconfigure/Config: the values in force; also the answer of dynamic_reconfigure/Reconfigure."""
+    return _config((each, each.told(software)) for each in section.parameters)
+
+
+def _config(values: Iterable[tuple[Parameter, Value]]) -> bytes:
+    rows: dict[Kind, list[bytes]] = {kind: [] for kind in _KINDS}
+    for parameter, value in values:
+        rows[parameter.kind].append(string(parameter.name) + _WRITE[parameter.kind](value))
+    lists = (UINT32.pack(len(of_kind)) + b"".join(of_kind) for of_kind in rows.values())
+    return b"".join(lists) + UINT32.pack(1) + _GROUP_STATE
+
+
+_WRITE: Mapping[Kind, Callable[[Value], bytes]] = {
+    "bool": lambda value: UINT8.pack(bool(value)),
+    "int": lambda value: INT32.pack(int(value)),
+    "str": lambda value: string(str(value)),
+    "double": lambda value: _FLOAT64.pack(float(value)),
+}
+
+
+# What a client asks
+
+
+def asked(section: Section, software: RobotParameters, data: bytes) -> tuple[tuple[str, Value], ...] | Refused:
+    """What the request of dynamic_reconfigure/Reconfigure changes: values by their paths, within their bounds.
+
+    As in ROS, names that the server does not know, or knows as of another type, and the states of groups are passed
+    over. What is as it was told is no change: a client that sends everything back means only what it changed.
+
+    Args:
+        section: the server's.
+        software: as it is.
+        data: the request.
+    """
+    try:
+        given = _given(Cursor(data))
+    except ValueError as error:
+        return Refused(str(error))
+    return tuple(
+        (each.path, value)
+        for each in section.parameters
+        if (each.kind, each.name) in given
+        and (value := each.clamped(given[each.kind, each.name])) != each.told(software)
+    )
+
+
+def _given(cursor: Cursor) -> Mapping[tuple[Kind, str], Value]:
+    given: dict[tuple[Kind, str], Value] = {}
+    for kind in _KINDS:
+        for _ in range(cursor.integer(UINT32)):  # Each takes some bytes, so a count that lies ends soon.
+            name = cursor.string()
+            given[kind, name] = _READ[kind](cursor)
+    return given
+
+
+_READ: Mapping[Kind, Callable[[Cursor], Value]] = {
+    "bool": lambda cursor: bool(cursor.integer(UINT8)),
+    "int": lambda cursor: cursor.integer(INT32),
+    "str": Cursor.string,
+    "double": lambda cursor: float(cursor.reals(1)[0]),
+}
