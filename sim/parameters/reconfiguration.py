@@ -171,7 +171,7 @@ def _corners(value: object) -> tuple[tuple[float, float], ...] | None:
     if isinstance(value, str):
         try:
             value = cast(object, json.loads(value or "[]"))
-        except ValueError:
+        except (ValueError, RecursionError):  # Of strangers who write nothing but brackets.
             return None
     if not isinstance(value, list | tuple) or 0 < len(value) < 3:
         return None

@@ -91,6 +91,7 @@ def last_views(snapshots):
         ("TrajectoryPlannerROS.max_vel_x", 21.0, "range"),
         ("local_costmap.footprint", "[[0, 0], [1, 1]]", "kind"),
         ("local_costmap.footprint", "a square", "kind"),
+        pytest.param("local_costmap.footprint", "[" * 100_000, "kind", id="only brackets"),
     ],
 )
 def test_what_cannot_be_is_rejected_for_the_right_reason(path, value, reason):
