@@ -86,3 +86,43 @@ while True:
     rospy.wait_for_message("/robot1/odom", rospy.AnyMsg, 60)
 print(json.dumps([pose.x, pose.y]))
 """
+
+NAMESAKE = """
+import sys
+import rospy
+
+rospy.init_node(sys.argv[1])
+print("here", flush=True)
+rospy.spin()
+"""
+
+OF_ANOTHER_TYPE = """
+import rospy
+from std_msgs.msg import String
+
+rospy.init_node("mistaken")
+rospy.Subscriber("/robot1/odom", String, print)
+rospy.spin()
+"""
+
+UNBROKEN = """
+import json, sys
+import rospy
+from nav_msgs.msg import Odometry
+
+rospy.init_node("attentive")
+numbers = []
+rospy.Subscriber("/robot1/odom", Odometry, lambda message: numbers.append(message.header.seq))
+while len(numbers) < int(sys.argv[1]):
+    rospy.sleep(0.5)
+print(json.dumps(numbers))
+"""
+
+WHERE = """
+import json, sys, xmlrpc.client
+import rosgraph
+
+api = xmlrpc.client.ServerProxy(rosgraph.Master("/asker").lookupNode(sys.argv[1]))
+_, _, (transport, host, port) = api.requestTopic("/asker", sys.argv[2], [["TCPROS"]])
+print(json.dumps([host, port]))
+"""

@@ -1,0 +1,102 @@
+"""ROS 1's own programs, and sessions that they are to sit beside."""
+
+import json
+import os
+import shutil
+import signal
+import socket
+import subprocess
+from collections.abc import Iterator
+from contextlib import contextmanager
+from pathlib import Path
+
+import pytest
+
+from tests.system.programs import Program, until
+
+PYTHON = "/usr/bin/python3"
+NEEDED = ("rosbag", "rostopic", "rosnode", "rosparam", "rosservice")
+
+
+def knows(*modules: str) -> bool:
+    asked = [PYTHON, "-c", f"import {', '.join(modules)}"]
+    return (
+        Path(PYTHON).exists() and subprocess.run(asked, capture_output=True, env=clean(), check=False).returncode == 0
+    )
+
+
+def clean() -> dict[str, str]:
+    # Debian's Python must not see this environment's packages.
+    hidden = ("PYTHONPATH", "PYTHONHOME", "VIRTUAL_ENV")
+    return {name: value for name, value in os.environ.items() if name not in hidden}
+
+
+NEEDS_ROS = pytest.mark.skipif(
+    any(shutil.which(tool) is None for tool in NEEDED) or not knows("rospy", "actionlib", "tf2_ros", "move_base_msgs"),
+    reason=f"not installed: {', '.join(NEEDED)}, python3-actionlib, python3-tf2-ros (see scripts/install_peers.sh)",
+)
+
+PATIENCE = 180.0
+
+
+class Ros:
+    """ROS's programs at the master of a session."""
+
+    def __init__(self, port: int, folder: Path) -> None:
+        self.environment = {
+            **clean(),
+            "ROS_MASTER_URI": f"http://127.0.0.1:{port}",
+            "ROS_IP": "127.0.0.1",
+            "ROS_LOG_DIR": str(folder),
+            "ROS_HOME": str(folder),
+            "PYTHONUNBUFFERED": "1",
+        }
+
+    def says(self, *command: str) -> str:
+        done = subprocess.run(
+            command, env=self.environment, capture_output=True, text=True, timeout=PATIENCE, check=False
+        )
+        assert done.returncode == 0, done.stdout + done.stderr
+        return done.stdout
+
+    def script(self, text: str, *arguments: str) -> object:
+        return json.loads(self.says(PYTHON, "-c", text, *arguments).splitlines()[-1])
+
+    @contextmanager
+    def running(self, *command: str, cwd: Path | None = None) -> Iterator[subprocess.Popen[str]]:
+        process = subprocess.Popen(
+            command, env=self.environment, stdout=subprocess.PIPE, stderr=subprocess.STDOUT, text=True,
+            cwd=cwd, start_new_session=True,
+        )  # fmt: skip
+        try:
+            yield process
+        finally:
+            if process.poll() is None:
+                os.killpg(process.pid, signal.SIGINT)
+                process.wait(30)
+            if process.stdout is not None:
+                process.stdout.close()
+
+
+def free_port() -> int:
+    with socket.socket() as probe:
+        probe.bind(("127.0.0.1", 0))
+        return int(probe.getsockname()[1])
+
+
+@contextmanager
+def session(folder: Path, *arguments: str) -> Iterator[tuple[Ros, Program]]:
+    """A text server and the robots, on a graph of which they are the master; nobody plays."""
+    port, server_port = free_port(), free_port()
+    uri = f"http://127.0.0.1:{port}"
+    server = Program(folder, "server", "--port", str(server_port))
+    until("the server", lambda: "listening" in server.text, [server])
+    robots = Program(folder, "simr", "--server", f"127.0.0.1:{server_port}", "--ros", "--ros-master", uri, *arguments)
+    ros = Ros(port, folder)
+    try:
+        until("the session to be on the graph", lambda: "this program is it" in robots.text, [robots])
+        ros.says("rostopic", "echo", "-n", "1", "/robot1/odom/header/seq")
+        yield ros, robots
+    finally:
+        for program in (robots, server):
+            program.close()
