@@ -11,6 +11,7 @@ from typing import cast
 
 from sim.parameters import RobotParameters
 from sim.parameters.reconfiguration import Rejected
+from thbridge.adapters.rosgraph.sockets import Complaints
 from thbridge.app.door import Door
 from thbridge.app.typed_node import TypedNode
 from thbridge.roles.requests import ParameterValue as SetValue
@@ -46,6 +47,7 @@ class LiveParameters:
         self._software = list(software)
         self._door = door
         self._ask = ask
+        self._complaints = Complaints(_log)
         self._robots = [RobotNames.of(robot) for robot in range(len(software))]
         self._updates = {
             (robot, section.path): node.advertise(
@@ -103,7 +105,7 @@ class LiveParameters:
         for values in [changes] if not isinstance(whole, Rejected) else [[one] for one in changes]:
             after = with_values(self._software[robot], values)
             if isinstance(after, Rejected):
-                _log.warning("%s keeps its value: %s", name_of(self._robots[robot], after.path), after.sentence)
+                self._complaints.tell(f"{name_of(self._robots[robot], after.path)} keeps its value: {after.sentence}")
             elif after != self._software[robot]:
                 self._software[robot] = after
                 self._ask(sender, SetParameters(robot, tuple(values)))
