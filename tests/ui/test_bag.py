@@ -92,7 +92,7 @@ def test_info_for_scripts(bag: Path) -> None:
 
 
 def test_cut(bag: Path) -> None:
-    options = ["--from", "1", "--to", "2", "--topics", "/scan,/map", "--compression", "lz4"]
+    options = ["--from", "1", "--until", "2", "--topics", "/scan,/map", "--compression", "lz4"]
     done = RUN.invoke(app, ["bag", "cut", str(bag), *options])
     assert done.exit_code == 0
     assert "12 messages into" in done.stdout

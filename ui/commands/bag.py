@@ -23,7 +23,7 @@ bag_app = typer.Typer(help="Look into recordings and mend them.", no_args_is_hel
 
 
 Bag = Annotated[Path, typer.Argument(help="A ROS 1 bag, or the name of a split one.")]
-Out = Annotated[Path | None, typer.Option("--out", help="The new file; by default beside the bag.")]
+Out = Annotated[Path | None, typer.Option("--to", help="The new file; by default beside the bag.")]
 Overwrite = Annotated[bool, typer.Option("--overwrite", help="Replace a file of that name.")]
 
 
@@ -179,7 +179,7 @@ def bag_reindex_command(
 def bag_cut_command(
     bag: Bag,
     start: Annotated[float, typer.Option("--from", help="Seconds from its beginning.", min=0.0)] = 0.0,
-    end: Annotated[float | None, typer.Option("--to", help="Seconds from its beginning; by default all.")] = None,
+    end: Annotated[float | None, typer.Option("--until", help="Seconds from its beginning; by default all.")] = None,
     topics: Annotated[str | None, typer.Option(help="Names with commas between; by default all.")] = None,
     compression: Annotated[Compression, typer.Option(help="Of the new bag.")] = Compression.NONE,
     new: Out = None,
