@@ -4,13 +4,12 @@ import json
 import subprocess
 from pathlib import Path
 
-from tests.peers import test_ros_live
-from tests.peers.test_ros_live import session
+from tests.peers.beside import NEEDS_ROS, session
 from tests.system.programs import THBRIDGE
 from thbridge.app.inputs import Asked
 from thbridge.app.replay import ticks_of
 
-pytestmark = test_ros_live.pytestmark
+pytestmark = NEEDS_ROS
 
 AT = "{position: {x: 0.5, y: 0.5}, orientation: {w: 1.0}}"
 PLACE = f"{{header: {{frame_id: map}}, pose: {AT}}}"

@@ -11,15 +11,16 @@ from pathlib import Path
 import pytest
 from ruamel.yaml import YAML
 
-from tests.peers import test_ros_live as ros_live
-from tests.peers.test_ros_live import PYTHON, Ros, session
+from tests.peers.beside import NEEDS_ROS, PYTHON, Ros, session
 
 PATIENCE = 60.0
 DYNPARAM = Path("/usr/lib/dynamic_reconfigure/dynparam")
 
 pytestmark = [
-    *ros_live.pytestmark,
-    pytest.mark.skipif(not DYNPARAM.exists(), reason="python3-dynamic-reconfigure is not installed"),
+    NEEDS_ROS,
+    pytest.mark.skipif(
+        not DYNPARAM.exists(), reason="python3-dynamic-reconfigure is not installed (see scripts/install_peers.sh)"
+    ),
 ]
 
 # Each change goes out and comes back three ways: the call's answer, what is published, the parameter server.
