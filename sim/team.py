@@ -74,17 +74,29 @@ class TeamSnapshot:
 
     Attributes:
         tick: which one.
-        world: the truth; not for robots, and for people only where the study says so.
+        world: the truth; not for robots, and for people only where the study says so. None of real robots: nobody
+            knows it.
         robots: one entry a robot, in the team's order.
         commands: (n, 2) m/s and rad/s that the motors were told in this tick, by navigators or by hand.
         dead: indices of the robots that perceive, say and do nothing; their entries are the last they said.
     """
 
     tick: int
-    world: WorldState
+    world: WorldState | None
     robots: tuple[RobotOutput, ...]
     commands: FloatArray
     dead: frozenset[int] = frozenset()
+
+    @property
+    def truth(self) -> WorldState:
+        """The truth about simulated robots.
+
+        Raises:
+            ValueError: these are real.
+        """
+        if self.world is None:
+            raise ValueError("nobody knows the truth about real robots")
+        return self.world
 
 
 START_COVARIANCE: FloatArray = np.diag([0.05**2, 0.05**2, 0.05**2])

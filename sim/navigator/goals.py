@@ -6,7 +6,11 @@ from typing import Literal
 from sim.geometry import Pose2
 from sim.planning.path import RefusalCode
 
-NoPathReason = RefusalCode | Literal["blocked_by_obstacle", "stuck", "lost"]
+NoPathReason = (
+    RefusalCode | Literal["blocked_by_obstacle", "stuck", "lost"] | Literal["gave_up", "called_off", "unanswered"]
+)
+"""Why a goal was given up. The last three are of navigators that are not ours: one gave up for reasons of its own,
+somebody else withdrew the goal, one did not answer."""
 
 
 @dataclass(frozen=True, slots=True)

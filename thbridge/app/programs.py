@@ -224,7 +224,7 @@ def _outcome(
         energy=() if game is None else tuple(robot.energy for robot in game.robots),
         sim_seconds=round(ticks * TICK, 2),
         wall_seconds=round(wall, 2),
-        collisions=0 if snapshot is None else int(snapshot.world.collisions.sum()),
+        collisions=0 if snapshot is None else int(snapshot.truth.collisions.sum()),
         bag=bag,
     )
 

@@ -62,7 +62,7 @@ class BagWitness:
             yield _event(event)
         for utterance in moment.utterances:
             yield _utterance(utterance)
-        if moment.snapshot is not None:
+        if moment.snapshot is not None and moment.snapshot.world is not None:
             yield from self._touches(moment.snapshot)
             yield from self._incidents(moment.snapshot)
         score = None if moment.game is None else _score(moment.game)
@@ -77,7 +77,7 @@ class BagWitness:
 
     def _touches(self, snapshot: TeamSnapshot) -> Iterator[GameEvent]:
         """A robot that has begun to touch a wall or another robot."""
-        counts = tuple(snapshot.world.collisions.tolist())
+        counts = tuple(snapshot.truth.collisions.tolist())
         before, self._collisions = self._collisions, counts
         for robot, count in enumerate(counts):
             if count > (before[robot] if before else 0):
@@ -86,7 +86,7 @@ class BagWitness:
 
     def _incidents(self, snapshot: TeamSnapshot) -> Iterator[GameEvent]:
         """Things that came or went, robots that died, revived or were put elsewhere."""
-        things = tuple(presence.thing.name for presence in snapshot.world.things if presence.appeared)
+        things = tuple(presence.thing.name for presence in snapshot.truth.things if presence.appeared)
         before, self._things = self._things, things
         for kind, names, others in (("appeared", things, before), ("vanished", before, things)):
             for name in names:
@@ -96,7 +96,7 @@ class BagWitness:
         for kind, robots in (("died", self._dead - dead), ("revived", dead - self._dead)):
             for robot in sorted(robots):
                 yield _befell(kind, robot)
-        places = snapshot.world.poses[:, :2]
+        places = snapshot.truth.poses[:, :2]
         if self._places is not None:
             for robot in np.flatnonzero(np.hypot(*(places - self._places).T) > JUMP).tolist():
                 yield _befell("carried", robot)

@@ -86,11 +86,11 @@ def drive(
     while tick < round(errand.timeout / TICK):
         snapshot = team.step(inputs)
         tick, inputs = tick + 1, []
-        pose = snapshot.world.poses[0]
+        pose = snapshot.truth.poses[0]
         distance += float(np.hypot(*(pose - before)[:2]))
         before = pose
         room.enter(pose)
-        collided = bool(snapshot.world.collisions[0] > 0)
+        collided = bool(snapshot.truth.collisions[0] > 0)
         result = snapshot.robots[0].navigation.result
         if isinstance(result, Arrived):
             return Outcome(True, collided, round(tick * TICK, 2), distance, room.least, None)

@@ -3,8 +3,9 @@
 from sim.observations import TICKS_PER_SECOND
 from sim.parameters import RobotParameters
 from sim.parameters.reconfiguration import Rejected
-from sim.team import Configure, Drive, Go, Halt, Localize, PutThing, RemoveThing, Team, TeamInput, TeamSnapshot
+from sim.team import Configure, Drive, Go, Halt, Localize, PutThing, RemoveThing, TeamInput, TeamSnapshot
 from thbridge.roles.requests import Request, SetParameters, with_values
+from thbridge.roles.robots import Robots
 from thbridge.ros.actionlib import ActionRequest, MoveBaseServer
 from thbridge.ros.records import CancelRequest, GoalRequest, InitialPose, SimpleGoal, VelocityCommand
 
@@ -16,19 +17,19 @@ class Controls:
     """Takes requests between two ticks of a team, and turns them into its inputs for the next.
 
     Args:
-        team: the robots; somebody else steps it.
+        robots: somebody else steps them.
     """
 
-    def __init__(self, team: Team) -> None:
-        self._team = team
-        self._servers = tuple(MoveBaseServer(robot) for robot in range(team.size))
+    def __init__(self, robots: Robots) -> None:
+        self._robots = robots
+        self._servers = tuple(MoveBaseServer(robot) for robot in range(robots.size))
         self._actions: list[ActionRequest] = []
         self._inputs: list[TeamInput] = []
         self._by_hand: dict[int, int] = {}
 
     def ask(self, request: Request) -> None:
         """Do this in the next tick; requests to robots that there are not are forgotten."""
-        if not (isinstance(request, PutThing | RemoveThing) or 0 <= request.robot < self._team.size):
+        if not (isinstance(request, PutThing | RemoveThing) or 0 <= request.robot < self._robots.size):
             return
         match request:
             case GoalRequest() | SimpleGoal() | CancelRequest():
@@ -37,10 +38,12 @@ class Controls:
                 self._take(Drive(robot, twist, HAND_TICKS))
             case InitialPose(robot, base_in_map, covariance):
                 self._take(Localize(robot, base_in_map, covariance))
-            case SetParameters(robot, values):
+            case SetParameters(robot, values) if robot < len(self._robots.parameters):
                 changed = with_values(self._software(robot), values)
                 if not isinstance(changed, Rejected):
                     self._take(Configure(robot, changed))
+            case SetParameters():
+                pass  # Robots of others have their own.
             case _:
                 self._take(request)
 
@@ -75,4 +78,4 @@ class Controls:
     def _software(self, robot: int) -> RobotParameters:
         """A robot's parameters as they will be when what has been asked so far is done."""
         asked = [item.parameters for item in self._inputs if isinstance(item, Configure) and item.robot == robot]
-        return asked[-1] if asked else self._team.parameters[robot]
+        return asked[-1] if asked else self._robots.parameters[robot]

@@ -15,6 +15,9 @@ _SENTENCES: dict[NoPathReason, str] = {
     "start_outside": "{robot} believes that it is where the map has nothing.",
     "stuck": "{robot} is stuck and cannot get free.",
     "lost": "{robot} does not know where it is.",
+    "gave_up": "{robot} has given up the way there.",
+    "called_off": "Somebody at the robots' controls has called {robot} off.",
+    "unanswered": "The navigation of {robot} does not answer.",
 }
 
 

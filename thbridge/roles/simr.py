@@ -4,12 +4,11 @@ import math
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
 
-from sim.geometry import FloatArray, Pose2
+from sim.geometry import Pose2
 from sim.navigator import Arrived, Goal, NoPath
 from sim.observations import TICKS_PER_SECOND, Twist
-from sim.planning.path import Refused
 from sim.robot import RobotOutput
-from sim.team import Drive, Go, Halt, Place, SetCharge, Team, TeamInput, TeamSnapshot
+from sim.team import Drive, Go, Halt, Place, SetCharge, TeamInput, TeamSnapshot
 from thbridge.hunt.events import Condition
 from thbridge.hunt.rooms import Room
 from thbridge.roles import reasons
@@ -28,6 +27,7 @@ from thbridge.roles.notices import (
     tell,
 )
 from thbridge.roles.requests import Request
+from thbridge.roles.robots import Robots
 from thbridge.wire import canonical, legacy
 from thbridge.wire.canonical import Dialect, GotoPoint, Move, Where, decode_goto
 from thbridge.wire.notice import Notice, parse_notice
@@ -96,25 +96,25 @@ class SimR:
     as SimR did in 2016. In either case it answers `%%where`, takes `%%move`, and goes to points in metres.
 
     Args:
-        team: the robots.
+        robots: the team.
         field: where they may be sent.
         dialect: which reading of `%%goto` comes first.
     """
 
     name = legacy.SIMR
 
-    def __init__(self, team: Team, field: Field, dialect: Dialect = Dialect.LEGACY_2016) -> None:
-        self._team = team
-        self._controls = Controls(team)
+    def __init__(self, robots: Robots, field: Field, dialect: Dialect = Dialect.LEGACY_2016) -> None:
+        self._team = robots
+        self._controls = Controls(robots)
         self._field = field
         self._dialect = dialect
         self._introduce = False
         self._snapshot: TeamSnapshot | None = None
         self._inputs: list[TeamInput] = []
         self._ways: dict[int, _Way] = {}
-        self._results: list[MoveResult | None] = [None] * team.size
-        self._conditions = (Condition.WELL,) * team.size
-        self._obeyed = [0] * team.size
+        self._results: list[MoveResult | None] = [None] * robots.size
+        self._conditions = (Condition.WELL,) * robots.size
+        self._obeyed = [0] * robots.size
         self._game = 0
         self._waiting: list[tuple[int, legacy.Goto]] = []
         self._without_keeper = 0
@@ -138,10 +138,6 @@ class SimR:
     def ask(self, request: Request) -> None:
         """Do this with the next step, before what is said to SimR then; an order of the game goes on afterwards."""
         self._controls.ask(request)
-
-    def make_plan(self, robot: int, start: Pose2 | None, goal: Pose2, tolerance: float) -> FloatArray | Refused:
-        """See `Team.make_plan`."""
-        return self._team.make_plan(robot, start, goal, tolerance)
 
     def step(self, tick: int, messages: Sequence[Message]) -> list[Message]:
         """One tick of the role and of the team; see `Role`."""
@@ -312,16 +308,24 @@ class SimR:
         self._results[robot] = MoveResult(way.order.move, False, sentence, way.share())
 
     def _status(self, snapshot: TeamSnapshot) -> Status:
-        poses = tuple((float(x), float(y), float(theta)) for x, y, theta in snapshot.world.poses)
-        return Status(self._game, poses, tuple(self._results), self._conditions)
+        if snapshot.world is None:
+            places = _believed(snapshot)
+        else:
+            places = tuple((float(x), float(y), float(theta)) for x, y, theta in snapshot.world.poses)
+        return Status(self._game, places, tuple(self._results), self._conditions)
 
     def _stream(self, tick: int) -> list[Message]:
         self._subscribers = {name: until for name, until in self._subscribers.items() if until > tick}
         if not self._subscribers or self._snapshot is None:
             return []
-        believed = [output.estimate.base_in_map for output in self._snapshot.robots]
-        value = Whereabouts(tick, tuple((pose.x, pose.y, pose.theta) for pose in believed))
+        value = Whereabouts(tick, _believed(self._snapshot))
         return [tell(self.name, subscriber, value) for subscriber in self._subscribers]
+
+
+def _believed(snapshot: TeamSnapshot) -> tuple[tuple[float, float, float], ...]:
+    """Where the robots believe they are."""
+    poses = (output.estimate.base_in_map for output in snapshot.robots)
+    return tuple((pose.x, pose.y, pose.theta) for pose in poses)
 
 
 def _is_silent(snapshot: TeamSnapshot, robot: RobotOutput) -> bool:

@@ -135,7 +135,7 @@ class Publisher:
                 data = pack.pose_with_covariance(tick, MAP_FRAME, record.base_in_map, record.covariance)
                 messages.append(Message(self._robots[record.robot].topics.initialpose, stamp, data, heard=True))
         messages.append(Message(TF, stamp, pack.transforms(tick, self._moving_frames(snapshot))))
-        poses, twists, commands = snapshot.world.poses.tolist(), snapshot.world.twists.tolist(), snapshot.commands
+        poses, twists, commands = snapshot.truth.poses.tolist(), snapshot.truth.twists.tolist(), snapshot.commands
         for index, (robot, output) in enumerate(zip(self._robots, snapshot.robots, strict=True)):
             dead = index in snapshot.dead
             goals = robot.goals(tick, requests.get(index, ()), output, dead)
@@ -169,12 +169,12 @@ class Publisher:
 
     def _things(self, snapshot: TeamSnapshot) -> Iterator[tuple[Topic, bytes]]:
         """All things, whenever one came, went or walked."""
-        bodies = snapshot.world.bodies
+        bodies = snapshot.truth.bodies
         walks_only = len(bodies.circles) == len(self._bodies.circles)
         if bodies is self._bodies or (walks_only and snapshot.tick - self._bodies_tick < THINGS_PERIOD):
             return
         self._bodies, self._bodies_tick = bodies, snapshot.tick
-        things = [presence.thing.name for presence in snapshot.world.things if presence.appeared]
+        things = [presence.thing.name for presence in snapshot.truth.things if presence.appeared]
         outlines = zip(things, apart(bodies), strict=True)
         yield THINGS, pack.outlines(snapshot.tick, MAP_FRAME, outlines)
 

@@ -63,7 +63,7 @@ class RobotWatch:
             self._dead = dead
             text = f"{self._name}'s software has stopped" if dead else f"{self._name}'s software runs again"
             yield LogLine(LogLevel.ERROR if dead else LogLevel.INFO, CALLER, text)
-        collisions = int(snapshot.world.collisions[self._robot])
+        collisions = int(snapshot.truth.collisions[self._robot])
         if collisions > self._collisions:
             yield LogLine(LogLevel.WARN, CALLER, f"{self._name} has run into something, {collisions} times so far")
         self._collisions = collisions
@@ -110,7 +110,7 @@ class RobotWatch:
         yield self._localisation(output)
         yield self._navigation(output)
         yield self._energy(output)
-        contact = bool(snapshot.world.contact[self._robot])
+        contact = bool(snapshot.truth.contact[self._robot])
         level, message = (DiagnosticLevel.WARN, "touches something") if contact else (DiagnosticLevel.OK, "free")
         yield self._diagnosis(level, "bumper", message, collisions=str(self._collisions))
 

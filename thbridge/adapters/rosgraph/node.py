@@ -28,7 +28,7 @@ from thbridge.adapters.rosgraph.publications import Publication
 from thbridge.adapters.rosgraph.registrar import Addresses, Happenings, Kind, Registrar, Registration
 from thbridge.adapters.rosgraph.replies import value_of
 from thbridge.adapters.rosgraph.service_calls import ask
-from thbridge.adapters.rosgraph.subscriptions import Heard, Subscribing, Subscription
+from thbridge.adapters.rosgraph.subscriptions import Heard, Met, Subscribing, Subscription, take_no_notice
 from thbridge.adapters.rosgraph.tcpros_server import Handler, TcprosServer
 from thbridge.adapters.text_server import CannotListen
 from thbridge.wire.rosgraph.links import Service, ServiceFailed, Topic
@@ -197,7 +197,15 @@ class RosNode:
         self._registrar.want(Registration(Kind.PUBLISHER, topic, kind), _ignore_value)
         return publication
 
-    def subscribe(self, topic: str, kind: str, md5: str, heard: Heard, tcp_nodelay: bool = True) -> None:
+    def subscribe(
+        self,
+        topic: str,
+        kind: str,
+        md5: str,
+        heard: Heard,
+        tcp_nodelay: bool = True,
+        met: Met = take_no_notice,
+    ) -> None:
         """Subscribe to a topic, whoever publishes it, this node included.
 
         Args:
@@ -206,6 +214,7 @@ class RosNode:
             md5: the type's md5 sum, ``*`` for any.
             heard: called with each message, serialised, and the name of its publisher.
             tcp_nodelay: whether publishers are asked to send small messages at once.
+            met: told of each publisher that has accepted, and of what it says about the topic.
 
         Raises:
             ValueError: this node subscribes to it already.
@@ -213,7 +222,7 @@ class RosNode:
         if topic in self._subscriptions:
             raise ValueError(f"{topic} is subscribed to already")
         what = Subscribing(topic, kind, md5, tcp_nodelay)
-        subscription = Subscription(self.name, what, heard, self._client, self._numbers)
+        subscription = Subscription(self.name, what, heard, self._client, self._numbers, met)
         self._subscriptions[topic] = subscription
 
         def registered(publishers: XmlRpcValue) -> None:

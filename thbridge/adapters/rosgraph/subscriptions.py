@@ -13,7 +13,7 @@ from thbridge.adapters.errors import reason_of
 from thbridge.adapters.rosgraph.http_client import CallFailed, XmlRpcClient
 from thbridge.adapters.rosgraph.replies import value_of
 from thbridge.adapters.rosgraph.sockets import HANDSHAKE_SECONDS, Complaints, endpoints, keep_alive
-from thbridge.wire.rosgraph.links import Accepted, Ended, Received, Refused
+from thbridge.wire.rosgraph.links import Accepted, Ended, Received, Refused, Topic
 from thbridge.wire.rosgraph.outbound import SubscriberLink
 from thbridge.wire.rosgraph.slave import TRANSPORT, Connection
 from thbridge.wire.rosgraph.tcpros import LENGTH_BYTES
@@ -28,6 +28,13 @@ _LAST_PAUSE = 8.0
 
 Heard: TypeAlias = Callable[[bytes, str], None]
 """Hears a serialised message and the name of the node that published it."""
+
+Met: TypeAlias = Callable[[str, Topic], None]
+"""Hears the name of a publisher, and what it says about the topic, before its first message."""
+
+
+def take_no_notice(publisher: str, topic: Topic) -> None:
+    """For those who know what they subscribe to."""
 
 _log = logging.getLogger(__name__)
 
@@ -61,14 +68,22 @@ class Subscription:
         heard: gets the messages; it must not raise.
         client: for calls to publishers.
         numbers: for the connections, unique within the node.
+        met: told of each publisher that accepts; it must not raise.
     """
 
     def __init__(
-        self, caller: str, what: Subscribing, heard: Heard, client: XmlRpcClient, numbers: Iterator[int]
+        self,
+        caller: str,
+        what: Subscribing,
+        heard: Heard,
+        client: XmlRpcClient,
+        numbers: Iterator[int],
+        met: Met = take_no_notice,
     ) -> None:
         self.what = what
         self._caller = caller
         self._heard = heard
+        self._met = met
         self._client = client
         self._numbers = numbers
         self._named: frozenset[str] = frozenset()
@@ -100,7 +115,7 @@ class Subscription:
         pause = _FIRST_PAUSE
         try:
             while uri in self._named:
-                listener = _Listener(self._link(), self._heard, next(self._numbers))
+                listener = _Listener(self._link(), self._heard, self._met, next(self._numbers))
                 began = asyncio.get_running_loop().time()
                 try:
                     end = await self._listen(uri, listener)
@@ -147,12 +162,13 @@ class Subscription:
 class _Listener(asyncio.Protocol):
     """The connection to one publisher; carries out what its link decides."""
 
-    def __init__(self, link: SubscriberLink, heard: Heard, number: int) -> None:
+    def __init__(self, link: SubscriberLink, heard: Heard, met: Met, number: int) -> None:
         loop = asyncio.get_running_loop()
         self.accepted: asyncio.Future[None] = loop.create_future()
         self.ended: asyncio.Future[Refused | Ended] = loop.create_future()
         self._link = link
         self._heard = heard
+        self._met = met
         self._number = number
         self._transport: Transport | None = None
         self._publisher = ""
@@ -172,8 +188,9 @@ class _Listener(asyncio.Protocol):
                     self._bytes += LENGTH_BYTES + len(message)
                     self._messages += 1
                     self._heard(message, self._publisher)
-                case Accepted(publisher):
+                case Accepted(publisher, topic):
                     self._publisher = publisher
+                    self._met(publisher, topic)
                     self.accepted.set_result(None)
                 case Refused() | Ended():
                     self._end(event)

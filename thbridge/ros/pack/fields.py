@@ -32,8 +32,8 @@ def stamp(nanoseconds: int) -> bytes:
 
 @lru_cache(maxsize=1)
 def head(tick: int) -> bytes:
-    """A header up to its frame."""
-    return _HEAD.pack(tick, *divmod(stamp_ns(tick), 1_000_000_000))
+    """A header up to its frame; ticks of wall clock time are greater than its number can be, which then begins anew."""
+    return _HEAD.pack(tick & 0xFFFFFFFF, *divmod(stamp_ns(tick), 1_000_000_000))
 
 
 def header(tick: int, frame: str = "") -> bytes:

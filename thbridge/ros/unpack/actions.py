@@ -43,6 +43,13 @@ def move_base_result(data: bytes) -> GoalEnd:
     return GoalEnd(cursor.string(), cursor.integer(UINT8), cursor.string())
 
 
+def goal_result(data: bytes) -> GoalStatus:
+    """move_base_msgs/MoveBaseActionResult, as how the goal stands at its end."""
+    cursor = Cursor(data)
+    cursor.header()
+    return _status(cursor)
+
+
 def goal_id(data: bytes) -> GoalId:
     """actionlib_msgs/GoalID."""
     return _goal_id(Cursor(data))

@@ -106,9 +106,11 @@ class Accepted:
 
     Attributes:
         caller: the publishing node's name, empty when it does not say.
+        topic: what it says about the topic.
     """
 
     caller: str
+    topic: Topic
 
 
 @dataclass(frozen=True, slots=True)

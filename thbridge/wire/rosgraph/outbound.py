@@ -15,6 +15,7 @@ from thbridge.wire.rosgraph.links import (
     Send,
     ServiceFailed,
     SubscriberEvent,
+    Topic,
     objection,
     quoted,
     take_header,
@@ -75,7 +76,14 @@ class SubscriberLink:
             if isinstance(fields, Refused | Ended):
                 return [self._over(fields)]
             self._phase = _Phase.OPEN
-            events.append(Accepted(quoted(fields.get("callerid", ""))))
+            said = Topic(
+                self._asked["topic"],
+                fields.get("type", self._asked["type"]),
+                fields["md5sum"],
+                fields.get("message_definition", ""),
+                fields.get("latching") == "1",
+            )
+            events.append(Accepted(quoted(fields.get("callerid", "")), said))
         while (message := self._buffer.take(BODY_LIMIT)) is not None:
             if isinstance(message, Overlong):
                 return [*events, self._over(Refused(f"it sends {message}"))]

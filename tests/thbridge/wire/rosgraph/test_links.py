@@ -94,13 +94,13 @@ def test_a_subscriber_hears_what_is_published_under_the_publishers_name():
         "type": "std_msgs/String",
     }
     assert subscribed == Subscribed("/chatter", "/them")
-    assert link.receive(answer.data + frame(b"one") + frame(b"")) == [Accepted("/us"), Received(b"one"), Received(b"")]
+    assert link.receive(answer.data + frame(b"one") + frame(b"")) == [Accepted("/us", CHATTER), Received(b"one"), Received(b"")]
 
 
 def test_who_takes_any_type_is_accepted_and_told_the_type():
     publisher, link = inbound(), subscriber("*", "*")
     answer, _ = publisher.receive(link.opening())
-    assert link.receive(answer.data) == [Accepted("/us")]
+    assert link.receive(answer.data) == [Accepted("/us", CHATTER)]
 
 
 @pytest.mark.parametrize(
@@ -212,7 +212,7 @@ def test_a_client_that_floods_while_it_waits_is_cut_off():
 def test_a_publishers_stream_means_the_same_however_it_is_cut(messages, where):
     answer = encode_header({"callerid": "/us", "md5sum": MD5, "type": CHATTER.type})
     stream = answer + b"".join(map(frame, messages))
-    assert told(subscriber(), stream, where) == [Accepted("/us"), *map(Received, messages)]
+    assert told(subscriber(), stream, where) == [Accepted("/us", CHATTER), *map(Received, messages)]
 
 
 @given(st.lists(st.binary(max_size=50), max_size=5), places)

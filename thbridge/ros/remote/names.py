@@ -1,0 +1,40 @@
+"""What the topics and frames of a real robot are called."""
+
+from dataclasses import dataclass
+
+
+@dataclass(frozen=True, slots=True)
+class RemoteNames:
+    """The names of one robot; topics are global, frames without leading slash.
+
+    Attributes:
+        map_frame: frame of the map that its localisation and ours share.
+        odom_frame: frame in which its odometry counts.
+        base_frame: frame of its base, as tf tells of it.
+        odom: topic of its odometry.
+        scan: topic of its laser.
+        amcl_pose: topic of its localisation.
+        battery: topic of its battery.
+        cmd_vel: topic of the commands to its base.
+        initialpose: topic on which it is told where it is.
+        move_base: its action server.
+        plan: topic of its global plan.
+        recorded: further topics that are recorded only.
+    """
+
+    map_frame: str
+    odom_frame: str
+    base_frame: str
+    odom: str
+    scan: str
+    amcl_pose: str
+    battery: str
+    cmd_vel: str
+    initialpose: str
+    move_base: str
+    plan: str
+    recorded: tuple[str, ...] = ()
+
+    def action(self, part: str) -> str:
+        """Topic of a part of its action: goal, cancel, status, feedback or result."""
+        return f"{self.move_base}/{part}"

@@ -1,0 +1,156 @@
+"""Where a robot is, by what its own localiser and odometry say.
+
+amcl corrects odometry now and then: map -> odom on tf, and the pose of the base at the stamp of the scan on amcl_pose.
+In between the pose is carried on by odometry, as every tf listener does it.
+"""
+
+import math
+from collections import deque
+from collections.abc import Iterable
+
+import numpy as np
+
+from sim.geometry import FloatArray, Pose2
+from sim.localization.estimate import Estimate
+from sim.observations import STANDSTILL, Twist
+from thbridge.ros.clients import Refused
+from thbridge.ros.frames import frame_name
+from thbridge.ros.pack import Transform
+from thbridge.ros.remote.names import RemoteNames
+from thbridge.ros.unpack import Odometry, PoseInFrame
+
+SILENCE_NS = 5_000_000_000
+"""A part of a robot that says nothing for so long does not work."""
+BLIND_WAY = 3.0
+"""Metres that a robot drives without a word of a localiser that is only heard on amcl_pose: amcl says one every 0.2 m."""
+
+_REMEMBERED = 500
+_APART_NS = 1_000_000_000
+"""Odometry that is so far from a pose in time says nothing about it."""
+_JUMP = 1.0
+"""Metres from one odometry to the next that nobody drives: the driver was restarted and counts anew."""
+_NO_PARTICLES: FloatArray = np.empty((0, 3))
+_UNKNOWN: FloatArray = np.full((3, 3), np.nan)
+
+
+class RemotePose:
+    """One robot's pose.
+
+    Args:
+        names: of its frames.
+
+    Attributes:
+        heard_ns: when odometry came last; None: never.
+        base_in_odom: by the last odometry.
+        twist: by the last odometry.
+    """
+
+    def __init__(self, names: RemoteNames) -> None:
+        self._names = names
+        self.heard_ns: int | None = None
+        self.base_in_odom = Pose2(0.0, 0.0, 0.0)
+        self.twist = STANDSTILL
+        self._stamp_ns = 0
+        self._from_topic_ns: int | None = None
+        self._odometry: deque[tuple[int, Pose2]] = deque(maxlen=_REMEMBERED)
+        self._odom_in_map: Pose2 | None = None
+        self._tf_ns: int | None = None
+        self._amcl_stamp_ns = -1
+        self._covariance = _UNKNOWN
+        self._blind = 0.0
+        self._restarted = False
+        self._updated = False
+
+    @property
+    def localized(self) -> bool:
+        """Whether its place on the map is, or was once, known."""
+        return self._odom_in_map is not None
+
+    def hear_odometry(self, said: Odometry, now_ns: int) -> Refused | None:
+        """nav_msgs/Odometry came."""
+        if frame_name(said.frame) != self._names.odom_frame:
+            return Refused(f"its frame is {said.frame!r}, not {self._names.odom_frame!r}: see odom_frame in the study")
+        self._from_topic_ns = now_ns
+        return self._moved(said.stamp_ns, said.pose, said.twist, now_ns)
+
+    def hear_pose(self, said: PoseInFrame) -> Refused | None:
+        """The localiser's PoseWithCovarianceStamped came."""
+        if frame_name(said.frame) != self._names.map_frame:
+            return Refused(f"its frame is {said.frame!r}, not {self._names.map_frame!r}: see map_frame in the study")
+        if not _is_finite(said.pose):
+            return Refused("its pose is not finite")
+        if said.stamp_ns < self._amcl_stamp_ns and self._amcl_stamp_ns - said.stamp_ns < SILENCE_NS:
+            return None  # Late. What is much older is the word of a robot whose clock was set back.
+        self._amcl_stamp_ns = said.stamp_ns
+        self._covariance = said.covariance
+        self._updated = True
+        self._blind = 0.0
+        if self._tf_ns is None and self._odometry:
+            stamp_ns, base_in_odom = min(self._odometry, key=lambda entry: abs(entry[0] - said.stamp_ns))
+            # One that was said before we came, and is latched, still holds: amcl says another as soon as the robot moves.
+            if self._odom_in_map is None or abs(stamp_ns - said.stamp_ns) <= _APART_NS:
+                self._correct(said.pose.compose(base_in_odom.inverse()))
+        return None
+
+    def hear_transforms(self, said: Iterable[tuple[int, Transform]], now_ns: int) -> None:
+        """A message of /tf came; transforms of others are in it too."""
+        names = self._names
+        for stamp_ns, transform in said:
+            parent, child = frame_name(transform.parent), frame_name(transform.child)
+            if not _is_finite(transform.pose):
+                continue
+            if (parent, child) == (names.map_frame, names.odom_frame):
+                self._tf_ns = now_ns
+                self._correct(transform.pose)
+            elif (parent, child) == (names.odom_frame, names.base_frame) and self._speaks_on_tf_only(now_ns):
+                self._moved(stamp_ns, transform.pose, self._twist_to(stamp_ns, transform.pose), now_ns)
+
+    def estimate(self, tick: int, now_ns: int) -> Estimate | None:
+        """Where it is; None before anything is known of that."""
+        if self._odom_in_map is None or self.heard_ns is None:
+            return None
+        updated, self._updated = self._updated, False
+        base_in_map = self._odom_in_map.compose(self.base_in_odom)
+        return Estimate(
+            tick, base_in_map, self._odom_in_map, self._covariance, _NO_PARTICLES, updated, self._is_lost(now_ns)
+        )
+
+    def _is_lost(self, now_ns: int) -> bool:
+        if self._restarted:
+            return True
+        return self._blind > BLIND_WAY if self._tf_ns is None else now_ns - self._tf_ns > SILENCE_NS
+
+    def _correct(self, odom_in_map: Pose2) -> None:
+        self._odom_in_map = odom_in_map
+        self._restarted = False
+
+    def _speaks_on_tf_only(self, now_ns: int) -> bool:
+        return self._from_topic_ns is None or now_ns - self._from_topic_ns > SILENCE_NS
+
+    def _twist_to(self, stamp_ns: int, base_in_odom: Pose2) -> Twist:
+        seconds = (stamp_ns - self._stamp_ns) / 1e9
+        if self.heard_ns is None or not 0.0 < seconds < 1.0:
+            return STANDSTILL
+        moved = self.base_in_odom.between(base_in_odom)
+        return Twist(moved.x / seconds, moved.theta / seconds)
+
+    def _moved(self, stamp_ns: int, base_in_odom: Pose2, twist: Twist, now_ns: int) -> Refused | None:
+        if not (_is_finite(base_in_odom) and math.isfinite(twist.linear + twist.angular)):
+            return Refused("its pose or its speed is not finite")
+        late_ns = self._stamp_ns - stamp_ns
+        if self.heard_ns is not None:
+            if 0 < late_ns < SILENCE_NS:
+                return None
+            way = self.base_in_odom.distance(base_in_odom)
+            if way > _JUMP and now_ns - self.heard_ns < SILENCE_NS or late_ns > 0:
+                self._odometry.clear()
+                self._restarted = True
+            self._blind += way
+        self.heard_ns, self._stamp_ns = now_ns, stamp_ns
+        self.base_in_odom, self.twist = base_in_odom, twist
+        self._odometry.append((stamp_ns, base_in_odom))
+        return None
+
+
+def _is_finite(pose: Pose2) -> bool:
+    return math.isfinite(pose.x + pose.y + pose.theta)

@@ -1,0 +1,304 @@
+"""One real robot, as a team member: what was heard of it, as the simulation would tell it; what it is asked, as messages.
+
+Stamps within messages are of the robot's own clock and are only compared with each other; when something was heard is
+told by ours. A battery tells its own charge, not the game's energy; the rate of turn is that of odometry.
+"""
+
+import math
+from collections.abc import Callable, Sequence
+from functools import lru_cache
+from typing import assert_never
+
+import numpy as np
+
+from sim.geometry import FloatArray, Pose2
+from sim.inputs import Drive, Go, Halt, Localize
+from sim.navigator import Navigation
+from sim.observations import STANDSTILL, Battery, Imu, LaserMount, Neighbour, Observations, Odometry, Scan, Twist
+from sim.robot import RobotOutput
+from thbridge.ros import clients, names, pack, types, unpack
+from thbridge.ros.clients import Refused
+from thbridge.ros.frames import FrameTree, PlanarMount, frame_name
+from thbridge.ros.goals import GoalId
+from thbridge.ros.remote.goals import CancelGoal, MoveBaseClient, SetGoal
+from thbridge.ros.remote.names import RemoteNames
+from thbridge.ros.remote.pose import SILENCE_NS, RemotePose
+from thbridge.ros.stamps import START_NS, TICK_NS
+from thbridge.ros.topics import Message, Topic
+
+RemoteInput = Go | Halt | Drive | Localize
+"""What can be asked of real robots."""
+
+COMMAND_NS = 100_000_000
+"""From one command to the base to the next while somebody drives by hand."""
+COMMAND_LASTS_NS = 500_000_000
+"""What a base was told last holds no longer than that: drivers stop without new commands."""
+NEAR_GOAL = 1.0
+"""A plan that ends so many metres from the goal is one to another goal."""
+
+_NO_POSES: FloatArray = np.empty((0, 3))
+_NO_TIMES: FloatArray = np.empty(0)
+
+_transforms = lru_cache(maxsize=4)(unpack.transforms)
+"""Every robot looks for its own in the same messages."""
+
+
+def tick_of(stamp_ns: int) -> int:
+    """The tick that a time is in."""
+    return (stamp_ns - START_NS) // TICK_NS
+
+
+class RemoteRobot:
+    """One robot.
+
+    Args:
+        number: its index in the team.
+        named: what its topics and frames are called.
+        caller: our node, after which goals are named.
+        footprint: (n, 2) corners of its body in the base frame, metres.
+
+    Attributes:
+        said: what is to be said on the graph; whoever says it empties the list.
+        heard: the types of the topics that `hear` understands.
+        speaks: the topics on which it is spoken to.
+    """
+
+    def __init__(self, number: int, named: RemoteNames, caller: str, footprint: FloatArray) -> None:
+        self.said: list[Message] = []
+        self._number = number
+        self._named = named
+        self._footprint = footprint
+        self._pose = RemotePose(named)
+        self._goals = MoveBaseClient(f"{caller}-robot{number + 1}-")
+        self._set_goal = Topic(named.action("goal"), types.MOVE_BASE_GOAL)
+        self._cancel = Topic(named.action("cancel"), types.GOAL_ID)
+        self._cmd_vel = Topic(named.cmd_vel, types.TWIST)
+        self._initialpose = Topic(named.initialpose, types.POSE_WITH_COVARIANCE)
+        self.speaks = (self._set_goal, self._cancel, self._cmd_vel, self._initialpose)
+        self._ears: dict[str, tuple[str, Callable[[bytes, int], Refused | None]]] = {
+            names.TF: (types.TFMESSAGE, self._hear_tf),
+            names.TF_STATIC: (types.TFMESSAGE, self._hear_static),
+            named.odom: (types.ODOMETRY, self._hear_odometry),
+            named.amcl_pose: (types.POSE_WITH_COVARIANCE, self._hear_pose),
+            named.scan: (types.LASER_SCAN, self._hear_scan),
+            named.battery: (types.BATTERY_STATE, self._hear_battery),
+            named.cmd_vel: (types.TWIST, self._hear_command),
+            named.plan: (types.PATH, self._hear_plan),
+            named.action("goal"): (types.MOVE_BASE_GOAL, self._hear_goal),
+            named.action("status"): (types.GOAL_STATUS_ARRAY, self._hear_status),
+            named.action("result"): (types.MOVE_BASE_RESULT, self._hear_result),
+        }
+        self.heard = {topic: kind for topic, (kind, _) in self._ears.items()}
+        self._frames = FrameTree()
+        self._scan: tuple[unpack.LaserScan, int] | None = None
+        self._battery = (math.nan, math.nan, 0)
+        self._command = (STANDSTILL, -COMMAND_LASTS_NS)
+        self._plan = _NO_POSES
+        self._plan_ns = 0
+        self._drive: tuple[Twist, int] | None = None
+        self._driven_ns = -COMMAND_NS
+
+    def missing(self) -> list[str]:
+        """What has to be heard before it can take part, each with its topic."""
+        named = self._named
+        parts = []
+        if self._pose.heard_ns is None:
+            parts.append(f"odometry on {named.odom}, or {named.odom_frame} -> {named.base_frame} on {names.TF}")
+        if not self._pose.localized:
+            parts.append(f"a pose on {named.amcl_pose}, or {named.map_frame} -> {named.odom_frame} on {names.TF}")
+        if not self._goals.heard:
+            parts.append(f"the action server on {named.action('status')}")
+        return parts
+
+    def hear(self, topic: str, data: bytes, now_ns: int) -> Refused | None:
+        """A message came on one of the topics in `heard`, of the type that stands there; why it is of no use, if so."""
+        try:
+            return self._ears[topic][1](data, now_ns)
+        except ValueError as error:
+            return Refused(str(error))
+
+    def take(self, item: RemoteInput, now_ns: int) -> None:
+        """Ask this of the robot."""
+        match item:
+            case Go(_, goal):
+                self._stop_driving(now_ns)
+                self._goals.go(goal, now_ns)
+            case Halt():
+                self._stop_driving(now_ns)
+                self._goals.halt(now_ns)
+            case Drive(_, command, ticks):
+                self._goals.halt(now_ns)
+                self._drive = (command, now_ns + ticks * TICK_NS)
+                self._driven_ns = now_ns - COMMAND_NS
+            case Localize(_, base_in_map, covariance):
+                data = pack.pose_with_covariance(tick_of(now_ns), self._named.map_frame, base_in_map, covariance)
+                self._say(self._initialpose, data, now_ns)
+            case _:
+                assert_never(item)
+
+    def stop(self, now_ns: int) -> None:
+        """Nobody will speak to it any more: let it stand."""
+        self._stop_driving(now_ns)
+        self._goals.halt(now_ns)
+        self._say_goals(now_ns)
+
+    def step(self, now_ns: int) -> RobotOutput | None:
+        """What is known of it now; None before that is enough (see `missing`)."""
+        tick = tick_of(now_ns)
+        estimate, heard_ns = self._pose.estimate(tick, now_ns), self._pose.heard_ns
+        if estimate is None or heard_ns is None:
+            return None
+        self._goals.step(now_ns, lost=estimate.lost, silent=now_ns - heard_ns > SILENCE_NS)
+        self._drive_on(now_ns)
+        navigation = self._navigation(estimate.base_in_map, now_ns)
+        self._say_goals(now_ns)
+        observations = Observations(
+            tick_of(heard_ns),
+            Odometry(tick_of(heard_ns), self._pose.base_in_odom, self._pose.twist),
+            Imu(tick_of(heard_ns), self._pose.twist.angular),
+            self._new_scan(),
+            Battery(tick_of(self._battery[2]), self._battery[0], self._battery[1]),
+        )
+        neighbour = Neighbour(
+            self._number, estimate.base_in_map, self._pose.twist, self._footprint, navigation.plan[:, :2], _NO_TIMES
+        )
+        return RobotOutput(observations, estimate, navigation, neighbour)
+
+    # What is heard
+
+    def _hear_tf(self, data: bytes, now_ns: int) -> None:
+        self._pose.hear_transforms(_transforms(data), now_ns)
+
+    def _hear_static(self, data: bytes, now_ns: int) -> None:
+        for transform in unpack.spatial_transforms(data):
+            self._frames.add(transform)
+
+    def _hear_odometry(self, data: bytes, now_ns: int) -> Refused | None:
+        return self._pose.hear_odometry(unpack.odometry(data), now_ns)
+
+    def _hear_pose(self, data: bytes, now_ns: int) -> Refused | None:
+        return self._pose.hear_pose(unpack.pose_with_covariance(data))
+
+    def _hear_scan(self, data: bytes, now_ns: int) -> None:
+        self._scan = unpack.laser_scan(data), now_ns
+
+    def _hear_battery(self, data: bytes, now_ns: int) -> None:
+        said = unpack.battery_state(data)
+        self._battery = said.charge, said.charge / said.percentage if said.percentage else math.nan, now_ns
+
+    def _hear_command(self, data: bytes, now_ns: int) -> Refused | None:
+        command = clients.velocity(data)
+        if isinstance(command, Refused):
+            return command
+        self._command = command, now_ns
+        return None
+
+    def _hear_plan(self, data: bytes, now_ns: int) -> Refused | None:
+        plan = unpack.path(data)
+        if not np.isfinite(plan).all():
+            return Refused("its poses are not finite")
+        self._plan, self._plan_ns = plan, now_ns
+        return None
+
+    def _hear_goal(self, data: bytes, now_ns: int) -> None:
+        said = unpack.move_base_goal(data)
+        self._goals.hear_goal(said.goal_id, said.pose, now_ns)
+
+    def _hear_status(self, data: bytes, now_ns: int) -> None:
+        self._goals.hear_status(unpack.goal_status_array(data), now_ns)
+
+    def _hear_result(self, data: bytes, now_ns: int) -> None:
+        self._goals.hear_end(unpack.goal_result(data), now_ns)
+
+    # What is known
+
+    def _navigation(self, here: Pose2, now_ns: int) -> Navigation:
+        goal = self._goals.goal(now_ns, here)
+        plan = _NO_POSES if goal is None else self._plan_ahead(here, goal.base_in_map)
+        remaining = 0.0
+        if len(plan):
+            remaining = float(np.hypot(*np.diff(plan[:, :2], axis=0).T).sum())
+        elif goal is not None:
+            remaining = here.distance(goal.base_in_map)
+        told, told_ns = self._command
+        return Navigation(
+            command=told if now_ns - told_ns <= COMMAND_LASTS_NS else STANDSTILL,
+            goal=goal,
+            state="idle" if goal is None else "controlling" if self._goals.active else "planning",
+            plan=plan,
+            times=_NO_TIMES,
+            local_plan=_NO_POSES,
+            result=self._goals.results.pop(0) if self._goals.results else None,
+            remaining=remaining,
+        )
+
+    def _plan_ahead(self, here: Pose2, there: Pose2) -> FloatArray:
+        """What is left of the plan to the goal, the robot's own place first; empty if none is known."""
+        plan = self._plan
+        if not len(plan) or self._plan_ns < self._goals.sent_ns:
+            return _NO_POSES
+        if math.hypot(plan[-1, 0] - there.x, plan[-1, 1] - there.y) > NEAR_GOAL:
+            return _NO_POSES
+        nearest = int(np.argmin(np.hypot(plan[:, 0] - here.x, plan[:, 1] - here.y)))
+        return np.vstack([here.array(), plan[nearest + 1 :]])
+
+    def _new_scan(self) -> Scan | None:
+        """The newest scan, once, where it is known how the laser sits on the base."""
+        if self._scan is None:
+            return None
+        (read, heard_ns), self._scan = self._scan, None
+        seat = self._frames.pose(frame_name(read.frame), self._named.base_frame)
+        if seat is None:
+            return None
+        mount = PlanarMount.of(seat)
+        sign = -1.0 if mount.upside_down else 1.0
+        beams = len(read.ranges)
+        increment = (read.angle_max - read.angle_min) / (beams - 1) if beams > 1 else 0.0
+        laser = LaserMount(
+            mount.laser_in_base, sign * read.angle_min, sign * increment, beams, read.range_min, read.range_max
+        )
+        nothing = (read.ranges >= read.range_max) | (read.ranges <= read.range_min)
+        return Scan(tick_of(heard_ns), laser, np.where(nothing, np.float32(np.inf), read.ranges))
+
+    # What is said
+
+    def _drive_on(self, now_ns: int) -> None:
+        if self._drive is None:
+            return
+        command, until_ns = self._drive
+        if now_ns >= until_ns:
+            self._stop_driving(now_ns)
+        elif now_ns - self._driven_ns >= COMMAND_NS:
+            self._driven_ns = now_ns
+            self._say(self._cmd_vel, pack.command(command), now_ns)
+            self._command = command, now_ns
+
+    def _stop_driving(self, now_ns: int) -> None:
+        if self._drive is not None:
+            self._drive = None
+            self._say(self._cmd_vel, pack.command(STANDSTILL), now_ns)
+            self._command = STANDSTILL, now_ns
+
+    def _say_goals(self, now_ns: int) -> None:
+        said, self._goals.said = self._goals.said, []
+        for item in said:
+            match item:
+                case SetGoal(goal_id, base_in_map):
+                    data = pack.move_base_goal(tick_of(now_ns), goal_id, self._named.map_frame, base_in_map)
+                    self._say(self._set_goal, data, now_ns)
+                case CancelGoal(name):
+                    self._say(self._cancel, pack.goal_id(GoalId(name, 0)), now_ns)
+                case _:
+                    assert_never(item)
+
+    def _say(self, topic: Topic, data: bytes, now_ns: int) -> None:
+        self.said.append(Message(topic, now_ns, data))
+
+
+def missing_of(robots: Sequence[RemoteRobot]) -> list[str]:
+    """What is missing before all robots can take part: a sentence a robot."""
+    return [
+        f"robot {number} is not there yet: there is no {'; '.join(parts)}"
+        for number, robot in enumerate(robots, 1)
+        if (parts := robot.missing())
+    ]
