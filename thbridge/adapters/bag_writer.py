@@ -2,6 +2,7 @@
 
 import time
 from collections.abc import Callable, Iterable
+from dataclasses import dataclass
 from pathlib import Path
 from types import TracebackType
 from typing import Self
@@ -44,6 +45,27 @@ class BagNotWritten(BadFile):
         return (type(self), (self.path, self.problem, self.remedy))
 
 
+@dataclass(frozen=True, slots=True)
+class Heard:
+    """What another node says of a topic of its own, exactly so.
+
+    Attributes:
+        name: of the topic.
+        msgtype: for example "nav_msgs/Odometry".
+        md5: of the type.
+        definition: of the type, with those that it is made of.
+        caller: the node.
+        latched: whether late listeners get the last message.
+    """
+
+    name: str
+    msgtype: str
+    md5: str
+    definition: str
+    caller: str
+    latched: bool
+
+
 class BagWriter:
     """Writes messages into `PATH.active` and, closed, leaves them in `PATH`, or `NAME_0.bag`, `NAME_1.bag`, ...
 
@@ -57,6 +79,7 @@ class BagWriter:
         compression: of the bag's chunks.
         splitting: when to go on in another file.
         lane: makes the threads, given a name for each.
+        caller: the node that says what is written.
 
     Raises:
         BagNotWritten: there is such a bag, or the folder cannot be written to.
@@ -70,12 +93,14 @@ class BagWriter:
         compression: Compression = Compression.NONE,
         splitting: Splitting = WHOLE,
         lane: Callable[[str], Lane] = Worker,
+        caller: str = CALLER,
     ) -> None:
         self.path = path
+        self._caller = caller
         self._definitions = definitions or Definitions()
         self._clock = clock
         self._splitting = splitting
-        self._connections: dict[Topic, Connection] = {}
+        self._connections: dict[Topic | Heard, Connection] = {}
         self._latched: dict[Connection, bytes] = {}
         self._latched_before: tuple[tuple[Connection, bytes], ...] = ()
         self._chunks = Chunks()
@@ -101,6 +126,13 @@ class BagWriter:
             ValueError: the message is older than the last one, or the bag is closed.
         """
         topic, stamp_ns, data, _ = message
+        self._add(topic, stamp_ns, data)
+
+    def write_heard(self, source: Heard, stamp_ns: int, data: bytes) -> None:
+        """Write one message of somebody else's; raises as `write` does."""
+        self._add(source, stamp_ns, data)
+
+    def _add(self, topic: Topic | Heard, stamp_ns: int, data: bytes) -> None:
         if stamp_ns != self._stamp_ns or not self._open:
             self._turn_to(stamp_ns)
         if not self._chunks.takes(stamp_ns):
@@ -172,12 +204,17 @@ class BagWriter:
             self._hand_over()
         self._period = period
 
-    def _connect(self, topic: Topic) -> Connection:
-        definition = self._definitions.of(topic.msgtype)
+    def _connect(self, topic: Topic | Heard) -> Connection:
         number = len(self._connections)
-        connection = Connection(
-            number, topic.name, topic.msgtype, definition.md5, definition.text, CALLER, topic.latched
-        )
+        if isinstance(topic, Heard):
+            connection = Connection(
+                number, topic.name, topic.msgtype, topic.md5, topic.definition, topic.caller, topic.latched
+            )
+        else:
+            definition = self._definitions.of(topic.msgtype)
+            connection = Connection(
+                number, topic.name, topic.msgtype, definition.md5, definition.text, self._caller, topic.latched
+            )
         self._connections[topic] = connection
         return connection
 

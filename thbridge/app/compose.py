@@ -34,8 +34,10 @@ from thbridge.hunt.costs import CostMatrix
 from thbridge.hunt.events import Event
 from thbridge.roles.hider import Hider
 from thbridge.roles.keeper import GameRules, Keeper
+from thbridge.roles.robots import Robots
 from thbridge.roles.showing import plain_costs
 from thbridge.roles.simr import Field, SimR
+from thbridge.ros.names import CALLER
 from thbridge.ros.parameters import tree_of
 from thbridge.ros.publisher import Planners, Publisher
 from thbridge.ros.records import Session as SessionRecord
@@ -77,15 +79,15 @@ class Setting:
         for tick in range(REHEARSAL):
             team.step([Go(0, Goal(0, self.place.rooms[0].goal))] if tick == 0 else [])
 
-    def simr(self) -> SimR:
-        """The robots' role."""
+    def simr(self, robots: Robots | None = None) -> SimR:
+        """The robots' role, with these robots; None: simulated ones of its own."""
         field = Field(
             name=self.place.name,
             goals=tuple(room.goal for room in self.place.rooms),
             starts=self.place.starts[: self.study.robots],
             costs=plain_costs(self.costs),
         )
-        return SimR(self.team(), field, self.study.server.dialect)
+        return SimR(robots or self.team(), field, self.study.server.dialect)
 
     def keeper(self, history: tuple[Event, ...] = (), last_game: int = 0) -> Keeper:
         """The game's authority; see `Keeper` for a game that goes on."""
@@ -108,10 +110,10 @@ class Setting:
         planners = [Planners.of(study.software(number)) for number in range(1, study.robots + 1)]
         return Publisher(study.robots, mount_of(laser), 1.0 / laser.rate, planners)
 
-    def writer(self, path: Path) -> BagWriter:
-        """A new bag. Raises BagNotWritten."""
+    def writer(self, path: Path, caller: str = CALLER) -> BagWriter:
+        """A new bag of what this node says. Raises BagNotWritten."""
         recording = self.study.recording
-        return BagWriter(path, compression=recording.compression, splitting=recording.splitting)
+        return BagWriter(path, compression=recording.compression, splitting=recording.splitting, caller=caller)
 
     def facts(self, publisher: Publisher) -> Facts:
         """What a ROS graph is told of these robots."""

@@ -21,6 +21,7 @@ from thbridge.adapters.ros_yaml import read_ros_parameters
 from thbridge.adapters.text_server import DEFAULT_PORT
 from thbridge.adapters.yaml_files import Loaded, load_tree
 from thbridge.adapters.yaml_tree import Listing, Node, Scalar, Section, parse, read_text
+from thbridge.app.fleet import FleetSection, RobotsFrom, faults_of_fleet
 from thbridge.app.noise import HOMES, NoiseSection, applied, preset, preset_in, value_at, view_of, with_value
 from thbridge.app.things import MishapEntry, ThingEntry, faults_of_mishaps, faults_of_things
 from thbridge.study.bots import BotStrategy
@@ -102,6 +103,7 @@ class Study:
     map: str = knob("arena8", "name of a map, or the path of a map folder (with a slash, from this file's folder)")
     templates: str = knob("original-2016", "name of a set of templates, or the path of its folder")
     robots: int = knob(2, "size of the team", "", 1, 64)
+    robots_from: RobotsFrom = knob(RobotsFrom.SIM, "simulated robots, or real ones of a ROS graph (section fleet)")
     seed: int = knob(1, "all chance is keyed by it; the same seed gives the same run", "", 0, 2**31 - 1)
     rate: float | None = knob(
         None, "simulated seconds per second; 0: as fast as it can; null: 1 when others take part, else 0", "", 0, 1000
@@ -111,6 +113,7 @@ class Study:
     dialogue: DialogueSection = knob(DialogueSection(), "how robots talk")
     server: ServerSection = knob(ServerSection(), "the text server")
     recording: RecordingSection = knob(RecordingSection(), "the bag")
+    fleet: FleetSection = knob(FleetSection(), "real robots: what their topics and frames are called")
     world: WorldParameters = knob(WorldParameters(), "bodies, motors and sensors as they truly are")
     robot: RobotParameters = knob(RobotParameters(), "the software of every robot, under ROS's names")
     each: Mapping[int, RobotParameters] = dataclasses.field(
@@ -237,6 +240,7 @@ def _contradictions(loaded: Loaded[Study]) -> Iterator[BadFile]:
             yield loaded.fault(f"each.{number}", problem, f"Write a number from 1 to {study.robots}, or raise robots")
         if software != study.robot:
             yield from _crossings(loaded, f"each.{number}", software)
+    yield from faults_of_fleet(loaded, study.fleet, study.robots)
     yield from faults_of_things(loaded, study.things)
     yield from faults_of_mishaps(loaded, study.mishaps, study.robots)
     if not _surrounds_origin(study.world.footprint):

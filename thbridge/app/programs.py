@@ -134,7 +134,8 @@ async def play(
     """
     if options.rate > 0.0:
         setting.rehearse()
-    simr = setting.simr()
+    team = setting.team()
+    simr = setting.simr(team)
     roles: list[Role] = [simr]
     if legacy.HIDER not in options.outside:
         roles.append(setting.hider())
@@ -150,7 +151,7 @@ async def play(
             def ask(sender: str, request: Request) -> None:
                 session.ask(sender, request)
 
-            live = LiveGraph(options.graph, setting.facts(publisher), simr.make_plan, ask)
+            live = LiveGraph(options.graph, setting.facts(publisher), team.make_plan, ask)
             await opened.enter_async_context(on_graph(live, options.graph, joined))
             listeners.append(live)
         log: EventLog = NoLog()
@@ -388,7 +389,8 @@ async def simr(
         BagNotWritten: the bag cannot be written; it is closed, and the program over.
     """
     setting.rehearse()
-    role = setting.simr()
+    team = setting.team()
+    role = setting.simr(team)
     publisher = setting.publisher()
     listeners: list[Listener] = []
     async with AsyncExitStack() as opened:
@@ -397,7 +399,7 @@ async def simr(
             def ask(sender: str, request: Request) -> None:
                 outpost.ask(sender, request)
 
-            live = LiveGraph(options.graph, setting.facts(publisher), role.make_plan, ask)
+            live = LiveGraph(options.graph, setting.facts(publisher), team.make_plan, ask)
             await opened.enter_async_context(on_graph(live, options.graph, joined))
             listeners.append(live)
         if options.bag is not None:

@@ -54,7 +54,7 @@ from thbridge.ros.topics import (
 )
 from thbridge.ros.watch import RobotWatch
 
-__all__ = ["Message", "Planners", "Publisher", "Topic", "clock_message"]
+__all__ = ["Message", "Planners", "Publisher", "Topic", "clock_message", "messages_of"]
 
 THINGS_PERIOD = 5
 """Ticks from one word about things that walk to the next: 10 Hz."""
@@ -150,7 +150,7 @@ class Publisher:
         if tick % DIAGNOSTICS_PERIOD == 0:
             messages.append(Message(DIAGNOSTICS, stamp, pack.diagnostic_array(tick, self._diagnoses(snapshot))))
         for record in records:
-            messages.extend(self._record(stamp, tick, record))
+            messages.extend(messages_of(stamp, tick, record))
         return messages
 
     def _diagnoses(self, snapshot: TeamSnapshot) -> list[pack.Diagnosis]:
@@ -178,23 +178,25 @@ class Publisher:
         outlines = zip(things, apart(bodies), strict=True)
         yield THINGS, pack.outlines(snapshot.tick, MAP_FRAME, outlines)
 
-    def _record(self, stamp: int, tick: int, record: Record) -> Iterator[Message]:
-        match record:
-            case GameEvent():
-                yield Message(GAME_EVENTS, stamp, pack.game_event(tick, record))
-            case Score():
-                yield Message(SCORE, stamp, pack.score(tick, record))
-            case Utterance():
-                yield Message(UTTERANCES, stamp, pack.utterance(tick, record))
-            case SendRobots(line):
-                yield Message(SEND_ROBOTS, stamp, pack.string(line))
-            case Success(line):
-                yield Message(SUCCESS, stamp, pack.string(line))
-            case LogLine():
-                yield Message(ROSOUT, stamp, pack.log(tick, record))
-            case Input() | GoalRequest() | CancelRequest() | SimpleGoal() | InitialPose():
-                pass  # Said before all else.
-            case VelocityCommand():
-                pass  # What the motors were told of it is on cmd_vel.
-            case _:
-                assert_never(record)
+
+def messages_of(stamp: int, tick: int, record: Record) -> Iterator[Message]:
+    """What is said of a record, after what robots say; stamped with these nanoseconds, its header with the tick."""
+    match record:
+        case GameEvent():
+            yield Message(GAME_EVENTS, stamp, pack.game_event(tick, record))
+        case Score():
+            yield Message(SCORE, stamp, pack.score(tick, record))
+        case Utterance():
+            yield Message(UTTERANCES, stamp, pack.utterance(tick, record))
+        case SendRobots(line):
+            yield Message(SEND_ROBOTS, stamp, pack.string(line))
+        case Success(line):
+            yield Message(SUCCESS, stamp, pack.string(line))
+        case LogLine():
+            yield Message(ROSOUT, stamp, pack.log(tick, record))
+        case Input() | GoalRequest() | CancelRequest() | SimpleGoal() | InitialPose():
+            pass  # Said before all else.
+        case VelocityCommand():
+            pass  # What the motors were told of it is on cmd_vel.
+        case _:
+            assert_never(record)

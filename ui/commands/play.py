@@ -11,6 +11,7 @@ from rich.table import Table
 from thbridge.adapters.recordings import parts_of
 from thbridge.adapters.text_server import CannotListen, Listening
 from thbridge.app import programs
+from thbridge.app.fleet import RobotsFrom
 from thbridge.app.programs import Outcome, PlayOptions, Unfinished
 from thbridge.app.session import Moment
 from thbridge.wire import legacy
@@ -82,6 +83,9 @@ def play(
     Other programs may join on the TCP port; those named by --outside take the place of ours.
     """
     study = with_server(study_of(study_file, {"robots": robots, "map": map_name, "seed": seed}), None, port)
+    if study.robots_from is RobotsFrom.ROS:
+        problem = "robots_from: this study is for real robots, and `play` simulates"
+        fail(BAD_INPUT, f"{problem}. Start `thbridge server`, `simr`, `hider` and `tabui`, or write sim in the study.")
     setting = setting_of(study, study_file)
     others = _roles(outside)
     who = participant or Who(study.participant.strategy)

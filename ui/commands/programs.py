@@ -1,6 +1,7 @@
 """The commands that run one program each: the text server, and what joins it."""
 
 import secrets
+from collections.abc import Sequence
 from pathlib import Path
 from typing import Annotated
 
@@ -14,7 +15,9 @@ from thbridge.adapters.text_server import CannotListen, Listening
 from thbridge.app import programs
 from thbridge.app.compose import build_hider
 from thbridge.app.config import Study
+from thbridge.app.fleet import RobotsFrom
 from thbridge.app.programs import SimrOptions
+from thbridge.app.real_robots import simr_with_real_robots
 from thbridge.roles.view import View
 from ui.options import (
     ADDRESS,
@@ -70,6 +73,12 @@ def simr(
     server: Server = ADDRESS,
     robots: Robots = None,
     map_name: MapName = None,
+    robots_from: Annotated[
+        RobotsFrom | None,
+        typer.Option(
+            help="Simulate the robots, or command real ones that are on a ROS graph; see docs/real-robots.md."
+        ),
+    ] = None,
     rate: Annotated[
         float | None, typer.Option(help="Simulated seconds per second; by default the study's, or else 1.", min=0.01)
     ] = None,
@@ -81,10 +90,22 @@ def simr(
 ) -> None:
     """Run the robots (SimR) at a text server until stopped."""
     host, port = _address(server)
-    setting = setting_of(study_of(study_file, {"robots": robots, "map": map_name, "seed": seed}), study_file)
-    graph = graph_of(ros, ros_master, ros_host)
+    changes = {"robots": robots, "robots_from": robots_from, "map": map_name, "seed": seed}
+    setting = setting_of(study_of(study_file, changes), study_file)
+    real = setting.study.robots_from is RobotsFrom.ROS
+    if real and ros:
+        fail(BAD_INPUT, "--ros: robots of a ROS graph are there already. Leave the option out.")
+    if real and rate is not None:
+        fail(BAD_INPUT, "--rate: real robots have the time that they have. Leave the option out.")
+    graph = graph_of(ros or real, ros_master, ros_host)
     if bag is not None:
         make_ready(bag)
+    if real and graph is not None:
+        options = SimrOptions(host, port, _token(), 1.0, bag)
+        unfit = run(simr_with_real_robots(setting, options, graph, _lost, _unreachable, _missing))
+        if unfit is not None:
+            fail(FAILED, unfit)
+        return
     announce_compiling()
     options = SimrOptions(host, port, _token(), rate or setting.study.rate or 1.0, bag, graph)
     unfit = run(programs.simr(setting, options, _lost, teller_of_masters(graph)))
@@ -147,6 +168,15 @@ def _token() -> str:
 
 def _lost(lost: Lost) -> None:
     note(programs.reason_of(lost))
+
+
+def _unreachable(why: CannotListen) -> None:
+    fail(BAD_INPUT, f"ROS: {why}")
+
+
+def _missing(sentences: Sequence[str]) -> None:
+    for sentence in sentences or ["All robots are there."]:
+        note(sentence)
 
 
 def _nothing(view: View) -> None:

@@ -79,6 +79,7 @@ class Fleet:
         self._met: dict[tuple[str, str], links.Topic] = {}
         self._joining: asyncio.Task[None] | None = None
         self._complaints = Complaints(_log)
+        self._last: TeamSnapshot | None = None
 
     async def start(self) -> Started | CannotListen:
         """Join the graph; neither master nor robots need be there yet."""
@@ -140,7 +141,8 @@ class Fleet:
             raise ValueError(f"not all robots are there yet: {'; '.join(self.missing())}")
         commands = [output.navigation.command for output in known]
         told = np.array([(command.linear, command.angular) for command in commands])
-        return TeamSnapshot(tick_of(now_ns), None, known, told)
+        self._last = TeamSnapshot(tick_of(now_ns), None, known, told)
+        return self._last
 
     def _take(self, item: TeamInput, now_ns: int) -> None:
         match item:
@@ -149,9 +151,8 @@ class Fleet:
             case SetCharge():
                 pass  # The game's energy is the keeper's; a battery is as full as it is.
             case Place(robot, pose):
-                output = self._robots[robot].step(now_ns)
-                if output is not None and output.estimate.base_in_map.distance(pose) > AT_HOME:
-                    _log.warning("robot %d should stand at (%.2f, %.2f): somebody must see to it", robot + 1, *pose[:2])
+                if self._last is None or self._last.robots[robot].estimate.base_in_map.distance(pose) > AT_HOME:
+                    _log.warning("robot %d belongs at (%.2f, %.2f): somebody must bring it", robot + 1, pose.x, pose.y)
             case _:
                 self._complaints.tell(f"real robots cannot be asked to {type(item).__name__}")
 
@@ -162,14 +163,11 @@ class Fleet:
         await self._node.registered()
         simulated = await self._node.get_param(names.USE_SIM_TIME) is True
         clock = RosClock(simulated)
-        if simulated:
-            self._node.subscribe(
-                names.CLOCK, types.CLOCK, "*", lambda data, publisher: clock.hear(Cursor(data).stamp(), self._wall())
-            )
-            while not clock.runs:
-                self._clock = clock
-                await asyncio.sleep(0.05)
         self._clock = clock
+        if simulated:
+            self._follow_time(clock)
+            while not clock.runs:
+                await asyncio.sleep(0.05)
         wanted: dict[str, list[RemoteRobot]] = {topic: [] for topic in TEAM_TOPICS}
         for robot, named in zip(self._robots, self._named, strict=True):
             for topic in (*named.recorded, named.action("feedback"), named.action("cancel"), named.initialpose):
@@ -178,6 +176,15 @@ class Fleet:
                 wanted.setdefault(topic, []).append(robot)
         for topic, robots in wanted.items():
             self._listen(topic, {robot: robot.heard[topic] for robot in robots})
+
+    def _follow_time(self, clock: RosClock) -> None:
+        def heard(data: bytes, publisher: str) -> None:
+            try:
+                clock.hear(Cursor(data).stamp(), self._wall())
+            except ValueError as error:
+                self._complaints.tell(f"{names.CLOCK}: what {publisher} says is of no use: {error}")
+
+        self._node.subscribe(names.CLOCK, types.CLOCK, self._definitions.of(types.CLOCK).md5, heard)
 
     def _listen(self, topic: str, robots: Mapping[RemoteRobot, str]) -> None:
         wanted = {robot: self._definitions.of(kind).md5 for robot, kind in robots.items()}

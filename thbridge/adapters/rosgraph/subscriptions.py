@@ -36,6 +36,7 @@ Met: TypeAlias = Callable[[str, Topic], None]
 def take_no_notice(publisher: str, topic: Topic) -> None:
     """For those who know what they subscribe to."""
 
+
 _log = logging.getLogger(__name__)
 
 

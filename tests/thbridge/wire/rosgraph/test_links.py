@@ -94,7 +94,11 @@ def test_a_subscriber_hears_what_is_published_under_the_publishers_name():
         "type": "std_msgs/String",
     }
     assert subscribed == Subscribed("/chatter", "/them")
-    assert link.receive(answer.data + frame(b"one") + frame(b"")) == [Accepted("/us", CHATTER), Received(b"one"), Received(b"")]
+    assert link.receive(answer.data + frame(b"one") + frame(b"")) == [
+        Accepted("/us", CHATTER),
+        Received(b"one"),
+        Received(b""),
+    ]
 
 
 def test_who_takes_any_type_is_accepted_and_told_the_type():

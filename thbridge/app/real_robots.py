@@ -1,0 +1,94 @@
+"""SimR with real robots: the same role, robots that exist."""
+
+from collections.abc import Callable, Sequence
+from contextlib import AsyncExitStack
+
+import numpy as np
+
+from sim.observations import TICK
+from thbridge.adapters.fleet_recorder import FleetRecorder
+from thbridge.adapters.loop import run_ticks
+from thbridge.adapters.rosgraph.fleet import CALLER, Fleet
+from thbridge.adapters.rosgraph.joining import Graph
+from thbridge.adapters.text_client import Lost, TextClient
+from thbridge.adapters.text_server import CannotListen
+from thbridge.app.compose import Setting
+from thbridge.app.programs import SimrOptions, take_part
+from thbridge.app.recording import BagWitness
+from thbridge.app.session import Outpost
+from thbridge.ros.topics import Message
+from thbridge.wire import legacy
+from thbridge.wire.rosgraph.links import Topic
+
+FLEET = "fleet"
+"""What recordings call this program."""
+
+
+class _Deaf:
+    """For a session that is not recorded."""
+
+    def heard(self, topic: Topic, publisher: str, stamp_ns: int, data: bytes) -> None:
+        """Take no notice."""
+
+    def said(self, message: Message) -> None:
+        """Take no notice."""
+
+
+async def simr_with_real_robots(
+    setting: Setting,
+    options: SimrOptions,
+    graph: Graph,
+    lost: Callable[[Lost], None],
+    unreachable: Callable[[CannotListen], None],
+    missing: Callable[[Sequence[str]], None],
+) -> str | None:
+    """Command real robots for the game until stopped; they stand when it ends.
+
+    Args:
+        setting: the study.
+        options: how; the rate is that of real time.
+        graph: where the robots are.
+        lost: told when the connection to the text server is lost, and why.
+        unreachable: told why robots could not call back; it must raise.
+        missing: told what is waited for whenever that changes, one sentence each; at last of nothing.
+
+    Returns:
+        Why the keeper does not want these robots, or None when stopped.
+
+    Raises:
+        BagNotWritten: the bag cannot be written; it is closed, the robots stand, and the program is over.
+    """
+    async with AsyncExitStack() as opened:
+        recorder: FleetRecorder | None = None
+        if options.bag is not None:
+            writer = opened.enter_context(setting.writer(options.bag, CALLER))
+            recorder = FleetRecorder(writer, setting.record(FLEET, [legacy.SIMR], ""))
+        footprint = np.array(setting.study.world.footprint, dtype=np.float64)
+        names = setting.study.fleet.names(setting.study.robots)
+        fleet = Fleet(graph, names, footprint, recorder or _Deaf())
+        opened.push_async_callback(fleet.stop)
+        started = await fleet.start()
+        if isinstance(started, CannotListen):
+            unreachable(started)
+        told: list[str] = []
+
+        def wait() -> bool:
+            nonlocal told
+            if recorder is not None:
+                recorder.flush()
+            found = fleet.missing()
+            if found != told:
+                told = found
+                missing(found)
+            return bool(found)
+
+        if not (await run_ticks(wait, TICK)).finished:
+            return None
+        role = setting.simr(fleet)
+        outpost = Outpost(role, [] if recorder is None else [BagWitness(recorder)])
+        client = TextClient(role.name, options.token, options.host, options.port)
+        await take_part(outpost, client, 1.0, lambda: role.unfit is not None, lost)
+        await fleet.stop()
+        if recorder is not None:
+            recorder.flush()
+        return role.unfit
