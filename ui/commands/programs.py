@@ -75,9 +75,7 @@ def simr(
     map_name: MapName = None,
     robots_from: Annotated[
         RobotsFrom | None,
-        typer.Option(
-            help="Simulate the robots, or command real ones that are on a ROS graph; see docs/real-robots.md."
-        ),
+        typer.Option(help="Simulate the robots, or command real ones on a ROS graph; see docs/real-robots.md."),
     ] = None,
     rate: Annotated[
         float | None, typer.Option(help="Simulated seconds per second; by default the study's, or else 1.", min=0.01)

@@ -22,7 +22,7 @@ from thbridge.ros.unpack import Odometry, PoseInFrame
 SILENCE_NS = 5_000_000_000
 """A part of a robot that says nothing for so long does not work."""
 BLIND_WAY = 3.0
-"""Metres that a robot drives without a word of a localiser that is only heard on amcl_pose: amcl says one every 0.2 m."""
+"""Metres that a robot drives unlocalised where only amcl_pose is heard: amcl says one every 0.2 m."""
 
 _REMEMBERED = 500
 _APART_NS = 1_000_000_000
@@ -87,7 +87,7 @@ class RemotePose:
         self._blind = 0.0
         if self._tf_ns is None and self._odometry:
             stamp_ns, base_in_odom = min(self._odometry, key=lambda entry: abs(entry[0] - said.stamp_ns))
-            # One that was said before we came, and is latched, still holds: amcl says another as soon as the robot moves.
+            # One said before we came, latched, still holds: amcl says another as soon as the robot moves.
             if self._odom_in_map is None or abs(stamp_ns - said.stamp_ns) <= _APART_NS:
                 self._correct(said.pose.compose(base_in_odom.inverse()))
         return None
@@ -142,7 +142,7 @@ class RemotePose:
             if 0 < late_ns < SILENCE_NS:
                 return None
             way = self.base_in_odom.distance(base_in_odom)
-            if way > _JUMP and now_ns - self.heard_ns < SILENCE_NS or late_ns > 0:
+            if (way > _JUMP and now_ns - self.heard_ns < SILENCE_NS) or late_ns > 0:
                 self._odometry.clear()
                 self._restarted = True
             self._blind += way

@@ -1,4 +1,4 @@
-"""One real robot, as a team member: what was heard of it, as the simulation would tell it; what it is asked, as messages.
+"""One real robot of a team: what was heard of it, as a simulation would tell it; what it is asked, as messages.
 
 Stamps within messages are of the robot's own clock and are only compared with each other; when something was heard is
 told by ours. A battery tells its own charge, not the game's energy; the rate of turn is that of odometry.
@@ -103,11 +103,11 @@ class RemoteRobot:
         named = self._named
         parts = []
         if self._pose.heard_ns is None:
-            parts.append(f"odometry on {named.odom}, or {named.odom_frame} -> {named.base_frame} on {names.TF}")
+            parts.append(f"no odometry on {named.odom}, or {named.odom_frame} -> {named.base_frame} on {names.TF}")
         if not self._pose.localized:
-            parts.append(f"a pose on {named.amcl_pose}, or {named.map_frame} -> {named.odom_frame} on {names.TF}")
+            parts.append(f"no pose on {named.amcl_pose}, or {named.map_frame} -> {named.odom_frame} on {names.TF}")
         if not self._goals.heard:
-            parts.append(f"the action server on {named.action('status')}")
+            parts.append(f"no action server on {named.action('status')}")
         return parts
 
     def hear(self, topic: str, data: bytes, now_ns: int) -> Refused | None:
@@ -298,7 +298,7 @@ class RemoteRobot:
 def missing_of(robots: Sequence[RemoteRobot]) -> list[str]:
     """What is missing before all robots can take part: a sentence a robot."""
     return [
-        f"robot {number} is not there yet: there is no {'; '.join(parts)}"
+        f"robot {number} is not there yet: {'; '.join(parts)}"
         for number, robot in enumerate(robots, 1)
         if (parts := robot.missing())
     ]
