@@ -13,15 +13,12 @@ from thbridge.adapters.rosgraph.joining import Graph
 from thbridge.adapters.text_client import Lost, TextClient
 from thbridge.adapters.text_server import CannotListen
 from thbridge.app.compose import Setting
-from thbridge.app.programs import SimrOptions, take_part
+from thbridge.app.programs import SIMR, SimrOptions, take_part
 from thbridge.app.recording import BagWitness
 from thbridge.app.session import Outpost
 from thbridge.ros.topics import Message
 from thbridge.wire import legacy
 from thbridge.wire.rosgraph.links import Topic
-
-FLEET = "fleet"
-"""What recordings call this program."""
 
 
 class _Deaf:
@@ -50,7 +47,7 @@ async def simr_with_real_robots(
         graph: where the robots are.
         lost: told when the connection to the text server is lost, and why.
         unreachable: told why robots could not call back; it must raise.
-        missing: told what is waited for whenever that changes, one sentence each; at last of nothing.
+        missing: told what is waited for, one sentence each, when there is news of it; at last of nothing.
 
     Returns:
         Why the keeper does not want these robots, or None when stopped.
@@ -62,7 +59,7 @@ async def simr_with_real_robots(
         recorder: FleetRecorder | None = None
         if options.bag is not None:
             writer = opened.enter_context(setting.writer(options.bag, CALLER))
-            recorder = FleetRecorder(writer, setting.record(FLEET, [legacy.SIMR], ""))
+            recorder = FleetRecorder(writer, setting.record(SIMR, [legacy.SIMR], ""))
         footprint = np.array(setting.study.world.footprint, dtype=np.float64)
         names = setting.study.fleet.names(setting.study.robots)
         fleet = Fleet(graph, names, footprint, recorder or _Deaf())
@@ -77,9 +74,10 @@ async def simr_with_real_robots(
             if recorder is not None:
                 recorder.flush()
             found = fleet.missing()
-            if found != told:
-                told = found
-                missing(found)
+            news = [sentence for sentence in found if sentence not in told]
+            told = found
+            if news or not found:
+                missing(news)
             return bool(found)
 
         if not (await run_ticks(wait, TICK)).finished:

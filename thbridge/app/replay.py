@@ -20,6 +20,8 @@ from thbridge.adapters.errors import BadFile
 from thbridge.adapters.loop import run_ticks
 from thbridge.app.broadcast import Broadcast
 from thbridge.app.compose import Setting, build_bot
+from thbridge.app.config import read_study_text
+from thbridge.app.fleet import RobotsFrom
 from thbridge.app.inputs import (
     Advanced,
     Asked,
@@ -138,6 +140,9 @@ def session_of(path: Path) -> SessionRecord:
         raise BadFile(path, None, names.SESSION, str(error), "name another recording") from None
     if record.program not in {PLAY, SIMR}:
         raise BadFile(path, None, names.SESSION, f"no program is called {record.program!r}", "name another recording")
+    if read_study_text(path, record.study).robots_from is RobotsFrom.ROS:
+        problem = "its robots were real, and nobody can run them again"
+        raise BadFile(path, None, names.SESSION, problem, "look at it by `thbridge report` or `thbridge bag plot`")
     return record
 
 
