@@ -1,0 +1,138 @@
+"""Where a real robot is, by what it says itself: late, twice, or not at all."""
+
+import math
+
+import numpy as np
+import pytest
+from hypothesis import given
+from hypothesis import strategies as st
+
+from sim.geometry import Pose2
+from sim.observations import Twist
+from thbridge.ros.clients import Refused
+from thbridge.ros.pack import Transform
+from thbridge.ros.remote.names import RemoteNames
+from thbridge.ros.remote.pose import BLIND_WAY, SILENCE_NS, RemotePose
+from thbridge.ros.unpack import Odometry, PoseInFrame
+
+SECOND = 1_000_000_000
+NAMES = RemoteNames("map", "odom", "base", *(f"/{name}" for name in "abcdefgh"))
+COVARIANCE = np.diag([0.1, 0.2, 0.3])
+
+
+def odometry(seconds: float, x: float, y: float = 0.0, theta: float = 0.0, frame: str = "odom") -> Odometry:
+    return Odometry(round(seconds * SECOND), frame, "base", Pose2(x, y, theta), Twist(0.5, 0.1))
+
+
+def located(seconds: float, x: float, y: float = 0.0, theta: float = 0.0, frame: str = "map") -> PoseInFrame:
+    return PoseInFrame(round(seconds * SECOND), frame, Pose2(x, y, theta), COVARIANCE)
+
+
+def heard(robot: RemotePose, seconds: float, x: float) -> None:
+    assert robot.hear_odometry(odometry(seconds, x), round(seconds * SECOND)) is None
+
+
+@pytest.fixture
+def robot() -> RemotePose:
+    return RemotePose(NAMES)
+
+
+def where(robot: RemotePose, seconds: float) -> tuple[float, float]:
+    estimate = robot.estimate(0, round(seconds * SECOND))
+    assert estimate is not None
+    return round(estimate.base_in_map.x, 6), round(estimate.base_in_map.y, 6)
+
+
+def test_nothing_is_known_before_both_odometry_and_localiser_have_spoken(robot):
+    assert robot.hear_pose(located(1, 5)) is None
+    assert robot.estimate(0, SECOND) is None
+    heard(robot, 1, 0.0)
+    assert robot.estimate(0, SECOND) is None
+    assert robot.hear_pose(located(1.5, 5)) is None
+    assert where(robot, 2) == (5, 0)
+
+
+poses = st.builds(Pose2, st.floats(-50, 50), st.floats(-50, 50), st.floats(-3.1, 3.1))
+
+
+steps = st.builds(Pose2, st.floats(-0.6, 0.6), st.floats(-0.6, 0.6), st.floats(-3.1, 3.1))
+
+
+@given(poses, poses, steps)
+def test_a_pose_belongs_to_the_odometry_of_its_stamp_and_is_carried_on_by_what_came_after(drift, then, step):
+    robot = RemotePose(NAMES)
+    later = then.compose(step)
+    for seconds, base_in_odom in ((10.0, then), (10.1, later)):
+        robot.hear_odometry(Odometry(round(seconds * SECOND), "odom", "", base_in_odom, Twist(0, 0)), 0)
+    base_in_map = drift.compose(then)
+    robot.hear_pose(PoseInFrame(10 * SECOND, "map", base_in_map, COVARIANCE))
+    estimate = robot.estimate(0, 0)
+    expected = drift.compose(later)
+    assert math.hypot(estimate.base_in_map.x - expected.x, estimate.base_in_map.y - expected.y) < 1e-6
+    assert math.cos(estimate.base_in_map.theta - expected.theta) > 1 - 1e-9
+    assert (estimate.covariance == COVARIANCE).all()
+    assert estimate.updated
+    assert not robot.estimate(0, 0).updated
+
+
+def test_late_words_change_nothing(robot):
+    heard(robot, 1, 1.0)
+    heard(robot, 2, 1.5)
+    robot.hear_pose(located(2, 11.5))
+    heard(robot, 1.5, 9.0)
+    robot.hear_pose(located(1, 99.0))
+    assert where(robot, 2) == (11.5, 0)
+
+
+def test_tf_wins_over_single_poses_and_brings_its_own_odometry(robot):
+    robot.hear_transforms([(SECOND, Transform("map", "odom", Pose2(10, 0, 0)))], SECOND)
+    for step in range(3):
+        stamp = SECOND + step * SECOND // 10
+        robot.hear_transforms([(stamp, Transform("/odom", "/base", Pose2(0.1 * step, 0, 0)))], stamp)
+    robot.hear_pose(located(1.2, 77))
+    assert where(robot, 1.2) == (10.2, 0)
+    assert robot.twist.linear == pytest.approx(1.0)
+    robot.hear_transforms([(SECOND, Transform("map", "other/odom", Pose2(99, 0, 0)))], SECOND)
+    assert where(robot, 1.2) == (10.2, 0)
+
+
+def test_other_frames_are_refused_and_say_which_key_to_change(robot):
+    refused = robot.hear_odometry(odometry(1, 0, frame="robot7/odom"), 0)
+    assert isinstance(refused, Refused)
+    assert "'robot7/odom'" in refused.sentence
+    assert "odom_frame" in refused.sentence
+    assert isinstance(robot.hear_pose(located(1, 0, frame="world")), Refused)
+    assert isinstance(robot.hear_pose(located(1, math.nan)), Refused)
+    assert isinstance(robot.hear_odometry(odometry(1, math.inf), 0), Refused)
+    assert robot.estimate(0, 0) is None
+
+
+def test_a_localiser_that_falls_silent_makes_the_robot_lost(robot):
+    heard(robot, 1, 0.0)
+    robot.hear_transforms([(SECOND, Transform("map", "odom", Pose2(0, 0, 0)))], SECOND)
+    assert not robot.estimate(0, SECOND + SILENCE_NS).lost
+    assert robot.estimate(0, SECOND + SILENCE_NS + 1).lost
+    robot.hear_transforms([(SECOND, Transform("map", "odom", Pose2(0, 0, 0)))], 9 * SECOND)
+    assert not robot.estimate(0, 9 * SECOND).lost
+
+
+def test_without_tf_a_way_driven_blindly_makes_it_lost_and_standing_does_not(robot):
+    heard(robot, 1, 0.0)
+    robot.hear_pose(located(1, 0))
+    assert not robot.estimate(0, 1000 * SECOND).lost
+    for step in range(1, 12):
+        heard(robot, 1 + step, step * BLIND_WAY / 10)
+    assert robot.estimate(0, 13 * SECOND).lost
+    robot.hear_pose(located(12, 3))
+    assert not robot.estimate(0, 13 * SECOND).lost
+
+
+@pytest.mark.parametrize(("seconds", "x"), [(2.02, 0.0), (-100.0, 4.9)])
+def test_a_driver_that_counts_anew_makes_the_robot_lost_until_the_next_correction(robot, seconds, x):
+    heard(robot, 2, 5.0)
+    robot.hear_pose(located(2, 5))
+    robot.hear_odometry(odometry(seconds, x), round(2.02 * SECOND))
+    assert robot.estimate(0, 3 * SECOND).lost
+    robot.hear_pose(located(seconds, 5.1))
+    assert not robot.estimate(0, 3 * SECOND).lost
+    assert where(robot, 3) == (5.1, 0)
