@@ -7,11 +7,13 @@ from pathlib import Path
 import pytest
 
 from sim.observations import TICKS_PER_SECOND
+from sim.team import Team, TeamSnapshot
 from thbridge.app.compose import Setting, read_setting
 from thbridge.app.config import Study
 from thbridge.app.things import Mishap, MishapEntry, Shape, ThingEntry
 from thbridge.hunt.events import Condition
 from thbridge.roles.notices import KEEPER, Order, Orders, RobotsReady, Status, Subscribe, Whereabouts, heard, tell
+from thbridge.roles.requests import SetParameters
 from thbridge.roles.simr import PATIENCE, SILENCE, STREAM_PERIOD, SUBSCRIPTION, SimR
 from thbridge.wire import canonical, legacy
 from thbridge.wire.notice import Notice, parse_notice
@@ -193,3 +195,26 @@ def test_a_room_behind_a_closed_door_is_told_of_in_words(setting):
     driver.run(100 * TICKS_PER_SECOND, orders(1, Order(1, 8), None))
     result = driver.levels(Status)[-1].results[0]
     assert result.sentence == "Something that is not on the map blocks the way of robot 1."
+
+
+class Real:
+    """Robots about which nobody knows the truth."""
+
+    parameters = ()
+
+    def __init__(self, team: Team) -> None:
+        self._team = team
+        self.size = team.size
+
+    def step(self, inputs=()) -> TeamSnapshot:
+        return replace(self._team.step(inputs), world=None)
+
+
+def test_of_real_robots_it_tells_what_they_believe_and_sets_no_parameters(setting):
+    driver = Driver(setting.simr(Real(setting.team())))
+    driver.simr.ask(SetParameters(0, (("amcl.kld_err", 0.2),)))
+    driver.run(2, orders(1, Order(1, 2), None))
+    driver.until('%%error SimR TabUI "0;1" ')
+    believed = driver.simr.snapshot.robots[0].estimate.base_in_map
+    driver.run(1)
+    assert driver.levels(Status)[-1].poses[0] == pytest.approx((believed.x, believed.y, believed.theta), abs=0.05)

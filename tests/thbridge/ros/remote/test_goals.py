@@ -65,7 +65,7 @@ def server() -> Server:
     ("status", "text", "end"),
     [
         (Status.SUCCEEDED, "Goal reached.", Arrived(GOAL)),
-        (Status.ABORTED, "Failed to find a valid plan. Bad luck.", NoPath(GOAL, "no_way", "Failed to find a valid plan. Bad luck.")),
+        (Status.ABORTED, "Not a valid plan.", NoPath(GOAL, "no_way", "Not a valid plan.")),
         (Status.REJECTED, "", NoPath(GOAL, "gave_up", "the goal was rejected, without a reason")),
         (Status.LOST, "", NoPath(GOAL, "gave_up", "the goal was lost, without a reason")),
     ],

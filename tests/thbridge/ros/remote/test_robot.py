@@ -1,4 +1,4 @@
-"""One real robot from bytes to bytes: what it says becomes a team member's output, what it is asked becomes messages."""
+"""One real robot, bytes to bytes: what it says becomes a team member's output, what it is asked messages."""
 
 import math
 

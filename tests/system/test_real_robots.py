@@ -1,0 +1,61 @@
+"""From simulation to hardware: one process has robots on a ROS graph, the programs of the game command them there."""
+
+import json
+import socket
+from pathlib import Path
+
+import pytest
+
+from tests.system.programs import Program, journal, kinds, port_of, until
+from thbridge.adapters import bag_reader
+from thbridge.ros import names, types, unpack
+
+pytestmark = pytest.mark.slow
+
+
+def free_port() -> int:
+    with socket.socket() as probe:
+        probe.bind(("127.0.0.1", 0))
+        return int(probe.getsockname()[1])
+
+
+def test_a_whole_hunt_with_robots_of_another_process(tmp_path: Path):
+    uri = f"http://127.0.0.1:{free_port()}"
+    bag = tmp_path / "real.bag"
+    (tmp_path / "study.yaml").write_text("robots_from: ros\nrobots: 2\n")
+    field = Program(tmp_path, "simr", "--ros", "--ros-master", uri, "--rate", "3", "--server", "127.0.0.1:9")
+    server = Program(tmp_path, "server", "--port", "0")
+    programs = [field, server]
+    try:
+        at = f"127.0.0.1:{port_of(server, programs)}"
+        until("the robots to be on the graph", lambda: "this program is it" in field.text, programs)
+        simr = Program(
+            tmp_path, "simr", "--study", "study.yaml", "--ros-master", uri, "--server", at, "--bag", str(bag)
+        )
+        programs.append(simr)
+        until("all robots to be found", lambda: "All robots are there" in simr.text, programs)
+        programs.append(Program(tmp_path, "hider", "--server", at))
+        player = Program(tmp_path, "tabui", "--server", at, "--json")
+        programs.append(player)
+        until("the game to be over", lambda: player.process.poll() is not None, programs, 280.0)
+        assert json.loads(player.text.splitlines()[-1])["rooms_visited"] == 8
+        assert "reported" not in kinds(tmp_path)
+        assert simr.stop() == 0
+        replay = Program(tmp_path, "replay", str(bag))
+        programs.append(replay)
+        assert replay.process.wait(60) == 2
+        assert "its robots were real" in replay.text
+    finally:
+        for program in programs:
+            program.close()
+    recorded = {topic.name: topic for topic in bag_reader.info(bag).topics}
+    assert recorded["/robot1/odom"].messages > 1000
+    assert "/robot1/base_pose_ground_truth" not in recorded
+    assert names.CLOCK not in recorded
+    arrived = [event for event in journal(tmp_path) if event["event"] == "arrived"]
+    ends = list(bag_reader.messages(bag, ["/robot1/move_base/result", "/robot2/move_base/result"]))
+    assert len(arrived) == 8
+    assert [unpack.move_base_result(end.data).status for end in ends] == [3] * 8
+    first = next(bag_reader.messages(bag))
+    assert (first.topic, first.msgtype) == (names.SESSION, types.SESSION)
+    assert "robots_from: ros" in unpack.session(first.data).study
