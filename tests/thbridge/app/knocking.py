@@ -72,8 +72,9 @@ class Visited:
             return made[0]
 
         monkeypatch.setattr(live, "RosNode", doors)
-        simr, publisher = setting.simr(), setting.publisher()
-        graph = LiveGraph(Graph(), setting.facts(publisher), simr.make_plan, self._ask)
+        team, publisher = setting.team(), setting.publisher()
+        simr = setting.simr(team)
+        graph = LiveGraph(Graph(), setting.facts(publisher), team.make_plan, self._ask)
         self.doors = made[0]
         self.writer = setting.writer(bag)
         record = setting.record(PLAY, [legacy.SIMR, legacy.HIDER], "")
