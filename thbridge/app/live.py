@@ -34,6 +34,7 @@ from thbridge.ros.clients import Refused
 from thbridge.ros.names import CALLER, MAP_FRAME, RobotNames
 from thbridge.ros.parameters import Tree
 from thbridge.ros.records import CancelRequest, GoalRequest, InitialPose, SimpleGoal, VelocityCommand
+from thbridge.ros.stamps import stamp_ns
 from thbridge.ros.topics import CLOCK, Message, Topic
 from thbridge.wire.rosgraph.links import ServiceFailed
 
@@ -177,14 +178,23 @@ class LiveGraph:
         found = clients.action_goal(data)
         if isinstance(found, Refused):
             return found
-        number = next(self._goals)
+        number, stamp = next(self._goals), self._not_ahead(found.stamp_ns)
         if isinstance(found.pose, Refused):  # Its client waits for an answer, and gets one.
-            return GoalRequest(robot, found.goal_id, found.stamp_ns, None, number, found.pose.sentence)
-        return GoalRequest(robot, found.goal_id, found.stamp_ns, found.pose, number)
+            return GoalRequest(robot, found.goal_id, stamp, None, number, found.pose.sentence)
+        return GoalRequest(robot, found.goal_id, stamp, found.pose, number)
 
     def _cancel_heard(self, robot: int, data: bytes) -> Request | Refused:
         found = clients.action_cancel(data)
-        return found if isinstance(found, Refused) else CancelRequest(robot, found.goal_id, found.stamp_ns)
+        if isinstance(found, Refused):
+            return found
+        return CancelRequest(robot, found.goal_id, self._not_ahead(found.stamp_ns))
+
+    def _not_ahead(self, stamp: int) -> int:
+        """A client's time, or now if its clock is ahead, as that of one without /use_sim_time is.
+
+        The newest goal wins: in ROS such a client shuts out all others until its time has come.
+        """
+        return min(stamp, stamp_ns(self._tick))
 
     # Services
 

@@ -8,6 +8,7 @@ from pathlib import Path
 import pytest
 
 from sim.team import TeamSnapshot
+from tests.thbridge.ros.test_clients import STORE, header, packed, pose
 from thbridge.adapters.rosgraph.joining import Graph
 from thbridge.app import live
 from thbridge.app.broadcast import Broadcast
@@ -110,3 +111,18 @@ class Visited:
 
 def asked(moment: Moment) -> list[Request]:
     return [item.request for item in moment.inputs if isinstance(item, Asked)]
+
+
+def goal_id(name: str, seconds: int = 0) -> object:
+    return STORE.types["actionlib_msgs/msg/GoalID"](STORE.types["builtin_interfaces/msg/Time"](seconds, 0), name)
+
+
+def goal(x: float, y: float, name: str = "", seconds: int = 0) -> bytes:
+    target = STORE.types["geometry_msgs/msg/PoseStamped"](header(), pose(x, y, 0.0))
+    wanted = STORE.types["move_base_msgs/msg/MoveBaseGoal"](target)
+    kind = "move_base_msgs/msg/MoveBaseActionGoal"
+    return packed(kind, header=header(), goal_id=goal_id(name, seconds), goal=wanted)
+
+
+def cancel(name: str = "", seconds: int = 0) -> bytes:
+    return bytes(STORE.serialize_ros1(goal_id(name, seconds), "actionlib_msgs/msg/GoalID"))

@@ -11,12 +11,13 @@ import pytest
 
 from sim.observations import Twist
 from sim.team import RequestUpdate
-from tests.thbridge.app.knocking import Visited, asked
+from tests.thbridge.app.knocking import Visited, asked, cancel, goal
 from tests.thbridge.ros.test_clients import stamped
 from thbridge.app.compose import read_setting
 from thbridge.app.config import Study
 from thbridge.app.door import REQUESTS
-from thbridge.ros.records import SimpleGoal, VelocityCommand
+from thbridge.ros.records import CancelRequest, GoalRequest, SimpleGoal, VelocityCommand
+from thbridge.ros.stamps import stamp_ns
 from thbridge.wire.rosgraph.links import ServiceFailed
 
 FORWARD = struct.pack("<6d", 0.1, 0, 0, 0, 0, 0)
@@ -88,6 +89,21 @@ def test_of_many_questions_about_plans_one_is_answered_at_a_turn(visited: Visite
         return longest
 
     assert asyncio.run(longest_turn()) == 1
+
+
+def test_a_client_whose_clock_is_ahead_shuts_nobody_out(visited: Visited) -> None:
+    for _ in range(50):
+        visited.step()
+    for topic, data in (("goal", goal(2.0, 0.0, "ahead", 2**30)), ("cancel", cancel("ahead", 2**30))):
+        visited.say(f"/robot1/move_base/{topic}", data, "/wall_clock")
+    first, second = asked(visited.step())
+    assert isinstance(first, GoalRequest)
+    assert isinstance(second, CancelRequest)
+    assert first.stamp_ns == second.stamp_ns <= stamp_ns(51)
+    visited.say("/robot1/move_base/goal", goal(2.0, 0.0, "late", 1), "/rviz")
+    (late,) = asked(visited.step())
+    assert isinstance(late, GoalRequest)
+    assert late.stamp_ns == 1_000_000_000
 
 
 def test_a_mistake_is_told_once_however_often_it_is_made(visited: Visited, caplog: pytest.LogCaptureFixture) -> None:
