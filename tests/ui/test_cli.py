@@ -294,6 +294,13 @@ def test_names_without_effect_are_told_where_a_study_is_read() -> None:
     assert "study.yaml, line 3: robot.fake_localization.odom_frame_id has no effect here" in checked.stderr
 
 
+def test_real_robots_are_not_simulated_and_not_hurried() -> None:
+    assert "--ros: robots of a ROS graph are there already" in refusal("simr", "--robots-from", "ros", "--ros")
+    assert "--rate: real robots have the time" in refusal("simr", "--robots-from", "ros", "--rate", "2")
+    Path("study.yaml").write_text("robots_from: ros\n")
+    assert "this study is for real robots" in refusal("play", "study.yaml")
+
+
 def test_fewer_robots_than_the_study_has_software_for_are_refused() -> None:
     Path("study.yaml").write_text("robots: 2\neach: {2: {localization: truth}}\n")
     assert "--robots 1: the study has software for robot 2" in refusal("play", "study.yaml", "--robots", "1")

@@ -99,6 +99,8 @@ def simr(
     if bag is not None:
         make_ready(bag)
     if real and graph is not None:
+        for key in _without_effect(setting.study):
+            note(f"{key} has no effect here: it is for simulated robots.")
         options = SimrOptions(host, port, _token(), 1.0, bag)
         unfit = run(simr_with_real_robots(setting, options, graph, _lost, _unreachable, _missing))
         if unfit is not None:
@@ -166,6 +168,13 @@ def _token() -> str:
 
 def _lost(lost: Lost) -> None:
     note(programs.reason_of(lost))
+
+
+def _without_effect(study: Study) -> list[str]:
+    """What a study says that real robots do not heed."""
+    standard = Study()
+    keys = ("rate", "robot", "each", "things", "mishaps")
+    return [key for key in keys if getattr(study, key) != getattr(standard, key)]
 
 
 def _unreachable(why: CannotListen) -> None:

@@ -3,7 +3,7 @@
 import asyncio
 import logging
 import time
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Callable, Iterator, Mapping, Sequence
 from typing import Protocol
 
 import numpy as np
@@ -106,7 +106,17 @@ class Fleet:
             return [f"there is no ROS master at {self._node.master_uri} yet"]
         if not self._clock.runs:
             return [f"{names.USE_SIM_TIME} is set, but there is no time on {names.CLOCK} yet"]
-        return missing_of(self._robots)
+        return missing_of(self._robots) or list(self._deaf())
+
+    def _deaf(self) -> Iterator[str]:
+        """Robots that are heard and do not hear: a goal would be said to nobody."""
+        for number, named in enumerate(self._named, 1):
+            goal = named.action("goal")
+            if all(connection.peer == CALLER for connection in self._publications[goal].connections()):
+                yield (
+                    f"robot {number} does not listen to {goal} yet: its machine must be able to reach this one at "
+                    f"{self._node.host} (--ros-host)"
+                )
 
     def now(self) -> int | None:
         """Nanoseconds of ROS time; None as long as it is not known."""

@@ -42,7 +42,7 @@ class Actor:
         obeys: what becomes of goals; None: nothing.
     """
 
-    def __init__(self, uri: str, named: RemoteNames = NAMED, name: str = "/robot") -> None:
+    def __init__(self, uri: str, named: RemoteNames = NAMED, name: str = "/robot", hears: bool = True) -> None:
         self.node = RosNode(name, uri)
         self.named = named
         self.obeys: Status | None = Status.SUCCEEDED
@@ -60,6 +60,11 @@ class Actor:
                 (names.TF_STATIC, types.TFMESSAGE),
             )
         }
+        if hears:
+            self.listen()
+
+    def listen(self) -> None:
+        named = self.named
         for part, kind, heard in (("goal", types.MOVE_BASE_GOAL, self._goal), ("cancel", types.GOAL_ID, self._cancel)):
             self.node.subscribe(named.action(part), kind, types.plain_definition(kind).md5, heard)
 
@@ -174,6 +179,15 @@ async def test_it_waits_for_master_and_robots_says_for_which_and_goes_on_when_th
             snapshot = fleet.step()
             assert (snapshot.world, snapshot.robots[0].estimate.base_in_map) == (None, Pose2(1, 2, 0))
         await again.stop()
+
+
+@with_patience
+async def test_a_robot_that_cannot_hear_goals_is_waited_for():
+    async with master() as ros, alive(Actor(ros.uri, hears=False)) as actor, fleet_at(ros.uri, Notes()) as fleet:
+        await eventually(lambda: "robot 1 does not listen to /robot1/move_base/goal" in fleet.missing()[0])
+        assert "--ros-host" in fleet.missing()[0]
+        actor.listen()
+        await eventually(lambda: not fleet.missing())
 
 
 @with_patience
