@@ -84,7 +84,6 @@ class RemotePose:
         self._amcl_stamp_ns = said.stamp_ns
         self._covariance = said.covariance
         self._updated = True
-        self._blind = 0.0
         if self._tf_ns is None and self._odometry:
             stamp_ns, base_in_odom = min(self._odometry, key=lambda entry: abs(entry[0] - said.stamp_ns))
             # One said before we came, latched, still holds: amcl says another as soon as the robot moves.
@@ -123,6 +122,7 @@ class RemotePose:
     def _correct(self, odom_in_map: Pose2) -> None:
         self._odom_in_map = odom_in_map
         self._restarted = False
+        self._blind = 0.0
 
     def _speaks_on_tf_only(self, now_ns: int) -> bool:
         return self._from_topic_ns is None or now_ns - self._from_topic_ns > SILENCE_NS

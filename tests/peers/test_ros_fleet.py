@@ -1,0 +1,237 @@
+"""A fleet whose robot is one of ROS's own making: rospy, tf2, and actionlib's SimpleActionServer and client.
+
+Debian 12 has them: apt-get install python3-rosbag python3-actionlib python3-tf2-ros python3-move-base-msgs.
+"""
+
+import asyncio
+import json
+import os
+import shutil
+import signal
+import subprocess
+from collections.abc import Iterator
+from contextlib import contextmanager
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+from sim.geometry import Pose2
+from sim.inputs import Drive, Go, Halt
+from sim.navigator import Arrived, Cancelled, Goal, NoPath
+from sim.observations import Twist
+from thbridge.adapters.bag_writer import BagWriter
+from thbridge.adapters.fleet_recorder import FleetRecorder
+from thbridge.adapters.rosgraph.fleet import CALLER, Fleet
+from thbridge.adapters.rosgraph.joining import Graph
+from thbridge.adapters.rosgraph.master_server import MasterServer
+from thbridge.adapters.rosgraph.node import Started
+from thbridge.adapters.text_server import Listening
+from thbridge.app.fleet import RobotNames
+from thbridge.ros.records import Session
+from thbridge.ros.remote.goals import OTHERS
+
+PYTHON = "/usr/bin/python3"
+HIDDEN = ("PYTHONPATH", "PYTHONHOME", "VIRTUAL_ENV")
+CLEAN = {name: value for name, value in os.environ.items() if name not in HIDDEN}
+
+ROBOT = """
+import math
+import actionlib, rospy, tf2_ros
+from geometry_msgs.msg import Twist, TransformStamped
+from move_base_msgs.msg import MoveBaseAction, MoveBaseFeedback, MoveBaseResult
+from nav_msgs.msg import Odometry
+
+rospy.init_node("kobuki")
+x, y = 0.0, 0.0
+out = rospy.Publisher("/kobuki/odom", Odometry, queue_size=10)
+frames = tf2_ros.TransformBroadcaster()
+tick = 0.05
+
+def speak(event):
+    said = Odometry()
+    said.header.stamp, said.header.frame_id, said.child_frame_id = rospy.Time.now(), "odom", "base_link"
+    said.pose.pose.position.x, said.pose.pose.position.y, said.pose.pose.orientation.w = x, y, 1.0
+    out.publish(said)
+    frame = TransformStamped()
+    frame.header.stamp, frame.header.frame_id, frame.child_frame_id = said.header.stamp, "map", "odom"
+    frame.transform.translation.x, frame.transform.rotation.w = 10.0, 1.0
+    frames.sendTransform(frame)
+
+def by_hand(told):
+    global x
+    x += told.linear.x * tick
+
+def drive(goal):
+    global x, y
+    there = goal.target_pose.pose.position
+    if there.x > 50:
+        server.set_aborted(MoveBaseResult(), "Failed to find a valid plan. Even after executing recovery behaviors.")
+        return
+    while True:
+        left = math.hypot(there.x - 10 - x, there.y - y)
+        if left < 0.05:
+            server.set_succeeded(MoveBaseResult(), "Goal reached.")
+            return
+        if server.is_preempt_requested():
+            server.set_preempted()
+            return
+        step = min(1.0, 1.5 * tick / left)
+        x, y = x + step * (there.x - 10 - x), y + step * (there.y - y)
+        server.publish_feedback(MoveBaseFeedback(goal.target_pose))
+        rospy.sleep(tick)
+
+rospy.Subscriber("/kobuki/cmd_vel", Twist, by_hand)
+server = actionlib.SimpleActionServer("/kobuki/move_base", MoveBaseAction, drive, False)
+server.start()
+timer = rospy.Timer(rospy.Duration(tick), speak)
+rospy.spin()
+"""
+
+CLIENT = """
+import actionlib, rospy
+from move_base_msgs.msg import MoveBaseAction, MoveBaseGoal
+rospy.init_node("rviz")
+client = actionlib.SimpleActionClient("/kobuki/move_base", MoveBaseAction)
+client.wait_for_server(rospy.Duration(30))
+goal = MoveBaseGoal()
+goal.target_pose.header.frame_id = "map"
+goal.target_pose.pose.position.x, goal.target_pose.pose.orientation.w = 11.0, 1.0
+client.send_goal_and_wait(goal, rospy.Duration(30))
+print(client.get_state())
+"""
+
+READER = """
+import json, sys
+import rosbag
+with rosbag.Bag(sys.argv[1]) as bag:
+    told = [[topic, message._type, connection["callerid"].decode()]
+            for topic, message, _, connection in bag.read_messages(return_connection_header=True)]
+print(json.dumps(sorted(set(map(tuple, told[1:]))) + [told[0]]))
+"""
+
+
+def _knows(*modules: str) -> bool:
+    asked = [PYTHON, "-c", f"import {', '.join(modules)}"]
+    return Path(PYTHON).exists() and subprocess.run(asked, capture_output=True, env=CLEAN, check=False).returncode == 0
+
+
+pytestmark = pytest.mark.skipif(
+    shutil.which("rosbag") is None or not _knows("rospy", "actionlib", "tf2_ros", "move_base_msgs", "rosbag"),
+    reason="not installed: rosbag, python3-actionlib, python3-tf2-ros (see this file's head)",
+)
+
+
+@contextmanager
+def ros(script: str, uri: str, folder: Path) -> Iterator[subprocess.Popen[str]]:
+    process = subprocess.Popen(
+        [PYTHON, "-c", script],
+        env={**CLEAN, "ROS_MASTER_URI": uri, "ROS_IP": "127.0.0.1", "ROS_LOG_DIR": str(folder)},
+        stdout=subprocess.PIPE, stderr=subprocess.DEVNULL, text=True, start_new_session=True,
+    )  # fmt: skip
+    try:
+        yield process
+    finally:
+        if process.poll() is None:
+            os.killpg(process.pid, signal.SIGKILL)
+            process.wait(10)
+        if process.stdout is not None:
+            process.stdout.close()
+
+
+class Ticks:
+    """Steps a fleet, and records it."""
+
+    def __init__(self, fleet: Fleet, recorder: FleetRecorder) -> None:
+        self.fleet = fleet
+        self.recorder = recorder
+
+    async def there(self) -> None:
+        while self.fleet.missing():
+            self.recorder.flush()
+            await asyncio.sleep(0.02)
+
+    async def tick(self, *inputs: object):
+        self.snapshot = self.fleet.step(inputs)
+        self.recorder.record(self.snapshot, ())
+        await asyncio.sleep(0.02)
+        return self.snapshot.robots[0].navigation
+
+    async def until_active(self) -> None:
+        while (await self.tick()).state != "controlling":
+            pass
+
+    async def ended(self) -> object:
+        while (result := (await self.tick()).result) is None:
+            pass
+        return result
+
+
+async def _drive(folder: Path, bag: Path) -> None:
+    named = RobotNames(namespace="/kobuki", odom_frame="odom", base_frame="base_link", recorded=())
+    master = MasterServer(port=0)
+    assert isinstance(await master.start(), Listening)
+    with BagWriter(bag, caller=CALLER) as writer:
+        recorder = FleetRecorder(writer, Session("", 1, {}, "simr", ("SimR",), ""))
+        fleet = Fleet(Graph(master.uri), [named.names(1)], np.zeros((0, 2)), recorder)
+        assert isinstance(await fleet.start(), Started)
+        ticks = Ticks(fleet, recorder)
+        there, far = Goal(1, Pose2(12.0, 1.0, 0.0)), Goal(2, Pose2(20.0, 0.0, 0.0))
+        with ros(ROBOT, master.uri, folder) as robot:
+            await ticks.there()
+            await ticks.tick(Go(0, there))
+            assert await ticks.ended() == Arrived(there)
+            here = ticks.snapshot.robots[0].estimate.base_in_map
+            assert here.distance(there.base_in_map) < 0.2
+            nowhere = Goal(3, Pose2(99.0, 0.0, 0.0))
+            await ticks.tick(Go(0, nowhere))
+            end = await ticks.ended()
+            assert isinstance(end, NoPath)
+            assert end.reason == "no_way"
+            await ticks.tick(Go(0, far))
+            await ticks.until_active()
+            await ticks.tick(Halt(0))
+            assert await ticks.ended() == Cancelled(far)
+            before = ticks.snapshot.robots[0].estimate.base_in_map.x
+            await ticks.tick(Drive(0, Twist(1.0, 0.0), 25))
+            for _ in range(60):
+                await ticks.tick()
+            assert ticks.snapshot.robots[0].estimate.base_in_map.x > before + 0.1
+            await ticks.tick(Go(0, far))
+            await ticks.until_active()
+            with ros(CLIENT, master.uri, folder) as client:
+                assert await ticks.ended() == Cancelled(far)
+                assert (await ticks.tick()).goal == Goal(OTHERS, Pose2(11.0, 0.0, 0.0))
+                while (await ticks.tick()).goal is not None:
+                    pass
+                assert await asyncio.to_thread(client.communicate) == ("3\n", None)
+            await ticks.tick(Go(0, far))
+            await ticks.until_active()
+            os.killpg(robot.pid, signal.SIGKILL)
+            robot.wait()
+        with ros(ROBOT, master.uri, folder):
+            assert await ticks.ended() == Arrived(far)
+        await fleet.stop()
+        recorder.flush()
+    await master.stop()
+
+
+def test_a_robot_of_ross_own_is_commanded_and_its_bag_read_by_ros(tmp_path: Path):
+    bag = tmp_path / "real.bag"
+
+    async def patient() -> None:
+        async with asyncio.timeout(120):
+            await _drive(tmp_path, bag)
+
+    asyncio.run(patient())
+    info = subprocess.run(["rosbag", "info", bag], env=CLEAN, capture_output=True, text=True, check=True).stdout
+    assert "/kobuki/move_base/goal" in info
+    read = subprocess.run([PYTHON, "-c", READER, str(bag)], env=CLEAN, capture_output=True, text=True, check=True)
+    *told, first = map(tuple, json.loads(read.stdout))
+    assert first == ("/thbridge/session", "thbridge_msgs/Session", CALLER)
+    assert ("/kobuki/odom", "nav_msgs/Odometry", "/kobuki") in told
+    assert ("/tf", "tf2_msgs/TFMessage", "/kobuki") in told
+    assert ("/kobuki/move_base/goal", "move_base_msgs/MoveBaseActionGoal", CALLER) in told
+    assert ("/kobuki/move_base/goal", "move_base_msgs/MoveBaseActionGoal", "/rviz") in told
+    assert ("/kobuki/move_base/result", "move_base_msgs/MoveBaseActionResult", "/kobuki") in told
+    assert ("/kobuki/cmd_vel", "geometry_msgs/Twist", CALLER) in told
