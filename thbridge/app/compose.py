@@ -43,8 +43,8 @@ from thbridge.ros.publisher import Planners, Publisher
 from thbridge.ros.records import Session as SessionRecord
 from thbridge.study.bots import Bot, BotStrategy, Knowledge
 
-REHEARSAL = 2 * TICKS_PER_SECOND
-"""Ticks after which a robot has localised, planned and driven."""
+REHEARSAL = 5 * TICKS_PER_SECOND
+"""Ticks after which robots have localised, planned around each other, turned and driven."""
 RECORDED_PACKAGES = ("thbridge", "numpy", "scipy", "numba", "filterpy", "rosbags")
 """Whose versions a bag tells: what else could make the same study run differently."""
 
@@ -75,9 +75,10 @@ class Setting:
 
     def rehearse(self) -> None:
         """Drive another such team for a moment: what is to be compiled is compiled before anybody waits for it."""
-        team = self.team()
+        team, rooms = self.team(), self.place.rooms
+        orders = [Go(robot, Goal(0, rooms[robot % len(rooms)].goal)) for robot in range(team.size)]
         for tick in range(REHEARSAL):
-            team.step([Go(0, Goal(0, self.place.rooms[0].goal))] if tick == 0 else [])
+            team.step(orders if tick == 0 else [])
 
     def simr(self, robots: Robots | None = None) -> SimR:
         """The robots' role, with these robots; None: simulated ones of its own."""
