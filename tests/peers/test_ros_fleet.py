@@ -29,6 +29,7 @@ from thbridge.adapters.rosgraph.node import Started
 from thbridge.adapters.text_server import Listening
 from thbridge.app.fleet import RobotNames
 from thbridge.ros.records import Session
+from thbridge.ros.remote import RemoteRobot
 from thbridge.ros.remote.goals import OTHERS
 
 PYTHON = "/usr/bin/python3"
@@ -173,7 +174,7 @@ async def _drive(folder: Path, bag: Path) -> None:
     assert isinstance(await master.start(), Listening)
     with BagWriter(bag, caller=CALLER) as writer:
         recorder = FleetRecorder(writer, Session("", 1, {}, "simr", ("SimR",), ""))
-        fleet = Fleet(Graph(master.uri), [named.names(1)], np.zeros((0, 2)), recorder)
+        fleet = Fleet(Graph(master.uri), [RemoteRobot(0, named.names(1), CALLER, np.zeros((0, 2)))], recorder)
         assert isinstance(await fleet.start(), Started)
         ticks = Ticks(fleet, recorder)
         there, far = Goal(1, Pose2(12.0, 1.0, 0.0)), Goal(2, Pose2(20.0, 0.0, 0.0))

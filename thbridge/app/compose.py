@@ -36,7 +36,7 @@ from thbridge.roles.hider import Hider
 from thbridge.roles.keeper import GameRules, Keeper
 from thbridge.roles.robots import Robots
 from thbridge.roles.showing import plain_costs
-from thbridge.roles.simr import Field, SimR
+from thbridge.roles.simr import SILENCE, Field, SimR
 from thbridge.ros.names import CALLER
 from thbridge.ros.parameters import tree_of
 from thbridge.ros.publisher import Planners, Publisher
@@ -80,15 +80,15 @@ class Setting:
         for tick in range(REHEARSAL):
             team.step(orders if tick == 0 else [])
 
-    def simr(self, robots: Robots | None = None) -> SimR:
-        """The robots' role, with these robots; None: simulated ones of its own."""
+    def simr(self, robots: Robots | None = None, silence: int = SILENCE) -> SimR:
+        """The robots' role, with these robots; None: simulated ones of its own. `silence` as for `SimR`, ticks."""
         field = Field(
             name=self.place.name,
             goals=tuple(room.goal for room in self.place.rooms),
             starts=self.place.starts[: self.study.robots],
             costs=plain_costs(self.costs),
         )
-        return SimR(robots or self.team(), field, self.study.server.dialect)
+        return SimR(robots or self.team(), field, self.study.server.dialect, silence)
 
     def keeper(self, history: tuple[Event, ...] = (), last_game: int = 0) -> Keeper:
         """The game's authority; see `Keeper` for a game that goes on."""

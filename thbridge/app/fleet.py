@@ -102,6 +102,7 @@ class FleetSection:
     """Real robots."""
 
     robot: RobotNames = knob(RobotNames(), "what the topics and frames of every robot are called; {n} is its number")
+    silence: float = knob(5.0, "time without a word after which a robot or its move_base counts as silent", "s", 1, 600)
     each: Mapping[int, RobotNames] = dataclasses.field(
         default_factory=dict,
         metadata={"help": "robots that are called otherwise, by number: {2: {namespace: /kobuki}}", "like": "robot"},

@@ -5,7 +5,7 @@ from contextlib import AsyncExitStack
 
 import numpy as np
 
-from sim.observations import TICK
+from sim.observations import TICK, TICKS_PER_SECOND
 from thbridge.adapters.fleet_recorder import FleetRecorder
 from thbridge.adapters.loop import run_ticks
 from thbridge.adapters.rosgraph.fleet import CALLER, Fleet
@@ -16,6 +16,7 @@ from thbridge.app.compose import Setting
 from thbridge.app.programs import SIMR, SimrOptions, take_part
 from thbridge.app.recording import BagWitness
 from thbridge.app.session import Outpost
+from thbridge.ros.remote import RemoteRobot
 from thbridge.ros.topics import Message
 from thbridge.wire import legacy
 from thbridge.wire.rosgraph.links import Topic
@@ -61,8 +62,10 @@ async def simr_with_real_robots(
             writer = opened.enter_context(setting.writer(options.bag, CALLER))
             recorder = FleetRecorder(writer, setting.record(SIMR, [legacy.SIMR], ""))
         footprint = np.array(setting.study.world.footprint, dtype=np.float64)
-        names = setting.study.fleet.names(setting.study.robots)
-        fleet = Fleet(graph, names, footprint, recorder or _Deaf())
+        named = setting.study.fleet.names(setting.study.robots)
+        silence_ns = round(setting.study.fleet.silence * 1e9)
+        robots = [RemoteRobot(number, each, CALLER, footprint, silence_ns) for number, each in enumerate(named)]
+        fleet = Fleet(graph, robots, recorder or _Deaf())
         opened.push_async_callback(fleet.stop)
         started = await fleet.start()
         if isinstance(started, CannotListen):
@@ -82,7 +85,7 @@ async def simr_with_real_robots(
 
         if not (await run_ticks(wait, TICK)).finished:
             return None
-        role = setting.simr(fleet)
+        role = setting.simr(fleet, round(setting.study.fleet.silence * TICKS_PER_SECOND))
         outpost = Outpost(role, [] if recorder is None else [BagWitness(recorder)])
         client = TextClient(role.name, options.token, options.host, options.port)
         await take_part(outpost, client, 1.0, lambda: role.unfit is not None, lost)

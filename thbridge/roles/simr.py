@@ -46,7 +46,7 @@ PATIENCE = TICKS_PER_SECOND
 """Ticks that a `%%goto` waits for a keeper; when none was ever heard, it is obeyed as in 2016."""
 
 SILENCE = 5 * TICKS_PER_SECOND
-"""Ticks after which a robot that says nothing any more counts as silent, and its move has failed."""
+"""What `SimR` takes for silence, unless it is told otherwise, ticks."""
 
 HAND_SPEEDS = {
     canonical.Drive.FORWARD: (1.0, 0.0),
@@ -99,15 +99,19 @@ class SimR:
         robots: the team.
         field: where they may be sent.
         dialect: which reading of `%%goto` comes first.
+        silence: ticks after which a robot that says nothing any more counts as silent, and its move has failed.
     """
 
     name = legacy.SIMR
 
-    def __init__(self, robots: Robots, field: Field, dialect: Dialect = Dialect.LEGACY_2016) -> None:
+    def __init__(
+        self, robots: Robots, field: Field, dialect: Dialect = Dialect.LEGACY_2016, silence: int = SILENCE
+    ) -> None:
         self._team = robots
         self._controls = Controls(robots)
         self._field = field
         self._dialect = dialect
+        self._silence = silence
         self._introduce = False
         self._snapshot: TeamSnapshot | None = None
         self._inputs: list[TeamInput] = []
@@ -156,7 +160,7 @@ class SimR:
         self._controls.follow(self._snapshot)
         ended = self._ended(self._snapshot)
         said += ended
-        before, self._conditions = self._conditions, _conditions_in(self._snapshot)
+        before, self._conditions = self._conditions, self._conditions_in(self._snapshot)
         if ended or before != self._conditions or tick % STATUS_PERIOD == 0:
             said.append(tell(self.name, KEEPER, self._status(self._snapshot)))
         if tick % STREAM_PERIOD == 0:
@@ -285,7 +289,7 @@ class SimR:
                     way, length=max(way.length, navigation.remaining), remaining=navigation.remaining
                 )
             result = navigation.result
-            if _is_silent(snapshot, output):
+            if self._is_silent(snapshot, output):
                 self._fail(robot, way, reasons.unanswered(robot))
             elif result is not None and result.goal != goal:
                 pass  # The end of an earlier goal, or of one that somebody else set.
@@ -307,6 +311,21 @@ class SimR:
         del self._ways[robot]
         self._results[robot] = MoveResult(way.order.move, False, sentence, way.share())
 
+    def _is_silent(self, snapshot: TeamSnapshot, robot: RobotOutput) -> bool:
+        """Whether a robot has said nothing for so long that it counts as silent."""
+        return snapshot.tick - robot.observations.tick >= self._silence
+
+    def _conditions_in(self, snapshot: TeamSnapshot) -> tuple[Condition, ...]:
+        """How each robot is, as far as it can be heard."""
+        return tuple(
+            Condition.SILENT
+            if self._is_silent(snapshot, robot)
+            else Condition.LOST
+            if robot.estimate.lost
+            else Condition.WELL
+            for robot in snapshot.robots
+        )
+
     def _status(self, snapshot: TeamSnapshot) -> Status:
         if snapshot.world is None:
             places = _believed(snapshot)
@@ -326,16 +345,3 @@ def _believed(snapshot: TeamSnapshot) -> tuple[tuple[float, float, float], ...]:
     """Where the robots believe they are."""
     poses = (output.estimate.base_in_map for output in snapshot.robots)
     return tuple((pose.x, pose.y, pose.theta) for pose in poses)
-
-
-def _is_silent(snapshot: TeamSnapshot, robot: RobotOutput) -> bool:
-    """Whether a robot has said nothing for so long that it counts as silent."""
-    return snapshot.tick - robot.observations.tick >= SILENCE
-
-
-def _conditions_in(snapshot: TeamSnapshot) -> tuple[Condition, ...]:
-    """How each robot is, as far as it can be heard."""
-    return tuple(
-        Condition.SILENT if _is_silent(snapshot, robot) else Condition.LOST if robot.estimate.lost else Condition.WELL
-        for robot in snapshot.robots
-    )

@@ -8,7 +8,6 @@ from typing import Protocol
 
 import numpy as np
 
-from sim.geometry import FloatArray
 from sim.inputs import Drive, Go, Halt, Localize, Place, SetCharge, TeamInput
 from sim.parameters import RobotParameters
 from sim.team import TeamSnapshot
@@ -21,7 +20,7 @@ from thbridge.adapters.text_server import CannotListen
 from thbridge.ros import names, types
 from thbridge.ros.clients import Refused
 from thbridge.ros.cursor import Cursor
-from thbridge.ros.remote import RemoteNames, RemoteRobot
+from thbridge.ros.remote import RemoteRobot
 from thbridge.ros.remote.clock import RosClock
 from thbridge.ros.remote.robot import missing_of, tick_of
 from thbridge.ros.topics import Message
@@ -52,8 +51,7 @@ class Fleet:
 
     Args:
         graph: where they are.
-        named: what the topics and frames of each are called.
-        footprint: (n, 2) corners of their bodies in the base frame, metres.
+        robots: what is known of them.
         ear: told of all that is heard and said.
         wall: nanoseconds of the wall clock.
     """
@@ -61,14 +59,12 @@ class Fleet:
     def __init__(
         self,
         graph: Graph,
-        named: Sequence[RemoteNames],
-        footprint: FloatArray,
+        robots: Sequence[RemoteRobot],
         ear: Ear,
         wall: Callable[[], int] = time.time_ns,
     ) -> None:
         self._node = RosNode(CALLER, graph.master_uri, graph.host, on_shutdown=self._told_to_go)
-        self._named = tuple(named)
-        self._robots = [RemoteRobot(number, each, CALLER, footprint) for number, each in enumerate(named)]
+        self._robots = tuple(robots)
         self._ear = ear
         self._wall = wall
         self._clock: RosClock | None = None
@@ -110,8 +106,8 @@ class Fleet:
 
     def _deaf(self) -> Iterator[str]:
         """Robots that are heard and do not hear: a goal would be said to nobody."""
-        for number, named in enumerate(self._named, 1):
-            goal = named.action("goal")
+        for number, robot in enumerate(self._robots, 1):
+            goal = robot.names.action("goal")
             if all(connection.peer == CALLER for connection in self._publications[goal].connections()):
                 yield (
                     f"robot {number} does not listen to {goal} yet: its machine must be able to reach this one at "
@@ -179,7 +175,8 @@ class Fleet:
             while not clock.runs:
                 await asyncio.sleep(0.05)
         wanted: dict[str, list[RemoteRobot]] = {topic: [] for topic in TEAM_TOPICS}
-        for robot, named in zip(self._robots, self._named, strict=True):
+        for robot in self._robots:
+            named = robot.names
             for topic in (*named.recorded, named.action("feedback"), named.action("cancel"), named.initialpose):
                 wanted.setdefault(topic, [])
             for topic in robot.heard:

@@ -19,6 +19,8 @@ from thbridge.ros.remote.pose import SILENCE_NS
 
 UNLISTED_NS = 2_000_000_000
 """A goal that the server's lists have not had for so long is not known to it."""
+OBEYED_NS = 5_000_000_000
+"""A server that has not let go of a goal for so long after it was taken back is not waited for."""
 LOST_NS = 10_000_000_000
 """A robot that does not know for so long where it is gives its goal up."""
 HINDSIGHT_NS = 1_000_000_000
@@ -81,16 +83,18 @@ class MoveBaseClient:
 
     Args:
         prefix: what the names of all goals of ours to this robot begin with, in every run.
+        silence_ns: a server that says nothing for so long does not work.
 
     Attributes:
         said: what is to be said to the server; whoever says it empties the list.
         results: how goals ended, oldest first; whoever tells of them takes them out.
     """
 
-    def __init__(self, prefix: str) -> None:
+    def __init__(self, prefix: str, silence_ns: int = SILENCE_NS) -> None:
         self.said: list[SetGoal | CancelGoal] = []
         self.results: list[Result] = []
         self._prefix = prefix
+        self._silence_ns = silence_ns
         self._sent = 0
         self._stamp_ns = 0
         self._pursuit: _Pursuit | None = None
@@ -194,9 +198,9 @@ class MoveBaseClient:
                 self._finish(NoPath(goal, "called_off", "somebody else took the goal back"))
         elif silent:
             self._finish(NoPath(goal, "unanswered", "the robot says nothing any more"))
-        elif now_ns - max(pursuit.sent_ns, self._status_ns or 0) > SILENCE_NS:
+        elif now_ns - max(pursuit.sent_ns, self._status_ns or 0) > self._silence_ns:
             self._finish(NoPath(goal, "unanswered", "the action server says nothing any more"))
-        elif pursuit.cancelled_ns is not None and now_ns - pursuit.cancelled_ns > SILENCE_NS:
+        elif pursuit.cancelled_ns is not None and now_ns - pursuit.cancelled_ns > OBEYED_NS:
             self._finish(Cancelled(goal))
         elif pursuit.unlisted_ns is not None and now_ns - pursuit.unlisted_ns > UNLISTED_NS:
             self._forgotten(pursuit, now_ns)
@@ -228,7 +232,7 @@ class MoveBaseClient:
 
     def _other(self, now_ns: int) -> str | None:
         """The goal of another client that is under way, or about to be."""
-        if self._status_ns is not None and now_ns - self._status_ns <= SILENCE_NS:
+        if self._status_ns is not None and now_ns - self._status_ns <= self._silence_ns:
             for name, status in self._listed.items():
                 if status not in ENDED and not name.startswith(self._prefix):
                     return name

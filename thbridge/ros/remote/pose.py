@@ -20,7 +20,9 @@ from thbridge.ros.remote.names import RemoteNames
 from thbridge.ros.unpack import Odometry, PoseInFrame
 
 SILENCE_NS = 5_000_000_000
-"""A part of a robot that says nothing for so long does not work."""
+"""What is taken for silence, unless somebody says otherwise."""
+SET_BACK_NS = 5_000_000_000
+"""What is older than the last word by more is not late: the robot's clock was set back, or its program started anew."""
 BLIND_WAY = 3.0
 """Metres that a robot drives unlocalised where only amcl_pose is heard: amcl says one every 0.2 m."""
 
@@ -38,6 +40,7 @@ class RemotePose:
 
     Args:
         names: of its frames.
+        silence_ns: a part of the robot that says nothing for so long does not work.
 
     Attributes:
         heard_ns: when odometry came last; None: never.
@@ -45,8 +48,9 @@ class RemotePose:
         twist: by the last odometry.
     """
 
-    def __init__(self, names: RemoteNames) -> None:
+    def __init__(self, names: RemoteNames, silence_ns: int = SILENCE_NS) -> None:
         self._names = names
+        self._silence_ns = silence_ns
         self.heard_ns: int | None = None
         self.base_in_odom = Pose2(0.0, 0.0, 0.0)
         self.twist = STANDSTILL
@@ -79,7 +83,7 @@ class RemotePose:
             return Refused(f"its frame is {said.frame!r}, not {self._names.map_frame!r}: see map_frame in the study")
         if not _is_finite(said.pose):
             return Refused("its pose is not finite")
-        if said.stamp_ns < self._amcl_stamp_ns and self._amcl_stamp_ns - said.stamp_ns < SILENCE_NS:
+        if said.stamp_ns < self._amcl_stamp_ns and self._amcl_stamp_ns - said.stamp_ns < SET_BACK_NS:
             return None  # Late. What is much older is the word of a robot whose clock was set back.
         self._amcl_stamp_ns = said.stamp_ns
         self._covariance = said.covariance
@@ -117,7 +121,7 @@ class RemotePose:
     def _is_lost(self, now_ns: int) -> bool:
         if self._restarted:
             return True
-        return self._blind > BLIND_WAY if self._tf_ns is None else now_ns - self._tf_ns > SILENCE_NS
+        return self._blind > BLIND_WAY if self._tf_ns is None else now_ns - self._tf_ns > self._silence_ns
 
     def _correct(self, odom_in_map: Pose2) -> None:
         self._odom_in_map = odom_in_map
@@ -125,7 +129,7 @@ class RemotePose:
         self._blind = 0.0
 
     def _speaks_on_tf_only(self, now_ns: int) -> bool:
-        return self._from_topic_ns is None or now_ns - self._from_topic_ns > SILENCE_NS
+        return self._from_topic_ns is None or now_ns - self._from_topic_ns > self._silence_ns
 
     def _twist_to(self, stamp_ns: int, base_in_odom: Pose2) -> Twist:
         seconds = (stamp_ns - self._stamp_ns) / 1e9
@@ -139,10 +143,10 @@ class RemotePose:
             return Refused("its pose or its speed is not finite")
         late_ns = self._stamp_ns - stamp_ns
         if self.heard_ns is not None:
-            if 0 < late_ns < SILENCE_NS:
+            if 0 < late_ns < SET_BACK_NS:
                 return None
             way = self.base_in_odom.distance(base_in_odom)
-            if (way > _JUMP and now_ns - self.heard_ns < SILENCE_NS) or late_ns > 0:
+            if (way > _JUMP and now_ns - self.heard_ns < SET_BACK_NS) or late_ns > 0:
                 self._odometry.clear()
                 self._restarted = True
             self._blind += way

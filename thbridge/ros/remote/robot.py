@@ -56,20 +56,25 @@ class RemoteRobot:
         named: what its topics and frames are called.
         caller: our node, after which goals are named.
         footprint: (n, 2) corners of its body in the base frame, metres.
+        silence_ns: a part of it that says nothing for so long does not work.
 
     Attributes:
+        names: what its topics and frames are called.
         said: what is to be said on the graph; whoever says it empties the list.
         heard: the types of the topics that `hear` understands.
         speaks: the topics on which it is spoken to.
     """
 
-    def __init__(self, number: int, named: RemoteNames, caller: str, footprint: FloatArray) -> None:
+    def __init__(
+        self, number: int, named: RemoteNames, caller: str, footprint: FloatArray, silence_ns: int = SILENCE_NS
+    ) -> None:
         self.said: list[Message] = []
         self._number = number
-        self._named = named
+        self.names = named
+        self._silence_ns = silence_ns
         self._footprint = footprint
-        self._pose = RemotePose(named)
-        self._goals = MoveBaseClient(f"{caller}-robot{number + 1}-")
+        self._pose = RemotePose(named, silence_ns)
+        self._goals = MoveBaseClient(f"{caller}-robot{number + 1}-", silence_ns)
         self._set_goal = Topic(named.action("goal"), types.MOVE_BASE_GOAL)
         self._cancel = Topic(named.action("cancel"), types.GOAL_ID)
         self._cmd_vel = Topic(named.cmd_vel, types.TWIST)
@@ -100,7 +105,7 @@ class RemoteRobot:
 
     def missing(self) -> list[str]:
         """What has to be heard before it can take part, each with its topic."""
-        named = self._named
+        named = self.names
         parts = []
         if self._pose.heard_ns is None:
             parts.append(f"no odometry on {named.odom}, or {named.odom_frame} -> {named.base_frame} on {names.TF}")
@@ -131,7 +136,7 @@ class RemoteRobot:
                 self._drive = (command, now_ns + ticks * TICK_NS)
                 self._driven_ns = now_ns - COMMAND_NS
             case Localize(_, base_in_map, covariance):
-                data = pack.pose_with_covariance(tick_of(now_ns), self._named.map_frame, base_in_map, covariance)
+                data = pack.pose_with_covariance(tick_of(now_ns), self.names.map_frame, base_in_map, covariance)
                 self._say(self._initialpose, data, now_ns)
             case _:
                 assert_never(item)
@@ -148,7 +153,7 @@ class RemoteRobot:
         estimate, heard_ns = self._pose.estimate(tick, now_ns), self._pose.heard_ns
         if estimate is None or heard_ns is None:
             return None
-        self._goals.step(now_ns, lost=estimate.lost, silent=now_ns - heard_ns > SILENCE_NS)
+        self._goals.step(now_ns, lost=estimate.lost, silent=now_ns - heard_ns > self._silence_ns)
         self._drive_on(now_ns)
         navigation = self._navigation(estimate.base_in_map, now_ns)
         self._say_goals(now_ns)
@@ -247,7 +252,7 @@ class RemoteRobot:
         if self._scan is None:
             return None
         (read, heard_ns), self._scan = self._scan, None
-        seat = self._frames.pose(frame_name(read.frame), self._named.base_frame)
+        seat = self._frames.pose(frame_name(read.frame), self.names.base_frame)
         if seat is None:
             return None
         mount = PlanarMount.of(seat)
@@ -284,7 +289,7 @@ class RemoteRobot:
         for item in said:
             match item:
                 case SetGoal(goal_id, base_in_map):
-                    data = pack.move_base_goal(tick_of(now_ns), goal_id, self._named.map_frame, base_in_map)
+                    data = pack.move_base_goal(tick_of(now_ns), goal_id, self.names.map_frame, base_in_map)
                     self._say(self._set_goal, data, now_ns)
                 case CancelGoal(name):
                     self._say(self._cancel, pack.goal_id(GoalId(name, 0)), now_ns)

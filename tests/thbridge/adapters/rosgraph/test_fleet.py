@@ -27,7 +27,7 @@ from thbridge.app.fleet import RobotNames
 from thbridge.ros import names, pack, types, unpack
 from thbridge.ros.goals import ENDED, GoalId, GoalStatus, Status
 from thbridge.ros.records import Input, SendRobots, Session
-from thbridge.ros.remote import RemoteNames
+from thbridge.ros.remote import RemoteNames, RemoteRobot
 
 PATIENCE = 30.0
 SESSION = Session("robots_from: ros\n", 1, {}, "simr", ("SimR",), "")
@@ -145,8 +145,8 @@ async def alive(actor: Actor) -> AsyncIterator[Actor]:
 
 
 @asynccontextmanager
-async def fleet_at(uri: str, ear: object, **more: object) -> AsyncIterator[Fleet]:
-    fleet = Fleet(Graph(uri), [NAMED], np.zeros((0, 2)), ear, **more)
+async def fleet_at(uri: str, ear: object) -> AsyncIterator[Fleet]:
+    fleet = Fleet(Graph(uri), [RemoteRobot(0, NAMED, CALLER, np.zeros((0, 2)))], ear)
     assert isinstance(await fleet.start(), Started)
     try:
         yield fleet

@@ -9,6 +9,7 @@ from thbridge.ros.remote.goals import (
     AGAIN_NS,
     HINDSIGHT_NS,
     LOST_NS,
+    OBEYED_NS,
     OTHERS,
     UNLISTED_NS,
     CancelGoal,
@@ -111,7 +112,7 @@ def test_a_cancel_that_nobody_obeys_ends_the_goal_all_the_same_and_is_repeated(s
     server.run(0.5)
     server.client.halt(server.now)
     server.sent()
-    server.run(SILENCE_NS / SECOND + 0.5)
+    server.run(OBEYED_NS / SECOND + 0.5)
     assert server.client.results == [Cancelled(GOAL)]
     server.run(3 * AGAIN_NS / SECOND)
     server.sent()

@@ -181,3 +181,16 @@ def test_bytes_that_are_no_message_are_refused(rig):
     for topic in rig.robot.heard:
         assert isinstance(rig.robot.hear(topic, b"\x01\x02\x03", rig.now), Refused), topic
     assert rig.step().estimate.base_in_map == Pose2(1, 0, 0)
+
+
+def test_a_network_that_breaks_for_less_than_the_silence_costs_no_goal(rig):
+    patient = Rig()
+    patient.robot = RemoteRobot(1, NAMED, "/us", FOOTPRINT, silence_ns=20_000_000_000)
+    for each in (patient, rig):
+        each.place(0.0)
+        each.hear(NAMED.amcl_pose, pack.pose_with_covariance(each.tick, "map", Pose2(1, 0, 0), np.eye(3)))
+        each.status()
+        each.robot.take(Go(1, GOAL), each.now)
+        each.step(15 * 50)
+    assert patient.step().navigation.goal == GOAL
+    assert rig.step().navigation.goal is None
