@@ -299,6 +299,10 @@ def test_real_robots_are_not_simulated_and_not_hurried() -> None:
     assert "--rate: real robots have the time" in refusal("simr", "--robots-from", "ros", "--rate", "2")
     Path("study.yaml").write_text("robots_from: ros\n")
     assert "this study is for real robots" in refusal("play", "study.yaml")
+    Path("study.yaml").write_text("robots: 1\nrobots_from: ros\nfleet: {robot: {namespace: ''}}\n")
+    assert "/odom would be odom of robot 1 and odom of robot 2" in refusal(
+        "simr", "--study", "study.yaml", "--robots", "2"
+    )
 
 
 def test_fewer_robots_than_the_study_has_software_for_are_refused() -> None:

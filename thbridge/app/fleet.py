@@ -5,7 +5,7 @@ import re
 from collections.abc import Iterator, Mapping
 from dataclasses import dataclass
 from enum import StrEnum
-from typing import TypeVar, cast
+from typing import NamedTuple, TypeVar, cast
 
 from sim.parameters import knob
 from thbridge.adapters.errors import BadFile
@@ -22,8 +22,8 @@ NUMBER = "{n}"
 _FRAMES = ("map_frame", "odom_frame", "base_frame")
 _NAME = re.compile(r"/?[A-Za-z][A-Za-z0-9_]*(/[A-Za-z0-9_]+)*/?")
 _FRAME = re.compile(r"\S+")
-_OWN = ("odom", "cmd_vel", "move_base")
-"""Topics that no two robots share."""
+_OWN = ("odom_frame", "odom", "scan", "amcl_pose", "battery", "cmd_vel", "initialpose", "move_base", "plan")
+"""What nothing else may be called."""
 
 
 class RobotsFrom(StrEnum):
@@ -97,6 +97,14 @@ class RobotNames:
                     yield field.name, f"{text!r} cannot be the name of a {what}"
 
 
+class Clash(NamedTuple):
+    """A robot, counted from 1, and the field whose name is taken already."""
+
+    robot: int
+    field: str
+    problem: str
+
+
 @dataclass(frozen=True, slots=True)
 class FleetSection:
     """Real robots."""
@@ -111,6 +119,18 @@ class FleetSection:
     def names(self, robots: int) -> list[RemoteNames]:
         """The names of a team of this size."""
         return [self.each.get(number, self.robot).names(number) for number in range(1, robots + 1)]
+
+    def clash(self, robots: int) -> Clash | None:
+        """The first name that stands for two things in a team of this size."""
+        taken: dict[str, tuple[int, str]] = {}
+        for number, own in enumerate(self.names(robots), 1):
+            for field in _OWN:
+                name = cast(str, getattr(own, field))
+                first, other = taken.setdefault(name, (number, field))
+                if (first, other) != (number, field):
+                    problem = f"{name} would be {other} of robot {first} and {field} of robot {number}"
+                    return Clash(number, field, problem)
+        return None
 
 
 def faults_of_fleet(loaded: Loaded[S], fleet: FleetSection, robots: int) -> Iterator[BadFile]:
@@ -127,14 +147,8 @@ def faults_of_fleet(loaded: Loaded[S], fleet: FleetSection, robots: int) -> Iter
             )
     if not sound:
         return
-    named_all = fleet.names(robots)
-    for field in (*_OWN, "odom_frame"):
-        taken: dict[str, int] = {}
-        for number, own in enumerate(named_all, 1):
-            name = cast(str, getattr(own, field))
-            first = taken.setdefault(name, number)
-            if first != number:
-                key = f"fleet.each.{number}.{field}" if number in fleet.each else f"fleet.robot.{field}"
-                problem = f"{name} would be that of robot {first} and of robot {number}"
-                yield loaded.fault(key, problem, f"Let it, or the namespace, have {NUMBER} in it")
-                break
+    clash = fleet.clash(robots)
+    if clash is not None:
+        key = f"fleet.each.{clash.robot}" if clash.robot in fleet.each else "fleet.robot"
+        remedy = f"Give each its own; {NUMBER} stands for the robot's number"
+        yield loaded.fault(f"{key}.{clash.field}", clash.problem, remedy)

@@ -95,6 +95,8 @@ def simr(
         fail(BAD_INPUT, "--ros: robots of a ROS graph are there already. Leave the option out.")
     if real and rate is not None:
         fail(BAD_INPUT, "--rate: real robots have the time that they have. Leave the option out.")
+    if real and (clash := setting.study.fleet.clash(setting.study.robots)) is not None:
+        fail(BAD_INPUT, f"{clash.problem}. Write other names into the study's `fleet`, or take fewer robots.")
     graph = graph_of(ros or real, ros_master, ros_host)
     if bag is not None:
         make_ready(bag)

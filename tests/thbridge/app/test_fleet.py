@@ -54,8 +54,13 @@ def test_a_robot_may_be_alone_on_its_graph():
         ("{robot: {scan: '{number}/scan'}}", "fleet.robot.scan", "cannot be the name of a topic"),
         ("{robot: {map_frame: ''}}", "fleet.robot.map_frame", "cannot be the name of a frame"),
         ("{each: {2: {move_base: '4move'}}}", "fleet.each.2.move_base", "cannot be the name of a topic"),
-        ("{robot: {namespace: /robot}}", "fleet.robot.odom", "of robot 1 and of robot 2"),
-        ("{each: {2: {odom_frame: robot1/odom}}}", "fleet.each.2.odom_frame", "of robot 1 and of robot 2"),
+        (
+            "{robot: {namespace: /robot}}",
+            "fleet.robot.odom",
+            "/robot/odom would be odom of robot 1 and odom of robot 2",
+        ),
+        ("{each: {2: {odom_frame: robot1/odom}}}", "fleet.each.2.odom_frame", "of robot 1 and odom_frame of robot 2"),
+        ("{robot: {plan: odom}}", "fleet.robot.plan", "would be odom of robot 1 and plan of robot 1"),
     ],
 )
 def test_what_cannot_be_a_name_is_told_with_line_and_remedy(fleet, key, problem):

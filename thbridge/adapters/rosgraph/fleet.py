@@ -181,6 +181,7 @@ class Fleet:
                 wanted.setdefault(topic, [])
             for topic in robot.heard:
                 wanted.setdefault(topic, []).append(robot)
+        wanted.pop(names.CLOCK, None)  # No bag holds it: who plays a bag makes the time.
         for topic, robots in wanted.items():
             self._listen(topic, {robot: robot.heard[topic] for robot in robots})
 
