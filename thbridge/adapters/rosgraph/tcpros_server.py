@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import asyncio
 import logging
+import resource
 from asyncio import Transport
 from collections import deque
 from collections.abc import Awaitable, Callable, Iterable, Iterator
@@ -29,8 +30,10 @@ from thbridge.wire.rosgraph.links import (
 )
 from thbridge.wire.rosgraph.slave import Connection
 
-CONNECTION_LIMIT = 768
-"""Connections taken at a time, of subscribers and clients together; of the 1024 files that a process has as a rule."""
+CONNECTION_LIMIT = 6144
+"""Connections taken at a time, of subscribers and clients together: all topics of 64 robots for four recorders."""
+_FILES = 8192
+"""Files that the process should be able to have open for them."""
 
 ANSWERING_LIMIT = 64
 """Requests whose answers take their time, at a time; a client may leave, and ask again, before it has its answer."""
@@ -68,6 +71,7 @@ class TcprosServer:
         self._connections: set[_Inbound] = set()
         self._one_gone = asyncio.Event()
         self._answering: set[asyncio.Task[None]] = set()
+        self._limit = min(CONNECTION_LIMIT, _open_files() * 3 // 4)
         self._server: asyncio.Server | None = None
 
     async def start(self, host: str) -> Listening | CannotListen:
@@ -125,8 +129,8 @@ class TcprosServer:
 
     def admit(self, connection: _Inbound) -> bool:
         """Take a new connection on, unless there are too many."""
-        if len(self._connections) >= CONNECTION_LIMIT:
-            self.complaints.tell(f"more than {CONNECTION_LIMIT} connections; further ones are turned away")
+        if len(self._connections) >= self._limit:
+            self.complaints.tell(f"more than {self._limit} connections; further ones are turned away")
             return False
         self._connections.add(connection)
         return True
@@ -252,6 +256,16 @@ async def _answer_in_time(
     except Exception:
         answer = _broken(service)
     respond(answer)
+
+
+def _open_files() -> int:
+    """How many files this process may open, made as many as are wanted; as a rule it begins with 1024."""
+    soft, hard = resource.getrlimit(resource.RLIMIT_NOFILE)
+    wanted = _FILES if hard == resource.RLIM_INFINITY else min(_FILES, hard)
+    if soft == resource.RLIM_INFINITY or soft >= wanted:
+        return wanted
+    resource.setrlimit(resource.RLIMIT_NOFILE, (wanted, hard))
+    return wanted
 
 
 def _broken(service: str) -> ServiceFailed:

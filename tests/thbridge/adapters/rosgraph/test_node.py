@@ -6,6 +6,7 @@ import gc
 import logging
 import os
 import random
+import resource
 import socket
 import struct
 from collections.abc import AsyncIterator, Awaitable, Callable
@@ -594,6 +595,17 @@ async def test_there_are_only_so_many_connections(monkeypatch):
             await again.subscribes()
             for peer in (*peers, again):
                 peer.goes()
+
+
+def test_a_process_may_open_the_files_that_so_many_connections_take():
+    before = resource.getrlimit(resource.RLIMIT_NOFILE)
+    resource.setrlimit(resource.RLIMIT_NOFILE, (1024, before[1]))
+    try:
+        RosNode("/us", "http://127.0.0.1:1")
+        soft, hard = resource.getrlimit(resource.RLIMIT_NOFILE)
+        assert soft == min(8192, hard) if hard != resource.RLIM_INFINITY else soft == 8192
+    finally:
+        resource.setrlimit(resource.RLIMIT_NOFILE, before)
 
 
 @with_patience
