@@ -1,5 +1,6 @@
 """A file of chunks that becomes a ROS 1 bag, safe from kills and full disks."""
 
+import errno
 import os
 from pathlib import Path
 
@@ -15,6 +16,9 @@ from thbridge.adapters.bag_records import (
     index_record,
 )
 from thbridge.adapters.disk_room import set_aside
+
+NAMELESS = ".new"
+"""Ending of a file that does not hold a bag's first record yet."""
 
 
 class ChunkFile:
@@ -44,8 +48,18 @@ class ChunkFile:
         self._index_bytes = 0
         self._end = 0
         self._complete = False
-        self._file = path.open("xb", buffering=0)
-        self._append(MAGIC + bag_header(0, 0, 0))
+        if path.exists():
+            raise FileExistsError(errno.EEXIST, os.strerror(errno.EEXIST), str(path))
+        # It gets its name when it is a bag: a kill in between leaves no empty one.
+        nameless = path.with_name(path.name + NAMELESS)
+        self._file = nameless.open("wb", buffering=0)
+        try:
+            self._append(MAGIC + bag_header(0, 0, 0))
+            nameless.rename(path)
+        except OSError:
+            self._file.close()
+            nameless.unlink(missing_ok=True)
+            raise
 
     def append(self, chunk: Chunk) -> None:
         """Add a chunk. Raises OSError; then the file is as it was, but for what was previewed."""

@@ -13,6 +13,7 @@ from rosbags.rosbag1.reader import decompressors
 
 from tests.thbridge.ros.drive import MOUNT, SCAN_PERIOD, SESSION, arena, records, snapshots
 from thbridge.adapters import bag_chunks, bag_file, bag_writer
+from thbridge.adapters.bag_file import BagFile
 from thbridge.adapters.bag_parts import Splitting
 from thbridge.adapters.bag_reader import info, messages
 from thbridge.adapters.bag_records import Compression
@@ -467,3 +468,19 @@ def test_an_older_split_recording_is_not_mixed_in(tmp_path: Path) -> None:
     assert make_room(tmp_path / "a.bag") == tmp_path / "a-1.bag"
     assert sorted(path.name for path in tmp_path.iterdir()) == ["a-1_0.bag", "a-1_1.bag"]
     assert info(tmp_path / "a-1.bag").start_ns == 1_000_000_000
+
+
+def test_no_file_has_a_bags_name_before_it_is_one(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    seen: list[tuple[str, bytes]] = []
+    rename = Path.rename
+
+    def watched(path: Path, target: Path) -> Path:
+        seen.extend((file.name, file.read_bytes()) for file in tmp_path.iterdir())
+        return rename(path, target)
+
+    monkeypatch.setattr(Path, "rename", watched)
+    BagFile(tmp_path / "a.bag").close()
+    (name, content), *_ = seen
+    assert name == "a.bag.new"
+    assert content.startswith(b"#ROSBAG V2.0\n")
+    assert [file.name for file in tmp_path.iterdir()] == ["a.bag"]
