@@ -11,7 +11,7 @@ play: setup ## Start a game on this machine; more options with ARGS="...", e.g. 
 	$(BIN)/thbridge play $(ARGS)
 
 test: setup peers check ## All checks, and all tests that are quick.
-	$(BIN)/pytest
+	$(BIN)/pytest -n auto --dist loadfile
 
 check: setup ## Style, types, and that no import points back.
 	$(BIN)/ruff check .
