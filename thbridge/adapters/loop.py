@@ -7,6 +7,7 @@ from collections.abc import Callable, Iterator
 from contextlib import contextmanager
 from dataclasses import dataclass
 
+from sim.observations import TICK
 from thbridge.adapters.pacer import Pacer
 
 
@@ -21,6 +22,11 @@ class Run:
 
     finished: bool
     seconds: float
+
+
+def period_of(rate: float) -> float:
+    """Seconds of wall time for a tick; 0 for a rate of 0, as fast as it can."""
+    return TICK / rate if rate > 0.0 else 0.0
 
 
 async def run_ticks(tick: Callable[[], bool], period: float) -> Run:

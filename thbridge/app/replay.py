@@ -17,7 +17,7 @@ from sim.observations import TICK, TICKS_PER_SECOND
 from thbridge.adapters import bag_reader
 from thbridge.adapters.bag_reader import RawMessage
 from thbridge.adapters.errors import BadFile
-from thbridge.adapters.loop import run_ticks
+from thbridge.adapters.loop import period_of, run_ticks
 from thbridge.app.broadcast import Broadcast
 from thbridge.app.compose import Setting, build_bot
 from thbridge.app.config import read_study_text
@@ -35,7 +35,8 @@ from thbridge.app.inputs import (
     Said,
     from_record,
 )
-from thbridge.app.programs import PLAY, SIMR, NoLog, period_of
+from thbridge.app.play import PLAY, NoLog
+from thbridge.app.programs import SIMR
 from thbridge.app.recording import BagWitness
 from thbridge.app.session import Moment, Outpost, Session, Witness
 from thbridge.roles.role import Role

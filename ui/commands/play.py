@@ -10,9 +10,9 @@ from rich.table import Table
 
 from thbridge.adapters.recordings import parts_of
 from thbridge.adapters.text_server import CannotListen, Listening
-from thbridge.app import programs
+from thbridge.app import play as hunt
 from thbridge.app.fleet import RobotsFrom
-from thbridge.app.programs import Outcome, PlayOptions, Unfinished
+from thbridge.app.play import Outcome, PlayOptions, Unfinished
 from thbridge.app.session import Moment
 from thbridge.wire import legacy
 from ui.options import (
@@ -114,7 +114,7 @@ def play(
     unfinished: Unfinished | None = None
     try:
         options = PlayOptions(pace, path, others, who, limit, graph)
-        program = programs.play(setting, seat.tabui, options, ready, progress, teller_of_masters(graph, as_json))
+        program = hunt.play(setting, seat.tabui, options, ready, progress, teller_of_masters(graph, as_json))
         outcome = run(program, seat.typed)
     except Unfinished as early:
         outcome, unfinished = early.outcome, early

@@ -15,7 +15,7 @@ from thbridge.app.broadcast import Broadcast
 from thbridge.app.compose import Setting
 from thbridge.app.inputs import Asked
 from thbridge.app.live import LiveGraph
-from thbridge.app.programs import PLAY, NoLog
+from thbridge.app.play import PLAY, NoLog
 from thbridge.app.recording import BagWitness
 from thbridge.app.session import Moment, Session
 from thbridge.roles.requests import Request

@@ -17,12 +17,12 @@ from thbridge.adapters.bag_writer import BagWriter
 from thbridge.adapters.errors import BadFile
 from thbridge.adapters.text_client import TextClient
 from thbridge.adapters.text_server import Listening
-from thbridge.app import programs
 from thbridge.app.broadcast import Broadcast
 from thbridge.app.compose import Setting, build_bot, read_setting
 from thbridge.app.config import RecordingSection, Study, read_study_text
 from thbridge.app.inputs import Advanced, Asked, Backlogged, Closed, Input, Opened, Received, Said
-from thbridge.app.programs import PLAY, SIMR, NoLog, PlayOptions, Unfinished
+from thbridge.app.play import PLAY, NoLog, PlayOptions, Unfinished, play
+from thbridge.app.programs import SIMR
 from thbridge.app.recording import BagWitness
 from thbridge.app.replay import Replayed, ReplayOptions, replay, session_of, ticks_of
 from thbridge.app.session import Moment, Outpost, Session
@@ -54,7 +54,7 @@ def record(bag: Path, study: Study, seconds: float) -> None:
     setting = setting_of(study)
     options = PlayOptions(0.0, bag, frozenset(), "suggestion", seconds)
     with pytest.raises(Unfinished):
-        asyncio.run(programs.play(setting, bot_of(setting), options, lambda where: None, lambda moment: None))
+        asyncio.run(play(setting, bot_of(setting), options, lambda where: None, lambda moment: None))
 
 
 def act(bag: Path, study: Study, ticks: int, doing: Callable[[int, Session], None]) -> None:
@@ -241,7 +241,7 @@ class TestSame:
             participant = asyncio.create_task(outside())
             options = PlayOptions(20.0, tmp_path / "hunt.bag", frozenset({legacy.TABUI}), "person", 30.0)
             try:
-                await programs.play(setting, bot_of(setting), options, where.append, lambda moment: None)
+                await play(setting, bot_of(setting), options, where.append, lambda moment: None)
             finally:
                 participant.cancel()
 

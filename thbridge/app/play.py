@@ -1,0 +1,214 @@
+"""A whole hunt in one program: all roles but those left to others, until the game is over or somebody stops it."""
+
+from collections.abc import Callable, Sequence
+from contextlib import AsyncExitStack, closing
+from dataclasses import dataclass
+from pathlib import Path
+
+from sim.observations import TICK, TICKS_PER_SECOND
+from thbridge.adapters.ledger import Ledger
+from thbridge.adapters.loop import period_of, run_ticks
+from thbridge.adapters.recordings import journal_of
+from thbridge.adapters.rosgraph.joining import Graph, Master
+from thbridge.adapters.text_server import CannotListen, Listening, TextServer
+from thbridge.app.broadcast import Broadcast, Listener
+from thbridge.app.compose import Setting
+from thbridge.app.live import LiveGraph, on_graph, untold
+from thbridge.app.recording import BagWitness
+from thbridge.app.session import EventLog, Moment, Session
+from thbridge.hunt.game import GameState
+from thbridge.roles.requests import Request
+from thbridge.roles.role import Role
+from thbridge.roles.simr import SimR
+from thbridge.roles.tabui import TabUI
+from thbridge.wire import legacy
+from thbridge.wire.router import Router
+
+PLAY = "play"
+"""What recordings call this program."""
+
+LAST_WORDS = TICKS_PER_SECOND // 2
+"""Ticks that a session goes on after the end of the game, so that everybody hears of it and the bag has it."""
+
+
+@dataclass(frozen=True, slots=True)
+class Outcome:
+    """How a hunt ended; what `thbridge play --json` prints.
+
+    Attributes:
+        seed: of the study.
+        score: points.
+        over: why the game ended (`hunt.events.EndReason`); None if it did not.
+        rooms_visited: how many.
+        identified: treasures named, rightly or wrongly.
+        energy: what each robot has left.
+        sim_seconds: simulated time from the start to the end of the game.
+        wall_seconds: real time that took.
+        collisions: times that a robot touched a wall or another robot.
+        bag: the recording.
+    """
+
+    seed: int
+    score: int
+    over: str | None
+    rooms_visited: int
+    identified: int
+    energy: tuple[float, ...]
+    sim_seconds: float
+    wall_seconds: float
+    collisions: int
+    bag: Path | None
+
+
+class Unfinished(Exception):  # noqa: N818 - nothing went wrong with the program
+    """The hunt ended before the game was over. Everything is closed in good order.
+
+    Attributes:
+        outcome: how things stood then.
+        stopped: somebody stopped the program (Ctrl-C, SIGTERM); or else the time was up.
+    """
+
+    def __init__(self, outcome: Outcome, stopped: bool) -> None:
+        super().__init__("stopped" if stopped else "the time was up")
+        self.outcome = outcome
+        self.stopped = stopped
+
+
+@dataclass(frozen=True, slots=True)
+class PlayOptions:
+    """How a hunt is run, beside what the study says.
+
+    Attributes:
+        rate: simulated seconds per second; 0 as fast as it can.
+        bag: where to record; None for no recording.
+        outside: the roles that other programs will take, by name.
+        participant: who plays, for the record; for example "person" or "suggestion".
+        max_seconds: simulated time after which an unfinished game is given up.
+        graph: the ROS graph to take part in; None for none.
+    """
+
+    rate: float
+    bag: Path | None
+    outside: frozenset[str]
+    participant: str
+    max_seconds: float
+    graph: Graph | None = None
+
+
+async def play(
+    setting: Setting,
+    participant: TabUI,
+    options: PlayOptions,
+    ready: Callable[[Listening | CannotListen], None],
+    progress: Callable[[Moment], None],
+    joined: Callable[[Master | CannotListen], None] = untold,
+) -> Outcome:
+    """Play one hunt with all roles in this process, but those left to others.
+
+    Args:
+        setting: the study.
+        participant: whoever plays, unless that is left to an outside program.
+        options: how.
+        ready: told where others can join, or why they cannot.
+        progress: told of every tick.
+        joined: told who is the master of the graph, or why there is none.
+
+    Raises:
+        BadFile: the journal or the bag cannot be written (as `BagNotWritten`).
+        Unfinished: it was stopped, or the game was not over in time; what was recorded is complete.
+    """
+    if options.rate > 0.0:
+        setting.rehearse()
+    team = setting.team()
+    simr = setting.simr(team)
+    roles: list[Role] = [simr]
+    if legacy.HIDER not in options.outside:
+        roles.append(setting.hider())
+    inside = None if legacy.TABUI in options.outside else participant
+    who = "" if inside is None else options.participant
+    names = [role.name for role in (*roles, inside) if role is not None]
+    record = setting.record(PLAY, names, who)
+    publisher = setting.publisher()
+    listeners: list[Listener] = []
+    async with AsyncExitStack() as opened:
+        if options.graph is not None:
+            # Nobody is heard before the session stands: a node registers in the loop's next turn.
+            def ask(sender: str, request: Request) -> None:
+                session.ask(sender, request)
+
+            live = LiveGraph(options.graph, setting.facts(publisher), team.make_plan, ask)
+            await opened.enter_async_context(on_graph(live, options.graph, joined))
+            listeners.append(live)
+        log: EventLog = NoLog()
+        if options.bag is not None:
+            log = opened.enter_context(closing(Ledger(journal_of(options.bag))))
+            listeners.append(opened.enter_context(setting.writer(options.bag)))
+        witnesses = [BagWitness(Broadcast(publisher, record, setting.place.grid, listeners))] if listeners else []
+        session = Session(Router(), setting.keeper(), roles, log, witnesses, inside)
+        server = TextServer(session, session.hear)
+        session.perform = server.perform
+        ending = Ending(options.max_seconds)
+
+        def tick() -> bool:
+            progress(session.step())
+            return not ending.reached(session)
+
+        ready(await server.start(setting.study.server.host, setting.study.server.port))
+        opened.push_async_callback(server.stop)
+        run = await run_ticks(tick, period_of(options.rate))
+    outcome = _outcome(setting, session, ending, roles, run.seconds, options.bag)
+    if ending.tick is None:
+        raise Unfinished(outcome, stopped=not run.finished)
+    return outcome
+
+
+class NoLog:
+    """For a session that is not recorded at all."""
+
+    def append(self, events: Sequence[object]) -> None:
+        """Forget them."""
+
+
+class Ending:
+    """Sees when a session is over.
+
+    Args:
+        max_seconds: simulated time after which an unfinished game is given up.
+    """
+
+    def __init__(self, max_seconds: float) -> None:
+        self._last_tick = max_seconds * TICKS_PER_SECOND
+        self.tick: int | None = None
+        """The tick in which the game ended, None before."""
+
+    def reached(self, session: Session) -> bool:
+        """Whether there is nothing more to do."""
+        if self.tick is None and session.game is not None and session.game.ended is not None:
+            self.tick = session.tick
+        if self.tick is not None:
+            return session.tick >= self.tick + LAST_WORDS
+        return session.tick >= self._last_tick
+
+
+def _outcome(
+    setting: Setting, session: Session, ending: Ending, roles: Sequence[Role], wall: float, bag: Path | None
+) -> Outcome:
+    game = session.game
+    snapshot = next(role.snapshot for role in roles if isinstance(role, SimR))
+    ticks = session.tick if ending.tick is None else ending.tick
+    return Outcome(
+        seed=setting.study.seed,
+        score=0 if game is None else game.score,
+        over=None if game is None or game.ended is None else game.ended.reason.value,
+        rooms_visited=_visited(game),
+        identified=0 if game is None else sum(room.points is not None for room in game.rooms),
+        energy=() if game is None else tuple(robot.energy for robot in game.robots),
+        sim_seconds=round(ticks * TICK, 2),
+        wall_seconds=round(wall, 2),
+        collisions=0 if snapshot is None else int(snapshot.truth.collisions.sum()),
+        bag=bag,
+    )
+
+
+def _visited(game: GameState | None) -> int:
+    return 0 if game is None else sum(room.visited for room in game.rooms)
