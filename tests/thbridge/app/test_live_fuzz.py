@@ -29,6 +29,8 @@ SERVICES = (
 )
 SECONDS = 20
 CORRIDOR = (2.0, 0.0)
+NOTHING_TURNED = bytes(5 * 4)
+"""A dynamic_reconfigure/Config: five empty lists."""
 
 
 def estimate(x: float, y: float, yaw: float, variance: float) -> bytes:
@@ -94,8 +96,14 @@ def test_after_a_storm_robots_obey_and_a_replay_is_the_same(tmp_path: Path, monk
     session = Visited(setting_of(len(ROBOTS)), bag, monkeypatch)
     keys = [key for robot in ROBOTS for key in below(session.doors.declared[robot], robot)]
     whole = {robot: session.doors.declared[robot] for robot in ROBOTS}
+    turns = sorted(name for name in session.doors.services if name.endswith("/set_parameters"))
+    configured: dict[str, bytes] = {}
     ticks = 0
     with session.writer:
+        for name in turns:
+            now = session.call(name, NOTHING_TURNED)
+            assert isinstance(now, bytes)
+            configured[name] = now
         for _ in range(SECONDS * 50):
             for _ in range(draw.choice([0, 0, 0, 1, 3])):
                 topic = draw.choice(sorted(session.doors.heard))
@@ -103,6 +111,8 @@ def test_after_a_storm_robots_obey_and_a_replay_is_the_same(tmp_path: Path, monk
             if draw.random() < 0.1:
                 service = draw.choice(SERVICES)
                 session.call(f"{draw.choice(ROBOTS)}/{service}", spoilt(draw, real(draw, service)))
+            if draw.random() < 0.1:
+                session.call(turned := draw.choice(turns), spoilt(draw, configured[turned]))
             if draw.random() < 0.2:
                 session.set_parameter(draw.choice(keys), draw.choice(VALUES))
             session.step()
