@@ -20,10 +20,10 @@ import pytest
 from tests.peers.beside import free_port
 from thbridge.adapters.rosgraph import tcpros_server
 from thbridge.adapters.rosgraph.joining import Graph
-from thbridge.app import programs
+from thbridge.app import play
 from thbridge.app.compose import build_bot, read_setting
 from thbridge.app.config import Study
-from thbridge.app.programs import PlayOptions, Unfinished
+from thbridge.app.play import PlayOptions, Unfinished
 from thbridge.roles.tabui import TabUI
 from thbridge.ros.topics import CLOCK
 
@@ -132,12 +132,12 @@ def hunt(monkeypatch: pytest.MonkeyPatch, graph: Graph | None) -> Measured:
     participant = TabUI(build_bot(setting.templates, setting.study.participant.strategy, study.seed))
     made, walls, cpus = [], [], []
 
-    class Kept(programs.LiveGraph):
+    class Kept(play.LiveGraph):
         def __init__(self, *arguments) -> None:
             super().__init__(*arguments)
             made.append(self)
 
-    monkeypatch.setattr(programs, "LiveGraph", Kept)
+    monkeypatch.setattr(play, "LiveGraph", Kept)
 
     def progress(moment) -> None:
         if moment.tick >= WARM_UP * 50:
@@ -146,7 +146,7 @@ def hunt(monkeypatch: pytest.MonkeyPatch, graph: Graph | None) -> Measured:
 
     options = PlayOptions(1.0, None, frozenset(), "suggestion", WARM_UP + SECONDS + 1.0, graph)
     with pytest.raises(Unfinished):
-        asyncio.run(programs.play(setting, participant, options, lambda where: None, progress))
+        asyncio.run(play.play(setting, participant, options, lambda where: None, progress))
     return Measured(np.array(walls), np.array(cpus), made[0].dropped if made else 0)
 
 
