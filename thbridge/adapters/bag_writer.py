@@ -17,15 +17,15 @@ from thbridge.adapters.worker import Lane, Worker
 from thbridge.ros.names import CALLER
 from thbridge.ros.publisher import Message, Topic
 
-SYNC_SECONDS = 0.75
-"""Wall time after which everything said so far is forced onto the disk: at most a second is lost, with a quarter of it
-for a busy machine."""
+SYNC_SECONDS = 0.5
+"""Wall time after which everything said so far is forced onto the disk: at most a second is lost, with half of it for a
+busy machine."""
 
 BEHIND_SECONDS = 10.0
 """A disk that is so far behind ends the recording."""
 
-WAITING_BYTES = 8 * 2**20
-"""Beyond so many bytes that wait for the disk, the session waits too."""
+WAITING_BYTES = 2 * 2**20
+"""Beyond so many bytes that wait for the disk, the session waits too: what bz2 packs in a tenth of a second."""
 
 LAST_SECONDS = 60.0
 """How long the end of a recording waits for the disk."""
