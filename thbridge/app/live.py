@@ -111,10 +111,6 @@ class LiveGraph:
         """Join the graph; its master need not be there yet."""
         return await self._node.ros.start()
 
-    async def registered(self) -> None:
-        """Wait until the master knows everything."""
-        await self._node.ros.registered()
-
     async def stop(self) -> None:
         """Leave the graph."""
         await self._node.ros.stop()
