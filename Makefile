@@ -38,5 +38,5 @@ maps: setup ## Draw the maps that come with the project anew.
 	$(BIN)/python scripts/draw_maps.py
 
 lock: setup ## Pin the dependencies of pyproject.toml anew; existing pins stay where they can.
-	$(BIN)/uv pip compile pyproject.toml --group dev --python-version 3.11 --generate-hashes \
+	$(BIN)/uv pip compile pyproject.toml --extra gui --group dev --python-version 3.11 --generate-hashes \
 		--no-emit-index-url --no-emit-find-links -o requirements.lock

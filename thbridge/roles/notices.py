@@ -5,7 +5,7 @@ Each is a level: it says how things are, and saying it twice does no harm.
 
 from collections.abc import Mapping
 from dataclasses import dataclass
-from typing import TypeVar
+from typing import Literal, TypeVar
 
 import msgspec
 
@@ -135,12 +135,127 @@ class Subscribe:
     """Somebody wants to be told where the robots are, for the next few seconds."""
 
 
+Doing = Literal["resting", "planning", "driving", "waiting", "clearing", "silent"]
+"""What a robot does just now: "waiting" lets another one pass, "clearing" tries to get free."""
+
+
+@dataclass(frozen=True, slots=True)
+class Motion:
+    """How one robot is on its way.
+
+    Attributes:
+        doing: what it does.
+        waits_for: the robot that it lets pass.
+        progress: share of the way that is driven, 0 to 1; 0 at rest.
+        remaining: metres still to drive; 0 at rest.
+    """
+
+    doing: Doing = "resting"
+    waits_for: int | None = None
+    progress: float = 0.0
+    remaining: float = 0.0
+
+
+@dataclass(frozen=True, slots=True)
+class Ellipse:
+    """Where a robot may be as well: 95 % of its belief, half axes in metres, the longer one turned by `angle`."""
+
+    major: float
+    minor: float
+    angle: float
+
+
 @dataclass(frozen=True, slots=True)
 class Whereabouts:
-    """SimR to subscribers: where the robots believe they are (x, y, theta), never the truth."""
+    """SimR to subscribers: where the robots believe they are, and what else the study shows; many times a second.
+
+    Attributes:
+        tick: of the simulation, 50 to the second.
+        poses: x, y, theta of every robot as it believes, map frame.
+        motions: one entry a robot.
+        ellipses: one entry a robot, if the study shows how sure robots are of their places.
+        truth: x, y, theta of every robot as it is, only if the study shows that.
+    """
 
     tick: int
     poses: tuple[tuple[float, float, float], ...]
+    motions: tuple[Motion, ...] = ()
+    ellipses: tuple[Ellipse, ...] | None = None
+    truth: tuple[tuple[float, float, float], ...] | None = None
+
+
+@dataclass(frozen=True, slots=True)
+class Ways:
+    """SimR to subscribers: the ways that lie ahead of the robots, if the study shows them; whenever they change.
+
+    Attributes:
+        tick: of the simulation.
+        ways: x, y of each robot's plan in the map frame, thinned; empty without one.
+    """
+
+    tick: int
+    ways: tuple[tuple[tuple[float, float], ...], ...]
+
+
+@dataclass(frozen=True, slots=True)
+class RoomOutline:
+    """A room on the map.
+
+    Attributes:
+        room: its number as people count, from 1.
+        name: what people call it.
+        region: x, y of the corners of its floor, map frame, metres.
+        goal: x, y, theta of where robots stand in it.
+    """
+
+    room: int
+    name: str
+    region: tuple[tuple[float, float], ...]
+    goal: tuple[float, float, float]
+
+
+@dataclass(frozen=True, slots=True)
+class House:
+    """Keeper to participant: the house in which all this happens; it never changes.
+
+    Attributes:
+        map: its name.
+        resolution: metres a cell.
+        origin: x, y, theta of the lower left corner of the cells, map frame.
+        width: cells in a row.
+        height: rows.
+        cells: one byte a cell, 0 free, 1 wall, 2 unknown, row 0 at the origin; packed by zlib, in base 64.
+        rooms: room 1 first.
+        footprint: x, y of the corners of a robot's body, its own frame, metres.
+    """
+
+    map: str
+    resolution: float
+    origin: tuple[float, float, float]
+    width: int
+    height: int
+    cells: str
+    rooms: tuple[RoomOutline, ...]
+    footprint: tuple[tuple[float, float], ...]
+
+
+@dataclass(frozen=True, slots=True)
+class Picture:
+    """Keeper to participant: a piece of the picture that was taken in a room.
+
+    Attributes:
+        game: in which it was taken.
+        room: where, as people count.
+        piece: number of the piece, from 0.
+        pieces: how many there are.
+        data: the bytes of this piece of the image file, in base 64.
+    """
+
+    game: int
+    room: int
+    piece: int
+    pieces: int
+    data: str
 
 
 @dataclass(frozen=True, slots=True)
@@ -161,6 +276,9 @@ Level = (
     | ParticipantReady
     | Subscribe
     | Whereabouts
+    | Ways
+    | House
+    | Picture
     | Unfit
 )
 

@@ -94,7 +94,7 @@ class DialogueView:
         matter: what about.
         room: the room it is about, as people count.
         said: everything said so far, oldest first; the last is what the robot waits to have answered.
-        choices: what the participant may answer, most agreeable first.
+        choices: what the participant may answer, most agreeable first; none while the robot thinks.
     """
 
     dialogue: int
@@ -149,6 +149,8 @@ class View:
         picture_cost: energy of taking a picture.
         identify_cost: energy of naming a treasure.
         refusal: the last wish refused.
+        names: what a treasure may be called, in alphabetical order; empty until one was sensed.
+        consent: what the participant has to agree to before anything else; None when that is done, or not asked.
     """
 
     game: int
@@ -163,6 +165,8 @@ class View:
     picture_cost: float
     identify_cost: float
     refusal: RefusalView | None
+    names: tuple[str, ...] = ()
+    consent: str | None = None
 
     def room(self, number: int) -> RoomView:
         """The room people call `number`, from 1."""
@@ -196,7 +200,7 @@ class View:
             and all(robot.moving_to is None or robot.moving_to in rooms for robot in self.robots)
             and all(room.robot is None or room.robot in robots for room in self.rooms)
             and all(talk.robot in robots and talk.room in rooms for talk in talks)
-            and all(dialogue.said and dialogue.choices for dialogue in self.dialogues)
+            and all(dialogue.said or not dialogue.choices for dialogue in self.dialogues)
         )
 
 
@@ -291,8 +295,14 @@ class PlayAgain:
     game: int
 
 
+@dataclass(frozen=True, slots=True)
+class Agree:
+    """Agree to take part in the study, as `View.consent` asks."""
+
+
 Wish = (
-    Select
+    Agree
+    | Select
     | Unsure
     | Answer
     | SendRobot

@@ -1,0 +1,1 @@
+"""The windows: Qt and pyqtgraph, imported only when a window opens."""
