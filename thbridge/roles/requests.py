@@ -27,6 +27,53 @@ class SetParameters:
     values: tuple[tuple[str, ParameterValue], ...]
 
 
+@dataclass(frozen=True, slots=True)
+class Puppeteer:
+    """Let a person speak for a robot (Wizard-of-Oz), or let its strategy speak again.
+
+    Attributes:
+        robot: which, from 0.
+        on: from now on its turns in dialogues wait for `SpeakFor`, and its advice for `AdviseFor`; or what waits is
+            decided by its strategy at once, and so is all that follows.
+    """
+
+    robot: int
+    on: bool
+
+
+@dataclass(frozen=True, slots=True)
+class SpeakFor:
+    """Make the move of a robot whose turn it is, for its strategy.
+
+    Attributes:
+        dialogue: number of the dialogue.
+        turn: place of the move in the dialogue, from 0; a move for a turn that is past changes nothing.
+        move: place among the legal moves, from 0.
+        text: what is said instead of the sentence that belongs to the move; empty: that sentence.
+    """
+
+    dialogue: int
+    turn: int
+    move: int
+    text: str = ""
+
+
+@dataclass(frozen=True, slots=True)
+class AdviseFor:
+    """Answer a participant's "don't know" that waits for a robot's advice, for the robot.
+
+    Attributes:
+        robot: which, from 0.
+        room: where it is to suggest to go; as people say it, from 1.
+    """
+
+    robot: int
+    room: int
+
+
+WizardRequest = Puppeteer | SpeakFor | AdviseFor
+"""What a person asks who speaks in a robot's place; acts in the next tick."""
+
 Request = TeamInput | GraphRequest | SetParameters
 """Acts in the next tick. What is asked of a robot that is under way for the game delays its order, and no more."""
 
