@@ -1,6 +1,8 @@
 """The colours of all windows, light and dark, and the figures by which they are judged."""
 
 from dataclasses import dataclass
+from math import dist
+from typing import Literal
 
 
 @dataclass(frozen=True, slots=True)
@@ -10,6 +12,7 @@ class Palette:
     Attributes:
         window: behind everything.
         panel: behind cards and pop-ups.
+        track: what a panel is where it is pressed, pointed at, or where a bar is empty.
         line: edges of panels and buttons that matter for use.
         text: on window and panel.
         muted: text of less weight, on window and panel.
@@ -28,6 +31,7 @@ class Palette:
 
     window: str
     panel: str
+    track: str
     line: str
     text: str
     muted: str
@@ -51,30 +55,31 @@ class Palette:
 LIGHT = Palette(
     window="#f4f5f7",
     panel="#ffffff",
-    line="#7b8494",
+    track="#e8ebf0",
+    line="#747d8d",
     text="#1b2430",
     muted="#525c6b",
     accent="#1f5fbf",
     on_accent="#ffffff",
-    good="#1e7a3c",
+    good="#006b5b",
     bad="#b3261e",
     wall="#3a4352",
     floor="#fbfbfc",
     unknown="#d9dde3",
-    unvisited="#e6eef9",
+    unvisited="#eaf1fc",
     reserved="#fdf0cf",
-    visited="#dcefe2",
+    visited="#d2ead4",
     robots=(
-        "#0b62a8",
-        "#b04a00",
-        "#1b7a53",
-        "#8a2f8f",
-        "#a3162e",
-        "#5b5b00",
-        "#00707a",
-        "#6a4a2a",
-        "#4b4fc4",
-        "#555555",
+        "#0070d0",
+        "#b05010",
+        "#601060",
+        "#208050",
+        "#b02030",
+        "#003090",
+        "#905070",
+        "#304000",
+        "#7060a0",
+        "#700030",
     ),
 )
 """By day."""
@@ -82,39 +87,43 @@ LIGHT = Palette(
 DARK = Palette(
     window="#14181e",
     panel="#1e242c",
-    line="#7d8896",
+    track="#2b333e",
+    line="#84909e",
     text="#e8ecf1",
     muted="#aab4c0",
     accent="#7db2ff",
     on_accent="#0b1a2e",
-    good="#72d08f",
+    good="#4fd6c0",
     bad="#ff8a80",
     wall="#a9b3c1",
     floor="#1a2027",
     unknown="#2b333d",
-    unvisited="#22304a",
-    reserved="#463a17",
-    visited="#1f3a2a",
+    unvisited="#242d52",
+    reserved="#4b3c10",
+    visited="#1e4327",
     robots=(
-        "#6db6ff",
-        "#ff9d5c",
-        "#5fd3a0",
-        "#d79bdc",
-        "#ff8a9a",
-        "#d6d36a",
-        "#5fd0da",
-        "#d4b08c",
-        "#a9acff",
-        "#c4c8cd",
+        "#7090c0",
+        "#c08020",
+        "#a080f0",
+        "#40e0a0",
+        "#f06060",
+        "#e0d050",
+        "#e0c0ff",
+        "#c0f090",
+        "#00b0a0",
+        "#a0f0e0",
     ),
 )
 """By night."""
 
 
+Rgb = tuple[float, float, float]
+"""Linear red, green and blue, 0 to 1."""
+
+
 def luminance(colour: str) -> float:
     """Relative luminance of "#rrggbb", 0 black to 1 white (WCAG 2.2)."""
-    channels = [int(colour[at : at + 2], 16) / 255.0 for at in (1, 3, 5)]
-    red, green, blue = (c / 12.92 if c <= 0.04045 else ((c + 0.055) / 1.055) ** 2.4 for c in channels)
+    red, green, blue = _linear(colour)
     return 0.2126 * red + 0.7152 * green + 0.0722 * blue
 
 
@@ -122,3 +131,59 @@ def contrast(one: str, other: str) -> float:
     """Contrast ratio of two colours, 1 to 21 (WCAG 2.2); text wants 4.5, edges and signs 3."""
     low, high = sorted((luminance(one), luminance(other)))
     return (high + 0.05) / (low + 0.05)
+
+
+Vision = Literal["normal", "protan", "deutan", "tritan"]
+"""How colours are seen: by all three kinds of cones, or without those for red, green, or blue."""
+
+SIMULATED: dict[Vision, tuple[Rgb, Rgb, Rgb]] = {
+    "normal": ((1.0, 0.0, 0.0), (0.0, 1.0, 0.0), (0.0, 0.0, 1.0)),
+    "protan": ((0.152286, 1.052583, -0.204868), (0.114503, 0.786281, 0.099216), (-0.003882, -0.048116, 1.051998)),
+    "deutan": ((0.367322, 0.860646, -0.227968), (0.280085, 0.672501, 0.047413), (-0.011820, 0.042940, 0.968881)),
+    "tritan": ((1.255528, -0.076749, -0.178779), (-0.078411, 0.930809, 0.147602), (0.004733, 0.691367, 0.303900)),
+}
+"""Rows of the matrices that turn linear colours into what a dichromat sees.
+
+Source: Machado, Oliveira, Fernandes, A Physiologically-based Model for Simulation of Color Vision Deficiency (2009),
+severity 1.0.
+"""
+
+
+def difference(one: str, other: str, vision: Vision = "normal") -> float:
+    """How far apart two colours look: the distance in CIE L*a*b*, where 2.3 is just noticed (CIE76, white D65)."""
+    return dist(_lab(_seen(one, vision)), _lab(_seen(other, vision)))
+
+
+def _linear(colour: str) -> Rgb:
+    """Linear channels of an sRGB colour "#rrggbb"."""
+    red, green, blue = (int(colour[at : at + 2], 16) / 255.0 for at in (1, 3, 5))
+    return _undone(red), _undone(green), _undone(blue)
+
+
+def _undone(channel: float) -> float:
+    """The gamma of sRGB taken off one channel."""
+    return channel / 12.92 if channel <= 0.04045 else float(((channel + 0.055) / 1.055) ** 2.4)
+
+
+def _seen(colour: str, vision: Vision) -> Rgb:
+    """The linear colour as it looks to somebody with this vision, kept inside what a screen can show."""
+    cones = _linear(colour)
+    red, green, blue = (
+        min(1.0, max(0.0, sum(weight * value for weight, value in zip(row, cones, strict=True))))
+        for row in SIMULATED[vision]
+    )
+    return red, green, blue
+
+
+def _lab(colour: Rgb) -> tuple[float, float, float]:
+    """CIE L*a*b* of a linear colour."""
+    red, green, blue = colour
+    x = _lightness((0.4124 * red + 0.3576 * green + 0.1805 * blue) / 0.9505)
+    y = _lightness(0.2126 * red + 0.7152 * green + 0.0722 * blue)
+    z = _lightness((0.0193 * red + 0.1192 * green + 0.9505 * blue) / 1.089)
+    return 116.0 * y - 16.0, 500.0 * (x - y), 200.0 * (y - z)
+
+
+def _lightness(share: float) -> float:
+    """The curve of L*a*b*: a cube root, straight near black."""
+    return float(share ** (1.0 / 3.0)) if share > (6.0 / 29.0) ** 3 else share / (3.0 * (6.0 / 29.0) ** 2) + 4.0 / 29.0

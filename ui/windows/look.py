@@ -1,0 +1,176 @@
+"""How all windows look: one typeface, one scale of sizes and spaces, light or dark as the system is or as asked.
+
+`dress` puts a palette on the whole application, as `QApplication.setPalette` does; `colours()` tells widgets that paint
+themselves which one is worn. Everything else follows from Qt's own roles, so plain widgets need no styling.
+"""
+
+from typing import Literal
+
+from PySide6.QtCore import QObject, Qt, Signal
+from PySide6.QtGui import QColor, QFont, QPalette
+from PySide6.QtWidgets import QApplication, QLabel, QWidget
+
+from ui.model.theme import DARK, LIGHT, Palette, contrast
+
+Choice = Literal["light", "dark", "system"]
+Size = Literal["small", "body", "title", "hero"]
+
+GAP = 8
+"""The unit of spacing, logical pixels: all margins and distances are halves and multiples of it."""
+
+RADIUS = 8
+"""Of the corners of cards, panels and buttons."""
+
+RING = 2
+"""Width of the ring around what has the focus."""
+
+_SCALE: dict[Size, float] = {"small": 0.88, "body": 1.0, "title": 1.24, "hero": 1.9}
+_SMALLEST_BODY = 10.5
+
+
+class _Worn:
+    """What the application wears; there is one application in a process."""
+
+    palette: Palette = LIGHT
+    body: float = _SMALLEST_BODY
+
+
+def colours() -> Palette:
+    """The palette worn now."""
+    return _Worn.palette
+
+
+def font(size: Size = "body", *, bold: bool = False) -> QFont:
+    """The typeface in one of its sizes, with figures of equal width so that numbers stand still while they change."""
+    made = QFont()
+    made.setFamilies(["Inter", QFont().defaultFamily()])
+    made.setPointSizeF(_Worn.body * _SCALE[size])
+    made.setWeight(QFont.Weight.DemiBold if bold else QFont.Weight.Normal)
+    made.setFeature(QFont.Tag("tnum"), 1)
+    return made
+
+
+def dress(app: QApplication, palette: Palette) -> None:
+    """Put a palette on everything in the application, what is open already included.
+
+    A larger typeface of the system is kept; a smaller one is raised to what reads well.
+    """
+    if not app.property("dressed"):
+        _Worn.body = max(_SMALLEST_BODY, app.font().pointSizeF())
+        app.setProperty("dressed", True)
+        app.setStyle("Fusion")
+    _Worn.palette = palette
+    app.setFont(font())
+    app.setPalette(qt_palette(palette))
+    app.setStyleSheet(_sheet(palette))
+
+
+def qt_palette(palette: Palette) -> QPalette:
+    """The colours under Qt's names."""
+    role = QPalette.ColorRole
+    made = QPalette()
+    for roles, colour in (
+        ((role.Window, role.AlternateBase), palette.window),
+        ((role.Base, role.Button, role.ToolTipBase), palette.panel),
+        ((role.WindowText, role.Text, role.ButtonText, role.ToolTipText, role.BrightText), palette.text),
+        ((role.PlaceholderText,), palette.muted),
+        ((role.Highlight, role.Accent, role.Link, role.LinkVisited), palette.accent),
+        ((role.HighlightedText,), palette.on_accent),
+        ((role.Light, role.Midlight), palette.track),
+        ((role.Mid, role.Dark), palette.line),
+        ((role.Shadow,), palette.wall),
+    ):
+        for one in roles:
+            made.setColor(one, QColor(colour))
+    for one in (role.WindowText, role.Text, role.ButtonText):
+        made.setColor(QPalette.ColorGroup.Disabled, one, QColor(palette.muted))
+    return made
+
+
+class Appearance(QObject):
+    """Dresses the application and keeps it dressed: follows the system's light and dark, or stays as asked.
+
+    Attributes:
+        changed: says the new palette, to whoever paints by themselves.
+    """
+
+    changed = Signal(object)
+
+    def __init__(self, app: QApplication, choice: Choice = "system") -> None:
+        super().__init__(app)
+        self._app = app
+        self._choice = choice
+        app.styleHints().colorSchemeChanged.connect(self._wear)
+        self._wear()
+
+    @property
+    def palette(self) -> Palette:
+        """What is worn now."""
+        return colours()
+
+    def choose(self, choice: Choice) -> None:
+        """Light, dark, or as the system has it."""
+        self._choice = choice
+        self._wear()
+
+    def _wear(self) -> None:
+        dark = self._choice == "dark" or (
+            self._choice == "system" and self._app.styleHints().colorScheme() == Qt.ColorScheme.Dark
+        )
+        palette = DARK if dark else LIGHT
+        dress(self._app, palette)
+        self.changed.emit(palette)
+
+
+def label(text: str = "", size: Size = "body", *, bold: bool = False, muted: bool = False) -> QLabel:
+    """A plain label that wraps."""
+    made = QLabel(text)
+    made.setFont(font(size, bold=bold))
+    made.setTextFormat(Qt.TextFormat.PlainText)
+    made.setWordWrap(True)
+    if muted:
+        made.setProperty("muted", True)
+    return made
+
+
+def panel(widget: QWidget) -> None:
+    """Have a widget drawn as a panel: its own ground, an edge, round corners."""
+    widget.setProperty("panel", True)
+    widget.setAttribute(Qt.WidgetAttribute.WA_StyledBackground)
+
+
+def on(colour: str) -> str:
+    """The text colour, of those worn, that is read best on a colour."""
+    worn = colours()
+    return max((worn.panel, worn.text, worn.on_accent), key=lambda text: contrast(text, colour))
+
+
+def _sheet(worn: Palette) -> str:
+    """What Qt's palette cannot say."""
+    return f"""
+    QToolTip {{ color: {worn.text}; background: {worn.panel}; border: 1px solid {worn.line}; padding: {GAP // 2}px; }}
+    QLabel[muted="true"] {{ color: {worn.muted}; }}
+    QLabel[bad="true"] {{ color: {worn.bad}; }}
+    QWidget[panel="true"] {{
+        background: {worn.panel}; border: 1px solid {worn.line}; border-radius: {RADIUS}px;
+    }}
+    QPushButton {{
+        background: {worn.panel}; border: 1px solid {worn.line}; border-radius: {RADIUS - 2}px;
+        padding: {GAP // 2 + 1}px {2 * GAP}px;
+    }}
+    QPushButton:hover, QPushButton:pressed, QPushButton:checked {{ background: {worn.track}; }}
+    QPushButton:disabled {{ color: {worn.muted}; border-style: dashed; }}
+    QPushButton:focus {{ border: {RING}px solid {worn.accent}; }}
+    QPushButton:default {{ background: {worn.accent}; color: {worn.on_accent}; border-color: {worn.accent}; }}
+    QPushButton:default:focus {{ border: {RING}px solid {worn.text}; }}
+    QScrollArea {{ border: none; background: transparent; }}
+    QScrollBar {{ background: transparent; border: none; }}
+    QScrollBar:vertical {{ width: {GAP + 4}px; }}
+    QScrollBar:horizontal {{ height: {GAP + 4}px; }}
+    QScrollBar::handle {{ background: {worn.line}; border-radius: 3px; margin: 3px; }}
+    QScrollBar::handle:vertical {{ min-height: {4 * GAP}px; }}
+    QScrollBar::handle:horizontal {{ min-width: {4 * GAP}px; }}
+    QScrollBar::handle:hover {{ background: {worn.muted}; }}
+    QScrollBar::add-line, QScrollBar::sub-line {{ width: 0; height: 0; }}
+    QScrollBar::add-page, QScrollBar::sub-page {{ background: transparent; }}
+    """
