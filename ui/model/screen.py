@@ -111,7 +111,10 @@ class LeaveIt:
 
 @dataclass(frozen=True, slots=True)
 class ShowNext:
-    """Put the pop-up aside and show what waits behind it, if anything does; what was put aside waits."""
+    """Put the pop-up aside and show what waits behind it, if anything does; what was put aside waits.
+
+    Without a pop-up it shows what waits longest.
+    """
 
 
 @dataclass(frozen=True, slots=True)
@@ -127,8 +130,13 @@ class EndGame:
 
 
 @dataclass(frozen=True, slots=True)
+class Meant:
+    """Yes, what a question asks is meant (`Question`); an act of its own, so that no double click says yes unread."""
+
+
+@dataclass(frozen=True, slots=True)
 class NotYet:
-    """Take back what a question asked (`Question`)."""
+    """Take back what a question asked (`Question`), or else the digits typed so far."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -169,6 +177,7 @@ Act = (
     | ShowNext
     | ShowWaiting
     | EndGame
+    | Meant
     | NotYet
     | AnotherGame
     | ShowHelp
@@ -251,6 +260,7 @@ class RoomTile:
         considered: it is being looked at.
         found: what is known of its treasure, in a word or two.
         choose: sends the selected robot.
+        warning: what to mind before choosing: enough energy to get there, but not to name what is there.
     """
 
     room: int
@@ -261,6 +271,7 @@ class RoomTile:
     considered: bool
     found: str
     choose: Action
+    warning: str = ""
 
 
 @dataclass(frozen=True, slots=True)
@@ -301,6 +312,7 @@ class TreasurePop:
         verdict: what came of the name, in words; None before.
         points: of the verdict.
         aside: puts it aside, or closes it when all is decided.
+        picture_note: what to say in the picture's place: that it is on its way, or why it cannot be shown.
     """
 
     robot: int
@@ -317,6 +329,7 @@ class TreasurePop:
     verdict: str | None
     points: int | None
     aside: Action
+    picture_note: str = ""
 
 
 @dataclass(frozen=True, slots=True)

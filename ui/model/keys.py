@@ -1,0 +1,174 @@
+"""Which key does what: the one table, from which buttons get their labels and the help sheet its lines.
+
+Keys are named as on the keyboard: "Tab", "Shift+Tab", "Enter", "Esc", "Up", "Down", "F1", a digit, a capital letter,
+"?". Letters are free while a list has the focus; see `typed_name`.
+"""
+
+import string
+from collections.abc import Sequence
+from dataclasses import dataclass
+
+from ui.model.screen import (
+    Act,
+    AgreeToTakePart,
+    AnotherGame,
+    DialoguePop,
+    DontKnow,
+    EndGame,
+    FinishNumber,
+    FitMap,
+    FollowRobot,
+    LeaveIt,
+    Meant,
+    NameIt,
+    NextRobot,
+    NotYet,
+    Phase,
+    PickName,
+    Screen,
+    ShowHelp,
+    ShowNext,
+    StopRobot,
+    TakeThePicture,
+    TreasurePop,
+    TypeDigit,
+)
+
+
+@dataclass(frozen=True, slots=True)
+class Binding:
+    """Keys that do the same.
+
+    Attributes:
+        keys: the first is the one printed on the button.
+        act: what they do.
+        does: the same in words, for the help sheet.
+    """
+
+    keys: tuple[str, ...]
+    act: Act
+    does: str
+
+
+PLAYING = (
+    Binding(("Tab",), NextRobot(1), "Command the next robot"),
+    Binding(("Shift+Tab",), NextRobot(-1), "Command the robot before"),
+    Binding(("D", "?"), DontKnow(), "Don't know: ask the robot where to go"),
+    Binding(("X",), StopRobot(), "Stop the robot"),
+    Binding(("P",), TakeThePicture(), "Take a picture of what was found"),
+    Binding(("N", "Enter"), NameIt(), "Name what was found, as picked from the list"),
+    Binding(("L",), LeaveIt(), "Leave what was found, for good"),
+    Binding(("Esc", "W"), ShowNext(), "Put the pop-up aside, or show what waits"),
+    Binding(("F",), FollowRobot(), "Keep the robot in the middle of the map, or stop doing so"),
+    Binding(("M",), FitMap(), "Show the whole map"),
+    Binding(("E",), EndGame(), "End the game"),
+)
+"""While the game goes on."""
+
+CONSENT = (Binding(("A",), AgreeToTakePart(), "Agree to take part"),)
+OVER = (Binding(("A",), AnotherGame(), "Play another game"),)
+QUESTION = (
+    Binding(("Y",), Meant(), "Yes, to a question of the program"),
+    Binding(("N", "Esc"), NotYet(), "No, to a question of the program"),
+)
+"""While the program asks whether something is meant; nothing else is heard then."""
+
+HELP = Binding(("F1", "H"), ShowHelp(), "Open or close this sheet")
+
+_TABLES = (PLAYING, CONSENT, OVER, QUESTION, (HELP,))
+_TAKEN = frozenset(key for binding in (*PLAYING, HELP) for key in binding.keys)
+
+
+def key_of(act: Act) -> str:
+    """The key to print on the button of an act; empty when it has none of its own."""
+    return next((binding.keys[0] for table in _TABLES for binding in table if binding.act == act), "")
+
+
+def choice_keys(choices: Sequence[str]) -> tuple[str, ...]:
+    """A key for each answer that may be given: a letter of its first word if one is free, C for Continue."""
+    taken = set(_TAKEN)
+    keys = []
+    for text in choices:
+        candidates = [*(letter for letter in text.upper() if letter in string.ascii_uppercase), *string.ascii_uppercase]
+        key = next((letter for letter in candidates if letter not in taken), "")
+        taken.add(key)
+        keys.append(key)
+    return tuple(keys)
+
+
+def act_for(key: str, screen: Screen) -> Act | None:
+    """What a key does while this is shown; None if nothing.
+
+    Args:
+        key: as the module names keys.
+        screen: what the participant sees.
+    """
+    if key in HELP.keys or (screen.help and key == "Esc"):
+        return HELP.act
+    if screen.question is not None:
+        return _bound(key, QUESTION)
+    match screen.phase:
+        case Phase.CONSENT:
+            return _bound(key, CONSENT)
+        case Phase.OVER:
+            return _bound(key, OVER)
+        case Phase.PLAYING:
+            return _playing(key, screen)
+        case Phase.CONNECTING:
+            return None
+
+
+def typed_name(letter: str, names: Sequence[str], picked: str | None) -> str | None:
+    """The next name, after the one picked, that begins with this letter; None if none does.
+
+    For a list that has the focus: only a letter with which no name begins is looked up in the table of keys.
+    """
+    fitting = [name for name in names if name.casefold().startswith(letter.casefold())] if letter else []
+    if not fitting:
+        return None
+    return fitting[(fitting.index(picked) + 1) % len(fitting)] if picked in fitting else fitting[0]
+
+
+def help_lines(rooms: int) -> tuple[tuple[str, str], ...]:
+    """The help sheet: (keys, what they do)."""
+    number = "Send the robot to this room" + (": both digits, or Enter after the first" if rooms > 9 else "")
+    lines = [(f"1 to {rooms}", number)]
+    lines += [(" or ".join(binding.keys), binding.does) for binding in PLAYING]
+    lines.append(("Enter", "The first of the answers to a robot; each answer's own letter is on its button"))
+    lines.append(("Up, Down", "Pick a name from the list; in the list, also the first letter of the name"))
+    lines += [(" or ".join(binding.keys), binding.does) for binding in (*QUESTION, HELP)]
+    return tuple(lines)
+
+
+def _bound(key: str, table: Sequence[Binding]) -> Act | None:
+    return next((binding.act for binding in table if key in binding.keys), None)
+
+
+def _playing(key: str, screen: Screen) -> Act | None:
+    if len(key) == 1 and key in string.digits:
+        return TypeDigit(int(key))
+    if screen.typed and key in ("Enter", "Esc"):
+        return FinishNumber() if key == "Enter" else NotYet()
+    match screen.pop:
+        case DialoguePop(choices=choices):
+            if key == "Enter":
+                return choices[0].act if choices else None
+            answer = next((choice.act for choice in choices if choice.key == key), None)
+            if answer is not None:
+                return answer
+        case TreasurePop(verdict=verdict) as pop:
+            if key in ("Up", "Down"):
+                return _neighbour(pop, 1 if key == "Down" else -1)
+            if key == "Enter" and verdict is not None:
+                return ShowNext()
+        case None:
+            pass
+    return _bound(key, PLAYING)
+
+
+def _neighbour(pop: TreasurePop, step: int) -> Act | None:
+    if not pop.names or pop.verdict is not None:
+        return None
+    if pop.picked not in pop.names:
+        return PickName(pop.names[0 if step > 0 else -1])
+    return PickName(pop.names[(pop.names.index(pop.picked) + step) % len(pop.names)])
