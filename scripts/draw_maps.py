@@ -1,4 +1,4 @@
-"""Draw the maps that come with the project: `maps/arena8`, `maps/warehouse12` and `maps/office`.
+"""Draw the maps that come with the project: `maps/arena8`, `maps/warehouse12`, `maps/office` and `maps/practice`.
 
 Run it from the project's folder: `.venv/bin/python scripts/draw_maps.py`. The same drawing gives the same bytes, so
 `git diff` shows what a change of a wall does. `--resolution` draws finer or coarser cells, `--into` elsewhere.
@@ -207,6 +207,25 @@ WAREHOUSE12 = Plan(
     estimate_costs=True,
 )
 
+PRACTICE = Plan(
+    name="practice",
+    origin=(-4.5, -2.0),
+    size=(9.0, 7.0),
+    walls=(
+        horizontal(1.4, -4.5, -2.8),
+        horizontal(1.4, -1.2, 1.2),
+        horizontal(1.4, 2.8, 4.5),
+        vertical(0, 1.4, 5),
+    ),
+    rooms=(
+        RoomPlan("Left room", ((-4.5, 1.4), (0, 5)), (-2.2, 3.4, 0.0)),
+        RoomPlan("Right room", ((0, 1.4), (4.5, 5)), (2.2, 3.4, 0.0)),
+    ),
+    poses=((0.0, -0.4, 0.0),),
+    rows=(((-3.0, -0.4), (-2.0, -0.4)), ((2.0, -0.4), (3.0, -0.4))),
+    estimate_costs=True,
+)
+
 OFFICE = Plan(
     name="office",
     origin=(-2.0, -7.0),
@@ -408,7 +427,7 @@ def main() -> None:
     parser.add_argument("--resolution", type=float, default=0.05, help="side of a cell, metres")
     parser.add_argument("--into", type=Path, default=Path("maps"), help="folder of the map folders")
     arguments = parser.parse_args()
-    for plan in (ARENA8, WAREHOUSE12, OFFICE):
+    for plan in (ARENA8, WAREHOUSE12, OFFICE, PRACTICE):
         folder = arguments.into / plan.name
         write_grid(folder, draw(plan, arguments.resolution))
         (folder / "rooms.yaml").write_text(rooms_yaml(plan), encoding="utf-8")

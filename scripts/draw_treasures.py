@@ -391,6 +391,8 @@ def lit(solid: Solid, points: Floats, way: Floats) -> Floats:
 
 
 PICTURES = {
+    "practice/pictures/green_bottle.jpg": lambda: soft_drink_bottle(0x3FB861, 0x1F8A44),
+    "practice/pictures/green_can.jpg": lambda: can(0x49C46B, 0x14622F),
     "original-2016/pictures/rsz_t1.jpg": lambda: soft_drink_bottle(0xF58A12, 0xE06A00),
     "original-2016/pictures/rsz_t2.jpg": lambda: soft_drink_bottle(0x2E86E8, 0x0F55C4),
     "original-2016/pictures/rsz_t3.jpg": lambda: can(0xF7CF1D, 0xD9480F),

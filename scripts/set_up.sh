@@ -41,6 +41,35 @@ if ! python=$(find_python); then
     fi
 fi
 
+# What Qt's windows need of the system, and their typeface. Without them everything but the windows works.
+missing_for_windows() {
+    local package
+    for package in libgl1 libegl1 libxkbcommon0 libdbus-1-3 libfontconfig1 libxkbcommon-x11-0 libxcb-cursor0 \
+        libxcb-icccm4 libxcb-keysyms1 libxcb-shape0 fonts-inter; do
+        if [ "$(dpkg-query -W -f '${db:Status-Status}' "$package" 2>/dev/null)" != installed ]; then
+            echo "$package"
+        fi
+    done
+    # Debian 13 has it under the other name.
+    if ! dpkg-query -W -f '${db:Status-Status}\n' libglib2.0-0 libglib2.0-0t64 2>/dev/null | grep -qx installed; then
+        echo libglib2.0-0
+    fi
+}
+
+if command -v dpkg-query >/dev/null && command -v apt-get >/dev/null; then
+    packages=$(missing_for_windows | tr '\n' ' ')
+    if [ -n "$packages" ] && [ "$(id -u)" = 0 ]; then
+        echo "Installing for the windows: $packages"
+        # shellcheck disable=SC2086 # one word a package
+        if ! apt-get update -q >/dev/null ||
+            ! DEBIAN_FRONTEND=noninteractive apt-get install -q -y --no-install-recommends $packages >/dev/null; then
+            echo "They could not all be installed: windows may not open. All else works." >&2
+        fi
+    elif [ -n "$packages" ]; then
+        echo "Windows need some packages of the system: sudo apt-get install $packages" >&2
+    fi
+fi
+
 if ! $venv/bin/python -c '' 2>/dev/null; then
     echo "Making $venv with $python"
     "$python" -m venv --clear $venv

@@ -149,6 +149,13 @@ def _fields(study: Study) -> dict[str, Never]:
     return {field.name: cast(Never, getattr(study, field.name)) for field in dataclasses.fields(Study)}
 
 
+def of_size(study: Study, robots: int) -> Study:
+    """The study with a team of this size, if it can be: what is said of robots that there are not is left out."""
+    each = {number: software for number, software in study.each.items() if number <= robots}
+    mishaps = tuple(mishap for mishap in study.mishaps if mishap.robot <= robots)
+    return dataclasses.replace(study, robots=robots, each=each, mishaps=mishaps)
+
+
 def load_study(path: Path) -> Loaded[Study]:
     """Read a study file, with notices about what is right but changes nothing.
 

@@ -85,6 +85,8 @@ class PlayOptions:
         participant: who plays, for the record; for example "person" or "suggestion".
         max_seconds: simulated time after which an unfinished game is given up.
         graph: the ROS graph to take part in; None for none.
+        left: asked after every tick whether the participant, in a window of their own, has left: then the hunt ends,
+            and not before, since they may look at what came of the game, and play again. None: it ends with the game.
     """
 
     rate: float
@@ -93,6 +95,7 @@ class PlayOptions:
     participant: str
     max_seconds: float
     graph: Graph | None = None
+    left: Callable[[], bool] | None = None
 
 
 async def play(
@@ -147,13 +150,16 @@ async def play(
         session = Session(Router(), setting.keeper(), roles, log, witnesses, inside)
         server = TextServer(session, session.hear)
         session.perform = server.perform
-        ending = Ending(options.max_seconds)
+        ending = Ending(options.max_seconds, options.left)
 
         def tick() -> bool:
             progress(session.step())
             return not ending.reached(session)
 
-        ready(await server.start(setting.study.server.host, setting.study.server.port))
+        where = await server.start(setting.study.server.host, setting.study.server.port)
+        if isinstance(where, CannotListen) and options.left is not None:
+            where = await server.start(setting.study.server.host, 0)  # The window is told where.
+        ready(where)
         opened.push_async_callback(server.stop)
         run = await run_ticks(tick, period_of(options.rate))
     outcome = _outcome(setting, session, ending, roles, run.seconds, options.bag)
@@ -174,17 +180,24 @@ class Ending:
 
     Args:
         max_seconds: simulated time after which an unfinished game is given up.
+        left: see `PlayOptions`.
     """
 
-    def __init__(self, max_seconds: float) -> None:
+    def __init__(self, max_seconds: float, left: Callable[[], bool] | None = None) -> None:
         self._last_tick = max_seconds * TICKS_PER_SECOND
+        self._left = left
         self.tick: int | None = None
-        """The tick in which the game ended, None before."""
+        """The tick in which the game ended, None before, and again once another one has begun."""
 
     def reached(self, session: Session) -> bool:
         """Whether there is nothing more to do."""
-        if self.tick is None and session.game is not None and session.game.ended is not None:
+        over = session.game is not None and session.game.ended is not None
+        if not over:
+            self.tick = None
+        elif self.tick is None:
             self.tick = session.tick
+        if self._left is not None:
+            return self._left() or session.tick >= self._last_tick
         if self.tick is not None:
             return session.tick >= self.tick + LAST_WORDS
         return session.tick >= self._last_tick

@@ -91,7 +91,7 @@ class Lodger(Protocol):
         """One tick; what the role says."""
 
 
-class _Lone:
+class Lone:
     """The plainest lodger: it only counts the ticks of a role."""
 
     def __init__(self, role: Role) -> None:
@@ -100,14 +100,37 @@ class _Lone:
         self._heard: list[Message] = []
 
     def connected(self) -> None:
+        """See `Lodger`, for this and the next two."""
         self._role.connected()
 
     def hear(self, message: Message) -> None:
+        """It is passed on with the next tick."""
         self._heard.append(message)
 
     def step(self) -> Sequence[Message]:
+        """One tick of the role."""
         heard, self._heard = self._heard, []
         return self._role.step(next(self._ticks), heard)
+
+
+def converse(lodger: Lodger, client: TextClient, lost: Callable[[Lost], None]) -> None:
+    """One tick of a role at a server: it hears what has come, and says what it has to say.
+
+    Args:
+        lodger: the role.
+        client: its connection, running.
+        lost: told when the connection is lost, and why.
+    """
+    for event in client.take():
+        match event:
+            case Message():
+                lodger.hear(event)
+            case Registered():
+                lodger.connected()
+            case Lost():
+                lost(event)
+    for message in lodger.step():
+        client.send(message)
 
 
 async def take_part(
@@ -131,16 +154,7 @@ async def take_part(
     """
 
     def tick() -> bool:
-        for event in client.take():
-            match event:
-                case Message():
-                    lodger.hear(event)
-                case Registered():
-                    lodger.connected()
-                case Lost():
-                    lost(event)
-        for message in lodger.step():
-            client.send(message)
+        converse(lodger, client, lost)
         return not done()
 
     async with client.running():
@@ -215,7 +229,7 @@ async def simr(
 
 async def hider(role: Hider, host: str, port: int, token: str, lost: Callable[[Lost], None]) -> None:
     """Run the treasures' program until stopped."""
-    await take_part(_Lone(role), TextClient(role.name, token, host, port), 1.0, lambda: False, lost)
+    await take_part(Lone(role), TextClient(role.name, token, host, port), 1.0, lambda: False, lost)
 
 
 async def tabui(
@@ -243,7 +257,7 @@ async def tabui(
             shown(last)
         return last is not None and last.over is not None
 
-    finished = await take_part(_Lone(role), TextClient(role.name, token, host, port), 1.0, after, lost)
+    finished = await take_part(Lone(role), TextClient(role.name, token, host, port), 1.0, after, lost)
     return last if finished else None
 
 

@@ -2,19 +2,19 @@
 
 import dataclasses
 import math
-from pathlib import Path
 from typing import Annotated
 
 import typer
-from rich.table import Table
 
-from thbridge.adapters.recordings import parts_of
 from thbridge.adapters.text_server import CannotListen, Listening
 from thbridge.app import play as hunt
 from thbridge.app.fleet import RobotsFrom
-from thbridge.app.play import Outcome, PlayOptions, Unfinished
+from thbridge.app.play import PlayOptions, Unfinished
 from thbridge.app.session import Moment
 from thbridge.wire import legacy
+from ui.display import no_window
+from ui.games import Games, play_in_window
+from ui.model.lobby import Offer
 from ui.options import (
     AsJson,
     BagFile,
@@ -36,6 +36,7 @@ from ui.options import (
     with_server,
     write_report,
 )
+from ui.outcome import show_outcome, usual_bag
 from ui.seats import run, seat_of
 from ui.story import tell
 from ui.terminal import BAD_INPUT, FAILED, bad_input, fail, note, out, print_json
@@ -47,9 +48,12 @@ def play(
     study_file: StudyFile = None,
     robots: Robots = None,
     map_name: MapName = None,
-    headless: Annotated[bool, typer.Option(help="Without a window; there is none yet.")] = False,
+    headless: Annotated[bool, typer.Option(help="Without a window, though there is a display.")] = False,
     participant: Annotated[
-        Who | None, typer.Option(help="You (`person`), or how a simulated participant chooses rooms.")
+        Who | None,
+        typer.Option(
+            help="You in the terminal (`person`), or how a simulated participant chooses rooms; without a window."
+        ),
     ] = None,
     seed: Seed = None,
     rate: Annotated[
@@ -78,7 +82,7 @@ def play(
     ros_host: RosHost = None,
     as_json: AsJson = False,
 ) -> None:
-    """Play a whole hunt: all roles in one program, recorded into a bag.
+    """Play a whole hunt, recorded into a bag: in a window where there is a display, else with a simulated participant.
 
     Other programs may join on the TCP port; those named by --outside take the place of ours.
     """
@@ -88,11 +92,21 @@ def play(
         fail(BAD_INPUT, f"{problem}. Start `thbridge server`, `simr`, `hider` and `tabui`, or write sim in the study.")
     setting = setting_of(study, study_file)
     others = _roles(outside)
-    who = participant or Who(study.participant.strategy)
-    seat = seat_of(who, setting.templates, study.seed)
     graph = graph_of(ros, ros_master, ros_host)
-    people = bool(others) or who is Who.PERSON
-    path = bag or Path("bags") / f"{setting.place.name}-{study.robots}robots-seed{study.seed}.bag"
+    windowed = participant is None and not (headless or as_json or others) and no_window() is None
+    who = participant or Who(study.participant.strategy)
+    people = windowed or bool(others) or who is Who.PERSON
+    limit = max_seconds or (math.inf if people else AN_HOUR)
+    pace = next(given for given in (rate, study.rate, float(people or ros)) if given is not None)
+    told = teller_of_masters(graph, as_json)
+    if windowed:
+        offered = Offer(least=study.robots, most=study.robots, usual=study.robots)
+        options = PlayOptions(pace, bag, frozenset({legacy.TABUI}), "", limit, graph)
+        games = Games(study, study_file, options, report_page is not False, told)
+        play_in_window(games, offered)
+        return
+    seat = seat_of(who, setting.templates, study.seed)
+    path = bag or usual_bag(setting)
     make_ready(path)
 
     def ready(where: Listening | CannotListen) -> None:
@@ -108,20 +122,18 @@ def play(
             for sentence in tell(moment):
                 out.print(sentence, highlight=False, markup=False)
 
-    limit = max_seconds or (math.inf if people else AN_HOUR)
-    pace = next(given for given in (rate, study.rate, float(people or ros)) if given is not None)
     announce_compiling()
     unfinished: Unfinished | None = None
     try:
         options = PlayOptions(pace, path, others, who, limit, graph)
-        program = hunt.play(setting, seat.tabui, options, ready, progress, teller_of_masters(graph, as_json))
+        program = hunt.play(setting, seat.tabui, options, ready, progress, told)
         outcome = run(program, seat.typed)
     except Unfinished as early:
         outcome, unfinished = early.outcome, early
     if as_json:
         print_json(dataclasses.asdict(outcome) | {"bag": str(outcome.bag)})
     else:
-        _show(outcome)
+        show_outcome(outcome)
     stopped = unfinished is not None and unfinished.stopped
     if not stopped and (report_page or (report_page is None and not as_json)):
         with bad_input():
@@ -139,18 +151,3 @@ def _roles(names: str) -> frozenset[str]:
     if wrong:
         fail(BAD_INPUT, f"--outside: {wrong[0]} is not a role that can be left out here. Use TabUI or Hider.")
     return chosen
-
-
-def _show(outcome: Outcome) -> None:
-    table = Table(title="The hunt", show_header=False)
-    table.add_row("score", str(outcome.score))
-    table.add_row("rooms visited", str(outcome.rooms_visited))
-    table.add_row("treasures named", str(outcome.identified))
-    for robot, energy in enumerate(outcome.energy):
-        table.add_row(f"energy of robot {robot + 1}", f"{energy:g}")
-    table.add_row("simulated time", f"{outcome.sim_seconds:.1f} s in {outcome.wall_seconds:.1f} s")
-    table.add_row("collisions", str(outcome.collisions))
-    if outcome.bag is not None:
-        first, *others = parts_of(outcome.bag)
-        table.add_row("bag", f"{first} to {others[-1].name}" if others else str(first))
-    out.print(table)

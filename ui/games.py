@@ -1,0 +1,115 @@
+"""The games that a participant plays in a window of `thbridge play`."""
+
+import asyncio
+import dataclasses
+import secrets
+from collections.abc import Callable
+from dataclasses import dataclass
+from pathlib import Path
+
+from thbridge.adapters.rosgraph.joining import Master
+from thbridge.adapters.text_server import CannotListen, Listening
+from thbridge.app import play as hunt
+from thbridge.app.compose import Setting, build_bot
+from thbridge.app.config import Study, of_size
+from thbridge.app.play import Outcome, PlayOptions, Unfinished
+from thbridge.app.session import Moment
+from thbridge.roles.tabui import TabUI
+from thbridge.study.bots import BotStrategy
+from ui.front import WINDOW, Front
+from ui.hosting import Game, Visit, host
+from ui.model.lobby import Offer
+from ui.options import announce_compiling, make_ready, setting_of, write_report
+from ui.outcome import show_outcome, usual_bag
+from ui.story import tell
+from ui.terminal import FAILED, bad_input, fail, note, out
+
+PRACTICE = Study(map="practice", templates="practice", robots=1)
+"""A hall and two rooms, with treasures that no other set has."""
+
+
+@dataclass(frozen=True, slots=True)
+class Games:
+    """What can be played.
+
+    Attributes:
+        study: what is played.
+        file: the study's, from whose folder paths start.
+        options: how; its bag None for the usual place.
+        report: whether a page is made of each recording.
+        joined: told who is the master of a ROS graph.
+    """
+
+    study: Study
+    file: Path | None
+    options: PlayOptions
+    report: bool
+    joined: Callable[[Master | CannotListen], None]
+
+    def setting(self, robots: int) -> Setting:
+        """The study with so many robots; ends the program where that cannot be."""
+        return setting_of(of_size(self.study, robots), self.file)
+
+    def game(self, robots: int) -> Game:
+        """A game with so many robots, recorded."""
+        setting = self.setting(robots)
+        bag = self.options.bag or usual_bag(setting)
+
+        async def play(visit: Visit) -> None:
+            make_ready(bag)
+            options = dataclasses.replace(self.options, bag=bag, left=visit.left)
+            show_outcome(await self._played(setting, options, visit))
+            if self.report:
+                with bad_input():
+                    await asyncio.to_thread(write_report, bag, bag.with_suffix(".html"))
+
+        return play
+
+    def practice(self) -> Game:
+        """A short game to learn how it goes; it is not recorded."""
+        study = dataclasses.replace(PRACTICE, seed=self.study.seed, server=self.study.server)
+        setting = setting_of(study, None)
+
+        async def play(visit: Visit) -> None:
+            options = dataclasses.replace(self.options, bag=None, graph=None, left=visit.left)
+            await self._played(setting, options, visit)
+
+        return play
+
+    async def _played(self, setting: Setting, options: PlayOptions, visit: Visit) -> Outcome:
+        def ready(where: Listening | CannotListen) -> None:
+            if isinstance(where, CannotListen):
+                fail(FAILED, str(where))
+            note(f"Other programs can join at {where.host}:{where.port}.")
+            visit.ready(where)
+
+        def progress(moment: Moment) -> None:
+            for sentence in tell(moment):
+                out.print(sentence, highlight=False, markup=False)
+
+        # Whoever sits at the window is an outside program; nobody takes this seat.
+        nobody = TabUI(build_bot(setting.templates, BotStrategy.SUGGESTION, setting.study.seed))
+        announce_compiling()
+        try:
+            return await hunt.play(setting, nobody, options, ready, progress, self.joined)
+        except Unfinished as early:
+            if early.stopped and visit.ended is None:
+                raise  # Ctrl-C: the program ends.
+            return early.outcome
+
+
+def play_in_window(games: Games, offer: Offer, arguments: tuple[str, ...] = ()) -> None:
+    """Open the window and play until the participant leaves.
+
+    Args:
+        games: what can be played.
+        offer: how many robots may be chosen.
+        arguments: of the window's command line.
+    """
+    front = Front((*WINDOW, *arguments))
+    program = host(front, offer, secrets.token_hex(8), games.game, games.practice)
+    try:
+        with bad_input(FAILED):
+            asyncio.run(program)
+    except Unfinished:
+        fail(FAILED, "stopped; what was recorded up to here is complete")

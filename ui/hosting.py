@@ -1,0 +1,80 @@
+"""Games for a window: the start page, a practice game, and games one after the other until the participant leaves."""
+
+import asyncio
+from collections.abc import Awaitable, Callable
+
+from thbridge.adapters.text_server import Listening
+from ui.front import Front
+from ui.model.lobby import Back, Begin, Join, Leave, Offer, Practise, Preparing
+
+EVERYWHERE = {"0.0.0.0": "127.0.0.1", "::": "::1"}
+"""Addresses that a server listens on, and where the window finds it."""
+
+
+class Visit:
+    """A participant at one game: joins it, and leaves it some time.
+
+    Args:
+        front: the window.
+        token: by which the server knows the window again.
+        practice: it is the practice game.
+    """
+
+    def __init__(self, front: Front, token: str, practice: bool) -> None:
+        self._front = front
+        self._token = token
+        self._practice = practice
+        self._joining: asyncio.Task[None] | None = None
+        self.ended: Back | Leave | None = None
+        """How the participant left; None while they are there."""
+
+    def ready(self, where: Listening) -> None:
+        """The game waits there."""
+        host = EVERYWHERE.get(where.host, where.host)
+        join = Join(host, where.port, self._token, self._practice)
+        self._joining = asyncio.get_running_loop().create_task(self._front.say(join))
+
+    def left(self) -> bool:
+        """Whether the participant has left; asked between two ticks."""
+        said = self._front.waiting()
+        if isinstance(said, Back | Leave):
+            self.ended = said
+        return self.ended is not None
+
+
+Game = Callable[[Visit], Awaitable[None]]
+"""Plays a game until the participant has left."""
+
+
+async def host(
+    front: Front, offer: Offer, token: str, play: Callable[[int], Game], practise: Callable[[], Game]
+) -> None:
+    """Play games until the participant leaves for good.
+
+    Args:
+        front: the window; it is opened here.
+        offer: how many robots may be chosen.
+        token: by which the server knows the window again.
+        play: gives a game with so many robots.
+        practise: gives the practice game.
+    """
+    async with front.opened():
+        await front.say(offer)
+        while True:
+            asked = await front.asked()
+            match asked:
+                case Begin(robots) if offer.least <= robots <= offer.most:
+                    number = "robot is" if robots == 1 else f"{robots} robots are"
+                    await front.say(Preparing(f"The {number} being made ready."))
+                    visit, game = Visit(front, token, practice=False), play(robots)
+                case Practise():
+                    await front.say(Preparing("The practice game is being made ready."))
+                    visit, game = Visit(front, token, practice=True), practise()
+                case Leave():
+                    return
+                case _:
+                    continue
+            await game(visit)
+            if isinstance(visit.ended, Leave):
+                return
+            await front.say(offer)

@@ -1,0 +1,32 @@
+"""What is left of a hunt: where it is recorded, and how it ended."""
+
+from pathlib import Path
+
+from rich.table import Table
+
+from thbridge.adapters.recordings import parts_of
+from thbridge.app.compose import Setting
+from thbridge.app.play import Outcome
+from ui.terminal import out
+
+
+def usual_bag(setting: Setting) -> Path:
+    """Where a hunt is recorded unless somebody says otherwise."""
+    study = setting.study
+    return Path("bags") / f"{setting.place.name}-{study.robots}robots-seed{study.seed}.bag"
+
+
+def show_outcome(outcome: Outcome) -> None:
+    """Print how a hunt ended."""
+    table = Table(title="The hunt", show_header=False)
+    table.add_row("score", str(outcome.score))
+    table.add_row("rooms visited", str(outcome.rooms_visited))
+    table.add_row("treasures named", str(outcome.identified))
+    for robot, energy in enumerate(outcome.energy):
+        table.add_row(f"energy of robot {robot + 1}", f"{energy:g}")
+    table.add_row("simulated time", f"{outcome.sim_seconds:.1f} s in {outcome.wall_seconds:.1f} s")
+    table.add_row("collisions", str(outcome.collisions))
+    if outcome.bag is not None:
+        first, *others = parts_of(outcome.bag)
+        table.add_row("bag", f"{first} to {others[-1].name}" if others else str(first))
+    out.print(table)
