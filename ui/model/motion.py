@@ -1,0 +1,318 @@
+"""Where robots are drawn between what is told of them: smooth, a little behind, and never jumping back.
+
+A simulation tells many times a second where its robots are; each telling travels by a network, comes late, early or not
+at all, and the simulation itself may run at another rate, stand still or begin anew. `Motions` plays all that back: it
+keeps the last tellings, runs a clock of simulated time a little behind the newest, and reads the poses at that clock.
+"""
+
+import math
+from collections import deque
+from dataclasses import dataclass
+
+import numpy as np
+
+from sim.geometry import FloatArray, Pose2, wrap_angle
+from thbridge.roles.notices import Ellipse, Ways, Whereabouts
+from ui.model.playback import PlaybackClock
+
+TICK = 0.02
+"""Simulated seconds a tick."""
+
+KEPT = 64
+"""Tellings kept: 2.5 s of them at 25 Hz."""
+
+JUMP = 0.5
+"""A robot that is found this far, in metres, from where it should be was carried: it moves at once."""
+
+SURPRISE = 0.02
+"""A robot this far, in metres, from where it should be has thought better of where it is: that is blended."""
+
+TURN_SURPRISE = 0.1
+"""The same for its heading, radians."""
+
+GAP = 2.0
+"""A telling so much later than the one before, in simulated seconds, begins anew: a seek, or a lost connection."""
+
+AHEAD = 0.1
+"""Robots are driven on for so long without news, simulated seconds, slower and slower."""
+
+BLEND = 0.07
+"""Time constant of blending, seconds: 95 % in 0.2 s."""
+
+TRAIL_STEP = 0.05
+"""Metres between two points of a trail."""
+
+TRAIL_POINTS = 160
+"""Points of a trail: 8 m."""
+
+WAY_SEARCH = 1.5
+"""How far along its way, in metres, a robot may be found ahead of where it was last."""
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Moving:
+    """A robot at one moment, map frame, metres and radians.
+
+    Attributes:
+        pose: where it believes it is.
+        trail: (k, 2) where it was shown, oldest first; its own place is not in it.
+        way: (m, 2) what lies ahead, its own place first; (0, 2) when nothing does.
+        ellipse: how sure it is of its place, if that is told.
+        truth: where it really is, if that is told.
+    """
+
+    pose: Pose2
+    trail: FloatArray
+    way: FloatArray
+    ellipse: Ellipse | None
+    truth: Pose2 | None
+
+
+@dataclass(slots=True, eq=False)
+class _Sample:
+    """One telling: simulated time, (n, 3) poses, and what else was told then."""
+
+    time: float
+    poses: FloatArray
+    truth: FloatArray | None
+    ellipses: tuple[Ellipse, ...] | None
+
+
+class _Trail:
+    """Where one robot was shown, thinned and bounded."""
+
+    def __init__(self) -> None:
+        self._points: deque[tuple[float, float]] = deque(maxlen=TRAIL_POINTS)
+        self._array: FloatArray | None = None
+
+    def add(self, x: float, y: float) -> None:
+        if self._points:
+            last_x, last_y = self._points[-1]
+            if math.hypot(x - last_x, y - last_y) < TRAIL_STEP:
+                return
+        self._points.append((x, y))
+        self._array = None
+
+    def cut(self) -> None:
+        self._points.clear()
+        self._array = None
+
+    def array(self) -> FloatArray:
+        if self._array is None:
+            self._array = np.array(self._points, dtype=np.float64).reshape(-1, 2)
+        return self._array
+
+
+class _Way:
+    """What lies ahead of one robot: what it has driven of its way is taken off, and does not come back."""
+
+    def __init__(self, points: tuple[tuple[float, float], ...]) -> None:
+        self._points = np.array(points, dtype=np.float64).reshape(-1, 2)
+        steps = np.diff(self._points, axis=0)
+        self._steps = steps
+        self._lengths = np.hypot(steps[:, 0], steps[:, 1])
+        self._along = np.concatenate(([0.0], np.cumsum(self._lengths)))
+        self._driven = 0.0
+
+    def ahead_of(self, x: float, y: float) -> FloatArray:
+        """(m, 2) the way from a place on."""
+        if len(self._points) < 2:
+            return np.empty((0, 2))
+        at = self._nearest(x, y)
+        self._driven = max(self._driven, at)
+        rest = self._points[np.searchsorted(self._along, self._driven, side="right") :]
+        if not len(rest):
+            rest = self._points[-1:]
+        return np.concatenate((np.array([[x, y]]), rest))
+
+    def _nearest(self, x: float, y: float) -> float:
+        """Metres along the way of its point nearest to a place, sought from what is driven to a little ahead."""
+        first = max(int(np.searchsorted(self._along, self._driven, side="right")) - 1, 0)
+        last = int(np.searchsorted(self._along, self._driven + WAY_SEARCH, side="left"))
+        window = slice(min(first, len(self._steps) - 1), max(last, first + 1))
+        starts, steps, lengths = self._points[:-1][window], self._steps[window], self._lengths[window]
+        offset = np.array([x, y]) - starts
+        share = np.clip(np.sum(offset * steps, axis=1) / np.maximum(lengths**2, 1e-12), 0.0, 1.0)
+        gaps = offset - share[:, None] * steps
+        best = int(np.argmin(np.sum(gaps**2, axis=1)))
+        return float(self._along[:-1][window][best] + share[best] * lengths[best])
+
+
+class Motions:
+    """All robots' poses at any moment, out of what is told of them.
+
+    Times called `now` are monotonic seconds of this program; they must not run backwards.
+
+    The past is always told in the frame of the newest estimate: when a robot corrects where it believes it is, the
+    correction is added to what is kept of its past, and an offset as large, which fades within 0.2 s, keeps what is
+    shown from jumping. The same offset takes up what driving on without news got wrong.
+    """
+
+    def __init__(self) -> None:
+        self._clock = PlaybackClock()
+        self._samples: deque[_Sample] = deque(maxlen=KEPT)
+        self._offsets: FloatArray = np.zeros((0, 3))
+        self._trails: list[_Trail] = []
+        self._ways: list[_Way] = []
+        self._faded = 0.0
+        self._news: float | None = None
+
+    def hear(self, notice: Whereabouts | Ways, now: float) -> None:
+        """Take what was told at this moment."""
+        if isinstance(notice, Ways):
+            self._ways = [_Way(points) for points in notice.ways]
+        elif all(math.isfinite(number) for pose in notice.poses for number in pose):
+            self._hear_where(notice, now)
+
+    def at(self, now: float) -> tuple[Moving, ...]:
+        """Every robot at this moment, in the team's order; none before anything was told."""
+        if not self._samples:
+            return ()
+        self._fade(now)
+        time = self._clock.at(now)
+        believed = self._read(time)
+        shown = believed + self._offsets
+        truth, ellipses = self._read_truth(time), self._bracket(time)[1].ellipses
+        return tuple(self._moving(robot, pose, truth, ellipses) for robot, pose in enumerate(shown.tolist()))
+
+    def still_since(self, now: float) -> float:
+        """Seconds for which nothing new came: simulated time stands still, or nobody tells; infinite at first."""
+        return math.inf if self._news is None else max(now - self._news, 0.0)
+
+    def forget(self) -> None:
+        """Begin anew, as after a connection to another game."""
+        self.__init__()  # type: ignore[misc]
+
+    # What comes -------------------------------------------------------------------------------------------------------
+
+    def _hear_where(self, notice: Whereabouts, now: float) -> None:
+        poses = np.array(notice.poses, dtype=np.float64).reshape(-1, 3)
+        truth = None if notice.truth is None else np.array(notice.truth, dtype=np.float64).reshape(-1, 3)
+        sample = _Sample(notice.tick * TICK, poses, truth, notice.ellipses)
+        newest = self._samples[-1] if self._samples else None
+        if newest is None or len(newest.poses) != len(poses) or not 0.0 <= sample.time - newest.time <= GAP:
+            self._begin(sample, now)
+            return
+        self._fade(now)
+        time = self._clock.at(now)
+        before = self._read(time) + self._offsets
+        if sample.time > newest.time:
+            self._clock.hear(sample.time, now)
+            self._news = now
+        carried = self._correct(sample, newest)
+        if sample.time == newest.time:
+            self._samples.pop()
+        self._samples.append(sample)
+        self._offsets = before - self._read(time)
+        self._offsets[:, 2] = _wrapped(self._offsets[:, 2])
+        self._offsets[carried] = 0.0
+
+    def _begin(self, sample: _Sample, now: float) -> None:
+        self._samples.clear()
+        self._samples.append(sample)
+        self._clock = PlaybackClock()
+        self._clock.hear(sample.time, now)
+        self._offsets = np.zeros((len(sample.poses), 3))
+        self._trails = [_Trail() for _ in sample.poses]
+        self._faded = self._news = now
+
+    def _correct(self, sample: _Sample, newest: _Sample) -> list[int]:
+        """Bring what is kept into the frame of a new telling; the robots that were carried off."""
+        expected = newest.poses + self._velocity() * (sample.time - newest.time)
+        surprise = sample.poses - expected
+        surprise[:, 2] = _wrapped(surprise[:, 2])
+        moved = sample.poses - newest.poses
+        far = np.minimum(np.hypot(surprise[:, 0], surprise[:, 1]), np.hypot(moved[:, 0], moved[:, 1]))
+        # A robot that turns on the spot, or stops, within a long gap is no surprise: what counts is how fast it was.
+        tolerance = max(sample.time - newest.time, TICK) / (2 * TICK)
+        carried = far > JUMP * max(tolerance / 5.0, 1.0)
+        corrected = (far > SURPRISE * tolerance) | (np.abs(surprise[:, 2]) > TURN_SURPRISE * tolerance)
+        shift = np.where((corrected & ~carried)[:, None], surprise, 0.0)
+        for kept in self._samples:
+            kept.poses += shift
+            kept.poses[carried] = sample.poses[carried]
+        for robot in np.flatnonzero(carried).tolist():
+            self._trails[robot].cut()
+        return list(np.flatnonzero(carried).tolist())
+
+    # What is read -----------------------------------------------------------------------------------------------------
+
+    def _moving(
+        self, robot: int, pose: list[float], truth: FloatArray | None, ellipses: tuple[Ellipse, ...] | None
+    ) -> Moving:
+        x, y, theta = pose
+        trail = self._trails[robot]
+        trail.add(x, y)
+        return Moving(
+            pose=Pose2(x, y, wrap_angle(theta)),
+            trail=trail.array(),
+            way=self._ways[robot].ahead_of(x, y) if robot < len(self._ways) else np.empty((0, 2)),
+            ellipse=ellipses[robot] if ellipses is not None and robot < len(ellipses) else None,
+            truth=_pose(truth[robot]) if truth is not None and robot < len(truth) else None,
+        )
+
+    def _bracket(self, time: float) -> tuple[_Sample, _Sample]:
+        """The tellings before and after a simulated time; twice the same at an end."""
+        later = self._samples[-1]
+        if time >= later.time:
+            return later, later
+        for sample in reversed(self._samples):
+            if sample.time <= time:
+                return sample, later
+            later = sample
+        return later, later
+
+    def _read(self, time: float) -> FloatArray:
+        """(n, 3) poses at a simulated time: between two tellings, or driven on from the last."""
+        one, other = self._bracket(time)
+        if one is not other:
+            return _between(one.poses, other.poses, (time - one.time) / (other.time - one.time))
+        late = min(max(time - one.time, 0.0), AHEAD)
+        if late == 0.0:
+            return one.poses.copy()
+        driven: FloatArray = one.poses + self._velocity() * (late - late * late / (2.0 * AHEAD))
+        return driven
+
+    def _read_truth(self, time: float) -> FloatArray | None:
+        one, other = self._bracket(time)
+        if one.truth is None or other.truth is None or len(one.truth) != len(other.truth):
+            return other.truth
+        if one is other:
+            return one.truth
+        share = (time - one.time) / (other.time - one.time)
+        carried = np.hypot(*(other.truth - one.truth)[:, :2].T) > JUMP
+        between = _between(one.truth, other.truth, share)
+        between[carried] = other.truth[carried]
+        return between
+
+    def _velocity(self) -> FloatArray:
+        """(n, 3) metres and radians a simulated second over the last two tellings."""
+        if len(self._samples) < 2:
+            return np.zeros_like(self._samples[-1].poses)
+        one, other = self._samples[-2], self._samples[-1]
+        change = other.poses - one.poses
+        change[:, 2] = _wrapped(change[:, 2])
+        velocity: FloatArray = change / (other.time - one.time)
+        return velocity
+
+    def _fade(self, now: float) -> None:
+        passed = max(now - self._faded, 0.0)
+        self._faded = max(self._faded, now)
+        self._offsets *= math.exp(-passed / BLEND)
+
+
+def _between(one: FloatArray, other: FloatArray, share: float) -> FloatArray:
+    """Poses at a share of the way from one to the other, angles the short way."""
+    change = other - one
+    change[:, 2] = _wrapped(change[:, 2])
+    between: FloatArray = one + share * change
+    return between
+
+
+def _wrapped(angles: FloatArray) -> FloatArray:
+    wrapped: FloatArray = (angles + np.pi) % (2.0 * np.pi) - np.pi
+    return wrapped
+
+
+def _pose(row: FloatArray) -> Pose2:
+    return Pose2(float(row[0]), float(row[1]), wrap_angle(float(row[2])))

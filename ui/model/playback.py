@@ -1,0 +1,83 @@
+"""The clock by which what was told of a simulation is played back, a little behind the newest that is known."""
+
+from collections import deque
+
+WINDOW = 1.0
+"""The past over which rate and lateness are judged, seconds."""
+
+FEWEST = 4
+"""Tellings needed before a rate is believed."""
+
+MOST_TOLD = 128
+"""Tellings kept at most, however fast they come."""
+
+LONGEST_DELAY = 0.08
+"""The clock stays at most this far behind, seconds: with the way through a network it is still less than 0.1 s."""
+
+STANDSTILL = 0.25
+"""Nothing told for so long, in seconds: simulated time stood still, or the network did; that says nothing of a rate."""
+
+HORIZON = 0.25
+"""How far simulated time is believed to have gone on without news, seconds of this program."""
+
+CATCH_UP = 0.15
+"""Time constant of following a changed estimate, seconds."""
+
+
+class PlaybackClock:
+    """Simulated time to be shown at a moment: monotonic, smooth, and as little behind as the network's jitter allows.
+
+    Each telling says "simulated time s, heard at moment a". The lines s + rate (now - a) of those that travelled
+    fastest say how far the simulation is now; how late the slowest of the last second came, and how long they are
+    apart, says how far behind the clock must stay so that there is nearly always a telling on either side of it.
+    """
+
+    def __init__(self) -> None:
+        self._told: deque[tuple[float, float]] = deque(maxlen=MOST_TOLD)
+        self._rate = 1.0
+        self._delay = 0.0
+        self._time: float | None = None
+        self._asked = 0.0
+
+    @property
+    def delay(self) -> float:
+        """Seconds by which it stays behind."""
+        return self._delay
+
+    def hear(self, time: float, now: float) -> None:
+        """A telling of this simulated time came now; times must not run backwards."""
+        if self._told and now - self._told[-1][1] > STANDSTILL:
+            self._told.clear()
+        while self._told and now - self._told[0][1] > WINDOW:
+            self._told.popleft()
+        self._told.append((time, now))
+        first_time, first_now = self._told[0]
+        if len(self._told) >= FEWEST and now - first_now > 0.0:
+            self._rate = (time - first_time) / (now - first_now)
+            spacing = (now - first_now) / (len(self._told) - 1)
+            rate = max(self._rate, 1e-6)
+            fastest = self._front(now)
+            lateness = max((fastest - heard - rate * (now - at)) / rate for heard, at in self._told)
+            self._delay = min(spacing + lateness, LONGEST_DELAY)
+
+    def at(self, now: float) -> float:
+        """Simulated time to be shown."""
+        if not self._told:
+            return 0.0
+        target = self._front(now) - self._rate * self._delay
+        if self._time is None:
+            self._time, self._asked = target, now
+            return self._time
+        passed = max(now - self._asked, 0.0)
+        self._asked = max(self._asked, now)
+        expected = self._time + self._rate * passed
+        share = min(passed / CATCH_UP, 1.0)
+        limit = self._front(now)
+        self._time = max(self._time, min(expected + share * (target - expected), limit))
+        return self._time
+
+    def _front(self, now: float) -> float:
+        """How far the simulation is by now, by the tellings that travelled fastest."""
+        front = max(time + self._rate * (now - at) for time, at in self._told)
+        newest = self._told[-1][0]
+        return min(front, newest + self._rate * HORIZON)

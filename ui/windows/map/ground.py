@@ -1,0 +1,117 @@
+"""What of the map stands still: floor, walls and rooms, painted once into a picture that is shifted with the view."""
+
+import math
+from collections.abc import Sequence
+from dataclasses import dataclass, replace
+
+from PySide6.QtCore import QRectF, Qt
+from PySide6.QtGui import QColor, QFont, QPainter, QPen, QPixmap, QTransform
+
+from ui.model.scene import RoomMark
+from ui.model.theme import Palette
+from ui.windows.map.camera import Camera
+from ui.windows.map.plan import Boxes, Plan
+from ui.windows.map.rooms import paint_floors, paint_signs
+
+MARGIN = 0.25
+"""The picture reaches so far beyond the view on each side, as a share of the view, for following and dragging."""
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class _Picture:
+    """A painted piece of ground: what was seen by `camera`, in device pixels."""
+
+    pixmap: QPixmap
+    camera: Camera
+    ratio: float
+
+
+class Ground:
+    """The still part of the map, painted anew only when something in it changes or the view leaves what was painted."""
+
+    def __init__(self, palette: Palette) -> None:
+        self._palette = palette
+        self._plan: Plan | None = None
+        self._rooms: tuple[RoomMark, ...] = ()
+        self._picture: _Picture | None = None
+
+    def show_plan(self, plan: Plan) -> None:
+        """Another house."""
+        self._plan, self._picture = plan, None
+
+    def show_rooms(self, rooms: Sequence[RoomMark]) -> None:
+        """The rooms as they are now."""
+        self._rooms, self._picture = tuple(rooms), None
+
+    def set_palette(self, palette: Palette) -> None:
+        """Other colours."""
+        self._palette, self._picture = palette, None
+
+    def paint(self, painter: QPainter, camera: Camera, ratio: float, font: QFont, moving: bool) -> None:
+        """Fill the view.
+
+        Args:
+            painter: in logical pixels of the view.
+            camera: snapped to device pixels.
+            ratio: device pixels a logical pixel.
+            font: of names and numbers.
+            moving: the view is likely to move on, so that a margin around it is worth painting.
+        """
+        picture = self._picture
+        if picture is None or not _covers(picture, camera, ratio):
+            picture = self._picture = self._painted(camera, ratio, font, MARGIN if moving else 0.0)
+        left, top = picture.camera.pixel(camera.x, camera.y)
+        source = QRectF(
+            round((left - camera.width / 2.0) * ratio),
+            round((top - camera.height / 2.0) * ratio),
+            round(camera.width * ratio),
+            round(camera.height * ratio),
+        )
+        painter.setCompositionMode(QPainter.CompositionMode.CompositionMode_Source)
+        painter.drawPixmap(QRectF(0.0, 0.0, camera.width, camera.height), picture.pixmap, source)
+        painter.setCompositionMode(QPainter.CompositionMode.CompositionMode_SourceOver)
+
+    def _painted(self, camera: Camera, ratio: float, font: QFont, margin: float) -> _Picture:
+        border = (math.ceil(camera.width * margin), math.ceil(camera.height * margin))
+        wide = replace(camera, width=camera.width + 2 * border[0], height=camera.height + 2 * border[1])
+        pixmap = QPixmap(math.ceil(wide.width * ratio), math.ceil(wide.height * ratio))
+        pixmap.setDevicePixelRatio(ratio)
+        pixmap.fill(QColor(self._palette.unknown))
+        painter = QPainter(pixmap)
+        if self._plan is not None:
+            self._fill(painter, wide, self._plan, self._plan.floor, self._palette.floor)
+        paint_floors(painter, wide, self._rooms, self._palette)
+        if self._plan is not None:
+            self._fill(painter, wide, self._plan, self._plan.walls, self._palette.wall)
+        paint_signs(painter, wide, self._rooms, self._palette, font)
+        painter.end()
+        return _Picture(pixmap, wide, ratio)
+
+    def _fill(self, painter: QPainter, camera: Camera, plan: Plan, boxes: Boxes, colour: str) -> None:
+        painter.save()
+        px, py = camera.pixel(plan.origin.x, plan.origin.y)
+        cell = camera.scale * plan.resolution
+        transform = QTransform.fromTranslate(px, py).rotateRadians(-plan.origin.theta).scale(cell, -cell)
+        painter.setTransform(transform, True)
+        turned = plan.origin.theta % (math.pi / 2.0) != 0.0
+        painter.setRenderHint(QPainter.RenderHint.Antialiasing, turned)
+        if turned:
+            # Smooth edges of neighbours leave a hairline between them, which an outline covers.
+            painter.setPen(QPen(QColor(colour), 0.0))
+        else:
+            painter.setPen(Qt.PenStyle.NoPen)
+        painter.setBrush(QColor(colour))
+        painter.drawRects([QRectF(*box) for box in boxes.tolist()])
+        painter.restore()
+
+
+def _covers(picture: _Picture, camera: Camera, ratio: float) -> bool:
+    """Whether all that the camera sees is in the picture, at its scale."""
+    if picture.ratio != ratio or picture.camera.scale != camera.scale:
+        return False
+    px, py = picture.camera.pixel(camera.x, camera.y)
+    slack = 0.5 / ratio
+    return (
+        camera.width / 2.0 - slack <= px <= picture.camera.width - camera.width / 2.0 + slack
+        and camera.height / 2.0 - slack <= py <= picture.camera.height - camera.height / 2.0 + slack
+    )

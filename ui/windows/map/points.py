@@ -1,0 +1,20 @@
+"""Arrays of numbers as Qt's polygons, without a Python object for every point."""
+
+import ctypes
+
+import numpy as np
+from PySide6.QtGui import QPolygonF
+from shiboken6 import Shiboken
+
+from sim.geometry import FloatArray
+
+
+def polygon(points: FloatArray) -> QPolygonF:
+    """A Qt polygon of (n, 2) points."""
+    made = QPolygonF()
+    made.resize(len(points))
+    if len(points):
+        (address,) = Shiboken.getCppPointer(made.data())
+        memory = (ctypes.c_double * (2 * len(points))).from_address(address)
+        np.ctypeslib.as_array(memory).reshape(-1, 2)[:] = points
+    return made

@@ -1,0 +1,173 @@
+"""Robots on the map: bodies with a nose, where they were, where they go, how sure they are, and their labels."""
+
+import itertools
+import math
+from collections.abc import Sequence
+
+import numpy as np
+from PySide6.QtCore import QPointF, Qt
+from PySide6.QtGui import QColor, QFont, QPainter, QPen, QPolygonF
+
+from sim.geometry import FloatArray, Pose2
+from ui.model.scene import EllipseMark, RobotMark
+from ui.model.theme import Palette
+from ui.windows.map.badges import Anchor, Badges, placed
+from ui.windows.map.camera import Camera
+from ui.windows.map.points import polygon
+
+SMALLEST = 8.0
+"""A robot is drawn at least with this radius, pixels, however far away the view is."""
+
+TRAIL_PIECES = 5
+"""A trail fades in so many steps."""
+
+
+class Robots:
+    """Paints the robots of one frame."""
+
+    def __init__(self, palette: Palette) -> None:
+        self._palette = palette
+        self._badges = Badges()
+        self._places: dict[int, int] = {}
+
+    def set_palette(self, palette: Palette) -> None:
+        """Other colours."""
+        self._palette = palette
+        self._badges.clear()
+
+    def paint(self, painter: QPainter, camera: Camera, robots: Sequence[RobotMark], font: QFont, ratio: float) -> None:
+        """All robots; what lies flat on the floor first, labels last."""
+        painter.setRenderHint(QPainter.RenderHint.Antialiasing)
+        order = sorted(robots, key=lambda mark: (mark.selected, -mark.robot))
+        for mark in order:
+            self._paint_trail(painter, camera, mark)
+        for mark in order:
+            self._paint_way(painter, camera, mark)
+        for mark in order:
+            self._paint_belief(painter, camera, mark)
+        for mark in order:
+            self._paint_body(painter, camera, mark)
+        self._paint_labels(painter, camera, order[::-1], font, ratio)
+
+    def _colour(self, mark: RobotMark) -> str:
+        return self._palette.robot(mark.robot)
+
+    def _paint_trail(self, painter: QPainter, camera: Camera, mark: RobotMark) -> None:
+        trail = mark.trail
+        if not len(trail) or not camera.sees(trail):
+            return
+        pixels = camera.to_screen(np.concatenate((trail, [(mark.pose.x, mark.pose.y)])))
+        colour = QColor(self._colour(mark))
+        edges = np.linspace(0, len(pixels) - 1, TRAIL_PIECES + 1).astype(int).tolist()
+        for piece, (first, last) in enumerate(itertools.pairwise(edges)):
+            if last > first:
+                colour.setAlphaF(0.5 * (piece + 1) / TRAIL_PIECES)
+                pen = QPen(colour, 2.5)
+                pen.setCapStyle(Qt.PenCapStyle.FlatCap)
+                painter.setPen(pen)
+                painter.drawPolyline(polygon(pixels[first : last + 1]))
+
+    def _paint_way(self, painter: QPainter, camera: Camera, mark: RobotMark) -> None:
+        if len(mark.way) < 2 or not camera.sees(mark.way):
+            return
+        pixels = camera.to_screen(mark.way)
+        colour = QColor(self._colour(mark))
+        pen = QPen(colour, 2.5 if mark.selected else 1.8)
+        pen.setDashPattern([3.0, 2.5])
+        # Dashes lie still on the floor: they are counted from the goal, not from the robot that eats them up.
+        painter.setPen(pen)
+        painter.drawPolyline(polygon(pixels[::-1]))
+        x, y = pixels[-1].tolist()
+        painter.setPen(QPen(colour, 2.0))
+        painter.drawLine(QPointF(x, y), QPointF(x, y - 17.0))
+        painter.setPen(Qt.PenStyle.NoPen)
+        painter.setBrush(colour)
+        painter.drawPolygon(QPolygonF([QPointF(x, y - 18.0), QPointF(x + 12.0, y - 13.5), QPointF(x, y - 9.0)]))
+        painter.drawEllipse(QPointF(x, y), 2.5, 2.5)
+
+    def _paint_belief(self, painter: QPainter, camera: Camera, mark: RobotMark) -> None:
+        if mark.ellipse is not None:
+            self._paint_ellipse(painter, camera, mark, mark.ellipse)
+        if mark.truth is not None:
+            self._paint_truth(painter, camera, mark, mark.truth)
+
+    def _paint_ellipse(self, painter: QPainter, camera: Camera, mark: RobotMark, ellipse: EllipseMark) -> None:
+        colour = QColor(self._colour(mark))
+        painter.setPen(QPen(colour, 1.2))
+        colour.setAlpha(40)
+        painter.setBrush(colour)
+        painter.save()
+        painter.translate(*camera.pixel(mark.pose.x, mark.pose.y))
+        painter.rotate(-math.degrees(ellipse.angle))
+        painter.drawEllipse(QPointF(0.0, 0.0), ellipse.major * camera.scale, ellipse.minor * camera.scale)
+        painter.restore()
+
+    def _paint_truth(self, painter: QPainter, camera: Camera, mark: RobotMark, truth: Pose2) -> None:
+        pen = QPen(QColor(self._palette.text), 1.5)
+        pen.setDashPattern([2.0, 2.0])
+        painter.setPen(pen)
+        painter.setBrush(Qt.BrushStyle.NoBrush)
+        painter.drawPolygon(polygon(_body(camera, truth, mark.footprint)))
+        painter.drawLine(QPointF(*camera.pixel(truth.x, truth.y)), QPointF(*camera.pixel(mark.pose.x, mark.pose.y)))
+
+    def _paint_body(self, painter: QPainter, camera: Camera, mark: RobotMark) -> None:
+        centre = QPointF(*camera.pixel(mark.pose.x, mark.pose.y))
+        radius = drawn_radius(camera, mark)
+        if mark.selected:
+            painter.setBrush(Qt.BrushStyle.NoBrush)
+            painter.setPen(QPen(QColor(self._palette.panel), 5.0))
+            painter.drawEllipse(centre, radius + 5.0, radius + 5.0)
+            painter.setPen(QPen(QColor(self._palette.accent), 2.5))
+            painter.drawEllipse(centre, radius + 5.0, radius + 5.0)
+        pen = QPen(QColor(self._palette.panel), 1.5)
+        pen.setJoinStyle(Qt.PenJoinStyle.RoundJoin)
+        painter.setPen(pen)
+        painter.setBrush(QColor(self._colour(mark)))
+        painter.drawPolygon(polygon(_body(camera, mark.pose, mark.footprint)))
+        nose = np.array([[0.72, 0.0], [0.12, 0.42], [0.26, 0.0], [0.12, -0.42]]) * radius
+        painter.setPen(Qt.PenStyle.NoPen)
+        painter.setBrush(QColor(self._palette.panel))
+        painter.drawPolygon(polygon(_turned(nose, mark.pose.theta) + np.array([centre.x(), centre.y()])))
+
+    def _paint_labels(
+        self, painter: QPainter, camera: Camera, robots: Sequence[RobotMark], font: QFont, ratio: float
+    ) -> None:
+        seen = [mark for mark in robots if camera.sees(np.array([[mark.pose.x, mark.pose.y]]), 40.0)]
+        if not seen:
+            return
+        badges = [
+            self._badges.of(mark.label, self._colour(mark), mark.selected, mark.trouble, self._palette, font, ratio)
+            for mark in seen
+        ]
+        anchors = [
+            Anchor(
+                *camera.pixel(mark.pose.x, mark.pose.y),
+                drawn_radius(camera, mark) + (6.0 if mark.selected else 0.0),
+                badge.width,
+                badge.height,
+            )
+            for mark, badge in zip(seen, badges, strict=True)
+        ]
+        corners, places = placed(anchors, [self._places.get(mark.robot, -1) for mark in seen])
+        self._places = {mark.robot: place for mark, place in zip(seen, places, strict=True)}
+        for badge, (x, y) in zip(badges, corners.tolist(), strict=True):
+            painter.drawPixmap(QPointF(round(x * ratio) / ratio, round(y * ratio) / ratio), badge.picture)
+
+
+def drawn_radius(camera: Camera, mark: RobotMark) -> float:
+    """Pixels from a robot's middle to its farthest corner, as drawn."""
+    return max(float(np.max(np.hypot(mark.footprint[:, 0], mark.footprint[:, 1]))) * camera.scale, SMALLEST)
+
+
+def _body(camera: Camera, pose: Pose2, footprint: FloatArray) -> FloatArray:
+    """Pixels of a body's corners; grown where it would be too small to be seen."""
+    reach = float(np.max(np.hypot(footprint[:, 0], footprint[:, 1])))
+    scale = max(camera.scale, SMALLEST / max(reach, 1e-6))
+    return _turned(footprint * scale, pose.theta) + camera.pixel(pose.x, pose.y)
+
+
+def _turned(points: FloatArray, angle: float) -> FloatArray:
+    """(n, 2) points of a frame with y up, turned, as pixels with y down."""
+    c, s = math.cos(angle), math.sin(angle)
+    turned: FloatArray = points @ np.array([[c, -s], [-s, -c]])
+    return turned

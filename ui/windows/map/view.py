@@ -1,0 +1,393 @@
+"""The map of both windows: house, rooms and robots, seen from above, looked at and pointed at."""
+
+from collections.abc import Sequence
+from typing import Protocol
+
+import numpy as np
+from PySide6.QtCore import QEvent, QPointF, QRectF, QSize, Qt, QTimer, Signal
+from PySide6.QtGui import (
+    QColor,
+    QFontMetricsF,
+    QMouseEvent,
+    QNativeGestureEvent,
+    QPainter,
+    QPaintEvent,
+    QPen,
+    QResizeEvent,
+    QTransform,
+    QWheelEvent,
+)
+from PySide6.QtWidgets import QSizePolicy, QWidget
+
+from thbridge.roles.notices import House
+from ui.model.scene import RobotMark, RoomMark
+from ui.model.theme import Palette
+from ui.windows.map.camera import Camera
+from ui.windows.map.ground import Ground
+from ui.windows.map.plan import Plan, holds, unpack
+from ui.windows.map.robots import Robots
+from ui.windows.map.words import describe
+
+FIT_MARGIN = 20.0
+"""Pixels around the house when all of it is shown."""
+
+REACH = 24.0
+"""A robot is hit within so many pixels of its middle."""
+
+DRAG = 4.0
+"""A press that moves so many pixels is a drag and no click."""
+
+NEAR = 60.0
+"""Following a robot begins at least so near, pixels a metre."""
+
+CHASE = 0.15
+"""Share of the way to the followed robot that the view goes in one frame."""
+
+DESCRIBED = 2000
+"""Milliseconds between two descriptions in words."""
+
+WHEEL = 1.0015
+"""Zoom of an eighth of a degree of the wheel."""
+
+
+class Layer(Protocol):
+    """Something more that is drawn on the map."""
+
+    @property
+    def z(self) -> int:
+        """Below the robots when negative, above them otherwise; the larger the later."""
+
+    def paint(self, painter: QPainter, view: "MapView") -> None:
+        """Draw, in logical pixels; `view.camera` and `view.transform` lead there. The painter is restored after it."""
+
+
+class MapView(QWidget):
+    """A map that can be zoomed, dragged and followed; it shows what it is given and tells what was pointed at.
+
+    Signals:
+        room_clicked: number of the room, as people count.
+        robot_clicked: index of the robot.
+        room_hovered: number of the room under the pointer, or None.
+        point_pressed, point_dragged, point_released: x, y in map metres, while a tool has the left button.
+    """
+
+    room_clicked = Signal(int)
+    robot_clicked = Signal(int)
+    room_hovered = Signal(object)
+    point_pressed = Signal(float, float)
+    point_dragged = Signal(float, float)
+    point_released = Signal(float, float)
+
+    def __init__(self, palette: Palette, parent: QWidget | None = None) -> None:
+        super().__init__(parent)
+        self._palette = palette
+        self._ground = Ground(palette)
+        self._painted_robots = Robots(palette)
+        self._plan: Plan | None = None
+        self._rooms: tuple[RoomMark, ...] = ()
+        self._robots: tuple[RobotMark, ...] = ()
+        self._layers: list[Layer] = []
+        self._camera = Camera(0.0, 0.0, 50.0, 1.0, 1.0)
+        self._fitted = True
+        self._followed: int | None = None
+        self._tool: Qt.CursorShape | None = None
+        self._hovered: int | None = None
+        self._pressed: QPointF | None = None
+        self._last = QPointF()
+        self._dragging = False
+        self.setAttribute(Qt.WidgetAttribute.WA_OpaquePaintEvent)
+        self.setMouseTracking(True)
+        self.setSizePolicy(QSizePolicy.Policy.Expanding, QSizePolicy.Policy.Expanding)
+        self.setAccessibleName("Map")
+        self._describing = QTimer(self)
+        self._describing.timeout.connect(self._describe)
+        self._describing.start(DESCRIBED)
+
+    # What is shown ----------------------------------------------------------------------------------------------------
+
+    def show_house(self, house: House) -> None:
+        """Another house; all of it is shown."""
+        self._plan = unpack(house)
+        self._ground.show_plan(self._plan)
+        self.fit()
+
+    def show_rooms(self, rooms: Sequence[RoomMark]) -> None:
+        """The rooms as they are now; nothing is done when they are as they were."""
+        if not _same(self._rooms, rooms):
+            self._rooms = tuple(rooms)
+            self._ground.show_rooms(self._rooms)
+            self.update()
+
+    def show_robots(self, robots: Sequence[RobotMark]) -> None:
+        """The robots as they are in this frame."""
+        self._robots = tuple(robots)
+        self._chase()
+        self.update()
+
+    def set_palette(self, palette: Palette) -> None:
+        """Other colours."""
+        self._palette = palette
+        self._ground.set_palette(palette)
+        self._painted_robots.set_palette(palette)
+        self.update()
+
+    def add_layer(self, layer: Layer) -> None:
+        """Draw this as well from now on; call `update` when it has changed and no robots are shown anew."""
+        self._layers.append(layer)
+        self._layers.sort(key=lambda one: one.z)
+        self.update()
+
+    def remove_layer(self, layer: Layer) -> None:
+        """Draw this no more."""
+        self._layers = [one for one in self._layers if one is not layer]
+        self.update()
+
+    # Where it looks ---------------------------------------------------------------------------------------------------
+
+    @property
+    def camera(self) -> Camera:
+        """What is seen just now, in logical pixels of this widget."""
+        return self._camera
+
+    @property
+    def colours(self) -> Palette:
+        """The colours it is drawn in."""
+        return self._palette
+
+    @property
+    def transform(self) -> QTransform:
+        """From map metres to logical pixels of this widget."""
+        camera = self._camera
+        px, py = camera.pixel(0.0, 0.0)
+        return QTransform(camera.scale, 0.0, 0.0, -camera.scale, px, py)
+
+    def fit(self) -> None:
+        """Show all of the house, and go on doing so when the size changes; nobody is followed any more."""
+        self._followed, self._fitted = None, True
+        self._refit()
+        self.update()
+
+    def follow(self, robot: int | None) -> None:
+        """Keep this robot in the middle; None stays where it is."""
+        if robot is None:
+            self._followed = None
+            return
+        self._followed, self._fitted = robot, False
+        if self._camera.scale < NEAR:
+            middle = self._camera.width / 2.0, self._camera.height / 2.0
+            self._camera = self._camera.zoomed(NEAR / self._camera.scale, *middle)
+        self._chase()
+        self.update()
+
+    @property
+    def followed(self) -> int | None:
+        """The robot that is kept in the middle."""
+        return self._followed
+
+    def set_tool(self, cursor: Qt.CursorShape | None) -> None:
+        """Hand the left button to a tool, which hears of it by `point_pressed` and its like; None takes it back.
+
+        The map is then dragged by the middle button, and clicks choose nothing.
+        """
+        self._tool = cursor
+        self._point_at(self._last)
+
+    def room_at(self, position: QPointF) -> int | None:
+        """The room under a pixel of this widget."""
+        x, y = self._camera.point(position.x(), position.y())
+        return next((mark.room for mark in self._rooms if holds(mark.region, x, y)), None)
+
+    def robot_at(self, position: QPointF) -> int | None:
+        """The robot nearest to a pixel of this widget, if one is near."""
+        reached = [
+            (QPointF(*self._camera.pixel(mark.pose.x, mark.pose.y)) - position, mark.robot) for mark in self._robots
+        ]
+        near = [(gap.x() ** 2 + gap.y() ** 2, robot) for gap, robot in reached]
+        distance, robot = min(near, default=(REACH**2 + 1.0, -1))
+        return robot if distance <= REACH**2 else None
+
+    def sizeHint(self) -> QSize:
+        """Room for a map."""
+        return QSize(800, 600)
+
+    # Painting ---------------------------------------------------------------------------------------------------------
+
+    def paintEvent(self, event: QPaintEvent) -> None:
+        """Draw a frame."""
+        ratio = self.devicePixelRatioF()
+        camera = self._camera = self._camera.snapped(ratio)
+        painter = QPainter(self)
+        painter.setFont(self.font())
+        moving = self._followed is not None or self._dragging
+        self._ground.paint(painter, camera, ratio, self.font(), moving)
+        for layer in self._layers:
+            if layer.z < 0:
+                self._paint_layer(painter, layer)
+        self._painted_robots.paint(painter, camera, self._robots, self.font(), ratio)
+        for layer in self._layers:
+            if layer.z >= 0:
+                self._paint_layer(painter, layer)
+        self._paint_scale_bar(painter)
+        painter.end()
+
+    def _paint_layer(self, painter: QPainter, layer: Layer) -> None:
+        painter.save()
+        layer.paint(painter, self)
+        painter.restore()
+
+    def _paint_scale_bar(self, painter: QPainter) -> None:
+        metres = next((m for m in (0.1, 0.2, 0.5, 1.0, 2.0, 5.0, 10.0, 20.0) if m * self._camera.scale >= 60.0), 50.0)
+        length = metres * self._camera.scale
+        right, bottom = self.width() - 14.0, self.height() - 12.0
+        font = painter.font()
+        font.setPixelSize(12)
+        painter.setFont(font)
+        words = f"{metres:g} m"
+        metrics = QFontMetricsF(font)
+        box = QRectF(right - length - 8.0, bottom - 24.0, length + 16.0, 28.0)
+        backing = QColor(self._palette.panel)
+        backing.setAlpha(215)
+        painter.setPen(Qt.PenStyle.NoPen)
+        painter.setBrush(backing)
+        painter.drawRoundedRect(box, 6.0, 6.0)
+        painter.setPen(QPen(QColor(self._palette.muted), 2.0))
+        for one, other in (
+            ((right - length, bottom), (right, bottom)),
+            ((right - length, bottom - 5.0), (right - length, bottom)),
+            ((right, bottom - 5.0), (right, bottom)),
+        ):
+            painter.drawLine(QPointF(*one), QPointF(*other))
+        painter.setPen(QColor(self._palette.muted))
+        painter.drawText(QPointF(right - (length + metrics.horizontalAdvance(words)) / 2.0, bottom - 7.0), words)
+
+    # Looking about ----------------------------------------------------------------------------------------------------
+
+    def resizeEvent(self, event: QResizeEvent) -> None:
+        """Keep the middle, or the whole house."""
+        self._camera = self._camera.resized(float(max(self.width(), 1)), float(max(self.height(), 1)))
+        if self._fitted:
+            self._refit()
+
+    def wheelEvent(self, event: QWheelEvent) -> None:
+        """Zoom about the pointer."""
+        self._zoom(WHEEL ** event.angleDelta().y(), event.position())
+        event.accept()
+
+    def event(self, event: QEvent) -> bool:
+        """Zoom by two fingers; the rest as ever."""
+        if isinstance(event, QNativeGestureEvent) and event.gestureType() == Qt.NativeGestureType.ZoomNativeGesture:
+            self._zoom(1.0 + event.value(), event.position())
+            return True
+        return super().event(event)
+
+    def _zoom(self, factor: float, about: QPointF) -> None:
+        self._fitted = False
+        self._camera = self._camera.zoomed(factor, about.x(), about.y())
+        self.update()
+
+    def _refit(self) -> None:
+        if self._plan is not None:
+            width, height = float(max(self.width(), 1)), float(max(self.height(), 1))
+            self._camera = Camera.fitted(self._plan.bounds, width, height, FIT_MARGIN)
+
+    def _chase(self) -> None:
+        target = next((mark.pose for mark in self._robots if mark.robot == self._followed), None)
+        if target is not None:
+            camera = self._camera
+            self._camera = camera.centred(
+                camera.x + CHASE * (target.x - camera.x), camera.y + CHASE * (target.y - camera.y)
+            )
+
+    # Pointing ---------------------------------------------------------------------------------------------------------
+
+    def mousePressEvent(self, event: QMouseEvent) -> None:
+        """Begin a click, a drag or a stroke of the tool."""
+        self._last = event.position()
+        self._pressed, self._dragging = event.position(), event.button() == Qt.MouseButton.MiddleButton
+        if self._tools(event):
+            self.point_pressed.emit(*self._camera.point(event.position().x(), event.position().y()))
+
+    def mouseMoveEvent(self, event: QMouseEvent) -> None:
+        """Drag the map, go on with the tool's stroke, or look at what is under the pointer."""
+        position = event.position()
+        if self._pressed is None:
+            self._point_at(position)
+        elif self._tool is not None and not self._dragging:
+            self.point_dragged.emit(*self._camera.point(position.x(), position.y()))
+        else:
+            moved = position - self._pressed
+            if self._dragging or moved.manhattanLength() > DRAG:
+                if not self._dragging:
+                    self._last = self._pressed
+                self._drag(position - self._last)
+        self._last = position
+
+    def mouseReleaseEvent(self, event: QMouseEvent) -> None:
+        """End a drag or a stroke; a press that stayed where it was is a click."""
+        pressed, self._pressed = self._pressed, None
+        dragged, self._dragging = self._dragging, False
+        if self._tools(event):
+            self.point_released.emit(*self._camera.point(event.position().x(), event.position().y()))
+        elif pressed is not None and not dragged and event.button() == Qt.MouseButton.LeftButton:
+            self._click(event.position())
+        self._point_at(event.position())
+
+    def mouseDoubleClickEvent(self, event: QMouseEvent) -> None:
+        """Show all of the house, where there is nothing to choose."""
+        if self._tool is None and self.room_at(event.position()) is None and self.robot_at(event.position()) is None:
+            self.fit()
+        else:
+            self.mousePressEvent(event)
+
+    def leaveEvent(self, event: QEvent) -> None:
+        """Nothing is looked at any more."""
+        self._hover(None)
+
+    def _tools(self, event: QMouseEvent) -> bool:
+        return self._tool is not None and event.button() == Qt.MouseButton.LeftButton
+
+    def _drag(self, moved: QPointF) -> None:
+        self._dragging, self._fitted, self._followed = True, False, None
+        self._camera = self._camera.dragged(moved.x(), moved.y())
+        self.setCursor(Qt.CursorShape.ClosedHandCursor)
+        self.update()
+
+    def _click(self, position: QPointF) -> None:
+        robot = self.robot_at(position)
+        room = self.room_at(position)
+        if robot is not None:
+            self.robot_clicked.emit(robot)
+        elif room is not None:
+            self.room_clicked.emit(room)
+
+    def _point_at(self, position: QPointF) -> None:
+        robot, room = self.robot_at(position), self.room_at(position)
+        choosable = any(mark.room == room and mark.choosable for mark in self._rooms)
+        shape = Qt.CursorShape.PointingHandCursor if robot is not None or choosable else Qt.CursorShape.ArrowCursor
+        self.setCursor(shape if self._tool is None else self._tool)
+        self._hover(room if robot is None else None)
+
+    def _hover(self, room: int | None) -> None:
+        if room != self._hovered:
+            self._hovered = room
+            self.room_hovered.emit(room)
+
+    # In words ---------------------------------------------------------------------------------------------------------
+
+    def _describe(self) -> None:
+        words = describe(self._rooms, self._robots)
+        if words != self.accessibleDescription():
+            self.setAccessibleDescription(words)
+
+
+def _same(some: Sequence[RoomMark], others: Sequence[RoomMark]) -> bool:
+    """Whether two sequences of rooms look the same."""
+    return len(some) == len(others) and all(
+        one is other
+        or (
+            (one.room, one.name, one.state, one.choosable, one.considered, one.found, one.robot)
+            == (other.room, other.name, other.state, other.choosable, other.considered, other.found, other.robot)
+            and np.array_equal(one.region, other.region)
+        )
+        for one, other in zip(some, others, strict=True)
+    )

@@ -1,0 +1,36 @@
+"""The map in words, for those who do not see it."""
+
+from collections.abc import Sequence
+
+from ui.model.scene import RobotMark, RoomMark
+from ui.windows.map.plan import holds
+
+
+def describe(rooms: Sequence[RoomMark], robots: Sequence[RobotMark]) -> str:
+    """How many rooms there are, which of them are visited or expect a robot, and where every robot is."""
+    sentences = [f"Map: {len(rooms)} room{'' if len(rooms) == 1 else 's'}"]
+    visited = [mark.room for mark in rooms if mark.state == "visited"]
+    if visited:
+        sentences.append(f"visited: {_listed(visited)}")
+    for robot in robots:
+        where = _where(robot, rooms)
+        going = _going(robot, rooms)
+        trouble = ", in trouble" if robot.trouble else ""
+        chosen = ", selected" if robot.selected else ""
+        sentences.append(f"robot {robot.robot + 1} {where}{going}{trouble}{chosen}")
+    return "; ".join(sentences) + "."
+
+
+def _where(robot: RobotMark, rooms: Sequence[RoomMark]) -> str:
+    room = next((mark.room for mark in rooms if holds(mark.region, robot.pose.x, robot.pose.y)), None)
+    return "in the corridor" if room is None else f"in room {room}"
+
+
+def _going(robot: RobotMark, rooms: Sequence[RoomMark]) -> str:
+    target = next((mark.room for mark in rooms if mark.state == "reserved" and mark.robot == robot.robot), None)
+    return "" if target is None else f", on its way to room {target}"
+
+
+def _listed(numbers: Sequence[int]) -> str:
+    words = [str(number) for number in numbers]
+    return words[0] if len(words) == 1 else f"{', '.join(words[:-1])} and {words[-1]}"
