@@ -1,0 +1,1 @@
+"""The researcher's window: a session or a recording, with the truth beside what the robots believe."""

@@ -1,0 +1,86 @@
+"""What each key does in the researcher's window, and the sheet that tells it."""
+
+from PySide6.QtCore import Qt
+from PySide6.QtWidgets import QDialog, QDialogButtonBox, QGridLayout, QLabel, QVBoxLayout, QWidget
+
+from ui.windows.look import font
+from ui.windows.researcher.displays import SWITCHES
+from ui.windows.researcher.tools import TOOLS
+
+Keys = tuple[tuple[str, str], ...]
+
+GROUPS: tuple[tuple[str, Keys], ...] = (
+    (
+        "Time",
+        (
+            ("Space", "play or pause"),
+            (". and ,", "one step forward, one step back"),
+            ("] and [", "faster, slower"),
+            ("Home, End", "to the beginning, to the end (recordings)"),
+            ("PgUp, PgDown", "to the mark before, to the next mark (recordings)"),
+        ),
+    ),
+    (
+        "Robots",
+        (
+            ("Tab", "on the map: the next robot; with Shift the one before"),
+            ("F", "follow the robot selected, or stop that"),
+            ("Delete", "kill the robot selected; asks first"),
+            ("R", "revive it"),
+            ("C", "clear its costmaps"),
+        ),
+    ),
+    (
+        "Tools on the map",
+        (
+            *((tool.key, tool.label.lower()) for tool in TOOLS.values()),
+            ("Esc", "drop the tool"),
+            ("A", "see all of the map"),
+        ),
+    ),
+    ("Displays", tuple((switch.key, switch.label.lower()) for switch in SWITCHES.values() if switch.key)),
+    (
+        "Window",
+        (
+            ("F6", "to the next part of the window; with Shift the one before"),
+            ("Ctrl+F", "filter the list on view"),
+            ("Ctrl+C", "copy the rows selected"),
+            ("F1", "this sheet"),
+        ),
+    ),
+)
+
+
+class KeySheet(QDialog):
+    """All keys on one sheet."""
+
+    def __init__(self, parent: QWidget) -> None:
+        super().__init__(parent)
+        self.setWindowTitle("Keys")
+        columns = QGridLayout()
+        columns.setHorizontalSpacing(40)
+        columns.setVerticalSpacing(20)
+        for number, (title, keys) in enumerate(GROUPS):
+            columns.addLayout(_group(title, keys), number // 2, number % 2, Qt.AlignmentFlag.AlignTop)
+        close = QDialogButtonBox(QDialogButtonBox.StandardButton.Close)
+        close.rejected.connect(self.reject)
+        layout = QVBoxLayout(self)
+        layout.setContentsMargins(24, 24, 24, 24)
+        layout.addLayout(columns)
+        layout.addWidget(close)
+
+
+def _group(title: str, keys: Keys) -> QGridLayout:
+    grid = QGridLayout()
+    grid.setHorizontalSpacing(16)
+    grid.setVerticalSpacing(4)
+    heading = QLabel(title)
+    heading.setFont(font(bold=True))
+    grid.addWidget(heading, 0, 0, 1, 2)
+    for row, (key, what) in enumerate(keys, start=1):
+        name = QLabel(key)
+        name.setFont(font(bold=True))
+        grid.addWidget(name, row, 0)
+        grid.addWidget(QLabel(what), row, 1)
+    grid.setColumnStretch(1, 1)
+    return grid

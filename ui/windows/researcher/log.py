@@ -1,0 +1,281 @@
+"""Lists of what was said and done, in the order of time: the protocol's lines, the dialogue, events, inputs."""
+
+from bisect import bisect_right
+from collections.abc import Sequence
+from dataclasses import dataclass
+
+from PySide6.QtCore import QAbstractTableModel, QModelIndex, QPersistentModelIndex, Qt, Signal
+from PySide6.QtGui import QColor, QGuiApplication, QKeySequence, QShortcut
+from PySide6.QtWidgets import QCheckBox, QHBoxLayout, QHeaderView, QLabel, QLineEdit, QTableView, QVBoxLayout, QWidget
+
+from ui.model.theme import Palette
+
+CAPACITY = 20_000
+"""Rows that are kept; the oldest go first."""
+MAKE_ROOM = CAPACITY // 10
+"""Rows that go at once, so that a full list does not lose one with each that comes."""
+
+Index = QModelIndex | QPersistentModelIndex
+NOWHERE = QModelIndex()
+
+
+@dataclass(frozen=True, slots=True)
+class Row:
+    """One thing that was said or done.
+
+    Attributes:
+        time: seconds since the beginning.
+        cells: what the columns after the time say.
+        robot: whose colour it has; None for nobody's.
+    """
+
+    time: float
+    cells: tuple[str, ...]
+    robot: int | None = None
+
+
+class LogModel(QAbstractTableModel):
+    """Rows in the order of time, those only that have the words of the filter.
+
+    What lies after the time shown is dimmed: a recording knows its future.
+
+    Args:
+        columns: their titles, after that of the time.
+        palette: the colours.
+    """
+
+    def __init__(self, columns: Sequence[str], palette: Palette, parent: QWidget | None = None) -> None:
+        super().__init__(parent)
+        self._titles = ("Time", *columns)
+        self._palette = palette
+        self._rows: list[Row] = []
+        self._texts: list[str] = []
+        self._words: tuple[str, ...] = ()
+        self._shown: list[Row] = []
+        self._now = float("inf")
+        self._past = 0
+
+    # What it holds
+
+    @property
+    def size(self) -> int:
+        """Rows kept, whether the filter lets them through or not."""
+        return len(self._rows)
+
+    @property
+    def last_past(self) -> int:
+        """Number of the row that the time shown has come to; -1 before the first."""
+        return self._past - 1
+
+    def row(self, number: int) -> Row:
+        """The row shown in this place."""
+        return self._shown[number]
+
+    def extend(self, rows: Sequence[Row]) -> None:
+        """Take in what came later than all so far."""
+        if not rows:
+            return
+        rows = rows[-CAPACITY:]
+        texts = [" ".join(row.cells).lower() for row in rows]
+        if len(self._rows) + len(rows) > CAPACITY:
+            self._rows = self._rows[max(0, len(self._rows) + len(rows) - CAPACITY) + MAKE_ROOM :] + list(rows)
+            self._texts = self._texts[len(self._texts) - (len(self._rows) - len(rows)) :] + texts
+            self._choose()
+            return
+        self._rows += rows
+        self._texts += texts
+        fit = [row for row, text in zip(rows, texts, strict=True) if self._fits(text)]
+        if fit:
+            self.beginInsertRows(NOWHERE, len(self._shown), len(self._shown) + len(fit) - 1)
+            self._shown += fit
+            self._past = bisect_right(self._shown, self._now, key=_time)
+            self.endInsertRows()
+
+    def clear(self) -> None:
+        """Forget all."""
+        self.beginResetModel()
+        self._rows, self._texts, self._shown, self._past = [], [], [], 0
+        self.endResetModel()
+
+    def set_filter(self, text: str) -> None:
+        """Show only rows that have all these words, in any case of letters."""
+        self._words = tuple(text.lower().split())
+        self._choose()
+
+    def show_time(self, now: float) -> None:
+        """What lies after this time is still to come."""
+        self._now = now
+        past = bisect_right(self._shown, now, key=_time)
+        if past != self._past:
+            low, high = sorted((past, self._past))
+            self._past = past
+            self.dataChanged.emit(self.index(low, 0), self.index(high - 1, len(self._titles) - 1))
+
+    def set_palette(self, palette: Palette) -> None:
+        """Other colours."""
+        self._palette = palette
+        if self._shown:
+            self.dataChanged.emit(self.index(0, 0), self.index(len(self._shown) - 1, len(self._titles) - 1))
+
+    def _choose(self) -> None:
+        self.beginResetModel()
+        self._shown = [row for row, text in zip(self._rows, self._texts, strict=True) if self._fits(text)]
+        self._past = bisect_right(self._shown, self._now, key=_time)
+        self.endResetModel()
+
+    def _fits(self, text: str) -> bool:
+        return all(word in text for word in self._words)
+
+    # What Qt asks
+
+    def rowCount(self, parent: Index = NOWHERE) -> int:
+        """Rows shown."""
+        return 0 if parent.isValid() else len(self._shown)
+
+    def columnCount(self, parent: Index = NOWHERE) -> int:
+        """Columns, that of the time first."""
+        return 0 if parent.isValid() else len(self._titles)
+
+    def headerData(self, section: int, orientation: Qt.Orientation, role: int = 0) -> object:
+        """Titles of the columns."""
+        if role == Qt.ItemDataRole.DisplayRole and orientation == Qt.Orientation.Horizontal:
+            return self._titles[section]
+        return None
+
+    def data(self, index: Index, role: int = 0) -> object:
+        """A cell's text, its colour, and the whole of it for the pointer that rests on it."""
+        row = self._shown[index.row()]
+        if role in (Qt.ItemDataRole.DisplayRole, Qt.ItemDataRole.ToolTipRole):
+            return f"{row.time:.2f}" if index.column() == 0 else row.cells[index.column() - 1]
+        if role == Qt.ItemDataRole.TextAlignmentRole and index.column() == 0:
+            return int(Qt.AlignmentFlag.AlignRight | Qt.AlignmentFlag.AlignVCenter)
+        if role == Qt.ItemDataRole.ForegroundRole:
+            if index.row() >= self._past or index.column() == 0:
+                return QColor(self._palette.muted)
+            if row.robot is not None and index.column() == 1:
+                return QColor(self._palette.robot(row.robot))
+        return None
+
+
+class Log(QWidget):
+    """A list with a box to filter it. It keeps to the time shown until somebody scrolls elsewhere.
+
+    Args:
+        name: what the list is of, for people.
+        columns: titles after that of the time.
+        palette: the colours.
+
+    Signals:
+        chosen: somebody wants to see the moment of a row, seconds since the beginning.
+    """
+
+    chosen = Signal(float)
+
+    def __init__(self, name: str, columns: Sequence[str], palette: Palette) -> None:
+        super().__init__()
+        self.model = LogModel(columns, palette, self)
+        self._scrolls = False
+        self._filter = QLineEdit(placeholderText="Filter: words that a row must have", clearButtonEnabled=True)
+        self._filter.setAccessibleName(f"Filter of {name}")
+        self._filter.textChanged.connect(self._filtered)
+        self._follows = QCheckBox("Keep to the time")
+        self._follows.setAccessibleDescription("Scrolls along with the time shown, until you scroll elsewhere")
+        self._follows.setChecked(True)
+        self._follows.toggled.connect(self._keep_up)
+        self._count = QLabel()
+        self.table = QTableView()
+        self.table.setAccessibleName(name)
+        self.table.setModel(self.model)
+        self.table.setSelectionBehavior(QTableView.SelectionBehavior.SelectRows)
+        self.table.setSelectionMode(QTableView.SelectionMode.ExtendedSelection)
+        self.table.setShowGrid(False)
+        self.table.setWordWrap(False)
+        self.table.setTabKeyNavigation(False)
+        self.table.verticalHeader().hide()
+        self.table.verticalHeader().setSectionResizeMode(QHeaderView.ResizeMode.Fixed)
+        self.table.verticalHeader().setDefaultSectionSize(self.fontMetrics().height() + 8)
+        header = self.table.horizontalHeader()
+        header.setStretchLastSection(True)
+        header.setDefaultAlignment(Qt.AlignmentFlag.AlignLeft | Qt.AlignmentFlag.AlignVCenter)
+        widths = (9, *(12 for _ in columns))
+        for column, width in enumerate(widths):
+            self.table.setColumnWidth(column, self.fontMetrics().averageCharWidth() * width)
+        self.table.activated.connect(self._activated)
+        self.table.verticalScrollBar().valueChanged.connect(self._scrolled)
+        copy = QShortcut(QKeySequence(QKeySequence.StandardKey.Copy), self.table)
+        copy.setContext(Qt.ShortcutContext.WidgetShortcut)
+        copy.activated.connect(self.copy)
+        top = QHBoxLayout()
+        top.addWidget(self._filter, 1)
+        top.addWidget(self._count)
+        top.addWidget(self._follows)
+        layout = QVBoxLayout(self)
+        layout.setContentsMargins(8, 8, 8, 8)
+        layout.addLayout(top)
+        layout.addWidget(self.table, 1)
+        self._tell_size()
+
+    def extend(self, rows: Sequence[Row]) -> None:
+        """Take in what came later than all so far."""
+        if rows:
+            self.model.extend(rows)
+            self._tell_size()
+            self._keep_up()
+
+    def clear(self) -> None:
+        """Forget all."""
+        self.model.clear()
+        self._tell_size()
+
+    def show_time(self, now: float) -> None:
+        """Keep to this time."""
+        before = self.model.last_past
+        self.model.show_time(now)
+        if self.model.last_past != before:
+            self._keep_up()
+
+    def set_palette(self, palette: Palette) -> None:
+        """Other colours."""
+        self.model.set_palette(palette)
+
+    def focus_filter(self) -> None:
+        """Let words of the filter be typed."""
+        self._filter.setFocus(Qt.FocusReason.ShortcutFocusReason)
+
+    def copy(self) -> None:
+        """The rows selected go to the clipboard, cells with tabs between them."""
+        numbers = sorted(index.row() for index in self.table.selectionModel().selectedRows())
+        rows = (self.model.row(number) for number in numbers)
+        QGuiApplication.clipboard().setText("\n".join("\t".join((f"{row.time:.3f}", *row.cells)) for row in rows))
+
+    def _filtered(self, text: str) -> None:
+        self.model.set_filter(text)
+        self._tell_size()
+        self._keep_up()
+
+    def _tell_size(self) -> None:
+        shown, size = self.model.rowCount(), self.model.size
+        self._count.setText(f"{size:,} rows" if shown == size else f"{shown:,} of {size:,} rows")
+
+    def _keep_up(self) -> None:
+        if self._follows.isChecked() and self.model.last_past >= 0:
+            self._scrolls = True
+            self.table.doItemsLayout()  # rows that have just come count for the scroll bar, too
+            self.table.scrollTo(self.model.index(self.model.last_past, 0), QTableView.ScrollHint.EnsureVisible)
+            self._scrolls = False
+
+    def _scrolled(self) -> None:
+        """By hand: keep to the time only where it is in sight."""
+        if self._scrolls or self.model.last_past < 0:
+            return
+        place = self.table.visualRect(self.model.index(self.model.last_past, 0))
+        self._follows.blockSignals(True)
+        self._follows.setChecked(self.table.viewport().rect().intersects(place))
+        self._follows.blockSignals(False)
+
+    def _activated(self, index: QModelIndex) -> None:
+        self.chosen.emit(self.model.row(index.row()).time)
+
+
+def _time(row: Row) -> float:
+    return row.time
