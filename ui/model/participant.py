@@ -1,0 +1,154 @@
+"""The participant's side of the game, without a window: what is heard becomes a screen, and acts become wishes."""
+
+import math
+
+from thbridge.roles.notices import House, Motion, Picture, Ways, Whereabouts
+from thbridge.roles.view import View, Wish
+from ui.model.motion import Motions
+from ui.model.playing.compose import changes, compose
+from ui.model.playing.deeds import do
+from ui.model.playing.hearing import hear_view, wishes
+from ui.model.playing.marks import Outlines
+from ui.model.playing.offers import offer
+from ui.model.playing.popups import Find, Talk
+from ui.model.playing.state import Drawn, Memory
+from ui.model.scene import RobotMark, RoomMark
+from ui.model.screen import Act, Screen
+
+
+class Participant:
+    """The view model of the participant's window.
+
+    It is told what the game says and what the participant does, and says what to show and what to ask the game for.
+    Times called `now` are monotonic seconds that never run backwards.
+    """
+
+    def __init__(self) -> None:
+        self._memory = Memory()
+        self._motions = Motions()
+        self._outlines: Outlines | None = None
+        self._screen: Screen | None = None
+        self._rooms: tuple[RoomMark, ...] = ()
+        # When the screen is to be made anew at the latest; at once after something came in.
+        self._due = -math.inf
+
+    @property
+    def house(self) -> House | None:
+        """Where all this happens; None until it is told."""
+        return self._memory.house
+
+    @property
+    def followed(self) -> int | None:
+        """The robot to keep in the middle of the map."""
+        return self._memory.followed
+
+    def hear(self, level: View | House | Whereabouts | Ways | Picture, now: float) -> None:
+        """Take in what the game says."""
+        memory = self._memory
+        match level:
+            case View():
+                if level.robots and (level.ready or memory.hunt is not None):
+                    hear_view(memory, level, now)
+            case House():
+                if level != memory.house:
+                    memory.house, self._outlines = level, Outlines(level)
+            case Picture():
+                memory.pictures.hear(level)
+            case Whereabouts():
+                self._motions.hear(level, now)
+                if not self._hear_motions(level.motions, now):
+                    return
+            case Ways():
+                self._motions.hear(level, now)
+                return
+        self._due = -math.inf
+
+    def connected(self, now: float) -> None:
+        """The game is reached, for the first time or again."""
+        self._memory.connection.connected(now)
+        self._due = -math.inf
+
+    def lost(self, sentence: str, now: float) -> None:
+        """The game is not reached, or not any more.
+
+        Args:
+            sentence: why, for people; may be empty.
+            now: monotonic seconds.
+        """
+        memory = self._memory
+        if not memory.connection.is_lost and memory.hunt is not None:
+            memory.history.announce("The connection to the game is lost. It is tried again by itself.")
+        memory.connection.lose(sentence, now)
+        self._due = -math.inf
+
+    def do(self, act: Act, now: float) -> None:
+        """The participant does this, looking at the screen as it was made last.
+
+        What is not offered there, or is meant for something that has gone since, does nothing; what is offered but not
+        possible just now says why.
+        """
+        offered = None if self._screen is None else offer(self._screen, act)
+        if offered is not None and offered.busy:
+            return
+        do(self._memory, act, now)
+        self._due = -math.inf
+
+    def screen(self, now: float) -> Screen:
+        """What to show now: the very same object while nothing changed."""
+        memory = self._memory
+        if self._screen is not None and now < self._due:
+            return self._screen
+        if now >= memory.typed_until:
+            memory.typed, memory.typed_until = "", math.inf
+        told = ("", 0) if self._screen is None else (self._screen.announcement, self._screen.announced)
+        news = memory.history.take_news()
+        fresh = compose(memory, now, news or told[0], told[1] + bool(news))
+        self._due = changes(memory, now)
+        memory.drawn = self._drawn()
+        if fresh != self._screen:
+            self._screen = fresh
+            self._rooms = () if self._outlines is None else self._outlines.rooms(fresh.tiles)
+        return self._screen or fresh
+
+    def rooms(self, now: float) -> tuple[RoomMark, ...]:
+        """The rooms on the map: the very same object while nothing changed."""
+        self.screen(now)
+        return self._rooms
+
+    def robots(self, now: float) -> tuple[RobotMark, ...]:
+        """The robots on the map, in this frame."""
+        hunt = self._memory.hunt
+        if self._outlines is None or hunt is None:
+            return ()
+        return self._outlines.robots(self._motions.at(now), hunt.view, self._memory.selected)
+
+    def wishes(self) -> tuple[Wish, ...]:
+        """Everything wanted of the game as of now, oldest first; to be said again until it is not wanted any more."""
+        return () if self._memory.hunt is None else wishes(self._memory.hunt)
+
+    def _hear_motions(self, motions: tuple[Motion, ...], now: float) -> bool:
+        """Whether anything on the screen changes by it; this comes many times a second."""
+        memory = self._memory
+        was_still = memory.connection.trouble(now) is not None
+        memory.connection.hear(now)
+        before, memory.motions = memory.motions, motions
+        return was_still or _shown(before) != _shown(motions)
+
+    def _drawn(self) -> Drawn:
+        hunt = self._memory.hunt
+        if hunt is None:
+            return Drawn()
+        item = hunt.popups.shown
+        match item:
+            case Talk(robot):
+                dialogue = hunt.talk(robot)
+            case Find():
+                dialogue = hunt.talk_about(item)
+            case None:
+                dialogue = None
+        turn = None if dialogue is None else (dialogue.dialogue, dialogue.turn)
+        return Drawn(item, turn, hunt.doubt, hunt.view.game)
+
+
+def _shown(motions: tuple[Motion, ...]) -> tuple[tuple[str, int | None, float], ...]:
+    return tuple((motion.doing, motion.waits_for, round(motion.progress, 2)) for motion in motions)

@@ -1,0 +1,139 @@
+"""The robots' cards, and the sentences that say what a robot does."""
+
+from thbridge.hunt.events import Condition
+from thbridge.hunt.rules import robot_name
+from thbridge.roles.notices import Motion
+from thbridge.roles.view import CallBack, RobotView
+from ui.model.keys import key_of
+from ui.model.playing.possible import undecided_beside
+from ui.model.playing.state import Hunt, Memory
+from ui.model.playing.words import place_name, titled
+from ui.model.screen import Action, ChooseRobot, NextRobot, RobotCard, StopRobot
+
+
+def cards(memory: Memory, hunt: Hunt) -> tuple[RobotCard, ...]:
+    """One card a robot, in the team's order."""
+    return tuple(_card(memory, hunt, robot) for robot in hunt.view.robots)
+
+
+def is_in_trouble(robot: RobotView) -> bool:
+    """Whether something is wrong with a robot that people should worry about."""
+    return robot.blocked or robot.condition is not Condition.WELL
+
+
+def _card(memory: Memory, hunt: Hunt, robot: RobotView) -> RobotCard:
+    number = robot.robot
+    selected = number == memory.selected
+    considered = memory.considered() if selected else None
+    if considered is None:
+        considered = hunt.goal_considered(number)
+    cost = None
+    if considered is not None and robot.moving_to is None and hunt.view.room(considered).state == "unvisited":
+        cost = hunt.view.costs[robot.place][considered]
+    motion = memory.motion(number)
+    place = place_name(robot.place)
+    stranded = _is_stranded(hunt, robot)
+    return RobotCard(
+        robot=number,
+        name=titled(number),
+        selected=selected,
+        energy=robot.energy,
+        energy_at_start=hunt.richest,
+        cost=cost,
+        affordable=cost is None or cost <= robot.energy,
+        place=f"in {place}" if robot.moving_to is None else f"coming from {place}",
+        state="too little energy for any room" if stranded else _state(hunt, robot, motion),
+        trouble=is_in_trouble(robot) or stranded,
+        progress=None if robot.moving_to is None else round(min(max(motion.progress, 0.0), 1.0), 2),
+        waits=sum(item.robot == number for item in hunt.popups.waiting),
+        select=_select(memory, hunt, number),
+        stop=_stop(hunt, robot, selected),
+    )
+
+
+def _select(memory: Memory, hunt: Hunt, robot: int) -> Action:
+    team = len(hunt.view.robots)
+    key = ""
+    for step in (-1, 1):
+        if team > 1 and robot == (memory.selected + step) % team:
+            key = key_of(NextRobot(step))
+    chosen = robot == memory.selected
+    return Action(
+        ChooseRobot(robot),
+        titled(robot),
+        key,
+        hint=f"You command {robot_name(robot)}." if chosen else f"Command {robot_name(robot)}.",
+    )
+
+
+def _stop(hunt: Hunt, robot: RobotView, selected: bool) -> Action | None:
+    if robot.moving_to is None:
+        return None
+    stopping = CallBack(robot.robot) in hunt.asked or robot.robot in hunt.reroutes
+    return Action(
+        StopRobot(robot.robot),
+        "Stop",
+        key_of(StopRobot()) if selected else "",
+        enabled=not stopping,
+        hint=f"{titled(robot.robot)} is about to stop."
+        if stopping
+        else "The energy for the rest of the way comes back.",
+        busy=stopping,
+    )
+
+
+def _state(hunt: Hunt, robot: RobotView, motion: Motion) -> str:
+    if robot.condition is Condition.SILENT:
+        return "does not answer"
+    if robot.blocked and robot.moving_to is None:
+        return "no energy left"
+    if robot.moving_to is not None:
+        return _moving(hunt, robot, motion, place_name(robot.moving_to))
+    if robot.condition is Condition.LOST:
+        return "lost, does not know where it is"
+    return _resting(hunt, robot)
+
+
+def _moving(hunt: Hunt, robot: RobotView, motion: Motion, goal: str) -> str:
+    if CallBack(robot.robot) in hunt.asked or robot.robot in hunt.reroutes:
+        return "stopping"
+    if robot.condition is Condition.LOST:
+        return "lost, looking for its place"
+    match motion.doing:
+        case "waiting" if motion.waits_for is not None:
+            return f"waiting for {robot_name(motion.waits_for)}"
+        case "waiting":
+            return "waiting for another robot"
+        case "clearing":
+            return "getting free"
+        case "planning":
+            return f"looking for a way to {goal}"
+        case _:
+            return f"travelling to {goal}"
+
+
+def _resting(hunt: Hunt, robot: RobotView) -> str:
+    number = robot.robot
+    if hunt.asked.going(number) is not None:
+        return "is being asked"
+    if hunt.talk(number) is not None:
+        return "asks you something"
+    goal = hunt.goal_considered(number)
+    if goal is not None:
+        return f"about to set out for {place_name(goal)}"
+    room = undecided_beside(hunt.view, number)
+    if room is not None:
+        return "found something" if hunt.view.room(room).sensed else "looking at what is here"
+    return "ready"
+
+
+def _is_stranded(hunt: Hunt, robot: RobotView) -> bool:
+    """Whether rooms are left, and this robot at rest can reach none of them for want of energy alone."""
+    view = hunt.view
+    free = [room.room for room in view.rooms if room.state == "unvisited"]
+    if not free or robot.moving_to is not None or is_in_trouble(robot) or view.over is not None:
+        return False
+    if undecided_beside(view, robot.robot) is not None:
+        return False
+    costs = [cost for room in free if (cost := view.costs[robot.place][room]) is not None]
+    return bool(costs) and min(costs) > robot.energy

@@ -1,0 +1,168 @@
+"""The whole screen, out of what is remembered."""
+
+from thbridge.hunt.events import Condition
+from thbridge.hunt.rules import robot_name
+from thbridge.roles.view import Agree
+from ui.model.keys import HELP, help_lines, key_of
+from ui.model.playing.cards import cards
+from ui.model.playing.ending import ending
+from ui.model.playing.finds import PATIENCE, find
+from ui.model.playing.popups import Find, Item, Talk
+from ui.model.playing.questions import question
+from ui.model.playing.state import Hunt, Memory
+from ui.model.playing.talks import going, title
+from ui.model.playing.tiles import dont_know, end, tiles
+from ui.model.playing.words import titled, verdict_words
+from ui.model.screen import (
+    Action,
+    AgreeToTakePart,
+    Banner,
+    DialoguePop,
+    DontKnow,
+    EndGame,
+    FitMap,
+    FollowRobot,
+    Phase,
+    Screen,
+    ShowHelp,
+    ShowWaiting,
+    TreasurePop,
+    Waiting,
+)
+
+WAITING_KEY = "W"
+"""The second key of `ShowNext`: for a button that shows what waits, "Esc" would be a riddle."""
+
+
+def compose(memory: Memory, now: float, announcement: str, announced: int) -> Screen:
+    """What is shown at this moment."""
+    hunt = memory.hunt
+    phase = phase_of(memory)
+    playing = hunt if phase is Phase.PLAYING else None
+    return Screen(
+        phase=phase,
+        waiting_for=_waiting_for(memory) if phase is Phase.CONNECTING else "",
+        consent="" if hunt is None or hunt.view.consent is None else hunt.view.consent,
+        agree=_agree(hunt),
+        banner=_banner(memory, now),
+        game=0 if hunt is None else hunt.view.game,
+        score=0 if hunt is None else hunt.view.score,
+        gained=None if hunt is None else hunt.gained,
+        cards=() if hunt is None else cards(memory, hunt),
+        tiles=() if hunt is None else tiles(memory, hunt),
+        dont_know=_not_now(DontKnow(), "Don't know") if playing is None else dont_know(memory, playing),
+        end=_not_now(EndGame(), "End the game") if playing is None else end(playing),
+        tools=_tools(memory),
+        pop=None if playing is None else _pop(memory, playing, now),
+        question=None if playing is None else question(memory, playing),
+        waiting=() if playing is None else _waiting(playing),
+        history=memory.history.lines,
+        ending=ending(hunt) if hunt is not None and phase is Phase.OVER else None,
+        help=help_lines(0 if hunt is None else len(hunt.view.rooms)) if memory.helping else (),
+        typed=memory.typed,
+        announcement=announcement,
+        announced=announced,
+    )
+
+
+def phase_of(memory: Memory) -> Phase:
+    """Which page is to be shown."""
+    if memory.hunt is None:
+        return Phase.CONNECTING
+    if memory.hunt.view.consent is not None:
+        return Phase.CONSENT
+    return Phase.PLAYING if memory.hunt.view.over is None else Phase.OVER
+
+
+def changes(memory: Memory, now: float) -> float:
+    """When the screen will be another if nothing happens until then."""
+    due = [memory.connection.changes(now), memory.typed_until]
+    if memory.note is not None:
+        due.append(memory.note[1])
+    if memory.hunt is not None:
+        due += [since + PATIENCE for since in memory.hunt.pictured.values()]
+    return min((time for time in due if time > now), default=float("inf"))
+
+
+def _waiting_for(memory: Memory) -> str:
+    if memory.connection.is_lost:
+        return "The game cannot be reached. It is tried again by itself."
+    return "Waiting for the game and its robots to get ready."
+
+
+def _banner(memory: Memory, now: float) -> Banner | None:
+    trouble = memory.connection.trouble(now)
+    view = None if memory.hunt is None else memory.hunt.view
+    if trouble is not None and (memory.connection.is_lost or (view is not None and view.over is None)):
+        return Banner(trouble, "bad")
+    if view is not None and not view.ready:
+        return Banner("The robots are not there just now. The game goes on as soon as they are.", "bad")
+    if memory.note is not None and now < memory.note[1]:
+        return Banner(memory.note[0], "note")
+    if view is not None and view.over is None and all(robot.condition is Condition.SILENT for robot in view.robots):
+        return Banner("No robot answers. Wait for one to answer again, or end the game.", "bad")
+    return None
+
+
+def _agree(hunt: Hunt | None) -> Action:
+    act = AgreeToTakePart()
+    if hunt is None or hunt.view.consent is None:
+        return _not_now(act, "I agree")
+    busy = Agree() in hunt.asked
+    return Action(act, "I agree", key_of(act), not busy, "You take part in the study.", busy)
+
+
+def _not_now(act: AgreeToTakePart | DontKnow | EndGame, label: str) -> Action:
+    return Action(act, label, key_of(act), enabled=False, hint="Not just now.")
+
+
+def _tools(memory: Memory) -> tuple[Action, ...]:
+    robot = robot_name(memory.selected)
+    following = memory.followed is not None
+    return (
+        Action(
+            FollowRobot(),
+            f"Stop following {robot}" if following else f"Follow {robot}",
+            key_of(FollowRobot()),
+            enabled=memory.hunt is not None,
+            hint="Keeps it in the middle of the map.",
+        ),
+        Action(FitMap(), "Whole map", key_of(FitMap()), enabled=memory.house is not None, hint="Shows all of the map."),
+        Action(ShowHelp(), "Close help" if memory.helping else "Help", HELP.keys[0], hint="All keys on one sheet."),
+    )
+
+
+def _pop(memory: Memory, hunt: Hunt, now: float) -> DialoguePop | TreasurePop | None:
+    match hunt.popups.shown:
+        case Talk() as talk:
+            return going(hunt, talk)
+        case Find() as found:
+            return find(hunt, memory.pictures, found, now)
+        case None:
+            return None
+
+
+def _waiting(hunt: Hunt) -> tuple[Waiting, ...]:
+    first = hunt.popups.next
+    return tuple(
+        Waiting(
+            item.robot,
+            _waits(hunt, item),
+            Action(ShowWaiting(item.robot), "Show", WAITING_KEY if item == first else "", hint=_waits(hunt, item)),
+        )
+        for item in hunt.popups.waiting
+    )
+
+
+def _waits(hunt: Hunt, item: Item) -> str:
+    name = titled(item.robot)
+    if isinstance(item, Talk):
+        dialogue = hunt.talk(item.robot)
+        return f"{name} is being asked" if dialogue is None else title(hunt, dialogue)
+    about = hunt.talk_about(item)
+    if about is not None:
+        return title(hunt, about)
+    room = hunt.view.room(item.room)
+    if room.verdict is not None:
+        return f"Room {item.room}: {verdict_words(room.verdict.name, room.verdict.points)}"
+    return f"{name} is in room {item.room}" + (" and found something" if room.sensed else "")

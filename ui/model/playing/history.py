@@ -1,0 +1,128 @@
+"""What happened and what was said, in sentences: for the history, and for those who listen instead of looking."""
+
+from collections import deque
+from collections.abc import Iterator
+from typing import Literal
+
+from thbridge.hunt.costs import spoken_energy
+from thbridge.hunt.events import Condition
+from thbridge.hunt.rules import robot_name
+from thbridge.roles.view import DialogueView, RobotView, RoomView, View
+from ui.model.playing.words import counted, place_name, seen_words, titled, verdict_words
+from ui.model.screen import Told
+
+KEPT = 500
+"""Lines kept."""
+
+_CONDITIONS = {
+    Condition.WELL: "is well again.",
+    Condition.LOST: "is lost: it does not know where it is.",
+    Condition.SILENT: "does not answer any more.",
+}
+
+
+class History:
+    """The lines so far, and what is to be announced."""
+
+    def __init__(self) -> None:
+        self._lines: deque[Told] = deque(maxlen=KEPT)
+        # How many lines of each open dialogue are told already.
+        self._said: dict[int, int] = {}
+        self._news: list[str] = []
+
+    @property
+    def lines(self) -> tuple[Told, ...]:
+        """Oldest first."""
+        return tuple(self._lines)
+
+    def take_news(self) -> str:
+        """What is to be announced since the last call; empty when nothing is."""
+        news = " ".join(self._news)
+        self._news.clear()
+        return news
+
+    def announce(self, sentence: str) -> None:
+        """Something to hear that is no part of the history."""
+        self._news.append(sentence)
+
+    def happened(self, sentence: str, robot: int | None = None) -> None:
+        """Something happened in the game."""
+        self._tell("game", robot, sentence)
+        self._news.append(sentence)
+
+    def answered(self, dialogue: DialogueView, choice: int) -> None:
+        """The participant made a choice; once the dialogue is over, nobody says it again."""
+        self._tell("you", dialogue.robot, dialogue.choices[choice])
+        self._said[dialogue.dialogue] = len(dialogue.said) + 1
+
+    def hear(self, before: View | None, view: View) -> None:
+        """Tell what is new in a view; `before` is None when the game is new to this program."""
+        if before is None:
+            self._begin(view)
+        else:
+            for was, now in zip(before.robots, view.robots, strict=True):
+                for sentence in _robot_news(was, now, view):
+                    self.happened(sentence, now.robot)
+            for old, new in zip(before.rooms, view.rooms, strict=True):
+                for sentence in _room_news(old, new):
+                    self.happened(sentence, new.robot)
+        for dialogue in view.dialogues:
+            self._hear_dialogue(dialogue)
+        self._said = {dialogue.dialogue: self._said[dialogue.dialogue] for dialogue in view.dialogues}
+        if view.over is not None and (before is None or before.over is None):
+            self.happened(f"The game is over. The score is {view.score}.")
+
+    def _begin(self, view: View) -> None:
+        team = f"{counted(len(view.robots), 'robot')} and {counted(len(view.rooms), 'room')}"
+        fresh = all(room.state == "unvisited" for room in view.rooms)
+        self.happened(
+            f"Game {view.game} begins, with {team}."
+            if fresh
+            else f"Game {view.game} is under way, with {team}; the score is {view.score}."
+        )
+
+    def _hear_dialogue(self, dialogue: DialogueView) -> None:
+        known = self._said.get(dialogue.dialogue, 0)
+        for index, sentence in enumerate(dialogue.said[known:], known):
+            speaker = speaker_of(index)
+            self._tell(speaker, dialogue.robot, sentence)
+            if speaker == "robot":
+                self._news.append(f"{titled(dialogue.robot)}: {sentence}")
+        self._said[dialogue.dialogue] = max(known, len(dialogue.said))
+
+    def _tell(self, speaker: Literal["robot", "you", "game"], robot: int | None, text: str) -> None:
+        self._lines.append(Told(speaker, robot, text))
+
+
+def speaker_of(index: int) -> Literal["robot", "you"]:
+    """Who says the sentence of this index in a dialogue: the robot begins, then turns alternate."""
+    return "robot" if index % 2 == 0 else "you"
+
+
+def _robot_news(was: RobotView, now: RobotView, view: View) -> Iterator[str]:
+    name = titled(now.robot)
+    if was.moving_to is not None and was.moving_to != now.moving_to:
+        if view.room(was.moving_to).state == "visited":
+            yield f"{name} is in {place_name(was.moving_to)}."
+        else:
+            back = now.energy - was.energy
+            refund = f" {spoken_energy(back)} energy comes back." if now.moving_to is None and back > 0.0 else ""
+            yield f"{name} has stopped before {place_name(was.moving_to)}.{refund}"
+    if now.moving_to is not None and was.moving_to != now.moving_to:
+        yield f"{name} sets out for {place_name(now.moving_to)}; it has {spoken_energy(now.energy)} energy left."
+    if now.condition is not was.condition:
+        yield f"{name} {_CONDITIONS[now.condition]}"
+    if now.blocked and not was.blocked:
+        yield f"{name} has no energy left."
+
+
+def _room_news(old: RoomView, new: RoomView) -> Iterator[str]:
+    if new.colour is not None and new.footprint is not None and not old.sensed:
+        yield f"In room {new.room} is {seen_words(new.colour, new.footprint)}."
+    if new.picture is not None and old.picture is None:
+        by = "" if new.robot is None else f" by {robot_name(new.robot)}"
+        yield f"A picture is taken in room {new.room}{by}."
+    if new.verdict is not None and old.verdict is None:
+        yield f"Room {new.room}: {verdict_words(new.verdict.name, new.verdict.points)}"
+    if new.left and not old.left:
+        yield f"What is in room {new.room} is left there."

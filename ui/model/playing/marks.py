@@ -1,0 +1,64 @@
+"""What the map shows of rooms and robots."""
+
+import numpy as np
+
+from sim.geometry import FloatArray
+from thbridge.roles.notices import House
+from thbridge.roles.view import View
+from ui.model.motion import Moving
+from ui.model.playing.cards import is_in_trouble
+from ui.model.scene import EllipseMark, RobotMark, RoomMark
+from ui.model.screen import RoomTile
+
+
+class Outlines:
+    """The shapes in a house, as arrays.
+
+    Args:
+        house: the house.
+    """
+
+    def __init__(self, house: House) -> None:
+        self._rooms = {room.room: _corners(room.region) for room in house.rooms}
+        self._footprint = _corners(house.footprint)
+
+    def rooms(self, tiles: tuple[RoomTile, ...]) -> tuple[RoomMark, ...]:
+        """The rooms as their tiles show them; those that the house does not have are left out."""
+        return tuple(
+            RoomMark(
+                room=tile.room,
+                name=tile.name,
+                region=self._rooms[tile.room],
+                state=tile.state,
+                choosable=tile.choose.enabled,
+                considered=tile.considered,
+                found=tile.found,
+                robot=tile.robot,
+            )
+            for tile in tiles
+            if tile.room in self._rooms
+        )
+
+    def robots(self, moving: tuple[Moving, ...], view: View, selected: int) -> tuple[RobotMark, ...]:
+        """The robots where they are in this frame."""
+        return tuple(
+            RobotMark(
+                robot=robot.robot,
+                label=str(robot.robot + 1),
+                pose=motion.pose,
+                footprint=self._footprint,
+                selected=robot.robot == selected,
+                trouble=is_in_trouble(robot),
+                trail=motion.trail,
+                way=motion.way,
+                ellipse=None
+                if motion.ellipse is None
+                else EllipseMark(motion.ellipse.major, motion.ellipse.minor, motion.ellipse.angle),
+                truth=motion.truth,
+            )
+            for robot, motion in zip(view.robots, moving, strict=False)
+        )
+
+
+def _corners(points: tuple[tuple[float, float], ...]) -> FloatArray:
+    return np.array(points, dtype=np.float64).reshape(-1, 2)

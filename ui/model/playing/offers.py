@@ -1,0 +1,52 @@
+"""Everything that a screen offers to do."""
+
+from collections.abc import Iterator
+
+from ui.model.screen import Act, Action, DialoguePop, Phase, Screen, StopRobot, TreasurePop
+
+
+def offers(screen: Screen) -> Iterator[Action]:
+    """All actions on a screen, in no order that matters."""
+    match screen.phase:
+        case Phase.CONSENT:
+            yield screen.agree
+        case Phase.OVER:
+            if screen.ending is not None:
+                yield screen.ending.again
+        case Phase.PLAYING:
+            yield from _playing(screen)
+        case Phase.CONNECTING:
+            pass
+    yield from screen.tools
+
+
+def offer(screen: Screen, act: Act) -> Action | None:
+    """What offers this act, if anything does; the key that stops a robot means the one commanded."""
+    if act == StopRobot():
+        return next((card.stop for card in screen.cards if card.selected), None)
+    return next((action for action in offers(screen) if action.act == act), None)
+
+
+def _playing(screen: Screen) -> Iterator[Action]:
+    if screen.question is not None:
+        yield screen.question.yes
+        yield screen.question.no
+        return
+    yield screen.dont_know
+    yield screen.end
+    for card in screen.cards:
+        yield card.select
+        if card.stop is not None:
+            yield card.stop
+    yield from (tile.choose for tile in screen.tiles)
+    yield from (waiting.show for waiting in screen.waiting)
+    match screen.pop:
+        case DialoguePop() as talk:
+            yield from talk.choices
+            yield talk.aside
+        case TreasurePop() as found:
+            if found.take_picture is not None:
+                yield found.take_picture
+            yield from (found.name_it, found.leave, found.aside)
+        case None:
+            pass

@@ -1,0 +1,41 @@
+"""Pictures, put together from the pieces in which they arrive."""
+
+import binascii
+from base64 import b64decode
+
+from thbridge.roles.notices import Picture
+
+
+class Pictures:
+    """The pictures of the game that was last heard of; they may come before the first view of it."""
+
+    def __init__(self) -> None:
+        self._game = 0
+        self._pieces: dict[int, dict[int, bytes]] = {}
+        self._whole: dict[int, bytes] = {}
+
+    def hear(self, piece: Picture) -> None:
+        """Take a piece. Those that are none are passed over."""
+        if piece.game != self._game:
+            self.forget()
+            self._game = piece.game
+        if piece.room in self._whole or not 0 <= piece.piece < piece.pieces:
+            return
+        try:
+            data = b64decode(piece.data, validate=True)
+        except binascii.Error:
+            return
+        pieces = self._pieces.setdefault(piece.room, {})
+        pieces[piece.piece] = data
+        if len(pieces) == piece.pieces:
+            self._whole[piece.room] = b"".join(pieces[number] for number in sorted(pieces))
+            del self._pieces[piece.room]
+
+    def forget(self) -> None:
+        """Drop them all: another game goes by the same number."""
+        self._pieces.clear()
+        self._whole.clear()
+
+    def of(self, game: int, room: int) -> bytes | None:
+        """The image file of the picture taken in a room of this game; None while it is not all there."""
+        return self._whole.get(room) if game == self._game else None

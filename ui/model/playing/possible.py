@@ -1,0 +1,133 @@
+"""What the rules allow, as far as a view shows it, and else why not, in words for a hint.
+
+The game's own rules (`thbridge.hunt.rules`, `thbridge.roles.wishes`) decide; these tell the same beforehand, so that
+nothing is offered which would be refused.
+"""
+
+from thbridge.hunt.costs import spoken_energy
+from thbridge.hunt.events import Condition
+from thbridge.roles.view import Consent, DialogueView, Matter, RobotView, View
+from ui.model.playing.words import place_name, titled
+
+
+def standing_in(view: View, room: int) -> int | None:
+    """The robot that stands in a room and is not under way."""
+    return next((robot.robot for robot in view.robots if robot.place == room and robot.moving_to is None), None)
+
+
+def undecided_beside(view: View, robot: int) -> int | None:
+    """The room in which this robot stands beside a treasure that nobody has decided on."""
+    place = view.robots[robot].place
+    found = place > 0 and view.room(place).undecided and standing_in(view, place) == robot
+    return place if found else None
+
+
+def talks(view: View) -> tuple[tuple[int, Matter, int], ...]:
+    """(robot, matter, room) of all that is talked about, or agreed and not done yet."""
+    said: list[DialogueView | Consent] = [*view.dialogues, *view.consents]
+    return tuple((talk.robot, talk.matter, talk.room) for talk in said)
+
+
+def spoken_for(view: View, robot: int, room: int) -> int | None:
+    """Another robot that is talking, or agreed, with the participant about going to this room."""
+    others = (other for other, matter, about in talks(view) if (matter, about) == ("select-room", room))
+    return next((other for other in others if other != robot), None)
+
+
+def why_not_work(view: View, robot: int) -> str | None:
+    """Why a robot can do nothing at all just now, or None."""
+    if view.over is not None:
+        return "The game is over."
+    if view.robots[robot].condition is Condition.SILENT:
+        return f"{titled(robot)} does not answer."
+    if view.robots[robot].blocked:
+        return f"{titled(robot)} has no energy left."
+    return None
+
+
+def why_not_free(view: View, robot: int, room: int) -> str | None:
+    """Why nobody, or not this robot, may go to a room, wherever it stands and whatever it costs; or None."""
+    known = view.room(room)
+    if known.state == "visited":
+        return "This room has been visited."
+    if known.state == "reserved":
+        return f"{titled(robot if known.robot is None else known.robot)} is on its way there."
+    other = spoken_for(view, robot, room)
+    return None if other is None else f"{titled(other)} is asking you about this room."
+
+
+def why_not_go(view: View, robot: int, room: int) -> str | None:
+    """Why a robot cannot go to a room; one that is under way would be called back first."""
+    refused = why_not_work(view, robot) or why_not_free(view, robot, room)
+    if refused is not None:
+        return refused
+    mover = view.robots[robot]
+    # Where a robot stops under way is the corridor to the game.
+    place = mover.place if mover.moving_to is None else 0
+    energy = mover.energy if mover.moving_to is None else mover.energy + paid(view, mover)
+    cost = view.costs[place][room]
+    if cost is None:
+        return f"There is no way there from {place_name(place)}."
+    if cost > energy:
+        return f"This costs {spoken_energy(cost)}; {titled(robot)} has {spoken_energy(energy)} energy."
+    return None
+
+
+def why_not_ask(view: View, robot: int) -> str | None:
+    """Why a robot cannot be asked for advice, or None."""
+    refused = why_not_work(view, robot)
+    if refused is not None:
+        return refused
+    bound_for = view.robots[robot].moving_to
+    if bound_for is not None:
+        return f"{titled(robot)} is on its way to {place_name(bound_for)}."
+    if all(why_not_go(view, robot, room.room) for room in view.rooms):
+        return f"There is no room left that {titled(robot)} can go to."
+    return None
+
+
+def why_not_picture(view: View, robot: int, room: int) -> str | None:
+    """Why a robot cannot take a picture of what is in the room where it stands, or None."""
+    return _why_not_pay(view, robot, room, "A picture", view.picture_cost)
+
+
+def why_not_name(view: View, robot: int, room: int) -> str | None:
+    """Why what is in the room where a robot stands cannot be named, or None."""
+    if view.room(room).verdict is not None or view.room(room).left:
+        return "This is decided."
+    return _why_not_pay(view, robot, room, "Naming it", view.identify_cost)
+
+
+def why_not_end(view: View) -> str | None:
+    """Why the game cannot be ended just now, or None."""
+    if view.over is not None:
+        return "The game is over."
+    moving = next((robot for robot in view.robots if robot.moving_to is not None), None)
+    return None if moving is None else f"{titled(moving.robot)} is still on its way. Stop it, or wait for it."
+
+
+def paid(view: View, robot: RobotView) -> float:
+    """What a robot paid for the way it is on."""
+    return 0.0 if robot.moving_to is None else view.costs[robot.place][robot.moving_to] or 0.0
+
+
+def warning(view: View, robot: int, room: int) -> str:
+    """What to mind before a robot at rest goes to a room: whether its energy will do to name what is there."""
+    mover = view.robots[robot]
+    cost = view.costs[mover.place][room]
+    if mover.moving_to is not None or cost is None or cost > mover.energy:
+        return ""
+    left = mover.energy - cost
+    return "" if left > 0.0 and view.identify_cost <= left else "Enough to get there, not to name what is there."
+
+
+def _why_not_pay(view: View, robot: int, room: int, what: str, cost: float) -> str | None:
+    refused = why_not_work(view, robot)
+    if refused is not None:
+        return refused
+    if standing_in(view, room) != robot:
+        return f"{titled(robot)} is not in room {room} any more."
+    energy = view.robots[robot].energy
+    if cost > energy:
+        return f"{what} costs {spoken_energy(cost)}; {titled(robot)} has {spoken_energy(energy)} energy."
+    return None

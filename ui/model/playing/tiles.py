@@ -1,0 +1,92 @@
+"""The rooms' buttons, and the two that go with them: asking for advice, ending the game."""
+
+from collections.abc import Mapping
+
+from thbridge.hunt.costs import spoken_energy
+from thbridge.hunt.rules import robot_name
+from thbridge.roles.view import GiveUp, RoomView, Select, Unsure
+from ui.model.keys import key_of
+from ui.model.playing.possible import warning, why_not_ask, why_not_end, why_not_go, why_not_work
+from ui.model.playing.state import Hunt, Memory
+from ui.model.playing.words import place_name, titled
+from ui.model.screen import Action, ChooseRoom, DontKnow, EndGame, RoomTile
+
+
+def tiles(memory: Memory, hunt: Hunt) -> tuple[RoomTile, ...]:
+    """One tile a room, room 1 first."""
+    names = {} if memory.house is None else {room.room: room.name for room in memory.house.rooms}
+    return tuple(_tile(memory, hunt, room, names) for room in hunt.view.rooms)
+
+
+def dont_know(memory: Memory, hunt: Hunt) -> Action:
+    """Asks the robot commanded for its advice."""
+    robot = memory.selected
+    refused = why_not_ask(hunt.view, robot)
+    asked = isinstance(hunt.asked.going(robot), Unsure)
+    hint = f"{titled(robot)} suggests where to go." if refused is None else refused
+    return Action(DontKnow(), "Don't know", key_of(DontKnow()), refused is None and not asked, hint, asked)
+
+
+def end(hunt: Hunt) -> Action:
+    """Ends the game."""
+    refused = why_not_end(hunt.view)
+    asked = GiveUp(hunt.view.game) in hunt.asked
+    hint = "End the game as it stands." if refused is None else refused
+    return Action(EndGame(), "End the game", key_of(EndGame()), refused is None and not asked, hint, asked)
+
+
+def _tile(memory: Memory, hunt: Hunt, room: RoomView, names: Mapping[int, str]) -> RoomTile:
+    robot = memory.selected
+    mover = hunt.view.robots[robot]
+    costs = hunt.view.costs[mover.place if mover.moving_to is None else 0]
+    return RoomTile(
+        room=room.room,
+        name=names.get(room.room) or f"Room {room.room}",
+        state=room.state,
+        robot=room.robot,
+        cost=costs[room.room] if room.state == "unvisited" and why_not_work(hunt.view, robot) is None else None,
+        considered=room.room == (memory.considered() or hunt.goal_considered(robot)),
+        found=_found(room),
+        choose=_choose(memory, hunt, room),
+        warning="" if why_not_go(hunt.view, robot, room.room) else warning(hunt.view, robot, room.room),
+    )
+
+
+def _choose(memory: Memory, hunt: Hunt, room: RoomView) -> Action:
+    robot, number = memory.selected, room.room
+    refused = why_not_go(hunt.view, robot, number)
+    busy = Select(robot, number) in hunt.asked or hunt.reroutes.get(robot) == number
+    talked_of = hunt.goal_considered(robot) == number
+    if refused is not None:
+        hint = refused
+    elif busy:
+        hint = f"Asking {robot_name(robot)}."
+    elif talked_of:
+        hint = f"You are talking with {robot_name(robot)} about this room."
+    else:
+        hint = _price(hunt, robot, number)
+    key = str(number).zfill(len(str(len(hunt.view.rooms))))
+    return Action(ChooseRoom(number), f"Room {number}", key, refused is None and not busy, hint, busy)
+
+
+def _price(hunt: Hunt, robot: int, room: int) -> str:
+    view, mover = hunt.view, hunt.view.robots[robot]
+    if mover.moving_to is not None:
+        return f"{titled(robot)} is on its way to {place_name(mover.moving_to)} and would be called back first."
+    cost = view.costs[mover.place][room] or 0.0
+    left = mover.energy - cost
+    hint = f"Costs {spoken_energy(cost)}; {robot_name(robot)} keeps {spoken_energy(left)}."
+    concern = warning(view, robot, room)
+    if concern:
+        return f"{hint} {concern}"
+    if left < view.picture_cost + view.identify_cost:
+        return f"{hint} Enough to name what is there, not to take a picture first."
+    return hint
+
+
+def _found(room: RoomView) -> str:
+    if room.verdict is not None:
+        return f"{room.verdict.name} {room.verdict.points:+d}".strip()
+    if room.left:
+        return "left there"
+    return "" if room.colour is None else room.colour.lower()

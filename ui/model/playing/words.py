@@ -1,0 +1,45 @@
+"""Turns of phrase that several parts share."""
+
+from collections.abc import Sequence
+
+from thbridge.hunt.rules import robot_name
+
+
+def titled(robot: int) -> str:
+    """A robot's name at the beginning of a sentence."""
+    return robot_name(robot).capitalize()
+
+
+def place_name(place: int) -> str:
+    """A place as people count them, within a sentence."""
+    return "the corridor" if place == 0 else f"room {place}"
+
+
+def counted(number: int, thing: str) -> str:
+    """`1 point`, `2 points`, `no points`."""
+    return f"{number or 'no'} {thing}{'' if number == 1 else 's'}"
+
+
+def listed(things: Sequence[str]) -> str:
+    """`a`, `a and b`, `a, b and c`."""
+    return things[-1] if len(things) < 2 else f"{', '.join(things[:-1])} and {things[-1]}"
+
+
+def verdict_words(name: str, points: int) -> str:
+    """How naming a treasure ended."""
+    called = name or "what you said"
+    if points > 0:
+        return f"Right, it is {called}: {counted(points, 'point')} won."
+    if points < 0:
+        return f"No, it is not {called}: {counted(-points, 'point')} lost."
+    return f"You named it {called}: no points."
+
+
+def seen_words(colour: str, footprint: str) -> str:
+    """A treasure as a robot senses it."""
+    return f"something {colour.lower()}, {footprint.lower()}"
+
+
+def as_sentence(text: str) -> str:
+    """The same with a capital letter at its beginning."""
+    return text[:1].upper() + text[1:]
