@@ -6,7 +6,7 @@ from its namespace, unless that names a node.
 """
 
 import re
-from collections.abc import Collection, Iterable
+from collections.abc import Collection, Iterable, Mapping
 
 from thbridge.ros.frames import frame_name
 
@@ -80,3 +80,38 @@ def usual_first(topics: Iterable[str], usual: Collection[str]) -> list[str]:
     """Topics in the order of choice: those called as usual, in that order, then short ones."""
     ranks = {name: rank for rank, name in enumerate(usual)}
     return sorted(topics, key=lambda topic: (ranks.get(last_word(topic), len(ranks)), topic.count("/"), topic))
+
+
+def owner_of_edge(key: tuple[str, str, str]) -> str:
+    """Whose a transform is: as the prefix of a frame says, else the namespace of its tf.
+
+    Args:
+        key: namespace of the topic, parent frame, child frame.
+    """
+    namespace, parent, child = key
+    return prefix_of(child) or prefix_of(parent) or namespace
+
+
+def robots_among(
+    odometry: Mapping[str, str], edges: Iterable[tuple[str, str, str]], others: Iterable[str]
+) -> frozenset[str]:
+    """Prefixes of frames and namespaces that are robots; "" is one without.
+
+    Args:
+        odometry: topics of odometry, each with the frame whose pose it says.
+        edges: of tf, as for `owner_of_edge`, from frames of odometry.
+        others: topics that only a robot has.
+    """
+    found = {prefix_of(child) or namespace_of(topic) for topic, child in odometry.items()}
+    if not found:
+        found |= {owner_of_edge(edge) for edge in edges}
+    for topic in others:
+        found.add(owner_of(topic, found) if found else namespace_of(topic))
+    named = found - {""}
+    return frozenset(named if len(named) == 1 else found)
+
+
+def by_number(robot: str) -> tuple[int, str]:
+    """What robots are sorted by: robot2 comes before robot10."""
+    digits = "".join(sign for sign in robot if sign.isdigit())
+    return int(digits or 0), robot

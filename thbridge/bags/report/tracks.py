@@ -13,13 +13,15 @@ from thbridge.bags.report.values import Leg, Track
 from thbridge.ros.frames import frame_name
 from thbridge.ros.robots import (
     ODOM_FRAME,
+    by_number,
     is_map_frame,
     is_odom_frame,
     is_truth,
     last_word,
-    namespace_of,
     owner_of,
+    owner_of_edge,
     prefix_of,
+    robots_among,
     usual_first,
 )
 
@@ -85,17 +87,13 @@ class Heard:
     def tracks(self, duration: float) -> tuple[Track, ...]:
         """One for each robot, in the order of their numbers."""
         robots = self._robots()
-        return tuple(self._track(robot, robots, duration) for robot in sorted(robots, key=_by_number))
+        return tuple(self._track(robot, robots, duration) for robot in sorted(robots, key=by_number))
 
     def _robots(self) -> frozenset[str]:
         """Prefixes of frames and namespaces that are robots; "" is one without."""
-        found = {prefix_of(poses.child) or namespace_of(topic) for topic, poses in self.odometry.items()}
-        if not found:
-            found |= {_owner_of_edge(key) for key, poses in self.edges.items() if is_odom_frame(poses.frame)}
-        for topic in (*self.energy, *self.goals, *self.legs, *_estimates(self.poses)):
-            found.add(owner_of(topic, found) if found else namespace_of(topic))
-        named = found - {""}
-        return frozenset(named if len(named) == 1 else found)
+        odometry = {topic: poses.child for topic, poses in self.odometry.items()}
+        edges = (key for key, poses in self.edges.items() if is_odom_frame(poses.frame))
+        return robots_among(odometry, edges, (*self.energy, *self.goals, *self.legs, *_estimates(self.poses)))
 
     def _track(self, robot: str, robots: frozenset[str], duration: float) -> Track:
         sources = _Sources(self, robot, robots)
@@ -139,7 +137,7 @@ class _Sources:
         self._edges = {
             f"tf {poses.frame} -> {poses.child}": poses
             for key, poses in heard.edges.items()
-            if _owner_of_edge(key) == robot or len(robots) == 1
+            if owner_of_edge(key) == robot or len(robots) == 1
         }
 
     def own(self, topics: Iterable[str]) -> list[str]:
@@ -216,18 +214,6 @@ def _estimates(poses: Mapping[str, Poses]) -> dict[str, Poses]:
         poses,
         lambda topic, said: is_map_frame(said.frame) and not is_truth(topic) and last_word(topic) not in NO_ESTIMATES,
     )
-
-
-def _owner_of_edge(key: tuple[str, str, str]) -> str:
-    """Whose a transform is: as the prefix of a frame says, else the namespace of its tf."""
-    namespace, parent, child = key
-    return prefix_of(child) or prefix_of(parent) or namespace
-
-
-def _by_number(robot: str) -> tuple[int, str]:
-    """robot2 before robot10."""
-    digits = "".join(sign for sign in robot if sign.isdigit())
-    return int(digits or 0), robot
 
 
 def deviations(time: float, covariance: FloatArray) -> tuple[float, float, float] | None:

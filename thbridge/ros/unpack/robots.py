@@ -147,6 +147,29 @@ def pose_with_covariance(data: bytes) -> PoseInFrame:
     return PoseInFrame(stamp_ns, frame, pose, cursor.reals(_COVARIANCE).reshape(6, 6)[np.ix_(_PLANAR, _PLANAR)])
 
 
+def pose_array(data: bytes) -> FloatArray:
+    """geometry_msgs/PoseArray: (n, 3) x, y, yaw, in its frame."""
+    cursor = Cursor(data)
+    cursor.header()
+    rows = cursor.reals(7 * cursor.integer(UINT32)).reshape(-1, 7)
+    x, y, z, w = rows[:, 3:].T
+    yaw = np.arctan2(2.0 * (w * z + x * y), 1.0 - 2.0 * (y * y + z * z))
+    return np.column_stack((rows[:, :2], yaw))
+
+
+def polygon(data: bytes) -> FloatArray:
+    """geometry_msgs/PolygonStamped: (v, 2) corners, in its frame."""
+    cursor = Cursor(data)
+    cursor.header()
+    points = np.frombuffer(cursor.take(3 * FLOAT32.size * cursor.integer(UINT32)), dtype="<f4").reshape(-1, 3)
+    return points[:, :2].astype(np.float64)
+
+
+def frame_of(data: bytes) -> str:
+    """The frame that a message which begins with a header is in."""
+    return Cursor(data).header()[1]
+
+
 def pose_stamped(data: bytes) -> PoseInFrame:
     """geometry_msgs/PoseStamped."""
     cursor = Cursor(data)

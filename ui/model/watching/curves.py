@@ -1,0 +1,57 @@
+"""Numbers over time in bounded memory."""
+
+import numpy as np
+
+from sim.geometry import FloatArray
+
+MOST = 20_000
+"""Samples that a curve keeps: half an hour of ten a second as they were, then the older half ever thinner."""
+
+
+class Curve:
+    """Samples in order of time; those that come out of order are left out.
+
+    When it is full, each two neighbours of the older half become one.
+
+    Args:
+        columns: numbers of a sample, beside its time.
+        peaks: of two neighbours the one with the greater first number stays; else the later one.
+        most: samples that are kept; at least 4.
+    """
+
+    def __init__(self, columns: int = 1, peaks: bool = False, most: int = MOST) -> None:
+        self._rows = np.empty((most, 1 + columns))
+        self._peaks = peaks
+        self._count = 0
+
+    def __len__(self) -> int:
+        """How many samples there are."""
+        return self._count
+
+    def append(self, time: float, *values: float) -> None:
+        """Add a sample; one of an earlier time than the last is left out."""
+        if self._count and time < self._rows[self._count - 1, 0]:
+            return
+        if self._count == len(self._rows):
+            self._thin()
+        self._rows[self._count] = (time, *values)
+        self._count += 1
+
+    def rows(self, until: float = np.inf) -> FloatArray:
+        """(n, 1 + columns) time and numbers of the samples up to a time, that time included."""
+        times = self._rows[: self._count, 0]
+        return self._rows[: int(np.searchsorted(times, until, side="right"))].copy()
+
+    def last(self) -> FloatArray | None:
+        """(1 + columns,) the last sample."""
+        return self._rows[self._count - 1].copy() if self._count else None
+
+    def _thin(self) -> None:
+        half = len(self._rows) // 4 * 2
+        pairs = self._rows[:half].reshape(-1, 2, self._rows.shape[1])
+        later = pairs[:, 1, 1] >= pairs[:, 0, 1] if self._peaks else np.ones(len(pairs), dtype=np.bool_)
+        kept = np.where(later[:, np.newaxis], pairs[:, 1], pairs[:, 0])
+        rest = self._rows[half : self._count].copy()
+        self._rows[: len(kept)] = kept
+        self._rows[len(kept) : len(kept) + len(rest)] = rest
+        self._count = len(kept) + len(rest)

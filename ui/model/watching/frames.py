@@ -1,0 +1,106 @@
+"""Where frames are on the map at one moment, from the messages of tf that hold then."""
+
+from collections.abc import Iterable
+from struct import Struct
+
+import numpy as np
+
+from sim.geometry import FloatArray, Pose2
+from thbridge.ros import unpack
+from thbridge.ros.frames import PlanarMount, frame_name, matrix
+from thbridge.ros.robots import is_map_frame
+from thbridge.ros.unpack import SpatialTransform
+from ui.model.watching.said import Said
+
+HORIZON_NS = 10_000_000_000
+"""What was said longer ago than this of a frame that moves does not hold any more; tf2 forgets it, too."""
+
+_UINT32 = Struct("<I")
+_STAMP_AND_NUMBER = 12
+_POSE = 56
+"""Bytes of a header up to its frame, and of a transform."""
+
+
+def namespace_of_tf(topic: str) -> str:
+    """The namespace of a topic of tf: "" of /tf, "robot1" of /robot1/tf."""
+    return topic.strip("/").rpartition("/")[0]
+
+
+def children_of(data: bytes) -> bytes:
+    """Which frames a message of tf is about, as a key: messages of one key say the same frames anew.
+
+    Raises:
+        ValueError: the bytes are not such a message.
+    """
+    names = []
+    try:
+        (count,) = _UINT32.unpack_from(data)
+        at = 4
+        for _ in range(count):
+            at += _STAMP_AND_NUMBER
+            at += 4 + _UINT32.unpack_from(data, at)[0]
+            end = at + 4 + _UINT32.unpack_from(data, at)[0]
+            names.append(data[at:end])
+            at = end + _POSE
+    except Exception as error:
+        raise ValueError("the message ends too early") from error
+    return b"".join(names)
+
+
+class Frames:
+    """The frames at one moment.
+
+    A frame's name is unique within the namespace of its topic; only the map's is everybody's.
+
+    Args:
+        messages: of tf, oldest first; what cannot be read is left out.
+    """
+
+    def __init__(self, messages: Iterable[Said]) -> None:
+        self._above: dict[str, tuple[str, SpatialTransform]] = {}
+        for said in messages:
+            namespace = namespace_of_tf(said.topic)
+            try:
+                for transform in unpack.spatial_transforms(said.data):
+                    child, parent = (self._own(namespace, name) for name in (transform.child, transform.parent))
+                    self._above[child] = (parent, transform)
+            except ValueError:
+                continue
+        self._mapped = any(is_map_frame(parent) for parent, _ in self._above.values())
+        self._poses: dict[str, FloatArray | None] = {}
+
+    def pose(self, frame: str, owner: str = "") -> FloatArray | None:
+        """(4, 4) pose of a frame on the map; None where nothing joins the two.
+
+        Where nobody speaks of a map, frames are seen from what they hang on in the end: odometry, as a rule.
+
+        Args:
+            frame: its name.
+            owner: the namespace of whoever speaks of it.
+        """
+        name = self._own(owner, frame)
+        return self._pose(name if name in self._above else frame_name(frame))
+
+    def planar(self, frame: str, owner: str = "") -> Pose2 | None:
+        """As `pose`, seen from above."""
+        found = self.pose(frame, owner)
+        return None if found is None else PlanarMount.of(found).laser_in_base
+
+    def _own(self, namespace: str, frame: str) -> str:
+        name = frame_name(frame)
+        if not namespace or is_map_frame(name) or name.startswith(f"{namespace}/"):
+            return name
+        return f"{namespace}/{name}"
+
+    def _pose(self, frame: str) -> FloatArray | None:
+        if is_map_frame(frame):
+            return np.eye(4)
+        if frame not in self._poses:
+            self._poses[frame] = None  # so that frames that hang on each other come to an end
+            above = self._above.get(frame)
+            if above is not None:
+                parent = self._pose(above[0])
+                self._poses[frame] = None if parent is None else parent @ matrix(above[1])
+            elif not self._mapped:
+                self._poses[frame] = np.eye(4)
+        return self._poses[frame]

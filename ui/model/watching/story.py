@@ -1,0 +1,159 @@
+"""What happened and was said, line by line: the lists beside the map, and the marks on the timeline."""
+
+import json
+from bisect import bisect_right
+from collections.abc import Iterator, Sequence
+from dataclasses import dataclass
+from typing import get_args
+
+from thbridge.hunt.rules import robot_name
+from thbridge.ros import names, types, unpack
+from thbridge.ros.records import GameEvent, LogLevel
+from ui.model.scene import RoomState
+from ui.model.watching.said import Said
+from ui.model.watching.scene import Entry, EntryKind
+
+MOST = 50_000
+"""Entries of one list; beyond them the oldest go."""
+TYPES = frozenset({types.GAME_EVENT, types.UTTERANCE, types.INPUT, types.LOG})
+"""Types of which every message is an entry."""
+LINES = frozenset({names.SEND_ROBOTS, names.SUCCESS})
+"""Topics of raw lines of the protocol."""
+
+IMPORTANT = frozenset(
+    {"started", "departed", "arrived", "failed", "identified", "ended", "collision", "died", "revived", "carried"}
+)
+"""Events that get a mark on the timeline."""
+
+
+def tells(topic: str, msgtype: str) -> bool:
+    """Whether the messages of a topic are entries."""
+    return msgtype in TYPES or topic in LINES
+
+
+@dataclass(frozen=True, slots=True)
+class RoomNews:
+    """How the game left a room: its state, the robot that is on its way or was there, what is known to be in it."""
+
+    state: RoomState = "unvisited"
+    robot: int | None = None
+    found: str = ""
+
+
+class Story:
+    """Grows with the messages that are taken, in order of time."""
+
+    def __init__(self) -> None:
+        self._entries: dict[EntryKind, list[Entry]] = {kind: [] for kind in get_args(EntryKind)}
+        self._dropped: dict[EntryKind, int] = dict.fromkeys(self._entries, 0)
+        self._stamps: list[int] = []
+        self._rooms: list[dict[int, RoomNews]] = [{}]
+
+    def entries(self, kind: EntryKind) -> Sequence[Entry]:
+        """A list, oldest first. It grows at its end, and when it is long it loses what is oldest: see `dropped`."""
+        return self._entries[kind]
+
+    def dropped(self, kind: EntryKind) -> int:
+        """How many entries a list has lost at its beginning."""
+        return self._dropped[kind]
+
+    def count(self, kind: EntryKind, until_ns: int) -> int:
+        """How many entries of a list there were at a time."""
+        return bisect_right(self._entries[kind], until_ns, key=lambda entry: entry.stamp_ns)
+
+    def marks(self) -> Iterator[Entry]:
+        """The events that matter, oldest first."""
+        return (entry for entry in self._entries["event"] if entry.important)
+
+    def rooms(self, until_ns: int) -> dict[int, RoomNews]:
+        """What the game made of its rooms up to a time, by number; rooms that it never spoke of are missing."""
+        return self._rooms[bisect_right(self._stamps, until_ns)]
+
+    def take(self, said: Said) -> None:
+        """Take a message; one that cannot be read, or tells no story, changes nothing."""
+        try:
+            entry = self._entry(said)
+        except ValueError:
+            return
+        if entry is None:
+            return
+        kept = self._entries[entry.kind]
+        kept.append(entry)
+        if len(kept) > MOST:
+            surplus = MOST // 10
+            del kept[:surplus]
+            self._dropped[entry.kind] += surplus
+
+    def _entry(self, said: Said) -> Entry | None:
+        stamp = said.stamp_ns
+        match said.msgtype:
+            case types.GAME_EVENT:
+                event = unpack.game_event(said.data)
+                fields = _fields(event.json)
+                self._follow(stamp, event, fields)
+                who = "" if event.robot is None else robot_name(event.robot)
+                text = _told(fields)
+                return Entry(stamp, "event", event.kind, who, event.robot, event.room, text, event.kind in IMPORTANT)
+            case types.UTTERANCE:
+                spoken = unpack.utterance(said.data)
+                speaker = robot_name(spoken.robot) if spoken.speaker == "robot" else "participant"
+                text = spoken.text or spoken.move
+                return Entry(stamp, "said", spoken.scenario, speaker, spoken.robot, spoken.room, text)
+            case types.INPUT:
+                given = unpack.outside_input(said.data)
+                return Entry(stamp, "input", given.kind, given.sender, None, None, given.line)
+            case types.LOG:
+                line = unpack.log(said.data)
+                grave = line.level >= LogLevel.ERROR
+                return Entry(stamp, "log", line.level.name.lower(), line.name, None, None, line.text, grave)
+            case types.STRING if said.topic in LINES:
+                return Entry(stamp, "line", said.topic, "", None, None, unpack.string(said.data).rstrip("\r\n"))
+        return None
+
+    def _follow(self, stamp: int, event: GameEvent, fields: dict[str, object]) -> None:
+        """See what an event makes of the rooms."""
+        before = self._rooms[-1]
+        after: dict[int, RoomNews] | None = None
+        match event:
+            case GameEvent("started"):
+                after = {}
+            case GameEvent("hidden"):
+                treasures = fields.get("treasures")
+                if isinstance(treasures, list):
+                    found = {room: _name(treasure) for room, treasure in enumerate(treasures, start=1)}
+                    after = {**before, **{room: RoomNews(found=name) for room, name in found.items()}}
+            case GameEvent("departed", int(robot), int(room)):
+                after = {**before, room: RoomNews("reserved", robot, _found(before, room))}
+            case GameEvent("arrived", int(robot), int(room)):
+                after = {**before, room: RoomNews("visited", robot, _found(before, room))}
+            case GameEvent("failed", _, int(room)):
+                after = {**before, room: RoomNews(found=_found(before, room))}
+        if after is not None and (not self._stamps or stamp >= self._stamps[-1]):
+            self._stamps.append(stamp)
+            self._rooms.append(after)
+
+
+def _found(rooms: dict[int, RoomNews], room: int) -> str:
+    return rooms[room].found if room in rooms else ""
+
+
+def _name(treasure: object) -> str:
+    return str(treasure.get("name", "")) if isinstance(treasure, dict) else ""
+
+
+def _fields(text: str) -> dict[str, object]:
+    read: object = json.loads(text)
+    return {str(name): value for name, value in read.items()} if isinstance(read, dict) else {}
+
+
+def _told(fields: dict[str, object]) -> str:
+    """An event for people, from the plain values in its JSON."""
+    told = (
+        f"{name.replace('_', ' ')} {value.rstrip('.') if isinstance(value, str) else f'{value:g}'}"
+        for name, value in fields.items()
+        if name not in _SAID_ELSEWHERE and isinstance(value, str | int | float) and not isinstance(value, bool)
+    )
+    return ", ".join(told)
+
+
+_SAID_ELSEWHERE = frozenset({"v", "event", "robot", "room"})

@@ -1,0 +1,21 @@
+"""What a session tells of robots that a person speaks for."""
+
+import msgspec
+
+from thbridge.ros import unpack
+from ui.model.watching.scene import Wizard
+
+WIZARD = "/hunt/wizard"
+"""Topic: std_msgs/String, the JSON of a `Wizard`."""
+
+
+def wizard(data: bytes) -> Wizard:
+    """Of a std_msgs/String.
+
+    Raises:
+        ValueError: it tells none.
+    """
+    try:
+        return msgspec.json.decode(unpack.string(data).encode(), type=Wizard)
+    except msgspec.DecodeError as error:
+        raise ValueError(str(error)) from None

@@ -1,0 +1,248 @@
+"""A recording as the researcher's window shows it: any moment of it, at once, and what happened in all of it."""
+
+from collections.abc import Generator, Iterator, Mapping, Sequence
+from pathlib import Path
+
+from thbridge.adapters.bag_index import BagIndex, Place, open_index
+from thbridge.adapters.bag_reader import RawMessage
+from thbridge.adapters.map_files import MapRoom
+from thbridge.ros import names, types, unpack
+from thbridge.ros.records import Session
+from ui.model.watching.cast import Introductions
+from ui.model.watching.frames import HORIZON_NS, children_of
+from ui.model.watching.said import TF_TYPES, Said
+from ui.model.watching.scene import Scene, Shown
+from ui.model.watching.scenes import Scenes, Watched
+from ui.model.watching.series import Series
+from ui.model.watching.story import Story, tells
+
+TICK_NS = 20_000_000
+"""A step, where robots are not ours either."""
+_FIRST_FRAMES = 50
+"""Messages of tf by which robots are told apart that publish no odometry."""
+_STATIC_MOST = 1000
+"""Messages of frames that never move that are read."""
+_MOMENTS_KEPT = 64
+"""Moments whose moving frames are remembered: that of the scene, and those of the scans in it."""
+_STORY_SHARE = 0.1
+"""Of the work of a scan."""
+
+
+def open_bag(path: Path) -> Generator[float, None, "BagSource"]:
+    """Open a recording in pieces of some milliseconds, between which it tells which share of the work is done.
+
+    Args:
+        path: a bag, or the name of a split recording.
+
+    Raises:
+        BadFile: see `open_index`.
+    """
+    index = yield from open_index(path)
+    return BagSource(index)
+
+
+class BagSource:
+    """A recording; made by `open_bag`. For one thread.
+
+    All methods that read raise BadFile where the file is damaged, or gone.
+
+    Attributes:
+        session: what it says of its session; None unless it is a recording of ours.
+        story: what happened, as far as `scan` has come.
+        series: numbers over time, likewise.
+        rooms: of the map; whoever has the time (`rooms_of`) sets them.
+        unreadable: sentences on topics that cannot be read.
+    """
+
+    def __init__(self, index: BagIndex) -> None:
+        self._index = index
+        self._scenes = Scenes()
+        self.unreadable, self._topics = _readable(index)
+        self.session = self._session()
+        self.rooms: tuple[MapRoom, ...] = ()
+        self._cast = self._introduced().cast()
+        self.story = Story()
+        self.series = Series(index.start_ns)
+        self.series.follow(self._cast)
+        self._last: dict[str, tuple[Place, RawMessage]] = {}
+        self._statics = [self._index.read(place) for place in self._static_places()]
+        self._moving: dict[str, list[tuple[int, dict[bytes, RawMessage]]]] = {}
+
+    @property
+    def path(self) -> Path:
+        """As it was named."""
+        return self._index.path
+
+    @property
+    def start_ns(self) -> int:
+        """Stamp of the first message."""
+        return self._index.start_ns
+
+    @property
+    def end_ns(self) -> int:
+        """Stamp of the last message."""
+        return self._index.end_ns
+
+    @property
+    def topics(self) -> Mapping[str, str]:
+        """The type of each topic that can be read, by its name."""
+        return self._topics
+
+    def close(self) -> None:
+        """Close the files."""
+        self._index.close()
+
+    def scene(self, at_ns: int, shown: Shown) -> Scene:
+        """How things stood at a time; before the first message as at the first, after the last as at the last."""
+        at_ns = min(max(at_ns, self.start_ns), self.end_ns)
+        watched = Watched(self._cast, self.series, self.story, self.rooms, self.start_ns, self.unreadable)
+        return self._scenes.scene(_Moment(self, at_ns), watched, shown)
+
+    def step(self, at_ns: int, steps: int, topic: str | None = None) -> int:
+        """The time so many steps later, or earlier where they are negative; at most the beginning or the end.
+
+        Args:
+            at_ns: from when.
+            steps: how many.
+            topic: a step is from message to message of this topic; None: from tick to tick, 20 ms.
+        """
+        if topic is None:
+            return min(max(at_ns + steps * TICK_NS, self.start_ns), self.end_ns)
+        for _ in range(abs(steps)):
+            found = self._index.next(topic, at_ns) if steps > 0 else self._index.last(topic, at_ns - 1)
+            if found is None:
+                return self.end_ns if steps > 0 else self.start_ns
+            at_ns = found.stamp_ns
+        return at_ns
+
+    def scan(self) -> Iterator[float]:
+        """Read what is told of all of the recording: first the story, then the series; yields the share that is done.
+
+        A piece takes some milliseconds. Whoever asks for all of it has `story` and `series` whole.
+        """
+        told = [topic for topic, msgtype in self._topics.items() if tells(topic, msgtype)]
+        for done, places in enumerate(self._index.walk(told), start=1):
+            for place in places:
+                self.story.take(self._index.read(place))
+            if places:
+                yield _STORY_SHARE * done / self._index.chunks
+        moving = [topic for topic, msgtype in self._topics.items() if msgtype in TF_TYPES]
+        for done, places in enumerate(self._index.walk([*moving, *self.series.topics]), start=1):
+            for place in places:
+                self.series.take(self._index.read(place))
+            yield _STORY_SHARE + (1.0 - _STORY_SHARE) * done / self._index.chunks
+
+    def _session(self) -> Session | None:
+        place = self._index.next(names.SESSION, -1) if names.SESSION in self._topics else None
+        try:
+            return None if place is None else unpack.session(self._index.read(place).data)
+        except ValueError:
+            return None
+
+    def _introduced(self) -> Introductions:
+        """Everybody who speaks in the recording, by the first words of each."""
+        introductions = Introductions(dict(self._topics))
+        for topic, msgtype in self._topics.items():
+            if msgtype == types.ODOMETRY or msgtype in TF_TYPES:
+                after_ns = -1
+                for _ in range(_FIRST_FRAMES if msgtype in TF_TYPES else 1):
+                    place = self._index.next(topic, after_ns)
+                    if place is None:
+                        break
+                    introductions.take(self._index.read(place))
+                    after_ns = place.stamp_ns
+        return introductions
+
+    def _static_places(self) -> list[Place]:
+        statics = [topic for topic, msgtype in self._topics.items() if msgtype in TF_TYPES and is_static(topic)]
+        found = [place for topic in statics for place in self._index.back(topic, self.end_ns, self.start_ns)]
+        return sorted(found)[:_STATIC_MOST]
+
+    def newest(self, topic: str, at_ns: int) -> RawMessage | None:
+        """The last message of a topic up to a time."""
+        place = self._index.last(topic, at_ns) if topic in self._topics else None
+        if place is None:
+            return None
+        known = self._last.get(topic)
+        if known is None or known[0] != place:
+            known = self._last[topic] = (place, self._index.read(place))
+        return known[1]
+
+    def frames(self, at_ns: int) -> list[Said]:
+        """Of the frames that held at a time, messages that say them, oldest first."""
+        held: dict[tuple[str, bytes], RawMessage] = {}
+        for message in self._statics:
+            if message.stamp_ns <= at_ns:
+                held[message.topic, _children(message)] = message
+        for topic, msgtype in self._topics.items():
+            if msgtype in TF_TYPES and not is_static(topic):
+                held.update({(topic, key): message for key, message in self._moving_at(topic, at_ns).items()})
+        return sorted(held.values(), key=lambda message: message.stamp_ns)
+
+    def _moving_at(self, topic: str, at_ns: int) -> dict[bytes, RawMessage]:
+        """The last words on each of the frames that move, by what they are about."""
+        moments = self._moving.setdefault(topic, [])
+        near = max((moment for moment in moments if at_ns - HORIZON_NS <= moment[0] <= at_ns), default=None, key=_time)
+        if near is not None and near[0] == at_ns:
+            return near[1]
+        # What was found for a moment shortly before need not be looked for again.
+        until_ns, before = (at_ns - HORIZON_NS, {}) if near is None else (near[0] + 1, near[1])
+        held: dict[bytes, RawMessage] = {}
+        for place in self._index.back(topic, at_ns, until_ns):
+            message = self._index.read(place)
+            key = _children(message)
+            if key not in held or held[key].stamp_ns < message.stamp_ns:
+                held[key] = message
+        for key, message in before.items():
+            if message.stamp_ns >= at_ns - HORIZON_NS:
+                held.setdefault(key, message)
+        moments.append((at_ns, held))
+        del moments[:-_MOMENTS_KEPT]
+        return held
+
+
+class _Moment:
+    """How things stood in a recording at one moment."""
+
+    def __init__(self, source: BagSource, at_ns: int) -> None:
+        self._source = source
+        self.at_ns = at_ns
+        self.topics = source.topics
+
+    def newest(self, topic: str) -> Said | None:
+        return self._source.newest(topic, self.at_ns)
+
+    def frames(self, at_ns: int) -> Sequence[Said]:
+        return self._source.frames(min(at_ns, self.at_ns))
+
+
+def _readable(index: BagIndex) -> tuple[tuple[str, ...], dict[str, str]]:
+    """Sentences on topics that cannot be read, and the types of all others by topic."""
+    problems, topics = {}, {}
+    for publisher in index.publishers:
+        msgtype = types.TFMESSAGE if publisher.msgtype in TF_TYPES else publisher.msgtype
+        try:
+            md5 = types.plain_definition(msgtype).md5
+        except KeyError:
+            continue
+        if publisher.md5 != md5:
+            problems[publisher.topic] = f"{publisher.topic} holds another release's {publisher.msgtype}."
+        else:
+            topics[publisher.topic] = publisher.msgtype
+    return tuple(problems.values()), {topic: said for topic, said in sorted(topics.items()) if topic not in problems}
+
+
+def _children(message: RawMessage) -> bytes:
+    try:
+        return children_of(message.data)
+    except ValueError:
+        return b""
+
+
+def _time(moment: tuple[int, dict[bytes, RawMessage]]) -> int:
+    return moment[0]
+
+
+def is_static(topic: str) -> bool:
+    """Whether a topic of tf says frames that never move."""
+    return topic.endswith("tf_static")

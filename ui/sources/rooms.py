@@ -1,0 +1,25 @@
+"""The rooms of the map that a session is played on."""
+
+from pathlib import Path
+
+from thbridge.adapters.errors import BadFile
+from thbridge.adapters.map_files import MapRoom, read_map
+from thbridge.adapters.resources import shipped
+from thbridge.app.config import read_study_text
+from thbridge.ros.records import Session
+
+
+def rooms_of(session: Session, path: Path) -> tuple[MapRoom, ...]:
+    """The rooms of the map that a session's study names; none where there is no such map here.
+
+    It takes about a tenth of a second: the whole map is read and checked.
+
+    Args:
+        session: what a bag or a session that runs says of itself.
+        path: of the bag; a study that names the folder of its map means it from there.
+    """
+    try:
+        study = read_study_text(path, session.study)
+        return read_map(shipped().find("maps", study.map, path.parent)).rooms
+    except BadFile:
+        return ()
