@@ -1,0 +1,57 @@
+"""Where in a recording one is, while it plays, stands or is searched."""
+
+
+class Playback:
+    """A moment that moves as time goes on; time is told to it, in seconds that never go back.
+
+    Args:
+        start_ns: the first moment there is.
+        end_ns: the last one; playing stops there.
+
+    Attributes:
+        playing: whether time goes on.
+    """
+
+    def __init__(self, start_ns: int, end_ns: int) -> None:
+        self._start_ns, self._end_ns = start_ns, end_ns
+        self._at_ns = start_ns
+        self._since: float | None = None
+        self._speed = 1.0
+        self.playing = False
+
+    @property
+    def at_ns(self) -> int:
+        """The moment."""
+        return self._at_ns
+
+    @property
+    def speed(self) -> float:
+        """Recorded seconds per second while it plays."""
+        return self._speed
+
+    def advance(self, now: float) -> int:
+        """The moment that is reached by now."""
+        if self.playing and self._since is not None:
+            self._at_ns = self._within(self._at_ns + round((now - self._since) * self._speed * 1e9))
+            self.playing = self._at_ns < self._end_ns
+        self._since = now
+        return self._at_ns
+
+    def play(self, now: float, on: bool = True) -> None:
+        """Go on from here, from the beginning where the end is reached; or stand still."""
+        self.advance(now)
+        if on and self._at_ns >= self._end_ns:
+            self._at_ns = self._start_ns
+        self.playing = on and self._end_ns > self._start_ns
+
+    def set_speed(self, now: float, speed: float) -> None:
+        """Go on at another speed, greater than 0."""
+        self.advance(now)
+        self._speed = speed
+
+    def seek(self, at_ns: int) -> None:
+        """Go to a moment; what plays goes on from there."""
+        self._at_ns = self._within(at_ns)
+
+    def _within(self, at_ns: int) -> int:
+        return min(max(at_ns, self._start_ns), self._end_ns)

@@ -1,0 +1,193 @@
+"""What a researcher does to robots, as the requests that it comes to; or why it cannot be done."""
+
+import math
+from collections.abc import Iterable
+from enum import StrEnum
+from itertools import count
+from typing import Literal
+
+import numpy as np
+
+from sim.floor import inside
+from sim.geometry import Pose2
+from sim.team import Carry, ClearCostmaps, Die, Globalize, PutThing, RemoveThing, Revive
+from sim.things import Thing
+from thbridge.hunt.outcomes import Refused
+from thbridge.roles.requests import AdviseFor, Puppeteer, Request, SpeakFor, WizardRequest
+from thbridge.ros.records import InitialPose, SimpleGoal
+from ui.model.watching.scene import PendingTurn, RobotScene, Scene
+
+SENDER = "watch"
+"""Under what name records tell of what was asked."""
+FIRST_GOAL = 1_500_000_000
+"""Numbers of goals begin here; those of the game, and of others, are smaller."""
+COVARIANCE = np.diag([0.25, 0.25, (math.pi / 12.0) ** 2])
+"""How sure one is who points at the map: rviz's, half a metre and 15 degrees.
+
+Source: rviz, src/rviz/default_plugin/tools/initial_pose_tool.cpp.
+"""
+LEAST_SIZE, MOST_SIZE = 0.1, 10.0
+"""Metres across an obstacle."""
+CORNERS = 16
+"""Of an obstacle that is round."""
+
+Shape = Literal["circle", "box"]
+
+
+class Reason(StrEnum):
+    """Why something cannot be done."""
+
+    RECORDED = "recorded"
+    NO_ROBOT = "no-robot"
+    DEAD = "dead"
+    ALIVE = "alive"
+    OFF_MAP = "off-map"
+    NO_THING = "no-thing"
+    NOT_WAITING = "not-waiting"
+
+
+RECORDED = Refused(Reason.RECORDED, "This is a recording: nothing can be asked of its robots.")
+
+
+class Tools:
+    """Makes requests of what a researcher does, for a session that runs.
+
+    Each method takes the scene that the researcher sees. Of a recording nothing can be asked: see `RECORDED`.
+
+    Args:
+        first_goal: number of the first goal; windows on one session had better differ in it by some thousands.
+    """
+
+    def __init__(self, first_goal: int = FIRST_GOAL) -> None:
+        self._goals = count(first_goal)
+
+    def goal(self, scene: Scene, robot: int, base_in_map: Pose2) -> Request | Refused:
+        """Send a robot somewhere (rviz: 2D Nav Goal)."""
+        found = _living(scene, robot)
+        if isinstance(found, Refused):
+            return found
+        return _off_map(scene, base_in_map) or SimpleGoal(robot, base_in_map, next(self._goals))
+
+    def pose(self, scene: Scene, robot: int, base_in_map: Pose2) -> Request | Refused:
+        """Tell a robot where it is (rviz: 2D Pose Estimate)."""
+        found = _living(scene, robot)
+        if isinstance(found, Refused):
+            return found
+        return _off_map(scene, base_in_map) or InitialPose(robot, base_in_map, COVARIANCE)
+
+    def forget(self, scene: Scene, robot: int) -> Request | Refused:
+        """Let a robot forget where it is."""
+        found = _living(scene, robot)
+        return found if isinstance(found, Refused) else Globalize(robot)
+
+    def clear_costmaps(self, scene: Scene, robot: int) -> Request | Refused:
+        """Let a robot forget what its laser has seen."""
+        found = _living(scene, robot)
+        return found if isinstance(found, Refused) else ClearCostmaps(robot)
+
+    def carry(self, scene: Scene, robot: int, x: float, y: float, heading: float | None = None) -> Request | Refused:
+        """Kidnap a robot; it keeps its heading where none is given."""
+        found = _robot(scene, robot)
+        if isinstance(found, Refused):
+            return found
+        known = found.truth or found.estimate
+        kept = 0.0 if known is None else known.theta
+        place = Pose2(x, y, kept if heading is None else heading)
+        return _off_map(scene, place) or Carry(robot, place)
+
+    def kill(self, scene: Scene, robot: int) -> Request | Refused:
+        """Stop a robot's software."""
+        found = _living(scene, robot)
+        return found if isinstance(found, Refused) else Die(robot)
+
+    def revive(self, scene: Scene, robot: int) -> Request | Refused:
+        """Let a dead robot go on."""
+        found = _robot(scene, robot)
+        if isinstance(found, Refused):
+            return found
+        return Revive(robot) if found.dead else Refused(Reason.ALIVE, f"{_named(found)} is alive.")
+
+    def put(self, scene: Scene, shape: Shape, x: float, y: float, size: float) -> Request | Refused:
+        """Put an obstacle in the way; it appears once its place is free."""
+        place = Pose2(x, y, 0.0)
+        thing = obstacle(_new_name(thing.name for thing in scene.things), shape, place, size)
+        return _off_map(scene, place) or PutThing(thing)
+
+    def remove(self, scene: Scene, x: float, y: float) -> Request | Refused:
+        """Take away the thing at a place."""
+        for thing in scene.things:
+            corners = tuple((float(cx), float(cy)) for cx, cy in thing.outline[:-1])
+            if inside(corners, np.array([x]), np.array([y]))[0]:
+                return RemoveThing(thing.name)
+        return Refused(Reason.NO_THING, "Nothing stands there that could be taken away.")
+
+    def puppeteer(self, scene: Scene, robot: int, on: bool) -> WizardRequest | Refused:
+        """Speak for a robot from now on, or no more."""
+        found = _robot(scene, robot)
+        return found if isinstance(found, Refused) else Puppeteer(robot, on)
+
+    def speak(self, scene: Scene, turn: PendingTurn, move: int, text: str = "") -> WizardRequest | Refused:
+        """Make a robot's move, in one's own words where there are any."""
+        if turn not in scene.wizard.turns or not 0 <= move < len(turn.sentences):
+            return Refused(Reason.NOT_WAITING, "That answer is not waited for any more.")
+        return SpeakFor(turn.dialogue, turn.turn, move, text.strip())
+
+    def advise(self, scene: Scene, robot: int, room: int) -> WizardRequest | Refused:
+        """Answer a participant's "don't know" for a robot."""
+        if not any(waiting.robot == robot for waiting in scene.wizard.advice):
+            return Refused(Reason.NOT_WAITING, "No advice is waited for any more.")
+        return AdviseFor(robot, room)
+
+
+def aimed(x: float, y: float, to_x: float, to_y: float, heading: float = 0.0) -> Pose2:
+    """Where one pressed, facing where one dragged to; `heading` where that is nearer than a hand's breadth."""
+    dragged = math.hypot(to_x - x, to_y - y) >= 0.1
+    return Pose2(x, y, math.atan2(to_y - y, to_x - x) if dragged else heading)
+
+
+def obstacle(name: str, shape: Shape, place: Pose2, size: float) -> Thing:
+    """A thing that stays where it is.
+
+    Args:
+        name: what people call it.
+        shape: round, or square along its heading.
+        place: its middle.
+        size: metres across; what is too small or too large becomes the least or the most.
+    """
+    half = 0.5 * min(max(size, LEAST_SIZE), MOST_SIZE)
+    if shape == "box":
+        return Thing(name, ((half, half), (-half, half), (-half, -half), (half, -half)), place)
+    angles = [math.tau * (corner + 0.5) / CORNERS for corner in range(CORNERS)]
+    return Thing(name, tuple((half * math.cos(angle), half * math.sin(angle)) for angle in angles), place)
+
+
+def _new_name(taken: Iterable[str]) -> str:
+    known = set(taken)
+    return next(name for number in count(1) if (name := f"obstacle {number}") not in known)
+
+
+def _robot(scene: Scene, robot: int) -> RobotScene | Refused:
+    found = next((each for each in scene.robots if each.robot == robot), None)
+    return found or Refused(Reason.NO_ROBOT, "Select a robot first.")
+
+
+def _living(scene: Scene, robot: int) -> RobotScene | Refused:
+    found = _robot(scene, robot)
+    if isinstance(found, RobotScene) and found.dead:
+        return Refused(Reason.DEAD, f"The software of {found.name} has stopped. Revive it first (R).")
+    return found
+
+
+def _named(robot: RobotScene) -> str:
+    return robot.name[:1].upper() + robot.name[1:]
+
+
+def _off_map(scene: Scene, place: Pose2) -> Refused | None:
+    """Why a place is none, where the map is known."""
+    grid = scene.grid
+    if grid is None:
+        return None
+    at = grid.origin.between(place)
+    if 0.0 <= at.x < grid.cols * grid.resolution and 0.0 <= at.y < grid.rows * grid.resolution:
+        return None
+    return Refused(Reason.OFF_MAP, "That place is not on the map.")
