@@ -3,15 +3,14 @@
 import asyncio
 import dataclasses
 import secrets
-from collections.abc import Callable
 from dataclasses import dataclass
 from pathlib import Path
 
-from thbridge.adapters.rosgraph.joining import Master
 from thbridge.adapters.text_server import CannotListen, Listening
 from thbridge.app import play as hunt
 from thbridge.app.compose import Setting, build_bot
 from thbridge.app.config import Study, of_size
+from thbridge.app.listeners import Hosts
 from thbridge.app.play import Outcome, PlayOptions, Unfinished
 from thbridge.app.session import Moment
 from thbridge.roles.tabui import TabUI
@@ -37,14 +36,14 @@ class Games:
         file: the study's, from whose folder paths start.
         options: how; its bag None for the usual place.
         report: whether a page is made of each recording.
-        joined: told who is the master of a ROS graph.
+        told: whom to tell what became of graph and watch.
     """
 
     study: Study
     file: Path | None
     options: PlayOptions
     report: bool
-    joined: Callable[[Master | CannotListen], None]
+    told: Hosts
 
     def setting(self, robots: int) -> Setting:
         """The study with so many robots; ends the program where that cannot be."""
@@ -71,7 +70,7 @@ class Games:
         setting = setting_of(study, None)
 
         async def play(visit: Visit) -> None:
-            options = dataclasses.replace(self.options, bag=None, graph=None, left=visit.left)
+            options = dataclasses.replace(self.options, bag=None, graph=None, watch=None, left=visit.left)
             await self._played(setting, options, visit)
 
         return play
@@ -91,7 +90,7 @@ class Games:
         nobody = TabUI(build_bot(setting.templates, BotStrategy.SUGGESTION, setting.study.seed))
         announce_compiling()
         try:
-            return await hunt.play(setting, nobody, options, ready, progress, self.joined)
+            return await hunt.play(setting, nobody, options, ready, progress, self.told)
         except Unfinished as early:
             if early.stopped and visit.ended is None:
                 raise  # Ctrl-C: the program ends.

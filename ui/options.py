@@ -1,7 +1,7 @@
 """What the commands that play or serve share: their options, and the study they make."""
 
 import dataclasses
-from collections.abc import Callable, Mapping
+from collections.abc import Mapping
 from enum import StrEnum
 from pathlib import Path
 from typing import Annotated
@@ -13,9 +13,12 @@ from thbridge.adapters.errors import BadFile
 from thbridge.adapters.map_files import read_grid
 from thbridge.adapters.recordings import make_room, try_place
 from thbridge.adapters.rosgraph.joining import DEFAULT_URI, Graph, Master, is_master_uri
-from thbridge.adapters.text_server import DEFAULT_HOST, DEFAULT_PORT, CannotListen
+from thbridge.adapters.text_server import DEFAULT_HOST, DEFAULT_PORT, CannotListen, Listening
+from thbridge.adapters.watch_server import DEFAULT_PORT as WATCH_PORT
+from thbridge.adapters.yaml_tree import read_text
 from thbridge.app.compose import Setting, read_setting
 from thbridge.app.config import Study, load_study
+from thbridge.app.listeners import Hosts, Watch
 from thbridge.study.bots import BotStrategy
 from ui.terminal import BAD_INPUT, bad_input, fail, note
 
@@ -52,6 +55,19 @@ RosHost = Annotated[
         envvar=["ROS_HOSTNAME", "ROS_IP"],
         help="Address for ROS nodes to reach this program, by default 127.0.0.1: who reaches it can drive robots.",
     ),
+]
+
+WatchAt = Annotated[
+    str | None,
+    typer.Option(
+        "--watch",
+        metavar="[HOST:]PORT",
+        help=f"Let researchers' windows connect, for example at {WATCH_PORT}; see docs/watching.md.",
+    ),
+]
+WatchKey = Annotated[
+    Path | None,
+    typer.Option("--watch-key", help="File whose first line whoever watches has to know. They see the truth."),
 ]
 
 
@@ -106,8 +122,37 @@ def graph_of(ros: bool, master: str | None, host: str | None) -> Graph | None:
     return Graph(uri, host or DEFAULT_HOST)
 
 
-def teller_of_masters(graph: Graph | None, quiet: bool = False) -> Callable[[Master | CannotListen], None]:
-    """Tells people who is the master, and ends the program where there can be no graph."""
+def watch_of(study: Study, file: Path | None, at: str | None, key: Path | None) -> Watch | None:
+    """Where researchers' windows may connect, None for nowhere; the study says so where options do not."""
+    section = study.watch
+    host, port = section.host, section.port
+    if at is not None:
+        given, _, number = at.rpartition(":")
+        if not number.isdecimal() or int(number) > 65535 or (":" in at and not given):
+            fail(
+                BAD_INPUT, f"--watch: {at!r} is no address. Write a port, such as {WATCH_PORT}, or HOST:PORT."
+            )
+        host, port = given.strip("[]") or host, int(number)
+    if port is None:
+        if key is not None:
+            fail(BAD_INPUT, f"--watch-key: nobody may watch. Add --watch {WATCH_PORT}, or leave the option out.")
+        return None
+    beside = Path() if file is None else file.parent
+    path = key or (None if section.key is None else beside / section.key)
+    return Watch(host, port, None if path is None else _key_in(path))
+
+
+def _key_in(path: Path) -> str:
+    """The key that a file holds."""
+    with bad_input():
+        key = next(iter(read_text(path).splitlines()), "").strip()
+        if not key:
+            raise BadFile(path, 1, None, "there is no key in this line", "write one, some random letters, into it")
+    return key
+
+
+def hosts_of(graph: Graph | None, quiet: bool = False) -> Hosts:
+    """Tells people who is the master and where one can watch, and ends the program where there can be neither."""
 
     def joined(master: Master | CannotListen) -> None:
         if isinstance(master, CannotListen):
@@ -115,7 +160,13 @@ def teller_of_masters(graph: Graph | None, quiet: bool = False) -> Callable[[Mas
         if not quiet and graph is not None:
             note(f"ROS: {master.value} ({graph.master_uri}).")
 
-    return joined
+    def watched(where: Listening | CannotListen) -> None:
+        if isinstance(where, CannotListen):
+            fail(BAD_INPUT, f"--watch: {where}")
+        if not quiet:
+            note(f"Researchers can watch at {where.host}:{where.port}.")
+
+    return Hosts(joined, watched)
 
 
 def make_ready(bag: Path) -> None:

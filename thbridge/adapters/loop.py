@@ -7,7 +7,6 @@ from collections.abc import Callable, Iterator
 from contextlib import contextmanager
 from dataclasses import dataclass
 
-from sim.observations import TICK
 from thbridge.adapters.pacer import Pacer
 
 
@@ -24,21 +23,19 @@ class Run:
     seconds: float
 
 
-def period_of(rate: float) -> float:
-    """Seconds of wall time for a tick; 0 for a rate of 0, as fast as it can."""
-    return TICK / rate if rate > 0.0 else 0.0
+def _pass() -> None:
+    """Nobody else need be told."""
 
 
-async def run_ticks(tick: Callable[[], bool], period: float) -> Run:
+async def run_ticks(tick: Callable[[], bool], pacer: Pacer) -> Run:
     """Run ticks until one returns False, or until Ctrl-C or SIGTERM, which end the loop between two ticks.
 
     Args:
         tick: one tick; whether another one is to follow.
-        period: seconds of wall time a tick takes; 0 runs as fast as the machine can.
+        pacer: says when the next one is due.
     """
-    pacer = Pacer(period)
     started = time.monotonic()
-    with stopping() as stopped:
+    with stopping(pacer.resume) as stopped:
         finished = False
         while not finished and not stopped.is_set():
             finished = not tick()
@@ -47,13 +44,18 @@ async def run_ticks(tick: Callable[[], bool], period: float) -> Run:
 
 
 @contextmanager
-def stopping() -> Iterator[asyncio.Event]:
-    """An event that Ctrl-C and SIGTERM set instead of ending the program where it stands."""
+def stopping(told: Callable[[], None] = _pass) -> Iterator[asyncio.Event]:
+    """An event that Ctrl-C and SIGTERM set instead of ending the program where it stands; `told` is called then."""
     loop = asyncio.get_running_loop()
     stopped = asyncio.Event()
+
+    def stop() -> None:
+        stopped.set()
+        told()
+
     signals = (signal.SIGINT, signal.SIGTERM)
     for number in signals:
-        loop.add_signal_handler(number, stopped.set)
+        loop.add_signal_handler(number, stop)
     try:
         yield stopped
     finally:

@@ -97,6 +97,17 @@ class RecordingSection:
 
 
 @dataclass(frozen=True, slots=True)
+class WatchSection:
+    """Where researchers' windows may connect: they see the truth, and may do things to robots."""
+
+    host: str = knob("127.0.0.1", "address to listen on; 0.0.0.0 lets other machines in")
+    port: int | None = knob(
+        None, "TCP port, such as 6010; 0 takes any that is free; null: nobody may", "", 0, 65535
+    )
+    key: Path | None = knob(None, "path of a file whose first line whoever connects has to know; null: no such thing")
+
+
+@dataclass(frozen=True, slots=True)
 class Study:
     """A study: what is played, by whom, on which map, with which robots."""
 
@@ -112,6 +123,7 @@ class Study:
     participant: ParticipantSection = knob(ParticipantSection(), "who plays when no person does")
     dialogue: DialogueSection = knob(DialogueSection(), "how robots talk")
     server: ServerSection = knob(ServerSection(), "the text server")
+    watch: WatchSection = knob(WatchSection(), "researchers' windows")
     recording: RecordingSection = knob(RecordingSection(), "the bag")
     fleet: FleetSection = knob(FleetSection(), "real robots: what their topics and frames are called")
     world: WorldParameters = knob(WorldParameters(), "bodies, motors and sensors as they truly are")

@@ -12,7 +12,7 @@ from typing import TypeAlias, TypeVar, get_args
 import msgspec
 import numpy as np
 
-from thbridge.roles.requests import Request
+from thbridge.roles.requests import PaceRequest, Request
 from thbridge.ros.records import Input as InputRecord
 from thbridge.wire.router import ConnectionId
 from thbridge.wire.text import Message
@@ -98,10 +98,8 @@ def to_record(item: Input) -> InputRecord:
     """The input as it is recorded; nothing of it is lost."""
     kind = type(item).__name__.lower()
     if isinstance(item, Asked):
-        request = type(item.request).__name__
-        fields = _json(item.request)
-        text = f'{{"sender":{json.dumps(item.sender)},"request":{json.dumps(request)},"fields":{fields}}}'
-        return InputRecord(kind, item.sender, _readable(f"{request} {fields}"), text)
+        line = _readable(f"{type(item.request).__name__} {_json(item.request)}")
+        return InputRecord(kind, item.sender, line, request_text(item.sender, item.request))
     return InputRecord(kind, *_for_people(item), _json(item))
 
 
@@ -115,11 +113,24 @@ def from_record(record: InputRecord) -> Input:
     if kind is None:
         raise ValueError(f"no input is of the kind {record.kind!r}")
     value: object = json.loads(record.json)
-    if kind is not Asked:
-        return _value(value, kind)
+    return asked_in(value) if kind is Asked else value_in(value, kind)
+
+
+def request_text(sender: str, request: Request | PaceRequest) -> str:
+    """A request as JSON, in one line: who asks, its name, its fields."""
+    name = type(request).__name__
+    return f'{{"sender":{json.dumps(sender)},"request":{json.dumps(name)},"fields":{_json(request)}}}'
+
+
+def asked_in(value: object) -> Asked:
+    """What the JSON of a request asks.
+
+    Raises:
+        ValueError: nobody can be asked for that.
+    """
     match value:
         case {"sender": str(sender), "request": str(name), "fields": fields} if name in _REQUESTS:
-            return Asked(sender, _value(fields, _REQUESTS[name]))
+            return Asked(sender, value_in(fields, _REQUESTS[name]))
     raise ValueError("nobody can be asked for that")
 
 
@@ -161,7 +172,8 @@ def _plain(value: object) -> object:
     raise NotImplementedError(f"no way to record a {type(value).__name__}")
 
 
-def _value(value: object, kind: type[T]) -> T:
+def value_in(value: object, kind: type[T]) -> T:
+    """The dataclass that JSON tells. Raises ValueError."""
     try:
         return msgspec.convert(value, kind, dec_hook=_array)
     except msgspec.ValidationError as error:

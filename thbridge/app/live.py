@@ -237,10 +237,6 @@ class LiveGraph:
         return pack.path(self._tick, MAP_FRAME, plan)
 
 
-def untold(master: Master | CannotListen) -> None:
-    """For those who are on no graph."""
-
-
 @asynccontextmanager
 async def on_graph(
     live: LiveGraph, graph: Graph, joined: Callable[[Master | CannotListen], None]

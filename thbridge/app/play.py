@@ -7,13 +7,14 @@ from pathlib import Path
 
 from sim.observations import TICK, TICKS_PER_SECOND
 from thbridge.adapters.ledger import Ledger
-from thbridge.adapters.loop import period_of, run_ticks
+from thbridge.adapters.loop import run_ticks
+from thbridge.adapters.pacer import Pacer
 from thbridge.adapters.recordings import journal_of
-from thbridge.adapters.rosgraph.joining import Graph, Master
+from thbridge.adapters.rosgraph.joining import Graph
 from thbridge.adapters.text_server import CannotListen, Listening, TextServer
-from thbridge.app.broadcast import Broadcast, Listener
+from thbridge.app.broadcast import Broadcast
 from thbridge.app.compose import Setting
-from thbridge.app.live import LiveGraph, on_graph, untold
+from thbridge.app.listeners import NOBODY_TOLD, Hosts, Watch, listeners
 from thbridge.app.recording import BagWitness
 from thbridge.app.session import EventLog, Moment, Session
 from thbridge.hunt.game import GameState
@@ -87,6 +88,7 @@ class PlayOptions:
         graph: the ROS graph to take part in; None for none.
         left: asked after every tick whether the participant, in a window of their own, has left: then the hunt ends,
             and not before, since they may look at what came of the game, and play again. None: it ends with the game.
+        watch: where researchers' windows may connect; None for nowhere.
     """
 
     rate: float
@@ -96,6 +98,7 @@ class PlayOptions:
     max_seconds: float
     graph: Graph | None = None
     left: Callable[[], bool] | None = None
+    watch: Watch | None = None
 
 
 async def play(
@@ -104,7 +107,7 @@ async def play(
     options: PlayOptions,
     ready: Callable[[Listening | CannotListen], None],
     progress: Callable[[Moment], None],
-    joined: Callable[[Master | CannotListen], None] = untold,
+    told: Hosts = NOBODY_TOLD,
 ) -> Outcome:
     """Play one hunt with all roles in this process, but those left to others.
 
@@ -114,7 +117,7 @@ async def play(
         options: how.
         ready: told where others can join, or why they cannot.
         progress: told of every tick.
-        joined: told who is the master of the graph, or why there is none.
+        told: whom to tell what became of graph and watch.
 
     Raises:
         BadFile: the journal or the bag cannot be written (as `BagNotWritten`).
@@ -132,21 +135,17 @@ async def play(
     names = [role.name for role in (*roles, inside) if role is not None]
     record = setting.record(PLAY, names, who)
     publisher = setting.publisher()
-    listeners: list[Listener] = []
-    async with AsyncExitStack() as opened:
-        if options.graph is not None:
-            # Nobody is heard before the session stands: a node registers in the loop's next turn.
-            def ask(sender: str, request: Request) -> None:
-                session.ask(sender, request)
+    pacer = Pacer(options.rate)
 
-            live = LiveGraph(options.graph, setting.facts(publisher), team.make_plan, ask)
-            await opened.enter_async_context(on_graph(live, options.graph, joined))
-            listeners.append(live)
+    def ask(sender: str, request: Request) -> None:
+        session.ask(sender, request)
+
+    async with AsyncExitStack() as opened:
         log: EventLog = NoLog()
         if options.bag is not None:
             log = opened.enter_context(closing(Ledger(journal_of(options.bag))))
-            listeners.append(opened.enter_context(setting.writer(options.bag)))
-        witnesses = [BagWitness(Broadcast(publisher, record, setting.place.grid, listeners))] if listeners else []
+        audience = await opened.enter_async_context(listeners(options, setting, team, publisher, pacer, ask, told))
+        witnesses = [BagWitness(Broadcast(publisher, record, setting.place.grid, audience))] if audience else []
         session = Session(Router(), setting.keeper(), roles, log, witnesses, inside)
         server = TextServer(session, session.hear)
         session.perform = server.perform
@@ -161,7 +160,7 @@ async def play(
             where = await server.start(setting.study.server.host, 0)  # The window is told where.
         ready(where)
         opened.push_async_callback(server.stop)
-        run = await run_ticks(tick, period_of(options.rate))
+        run = await run_ticks(tick, pacer)
     outcome = _outcome(setting, session, ending, roles, run.seconds, options.bag)
     if ending.tick is None:
         raise Unfinished(outcome, stopped=not run.finished)

@@ -2,21 +2,20 @@
 
 import logging
 from collections.abc import Callable, Sequence
-from contextlib import AsyncExitStack
 from dataclasses import dataclass
 from itertools import count
 from pathlib import Path
 from typing import Protocol
 
-from sim.observations import TICK
 from thbridge.adapters.ledger import Ledger
-from thbridge.adapters.loop import period_of, run_ticks
-from thbridge.adapters.rosgraph.joining import Graph, Master
+from thbridge.adapters.loop import run_ticks
+from thbridge.adapters.pacer import Pacer
+from thbridge.adapters.rosgraph.joining import Graph
 from thbridge.adapters.text_client import LossReason, Lost, TextClient
 from thbridge.adapters.text_server import CannotListen, Listening, TextServer
-from thbridge.app.broadcast import Broadcast, Listener
+from thbridge.app.broadcast import Broadcast
 from thbridge.app.compose import Setting
-from thbridge.app.live import LiveGraph, on_graph, untold
+from thbridge.app.listeners import NOBODY_TOLD, Hosts, Watch, listeners
 from thbridge.app.recording import BagWitness
 from thbridge.app.session import Outpost, Session
 from thbridge.roles.hider import Hider
@@ -71,7 +70,7 @@ async def serve(
             return True
 
         try:
-            await run_ticks(tick, TICK)
+            await run_ticks(tick, Pacer(1.0))
         finally:
             await server.stop()
     finally:
@@ -136,7 +135,7 @@ def converse(lodger: Lodger, client: TextClient, lost: Callable[[Lost], None]) -
 async def take_part(
     lodger: Lodger,
     client: TextClient,
-    rate: float,
+    pacer: Pacer,
     done: Callable[[], bool],
     lost: Callable[[Lost], None],
 ) -> bool:
@@ -145,7 +144,7 @@ async def take_part(
     Args:
         lodger: the role.
         client: its connection, not running yet.
-        rate: ticks run at this many times real time.
+        pacer: says when the next tick is due.
         done: asked after every tick.
         lost: told when the connection is lost, and why.
 
@@ -158,7 +157,7 @@ async def take_part(
         return not done()
 
     async with client.running():
-        run = await run_ticks(tick, period_of(rate))
+        run = await run_ticks(tick, pacer)
     return run.finished
 
 
@@ -173,6 +172,7 @@ class SimrOptions:
         rate: simulated seconds per second.
         bag: where to record; None for no recording.
         graph: the ROS graph to take part in; None for none.
+        watch: where researchers' windows may connect; None for nowhere.
     """
 
     host: str
@@ -181,13 +181,14 @@ class SimrOptions:
     rate: float
     bag: Path | None
     graph: Graph | None = None
+    watch: Watch | None = None
 
 
 async def simr(
     setting: Setting,
     options: SimrOptions,
     lost: Callable[[Lost], None],
-    joined: Callable[[Master | CannotListen], None] = untold,
+    told: Hosts = NOBODY_TOLD,
 ) -> str | None:
     """Run the robots' program until stopped.
 
@@ -195,7 +196,7 @@ async def simr(
         setting: the study.
         options: how.
         lost: told when the connection is lost, and why.
-        joined: told who is the master of the graph, or why there is none.
+        told: whom to tell what became of graph and watch.
 
     Returns:
         Why the keeper does not want these robots, or None when stopped.
@@ -207,29 +208,23 @@ async def simr(
     team = setting.team()
     role = setting.simr(team)
     publisher = setting.publisher()
-    listeners: list[Listener] = []
-    async with AsyncExitStack() as opened:
-        if options.graph is not None:
+    pacer = Pacer(options.rate)
 
-            def ask(sender: str, request: Request) -> None:
-                outpost.ask(sender, request)
+    def ask(sender: str, request: Request) -> None:
+        outpost.ask(sender, request)
 
-            live = LiveGraph(options.graph, setting.facts(publisher), team.make_plan, ask)
-            await opened.enter_async_context(on_graph(live, options.graph, joined))
-            listeners.append(live)
-        if options.bag is not None:
-            listeners.append(opened.enter_context(setting.writer(options.bag)))
+    async with listeners(options, setting, team, publisher, pacer, ask, told) as audience:
         record = setting.record(SIMR, [role.name], "")
-        witnesses = [BagWitness(Broadcast(publisher, record, setting.place.grid, listeners))] if listeners else []
+        witnesses = [BagWitness(Broadcast(publisher, record, setting.place.grid, audience))] if audience else []
         outpost = Outpost(role, witnesses)
         client = TextClient(role.name, options.token, options.host, options.port)
-        await take_part(outpost, client, options.rate, lambda: role.unfit is not None, lost)
+        await take_part(outpost, client, pacer, lambda: role.unfit is not None, lost)
     return role.unfit
 
 
 async def hider(role: Hider, host: str, port: int, token: str, lost: Callable[[Lost], None]) -> None:
     """Run the treasures' program until stopped."""
-    await take_part(Lone(role), TextClient(role.name, token, host, port), 1.0, lambda: False, lost)
+    await take_part(Lone(role), TextClient(role.name, token, host, port), Pacer(1.0), lambda: False, lost)
 
 
 async def tabui(
@@ -257,7 +252,7 @@ async def tabui(
             shown(last)
         return last is not None and last.over is not None
 
-    finished = await take_part(Lone(role), TextClient(role.name, token, host, port), 1.0, after, lost)
+    finished = await take_part(Lone(role), TextClient(role.name, token, host, port), Pacer(1.0), after, lost)
     return last if finished else None
 
 

@@ -5,9 +5,10 @@ from contextlib import AsyncExitStack
 
 import numpy as np
 
-from sim.observations import TICK, TICKS_PER_SECOND
+from sim.observations import TICKS_PER_SECOND
 from thbridge.adapters.fleet_recorder import FleetRecorder
 from thbridge.adapters.loop import run_ticks
+from thbridge.adapters.pacer import Pacer
 from thbridge.adapters.rosgraph.fleet import CALLER, Fleet
 from thbridge.adapters.rosgraph.joining import Graph
 from thbridge.adapters.text_client import Lost, TextClient
@@ -83,12 +84,12 @@ async def simr_with_real_robots(
                 missing(news)
             return bool(found)
 
-        if not (await run_ticks(wait, TICK)).finished:
+        if not (await run_ticks(wait, Pacer(1.0))).finished:
             return None
         role = setting.simr(fleet, round(setting.study.fleet.silence * TICKS_PER_SECOND))
         outpost = Outpost(role, [] if recorder is None else [BagWitness(recorder)])
         client = TextClient(role.name, options.token, options.host, options.port)
-        await take_part(outpost, client, 1.0, lambda: role.unfit is not None, lost)
+        await take_part(outpost, client, Pacer(1.0), lambda: role.unfit is not None, lost)
         await fleet.stop()
         if recorder is not None:
             recorder.flush()

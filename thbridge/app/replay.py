@@ -17,7 +17,8 @@ from sim.observations import TICK, TICKS_PER_SECOND
 from thbridge.adapters import bag_reader
 from thbridge.adapters.bag_reader import RawMessage
 from thbridge.adapters.errors import BadFile
-from thbridge.adapters.loop import period_of, run_ticks
+from thbridge.adapters.loop import run_ticks
+from thbridge.adapters.pacer import Pacer
 from thbridge.app.broadcast import Broadcast
 from thbridge.app.compose import Setting, build_bot
 from thbridge.app.config import read_study_text
@@ -216,9 +217,9 @@ async def replay(path: Path, setting: Setting, options: ReplayOptions, progress:
         def hurried_tick() -> bool:
             return tick() and stage.tick < options.start * TICKS_PER_SECOND
 
-        run = hurried = await run_ticks(hurried_tick, 0.0)
+        run = hurried = await run_ticks(hurried_tick, Pacer(0.0))
         if hurried.finished and not over:
-            run = await run_ticks(tick, period_of(options.rate))
+            run = await run_ticks(tick, Pacer(options.rate))
     wall = hurried.seconds if run is hurried else hurried.seconds + run.seconds
     return Replayed(stage.tick, comparison.messages, comparison.difference, comparison.cut_off, run.finished, wall)
 

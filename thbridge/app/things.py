@@ -36,6 +36,9 @@ ROUND_CORNERS = 12
 LONGEST = 86400.0
 """Seconds: a day."""
 LEAST_AREA = 1e-4
+MOST_CORNERS = 100
+FASTEST = 10.0
+"""Metres per second."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -46,7 +49,7 @@ class ThingEntry:
     shape: Shape = field(metadata={"help": "what it looks like; a polygon has its own corners"})
     at: tuple[float, float, float] | None = knob(None, "where it stands: x, y, yaw on the map", "m, m, rad")
     path: tuple[tuple[float, float], ...] = knob((), "instead of `at`: points x, y that it walks through", "m")
-    speed: float = knob(0.8, "at which it walks", "m/s", 0.01, 10)
+    speed: float = knob(0.8, "at which it walks", "m/s", 0.01, FASTEST)
     back_and_forth: bool = knob(default=False, help="whether it turns back at the end of its path, rather than stay")
     size: tuple[float, float] | None = knob(
         None, "length along its yaw and width across; null: as such things are", "m", 0.02, 100
@@ -159,6 +162,26 @@ def _faults_of_body(loaded: Loaded[S], key: str, entry: ThingEntry) -> Iterator[
         yield loaded.fault(f"{key}.corners", "these corners enclose nothing", "Write three or more corners in turn")
     elif crosses_itself(entry.corners):
         yield loaded.fault(f"{key}.corners", "its sides cross each other", "Write the corners in turn around it")
+
+
+def fault_of_thing(thing: Thing, farthest: float, longest: int) -> str | None:
+    """Why a thing that somebody else describes is none, for people; None where it can be put somewhere.
+
+    Args:
+        thing: as described.
+        farthest: metres; no map is that large.
+        longest: characters of its name.
+    """
+    places = ((thing.base_in_map.x, thing.base_in_map.y), (thing.base_in_map.theta, 0.0), *thing.path)
+    if not 0 < len(thing.name) <= longest:
+        return f"a thing has a name, of at most {longest} characters"
+    if max(len(thing.footprint), len(thing.path)) > MOST_CORNERS:
+        return f"a thing has at most {MOST_CORNERS} corners, and as many points on its way"
+    if any(max(abs(x), abs(y)) > farthest for x, y in (*places, *thing.footprint)):
+        return "no map is that large"
+    if area(thing.footprint) < LEAST_AREA or crosses_itself(thing.footprint):
+        return "its corners have to enclose something, in turn around it"
+    return None if 0.0 <= thing.speed <= FASTEST else f"a thing walks at 0 to {FASTEST:g} m/s"
 
 
 def faults_of_mishaps(loaded: Loaded[S], mishaps: Sequence[MishapEntry], robots: int) -> Iterator[BadFile]:

@@ -71,6 +71,41 @@ class AdviseFor:
     room: int
 
 
+@dataclass(frozen=True, slots=True)
+class Pause:
+    """Let no further tick come."""
+
+
+@dataclass(frozen=True, slots=True)
+class Resume:
+    """Let ticks come again."""
+
+
+@dataclass(frozen=True, slots=True)
+class SetRate:
+    """Go on faster or slower.
+
+    Attributes:
+        rate: simulated seconds per second; 0: as fast as the machine can.
+    """
+
+    rate: float
+
+
+@dataclass(frozen=True, slots=True)
+class Step:
+    """Let so many ticks come, and then no further one.
+
+    Attributes:
+        ticks: at least 1.
+    """
+
+    ticks: int = 1
+
+
+PaceRequest = Pause | Resume | SetRate | Step
+"""What may be asked of a session's pace. It acts at once, changes no result, and so is no input."""
+
 WizardRequest = Puppeteer | SpeakFor | AdviseFor
 """What a person asks who speaks in a robot's place; acts in the next tick."""
 

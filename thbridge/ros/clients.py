@@ -18,7 +18,7 @@ _GOAL_ID_LENGTH = 512
 """actionlib's names are the client's node, a number and a time; every list of goals repeats them."""
 _PLANAR = np.ix_((0, 1, 5), (0, 1, 5))
 """x, y and yaw among x, y, z, roll, pitch, yaw."""
-_FARTHEST = 1e6
+FARTHEST = 1e6
 """Metres: no map is that large, and squares of farther numbers leave what can be counted with."""
 _FLAT = math.cos(math.radians(10.0))
 """move_base, too, takes a goal's tilt of some degrees for noise and more than that for a mistake."""
@@ -76,10 +76,16 @@ def pose_estimate(data: bytes) -> PoseEstimate | Refused:
         return Refused(str(error))
     if isinstance(pose, Refused):
         return pose
-    bounded = bool((np.abs(covariance) <= _FARTHEST**2).all())
-    if not bounded or np.linalg.eigvalsh(0.5 * (covariance + covariance.T)).min() < -1e-9:
+    if not is_covariance(covariance):
         return Refused("its covariance is not one: it has to be finite and positive semi-definite")
     return PoseEstimate(pose, covariance)
+
+
+def is_covariance(matrix: FloatArray) -> bool:
+    """Whether (3, 3) numbers are a covariance of a pose that can be counted with."""
+    if matrix.shape != (3, 3) or not bool((np.abs(matrix) <= FARTHEST**2).all()):
+        return False
+    return bool(np.linalg.eigvalsh(0.5 * (matrix + matrix.T)).min() >= -1e-9)
 
 
 def goal_pose(data: bytes) -> Pose2 | Refused:
@@ -163,7 +169,7 @@ def _pose_in_map(cursor: Cursor, frame: str) -> Pose2 | Refused:
     length = math.sqrt(qx * qx + qy * qy + qz * qz + qw * qw)
     if not math.isfinite(x + y + z + length):
         return Refused("its pose is not finite")
-    if max(abs(x), abs(y)) > _FARTHEST:
+    if max(abs(x), abs(y)) > FARTHEST:
         return Refused("its pose is farther away than any map is large")
     if length < 1e-6:
         return Refused("its quaternion is empty; no rotation is (0, 0, 0, 1)")

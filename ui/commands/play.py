@@ -26,13 +26,16 @@ from ui.options import (
     RosMaster,
     Seed,
     StudyFile,
+    WatchAt,
+    WatchKey,
     Who,
     announce_compiling,
     graph_of,
+    hosts_of,
     make_ready,
     setting_of,
     study_of,
-    teller_of_masters,
+    watch_of,
     with_server,
     write_report,
 )
@@ -80,6 +83,8 @@ def play(
     ros: Ros = False,
     ros_master: RosMaster = None,
     ros_host: RosHost = None,
+    watch: WatchAt = None,
+    watch_key: WatchKey = None,
     as_json: AsJson = False,
 ) -> None:
     """Play a whole hunt, recorded into a bag: in a window where there is a display, else with a simulated participant.
@@ -98,10 +103,11 @@ def play(
     people = windowed or bool(others) or who is Who.PERSON
     limit = max_seconds or (math.inf if people else AN_HOUR)
     pace = next(given for given in (rate, study.rate, float(people or ros)) if given is not None)
-    told = teller_of_masters(graph, as_json)
+    told = hosts_of(graph, as_json)
+    door = watch_of(study, study_file, watch, watch_key)
     if windowed:
         offered = Offer(least=study.robots, most=study.robots, usual=study.robots)
-        options = PlayOptions(pace, bag, frozenset({legacy.TABUI}), "", limit, graph)
+        options = PlayOptions(pace, bag, frozenset({legacy.TABUI}), "", limit, graph, watch=door)
         games = Games(study, study_file, options, report_page is not False, told)
         play_in_window(games, offered)
         return
@@ -125,7 +131,7 @@ def play(
     announce_compiling()
     unfinished: Unfinished | None = None
     try:
-        options = PlayOptions(pace, path, others, who, limit, graph)
+        options = PlayOptions(pace, path, others, who, limit, graph, watch=door)
         program = hunt.play(setting, seat.tabui, options, ready, progress, told)
         outcome = run(program, seat.typed)
     except Unfinished as early:

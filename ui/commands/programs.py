@@ -34,13 +34,16 @@ from ui.options import (
     StudyFile,
     StudyOption,
     Templates,
+    WatchAt,
+    WatchKey,
     Who,
     announce_compiling,
     graph_of,
+    hosts_of,
     make_ready,
     setting_of,
     study_of,
-    teller_of_masters,
+    watch_of,
     with_server,
 )
 from ui.seats import run, seat_of
@@ -85,6 +88,8 @@ def simr(
     ros: Ros = False,
     ros_master: RosMaster = None,
     ros_host: RosHost = None,
+    watch: WatchAt = None,
+    watch_key: WatchKey = None,
 ) -> None:
     """Run the robots (SimR) at a text server until stopped."""
     host, port = _address(server)
@@ -93,6 +98,8 @@ def simr(
     real = setting.study.robots_from is RobotsFrom.ROS
     if real and ros:
         fail(BAD_INPUT, "--ros: robots of a ROS graph are there already. Leave the option out.")
+    if real and watch is not None:
+        fail(BAD_INPUT, "--watch: real robots are watched on their graph, by rviz. Leave the option out.")
     if real and rate is not None:
         fail(BAD_INPUT, "--rate: real robots have the time that they have. Leave the option out.")
     if real and (clash := setting.study.fleet.clash(setting.study.robots)) is not None:
@@ -108,9 +115,10 @@ def simr(
         if unfit is not None:
             fail(FAILED, unfit)
         return
+    door = watch_of(setting.study, study_file, watch, watch_key)
     announce_compiling()
-    options = SimrOptions(host, port, _token(), rate or setting.study.rate or 1.0, bag, graph)
-    unfit = run(programs.simr(setting, options, _lost, teller_of_masters(graph)))
+    options = SimrOptions(host, port, _token(), rate or setting.study.rate or 1.0, bag, graph, door)
+    unfit = run(programs.simr(setting, options, _lost, hosts_of(graph)))
     if unfit is not None:
         fail(FAILED, unfit)
 
@@ -175,7 +183,7 @@ def _lost(lost: Lost) -> None:
 def _without_effect(study: Study) -> list[str]:
     """What a study says that real robots do not heed."""
     standard = Study()
-    keys = ("rate", "robot", "each", "things", "mishaps")
+    keys = ("rate", "watch", "robot", "each", "things", "mishaps")
     return [key for key in keys if getattr(study, key) != getattr(standard, key)]
 
 
