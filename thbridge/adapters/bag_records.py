@@ -95,6 +95,12 @@ def message_head(connection: Connection) -> bytes:
     return U32.pack(len(head) + _TIME.size) + head
 
 
+def time_in(record: bytes) -> bytes:
+    """The `time_bytes` of a message's record."""
+    (head,) = U32.unpack_from(record)
+    return record[U32.size + head - _TIME.size : U32.size + head]
+
+
 def chunk_record(data: bytes, compression: Compression) -> bytes:
     """A chunk of records."""
     header = _header(RecordType.CHUNK, compression=compression.encode(), size=U32.pack(len(data)))

@@ -10,6 +10,7 @@ import asyncio
 import logging
 from asyncio import Protocol as AsyncioProtocol
 from asyncio import Transport
+from collections import defaultdict
 from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass, replace
 from typing import Protocol
@@ -22,8 +23,10 @@ from thbridge.adapters.bag_records import (
     bag_header,
     chunk_record,
     connection_record,
+    index_record,
     message_head,
     time_bytes,
+    time_in,
 )
 from thbridge.adapters.errors import reason_of
 from thbridge.adapters.ros_definitions import Definitions
@@ -260,6 +263,7 @@ class _Watcher(AsyncioProtocol):
         self._announced: set[int] = set()
         self._full = False
         self._closing = False
+        self._mute = False
 
     def connection_made(self, transport: asyncio.BaseTransport) -> None:
         if not isinstance(transport, Transport):
@@ -290,7 +294,8 @@ class _Watcher(AsyncioProtocol):
             self.close()
 
     def eof_received(self) -> bool:
-        return True  # Who has nothing to ask may still listen: `nc HOST PORT < /dev/null`.
+        self._mute = True
+        return not self._closing  # Who has nothing to ask may still listen: `nc HOST PORT < /dev/null`.
 
     def pause_writing(self) -> None:
         self._full = True
@@ -311,15 +316,26 @@ class _Watcher(AsyncioProtocol):
         """Give the socket what waits, as far as it takes it, in one chunk; connections by number."""
         self._connections = connections
         while not (self._full or self._closing) and self._transport is not None:
-            pieces: list[bytes] = []
-            for channel, record in self.backlog.take(_SEGMENT):
-                if channel not in self._announced:
-                    self._announced.add(channel)
-                    pieces.append(connection_record(connections[channel]))
-                pieces.append(record)
-            if not pieces:
+            taken = self.backlog.take(_SEGMENT)
+            if not taken:
                 return
-            self._transport.write(chunk_record(b"".join(pieces), Compression.NONE))
+            self._transport.write(self._chunk(connections, taken))
+
+    def _chunk(self, connections: tuple[Connection, ...], taken: Sequence[tuple[int, bytes]]) -> bytes:
+        """Messages as a piece of a bag; rosbag's `reindex` wants something after every chunk, and that is its index."""
+        pieces: list[bytes] = []
+        entries: defaultdict[int, list[bytes]] = defaultdict(list)
+        at = 0
+        for channel, record in taken:
+            if channel not in self._announced:
+                self._announced.add(channel)
+                pieces.append(connection_record(connections[channel]))
+                at += len(pieces[-1])
+            entries[channel] += (time_in(record), U32.pack(at))
+            pieces.append(record)
+            at += len(record)
+        indices = [index_record(connections[channel], b"".join(entry)) for channel, entry in entries.items()]
+        return b"".join((chunk_record(b"".join(pieces), Compression.NONE), *indices))
 
     def write(self, data: bytes) -> None:
         """Give the socket these bytes."""
@@ -333,6 +349,9 @@ class _Watcher(AsyncioProtocol):
         self._closing = True
         self._server.left(self)
         transport = self._transport
+        if self._mute:
+            transport.close()
+            return
         try:
             transport.write_eof()
         except OSError:  # the other side is gone already, though asyncio has not heard of it yet

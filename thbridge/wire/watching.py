@@ -1,7 +1,7 @@
 """How a researcher's window watches a session, sans-IO: both sides of the conversation.
 
-The session says a rosbag of format 2.0, without an index and without an end: magic, bag header, then chunks. The
-watcher says JSON objects, one a line: first the key, where one is wanted, then requests.
+The session says a rosbag of format 2.0 without an end: magic, bag header, then chunks, each with its index. The watcher
+says JSON objects, one a line: first the key, where one is wanted, then requests.
 """
 
 from __future__ import annotations
@@ -183,7 +183,7 @@ class StreamReader:
                 seconds, nanoseconds = _TIME.unpack(fields[b"time"])
                 topic, msgtype = self._connections[number]
                 yield Said(topic, msgtype, seconds * 1_000_000_000 + nanoseconds, body)
-            case 0x03:  # the bag's header
+            case 0x03 | 0x04:  # the bag's header, and an index
                 pass
             case kind:
                 raise ValueError(f"it has a record of kind {kind}")

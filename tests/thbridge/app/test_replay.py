@@ -16,25 +16,29 @@ from thbridge.adapters.bag_repair import reindex
 from thbridge.adapters.bag_writer import BagWriter
 from thbridge.adapters.errors import BadFile
 from thbridge.adapters.text_client import TextClient
-from thbridge.adapters.text_server import Listening
+from thbridge.adapters.text_server import CannotListen, Listening
+from thbridge.adapters.watch_client import WatchClient
 from thbridge.app.broadcast import Broadcast
 from thbridge.app.compose import Setting, build_bot, read_setting
 from thbridge.app.config import RecordingSection, Study, read_study_text
 from thbridge.app.inputs import Advanced, Asked, Backlogged, Closed, Input, Opened, Received, Said
+from thbridge.app.listeners import Hosts, Watch
 from thbridge.app.play import PLAY, NoLog, PlayOptions, Unfinished, play
 from thbridge.app.programs import SIMR
 from thbridge.app.recording import BagWitness
 from thbridge.app.replay import Replayed, ReplayOptions, replay, session_of, ticks_of
 from thbridge.app.session import Moment, Outpost, Session
+from thbridge.app.watching import request_line
 from thbridge.app.what_if import Change, changed
 from thbridge.roles.notices import KEEPER, Order, Orders, Subscribe, tell
-from thbridge.roles.requests import Request, SetParameters
+from thbridge.roles.requests import PaceRequest, Pause, Request, Resume, SetParameters, Step
 from thbridge.roles.tabui import TabUI
 from thbridge.ros import names
 from thbridge.ros.publisher import Message, Topic
 from thbridge.ros.records import CancelRequest, GoalRequest, InitialPose, SimpleGoal, VelocityCommand
+from thbridge.ros.stamps import START_NS, TICK_NS
 from thbridge.study.bots import BotStrategy
-from thbridge.wire import legacy, text
+from thbridge.wire import legacy, text, watching
 from thbridge.wire.client import Registered
 from thbridge.wire.router import ConnectionId, Forwarded, Output, Router, Send
 
@@ -55,6 +59,42 @@ def record(bag: Path, study: Study, seconds: float) -> None:
     options = PlayOptions(0.0, bag, frozenset(), "suggestion", seconds)
     with pytest.raises(Unfinished):
         asyncio.run(play(setting, bot_of(setting), options, lambda where: None, lambda moment: None))
+
+
+def watched(bag: Path, study: Study, seconds: float, plan: Sequence[tuple[int, Request | PaceRequest]]) -> list[type]:
+    """A hunt as `record` makes it, with a researcher who asks for something whenever so many ticks have passed; what
+    was recorded of that."""
+    setting, waiting, clients = setting_of(study), list(plan), list[WatchClient]()
+    running: list[asyncio.Task[None]] = []
+
+    def come(where: Listening | CannotListen) -> None:
+        assert isinstance(where, Listening)
+        clients.append(WatchClient(where.host, where.port))
+        running.extend((asyncio.ensure_future(clients[0].run()), asyncio.ensure_future(look())))
+
+    async def look() -> None:
+        tick = 0
+        while waiting:
+            for event in clients[0].take():
+                if isinstance(event, watching.Said) and event.topic == names.TF:
+                    tick = (event.stamp_ns - START_NS) // TICK_NS
+            while waiting and tick >= waiting[0][0]:
+                assert clients[0].send(request_line("researcher", waiting.pop(0)[1]))
+            await asyncio.sleep(0)
+
+    async def whole() -> None:
+        options = PlayOptions(20.0, bag, frozenset(), "suggestion", seconds, watch=Watch("127.0.0.1", 0, None))
+        told = Hosts(lambda master: None, come)
+        try:
+            await play(setting, bot_of(setting), options, lambda where: None, lambda moment: None, told)
+        finally:
+            for task in running:
+                task.cancel()
+
+    with pytest.raises(Unfinished):
+        asyncio.run(whole())
+    assert not waiting
+    return [type(item.request) for item in inputs(bag) if isinstance(item, Asked) and item.sender == "researcher"]
 
 
 def act(bag: Path, study: Study, ticks: int, doing: Callable[[int, Session], None]) -> None:
@@ -103,6 +143,24 @@ class TestSame:
         equal(hunt, 16 * 50)
         again(hunt, to=tmp_path / "again.bag")
         assert list(messages(tmp_path / "again.bag")) == list(messages(hunt))
+
+    def test_what_a_researcher_did_at_the_watch_door_is_done_again(self, tmp_path: Path) -> None:
+        crate = Thing("crate", ((0.3, 0.3), (-0.3, 0.3), (-0.3, -0.3), (0.3, -0.3)), Pose2(0.0, 0.5, 0.2))
+        plan: list[tuple[int, Request | PaceRequest]] = [
+            (40, Pause()),
+            (40, SetParameters(0, (("amcl.recovery_alpha_fast", 0.1),))),
+            (40, Carry(0, Pose2(1.0, 0.0, 0.0))),
+            (40, Step(30)),
+            (60, PutThing(crate)),
+            (70, Resume()),
+            (120, Die(1)),
+            (180, Revive(1)),
+            (190, SimpleGoal(1, Pose2(2.0, 0.0, 0.0), 0)),
+        ]
+        bag = tmp_path / "hunt.bag"
+        asked = watched(bag, STUDY, 8.0, plan)
+        assert asked == [type(request) for _, request in plan if not isinstance(request, Pause | Resume | Step)]
+        equal(bag, 8 * 50)
 
     def test_packed_and_split_recordings_are_read_as_one(self, tmp_path: Path) -> None:
         bag = tmp_path / "hunt.bag"

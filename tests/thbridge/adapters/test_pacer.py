@@ -1,0 +1,106 @@
+"""A loop of ticks whose pace is changed while it runs."""
+
+import asyncio
+import os
+import signal
+from collections.abc import Awaitable, Callable
+
+from thbridge.adapters.loop import Run, run_ticks
+from thbridge.adapters.pacer import Pacer
+
+PATIENCE = 20
+
+
+class Loop:
+    """A loop of ticks at full speed."""
+
+    def __init__(self) -> None:
+        self.pacer = Pacer(0.0)
+        self.ticks = 0
+        self.over = False
+
+    def tick(self) -> bool:
+        self.ticks += 1
+        return not self.over
+
+    async def rest(self) -> int:
+        """Ticks, once no more come."""
+        ticks = -1
+        while ticks != self.ticks:
+            ticks = self.ticks
+            await asyncio.sleep(0.01)
+        return ticks
+
+
+def driven(drive: Callable[[Loop], Awaitable[None]]) -> tuple[Run, Loop]:
+    async def whole() -> tuple[Run, Loop]:
+        loop = Loop()
+        async with asyncio.timeout(PATIENCE):
+            running = asyncio.ensure_future(run_ticks(loop.tick, loop.pacer))
+            await drive(loop)
+            return await running, loop
+
+    return asyncio.run(whole())
+
+
+def test_a_pause_holds_steps_step_and_it_goes_on():
+    async def drive(loop: Loop) -> None:
+        loop.pacer.pause()
+        paused = await loop.rest()
+        loop.pacer.step(3)
+        loop.pacer.step(2)
+        assert await loop.rest() == paused + 5
+        assert loop.pacer.paused
+        loop.pacer.resume()
+        while loop.ticks < paused + 100:
+            await asyncio.sleep(0)
+        loop.over = True
+
+    assert driven(drive)[0].finished
+
+
+def test_steps_that_were_granted_do_not_come_after_a_pause():
+    async def drive(loop: Loop) -> None:
+        loop.pacer.pause()
+        paused = await loop.rest()
+        loop.pacer.step(10**9)
+        while loop.ticks < paused + 10:
+            await asyncio.sleep(0)
+        loop.pacer.pause()
+        await loop.rest()
+        loop.over = True
+        loop.pacer.resume()
+
+    assert driven(drive)[0].finished
+
+
+def test_a_paused_program_can_be_stopped():
+    async def drive(loop: Loop) -> None:
+        loop.pacer.pause()
+        await loop.rest()
+        os.kill(os.getpid(), signal.SIGTERM)
+
+    assert not driven(drive)[0].finished
+
+
+def waited(clock: list[float], pacer: Pacer, ticks: int) -> None:
+    async def wait() -> None:
+        for _ in range(ticks):
+            await pacer.wait()
+
+    asyncio.run(wait())
+
+
+def test_lag_is_what_the_rate_asks_for_and_the_machine_does_not_do():
+    now = [100.0]
+    pacer = Pacer(1.0, lambda: now[0])
+    waited(now, pacer, 1)
+    assert pacer.lag == 0.0
+    now[0] += 0.52
+    assert round(pacer.lag, 6) == 0.5
+    now[0] += 4.5
+    waited(now, pacer, 1)  # the delay is given up
+    assert round(pacer.lag, 6) == 5.0
+    pacer.set_rate(0.0)
+    now[0] += 100.0
+    assert round(pacer.lag, 6) == 5.0
