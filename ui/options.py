@@ -129,9 +129,7 @@ def watch_of(study: Study, file: Path | None, at: str | None, key: Path | None) 
     if at is not None:
         given, _, number = at.rpartition(":")
         if not number.isdecimal() or int(number) > 65535 or (":" in at and not given):
-            fail(
-                BAD_INPUT, f"--watch: {at!r} is no address. Write a port, such as {WATCH_PORT}, or HOST:PORT."
-            )
+            fail(BAD_INPUT, f"--watch: {at!r} is no address. Write a port, such as {WATCH_PORT}, or HOST:PORT.")
         host, port = given.strip("[]") or host, int(number)
     if port is None:
         if key is not None:

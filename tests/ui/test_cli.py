@@ -345,3 +345,16 @@ def test_measuring_refuses_a_file_that_is_there_before_it_drives(folder: Path) -
     assert "mapTimes" in refusal("maps", "measure", "arena8", "--out", "mapTimes")
     assert (folder / "mapTimes").read_text() == "mine\n"
     assert "cannot be written" in refusal("maps", "measure", "arena8", "--out", "no/such/folder/mapTimes")
+
+
+def test_where_nobody_can_watch_is_refused_and_so_is_a_key_that_is_none(folder: Path) -> None:
+    for nowhere in ("door", "70000", ":6010", "here:"):
+        assert f"--watch: {nowhere!r} is no address" in refusal("play", "--headless", "--watch", nowhere)
+    assert "--watch-key: nobody may watch" in refusal("play", "--headless", "--watch-key", "key.txt")
+    assert "key.txt" in refusal("play", "--headless", "--watch", "0", "--watch-key", "key.txt")
+    Path("key.txt").write_text("\nsecret\n")
+    assert "key.txt, line 1: there is no key in this line" in refusal("simr", "--watch", "0", "--watch-key", "key.txt")
+    Path("study.yaml").write_text("watch: {port: 0, key: key.txt}\n")
+    assert "there is no key in this line" in refusal("play", "study.yaml", "--headless")
+    told = "--watch: real robots are watched on their graph"
+    assert told in refusal("simr", "--robots-from", "ros", "--watch", "6010")

@@ -101,9 +101,7 @@ class WatchSection:
     """Where researchers' windows may connect: they see the truth, and may do things to robots."""
 
     host: str = knob("127.0.0.1", "address to listen on; 0.0.0.0 lets other machines in")
-    port: int | None = knob(
-        None, "TCP port, such as 6010; 0 takes any that is free; null: nobody may", "", 0, 65535
-    )
+    port: int | None = knob(None, "TCP port, such as 6010; 0 takes any that is free; null: nobody may", "", 0, 65535)
     key: Path | None = knob(None, "path of a file whose first line whoever connects has to know; null: no such thing")
 
 
