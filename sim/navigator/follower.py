@@ -67,6 +67,7 @@ class Follower:
         way: the itinerary; None without one.
         arrived: whether the robot stands at its end.
         waiting: whether it waits for its right of way.
+        waits_for: the robot before whose itinerary or body it stands.
         others_bar: whether others keep it from going farther.
         local_plan: (k, 3) map poses the last command would lead through.
         unseen: the last scan, until the costmap has taken it in.
@@ -130,6 +131,7 @@ class Follower:
         self.way: Itinerary | None = None
         self.arrived = False
         self.waiting = False
+        self.waits_for: int | None = None
         self.others_bar = False
         self.local_plan = NOWHERE
         self.ahead = (NOWHERE, NO_TIMES, 0.0)
@@ -192,7 +194,7 @@ class Follower:
             twist: how it moves.
             neighbours: what the others said last.
         """
-        self.local_plan, self.waiting = NOWHERE, False
+        self.local_plan, self.waiting, self.waits_for = NOWHERE, False, None
         way = self.way
         if way is None:
             return STANDSTILL
@@ -279,13 +281,15 @@ class Follower:
         if self._at_end:
             return self._finish(tick, pose, twist, end_heading, around)
         last = _as_far_as(self._left, self._index, self._reach)
-        allowed, barred = right_of_way(
+        allowed, barring, stands = right_of_way(
             way.points, way.times, self._index, last, pose.x, pose.y, heard(neighbours), self._separation
         )
         self.others_bar = allowed < last
-        path, slow_down = self._stretch(pose, way, int(allowed), allowed < last)
+        path, slow_down, obstructed = self._stretch(pose, way, int(allowed), allowed < last)
         if path is None:
-            self.waiting = allowed < last and not barred
+            self.waiting = allowed < last and not stands
+            if barring >= 0 and not obstructed:
+                self.waits_for = neighbours[barring].robot
             if self.waiting:
                 self.valid = tick
             else:
@@ -322,17 +326,22 @@ class Follower:
         self._progress = tick
         return self._planner.turn(pose, twist, heading, around)
 
-    def _stretch(self, pose: Pose2, way: Itinerary, allowed: int, yields: bool) -> tuple[FloatArray | None, float]:
-        """The part of the way to drive along now, and how early to slow down; None where the robot has to wait."""
+    def _stretch(
+        self, pose: Pose2, way: Itinerary, allowed: int, yields: bool
+    ) -> tuple[FloatArray | None, float, bool]:
+        """The part of the way to drive along now, None where the robot has to wait.
+
+        With it go how early to slow down, and whether it is an obstacle that ends it.
+        """
         points = way.points[self._index : allowed + 1]
         count, stopped, turns = _drivable(points, self._costmap.costs, self._costmap.frame, pose.x, pose.y)
         points = points[:count]
         yields = stopped or (yields and not turns)
         if len(points) == 0 or (yields and math.hypot(points[-1, 0] - pose.x, points[-1, 1] - pose.y) < HALT):
-            return None, 0.0
+            return None, 0.0, stopped
         ends = not yields and self._index + len(points) == len(way.points)
         slow_down = self._planner.limits.sim_time if ends else YIELD_TIME if yields else 0.1
-        return points, slow_down
+        return points, slow_down, stopped
 
 
 def _made_from(parameters: RobotParameters) -> tuple[object, ...]:

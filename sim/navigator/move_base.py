@@ -97,6 +97,7 @@ class Navigator:
         self._target = IDENTITY
         self._wish = NOWHERE
         self._claim: Claim | None = None
+        self._waits_for: int | None = None
         self._tick = -1
         self._command = STANDSTILL
         self._making_way = False
@@ -113,6 +114,7 @@ class Navigator:
         self._retries = 0
         self._turn_left = 0.0
         self._yielded = -math.inf
+        self._yielded_to: int | None = None
         self._shortest = math.inf
         self._shortest_tick = tick
         self._longest = 0.0
@@ -182,7 +184,7 @@ class Navigator:
 
     def _drop(self) -> None:
         """Stand, and follow nothing."""
-        self._wish, self._claim = NOWHERE, None
+        self._wish, self._claim, self._waits_for = NOWHERE, None, None
         self._making_way = False
         self._command = STANDSTILL
         self._follower.drop()
@@ -254,7 +256,14 @@ class Navigator:
             remaining,
             self._claim,
             *self._costmaps.shown(tick, pose, self._silence, follower.unseen),
+            self._awaited(tick),
         )
+
+    def _awaited(self, tick: int) -> int | None:
+        """The robot that this one lets go first, where it stands because of one."""
+        if self._follower.way is not None:
+            return self._follower.waits_for
+        return self._yielded_to if self._goal is not None and self._yields(tick) else self._waits_for
 
     def _seek(self, tick: int, twist: Twist, scan: Scan | None) -> None:
         """Look around; a goal waits for the robot to know its place again, but not for ever."""
@@ -294,7 +303,7 @@ class Navigator:
                 return
         if self._turn_left > 0.0:
             return
-        if self._goal is not None and tick - self._yielded >= MAKING_WAY * TICKS_PER_SECOND:
+        if self._goal is not None and not self._yields(tick):
             self._plan(tick, pose, self._goal, neighbours, keeps)
         if self._follower.way is None:
             asking = self._asked_to_clear(pose, neighbours)
@@ -308,6 +317,10 @@ class Navigator:
 
     def _out_of_control(self, tick: int) -> bool:
         return tick - self._follower.valid > self._parameters.controller_patience * TICKS_PER_SECOND
+
+    def _yields(self, tick: int) -> bool:
+        """Whether it has just made way for another one, which is to plan first."""
+        return tick - self._yielded < MAKING_WAY * TICKS_PER_SECOND
 
     def _replans(self, tick: int) -> bool:
         """Whether a plan is due although the present one is good."""
@@ -338,8 +351,10 @@ class Navigator:
 
     def _plan(self, tick: int, pose: Pose2, goal: Goal, neighbours: Sequence[Neighbour], keeps: bool) -> None:
         self._planned = tick
-        if self._defers(neighbours):
+        first = self._defers_to(neighbours)
+        if first is not None:
             if not keeps:
+                self._waits_for = first
                 self._next_plan = tick + round(RETRY * TICKS_PER_SECOND)
             return
         others = heard(neighbours)
@@ -354,6 +369,7 @@ class Navigator:
                 self._drop()
                 self._wish = headings(wish, self._target.theta)
                 self._claim = Claim(self._began, self._robot)
+                self._waits_for = self._router.first_in_the_way(neighbours, wish)
                 self._longest = max(self._longest, float(np.hypot(*np.diff(wish, axis=0).T).sum()))
                 self._next_plan = tick + round(RETRY * TICKS_PER_SECOND)
                 if any(len(other.times) and self._router.in_the_way(other.path[-1], wish) for other in neighbours):
@@ -366,15 +382,12 @@ class Navigator:
                 self._next_plan = tick + round(RETRY * TICKS_PER_SECOND)
                 self._refuse(tick, pose, goal, way)
 
-    def _defers(self, neighbours: Sequence[Neighbour]) -> bool:
-        """Whether the goal lies on the way that a robot with an older goal wishes for: that one is to go first."""
+    def _defers_to(self, neighbours: Sequence[Neighbour]) -> int | None:
+        """A robot with an older goal, on whose wished way the goal lies: that one is to go first."""
         own = Claim(self._began, self._robot)
-        return any(
-            other.claim is not None
-            and other.claim < own
-            and self._router.in_the_way(self._target.array()[:2], other.path)
-            for other in neighbours
-        )
+        older = (other for other in neighbours if other.claim is not None and other.claim < own)
+        place = self._target.array()[:2]
+        return next((other.robot for other in older if self._router.in_the_way(place, other.path)), None)
 
     def _refuse(self, tick: int, pose: Pose2, goal: Goal, refused: Refused) -> None:
         """No way: wait for one, then recover, then give up."""
@@ -414,7 +427,7 @@ class Navigator:
             elif self._goal is None:
                 self._wish, self._claim = NOWHERE, None
             return
-        self._yielded = tick
+        self._yielded, self._yielded_to = tick, asking.robot
         self._follow(tick, away, pose.theta, turns_at_end=False)
         self._making_way = True
 

@@ -28,6 +28,7 @@ class Navigation:
         claim: beside a plan that is only wished for, whose wish it is.
         global_costmap: the costs that plans are made with, in the ticks when they are due to be shown.
         local_costmap: the same of commands.
+        waits_for: the robot that this one lets go first, where it stands because of one.
     """
 
     command: Twist
@@ -41,3 +42,4 @@ class Navigation:
     claim: Claim | None = None
     global_costmap: CostmapView | None = None
     local_costmap: CostmapView | None = None
+    waits_for: int | None = None

@@ -186,7 +186,7 @@ def right_of_way(
     y: float,
     others: Others,
     separation: float,
-) -> tuple[int, bool]:
+) -> tuple[int, int, bool]:
     """How far a robot may drive now: the last of its points that is free of all robots that pass there before it.
 
     Args:
@@ -200,7 +200,8 @@ def right_of_way(
             still.
 
     Returns:
-        An index from `index` to `last`, and whether it is a robot that stands for good which bars the next point.
+        An index from `index` to `last`; which of the others bars the next point, -1 when none does; and whether that
+        one stands for good.
     """
     for i in range(index + 1, last + 1):
         px, py = points[i, 0], points[i, 1]
@@ -213,8 +214,8 @@ def right_of_way(
                     continue
                 distance = math.hypot(px - ox, py - oy)
                 if distance < separation and distance < math.hypot(x - ox, y - oy) - 0.02:
-                    return i - 1, others.times[m] == -math.inf
-    return last, False
+                    return i - 1, k, others.times[m] == -math.inf
+    return last, -1, False
 
 
 @njit(cache=True)

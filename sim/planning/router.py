@@ -143,6 +143,16 @@ class Router:
         """Whether a robot at a (2,) place hinders another one on its (m, 2) path."""
         return bool((np.hypot(wish[:, 0] - place[0], wish[:, 1] - place[1]) < self.separation).any())
 
+    def first_in_the_way(self, neighbours: Sequence[Neighbour], wish: FloatArray) -> int | None:
+        """Of those who stand on a (m, 2) path, or are to arrive on it, the one that is met first."""
+        met: list[tuple[int, int]] = []
+        for other in neighbours:
+            place = other.path[-1] if len(other.times) else other.base_in_map.array()[:2]
+            near = np.flatnonzero(np.hypot(*(wish - place).T) < self.separation)
+            if len(near):
+                met.append((int(near[0]), other.robot))
+        return min(met)[1] if met else None
+
     def _executable(self, way: Itinerary, others: Others) -> bool:
         return bool(executable(way.points, way.times, others, self.separation_driven))
 

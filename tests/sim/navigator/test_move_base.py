@@ -86,6 +86,7 @@ class Rig:
         self.scans = lambda pose: None
         self.strangers = []
         self.broken = set()
+        self.waits = set()
         self.lost = set()
 
     def step(self):
@@ -108,6 +109,9 @@ class Rig:
             self.said[i] = navigator.step(self.tick, self.poses[i], self.twists[i], scan, others, i in self.lost)
             if self.said[i].result:
                 self.results[i].append(self.said[i].result)
+            if self.said[i].waits_for is not None:
+                assert self.said[i].command == STANDSTILL
+                self.waits.add((i, self.said[i].waits_for))
         self.heard = [
             Neighbour(i, self.poses[i], self.twists[i], STUDY, said.plan[:, :2], said.times, said.claim)
             for i, said in enumerate(self.said)
@@ -318,6 +322,7 @@ def test_who_has_the_right_of_way_and_never_goes_cannot_hold_up_a_goal_for_ever(
     rig.go(0, 0, 6)
     assert bounded(rig, 0) < 3 * STALEMATE
     assert rig.results[0][0].reason == "robots_in_the_way"
+    assert rig.waits == {(0, 1)}
 
 
 def test_one_that_cannot_make_way_ends_a_goal_with_its_reason():
@@ -327,6 +332,20 @@ def test_one_that_cannot_make_way_ends_a_goal_with_its_reason():
     rig.go(0, 7, 0.6)
     bounded(rig, 0)
     assert rig.results[0][0].reason == "robots_in_the_way"
+    assert rig.waits == {(0, 1)}
+
+
+def test_who_waits_stands_and_says_for_whom():
+    rig = Rig([(-2, 2, 0), (0, 4, -1.57)])
+    rig.go(0, 3, 2)
+    rig.go(1, 0, -3)
+    rig.run(3, lambda rig: rig.tick == 100)
+    # Who planned first goes first, and here is held up.
+    rig.broken = {0}
+    rig.run(9, lambda rig: rig.tick == 500)
+    rig.broken = set()
+    rig.run(90, everybody_arrived)
+    assert rig.waits == {(1, 0)}
 
 
 def test_a_robot_whose_wheels_do_not_turn_gives_up():

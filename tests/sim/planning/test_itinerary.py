@@ -35,7 +35,9 @@ def standing(robot, x, y):
 
 def allowed(mine, others, index=0):
     place = mine.points[index]
-    return right_of_way(mine.points, mine.times, index, len(mine.points) - 1, *place, heard(others), NEAR)
+    last = len(mine.points) - 1
+    index, _, stands = right_of_way(mine.points, mine.times, index, last, *place, heard(others), NEAR)
+    return index, stands
 
 
 def test_the_one_with_the_earlier_time_goes_first_at_a_crossing():
@@ -53,6 +55,13 @@ def test_a_delay_of_the_first_does_not_change_the_order():
     assert allowed(second, [told(0, late)])[0] < 20
     gone = Itinerary(first.points[32:], first.times[32:])
     assert allowed(second, [told(0, gone)])[0] == 40
+
+
+def test_it_is_told_who_bars_the_way():
+    first, second = timed(line(-2, 0, 2, 0), 0.0), timed(line(0, -2, 0, 2), 3.0)
+    others = heard([standing(2, 9.0, 9.0), told(1, first)])
+    assert right_of_way(second.points, second.times, 0, 40, *second.points[0], others, NEAR)[1] == 1
+    assert right_of_way(first.points, first.times, 0, 40, *first.points[0], heard([told(1, second)]), NEAR)[1] == -1
 
 
 def test_a_robot_that_stands_bars_the_way():
