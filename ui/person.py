@@ -2,13 +2,12 @@
 
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass, field
-from pathlib import Path
 
 from thbridge.hunt.costs import spoken_energy
 from thbridge.hunt.events import Condition
 from thbridge.hunt.rules import robot_name
-from thbridge.hunt.treasures import TreasureKind
 from thbridge.roles.view import (
+    Agree,
     Answer,
     CallBack,
     Consent,
@@ -38,8 +37,10 @@ HELP = """\
   l 4        leave the treasure in room 4
   b 1        call robot 1 back
   end        end the game
-  names      which treasures there are
+  names      which names treasures may have
   ?          how things stand"""
+
+NO_NAMES = "No treasure has been found yet."
 
 
 @dataclass(slots=True)
@@ -48,13 +49,9 @@ class Person:
 
     Attributes:
         show: puts a line in front of the person.
-        kinds: the participant's list of treasures.
-        pictures: the folder of the pictures.
     """
 
     show: Callable[[str], None]
-    kinds: Sequence[TreasureKind]
-    pictures: Path
     _view: View | None = None
     _wanted: tuple[Wish, ...] = ()
     _names: dict[int, str] = field(default_factory=dict)
@@ -63,7 +60,7 @@ class Person:
         """What was typed since the last time, and what follows from agreements; see `Player`."""
         if view != self._view:
             before, self._view = self._view, view
-            for line in _news(before, view, self.pictures):
+            for line in _news(before, view):
                 self.show(line)
         wanted, self._wanted = self._wanted, ()
         follow = [wish for consent in view.consents if (wish := self._follow(consent)) is not None]
@@ -83,8 +80,9 @@ class Person:
                 for told in _standing(view):
                     self.show(told)
             case ["names"]:
-                for kind in self.kinds:
-                    self.show(f"  {kind.name}: {kind.colour.lower()}, {kind.footprint.lower()}, {kind.points} points")
+                self.show(f"  {', '.join(view.names)}" if view.names else NO_NAMES)
+            case ["agree"]:
+                self._wanted = (Agree(),)
             case ["end"]:
                 self._wanted = (GiveUp(view.game),)
             case ["c" | "s" as answer]:
@@ -112,9 +110,9 @@ class Person:
         self._wanted = (Answer(dialogue.dialogue, dialogue.turn, 0 if first else len(dialogue.choices) - 1),)
 
     def _name(self, view: View, room: int, typed: str) -> None:
-        fitting = [kind.name for kind in self.kinds if kind.name.casefold().startswith(typed.casefold())]
+        fitting = [name for name in view.names if name.casefold().startswith(typed.casefold())]
         if len(fitting) != 1:
-            self.show(f"{typed} is not one of: {', '.join(kind.name for kind in self.kinds)}")
+            self.show(f"{typed} is not one of: {', '.join(view.names)}" if view.names else NO_NAMES)
             return
         self._names[room] = fitting[0]
         self._discuss(view, room, "take-treasure")
@@ -143,15 +141,19 @@ def _is_number(word: str) -> bool:
     return word.isdecimal() and len(word) < 6
 
 
-def _news(before: View | None, view: View, pictures: Path) -> list[str]:
+def _news(before: View | None, view: View) -> list[str]:
     """What a person has to be told now that things stand so."""
+    if view.consent is not None and (before is None or before.consent is None):
+        return [*view.consent.splitlines(), "Type agree to take part."]
+    if before is not None and before.consent is not None and view.consent is None:
+        before = None
     if before is None or before.game != view.game:
         return [f"Game {view.game}. Type ? to see how things stand, h for help.", *_standing(view)]
     told: list[str] = []
     for was, now in zip(before.robots, view.robots, strict=True):
         told += _robot_news(was, now)
     for old, new in zip(before.rooms, view.rooms, strict=True):
-        told += _room_news(old, new, pictures)
+        told += _room_news(old, new)
     known = {(dialogue.dialogue, dialogue.turn) for dialogue in before.dialogues}
     told += [_asked(dialogue) for dialogue in view.dialogues if (dialogue.dialogue, dialogue.turn) not in known]
     if view.refusal is not None and view.refusal != before.refusal:
@@ -173,14 +175,14 @@ def _robot_news(was: RobotView, now: RobotView) -> list[str]:
     return told
 
 
-def _room_news(old: RoomView, new: RoomView, pictures: Path) -> list[str]:
+def _room_news(old: RoomView, new: RoomView) -> list[str]:
     told = []
     if new.sensed and not old.sensed and new.colour is not None and new.footprint is not None:
         told.append(
             f"Room {new.room}: something {new.colour.lower()}, {new.footprint.lower()}. n {new.room} NAME names it."
         )
     if new.picture is not None and old.picture is None:
-        told.append(f"Room {new.room}: the picture is {pictures / new.picture}")
+        told.append(f"Room {new.room}: the picture is {new.picture}")
     if new.verdict is not None and old.verdict is None:
         told.append(f"Room {new.room}: {new.verdict.name}, {new.verdict.points:+d} points.")
     return told

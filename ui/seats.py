@@ -30,11 +30,14 @@ class Seat:
     typed: Callable[[str], None] | None
 
 
-def seat_of(who: Who, templates: TemplateSet, seed: int) -> Seat:
-    """Seat a person, or a simulated participant whose chance is keyed by the seed."""
-    if who is not Who.PERSON:
-        return Seat(TabUI(build_bot(templates, BotStrategy(who), seed)), None)
-    person = Person(lambda line: out.print(line, highlight=False, markup=False), templates.kinds, templates.pictures)
+def seat_of_bot(who: Who, templates: TemplateSet, seed: int) -> Seat:
+    """Seat a simulated participant, who knows the treasures; its chance is keyed by the seed."""
+    return Seat(TabUI(build_bot(templates, BotStrategy(who), seed)), None)
+
+
+def seat_of_person() -> Seat:
+    """Seat a person, who knows what the game tells."""
+    person = Person(lambda line: out.print(line, highlight=False, markup=False))
     tabui = TabUI(person)
 
     def typed(line: str) -> None:

@@ -7,6 +7,7 @@ from thbridge.app.session import Moment
 from thbridge.dialogue.moves import Speaker, Utterance
 from thbridge.hunt.costs import spoken_energy
 from thbridge.hunt.events import (
+    Agreed,
     Arrived,
     Condition,
     Departed,
@@ -65,6 +66,8 @@ def _happened(event: Event) -> str:
             return f"Game {game} begins, with {robots} robot{'s' if robots > 1 else ''}."
         case Hidden(treasures):
             return f"{len(treasures)} treasures are hidden."
+        case Agreed():
+            return "The participant has agreed to take part."
         case Departed(robot, room, cost):
             return f"{robot_name(robot).capitalize()} sets out for {room} and pays {spoken_energy(cost)} energy."
         case Arrived(robot, room):

@@ -276,6 +276,17 @@ def test_a_master_that_cannot_listen_says_so() -> None:
         ("map: warehouse12\ngame:\n  costs: COSTS\n", "9 nodes, but the map warehouse12 has 12 rooms"),
         ("server:\n  port: 70000\n", "line 2, server.port:"),
         ("participant:\n  strategy: guess\n", "line 2, participant.strategy: 'guess' is no choice here"),
+        ("participant:\n  consent: none.txt\n", "none.txt: there is no such file"),
+        ("participant:\n  consent: empty.txt\n", "empty.txt: there is nothing to agree to in it"),
+        ("participant:\n  consent: long.txt\n", "long.txt: larger than 8000 bytes"),
+        ("participant:\n  robots: [4, 1]\n", "line 2, participant.robots: 4 is above 1"),
+        ("participant:\n  robots: [0, 4]\n", "line 2, participant.robots[0]: 0 is out of range"),
+        ("participant:\n  robots: 3\n", "line 2, participant.robots: a list is needed"),
+        ("participant:\n  robots: [1, 60]\n", "but the study has 60"),
+        (
+            "participant:\n  shows: {truth: maybe}\n",
+            "participant.shows.truth: 'maybe' is neither true nor false",
+        ),
         ("world: {laser: {rate: 15}}\n", "line 1, world.laser.rate: 15 does not divide"),
         ("- a\n- b\n", "line 1: a section of 'key: value' lines is needed"),
         ("robots: [1\n", "line 2: not YAML"),
@@ -283,6 +294,8 @@ def test_a_master_that_cannot_listen_says_so() -> None:
 )
 def test_a_broken_study_is_told_with_its_line(study: str, told: str) -> None:
     Path("study.yaml").write_text(study.replace("COSTS", COSTS))
+    Path("empty.txt").write_text(" \n")
+    Path("long.txt").write_text("a" * 8001)
     for command in (("play",), ("study", "check")):
         assert told in refusal(*command, "study.yaml")
 

@@ -1,21 +1,19 @@
 """A person at the keyboard, on a stage without a simulator."""
 
-from pathlib import Path
-
 import pytest
 
 from tests.thbridge.roles.stage import Stage
-from thbridge.hunt.events import Condition, Departed, Hidden, Identified
+from thbridge.hunt.events import Agreed, Condition, Departed, Hidden, Identified
+from thbridge.roles.briefing import Briefing
 from thbridge.roles.tabui import TabUI
 from ui.person import Person
 
 
 class Seat:
-    def __init__(self) -> None:
+    def __init__(self, briefing: Briefing | None = None) -> None:
         self.shown: list[str] = []
-        self.person = Person(self.shown.append, (), Path("pictures"))
-        self.stage = Stage(participant=TabUI(self.person))
-        self.person.kinds = self.stage.templates.kinds
+        self.person = Person(self.shown.append)
+        self.stage = Stage(participant=TabUI(self.person), briefing=briefing)
         self.stage.run(6)
 
     def type(self, line: str, ticks: int = 8) -> list[str]:
@@ -49,7 +47,9 @@ def test_a_person_hunts_by_keyboard_alone(seat):
         "Robot 1 is in room 3.",
         f"Room 3: something {treasure.colour.lower()}, {treasure.footprint.lower()}. n 3 NAME names it.",
     ]
-    assert seat.type("p 3") == [f"Room 3: the picture is pictures/{treasure.image}"]
+    assert seat.type("p 3") == [f"Room 3: the picture is {treasure.image}"]
+    assert seat.type("names") == ["  Blue Bottle, Orange Bottle, Pink can, Yellow can"]
+    assert seat.type("n 3 moon") == ["moon is not one of: Blue Bottle, Orange Bottle, Pink can, Yellow can"]
     assert seat.type(f"n 3 {treasure.name.lower()}") == [f"Room 3: {treasure.name}, {treasure.points:+d} points."]
     assert any(isinstance(event, Identified) for event in seat.stage.log.events)
 
@@ -67,7 +67,8 @@ def test_stop_sends_nobody(seat):
         ("9 3", "There is no robot 9; the team has 2."),
         ("1 77", "Room 77 is not a room of this game; it has 1 to 8."),
         ("p 77", "No robot stands in room 77."),
-        ("n 3 moon", "moon is not one of: Orange Bottle, Blue Bottle, Yellow can, Pink can"),
+        ("n 3 moon", "No treasure has been found yet."),
+        ("names", "No treasure has been found yet."),
         ("c", "No robot waits for an answer."),
         ("1 99999999999999999999", "  1 4        talk with robot 1 about going to room 4"),
     ],
@@ -86,3 +87,12 @@ def test_a_person_is_told_of_robots_that_do_not_answer_or_know_where_they_are(se
 
 def test_a_person_may_end_the_game(seat):
     assert seat.type("end") == ["The game is over. Score 0."]
+
+
+def test_a_person_is_asked_to_take_part_before_anything_else():
+    seat = Seat(Briefing(consent="We record\nwhat you do."))
+    assert seat.shown == ["We record", "what you do.", "Type agree to take part."]
+    assert seat.type("1 3") == ["You have not agreed to take part yet."]
+    assert seat.type("agree")[0] == "Game 1. Type ? to see how things stand, h for help."
+    assert Agreed() in seat.stage.log.events
+    assert seat.type("1 3") == ["Robot 1: It will cost me 17 to go to room 3   [c Continue, s Stop]"]

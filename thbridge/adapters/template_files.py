@@ -24,6 +24,8 @@ TREASURES = "treasures"
 PARTICIPANT_TREASURES = "treasures.participant"
 DIALOGUE_TEXT = "DialogueText"
 PICTURES = "pictures"
+LARGEST_PICTURE = 2_000_000
+"""Bytes of an image file."""
 
 _SECTIONS: Mapping[str, Scenario] = {
     "SpecificRoom:": Scenario.SPECIFIC_ROOM,
@@ -55,13 +57,13 @@ class TemplateSet:
         costs: energy of every move.
         kinds: treasures with their images.
         dialogue: the scripted questions.
-        pictures: the folder of the images.
+        pictures: their image files, by name.
     """
 
     costs: CostMatrix
     kinds: tuple[TreasureKind, ...]
     dialogue: Template
-    pictures: Path
+    pictures: Mapping[str, bytes]
 
 
 def read_template_set(folder: Path) -> TemplateSet:
@@ -89,6 +91,7 @@ def read_template_set(folder: Path) -> TemplateSet:
             f"the corridor and {len(costs.rooms)} rooms",
             "make both files tell of the same rooms",
         )
+    pictures: dict[str, bytes] = {}
     for kind in treasures.kinds:
         if kind.image is None:
             raise BadFile(
@@ -98,18 +101,27 @@ def read_template_set(folder: Path) -> TemplateSet:
                 "no treasure has an image, as in a participant's copy",
                 f"write every treasure as {_TREASURE_FORM}; name the copy {PARTICIPANT_TREASURES}",
             )
-        if not (folder / PICTURES / kind.image).is_file():
-            raise BadFile(
-                path,
-                None,
-                kind.name,
-                f"there is no picture {kind.image}",
-                f"put it into {folder / PICTURES} or mend the file name",
-            )
+        pictures[kind.image] = _picture(path, kind.name, folder / PICTURES / kind.image)
     copy = folder / PARTICIPANT_TREASURES
     if copy.exists():
         _check_copy(copy, treasures)
-    return TemplateSet(costs, treasures.kinds, read_dialogue_text(folder / DIALOGUE_TEXT), folder / PICTURES)
+    return TemplateSet(costs, treasures.kinds, read_dialogue_text(folder / DIALOGUE_TEXT), pictures)
+
+
+def _picture(treasures: Path, name: str, file: Path) -> bytes:
+    """The image file of a treasure."""
+    try:
+        with file.open("rb") as opened:
+            data = opened.read(LARGEST_PICTURE + 1)
+    except FileNotFoundError:
+        problem, remedy = f"there is no picture {file.name}", f"put it into {file.parent} or mend the file name"
+        raise BadFile(treasures, None, name, problem, remedy) from None
+    except OSError as error:
+        raise BadFile(file, None, None, f"it cannot be read ({error.strerror})", "check that it is a file") from None
+    if len(data) > LARGEST_PICTURE:
+        problem = f"the picture is larger than {LARGEST_PICTURE // 1_000_000} MB, and participants would wait for it"
+        raise BadFile(file, None, None, problem, "save it smaller; a photo of 1000 x 1000 pixels is enough")
+    return data
 
 
 def read_map_times(path: Path) -> CostMatrix:

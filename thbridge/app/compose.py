@@ -22,6 +22,7 @@ from thbridge.adapters.errors import BadFile, BadFiles
 from thbridge.adapters.map_files import Map, read_map
 from thbridge.adapters.resources import Resources, shipped
 from thbridge.adapters.template_files import MAP_TIMES, TemplateSet, read_map_times, read_template_set
+from thbridge.adapters.yaml_tree import read_text
 from thbridge.app.config import Study
 from thbridge.app.live import Facts
 from thbridge.app.study_text import resolved
@@ -32,8 +33,12 @@ from thbridge.dialogue.strategies import TemplateStrategy
 from thbridge.dialogue.templates import TemplatePhrasing
 from thbridge.hunt.costs import CostMatrix
 from thbridge.hunt.events import Event
+from thbridge.roles.briefing import Briefing
+from thbridge.roles.bulletin import Shows
 from thbridge.roles.hider import Hider
+from thbridge.roles.house import house_of
 from thbridge.roles.keeper import GameRules, Keeper
+from thbridge.roles.notices import House, RoomOutline
 from thbridge.roles.robots import Robots
 from thbridge.roles.showing import plain_costs
 from thbridge.roles.simr import SILENCE, Field, SimR
@@ -43,6 +48,8 @@ from thbridge.ros.publisher import Planners, Publisher
 from thbridge.ros.records import Session as SessionRecord
 from thbridge.study.bots import Bot, BotStrategy, Knowledge
 
+LARGEST_CONSENT = 8000
+"""Bytes of the text that participants agree to; it must fit into a line with all the rest of a view."""
 REHEARSAL = 5 * TICKS_PER_SECOND
 """Ticks after which robots have localised, planned around each other, turned and driven."""
 RECORDED_PACKAGES = ("thbridge", "numpy", "scipy", "numba", "filterpy", "rosbags")
@@ -58,12 +65,14 @@ class Setting:
         place: its map.
         templates: its set of templates.
         costs: energy of every move.
+        consent: what participants have to agree to; None: nothing.
     """
 
     study: Study
     place: Map
     templates: TemplateSet
     costs: CostMatrix
+    consent: str | None = None
 
     def team(self) -> Team:
         """The robots at their start poses."""
@@ -88,13 +97,27 @@ class Setting:
             starts=self.place.starts[: self.study.robots],
             costs=plain_costs(self.costs),
         )
-        return SimR(robots or self.team(), field, self.study.server.dialect, silence)
+        shown = self.study.participant.shows
+        shows = Shows(shown.way, shown.uncertainty, shown.truth)
+        return SimR(robots or self.team(), field, self.study.server.dialect, silence, shows)
 
     def keeper(self, history: tuple[Event, ...] = (), last_game: int = 0) -> Keeper:
         """The game's authority; see `Keeper` for a game that goes on."""
         game = self.study.game
         rules = GameRules(self.study.seed, game.energy, game.picture_cost, game.identify_cost, game.wrong_share)
-        return Keeper(rules, self._engine, history, last_game)
+        return Keeper(rules, self._engine, history, last_game, self.briefing())
+
+    def briefing(self) -> Briefing:
+        """What participants are given beside the state of the game."""
+        names = sorted((kind.name for kind in self.templates.kinds), key=str.casefold)
+        return Briefing(self.house(), tuple(names), self.templates.pictures, self.consent)
+
+    def house(self) -> House:
+        """The map as participants see it."""
+        rooms = [
+            RoomOutline(entry.room.people, entry.name, entry.region, _triple(entry.goal)) for entry in self.place.rooms
+        ]
+        return house_of(self.place.name, self.place.grid, rooms, self.study.world.footprint)
 
     def hider(self) -> Hider:
         """The treasures' role."""
@@ -157,18 +180,35 @@ def read_setting(study: Study, beside: Path, resources: Resources | None = None)
     place = read_map(resources.find("maps", study.map, beside), study.world.footprint)
     folder = resources.find("templates", study.templates, beside)
     templates = read_template_set(folder)
-    if study.robots > len(place.starts):
+    largest = max((study.robots, *(study.participant.robots or ())))
+    if largest > len(place.starts):
         raise BadFile(
             resources.find("maps", study.map, beside) / "rooms.yaml",
             None,
             "starts",
-            f"there are start poses for {len(place.starts)} robots, but the study has {study.robots}",
+            f"there are start poses for {len(place.starts)} robots, but the study has {largest}",
             "add start poses or lower `robots` in the study",
         )
     faults = tuple(_misplaced(study, place, resources.find("maps", study.map, beside) / "map.yaml"))
     if faults:
         raise BadFiles(faults)
-    return Setting(study, place, templates, _costs(study, beside, place, folder))
+    return Setting(study, place, templates, _costs(study, beside, place, folder), _consent(study, beside))
+
+
+def _consent(study: Study, beside: Path) -> str | None:
+    """The text that participants have to agree to, if the study names one."""
+    if study.participant.consent is None:
+        return None
+    path = beside / study.participant.consent
+    text = read_text(path, LARGEST_CONSENT).strip()
+    if not text:
+        problem, remedy = "there is nothing to agree to in it", "write the text, or take `participant: consent:` away"
+        raise BadFile(path, None, None, problem, remedy)
+    return text
+
+
+def _triple(pose: Pose2) -> tuple[float, float, float]:
+    return pose.x, pose.y, pose.theta
 
 
 def _misplaced(study: Study, place: Map, map_yaml: Path) -> Iterator[BadFile]:

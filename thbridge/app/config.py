@@ -30,6 +30,9 @@ from thbridge.wire.canonical import Dialect
 if TYPE_CHECKING:
     pass
 
+MOST_ROBOTS = 64
+"""In a team."""
+
 
 @dataclass(frozen=True, slots=True)
 class GameSection:
@@ -45,10 +48,28 @@ class GameSection:
 
 
 @dataclass(frozen=True, slots=True)
+class ShowsSection:
+    """What participants see of robots, beside where these believe they are and what they do."""
+
+    way: bool = knob(True, "whether the ways that lie ahead of robots are shown")
+    uncertainty: bool = knob(False, "whether it is shown how sure robots are of their places")
+    truth: bool = knob(False, "whether it is shown where simulated robots really are")
+
+
+@dataclass(frozen=True, slots=True)
 class ParticipantSection:
-    """Who plays when no person does."""
+    """Whoever plays: what they see and decide, and who plays when no person does."""
 
     strategy: BotStrategy = knob(BotStrategy.SUGGESTION, "how a simulated participant chooses rooms")
+    consent: Path | None = knob(None, "path of a text that participants agree to before they play; null asks nothing")
+    robots: tuple[int, int] | None = knob(
+        None,
+        "least and most robots that a participant may choose from, e.g. [1, 4]; null: always the study's number",
+        "",
+        1,
+        MOST_ROBOTS,
+    )
+    shows: ShowsSection = knob(ShowsSection(), "what participants see of robots")
 
 
 class DialogueStrategy(StrEnum):
@@ -111,14 +132,14 @@ class Study:
 
     map: str = knob("arena8", "name of a map, or the path of a map folder (with a slash, from this file's folder)")
     templates: str = knob("original-2016", "name of a set of templates, or the path of its folder")
-    robots: int = knob(2, "size of the team", "", 1, 64)
+    robots: int = knob(2, "size of the team", "", 1, MOST_ROBOTS)
     robots_from: RobotsFrom = knob(RobotsFrom.SIM, "simulated robots, or real ones of a ROS graph (section fleet)")
     seed: int = knob(1, "all chance is keyed by it; the same seed gives the same run", "", 0, 2**31 - 1)
     rate: float | None = knob(
         None, "simulated seconds per second; 0: as fast as it can; null: 1 when others take part, else 0", "", 0, 1000
     )
     game: GameSection = knob(GameSection(), "rules and energy")
-    participant: ParticipantSection = knob(ParticipantSection(), "who plays when no person does")
+    participant: ParticipantSection = knob(ParticipantSection(), "whoever plays")
     dialogue: DialogueSection = knob(DialogueSection(), "how robots talk")
     server: ServerSection = knob(ServerSection(), "the text server")
     watch: WatchSection = knob(WatchSection(), "researchers' windows")
@@ -257,6 +278,10 @@ def _contradictions(loaded: Loaded[Study]) -> Iterator[BadFile]:
             yield loaded.fault(f"each.{number}", problem, f"Write a number from 1 to {study.robots}, or raise robots")
         if software != study.robot:
             yield from _crossings(loaded, f"each.{number}", software)
+    if study.participant.robots is not None:
+        least, most = study.participant.robots
+        if least > most:
+            yield loaded.fault("participant.robots", f"{least} is above {most}", "Write the smaller number first")
     yield from faults_of_fleet(loaded, study.fleet, study.robots)
     yield from faults_of_things(loaded, study.things)
     yield from faults_of_mishaps(loaded, study.mishaps, study.robots)

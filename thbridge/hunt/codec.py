@@ -11,6 +11,7 @@ from typing import assert_never
 
 from thbridge.hunt.costs import CostMatrix
 from thbridge.hunt.events import (
+    Agreed,
     Arrived,
     Condition,
     Departed,
@@ -73,6 +74,8 @@ def _encoded(event: Event) -> tuple[str, dict[str, Json]]:
             }
         case Hidden():
             return "hidden", {"treasures": [_treasure_fields(treasure) for treasure in event.treasures]}
+        case Agreed():
+            return "agreed", {}
         case Departed():
             return "departed", {"robot": event.robot, "room": event.room.people, "cost": event.cost}
         case Arrived():
@@ -129,6 +132,10 @@ def _hidden(fields: Fields) -> Event:
     return Hidden(tuple(_treasure(treasure) for treasure in fields.objects("treasures")))
 
 
+def _agreed(fields: Fields) -> Event:
+    return Agreed()
+
+
 def _departed(fields: Fields) -> Event:
     return Departed(fields.integer("robot"), _room(fields), fields.number("cost"))
 
@@ -177,6 +184,7 @@ def _ended(fields: Fields) -> Event:
 _DECODERS: dict[str, Callable[[Fields], Event]] = {
     "started": _started,
     "hidden": _hidden,
+    "agreed": _agreed,
     "departed": _departed,
     "arrived": _arrived,
     "failed": _failed,

@@ -71,6 +71,11 @@ class Hidden:
 
 
 @dataclass(frozen=True, slots=True)
+class Agreed:
+    """The participant agreed to take part in the study. It is said again in each later game of the same keeper."""
+
+
+@dataclass(frozen=True, slots=True)
 class Departed:
     """A robot set out for a room, which is reserved from now on; its energy is paid in advance."""
 
@@ -167,4 +172,6 @@ class Ended:
     score: int
 
 
-Event = Started | Hidden | Departed | Arrived | Failed | Reported | Sensed | Pictured | Identified | Left | Ended
+Event = (
+    Started | Hidden | Agreed | Departed | Arrived | Failed | Reported | Sensed | Pictured | Identified | Left | Ended
+)

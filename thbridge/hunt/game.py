@@ -16,6 +16,7 @@ from dataclasses import dataclass, replace
 from typing import assert_never
 
 from thbridge.hunt.events import (
+    Agreed,
     Arrived,
     Condition,
     Departed,
@@ -100,6 +101,7 @@ class GameState:
         rooms: indexed by the room's number on the wire; read with `room`.
         score: sum of all identifications.
         ended: how the game ended, or None.
+        agreed: the participant agreed to take part, where the study asks for it.
     """
 
     started: Started
@@ -108,6 +110,7 @@ class GameState:
     rooms: tuple[RoomState, ...]
     score: int = 0
     ended: Ended | None = None
+    agreed: bool = False
 
     def has_robot(self, robot: int) -> bool:
         """Whether the team has a robot of this number."""
@@ -174,6 +177,8 @@ def apply(state: GameState, event: Event) -> GameState:
             if len(event.treasures) != len(state.rooms):
                 raise ValueError(f"{len(event.treasures)} treasures are hidden in {len(state.rooms)} rooms")
             return replace(state, treasures=event.treasures)
+        case Agreed():
+            return replace(state, agreed=True)
         case Departed():
             robot = _robot(state, event.robot)
             _room(state, event.room)

@@ -8,6 +8,7 @@ from enum import StrEnum
 
 from thbridge.hunt.costs import spoken_energy
 from thbridge.hunt.events import (
+    Agreed,
     Arrived,
     Condition,
     Departed,
@@ -47,6 +48,11 @@ class Reason(StrEnum):
 
 
 Ruling = tuple[Event, ...] | Refused
+
+
+def agree(state: GameState) -> Ruling:
+    """The participant agrees to take part. The same again gives no new event."""
+    return () if state.agreed else (Agreed(),)
 
 
 def move(state: GameState, robot: int, room: Room) -> Ruling:

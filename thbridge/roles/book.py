@@ -20,6 +20,7 @@ class Reason(StrEnum):
     NOT_READY = "not-ready"
     UNDER_DISCUSSION = "under-discussion"
     NO_PATH = "no-path"
+    NOT_AGREED = "not-agreed"
 
 
 class Book:
@@ -72,6 +73,10 @@ class Book:
     def recall(self, robot: int) -> None:
         """A robot under way shall stop; its move ends when SimR reports how far it came."""
         self._recalled.add(robot)
+
+    def is_recalled(self, robot: int) -> bool:
+        """Whether a robot under way was told to stop."""
+        return robot in self._recalled
 
     def is_under(self, robot: int, move: int) -> bool:
         """Whether a robot is under way by the move of this number."""

@@ -7,15 +7,18 @@ decides becomes events; the caller must write them to the journal before it pass
 import math
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass, replace
+from typing import get_args
 
 from thbridge.dialogue.engine import Engine
 from thbridge.dialogue.moves import Utterance
 from thbridge.hunt import rules
 from thbridge.hunt.costs import CostMatrix
-from thbridge.hunt.events import Event, Hidden, Started
+from thbridge.hunt.events import Agreed, Event, Hidden, Started
 from thbridge.hunt.game import GameState
 from thbridge.hunt.outcomes import Refused
+from thbridge.roles.audience import Audience
 from thbridge.roles.book import Book, Reason
+from thbridge.roles.briefing import Briefing
 from thbridge.roles.notices import (
     KEEPER,
     HidePlease,
@@ -31,17 +34,20 @@ from thbridge.roles.notices import (
     heard,
     tell,
 )
-from thbridge.roles.overhearing import Overhearing
+from thbridge.roles.overhearing import Overhearing, wish_in
 from thbridge.roles.showing import view_of
-from thbridge.roles.view import PlayAgain, SendRobot, View
+from thbridge.roles.view import Agree, PlayAgain, SendRobot, Wish
 from thbridge.roles.wishes import grant
 from thbridge.wire import legacy
-from thbridge.wire.notice import Notice, is_notice, notice, parse_notice
+from thbridge.wire.notice import Notice, is_notice, parse_notice
 from thbridge.wire.router import Forwarded
 from thbridge.wire.text import Message
 
 MOST_ROBOTS = 250
 """Larger than any team; a number beyond it is a mistake."""
+
+_BEFORE_AGREEING = Refused(Reason.NOT_AGREED, "You have not agreed to take part yet.")
+_WISHES = {wish.__name__ for wish in get_args(Wish)}
 
 
 @dataclass(frozen=True, slots=True)
@@ -79,6 +85,7 @@ class Keeper:
         engine: how robots and the participant talk, given the game's number.
         history: the events of the game under way, oldest first, as the journal has them; empty for none.
         last_game: the number of the last game there ever was; the next one gets the number after it.
+        briefing: what participants are given beside the state of the game.
     """
 
     name = KEEPER
@@ -89,18 +96,19 @@ class Keeper:
         engine: Callable[[int], Engine],
         history: Sequence[Event] = (),
         last_game: int = 0,
+        briefing: Briefing | None = None,
     ) -> None:
         self._rules = rules
+        self._briefing = briefing or Briefing()
         self._book = Book(engine, last_game)
         self._book.read(history)
         self._overhearing = Overhearing(self._book)
         # Who is there, and what they were told last.
         self._team: RobotsReady | None = None
         self._hider_ready = False
-        self._participants: dict[str, None] = {}
+        self._audience = Audience(KEEPER, self._briefing)
         self._poses: tuple[tuple[float, float, float], ...] | None = None
         self._ordered: Orders | None = None
-        self._shown: View | None = None
         # Of the step under way, and of the last one.
         self._heard_anything = False
         self._said: list[Message] = []
@@ -127,7 +135,11 @@ class Keeper:
             self._heard_anything = True
             if self.state is not None:
                 # The programs of 2016 hold their dialogues themselves, where nobody can hear them.
-                ours = item.sender_extended and item.message.sender in self._participants
+                ours = item.sender_extended and item.message.sender in self._audience
+                wish = wish_in(item.message)
+                if ours and wish is not None and self._must_agree(self.state):
+                    self._book.refuse(wish, _BEFORE_AGREEING)
+                    continue
                 reply = self._overhearing.hear(self.state, item.message, needs_consent=ours)
                 if reply is not None:
                     self._tell(legacy.HIDER, Reply(reply.command, reply.text))
@@ -144,6 +156,7 @@ class Keeper:
             self._heard_anything = False
             self._see_to_end()
             self._tell_levels()
+        self._said += self._audience.pieces(tick)
         self._decided = Decided(self._book.take_events(), tuple(self._book.talks.take_utterances()))
         said, self._said = self._said, []
         return said
@@ -161,13 +174,18 @@ class Keeper:
         elif (hidden := heard(notice, HideTreasures)) is not None:
             self._hide(hidden)
         elif heard(notice, ParticipantReady) is not None:
-            self._participants[notice.sender] = None
-            self._shown = None
+            self._said += self._audience.join(notice.sender, None if self._team is None else self._team.map)
+        elif self.state is not None and notice.kind in _WISHES - {Agree.__name__} and self._must_agree(self.state):
+            self._book.refuse(notice.kind, _BEFORE_AGREEING)
         elif (again := heard(notice, PlayAgain)) is not None:
             self._play_again(again.game)
         elif self.state is not None:
             awaits = self._hider_ready and self.state.treasures is None
             grant(self._book, self.state, notice, awaits_treasures=awaits)
+
+    def _must_agree(self, state: GameState) -> bool:
+        """Whether the participant has to agree to take part before anything else."""
+        return self._briefing.consent is not None and not state.agreed
 
     def _robots(self, sender: str, robots: RobotsReady) -> None:
         state = self.state
@@ -199,7 +217,8 @@ class Keeper:
             wrong_share=chosen.wrong_share,
             costs=costs,
         )
-        self._book.happen((started,))
+        agreed = self.state is not None and self.state.agreed
+        self._book.happen((started, Agreed()) if agreed else (started,))
         self._poses = None
         self._ask_to_hide()
 
@@ -236,8 +255,10 @@ class Keeper:
             if result.arrived and bound_for is not None:
                 self._book.take("Arrived", rules.arrive(self.state, robot, bound_for))
             else:
+                recalled = self._book.is_recalled(robot)
                 self._book.take("Failed", rules.fail(self.state, robot, result.sentence, result.share))
-                self._book.refuse(SendRobot.__name__, Refused(Reason.NO_PATH, result.sentence))
+                if not recalled:
+                    self._book.refuse(SendRobot.__name__, Refused(Reason.NO_PATH, result.sentence))
         for robot, condition in enumerate(status.conditions):
             if self.state is not None:
                 self._book.take("Reported", rules.report(self.state, robot, condition))
@@ -245,7 +266,7 @@ class Keeper:
     def _see_to_end(self) -> None:
         """Programs of 2016 never say that they give a treasure up, so nobody waits for them to."""
         if self.state is not None:
-            self._book.happen(rules.ending(self.state, wait_for_decisions=bool(self._participants)))
+            self._book.happen(rules.ending(self.state, wait_for_decisions=bool(self._audience)))
 
     # What the keeper says
 
@@ -258,11 +279,10 @@ class Keeper:
             return
         if self._team is not None:
             self._give_orders(state, with_poses=False)
-        view = view_of(state, self._book.talks, self._book.refusal, robots_ready=self._team is not None)
-        if view != self._shown:
-            self._shown = view
-            for participant in self._participants:
-                self._said.append(notice(self.name, participant, View.__name__, **view.to_json()))
+        talks, refusal = self._book.talks, self._book.refusal
+        self._said += self._audience.show(
+            view_of(state, talks, refusal, self._briefing, robots_ready=self._team is not None)
+        )
 
     def _give_orders(self, state: GameState, *, with_poses: bool) -> None:
         orders = Orders(

@@ -4,7 +4,7 @@ With a Hider of ours the keeper knows the treasures, judges a question when it i
 of 2016 keeps them to itself; then the game learns from its answers.
 """
 
-from collections.abc import Callable
+from collections.abc import Callable, Mapping
 
 from thbridge.hunt import rules
 from thbridge.hunt.game import GameState
@@ -14,6 +14,18 @@ from thbridge.roles.book import Book, Reason
 from thbridge.roles.view import Identify, Matter, SendRobot, Sense, TakePicture
 from thbridge.wire import legacy
 from thbridge.wire.text import Message
+
+_WISHES: Mapping[type, str] = {
+    legacy.Goto: SendRobot.__name__,
+    legacy.AskTreasure: Sense.__name__,
+    legacy.Snap: TakePicture.__name__,
+    legacy.Identify: Identify.__name__,
+}
+
+
+def wish_in(message: Message) -> str | None:
+    """The kind of the wish that a line of 2016 says; None when it says none."""
+    return _WISHES.get(type(legacy.decode(message)))
 
 
 class Overhearing:

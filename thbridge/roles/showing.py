@@ -5,11 +5,14 @@ import math
 from thbridge.hunt.costs import CostMatrix
 from thbridge.hunt.game import GameState
 from thbridge.hunt.rooms import Room
+from thbridge.roles.briefing import Briefing
 from thbridge.roles.talks import Talks
 from thbridge.roles.view import RefusalView, RobotView, RoomView, Verdict, View
 
 
-def view_of(state: GameState, talks: Talks, refusal: RefusalView | None, *, robots_ready: bool) -> View:
+def view_of(
+    state: GameState, talks: Talks, refusal: RefusalView | None, briefing: Briefing, *, robots_ready: bool
+) -> View:
     """The participant's view; the treasures themselves are never looked at, only what was found out about them."""
     return View(
         game=state.started.game,
@@ -24,6 +27,8 @@ def view_of(state: GameState, talks: Talks, refusal: RefusalView | None, *, robo
         picture_cost=state.started.picture_cost,
         identify_cost=state.started.identify_cost,
         refusal=refusal,
+        names=briefing.names if any(room.sensed is not None for room in state.rooms) else (),
+        consent=None if state.agreed else briefing.consent,
     )
 
 

@@ -12,6 +12,7 @@ from sim.team import Drive, Go, Halt, Place, SetCharge, TeamInput, TeamSnapshot
 from thbridge.hunt.events import Condition
 from thbridge.hunt.rooms import Room
 from thbridge.roles import reasons
+from thbridge.roles.bulletin import Bulletin, Shows
 from thbridge.roles.controls import HAND_TICKS, Controls
 from thbridge.roles.notices import (
     KEEPER,
@@ -22,7 +23,6 @@ from thbridge.roles.notices import (
     Status,
     Subscribe,
     Unfit,
-    Whereabouts,
     heard,
     tell,
 )
@@ -35,12 +35,6 @@ from thbridge.wire.text import Command, Message
 
 STATUS_PERIOD = TICKS_PER_SECOND
 """Ticks from one status to the next; one is also sent whenever a move ends."""
-
-STREAM_PERIOD = TICKS_PER_SECOND // 10
-"""Ticks from one word about the robots' whereabouts to the next."""
-
-SUBSCRIPTION = 10 * TICKS_PER_SECOND
-"""Ticks a subscription lasts unless it is renewed."""
 
 PATIENCE = TICKS_PER_SECOND
 """Ticks that a `%%goto` waits for a keeper; when none was ever heard, it is obeyed as in 2016."""
@@ -100,12 +94,18 @@ class SimR:
         field: where they may be sent.
         dialect: which reading of `%%goto` comes first.
         silence: ticks after which a robot that says nothing any more counts as silent, and its move has failed.
+        shows: what those who follow the robots on a map are told of them.
     """
 
     name = legacy.SIMR
 
     def __init__(
-        self, robots: Robots, field: Field, dialect: Dialect = Dialect.LEGACY_2016, silence: int = SILENCE
+        self,
+        robots: Robots,
+        field: Field,
+        dialect: Dialect = Dialect.LEGACY_2016,
+        silence: int = SILENCE,
+        shows: Shows | None = None,
     ) -> None:
         self._team = robots
         self._controls = Controls(robots)
@@ -122,7 +122,7 @@ class SimR:
         self._game = 0
         self._waiting: list[tuple[int, legacy.Goto]] = []
         self._without_keeper = 0
-        self._subscribers: dict[str, int] = {}
+        self._bulletin = Bulletin(self.name, shows or Shows())
         self._unfit: str | None = None
 
     @property
@@ -163,9 +163,8 @@ class SimR:
         before, self._conditions = self._conditions, self._conditions_in(self._snapshot)
         if ended or before != self._conditions or tick % STATUS_PERIOD == 0:
             said.append(tell(self.name, KEEPER, self._status(self._snapshot)))
-        if tick % STREAM_PERIOD == 0:
-            said += self._stream(tick)
-        return said
+        progress = {robot: way.share() for robot, way in self._ways.items()}
+        return said + self._bulletin.told(tick, self._snapshot, self._conditions, progress)
 
     # What is said to SimR
 
@@ -201,7 +200,7 @@ class SimR:
             if self._can_follow(orders):
                 self._follow(orders)
         elif heard(notice, Subscribe) is not None:
-            self._subscribers[notice.sender] = tick + SUBSCRIPTION
+            self._bulletin.subscribe(notice.sender, tick)
         elif (unfit := heard(notice, Unfit)) is not None:
             self._unfit = unfit.sentence
 
@@ -332,13 +331,6 @@ class SimR:
         else:
             places = tuple((float(x), float(y), float(theta)) for x, y, theta in snapshot.world.poses)
         return Status(self._game, places, tuple(self._results), self._conditions)
-
-    def _stream(self, tick: int) -> list[Message]:
-        self._subscribers = {name: until for name, until in self._subscribers.items() if until > tick}
-        if not self._subscribers or self._snapshot is None:
-            return []
-        value = Whereabouts(tick, _believed(self._snapshot))
-        return [tell(self.name, subscriber, value) for subscriber in self._subscribers]
 
 
 def _believed(snapshot: TeamSnapshot) -> tuple[tuple[float, float, float], ...]:

@@ -9,7 +9,7 @@ from thbridge.hunt.tour import suggest
 from thbridge.roles.book import Book, Reason
 from thbridge.roles.notices import heard
 from thbridge.roles.talks import MATTERS
-from thbridge.roles.view import Answer, CallBack, Discuss, GiveUp, Leave, Select, Unsure
+from thbridge.roles.view import Agree, Answer, CallBack, Discuss, GiveUp, Leave, Select, Unsure
 from thbridge.wire.notice import Notice
 
 
@@ -22,7 +22,9 @@ def grant(book: Book, state: GameState, notice: Notice, *, awaits_treasures: boo
         notice: what was said.
         awaits_treasures: Hider is about to hide them; nobody is sent before.
     """
-    if (asked := heard(notice, Select)) is not None:
+    if heard(notice, Agree) is not None:
+        book.take(Agree.__name__, rules.agree(state))
+    elif (asked := heard(notice, Select)) is not None:
         _select(book, state, asked, awaits_treasures)
     elif (unsure := heard(notice, Unsure)) is not None:
         _suggest(book, state, unsure.robot, awaits_treasures)

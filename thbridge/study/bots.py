@@ -9,6 +9,7 @@ from sim.noise import Stream
 from thbridge.hunt.events import Condition
 from thbridge.hunt.treasures import TreasureKind
 from thbridge.roles.view import (
+    Agree,
     Answer,
     Consent,
     DialogueView,
@@ -87,6 +88,8 @@ class Bot:
         """What it wants next; see `Player`."""
         if view.over is not None:
             return ()
+        if view.consent is not None:
+            return (Agree(),)
         self._watch(view)
         wishes: list[Wish] = [self._answer(dialogue) for dialogue in view.dialogues]
         talks: Sequence[DialogueView | Consent] = (*view.dialogues, *view.consents)

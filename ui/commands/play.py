@@ -40,7 +40,7 @@ from ui.options import (
     write_report,
 )
 from ui.outcome import show_outcome, usual_bag
-from ui.seats import run, seat_of
+from ui.seats import run, seat_of_bot, seat_of_person
 from ui.story import tell
 from ui.terminal import BAD_INPUT, FAILED, bad_input, fail, note, out, print_json
 
@@ -111,7 +111,7 @@ def play(
         games = Games(study, study_file, options, report_page is not False, told)
         play_in_window(games, offered)
         return
-    seat = seat_of(who, setting.templates, study.seed)
+    seat = seat_of_person() if who is Who.PERSON else seat_of_bot(who, setting.templates, study.seed)
     path = bag or usual_bag(setting)
     make_ready(path)
 

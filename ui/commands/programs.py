@@ -46,7 +46,7 @@ from ui.options import (
     watch_of,
     with_server,
 )
-from ui.seats import run, seat_of
+from ui.seats import Seat, run, seat_of_bot, seat_of_person
 from ui.terminal import BAD_INPUT, FAILED, bad_input, fail, note, out, print_json
 
 
@@ -146,8 +146,7 @@ def tabui(
 ) -> None:
     """Run a participant (TabUI) at a text server until the game is over."""
     host, port = _address(server)
-    default = Study()
-    seat = seat_of(participant, _templates(templates or default.templates), default.seed if seed is None else seed)
+    seat = _seat(participant, templates, seed)
     program = programs.tabui(seat.tabui, host, port, _token(), _lost, _nothing)
     last = run(program, seat.typed)
     if last is None:
@@ -157,6 +156,17 @@ def tabui(
         print_json({"score": last.score, "rooms_visited": visited, "over": last.over})
     else:
         out.print(f"The game is over. Score {last.score}.")
+
+
+def _seat(who: Who, templates: str | None, seed: int | None) -> Seat:
+    """Seat whoever plays; a person needs neither templates nor a seed."""
+    if who is Who.PERSON:
+        for option, value in (("--templates", templates), ("--seed", seed)):
+            if value is not None:
+                note(f"{option} has no effect here: it is for simulated participants.")
+        return seat_of_person()
+    default = Study()
+    return seat_of_bot(who, _templates(templates or default.templates), default.seed if seed is None else seed)
 
 
 def _templates(wanted: str) -> TemplateSet:

@@ -1,6 +1,7 @@
 import math
 import re
 import shutil
+from io import BytesIO
 from pathlib import Path
 
 import pytest
@@ -88,7 +89,7 @@ def test_the_published_set_asks_in_every_scenario_and_values_what_is_ambiguous()
 def test_every_picture_is_one(folder):
     templates = read_template_set(TEMPLATES / folder)
     for kind in templates.kinds:
-        with Image.open(templates.pictures / kind.image) as picture:
+        with Image.open(BytesIO(templates.pictures[kind.image])) as picture:
             assert picture.size == (320, 320)
             picture.load()
 
@@ -232,6 +233,11 @@ def test_every_picture_must_be_there(folder):
     (folder / "pictures" / "rsz_t3.jpg").unlink()
     message = set_refusal(folder)
     assert "Yellow can" in message and "rsz_t3.jpg" in message
+
+
+def test_a_picture_that_participants_would_wait_for_is_refused(folder):
+    (folder / "pictures" / "rsz_t3.jpg").write_bytes(bytes(2_000_001))
+    assert re.search(r"rsz_t3.jpg: the picture is larger than 2 MB", set_refusal(folder))
 
 
 def test_the_participants_copy_is_not_taken_for_the_treasures(folder):

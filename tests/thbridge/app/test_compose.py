@@ -5,7 +5,8 @@ import pytest
 
 from sim.team import Team
 from thbridge.app.compose import Setting, read_setting
-from thbridge.app.config import Study
+from thbridge.app.config import ParticipantSection, ShowsSection, Study
+from thbridge.roles.notices import Subscribe, tell
 
 
 @pytest.mark.parametrize("name", ["arena8", "office", "warehouse12"])
@@ -21,3 +22,29 @@ def test_a_rehearsal_is_long_enough_for_robots_to_drive(name: str, monkeypatch: 
     setting.rehearse()
     # Turning on the spot does not need all of the local planner.
     assert (team.step([]).world.twists[:, 0] > 0.2).all()
+
+
+def test_participants_are_briefed_with_the_study_s_map_pictures_and_consent(tmp_path: Path) -> None:
+    (tmp_path / "terms.txt").write_text("\ufeffWe record you.\n", encoding="utf-8")
+    participant = ParticipantSection(consent=Path("terms.txt"))
+    briefing = read_setting(dataclasses.replace(Study(), participant=participant), tmp_path).briefing()
+    assert briefing.consent == "We record you."
+    assert briefing.names == ("Blue Bottle", "Orange Bottle", "Pink can", "Yellow can")
+    assert {name: data[:3] for name, data in briefing.pictures.items()} == {
+        f"rsz_t{number}.jpg": b"\xff\xd8\xff" for number in range(1, 5)
+    }
+    assert briefing.house is not None
+    assert [room.room for room in briefing.house.rooms] == list(range(1, 9))
+    assert read_setting(Study(), Path()).briefing().consent is None
+
+
+@pytest.mark.parametrize("truth", [False, True])
+def test_the_truth_about_robots_is_told_only_where_the_study_says_so(truth: bool) -> None:
+    participant = ParticipantSection(shows=ShowsSection(truth=truth, uncertainty=truth, way=truth))
+    simr = read_setting(dataclasses.replace(Study(), participant=participant), Path()).simr()
+    subscribed = tell("Window", simr.name, Subscribe())
+    said = [message.line() for tick in range(10) for message in simr.step(tick, [subscribed] if tick == 0 else [])]
+    told = [line for line in said if "SimR Window" in line]
+    assert told
+    for word in ('truth":[', 'ellipses":[', "Ways"):
+        assert any(word in line for line in told) == truth

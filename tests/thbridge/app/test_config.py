@@ -11,9 +11,18 @@ from thbridge.adapters.bag_parts import Splitting
 from thbridge.adapters.bag_records import Compression
 from thbridge.adapters.errors import BadFile, BadFiles
 from thbridge.adapters.yaml_files import load_text
-from thbridge.app.config import GameSection, Study, load_study, read_study, read_study_text
+from thbridge.app.config import (
+    GameSection,
+    ParticipantSection,
+    ShowsSection,
+    Study,
+    load_study,
+    read_study,
+    read_study_text,
+)
 from thbridge.app.noise import NoisePreset
 from thbridge.app.study_text import commented_study, resolved
+from thbridge.study.bots import BotStrategy
 
 STUDY = Path("study.yaml")
 
@@ -95,6 +104,14 @@ class TestValues:
     def test_lists_of_points(self) -> None:
         text = "world:\n  footprint:\n  - [0.3, 0]\n  - [-0.2, 0.2]\n  - [-0.2, -0.2]\n"
         assert read_study_text(STUDY, text).world.footprint == ((0.3, 0.0), (-0.2, 0.2), (-0.2, -0.2))
+
+    def test_what_participants_see_and_choose(self) -> None:
+        assert Study().participant == ParticipantSection(BotStrategy.SUGGESTION, None, None, ShowsSection(way=True))
+        text = "participant: {consent: terms.txt, robots: [1, 4], shows: {way: false, uncertainty: true, truth: true}}"
+        participant = read_study_text(STUDY, text).participant
+        assert (participant.consent, participant.robots) == (Path("terms.txt"), (1, 4))
+        assert participant.shows == ShowsSection(way=False, uncertainty=True, truth=True)
+        assert read_study_text(STUDY, resolved(read_study_text(STUDY, text))).participant == participant
 
     def test_a_path_may_be_absent(self) -> None:
         assert read_study_text(STUDY, "game: {costs: null}").game.costs is None

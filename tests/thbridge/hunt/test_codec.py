@@ -8,6 +8,7 @@ from hypothesis import strategies as st
 from thbridge.hunt.codec import from_json, to_json
 from thbridge.hunt.costs import CostMatrix
 from thbridge.hunt.events import (
+    Agreed,
     Arrived,
     Condition,
     Departed,
@@ -39,6 +40,7 @@ costs = st.integers(2, 4).flatmap(
 events = st.one_of(
     st.builds(Started, st.integers(), st.integers(), st.integers(1, 9), shares, shares, shares, shares, costs),
     st.builds(Hidden, st.lists(treasures, max_size=4).map(tuple)),
+    st.builds(Agreed),
     st.builds(Departed, robots, rooms, numbers),
     st.builds(Arrived, robots, rooms),
     st.builds(Failed, robots, rooms, texts, numbers, rooms),

@@ -1,6 +1,7 @@
 """A hunt without a simulator: robots that arrive after so many ticks, on the real router with the real other roles."""
 
 from collections.abc import Sequence
+from dataclasses import replace
 from functools import cache
 from pathlib import Path
 
@@ -14,6 +15,8 @@ from thbridge.dialogue.strategies import TemplateStrategy
 from thbridge.dialogue.templates import TemplatePhrasing
 from thbridge.hunt.events import Condition, Event
 from thbridge.hunt.rooms import Room
+from thbridge.hunt.treasures import TreasureKind
+from thbridge.roles.briefing import Briefing
 from thbridge.roles.keeper import GameRules, Keeper
 from thbridge.roles.notices import KEEPER, MoveResult, Order, Orders, RobotsReady, Status, Unfit, heard, tell
 from thbridge.roles.role import Role
@@ -127,11 +130,16 @@ class Stage:
         hider: bool = True,
         participant: Role | None = None,
         seed: int = 7,
+        briefing: Briefing | None = None,
+        kinds: Sequence[TreasureKind] | None = None,
     ) -> None:
         self.templates = templates(set_name)
+        if kinds is not None:
+            self.templates = replace(self.templates, kinds=tuple(kinds))
         self.log = Log()
         self.router = Router()
-        self.keeper = Keeper(rules, lambda game: engine(self.templates, seed))
+        self.briefing = briefing or Briefing(names=tuple(sorted(kind.name for kind in self.templates.kinds)))
+        self.keeper = Keeper(rules, lambda game: engine(self.templates, seed), briefing=self.briefing)
         self.puppets = Puppets(robots, plain_costs(self.templates.costs))
         self.tabui: Role = participant or TabUI(build_bot(self.templates, strategy, seed))
         roles: list[Role] = [self.puppets, self.tabui]

@@ -239,6 +239,33 @@ def test_a_robot_called_back_gives_back_the_energy_of_the_way_not_driven(scripte
     assert view.room(3).state == "unvisited"
 
 
+def test_a_robot_under_way_is_called_back_and_sent_elsewhere(scripted):
+    scripted.puppets.ticks = 1000
+    assert go(scripted, 0, 3).robots[0].moving_to == 3
+    view = scripted.say(Select(0, 5))
+    assert (view.refusal.reason, view.dialogues) == ("under-way", ())
+    refusals = view.refusal.number
+    view = scripted.say(CallBack(0))
+    assert (view.robots[0].moving_to, view.robots[0].place, view.robots[0].energy) == (None, 0, 100 - 17 / 2)
+    scripted.puppets.ticks = 10
+    view = go(scripted, 0, 5)
+    assert (view.room(3).state, view.room(5).state, view.robots[0].place) == ("unvisited", "visited", 5)
+    assert view.robots[0].energy == 100 - 17 / 2 - view.costs[0][5]
+    # That a robot stops that was told to is nothing to complain about.
+    assert view.refusal.number == refusals
+    # The room is free again, for any robot.
+    assert go(scripted, 1, 3).room(3).state == "visited"
+
+
+def test_a_robot_called_back_as_it_arrives_is_there(scripted):
+    scripted.puppets.ticks = 30
+    go(scripted, 0, 3)
+    view = scripted.say(CallBack(0), ticks=40)
+    assert view.room(3).state == "visited" or view.robots[0].place == 0
+    assert view.robots[0].moving_to is None
+    assert scripted.say(Select(0, 5)).dialogues[0].room == 5
+
+
 def test_a_robot_that_finds_no_way_says_so(scripted):
     scripted.puppets.stuck = {0}
     view = go(scripted, 0, 3)
@@ -270,7 +297,7 @@ def test_nobody_talks_in_the_name_of_a_robot_that_does_not_answer_until_it_does(
 
 def test_a_line_of_2016_moves_no_robot_that_does_not_answer(scripted):
     report(scripted, 0, Condition.SILENT)
-    scripted.keeper._participants.clear()
+    scripted.keeper._audience._members.clear()
     scripted.run(1)
     before = len(scripted.lines)
     scripted.say(SendRobot(0, 3), ticks=20)
@@ -350,7 +377,7 @@ def test_programs_of_2016_need_no_consensus_and_never_say_that_they_give_up():
     played.run(5)
     # From here on an outside program speaks, on a connection that is not extended.
     played.router.detach(legacy.TABUI)
-    played.keeper._participants.clear()
+    played.keeper._audience._members.clear()
     played.session._roles = tuple(role for role in played.session._roles if role is not played.tabui)
     connection = played.router.connect(0.0)
 

@@ -12,9 +12,21 @@ from thbridge.app.compose import Setting, read_setting
 from thbridge.app.config import Study
 from thbridge.app.things import Mishap, MishapEntry, Shape, ThingEntry
 from thbridge.hunt.events import Condition
-from thbridge.roles.notices import KEEPER, Order, Orders, RobotsReady, Status, Subscribe, Whereabouts, heard, tell
+from thbridge.roles.bulletin import SUBSCRIPTION, WHEREABOUTS_PERIOD
+from thbridge.roles.notices import (
+    KEEPER,
+    MoveResult,
+    Order,
+    Orders,
+    RobotsReady,
+    Status,
+    Subscribe,
+    Whereabouts,
+    heard,
+    tell,
+)
 from thbridge.roles.requests import SetParameters
-from thbridge.roles.simr import PATIENCE, SILENCE, STREAM_PERIOD, SUBSCRIPTION, SimR
+from thbridge.roles.simr import PATIENCE, SILENCE, SimR
 from thbridge.wire import canonical, legacy
 from thbridge.wire.notice import Notice, parse_notice
 from thbridge.wire.text import Message
@@ -102,6 +114,16 @@ def test_a_withdrawn_order_stops_the_robot_and_is_reported(driver):
     assert 0.0 <= result.share < 1.0
 
 
+def test_a_robot_called_back_under_way_goes_where_it_is_sent_next(driver):
+    driver.run(150, orders(1, Order(1, 8), None))
+    driver.run(5, orders(1, None, None))
+    assert driver.levels(Status)[-1].results[0].sentence == "It was called back."
+    driver.run(2, orders(1, Order(2, 2), None))
+    driver.until('%%error SimR TabUI "0;1" ')
+    driver.run(1)
+    assert driver.levels(Status)[-1].results[0] == MoveResult(2, True, "", 1.0)
+
+
 def test_back_in_a_game_robots_are_where_they_were(driver):
     driver.run(2, orders(3, None, None, poses=((0.5, 1.0, 0.3), (2.0, 1.0, 0.0))))
     assert driver.simr.snapshot.world.poses[0].tolist() == [0.5, 1.0, 0.3]
@@ -140,7 +162,7 @@ def test_a_robot_goes_to_a_point_in_metres(driver):
 
 def test_whereabouts_go_to_those_who_asked_for_as_long_as_they_ask(driver):
     driver.run(20, tell("Window", legacy.SIMR, Subscribe()))
-    assert len(driver.levels(Whereabouts)) == 20 // STREAM_PERIOD
+    assert len(driver.levels(Whereabouts)) == 20 // WHEREABOUTS_PERIOD
     driver.run(SUBSCRIPTION)
     told = len(driver.levels(Whereabouts))
     driver.run(50)
