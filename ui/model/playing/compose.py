@@ -52,7 +52,7 @@ def compose(memory: Memory, now: float, announcement: str, announced: int) -> Sc
         tiles=() if hunt is None else tiles(memory, hunt),
         dont_know=_not_now(DontKnow(), "Don't know") if playing is None else dont_know(memory, playing),
         end=_not_now(EndGame(), "End the game") if playing is None else end(playing),
-        tools=_tools(memory),
+        tools=_tools(memory, phase),
         pop=None if playing is None else _pop(memory, playing, now),
         question=None if playing is None else question(memory, playing),
         waiting=() if playing is None else _waiting(playing),
@@ -116,19 +116,16 @@ def _not_now(act: AgreeToTakePart | DontKnow | EndGame, label: str) -> Action:
     return Action(act, label, key_of(act), enabled=False, hint="Not just now.")
 
 
-def _tools(memory: Memory) -> tuple[Action, ...]:
+def _tools(memory: Memory, phase: Phase) -> tuple[Action, ...]:
+    sheet = Action(ShowHelp(), "Close help" if memory.helping else "Help", HELP.keys[0], hint="All keys on one sheet.")
+    if phase is not Phase.PLAYING:
+        return (sheet,)
     robot = robot_name(memory.selected)
-    following = memory.followed is not None
+    follow = f"Follow {robot}" if memory.followed is None else f"Stop following {robot}"
     return (
-        Action(
-            FollowRobot(),
-            f"Stop following {robot}" if following else f"Follow {robot}",
-            key_of(FollowRobot()),
-            enabled=memory.hunt is not None,
-            hint="Keeps it in the middle of the map.",
-        ),
-        Action(FitMap(), "Whole map", key_of(FitMap()), enabled=memory.house is not None, hint="Shows all of the map."),
-        Action(ShowHelp(), "Close help" if memory.helping else "Help", HELP.keys[0], hint="All keys on one sheet."),
+        Action(FollowRobot(), follow, key_of(FollowRobot()), hint="Keeps it in the middle of the map."),
+        Action(FitMap(), "Whole map", key_of(FitMap()), hint="Shows all of the map."),
+        sheet,
     )
 
 

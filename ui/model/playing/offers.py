@@ -17,7 +17,8 @@ def offers(screen: Screen) -> Iterator[Action]:
             yield from _playing(screen)
         case Phase.CONNECTING:
             pass
-    yield from screen.tools
+    if screen.question is None:
+        yield from screen.tools
 
 
 def offer(screen: Screen, act: Act) -> Action | None:

@@ -6,6 +6,7 @@ nothing is offered which would be refused.
 
 from thbridge.hunt.costs import spoken_energy
 from thbridge.hunt.events import Condition
+from thbridge.hunt.rules import robot_name
 from thbridge.roles.view import Consent, DialogueView, Matter, RobotView, View
 from ui.model.playing.words import place_name, titled
 
@@ -69,7 +70,7 @@ def why_not_go(view: View, robot: int, room: int) -> str | None:
     if cost is None:
         return f"There is no way there from {place_name(place)}."
     if cost > energy:
-        return f"This costs {spoken_energy(cost)}; {titled(robot)} has {spoken_energy(energy)} energy."
+        return f"This costs {spoken_energy(cost)}; {robot_name(robot)} has {spoken_energy(energy)} energy."
     return None
 
 
@@ -129,5 +130,5 @@ def _why_not_pay(view: View, robot: int, room: int, what: str, cost: float) -> s
         return f"{titled(robot)} is not in room {room} any more."
     energy = view.robots[robot].energy
     if cost > energy:
-        return f"{what} costs {spoken_energy(cost)}; {titled(robot)} has {spoken_energy(energy)} energy."
+        return f"{what} costs {spoken_energy(cost)}; {robot_name(robot)} has {spoken_energy(energy)} energy."
     return None

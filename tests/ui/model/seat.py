@@ -1,0 +1,64 @@
+"""A participant who only looks at screens and does what they offer, in a real game without a simulator."""
+
+from dataclasses import replace
+
+from tests.thbridge.roles.stage import Stage
+from thbridge.roles.tabui import TabUI
+from thbridge.roles.view import View
+from ui.model.participant import Participant
+from ui.model.playing.offers import offer, offers
+from ui.model.screen import Act, Action, Screen
+
+TICK = 0.02
+
+
+class Seat:
+    """The view model on a stage; every act is done by what is offered for it."""
+
+    def __init__(self, model: Participant | None = None, **stage) -> None:
+        self.model = model or Participant()
+        self.now = 0.0
+        self.tabui = TabUI(self)
+        self.stage = Stage(participant=self.tabui, **stage)
+        self.names = tuple(sorted({kind.name for kind in self.stage.templates.kinds}))
+        self.model.connected(self.now)
+        self.run(6)
+
+    def wishes(self, view: View):
+        sensed = any(room.sensed for room in view.rooms)
+        self.model.hear(replace(view, names=self.names if sensed else ()), self.now)
+        return self.model.wishes()
+
+    @property
+    def screen(self) -> Screen:
+        return self.model.screen(self.now)
+
+    @property
+    def view(self) -> View:
+        return self.tabui.view
+
+    def run(self, ticks: int = 12) -> Screen:
+        for _ in range(ticks):
+            self.now += TICK
+            self.tabui.look_again()
+            self.stage.run(1)
+        return self.screen
+
+    def do(self, act: Act, ticks: int = 12) -> Screen:
+        """Do what is offered; it must be there and possible."""
+        action = self.offered(act)
+        assert action is not None, f"{act} is not offered"
+        assert action.enabled, f"{act} is not possible: {action.hint}"
+        self.model.do(act, self.now)
+        return self.run(ticks)
+
+    def press(self, act: Act, ticks: int = 12) -> Screen:
+        """Do it whether or not anything offers it."""
+        self.model.do(act, self.now)
+        return self.run(ticks)
+
+    def offered(self, act: Act) -> Action | None:
+        return offer(self.screen, act)
+
+    def offers(self) -> list[Action]:
+        return list(offers(self.screen))

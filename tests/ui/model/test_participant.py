@@ -1,0 +1,379 @@
+"""Games played by what the screen offers, against the real keeper, Hider and router."""
+
+from dataclasses import replace
+
+import pytest
+
+from tests.thbridge.roles.stage import RULES
+from tests.ui.model.seat import Seat
+from thbridge.hunt.events import Condition, Departed, Failed, Identified, Left, Pictured
+from ui.model.participant import Participant
+from ui.model.screen import (
+    AnotherGame,
+    ChooseRobot,
+    ChooseRoom,
+    DialoguePop,
+    DontKnow,
+    EndGame,
+    FinishNumber,
+    GiveAnswer,
+    LeaveIt,
+    Meant,
+    NameIt,
+    NextRobot,
+    NotYet,
+    Phase,
+    PickName,
+    ShowNext,
+    ShowWaiting,
+    StopRobot,
+    TakeThePicture,
+    TreasurePop,
+    TypeDigit,
+)
+
+TALKATIVE = "sklar-azhar-2015"
+
+
+def go(seat, room):
+    """Send the selected robot to a room, agreeing to all it asks, and let it arrive."""
+    seat.do(ChooseRoom(room))
+    agree(seat)
+    return seat.run(30)
+
+
+def agree(seat):
+    while isinstance(seat.screen.pop, DialoguePop) and seat.screen.pop.choices:
+        seat.do(GiveAnswer(0))
+
+
+def events(seat, kind):
+    return [event for event in seat.stage.log.events if isinstance(event, kind)]
+
+
+def test_a_whole_hunt_by_what_is_offered():
+    seat = Seat(robots=2)
+    for turn in range(200):
+        screen = seat.screen
+        if screen.phase is Phase.OVER:
+            break
+        pop = screen.pop
+        if isinstance(pop, DialoguePop):
+            agree(seat)
+        elif isinstance(pop, TreasurePop) and pop.verdict is not None:
+            seat.do(ShowNext())
+        elif isinstance(pop, TreasurePop) and pop.take_picture is not None and pop.take_picture.enabled:
+            seat.do(TakeThePicture())
+        elif isinstance(pop, TreasurePop):
+            right = seat.stage.session.game.treasures[pop.room - 1].name
+            seat.press(PickName(right))
+            seat.do(NameIt() if seat.offered(NameIt()).enabled else LeaveIt())
+        elif screen.dont_know.enabled:
+            seat.do(DontKnow())
+        elif len(screen.cards) > 1 and turn % 2:
+            seat.do(ChooseRobot(1 - next(card.robot for card in screen.cards if card.selected)))
+        else:
+            seat.run(20)
+    assert seat.screen.phase is Phase.OVER
+    assert events(seat, Identified)
+    assert events(seat, Pictured)
+    assert seat.screen.score == seat.stage.session.game.score > 0
+    assert seat.screen.ending.lines[0] in (
+        "Every room has been visited.",
+        "No robot has the energy to go any further.",
+    )
+    assert seat.do(AnotherGame(), 30).game == 2
+    assert seat.screen.phase is Phase.PLAYING
+    assert seat.screen.score == 0
+    assert [told.text for told in seat.screen.history] == ["Game 2 begins, with 2 robots and 8 rooms."]
+
+
+def test_what_is_chosen_is_talked_about_at_once_and_then_done_by_itself():
+    seat = Seat()
+    seat.model.do(ChooseRoom(3), seat.now)
+    pop = seat.screen.pop
+    assert (pop.title, pop.said, pop.choices) == ("Asking robot 1 about room 3 …", (), ())
+    assert seat.screen.tiles[2].choose.busy
+    assert not seat.screen.tiles[2].choose.enabled
+    pop = seat.run().pop
+    assert pop.said == (("robot", "It will cost me 17 to go to room 3"),)
+    assert [(choice.label, choice.key) for choice in pop.choices] == [("Continue", "C"), ("Stop", "S")]
+    seat.model.do(GiveAnswer(0), seat.now)
+    pop = seat.screen.pop
+    assert pop.said[-1] == ("you", "Continue")
+    assert [choice.enabled for choice in pop.choices] == [False, False]
+    assert pop.choices[0].busy
+    seat.run()
+    agree(seat)
+    assert seat.screen.pop is None
+    assert seat.view.robots[0].moving_to == 3
+    assert seat.screen.cards[0].state == "travelling to room 3"
+
+
+def test_stop_sends_nobody_and_the_same_can_be_asked_again():
+    seat = Seat()
+    for _ in range(2):
+        seat.do(ChooseRoom(3))
+        assert seat.do(GiveAnswer(1)).pop is None
+    assert not events(seat, Departed)
+    assert [told.text for told in seat.screen.history if told.speaker == "you"] == ["Stop", "Stop"]
+
+
+def test_an_answer_counts_for_what_was_on_the_screen_only():
+    seat = Seat()
+    seat.do(ChooseRoom(3))
+    seat.model.do(GiveAnswer(0), seat.now)
+    seat.model.do(GiveAnswer(0), seat.now)
+    seat.run()
+    assert seat.screen.pop.said[-1] == ("robot", "Are you sure?")
+    # The robot's next question comes while the finger is on its way down to the button.
+    before = seat.screen
+    seat.model.do(GiveAnswer(0), seat.now)
+    for _ in range(12):
+        seat.now += 0.02
+        seat.tabui.look_again()
+        seat.stage.run(1)
+    seat.model.do(GiveAnswer(1), seat.now)
+    assert before.pop.choices[1].label == "Stop"
+    assert seat.view.robots[0].moving_to == 3
+
+
+def test_naming_needs_a_name_picked_and_is_talked_over_in_the_same_place():
+    seat = Seat(set_name=TALKATIVE)
+    pop = go(seat, 3).pop
+    assert isinstance(pop, TreasurePop)
+    assert pop.names == seat.names
+    assert pop.picked is None
+    assert not pop.name_it.enabled
+    assert pop.name_it.hint == "Pick a name from the list first."
+    treasure = seat.stage.session.game.treasures[2]
+    assert (pop.colour, pop.footprint) == (treasure.colour, treasure.footprint)
+    seat.press(PickName(treasure.name))
+    pop = seat.do(NameIt()).pop
+    assert isinstance(pop, DialoguePop)
+    assert pop.title == f"Robot 1: name what is in room 3 {treasure.name}?"
+    pop = seat.do(GiveAnswer(1)).pop
+    assert (pop.picked, pop.verdict, pop.name_it.enabled) == (treasure.name, None, True)
+    assert not events(seat, Identified)
+    seat.do(NameIt())
+    pop = seat.do(GiveAnswer(0)).pop
+    assert pop.verdict == f"Right, it is {treasure.name}: {treasure.points} points won."
+    assert pop.points == seat.screen.gained == seat.screen.score == treasure.points
+    assert pop.aside.label == "Close"
+    assert seat.do(ShowNext()).pop is None
+    assert seat.screen.waiting == ()
+
+
+def test_a_picture_is_talked_over_and_taken_once_agreed():
+    seat = Seat(set_name=TALKATIVE)
+    pop = go(seat, 3).pop
+    energy = seat.screen.cards[0].energy
+    assert pop.take_picture.hint.startswith("Costs 5 of")
+    seat.do(TakeThePicture())
+    pop = seat.do(GiveAnswer(0)).pop
+    assert isinstance(pop, TreasurePop)
+    assert pop.take_picture is None
+    assert seat.screen.cards[0].energy == energy - 5
+    assert pop.picture_note == "The picture is on its way."
+    assert seat.run(300).pop.picture_note.startswith("The picture cannot be shown here. It is called ")
+
+
+def test_a_wrong_name_costs_and_is_said_so():
+    seat = Seat()
+    go(seat, 3)
+    treasure = seat.stage.session.game.treasures[2]
+    wrong = next(name for name in seat.names if name != treasure.name)
+    seat.press(PickName(wrong))
+    pop = seat.do(NameIt()).pop
+    assert pop.verdict == f"No, it is not {wrong}: {treasure.points} points lost."
+    assert seat.screen.tiles[2].found == f"{wrong} -{treasure.points}"
+
+
+def test_arrivals_wait_behind_what_is_read_and_never_take_its_place():
+    seat = Seat(robots=3)
+    for robot, room in ((0, 1), (1, 2)):
+        seat.do(ChooseRobot(robot))
+        seat.do(ChooseRoom(room))
+        agree(seat)
+    seat.do(ChooseRobot(2))
+    seat.do(ChooseRoom(5), 3)
+    reading = seat.screen.pop
+    screen = seat.run(60)
+    assert screen.pop.title == reading.title or screen.pop.robot == 2
+    assert [waiting.text for waiting in screen.waiting] == [
+        "Robot 1 is in room 1 and found something",
+        "Robot 2 is in room 2 and found something",
+    ]
+    assert [card.waits for card in screen.cards] == [1, 1, 0]
+    agree(seat)
+    assert seat.screen.pop.room == 1
+    # Put aside it waits until it is asked for.
+    assert seat.do(ShowNext()).pop.room == 2
+    screen = seat.do(ShowNext())
+    assert screen.pop is None or screen.pop.robot == 2
+    seat.do(ShowWaiting(0))
+    assert seat.screen.pop.room == 1
+    seat.do(LeaveIt())
+    assert [event.room.people for event in events(seat, Left)] == [1]
+
+
+def test_a_robot_under_way_is_called_back_before_it_goes_elsewhere():
+    seat = Seat()
+    seat.stage.puppets.ticks = 400
+    seat.do(ChooseRoom(3))
+    agree(seat)
+    screen = seat.do(ChooseRoom(6))
+    assert screen.question.title == "Send robot 1 to room 6 instead?"
+    assert "is on its way to room 3" in screen.question.text
+    assert seat.do(NotYet()).question is None
+    assert seat.view.robots[0].moving_to == 3
+    # A second press of the same key is no answer to a question.
+    seat.press(ChooseRoom(6))
+    assert seat.press(ChooseRoom(6)).question is not None
+    screen = seat.do(Meant())
+    assert [event.refund for event in events(seat, Failed)] == [8.5]
+    assert isinstance(screen.pop, DialoguePop)
+    assert screen.pop.title == "Robot 1: go to room 6?"
+    agree(seat)
+    assert seat.view.robots[0].moving_to == 6
+
+
+def test_a_robot_that_arrives_before_it_is_called_back_is_not_sent_on():
+    seat = Seat()
+    seat.do(ChooseRoom(3))
+    agree(seat)
+    seat.press(ChooseRoom(6), 0)
+    screen = seat.run(60)
+    assert screen.question is None
+    assert screen.banner.text == "Robot 1 is in room 3 now."
+    assert not events(seat, Failed)
+
+
+def test_stop_calls_a_robot_back():
+    seat = Seat()
+    seat.stage.puppets.ticks = 400
+    seat.do(ChooseRoom(3))
+    agree(seat)
+    seat.model.do(StopRobot(), seat.now)
+    card = seat.screen.cards[0]
+    assert (card.state, card.stop.busy, card.stop.enabled) == ("stopping", True, False)
+    card = seat.run().cards[0]
+    assert (card.state, card.stop, card.energy) == ("ready", None, 91.5)
+
+
+def test_going_on_asks_before_it_leaves_a_treasure_behind():
+    seat = Seat()
+    go(seat, 3)
+    screen = seat.do(ChooseRoom(4))
+    assert screen.question.title == "Leave what is in room 3?"
+    seat.do(NotYet())
+    assert not events(seat, Left)
+    seat.do(ChooseRoom(4))
+    seat.do(Meant())
+    agree(seat)
+    assert [event.room.people for event in events(seat, Left)] == [3]
+    assert seat.screen.pop is None
+
+
+def test_a_refusal_is_told_and_takes_back_what_was_shown_for_it():
+    seat = Seat()
+    seat.stage.puppets.stuck = {0}
+    seat.do(ChooseRoom(3))
+    agree(seat)
+    screen = seat.run(30)
+    assert (screen.banner.kind, screen.banner.text) == ("note", "There is no way.")
+    assert screen.announcement.endswith("There is no way.")
+    assert screen.tiles[2].choose.enabled
+    assert seat.run(400).banner is None
+
+
+def test_a_room_that_another_robot_asks_about_is_not_offered():
+    seat = Seat()
+    seat.do(ChooseRoom(3))
+    seat.press(NextRobot(1))
+    tile = seat.screen.tiles[2]
+    assert (tile.choose.enabled, tile.choose.hint) == (False, "Robot 1 is asking you about this room.")
+    screen = seat.press(ChooseRoom(3))
+    assert screen.banner.text == "Robot 1 is asking you about this room."
+
+
+def test_ending_asks_once():
+    seat = Seat()
+    screen = seat.do(EndGame())
+    assert screen.question.title == "End the game?"
+    assert seat.press(EndGame()).phase is Phase.PLAYING
+    screen = seat.do(Meant())
+    assert screen.phase is Phase.OVER
+    assert screen.ending.lines[0] == "You have ended the game."
+
+
+def test_energy_that_does_not_do_to_name_what_is_there_is_warned_of():
+    def tile(energy):
+        return Seat(rules=replace(RULES, energy=energy)).screen.tiles[2]
+
+    assert tile(17.5).choose.enabled
+    assert tile(17.5).warning == "Enough to get there, not to name what is there."
+    assert tile(17.5).choose.hint.endswith(tile(17.5).warning)
+    assert tile(18.0).warning == ""
+    assert tile(16.0).warning == ""
+    assert tile(16.0).choose.hint == "This costs 17; robot 1 has 16 energy."
+
+
+def test_digits_choose_rooms():
+    seat = Seat()
+    assert seat.press(TypeDigit(3)).pop.title == "Robot 1: go to room 3?"
+    screen = seat.press(TypeDigit(9))
+    assert screen.banner.text == "There is no room 9. The rooms are 1 to 8."
+    assert seat.press(FinishNumber()).pop.title == "Robot 1: go to room 3?"
+
+
+@pytest.mark.parametrize(
+    ("condition", "state"),
+    [(Condition.SILENT, "does not answer"), (Condition.LOST, "lost, does not know where it is")],
+)
+def test_trouble_is_said_in_words(condition, state):
+    seat = Seat()
+    seat.stage.puppets.conditions[0] = condition
+    card = seat.run(60).cards[0]
+    assert (card.state, card.trouble) == (state, True)
+
+
+def test_a_server_that_comes_back_goes_on_where_it_was():
+    seat = Seat()
+    go(seat, 3)
+    name = seat.names[0]
+    seat.press(PickName(name))
+    seat.do(ShowNext())
+    seat.model.lost("The server has gone.", seat.now)
+    screen = seat.screen
+    assert screen.banner.kind == "bad"
+    assert screen.banner.text.startswith("The connection to the game is lost. The server has gone.")
+    seat.now += 5.0
+    assert "lost for 5 seconds." in seat.screen.banner.text
+    seat.model.do(ShowWaiting(0), seat.now)
+    assert seat.screen.pop.picked == name
+    seat.model.do(LeaveIt(), seat.now)
+    assert seat.screen.pop.leave.busy
+    seat.model.connected(seat.now)
+    seat.tabui.connected()
+    screen = seat.run()
+    assert screen.banner is None
+    assert events(seat, Left)
+
+
+def test_another_window_comes_into_the_middle_of_a_game():
+    seat = Seat()
+    go(seat, 3)
+    seat.do(ChooseRobot(1))
+    seat.do(ChooseRoom(4))
+    seat.model = Participant()
+    seat.model.connected(seat.now)
+    seat.tabui.connected()
+    screen = seat.run()
+    assert screen.history[0].text == "Game 1 is under way, with 2 robots and 8 rooms; the score is 0."
+    assert len(screen.waiting) == 1
+    treasure = seat.stage.session.game.treasures[2]
+    if not isinstance(screen.pop, TreasurePop):
+        seat.do(ShowNext())
+    seat.press(PickName(treasure.name))
+    assert seat.do(NameIt()).score == treasure.points
