@@ -1,6 +1,7 @@
 """The participant's side of the game, without a window: what is heard becomes a screen, and acts become wishes."""
 
 import math
+from dataclasses import replace
 
 from thbridge.roles.notices import House, Motion, Picture, Ways, Whereabouts
 from thbridge.roles.view import View, Wish
@@ -100,11 +101,15 @@ class Participant:
             return self._screen
         if now >= memory.typed_until:
             memory.typed, memory.typed_until = "", math.inf
-        told = ("", 0) if self._screen is None else (self._screen.announcement, self._screen.announced)
-        news = memory.history.take_news()
-        fresh = compose(memory, now, news or told[0], told[1] + bool(news))
+        drawn = self._drawn()
+        fresh = compose(memory, now)
+        if fresh.question is not None and drawn.doubt != memory.drawn.doubt:
+            memory.history.announce(f"{fresh.question.title} {fresh.question.text}")
+        elif fresh.pop is not None and drawn.item != memory.drawn.item:
+            memory.history.announce(fresh.pop.title)
+        memory.drawn = drawn
+        fresh = self._announcing(fresh)
         self._due = changes(memory, now)
-        memory.drawn = self._drawn()
         if fresh != self._screen:
             self._screen = fresh
             self._rooms = () if self._outlines is None else self._outlines.rooms(fresh.tiles)
@@ -133,6 +138,13 @@ class Participant:
         memory.connection.hear(now)
         before, memory.motions = memory.motions, motions
         return was_still or _shown(before) != _shown(motions)
+
+    def _announcing(self, fresh: Screen) -> Screen:
+        """A screen with what is to be read out now, or else what was read out last."""
+        news = self._memory.history.take_news()
+        told = ("", 0) if self._screen is None else (self._screen.announcement, self._screen.announced)
+        announcement, announced = (news, told[1] + 1) if news else told
+        return replace(fresh, announcement=announcement, announced=announced)
 
     def _drawn(self) -> Drawn:
         hunt = self._memory.hunt

@@ -284,6 +284,7 @@ class DialoguePop:
         said: (speaker, sentence), oldest first; speaker is "robot" or "you".
         choices: what may be answered; none while the robot thinks.
         aside: puts it aside.
+        warning: what to mind before answering: enough energy to get there, but not to name what is there.
     """
 
     robot: int
@@ -291,6 +292,7 @@ class DialoguePop:
     said: tuple[tuple[Literal["robot", "you"], str], ...]
     choices: tuple[Action, ...]
     aside: Action
+    warning: str = ""
 
 
 @dataclass(frozen=True, slots=True)

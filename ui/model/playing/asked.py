@@ -120,6 +120,9 @@ def _granted(wish: Wish, view: View, before: int | None) -> bool:
 
 
 def _moot(wish: Wish, view: View) -> str | None:
+    """Why a wish cannot come true any more; empty where that goes without saying."""
+    if view.over is not None:
+        return None if isinstance(wish, PlayAgain) else ""
     match wish:
         case Select(robot, room):
             return why_not_go(view, robot, room)

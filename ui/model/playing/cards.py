@@ -1,5 +1,6 @@
 """The robots' cards, and the sentences that say what a robot does."""
 
+from thbridge.hunt.costs import spoken_energy
 from thbridge.hunt.events import Condition
 from thbridge.hunt.rules import robot_name
 from thbridge.roles.notices import Motion
@@ -19,6 +20,12 @@ def cards(memory: Memory, hunt: Hunt) -> tuple[RobotCard, ...]:
 def is_in_trouble(robot: RobotView) -> bool:
     """Whether something is wrong with a robot that people should worry about."""
     return robot.blocked or robot.condition is not Condition.WELL
+
+
+def described(memory: Memory, hunt: Hunt, robot: int) -> str:
+    """A robot's card as one would read it out."""
+    card = _card(memory, hunt, hunt.view.robots[robot])
+    return f"{card.name}: {card.place}, {card.state}, {spoken_energy(card.energy)} energy."
 
 
 def _card(memory: Memory, hunt: Hunt, robot: RobotView) -> RobotCard:

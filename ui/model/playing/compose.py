@@ -34,8 +34,8 @@ WAITING_KEY = "W"
 """The second key of `ShowNext`: for a button that shows what waits, "Esc" would be a riddle."""
 
 
-def compose(memory: Memory, now: float, announcement: str, announced: int) -> Screen:
-    """What is shown at this moment."""
+def compose(memory: Memory, now: float) -> Screen:
+    """What is shown at this moment; what is to be read out is not in it yet."""
     hunt = memory.hunt
     phase = phase_of(memory)
     playing = hunt if phase is Phase.PLAYING else None
@@ -60,8 +60,8 @@ def compose(memory: Memory, now: float, announcement: str, announced: int) -> Sc
         ending=ending(hunt) if hunt is not None and phase is Phase.OVER else None,
         help=help_lines(0 if hunt is None else len(hunt.view.rooms)) if memory.helping else (),
         typed=memory.typed,
-        announcement=announcement,
-        announced=announced,
+        announcement="",
+        announced=0,
     )
 
 

@@ -11,6 +11,7 @@ class Connection:
 
     def __init__(self) -> None:
         self._lost: tuple[str, float] | None = None
+        self._was_there = False
         self._heard: float | None = None
 
     @property
@@ -20,7 +21,7 @@ class Connection:
 
     def connected(self, now: float) -> None:
         """It is there."""
-        self._lost = None
+        self._lost, self._was_there = None, True
         # A program whose robots tell where they are does so again at once.
         self._heard = None if self._heard is None else now
 
@@ -38,10 +39,9 @@ class Connection:
             sentence, since = self._lost
             seconds = int(now - since)
             lasting = f" for {seconds} second{'s' if seconds > 1 else ''}" if seconds else ""
-            return (
-                f"The connection to the game is lost{lasting}. {sentence} It is tried again by itself, and you go on "
-                "where you were."
-            ).replace("  ", " ")
+            cut = "The connection to the game is lost" if self._was_there else "The game is not reached yet"
+            again = "It is tried again by itself" + (", and you go on where you were." if self._was_there else ".")
+            return " ".join(part for part in (f"{cut}{lasting}.", sentence, again) if part)
         if self._still_since() + STILL <= now:
             return "The game stands still just now. It goes on by itself."
         return None

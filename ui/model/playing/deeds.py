@@ -1,6 +1,7 @@
 """What the participant's acts do. Each is judged against what was on the screen when it was done."""
 
 from thbridge.roles.view import Agree, Answer, CallBack, Discuss, GiveUp, Leave, PlayAgain, Select, Unsure, View
+from ui.model.playing.cards import described
 from ui.model.playing.hearing import is_open, note, settle
 from ui.model.playing.popups import Find, Talk
 from ui.model.playing.possible import (
@@ -127,6 +128,7 @@ def _with_treasure(memory: Memory, hunt: Hunt, item: Find, act: Act, now: float)
                 hunt.picked.pop(room, None)
             elif name in view.names:
                 hunt.picked[room] = name
+                memory.history.announce(f"{name} is picked.")
         case TakeThePicture():
             if view.room(room).picture is None and not _refused(memory, why_not_picture(view, item.robot, room), now):
                 _discuss(hunt, Discuss(item.robot, "take-picture", room))
@@ -167,6 +169,7 @@ def _select(memory: Memory, hunt: Hunt, robot: int) -> None:
     memory.typed = ""
     if memory.followed is not None:
         memory.followed = robot
+    memory.history.announce(described(memory, hunt, robot))
 
 
 def _choose(memory: Memory, hunt: Hunt, room: int, now: float) -> None:

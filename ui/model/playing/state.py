@@ -84,6 +84,11 @@ class Hunt:
 
     def goal_considered(self, robot: int) -> int | None:
         """The room that a robot is asked to go to, or talks about."""
+        match self.doubt:
+            case Reroute(rerouted, room) if rerouted == robot:
+                return room
+            case MoveOn(Select() as wish, _) if wish.robot == robot:
+                return wish.room
         asked = self.asked.going(robot)
         if isinstance(asked, Select):
             return asked.room

@@ -7,6 +7,7 @@ from thbridge.roles.view import DialogueView, Select
 from ui.model.keys import choice_keys, key_of
 from ui.model.playing.history import speaker_of
 from ui.model.playing.popups import Talk
+from ui.model.playing.possible import warning
 from ui.model.playing.state import Hunt
 from ui.model.playing.words import titled
 from ui.model.screen import Action, DialoguePop, GiveAnswer, ShowNext
@@ -36,7 +37,8 @@ def talking(hunt: Hunt, dialogue: DialogueView) -> DialoguePop:
         for number, (text, key) in enumerate(zip(dialogue.choices, choice_keys(dialogue.choices), strict=True))
     )
     later = Action(ShowNext(), "Later", key_of(ShowNext()), hint="The robot waits for your answer.")
-    return DialoguePop(dialogue.robot, title(hunt, dialogue), tuple(said), choices, later)
+    mind = warning(hunt.view, dialogue.robot, dialogue.room) if dialogue.matter == "select-room" else ""
+    return DialoguePop(dialogue.robot, title(hunt, dialogue), tuple(said), choices, later, mind)
 
 
 def title(hunt: Hunt, dialogue: DialogueView) -> str:

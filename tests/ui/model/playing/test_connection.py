@@ -1,0 +1,42 @@
+import math
+
+from ui.model.playing.connection import Connection
+
+
+def test_how_long_it_is_lost_is_told_each_second():
+    link = Connection()
+    link.connected(0.0)
+    assert link.trouble(0.5) is None
+    link.lose("Nobody answers.", 10.0)
+    assert link.trouble(10.2) == (
+        "The connection to the game is lost. Nobody answers. It is tried again by itself, and you go on where you were."
+    )
+    assert link.changes(10.2) == 11.0
+    link.lose("Refused.", 11.0)
+    assert link.trouble(11.0).startswith("The connection to the game is lost for 1 second. Refused.")
+    assert "for 2 seconds" in link.trouble(12.9)
+    link.connected(13.0)
+    assert link.trouble(13.1) is None
+
+
+def test_before_there_ever_was_a_connection_none_is_lost():
+    link = Connection()
+    link.lose("", 0.0)
+    assert link.trouble(0.0) == "The game is not reached yet. It is tried again by itself."
+
+
+def test_a_game_without_news_of_its_robots_stands_still():
+    link = Connection()
+    link.connected(0.0)
+    assert link.trouble(99.0) is None
+    assert link.changes(99.0) == math.inf
+    link.hear(100.0)
+    assert link.changes(100.0) == 101.5
+    assert link.trouble(101.4) is None
+    assert link.trouble(101.5) == "The game stands still just now. It goes on by itself."
+    link.hear(102.0)
+    assert link.trouble(102.0) is None
+    link.lose("", 103.0)
+    link.connected(110.0)
+    assert link.trouble(110.5) is None
+    assert link.trouble(111.5) is not None

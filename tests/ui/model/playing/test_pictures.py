@@ -1,0 +1,45 @@
+from base64 import b64encode
+
+from hypothesis import given
+from hypothesis import strategies as st
+
+from thbridge.roles.notices import Picture
+from ui.model.playing.pictures import Pictures
+
+
+def pieces(data, size, game=1, room=3):
+    cut = [data[start : start + size] for start in range(0, len(data), size)]
+    return [Picture(game, room, number, len(cut), b64encode(part).decode()) for number, part in enumerate(cut)]
+
+
+@given(st.binary(min_size=1, max_size=60), st.integers(1, 30), st.randoms(use_true_random=False))
+def test_pieces_in_any_order_and_twice_are_the_picture(data, size, chance):
+    album = Pictures()
+    parts = pieces(data, size)
+    for piece in chance.sample(parts, len(parts)) + parts:
+        album.hear(piece)
+    assert album.of(1, 3) == data
+    assert album.of(1, 2) is album.of(2, 3) is None
+
+
+def test_a_picture_is_not_there_before_its_last_piece():
+    album = Pictures()
+    first, second = pieces(b"abcd", 2)
+    album.hear(second)
+    assert album.of(1, 3) is None
+    album.hear(first)
+    assert album.of(1, 3) == b"abcd"
+
+
+def test_another_game_has_other_pictures():
+    album = Pictures()
+    for piece in (*pieces(b"old", 9), *pieces(b"new", 9, game=2)):
+        album.hear(piece)
+    assert (album.of(1, 3), album.of(2, 3)) == (None, b"new")
+
+
+def test_what_is_no_piece_is_passed_over():
+    album = Pictures()
+    for piece in (Picture(1, 3, 0, 1, "?"), Picture(1, 3, 5, 2, "aGE="), Picture(1, 3, -1, 2, "aGE=")):
+        album.hear(piece)
+    assert album.of(1, 3) is None

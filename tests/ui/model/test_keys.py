@@ -1,0 +1,164 @@
+from dataclasses import replace
+
+import pytest
+
+from tests.ui.model.seat import Seat
+from ui.model.keys import PLAYING, QUESTION, act_for, choice_keys, help_lines, key_of, typed_name
+from ui.model.participant import Participant
+from ui.model.screen import (
+    AnotherGame,
+    ChooseRoom,
+    DialoguePop,
+    DontKnow,
+    EndGame,
+    FinishNumber,
+    GiveAnswer,
+    Meant,
+    NameIt,
+    NextRobot,
+    NotYet,
+    Phase,
+    PickName,
+    ShowHelp,
+    ShowNext,
+    StopRobot,
+    TakeThePicture,
+    TreasurePop,
+    TypeDigit,
+)
+
+
+def test_no_key_does_two_things_at_a_time():
+    for table in (PLAYING, QUESTION):
+        keys = [key for binding in table for key in binding.keys]
+        assert len(set(keys)) == len(keys)
+
+
+def test_a_whole_hunt_by_keys_alone():
+    seat = Seat(robots=2)
+
+    def press(*keys):
+        for key in keys:
+            act = act_for(key, seat.screen)
+            assert act is not None, key
+            seat.press(act)
+
+    seat.stage.puppets.ticks = 2
+    for _ in range(400):
+        screen = seat.screen
+        if screen.phase is Phase.OVER:
+            break
+        pop = screen.pop
+        if isinstance(pop, DialoguePop):
+            press("C" if pop.choices[0].key == "C" else "Enter")
+        elif isinstance(pop, TreasurePop) and pop.verdict is not None:
+            press("Enter")
+        elif isinstance(pop, TreasurePop) and pop.take_picture is not None and pop.take_picture.enabled:
+            press("P")
+        elif isinstance(pop, TreasurePop) and not pop.leave.enabled:
+            seat.run()
+        elif isinstance(pop, TreasurePop):
+            press("Down", "N" if pop.robot == 0 else "Enter") if pop.name_it.hint.startswith("Pick") else press("L")
+        elif screen.dont_know.enabled:
+            press("D")
+        else:
+            press("Tab")
+    assert seat.screen.phase is Phase.OVER
+    assert seat.stage.session.game.score != 0
+    press("A")
+    assert seat.screen.game == 2
+    press("E", "Y")
+    assert seat.screen.phase is Phase.OVER
+
+
+@pytest.mark.parametrize(
+    ("key", "act"),
+    [
+        ("Tab", NextRobot(1)),
+        ("Shift+Tab", NextRobot(-1)),
+        ("3", TypeDigit(3)),
+        ("?", DontKnow()),
+        ("D", DontKnow()),
+        ("X", StopRobot()),
+        ("E", EndGame()),
+        ("Esc", ShowNext()),
+        ("F1", ShowHelp()),
+        ("Q", None),
+        ("", None),
+    ],
+)
+def test_keys_while_playing(key, act):
+    assert act_for(key, Seat().screen) == act
+
+
+def test_a_question_hears_only_yes_no_and_help():
+    seat = Seat()
+    screen = seat.press(EndGame())
+    assert [act_for(key, screen) for key in ("Y", "N", "Esc", "F1")] == [Meant(), NotYet(), NotYet(), ShowHelp()]
+    assert [act_for(key, screen) for key in ("3", "Tab", "Enter", "D", "E")] == [None] * 5
+
+
+def test_a_dialogue_takes_the_letters_on_its_buttons():
+    seat = Seat()
+    screen = seat.do(ChooseRoom(3))
+    assert [act_for(key, screen) for key in ("C", "S", "Enter")] == [GiveAnswer(0), GiveAnswer(1), GiveAnswer(0)]
+    assert act_for("Esc", screen) == ShowNext()
+
+
+def test_help_closes_by_esc_before_anything_else_hears_it():
+    seat = Seat()
+    seat.do(ChooseRoom(3))
+    screen = seat.press(ShowHelp())
+    assert act_for("Esc", screen) == ShowHelp()
+
+
+def test_names_are_picked_by_arrows():
+    seat = Seat()
+    seat.do(ChooseRoom(3))
+    seat.do(GiveAnswer(0))
+    seat.do(GiveAnswer(0), 40)
+    screen = seat.screen
+    assert screen.pop.picked is None
+    assert act_for("Down", screen) == PickName(screen.pop.names[0])
+    assert act_for("Up", screen) == PickName(screen.pop.names[-1])
+    screen = seat.press(act_for("Up", screen))
+    assert act_for("Down", screen) == PickName(screen.pop.names[0])
+    assert [act_for(key, screen) for key in ("Enter", "N", "P")] == [NameIt(), NameIt(), TakeThePicture()]
+
+
+def test_enter_and_esc_are_for_the_digits_while_some_are_typed():
+    screen = replace(Seat().screen, typed="1")
+    assert act_for("Enter", screen) == FinishNumber()
+    assert act_for("Esc", screen) == NotYet()
+
+
+def test_nothing_is_heard_before_there_is_a_game_but_help():
+    screen = Participant().screen(0.0)
+    assert [act_for(key, screen) for key in ("Enter", "3", "A", "F1")] == [None, None, None, ShowHelp()]
+
+
+def test_answers_get_letters_of_their_own():
+    assert choice_keys(("Continue", "Stop")) == ("C", "S")
+    assert choice_keys(("Don't go", "Yes", "Yes, but")) == ("O", "Y", "S")
+    assert len(set(choice_keys(("?",) * 8))) == 8
+
+
+def test_letters_in_the_list_go_round_the_names():
+    names = ("ball", "bottle", "can")
+    assert typed_name("b", names, None) == "ball"
+    assert typed_name("B", names, "ball") == "bottle"
+    assert typed_name("B", names, "bottle") == "ball"
+    assert typed_name("x", names, "ball") is None
+    assert typed_name("", names, "ball") is None
+
+
+def test_every_binding_is_on_the_help_sheet():
+    sheet = " ".join(keys for keys, _ in help_lines(8))
+    assert all(key in sheet for binding in (*PLAYING, *QUESTION) for key in binding.keys)
+    assert help_lines(8)[0] == ("1 to 8", "Send the robot to this room")
+    assert "both digits" in help_lines(12)[0][1]
+
+
+def test_acts_without_a_key_have_none_printed():
+    assert key_of(AnotherGame()) == "A"
+    assert key_of(ChooseRoom(3)) == ""

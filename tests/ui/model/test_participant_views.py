@@ -1,0 +1,387 @@
+"""What single views and tellings of the robots' way bring onto the screen."""
+
+from base64 import b64encode
+from dataclasses import replace
+
+import numpy as np
+import pytest
+
+from tests.ui.model.views import asking, refusal, view, with_robot, with_room
+from thbridge.hunt.events import Condition
+from thbridge.roles.notices import Ellipse, House, Motion, Picture, RoomOutline, Ways, Whereabouts
+from thbridge.roles.view import Agree, Answer, Consent, Identify, Leave, PlayAgain, Select, SendRobot, Sense, Verdict
+from ui.model.participant import Participant
+from ui.model.screen import (
+    AgreeToTakePart,
+    AnotherGame,
+    ChooseRobot,
+    ChooseRoom,
+    ConsiderRoom,
+    FitMap,
+    FollowRobot,
+    GiveAnswer,
+    LeaveIt,
+    NameIt,
+    Phase,
+    PickName,
+    ShowHelp,
+    TypeDigit,
+)
+
+UNDER_WAY = with_room(with_robot(view(), 0, moving_to=3, energy=93.0), 3, state="reserved", robot=0)
+FOUND = replace(
+    with_room(with_robot(view(), 0, place=3), 3, state="visited", robot=0, colour="Pink", footprint="Round and Large"),
+    names=("ball", "can"),
+)
+HOUSE = House(
+    "hall",
+    0.05,
+    (0.0, 0.0, 0.0),
+    10,
+    10,
+    "",
+    (
+        RoomOutline(1, "Kitchen", ((0.0, 0.0), (1.0, 0.0), (1.0, 1.0)), (0.5, 0.5, 0.0)),
+        RoomOutline(2, "", (), (0,) * 3),
+    ),
+    ((0.1, 0.1), (-0.1, 0.1), (-0.1, -0.1)),
+)
+
+
+def where(tick, *motions, x=0.0, ellipses=None):
+    return Whereabouts(tick, ((x, 0.0, 0.0),) * 2, motions or (Motion(), Motion()), ellipses)
+
+
+def model_of(*levels, now=0.0):
+    model = Participant()
+    model.connected(0.0)
+    for level in levels:
+        model.hear(level, now)
+    model.screen(now)
+    return model
+
+
+def texts(screen):
+    return [told.text for told in screen.history]
+
+
+def test_before_there_is_a_game_it_says_what_it_waits_for():
+    model = Participant()
+    screen = model.screen(0.0)
+    assert (screen.phase, screen.waiting_for) == (
+        Phase.CONNECTING,
+        "Waiting for the game and its robots to get ready.",
+    )
+    model.hear(view(ready=False), 0.1)
+    assert model.screen(0.1).phase is Phase.CONNECTING
+    model.lost("Nobody answers.", 1.0)
+    screen = model.screen(1.0)
+    assert screen.waiting_for == "The game cannot be reached. It is tried again by itself."
+    assert screen.banner.text == "The game is not reached yet. Nobody answers. It is tried again by itself."
+    model.connected(2.0)
+    model.hear(view(), 2.0)
+    assert model.screen(2.0).phase is Phase.PLAYING
+
+
+def test_consent_comes_before_everything_else():
+    model = model_of(view(consent="May we record what you do?"))
+    screen = model.screen(0.0)
+    assert (screen.phase, screen.consent) == (Phase.CONSENT, "May we record what you do?")
+    model.do(ChooseRoom(1), 0.0)
+    assert model.wishes() == ()
+    model.do(AgreeToTakePart(), 0.0)
+    assert model.wishes() == (Agree(),)
+    assert model.screen(0.0).agree.busy
+    model.hear(view(), 1.0)
+    assert (model.screen(1.0).phase, model.wishes()) == (Phase.PLAYING, ())
+
+
+def test_the_screen_is_the_same_object_while_nothing_changes():
+    model = model_of(UNDER_WAY, where(1, Motion("driving", None, 0.101), Motion()))
+    screen = model.screen(0.0)
+    for tick in range(2, 20):
+        model.hear(where(tick, Motion("driving", None, 0.1 + tick * 0.0001), Motion()), tick * 0.04)
+        assert model.screen(tick * 0.04) is screen
+    model.hear(where(21, Motion("driving", None, 0.2), Motion()), 0.84)
+    assert model.screen(0.84) is not screen
+    assert model.screen(0.84).cards[0].progress == 0.2
+
+
+@pytest.mark.parametrize(
+    ("motion", "state"),
+    [
+        (Motion("driving", None, 0.5), "travelling to room 3"),
+        (Motion("waiting", 1), "waiting for robot 2"),
+        (Motion("waiting"), "waiting for another robot"),
+        (Motion("clearing"), "getting free"),
+        (Motion("planning"), "looking for a way to room 3"),
+    ],
+)
+def test_what_a_robot_under_way_does_is_said_in_words(motion, state):
+    card = model_of(UNDER_WAY, where(1, motion, Motion())).screen(0.0).cards[0]
+    assert (card.state, card.trouble, card.progress) == (state, False, motion.progress)
+    assert card.place == "coming from the corridor"
+
+
+@pytest.mark.parametrize(
+    ("changes", "state"),
+    [
+        ({"condition": Condition.SILENT}, "does not answer"),
+        ({"condition": Condition.LOST, "moving_to": 3}, "lost, looking for its place"),
+        ({"condition": Condition.LOST}, "lost, does not know where it is"),
+        ({"energy": 0.0, "blocked": True}, "no energy left"),
+        ({"energy": 3.0}, "too little energy for any room"),
+    ],
+)
+def test_trouble_is_a_word_and_a_sign(changes, state):
+    card = model_of(with_robot(view(), 0, **changes)).screen(0.0).cards[0]
+    assert (card.state, card.trouble) == (state, True)
+
+
+def test_the_cost_of_the_room_looked_at_is_on_the_card_of_the_robot_commanded():
+    model = model_of(view())
+    assert [card.cost for card in model.screen(0.0).cards] == [None, None]
+    model.do(ConsiderRoom(2), 0.0)
+    screen = model.screen(0.0)
+    assert [card.cost for card in screen.cards] == [9.0, None]
+    assert [tile.considered for tile in screen.tiles] == [False, True, False]
+    model.hear(with_robot(view(), 0, energy=8.0), 0.1)
+    card = model.screen(0.1).cards[0]
+    assert (card.cost, card.affordable, card.energy_at_start) == (9.0, False, 100.0)
+    model.do(ConsiderRoom(None), 0.2)
+    assert model.screen(0.2).cards[0].cost is None
+
+
+def test_the_cost_of_the_room_talked_about_is_on_its_robots_card():
+    screen = model_of(view(dialogues=(asking(1, 3),))).screen(0.0)
+    assert [card.cost for card in screen.cards] == [None, 7.0]
+
+
+def test_a_talk_about_a_room_warns_as_its_tile_does():
+    poor = with_robot(view(dialogues=(asking(0, 3),)), 0, energy=7.5)
+    screen = model_of(poor).screen(0.0)
+    assert screen.pop.warning == "Enough to get there, not to name what is there."
+    assert (
+        screen.tiles[0].choose.hint
+        == "Costs 5; robot 1 keeps 2.5. Enough to name what is there, not to take a picture first."
+    )
+
+
+def test_what_follows_from_agreements_is_wanted_without_being_asked_again():
+    model = model_of(view(consents=(Consent(0, "select-room", 3),)))
+    assert model.wishes() == (SendRobot(0, 3),)
+    assert model.screen(0.0).cards[0].state == "about to set out for room 3"
+    model.hear(with_room(FOUND, 3, colour=None, footprint=None), 0.1)
+    assert model.wishes() == (Sense(3),)
+    assert model.screen(0.1).pop.title == "Robot 1 looks around in room 3"
+
+
+def test_an_agreed_name_is_said_only_as_it_was_picked():
+    agreed = replace(FOUND, consents=(Consent(0, "take-treasure", 3),))
+    model = model_of(agreed)
+    assert model.wishes() == ()
+    model.do(PickName("no such thing"), 0.0)
+    model.do(NameIt(), 0.0)
+    assert model.wishes() == ()
+    model.do(PickName("can"), 0.0)
+    assert model.wishes() == ()
+    model.do(NameIt(), 0.0)
+    assert model.wishes() == (Identify(3, "can"),)
+    model.do(PickName("ball"), 0.0)
+    assert model.wishes() == (Identify(3, "can"),)
+    assert model.screen(0.0).pop.name_it.busy
+    model.hear(replace(agreed, refusal=refusal(1, "Identify")), 0.1)
+    assert model.wishes() == ()
+    assert model.screen(0.1).pop.name_it.enabled
+
+
+def test_an_act_for_what_has_gone_from_the_screen_meanwhile_does_nothing():
+    two = with_room(
+        with_robot(FOUND, 1, place=2), 2, state="visited", robot=1, colour="Blue", footprint="Square and Small"
+    )
+    model = model_of(FOUND)
+    model.hear(two, 0.1)
+    assert model.screen(0.1).pop.room == 3
+    model.hear(with_room(two, 3, left=True), 0.2)
+    model.do(LeaveIt(), 0.2)
+    assert model.wishes() == ()
+    assert model.screen(0.2).pop.room == 2
+    model.do(LeaveIt(), 0.3)
+    assert model.wishes() == (Leave(2),)
+
+
+def test_an_answer_names_the_turn_that_was_read():
+    model = model_of(view(dialogues=(asking(0, 3, turn=1),)))
+    model.hear(view(dialogues=(asking(0, 3, turn=3),)), 0.1)
+    model.do(GiveAnswer(0), 0.1)
+    assert model.wishes() == ()
+    model.screen(0.1)
+    model.do(GiveAnswer(0), 0.2)
+    assert model.wishes() == (Answer(1, 3, 0),)
+
+
+def test_wishes_outlive_a_connection():
+    model = model_of(view())
+    model.do(ChooseRoom(3), 0.0)
+    model.lost("", 1.0)
+    assert model.wishes() == (Select(0, 3),)
+    model.connected(9.0)
+    model.hear(view(), 9.0)
+    assert model.wishes() == (Select(0, 3),)
+    model.hear(view(dialogues=(asking(0, 3),)), 9.1)
+    assert model.wishes() == ()
+
+
+def test_a_game_that_stands_still_is_said_so_and_no_more_when_it_moves():
+    model = model_of(view(), where(1))
+    assert model.screen(1.4).banner is None
+    assert model.screen(1.6).banner.text == "The game stands still just now. It goes on by itself."
+    model.hear(where(2), 1.7)
+    assert model.screen(1.7).banner is None
+
+
+def test_robots_that_are_not_there_are_said_so_in_the_middle_of_a_game():
+    model = model_of(view())
+    model.hear(view(ready=False), 1.0)
+    screen = model.screen(1.0)
+    assert screen.phase is Phase.PLAYING
+    assert screen.banner.text == "The robots are not there just now. The game goes on as soon as they are."
+
+
+def test_a_refusal_is_shown_for_some_seconds_and_only_once():
+    model = model_of(view(refusal=refusal(1, "Select")))
+    assert model.screen(0.0).banner is None
+    model.hear(view(refusal=refusal(2, "Select")), 1.0)
+    assert model.screen(1.0).banner.text == "No Select."
+    model.hear(view(refusal=refusal(2, "Select"), score=1), 2.0)
+    assert model.screen(6.9).banner.text == "No Select."
+    assert model.screen(7.1).banner is None
+    model.hear(view(), 8.0)
+    model.hear(view(refusal=refusal(1, "Select")), 8.0)
+    assert model.screen(8.0).banner.text == "No Select."
+
+
+@pytest.mark.parametrize(
+    "other",
+    [view(game=2), view(), replace(view(robots=3)), with_room(FOUND, 3, state="unvisited", robot=None)],
+    ids=["number", "began anew", "robots", "rooms"],
+)
+def test_another_game_begins_with_nothing_of_the_last_one(other):
+    verdict = with_room(with_room(FOUND, 3, verdict=Verdict("can", 5)), 1, state="visited")
+    model = model_of(FOUND)
+    model.do(PickName("can"), 0.0)
+    model.hear(verdict, 0.5)
+    assert model.screen(0.5).gained == 5
+    model.do(ChooseRoom(2), 0.6)
+    model.hear(other, 1.0)
+    screen = model.screen(1.0)
+    assert (screen.gained, screen.pop, screen.waiting, model.wishes()) == (None, None, (), ())
+    assert len(screen.history) == 1
+
+
+def test_the_end_says_why_and_what_came_of_it():
+    played = with_room(with_room(FOUND, 3, verdict=Verdict("can", 20)), 1, state="visited", left=True)
+    model = model_of(replace(played, score=20, over="no-move-left"))
+    screen = model.screen(0.0)
+    assert screen.phase is Phase.OVER
+    assert screen.ending.title == "The game is over. Score: 20"
+    assert screen.ending.lines == (
+        "No robot has the energy to go any further.",
+        "2 of 3 rooms visited.",
+        "1 treasure named, 1 rightly.",
+        "Left where it was: in room 1.",
+        "Room 3: Right, it is can: 20 points won.",
+    )
+    model.do(AnotherGame(), 0.0)
+    assert model.wishes() == (PlayAgain(1),)
+    assert model.screen(0.0).ending.again.busy
+
+
+def test_a_picture_is_shown_when_all_of_it_is_there():
+    model = model_of(Picture(1, 3, 0, 1, b64encode(b"image").decode()), FOUND)
+    assert model.screen(0.0).pop.picture is None
+    model.hear(with_room(FOUND, 3, picture="a.jpg"), 0.1)
+    pop = model.screen(0.1).pop
+    assert (pop.picture, pop.picture_note, pop.take_picture) == (b"image", "", None)
+
+
+def test_with_ten_rooms_a_number_has_two_digits_or_ends_with_enter():
+    model = model_of(view(rooms=12))
+    assert model.screen(0.0).tiles[3].choose.key == "04"
+    model.do(TypeDigit(1), 0.0)
+    screen = model.screen(0.0)
+    assert (screen.typed, screen.tiles[0].considered, model.wishes()) == ("1", True, ())
+    model.do(TypeDigit(2), 0.5)
+    assert model.wishes() == (Select(0, 12),)
+    model.do(TypeDigit(4), 1.0)
+    assert model.screen(4.9).typed == "4"
+    assert model.screen(5.1).typed == ""
+
+
+def test_robots_are_followed_until_the_whole_map_is_wanted():
+    model = model_of(view())
+    model.do(FollowRobot(), 0.0)
+    assert model.followed == 0
+    model.do(ChooseRobot(1), 0.0)
+    assert model.followed == 1
+    model.do(FitMap(), 0.0)
+    assert model.followed is None
+
+
+def test_the_help_sheet_opens_at_any_time():
+    model = Participant()
+    model.do(ShowHelp(), 0.0)
+    assert ("F1 or H", "Open or close this sheet") in model.screen(0.0).help
+    model.do(ShowHelp(), 0.0)
+    assert model.screen(0.0).help == ()
+
+
+def test_whoever_listens_is_told_what_matters_and_the_same_words_twice():
+    model = model_of(view())
+    before = model.screen(0.0).announced
+    model.do(ChooseRobot(1), 0.0)
+    screen = model.screen(0.0)
+    assert screen.announcement == "Robot 2: in the corridor, ready, 100 energy."
+    model.do(ChooseRobot(0), 0.0)
+    model.do(ChooseRobot(1), 0.0)
+    assert model.screen(0.0).announced > screen.announced > before
+    model.hear(UNDER_WAY, 1.0)
+    model.hear(FOUND, 2.0)
+    assert model.screen(2.0).announcement == (
+        "Robot 1 sets out for room 3; it has 93 energy left. Robot 1 is in room 3. In room 3 is something pink, round "
+        "and large. Robot 1 found something in room 3"
+    )
+    model.lost("", 3.0)
+    assert model.screen(3.0).announcement == "The connection to the game is lost. It is tried again by itself."
+
+
+def test_everything_that_happened_is_in_the_history():
+    model = model_of(view(dialogues=(asking(0, 3),)))
+    model.do(GiveAnswer(0), 0.1)
+    model.hear(view(), 0.2)
+    model.hear(UNDER_WAY, 0.3)
+    model.hear(with_robot(view(), 0, energy=96.5), 0.4)
+    model.hear(with_robot(view(), 0, energy=96.5, condition=Condition.LOST), 0.5)
+    assert texts(model.screen(0.5)) == [
+        "Game 1 begins, with 2 robots and 3 rooms.",
+        "Shall I go?",
+        "Continue",
+        "Robot 1 sets out for room 3; it has 93 energy left.",
+        "Robot 1 has stopped before room 3. 3.5 energy comes back.",
+        "Robot 1 is lost: it does not know where it is.",
+    ]
+
+
+def test_the_map_shows_rooms_and_robots():
+    ellipses = (Ellipse(0.3, 0.1, 0.0), Ellipse(0.2, 0.2, 0.0))
+    model = model_of(view(), HOUSE, where(1, ellipses=ellipses), Ways(1, (((0.0, 0.0), (1.0, 0.0)), ())))
+    kitchen, second = model.rooms(0.0)
+    assert (kitchen.name, kitchen.state, kitchen.choosable) == ("Kitchen", "unvisited", True)
+    assert kitchen.region.shape == (3, 2)
+    assert second.name == "Room 2"
+    assert model.rooms(0.5) is model.rooms(0.6)
+    first, other = model.robots(0.1)
+    assert (first.label, first.selected, first.trouble, other.selected) == ("1", True, False, False)
+    assert np.array_equal(first.way[-1], (1.0, 0.0))
+    assert first.ellipse.major == 0.3
+    assert model.house is HOUSE
