@@ -10,6 +10,7 @@ from collections import deque
 from dataclasses import dataclass
 
 import numpy as np
+from numpy.typing import NDArray
 
 from sim.geometry import FloatArray, Pose2, wrap_angle
 from thbridge.roles.notices import Ellipse, Ways, Whereabouts
@@ -24,11 +25,14 @@ KEPT = 64
 JUMP = 0.5
 """A robot that is found this far, in metres, from where it should be was carried: it moves at once."""
 
-SURPRISE = 0.02
-"""A robot this far, in metres, from where it should be has thought better of where it is: that is blended."""
+FASTEST = 1.5
+"""What robots drive at most, metres a second: tellings that are far apart may be so much farther apart in space."""
 
-TURN_SURPRISE = 0.1
-"""The same for its heading, radians."""
+HARDEST = 5.0
+"""No robot changes its speed faster, m/s²: one that seems to has corrected where it believes it is."""
+
+HARDEST_TURN = 12.0
+"""The same for turning, rad/s²."""
 
 GAP = 2.0
 """A telling so much later than the one before, in simulated seconds, begins anew: a seek, or a lost connection."""
@@ -39,11 +43,11 @@ AHEAD = 0.1
 BLEND = 0.07
 """Time constant of blending, seconds: 95 % in 0.2 s."""
 
-TRAIL_STEP = 0.05
+TRAIL_STEP = 0.08
 """Metres between two points of a trail."""
 
-TRAIL_POINTS = 160
-"""Points of a trail: 8 m."""
+TRAIL_POINTS = 64
+"""Points of a trail: 5 m."""
 
 WAY_SEARCH = 1.5
 """How far along its way, in metres, a robot may be found ahead of where it was last."""
@@ -152,6 +156,8 @@ class Motions:
         self._clock = PlaybackClock()
         self._samples: deque[_Sample] = deque(maxlen=KEPT)
         self._offsets: FloatArray = np.zeros((0, 3))
+        self._speeds: FloatArray = np.zeros((0, 3))
+        self._last_speeds: FloatArray = np.zeros((0, 3))
         self._trails: list[_Trail] = []
         self._ways: list[_Way] = []
         self._faded = 0.0
@@ -178,10 +184,6 @@ class Motions:
     def still_since(self, now: float) -> float:
         """Seconds for which nothing new came: simulated time stands still, or nobody tells; infinite at first."""
         return math.inf if self._news is None else max(now - self._news, 0.0)
-
-    def forget(self) -> None:
-        """Begin anew, as after a connection to another game."""
-        self.__init__()  # type: ignore[misc]
 
     # What comes -------------------------------------------------------------------------------------------------------
 
@@ -212,28 +214,32 @@ class Motions:
         self._samples.append(sample)
         self._clock = PlaybackClock()
         self._clock.hear(sample.time, now)
-        self._offsets = np.zeros((len(sample.poses), 3))
+        self._offsets = np.zeros_like(sample.poses)
+        self._speeds = self._last_speeds = np.zeros_like(sample.poses)
         self._trails = [_Trail() for _ in sample.poses]
         self._faded = self._news = now
 
-    def _correct(self, sample: _Sample, newest: _Sample) -> list[int]:
-        """Bring what is kept into the frame of a new telling; the robots that were carried off."""
-        expected = newest.poses + self._velocity() * (sample.time - newest.time)
-        surprise = sample.poses - expected
-        surprise[:, 2] = _wrapped(surprise[:, 2])
+    def _correct(self, sample: _Sample, newest: _Sample) -> NDArray[np.bool_]:
+        """Bring what is kept into the frame of a new telling; (n,) whether each robot was carried off.
+
+        A robot that does not move as it did has either changed its speed or its mind about where it is. It is the mind
+        unless its last step was just as odd: speed lasts.
+        """
+        passed = max(sample.time - newest.time, TICK)
         moved = sample.poses - newest.poses
-        far = np.minimum(np.hypot(surprise[:, 0], surprise[:, 1]), np.hypot(moved[:, 0], moved[:, 1]))
-        # A robot that turns on the spot, or stops, within a long gap is no surprise: what counts is how fast it was.
-        tolerance = max(sample.time - newest.time, TICK) / (2 * TICK)
-        carried = far > JUMP * max(tolerance / 5.0, 1.0)
-        corrected = (far > SURPRISE * tolerance) | (np.abs(surprise[:, 2]) > TURN_SURPRISE * tolerance)
-        shift = np.where((corrected & ~carried)[:, None], surprise, 0.0)
+        moved[:, 2] = _wrapped(moved[:, 2])
+        speed = moved / passed
+        carried: NDArray[np.bool_] = np.hypot(moved[:, 0], moved[:, 1]) > JUMP + FASTEST * passed
+        odd = _differ(speed, self._speeds, passed) & _differ(speed, self._last_speeds, passed) & ~carried
+        shift = np.where(odd[:, None], moved - self._speeds * passed, 0.0)
         for kept in self._samples:
             kept.poses += shift
             kept.poses[carried] = sample.poses[carried]
+        self._speeds = np.where(odd[:, None], self._speeds, np.where(carried[:, None], 0.0, speed))
+        self._last_speeds = speed
         for robot in np.flatnonzero(carried).tolist():
             self._trails[robot].cut()
-        return list(np.flatnonzero(carried).tolist())
+        return carried
 
     # What is read -----------------------------------------------------------------------------------------------------
 
@@ -270,7 +276,7 @@ class Motions:
         late = min(max(time - one.time, 0.0), AHEAD)
         if late == 0.0:
             return one.poses.copy()
-        driven: FloatArray = one.poses + self._velocity() * (late - late * late / (2.0 * AHEAD))
+        driven: FloatArray = one.poses + self._speeds * (late - late * late / (2.0 * AHEAD))
         return driven
 
     def _read_truth(self, time: float) -> FloatArray | None:
@@ -285,16 +291,6 @@ class Motions:
         between[carried] = other.truth[carried]
         return between
 
-    def _velocity(self) -> FloatArray:
-        """(n, 3) metres and radians a simulated second over the last two tellings."""
-        if len(self._samples) < 2:
-            return np.zeros_like(self._samples[-1].poses)
-        one, other = self._samples[-2], self._samples[-1]
-        change = other.poses - one.poses
-        change[:, 2] = _wrapped(change[:, 2])
-        velocity: FloatArray = change / (other.time - one.time)
-        return velocity
-
     def _fade(self, now: float) -> None:
         passed = max(now - self._faded, 0.0)
         self._faded = max(self._faded, now)
@@ -307,6 +303,14 @@ def _between(one: FloatArray, other: FloatArray, share: float) -> FloatArray:
     change[:, 2] = _wrapped(change[:, 2])
     between: FloatArray = one + share * change
     return between
+
+
+def _differ(speeds: FloatArray, others: FloatArray, passed: float) -> NDArray[np.bool_]:
+    """(n,) which of (n, 3) speeds no robot can have made of others in so many seconds."""
+    change = np.abs(speeds - others)
+    moves: NDArray[np.bool_] = np.hypot(change[:, 0], change[:, 1]) > HARDEST * passed
+    turns: NDArray[np.bool_] = change[:, 2] > HARDEST_TURN * passed
+    return moves | turns
 
 
 def _wrapped(angles: FloatArray) -> FloatArray:

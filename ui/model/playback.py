@@ -1,12 +1,19 @@
 """The clock by which what was told of a simulation is played back, a little behind the newest that is known."""
 
+import math
 from collections import deque
 
 WINDOW = 1.0
 """The past over which rate and lateness are judged, seconds."""
 
-FEWEST = 4
-"""Tellings needed before a rate is believed."""
+JUDGED = 0.2
+"""A rate is believed when it was watched for so long, seconds."""
+
+FIRST_DELAY = 0.05
+"""By how much to stay behind while nothing is known of the network, seconds."""
+
+HELD_UP = 0.1
+"""After a standstill, what comes within so many seconds may have been held up on its way."""
 
 MOST_TOLD = 128
 """Tellings kept at most, however fast they come."""
@@ -35,9 +42,10 @@ class PlaybackClock:
     def __init__(self) -> None:
         self._told: deque[tuple[float, float]] = deque(maxlen=MOST_TOLD)
         self._rate = 1.0
-        self._delay = 0.0
+        self._delay = FIRST_DELAY
         self._time: float | None = None
         self._asked = 0.0
+        self._stood_until = -math.inf
 
     @property
     def delay(self) -> float:
@@ -45,35 +53,36 @@ class PlaybackClock:
         return self._delay
 
     def hear(self, time: float, now: float) -> None:
-        """A telling of this simulated time came now; times must not run backwards."""
+        """A telling of this simulated time came now; each must be later than the one before."""
         if self._told and now - self._told[-1][1] > STANDSTILL:
+            self._stood_until = now
+        if now < self._stood_until + HELD_UP:
             self._told.clear()
         while self._told and now - self._told[0][1] > WINDOW:
             self._told.popleft()
         self._told.append((time, now))
         first_time, first_now = self._told[0]
-        if len(self._told) >= FEWEST and now - first_now > 0.0:
+        if now - first_now >= JUDGED:
             self._rate = (time - first_time) / (now - first_now)
             spacing = (now - first_now) / (len(self._told) - 1)
-            rate = max(self._rate, 1e-6)
-            fastest = self._front(now)
-            lateness = max((fastest - heard - rate * (now - at)) / rate for heard, at in self._told)
+            front = self._front(now)
+            lateness = max(front - heard - self._rate * (now - at) for heard, at in self._told) / self._rate
             self._delay = min(spacing + lateness, LONGEST_DELAY)
 
     def at(self, now: float) -> float:
         """Simulated time to be shown."""
         if not self._told:
             return 0.0
-        target = self._front(now) - self._rate * self._delay
+        front = self._front(now)
+        target = front - self._rate * self._delay
         if self._time is None:
             self._time, self._asked = target, now
             return self._time
         passed = max(now - self._asked, 0.0)
         self._asked = max(self._asked, now)
         expected = self._time + self._rate * passed
-        share = min(passed / CATCH_UP, 1.0)
-        limit = self._front(now)
-        self._time = max(self._time, min(expected + share * (target - expected), limit))
+        caught_up = expected + min(passed / CATCH_UP, 1.0) * (target - expected)
+        self._time = max(self._time, min(caught_up, front))
         return self._time
 
     def _front(self, now: float) -> float:

@@ -48,30 +48,42 @@ def placed(anchors: Sequence[Anchor], before: Sequence[int]) -> tuple[FloatArray
     Returns:
         (n, 2) upper left corners, and the places' numbers.
     """
-    corners = np.zeros((len(anchors), 2))
+    about = np.array([(a.x, a.y, a.radius, a.width, a.height) for a in anchors]).reshape(-1, 5)
+    places = _places(about)
+    bodies = np.concatenate((about[:, :2] - about[:, 2:3], about[:, :2] + about[:, 2:3]), axis=1)
+    kept = places[np.arange(len(before)), before]
+    near = all(0 <= had < len(_SIDES) for had in before)
+    if near and not _crowded(kept, bodies):
+        return kept[:, :2], list(before)
     numbers: list[int] = []
-    bodies = np.array([(a.x - a.radius, a.y - a.radius, a.x + a.radius, a.y + a.radius) for a in anchors])
     taken = np.zeros((len(anchors), 4))
-    for at, (anchor, had) in enumerate(zip(anchors, before, strict=True)):
-        choices = _choices(anchor)
-        size = np.array([anchor.width, anchor.height])
-        boxes = np.concatenate((choices, choices + size), axis=1)
-        cost = LESS_GOOD * np.arange(len(choices), dtype=np.float64)
+    best = LESS_GOOD * np.arange(len(_SIDES) * len(_REACHES), dtype=np.float64)
+    for at, had in enumerate(before):
+        boxes = places[at]
+        cost = best.copy()
         cost += OVERLAP * _overlap(boxes, taken[:at]) + COVERS * _overlap(boxes, bodies)
         if had >= 0:
-            cost[np.arange(len(cost)) != had] += MOVED
+            cost[had] -= MOVED
         number = int(np.argmin(cost))
-        corners[at], taken[at] = choices[number], boxes[number]
+        taken[at] = boxes[number]
         numbers.append(number)
-    return corners, numbers
+    return taken[:, :2], numbers
 
 
-def _choices(anchor: Anchor) -> FloatArray:
-    """(k, 2) upper left corners where a label may lie."""
-    half = np.array([anchor.width, anchor.height]) / 2.0
-    reach = anchor.radius + GAP + half
-    rings = [(anchor.x, anchor.y) + _SIDES * (reach + (ring - 1.0) * anchor.height) - half for ring in _REACHES]
-    return np.concatenate(rings)
+def _places(about: FloatArray) -> FloatArray:
+    """(n, k, 4) boxes in which labels may lie, about (n, 5) middles, radii and sizes."""
+    half = about[:, None, 3:5] / 2.0
+    rings = np.repeat(np.array(_REACHES) - 1.0, len(_SIDES))[None, :, None]
+    reach = about[:, None, 2:3] + GAP + half + rings * about[:, None, 4:5]
+    middles = about[:, None, 0:2] + np.tile(_SIDES, (len(_REACHES), 1))[None] * reach
+    boxes: FloatArray = np.concatenate((middles - half, middles + half), axis=2)
+    return boxes
+
+
+def _crowded(boxes: FloatArray, bodies: FloatArray) -> bool:
+    """Whether any label lies over another, or over a robot."""
+    own = np.sum((boxes[:, 2] - boxes[:, 0]) * (boxes[:, 3] - boxes[:, 1]))
+    return bool(np.sum(_overlap(boxes, np.concatenate((boxes, bodies)))) > own + 1e-6)
 
 
 def _overlap(boxes: FloatArray, others: FloatArray) -> FloatArray:

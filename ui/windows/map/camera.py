@@ -3,8 +3,6 @@
 import math
 from dataclasses import dataclass, replace
 
-import numpy as np
-
 from sim.geometry import FloatArray
 
 CLOSEST = 400.0
@@ -83,13 +81,7 @@ class Camera:
         px, py = self.pixel(0.0, 0.0)
         return self.dragged(math.floor(px * ratio + 0.5) / ratio - px, math.floor(py * ratio + 0.5) / ratio - py)
 
-    def sees(self, points: FloatArray, margin: float = 0.0) -> bool:
-        """Whether the box around (n, 2) map points meets the view, widened by a margin in pixels."""
-        if not len(points):
-            return False
-        left, bottom = np.min(points, axis=0)
-        right, top = np.max(points, axis=0)
-        across, up = (self.width / 2.0 + margin) / self.scale, (self.height / 2.0 + margin) / self.scale
-        return bool(
-            right >= self.x - across and left <= self.x + across and top >= self.y - up and bottom <= self.y + up
-        )
+    def sees(self, x: float, y: float, margin: float) -> bool:
+        """Whether a map point lies in the view, widened by a margin in pixels."""
+        px, py = self.pixel(x, y)
+        return -margin <= px <= self.width + margin and -margin <= py <= self.height + margin

@@ -3,6 +3,7 @@
 import ctypes
 
 import numpy as np
+from PySide6.QtCore import QLineF
 from PySide6.QtGui import QPolygonF
 from shiboken6 import Shiboken
 
@@ -18,3 +19,8 @@ def polygon(points: FloatArray) -> QPolygonF:
         memory = (ctypes.c_double * (2 * len(points))).from_address(address)
         np.ctypeslib.as_array(memory).reshape(-1, 2)[:] = points
     return made
+
+
+def lines(starts: FloatArray, ends: FloatArray) -> list[QLineF]:
+    """Lines from each of (n, 2) points to its like in another (n, 2)."""
+    return [QLineF(*ends_of) for ends_of in np.concatenate((starts, ends), axis=1).tolist()]

@@ -1,6 +1,5 @@
 """Robots on the map: bodies with a nose, where they were, where they go, how sure they are, and their labels."""
 
-import itertools
 import math
 from collections.abc import Sequence
 
@@ -13,13 +12,22 @@ from ui.model.scene import EllipseMark, RobotMark
 from ui.model.theme import Palette
 from ui.windows.map.badges import Anchor, Badges, placed
 from ui.windows.map.camera import Camera
-from ui.windows.map.points import polygon
+from ui.windows.map.points import lines, polygon
 
 SMALLEST = 8.0
 """A robot is drawn at least with this radius, pixels, however far away the view is."""
 
-TRAIL_PIECES = 5
+TRAIL_STEPS = 4
 """A trail fades in so many steps."""
+
+TRAIL_ALPHA = 0.5
+"""Opacity of a trail where its robot left it last."""
+
+LABELS_REACH = 40.0
+"""A robot so many pixels outside the view may still show its label in it."""
+
+DASH, SPACE = 7.0, 5.0
+"""Of a way ahead, pixels."""
 
 
 class Robots:
@@ -54,36 +62,31 @@ class Robots:
 
     def _paint_trail(self, painter: QPainter, camera: Camera, mark: RobotMark) -> None:
         trail = mark.trail
-        if not len(trail) or not camera.sees(trail):
+        if not len(trail):
             return
         pixels = camera.to_screen(np.concatenate((trail, [(mark.pose.x, mark.pose.y)])))
         colour = QColor(self._colour(mark))
-        edges = np.linspace(0, len(pixels) - 1, TRAIL_PIECES + 1).astype(int).tolist()
-        for piece, (first, last) in enumerate(itertools.pairwise(edges)):
-            if last > first:
-                colour.setAlphaF(0.5 * (piece + 1) / TRAIL_PIECES)
-                pen = QPen(colour, 2.5)
-                pen.setCapStyle(Qt.PenCapStyle.FlatCap)
-                painter.setPen(pen)
-                painter.drawPolyline(polygon(pixels[first : last + 1]))
+        pieces = lines(pixels[:-1], pixels[1:])
+        for step in range(TRAIL_STEPS):
+            colour.setAlphaF(TRAIL_ALPHA * (step + 1) / TRAIL_STEPS)
+            painter.setPen(QPen(colour, 2.5))
+            painter.drawLines(pieces[len(pieces) * step // TRAIL_STEPS : len(pieces) * (step + 1) // TRAIL_STEPS])
 
     def _paint_way(self, painter: QPainter, camera: Camera, mark: RobotMark) -> None:
-        if len(mark.way) < 2 or not camera.sees(mark.way):
+        if len(mark.way) < 2:
             return
         pixels = camera.to_screen(mark.way)
         colour = QColor(self._colour(mark))
         pen = QPen(colour, 2.5 if mark.selected else 1.8)
-        pen.setDashPattern([3.0, 2.5])
-        # Dashes lie still on the floor: they are counted from the goal, not from the robot that eats them up.
+        pen.setCapStyle(Qt.PenCapStyle.FlatCap)
         painter.setPen(pen)
-        painter.drawPolyline(polygon(pixels[::-1]))
+        painter.drawLines(lines(*_dashes(pixels)))
         x, y = pixels[-1].tolist()
         painter.setPen(QPen(colour, 2.0))
         painter.drawLine(QPointF(x, y), QPointF(x, y - 17.0))
         painter.setPen(Qt.PenStyle.NoPen)
         painter.setBrush(colour)
         painter.drawPolygon(QPolygonF([QPointF(x, y - 18.0), QPointF(x + 12.0, y - 13.5), QPointF(x, y - 9.0)]))
-        painter.drawEllipse(QPointF(x, y), 2.5, 2.5)
 
     def _paint_belief(self, painter: QPainter, camera: Camera, mark: RobotMark) -> None:
         if mark.ellipse is not None:
@@ -132,7 +135,7 @@ class Robots:
     def _paint_labels(
         self, painter: QPainter, camera: Camera, robots: Sequence[RobotMark], font: QFont, ratio: float
     ) -> None:
-        seen = [mark for mark in robots if camera.sees(np.array([[mark.pose.x, mark.pose.y]]), 40.0)]
+        seen = [mark for mark in robots if camera.sees(mark.pose.x, mark.pose.y, LABELS_REACH)]
         if not seen:
             return
         badges = [
@@ -152,6 +155,21 @@ class Robots:
         self._places = {mark.robot: place for mark, place in zip(seen, places, strict=True)}
         for badge, (x, y) in zip(badges, corners.tolist(), strict=True):
             painter.drawPixmap(QPointF(round(x * ratio) / ratio, round(y * ratio) / ratio), badge.picture)
+
+
+def _dashes(pixels: FloatArray) -> tuple[FloatArray, FloatArray]:
+    """Both ends of each dash along a line.
+
+    They are counted from its far end, so that they lie still while its near end is used up. Single lines are painted
+    five times faster than Qt's dashed polylines.
+    """
+    steps = np.diff(pixels[::-1], axis=0)
+    along = np.concatenate(([0.0], np.cumsum(np.hypot(steps[:, 0], steps[:, 1]))))
+    starts = np.arange(0.0, along[-1], DASH + SPACE)
+    ends = np.minimum(starts + DASH, along[-1])
+    xs, ys = pixels[::-1, 0], pixels[::-1, 1]
+    first = np.stack((np.interp(starts, along, xs), np.interp(starts, along, ys)), axis=1)
+    return first, np.stack((np.interp(ends, along, xs), np.interp(ends, along, ys)), axis=1)
 
 
 def drawn_radius(camera: Camera, mark: RobotMark) -> float:

@@ -1,0 +1,195 @@
+"""What else may lie on the map: clouds of particles, scans, costs, poses and lines, in map metres.
+
+Each layer is told what to show whenever that changes and is painted with every frame. What was told is kept as it is
+given: arrays must not be changed afterwards.
+"""
+
+import math
+from collections.abc import Sequence
+
+import numpy as np
+from numpy.typing import NDArray
+from PySide6.QtCore import QPointF, Qt
+from PySide6.QtGui import QColor, QImage, QPainter, QPen, QTransform
+
+from sim.geometry import FloatArray, Pose2
+from ui.windows.map.points import lines, polygon
+from ui.windows.map.view import MapView
+
+UNDER, OVER = -1, 1
+"""Below the robots, and above them."""
+
+
+class _Inked:
+    """A layer of one colour.
+
+    Args:
+        robot: in whose colour it is drawn; None in the accent.
+        z: below the robots when negative.
+        opacity: 0 to 1.
+    """
+
+    def __init__(self, robot: int | None = None, z: int = UNDER, opacity: float = 1.0) -> None:
+        self.z = z
+        self._robot = robot
+        self._opacity = opacity
+
+    def _ink(self, view: MapView) -> QColor:
+        colour = QColor(view.colours.accent if self._robot is None else view.colours.robot(self._robot))
+        colour.setAlphaF(self._opacity)
+        return colour
+
+
+class Points(_Inked):
+    """A cloud of particles, or the ends of a scan's beams: thousands of dots.
+
+    Args:
+        robot: in whose colour; None in the accent.
+        z: below the robots when negative.
+        opacity: 0 to 1.
+        size: of a dot, pixels.
+    """
+
+    def __init__(self, robot: int | None = None, z: int = UNDER, opacity: float = 1.0, size: float = 2.0) -> None:
+        super().__init__(robot, z, opacity)
+        self._size = size
+        self._points: FloatArray = np.empty((0, 2))
+
+    def show(self, points: FloatArray) -> None:
+        """(n, 2) points."""
+        self._points = points
+
+    def paint(self, painter: QPainter, view: MapView) -> None:
+        """Draw the dots; squares without smooth edges, which are painted several times faster than discs."""
+        painter.setRenderHint(QPainter.RenderHint.Antialiasing, False)
+        pen = QPen(self._ink(view), self._size)
+        pen.setCapStyle(Qt.PenCapStyle.SquareCap)
+        painter.setPen(pen)
+        painter.drawPoints(polygon(view.camera.to_screen(self._points)))
+
+
+class Lines(_Inked):
+    """Plans: lines through points.
+
+    Args:
+        robot: in whose colour; None in the accent.
+        z: below the robots when negative.
+        opacity: 0 to 1.
+        width: pixels.
+    """
+
+    def __init__(self, robot: int | None = None, z: int = UNDER, opacity: float = 1.0, width: float = 2.0) -> None:
+        super().__init__(robot, z, opacity)
+        self._width = width
+        self._lines: tuple[FloatArray, ...] = ()
+
+    def show(self, through: Sequence[FloatArray]) -> None:
+        """Each line through (n, 2) points of its own."""
+        self._lines = tuple(through)
+
+    def paint(self, painter: QPainter, view: MapView) -> None:
+        """Draw the lines."""
+        painter.setRenderHint(QPainter.RenderHint.Antialiasing)
+        painter.setPen(QPen(self._ink(view), self._width))
+        for points in self._lines:
+            if len(points) > 1:
+                pixels = view.camera.to_screen(points)
+                painter.drawLines(lines(pixels[:-1], pixels[1:]))
+
+
+class Arrows(_Inked):
+    """Poses, as arrows that start there.
+
+    Args:
+        robot: in whose colour; None in the accent.
+        z: below the robots when negative.
+        opacity: 0 to 1.
+        length: metres.
+        width: pixels.
+    """
+
+    def __init__(
+        self,
+        robot: int | None = None,
+        z: int = UNDER,
+        opacity: float = 1.0,
+        length: float = 0.3,
+        width: float = 1.5,
+    ) -> None:
+        super().__init__(robot, z, opacity)
+        self._length = length
+        self._width = width
+        self._poses: FloatArray = np.empty((0, 3))
+
+    def show(self, poses: FloatArray) -> None:
+        """(n, 3) x, y, theta."""
+        self._poses = poses
+
+    def paint(self, painter: QPainter, view: MapView) -> None:
+        """Draw the arrows."""
+        painter.setRenderHint(QPainter.RenderHint.Antialiasing)
+        painter.setPen(QPen(self._ink(view), self._width))
+        tails, theta = self._poses[:, :2], self._poses[:, 2]
+        heads = tails + self._length * np.stack((np.cos(theta), np.sin(theta)), axis=1)
+        strokes = [(tails, heads)]
+        for side in (math.radians(150.0), -math.radians(150.0)):
+            barb = np.stack((np.cos(theta + side), np.sin(theta + side)), axis=1)
+            strokes.append((heads, heads + 0.35 * self._length * barb))
+        for one, other in strokes:
+            painter.drawLines(lines(view.camera.to_screen(one), view.camera.to_screen(other)))
+
+
+def _cost_colours() -> NDArray[np.uint8]:
+    """(256, 4) red, green, blue, opacity of a cost as published in ROS, read as an unsigned byte.
+
+    Source: rviz's costmap colours: blue to red from 1 to 98, cyan where a robot's middle may not be, magenta where an
+    obstacle is, grey-green where nothing is known, green for what no cost means. Differs: half transparent.
+    """
+    colours = np.zeros((256, 4), dtype=np.uint8)
+    ramp = np.arange(1, 99) * 255 // 100
+    colours[1:99, 0], colours[1:99, 2] = ramp, 255 - ramp
+    colours[99, :3] = (0, 255, 255)
+    colours[100, :3] = (255, 0, 255)
+    colours[101:128, :3] = (0, 255, 0)
+    colours[128:255, :3] = (255, 255, 0)
+    colours[255, :3] = (0x70, 0x89, 0x86)
+    colours[1:, 3] = 150
+    return colours
+
+
+_COST_COLOURS = _cost_colours()
+
+
+class Costs:
+    """A costmap as a picture in rviz's colours.
+
+    Args:
+        z: below the robots when negative.
+    """
+
+    def __init__(self, z: int = UNDER) -> None:
+        self.z = z
+        self._image = QImage()
+        self._origin = Pose2(0.0, 0.0, 0.0)
+        self._resolution = 1.0
+
+    def show(self, costs: NDArray[np.int8], origin: Pose2, resolution: float) -> None:
+        """Costs as nav_msgs/OccupancyGrid has them: (rows, cols), row 0 at the origin; 0 to 100, -1 unknown."""
+        rows, cols = costs.shape
+        memory = _COST_COLOURS[costs.astype(np.uint8)].tobytes()
+        # The image borrows this memory; its converted copy has its own.
+        borrowed = QImage(memory, cols, rows, 4 * cols, QImage.Format.Format_RGBA8888)
+        self._image = borrowed.convertToFormat(QImage.Format.Format_ARGB32_Premultiplied)
+        self._origin, self._resolution = origin, resolution
+
+    def clear(self) -> None:
+        """Show nothing."""
+        self._image = QImage()
+
+    def paint(self, painter: QPainter, view: MapView) -> None:
+        """Draw the picture, cell by cell, without blur."""
+        px, py = view.camera.pixel(self._origin.x, self._origin.y)
+        cell = self._resolution * view.camera.scale
+        turned = QTransform.fromTranslate(px, py).rotateRadians(-self._origin.theta).scale(cell, -cell)
+        painter.setTransform(turned, True)
+        painter.drawImage(QPointF(0.0, 0.0), self._image)
