@@ -1,5 +1,6 @@
 """Robots on the map move smoothly, a little behind, and never back, whatever the network does."""
 
+import itertools
 import math
 from dataclasses import dataclass
 
@@ -174,7 +175,7 @@ def test_a_robot_that_was_carried_moves_at_once_and_leaves_no_trail() -> None:
 def test_angles_turn_the_short_way() -> None:
     turning = [(k * TELLING, where(2 * k, (0.0, 0.0, wrap_angle(3.0 + 0.02 * k)))) for k in range(50)]
     headings = [one.theta for one in play(Motions(), turning, 1.9)]
-    steps = [abs(wrap_angle(other - one)) for one, other in zip(headings, headings[1:], strict=False)]
+    steps = [abs(wrap_angle(other - one)) for one, other in itertools.pairwise(headings)]
     assert max(steps) < 0.03
     assert min(headings) < -3.0 < 3.0 < max(headings)
 

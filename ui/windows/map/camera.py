@@ -45,6 +45,12 @@ class Camera:
         pixels += (self.width / 2.0, self.height / 2.0)
         return pixels
 
+    def to_map(self, pixels: FloatArray) -> FloatArray:
+        """(n, 2) map points under (n, 2) pixels."""
+        points: FloatArray = (pixels - (self.width / 2.0, self.height / 2.0)) / (self.scale, -self.scale)
+        points += (self.x, self.y)
+        return points
+
     def pixel(self, x: float, y: float) -> tuple[float, float]:
         """Where a map point is seen."""
         return self.width / 2.0 + (x - self.x) * self.scale, self.height / 2.0 - (y - self.y) * self.scale

@@ -83,7 +83,7 @@ class Ground:
         paint_floors(painter, wide, self._rooms, self._palette)
         if self._plan is not None:
             self._fill(painter, wide, self._plan, self._plan.walls, self._palette.wall)
-        paint_signs(painter, wide, self._rooms, self._palette, font)
+        paint_signs(painter, wide, self._rooms, self._palette, font, self._plan)
         painter.end()
         return _Picture(pixmap, wide, ratio)
 

@@ -4,7 +4,6 @@ import base64
 import binascii
 import zlib
 from dataclasses import dataclass
-from functools import lru_cache
 
 import numpy as np
 from numpy.typing import NDArray
@@ -21,9 +20,6 @@ Boxes = NDArray[np.int64]
 Box = tuple[float, float, float, float]
 """Least x, least y, most x, most y; metres."""
 
-ROOM_LINES = 12
-"""Lines each way on which the corners of a room's box for words may lie, beside the room's own corners."""
-
 
 @dataclass(frozen=True, slots=True, eq=False)
 class Plan:
@@ -35,6 +31,7 @@ class Plan:
         floor: boxes of free cells.
         walls: boxes of walls.
         bounds: box around all that is known, map frame.
+        walls_below: (rows + 1, cols + 1) how many cells of wall lie below and left of each corner of cells.
     """
 
     origin: Pose2
@@ -42,6 +39,18 @@ class Plan:
     floor: Boxes
     walls: Boxes
     bounds: Box
+    walls_below: NDArray[np.int64]
+
+    def is_clear(self, corners: FloatArray) -> NDArray[np.bool_]:
+        """(n,) which boxes of (n, 4, 2) corners in the map frame hold no wall."""
+        cells = self.origin.inverse().transform(corners.reshape(-1, 2)).reshape(-1, 4, 2) / self.resolution
+        rows, cols = self.walls_below.shape
+        low = np.clip(np.floor(cells.min(axis=1)), 0, (cols - 1, rows - 1)).astype(np.int64)
+        high = np.clip(np.ceil(cells.max(axis=1)), 0, (cols - 1, rows - 1)).astype(np.int64)
+        (left, bottom), (right, top) = low.T, high.T
+        below = self.walls_below
+        clear: NDArray[np.bool_] = below[top, right] + below[bottom, left] == below[bottom, right] + below[top, left]
+        return clear
 
 
 def unpack(house: House) -> Plan:
@@ -56,8 +65,14 @@ def unpack(house: House) -> Plan:
         corners.append(origin.transform(np.array([[left, bottom], [right, bottom], [right, top], [left, top]])))
     known = np.concatenate(corners) if corners else np.array([[-1.0, -1.0], [1.0, 1.0]])
     (least_x, least_y), (most_x, most_y) = known.min(axis=0).tolist(), known.max(axis=0).tolist()
+    walls = cells == WALL
     return Plan(
-        origin, house.resolution, boxes(cells == FREE), boxes(cells == WALL), (least_x, least_y, most_x, most_y)
+        origin=origin,
+        resolution=house.resolution,
+        floor=boxes(cells == FREE),
+        walls=boxes(walls),
+        bounds=(least_x, least_y, most_x, most_y),
+        walls_below=np.pad(np.cumsum(np.cumsum(walls, axis=0, dtype=np.int64), axis=1), ((1, 0), (1, 0))),
     )
 
 
@@ -89,35 +104,8 @@ def boxes(mask: NDArray[np.bool_]) -> Boxes:
     return np.array(sorted(found), dtype=np.int64).reshape(-1, 4)
 
 
-def holds(region: FloatArray, x: float, y: float) -> bool:
-    """Whether a point of the map frame lies in a region of (n, 2) corners."""
-    corners = tuple((float(one), float(other)) for one, other in region)
-    return bool(inside(corners, np.array([x]), np.array([y]))[0])
-
-
-def room_box(region: FloatArray) -> Box:
-    """The largest upright box inside a room, for its words and signs: map frame, metres."""
-    return _room_box(tuple((float(x), float(y)) for x, y in region))
-
-
-@lru_cache(maxsize=256)
-def _room_box(region: tuple[tuple[float, float], ...]) -> Box:
-    corners = np.array(region)
-    (left, bottom), (right, top) = corners.min(axis=0), corners.max(axis=0)
-    if set(region) == {(left, bottom), (left, top), (right, bottom), (right, top)}:
-        return float(left), float(bottom), float(right), float(top)
-    xs = np.unique(np.concatenate((corners[:, 0], np.linspace(left, right, ROOM_LINES))))
-    ys = np.unique(np.concatenate((corners[:, 1], np.linspace(bottom, top, ROOM_LINES))))
-    middle_x, middle_y = np.meshgrid((xs[1:] + xs[:-1]) / 2.0, (ys[1:] + ys[:-1]) / 2.0)
-    held = inside(region, middle_x.ravel(), middle_y.ravel()).reshape(middle_x.shape)
-    best, box = 0.0, (float(left), float(bottom), float(right), float(top))
-    for low in range(len(ys) - 1):
-        columns = np.ones(len(xs) - 1, dtype=bool)
-        for high in range(low, len(ys) - 1):
-            columns &= held[high]
-            edges = np.flatnonzero(np.diff(np.pad(columns, 1).astype(np.int8)))
-            for first, last in zip(edges[::2].tolist(), edges[1::2].tolist(), strict=True):
-                size = float((xs[last] - xs[first]) * (ys[high + 1] - ys[low]))
-                if size > best:
-                    best, box = size, (float(xs[first]), float(ys[low]), float(xs[last]), float(ys[high + 1]))
-    return box
+def holds(region: FloatArray, points: FloatArray) -> NDArray[np.bool_]:
+    """(n,) which of (n, 2) points lie in a region of (k, 2) corners; map frame."""
+    corners = tuple((float(x), float(y)) for x, y in region)
+    held: NDArray[np.bool_] = inside(corners, points[:, 0], points[:, 1])
+    return held

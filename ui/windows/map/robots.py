@@ -69,7 +69,9 @@ class Robots:
         pieces = lines(pixels[:-1], pixels[1:])
         for step in range(TRAIL_STEPS):
             colour.setAlphaF(TRAIL_ALPHA * (step + 1) / TRAIL_STEPS)
-            painter.setPen(QPen(colour, 2.5))
+            pen = QPen(colour, 2.5)
+            pen.setCapStyle(Qt.PenCapStyle.FlatCap)
+            painter.setPen(pen)
             painter.drawLines(pieces[len(pieces) * step // TRAIL_STEPS : len(pieces) * (step + 1) // TRAIL_STEPS])
 
     def _paint_way(self, painter: QPainter, camera: Camera, mark: RobotMark) -> None:

@@ -3,18 +3,30 @@
 from collections.abc import Sequence
 
 import numpy as np
+from numpy.typing import NDArray
 from PySide6.QtCore import QLineF, QPointF, QRectF, Qt
-from PySide6.QtGui import QBrush, QColor, QFont, QFontMetricsF, QPainter, QPainterPath, QPen
+from PySide6.QtGui import (
+    QBrush,
+    QColor,
+    QFont,
+    QFontMetricsF,
+    QPainter,
+    QPainterPath,
+    QPainterPathStroker,
+    QPen,
+    QPixmap,
+    QTransform,
+)
 
 from sim.geometry import FloatArray
 from ui.model.scene import RoomMark
 from ui.model.theme import Palette
 from ui.windows.map.camera import Camera
-from ui.windows.map.plan import room_box
+from ui.windows.map.plan import Plan, holds
 from ui.windows.map.points import polygon
 
 HATCH = 11.0
-"""Pixels between two lines of the pattern of a reserved room."""
+"""Pixels between two stripes of the pattern of a reserved room."""
 
 DOTS = 16.0
 """Pixels between two dots of the pattern of a visited room."""
@@ -28,94 +40,143 @@ PATTERN_ALPHA = 46
 NUMBER_LEAST, NUMBER_MOST = 15.0, 40.0
 """Height of a room's number, pixels."""
 
+POSITIONS = 14
+"""Words and signs are tried at so many places each way."""
+
+FRAME_INSET = 4.0
+"""Between a wall and the frame of a room that can be chosen, pixels."""
+
+WALL = 0.06
+"""Half of how thick walls are usually, metres."""
+
 NAME = 13.0
 """Height of a room's name, pixels."""
 
 
 def paint_floors(painter: QPainter, camera: Camera, rooms: Sequence[RoomMark], palette: Palette) -> None:
     """The floors of the rooms and their patterns; walls are painted over their edges."""
+    patterns = {
+        state: _pattern(state, palette, painter.device().devicePixelRatio()) for state in ("reserved", "visited")
+    }
     for mark in rooms:
         outline = polygon(camera.to_screen(mark.region))
         colours = {"unvisited": palette.unvisited, "reserved": palette.reserved, "visited": palette.visited}
         painter.setPen(Qt.PenStyle.NoPen)
         painter.setBrush(QColor(colours[mark.state]))
         painter.drawPolygon(outline)
+        if mark.considered:
+            painter.setBrush(_faint(palette.accent))
+            painter.drawPolygon(outline)
         if mark.state != "unvisited":
-            path = QPainterPath()
-            path.addPolygon(outline)
-            painter.save()
-            painter.setClipPath(path)
-            if mark.state == "reserved":
-                _hatch(painter, outline.boundingRect(), _faint(palette.text))
-            else:
-                _dot(painter, outline.boundingRect(), _faint(palette.text))
-            painter.restore()
+            painter.setBrush(patterns[mark.state])
+            painter.setBrushOrigin(outline.boundingRect().topLeft())
+            painter.drawPolygon(outline)
 
 
-def paint_signs(painter: QPainter, camera: Camera, rooms: Sequence[RoomMark], palette: Palette, font: QFont) -> None:
-    """Edges, numbers, names, signs of state and what was found: over walls, under robots."""
+def paint_signs(
+    painter: QPainter, camera: Camera, rooms: Sequence[RoomMark], palette: Palette, font: QFont, plan: Plan | None
+) -> None:
+    """Edges, numbers, names, signs of state and what was found: over walls, under robots, clear of furniture."""
     painter.save()
     painter.setRenderHint(QPainter.RenderHint.Antialiasing)
-    for mark in sorted(rooms, key=lambda mark: (mark.considered, mark.choosable)):
+    for mark in rooms:
         _paint_edge(painter, camera, mark, palette)
-        left, bottom, right, top = room_box(mark.region)
-        corner, opposite = camera.pixel(left, top), camera.pixel(right, bottom)
-        _paint_words(painter, QRectF(QPointF(*corner), QPointF(*opposite)), mark, palette, font)
+        _paint_words(painter, _Space(camera, mark.region, plan), mark, palette, font)
     painter.restore()
 
 
 def _paint_edge(painter: QPainter, camera: Camera, mark: RoomMark, palette: Palette) -> None:
+    """A frame inside the walls: it invites where a room can be chosen, and is strong where one is looked at."""
     if not mark.choosable and not mark.considered:
         return
-    width = 4.0 if mark.considered else 2.0
-    pen = QPen(QColor(palette.accent), width)
-    pen.setJoinStyle(Qt.PenJoinStyle.MiterJoin)
+    path = QPainterPath()
+    path.addPolygon(polygon(camera.to_screen(mark.region)))
+    path.closeSubpath()
+    border = QPainterPathStroker()
+    border.setWidth(2.0 * (FRAME_INSET + WALL * camera.scale))
+    pen = QPen(QColor(palette.accent), 4.0 if mark.considered else 2.0)
+    pen.setJoinStyle(Qt.PenJoinStyle.RoundJoin)
     if not mark.choosable:
-        pen.setStyle(Qt.PenStyle.DotLine)
+        pen.setDashPattern([1.0, 2.0])
     painter.setPen(pen)
-    glow = QColor(palette.accent)
-    glow.setAlpha(38)
-    painter.setBrush(QBrush(glow) if mark.considered else Qt.BrushStyle.NoBrush)
-    painter.drawPolygon(polygon(camera.to_screen(mark.region)))
+    painter.setBrush(Qt.BrushStyle.NoBrush)
+    painter.drawPath(path.subtracted(border.createStroke(path)))
 
 
-def _paint_words(painter: QPainter, box: QRectF, mark: RoomMark, palette: Palette, font: QFont) -> None:
-    small = min(box.width(), box.height())
-    number = min(max(small * 0.2, NUMBER_LEAST), NUMBER_MOST)
-    inset = min(max(small * 0.07, 6.0), 16.0)
-    inner = box.adjusted(inset, inset, -inset, -inset)
-    if inner.width() < number or inner.height() < number * 0.8:
-        return
+class _Space:
+    """The space in a room for words and signs, pixels: what is put down goes where no wall and nothing else lies."""
+
+    def __init__(self, camera: Camera, region: FloatArray, plan: Plan | None) -> None:
+        corners = camera.to_screen(region)
+        (self._left, self._top), (right, bottom) = corners.min(axis=0).tolist(), corners.max(axis=0).tolist()
+        self.width, self.height = right - self._left, bottom - self._top
+        self.inset = FRAME_INSET + WALL * camera.scale + min(max(0.04 * min(self.width, self.height), 4.0), 14.0)
+        self._camera = camera
+        self._region = region
+        self._plan = plan
+        self._taken: list[QRectF] = []
+
+    def put(self, width: float, height: float, right: bool, low: bool) -> QRectF | None:
+        """A box of this size as near as possible to a corner of the room; None where none fits."""
+        slack = np.array([self.width - width, self.height - height]) - 2.0 * self.inset
+        if slack.min() < 0.0:
+            return None
+        shares = np.linspace(0.0, 1.0, POSITIONS)
+        offsets: FloatArray = np.stack(np.meshgrid(shares, shares), axis=-1).reshape(-1, 2) * slack
+        goal = slack * (float(right), float(low))
+        nearest = np.argsort(np.abs(offsets - goal).sum(axis=1), kind="stable")
+        places = offsets[nearest] + (self._left + self.inset, self._top + self.inset)
+        for x, y in places[self._is_free(places, width, height)].tolist():
+            box = QRectF(x, y, width, height)
+            if not any(box.adjusted(-4.0, -4.0, 4.0, 4.0).intersects(taken) for taken in self._taken):
+                self._taken.append(box)
+                return box
+        return None
+
+    def _is_free(self, places: FloatArray, width: float, height: float) -> NDArray[np.bool_]:
+        """(n,) at which of (n, 2) upper left corners a box lies in the room and on no wall."""
+        x, y = width + self.inset / 2.0, height + self.inset / 2.0
+        least = -self.inset / 2.0
+        around = np.array([[least, least], [x, least], [x, y], [least, y]])
+        corners = self._camera.to_map((places[:, None] + around).reshape(-1, 2))
+        free: NDArray[np.bool_] = np.all(holds(self._region, corners).reshape(-1, 4), axis=1)
+        return free if self._plan is None else free & self._plan.is_clear(corners.reshape(-1, 4, 2))
+
+
+def _paint_words(painter: QPainter, space: _Space, mark: RoomMark, palette: Palette, font: QFont) -> None:
+    sign = space.put(2.0 * SIGN, 2.0 * SIGN, right=True, low=False)
+    if sign is not None:
+        _paint_sign(painter, sign.center(), mark, palette)
+    number = min(max(min(space.width, space.height) * 0.2, NUMBER_LEAST), NUMBER_MOST)
+    large, small = _sized(font, number, QFont.Weight.DemiBold), _sized(font, NAME, QFont.Weight.Normal)
+    heading, caption = QFontMetricsF(large), QFontMetricsF(small)
+    name = caption.elidedText(mark.name, Qt.TextElideMode.ElideRight, space.width - 2.0 * space.inset)
     text = str(mark.room)
+    tall = heading.capHeight() + 0.3 * caption.height() + caption.height()
+    wide = max(heading.horizontalAdvance(text), caption.horizontalAdvance(name))
+    title = space.put(wide, tall, right=False, low=False)
+    if title is None:
+        name = ""
+        title = space.put(heading.horizontalAdvance(text), heading.capHeight(), right=False, low=False)
+    if title is None:
+        return
     painter.setPen(QColor(palette.text))
-    painter.setFont(_sized(font, number, QFont.Weight.DemiBold))
-    metrics = QFontMetricsF(painter.font())
-    height = metrics.capHeight()
-    painter.drawText(QPointF(inner.left(), inner.top() + height), text)
-    beside = inner.left() + metrics.horizontalAdvance(text)
-    if inner.right() - beside < 2.0 * SIGN + 6.0:
-        return
-    sign = QPointF(inner.right() - SIGN, inner.top() + max(height / 2.0, SIGN))
-    _paint_sign(painter, sign, mark, palette)
-    below = inner.top() + height
-    painter.setFont(_sized(font, NAME, QFont.Weight.Normal))
-    metrics = QFontMetricsF(painter.font())
-    line = metrics.height()
-    if inner.bottom() - below < 1.4 * line:
-        return
+    painter.setFont(large)
+    painter.drawText(QPointF(title.left(), title.top() + heading.capHeight()), text)
     painter.setPen(QColor(palette.muted))
-    name = metrics.elidedText(mark.name, Qt.TextElideMode.ElideRight, inner.width())
-    painter.drawText(QPointF(inner.left(), below + 0.35 * line + metrics.ascent()), name)
-    if mark.found and inner.bottom() - below > 2.9 * line:
-        _paint_found(painter, inner, mark.found, palette, font)
+    painter.setFont(small)
+    painter.drawText(QPointF(title.left(), title.bottom() - caption.descent()), name)
+    if mark.found:
+        _paint_found(painter, space, mark.found, palette, font)
 
 
-def _paint_found(painter: QPainter, inner: QRectF, found: str, palette: Palette, font: QFont) -> None:
+def _paint_found(painter: QPainter, space: _Space, found: str, palette: Palette, font: QFont) -> None:
     painter.setFont(_sized(font, NAME, QFont.Weight.Medium))
     metrics = QFontMetricsF(painter.font())
-    words = metrics.elidedText(found, Qt.TextElideMode.ElideRight, inner.width() - 16.0)
-    pill = QRectF(0.0, 0.0, metrics.horizontalAdvance(words) + 16.0, metrics.height() + 6.0)
-    pill.moveBottomLeft(inner.bottomLeft())
+    words = metrics.elidedText(found, Qt.TextElideMode.ElideRight, space.width - 2.0 * space.inset - 16.0)
+    pill = space.put(metrics.horizontalAdvance(words) + 16.0, metrics.height() + 6.0, right=False, low=True)
+    if pill is None:
+        return
     painter.setPen(QPen(QColor(palette.line), 1.0))
     painter.setBrush(QColor(palette.panel))
     painter.drawRoundedRect(pill, pill.height() / 2.0, pill.height() / 2.0)
@@ -151,22 +212,27 @@ def _paint_sign(painter: QPainter, centre: QPointF, mark: RoomMark, palette: Pal
         painter.drawPolyline(polygon(np.array(stroke) + np.array([x, y])))
 
 
-def _hatch(painter: QPainter, rect: QRectF, colour: QColor) -> None:
+def _pattern(state: str, palette: Palette, ratio: float) -> QBrush:
+    """Stripes for a reserved room, dots for a visited one: a tile fills a room far faster than single strokes."""
+    step = HATCH if state == "reserved" else DOTS
+    tile = QPixmap(round(step * ratio), round(step * ratio))
+    tile.fill(Qt.GlobalColor.transparent)
+    size = float(tile.width())
+    painter = QPainter(tile)
     painter.setRenderHint(QPainter.RenderHint.Antialiasing)
-    painter.setPen(QPen(colour, 1.5))
-    height = rect.height()
-    starts = np.arange(rect.left() - height, rect.right(), HATCH)
-    painter.drawLines([QLineF(x, rect.bottom(), x + height, rect.top()) for x in starts.tolist()])
-
-
-def _dot(painter: QPainter, rect: QRectF, colour: QColor) -> None:
-    painter.setRenderHint(QPainter.RenderHint.Antialiasing)
-    pen = QPen(colour, 2.5)
-    pen.setCapStyle(Qt.PenCapStyle.RoundCap)
-    painter.setPen(pen)
-    xs, ys = np.arange(rect.left(), rect.right(), DOTS), np.arange(rect.top(), rect.bottom(), DOTS)
-    grid: FloatArray = np.stack(np.meshgrid(xs, ys), axis=-1).reshape(-1, 2)
-    painter.drawPoints(polygon(grid))
+    if state == "reserved":
+        painter.setPen(QPen(_faint(palette.text), 1.4 * ratio))
+        # Beside the stripe itself the corners that its neighbours reach into the tile.
+        for shift in (-size, 0.0, size):
+            painter.drawLine(QLineF(shift - size, 2.0 * size, shift + 2.0 * size, -size))
+    else:
+        painter.setPen(Qt.PenStyle.NoPen)
+        painter.setBrush(_faint(palette.text))
+        painter.drawEllipse(QPointF(size / 2.0, size / 2.0), 1.3 * ratio, 1.3 * ratio)
+    painter.end()
+    brush = QBrush(tile)
+    brush.setTransform(QTransform.fromScale(1.0 / ratio, 1.0 / ratio))
+    return brush
 
 
 def _faint(colour: str) -> QColor:

@@ -28,7 +28,7 @@ from ui.windows.map.plan import Plan, holds, unpack
 from ui.windows.map.robots import Robots
 from ui.windows.map.words import describe
 
-FIT_MARGIN = 20.0
+FIT_MARGIN = 30.0
 """Pixels around the house when all of it is shown."""
 
 REACH = 24.0
@@ -43,7 +43,7 @@ NEAR = 60.0
 CHASE = 0.15
 """Share of the way to the followed robot that the view goes in one frame."""
 
-DESCRIBED = 2000
+DESCRIBED = 1000
 """Milliseconds between two descriptions in words."""
 
 WHEEL = 1.0015
@@ -194,8 +194,8 @@ class MapView(QWidget):
 
     def room_at(self, position: QPointF) -> int | None:
         """The room under a pixel of this widget."""
-        x, y = self._camera.point(position.x(), position.y())
-        return next((mark.room for mark in self._rooms if holds(mark.region, x, y)), None)
+        here = np.array([self._camera.point(position.x(), position.y())])
+        return next((mark.room for mark in self._rooms if holds(mark.region, here)[0]), None)
 
     def robot_at(self, position: QPointF) -> int | None:
         """The robot nearest to a pixel of this widget, if one is near."""
@@ -238,13 +238,13 @@ class MapView(QWidget):
     def _paint_scale_bar(self, painter: QPainter) -> None:
         metres = next((m for m in (0.1, 0.2, 0.5, 1.0, 2.0, 5.0, 10.0, 20.0) if m * self._camera.scale >= 60.0), 50.0)
         length = metres * self._camera.scale
-        right, bottom = self.width() - 14.0, self.height() - 12.0
+        right, bottom = self.width() - 14.0, self.height() - 8.0
         font = painter.font()
-        font.setPixelSize(12)
+        font.setPixelSize(11)
         painter.setFont(font)
         words = f"{metres:g} m"
         metrics = QFontMetricsF(font)
-        box = QRectF(right - length - 8.0, bottom - 24.0, length + 16.0, 28.0)
+        box = QRectF(right - length - 8.0, bottom - 19.0, length + 16.0, 23.0)
         backing = QColor(self._palette.panel)
         backing.setAlpha(215)
         painter.setPen(Qt.PenStyle.NoPen)
@@ -253,12 +253,12 @@ class MapView(QWidget):
         painter.setPen(QPen(QColor(self._palette.muted), 2.0))
         for one, other in (
             ((right - length, bottom), (right, bottom)),
-            ((right - length, bottom - 5.0), (right - length, bottom)),
-            ((right, bottom - 5.0), (right, bottom)),
+            ((right - length, bottom - 4.0), (right - length, bottom)),
+            ((right, bottom - 4.0), (right, bottom)),
         ):
             painter.drawLine(QPointF(*one), QPointF(*other))
         painter.setPen(QColor(self._palette.muted))
-        painter.drawText(QPointF(right - (length + metrics.horizontalAdvance(words)) / 2.0, bottom - 7.0), words)
+        painter.drawText(QPointF(right - (length + metrics.horizontalAdvance(words)) / 2.0, bottom - 5.0), words)
 
     # Looking about ----------------------------------------------------------------------------------------------------
 

@@ -2,6 +2,8 @@
 
 from collections.abc import Sequence
 
+import numpy as np
+
 from ui.model.scene import RobotMark, RoomMark
 from ui.windows.map.plan import holds
 
@@ -22,7 +24,8 @@ def describe(rooms: Sequence[RoomMark], robots: Sequence[RobotMark]) -> str:
 
 
 def _where(robot: RobotMark, rooms: Sequence[RoomMark]) -> str:
-    room = next((mark.room for mark in rooms if holds(mark.region, robot.pose.x, robot.pose.y)), None)
+    here = np.array([[robot.pose.x, robot.pose.y]])
+    room = next((mark.room for mark in rooms if holds(mark.region, here)[0]), None)
     return "in the corridor" if room is None else f"in room {room}"
 
 

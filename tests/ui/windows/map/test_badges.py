@@ -1,0 +1,53 @@
+"""Labels lie beside their robots, off one another, and do not hop about."""
+
+import numpy as np
+from hypothesis import given
+from hypothesis import strategies as st
+
+from ui.windows.map.badges import Anchor, placed
+
+spots = st.lists(st.tuples(st.floats(0.0, 1000.0), st.floats(0.0, 700.0)), min_size=1, max_size=20)
+
+
+def anchors(at: list[tuple[float, float]]) -> list[Anchor]:
+    return [Anchor(x, y, 18.0, 22.0, 20.0) for x, y in at]
+
+
+def overlap(corners: np.ndarray) -> float:
+    total = 0.0
+    for one in range(len(corners)):
+        for other in range(one):
+            across = 22.0 - abs(corners[one, 0] - corners[other, 0])
+            down = 20.0 - abs(corners[one, 1] - corners[other, 1])
+            total += max(across, 0.0) * max(down, 0.0)
+    return total
+
+
+def test_a_lone_label_lies_above_its_robot() -> None:
+    corners, _ = placed(anchors([(100.0, 100.0)]), [-1])
+    assert corners[0, 0] == 100.0 - 11.0
+    assert corners[0, 1] + 20.0 < 100.0 - 18.0
+
+
+def test_labels_of_a_row_of_robots_do_not_overlap() -> None:
+    row = [(100.0 + 24.0 * k, 100.0 + 10.0 * (k % 3)) for k in range(20)]
+    assert overlap(placed(anchors(row), [-1] * 20)[0]) == 0.0
+
+
+def test_labels_of_robots_in_one_place_do_not_overlap() -> None:
+    assert overlap(placed(anchors([(100.0, 100.0)] * 10), [-1] * 10)[0]) == 0.0
+
+
+@given(spots)
+def test_a_second_look_changes_nothing(at: list[tuple[float, float]]) -> None:
+    first, places = placed(anchors(at), [-1] * len(at))
+    second, again = placed(anchors(at), places)
+    third, _ = placed(anchors(at), again)
+    assert np.array_equal(second, third)
+    assert overlap(second) <= overlap(first) + 1e-9
+
+
+def test_a_label_stays_while_it_is_in_nobodys_way() -> None:
+    _, places = placed(anchors([(100.0, 100.0), (100.0, 70.0)]), [-1, -1])
+    _, later = placed(anchors([(300.0, 100.0), (100.0, 70.0)]), places)
+    assert later == places

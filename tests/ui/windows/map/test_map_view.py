@@ -1,0 +1,277 @@
+"""The map view: what is pointed at is told, the view goes where it is led, and colours reach the eye."""
+
+import numpy as np
+import pytest
+from PySide6.QtCore import QPoint, QPointF, Qt
+from PySide6.QtGui import QColor, QPainter, QWheelEvent
+from PySide6.QtTest import QSignalSpy
+from PySide6.QtWidgets import QApplication
+from pytestqt.qtbot import QtBot
+
+from tests.ui.windows.map.houses import busy_robots, house_of, robot_at, rooms_of, shipped_map
+from thbridge.adapters.map_files import Map
+from ui.model.theme import DARK, LIGHT
+from ui.windows.map import MapView
+from ui.windows.map.layers import Arrows, Costs, Lines, Points
+
+MAPS = ("arena8", "office", "warehouse12")
+
+
+@pytest.fixture
+def arena() -> Map:
+    return shipped_map("arena8")
+
+
+@pytest.fixture
+def view(qtbot: QtBot, arena: Map) -> MapView:
+    return shown(qtbot, arena)
+
+
+def shown(qtbot: QtBot, house: Map) -> MapView:
+    view = MapView(LIGHT)
+    qtbot.addWidget(view)
+    view.resize(1000, 700)
+    view.show_house(house_of(house))
+    view.show_rooms(rooms_of(house))
+    view.show()
+    return view
+
+
+def spot(view: MapView, x: float, y: float) -> QPoint:
+    return QPointF(*view.camera.pixel(x, y)).toPoint()
+
+
+def click(qtbot: QtBot, view: MapView, at: QPoint) -> None:
+    qtbot.mouseClick(view, Qt.MouseButton.LeftButton, pos=at)
+
+
+def drag(qtbot: QtBot, view: MapView, start: QPoint, end: QPoint, button: Qt.MouseButton) -> None:
+    qtbot.mousePress(view, button, pos=start)
+    qtbot.mouseMove(view, (start + end) / 2)
+    qtbot.mouseMove(view, end)
+    qtbot.mouseRelease(view, button, pos=end)
+
+
+def wheel(view: MapView, at: QPoint, turns: int) -> None:
+    event = QWheelEvent(
+        QPointF(at),
+        QPointF(view.mapToGlobal(at)),
+        QPoint(),
+        QPoint(0, 120 * turns),
+        Qt.MouseButton.NoButton,
+        Qt.KeyboardModifier.NoModifier,
+        Qt.ScrollPhase.NoScrollPhase,
+        False,
+    )
+    QApplication.sendEvent(view, event)
+
+
+@pytest.mark.parametrize("name", MAPS)
+def test_a_click_in_a_room_names_it(qtbot: QtBot, name: str) -> None:
+    house = shipped_map(name)
+    view = shown(qtbot, house)
+    clicks = QSignalSpy(view.room_clicked)
+    for room in house.rooms:
+        click(qtbot, view, spot(view, room.goal.x, room.goal.y))
+    assert [clicks.at(k)[0] for k in range(clicks.count())] == [room.room.people for room in house.rooms]
+
+
+def test_a_click_near_a_robot_names_the_nearest(qtbot: QtBot, view: MapView) -> None:
+    view.show_robots([robot_at(0, 0.0, 0.0), robot_at(1, 0.5, 0.0)])
+    clicks = QSignalSpy(view.robot_clicked)
+    click(qtbot, view, spot(view, 0.35, 0.1))
+    click(qtbot, view, spot(view, 0.1, 0.1))
+    assert [clicks.at(k)[0] for k in range(clicks.count())] == [1, 0]
+
+
+def test_a_robot_is_hit_within_reach_and_not_beyond(view: MapView) -> None:
+    view.show_robots([robot_at(0, 0.0, 0.0)])
+    x, y = view.camera.pixel(0.0, 0.0)
+    assert view.robot_at(QPointF(x + 23.0, y)) == 0
+    assert view.robot_at(QPointF(x + 25.0, y)) is None
+
+
+def test_a_robot_in_a_room_is_clicked_and_not_the_room(qtbot: QtBot, view: MapView, arena: Map) -> None:
+    goal = arena.rooms[0].goal
+    view.show_robots([robot_at(0, goal.x, goal.y)])
+    rooms = QSignalSpy(view.room_clicked)
+    with qtbot.waitSignal(view.robot_clicked):
+        click(qtbot, view, spot(view, goal.x, goal.y))
+    assert rooms.count() == 0
+
+
+def test_hovering_tells_a_room_once_and_leaving_it(qtbot: QtBot, view: MapView, arena: Map) -> None:
+    hovers = QSignalSpy(view.room_hovered)
+    goal = arena.rooms[0].goal
+    qtbot.mouseMove(view, spot(view, goal.x, goal.y))
+    qtbot.mouseMove(view, spot(view, goal.x + 0.2, goal.y))
+    qtbot.mouseMove(view, spot(view, 0.0, 0.0))
+    assert [hovers.at(k)[0] for k in range(hovers.count())] == [1, None]
+
+
+def test_dragging_moves_the_map_and_chooses_nothing(qtbot: QtBot, view: MapView, arena: Map) -> None:
+    clicks = QSignalSpy(view.room_clicked)
+    before = view.camera
+    goal = arena.rooms[0].goal
+    start = spot(view, goal.x, goal.y)
+    drag(qtbot, view, start, start + QPoint(60, 40), Qt.MouseButton.LeftButton)
+    assert clicks.count() == 0
+    assert view.camera.x == pytest.approx(before.x - 60 / before.scale, abs=2 / before.scale)
+    assert view.camera.y == pytest.approx(before.y + 40 / before.scale, abs=2 / before.scale)
+
+
+def test_the_wheel_zooms_about_the_pointer(view: MapView) -> None:
+    at = spot(view, 2.0, 3.0)
+    before = view.camera
+    wheel(view, at, 3)
+    assert view.camera.scale > 1.3 * before.scale
+    assert view.camera.point(at.x(), at.y()) == pytest.approx(before.point(at.x(), at.y()), abs=1e-6)
+
+
+def test_a_double_click_beside_rooms_fits_again(qtbot: QtBot, view: MapView) -> None:
+    fitted = view.camera.scale
+    wheel(view, spot(view, 0.0, 0.0), 4)
+    assert view.camera.scale != fitted
+    qtbot.mouseDClick(view, Qt.MouseButton.LeftButton, pos=spot(view, 0.0, 0.0))
+    assert view.camera.scale == fitted
+
+
+def test_the_whole_house_stays_in_view_when_the_size_changes(view: MapView, qtbot: QtBot) -> None:
+    view.resize(500, 400)
+    qtbot.waitUntil(lambda: view.camera.width == 500.0)
+    for x, y in ((-5.0, -5.0), (11.0, 7.0)):
+        px, py = view.camera.pixel(x, y)
+        assert 0.0 < px < 500.0
+        assert 0.0 < py < 400.0
+
+
+def test_following_keeps_a_robot_in_the_middle_until_the_map_is_dragged(qtbot: QtBot, view: MapView) -> None:
+    view.follow(1)
+    for step in range(200):
+        view.show_robots([robot_at(0, 0.0, 0.0), robot_at(1, 0.008 * step, 1.0)])
+    assert (view.camera.x, view.camera.y) == pytest.approx((1.6, 1.0), abs=0.1)
+    drag(qtbot, view, QPoint(200, 200), QPoint(300, 300), Qt.MouseButton.LeftButton)
+    assert view.followed is None
+
+
+def test_a_tool_has_the_left_button_in_metres(qtbot: QtBot, view: MapView, arena: Map) -> None:
+    view.set_tool(Qt.CursorShape.CrossCursor)
+    clicks, before = QSignalSpy(view.room_clicked), view.camera
+    pressed, released = QSignalSpy(view.point_pressed), QSignalSpy(view.point_released)
+    dragged = QSignalSpy(view.point_dragged)
+    goal = arena.rooms[0].goal
+    drag(qtbot, view, spot(view, goal.x, goal.y), spot(view, 0.0, 0.0), Qt.MouseButton.LeftButton)
+    assert pressed.at(0) == pytest.approx([goal.x, goal.y], abs=0.03)
+    assert released.at(0) == pytest.approx([0.0, 0.0], abs=0.03)
+    assert dragged.count() >= 1
+    assert clicks.count() == 0
+    assert view.camera == before
+    assert view.cursor().shape() == Qt.CursorShape.CrossCursor
+    drag(qtbot, view, QPoint(300, 300), QPoint(360, 300), Qt.MouseButton.MiddleButton)
+    assert view.camera.x != before.x
+
+
+def test_a_choosable_room_invites_the_pointer(qtbot: QtBot, view: MapView, arena: Map) -> None:
+    goal = arena.rooms[0].goal
+    qtbot.mouseMove(view, spot(view, goal.x, goal.y))
+    assert view.cursor().shape() == Qt.CursorShape.ArrowCursor
+
+
+def test_a_robot_is_drawn_in_its_colour_and_its_nose_points_ahead(qtbot: QtBot, view: MapView) -> None:
+    wheel(view, spot(view, 0.0, 0.0), 10)
+    view.show_robots([robot_at(0, 0.0, 0.0, theta=np.pi / 2)])
+    picture = view.grab().toImage()
+    x, y = view.camera.pixel(0.0, -0.2)
+    assert picture.pixelColor(round(x), round(y)) == QColor(LIGHT.robot(0))
+    nose = view.camera.pixel(0.0, 0.15)
+    assert picture.pixelColor(round(nose[0]), round(nose[1])) == QColor(LIGHT.panel)
+
+
+def test_colours_change_by_night(view: MapView, arena: Map) -> None:
+    x, y = view.camera.pixel(0.0, 0.0)
+    assert view.grab().toImage().pixelColor(round(x), round(y)) == QColor(LIGHT.floor)
+    view.set_palette(DARK)
+    assert view.grab().toImage().pixelColor(round(x), round(y)) == QColor(DARK.floor)
+
+
+@pytest.mark.parametrize("name", MAPS)
+def test_states_of_rooms_differ_without_colour(qtbot: QtBot, name: str) -> None:
+    house = shipped_map(name)
+    view = shown(qtbot, house)
+    greys = []
+    for state in ("unvisited", "reserved", "visited"):
+        rooms = [type(room)(room.room, room.name, room.region, state, robot=0) for room in rooms_of(house)]  # type: ignore[arg-type]
+        view.show_rooms(rooms)
+        image = view.grab().toImage()
+        greys.append([image.pixelColor(x, y).lightness() for x in range(0, 1000, 3) for y in range(0, 700, 3)])
+    shares = [np.mean(np.abs(np.diff(np.array(one).reshape(-1, 234), axis=1)) > 4) for one in greys]
+    assert shares[1] > 1.3 * shares[0]
+    assert shares[2] > 1.02 * shares[0]
+
+
+def test_layers_are_painted_below_and_above_robots(view: MapView) -> None:
+    class Stamp:
+        def __init__(self, z: int, colour: str) -> None:
+            self.z, self.colour = z, colour
+
+        def paint(self, painter: QPainter, on: MapView) -> None:
+            x, y = on.camera.pixel(0.0, 0.0)
+            painter.fillRect(round(x) - 3, round(y) - 3, 6, 6, QColor(self.colour))
+
+    below, above = Stamp(-1, "#ff0000"), Stamp(1, "#00ff00")
+    view.show_robots([robot_at(0, -0.1, 0.0)])
+    x, y = (round(part) for part in view.camera.pixel(0.0, 0.0))
+    view.add_layer(below)
+    assert view.grab().toImage().pixelColor(x, y) != QColor("#ff0000")
+    view.add_layer(above)
+    assert view.grab().toImage().pixelColor(x, y) == QColor("#00ff00")
+    view.remove_layer(above)
+    view.remove_layer(below)
+    view.show_robots([])
+    assert view.grab().toImage().pixelColor(x, y) == QColor(LIGHT.floor)
+
+
+def test_points_lines_and_arrows_lie_where_they_belong(view: MapView) -> None:
+    points, lines, arrows = Points(size=4.0), Lines(width=4.0), Arrows(width=4.0)
+    points.show(np.array([[0.0, 0.0]]))
+    lines.show([np.array([[-0.4, 0.5], [0.4, 0.5]])])
+    arrows.show(np.array([[0.0, 1.0, 0.0]]))
+    for layer in (points, lines, arrows):
+        view.add_layer(layer)
+    image = view.grab().toImage()
+    for x, y in ((0.0, 0.0), (0.0, 0.5), (0.15, 1.0)):
+        px, py = view.camera.pixel(x, y)
+        assert image.pixelColor(round(px), round(py)) == QColor(LIGHT.accent), (x, y)
+
+
+def test_costs_lie_the_right_way_up(view: MapView, arena: Map) -> None:
+    costs = np.zeros((20, 20), dtype=np.int8)
+    costs[0:5, :] = 100
+    layer = Costs()
+    layer.show(costs, arena.starts[0], 0.05)
+    view.add_layer(layer)
+    image = view.grab().toImage()
+    start = arena.starts[0]
+
+    def colour(x: float, y: float) -> QColor:
+        px, py = view.camera.pixel(start.x + x, start.y + y)
+        return image.pixelColor(round(px), round(py))
+
+    assert colour(0.5, 0.1).red() > colour(0.5, 0.1).green() + 60
+    assert colour(0.5, 0.8) == QColor(LIGHT.floor)
+
+
+def test_the_map_is_told_in_words(view: MapView, qtbot: QtBot, arena: Map) -> None:
+    goal = arena.rooms[1].goal
+    view.show_robots([robot_at(0, 0.0, 0.0, selected=True), robot_at(1, goal.x, goal.y)])
+    assert view.accessibleName() == "Map"
+    qtbot.waitUntil(lambda: view.accessibleDescription() != "", timeout=5000)
+    assert view.accessibleDescription() == ("Map: 8 rooms; robot 1 in the corridor, selected; robot 2 in room 2.")
+
+
+@pytest.mark.parametrize("name", MAPS)
+def test_twenty_busy_robots_are_painted(qtbot: QtBot, name: str) -> None:
+    house = shipped_map(name)
+    view = shown(qtbot, house)
+    view.show_robots(busy_robots(house, 20))
+    assert not view.grab().isNull()
