@@ -28,7 +28,7 @@ from sim.geometry import FloatArray, Pose2, wrap_angle
 from sim.grid import GridFrame, OccupancyGrid
 from sim.noise import key, normals
 from sim.observations import TICK
-from sim.parameters import WorldParameters
+from sim.parameters import OdometryNoise, WorldParameters
 from sim.things import Presence, Robots, Thing, after_a_tick, polygons_of
 
 BoolArray = NDArray[np.bool_]
@@ -89,6 +89,17 @@ class Misplaced:
     sentence: str
 
 
+class Wheels(NamedTuple):
+    """How the wheels err, as in OdometryNoise."""
+
+    alpha1: float
+    alpha2: float
+    alpha3: float
+    alpha4: float
+    linear_scale: float
+    angular_scale: float
+
+
 class _Body(NamedTuple):
     """What the kernel knows of a robot besides its corners.
 
@@ -104,12 +115,7 @@ class _Body(NamedTuple):
     max_vel_theta: float
     acc_lim_x: float
     acc_lim_theta: float
-    alpha1: float
-    alpha2: float
-    alpha3: float
-    alpha4: float
-    linear_scale: float
-    angular_scale: float
+    wheels: Wheels
 
 
 @njit(cache=True)
@@ -175,6 +181,31 @@ def _chord(linear: float, angular: float, time: float) -> tuple[float, float]:
     return linear * time * shrink, half
 
 
+def wheels_of(noise: OdometryNoise) -> Wheels:
+    """The same noise in the form that compiled kernels take."""
+    return Wheels(noise.alpha1, noise.alpha2, noise.alpha3, noise.alpha4, noise.linear_scale, noise.angular_scale)
+
+
+@njit(cache=True)
+def measured_by(wheels: Wheels, chord: float, half: float, draws: FloatArray) -> tuple[float, float, float]:
+    """What wheels make of one tick's arc: the turn before its chord, the chord's length, the turn after it.
+
+    Args:
+        wheels: how they err.
+        chord: signed length of the chord that was really driven, metres.
+        half: the chord's angle to the heading before it, half of what was turned, radians.
+        draws: (3,) standard normals.
+
+    Source: Probabilistic Robotics, table 5.6, around the increment that really happened.
+    """
+    turn_noise = math.sqrt(wheels.alpha1 * half * half + wheels.alpha2 * chord * chord)
+    chord_noise = math.sqrt(wheels.alpha3 * chord * chord + 2.0 * wheels.alpha4 * half * half)
+    first_turn = wheels.angular_scale * (half + turn_noise * draws[0])
+    measured_chord = wheels.linear_scale * (chord + chord_noise * draws[1])
+    second_turn = wheels.angular_scale * (half + turn_noise * draws[2])
+    return first_turn, measured_chord, second_turn
+
+
 @njit(cache=True)
 def _step(
     tick: int,
@@ -227,14 +258,9 @@ def _step(
             twists[i, 1] = 0.0
             contact[i] = True
             continue
-        # What the wheels make of it: Probabilistic Robotics, table 5.6, around the increment that really happened.
         chord, half = _chord(linear, angular, TICK)
         normals(keys[i], tick, draws)
-        turn_noise = math.sqrt(body.alpha1 * half * half + body.alpha2 * chord * chord)
-        chord_noise = math.sqrt(body.alpha3 * chord * chord + 2.0 * body.alpha4 * half * half)
-        first_turn = body.angular_scale * (half + turn_noise * draws[0])
-        measured_chord = body.linear_scale * (chord + chord_noise * draws[1])
-        second_turn = body.angular_scale * (half + turn_noise * draws[2])
+        first_turn, measured_chord, second_turn = measured_by(body.wheels, chord, half, draws)
         odom[i, 0] += measured_chord * math.cos(odom[i, 2] + first_turn)
         odom[i, 1] += measured_chord * math.sin(odom[i, 2] + first_turn)
         odom[i, 2] = wrap_angle(odom[i, 2] + first_turn + second_turn)
@@ -307,12 +333,7 @@ class World:
             max_vel_theta=parameters.max_vel_theta,
             acc_lim_x=parameters.acc_lim_x,
             acc_lim_theta=parameters.acc_lim_theta,
-            alpha1=parameters.odometry.alpha1,
-            alpha2=parameters.odometry.alpha2,
-            alpha3=parameters.odometry.alpha3,
-            alpha4=parameters.odometry.alpha4,
-            linear_scale=parameters.odometry.linear_scale,
-            angular_scale=parameters.odometry.angular_scale,
+            wheels=wheels_of(parameters.odometry),
         )
 
     def start(self, poses: Sequence[Pose2]) -> WorldState | Misplaced:

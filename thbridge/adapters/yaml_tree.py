@@ -1,7 +1,7 @@
 """YAML as it was written: a tree in which each node knows its line, before anybody asks what the words mean."""
 
 import dataclasses
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from pathlib import Path
 
 from ruamel.yaml import YAML
@@ -30,12 +30,17 @@ LARGEST_TREE = 100_000
 
 @dataclass(frozen=True, slots=True)
 class Scalar:
-    """A word, number or text; `plain` when it stands without quotes, `tag` what stands before it (`!degrees`)."""
+    """A word, number or text; `plain` when it stands without quotes, `tag` what stands before it (`!degrees`).
+
+    `start` and `end` are where it lies in the text, with its quotes; one that was left out lies nowhere.
+    """
 
     text: str
     plain: bool
     line: int
     tag: str | None = None
+    start: int = field(default=0, compare=False)
+    end: int = field(default=0, compare=False)
 
     @property
     def absent(self) -> bool:
@@ -45,18 +50,22 @@ class Scalar:
 
 @dataclass(frozen=True, slots=True)
 class Listing:
-    """A sequence."""
+    """A sequence; `start` is where it begins in the text, `flow` whether it stands in brackets there."""
 
     line: int
     items: list["Node"]
+    start: int = field(default=0, compare=False)
+    flow: bool = field(default=False, compare=False)
 
 
 @dataclass(frozen=True, slots=True)
 class Section:
-    """A mapping, as written: a key may stand twice."""
+    """A mapping, as written: a key may stand twice. `start` and `flow` as of a Listing."""
 
     line: int
     entries: list[tuple[Scalar, "Node"]]
+    start: int = field(default=0, compare=False)
+    flow: bool = field(default=False, compare=False)
 
 
 Node = Scalar | Listing | Section
@@ -212,9 +221,12 @@ def _node(path: Path, event: NodeEvent, ros: bool) -> Node:
         raise TypeError(f"an event of YAML that is no node: {event!r}")
     if event.tag is not None and not (ros and isinstance(event, ScalarEvent)):
         raise BadFile(path, line, str(event.tag), "a tag (!)", "Write the plain value, or quote it")
+    start = event.start_mark.index
     if isinstance(event, ScalarEvent):
-        return Scalar(event.value, event.style is None, line, None if event.tag is None else str(event.tag))
-    return Section(line, []) if isinstance(event, MappingStartEvent) else Listing(line, [])
+        tag = None if event.tag is None else str(event.tag)
+        return Scalar(event.value, event.style is None, line, tag, start, event.end_mark.index)
+    flow = bool(event.flow_style)
+    return Section(line, [], start, flow) if isinstance(event, MappingStartEvent) else Listing(line, [], start, flow)
 
 
 def quoted(text: str) -> str:

@@ -208,24 +208,38 @@ def read_study_text(path: Path, text: str) -> Study:
 
 def read_study_tree(path: Path, tree: Node) -> Study:
     """As `read_study_text`, of a text that is taken apart already."""
-    return _load_tree(path, tree).value
+    return load_study_tree(path, tree).value
+
+
+def study_before(path: Path, tree: Node) -> StudyFile:
+    """What a study starts from before its own lines count: defaults, its preset of noise, the files of ROS it names.
+
+    Raises:
+        BadFile: one of those files cannot be read.
+    """
+    return StudyFile.of(_start(path, tree).value)
 
 
 def _load(path: Path, text: str) -> Loaded[Study]:
-    return _load_tree(path, parse(path, text))
+    return load_study_tree(path, parse(path, text))
 
 
-def _load_tree(path: Path, tree: Node) -> Loaded[Study]:
-    standard = Study()
-    start = applied(preset(preset_in(tree), view_of(standard)), standard)
-    ros = read_ros_parameters(_ros_files(path, tree), start.robot)
-    start = dataclasses.replace(start, robot=ros.value)
-    written = load_tree(path, tree, StudyFile, StudyFile.of(start))
-    loaded = Loaded(path, _gathered(written), written.lines, ros.notices + written.notices)
+def load_study_tree(path: Path, tree: Node) -> Loaded[Study]:
+    """As `load_study`, of a text that is taken apart already."""
+    start = _start(path, tree)
+    written = load_tree(path, tree, StudyFile, StudyFile.of(start.value))
+    loaded = Loaded(path, _gathered(written), written.lines, start.notices + written.notices)
     faults = (*_told_twice(written), *_contradictions(loaded))
     if faults:
         raise BadFiles(faults)
     return loaded
+
+
+def _start(path: Path, tree: Node) -> Loaded[Study]:
+    standard = Study()
+    start = applied(preset(preset_in(tree), view_of(standard)), standard)
+    ros = read_ros_parameters(_ros_files(path, tree), start.robot)
+    return Loaded(path, dataclasses.replace(start, robot=ros.value), {}, ros.notices)
 
 
 def _ros_files(path: Path, tree: Node) -> list[Path]:

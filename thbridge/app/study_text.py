@@ -33,7 +33,7 @@ def _lines(section: "DataclassInstance", key: str, commented: bool) -> Iterator[
     hints = cast(Mapping[str, object], get_type_hints(type(section)))
     for knob_field in dataclasses.fields(section):
         place = f"{key}.{knob_field.name}" if key else knob_field.name
-        if place in _SHOWN_ELSEWHERE:
+        if place in SHOWN_ELSEWHERE:
             continue
         value = cast(object, getattr(section, knob_field.name))
         if knob_field.name == sections_named_in(type(section)):
@@ -46,9 +46,9 @@ def _lines(section: "DataclassInstance", key: str, commented: bool) -> Iterator[
             inner = _lines(value, place, commented)
             lines = [f"{knob_field.name}:", *(f"  {line}" if line else "" for line in inner)]
         elif value and isinstance(value, tuple) and dataclasses.is_dataclass(value[0]):
-            lines = [f"{knob_field.name}:", *(f"  - {_written(item)}" for item in value)]
+            lines = [f"{knob_field.name}:", *(f"  - {as_yaml(item)}" for item in value)]
         else:
-            lines = [f"{knob_field.name}: {_written(value)}"]
+            lines = [f"{knob_field.name}: {as_yaml(value)}"]
         if commented:
             words = allowed(hints[knob_field.name], knob_field.metadata)
             comment = f"# {knob_field.metadata['help']}" + (f" [{words}]" if words else "")
@@ -79,7 +79,7 @@ def _named_sections(name: str, sections: tuple["DataclassInstance", ...]) -> Ite
         yield f"{own_name}:"
         for knob_field in dataclasses.fields(section):
             if knob_field.name != "name":
-                yield f"  {knob_field.name}: {_written(cast(object, getattr(section, knob_field.name)))}"
+                yield f"  {knob_field.name}: {as_yaml(cast(object, getattr(section, knob_field.name)))}"
 
 
 def _differences(section: "DataclassInstance", like: "DataclassInstance") -> Iterator[str]:
@@ -93,7 +93,7 @@ def _differences(section: "DataclassInstance", like: "DataclassInstance") -> Ite
             yield f"{knob_field.name}:"
             yield from (f"  {line}" for line in _differences(value, cast("DataclassInstance", other)))
         else:
-            yield f"{knob_field.name}: {_written(value)}"
+            yield f"{knob_field.name}: {as_yaml(value)}"
 
 
 def _keys_of_items(hint: object) -> Iterator[str]:
@@ -107,11 +107,11 @@ def _keys_of_items(hint: object) -> Iterator[str]:
         yield f"#   {knob_field.name}: {knob_field.metadata['help']}" + (f" [{words}]" if words else "")
 
 
-_SHOWN_ELSEWHERE = {"world.odometry", *HOMES.values()}
+SHOWN_ELSEWHERE = {"world.odometry", *HOMES.values()}
 """What the section `noise` shows."""
 
 
-def _written(value: object) -> str:
+def as_yaml(value: object) -> str:
     """One value as YAML that reads back equal."""
     if value is None:
         return "null"
@@ -120,13 +120,18 @@ def _written(value: object) -> str:
     if isinstance(value, (int, float)):
         return repr(value)
     if isinstance(value, tuple):
-        return f"[{', '.join(_written(item) for item in value)}]"
+        return f"[{', '.join(as_yaml(item) for item in value)}]"
     if dataclasses.is_dataclass(value) and not isinstance(value, type):
         told = {
             knob_field.name: cast(object, getattr(value, knob_field.name)) for knob_field in dataclasses.fields(value)
         }
         standard = {knob_field.name: cast(object, knob_field.default) for knob_field in dataclasses.fields(value)}
-        keys = (f"{name}: {_written(entry)}" for name, entry in told.items() if entry != standard[name])
+        keys = (f"{name}: {as_yaml(entry)}" for name, entry in told.items() if entry != standard[name])
         return f"{{{', '.join(keys)}}}"
     text = str(value)
-    return text if _WORD.fullmatch(text) and text.lower() not in _RESERVED else quoted(text)
+    return text if is_plain_word(text) else quoted(text)
+
+
+def is_plain_word(text: str) -> bool:
+    """Whether a text needs no quotes in a file."""
+    return _WORD.fullmatch(text) is not None and text.lower() not in _RESERVED

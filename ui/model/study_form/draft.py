@@ -1,0 +1,206 @@
+"""A study file in the making: its text, the form of it, and what is wrong with it."""
+
+import dataclasses
+import difflib
+from collections.abc import Mapping
+from dataclasses import dataclass
+from pathlib import Path
+
+from thbridge.adapters.errors import BadFile, BadFiles
+from thbridge.adapters.yaml_edit import node_at, steps_of, with_value, without
+from thbridge.adapters.yaml_tree import Node, Section, parse
+from thbridge.app.compose import read_setting
+from thbridge.app.config import Study, StudyFile, load_study_tree, study_before
+from thbridge.app.noise import HOMES
+from thbridge.hunt.outcomes import Refused
+from ui.model.study_form.form import Field, Group, Repeats, form_of, typed
+
+HEADER = "# A study. Every key may be left out; what is not written here is as by default.\n"
+"""What a new file begins with."""
+
+_NEW_ITEMS: Mapping[str, str] = {
+    "things": '{{name: "thing {number}", shape: crate, at: [0, 0, 0]}}',
+    "mishaps": "{{robot: 1, what: dies, time: 60}}",
+}
+
+
+@dataclass(frozen=True, slots=True)
+class Draft:
+    """A text of a study file, and all that follows from it.
+
+    Attributes:
+        path: the file; paths in it start from its folder.
+        text: what it would say.
+        tree: the same, taken apart; None when it is not YAML.
+        form: its fields; those of an empty file when it is not YAML.
+        study: what it means; None when something is wrong.
+        faults: what is wrong, told by the reader that programs use.
+        notices: what is right but changes nothing.
+    """
+
+    path: Path
+    text: str
+    tree: Node | None
+    form: Group
+    study: Study | None
+    faults: tuple[BadFile, ...]
+    notices: tuple[str, ...]
+
+    def faults_of(self, field: Field) -> tuple[BadFile, ...]:
+        """What is wrong with one field."""
+        return tuple(fault for fault in self.faults if self._is_of(fault, field))
+
+    def field_of(self, fault: BadFile) -> Field | None:
+        """The field that a fault belongs to, if it is one's."""
+        return next((field for field in self.form.all_fields() if self._is_of(fault, field)), None)
+
+    def _is_of(self, fault: BadFile, field: Field) -> bool:
+        if fault.key is None or fault.path != self.path:
+            return False
+        keys = {field.key, field.place}
+        section, _, inner = field.key.partition(".")
+        if section == "noise" and inner in HOMES:
+            keys.add(HOMES[inner])
+        return any(fault.key == key or fault.key.startswith(f"{key}[") for key in keys)
+
+    def fields(self) -> Mapping[str, Field]:
+        """All fields by their keys."""
+        return {field.key: field for field in self.form.all_fields()}
+
+    def groups(self) -> Mapping[str, Group]:
+        """All sections by their keys."""
+        return {group.key: group for group in self.form.all_groups()}
+
+    def set(self, field: Field, said: str) -> str | Refused:
+        """The text with what a person typed or chose in a field; nothing typed, where words do not do, resets it."""
+        if not said.strip() and not field.is_text:
+            return self.reset(field)
+        # Saying the default of what the file leaves out would only make the file longer.
+        value = typed(field, said)
+        if field.written is None and value == field.default:
+            return self.text
+        return with_value(self.text, field.place, value, self._order, self.tree)
+
+    def reset(self, field: Field) -> str | Refused:
+        """The text without a field's key, so that its default holds."""
+        return without(self.text, field.place, self.tree)
+
+    def reset_group(self, group: Group) -> str | Refused:
+        """The text without any key of a section."""
+        text: str | Refused = self.text
+        for field in reversed(list(group.all_fields())):
+            if field.written is not None and isinstance(text, str):
+                text = without(text, field.place)
+        return text
+
+    def add(self, group: Group, robot: int | None = None) -> str | Refused:
+        """The text with another item in a section that repeats; of robots, the one with this number, or the next."""
+        if group.repeats is Repeats.ROBOTS:
+            taken = {item.key.rpartition(".")[2] for item in group.groups}
+            number = robot or next(n for n in range(1, len(taken) + 2) if str(n) not in taken)
+            return with_value(self.text, f"{group.key}.{number}", "{}", self._order, self.tree)
+        number = len(group.groups)
+        names = {field.value for item in group.groups for field in item.fields if field.key.endswith(".name")}
+        free = next(n for n in range(1, number + 2) if f'"thing {n}"' not in names and f"thing {n}" not in names)
+        value = _NEW_ITEMS[group.key].format(number=free)
+        if number == 0 and (self.tree is None or node_at(self.tree, steps_of(group.key)) is None):
+            return with_value(self.text, group.key, f"[{value}]", self._order, self.tree)
+        return with_value(self.text, f"{group.key}[{number}]", value, self._order, self.tree)
+
+    def remove(self, item: Group) -> str | Refused:
+        """The text without an item of a section that repeats."""
+        return without(self.text, item.key, self.tree)
+
+    def _order(self, key: str) -> tuple[str, ...]:
+        group = self.groups().get(key)
+        return () if group is None else group.order
+
+    def differences(self, saved: str) -> tuple[str, ...]:
+        """The lines in which the text differs from what is on disk, with some around them, as `diff -u` has them."""
+        before, after = saved.splitlines(), self.text.splitlines()
+        lines = list(difflib.unified_diff(before, after, "on disk", "to be written", lineterm=""))
+        return tuple(lines)
+
+
+def draft_of(path: Path, text: str) -> Draft:
+    """Read and check a text as `thbridge study check` does; takes some 0.1 s."""
+    try:
+        tree = parse(path, text)
+    except BadFile as fault:
+        empty = Section(1, [])
+        return Draft(path, text, None, form_of("", empty, StudyFile.of(Study())), None, (fault,), ())
+    try:
+        start = study_before(path, tree)
+    except BadFile:
+        # It is told below.
+        start = StudyFile.of(Study())
+    form = form_of(text, tree, start)
+    draft = Draft(path, text, tree, form, None, (), ())
+    try:
+        loaded = load_study_tree(path, tree)
+        read_setting(loaded.value, path.parent)
+    except BadFiles as faults:
+        return dataclasses.replace(draft, faults=faults.faults)
+    except BadFile as fault:
+        return dataclasses.replace(draft, faults=(fault,))
+    return dataclasses.replace(draft, study=loaded.value, notices=loaded.notices)
+
+
+def found(form: Group, words: str) -> tuple[Field, ...]:
+    """The fields in whose key, name or help each of these words occurs, exact names first."""
+    wanted = [word.replace(" ", "_") for word in words.lower().split()]
+    if not wanted:
+        return ()
+
+    def told(field: Field) -> str:
+        return f"{field.key} {field.place} {field.label} {field.help} {' '.join(field.choices)}".lower()
+
+    def rank(field: Field) -> tuple[bool, bool, bool]:
+        name, said = field.key.rpartition(".")[2].lower(), "_".join(wanted)
+        return name != said, said not in name, field.key.startswith("each.")
+
+    return tuple(sorted((f for f in form.all_fields() if all(word in told(f) for word in wanted)), key=rank))
+
+
+@dataclass(frozen=True, slots=True)
+class History:
+    """The texts that were, and those that were taken back.
+
+    Attributes:
+        text: now.
+        past: before, the latest last.
+        future: taken back, the next first.
+        key: which field the last change was of, so that a value that is dragged or typed is one step.
+    """
+
+    text: str
+    past: tuple[str, ...] = ()
+    future: tuple[str, ...] = ()
+    key: str = ""
+
+    def said(self, text: str, key: str = "") -> "History":
+        """After a change of text; another change of the same field belongs to the same step."""
+        if text == self.text:
+            return self
+        past = self.past if key and key == self.key and self.past else (*self.past, self.text)[-LONGEST_HISTORY:]
+        return History(text, past, (), key)
+
+    def undone(self) -> "History":
+        """One step back; where there is none, as it is."""
+        if not self.past:
+            return self
+        return History(self.past[-1], self.past[:-1], (self.text, *self.future))
+
+    def redone(self) -> "History":
+        """One step forward again."""
+        if not self.future:
+            return self
+        return History(self.future[0], (*self.past, self.text), self.future[1:])
+
+    def settled(self) -> "History":
+        """The next change begins a step of its own."""
+        return dataclasses.replace(self, key="")
+
+
+LONGEST_HISTORY = 200
+"""Steps."""

@@ -1,0 +1,332 @@
+"""The fields of a study's form: what the schema says of each, and what the file says."""
+
+import dataclasses
+from collections.abc import Iterator, Mapping
+from dataclasses import dataclass
+from enum import StrEnum
+from pathlib import Path
+from types import NoneType, UnionType
+from typing import TYPE_CHECKING, Union, cast, get_args, get_origin, get_type_hints
+
+from thbridge.adapters.declarations import Metadata, bounds, choices_of, model_of, renamed_of, sections_named_in
+from thbridge.adapters.yaml_edit import node_at, source_of, steps_of
+from thbridge.adapters.yaml_tree import Listing, Node, Scalar, Section, quoted
+from thbridge.app.config import StudyFile
+from thbridge.app.noise import HOMES
+from thbridge.app.study_text import SHOWN_ELSEWHERE, as_yaml, is_plain_word
+
+if TYPE_CHECKING:
+    from _typeshed import DataclassInstance
+
+
+class Kind(StrEnum):
+    """What a field holds."""
+
+    TRUTH = "truth"
+    WHOLE = "whole number"
+    NUMBER = "number"
+    CHOICE = "choice"
+    TEXT = "text"
+    PATH = "path"
+    LIST = "list"
+
+
+class Repeats(StrEnum):
+    """Of what a group has any number."""
+
+    ITEMS = "items"
+    ROBOTS = "robots"
+
+
+@dataclass(frozen=True, slots=True)
+class Field:
+    """One value of a study.
+
+    Attributes:
+        key: its path in a study, such as `robot.amcl.kld_err`.
+        label: its name for people.
+        help: its meaning, one sentence.
+        kind: what it holds.
+        unit: SI; empty for a pure number.
+        minimum: least number allowed, infinite where there is none.
+        maximum: greatest number allowed.
+        choices: words allowed; empty when free.
+        optional: whether it may be null.
+        default: as YAML, what holds when the file is silent: after presets and files of ROS.
+        written: as YAML, what stands in the file; None when it is silent.
+        place: the path at which it stands in the file, or would; an old name of it, for example.
+        line: where that is, counted from 1.
+    """
+
+    key: str
+    label: str
+    help: str
+    kind: Kind
+    unit: str
+    minimum: float
+    maximum: float
+    choices: tuple[str, ...]
+    optional: bool
+    default: str
+    written: str | None
+    place: str
+    line: int | None
+
+    @property
+    def value(self) -> str:
+        """What holds, as YAML."""
+        return self.default if self.written is None else self.written
+
+    @property
+    def is_text(self) -> bool:
+        """Whether people type words into it rather than YAML."""
+        return self.kind in {Kind.TEXT, Kind.PATH}
+
+
+@dataclass(frozen=True, slots=True)
+class Group:
+    """A section of a study.
+
+    Attributes:
+        key: its path; empty for the whole study.
+        label: its name for people.
+        help: its meaning.
+        fields: its own values.
+        groups: sections in it.
+        repeats: whether those are items that can be added and taken away.
+        order: its keys as the schema has them.
+    """
+
+    key: str
+    label: str
+    help: str
+    fields: tuple[Field, ...]
+    groups: tuple["Group", ...]
+    repeats: Repeats | None = None
+    order: tuple[str, ...] = ()
+
+    def all_fields(self) -> Iterator[Field]:
+        """Its fields and those of all sections in it."""
+        yield from self.fields
+        for group in self.groups:
+            yield from group.all_fields()
+
+    def all_groups(self) -> Iterator["Group"]:
+        """Itself and all sections in it."""
+        yield self
+        for group in self.groups:
+            yield from group.all_groups()
+
+    def written(self) -> int:
+        """How many of its values stand in the file."""
+        return sum(field.written is not None for field in self.all_fields())
+
+
+_NOISE_OF = {home: f"noise.{path}" for path, home in HOMES.items()}
+"""The place in the section `noise` of each number that has another home."""
+
+
+def form_of(text: str, tree: Node, start: StudyFile) -> Group:
+    """The form of a study file.
+
+    Args:
+        text: the file.
+        tree: the same, taken apart.
+        start: what holds where the file is silent.
+    """
+    return _Builder(text, tree).group(start, "", "Study", "everything that can be set")
+
+
+def typed(field: Field, said: str) -> str:
+    """What a person typed or chose, as YAML for the file."""
+    said = said.strip() if not field.is_text else said
+    if field.optional and said == "null":
+        return said
+    if field.kind in {Kind.TEXT, Kind.PATH, Kind.CHOICE}:
+        return said if is_plain_word(said) else quoted(said)
+    if field.kind is Kind.LIST or all(sign.isalnum() or sign in "+-._" for sign in said):
+        return said
+    return quoted(said)
+
+
+def shown(source: str, tree: Node) -> str:
+    """A text value without its quotes; all else as it stands."""
+    return tree.text if isinstance(tree, Scalar) and not tree.plain else source
+
+
+class _Builder:
+    """Goes through the schema, the defaults and the file side by side."""
+
+    def __init__(self, text: str, tree: Node) -> None:
+        self._text = text
+        self._tree = tree
+        self._made: dict[str, Field] = {}
+
+    def group(
+        self,
+        start: "DataclassInstance",
+        key: str,
+        label: str,
+        help_text: str,
+        handed: Mapping[str, str] | None = None,
+        like: str = "",
+    ) -> Group:
+        """A section.
+
+        Args:
+            start: its values where the file is silent.
+            key: its path.
+            label: its name.
+            help_text: its meaning.
+            handed: where a section above has keys of this one, by the keys' names here.
+            like: the path of the section whose values hold where this one is silent.
+        """
+        section = type(start)
+        hints = cast(Mapping[str, object], get_type_hints(section))
+        fields: list[Field] = []
+        groups: list[Group] = []
+        # The noise comes first: what each robot believes of it is by default what all believe.
+        for knob in sorted(dataclasses.fields(start), key=lambda knob: knob.name != "noise"):
+            name, place = knob.name, _joined(key, knob.name)
+            if place in SHOWN_ELSEWHERE:
+                continue
+            value, hint = cast(object, getattr(start, name)), hints[name]
+            told = cast(str, knob.metadata.get("help", ""))
+            above = (handed or {}).get(name)
+            model = model_of(knob)
+            if name == sections_named_in(section):
+                names_at = above or place
+                named = cast(tuple["DataclassInstance", ...], value)
+                fields.append(self._names(place, told, named, above))
+                groups += self._named_sections(named, names_at, _joined(like, name) if like else "")
+            elif model is not None:
+                item_model = cast("DataclassInstance", getattr(start, model))
+                groups.append(self._robots(item_model, place, told, _joined(key, model)))
+            elif _item_class(hint) is not None and not value:
+                groups.append(self._items(cast("type[DataclassInstance]", _item_class(hint)), place, told))
+            elif dataclasses.is_dataclass(value) and not isinstance(value, type):
+                passed_on = cast(Mapping[str, str], getattr(section, "passed_on", {}))
+                below = {
+                    path.partition(".")[2]: _joined(key, above_name)
+                    for above_name, path in passed_on.items()
+                    if path.partition(".")[0] == name
+                }
+                inner_like = _joined(like, name) if like else ""
+                groups.append(self.group(value, place, _label(place), told, below, inner_like))
+            else:
+                old = [_joined(key, was) for was, now in renamed_of(section).items() if now == name]
+                places = [*([above] if above else []), place, *old, *self._homes(place)]
+                inherited = self._inherited(_joined(like, name)) if like else None
+                default = as_yaml(value) if inherited is None else inherited.value
+                fields.append(self._field(place, hint, knob.metadata, default, places))
+        order = tuple(knob.name for knob in dataclasses.fields(start))
+        return Group(key, label, help_text, tuple(fields), tuple(groups), None, order)
+
+    def _inherited(self, key: str) -> Field | None:
+        return self._made.get(_NOISE_OF.get(key, key))
+
+    def _field(self, key: str, hint: object, metadata: Metadata, default: str, places: list[str]) -> Field:
+        optional = get_origin(hint) in {Union, UnionType}
+        if optional:
+            (hint,) = (argument for argument in get_args(hint) if argument is not NoneType)
+        written = [place for place in places if node_at(self._tree, steps_of(place)) is not None]
+        place = written[0] if written else key
+        node = node_at(self._tree, steps_of(place))
+        minimum, maximum = bounds(metadata)
+        choices = choices_of(hint, metadata)
+        made = Field(
+            key=key,
+            label=_label(key),
+            help=cast(str, metadata.get("help", "")),
+            kind=_kind(hint, choices),
+            unit=cast(str, metadata.get("unit", "")),
+            minimum=minimum,
+            maximum=maximum,
+            choices=choices,
+            optional=optional,
+            default=default,
+            written=source_of(self._text, self._tree, place),
+            place=place,
+            line=None if node is None else node.line,
+        )
+        self._made[key] = made
+        return made
+
+    def _homes(self, place: str) -> list[str]:
+        section, _, inner = place.partition(".")
+        return [HOMES[inner]] if section == "noise" and inner in HOMES else []
+
+    def _names(self, key: str, told: str, named: tuple["DataclassInstance", ...], above: str | None) -> Field:
+        default = as_yaml(" ".join(_name_of(section) for section in named))
+        return self._field(key, str, {"help": told}, default, [*([above] if above else []), key])
+
+    def _named_sections(self, named: tuple["DataclassInstance", ...], names_at: str, like: str) -> Iterator[Group]:
+        """The sections that a text of names, at this path, has beside it."""
+        holder = names_at.rpartition(".")[0]
+        node = node_at(self._tree, steps_of(names_at))
+        by_default = {_name_of(section): section for section in named}
+        names = node.text.split() if isinstance(node, Scalar) else list(by_default)
+        for name in names:
+            model = by_default.get(name)
+            if model is None and not named:
+                continue
+            start = dataclasses.replace(model if model is not None else type(named[0])(), name=name)
+            group = self.group(start, _joined(holder, name), name, "one use of the laser", None, "")
+            yield dataclasses.replace(group, fields=tuple(f for f in group.fields if not f.key.endswith(".name")))
+
+    def _robots(self, model: "DataclassInstance", key: str, told: str, like: str) -> Group:
+        node = node_at(self._tree, steps_of(key))
+        entries = node.entries if isinstance(node, Section) else []
+        groups = [
+            self.group(model, f"{key}.{name.text}", f"Robot {name.text}", "what differs from all robots", None, like)
+            for name, _ in entries
+        ]
+        return Group(key, _label(key), told, (), tuple(groups), Repeats.ROBOTS)
+
+    def _items(self, into: "type[DataclassInstance]", key: str, told: str) -> Group:
+        node = node_at(self._tree, steps_of(key))
+        count = len(node.items) if isinstance(node, Listing) else 0
+        groups = [self._item(into, f"{key}[{index}]", index) for index in range(count)]
+        return Group(key, _label(key), told, (), tuple(groups), Repeats.ITEMS)
+
+    def _item(self, into: "type[DataclassInstance]", key: str, index: int) -> Group:
+        hints = cast(Mapping[str, object], get_type_hints(into))
+        fields = []
+        for knob in dataclasses.fields(into):
+            place = f"{key}.{knob.name}"
+            default = "" if knob.default is dataclasses.MISSING else as_yaml(cast(object, knob.default))
+            fields.append(self._field(place, hints[knob.name], knob.metadata, default, [place]))
+        name = next((field.written for field in fields if field.key == f"{key}.name"), None)
+        label = f"{index + 1}" if name is None else f"{index + 1}: {name.strip(chr(34))}"
+        order = tuple(knob.name for knob in dataclasses.fields(into))
+        return Group(key, label, "", tuple(fields), (), None, order)
+
+
+def _name_of(section: "DataclassInstance") -> str:
+    return cast(str, getattr(section, "name"))  # noqa: B009 - any class of them
+
+
+def _item_class(hint: object) -> type | None:
+    """The class of a list's items, where those are sections."""
+    item = cast(object, get_args(hint)[0]) if get_origin(hint) is tuple else None
+    return item if isinstance(item, type) and dataclasses.is_dataclass(item) else None
+
+
+def _kind(hint: object, choices: tuple[str, ...]) -> Kind:
+    if choices:
+        return Kind.CHOICE
+    kinds: Mapping[object, Kind] = {bool: Kind.TRUTH, int: Kind.WHOLE, float: Kind.NUMBER, Path: Kind.PATH}
+    return kinds.get(hint, Kind.LIST if get_origin(hint) is tuple else Kind.TEXT)
+
+
+def _joined(key: str, name: str) -> str:
+    return f"{key}.{name}" if key else name
+
+
+def _label(key: str) -> str:
+    """A name for people; those of ROS stay as people know them from ROS."""
+    name = key.rpartition(".")[2]
+    if key.startswith(("robot.", "each.", "noise.believed.")):
+        return name
+    words = name.replace("_", " ")
+    return words[:1].upper() + words[1:]
