@@ -16,6 +16,7 @@ from ui.commands.plot import bag_plot
 from ui.commands.replay import replay_command
 from ui.commands.ros import ros_app
 from ui.commands.scan import scan
+from ui.commands.study_edit import study_edit
 from ui.terminal import err
 
 app = typer.Typer(
@@ -45,6 +46,7 @@ app.command("replay")(replay_command)
 app.add_typer(bag.bag_app, name="bag")
 files.maps_app.command("measure")(maps_measure)
 app.add_typer(files.maps_app, name="maps")
+files.study_app.command("edit")(study_edit)
 app.add_typer(files.study_app, name="study")
 app.add_typer(ros_app, name="ros")
 

@@ -11,7 +11,7 @@ from enum import StrEnum
 from pathlib import Path
 
 from thbridge.adapters.errors import BadFile
-from thbridge.adapters.yaml_tree import Listing, Node, Scalar, Section, parse
+from thbridge.adapters.yaml_tree import Listing, Node, Scalar, Section, parse, quoted
 from thbridge.hunt.outcomes import Refused
 
 Step = str | int
@@ -278,6 +278,17 @@ def path_of(steps: Sequence[Step]) -> str:
     return path
 
 
+def in_brackets(node: Node) -> str:
+    """A value written on one line."""
+    match node:
+        case Scalar(text, plain):
+            return text if plain else quoted(text)
+        case Listing(items=items):
+            return f"[{', '.join(map(in_brackets, items))}]"
+        case Section(entries=entries):
+            return f"{{{', '.join(f'{_key(name.text)}: {in_brackets(child)}' for name, child in entries)}}}"
+
+
 def _child(node: Node, step: Step) -> Node | None:
     if isinstance(node, Section):
         return next((child for name, child in node.entries if name.text == str(step)), None)
@@ -356,7 +367,7 @@ def _without_lines(text: str, start: int, end: int) -> str:
 
 
 def _key(name: str) -> str:
-    return name if _PLAIN_KEY.fullmatch(name) else '"' + name.replace("\\", "\\\\").replace('"', '\\"') + '"'
+    return name if _PLAIN_KEY.fullmatch(name) else quoted(name)
 
 
 Leaf = tuple[str, str, bool] | tuple[str, None, bool]

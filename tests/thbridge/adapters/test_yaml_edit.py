@@ -106,6 +106,9 @@ NAMES = st.sampled_from(["a", "b", "c", "d"])
 COMMENTS = st.sampled_from(["", "  # why", " # a: 1"])
 
 
+WRITTEN = {"scalar": " 1", "quoted": " 'x # y'", "empty": "", "flow": " {b: 1, c: {d: 2}}", "none": " {}"}
+
+
 @st.composite
 def documents(draw: st.DrawFn, depth: int = 0) -> list[str]:
     """Lines of a section, in all the ways that people write them."""
@@ -121,8 +124,7 @@ def documents(draw: st.DrawFn, depth: int = 0) -> list[str]:
         elif kind == "list":
             lines += [f"{name}:{comment}", "- 1", "- {b: 2}", "- b: 3", "  c: 4"]
         else:
-            value = {"scalar": " 1", "quoted": " 'x # y'", "empty": "", "flow": " {b: 1, c: {d: 2}}", "none": " {}"}[kind]
-            lines.append(f"{name}:{value}{comment}")
+            lines.append(f"{name}:{WRITTEN[kind]}{comment}")
     return lines
 
 

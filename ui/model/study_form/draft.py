@@ -73,7 +73,7 @@ class Draft:
 
     def set(self, field: Field, said: str) -> str | Refused:
         """The text with what a person typed or chose in a field; nothing typed, where words do not do, resets it."""
-        if not said.strip() and not field.is_text:
+        if not said.strip() and (field.optional or not field.is_text):
             return self.reset(field)
         # Saying the default of what the file leaves out would only make the file longer.
         value = typed(field, said)

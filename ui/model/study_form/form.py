@@ -1,6 +1,7 @@
 """The fields of a study's form: what the schema says of each, and what the file says."""
 
 import dataclasses
+import textwrap
 from collections.abc import Iterator, Mapping
 from dataclasses import dataclass
 from enum import StrEnum
@@ -8,9 +9,18 @@ from pathlib import Path
 from types import NoneType, UnionType
 from typing import TYPE_CHECKING, Union, cast, get_args, get_origin, get_type_hints
 
-from thbridge.adapters.declarations import Metadata, bounds, choices_of, model_of, renamed_of, sections_named_in
-from thbridge.adapters.yaml_edit import node_at, source_of, steps_of
-from thbridge.adapters.yaml_tree import Listing, Node, Scalar, Section, quoted
+from thbridge.adapters.declarations import (
+    Metadata,
+    allowed,
+    bounds,
+    choices_of,
+    model_of,
+    renamed_of,
+    sections_named_in,
+)
+from thbridge.adapters.errors import BadFile
+from thbridge.adapters.yaml_edit import in_brackets, node_at, source_of, steps_of
+from thbridge.adapters.yaml_tree import Listing, Node, Scalar, Section, parse, quoted
 from thbridge.app.config import StudyFile
 from thbridge.app.noise import HOMES
 from thbridge.app.study_text import SHOWN_ELSEWHERE, as_yaml, is_plain_word
@@ -149,9 +159,29 @@ def typed(field: Field, said: str) -> str:
     return quoted(said)
 
 
-def shown(source: str, tree: Node) -> str:
-    """A text value without its quotes; all else as it stands."""
-    return tree.text if isinstance(tree, Scalar) and not tree.plain else source
+def said_of(field: Field) -> str:
+    """What holds, as a person would type it: a text without its quotes."""
+    one_line = "\n" not in field.value
+    if field.kind is Kind.LIST and one_line:
+        return field.value
+    try:
+        node = parse(Path("value"), field.value if one_line else _outdented(field.value))
+    except BadFile:
+        return field.value
+    return node.text if isinstance(node, Scalar) else field.value if one_line else in_brackets(node)
+
+
+def hint_of(field: Field) -> str:
+    """What may be written: `0 to 20`, `at least 1`, `null allowed`."""
+    limits = {"minimum": field.minimum, "maximum": field.maximum}
+    words = [] if field.choices else [allowed(float, limits)]
+    return ", ".join([*(word for word in words if word), *(["or null"] if field.optional else [])])
+
+
+def _outdented(lines: str) -> str:
+    """A value in several lines as a text of its own: its first line has lost its indentation to the key before it."""
+    first, _, rest = lines.partition("\n")
+    return f"{first}\n{textwrap.dedent(rest)}"
 
 
 class _Builder:

@@ -1,0 +1,251 @@
+import dataclasses
+import difflib
+from pathlib import Path
+
+import pytest
+from hypothesis import given, settings
+from hypothesis import strategies as st
+
+from thbridge.adapters.yaml_tree import parse
+from thbridge.app.config import Study, load_study_tree, study_before
+from thbridge.app.noise import value_at
+from thbridge.app.study_text import as_yaml, commented_study
+from thbridge.hunt.outcomes import Refused
+from ui.model.study_form.draft import HEADER, Draft, History, draft_of, found
+from ui.model.study_form.form import Field, Kind, form_of, hint_of, said_of, typed
+
+PATH = Path("study.yaml")
+WRITTEN = """\
+# our pilot
+robots: 4   # two pairs
+noise:
+  preset: turtlebot2
+  odometry: {alpha1: 0.05}
+robot:
+  local_costmap: {obstacle_range: 2.2}  # ROS's old place
+  TrajectoryPlannerROS:
+    pdist_scale: 0.3
+each:
+  2: {localization: ekf}
+things:
+  - {name: crate, shape: crate, at: [1, 2, 0]}
+world:
+  odometry: {alpha2: 0.07}
+"""
+
+
+def quick(text: str) -> Draft:
+    """A draft as `draft_of` makes it, without what the study names being read."""
+    tree = parse(PATH, text)
+    study = load_study_tree(PATH, tree).value
+    return Draft(PATH, text, tree, form_of(text, tree, study_before(PATH, tree)), study, (), ())
+
+
+def text_of(outcome: str | Refused) -> str:
+    assert isinstance(outcome, str), outcome
+    return outcome
+
+
+def test_every_parameter_of_a_study_is_a_field_with_words() -> None:
+    fields = quick("").fields()
+    assert {"robots", "game.energy", "robot.amcl.kld_err", "noise.odometry.alpha1", "fleet.robot.odom"} <= set(fields)
+    assert all(field.help and field.written is None for field in fields.values())
+    field = fields["robot.amcl.kld_err"]
+    assert (field.kind, field.minimum, field.maximum, field.default) == (Kind.NUMBER, 0, 1, "0.05")
+    assert fields["robot.localization"].choices == ("amcl", "ekf", "truth", "fake_localization")
+    assert hint_of(fields["rate"]) == "0 to 1000, or null"
+
+
+def test_a_field_knows_what_is_written_and_where() -> None:
+    fields = quick(WRITTEN).fields()
+    assert (fields["robots"].written, fields["robots"].line) == ("4", 2)
+    assert fields["noise.odometry.alpha2"].place == "world.odometry.alpha2"
+    assert fields["robot.TrajectoryPlannerROS.path_distance_bias"].place == "robot.TrajectoryPlannerROS.pdist_scale"
+    moved = fields["robot.local_costmap.obstacle_layer.obstacle_range"]
+    assert (moved.place, moved.value) == ("robot.local_costmap.obstacle_range", "2.2")
+
+
+def test_defaults_are_those_of_presets_and_of_all_robots() -> None:
+    fields = quick(WRITTEN).fields()
+    assert fields["noise.odometry.linear_scale"].default == "1.005"
+    assert fields["each.2.TrajectoryPlannerROS.path_distance_bias"].default == "0.3"
+    assert fields["each.2.amcl.odom_alpha1"].default == "0.2"
+
+
+def test_the_commented_file_and_an_empty_one_show_the_same_values() -> None:
+    all_written, none_written = quick(commented_study()).fields(), quick("").fields()
+    assert {key: said_of(field) for key, field in all_written.items()} == {
+        key: said_of(field) for key, field in none_written.items()
+    }
+
+
+EDITED = quick(WRITTEN).fields()
+KEYS = sorted(key for key, field in EDITED.items() if field.kind in {Kind.NUMBER, Kind.WHOLE, Kind.TRUTH, Kind.CHOICE})
+
+
+@st.composite
+def changes(draw: st.DrawFn) -> tuple[str, str]:
+    """A field and something that may stand in it."""
+    key = draw(st.sampled_from(KEYS))
+    field = EDITED[key]
+    if field.kind is Kind.CHOICE:
+        return key, draw(st.sampled_from(field.choices))
+    if field.kind is Kind.TRUTH:
+        return key, draw(st.sampled_from(["true", "false"]))
+    low, high = max(field.minimum, -1e6), min(field.maximum, 1e6)
+    if field.kind is Kind.WHOLE:
+        return key, str(draw(st.integers(round(low), round(high))))
+    return key, repr(draw(st.floats(low, high, allow_nan=False)))
+
+
+HELD_APART = {"robots", "seed", "world.laser.rate", "world.laser.range_min", "world.laser.range_max"}
+
+
+@settings(max_examples=60)
+@given(st.lists(changes(), max_size=4), st.sampled_from([WRITTEN, WRITTEN.replace("\n", "\r\n"), "", HEADER]))
+def test_a_changed_file_means_what_was_wished_and_keeps_all_other_lines(
+    wished: list[tuple[str, str]], text: str
+) -> None:
+    tree = parse(PATH, text)
+    for key, said in wished:
+        form = form_of(text, tree, study_before(PATH, tree))
+        fields = {field.key: field for field in form.all_fields()}
+        if key not in fields:
+            continue
+        field = fields[key]
+        draft = Draft(PATH, text, tree, form, None, (), ())
+        before, text = text, text_of(draft.set(field, said))
+        tree = parse(PATH, text)
+        after = {field.key: field for field in form_of(text, tree, study_before(PATH, tree)).all_fields()}
+        assert as_number(said_of(after[key])) == as_number(said)
+        untouched(before, text, field)
+        for other, was in fields.items():
+            # A preset changes defaults, and so does what all robots have; what is written stays.
+            if other != key and was.place != field.place and was.written is not None:
+                assert after[other].written == was.written
+
+
+def untouched(before: str, after: str, field: Field) -> None:
+    """All lines but the field's own are there, to the byte and in order."""
+    lines = before.splitlines(keepends=True)
+    codes = difflib.SequenceMatcher(None, lines, after.splitlines(keepends=True), autojunk=False).get_opcodes()
+    lost = [line + 1 for code in codes if code[0] in {"replace", "delete"} for line in range(code[1], code[2])]
+    # A section in brackets takes a new key into its own line.
+    assert lost in ([], [field.line]) or (len(lost) == 1 and "{" in lines[lost[0] - 1])
+
+
+def as_number(said: str) -> float | str:
+    try:
+        return float(said)
+    except ValueError:
+        return said
+
+
+@given(changes())
+def test_resetting_takes_back_just_what_was_set(change: tuple[str, str]) -> None:
+    key, said = change
+    draft = quick("robots: 2\n# end\n")
+    if key not in draft.fields():
+        return
+    was = draft.fields()[key]
+    changed = text_of(draft.set(was, said))
+    if changed == draft.text or was.written is not None:
+        return
+    tree = parse(PATH, changed)
+    form = form_of(changed, tree, study_before(PATH, tree))
+    field = next(field for field in form.all_fields() if field.key == key)
+    assert text_of(Draft(PATH, changed, tree, form, None, (), ()).reset(field)) == draft.text
+
+
+def test_typing_nothing_resets_a_number() -> None:
+    draft = quick("robots: 3\nseed: 1\n")
+    assert draft.set(draft.fields()["robots"], " ") == "seed: 1\n"
+
+
+def test_words_are_quoted_where_they_must_be() -> None:
+    fields = quick("").fields()
+    assert typed(fields["map"], "./my map: new") == '"./my map: new"'
+    assert typed(fields["map"], "arena8") == "arena8"
+    assert typed(fields["map"], "true") == '"true"'
+    assert typed(fields["robots"], "#3") == '"#3"'
+    assert typed(fields["rate"], "null") == "null"
+
+
+def test_faults_are_told_at_their_fields() -> None:
+    draft = draft_of(PATH, "robots: many\nworld: {laser: {rate: 7}}\nrobt: 1\n")
+    assert draft.study is None
+    assert [draft.field_of(fault) and draft.field_of(fault).key for fault in draft.faults] == ["robots", None]
+    assert draft.faults_of(draft.fields()["robots"])[0].line == 1
+    told_at_home = draft_of(PATH, "world: {odometry: {alpha1: -1}}\n")
+    assert told_at_home.faults_of(told_at_home.fields()["noise.odometry.alpha1"])
+
+
+def test_what_a_study_names_is_checked_too() -> None:
+    draft = draft_of(PATH, "map: nowhere\n")
+    assert len(draft.faults) == 1
+    assert "nowhere" in str(draft.faults[0])
+
+
+def test_paths_start_from_the_files_folder(tmp_path: Path) -> None:
+    (tmp_path / "amcl.yaml").write_text("amcl: {kld_err: 0.02}\n")
+    draft = draft_of(tmp_path / "study.yaml", "ros_parameters: [amcl.yaml]\n")
+    assert draft.faults == ()
+    assert draft.fields()["robot.amcl.kld_err"].default == "0.02"
+
+
+def test_a_text_that_is_no_yaml_has_a_fault_with_its_line() -> None:
+    draft = draft_of(PATH, "robots: 2\ngame: {\n")
+    assert draft.tree is None
+    assert draft.faults[0].line is not None
+
+
+def test_items_are_added_and_removed() -> None:
+    draft = quick("")
+    one = quick(text_of(draft.add(draft.groups()["things"])))
+    two = quick(text_of(one.add(one.groups()["things"])))
+    assert [
+        field.value for field in two.form.all_fields() if field.key.endswith(".name") and "things" in field.key
+    ] == [
+        '"thing 1"',
+        '"thing 2"',
+    ]
+    again = quick(text_of(two.remove(two.groups()["things[0]"])))
+    assert again.study is not None
+    assert [thing.name for thing in again.study.things] == ["thing 2"]
+    assert quick(text_of(draft.add(draft.groups()["mishaps"]))).study != Study()
+
+
+def test_a_robot_gets_software_of_its_own() -> None:
+    draft = quick("robots: 3\n")
+    own = quick(text_of(draft.add(draft.groups()["each"], 3)))
+    changed = quick(text_of(own.set(own.fields()["each.3.localization"], "ekf")))
+    assert changed.study is not None
+    assert changed.study.software(3).localization == "ekf"
+    assert changed.study.software(1).localization == "amcl"
+
+
+@pytest.mark.parametrize("words", ["kld_err", "kld err", "largest error between", "KLD_ERR", "amcl kld"])
+def test_search_finds_by_name_and_by_meaning(words: str) -> None:
+    assert "robot.amcl.kld_err" in [field.key for field in found(quick("").form, words)]
+
+
+def test_search_puts_exact_names_first_and_knows_old_ones() -> None:
+    form = quick(WRITTEN).form
+    assert found(form, "alpha1")[0].key == "noise.odometry.alpha1"
+    assert found(form, "pdist_scale")[0].key == "robot.TrajectoryPlannerROS.path_distance_bias"
+    assert found(form, "  ") == ()
+
+
+def test_history_goes_back_and_forth_and_takes_typing_together() -> None:
+    history = History("a").said("ab", "k").said("abc", "k")
+    assert history.undone().text == "a"
+    assert history.undone().redone() == dataclasses.replace(history, key="")
+    apart = History("a").said("ab", "k").settled().said("abc", "k")
+    assert apart.undone().text == "ab"
+    assert history.undone().said("x").redone().text == "x"
+
+
+def test_as_it_stands_the_value_of_a_field_is_the_loaders() -> None:
+    draft = quick(commented_study())
+    for key in ("robots", "world.footprint", "robot.amcl.min_particles", "fleet.robot.recorded"):
+        assert draft.fields()[key].value == as_yaml(value_at(draft.study, key))

@@ -1,0 +1,259 @@
+from collections.abc import Iterator
+from pathlib import Path
+
+import pytest
+from PySide6.QtCore import Qt, QTimer
+from PySide6.QtGui import QImage
+from PySide6.QtWidgets import QApplication, QComboBox, QLineEdit, QMessageBox, QPushButton, QSlider, QWidget
+from pytestqt.qtbot import QtBot
+
+from ui.model.theme import DARK, LIGHT
+from ui.windows.look import dress
+from ui.windows.study import StudyWindow, study_window
+
+TEXT = """\
+# our pilot
+robots: 4   # two pairs
+game:
+  energy: 90  # enough
+"""
+
+
+@pytest.fixture
+def file(tmp_path: Path) -> Path:
+    path = tmp_path / "pilot.yaml"
+    path.write_text(TEXT)
+    return path
+
+
+@pytest.fixture
+def window(qtbot: QtBot, qapp: QApplication, file: Path) -> Iterator[StudyWindow]:
+    dress(qapp, LIGHT)
+    window = opened(qtbot, file)
+    yield window
+    leave(window)
+
+
+def opened(qtbot: QtBot, path: Path) -> StudyWindow:
+    window = study_window(path)
+    with qtbot.waitActive(window, timeout=20_000):
+        window.show()
+        window.activateWindow()
+    return window
+
+
+def leave(window: StudyWindow) -> None:
+    """Close without a question."""
+    QTimer.singleShot(0, lambda: answer("Discard"))
+    window.close()
+    window.deleteLater()
+
+
+def answer(words: str) -> None:
+    """Press a button of the question that is asked."""
+    for box in QApplication.topLevelWidgets():
+        if isinstance(box, QMessageBox) and box.isVisible():
+            next(button for button in box.buttons() if words in button.text()).click()
+
+
+def settled(qtbot: QtBot, window: StudyWindow) -> None:
+    # What is typed is checked a little later.
+    qtbot.waitUntil(lambda: window.editor.settled, timeout=20_000)
+
+
+def retype(qtbot: QtBot, window: StudyWindow, key: str, said: str) -> QLineEdit:
+    window.open_field(key)
+    line = QApplication.focusWidget()
+    assert isinstance(line, QLineEdit)
+    line.selectAll()
+    qtbot.keyClicks(line, said)
+    settled(qtbot, window)
+    return line
+
+
+def test_a_value_typed_is_saved_and_no_other_byte_moves(qtbot: QtBot, window: StudyWindow, file: Path) -> None:
+    assert window.isWindowModified() is False
+    retype(qtbot, window, "game.energy", "120")
+    assert window.editor.history.text == TEXT.replace("90", "120")
+    assert file.read_text() == TEXT
+    assert window.isWindowModified()
+    with qtbot.waitSignal(window.editor.saved, timeout=20_000):
+        qtbot.keyClick(window, Qt.Key.Key_S, Qt.KeyboardModifier.ControlModifier)
+    assert file.read_text() == TEXT.replace("90", "120")
+    assert window.isWindowModified() is False
+
+
+def test_a_fault_appears_at_its_field_and_goes_again(qtbot: QtBot, window: StudyWindow) -> None:
+    retype(qtbot, window, "game.energy", "-3")
+    row = window.fields.rows["game.energy"]
+    assert any("out of range" in label.text() for label in row.findChildren(QWidget) if hasattr(label, "text"))
+    assert window.faults.count() == 1
+    assert "⚠ 1" in texts_of(window)
+    retype(qtbot, window, "game.energy", "3")
+    assert window.faults.count() == 0
+
+
+def texts_of(window: StudyWindow) -> str:
+    return " ".join(window.sections.topLevelItem(index).text(0) for index in range(window.sections.topLevelItemCount()))
+
+
+def test_a_faulty_study_is_saved_only_when_that_is_meant(qtbot: QtBot, window: StudyWindow, file: Path) -> None:
+    retype(qtbot, window, "game.energy", "-3")
+    QTimer.singleShot(300, lambda: answer("Cancel"))
+    with qtbot.waitSignal(window.editor.unsound, timeout=20_000):
+        window.save()
+    qtbot.waitUntil(lambda: QApplication.activeModalWidget() is None)
+    assert file.read_text() == TEXT
+    QTimer.singleShot(300, lambda: answer("Save anyway"))
+    with qtbot.waitSignal(window.editor.saved, timeout=20_000):
+        window.save()
+    assert "energy: -3" in file.read_text()
+
+
+def test_reset_takes_the_key_out_of_the_file(qtbot: QtBot, window: StudyWindow) -> None:
+    window.open_field("robots")
+    button = window.fields.rows["robots"].findChild(QPushButton)
+    assert button.accessibleName() == "Reset Robots"
+    qtbot.mouseClick(button, Qt.MouseButton.LeftButton)
+    settled(qtbot, window)
+    assert window.editor.history.text == TEXT.replace("robots: 4   # two pairs", "# two pairs")
+    assert button.isVisible() is False
+    assert window.fields.rows["robots"].text() == "2"
+
+
+def test_undo_and_redo(qtbot: QtBot, window: StudyWindow) -> None:
+    retype(qtbot, window, "game.energy", "120")
+    window.sections.setFocus()
+    settled(qtbot, window)
+    qtbot.keyClick(window, Qt.Key.Key_Z, Qt.KeyboardModifier.ControlModifier)
+    settled(qtbot, window)
+    assert window.editor.history.text == TEXT
+    assert window.fields.rows["game.energy"].text() == "90"
+    qtbot.keyClick(window, Qt.Key.Key_Z, Qt.KeyboardModifier.ControlModifier | Qt.KeyboardModifier.ShiftModifier)
+    settled(qtbot, window)
+    assert "120" in window.editor.history.text
+
+
+def test_a_choice_by_keyboard(qtbot: QtBot, window: StudyWindow) -> None:
+    window.open_field("robot.localization")
+    combo = QApplication.focusWidget()
+    assert isinstance(combo, QComboBox)
+    qtbot.keyClick(combo, Qt.Key.Key_Down)
+    settled(qtbot, window)
+    assert window.editor.history.text == TEXT + "robot:\n  localization: ekf\n"
+
+
+def test_a_noise_value_redraws_what_it_does(qtbot: QtBot, window: StudyWindow) -> None:
+    window.open_section("noise")
+    qtbot.waitUntil(lambda: window.noise.drawn > 0, timeout=20_000)
+    before = picture(window)
+    drawn = window.noise.drawn
+    window.noise_fields.finish()
+    slider = window.noise_fields.rows["noise.odometry.alpha2"].findChild(QSlider)
+    qtbot.keyClick(slider, Qt.Key.Key_PageUp)
+    qtbot.waitUntil(lambda: window.noise.drawn > drawn, timeout=20_000)
+    assert picture(window) != before
+    settled(qtbot, window)
+    assert "alpha2:" in window.editor.history.text
+
+
+def picture(window: StudyWindow) -> QImage:
+    return window.noise.grab().toImage()
+
+
+def test_search_finds_and_edits(qtbot: QtBot, window: StudyWindow) -> None:
+    qtbot.keyClick(window, Qt.Key.Key_F, Qt.KeyboardModifier.ControlModifier)
+    qtbot.keyClicks(window.search, "kld_err")
+    assert next(iter(window.found.rows)) == "robot.amcl.kld_err"
+    line = window.found.rows["robot.amcl.kld_err"].editor
+    assert isinstance(line, QLineEdit)
+    line.setFocus()
+    line.selectAll()
+    qtbot.keyClicks(line, "0.02")
+    settled(qtbot, window)
+    assert "kld_err: 0.02" in window.editor.history.text
+
+
+def test_things_are_added_and_removed(qtbot: QtBot, window: StudyWindow) -> None:
+    window.open_section("things")
+    press(qtbot, window, "Add to Things")
+    settled(qtbot, window)
+    assert window.editor.draft.study is not None
+    assert len(window.editor.draft.study.things) == 1
+    press(qtbot, window, "Remove")
+    settled(qtbot, window)
+    assert window.editor.history.text == TEXT
+
+
+def press(qtbot: QtBot, window: StudyWindow, words: str) -> None:
+    window.fields.finish()
+    button = next(button for button in window.fields.findChildren(QPushButton) if button.text() == words)
+    qtbot.mouseClick(button, Qt.MouseButton.LeftButton)
+
+
+def test_changes_show_what_will_be_written(qtbot: QtBot, window: StudyWindow) -> None:
+    retype(qtbot, window, "game.energy", "120")
+    qtbot.keyClick(window, Qt.Key.Key_D, Qt.KeyboardModifier.ControlModifier)
+    assert "-  energy: 90  # enough\n+  energy: 120  # enough" in window.changes.view.toPlainText()
+
+
+def test_a_file_changed_by_others_is_noticed_and_not_written_over(
+    qtbot: QtBot, window: StudyWindow, file: Path
+) -> None:
+    retype(qtbot, window, "game.energy", "120")
+    file.write_text("robots: 3\n")
+    QTimer.singleShot(400, lambda: answer("Cancel"))
+    with qtbot.waitSignal(window.editor.conflicted, timeout=20_000):
+        window.save()
+    assert file.read_text() == "robots: 3\n"
+    banner = next(button for button in window.findChildren(QPushButton) if button.text() == "Load it")
+    qtbot.waitUntil(banner.isVisible, timeout=20_000)
+    qtbot.mouseClick(banner, Qt.MouseButton.LeftButton)
+    settled(qtbot, window)
+    assert window.editor.history.text == "robots: 3\n"
+    assert window.isWindowModified() is False
+
+
+def test_a_file_that_is_no_yaml_opens_as_text(qtbot: QtBot, tmp_path: Path) -> None:
+    path = tmp_path / "broken.yaml"
+    path.write_text("robots: 2\ngame: {\n")
+    window = opened(qtbot, path)
+    assert window.text.isVisible()
+    assert window.editor.draft.faults[0].line is not None
+    window.text.editor.setPlainText("robots: 3\n")
+    settled(qtbot, window)
+    assert window.editor.draft.study is not None
+    window.open_section("")
+    assert window.fields.rows["robots"].text() == "3"
+    leave(window)
+
+
+def test_a_new_file_is_made_when_it_is_saved(qtbot: QtBot, tmp_path: Path) -> None:
+    path = tmp_path / "new.yaml"
+    window = opened(qtbot, path)
+    retype(qtbot, window, "robots", "3")
+    assert not path.exists()
+    with qtbot.waitSignal(window.editor.saved, timeout=20_000):
+        window.save()
+    assert path.read_text().startswith("# A study.")
+    assert path.read_text().endswith("robots: 3\n")
+    leave(window)
+
+
+def test_everything_has_a_name_for_those_who_cannot_see(qtbot: QtBot, window: StudyWindow) -> None:
+    window.open_section("noise")
+    window.noise_fields.finish()
+    kinds = (QLineEdit, QComboBox, QSlider, QPushButton)
+    for kind in kinds:
+        for widget in window.findChildren(kind):
+            inside = isinstance(widget.parent(), QComboBox)
+            named = widget.accessibleName() or (widget.text() if isinstance(widget, QPushButton) else "")
+            assert named or inside, widget
+
+
+def test_light_and_dark_differ(qtbot: QtBot, qapp: QApplication, window: StudyWindow) -> None:
+    light = window.grab().toImage().pixelColor(5, 5)
+    dress(qapp, DARK)
+    window.repaint_all()
+    assert window.grab().toImage().pixelColor(5, 5) != light
+    dress(qapp, LIGHT)

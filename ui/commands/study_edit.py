@@ -1,0 +1,26 @@
+"""The command that opens a study file as a form."""
+
+from pathlib import Path
+from typing import Annotated
+
+import typer
+
+from ui.display import no_window
+from ui.options import announce_compiling
+from ui.terminal import BAD_INPUT, bad_input, fail
+
+
+def study_edit(
+    file: Annotated[Path, typer.Argument(help="A study file; one that is not there yet is made when it is saved.")],
+) -> None:
+    """Edit a study file in a window: all settings with their meaning, the same checks, and what noise does, drawn."""
+    reason = no_window()
+    if reason is not None:
+        fail(BAD_INPUT, f"{reason} Or edit {file} as text, and check it with `thbridge study check`.")
+    announce_compiling()
+    # A second of imports that no other command needs.
+    from ui.windows.study import edit  # noqa: PLC0415
+
+    with bad_input():
+        code = edit(file)
+    raise typer.Exit(code)

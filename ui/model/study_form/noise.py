@@ -1,0 +1,93 @@
+"""What the form's noise does, as values to draw."""
+
+from collections.abc import Iterable, Mapping
+from dataclasses import dataclass
+
+from thbridge.app.config import Study
+from thbridge.app.noise import HOMES, NoiseSection, applied, view_of, with_value
+from thbridge.offline.noise import Fan, RoomScan, believed_fan, covered, room_scan, wheels_fan
+from ui.model.study_form.form import Field, Kind, said_of
+
+_ALMOST_NONE = 1e-3
+"""Metres: an ellipse as small as this is a point."""
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Drive:
+    """One course: where the wheels say the robot went, where the particle filter believes it may be, and a verdict."""
+
+    wheels: Fan
+    believed: Fan
+    verdict: str
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Preview:
+    """Everything that is drawn of noise."""
+
+    straight: Drive
+    square: Drive
+    scan: RoomScan
+    scan_words: str
+
+
+def noise_said(fields: Iterable[Field], said: Mapping[str, str]) -> NoiseSection:
+    """The noise of a form's fields; what is typed and not yet in the file comes first, and what is wrong is left out.
+
+    Args:
+        fields: of the section `noise`.
+        said: what was typed last, by the fields' keys.
+    """
+    noise = view_of(Study())
+    for field in fields:
+        path = field.key.removeprefix("noise.")
+        value = _value(field, said.get(field.key, said_of(field)))
+        if path in HOMES and value is not None:
+            noise = with_value(noise, path, value)
+    return noise
+
+
+def _value(field: Field, said: str) -> float | str | None:
+    if field.kind is Kind.CHOICE:
+        return said if said in field.choices else None
+    try:
+        value = float(said)
+    except ValueError:
+        return None
+    return value if field.minimum <= value <= field.maximum else None
+
+
+def preview_of(study: Study, noise: NoiseSection) -> Preview:
+    """Drives and a sweep with this noise, by robots that are otherwise those of the study; takes some 50 ms."""
+    study = applied(noise, study)
+    world, amcl = study.world, study.robot.amcl
+    drives = []
+    for course in ("straight", "square"):
+        wheels = wheels_fan(world.odometry, course, world.max_vel_x, world.max_vel_theta)
+        believed = believed_fan(amcl, course, world.max_vel_x, world.max_vel_theta)
+        drives.append(Drive(wheels, believed, _verdict(wheels, believed)))
+    scan = room_scan(world)
+    return Preview(drives[0], drives[1], scan, _words_of(scan))
+
+
+def _verdict(wheels: Fan, believed: Fan) -> str:
+    """What a comparison of truth and belief comes to, for people."""
+    share = covered(wheels, believed)
+    told = f"{100 * share:.0f} % of the drives end where the filter expects 95 % of them"
+    if wheels.along < _ALMOST_NONE and believed.along < _ALMOST_NONE:
+        return "Neither the wheels nor the filter know of any error."
+    if share < 0.8:
+        return f"The filter is too sure of itself: {told}."
+    if believed.along * believed.across > 9 * wheels.along * wheels.across:
+        return f"The filter is more careful than it need be: {told}, and it allows for far more."
+    return f"Belief and truth fit together: {told}."
+
+
+def _words_of(scan: RoomScan) -> str:
+    lost = "none is lost" if not scan.lost else "1 is lost" if scan.lost == 1 else f"{scan.lost} are lost"
+    return f"Of {scan.beams} beams {len(scan.seen)} tell a range; {lost}."
+
+
+def extent_of(fan: Fan) -> str:
+    """How far apart the ends of a fan lie, for people."""
+    return f"95 % of the ends lie within ± {fan.along:.2f} m by ± {fan.across:.2f} m"

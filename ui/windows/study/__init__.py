@@ -1,0 +1,37 @@
+"""The study file as a form."""
+
+import sys
+from pathlib import Path
+
+from PySide6.QtWidgets import QApplication
+
+from thbridge.app.config import Study
+from thbridge.app.noise import NoiseSection
+from ui.model.study_form.noise import preview_of
+from ui.windows.look import Appearance
+from ui.windows.study.window import StudyWindow
+
+
+def study_window(path: Path) -> StudyWindow:
+    """The window on a file, not shown yet; it needs a QApplication and nothing else.
+
+    Raises:
+        BadFile: the file cannot be read.
+    """
+    # Compiled code is loaded now: once the window is there, it must not stand still for it.
+    preview_of(Study(), NoiseSection())
+    return StudyWindow(path)
+
+
+def edit(path: Path) -> int:
+    """Open the window and wait until it is closed; gives the program's exit code.
+
+    Raises:
+        BadFile: the file cannot be read.
+    """
+    app = QApplication(sys.argv[:1])
+    look = Appearance(app)
+    window = study_window(path)
+    look.changed.connect(window.repaint_all)
+    window.show()
+    return app.exec()

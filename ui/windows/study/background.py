@@ -1,0 +1,53 @@
+"""Work that would hold up the window: done beside it, one piece after the other."""
+
+from collections.abc import Callable
+from concurrent.futures import Future, ThreadPoolExecutor
+
+from PySide6.QtCore import QObject, Signal, Slot
+
+
+class Background(QObject):
+    """A thread for one kind of work. Of what is asked for meanwhile only the newest is done.
+
+    Attributes:
+        done: says what a piece of work came to, in the window's own thread.
+    """
+
+    done = Signal(object)
+    _ended = Signal(object)
+
+    def __init__(self, parent: QObject, name: str) -> None:
+        super().__init__(parent)
+        self._pool = ThreadPoolExecutor(1, thread_name_prefix=name)
+        self._waiting: Callable[[], object] | None = None
+        self._busy = False
+        self._ended.connect(self._finish)
+
+    @property
+    def busy(self) -> bool:
+        """Whether something is being done."""
+        return self._busy
+
+    def ask(self, work: Callable[[], object]) -> None:
+        """Do this, once what is being done is finished."""
+        self._waiting = work
+        if not self._busy:
+            self._begin()
+
+    def close(self) -> None:
+        """Finish what is being done, and nothing else."""
+        self._waiting = None
+        self._ended.disconnect(self._finish)
+        self._pool.shutdown(wait=True, cancel_futures=True)
+
+    def _begin(self) -> None:
+        work, self._waiting = self._waiting, None
+        if work is not None:
+            self._busy = True
+            self._pool.submit(work).add_done_callback(self._ended.emit)
+
+    @Slot(object)
+    def _finish(self, future: "Future[object]") -> None:
+        self._busy = False
+        self._begin()
+        self.done.emit(future.result())

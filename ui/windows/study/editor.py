@@ -1,0 +1,258 @@
+"""The study being edited: every wish becomes a step, and steps are taken beside the window."""
+
+from collections.abc import Callable
+from dataclasses import dataclass
+from pathlib import Path
+
+from PySide6.QtCore import QFileSystemWatcher, QObject, QTimer, Signal, Slot
+
+from thbridge.adapters.edited_file import OnDisk, read_edited, write_edited
+from thbridge.adapters.errors import BadFile
+from thbridge.hunt.outcomes import Refused
+from ui.model.study_form.draft import HEADER, Draft, History, draft_of
+from ui.windows.study.background import Background
+
+_TYPING = 120
+"""Milliseconds: what is typed faster is checked together."""
+_SETTLING = 150
+"""Milliseconds until a file that others write is complete."""
+
+Change = Callable[[Draft], str | Refused]
+_Taken = Callable[[Draft, History], History | Refused]
+
+
+@dataclass(frozen=True, slots=True)
+class _Step:
+    key: str
+    take: _Taken
+
+
+@dataclass(frozen=True, slots=True)
+class _Outcome:
+    draft: Draft
+    history: History
+    refused: tuple[tuple[str, str], ...]
+
+
+@dataclass(frozen=True, slots=True)
+class _Conflict:
+    now: OnDisk
+
+
+class StudyEditor(QObject):
+    """Holds the file as it was read and the draft as it is.
+
+    Attributes:
+        drafted: the draft is another.
+        refused: a change of a field was not possible: its key and the reason.
+        unsound: it was not saved because of faults.
+        conflicted: it was not saved, because the file is no longer what was read.
+        changed_outside: the file is no longer what was read.
+        failed: it could not be saved: why.
+        saved: it is on disk.
+    """
+
+    drafted = Signal()
+    refused = Signal(str, str)
+    unsound = Signal()
+    conflicted = Signal()
+    changed_outside = Signal()
+    failed = Signal(str)
+    saved = Signal()
+
+    def __init__(self, path: Path) -> None:
+        """Open a file, or begin one that is not there yet.
+
+        Raises:
+            BadFile: it cannot be read.
+        """
+        super().__init__()
+        self._path = path
+        self.on_disk = read_edited(path)
+        text = self.on_disk.text if self.on_disk.exists else HEADER
+        self.history = History(text)
+        self.draft = draft_of(path, text)
+        self._steps: list[_Step] = []
+        self._work = Background(self, "study")
+        self._work.done.connect(self._done)
+        self._typing = QTimer(self, singleShot=True, interval=_TYPING)
+        self._typing.timeout.connect(self._flush)
+        self._settling = QTimer(self, singleShot=True, interval=_SETTLING)
+        self._settling.timeout.connect(self._look_at_disk)
+        self._watcher = QFileSystemWatcher(self)
+        self._watcher.fileChanged.connect(self._settling.start)
+        self._watcher.directoryChanged.connect(self._settling.start)
+        self._watch()
+        self._save_wanted: tuple[bool, bool] | None = None
+        self._saving = False
+
+    @property
+    def path(self) -> Path:
+        """The file."""
+        return self._path
+
+    @property
+    def dirty(self) -> bool:
+        """Whether there is something to save."""
+        return bool(self._steps) or self._work.busy or not self.on_disk.exists or self.history.text != self.on_disk.text
+
+    @property
+    def settled(self) -> bool:
+        """Whether the draft shows everything that was wished."""
+        return not self._steps and not self._work.busy
+
+    def change(self, key: str, change: Change, *, at_once: bool = False) -> None:
+        """Change the text; another change with the same key, before it was made, takes this one's place."""
+
+        def take(draft: Draft, history: History) -> History | Refused:
+            text = change(draft)
+            return text if isinstance(text, Refused) else history.said(text, key)
+
+        if self._steps and self._steps[-1].key == key:
+            self._steps.pop()
+        self._wish(_Step(key, take), at_once)
+
+    def set(self, key: str, said: str, *, at_once: bool = False) -> None:
+        """Write what a person typed or chose into the field with this key."""
+        self.change(key, lambda draft: draft.set(draft.fields()[key], said), at_once=at_once)
+
+    def reset(self, key: str) -> None:
+        """Let a field's default hold again."""
+        self.change(key, lambda draft: draft.reset(draft.fields()[key]), at_once=True)
+        self._wish(_Step("", lambda _, history: history.settled()), at_once=True)
+
+    def say(self, text: str) -> None:
+        """Take another text altogether."""
+        self.change("text", lambda _: text)
+
+    def undo(self) -> None:
+        """One step back."""
+        self._wish(_Step("", lambda _, history: history.undone()), at_once=True)
+
+    def redo(self) -> None:
+        """One step forward again."""
+        self._wish(_Step("", lambda _, history: history.redone()), at_once=True)
+
+    def settle(self) -> None:
+        """The next change of the same field is a step of its own."""
+        self._wish(_Step("", lambda _, history: history.settled()), at_once=False)
+
+    def load_again(self) -> None:
+        """Take what is on disk now; what was here can be had back by undo."""
+        try:
+            self.on_disk = read_edited(self._path)
+        except BadFile as fault:
+            self.failed.emit(str(fault))
+            return
+        text = self.on_disk.text
+        self._watch()
+        self.change("disk", lambda _: text, at_once=True)
+
+    def save(self, *, anyway: bool = False, over: bool = False) -> None:
+        """Write the file.
+
+        Args:
+            anyway: although there are faults.
+            over: although the file is not what was read.
+        """
+        self._save_wanted = anyway, over
+        self._flush()
+
+    def close(self) -> None:
+        """Finish what is being done."""
+        self._typing.stop()
+        self._work.close()
+
+    def _wish(self, step: _Step, at_once: bool) -> None:
+        self._steps.append(step)
+        if at_once:
+            self._flush()
+        else:
+            self._typing.start()
+
+    @Slot()
+    def _flush(self) -> None:
+        if self._work.busy:
+            return
+        if not self._steps:
+            self._save_if_wanted()
+            return
+        self._typing.stop()
+        steps, self._steps = tuple(self._steps), []
+        draft, history = self.draft, self.history
+        self._work.ask(lambda: _taken(draft, history, steps))
+
+    def _save_if_wanted(self) -> None:
+        if self._save_wanted is None:
+            return
+        (anyway, over), self._save_wanted = self._save_wanted, None
+        if self.draft.faults and not anyway:
+            self.unsound.emit()
+            return
+        path, text, read = self._path, self.history.text, self.on_disk
+        self._saving = True
+        self._work.ask(lambda: _written(path, text, read, over))
+
+    @Slot(object)
+    def _done(self, outcome: object) -> None:
+        match outcome:
+            case _Outcome(draft, history, refused):
+                self.draft, self.history = draft, history
+                for key, sentence in refused:
+                    self.refused.emit(key, sentence)
+                self.drafted.emit()
+            case OnDisk():
+                self._saving = False
+                self.on_disk = outcome
+                self.history = self.history.settled()
+                self._watch()
+                self.saved.emit()
+            case _Conflict():
+                self._saving = False
+                self.conflicted.emit()
+            case BadFile():
+                self._saving = False
+                self.failed.emit(str(outcome))
+        self._flush()
+
+    def _watch(self) -> None:
+        """A file that was replaced is another, and has to be watched anew."""
+        wanted = [str(self._path.parent), *([str(self._path)] if self._path.exists() else [])]
+        missing = [path for path in wanted if path not in {*self._watcher.files(), *self._watcher.directories()}]
+        if missing:
+            self._watcher.addPaths(missing)
+
+    @Slot()
+    def _look_at_disk(self) -> None:
+        if self._saving:
+            return
+        self._watch()
+        try:
+            now = read_edited(self._path)
+        except BadFile:
+            return
+        if (now.text, now.exists) != (self.on_disk.text, self.on_disk.exists):
+            self.changed_outside.emit()
+
+
+def _taken(draft: Draft, history: History, steps: tuple[_Step, ...]) -> _Outcome:
+    refused = []
+    for step in steps:
+        after = step.take(draft, history)
+        if isinstance(after, Refused):
+            refused.append((step.key, after.sentence))
+            continue
+        history = after
+        if history.text != draft.text:
+            draft = draft_of(draft.path, history.text)
+    return _Outcome(draft, history, tuple(refused))
+
+
+def _written(path: Path, text: str, read: OnDisk, over: bool) -> OnDisk | _Conflict | BadFile:
+    try:
+        now = read_edited(path)
+        if not over and (now.text, now.exists) != (read.text, read.exists):
+            return _Conflict(now)
+        return write_edited(path, text, read.marked)
+    except BadFile as fault:
+        return fault

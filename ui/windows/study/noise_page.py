@@ -1,0 +1,151 @@
+"""The noise of a study: its numbers, and beside them what they do."""
+
+from collections.abc import Mapping
+
+from PySide6.QtCore import QSize, Qt, Slot
+from PySide6.QtGui import QImage
+from PySide6.QtWidgets import QGridLayout, QScrollArea, QVBoxLayout, QWidget
+
+from thbridge.app.config import Study
+from ui.model.study_form.draft import Draft
+from ui.model.study_form.noise import Preview, extent_of, noise_said, preview_of
+from ui.windows.look import GAP, colours, label, panel
+from ui.windows.study import pictures
+from ui.windows.study.background import Background
+from ui.windows.study.pictures import Canvas, Painted, Picture
+
+
+class NoiseView(QScrollArea):
+    """Draws what the noise does, anew with every number."""
+
+    def __init__(self) -> None:
+        super().__init__()
+        self.setWidgetResizable(True)
+        self.setHorizontalScrollBarPolicy(Qt.ScrollBarPolicy.ScrollBarAlwaysOff)
+        self.setAccessibleName("What this noise does")
+        self._work = Background(self, "noise")
+        self._work.done.connect(self._show)
+        self._asked: tuple[Draft, dict[str, str]] | None = None
+        self.drawn = 0
+        waits = "Drawing ..."
+        self._straight, self._square = label(waits, "small"), label(waits, "small")
+        self._scan = label(waits, "small")
+        self._pictures = {
+            "straight": self._picture(pictures.wheels_straight, "Ten metres straight: what the wheels report", 130),
+            "straight believed": self._picture(
+                pictures.believed_straight, "Ten metres straight: where the filter believes the robot may be", 130
+            ),
+            "square": self._picture(pictures.wheels_square, "A square: what the wheels report", 190),
+            "square believed": self._picture(
+                pictures.believed_square, "A square: where the filter believes the robot may be", 190
+            ),
+            "scan": self._picture(pictures.room, "A laser sweep in a room", 230),
+        }
+        inside = QWidget()
+        column = QVBoxLayout(inside)
+        column.setContentsMargins(GAP, 0, GAP, GAP)
+        column.setSpacing(2 * GAP)
+        column.addWidget(self._drives())
+        column.addWidget(self._sweep())
+        column.addStretch(1)
+        self.setWidget(inside)
+
+    def ask(self, draft: Draft, said: Mapping[str, str]) -> None:
+        """Draw the noise of a draft, with what was typed since."""
+        self._asked = draft, dict(said)
+        group = draft.groups().get("noise")
+        if group is None or not self.isVisible():
+            return
+        study = draft.study or Study()
+        fields, typed = tuple(group.all_fields()), dict(said)
+        palette = colours()
+        jobs = [(name, picture.paint, picture.canvas(palette)) for name, picture in self._pictures.items()]
+        self._work.ask(lambda: _drawn(preview_of(study, noise_said(fields, typed)), jobs))
+
+    def again(self) -> None:
+        """Draw the same in another size or in other colours."""
+        if self._asked is not None:
+            self.ask(*self._asked)
+
+    def close_work(self) -> None:
+        """Finish what is being drawn."""
+        self._work.close()
+
+    @Slot(object)
+    def _show(self, outcome: object) -> None:
+        if not isinstance(outcome, _Drawn):
+            return
+        preview = outcome.preview
+        words = {
+            "straight": extent_of(preview.straight.wheels),
+            "straight believed": extent_of(preview.straight.believed),
+            "square": extent_of(preview.square.wheels),
+            "square believed": extent_of(preview.square.believed),
+            "scan": preview.scan_words,
+        }
+        for name, image in outcome.images.items():
+            self._pictures[name].show_image(image, words[name])
+        straight, square = preview.straight, preview.square
+        self._straight.setText(
+            f"Wheels: {words['straight']}.\nFilter: {words['straight believed']}.\n{straight.verdict}"
+        )
+        self._square.setText(f"Wheels: {words['square']}.\nFilter: {words['square believed']}.\n{square.verdict}")
+        self._scan.setText(preview.scan_words)
+        self.drawn += 1
+
+    def _picture(self, paint: Painted, name: str, height: int) -> Picture:
+        return Picture(paint, name, height, self.again)
+
+    def _drives(self) -> QWidget:
+        card = QWidget()
+        panel(card)
+        column = QVBoxLayout(card)
+        column.setContentsMargins(2 * GAP, 2 * GAP, 2 * GAP, 2 * GAP)
+        column.setSpacing(GAP)
+        column.addWidget(label("200 drives of ten metres", bold=True))
+        column.addWidget(
+            label("Thick: the drive. Thin: 200 times what comes of it. Ellipse: 95 % of the ends.", "small", muted=True)
+        )
+        column.addWidget(label("What the wheels report (true noise)", "small", bold=True))
+        column.addWidget(self._pictures["straight"])
+        column.addWidget(label("What the particle filter believes (dashed)", "small", bold=True))
+        column.addWidget(self._pictures["straight believed"])
+        column.addWidget(self._straight)
+        grid = QGridLayout()
+        grid.setSpacing(GAP)
+        grid.addWidget(label("Around a square: wheels", "small", bold=True), 0, 0)
+        grid.addWidget(label("Around a square: belief", "small", bold=True), 0, 1)
+        grid.addWidget(self._pictures["square"], 1, 0)
+        grid.addWidget(self._pictures["square believed"], 1, 1)
+        column.addSpacing(GAP)
+        column.addLayout(grid)
+        column.addWidget(self._square)
+        return card
+
+    def _sweep(self) -> QWidget:
+        card = QWidget()
+        panel(card)
+        column = QVBoxLayout(card)
+        column.setContentsMargins(2 * GAP, 2 * GAP, 2 * GAP, 2 * GAP)
+        column.setSpacing(GAP)
+        column.addWidget(label("A laser sweep in a room", bold=True))
+        column.addWidget(label("Dots: where beams truly end. Crosses: what the laser says.", "small", muted=True))
+        column.addWidget(self._pictures["scan"])
+        column.addWidget(self._scan)
+        return card
+
+    def sizeHint(self) -> QSize:
+        """Wide enough for two squares."""
+        return QSize(520, 640)
+
+
+class _Drawn:
+    """A preview and its images, finished."""
+
+    def __init__(self, preview: Preview, images: Mapping[str, QImage]) -> None:
+        self.preview = preview
+        self.images = images
+
+
+def _drawn(preview: Preview, jobs: list[tuple[str, Painted, Canvas]]) -> _Drawn:
+    return _Drawn(preview, {name: paint(preview, canvas) for name, paint, canvas in jobs})

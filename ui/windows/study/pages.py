@@ -1,0 +1,311 @@
+"""The pages of the form: a section, what a search found, the whole text, what will be written."""
+
+from collections.abc import Iterator, Mapping
+
+from PySide6.QtCore import QElapsedTimer, Qt, QTimer, Signal
+from PySide6.QtGui import QColor, QFont, QFontDatabase, QPalette, QTextCharFormat, QTextCursor
+from PySide6.QtWidgets import (
+    QHBoxLayout,
+    QPlainTextEdit,
+    QPushButton,
+    QScrollArea,
+    QTextEdit,
+    QVBoxLayout,
+    QWidget,
+)
+
+from ui.model.study_form.draft import Draft, found
+from ui.model.study_form.form import Field, Group, Repeats
+from ui.windows.look import GAP, colours, font, label, panel
+from ui.windows.study.row import Row
+
+_MOST_FOUND = 40
+_SLICE = 15
+"""Milliseconds of building before the window lives on."""
+
+
+class FieldsPage(QScrollArea):
+    """Rows of fields, with headings.
+
+    Attributes:
+        said: a person typed or chose something: the field's key, and what.
+        left: the person is done with it.
+        reset: a person wants its default back.
+        opened: a person wants to see a section.
+        added: a person wants another item in a section.
+        removed: a person wants an item gone.
+        cleared: a person wants all defaults of a section back.
+    """
+
+    said = Signal(str, str)
+    left = Signal(str)
+    reset = Signal(str)
+    opened = Signal(str)
+    added = Signal(str)
+    removed = Signal(str)
+    cleared = Signal(str)
+
+    def __init__(self) -> None:
+        super().__init__()
+        self.setWidgetResizable(True)
+        self.setHorizontalScrollBarPolicy(Qt.ScrollBarPolicy.ScrollBarAlwaysOff)
+        self._rows: dict[str, Row] = {}
+        self._shape: tuple[str, ...] = ()
+        self._draft: Draft | None = None
+        self._building: Iterator[None] = iter(())
+        self._next = QTimer(self, singleShot=True, interval=0)
+        self._next.timeout.connect(self._build_on)
+
+    @property
+    def rows(self) -> Mapping[str, Row]:
+        """What is shown, by the fields' keys."""
+        return self._rows
+
+    def show_groups(self, draft: Draft, groups: tuple[Group, ...], *, narrow: bool = False) -> None:
+        """Show the fields of these sections, the first one's heading large."""
+        shape = tuple(part for group in groups for part in _shape_of(group))
+        self._draft = draft
+        if shape == self._shape:
+            self._refresh(draft)
+            return
+        self._shape, self._rows = shape, {}
+        self._building = self._build(groups, narrow=narrow)
+        self._build_on()
+
+    def finish(self) -> None:
+        """Build the rest of the page at once."""
+        for _ in self._building:
+            pass
+
+    def _build_on(self) -> None:
+        """Build on for a while; a page of many fields takes longer than a window may stand still."""
+        began = QElapsedTimer()
+        began.start()
+        for _ in self._building:
+            if began.elapsed() >= _SLICE:
+                self._next.start()
+                return
+
+    def show_found(self, draft: Draft, words: str) -> None:
+        """Show the fields that a search found."""
+        fields = found(draft.form, words)
+        told = f"{len(fields)} found" if len(fields) <= _MOST_FOUND else f"{len(fields)} found; the first {_MOST_FOUND}"
+        group = Group(
+            "search", f"“{words}”: {told}" if fields else f"“{words}”: nothing found", "", fields[:_MOST_FOUND], ()
+        )
+        self.show_groups(draft, (group,))
+
+    def _refresh(self, draft: Draft) -> None:
+        self._draft = draft
+        fields = draft.fields()
+        for key, row in self._rows.items():
+            if key in fields:
+                row.show_field(fields[key], draft.faults_of(fields[key]))
+
+    def _refresh_row(self, row: Row) -> None:
+        draft = self._draft
+        if draft is not None and draft.faults:
+            field = draft.fields().get(row.field.key, row.field)
+            row.show_field(field, draft.faults_of(field))
+
+    def _build(self, groups: tuple[Group, ...], *, narrow: bool) -> Iterator[None]:
+        """Make the page anew, row by row."""
+        inside = QWidget()
+        column = QVBoxLayout(inside)
+        column.setContentsMargins(2 * GAP, GAP, 2 * GAP, 2 * GAP)
+        column.setSpacing(2 * GAP)
+        column.addStretch(1)
+        self.setWidget(inside)
+        for index, group in enumerate(groups):
+            head = QVBoxLayout()
+            head.setSpacing(GAP // 2)
+            head.addWidget(label(group.label, "title" if index == 0 else "body", bold=True))
+            if group.help:
+                head.addWidget(label(group.help[:1].upper() + group.help[1:] + ".", muted=True))
+            column.insertLayout(column.count() - 1, head)
+            if group.fields:
+                card = QWidget()
+                column.insertWidget(column.count() - 1, card)
+                yield from self._fill_card(card, group.fields, narrow=narrow)
+            if group.repeats is not None:
+                column.insertLayout(column.count() - 1, self._adding(group))
+            if index == 0:
+                for inner in group.groups:
+                    if not any(inner.key == shown.key for shown in groups):
+                        link = self._link(inner, removable=group.repeats is not None)
+                        column.insertLayout(column.count() - 1, link)
+
+    def _fill_card(self, card: QWidget, fields: tuple[Field, ...], *, narrow: bool) -> Iterator[None]:
+        panel(card)
+        column = QVBoxLayout(card)
+        column.setContentsMargins(2 * GAP, GAP, 2 * GAP, GAP)
+        column.setSpacing(0)
+        for index, field in enumerate(fields):
+            if index:
+                column.addWidget(_rule())
+            row = Row(field, narrow=narrow)
+            row.said.connect(self.said)
+            row.left.connect(self.left)
+            row.reset.connect(self.reset)
+            column.addWidget(row)
+            self._rows[field.key] = row
+            self._refresh_row(row)
+            yield
+
+    def _adding(self, group: Group) -> QHBoxLayout:
+        row = QHBoxLayout()
+        what = "Add a robot with software of its own" if group.repeats is Repeats.ROBOTS else f"Add to {group.label}"
+        button = QPushButton(what)
+        button.clicked.connect(lambda: self.added.emit(group.key))
+        row.addWidget(button)
+        row.addStretch(1)
+        return row
+
+    def _link(self, group: Group, *, removable: bool) -> QHBoxLayout:
+        row = QHBoxLayout()
+        open_it = QPushButton(f"{group.label} ›")
+        open_it.setAccessibleDescription(group.help)
+        open_it.clicked.connect(lambda: self.opened.emit(group.key))
+        row.addWidget(open_it)
+        if group.help and not removable:
+            row.addWidget(label(group.help, "small", muted=True), 1)
+        if removable:
+            remove = QPushButton("Remove")
+            remove.setAccessibleName(f"Remove {group.label}")
+            remove.clicked.connect(lambda: self.removed.emit(group.key))
+            row.addWidget(remove)
+        row.addStretch(1 if removable else 0)
+        return row
+
+
+def _rule() -> QWidget:
+    """A thin line between rows."""
+    rule = QWidget()
+    rule.setFixedHeight(1)
+    rule.setAutoFillBackground(True)
+    rule.setBackgroundRole(QPalette.ColorRole.Midlight)
+    return rule
+
+
+def _shape_of(group: Group) -> tuple[str, ...]:
+    """What makes the same widgets do."""
+    return (group.key, group.label, *(field.key for field in group.fields), *(inner.label for inner in group.groups))
+
+
+class TextPage(QWidget):
+    """The file as text.
+
+    Attributes:
+        said: a person wrote something: the whole text.
+    """
+
+    said = Signal(str)
+
+    def __init__(self) -> None:
+        super().__init__()
+        self.editor = QPlainTextEdit()
+        self.editor.setAccessibleName("The study file as text")
+        self.editor.setFont(_fixed())
+        self.editor.setTabChangesFocus(True)
+        self._fault = label("", "small")
+        self._fault.setProperty("bad", True)
+        column = QVBoxLayout(self)
+        column.setContentsMargins(2 * GAP, GAP, 2 * GAP, 2 * GAP)
+        column.setSpacing(GAP)
+        column.addWidget(label("The file as text", "title", bold=True))
+        column.addWidget(self._fault)
+        column.addWidget(self.editor, 1)
+        self.editor.textChanged.connect(self._typed)
+        self._showing = False
+        self._newline = "\n"
+
+    def show_draft(self, draft: Draft) -> None:
+        """Show the text of the draft, and where it is wrong."""
+        self._newline = "\r\n" if "\r\n" in draft.text else "\n"
+        text = draft.text.replace("\r\n", "\n")
+        if text != self.editor.toPlainText() and not (self.editor.hasFocus() and self.editor.document().isModified()):
+            self._showing = True
+            self.editor.setPlainText(text)
+            self.editor.document().setModified(False)
+            self._showing = False
+        lines = [fault.line for fault in draft.faults if fault.line is not None and fault.path == draft.path]
+        self.editor.setExtraSelections([self._selection(line) for line in lines])
+        told = "\n".join(
+            f"⚠ Line {fault.line}: {fault.problem}. {fault.remedy}." for fault in draft.faults if fault.line is not None
+        )
+        self._fault.setText(told)
+        self._fault.setVisible(bool(told))
+
+    def go_to(self, line: int) -> None:
+        """Put the cursor into a line, counted from 1."""
+        block = self.editor.document().findBlockByNumber(line - 1)
+        self.editor.setTextCursor(QTextCursor(block))
+        self.editor.centerCursor()
+        self.editor.setFocus()
+
+    def done(self) -> None:
+        """What is shown is what was said."""
+        self.editor.document().setModified(False)
+
+    def _typed(self) -> None:
+        if not self._showing:
+            self.said.emit(self.editor.toPlainText().replace("\n", self._newline))
+
+    def _selection(self, line: int) -> QTextEdit.ExtraSelection:
+        selection = QTextEdit.ExtraSelection()
+        ground = QColor(colours().bad)
+        ground.setAlpha(48)
+        form = QTextCharFormat()
+        form.setBackground(ground)
+        form.setProperty(QTextCharFormat.Property.FullWidthSelection, True)
+        selection.format = form
+        selection.cursor = QTextCursor(self.editor.document().findBlockByNumber(line - 1))
+        return selection
+
+
+class ChangesPage(QWidget):
+    """What saving would change in the file."""
+
+    def __init__(self) -> None:
+        super().__init__()
+        self.view = QPlainTextEdit(readOnly=True)
+        self.view.setAccessibleName("What will be written")
+        self.view.setFont(_fixed())
+        self._words = label("", muted=True)
+        column = QVBoxLayout(self)
+        column.setContentsMargins(2 * GAP, GAP, 2 * GAP, 2 * GAP)
+        column.setSpacing(GAP)
+        column.addWidget(label("What will be written", "title", bold=True))
+        column.addWidget(self._words)
+        column.addWidget(self.view, 1)
+
+    def show_draft(self, draft: Draft, saved: str) -> None:
+        """Show the lines that differ from what is on disk."""
+        lines = draft.differences(saved)
+        added = sum(line.startswith("+") and not line.startswith("+++") for line in lines)
+        gone = sum(line.startswith("-") and not line.startswith("---") for line in lines)
+        self._words.setText(
+            f"Lines with + are new ({added}), lines with - go ({gone}); all others stay to the byte."
+            if lines
+            else "Nothing: the file says just this."
+        )
+        self.view.setPlainText("\n".join(lines))
+        cursor = QTextCursor(self.view.document())
+        cursor.beginEditBlock()
+        for index, line in enumerate(lines):
+            colour = {"+": colours().good, "-": colours().bad, "@": colours().muted}.get(line[:1])
+            if colour is not None:
+                block = self.view.document().findBlockByNumber(index)
+                form = QTextCharFormat()
+                form.setForeground(QColor(colour))
+                cursor.setPosition(block.position())
+                cursor.movePosition(QTextCursor.MoveOperation.EndOfBlock, QTextCursor.MoveMode.KeepAnchor)
+                cursor.setCharFormat(form)
+        cursor.endEditBlock()
+
+
+def _fixed() -> QFont:
+    """Columns of a file stand below each other."""
+    fixed = QFontDatabase.systemFont(QFontDatabase.SystemFont.FixedFont)
+    fixed.setPointSizeF(font().pointSizeF())
+    return fixed

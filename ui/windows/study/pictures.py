@@ -1,0 +1,195 @@
+"""Drawings of noise. They are painted beside the window's thread, and shown when they are finished."""
+
+from collections.abc import Callable
+from dataclasses import dataclass
+
+import numpy as np
+from PySide6.QtCore import QPointF, QRectF, QSize, Qt
+from PySide6.QtGui import QColor, QImage, QPainter, QPaintEvent, QPen, QPolygonF, QResizeEvent
+from PySide6.QtWidgets import QSizePolicy, QWidget
+
+from sim.geometry import FloatArray
+from thbridge.offline.noise import Fan, RoomScan
+from ui.model.study_form.noise import Preview
+from ui.model.theme import Palette
+from ui.windows.look import GAP
+
+_EDGE = 1.5 * GAP
+_RULER = 1.0
+"""Metres."""
+
+
+@dataclass(frozen=True, slots=True)
+class Canvas:
+    """What a drawing is made for: logical size, pixels per logical pixel, colours."""
+
+    size: QSize
+    ratio: float
+    palette: Palette
+
+
+Painted = Callable[[Preview, Canvas], QImage]
+
+
+class Picture(QWidget):
+    """Shows one drawing.
+
+    Attributes:
+        paint: makes it.
+    """
+
+    def __init__(self, paint: Painted, name: str, height: int, resized: Callable[[], None]) -> None:
+        super().__init__()
+        self.paint = paint
+        self.setAccessibleName(name)
+        self.setMinimumSize(120, height)
+        self.setSizePolicy(QSizePolicy.Policy.Expanding, QSizePolicy.Policy.Fixed)
+        self._image = QImage()
+        self._resized = resized
+
+    def canvas(self, palette: Palette) -> Canvas:
+        """What to paint for."""
+        return Canvas(self.size(), self.devicePixelRatioF(), palette)
+
+    def show_image(self, image: QImage, words: str) -> None:
+        """Show what was painted."""
+        self._image = image
+        self.setAccessibleDescription(words)
+        self.update()
+
+    def paintEvent(self, event: QPaintEvent) -> None:
+        """Put the image on the screen; a resized one until the next is painted."""
+        painter = QPainter(self)
+        if not self._image.isNull():
+            painter.drawImage(self.rect(), self._image)
+        painter.end()
+
+    def resizeEvent(self, event: QResizeEvent) -> None:
+        """Have it painted anew."""
+        super().resizeEvent(event)
+        self._resized()
+
+
+class _Sheet:
+    """An image with metres on it: x to the right, y up, the same scale for both."""
+
+    def __init__(self, canvas: Canvas, points: FloatArray) -> None:
+        self.palette = canvas.palette
+        size = canvas.size * canvas.ratio
+        self.image = QImage(size, QImage.Format.Format_ARGB32_Premultiplied)
+        self.image.setDevicePixelRatio(canvas.ratio)
+        self.image.fill(QColor(canvas.palette.panel))
+        low, high = points.min(axis=0), points.max(axis=0)
+        width, height = canvas.size.width() - 2 * _EDGE, canvas.size.height() - 2 * _EDGE
+        spans = np.maximum(high - low, 1e-6)
+        self._scale = max(1e-3, float(min(width / spans[0], height / spans[1])))
+        middle = 0.5 * (low + high)
+        self._x = 0.5 * canvas.size.width() - self._scale * float(middle[0])
+        self._y = 0.5 * canvas.size.height() + self._scale * float(middle[1])
+        self._size = canvas.size
+        self.painter = QPainter(self.image)
+        self.painter.setRenderHint(QPainter.RenderHint.Antialiasing)
+
+    def polygon(self, points: FloatArray) -> QPolygonF:
+        """Points in metres as Qt has them."""
+        xs = (self._x + self._scale * points[:, 0]).tolist()
+        ys = (self._y - self._scale * points[:, 1]).tolist()
+        return QPolygonF([QPointF(x, y) for x, y in zip(xs, ys, strict=True)])
+
+    def line(self, points: FloatArray, colour: str, width: float, *, dashed: bool = False, alpha: int = 255) -> None:
+        """A line through points."""
+        ink = QColor(colour)
+        ink.setAlpha(alpha)
+        pen = QPen(ink, width)
+        if dashed:
+            pen.setStyle(Qt.PenStyle.DashLine)
+        self.painter.setPen(pen)
+        self.painter.drawPolyline(self.polygon(points))
+
+    def dots(self, points: FloatArray, colour: str, size: float) -> None:
+        """Round dots."""
+        pen = QPen(QColor(colour), size)
+        pen.setCapStyle(Qt.PenCapStyle.RoundCap)
+        self.painter.setPen(pen)
+        self.painter.drawPoints(self.polygon(points))
+
+    def crosses(self, points: FloatArray, colour: str, size: float) -> None:
+        """Small crosses, told from dots without colour."""
+        self.painter.setPen(QPen(QColor(colour), 1.4))
+        for point in self.polygon(points).toList():
+            x, y = point.x(), point.y()
+            self.painter.drawLine(QPointF(x - size, y - size), QPointF(x + size, y + size))
+            self.painter.drawLine(QPointF(x - size, y + size), QPointF(x + size, y - size))
+
+    def finished(self) -> QImage:
+        """The image, with a ruler in its corner."""
+        length = _RULER * self._scale
+        y = self._size.height() - _EDGE * 0.6
+        pen = QPen(QColor(self.palette.muted), 1.5)
+        self.painter.setPen(pen)
+        self.painter.drawLine(QPointF(_EDGE, y), QPointF(_EDGE + length, y))
+        for x in (_EDGE, _EDGE + length):
+            self.painter.drawLine(QPointF(x, y - 3), QPointF(x, y + 3))
+        font = self.painter.font()
+        font.setPixelSize(11)
+        self.painter.setFont(font)
+        box = QRectF(_EDGE + length + 6, y - 10, 60, 20)
+        self.painter.drawText(box, Qt.AlignmentFlag.AlignLeft | Qt.AlignmentFlag.AlignVCenter, "1 m")
+        self.painter.end()
+        return self.image
+
+
+def fan_image(fan: Fan, other: Fan, canvas: Canvas, colour: str, *, dashed: bool) -> QImage:
+    """A fan: what was driven, 200 paths, the ellipse of their ends; to the scale at which the other one fits, too."""
+    everything = np.concatenate([each.reshape(-1, 2) for one in (fan, other) for each in (one.paths, one.ellipse)])
+    sheet = _Sheet(canvas, np.concatenate([everything, fan.driven]))
+    for path in fan.paths:
+        sheet.line(path, colour, 0.8, alpha=60)
+    sheet.dots(fan.paths[:, -1], colour, 3.0)
+    sheet.line(fan.driven, canvas.palette.text, 2.0)
+    sheet.line(fan.ellipse, canvas.palette.text, 1.8, dashed=dashed)
+    sheet.dots(fan.driven[-1:], canvas.palette.text, 7.0)
+    return sheet.finished()
+
+
+def scan_image(scan: RoomScan, canvas: Canvas) -> QImage:
+    """A sweep: walls, where beams truly end, where the laser says that they end."""
+    sheet = _Sheet(canvas, np.concatenate([scan.walls.reshape(-1, 2), scan.seen]))
+    palette = canvas.palette
+    for wall in scan.walls:
+        sheet.line(wall, palette.wall, 3.0)
+    for end in scan.true:
+        sheet.line(np.array([scan.laser, end]), palette.line, 0.5, alpha=70)
+    sheet.dots(scan.true, palette.text, 3.0)
+    sheet.crosses(scan.seen, palette.robot(1), 3.0)
+    sheet.dots(scan.laser[None, :], palette.text, 9.0)
+    return sheet.finished()
+
+
+def wheels_straight(preview: Preview, canvas: Canvas) -> QImage:
+    """Ten metres straight, by the wheels."""
+    drive = preview.straight
+    return fan_image(drive.wheels, drive.believed, canvas, canvas.palette.robot(0), dashed=False)
+
+
+def believed_straight(preview: Preview, canvas: Canvas) -> QImage:
+    """Ten metres straight, as the filter believes."""
+    drive = preview.straight
+    return fan_image(drive.believed, drive.wheels, canvas, canvas.palette.robot(1), dashed=True)
+
+
+def wheels_square(preview: Preview, canvas: Canvas) -> QImage:
+    """Around a square, by the wheels."""
+    drive = preview.square
+    return fan_image(drive.wheels, drive.believed, canvas, canvas.palette.robot(0), dashed=False)
+
+
+def believed_square(preview: Preview, canvas: Canvas) -> QImage:
+    """Around a square, as the filter believes."""
+    drive = preview.square
+    return fan_image(drive.believed, drive.wheels, canvas, canvas.palette.robot(1), dashed=True)
+
+
+def room(preview: Preview, canvas: Canvas) -> QImage:
+    """A sweep in a room."""
+    return scan_image(preview.scan, canvas)

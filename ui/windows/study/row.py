@@ -1,0 +1,250 @@
+"""One field of the form: its name, meaning and value, where that comes from, and what is wrong with it."""
+
+from collections.abc import Callable
+
+from PySide6.QtCore import QSignalBlocker, Qt, Signal
+from PySide6.QtGui import QFocusEvent, QWheelEvent
+from PySide6.QtWidgets import QBoxLayout, QComboBox, QHBoxLayout, QLineEdit, QPushButton, QSlider, QVBoxLayout, QWidget
+
+from thbridge.adapters.errors import BadFile
+from ui.model.study_form.form import Field, Kind, hint_of, said_of
+from ui.windows.look import GAP, font, label
+
+_EDITOR_WIDTH = 240
+_NARROW = 128
+"""Beside drawings."""
+_STEPS = 1000
+"""Places of a slider."""
+
+
+class _Line(QLineEdit):
+    """A line that says when it is left."""
+
+    left = Signal()
+
+    def focusOutEvent(self, event: QFocusEvent) -> None:
+        super().focusOutEvent(event)
+        self.left.emit()
+
+
+class _Combo(QComboBox):
+    """Choices that a wheel over a page does not change by accident."""
+
+    def wheelEvent(self, event: QWheelEvent) -> None:
+        if self.hasFocus():
+            super().wheelEvent(event)
+        else:
+            event.ignore()
+
+
+class _Slider(QSlider):
+    """A slider that a wheel over a page does not move by accident."""
+
+    def wheelEvent(self, event: QWheelEvent) -> None:
+        event.ignore()
+
+
+class Row(QWidget):
+    """A field.
+
+    Attributes:
+        said: a person typed or chose something: the field's key, and what.
+        left: the person is done with it.
+        reset: a person wants its default back.
+    """
+
+    said = Signal(str, str)
+    left = Signal(str)
+    reset = Signal(str)
+
+    def __init__(self, field: Field, *, narrow: bool = False) -> None:
+        super().__init__()
+        self._field = field
+        self.setObjectName(field.key)
+        self._name = label(field.label, bold=True)
+        self._help = label(_sentence(field.help), "small", muted=True)
+        self._origin = label("", "small", muted=True)
+        self._fault = label("", "small")
+        self._fault.setProperty("bad", True)
+        self._line: _Line | None = None
+        self._combo: _Combo | None = None
+        self._slider = self._made_slider(field) if narrow and _slides(field) else None
+        editor = self._made_combo(field) if field.kind in {Kind.CHOICE, Kind.TRUTH} else self._made_line(field)
+        editor.setFixedWidth(_NARROW if narrow else _EDITOR_WIDTH)
+        editor.setAccessibleName(field.label if not field.unit else f"{field.label}, {field.unit}")
+        self._editor = editor
+        unit = label(field.unit, "small", muted=True)
+        unit.setWordWrap(False)
+        unit.setMinimumWidth((2 if narrow else 6) * GAP)
+        self._reset = QPushButton("Reset")
+        self._reset.setAccessibleName(f"Reset {field.label}")
+        self._reset.clicked.connect(self._reset_clicked)
+        policy = self._reset.sizePolicy()
+        policy.setRetainSizeWhenHidden(True)
+        self._reset.setSizePolicy(policy)
+        words = QVBoxLayout()
+        words.setSpacing(GAP // 4)
+        for part in (self._name, self._help, self._origin, self._fault):
+            words.addWidget(part)
+        values = QHBoxLayout()
+        values.setSpacing(GAP)
+        values.addWidget(editor)
+        values.addWidget(unit)
+        if self._slider is not None:
+            values.addWidget(self._slider, 1)
+        elif narrow:
+            values.addStretch(1)
+        values.addWidget(self._reset)
+        whole = QBoxLayout(QBoxLayout.Direction.TopToBottom if narrow else QBoxLayout.Direction.LeftToRight, self)
+        whole.setContentsMargins(0, GAP, 0, GAP)
+        whole.setSpacing(GAP // 2 if narrow else 2 * GAP)
+        whole.addLayout(words, 1)
+        whole.addLayout(values)
+        if not narrow:
+            whole.setAlignment(values, Qt.AlignmentFlag.AlignTop)
+        self.show_field(field, ())
+
+    @property
+    def field(self) -> Field:
+        """What is shown."""
+        return self._field
+
+    @property
+    def editor(self) -> QWidget:
+        """What is typed or chosen in."""
+        return self._editor
+
+    def text(self) -> str:
+        """What stands in it just now."""
+        if self._combo is not None:
+            return self._combo.currentText()
+        return "" if self._line is None else self._line.text()
+
+    def show_field(self, field: Field, faults: tuple[BadFile, ...]) -> None:
+        """Show what the file says now; what is being typed stays."""
+        self._field = field
+        said = said_of(field)
+        if self._line is not None and not (self._line.hasFocus() and self._line.isModified()):
+            if self._line.text() != said:
+                with QSignalBlocker(self._line):
+                    self._line.setText(said)
+            self._set_muted(self._line, field.written is None)
+        if self._combo is not None and self._combo.currentText() != said:
+            with QSignalBlocker(self._combo):
+                if self._combo.findText(said) < 0:
+                    self._combo.addItem(said)
+                self._combo.setCurrentText(said)
+        self._show_slider(said)
+        self._reset.setVisible(field.written is not None)
+        origin = "default" if field.written is None else f"written in line {field.line}"
+        if field.written is not None and field.place != field.key:
+            origin += f" as {field.place}"
+        default = f" · default {field.default}" if field.written is not None and field.default else ""
+        hint = hint_of(field)
+        self._origin.setText(" · ".join([field.key, origin]) + default + (f" · {hint}" if hint else ""))
+        bold = font("body", bold=True)
+        self._name.setFont(bold)
+        self._name.setText(f"● {field.label}" if field.written is not None else field.label)
+        self.show_faults(tuple(f"{fault.problem}. {fault.remedy}" for fault in faults))
+        self._editor.setAccessibleDescription(f"{field.help}. {origin}. {self._fault.text()}".strip())
+
+    def show_faults(self, sentences: tuple[str, ...]) -> None:
+        """Say what is wrong with it."""
+        told = "\n".join(f"⚠ {sentence[:1].upper()}{sentence[1:].rstrip('.')}." for sentence in sentences)
+        self._fault.setText(told)
+        self._fault.setVisible(bool(told))
+
+    def _made_line(self, field: Field) -> QWidget:
+        line = self._line = _Line()
+        line.textChanged.connect(self._typed)
+        line.left.connect(self._done)
+        line.returnPressed.connect(self._done)
+        if field.optional:
+            line.setPlaceholderText("null")
+        return line
+
+    def _made_combo(self, field: Field) -> QWidget:
+        combo = self._combo = _Combo()
+        choices = field.choices if field.kind is Kind.CHOICE else ("true", "false")
+        combo.addItems([*choices, *(["null"] if field.optional else [])])
+        combo.setFocusPolicy(Qt.FocusPolicy.StrongFocus)
+        combo.currentTextChanged.connect(self._typed)
+        return combo
+
+    def _made_slider(self, field: Field) -> QSlider:
+        slider = _Slider(Qt.Orientation.Horizontal)
+        slider.setRange(0, _STEPS)
+        slider.setPageStep(_STEPS // 20)
+        slider.setAccessibleName(f"{field.label}, slider")
+        slider.valueChanged.connect(self._slid)
+        slider.sliderReleased.connect(self._done)
+        return slider
+
+    def _slid(self, place: int) -> None:
+        if self._line is None:
+            return
+        self._line.setText(_value_at(self._field, place))
+
+    def _show_slider(self, said: str) -> None:
+        if self._slider is None or self._slider.isSliderDown():
+            return
+        try:
+            place = _place_of(self._field, float(said))
+        except ValueError:
+            return
+        if _value_at(self._field, self._slider.value()) != said:
+            with QSignalBlocker(self._slider):
+                self._slider.setValue(place)
+
+    def _typed(self, said: str) -> None:
+        if self._line is not None:
+            self._set_muted(self._line, False)
+        self._show_slider(said)
+        self.said.emit(self._field.key, said)
+
+    def _done(self) -> None:
+        if self._line is not None:
+            self._line.setModified(False)
+        self.left.emit(self._field.key)
+
+    def _reset_clicked(self) -> None:
+        if self._line is not None:
+            self._line.setModified(False)
+        self._editor.setFocus()
+        self.reset.emit(self._field.key)
+
+    def _set_muted(self, line: QLineEdit, muted: bool) -> None:
+        """What is inherited is shown with less weight; the words below say it, too."""
+        wanted = font()
+        wanted.setItalic(muted)
+        line.setFont(wanted)
+
+
+def connect_row(
+    row: Row, said: Callable[[str, str], None], left: Callable[[str], None], reset: Callable[[str], None]
+) -> None:
+    """Tell these of what happens in a row."""
+    row.said.connect(said)
+    row.left.connect(left)
+    row.reset.connect(reset)
+
+
+def _sentence(words: str) -> str:
+    return words[:1].upper() + words[1:].rstrip(".") + "." if words else ""
+
+
+def _slides(field: Field) -> bool:
+    return field.kind is Kind.NUMBER and abs(field.minimum) < 1e9 and field.maximum < 1e9
+
+
+def _value_at(field: Field, place: int) -> str:
+    """The number at a slider's place: small ones have more room, since most noise is small."""
+    share = place / _STEPS
+    if field.minimum < 0:
+        return f"{field.minimum + (field.maximum - field.minimum) * share:.3g}"
+    return f"{field.minimum + (field.maximum - field.minimum) * share**3:.3g}"
+
+
+def _place_of(field: Field, value: float) -> int:
+    share = min(1.0, max(0.0, (value - field.minimum) / (field.maximum - field.minimum)))
+    return round(_STEPS * (share if field.minimum < 0 else share ** (1 / 3)))

@@ -1,0 +1,490 @@
+"""The window in which a study file is edited as a form."""
+
+from pathlib import Path
+
+from PySide6.QtCore import Qt, Slot
+from PySide6.QtGui import QCloseEvent, QKeySequence, QShortcut
+from PySide6.QtWidgets import (
+    QHBoxLayout,
+    QLabel,
+    QLineEdit,
+    QListWidget,
+    QListWidgetItem,
+    QMainWindow,
+    QMessageBox,
+    QPushButton,
+    QSplitter,
+    QStackedWidget,
+    QTreeWidget,
+    QTreeWidgetItem,
+    QVBoxLayout,
+    QWidget,
+)
+
+from thbridge.adapters.errors import BadFile
+from ui.model.study_form.form import Group
+from ui.windows.look import GAP, label, panel
+from ui.windows.study.editor import StudyEditor
+from ui.windows.study.noise_page import NoiseView
+from ui.windows.study.pages import ChangesPage, FieldsPage, TextPage
+
+_KEY = Qt.ItemDataRole.UserRole
+_NOISE = "noise"
+_FAULTS_HEIGHT = 104
+_FIELDS_WIDTH = 400
+
+
+class StudyWindow(QMainWindow):
+    """A study file: sections at the left, fields in the middle, for noise its effect at the right, faults below."""
+
+    def __init__(self, path: Path) -> None:
+        """Open a study file.
+
+        Raises:
+            BadFile: it cannot be read.
+        """
+        super().__init__()
+        self.editor = StudyEditor(path)
+        self._said: dict[str, str] = {}
+        self._key = ""
+        self._closing = False
+        self.search = QLineEdit(placeholderText="Find a setting   Ctrl+F", clearButtonEnabled=True)
+        self.search.setAccessibleName("Find a setting by its name, meaning or ROS name")
+        self.sections = QTreeWidget()
+        self.sections.setHeaderHidden(True)
+        self.sections.setAccessibleName("Sections")
+        self.fields = FieldsPage()
+        self.noise_fields = FieldsPage()
+        self.noise = NoiseView()
+        self.found = FieldsPage()
+        self.text = TextPage()
+        self.changes = ChangesPage()
+        self.faults = QListWidget()
+        self.faults.setAccessibleName("Faults")
+        self._verdict = label("", "small")
+        self._title = label(path.name, "title", bold=True)
+        self._state = label("", "small", muted=True)
+        self._buttons: dict[str, QPushButton] = {}
+        self._banner, self._banner_words = self._made_banner()
+        self._stack = QStackedWidget()
+        self._noise_page = QSplitter(Qt.Orientation.Horizontal)
+        self._noise_page.addWidget(self.noise_fields)
+        self._noise_page.addWidget(self.noise)
+        self._noise_page.setChildrenCollapsible(False)
+        self.noise_fields.setMinimumWidth(_FIELDS_WIDTH)
+        self._noise_page.setSizes([500, 500])
+        for page in (self.fields, self._noise_page, self.found, self.text, self.changes):
+            self._stack.addWidget(page)
+        self._lay_out()
+        self._connect()
+        self._fill_sections()
+        self._show()
+        if self.editor.draft.tree is None:
+            self.show_text()
+        self.setWindowTitle(f"{path.name}[*] — study")
+        self.resize(1240, 860)
+        self.sections.setFocus()
+
+    # What is shown ----------------------------------------------------------------------------------------------------
+
+    def open_section(self, key: str) -> None:
+        """Show the section with this key."""
+        item = self._item(key)
+        if item is not None:
+            self.search.clear()
+            self.sections.setCurrentItem(item)
+            self._open(key)
+
+    def open_field(self, key: str) -> None:
+        """Show a field, and have it ready to be typed in."""
+        section = key.rpartition(".")[0]
+        while section and self._item(section) is None:
+            section = section.rpartition(".")[0]
+        self.open_section(section)
+        page = self.noise_fields if self._stack.currentWidget() is self._noise_page else self.fields
+        page.finish()
+        row = page.rows.get(key)
+        if row is not None:
+            page.ensureWidgetVisible(row)
+            row.editor.setFocus()
+
+    @Slot()
+    def show_text(self) -> None:
+        """Show the file as text."""
+        self._stack.setCurrentWidget(self.text)
+        self._show()
+        self.text.editor.setFocus()
+
+    @Slot()
+    def show_changes(self) -> None:
+        """Show what saving would change."""
+        self._stack.setCurrentWidget(self.changes)
+        self._show()
+        self.changes.view.setFocus()
+
+    @Slot()
+    def show_form(self) -> None:
+        """Show the form again."""
+        self._open(self._key)
+        self.sections.setFocus()
+
+    @Slot()
+    def repaint_all(self) -> None:
+        """Take over other colours."""
+        self.noise.again()
+        self._show()
+
+    def _open(self, key: str) -> None:
+        self._key = key
+        self._stack.setCurrentWidget(self._noise_page if key.split(".", maxsplit=1)[0] == _NOISE else self.fields)
+        self._show()
+
+    @Slot()
+    def _show(self) -> None:
+        """Bring what is visible up to date."""
+        draft, editor = self.editor.draft, self.editor
+        groups = draft.groups()
+        group = groups.get(self._key, draft.form)
+        page = self._stack.currentWidget()
+        if page is self.fields:
+            self.fields.show_groups(draft, (group,))
+        elif page is self._noise_page:
+            self.noise_fields.show_groups(draft, tuple(groups[_NOISE].all_groups()), narrow=True)
+            self.noise.ask(draft, self._said)
+        elif page is self.found:
+            self.found.show_found(draft, self.search.text().strip())
+        elif page is self.text:
+            self.text.show_draft(draft)
+        elif page is self.changes:
+            self.changes.show_draft(draft, editor.on_disk.text)
+        self._mark_sections(groups)
+        self._show_faults()
+        self.setWindowModified(editor.dirty)
+        self._buttons["undo"].setEnabled(bool(editor.history.past))
+        self._buttons["redo"].setEnabled(bool(editor.history.future))
+        self._let_save(editor.dirty)
+        on_form = page not in {self.text, self.changes}
+        for name, shown in (("form", on_form), ("text", page is self.text), ("changes", page is self.changes)):
+            self._buttons[name].setChecked(shown)
+        where = str(editor.path.parent.resolve())
+        state = "not saved yet" if not editor.on_disk.exists else "changed" if editor.dirty else "saved"
+        self._state.setText(f"{state} · {where}")
+
+    def _fill_sections(self) -> None:
+        """The tree of sections, with what was open still open."""
+        opened = {key for key, item in self._items().items() if item.isExpanded()}
+        self.sections.blockSignals(True)
+        self.sections.clear()
+        form = self.editor.draft.form
+        top = QTreeWidgetItem(["Study"])
+        top.setData(0, _KEY, "")
+        self.sections.addTopLevelItem(top)
+        for group in form.groups:
+            self.sections.addTopLevelItem(self._made_item(group))
+        for key, item in self._items().items():
+            item.setExpanded(key in opened)
+        current = self._item(self._key)
+        if current is not None:
+            self.sections.setCurrentItem(current)
+        self.sections.blockSignals(False)
+
+    def _made_item(self, group: Group) -> QTreeWidgetItem:
+        item = QTreeWidgetItem([group.label])
+        item.setData(0, _KEY, group.key)
+        # The noise is one page.
+        for inner in group.groups if group.key != _NOISE else ():
+            item.addChild(self._made_item(inner))
+        return item
+
+    def _items(self) -> dict[str, QTreeWidgetItem]:
+        found: dict[str, QTreeWidgetItem] = {}
+        waiting = [self.sections.topLevelItem(index) for index in range(self.sections.topLevelItemCount())]
+        while waiting:
+            item = waiting.pop(0)
+            if item is not None:
+                found[str(item.data(0, _KEY))] = item
+                waiting += [item.child(index) for index in range(item.childCount())]
+        return found
+
+    def _item(self, key: str) -> QTreeWidgetItem | None:
+        return self._items().get(key)
+
+    def _mark_sections(self, groups: dict[str, Group] | object) -> None:
+        """How many values each section has of its own, and how many faults."""
+        draft = self.editor.draft
+        wanted = [group for group in draft.form.all_groups() if not group.key.startswith(f"{_NOISE}.")]
+        items = self._items()
+        if {group.key for group in wanted} != set(items):
+            self._fill_sections()
+            items = self._items()
+        places = [field.key for fault in draft.faults if (field := draft.field_of(fault)) is not None]
+        for group in wanted:
+            written = sum(field.written is not None for field in group.fields) if not group.key else group.written()
+            faults = sum(
+                key.startswith(f"{group.key}.") or key.startswith(f"{group.key}[") if group.key else "." not in key
+                for key in places
+            )
+            marks = ([f"● {written}"] if written else []) + ([f"⚠ {faults}"] if faults else [])
+            items[group.key].setText(0, "   ".join([group.label if group.key else "Study", *marks]))
+            told = [f"{written} written" if written else "", f"{faults} faults" if faults else ""]
+            items[group.key].setData(
+                0, Qt.ItemDataRole.AccessibleTextRole, ", ".join([group.label, *(word for word in told if word)])
+            )
+
+    def _show_faults(self) -> None:
+        draft = self.editor.draft
+        count = len(draft.faults)
+        self.faults.clear()
+        for fault in draft.faults:
+            item = QListWidgetItem(f"⚠ {_told(fault, draft.path)}")
+            self.faults.addItem(item)
+        for notice in draft.notices:
+            self.faults.addItem(QListWidgetItem(f"ℹ {notice.removeprefix(f'{draft.path}, ')}"))
+        self.faults.setVisible(self.faults.count() > 0)
+        height = sum(self.faults.sizeHintForRow(row) for row in range(self.faults.count())) + GAP
+        self.faults.setFixedHeight(min(_FAULTS_HEIGHT, height))
+        if count:
+            self._verdict.setText(f"⚠ {count} fault{'s' if count > 1 else ''}   F8 goes to the next")
+        else:
+            self._verdict.setText("✓ No faults: this study can be played.")
+        self._verdict.setProperty("bad", bool(count))
+        self._verdict.style().unpolish(self._verdict)
+        self._verdict.style().polish(self._verdict)
+
+    @Slot()
+    def next_fault(self) -> None:
+        """Go to the next fault."""
+        if self.editor.draft.faults:
+            row = (self.faults.currentRow() + 1) % len(self.editor.draft.faults)
+            self.faults.setCurrentRow(row)
+            self._open_fault(row)
+
+    def _open_fault(self, row: int) -> None:
+        draft = self.editor.draft
+        if row >= len(draft.faults):
+            return
+        fault = draft.faults[row]
+        field = draft.field_of(fault)
+        if field is not None and draft.tree is not None:
+            self.open_field(field.key)
+        elif fault.line is not None and fault.path == draft.path:
+            self.show_text()
+            self.text.go_to(fault.line)
+
+    # What is wished ---------------------------------------------------------------------------------------------------
+
+    def _field_said(self, key: str, said: str) -> None:
+        self._said[key] = said
+        self.editor.set(key, said)
+        if key.startswith(f"{_NOISE}."):
+            self.noise.ask(self.editor.draft, self._said)
+        self.setWindowModified(True)
+        self._let_save(True)
+
+    def _let_save(self, wanted: bool) -> None:
+        self._buttons["save"].setEnabled(wanted)
+        self._buttons["save"].setDefault(wanted)
+
+    def _field_left(self, key: str) -> None:
+        if self._said.get(key) is not None:
+            self.editor.settle()
+
+    def _field_reset(self, key: str) -> None:
+        self._said.pop(key, None)
+        self.editor.reset(key)
+
+    @Slot()
+    def _drafted(self) -> None:
+        if self.editor.settled:
+            self._said.clear()
+            self.text.done()
+        self._show()
+
+    def _refused(self, key: str, sentence: str) -> None:
+        for page in (self.fields, self.noise_fields, self.found):
+            if key in page.rows:
+                page.rows[key].show_faults((sentence,))
+
+    def _searched(self, words: str) -> None:
+        if words.strip():
+            self._stack.setCurrentWidget(self.found)
+        elif self._stack.currentWidget() is self.found:
+            self._open(self._key)
+            return
+        self._show()
+
+    def _section_chosen(self, item: QTreeWidgetItem | None) -> None:
+        if item is not None:
+            self.search.blockSignals(True)
+            self.search.clear()
+            self.search.blockSignals(False)
+            self._open(str(item.data(0, _KEY)))
+
+    def _add(self, key: str) -> None:
+        self.editor.change(f"+{key}", lambda draft: draft.add(draft.groups()[key]), at_once=True)
+
+    def _remove(self, key: str) -> None:
+        self.editor.change(f"-{key}", lambda draft: draft.remove(draft.groups()[key]), at_once=True)
+
+    @Slot()
+    def save(self) -> None:
+        """Write the file; asks when it has faults, or when others wrote it."""
+        self._closing = False
+        self.editor.save()
+
+    @Slot()
+    def _saved(self) -> None:
+        self._banner.hide()
+        self._show()
+        if self._closing:
+            self.close()
+
+    @Slot()
+    def _ask_unsound(self) -> None:
+        count = len(self.editor.draft.faults)
+        words = "fault is" if count == 1 else "faults are"
+        if self._asked(f"{count} {words} left. Programs will refuse this study.", "Save anyway"):
+            self.editor.save(anyway=True)
+
+    @Slot()
+    def _ask_over(self) -> None:
+        if self._asked("The file was changed by another program since it was read here.", "Write over it"):
+            self.editor.save(anyway=True, over=True)
+        else:
+            self._changed_outside()
+
+    def _asked(self, words: str, yes: str) -> bool:
+        box = QMessageBox(QMessageBox.Icon.Warning, self.editor.path.name, words, parent=self)
+        box.setObjectName("question")
+        agree = box.addButton(yes, QMessageBox.ButtonRole.AcceptRole)
+        box.setDefaultButton(box.addButton(QMessageBox.StandardButton.Cancel))
+        box.exec()
+        return box.clickedButton() is agree
+
+    @Slot(str)
+    def _failed(self, words: str) -> None:
+        box = QMessageBox(QMessageBox.Icon.Critical, self.editor.path.name, words, parent=self)
+        box.setObjectName("question")
+        box.exec()
+
+    @Slot()
+    def _changed_outside(self) -> None:
+        self._banner_words.setText("Another program changed this file. What you see is what was read before.")
+        self._banner.show()
+
+    @Slot()
+    def _load_again(self) -> None:
+        self._banner.hide()
+        self.editor.load_again()
+
+    def closeEvent(self, event: QCloseEvent) -> None:
+        """Ask first, where something would be lost."""
+        if self.editor.dirty and not self._closing and self.editor.history.past:
+            box = QMessageBox(QMessageBox.Icon.Question, self.editor.path.name, "Save the changes?", parent=self)
+            box.setObjectName("question")
+            standard = QMessageBox.StandardButton
+            box.setStandardButtons(standard.Save | standard.Discard | standard.Cancel)
+            chosen = box.exec()
+            if chosen == standard.Save:
+                event.ignore()
+                self._closing = True
+                self.editor.save()
+                return
+            if chosen == standard.Cancel:
+                event.ignore()
+                return
+        self.noise.close_work()
+        self.editor.close()
+        super().closeEvent(event)
+
+    # How it is built --------------------------------------------------------------------------------------------------
+
+    def _lay_out(self) -> None:
+        head = QHBoxLayout()
+        head.setSpacing(GAP)
+        names = QVBoxLayout()
+        names.setSpacing(0)
+        names.addWidget(self._title)
+        names.addWidget(self._state)
+        head.addLayout(names, 1)
+        self.search.setMinimumWidth(160)
+        self.search.setMaximumWidth(300)
+        head.addWidget(self.search, 1)
+        for name, words, key, slot in (
+            ("form", "Form", "Ctrl+E", self.show_form),
+            ("text", "Text", "Ctrl+T", self.show_text),
+            ("changes", "Changes", "Ctrl+D", self.show_changes),
+            ("undo", "Undo", "Ctrl+Z", self.editor.undo),
+            ("redo", "Redo", "Ctrl+Shift+Z", self.editor.redo),
+            ("save", "Save", "Ctrl+S", self.save),
+        ):
+            button = QPushButton(words)
+            button.setToolTip(f"{words} ({key})")
+            button.setAccessibleDescription(f"Key {key}")
+            button.setCheckable(name in {"form", "text", "changes"})
+            button.clicked.connect(slot)
+            QShortcut(QKeySequence(key), self).activated.connect(slot)
+            self._buttons[name] = button
+            head.addWidget(button)
+        self.sections.setMinimumWidth(180)
+        self.sections.setStyleSheet(f"QTreeView::item {{ padding: {GAP // 2}px 0; }}")
+        self.search.setStyleSheet(f"padding: {GAP // 2}px {GAP}px;")
+        body = QSplitter(Qt.Orientation.Horizontal)
+        body.setChildrenCollapsible(False)
+        body.addWidget(self.sections)
+        body.addWidget(self._stack)
+        body.setStretchFactor(1, 1)
+        body.setSizes([230, 1010])
+        inside = QWidget()
+        column = QVBoxLayout(inside)
+        column.setContentsMargins(2 * GAP, 2 * GAP, 2 * GAP, GAP)
+        column.setSpacing(GAP)
+        column.addLayout(head)
+        column.addWidget(self._banner)
+        column.addWidget(body, 1)
+        column.addWidget(self._verdict)
+        column.addWidget(self.faults)
+        self.setCentralWidget(inside)
+
+    def _made_banner(self) -> tuple[QWidget, QLabel]:
+        banner = QWidget()
+        panel(banner)
+        row = QHBoxLayout(banner)
+        words = label("")
+        row.addWidget(words, 1)
+        load, keep = QPushButton("Load it"), QPushButton("Keep mine")
+        load.clicked.connect(self._load_again)
+        keep.clicked.connect(banner.hide)
+        row.addWidget(load)
+        row.addWidget(keep)
+        banner.hide()
+        return banner, words
+
+    def _connect(self) -> None:
+        editor = self.editor
+        editor.drafted.connect(self._drafted)
+        editor.refused.connect(self._refused)
+        editor.saved.connect(self._saved)
+        editor.unsound.connect(self._ask_unsound)
+        editor.conflicted.connect(self._ask_over)
+        editor.changed_outside.connect(self._changed_outside)
+        editor.failed.connect(self._failed)
+        for page in (self.fields, self.noise_fields, self.found):
+            page.said.connect(self._field_said)
+            page.left.connect(self._field_left)
+            page.reset.connect(self._field_reset)
+            page.opened.connect(self.open_section)
+            page.added.connect(self._add)
+            page.removed.connect(self._remove)
+        self.text.said.connect(editor.say)
+        self.search.textChanged.connect(self._searched)
+        self.sections.currentItemChanged.connect(self._section_chosen)
+        self.faults.itemActivated.connect(lambda item: self._open_fault(self.faults.row(item)))
+        self.faults.itemClicked.connect(lambda item: self._open_fault(self.faults.row(item)))
+        QShortcut(QKeySequence("F8"), self).activated.connect(self.next_fault)
+        QShortcut(QKeySequence("Ctrl+F"), self).activated.connect(self.search.setFocus)
+
+
+def _told(fault: BadFile, path: Path) -> str:
+    """A fault without the name of the file that the window shows anyway."""
+    return str(fault).removeprefix(f"{path}, ").removeprefix(f"{path}: ")
