@@ -1,7 +1,5 @@
 """A participant who only looks at screens and does what they offer, in a real game without a simulator."""
 
-from dataclasses import replace
-
 from tests.thbridge.roles.stage import Stage
 from thbridge.roles.tabui import TabUI
 from thbridge.roles.view import View
@@ -18,15 +16,16 @@ class Seat:
     def __init__(self, model: Participant | None = None, **stage) -> None:
         self.model = model or Participant()
         self.now = 0.0
-        self.tabui = TabUI(self)
+        self.tabui = TabUI(self, self)
         self.stage = Stage(participant=self.tabui, **stage)
         self.names = tuple(sorted({kind.name for kind in self.stage.templates.kinds}))
         self.model.connected(self.now)
         self.run(6)
 
+    def saw(self, level) -> None:
+        self.model.hear(level, self.now)
+
     def wishes(self, view: View):
-        sensed = any(room.sensed for room in view.rooms)
-        self.model.hear(replace(view, names=self.names if sensed else ()), self.now)
         return self.model.wishes()
 
     @property
