@@ -14,7 +14,7 @@ from ui.model.playing.offers import offer
 from ui.model.playing.popups import Find, Talk
 from ui.model.playing.state import Drawn, Memory
 from ui.model.scene import RobotMark, RoomMark
-from ui.model.screen import Act, Screen
+from ui.model.screen import Act, RoomTile, Screen
 
 
 class Participant:
@@ -30,6 +30,8 @@ class Participant:
         self._outlines: Outlines | None = None
         self._screen: Screen | None = None
         self._rooms: tuple[RoomMark, ...] = ()
+        # What the marks of the rooms were made of.
+        self._marked: tuple[tuple[RoomTile, ...], Outlines | None] = ((), None)
         # When the screen is to be made anew at the latest; at once after something came in.
         self._due = -math.inf
 
@@ -112,12 +114,14 @@ class Participant:
         self._due = changes(memory, now)
         if fresh != self._screen:
             self._screen = fresh
-            self._rooms = () if self._outlines is None else self._outlines.rooms(fresh.tiles)
         return self._screen or fresh
 
     def rooms(self, now: float) -> tuple[RoomMark, ...]:
-        """The rooms on the map: the very same object while nothing changed."""
-        self.screen(now)
+        """The rooms on the map, as the last screen has them: the very same object while nothing changed."""
+        tiles = (self._screen or self.screen(now)).tiles
+        if self._marked[0] is not tiles or self._marked[1] is not self._outlines:
+            self._marked = (tiles, self._outlines)
+            self._rooms = () if self._outlines is None else self._outlines.rooms(tiles)
         return self._rooms
 
     def robots(self, now: float) -> tuple[RobotMark, ...]:

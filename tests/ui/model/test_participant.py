@@ -151,13 +151,13 @@ def test_naming_needs_a_name_picked_and_is_talked_over_in_the_same_place():
     seat.press(PickName(treasure.name))
     pop = seat.do(NameIt()).pop
     assert isinstance(pop, DialoguePop)
-    assert pop.title == f"Robot 1: name what is in room 3 {treasure.name}?"
+    assert pop.title == f"Robot 1: name it {treasure.name}?"
     pop = seat.do(GiveAnswer(1)).pop
     assert (pop.picked, pop.verdict, pop.name_it.enabled) == (treasure.name, None, True)
     assert not events(seat, Identified)
     seat.do(NameIt())
     pop = seat.do(GiveAnswer(0)).pop
-    assert pop.verdict == f"Right, it is {treasure.name}: {treasure.points} points won."
+    assert pop.verdict == f"{treasure.name} is right, {treasure.points} points won."
     assert pop.points == seat.screen.gained == seat.screen.score == treasure.points
     assert pop.aside.label == "Close"
     assert seat.do(ShowNext()).pop is None
@@ -185,7 +185,7 @@ def test_a_wrong_name_costs_and_is_said_so():
     wrong = next(name for name in seat.names if name != treasure.name)
     seat.press(PickName(wrong))
     pop = seat.do(NameIt()).pop
-    assert pop.verdict == f"No, it is not {wrong}: {treasure.points} points lost."
+    assert pop.verdict == f"{wrong} is wrong, {treasure.points} points lost."
     assert seat.screen.tiles[2].found == f"{wrong} -{treasure.points}"
 
 

@@ -70,14 +70,16 @@ def test_before_there_is_a_game_it_says_what_it_waits_for():
     screen = model.screen(0.0)
     assert (screen.phase, screen.waiting_for) == (
         Phase.CONNECTING,
-        "Waiting for the game and its robots to get ready.",
+        "Looking for the game.",
     )
     model.hear(view(ready=False), 0.1)
     assert model.screen(0.1).phase is Phase.CONNECTING
+    model.connected(0.2)
+    assert model.screen(0.2).waiting_for == "The game is there. Its robots are getting ready."
     model.lost("Nobody answers.", 1.0)
     screen = model.screen(1.0)
     assert screen.waiting_for == "The game cannot be reached. It is tried again by itself."
-    assert screen.banner.text == "The game is not reached yet. Nobody answers. It is tried again by itself."
+    assert screen.banner.text.startswith("The connection to the game is lost. Nobody answers. It is tried again")
     model.connected(2.0)
     model.hear(view(), 2.0)
     assert model.screen(2.0).phase is Phase.PLAYING
@@ -290,7 +292,7 @@ def test_the_end_says_why_and_what_came_of_it():
         "2 of 3 rooms visited.",
         "1 treasure named, 1 rightly.",
         "Left where it was: in room 1.",
-        "Room 3: Right, it is can: 20 points won.",
+        "Room 3: can is right, 20 points won.",
     )
     model.do(AnotherGame(), 0.0)
     assert model.wishes() == (PlayAgain(1),)
@@ -385,3 +387,11 @@ def test_the_map_shows_rooms_and_robots():
     assert np.array_equal(first.way[-1], (1.0, 0.0))
     assert first.ellipse.major == 0.3
     assert model.house is HOUSE
+
+
+def test_a_house_that_is_told_late_is_drawn():
+    model = model_of(view())
+    assert model.rooms(0.0) == ()
+    model.hear(replace(HOUSE, rooms=(replace(HOUSE.rooms[0], name=""),)), 0.1)
+    model.screen(0.1)
+    assert [room.room for room in model.rooms(0.1)] == [1]

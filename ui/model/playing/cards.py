@@ -113,7 +113,7 @@ def _moving(hunt: Hunt, robot: RobotView, motion: Motion, goal: str) -> str:
             return "waiting for another robot"
         case "clearing":
             return "getting free"
-        case "planning":
+        case "planning" | "resting":
             return f"looking for a way to {goal}"
         case _:
             return f"travelling to {goal}"

@@ -87,7 +87,9 @@ def changes(memory: Memory, now: float) -> float:
 def _waiting_for(memory: Memory) -> str:
     if memory.connection.is_lost:
         return "The game cannot be reached. It is tried again by itself."
-    return "Waiting for the game and its robots to get ready."
+    if memory.connection.is_there:
+        return "The game is there. Its robots are getting ready."
+    return "Looking for the game."
 
 
 def _banner(memory: Memory, now: float) -> Banner | None:

@@ -2,6 +2,8 @@
 
 import math
 
+from ui.model.playing.words import as_sentence
+
 STILL = 1.5
 """Seconds without news of the robots after which the game stands still; they come 25 times a second."""
 
@@ -18,6 +20,11 @@ class Connection:
     def is_lost(self) -> bool:
         """Whether it is cut off, after it had been there or before."""
         return self._lost is not None
+
+    @property
+    def is_there(self) -> bool:
+        """Whether it is there now."""
+        return self._was_there and self._lost is None
 
     def connected(self, now: float) -> None:
         """It is there."""
@@ -41,7 +48,7 @@ class Connection:
             lasting = f" for {seconds} second{'s' if seconds > 1 else ''}" if seconds else ""
             cut = "The connection to the game is lost" if self._was_there else "The game is not reached yet"
             again = "It is tried again by itself" + (", and you go on where you were." if self._was_there else ".")
-            return " ".join(part for part in (f"{cut}{lasting}.", sentence, again) if part)
+            return " ".join(part for part in (f"{cut}{lasting}.", as_sentence(sentence), again) if part)
         if self._still_since() + STILL <= now:
             return "The game stands still just now. It goes on by itself."
         return None

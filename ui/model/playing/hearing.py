@@ -119,7 +119,8 @@ def _hear_refusal(memory: Memory, hunt: Hunt, now: float) -> None:
     memory.refusals = number
     if refusal is None:
         return
-    note(memory, refusal.sentence, now)
+    memory.note = (refusal.sentence, now + NOTE)
+    memory.history.happened(refusal.sentence)
     wish = hunt.asked.refused(refusal)
     if isinstance(wish, Discuss) and wish.matter == "take-treasure":
         hunt.named.pop(wish.room, None)

@@ -154,8 +154,8 @@ class Memory:
     drawn: Drawn = field(default_factory=Drawn)
 
     def motion(self, robot: int) -> Motion:
-        """How a robot is on its way, as last told."""
-        return self.motions[robot] if robot < len(self.motions) else Motion()
+        """How a robot is on its way, as last told; nothing is told where robots are moved by an older program."""
+        return self.motions[robot] if robot < len(self.motions) else Motion("driving")
 
     def considered(self) -> int | None:
         """The room looked at, by mouse or by the digits typed so far."""

@@ -51,4 +51,4 @@ def title(hunt: Hunt, dialogue: DialogueView) -> str:
             return f"{name}: take a picture in room {dialogue.room}?"
         case "take-treasure":
             named = hunt.named.get(dialogue.room)
-            return f"{name}: name what is in room {dialogue.room}" + (f" {named}?" if named else "?")
+            return f"{name}: name it {named}?" if named else f"{name}: name what is in room {dialogue.room}?"

@@ -27,12 +27,12 @@ def listed(things: Sequence[str]) -> str:
 
 def verdict_words(name: str, points: int) -> str:
     """How naming a treasure ended."""
-    called = name or "what you said"
+    named = name or "That"
     if points > 0:
-        return f"Right, it is {called}: {counted(points, 'point')} won."
+        return f"{named} is right, {counted(points, 'point')} won."
     if points < 0:
-        return f"No, it is not {called}: {counted(-points, 'point')} lost."
-    return f"You named it {called}: no points."
+        return f"{named} is wrong, {counted(-points, 'point')} lost."
+    return f"{named} brings no points."
 
 
 def seen_words(colour: str, footprint: str) -> str:
@@ -41,5 +41,5 @@ def seen_words(colour: str, footprint: str) -> str:
 
 
 def as_sentence(text: str) -> str:
-    """The same with a capital letter at its beginning."""
-    return text[:1].upper() + text[1:]
+    """The same with a capital letter at its beginning and a full stop at its end."""
+    return text[:1].upper() + text[1:] + ("" if not text or text[-1] in ".?!…" else ".")

@@ -12,7 +12,7 @@ def test_how_long_it_is_lost_is_told_each_second():
         "The connection to the game is lost. Nobody answers. It is tried again by itself, and you go on where you were."
     )
     assert link.changes(10.2) == 11.0
-    link.lose("Refused.", 11.0)
+    link.lose("refused", 11.0)
     assert link.trouble(11.0).startswith("The connection to the game is lost for 1 second. Refused.")
     assert "for 2 seconds" in link.trouble(12.9)
     link.connected(13.0)
