@@ -43,10 +43,10 @@ AHEAD = 0.1
 BLEND = 0.07
 """Time constant of blending, seconds: 95 % in 0.2 s."""
 
-TRAIL_STEP = 0.08
+TRAIL_STEP = 0.12
 """Metres between two points of a trail."""
 
-TRAIL_POINTS = 64
+TRAIL_POINTS = 44
 """Points of a trail: 5 m."""
 
 WAY_SEARCH = 1.5

@@ -2,10 +2,11 @@
 
 import math
 from collections.abc import Sequence
+from dataclasses import dataclass
 
 import numpy as np
-from PySide6.QtCore import QPointF, Qt
-from PySide6.QtGui import QColor, QFont, QPainter, QPen, QPolygonF
+from PySide6.QtCore import QLineF, QPointF, Qt
+from PySide6.QtGui import QColor, QFont, QPainter, QPen, QPolygonF, QTransform
 
 from sim.geometry import FloatArray, Pose2
 from ui.model.scene import EllipseMark, RobotMark
@@ -16,6 +17,9 @@ from ui.windows.map.points import lines, polygon
 
 SMALLEST = 8.0
 """A robot is drawn at least with this radius, pixels, however far away the view is."""
+
+RING = 5.0
+"""Pixels between the selected robot and its ring."""
 
 TRAIL_STEPS = 4
 """A trail fades in so many steps."""
@@ -30,13 +34,58 @@ DASH, SPACE = 7.0, 5.0
 """Of a way ahead, pixels."""
 
 
+_NOSE = np.array([[0.72, 0.0], [0.12, 0.42], [0.26, 0.0], [0.12, -0.42]])
+"""An arrowhead on a robot's back, in units of its reach; it points ahead."""
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class _Body:
+    """What is drawn of a footprint, in the robot's own frame, metres.
+
+    Attributes:
+        outline: its corners.
+        nose: the arrowhead that tells its front.
+        reach: from its middle to its farthest corner.
+    """
+
+    outline: QPolygonF
+    nose: QPolygonF
+    reach: float
+
+    @classmethod
+    def of(cls, footprint: FloatArray) -> "_Body":
+        reach = float(np.max(np.hypot(footprint[:, 0], footprint[:, 1]), initial=0.05))
+        return cls(polygon(footprint), polygon(_NOSE * reach), reach)
+
+    def scale(self, camera: Camera) -> float:
+        """Pixels a metre at which it is drawn: never too small to be seen."""
+        return max(camera.scale, SMALLEST / self.reach)
+
+    def transform(self, camera: Camera, pose: Pose2) -> QTransform:
+        """From its own frame to pixels."""
+        scale = self.scale(camera)
+        c, s = scale * math.cos(pose.theta), scale * math.sin(pose.theta)
+        return QTransform(c, -s, -s, -c, *camera.pixel(pose.x, pose.y))
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class _Trail:
+    """A trail as it was drawn last: its points, the camera, and the lines that came of both."""
+
+    points: FloatArray
+    camera: Camera
+    lines: list[QLineF]
+
+
 class Robots:
-    """Paints the robots of one frame."""
+    """Paints the robots of one frame; what stays the same from frame to frame is kept."""
 
     def __init__(self, palette: Palette) -> None:
         self._palette = palette
         self._badges = Badges()
         self._places: dict[int, int] = {}
+        self._bodies: dict[bytes, _Body] = {}
+        self._trails: dict[int, _Trail] = {}
 
     def set_palette(self, palette: Palette) -> None:
         """Other colours."""
@@ -57,22 +106,37 @@ class Robots:
             self._paint_body(painter, camera, mark)
         self._paint_labels(painter, camera, order[::-1], font, ratio)
 
+    def _body(self, footprint: FloatArray) -> _Body:
+        key = footprint.tobytes()
+        body = self._bodies.get(key)
+        if body is None:
+            body = self._bodies[key] = _Body.of(footprint)
+        return body
+
     def _colour(self, mark: RobotMark) -> str:
         return self._palette.robot(mark.robot)
 
     def _paint_trail(self, painter: QPainter, camera: Camera, mark: RobotMark) -> None:
-        trail = mark.trail
-        if not len(trail):
+        if not len(mark.trail):
             return
-        pixels = camera.to_screen(np.concatenate((trail, [(mark.pose.x, mark.pose.y)])))
+        pieces = [
+            *self._trail_lines(camera, mark),
+            QLineF(*camera.pixel(*mark.trail[-1].tolist()), *camera.pixel(mark.pose.x, mark.pose.y)),
+        ]
         colour = QColor(self._colour(mark))
-        pieces = lines(pixels[:-1], pixels[1:])
         for step in range(TRAIL_STEPS):
             colour.setAlphaF(TRAIL_ALPHA * (step + 1) / TRAIL_STEPS)
             pen = QPen(colour, 2.5)
             pen.setCapStyle(Qt.PenCapStyle.FlatCap)
             painter.setPen(pen)
             painter.drawLines(pieces[len(pieces) * step // TRAIL_STEPS : len(pieces) * (step + 1) // TRAIL_STEPS])
+
+    def _trail_lines(self, camera: Camera, mark: RobotMark) -> list[QLineF]:
+        kept = self._trails.get(mark.robot)
+        if kept is None or kept.points is not mark.trail or kept.camera != camera:
+            pixels = camera.to_screen(mark.trail)
+            kept = self._trails[mark.robot] = _Trail(mark.trail, camera, lines(pixels[:-1], pixels[1:]))
+        return kept.lines
 
     def _paint_way(self, painter: QPainter, camera: Camera, mark: RobotMark) -> None:
         if len(mark.way) < 2:
@@ -98,7 +162,7 @@ class Robots:
 
     def _paint_ellipse(self, painter: QPainter, camera: Camera, mark: RobotMark, ellipse: EllipseMark) -> None:
         colour = QColor(self._colour(mark))
-        painter.setPen(QPen(colour, 1.2))
+        painter.setPen(QPen(colour, 1.0))
         colour.setAlpha(40)
         painter.setBrush(colour)
         painter.save()
@@ -112,27 +176,29 @@ class Robots:
         pen.setDashPattern([2.0, 2.0])
         painter.setPen(pen)
         painter.setBrush(Qt.BrushStyle.NoBrush)
-        painter.drawPolygon(polygon(_body(camera, truth, mark.footprint)))
+        body = self._body(mark.footprint)
+        painter.drawPolygon(body.transform(camera, truth).map(body.outline))
         painter.drawLine(QPointF(*camera.pixel(truth.x, truth.y)), QPointF(*camera.pixel(mark.pose.x, mark.pose.y)))
 
     def _paint_body(self, painter: QPainter, camera: Camera, mark: RobotMark) -> None:
         centre = QPointF(*camera.pixel(mark.pose.x, mark.pose.y))
-        radius = drawn_radius(camera, mark)
+        body = self._body(mark.footprint)
+        radius = body.reach * body.scale(camera)
         if mark.selected:
             painter.setBrush(Qt.BrushStyle.NoBrush)
             painter.setPen(QPen(QColor(self._palette.panel), 5.0))
-            painter.drawEllipse(centre, radius + 5.0, radius + 5.0)
+            painter.drawEllipse(centre, radius + RING, radius + RING)
             painter.setPen(QPen(QColor(self._palette.accent), 2.5))
-            painter.drawEllipse(centre, radius + 5.0, radius + 5.0)
+            painter.drawEllipse(centre, radius + RING, radius + RING)
         pen = QPen(QColor(self._palette.panel), 1.5)
         pen.setJoinStyle(Qt.PenJoinStyle.RoundJoin)
         painter.setPen(pen)
         painter.setBrush(QColor(self._colour(mark)))
-        painter.drawPolygon(polygon(_body(camera, mark.pose, mark.footprint)))
-        nose = np.array([[0.72, 0.0], [0.12, 0.42], [0.26, 0.0], [0.12, -0.42]]) * radius
+        transform = body.transform(camera, mark.pose)
+        painter.drawPolygon(transform.map(body.outline))
         painter.setPen(Qt.PenStyle.NoPen)
         painter.setBrush(QColor(self._palette.panel))
-        painter.drawPolygon(polygon(_turned(nose, mark.pose.theta) + np.array([centre.x(), centre.y()])))
+        painter.drawPolygon(transform.map(body.nose))
 
     def _paint_labels(
         self, painter: QPainter, camera: Camera, robots: Sequence[RobotMark], font: QFont, ratio: float
@@ -145,18 +211,18 @@ class Robots:
             for mark in seen
         ]
         anchors = [
-            Anchor(
-                *camera.pixel(mark.pose.x, mark.pose.y),
-                drawn_radius(camera, mark) + (6.0 if mark.selected else 0.0),
-                badge.width,
-                badge.height,
-            )
-            for mark, badge in zip(seen, badges, strict=True)
+            self._anchor(camera, mark, badge.width, badge.height) for mark, badge in zip(seen, badges, strict=True)
         ]
         corners, places = placed(anchors, [self._places.get(mark.robot, -1) for mark in seen])
         self._places = {mark.robot: place for mark, place in zip(seen, places, strict=True)}
         for badge, (x, y) in zip(badges, corners.tolist(), strict=True):
             painter.drawPixmap(QPointF(round(x * ratio) / ratio, round(y * ratio) / ratio), badge.picture)
+
+    def _anchor(self, camera: Camera, mark: RobotMark, width: float, height: float) -> Anchor:
+        body = self._body(mark.footprint)
+        ring = RING + 1.0 if mark.selected else 0.0
+        radius = body.reach * body.scale(camera) + ring
+        return Anchor(*camera.pixel(mark.pose.x, mark.pose.y), radius, width, height)
 
 
 def _dashes(pixels: FloatArray) -> tuple[FloatArray, FloatArray]:
@@ -172,22 +238,3 @@ def _dashes(pixels: FloatArray) -> tuple[FloatArray, FloatArray]:
     xs, ys = pixels[::-1, 0], pixels[::-1, 1]
     first = np.stack((np.interp(starts, along, xs), np.interp(starts, along, ys)), axis=1)
     return first, np.stack((np.interp(ends, along, xs), np.interp(ends, along, ys)), axis=1)
-
-
-def drawn_radius(camera: Camera, mark: RobotMark) -> float:
-    """Pixels from a robot's middle to its farthest corner, as drawn."""
-    return max(float(np.max(np.hypot(mark.footprint[:, 0], mark.footprint[:, 1]))) * camera.scale, SMALLEST)
-
-
-def _body(camera: Camera, pose: Pose2, footprint: FloatArray) -> FloatArray:
-    """Pixels of a body's corners; grown where it would be too small to be seen."""
-    reach = float(np.max(np.hypot(footprint[:, 0], footprint[:, 1])))
-    scale = max(camera.scale, SMALLEST / max(reach, 1e-6))
-    return _turned(footprint * scale, pose.theta) + camera.pixel(pose.x, pose.y)
-
-
-def _turned(points: FloatArray, angle: float) -> FloatArray:
-    """(n, 2) points of a frame with y up, turned, as pixels with y down."""
-    c, s = math.cos(angle), math.sin(angle)
-    turned: FloatArray = points @ np.array([[c, -s], [-s, -c]])
-    return turned

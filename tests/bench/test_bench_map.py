@@ -1,0 +1,123 @@
+"""How long a frame of the map takes on the software rasteriser, trails, ways and ellipses on, in the office."""
+
+import os
+import time
+from collections.abc import Callable
+from dataclasses import replace
+
+import numpy as np
+import pytest
+from PySide6.QtCore import Qt
+from pytestqt.qtbot import QtBot
+
+from tests.ui.windows.map.houses import busy_robots, house_of, rooms_of
+from thbridge.adapters.map_files import Map
+from thbridge.roles.notices import Ways, Whereabouts
+from ui.model.motion import Motions
+from ui.model.scene import RobotMark
+from ui.model.theme import LIGHT
+from ui.windows.map import MapView
+from ui.windows.map.layers import Points
+
+pytestmark = pytest.mark.bench
+
+SIZES = ((1200, 800), (1920, 1080))
+FRAMES = 150
+PARTICLES = 500
+RNG = np.random.default_rng(1)
+
+
+def opened(qtbot: QtBot, office: Map, width: int, height: int) -> MapView:
+    view = MapView(LIGHT)
+    qtbot.addWidget(view)
+    view.setWindowFlag(Qt.WindowType.FramelessWindowHint)
+    view.resize(width, height)
+    view.show_house(house_of(office))
+    view.show_rooms(rooms_of(office))
+    with qtbot.waitExposed(view):
+        view.show()
+    return view
+
+
+def moved(robots: list[RobotMark], frame: int) -> list[RobotMark]:
+    return [
+        replace(mark, pose=replace(mark.pose, x=mark.pose.x + 0.01 * frame, theta=mark.pose.theta + 0.02 * frame))
+        for mark in robots
+    ]
+
+
+def figures(what: str, frame: Callable[[int], None]) -> None:
+    """Print how long a frame takes, and the processor's share in that."""
+    frame(0)
+    walls = []
+    used = time.process_time()
+    for number in range(FRAMES):
+        began = time.perf_counter()
+        frame(number)
+        walls.append(time.perf_counter() - began)
+    used = (time.process_time() - used) / FRAMES
+    early, median, late = np.percentile(walls, [5, 50, 95])
+    print(
+        f"\n{what}: {1e3 * early:.1f} ms undisturbed, median {1e3 * median:.1f}, 95 % below {1e3 * late:.1f},"
+        f" processor {1e3 * used:.1f} ms; {1.0 / median:.0f} frames/s at most, {100.0 * used * 60:.0f} % of a core at 60",
+        end="",
+    )
+
+
+@pytest.mark.parametrize("size", SIZES)
+def test_frames_of_robots(qtbot: QtBot, office: Map, size: tuple[int, int]) -> None:
+    print(f"\n{os.environ['QT_QPA_PLATFORM']}, {size[0]} x {size[1]}", end="")
+    for count in (1, 4, 10, 20):
+        view, robots = opened(qtbot, office, *size), busy_robots(office, count)
+
+        def frame(number: int, view: MapView = view, robots: list[RobotMark] = robots) -> None:
+            view.show_robots(moved(robots, number))
+            view.repaint()
+
+        figures(f"{count} robots", frame)
+
+
+@pytest.mark.parametrize("size", SIZES)
+def test_frames_with_clouds(qtbot: QtBot, office: Map, size: tuple[int, int]) -> None:
+    view, robots = opened(qtbot, office, *size), busy_robots(office, 10)
+    clouds = [Points(mark.robot) for mark in robots]
+    for cloud in clouds:
+        view.add_layer(cloud)
+    scattered = RNG.normal(scale=0.3, size=(PARTICLES, 2))
+
+    def frame(number: int) -> None:
+        for cloud, mark in zip(clouds, robots, strict=True):
+            cloud.show(scattered + np.array([mark.pose.x + 0.01 * number, mark.pose.y]))
+        view.show_robots(moved(robots, number))
+        view.repaint()
+
+    print(f"\n{size[0]} x {size[1]}", end="")
+    figures(f"10 robots with {PARTICLES} particles each", frame)
+
+
+@pytest.mark.parametrize("size", SIZES)
+def test_frames_while_following_and_zooming(qtbot: QtBot, office: Map, size: tuple[int, int]) -> None:
+    view, robots = opened(qtbot, office, *size), busy_robots(office, 10)
+    print(f"\n{size[0]} x {size[1]}", end="")
+
+    def follow(number: int) -> None:
+        view.follow(0)
+        view.show_robots(moved(robots, number))
+        view.repaint()
+
+    def choose(number: int) -> None:
+        view.show_rooms([replace(mark, considered=mark.room == 1 + number % 8) for mark in rooms_of(office)])
+        view.repaint()
+
+    figures("following one of 10 robots", follow)
+    figures("another room looked at with every frame", choose)
+
+
+def test_motions(office: Map) -> None:
+    motions = Motions()
+    robots = busy_robots(office, 10)
+    motions.hear(Ways(0, tuple(tuple((x, y) for x, y in mark.way.tolist()) for mark in robots)), 0.0)
+    for tick in range(0, 100, 2):
+        poses = tuple((mark.pose.x + 0.01 * tick, mark.pose.y, mark.pose.theta) for mark in robots)
+        motions.hear(Whereabouts(tick, poses), 0.02 * tick)
+    figures("10 robots' poses, trails and ways at a moment", lambda number: motions.at(2.0 + number / 60.0) and None)
