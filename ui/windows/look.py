@@ -59,6 +59,8 @@ def dress(app: QApplication, palette: Palette) -> None:
         _Worn.body = max(_SMALLEST_BODY, app.font().pointSizeF())
         app.setProperty("dressed", True)
         app.setStyle("Fusion")
+    elif palette is _Worn.palette:
+        return
     _Worn.palette = palette
     app.setFont(font())
     app.setPalette(qt_palette(palette))
@@ -163,6 +165,10 @@ def _sheet(worn: Palette) -> str:
     QPushButton:focus {{ border: {RING}px solid {worn.accent}; }}
     QPushButton:default {{ background: {worn.accent}; color: {worn.on_accent}; border-color: {worn.accent}; }}
     QPushButton:default:focus {{ border: {RING}px solid {worn.text}; }}
+    QListView[roomy="true"] {{ border: 1px solid {worn.line}; border-radius: {RADIUS - 2}px; padding: {GAP // 2}px; }}
+    QListView[roomy="true"]:focus {{ border: {RING}px solid {worn.accent}; padding: {GAP // 2 - 1}px; }}
+    QListView[roomy="true"]::item {{ padding: {GAP // 2 + 1}px {GAP}px; border-radius: {RADIUS // 2}px; }}
+    QListView[roomy="true"]::item:selected {{ background: {worn.accent}; color: {worn.on_accent}; }}
     QScrollArea {{ border: none; background: transparent; }}
     QScrollBar {{ background: transparent; border: none; }}
     QScrollBar:vertical {{ width: {GAP + 4}px; }}

@@ -1,0 +1,58 @@
+"""A window on a sample, with a clock of its own."""
+
+from collections.abc import Callable
+from dataclasses import dataclass
+
+import pytest
+from PySide6.QtWidgets import QApplication
+from pytestqt.qtbot import QtBot
+
+from tests.ui.windows import samples
+from ui.model.screen import Act, Screen
+from ui.model.theme import LIGHT
+from ui.windows import look
+from ui.windows.participant import ParticipantWindow
+
+
+@dataclass
+class Opened:
+    """A window, what it shows, and its clock."""
+
+    window: ParticipantWindow
+    model: samples.Shown
+    now: float = 0.0
+
+    def show(self, screen: Screen, after: float = 1.0) -> None:
+        """Another screen, so many seconds later, and another second until it can be answered."""
+        self.now += after
+        self.model.shown = screen
+        self.window.refresh()
+        QApplication.processEvents()
+
+    @property
+    def done(self) -> list[Act]:
+        return self.model.done
+
+
+@pytest.fixture
+def opened(qtbot: QtBot, qapp: QApplication) -> Callable[..., Opened]:
+    """Opens a window on a screen."""
+
+    def make(screen: Screen, width: int = 1024, height: int = 768) -> Opened:
+        look.dress(qapp, LIGHT)
+        rooms = {8: "arena8", 12: "warehouse12"}[len(screen.tiles)]
+        model = samples.Shown(screen, samples.house(rooms))
+        made = Opened.__new__(Opened)
+        made.model, made.now = model, 0.0
+        made.window = ParticipantWindow(model, lambda: made.now, LIGHT)
+        qtbot.addWidget(made.window)
+        made.window.resize(width, height)
+        made.window.show()
+        qtbot.waitExposed(made.window)
+        made.window.activateWindow()
+        qtbot.waitUntil(made.window.isActiveWindow)
+        qapp.processEvents()
+        made.now += 1.0
+        return made
+
+    return make

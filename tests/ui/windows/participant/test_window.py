@@ -1,0 +1,386 @@
+"""The participant's window draws a screen and gives back acts, by mouse and by keyboard."""
+
+from collections.abc import Callable
+from dataclasses import replace
+
+import pytest
+from PySide6.QtCore import QEvent, QObject, QPoint, Qt
+from PySide6.QtWidgets import QApplication, QLabel, QWidget
+from pytestqt.qtbot import QtBot
+
+from tests.ui.windows import samples
+from tests.ui.windows.participant.conftest import Opened
+from ui.model.screen import (
+    Act,
+    AgreeToTakePart,
+    AnotherGame,
+    ChooseRobot,
+    ChooseRoom,
+    ConsiderRoom,
+    DontKnow,
+    EndGame,
+    FitMap,
+    FollowRobot,
+    GiveAnswer,
+    LeaveIt,
+    Meant,
+    NameIt,
+    NextRobot,
+    NotYet,
+    Phase,
+    PickName,
+    ShowHelp,
+    ShowNext,
+    ShowWaiting,
+    StopRobot,
+    TakeThePicture,
+    TypeDigit,
+)
+from ui.windows.participant.buttons import AskingButton
+
+Open = Callable[..., Opened]
+STATES = samples.states()
+LEFT = Qt.MouseButton.LeftButton
+
+
+def buttons(window: QWidget) -> list[AskingButton]:
+    return [button for button in window.findChildren(AskingButton) if button.isVisible()]
+
+
+def that_asks(window: QWidget, act: Act) -> AskingButton:
+    return next(button for button in buttons(window) if button.act == act)
+
+
+# Mouse ----------------------------------------------------------------------------------------------------------------
+
+
+@pytest.mark.parametrize(
+    ("state", "act"),
+    [
+        ("playing", ChooseRobot(1)),
+        ("playing", ChooseRoom(5)),
+        ("playing", DontKnow()),
+        ("playing", StopRobot(0)),
+        ("playing", EndGame()),
+        ("playing", FollowRobot()),
+        ("playing", FitMap()),
+        ("playing", ShowHelp()),
+        ("dialogue", GiveAnswer(0)),
+        ("dialogue", GiveAnswer(1)),
+        ("dialogue", ShowNext()),
+        ("dialogue", ShowWaiting(2)),
+        ("treasure", TakeThePicture()),
+        ("treasure", LeaveIt()),
+        ("picture", NameIt()),
+        ("question", Meant()),
+        ("question", NotYet()),
+        ("consent", AgreeToTakePart()),
+        ("over", AnotherGame()),
+    ],
+)
+def test_a_click_asks_for_what_the_button_says(qtbot: QtBot, opened: Open, state: str, act: Act) -> None:
+    shown = opened(STATES[state])
+    qtbot.mouseClick(that_asks(shown.window, act), LEFT)
+    assert [done for done in shown.done if not isinstance(done, ConsiderRoom)] == [act]
+
+
+def test_a_name_is_picked_by_a_click(qtbot: QtBot, opened: Open) -> None:
+    shown = opened(STATES["treasure"])
+    names = shown.window.treasure.names
+    assert names.currentItem() is None and not names.selectedItems(), "nothing is picked at first"
+    qtbot.mouseClick(names.viewport(), LEFT, pos=names.visualItemRect(names.item(2)).center())
+    assert shown.done == [PickName("Pink can")]
+
+
+def test_what_cannot_be_done_says_why_and_asks_for_nothing(qtbot: QtBot, opened: Open) -> None:
+    shown = opened(STATES["playing"])
+    button = that_asks(shown.window, ChooseRoom(6))
+    qtbot.mouseClick(button, LEFT)
+    assert not [done for done in shown.done if isinstance(done, ChooseRoom)]
+    assert "not possible" in button.accessibleName()
+    assert "not enough energy" in button.accessibleDescription()
+
+
+def test_the_map_takes_clicks_and_pointing(opened: Open) -> None:
+    shown = opened(STATES["playing"])
+    shown.window.map.room_hovered.emit(3)
+    shown.window.map.room_clicked.emit(3)
+    shown.window.map.robot_clicked.emit(2)
+    assert shown.done == [ConsiderRoom(3), ChooseRoom(3), ChooseRobot(2)]
+
+
+# Keys -----------------------------------------------------------------------------------------------------------------
+
+
+@pytest.mark.parametrize(
+    ("state", "key", "act"),
+    [
+        ("playing", "5", TypeDigit(5)),
+        ("playing", "D", DontKnow()),
+        ("playing", "X", StopRobot()),
+        ("playing", "E", EndGame()),
+        ("playing", "F", FollowRobot()),
+        ("playing", "M", FitMap()),
+        ("playing", "Tab", NextRobot(1)),
+        ("playing", "Shift+Tab", NextRobot(-1)),
+        ("playing", "F1", ShowHelp()),
+        ("help", "Esc", ShowHelp()),
+        ("dialogue", "C", GiveAnswer(0)),
+        ("dialogue", "Return", GiveAnswer(0)),
+        ("dialogue", "S", GiveAnswer(1)),
+        ("dialogue", "Esc", ShowNext()),
+        ("treasure", "P", TakeThePicture()),
+        ("treasure", "L", LeaveIt()),
+        ("treasure", "Down", PickName("Blue bottle")),
+        ("picture", "N", NameIt()),
+        ("question", "Y", Meant()),
+        ("question", "N", NotYet()),
+        ("consent", "A", AgreeToTakePart()),
+        ("over", "A", AnotherGame()),
+    ],
+)
+def test_a_key_does_what_its_button_does(qtbot: QtBot, opened: Open, state: str, key: str, act: Act) -> None:
+    shown = opened(STATES[state])
+    press(qtbot, shown.window, key)
+    assert shown.done == [act]
+
+
+def press(qtbot: QtBot, window: QWidget, key: str) -> None:
+    target = QApplication.focusWidget() or window
+    *with_, last = key.split("+")
+    modifiers = Qt.KeyboardModifier.NoModifier
+    for one in with_:
+        modifiers |= {"Shift": Qt.KeyboardModifier.ShiftModifier, "Ctrl": Qt.KeyboardModifier.ControlModifier}[one]
+    code = {
+        "Tab": Qt.Key.Key_Backtab if "Shift" in with_ else Qt.Key.Key_Tab,
+        "Esc": Qt.Key.Key_Escape,
+        "Return": Qt.Key.Key_Return,
+        "Space": Qt.Key.Key_Space,
+        "Down": Qt.Key.Key_Down,
+        "Right": Qt.Key.Key_Right,
+        "F1": Qt.Key.Key_F1,
+        "F6": Qt.Key.Key_F6,
+    }.get(last)
+    qtbot.keyClick(target, code if code is not None else last.lower(), modifiers)
+
+
+def test_a_digit_of_the_number_pad_counts(qtbot: QtBot, opened: Open) -> None:
+    shown = opened(STATES["playing"])
+    qtbot.keyClick(shown.window, Qt.Key.Key_5, Qt.KeyboardModifier.KeypadModifier)
+    assert shown.done == [TypeDigit(5)]
+
+
+def test_letters_pick_names_while_the_list_has_the_focus(qtbot: QtBot, opened: Open) -> None:
+    shown = opened(STATES["treasure"])
+    shown.window.treasure.names.setFocus()
+    assert shown.window.treasure.names.currentItem() is None, "the focus alone picks nothing"
+    press(qtbot, shown.window, "P")  # would take a picture otherwise
+    press(qtbot, shown.window, "Down")
+    assert shown.done == [PickName("Pink can"), PickName("Blue bottle")]
+
+
+def test_a_focused_button_is_pressed_by_enter_and_space_once(qtbot: QtBot, opened: Open) -> None:
+    shown = opened(STATES["dialogue"])
+    shown.window.dialogue.choices.buttons[1].setFocus()
+    press(qtbot, shown.window, "Return")
+    press(qtbot, shown.window, "Space")
+    assert shown.done == [GiveAnswer(1), GiveAnswer(1)]
+
+
+def test_everything_can_be_reached_by_keyboard(qtbot: QtBot, opened: Open) -> None:
+    shown = opened(STATES["treasure"])
+    reached: set[QWidget] = set()
+    for _ in shown.window.regions:
+        press(qtbot, shown.window, "F6")
+        ahead = [QApplication.focusWidget()]
+        while ahead:
+            widget = ahead.pop()
+            if widget is None or widget in reached:
+                continue
+            reached.add(widget)
+            for arrow in (Qt.Key.Key_Left, Qt.Key.Key_Right, Qt.Key.Key_Up, Qt.Key.Key_Down):
+                widget.setFocus()
+                qtbot.keyClick(widget, arrow)
+                ahead.append(QApplication.focusWidget())
+    names = shown.window.treasure.names
+    missing = [button.accessibleName() for button in buttons(shown.window) if button not in reached]
+    assert names in reached
+    assert missing == [], [w.accessibleName() for w in reached]
+
+
+# What has just popped up ----------------------------------------------------------------------------------------------
+
+
+def test_a_press_meant_for_what_was_there_before_is_no_answer(qtbot: QtBot, opened: Open) -> None:
+    shown = opened(STATES["dialogue"])
+    pop = samples.dialogue()
+    following = replace(pop, said=(*pop.said, ("you", "Continue"), ("robot", "Sure?")))
+    other = (replace(pop.choices[0], act=GiveAnswer(7)), pop.choices[1])
+    button = shown.window.dialogue.choices.buttons[0]
+    qtbot.mousePress(button, LEFT)
+    shown.show(replace(STATES["dialogue"], pop=replace(following, choices=other)))
+    qtbot.mouseRelease(button, LEFT)
+    assert shown.done == [], "pressed on the old answer, let go on the new one"
+    qtbot.mouseClick(button, LEFT)
+    press(qtbot, shown.window, "C")
+    assert shown.done == [], "nobody has read it yet"
+    shown.now += 0.31
+    qtbot.mouseClick(button, LEFT)
+    assert shown.done == [GiveAnswer(7)]
+
+
+def test_the_next_turn_with_the_same_answers_wants_to_be_read_too(qtbot: QtBot, opened: Open) -> None:
+    shown = opened(STATES["dialogue"])
+    pop = samples.dialogue()
+    shown.show(replace(STATES["dialogue"], pop=replace(pop, said=(*pop.said, ("you", "Continue"), ("robot", "Sure?")))))
+    qtbot.mouseClick(shown.window.dialogue.choices.buttons[0], LEFT)
+    assert shown.done == []
+
+
+def test_a_pop_up_leaves_the_focus_where_it_is(opened: Open) -> None:
+    shown = opened(STATES["playing"])
+    tile = that_asks(shown.window, ChooseRoom(7))
+    tile.setFocus()
+    shown.show(STATES["treasure"])
+    assert QApplication.focusWidget() is tile
+    names = shown.window.treasure.names
+    names.setFocus()
+    shown.show(replace(STATES["treasure"], waiting=samples.waiting(3), question=None))
+    assert QApplication.focusWidget() is names
+
+
+def test_the_focus_goes_to_what_takes_the_place_of_what_has_gone(opened: Open) -> None:
+    shown = opened(STATES["treasure"])
+    shown.window.treasure.names.setFocus()
+    shown.show(STATES["dialogue"])
+    focused = QApplication.focusWidget()
+    assert focused is not None and shown.window.dialogue.isAncestorOf(focused)
+
+
+# How it looks ---------------------------------------------------------------------------------------------------------
+
+
+@pytest.mark.parametrize("state", sorted(STATES))
+def test_everything_has_a_name_for_assistive_technology(opened: Open, state: str) -> None:
+    shown = opened(STATES[state])
+    nameless = [
+        f"{type(widget).__name__} {widget.geometry()}"
+        for widget in shown.window.findChildren(QWidget)
+        if widget.isVisible()
+        and (widget.focusPolicy() & Qt.FocusPolicy.TabFocus or isinstance(widget, AskingButton))
+        and not widget.accessibleName()
+    ]
+    assert nameless == []
+
+
+@pytest.mark.parametrize(("width", "height"), [(900, 600), (1024, 768), (1920, 1080)])
+@pytest.mark.parametrize("state", sorted(STATES))
+def test_nothing_is_cut_off_or_lies_on_something_else(opened: Open, state: str, width: int, height: int) -> None:
+    window = opened(STATES[state], width, height).window
+    for widget in [*buttons(window), *window.findChildren(QLabel)]:
+        if not widget.isVisible() or not widget.width():
+            continue
+        parent = widget.parentWidget()
+        name = f"{type(widget).__name__} {widget.accessibleName() or widget.property('text')}"
+        assert parent is not None and parent.rect().contains(widget.geometry()), name
+        if isinstance(widget, QLabel) and widget.wordWrap():
+            assert widget.heightForWidth(widget.width()) <= widget.height() + 1, name
+    for one in buttons(window):
+        for other in buttons(window):
+            if one is not other and one.parentWidget() is other.parentWidget() and not _on_its_card(one, other):
+                assert not one.geometry().intersects(other.geometry()), (
+                    f"{one.accessibleName()}, {other.accessibleName()}"
+                )
+
+
+def _on_its_card(one: QWidget, other: QWidget) -> bool:
+    """The stop button lies on its card, where the card leaves room for it."""
+    return "Card" in {type(one.parentWidget()).__name__, type(other.parentWidget()).__name__}
+
+
+def test_six_robots_and_twelve_rooms_need_no_scrolling(opened: Open) -> None:
+    window = opened(STATES["six"]).window
+    for area in (window.column.card_area, window.column.tile_area):
+        assert area.verticalScrollBar().maximum() == 0
+
+
+def test_tab_order_follows_the_eye(opened: Open) -> None:
+    window = opened(STATES["dialogue"]).window
+    corners = [region.mapTo(window, QPoint(0, 0)) for region in (window.top, window.column.cards, window.column.rooms)]
+    assert [corner.y() for corner in corners] == sorted(corner.y() for corner in corners)
+    assert window.regions[0] is window.dialogue, "what asks for an answer comes first"
+
+
+class Painted(QObject):
+    """Counts what is painted in a window, the map left out."""
+
+    def __init__(self, window: QWidget, but: QWidget) -> None:
+        super().__init__()
+        self.count = 0
+        self._but = but
+        for widget in window.findChildren(QWidget):
+            if widget is not but:
+                widget.installEventFilter(self)
+
+    def eventFilter(self, _watched: QObject, event: QEvent) -> bool:
+        self.count += event.type() in (QEvent.Type.Paint, QEvent.Type.LayoutRequest)
+        return False
+
+
+@pytest.mark.parametrize("state", ["playing", "treasure", "six"])
+def test_a_screen_that_has_not_changed_costs_nothing(opened: Open, state: str) -> None:
+    shown = opened(STATES[state])
+    for _ in range(5):
+        QApplication.processEvents()
+    painted = Painted(shown.window, shown.window.map)
+    before = painted.count
+    for _ in range(10):
+        shown.show(replace(shown.model.shown))
+    only_edges = 10 * 4 if state == "treasure" else 0
+    assert painted.count - before <= only_edges, "the frame of a pop-up is drawn with the map below it, no more"
+
+
+def test_only_what_has_changed_is_drawn_anew(opened: Open) -> None:
+    shown = opened(STATES["playing"])
+    painted = Painted(shown.window, shown.window.map)
+    cards = list(STATES["playing"].cards)
+    cards[1] = replace(cards[1], energy=12.0)
+    shown.show(replace(STATES["playing"], cards=tuple(cards)))
+    assert 1 <= painted.count <= 6
+
+
+# Pages ----------------------------------------------------------------------------------------------------------------
+
+
+@pytest.mark.parametrize(
+    ("state", "page"), [("connecting", "connecting"), ("consent", "consent"), ("playing", "top"), ("over", "ending")]
+)
+def test_each_phase_has_its_page(opened: Open, state: str, page: str) -> None:
+    shown = opened(STATES[state])
+    visible = {name for name in ("connecting", "consent", "top", "ending") if getattr(shown.window, name).isVisible()}
+    assert page in visible
+    assert visible <= {page, "top"}
+
+
+def test_while_something_is_asked_nothing_behind_it_can_be_clicked(qtbot: QtBot, opened: Open) -> None:
+    shown = opened(STATES["question"])
+    room = that_asks(shown.window, ChooseRoom(5))
+    under = shown.window.childAt(room.mapTo(shown.window, room.rect().center()))
+    assert under is not room
+
+
+def test_the_score_counts_up_to_the_new_one(qtbot: QtBot, opened: Open) -> None:
+    shown = opened(STATES["playing"])
+    score = shown.window.top.score
+    shown.show(replace(STATES["playing"], score=150))
+    assert score.accessibleName() == "Score 150"
+    qtbot.waitUntil(lambda: not score.is_counting)
+
+
+def test_phases_without_a_house_show_no_map(opened: Open) -> None:
+    shown = opened(replace(STATES["connecting"], phase=Phase.CONNECTING))
+    shown.model.house = None
+    shown.show(STATES["playing"])
+    shown.model.house = samples.house("arena8")
+    shown.show(STATES["dialogue"])
+    assert shown.window.map.isVisible()

@@ -1,0 +1,351 @@
+"""Sample states of the participant's window, and a model that shows one of them."""
+
+import base64
+import zlib
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass, field, replace
+from pathlib import Path
+
+import numpy as np
+
+from sim.geometry import Pose2
+from thbridge.adapters.map_files import read_map
+from thbridge.roles.notices import House, RoomOutline
+from ui.model.keys import help_lines
+from ui.model.scene import RobotMark, RoomMark
+from ui.model.screen import (
+    Act,
+    Action,
+    AgreeToTakePart,
+    AnotherGame,
+    Banner,
+    ChooseRobot,
+    ChooseRoom,
+    DialoguePop,
+    DontKnow,
+    EndGame,
+    Ending,
+    FitMap,
+    FollowRobot,
+    GiveAnswer,
+    LeaveIt,
+    Meant,
+    NameIt,
+    NotYet,
+    Phase,
+    Question,
+    RobotCard,
+    RoomTile,
+    Screen,
+    ShowHelp,
+    ShowNext,
+    ShowWaiting,
+    StopRobot,
+    TakeThePicture,
+    Told,
+    TreasurePop,
+    Waiting,
+)
+
+PROJECT = Path(__file__).resolve().parents[3]
+FOOTPRINT = ((0.35, 0.0), (0.2, 0.25), (-0.3, 0.25), (-0.3, -0.25), (0.2, -0.25))
+NAMES = ("Blue bottle", "Orange bottle", "Pink can", "Yellow can")
+LATER = Action(ShowNext(), "Later", "Esc", hint="It waits for you.")
+
+_FOUND = {1: "Orange bottle, +10", 4: "something pink"}
+_STATES = ("driving", "rest", "waiting", "lost", "rest", "empty")
+
+
+def house(name: str = "arena8") -> House:
+    """A house of ours as a participant is told of it."""
+    drawn = read_map(PROJECT / "maps" / name)
+    rows, cols = drawn.grid.cells.shape
+    cells = np.where(drawn.grid.cells == 100, 1, np.where(drawn.grid.cells < 0, 2, 0)).astype(np.uint8)
+    rooms = tuple(
+        RoomOutline(
+            at + 1,
+            room.name,
+            tuple((float(x), float(y)) for x, y in room.region),
+            (room.goal.x, room.goal.y, room.goal.theta),
+        )
+        for at, room in enumerate(drawn.rooms)
+    )
+    origin = drawn.grid.origin
+    packed = base64.b64encode(zlib.compress(cells.tobytes())).decode()
+    return House(
+        name,
+        drawn.grid.resolution,
+        (origin.x, origin.y, origin.theta),
+        cols,
+        rows,
+        packed,
+        rooms,
+        FOOTPRINT,
+    )
+
+
+def card(robot: int, *, selected: bool = False, state: str = "rest", cost: float | None = None) -> RobotCard:
+    words = {
+        "driving": "travelling to room 4",
+        "waiting": "waiting for robot 2",
+        "lost": "lost, looking for its place",
+        "empty": "no energy left",
+        "rest": "at rest",
+    }[state]
+    energy = {"lost": 31.5, "empty": 0.0}.get(state, 72.0 - 7 * robot)
+    moving = state in ("driving", "waiting", "lost")
+    return RobotCard(
+        robot=robot,
+        name=f"Robot {robot + 1}",
+        selected=selected,
+        energy=energy,
+        energy_at_start=100.0,
+        cost=cost,
+        affordable=cost is None or cost <= energy,
+        place="from room 1" if moving else "room 3",
+        state=words,
+        trouble=state in ("lost", "empty"),
+        progress={"driving": 0.62, "waiting": 0.3, "lost": 0.45}.get(state),
+        waits=2 if robot == 1 else 0,
+        select=Action(ChooseRobot(robot), f"Robot {robot + 1}", "", hint="Commands this robot."),
+        stop=Action(StopRobot(robot), "Stop", "X" if selected else "", hint="Calls it back.") if moving else None,
+    )
+
+
+def tile(number: int, rooms: int, *, considered: bool = False) -> RoomTile:
+    state = "visited" if number in (1, 4) else "reserved" if number == 2 else "unvisited"
+    key = str(number).zfill(len(str(rooms)))
+    can = state == "unvisited" and number != 6
+    hint = f"Costs 13; robot 1 keeps {59 - number}." if can else "Robot 1 has not enough energy."
+    if state != "unvisited":
+        hint = "This room was visited." if state == "visited" else "Robot 2 is under way to it."
+    return RoomTile(
+        room=number,
+        name=("North west", "West", "South west", "North middle", "South middle", "North east", "East", "South east")[
+            (number - 1) % 8
+        ],
+        state=state,
+        robot={1: 0, 4: 2, 2: 1}.get(number),
+        cost=13.0 + number if state == "unvisited" and number != 8 else None,
+        considered=considered,
+        found=_FOUND.get(number, ""),
+        choose=Action(ChooseRoom(number), f"Room {number}", key, can, hint),
+        warning="Enough energy to get there, not to name what is there." if number == 7 else "",
+    )
+
+
+def playing(robots: int = 3, rooms: int = 8, considered: int | None = None) -> Screen:
+    """The usual state: robots at work, one room looked at."""
+    cards = tuple(
+        card(
+            robot,
+            selected=robot == 0,
+            state=_STATES[robot % len(_STATES)] if robots > 1 else "rest",
+            cost=18.0 if robot == 0 and considered is not None else None,
+        )
+        for robot in range(robots)
+    )
+    return Screen(
+        phase=Phase.PLAYING,
+        waiting_for="",
+        consent="",
+        agree=Action(AgreeToTakePart(), "I agree", "A"),
+        banner=None,
+        game=1,
+        score=120,
+        gained=None,
+        cards=cards,
+        tiles=tuple(tile(number, rooms, considered=number == considered) for number in range(1, rooms + 1)),
+        dont_know=Action(DontKnow(), "Don't know", "D", hint="Ask robot 1 where to go."),
+        end=Action(EndGame(), "End the game", "E", hint="Robots could still do something."),
+        tools=(
+            Action(FollowRobot(), "Follow", "F", hint="Keeps robot 1 in the middle of the map."),
+            Action(FitMap(), "Whole map", "M", hint="Shows all of the map."),
+            Action(ShowHelp(), "Help", "F1", hint="All keys on one sheet."),
+        ),
+        pop=None,
+        question=None,
+        waiting=(),
+        history=(
+            Told("game", None, "The game begins."),
+            Told("you", 0, "Go to room 4."),
+            Told("robot", 0, "It will cost me 13 to go to room 4. Are you sure?"),
+            Told("you", 0, "Continue."),
+            Told("game", None, "Robot 1 is under way to room 4."),
+        ),
+        ending=None,
+        help=(),
+        typed="",
+        announcement="",
+        announced=0,
+    )
+
+
+def dialogue() -> DialoguePop:
+    return DialoguePop(
+        robot=0,
+        title="Robot 1 talks about room 5",
+        said=(
+            ("you", "I don't know where to go."),
+            ("robot", "Do you want me to go to room 5?"),
+            ("you", "Continue"),
+            ("robot", "It will cost me 12.5 to go to room 5, which leaves 59.5. Are you sure?"),
+        ),
+        choices=(
+            Action(GiveAnswer(0), "Continue", "C"),
+            Action(GiveAnswer(1), "Stop", "S"),
+        ),
+        aside=LATER,
+    )
+
+
+def treasure(
+    *, picture: bool = False, picked: str | None = None, verdict: str | None = None, points: int | None = None
+) -> TreasurePop:
+    data = (PROJECT / "templates/original-2016/pictures/rsz_t4.jpg").read_bytes() if picture else None
+    return TreasurePop(
+        robot=1,
+        room=4,
+        title="Robot 2 found something in room 4",
+        colour="Pink",
+        footprint="Square and Small",
+        take_picture=None if picture else Action(TakeThePicture(), "Take a picture", "P", hint="Costs 5 of 72 energy."),
+        picture=data,
+        names=NAMES,
+        picked=picked,
+        name_it=Action(
+            NameIt(),
+            "Name it",
+            "N",
+            picked is not None,
+            "Costs 5 energy." if picked is not None else "Pick a name from the list first.",
+        ),
+        leave=Action(LeaveIt(), "Leave it", "L", hint="For good; it costs nothing."),
+        verdict=verdict,
+        points=points,
+        aside=LATER if verdict is None else Action(ShowNext(), "Close", "Esc"),
+    )
+
+
+def waiting(number: int) -> tuple[Waiting, ...]:
+    return tuple(
+        Waiting(
+            robot,
+            f"Robot {robot + 1} is in room {robot + 3} and found something",
+            Action(ShowWaiting(robot), "Show", "W" if robot == 1 else "", hint="Its answer waits."),
+        )
+        for robot in range(1, number + 1)
+    )
+
+
+QUESTION = Question(
+    "Stop robot 1?",
+    "Robot 1 is on its way to room 4. It would be called back first; the energy of the way driven so far is gone.",
+    Action(Meant(), "Stop it, then room 5", "Y"),
+    Action(NotYet(), "Let it go on", "N"),
+)
+
+ENDING = Ending(
+    "The game is over",
+    (
+        "No robot can do anything more.",
+        "Your score is 120.",
+        "7 of 8 rooms were visited; 5 treasures were named right and 1 wrong.",
+    ),
+    Action(AnotherGame(), "Play again", "A", hint="With treasures hidden anew."),
+)
+
+CONSENT = "\n\n".join(
+    [
+        "Thank you for your interest in this study.",
+        "You will command a team of robots that look for treasures in a house. This takes about twenty minutes. "
+        "What you do in the game is recorded under a number, not under your name.",
+    ]
+    + [f"{at}. You may stop at any time and need not say why." for at in range(1, 12)]
+)
+
+
+def states() -> Mapping[str, Screen]:
+    """Every state worth a look, by name."""
+    usual = playing(considered=5)
+    return {
+        "connecting": replace(usual, phase=Phase.CONNECTING, waiting_for="The robots are getting ready."),
+        "consent": replace(usual, phase=Phase.CONSENT, consent=CONSENT),
+        "playing": usual,
+        "dialogue": replace(usual, pop=dialogue(), waiting=waiting(2)),
+        "thinking": replace(usual, pop=replace(dialogue(), choices=())),
+        "treasure": replace(usual, pop=treasure(), waiting=waiting(1)),
+        "picture": replace(usual, pop=treasure(picture=True, picked="Pink can")),
+        "verdict": replace(
+            usual, pop=treasure(picture=True, verdict="Right, it is Pink can: 30 points won.", points=30), gained=30
+        ),
+        "wrong": replace(
+            usual, pop=treasure(picture=True, verdict="No, it is not Blue bottle: 5 points lost.", points=-5)
+        ),
+        "question": replace(usual, question=QUESTION),
+        "help": replace(usual, help=help_lines(8)),
+        "lost": replace(
+            usual,
+            banner=Banner("The connection to the game is lost for 12 s. It is tried again by itself.", "bad"),
+        ),
+        "refused": replace(usual, banner=Banner("Robot 1 has not enough energy for room 6.", "note"), typed="1"),
+        "over": replace(usual, phase=Phase.OVER, ending=ENDING, cards=tuple(card(robot) for robot in range(3))),
+        "six": replace(playing(6, 12, 5), waiting=waiting(5)),
+    }
+
+
+@dataclass
+class Shown:
+    """A model that shows what it is told to, and keeps what was done."""
+
+    shown: Screen
+    house: House | None = None
+    followed: int | None = None
+    done: list[Act] = field(default_factory=list)
+
+    def screen(self, now: float) -> Screen:
+        return self.shown
+
+    def do(self, act: Act, now: float) -> None:
+        self.done.append(act)
+
+    def rooms(self, now: float) -> Sequence[RoomMark]:
+        outlines = self.house.rooms if self.house is not None else ()
+        tiles = {tile.room: tile for tile in self.shown.tiles}
+        return tuple(
+            RoomMark(
+                room=room.room,
+                name=room.name,
+                region=np.array(room.region),
+                state=shown.state,
+                choosable=shown.choose.enabled,
+                considered=shown.considered,
+                found=shown.found,
+                robot=shown.robot,
+            )
+            for room in outlines
+            if (shown := tiles.get(room.room)) is not None
+        )
+
+    def robots(self, now: float) -> Sequence[RobotMark]:
+        outlines = self.house.rooms if self.house is not None else ()
+        marks = []
+        for shown in self.shown.cards if outlines else ():
+            room = outlines[(shown.robot * 3 + 1) % len(outlines)]
+            goal = outlines[(shown.robot * 3 + 4) % len(outlines)]
+            pose = Pose2(room.goal[0] + 0.4, room.goal[1] - 0.5, 0.6 * shown.robot)
+            way = np.array([[pose.x, pose.y], [pose.x + 2.0, pose.y], [goal.goal[0], goal.goal[1]]])
+            trail = np.array([[pose.x - 2.0, pose.y - 0.4], [pose.x - 1.0, pose.y - 0.5], [pose.x, pose.y]])
+            marks.append(
+                RobotMark(
+                    robot=shown.robot,
+                    label=str(shown.robot + 1),
+                    pose=pose,
+                    footprint=np.array(FOOTPRINT),
+                    selected=shown.selected,
+                    trouble=shown.trouble,
+                    trail=trail if shown.progress is not None else np.zeros((0, 2)),
+                    way=way if shown.progress is not None else np.zeros((0, 2)),
+                )
+            )
+        return tuple(marks)

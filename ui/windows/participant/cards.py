@@ -1,0 +1,317 @@
+"""The robots beside the map."""
+
+from PySide6.QtCore import QPointF, QRect, QRectF, QSize, Qt, Signal
+from PySide6.QtGui import QColor, QFontMetricsF, QPainter, QPaintEvent, QPen, QResizeEvent
+from PySide6.QtWidgets import QSizePolicy, QVBoxLayout, QWidget
+
+from thbridge.hunt.costs import spoken_energy
+from ui.model.screen import RobotCard
+from ui.windows.look import GAP, RADIUS, colours, font
+from ui.windows.participant.buttons import ActionButton, AskingButton
+from ui.windows.participant.painting import box, chip, chip_size, elided, hatch, key_cap, key_size, ring, sign
+
+PAD = 1.25 * GAP
+EDGE = 5.0
+"""Logical pixels above the first line and below the last one, when there is little room."""
+BAR = 7.0
+CLOSE, FAR = 3.0, 7.0
+"""Between the bar and the lines."""
+
+
+class CardFace(AskingButton):
+    """All of a card but its stop button; pressing it selects the robot."""
+
+    def __init__(self, parent: QWidget) -> None:
+        super().__init__(parent)
+        self.setCheckable(True)
+        self._card: RobotCard | None = None
+        self._stop_width = 0
+
+    def nextCheckState(self) -> None:
+        """Whether it is checked follows from the game, not from being pressed."""
+
+    def show_card(self, card: RobotCard, stop_width: int) -> None:
+        """Show this robot, leaving so much room for the stop button."""
+        if (card, stop_width) == (self._card, self._stop_width):
+            return
+        self._card, self._stop_width = card, stop_width
+        self.setChecked(card.selected)
+        self.take(card.select, spoken_card(card))
+        self.update()
+
+    def sizeHint(self) -> QSize:
+        """Two lines and the bar, comfortably."""
+        return QSize(300, int(self._high(FAR)))
+
+    def minimumSizeHint(self) -> QSize:
+        """Two lines and the bar, closely."""
+        return QSize(220, int(self._high(CLOSE)))
+
+    def paintEvent(self, _event: QPaintEvent) -> None:
+        """Draw the name and what energy it has; the bar; what it does and where; how far it is."""
+        card = self._card
+        if card is None:
+            return
+        worn = colours()
+        painter = QPainter(self)
+        painter.setRenderHint(QPainter.RenderHint.Antialiasing)
+        rect = QRectF(self.rect())
+        edge = worn.accent if card.selected else worn.line
+        ground = worn.track if self.pointed_at() and not card.selected else worn.panel
+        box(painter, rect, ground, edge, width=2.5 if card.selected else 1.0, radius=RADIUS)
+        if self.hasFocus():
+            ring(painter, rect, worn.text if card.selected else worn.accent)
+        space = min(FAR, CLOSE + max(0.0, rect.height() - self._high(CLOSE)) / 4.0)
+        left, right = rect.left() + PAD, rect.right() - PAD
+        middle = rect.top() + EDGE + space - CLOSE + self._line() / 2.0
+        self._top_line(painter, card, left, right, middle)
+        bar = QRectF(left, middle + self._line() / 2.0 + space, right - left, BAR)
+        draw_energy(painter, bar, card)
+        line = QRectF(left, bar.bottom() + space, right - left - self._stop_width, self._line())
+        self._bottom_line(painter, card, line, QFontMetricsF(font("small")))
+        if card.progress is not None:
+            self._progress(painter, rect, card.progress, worn.robot(card.robot))
+
+    def stop_place(self, size: QSize) -> QRect:
+        """Where a stop button of this size lies: at the end of the last line."""
+        below = self.height() - EDGE - max(0.0, self.height() - self._high(CLOSE)) / 4.0 - self._line() - 1.0
+        return QRect(int(self.width() - PAD - size.width()), int(below), size.width(), size.height())
+
+    @staticmethod
+    def _line() -> float:
+        """A line is as high as the stop button in it."""
+        return key_size("X")[1] + 4.0
+
+    def _high(self, space: float) -> float:
+        return 2.0 * (EDGE + space - CLOSE) + 2.0 * self._line() + BAR + 2.0 * space + 2.0
+
+    def _top_line(self, painter: QPainter, card: RobotCard, left: float, right: float, middle: float) -> None:
+        worn = colours()
+        size = chip_size()
+        chip(painter, QPointF(left + size / 2.0, middle), card.robot)
+        bold = font("body", bold=True)
+        metrics = QFontMetricsF(bold)
+        at = left + size + GAP
+        words = energy_words(card)
+        wide = metrics.horizontalAdvance(words)
+        row = QRectF(at, middle - size, right - at, 2.0 * size)
+        painter.setFont(bold)
+        painter.setPen(QColor(worn.text if card.affordable else worn.bad))
+        painter.drawText(row, Qt.AlignmentFlag.AlignRight | Qt.AlignmentFlag.AlignVCenter, words)
+        if not card.affordable:
+            side = metrics.height() * 0.85
+            sign(painter, QRectF(right - wide - side - 4, middle - side / 2, side, side), "trouble", worn.bad)
+        painter.setPen(QColor(worn.text))
+        painter.drawText(row, Qt.AlignmentFlag.AlignLeft | Qt.AlignmentFlag.AlignVCenter, card.name)
+        at += metrics.horizontalAdvance(card.name) + GAP
+        key_wide, key_high = key_size(card.select.key)
+        if key_wide:
+            key_cap(painter, QRectF(at, middle - key_high / 2.0, key_wide, key_high), card.select.key, worn.muted)
+            at += key_wide + GAP
+        if card.waits:
+            self._waits(painter, card.waits, at, middle)
+
+    @staticmethod
+    def _waits(painter: QPainter, waits: int, left: float, middle: float) -> None:
+        """How many things wait for an answer."""
+        worn, face = colours(), font("small", bold=True)
+        metrics = QFontMetricsF(face)
+        text, side = str(waits), metrics.height()
+        pill = QRectF(left, middle - side / 2 - 1, side + metrics.horizontalAdvance(text) + GAP + 2, side + 2)
+        painter.setPen(Qt.PenStyle.NoPen)
+        painter.setBrush(QColor(worn.accent))
+        painter.drawRoundedRect(pill, pill.height() / 2, pill.height() / 2)
+        icon = QRectF(pill.left() + 5, pill.top() + 1, side, side).adjusted(2, 2, -2, -2)
+        sign(painter, icon, "talk", worn.on_accent)
+        painter.setFont(face)
+        painter.setPen(QColor(worn.on_accent))
+        painter.drawText(pill.adjusted(side + 4, 0, 0, 0), Qt.AlignmentFlag.AlignVCenter, text)
+
+    @staticmethod
+    def _bottom_line(painter: QPainter, card: RobotCard, line: QRectF, small: QFontMetricsF) -> None:
+        worn = colours()
+        ink = worn.bad if card.trouble else worn.text
+        left = line.left()
+        if card.trouble:
+            side = small.height() * 0.9
+            sign(painter, QRectF(left, line.center().y() - side / 2, side, side), "trouble", ink)
+            left += side + GAP / 2.0
+        where = f" · {card.place}" if card.place else ""
+        face = font("small", bold=card.trouble)
+        state = elided(card.state, line.right() - left, QFontMetricsF(face))
+        painter.setFont(face)
+        painter.setPen(QColor(ink))
+        painter.drawText(
+            QRectF(left, line.top(), line.right() - left, line.height()),
+            Qt.AlignmentFlag.AlignLeft | Qt.AlignmentFlag.AlignVCenter,
+            state,
+        )
+        left += QFontMetricsF(face).horizontalAdvance(state)
+        if state == card.state and where:
+            painter.setFont(font("small"))
+            painter.setPen(QColor(worn.muted))
+            rest = QRectF(left, line.top(), line.right() - left, line.height())
+            painter.drawText(
+                rest,
+                Qt.AlignmentFlag.AlignLeft | Qt.AlignmentFlag.AlignVCenter,
+                elided(where, rest.width(), small),
+            )
+
+    @staticmethod
+    def _progress(painter: QPainter, rect: QRectF, share: float, colour: str) -> None:
+        """A thin line along the lower edge, which grows with the way driven."""
+        y = rect.bottom() - 4.0
+        reach = rect.left() + PAD + (rect.width() - 2.0 * PAD) * min(1.0, max(0.0, share))
+        pen = QPen(QColor(colours().track), 3.0)
+        pen.setCapStyle(Qt.PenCapStyle.RoundCap)
+        painter.setPen(pen)
+        painter.drawLine(QPointF(rect.left() + PAD, y), QPointF(rect.right() - PAD, y))
+        pen.setColor(QColor(colour))
+        painter.setPen(pen)
+        painter.drawLine(QPointF(rect.left() + PAD, y), QPointF(reach, y))
+
+
+class Card(QWidget):
+    """A robot: its face, and a button that calls it back while it is under way.
+
+    Attributes:
+        asked: the `Act` of what was pressed.
+    """
+
+    asked = Signal(object)
+
+    def __init__(self, parent: QWidget | None = None) -> None:
+        super().__init__(parent)
+        self.face = CardFace(self)
+        self.stop = ActionButton("small", parent=self)
+        self.face.asked.connect(self.asked)
+        self.stop.asked.connect(self.asked)
+        self.setSizePolicy(QSizePolicy.Policy.Preferred, QSizePolicy.Policy.Preferred)
+        self._card: RobotCard | None = None
+
+    def show_card(self, card: RobotCard) -> None:
+        """Show this robot; nothing is done when it is shown so already."""
+        if card == self._card:
+            return
+        self._card = card
+        self.setAccessibleName(card.name)
+        if card.stop is not None:
+            self.stop.show_action(card.stop)
+            self.stop.setAccessibleName(f"{card.stop.label} {card.name}")
+        elif self.stop.hasFocus():
+            self.face.setFocus()
+        self.stop.setVisible(card.stop is not None)
+        self.face.show_card(card, self.stop.sizeHint().width() + GAP if card.stop is not None else 0)
+        self._place()
+
+    def sizeHint(self) -> QSize:
+        """As its face."""
+        return self.face.sizeHint()
+
+    def minimumSizeHint(self) -> QSize:
+        """As its face."""
+        return self.face.minimumSizeHint()
+
+    def resizeEvent(self, _event: QResizeEvent) -> None:
+        """The stop button lies on the face, in its lower right corner."""
+        self._place()
+
+    def _place(self) -> None:
+        self.face.setGeometry(self.rect())
+        self.stop.setGeometry(self.face.stop_place(self.stop.sizeHint()))
+
+
+class Cards(QWidget):
+    """One card a robot, in the order of the team.
+
+    Attributes:
+        asked: the `Act` of what was pressed.
+        reveal: the card that should be seen.
+    """
+
+    asked = Signal(object)
+    reveal = Signal(object)
+
+    def __init__(self, parent: QWidget | None = None) -> None:
+        super().__init__(parent)
+        self._rows = QVBoxLayout(self)
+        self._rows.setContentsMargins(0, 0, 0, 0)
+        self._rows.setSpacing(GAP - 2)
+        self._shown: tuple[RobotCard, ...] = ()
+        self.cards: list[Card] = []
+
+    def show_cards(self, cards: tuple[RobotCard, ...]) -> None:
+        """Show these; nothing is done when they are shown already."""
+        if cards == self._shown:
+            return
+        selected = [card.robot for card in self._shown if card.selected]
+        self._shown = cards
+        while len(self.cards) < len(cards):
+            self.cards.append(self._made())
+        while len(self.cards) > len(cards):
+            gone = self.cards.pop()
+            self._rows.removeWidget(gone)
+            gone.deleteLater()
+        for shown, card in zip(self.cards, cards, strict=True):
+            shown.show_card(card)
+        chosen = [card.robot for card in cards if card.selected]
+        if chosen and chosen != selected:
+            self.reveal.emit(self.cards[chosen[0]])
+
+    def _made(self) -> Card:
+        card = Card(self)
+        card.setMaximumHeight(card.sizeHint().height())
+        card.asked.connect(self.asked)
+        self._rows.addWidget(card)
+        return card
+
+
+def draw_energy(painter: QPainter, rect: QRectF, card: RobotCard) -> None:
+    """What is left in the robot's colour; the end that the considered move would take is hatched."""
+    worn = colours()
+    colour = worn.robot(card.robot)
+    full = max(card.energy_at_start, card.energy, 1e-9)
+    painter.setPen(Qt.PenStyle.NoPen)
+    painter.setBrush(QColor(worn.track))
+    half = rect.height() / 2.0
+    painter.drawRoundedRect(rect, half, half)
+    left = rect.width() * card.energy / full
+    kept = rect.width() * max(0.0, card.energy - (card.cost or 0.0)) / full
+    painter.save()
+    painter.setClipRect(QRectF(rect.left(), rect.top(), left, rect.height()))
+    painter.setBrush(hatch(colour if card.affordable else worn.bad, worn.panel))
+    painter.setPen(QPen(QColor(colour if card.affordable else worn.bad), 1.0))
+    if card.cost:
+        painter.drawRoundedRect(
+            QRectF(rect.left(), rect.top(), left, rect.height()).adjusted(0.5, 0.5, -0.5, -0.5), half, half
+        )
+        painter.setClipRect(QRectF(rect.left(), rect.top(), kept, rect.height()))
+    painter.setPen(Qt.PenStyle.NoPen)
+    painter.setBrush(QColor(colour))
+    painter.drawRoundedRect(QRectF(rect.left(), rect.top(), left, rect.height()), half, half)
+    painter.restore()
+
+
+def energy_words(card: RobotCard) -> str:
+    """ "72", or "72 - 13 = 59" while a move is considered, or "72 of 90 needed"."""
+    if card.cost is None:
+        return spoken_energy(card.energy)
+    if not card.affordable:
+        return f"{spoken_energy(card.energy)} of {spoken_energy(card.cost)} needed"
+    left = max(0.0, card.energy - card.cost)
+    return f"{spoken_energy(card.energy)} − {spoken_energy(card.cost)} = {spoken_energy(left)}"
+
+
+def spoken_card(card: RobotCard) -> str:
+    """A card as it is read out."""
+    parts = [
+        card.name,
+        "selected" if card.selected else "",
+        f"energy {spoken_energy(card.energy)} of {spoken_energy(card.energy_at_start)}",
+        f"this move costs {spoken_energy(card.cost)}" if card.cost is not None else "",
+        "" if card.affordable else "which it cannot pay",
+        card.state,
+        card.place,
+        f"{card.waits} waiting for you" if card.waits else "",
+    ]
+    return ", ".join(part for part in parts if part)

@@ -1,0 +1,90 @@
+"""The column beside the map: robots above, rooms below them."""
+
+from PySide6.QtCore import QEvent, QObject, QSize, Qt, Signal
+from PySide6.QtGui import QResizeEvent
+from PySide6.QtWidgets import QFrame, QScrollArea, QWidget
+
+from ui.windows import look
+from ui.windows.look import GAP
+from ui.windows.participant.buttons import ActionButton
+from ui.windows.participant.cards import Cards
+from ui.windows.participant.focus import region
+from ui.windows.participant.tiles import Tiles
+
+_SECTION = int(1.5 * GAP)
+"""Between robots and rooms."""
+
+
+class Column(QWidget):
+    """Shares its height: rooms get what they need, robots come closer together, and only then something scrolls.
+
+    Attributes:
+        asked: the `Act` of what was pressed or looked at.
+    """
+
+    asked = Signal(object)
+
+    def __init__(self) -> None:
+        super().__init__()
+        self.cards, self.tiles = Cards(), Tiles()
+        self.card_area, self.rooms = Area(self.cards, self), QWidget(self)
+        self.tile_area = Area(self.tiles, self.rooms)
+        self.dont_know = ActionButton(parent=self.rooms)
+        self.hint = look.label(size="small", muted=True)
+        self.hint.setParent(self.rooms)
+        self.hint.setAlignment(Qt.AlignmentFlag.AlignTop)
+        region(self.cards, "Robots")
+        region(self.rooms, "Rooms")
+        for part in (self.cards, self.tiles, self.dont_know):
+            part.asked.connect(self.asked)
+        self.cards.reveal.connect(lambda card: self.card_area.ensureWidgetVisible(card, 0, GAP))
+
+    def sizeHint(self) -> QSize:
+        """The window decides about the width."""
+        return QSize(336, 480)
+
+    def resizeEvent(self, _event: QResizeEvent) -> None:
+        """Share the height."""
+        self._place()
+
+    def event(self, event: QEvent) -> bool:
+        """There are more robots or rooms, or less."""
+        if event.type() == QEvent.Type.LayoutRequest:
+            self._place()
+        return super().event(event)
+
+    def _place(self) -> None:
+        wide, high = self.width(), self.height()
+        button = self.dont_know.heightForWidth(wide)
+        hint = 2 * self.hint.fontMetrics().lineSpacing()
+        below = button + hint + 2 * (GAP - 2)
+        room = high - below - _SECTION
+        least, most = self.cards.minimumSizeHint().height(), self.cards.sizeHint().height()
+        tiles = self.tiles.fit(wide, room - most)
+        if least + tiles > room:
+            # Neither fits whole: each keeps at least two fifths, and what one does not need goes to the other.
+            tiles = min(tiles, max(room - least, int(0.4 * room)))
+        cards = min(most, room - tiles)
+        self.card_area.setGeometry(0, 0, wide, cards)
+        self.rooms.setGeometry(0, cards + _SECTION, wide, tiles + below)
+        self.tile_area.setGeometry(0, 0, wide, tiles)
+        self.dont_know.setGeometry(0, tiles + GAP - 2, wide, button)
+        self.hint.setGeometry(0, tiles + button + 2 * (GAP - 2), wide, hint)
+
+
+class Area(QScrollArea):
+    """Scrolls a widget where there is too little room for it, and is not seen otherwise."""
+
+    def __init__(self, inside: QWidget, parent: QWidget) -> None:
+        super().__init__(parent)
+        self.setWidgetResizable(True)
+        self.setFrameShape(QFrame.Shape.NoFrame)
+        self.setFocusPolicy(Qt.FocusPolicy.NoFocus)
+        self.setHorizontalScrollBarPolicy(Qt.ScrollBarPolicy.ScrollBarAlwaysOff)
+        self.setWidget(inside)
+
+    def eventFilter(self, watched: QObject, event: QEvent) -> bool:
+        """What is inside has another size: whoever shares out the room has to know."""
+        if event.type() == QEvent.Type.LayoutRequest:
+            self.updateGeometry()
+        return super().eventFilter(watched, event)

@@ -1,0 +1,90 @@
+"""Where the focus goes by keyboard: arrows inside a region, F6 from region to region.
+
+Tab is not free for that: in this game it means the next robot.
+"""
+
+from collections.abc import Sequence
+
+from PySide6.QtCore import QPoint, Qt
+from PySide6.QtWidgets import QApplication, QWidget
+
+REGION = "region"
+"""The property that makes a widget a region."""
+
+ARROWS: dict[int, tuple[int, int]] = {
+    Qt.Key.Key_Left: (-1, 0),
+    Qt.Key.Key_Right: (1, 0),
+    Qt.Key.Key_Up: (0, -1),
+    Qt.Key.Key_Down: (0, 1),
+}
+
+
+def region(widget: QWidget, name: str) -> None:
+    """Make a widget a region that people call `name`."""
+    widget.setProperty(REGION, name)
+    widget.setAccessibleName(name)
+
+
+def reachable(inside: QWidget) -> list[QWidget]:
+    """What can have the focus in a widget, as the eye goes: row by row, from the left."""
+    found = [
+        widget
+        for widget in inside.findChildren(QWidget)
+        if widget.focusPolicy() & Qt.FocusPolicy.TabFocus and widget.isVisibleTo(inside) and widget.isEnabled()
+    ]
+
+    def place(widget: QWidget) -> tuple[int, int]:
+        corner = widget.mapTo(inside, QPoint(0, 0))
+        return corner.y(), corner.x()
+
+    return sorted(found, key=place)
+
+
+def move(widget: QWidget, key: int) -> None:
+    """Give the focus to a neighbour inside the widget's region: left and right as one reads, so that nothing is left
+    out; up and down to the nearest one there.
+    """
+    home: QWidget | None = widget
+    while home is not None and home.property(REGION) is None:
+        home = home.parentWidget()
+    if home is None:
+        return
+    others = reachable(home)
+    x, y = ARROWS[key]
+    if x and widget in others:
+        target = others[min(max(others.index(widget) + x, 0), len(others) - 1)]
+        target.setFocus(Qt.FocusReason.OtherFocusReason)
+        return
+    here = widget.mapTo(home, widget.rect().center())
+    best: tuple[float, QWidget] | None = None
+    for other in others:
+        there = other.mapTo(home, other.rect().center())
+        ahead = (there.y() - here.y()) * y
+        far = ahead + 3.0 * abs(there.x() - here.x())
+        if ahead > 0 and (best is None or far < best[0]):
+            best = (far, other)
+    if best is not None:
+        best[1].setFocus(Qt.FocusReason.OtherFocusReason)
+
+
+def next_region(regions: Sequence[QWidget], step: int) -> None:
+    """Give the focus to the first reachable widget of the next region (`step` 1) or the one before (-1)."""
+    open_ones = [one for one in regions if one.isVisible() and (_takes(one) or reachable(one))]
+    if not open_ones:
+        return
+    focused = QApplication.focusWidget()
+    inside = [
+        at for at, one in enumerate(open_ones) if focused is not None and (one is focused or one.isAncestorOf(focused))
+    ]
+    at = (inside[0] + step) % len(open_ones) if inside else (0 if step > 0 else -1)
+    enter(open_ones[at])
+
+
+def enter(home: QWidget) -> None:
+    """Give the focus to a region, or to the first thing in it that can have it."""
+    target = home if _takes(home) else next(iter(reachable(home)), home)
+    target.setFocus(Qt.FocusReason.OtherFocusReason)
+
+
+def _takes(widget: QWidget) -> bool:
+    return bool(widget.focusPolicy() & Qt.FocusPolicy.TabFocus)

@@ -1,0 +1,135 @@
+"""The few shapes that buttons, cards and tiles are painted with: a thing looks the same wherever it is shown."""
+
+from typing import Literal
+
+from PySide6.QtCore import QPointF, QRectF, Qt
+from PySide6.QtGui import QBrush, QColor, QFontMetricsF, QPainter, QPainterPath, QPen, QPixmap
+
+from ui.windows.look import GAP, RADIUS, RING, colours, font, on
+
+Sign = Literal["open", "way", "tick", "trouble", "busy", "talk"]
+"""Not visited yet, a robot is under way, visited; something is wrong; asked for and not done yet; somebody speaks."""
+
+
+def box(
+    painter: QPainter,
+    rect: QRectF,
+    fill: str,
+    edge: str,
+    *,
+    width: float = 1.0,
+    dashed: bool = False,
+    radius: float = RADIUS - 2,
+) -> None:
+    """A filled box with round corners whose edge lies inside the rectangle."""
+    pen = QPen(QColor(edge), width)
+    if dashed:
+        pen.setStyle(Qt.PenStyle.DashLine)
+    half = width / 2.0
+    painter.setPen(pen)
+    painter.setBrush(QColor(fill))
+    painter.drawRoundedRect(rect.adjusted(half, half, -half, -half), radius, radius)
+
+
+def ring(painter: QPainter, rect: QRectF, colour: str) -> None:
+    """The ring around what has the focus, a little inside its edge so that it never merges with it."""
+    inset = RING / 2.0 + 2.0
+    painter.setPen(QPen(QColor(colour), RING))
+    painter.setBrush(Qt.BrushStyle.NoBrush)
+    painter.drawRoundedRect(rect.adjusted(inset, inset, -inset, -inset), RADIUS - 4, RADIUS - 4)
+
+
+def chip_size() -> float:
+    """Diameter of a robot's chip."""
+    return QFontMetricsF(font("small", bold=True)).height() + GAP / 2.0
+
+
+def chip(painter: QPainter, centre: QPointF, robot: int) -> None:
+    """A robot's colour and number."""
+    colour = colours().robot(robot)
+    size = chip_size()
+    around = QRectF(centre.x() - size / 2.0, centre.y() - size / 2.0, size, size)
+    painter.setPen(Qt.PenStyle.NoPen)
+    painter.setBrush(QColor(colour))
+    painter.drawEllipse(around)
+    painter.setFont(font("small", bold=True))
+    painter.setPen(QColor(on(colour)))
+    painter.drawText(around, Qt.AlignmentFlag.AlignCenter, str(robot + 1))
+
+
+def key_size(key: str) -> tuple[float, float]:
+    """Width and height of a key as printed on a button; 0, 0 without one."""
+    if not key:
+        return 0.0, 0.0
+    metrics = QFontMetricsF(font("small"))
+    height = metrics.height() + 3.0
+    return max(metrics.horizontalAdvance(key) + GAP, height), height
+
+
+def key_cap(painter: QPainter, rect: QRectF, key: str, ink: str) -> None:
+    """A key, drawn as one."""
+    painter.setPen(QPen(QColor(ink), 1.0))
+    painter.setBrush(Qt.BrushStyle.NoBrush)
+    painter.drawRoundedRect(rect.adjusted(0.5, 0.5, -0.5, -0.5), 4, 4)
+    painter.setFont(font("small"))
+    painter.drawText(rect, Qt.AlignmentFlag.AlignCenter, key)
+
+
+def sign(painter: QPainter, rect: QRectF, kind: Sign, ink: str) -> None:
+    """A sign that says without colour how something stands."""
+    side = min(rect.width(), rect.height())
+    area = QRectF(0.0, 0.0, side, side)
+    area.moveCenter(rect.center())
+    pen = QPen(QColor(ink), max(1.6, side / 8.0))
+    pen.setCapStyle(Qt.PenCapStyle.RoundCap)
+    pen.setJoinStyle(Qt.PenJoinStyle.RoundJoin)
+    painter.setPen(pen)
+    painter.setBrush(Qt.BrushStyle.NoBrush)
+
+    def at(x: float, y: float) -> QPointF:
+        return QPointF(area.left() + x * side, area.top() + y * side)
+
+    match kind:
+        case "open":
+            painter.drawEllipse(area.adjusted(side * 0.2, side * 0.2, -side * 0.2, -side * 0.2))
+        case "way":
+            painter.drawPolyline([at(0.1, 0.5), at(0.9, 0.5)])
+            painter.drawPolyline([at(0.6, 0.2), at(0.9, 0.5), at(0.6, 0.8)])
+        case "tick":
+            painter.drawPolyline([at(0.15, 0.55), at(0.4, 0.8), at(0.88, 0.22)])
+        case "trouble":
+            painter.drawPolygon([at(0.5, 0.06), at(0.97, 0.92), at(0.03, 0.92)])
+            painter.drawLine(at(0.5, 0.4), at(0.5, 0.6))
+            painter.drawPoint(at(0.5, 0.77))
+        case "busy":
+            painter.drawEllipse(area.adjusted(side * 0.08, side * 0.08, -side * 0.08, -side * 0.08))
+            painter.drawPolyline([at(0.5, 0.25), at(0.5, 0.5), at(0.7, 0.6)])
+        case "talk":
+            bubble = QPainterPath()
+            bubble.addRoundedRect(QRectF(at(0.05, 0.1), at(0.95, 0.72)), side * 0.18, side * 0.18)
+            painter.drawPath(bubble)
+            painter.drawPolyline([at(0.3, 0.74), at(0.3, 0.95), at(0.52, 0.74)])
+
+
+def hatch(ink: str, ground: str) -> QBrush:
+    """Slanted lines, for what is going to be taken away or is not settled yet."""
+    key = (ink, ground)
+    if key not in _HATCHES:
+        tile = QPixmap(6, 6)
+        tile.fill(QColor(ground))
+        painter = QPainter(tile)
+        painter.setRenderHint(QPainter.RenderHint.Antialiasing)
+        painter.setPen(QPen(QColor(ink), 1.6))
+        for shift in (-6, 0, 6):
+            painter.drawLine(shift, 6, shift + 6, 0)
+        painter.end()
+        _HATCHES[key] = tile
+    return QBrush(_HATCHES[key])
+
+
+_HATCHES: dict[tuple[str, str], QPixmap] = {}
+
+
+def elided(text: str, width: float, metrics: QFontMetricsF) -> str:
+    """As much of a text as fits."""
+    return metrics.elidedText(text, Qt.TextElideMode.ElideRight, max(0.0, width))

@@ -1,0 +1,234 @@
+"""The rooms' buttons."""
+
+from PySide6.QtCore import QEvent, QPointF, QRectF, QSize, Qt, Signal
+from PySide6.QtGui import QColor, QEnterEvent, QFocusEvent, QFontMetricsF, QPainter, QPaintEvent, QResizeEvent
+from PySide6.QtWidgets import QSizePolicy, QWidget
+
+from thbridge.hunt.costs import spoken_energy
+from ui.model.screen import ConsiderRoom, RoomTile
+from ui.windows.look import GAP, RADIUS, colours, font
+from ui.windows.participant.buttons import AskingButton
+from ui.windows.participant.painting import Sign, box, chip, chip_size, elided, ring, sign
+
+SIGNS: dict[str, Sign] = {"unvisited": "open", "reserved": "way", "visited": "tick"}
+STATES: dict[str, str] = {"unvisited": "not visited yet", "reserved": "a robot is under way", "visited": "visited"}
+
+SPACE = GAP - 2
+"""Between tiles."""
+
+_NARROW, _WIDE = 76, 140
+"""Logical pixels: a tile has at least the one; from the other on it shows the room's name."""
+
+
+class Tile(AskingButton):
+    """One room: its number, which is its key too, a sign of its state, and what it costs or what was found in it."""
+
+    def __init__(self, parent: QWidget | None = None) -> None:
+        super().__init__(parent)
+        self._tile: RoomTile | None = None
+        self.setSizePolicy(QSizePolicy.Policy.Preferred, QSizePolicy.Policy.Fixed)
+
+    def show_tile(self, tile: RoomTile) -> None:
+        """Show this room; nothing is done when it is shown so already."""
+        if tile == self._tile:
+            return
+        self._tile = tile
+        self.take(tile.choose, spoken_tile(tile))
+        self.update()
+
+    def sizeHint(self) -> QSize:
+        """Two lines."""
+        high = QFontMetricsF(font("title", bold=True)).height() + QFontMetricsF(font("small")).height()
+        return QSize(_NARROW, int(high + 1.5 * GAP))
+
+    def minimumSizeHint(self) -> QSize:
+        """It does not get smaller."""
+        return self.sizeHint()
+
+    def enterEvent(self, event: QEnterEvent) -> None:
+        """Who points at a room considers it."""
+        super().enterEvent(event)
+        self._consider()
+
+    def leaveEvent(self, event: QEvent) -> None:
+        """Who points elsewhere does so no longer."""
+        super().leaveEvent(event)
+        self.asked.emit(ConsiderRoom(None))
+
+    def focusInEvent(self, event: QFocusEvent) -> None:
+        """By keyboard, too."""
+        super().focusInEvent(event)
+        self._consider()
+
+    def focusOutEvent(self, event: QFocusEvent) -> None:
+        """By keyboard, too."""
+        super().focusOutEvent(event)
+        self.asked.emit(ConsiderRoom(None))
+
+    def _consider(self) -> None:
+        if self._tile is not None:
+            self.asked.emit(ConsiderRoom(self._tile.room))
+
+    def paintEvent(self, _event: QPaintEvent) -> None:
+        """Draw the ground of the state, number, sign, and the line below."""
+        tile = self._tile
+        if tile is None:
+            return
+        worn = colours()
+        painter = QPainter(self)
+        painter.setRenderHint(QPainter.RenderHint.Antialiasing)
+        rect = QRectF(self.rect())
+        can = tile.choose.enabled
+        ground = {"unvisited": worn.unvisited, "reserved": worn.reserved, "visited": worn.visited}[tile.state]
+        strong = tile.considered or self.pointed_at()
+        box(
+            painter,
+            rect,
+            ground,
+            worn.accent if can else worn.line,
+            width=2.5 if strong else 1.0,
+            dashed=not can,
+            radius=RADIUS - 2,
+        )
+        if self.hasFocus():
+            ring(painter, rect, worn.text)
+        inner = rect.adjusted(1.1 * GAP, GAP / 2, -GAP, -GAP / 2)
+        top = QRectF(inner.left(), inner.top(), inner.width(), QFontMetricsF(font("title", bold=True)).height())
+        self._number(painter, tile, top)
+        self._below(painter, tile, QRectF(inner.left(), top.bottom(), inner.width(), inner.bottom() - top.bottom()))
+
+    def _number(self, painter: QPainter, tile: RoomTile, line: QRectF) -> None:
+        worn = colours()
+        face = font("title", bold=True)
+        metrics = QFontMetricsF(face)
+        number = tile.choose.key or str(tile.room)  # the key is the number, with a zero before it among ten or more
+        painter.setFont(face)
+        painter.setPen(QColor(worn.text if tile.choose.enabled else worn.muted))
+        painter.drawText(line, Qt.AlignmentFlag.AlignLeft | Qt.AlignmentFlag.AlignVCenter, number)
+        side = metrics.height() * 0.7
+        mark = QRectF(line.right() - side, line.center().y() - side / 2, side, side)
+        kind: Sign = "busy" if tile.choose.busy else SIGNS[tile.state]
+        sign(painter, mark, kind, worn.text if tile.choose.enabled or kind != "open" else worn.muted)
+        if tile.robot is not None:
+            chip(painter, QPointF(mark.left() - chip_size() / 2 - 3, line.center().y()), tile.robot)
+        if self.width() >= _WIDE:
+            at = line.left() + metrics.horizontalAdvance(number) + GAP
+            painter.setFont(font("small"))
+            painter.setPen(QColor(worn.muted))
+            room = mark.left() - at - (chip_size() + GAP if tile.robot is not None else GAP / 2)
+            name = elided(tile.name, room, QFontMetricsF(font("small")))
+            painter.drawText(
+                QRectF(at, line.top(), room, line.height()),
+                Qt.AlignmentFlag.AlignLeft | Qt.AlignmentFlag.AlignVCenter,
+                name,
+            )
+
+    @staticmethod
+    def _below(painter: QPainter, tile: RoomTile, line: QRectF) -> None:
+        worn = colours()
+        small = font("small")
+        painter.setFont(small)
+        painter.setPen(QColor(worn.text if tile.choose.enabled or tile.found else worn.muted))
+        if tile.warning:
+            side = QFontMetricsF(small).height() * 0.8
+            sign(painter, QRectF(line.left(), line.center().y() - side / 2, side, side), "trouble", worn.text)
+            line = line.adjusted(side + 4.0, 0.0, 0.0, 0.0)
+        metrics = QFontMetricsF(small)
+        words = below(tile)
+        fitting = next((text for text in words if metrics.horizontalAdvance(text) <= line.width()), words[0])
+        text = elided(fitting, line.width(), metrics)
+        painter.drawText(line, Qt.AlignmentFlag.AlignLeft | Qt.AlignmentFlag.AlignVCenter, text)
+
+
+class Tiles(QWidget):
+    """All rooms in a grid: with few columns, and so room for names, where the height allows it.
+
+    Attributes:
+        asked: the `Act` of what was pressed or looked at.
+    """
+
+    asked = Signal(object)
+
+    def __init__(self, parent: QWidget | None = None) -> None:
+        super().__init__(parent)
+        self._shown: tuple[RoomTile, ...] = ()
+        self.tiles: list[Tile] = []
+        self._columns = 1
+
+    def show_tiles(self, tiles: tuple[RoomTile, ...]) -> None:
+        """Show these; nothing is done when they are shown already."""
+        if tiles == self._shown:
+            return
+        self._shown = tiles
+        if len(tiles) != len(self.tiles):
+            self._match(len(tiles))
+        for shown, tile in zip(self.tiles, tiles, strict=True):
+            shown.show_tile(tile)
+
+    def fit(self, width: int, height: int) -> int:
+        """Take the fewest columns, from two on, that fit this room, or the most there may be; tells the height."""
+        number = max(1, len(self.tiles))
+        most = min(number, max(1, (width + SPACE) // (_NARROW + SPACE)))
+        self._columns = next((few for few in range(min(2, most), most) if self._high(few) <= height), most)
+        # As few rows need perhaps fewer columns, which are wider then.
+        self._columns = -(-number // -(-number // self._columns))
+        self._place()
+        return self._high(self._columns)
+
+    def sizeHint(self) -> QSize:
+        """Of all rows."""
+        return QSize(4 * _NARROW, self._high(self._columns))
+
+    def minimumSizeHint(self) -> QSize:
+        """Rows do not get lower."""
+        return QSize(_NARROW, self._high(self._columns))
+
+    def resizeEvent(self, _event: QResizeEvent) -> None:
+        """Set the tiles into their grid."""
+        self._place()
+
+    def _high(self, columns: int) -> int:
+        rows = -(-len(self.tiles) // columns)
+        return rows * (self.tiles[0].sizeHint().height() + SPACE) - SPACE if self.tiles else 0
+
+    def _match(self, number: int) -> None:
+        while len(self.tiles) < number:
+            tile = Tile(self)
+            tile.asked.connect(self.asked)
+            tile.show()
+            self.tiles.append(tile)
+        while len(self.tiles) > number:
+            self.tiles.pop().deleteLater()
+        self.updateGeometry()
+        self._place()
+
+    def _place(self) -> None:
+        if not self.tiles:
+            return
+        columns, space = self._columns, SPACE
+        high = self.tiles[0].sizeHint().height()
+        edges = [round(at * (self.width() + space) / columns) for at in range(columns + 1)]
+        for number, tile in enumerate(self.tiles):
+            row, column = divmod(number, columns)
+            tile.setGeometry(edges[column], row * (high + space), edges[column + 1] - edges[column] - space, high)
+
+
+def below(tile: RoomTile) -> tuple[str, ...]:
+    """The line below a room's number: what was found there, or else what it costs to go there; then in fewer words."""
+    if tile.found:
+        return (tile.found,)
+    if tile.state != "unvisited":
+        return ("on the way", "taken") if tile.state == "reserved" else ("",)
+    if tile.cost is None:
+        return ("no way",)
+    cost = spoken_energy(tile.cost)
+    return f"costs {cost}", cost
+
+
+def spoken_tile(tile: RoomTile) -> str:
+    """A room as it is read out."""
+    who = f"robot {tile.robot + 1}" if tile.robot is not None else ""
+    state = {"visited": f"visited by {who}", "reserved": f"{who} is under way"}.get(tile.state) if who else None
+    cost = f"costs {spoken_energy(tile.cost)}" if tile.cost is not None and tile.state == "unvisited" else ""
+    parts = [f"Room {tile.room}", tile.name, state or STATES[tile.state], tile.found, cost, tile.warning]
+    return ", ".join(part for part in parts if part)

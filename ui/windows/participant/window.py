@@ -1,0 +1,399 @@
+"""The participant's window: draws a `Screen`, gives back `Act`s, and decides nothing."""
+
+from collections.abc import Callable, Sequence
+from typing import Protocol
+
+from PySide6.QtCore import QEvent, QRect, Qt, QTimer
+from PySide6.QtGui import (
+    QAccessible,
+    QAccessibleAnnouncementEvent,
+    QKeySequence,
+    QResizeEvent,
+    QShortcut,
+)
+from PySide6.QtWidgets import (
+    QApplication,
+    QHBoxLayout,
+    QMainWindow,
+    QSizePolicy,
+    QStackedWidget,
+    QVBoxLayout,
+    QWidget,
+)
+
+from thbridge.roles.notices import House
+from ui.model.keys import HELP, act_for
+from ui.model.scene import RobotMark, RoomMark
+from ui.model.screen import (
+    Act,
+    ChooseRobot,
+    ChooseRoom,
+    ConsiderRoom,
+    DialoguePop,
+    FitMap,
+    Phase,
+    RoomTile,
+    Screen,
+    TreasurePop,
+)
+from ui.model.theme import Palette
+from ui.windows.look import GAP
+from ui.windows.map import MapView
+from ui.windows.participant import focus
+from ui.windows.participant.column import Column
+from ui.windows.participant.dialogue import DialoguePanel
+from ui.windows.participant.pages import Connecting, ConsentPage, EndingPanel, HelpSheet, QuestionPanel
+from ui.windows.participant.panels import Panel, Veil, centre, set_text
+from ui.windows.participant.strips import BannerLine, History, TopStrip, WaitingStrip
+from ui.windows.participant.treasure import TreasurePanel
+
+FRAME = 16
+"""Milliseconds between two looks at the model."""
+
+UNREAD = 0.3
+"""Seconds for which what has just popped up cannot be answered: nobody has read it, so a press was meant for what was
+there before. That holds for the next turn of the same talk too: the second half of a double click is no answer."""
+
+_KEYS = (
+    *"0123456789ABCDEFGHIJKLMNOPQRSTUVWXYZ?",
+    *("Tab", "Shift+Tab", "Return", "Enter", "Esc", "Up", "Down", "F1"),
+)
+
+
+class Model(Protocol):
+    """What the window shows; time is monotonic seconds."""
+
+    @property
+    def house(self) -> House | None:
+        """The house, once it is known."""
+
+    @property
+    def followed(self) -> int | None:
+        """The robot that is kept in the middle of the map."""
+
+    def screen(self, now: float) -> Screen:
+        """All beside the map; the very same object while nothing has changed."""
+
+    def rooms(self, now: float) -> Sequence[RoomMark]:
+        """The rooms on the map."""
+
+    def robots(self, now: float) -> Sequence[RobotMark]:
+        """The robots on the map."""
+
+    def do(self, act: Act, now: float) -> None:
+        """The participant does this."""
+
+
+class ParticipantWindow(QMainWindow):
+    """The map, the robots beside it, the rooms below them; pop-ups above the map.
+
+    Args:
+        model: what to show.
+        clock: monotonic seconds.
+    """
+
+    def __init__(self, model: Model, clock: Callable[[], float], palette: Palette) -> None:
+        super().__init__()
+        self._model = model
+        self._clock = clock
+        self._screen: Screen | None = None
+        self._house: House | None = None
+        self._announced: int | None = None
+        self._popped: tuple[Act, ...] = ()
+        self._popped_at = -UNREAD
+        self.setWindowTitle("Treasure hunt")
+        self.setMinimumSize(900, 600)
+        self.resize(1200, 800)
+        self.map = MapView(palette)
+        self._build()
+        self._shortcuts = {key: self._shortcut(key) for key in _KEYS}
+        for keys, step in ((("F6", "Ctrl+Tab"), 1), (("Shift+F6", "Ctrl+Shift+Tab"), -1)):
+            for key in keys:
+                QShortcut(QKeySequence(key), self, self._stepper(step))
+        self._ticking = QTimer(self)
+        self._ticking.setTimerType(Qt.TimerType.PreciseTimer)
+        self._ticking.timeout.connect(self.refresh)
+        self._ticking.start(FRAME)
+        # Nothing is marked as focused until somebody goes through the window by keyboard.
+        self.setFocusPolicy(Qt.FocusPolicy.StrongFocus)
+        self.setFocus()
+        self.refresh()
+
+    # What is where ----------------------------------------------------------------------------------------------------
+
+    def _build(self) -> None:
+        self.connecting, self.consent = Connecting(), ConsentPage()
+        self.top, self.stage = TopStrip(), Stage(self.map)
+        self.column, self.waiting, self.history = Column(), WaitingStrip(), History()
+        self.dialogue, self.treasure, self.ending = DialoguePanel(), TreasurePanel(), EndingPanel()
+        self.question, self.help = QuestionPanel(), HelpSheet()
+        focus.region(self.top, "Score and tools")
+        focus.region(self.waiting, "What waits for you")
+        focus.region(self.history, "History")
+        self.history.hide()
+        self.waiting.history.toggled.connect(self.history.setVisible)
+        left = QVBoxLayout()
+        left.setSpacing(GAP)
+        left.addWidget(self.stage, 1)
+        left.addWidget(self.history)
+        left.addWidget(self.waiting)
+        playing = QWidget()
+        rows = QVBoxLayout(playing)
+        rows.setContentsMargins(0, 0, 0, 0)
+        rows.setSpacing(0)
+        rows.addWidget(self.top)
+        middle = QHBoxLayout()
+        middle.setContentsMargins(2 * GAP, 0, 2 * GAP, 2 * GAP)
+        middle.setSpacing(2 * GAP)
+        middle.addLayout(left, 1)
+        middle.addWidget(self.column)
+        rows.addLayout(middle, 1)
+        self.pages = QStackedWidget()
+        self._page_of: dict[Phase, QWidget] = {Phase.CONNECTING: self.connecting, Phase.CONSENT: self.consent}
+        self._playing = playing
+        for page in (self.connecting, self.consent, playing):
+            self.pages.addWidget(page)
+        self.setCentralWidget(self.pages)
+        self.veil = Veil(self.pages)
+        self._connect()
+
+    def _connect(self) -> None:
+        for part in (self.consent, self.top, self.column, self.waiting):
+            part.asked.connect(self.do)
+        for panel in (self.dialogue, self.treasure, self.ending, self.question, self.help):
+            panel.asked.connect(self.do)
+        self.map.room_clicked.connect(lambda room: self.do(ChooseRoom(room)))
+        self.map.robot_clicked.connect(lambda robot: self.do(ChooseRobot(robot)))
+        self.map.room_hovered.connect(lambda room: self.do(ConsiderRoom(room)))
+
+    @property
+    def regions(self) -> list[QWidget]:
+        """Where F6 goes, in the order of the eye; only what is in front when something is."""
+        if self.veil.isVisible():
+            return [self.question if self.question.isVisible() else self.help]
+        if self._screen is not None and self._screen.phase in self._page_of:
+            return [self._page_of[self._screen.phase]]
+        pops: list[QWidget] = [panel for panel in (self.dialogue, self.treasure, self.ending) if panel.isVisible()]
+        return [*pops, self.top, self.column.cards, self.column.rooms, self.waiting, self.history]
+
+    # Each frame -------------------------------------------------------------------------------------------------------
+
+    def refresh(self) -> None:
+        """Take what the model shows now, and change what has changed."""
+        now = self._clock()
+        screen = self._model.screen(now)
+        if screen is not self._screen:
+            before, self._screen = self._screen, screen
+            if screen != before:
+                self._show(screen, before, now)
+        if self.isMinimized():
+            return
+        self._show_map(now)
+
+    def do(self, act: Act) -> None:
+        """Have the model do this, unless it was meant for what was there a moment ago."""
+        now = self._clock()
+        if act in self._popped and now - self._popped_at < UNREAD:
+            return
+        self._model.do(act, now)
+        if isinstance(act, FitMap):
+            self.map.fit()
+        self.refresh()
+
+    def set_palette(self, palette: Palette) -> None:
+        """The map in other colours; all else follows from the application's."""
+        self.map.set_palette(palette)
+        self.update()
+
+    def _show_map(self, now: float) -> None:
+        house = self._model.house
+        if house is not None and house is not self._house:
+            if house != self._house:
+                self.map.show_house(house)
+            self._house = house
+        if house is None or self.pages.currentWidget() is not self._playing:
+            return
+        self.map.show_rooms(self._model.rooms(now))
+        self.map.show_robots(self._model.robots(now))
+        if self._model.followed != self.map.followed:
+            self.map.follow(self._model.followed)
+
+    def _show(self, screen: Screen, before: Screen | None, now: float) -> None:
+        focused = self._focused_region()
+        self.pages.setCurrentWidget(self._page_of.get(screen.phase, self._playing))
+        self.connecting.show_waiting(screen.waiting_for)
+        if screen.phase is Phase.CONSENT:
+            self.consent.show_consent(screen.consent, screen.agree)
+        moving = before is not None and before.game == screen.game
+        self.top.show_strip(screen.game, screen.score, moving=moving, tools=(*screen.tools, screen.end))
+        self.column.cards.show_cards(screen.cards)
+        self.column.tiles.show_tiles(screen.tiles)
+        self.column.dont_know.show_action(screen.dont_know)
+        set_text(self.column.hint, _hint(screen))
+        self.waiting.show_waiting(screen.waiting)
+        self.history.show_history(screen.history)
+        self._show_pops(screen, before, now)
+        for key, shortcut in self._shortcuts.items():
+            # A key that means nothing now stays with the widget that has the focus.
+            shortcut.setEnabled(act_for(_plain(key), screen) is not None)
+        self._announce(screen)
+        self._keep_focus(focused)
+
+    def _show_pops(self, screen: Screen, before: Screen | None, now: float) -> None:
+        moved = self.stage.banner.show_banner(screen.banner)
+        panel: Panel | None = None
+        match screen.pop:
+            case DialoguePop() as pop:
+                self.dialogue.show_pop(pop)
+                panel = self.dialogue
+            case TreasurePop() as pop:
+                self.treasure.show_pop(pop)
+                panel = self.treasure
+            case None:
+                if screen.ending is not None:
+                    self.ending.show_ending(screen.ending)
+                    panel = self.ending
+        if moved or before is None or (screen.pop, screen.ending) != (before.pop, before.ending):
+            self.stage.hold(panel)
+        if screen.question is not None:
+            self.question.show_question(screen.question)
+            self.veil.hold(self.question)
+        elif screen.help:
+            self.help.show_help(screen.help, HELP.keys[0])
+            self.veil.hold(self.help, 720)
+        else:
+            self.veil.hold(None)
+        offered = _offered(screen)
+        if before is None or offered != self._popped or _subject(screen) != _subject(before):
+            self._popped, self._popped_at = offered, now
+
+    # Keys and focus ---------------------------------------------------------------------------------------------------
+
+    def _shortcut(self, key: str) -> QShortcut:
+        shortcut = QShortcut(QKeySequence(key), self)
+        shortcut.setAutoRepeat(key in ("Tab", "Shift+Tab", "Up", "Down"))
+        shortcut.activated.connect(lambda: self._key(key))
+        return shortcut
+
+    def _key(self, key: str) -> None:
+        act = act_for(_plain(key), self._screen) if self._screen is not None else None
+        if act is not None:
+            self.do(act)
+
+    def _stepper(self, step: int) -> Callable[[], None]:
+        return lambda: focus.next_region(self.regions, step)
+
+    def _focused_region(self) -> QWidget | None:
+        """The pop-up, page or sheet that the focus is in."""
+        focused = QApplication.focusWidget()
+        return next((home for home in self.regions if focused is not None and home.isAncestorOf(focused)), None)
+
+    def _keep_focus(self, before: QWidget | None) -> None:
+        """Whoever goes through the window by keyboard is led from what has gone to what has come in its place."""
+        if before is not None and before not in self.regions and self.regions:
+            focus.enter(self.regions[0])
+
+    def _announce(self, screen: Screen) -> None:
+        if screen.announced != self._announced:
+            self._announced = screen.announced
+            if screen.announcement:
+                QAccessible.updateAccessibility(QAccessibleAnnouncementEvent(self, screen.announcement))
+
+    # Size -------------------------------------------------------------------------------------------------------------
+
+    def resizeEvent(self, event: QResizeEvent) -> None:
+        """The column beside the map takes three tenths, within reason; the veil covers all."""
+        super().resizeEvent(event)
+        self.column.setFixedWidth(min(max(336, int(self.width() * 0.3)), 480))
+        self.veil.setGeometry(QRect(0, 0, self.pages.width(), self.pages.height()))
+
+    def event(self, event: QEvent) -> bool:
+        """When shown for the first time, sizes are known."""
+        if event.type() == QEvent.Type.LayoutRequest:
+            self.veil.setGeometry(QRect(0, 0, self.pages.width(), self.pages.height()))
+        return super().event(event)
+
+
+class Stage(QWidget):
+    """The map, a banner across its top, and at most one panel in its middle."""
+
+    def __init__(self, map_view: MapView) -> None:
+        super().__init__()
+        self._map = map_view
+        map_view.setParent(self)
+        self.banner = BannerLine(self)
+        self._panel: Panel | None = None
+        self.setMinimumSize(360, 300)
+        self.setSizePolicy(QSizePolicy.Policy.Expanding, QSizePolicy.Policy.Expanding)
+
+    def hold(self, panel: Panel | None) -> None:
+        """Have this panel in the middle."""
+        if panel is not self._panel:
+            if self._panel is not None:
+                self._panel.hide()
+            self._panel = panel
+            if panel is not None:
+                panel.setParent(self)
+                panel.show()
+        self._place()
+
+    def resizeEvent(self, _event: QResizeEvent) -> None:
+        """Everything keeps its place."""
+        self._place()
+
+    def event(self, event: QEvent) -> bool:
+        """A panel whose words have changed may need another size."""
+        if event.type() == QEvent.Type.LayoutRequest:
+            self._place()
+        return super().event(event)
+
+    def _place(self) -> None:
+        self._map.setGeometry(self.rect())
+        width = self.width() - 2 * GAP
+        high = self.banner.height_for(width)
+        self.banner.setGeometry(GAP, GAP, width, high)
+        self.banner.raise_()
+        if self._panel is not None:
+            centre(self._panel, self.width(), self.height(), 620, high + 2 * GAP if high else GAP)
+            self._panel.raise_()
+
+
+def _offered(screen: Screen) -> tuple[Act, ...]:
+    """What can be answered to the pop-up, the question and the end, which all come by themselves."""
+    acts: list[Act] = []
+    if screen.question is not None:
+        acts += [screen.question.yes.act, screen.question.no.act]
+    match screen.pop:
+        case DialoguePop(choices=choices):
+            acts += [choice.act for choice in choices]
+        case TreasurePop() as pop:
+            acts += [pop.name_it.act, pop.leave.act]
+            acts += [pop.take_picture.act] if pop.take_picture is not None else []
+        case None:
+            pass
+    if screen.ending is not None:
+        acts.append(screen.ending.again.act)
+    return tuple(acts)
+
+
+def _subject(screen: Screen) -> tuple[object, ...]:
+    """What a person has to read before answering."""
+    pop = screen.pop
+    about = (pop.robot, pop.said) if isinstance(pop, DialoguePop) else (pop.room,) if pop is not None else ()
+    return screen.question, *about
+
+
+def _hint(screen: Screen) -> str:
+    """What to mind about the room that is being considered, or the digits typed so far."""
+    if screen.typed:
+        return f"Room {screen.typed}… one more digit, or Enter."
+    tile: RoomTile | None = next((tile for tile in screen.tiles if tile.considered), None)
+    if tile is None:
+        return ""
+    words = tile.warning or tile.choose.hint
+    return f"{tile.name}: {words}" if words else tile.name
+
+
+def _plain(key: str) -> str:
+    """A key as the table of keys calls it."""
+    return "Enter" if key == "Return" else key
