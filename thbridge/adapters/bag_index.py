@@ -7,12 +7,12 @@ and forgotten when much else was looked up since; so neither time nor memory gro
 import os
 from bisect import bisect_right
 from collections import OrderedDict
-from collections.abc import Collection, Generator, Iterator, Mapping
+from collections.abc import Collection, Generator, Iterable, Iterator, Mapping
 from contextlib import contextmanager
-from dataclasses import dataclass, field
+from dataclasses import dataclass
 from itertools import accumulate
 from pathlib import Path
-from typing import BinaryIO
+from typing import BinaryIO, NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
@@ -30,7 +30,8 @@ CHUNKS_KEPT = 2048
 BYTES_KEPT = 32 * 1024 * 1024
 """Bytes of unpacked chunks that are remembered."""
 
-_ENTRY = np.dtype([("sec", "<u4"), ("nsec", "<u4"), ("offset", "<u4")])
+_CONNECTION = b"\x09\x00\x00\x00conn="
+"""The field of an index record's head that says whose it is, up to its 4 bytes."""
 _STUMBLES = (ReaderError, ValueError, LookupError, EOFError, OSError, MemoryError, RuntimeError)
 """What rosbags' parser and its decompressors answer damage with."""
 
@@ -54,8 +55,7 @@ class Publisher:
     md5: str
 
 
-@dataclass(frozen=True, slots=True, order=True)
-class Place:
+class Place(NamedTuple):
     """Where a message is; places are ordered by time, those of one time as they were recorded.
 
     Attributes:
@@ -71,8 +71,8 @@ class Place:
     file: int
     position: int
     offset: int
-    chunk: int = field(compare=False)
-    publisher: Publisher = field(compare=False)
+    chunk: int
+    publisher: Publisher
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -108,6 +108,16 @@ class _Entries:
     stamps_ns: NDArray[np.int64]
     offsets: NDArray[np.int64]
 
+    @classmethod
+    def of(cls, publisher: Publisher, data: bytes) -> "_Entries":
+        """From the data of an index record."""
+        table = np.frombuffer(data, dtype="<u4").reshape(-1, 3).astype(np.int64)
+        stamps, offsets = table[:, 0] * 1_000_000_000 + table[:, 1], table[:, 2]
+        if (np.diff(stamps) <= 0).any():
+            order = np.lexsort((offsets, stamps))
+            stamps, offsets = stamps[order], offsets[order]
+        return cls(publisher, stamps, offsets)
+
 
 class BagIndex:
     """A recording that was opened by `open_index`; for one thread.
@@ -138,7 +148,7 @@ class BagIndex:
         self.start_ns = self._chunks[0].start_ns if chunks else 0
         self.end_ns = max((chunk.end_ns for chunk in chunks), default=0)
         self._where: dict[str, _Where] = {}
-        self._inner: OrderedDict[int, dict[int, _Entries]] = OrderedDict()
+        self._inner: OrderedDict[int, dict[int, bytes | _Entries]] = OrderedDict()
         self._unpacked: OrderedDict[int, bytes] = OrderedDict()
         self._bytes = 0
 
@@ -187,23 +197,17 @@ class BagIndex:
                     best = found if best is None else min(best, found)
         return best
 
-    def back(self, topic: str, at_ns: int, until_ns: int) -> Iterator[Place]:
-        """Where the messages of a topic are from a time back until another, both included; newest first.
-
-        Where chunks overlap, which those of rosbag record do not, an older one may come before a newer one.
-        """
+    def chunks_back(self, topic: str, at_ns: int, until_ns: int) -> Iterator[int]:
+        """The chunks that may hold messages of a topic from a time back until another, both included; last first."""
         where = self._whereabouts(topic)
         for turn in range(bisect_right(where.starts, at_ns) - 1, -1, -1):
             if where.reach[turn] < until_ns:
                 return
-            index = where.chunks[turn]
-            found: list[Place] = []
-            for entries in self._entries_of(index, topic):
-                first = int(np.searchsorted(entries.stamps_ns, until_ns, side="left"))
-                end = int(np.searchsorted(entries.stamps_ns, at_ns, side="right"))
-                found.extend(self._place(index, entries, row) for row in range(first, end))
-            found.sort(reverse=True)
-            yield from found
+            yield where.chunks[turn]
+
+    def places(self, topic: str, chunk: int) -> list[Place]:
+        """Where in a chunk the messages of a topic are, in order of time."""
+        return sorted(place for entries in self._entries_of(chunk, topic) for place in self._places(chunk, entries))
 
     def walk(self, topics: Collection[str]) -> Iterator[list[Place]]:
         """Where all messages of these topics are, in order of time; a list for each chunk, so that one can pause."""
@@ -212,9 +216,8 @@ class BagIndex:
         for index, chunk in enumerate(self._chunks):
             numbers = [number for number in chunk.counts if (chunk.file, number) in wanted]
             if numbers:
-                inner = self._inside(index)
-                for entries in (inner[number] for number in numbers):
-                    pending.extend(self._place(index, entries, row) for row in range(len(entries.stamps_ns)))
+                for entries in self._entries(index, numbers):
+                    pending.extend(self._places(index, entries))
             # What begins later cannot come before what is earlier than that.
             horizon = self._chunks[index + 1].start_ns if index + 1 < len(self._chunks) else None
             pending.sort()
@@ -225,15 +228,22 @@ class BagIndex:
     def read(self, place: Place) -> RawMessage:
         """The message at a place."""
         data, publisher = self._data(place.chunk), place.publisher
-        with _damage_told(self._parts[place.file]):
+        try:
             start = _after_length(data, place.offset)  # behind the record's head
             body = data[start + 4 : _after_length(data, start)]
+        except ValueError as error:
+            raise _damaged(self._parts[place.file]) from error
         return RawMessage(publisher.topic, publisher.msgtype, publisher.md5, place.stamp_ns, body)
 
     def _place(self, index: int, entries: _Entries, row: int) -> Place:
         chunk = self._chunks[index]
         stamp_ns, offset = int(entries.stamps_ns[row]), int(entries.offsets[row])
         return Place(stamp_ns, chunk.file, chunk.position, offset, index, entries.publisher)
+
+    def _places(self, index: int, entries: _Entries) -> Iterator[Place]:
+        chunk, publisher = self._chunks[index], entries.publisher
+        for stamp_ns, offset in zip(entries.stamps_ns.tolist(), entries.offsets.tolist(), strict=True):
+            yield Place(stamp_ns, chunk.file, chunk.position, offset, index, publisher)
 
     def _whereabouts(self, topic: str) -> _Where:
         known = self._where.get(topic)
@@ -248,11 +258,24 @@ class BagIndex:
         return known
 
     def _entries_of(self, index: int, topic: str) -> list[_Entries]:
-        inner, file = self._inside(index), self._chunks[index].file
-        return [inner[number] for said_in, number in self._of_topic[topic] if said_in == file and number in inner]
+        file = self._chunks[index].file
+        return self._entries(index, (number for said_in, number in self._of_topic[topic] if said_in == file))
 
-    def _inside(self, index: int) -> dict[int, _Entries]:
-        """The entries of a chunk by number of publisher."""
+    def _entries(self, index: int, numbers: Iterable[int]) -> list[_Entries]:
+        """What these publishers of its file say in a chunk."""
+        inner, file = self._inside(index), self._chunks[index].file
+        found = []
+        for number in numbers:
+            entries = inner.get(number)
+            if isinstance(entries, bytes):
+                with _damage_told(self._parts[file]):
+                    entries = inner[number] = _Entries.of(self._publishers[file, number], entries)
+            if entries is not None:
+                found.append(entries)
+        return found
+
+    def _inside(self, index: int) -> dict[int, bytes | _Entries]:
+        """The index of a chunk by number of publisher; taken apart when somebody looks."""
         known = self._inner.get(index)
         if known is None:
             chunk = self._chunks[index]
@@ -265,19 +288,18 @@ class BagIndex:
             self._inner.move_to_end(index)
         return known
 
-    def _read_inside(self, chunk: _Chunk) -> dict[int, _Entries]:
+    def _read_inside(self, chunk: _Chunk) -> dict[int, bytes | _Entries]:
         file = self._files[chunk.file]
         file.seek(chunk.position)
         Header.read(file, RecordType.CHUNK)
         file.seek(read_uint32(file), os.SEEK_CUR)
-        found: dict[int, _Entries] = {}
+        found: dict[int, bytes | _Entries] = {}
         for _ in chunk.counts:
-            number = Header.read(file, RecordType.IDXDATA).get_uint32("conn")
-            table = np.frombuffer(read_bytes(file, read_uint32(file)), dtype=_ENTRY)
-            stamps = table["sec"].astype(np.int64) * 1_000_000_000 + table["nsec"]
-            offsets = table["offset"].astype(np.int64)
-            order = np.lexsort((offsets, stamps))
-            found[number] = _Entries(self._publishers[chunk.file, number], stamps[order], offsets[order])
+            # rosbags' own way to read a head takes longer than all else that is done here.
+            head = read_bytes(file, read_uint32(file))
+            at = head.index(_CONNECTION) + len(_CONNECTION)
+            number = int.from_bytes(head[at : at + 4], "little")
+            found[number] = read_bytes(file, read_uint32(file))
         if found.keys() != chunk.counts.keys():
             raise ValueError("a chunk's index is not what the file's end says")
         return found
@@ -389,5 +411,9 @@ def _damage_told(path: Path) -> Iterator[None]:
     try:
         yield
     except _STUMBLES as error:
-        problem = "the bag was cut off or is damaged"
-        raise BadFile(path, None, None, problem, f"run `thbridge bag reindex {path}`") from error
+        raise _damaged(path) from error
+
+
+def _damaged(path: Path) -> BadFile:
+    problem = "the bag was cut off or is damaged"
+    return BadFile(path, None, None, problem, f"run `thbridge bag reindex {path}`")

@@ -33,6 +33,10 @@ class Cursor:
         self._at = end
         return taken
 
+    def rest(self) -> bytes:
+        """All that is left, which stays left."""
+        return self._data[self._at :]
+
     def integer(self, form: Struct) -> int:
         """One number of this form."""
         try:

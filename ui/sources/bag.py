@@ -1,5 +1,6 @@
 """A recording as the researcher's window shows it: any moment of it, at once, and what happened in all of it."""
 
+from bisect import bisect_right
 from collections.abc import Generator, Iterator, Mapping, Sequence
 from pathlib import Path
 
@@ -15,6 +16,7 @@ from ui.model.watching.scene import Scene, Shown
 from ui.model.watching.scenes import Scenes, Watched
 from ui.model.watching.series import Series
 from ui.model.watching.story import Story, tells
+from ui.sources.rooms import rooms_of
 
 TICK_NS = 20_000_000
 """A step, where robots are not ours either."""
@@ -22,14 +24,19 @@ _FIRST_FRAMES = 50
 """Messages of tf by which robots are told apart that publish no odometry."""
 _STATIC_MOST = 1000
 """Messages of frames that never move that are read."""
-_MOMENTS_KEPT = 64
-"""Moments whose moving frames are remembered: that of the scene, and those of the scans in it."""
+_CHUNKS_KEPT = 512
+"""Chunks of which is remembered where frames are told in them."""
+_MESSAGES_KEPT = 512
+"""Messages that are remembered."""
 _STORY_SHARE = 0.1
 """Of the work of a scan."""
 
 
 def open_bag(path: Path) -> Generator[float, None, "BagSource"]:
-    """Open a recording in pieces of some milliseconds, between which it tells which share of the work is done.
+    """Open a recording; yields the share that is done, so that whoever waits can be told, or give up.
+
+    All of it takes half a second or more, the last piece most of that: a window lets a thread do it. What takes long
+    when it is done for the first time is done then, too.
 
     Args:
         path: a bag, or the name of a split recording.
@@ -38,7 +45,11 @@ def open_bag(path: Path) -> Generator[float, None, "BagSource"]:
         BadFile: see `open_index`.
     """
     index = yield from open_index(path)
-    return BagSource(index)
+    source = BagSource(index)
+    if source.session is not None:
+        source.rooms = rooms_of(source.session, path)
+    source.scene(source.end_ns, Shown())
+    return source
 
 
 class BagSource:
@@ -50,7 +61,7 @@ class BagSource:
         session: what it says of its session; None unless it is a recording of ours.
         story: what happened, as far as `scan` has come.
         series: numbers over time, likewise.
-        rooms: of the map; whoever has the time (`rooms_of`) sets them.
+        rooms: of its map, where that is known.
         unreadable: sentences on topics that cannot be read.
     """
 
@@ -60,13 +71,14 @@ class BagSource:
         self.unreadable, self._topics = _readable(index)
         self.session = self._session()
         self.rooms: tuple[MapRoom, ...] = ()
-        self._cast = self._introduced().cast()
+        introductions = self._introduced()
+        self._cast, self._mapped = introductions.cast(), introductions.mapped
         self.story = Story()
         self.series = Series(index.start_ns)
-        self.series.follow(self._cast)
-        self._last: dict[str, tuple[Place, RawMessage]] = {}
+        self.series.follow(self._cast, self._mapped)
         self._statics = [self._index.read(place) for place in self._static_places()]
-        self._moving: dict[str, list[tuple[int, dict[bytes, RawMessage]]]] = {}
+        self._words: dict[tuple[str, int], dict[bytes, list[Place]]] = {}
+        self._messages: dict[tuple[int, int], RawMessage] = {}
 
     @property
     def path(self) -> Path:
@@ -95,7 +107,7 @@ class BagSource:
     def scene(self, at_ns: int, shown: Shown) -> Scene:
         """How things stood at a time; before the first message as at the first, after the last as at the last."""
         at_ns = min(max(at_ns, self.start_ns), self.end_ns)
-        watched = Watched(self._cast, self.series, self.story, self.rooms, self.start_ns, self.unreadable)
+        watched = Watched(self._cast, self._mapped, self.series, self.story, self.rooms, self.start_ns, self.unreadable)
         return self._scenes.scene(_Moment(self, at_ns), watched, shown)
 
     def step(self, at_ns: int, steps: int, topic: str | None = None) -> int:
@@ -124,12 +136,11 @@ class BagSource:
         for done, places in enumerate(self._index.walk(told), start=1):
             for place in places:
                 self.story.take(self._index.read(place))
-            if places:
-                yield _STORY_SHARE * done / self._index.chunks
+            yield _STORY_SHARE * done / self._index.chunks
         moving = [topic for topic, msgtype in self._topics.items() if msgtype in TF_TYPES]
         for done, places in enumerate(self._index.walk([*moving, *self.series.topics]), start=1):
             for place in places:
-                self.series.take(self._index.read(place))
+                self.series.take(_Unread(self._index, place))
             yield _STORY_SHARE + (1.0 - _STORY_SHARE) * done / self._index.chunks
 
     def _session(self) -> Session | None:
@@ -143,7 +154,7 @@ class BagSource:
         """Everybody who speaks in the recording, by the first words of each."""
         introductions = Introductions(dict(self._topics))
         for topic, msgtype in self._topics.items():
-            if msgtype == types.ODOMETRY or msgtype in TF_TYPES:
+            if msgtype in {types.ODOMETRY, types.OCCUPANCY_GRID} or msgtype in TF_TYPES:
                 after_ns = -1
                 for _ in range(_FIRST_FRAMES if msgtype in TF_TYPES else 1):
                     place = self._index.next(topic, after_ns)
@@ -155,18 +166,13 @@ class BagSource:
 
     def _static_places(self) -> list[Place]:
         statics = [topic for topic, msgtype in self._topics.items() if msgtype in TF_TYPES and is_static(topic)]
-        found = [place for topic in statics for place in self._index.back(topic, self.end_ns, self.start_ns)]
-        return sorted(found)[:_STATIC_MOST]
+        chunks = ((topic, chunk) for topic in statics for chunk in self._index.chunks_back(topic, self.end_ns, 0))
+        return sorted(place for topic, chunk in chunks for place in self._index.places(topic, chunk))[:_STATIC_MOST]
 
     def newest(self, topic: str, at_ns: int) -> RawMessage | None:
         """The last message of a topic up to a time."""
         place = self._index.last(topic, at_ns) if topic in self._topics else None
-        if place is None:
-            return None
-        known = self._last.get(topic)
-        if known is None or known[0] != place:
-            known = self._last[topic] = (place, self._index.read(place))
-        return known[1]
+        return None if place is None else self._read(place)
 
     def frames(self, at_ns: int) -> list[Said]:
         """Of the frames that held at a time, messages that say them, oldest first."""
@@ -181,24 +187,49 @@ class BagSource:
 
     def _moving_at(self, topic: str, at_ns: int) -> dict[bytes, RawMessage]:
         """The last words on each of the frames that move, by what they are about."""
-        moments = self._moving.setdefault(topic, [])
-        near = max((moment for moment in moments if at_ns - HORIZON_NS <= moment[0] <= at_ns), default=None, key=_time)
-        if near is not None and near[0] == at_ns:
-            return near[1]
-        # What was found for a moment shortly before need not be looked for again.
-        until_ns, before = (at_ns - HORIZON_NS, {}) if near is None else (near[0] + 1, near[1])
-        held: dict[bytes, RawMessage] = {}
-        for place in self._index.back(topic, at_ns, until_ns):
-            message = self._index.read(place)
-            key = _children(message)
-            if key not in held or held[key].stamp_ns < message.stamp_ns:
-                held[key] = message
-        for key, message in before.items():
-            if message.stamp_ns >= at_ns - HORIZON_NS:
-                held.setdefault(key, message)
-        moments.append((at_ns, held))
-        del moments[:-_MOMENTS_KEPT]
-        return held
+        held: dict[bytes, Place] = {}
+        for chunk in self._index.chunks_back(topic, at_ns, at_ns - HORIZON_NS):
+            for key, places in self._words_in(topic, chunk).items():
+                row = bisect_right(places, at_ns, key=_stamp) - 1
+                if row >= 0 and places[row].stamp_ns >= at_ns - HORIZON_NS:
+                    held[key] = max(places[row], held.get(key, places[row]))
+        return {key: self._read(place) for key, place in held.items()}
+
+    def _words_in(self, topic: str, chunk: int) -> dict[bytes, list[Place]]:
+        """Where in a chunk the messages of a topic of tf are, by what they are about."""
+        known = self._words.get((topic, chunk))
+        if known is None:
+            known = {}
+            for place in self._index.places(topic, chunk):
+                known.setdefault(_children(self._index.read(place)), []).append(place)
+            if len(self._words) >= _CHUNKS_KEPT:
+                self._words.pop(next(iter(self._words)))
+            self._words[topic, chunk] = known
+        return known
+
+    def _read(self, place: Place) -> RawMessage:
+        """A message that holds for some time: again and again the same object, so that it is unpacked once."""
+        key = (place.chunk, place.offset)
+        known = self._messages.pop(key, None) or self._index.read(place)
+        self._messages[key] = known
+        if len(self._messages) > _MESSAGES_KEPT:
+            self._messages.pop(next(iter(self._messages)))
+        return known
+
+
+class _Unread:
+    """A message that is read when somebody wants its bytes: of most the stamp will do."""
+
+    __slots__ = ("_index", "_place", "msgtype", "stamp_ns", "topic")
+
+    def __init__(self, index: BagIndex, place: Place) -> None:
+        self._index, self._place = index, place
+        self.topic, self.msgtype, self.stamp_ns = place.publisher.topic, place.publisher.msgtype, place.stamp_ns
+
+    @property
+    def data(self) -> bytes:
+        """Its bytes."""
+        return self._index.read(self._place).data
 
 
 class _Moment:
@@ -239,8 +270,8 @@ def _children(message: RawMessage) -> bytes:
         return b""
 
 
-def _time(moment: tuple[int, dict[bytes, RawMessage]]) -> int:
-    return moment[0]
+def _stamp(place: Place) -> int:
+    return place.stamp_ns
 
 
 def is_static(topic: str) -> bool:

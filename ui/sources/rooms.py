@@ -12,7 +12,7 @@ from thbridge.ros.records import Session
 def rooms_of(session: Session, path: Path) -> tuple[MapRoom, ...]:
     """The rooms of the map that a session's study names; none where there is no such map here.
 
-    It takes about a tenth of a second: the whole map is read and checked.
+    It takes some tenths of a second, for the whole map is checked: a window lets a thread do it.
 
     Args:
         session: what a bag or a session that runs says of itself.

@@ -12,6 +12,8 @@ from thbridge.ros.cursor import FLOAT32, INT32, UINT32, Cursor
 from thbridge.ros.pack import ADD, Transform
 
 _COVARIANCE = 36
+_HEAD = 16
+"""Bytes of a header before the name of its frame."""
 _PLANAR = (0, 1, 5)
 """x, y and yaw within ROS's covariances."""
 _MARKER_REST = 3 * 8 + 4 * 4 + 2 * 4 + 1
@@ -151,10 +153,7 @@ def pose_array(data: bytes) -> FloatArray:
     """geometry_msgs/PoseArray: (n, 3) x, y, yaw, in its frame."""
     cursor = Cursor(data)
     cursor.header()
-    rows = cursor.reals(7 * cursor.integer(UINT32)).reshape(-1, 7)
-    x, y, z, w = rows[:, 3:].T
-    yaw = np.arctan2(2.0 * (w * z + x * y), 1.0 - 2.0 * (y * y + z * z))
-    return np.column_stack((rows[:, :2], yaw))
+    return _planar(cursor.reals(7 * cursor.integer(UINT32)).reshape(-1, 7))
 
 
 def polygon(data: bytes) -> FloatArray:
@@ -224,8 +223,33 @@ def path(data: bytes) -> FloatArray:
     """nav_msgs/Path: (n, 3) x, y, yaw of its poses, in its frame."""
     cursor = Cursor(data)
     cursor.header()
-    poses = np.empty((cursor.integer(UINT32), 3))
+    count = cursor.integer(UINT32)
+    alike = _poses_alike(cursor.rest(), count)
+    if alike is not None:
+        return _planar(alike)
+    poses = np.empty((count, 3))
     for row in poses:
         cursor.header()
         row[:] = cursor.pose().array()
     return poses
+
+
+def _poses_alike(data: bytes, count: int) -> FloatArray | None:
+    """(n, 7) the poses of stamped poses whose frames have names of one length, as those of a path have."""
+    if not count or len(data) < _HEAD:
+        return None
+    length = int.from_bytes(data[_HEAD - 4 : _HEAD], "little")
+    row = np.dtype(
+        {"names": ["length", "pose"], "formats": ["<u4", ("<f8", 7)], "offsets": [_HEAD - 4, _HEAD + length]}
+    )
+    if len(data) != count * row.itemsize:
+        return None
+    rows = np.frombuffer(data, dtype=row)
+    return rows["pose"] if (rows["length"] == length).all() else None
+
+
+def _planar(rows: FloatArray) -> FloatArray:
+    """(n, 3) x, y, yaw of (n, 7) positions and quaternions."""
+    x, y, z, w = rows[:, 3:].T
+    yaw = np.arctan2(2.0 * (w * z + x * y), 1.0 - 2.0 * (y * y + z * z))
+    return np.column_stack((rows[:, :2], np.where(yaw < np.pi, yaw, -np.pi)))

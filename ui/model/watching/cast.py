@@ -11,6 +11,7 @@ from thbridge.ros.frames import frame_name
 from thbridge.ros.robots import (
     ODOM_FRAME,
     by_number,
+    is_map_frame,
     is_odom_frame,
     is_truth,
     last_word,
@@ -79,20 +80,24 @@ class Introductions:
         topics: the type of each topic.
         children: of each topic of odometry, the frame whose pose it says.
         edges: of tf: namespace, parent, child; those from frames of odometry.
+        mapped: whether anybody speaks of a map.
     """
 
     topics: dict[str, str] = field(default_factory=dict)
     children: dict[str, str] = field(default_factory=dict)
     edges: set[tuple[str, str, str]] = field(default_factory=set)
+    mapped: bool = False
 
     def take(self, said: Said) -> None:
         """Hear a message; one that cannot be read tells its topic only."""
         self.topics[said.topic] = said.msgtype
+        self.mapped |= said.msgtype == types.OCCUPANCY_GRID and "costmap" not in said.topic
         try:
             if said.msgtype == types.ODOMETRY:
                 self.children[said.topic] = unpack.odometry(said.data).child_frame
             elif said.msgtype in TF_TYPES:
                 for _, (parent, child, _) in unpack.transforms(said.data):
+                    self.mapped |= is_map_frame(parent)
                     if is_odom_frame(parent):
                         self.edges.add((namespace_of_tf(said.topic), frame_name(parent), frame_name(child)))
         except ValueError:

@@ -1,11 +1,16 @@
 """Numbers over time in bounded memory."""
 
+import math
+
 import numpy as np
 
 from sim.geometry import FloatArray
 
 MOST = 20_000
 """Samples that a curve keeps: half an hour of ten a second as they were, then the older half ever thinner."""
+
+LINE = 1000
+"""Points that a line on the map has at most."""
 
 
 class Curve:
@@ -17,12 +22,17 @@ class Curve:
         columns: numbers of a sample, beside its time.
         peaks: of two neighbours the one with the greater first number stays; else the later one.
         most: samples that are kept; at least 4.
+
+    Attributes:
+        time: of the last sample; minus infinity before the first.
     """
 
     def __init__(self, columns: int = 1, peaks: bool = False, most: int = MOST) -> None:
         self._rows = np.empty((most, 1 + columns))
         self._peaks = peaks
         self._count = 0
+        self._drawn: tuple[int, FloatArray] | None = None
+        self.time = -math.inf
 
     def __len__(self) -> int:
         """How many samples there are."""
@@ -30,21 +40,30 @@ class Curve:
 
     def append(self, time: float, *values: float) -> None:
         """Add a sample; one of an earlier time than the last is left out."""
-        if self._count and time < self._rows[self._count - 1, 0]:
+        if time < self.time:
             return
         if self._count == len(self._rows):
             self._thin()
         self._rows[self._count] = (time, *values)
         self._count += 1
+        self.time = time
 
     def rows(self, until: float = np.inf) -> FloatArray:
         """(n, 1 + columns) time and numbers of the samples up to a time, that time included."""
         times = self._rows[: self._count, 0]
         return self._rows[: int(np.searchsorted(times, until, side="right"))].copy()
 
-    def last(self) -> FloatArray | None:
-        """(1 + columns,) the last sample."""
-        return self._rows[self._count - 1].copy() if self._count else None
+    def path(self, until: float) -> FloatArray:
+        """(k, 2) the first two numbers of the samples up to a time, as a line: of many only every second, fourth, ...
+
+        The same array as long as it is the same line.
+        """
+        times = self._rows[: self._count, 0]
+        count = self._count if until >= self.time else int(np.searchsorted(times, until, side="right"))
+        if self._drawn is None or self._drawn[0] != count:
+            step = 1 << max(0, math.ceil(math.log2(max(count, 1) / LINE)))
+            self._drawn = (count, self._rows[:count:step, 1:3].copy())
+        return self._drawn[1]
 
     def _thin(self) -> None:
         half = len(self._rows) // 4 * 2
@@ -55,3 +74,4 @@ class Curve:
         self._rows[: len(kept)] = kept
         self._rows[len(kept) : len(kept) + len(rest)] = rest
         self._count = len(kept) + len(rest)
+        self._drawn = None

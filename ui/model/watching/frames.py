@@ -54,9 +54,11 @@ class Frames:
 
     Args:
         messages: of tf, oldest first; what cannot be read is left out.
+        mapped: whether there is a map. Where there is none, frames are seen from what they hang on in the end:
+            odometry, as a rule.
     """
 
-    def __init__(self, messages: Iterable[Said]) -> None:
+    def __init__(self, messages: Iterable[Said], mapped: bool = True) -> None:
         self._above: dict[str, tuple[str, SpatialTransform]] = {}
         for said in messages:
             namespace = namespace_of_tf(said.topic)
@@ -66,13 +68,11 @@ class Frames:
                     self._above[child] = (parent, transform)
             except ValueError:
                 continue
-        self._mapped = any(is_map_frame(parent) for parent, _ in self._above.values())
+        self._mapped = mapped
         self._poses: dict[str, FloatArray | None] = {}
 
     def pose(self, frame: str, owner: str = "") -> FloatArray | None:
         """(4, 4) pose of a frame on the map; None where nothing joins the two.
-
-        Where nobody speaks of a map, frames are seen from what they hang on in the end: odometry, as a rule.
 
         Args:
             frame: its name.

@@ -142,7 +142,7 @@ class LiveSource:
     def scene(self, shown: Shown) -> Scene:
         """How things stand."""
         levels = self._held or self._levels
-        watched = Watched(self._cast, self.series, self.story, self.rooms, self._start_ns)
+        watched = Watched(self._cast, self._introductions.mapped, self.series, self.story, self.rooms, self._start_ns)
         return self._scenes.scene(levels, watched, shown)
 
     def _take(self, said: Said) -> None:
@@ -173,7 +173,7 @@ class LiveSource:
         if new:
             self._introductions.take(said)
             self._cast = self._introductions.cast()
-            self.series.follow(self._cast)
+            self.series.follow(self._cast, self._introductions.mapped)
         self.series.take(said)
         if tells(said.topic, said.msgtype):
             self.story.take(said)

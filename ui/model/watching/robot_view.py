@@ -1,7 +1,9 @@
 """Draws up one robot at one moment."""
 
 import math
+from collections.abc import Callable
 from dataclasses import dataclass
+from typing import TypeVar
 
 import numpy as np
 
@@ -19,12 +21,20 @@ from ui.model.watching.decoded import Decoded
 from ui.model.watching.frames import Frames
 from ui.model.watching.said import Levels, Said
 from ui.model.watching.scene import NO_POINTS, NO_POSES, RobotScene, Shown
-from ui.model.watching.series import Series, places
+from ui.model.watching.series import Series
 
 SILENCE_NS = 500_000_000
 """So long a robot's software may say nothing while the truth of it is told on."""
 CHI_SQUARE_95 = 5.991
 """Of two degrees of freedom: 95 of 100 places lie within an ellipse of so many variances."""
+
+
+T = TypeVar("T")
+
+
+def framed(unpacked: Callable[[bytes], T]) -> Callable[[bytes], tuple[str, T]]:
+    """Unpacks a message that begins with a header: its frame, and its value."""
+    return lambda data: (unpack.frame_of(data), unpacked(data))
 
 
 class Unpacked:
@@ -34,11 +44,11 @@ class Unpacked:
         self.odometry = Decoded[Odometry](unpack.odometry)
         self.poses = Decoded[PoseInFrame](unpack.pose_stamped)
         self.beliefs = Decoded[PoseInFrame](unpack.pose_with_covariance)
-        self.clouds = Decoded[FloatArray](unpack.pose_array)
-        self.grids = Decoded[OccupancyGrid](unpack.occupancy_grid)
+        self.clouds = Decoded(framed(unpack.pose_array))
+        self.grids = Decoded(framed(unpack.occupancy_grid))
         self.batteries = Decoded[Charge](unpack.battery_state)
-        self.paths = Decoded[FloatArray](unpack.path)
-        self.footprints = Decoded[FloatArray](unpack.polygon)
+        self.paths = Decoded(framed(unpack.path))
+        self.footprints = Decoded(framed(unpack.polygon))
         self.goals = Decoded[GoalStart](unpack.move_base_goal)
         self.statuses = Decoded[list[GoalStatus]](unpack.goal_status_array)
         self.results = Decoded[GoalEnd](unpack.move_base_result)
@@ -51,7 +61,8 @@ class Moment:
 
     Attributes:
         levels: the messages that hold.
-        frames: likewise.
+        frames_at: the frames that held at a time up to this moment.
+        frames: those that hold now.
         diagnoses: by name of the part.
         series: numbers over time.
         time: seconds since the beginning.
@@ -60,6 +71,7 @@ class Moment:
     """
 
     levels: Levels
+    frames_at: Callable[[int], Frames]
     frames: Frames
     diagnoses: dict[str, Diagnosis]
     series: Series
@@ -160,24 +172,21 @@ class RobotView:
     def _tracks(self) -> tuple[FloatArray, FloatArray, FloatArray]:
         """Where it was, believed to be, and counted to be."""
         series, time = self._moment.series.of(self._member.robot), self._moment.time
-        driven = places(series.odometry, time)
+        driven = series.odometry.path(time)
         if len(driven) and self._odometry is not None:
             odom_in_map = self._on_map(self._odometry.frame, Pose2(0.0, 0.0, 0.0))
             driven = NO_POINTS if odom_in_map is None else odom_in_map.transform(driven)
-        return places(series.truth, time), places(series.estimate, time), driven
+        return series.truth.path(time), series.estimate.path(time), driven
 
     def _cloud(self) -> FloatArray:
-        said = self._newest(self._member.cloud)
-        cloud = self._moment.unpacked.clouds.of(said)
-        if said is None or cloud is None:
-            return NO_POSES
-        frame_in_map = self._frame_of(said)
-        if frame_in_map is None or not len(cloud):
-            return NO_POSES
-        if frame_in_map is _HERE:
+        frame, cloud = self._moment.unpacked.clouds.of(self._newest(self._member.cloud)) or ("", NO_POSES)
+        if not len(cloud) or is_map_frame(frame):
             return cloud
-        turned = cloud[:, 2] + frame_in_map.theta
-        return np.column_stack((frame_in_map.transform(cloud[:, :2]), (turned + np.pi) % (2.0 * np.pi) - np.pi))
+        frame_in_map = self._moment.frames.planar(frame, self._member.key)
+        if frame_in_map is None:
+            return NO_POSES
+        turned = (cloud[:, 2] + frame_in_map.theta + np.pi) % (2.0 * np.pi) - np.pi
+        return np.column_stack((frame_in_map.transform(cloud[:, :2]), turned))
 
     def _scan(self) -> FloatArray:
         """End points as seen from where it believed to be when it looked; they stay there until it looks again."""
@@ -196,29 +205,23 @@ class RobotView:
             scan = unpack.laser_scan(said.data)
         except ValueError:
             return NO_POINTS
-        laser_in_map = Frames(self._moment.levels.frames(said.stamp_ns)).pose(scan.frame, self._member.key)
+        laser_in_map = self._moment.frames_at(said.stamp_ns).pose(scan.frame, self._member.key)
         return NO_POINTS if laser_in_map is None else end_points(scan, laser_in_map)
 
     def _costmap(self, topic: str | None) -> OccupancyGrid | None:
-        said = self._newest(topic)
-        grid = self._moment.unpacked.grids.of(said)
-        frame_in_map = None if said is None else self._frame_of(said)
-        if grid is None or frame_in_map is None or frame_in_map is _HERE:
-            return grid if frame_in_map is not None else None
-        return OccupancyGrid(grid.cells, grid.resolution, frame_in_map.compose(grid.origin))
+        told = self._moment.unpacked.grids.of(self._newest(topic))
+        if told is None or is_map_frame(told[0]):
+            return None if told is None else told[1]
+        frame, grid = told
+        origin = self._on_map(frame, grid.origin)
+        return None if origin is None else OccupancyGrid(grid.cells, grid.resolution, origin)
 
-    def _points(self, unpacked: Decoded[FloatArray], topic: str | None) -> FloatArray:
-        said = self._newest(topic)
-        points = unpacked.of(said)
-        if said is None or points is None or not len(points):
-            return NO_POINTS
-        frame_in_map = self._frame_of(said)
+    def _points(self, unpacked: Decoded[tuple[str, FloatArray]], topic: str | None) -> FloatArray:
+        frame, points = unpacked.of(self._newest(topic)) or ("", NO_POINTS)
+        if not len(points) or is_map_frame(frame):
+            return points[:, :2]
+        frame_in_map = self._moment.frames.planar(frame, self._member.key)
         return NO_POINTS if frame_in_map is None else frame_in_map.transform(points[:, :2])
-
-    def _frame_of(self, said: Said) -> Pose2 | None:
-        """The frame that a message is in, on the map."""
-        frame = unpack.frame_of(said.data)
-        return _HERE if is_map_frame(frame) else self._moment.frames.planar(frame, self._member.key)
 
     def _goal(self) -> Pose2 | None:
         member, unpacked = self._member, self._moment.unpacked
@@ -246,8 +249,6 @@ class RobotView:
         return ", ".join(words), bool(worrying)
 
 
-_HERE = Pose2(0.0, 0.0, 0.0)
-"""The map's own frame."""
 _PARTS = ("localisation", "navigation")
 """Parts of a robot whose diagnoses say what it does."""
 
@@ -268,11 +269,13 @@ def ellipse_of(covariance: FloatArray) -> EllipseMark | None:
     planar = covariance[:2, :2]
     if not np.isfinite(planar).all():
         return None
-    variances, axes = np.linalg.eigh(0.5 * (planar + planar.T))
-    if variances[0] < -1e-9:
+    (xx, xy), (yx, yy) = planar.tolist()
+    middle, half, mixed = 0.5 * (xx + yy), 0.5 * (xx - yy), 0.5 * (xy + yx)
+    reach = math.hypot(half, mixed)
+    if middle - reach < -1e-9:
         return None
-    minor, major = np.sqrt(CHI_SQUARE_95 * np.maximum(variances, 0.0)).tolist()
-    return EllipseMark(major, minor, math.atan2(axes[1, 1], axes[0, 1]))
+    major, minor = (math.sqrt(CHI_SQUARE_95 * max(variance, 0.0)) for variance in (middle + reach, middle - reach))
+    return EllipseMark(major, minor, 0.5 * math.atan2(mixed, half))
 
 
 def end_points(scan: LaserScan, laser_in_map: FloatArray) -> FloatArray:

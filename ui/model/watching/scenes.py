@@ -1,5 +1,6 @@
 """Draws up the scene of a moment from the messages that hold then."""
 
+from collections import deque
 from collections.abc import Sequence
 from dataclasses import dataclass
 
@@ -23,6 +24,9 @@ from ui.model.watching.series import Series
 from ui.model.watching.story import RoomNews, Story
 from ui.model.watching.wizard import WIZARD, wizard
 
+FRAMES_KEPT = 8
+"""Moments whose frames are remembered: that of the scene, and those of the scans in it."""
+
 
 @dataclass(frozen=True, slots=True, eq=False)
 class Watched:
@@ -30,6 +34,7 @@ class Watched:
 
     Attributes:
         cast: the robots.
+        mapped: whether there is a map.
         series: numbers over time.
         story: what happened.
         rooms: of the map, where it is known.
@@ -38,6 +43,7 @@ class Watched:
     """
 
     cast: tuple[Member, ...]
+    mapped: bool
     series: Series
     story: Story
     rooms: tuple[MapRoom, ...]
@@ -54,14 +60,19 @@ class Scenes:
         self._things = Decoded[list[tuple[str, FloatArray]]](unpack.outlines)
         self._diagnoses = Decoded[list[Diagnosis]](unpack.diagnostic_array)
         self._wizards = Decoded[Wizard](wizard)
-        self._frames: tuple[tuple[bytes, ...], Frames] | None = None
+        self._frames: deque[tuple[tuple[bytes, ...], Frames]] = deque(maxlen=FRAMES_KEPT)
 
     def scene(self, levels: Levels, watched: Watched, shown: Shown) -> Scene:
         """How things stand at the moment of these levels."""
         time = (levels.at_ns - watched.start_ns) / 1e9
         diagnoses = {each.name: each for each in self._diagnoses.of(levels.newest(names.DIAGNOSTICS)) or ()}
-        frames = self._frames_of(levels.frames(levels.at_ns))
-        moment = Moment(levels, frames, diagnoses, watched.series, time, shown, self._unpacked)
+
+        def frames_at(at_ns: int) -> Frames:
+            return self._frames_of(levels.frames(at_ns), watched.mapped)
+
+        moment = Moment(
+            levels, frames_at, frames_at(levels.at_ns), diagnoses, watched.series, time, shown, self._unpacked
+        )
         score = self._scores.of(levels.newest(names.SCORE))
         things = self._things.of(levels.newest(names.THINGS)) or ()
         news = watched.story.rooms(levels.at_ns)
@@ -77,12 +88,13 @@ class Scenes:
             unreadable=watched.unreadable,
         )
 
-    def _frames_of(self, messages: Sequence[Said]) -> Frames:
+    def _frames_of(self, messages: Sequence[Said], mapped: bool) -> Frames:
         said = tuple(message.data for message in messages)
-        known = self._frames
-        if known is None or len(known[0]) != len(said) or any(a is not b for a, b in zip(known[0], said, strict=True)):
-            known = self._frames = (said, Frames(messages))
-        return known[1]
+        for known, frames in self._frames:
+            if len(known) == len(said) and all(one is other for one, other in zip(known, said, strict=True)):
+                return frames
+        self._frames.appendleft((said, Frames(messages, mapped)))
+        return self._frames[0][1]
 
     def _map(self, levels: Levels) -> OccupancyGrid | None:
         maps = [
@@ -91,7 +103,7 @@ class Scenes:
             if msgtype == types.OCCUPANCY_GRID and "costmap" not in topic
         ]
         found = (self._unpacked.grids.of(levels.newest(topic)) for topic in usual_first(maps, (names.MAP.strip("/"),)))
-        return next((grid for grid in found if grid is not None), None)
+        return next((told[1] for told in found if told is not None), None)
 
 
 def _room(room: MapRoom, news: RoomNews) -> RoomMark:

@@ -4,9 +4,7 @@ import math
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass, field
 
-import numpy as np
-
-from sim.geometry import FloatArray, Pose2, wrap_angle
+from sim.geometry import Pose2, wrap_angle
 from thbridge.bags.report.tracks import deviations
 from thbridge.ros import types, unpack
 from thbridge.ros.robots import is_map_frame
@@ -65,9 +63,15 @@ class Series:
         """What has to be taken, beside the messages of tf; all else changes nothing."""
         return frozenset(self._takers)
 
-    def follow(self, cast: Sequence[Member]) -> None:
-        """Go by these robots from now on; those that were there before keep what is known of them."""
+    def follow(self, cast: Sequence[Member], mapped: bool) -> None:
+        """Go by these robots from now on; those that were there before keep what is known of them.
+
+        Args:
+            cast: the robots.
+            mapped: whether there is a map.
+        """
         self._takers = {}
+        self._tf.mapped = mapped
         for member in cast:
             teller = self._tellers.setdefault(member.robot, _Teller(self._tf))
             teller.member = member
@@ -103,6 +107,7 @@ class _Tf:
     def __init__(self) -> None:
         self._said: dict[tuple[str, bytes], Said] = {}
         self._frames: Frames | None = None
+        self.mapped = False
 
     def take(self, said: Said) -> None:
         try:
@@ -115,7 +120,7 @@ class _Tf:
 
     def frames(self) -> Frames:
         if self._frames is None:
-            self._frames = Frames(self._said.values())
+            self._frames = Frames(self._said.values(), self.mapped)
         return self._frames
 
 
@@ -126,7 +131,7 @@ class _Teller:
         self.series = RobotSeries()
         self.member: Member | None = None
         self._tf = tf
-        self._truths: list[tuple[float, bytes, str]] = []
+        self._told: tuple[float, Said] | None = None
         self._known: tuple[float, Pose2] | None = None
         self._waiting: list[tuple[float, Pose2]] = []
 
@@ -134,22 +139,19 @@ class _Teller:
         """Between two words of the truth lies what it was meanwhile."""
         due = _due(self.series.truth, time)
         if not due and not self._waiting:
-            self._truths = [(time, said.data, said.msgtype)]
-            self._known = None
+            self._told, self._known = (time, said), None  # unpacked when it is needed
             return
-        pose = _pose_of(said.data, said.msgtype)
+        before, pose = self._last_truth(), _pose_of(said)
         if due:
             self.series.truth.append(time, pose.x, pose.y, pose.theta)
-        before = self._last_truth()
         while self._waiting and self._waiting[0][0] <= time:
             then, estimate = self._waiting.pop(0)
             self._compare(then, estimate, before, (time, pose))
-        self._truths, self._known = [], (time, pose)
+        self._told, self._known = None, (time, pose)
 
     def _last_truth(self) -> tuple[float, Pose2] | None:
-        if self._known is None and self._truths:
-            time, data, msgtype = self._truths[0]
-            self._known = (time, _pose_of(data, msgtype))
+        if self._known is None and self._told is not None:
+            self._known = (self._told[0], _pose_of(self._told[1]))
         return self._known
 
     def _compare(
@@ -212,20 +214,14 @@ class _Teller:
 
 
 def _due(curve: Curve, time: float) -> bool:
-    last = curve.last()
-    return last is None or time - last[0] >= PERIOD - _SLACK
+    return time - curve.time >= PERIOD - _SLACK
 
 
-def _pose_of(data: bytes, msgtype: str) -> Pose2:
-    match msgtype:
+def _pose_of(said: Said) -> Pose2:
+    match said.msgtype:
         case types.ODOMETRY:
-            return unpack.odometry(data).pose
+            return unpack.odometry(said.data).pose
         case types.POSE_STAMPED:
-            return unpack.pose_stamped(data).pose
+            return unpack.pose_stamped(said.data).pose
         case _:
-            return unpack.pose_with_covariance(data).pose
-
-
-def places(curve: Curve, until: float) -> FloatArray:
-    """(n, 2) the points of a series of poses up to a time."""
-    return np.ascontiguousarray(curve.rows(until)[:, 1:3])
+            return unpack.pose_with_covariance(said.data).pose

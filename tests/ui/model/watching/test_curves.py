@@ -1,0 +1,55 @@
+import numpy as np
+from hypothesis import given
+from hypothesis import strategies as st
+
+from ui.model.watching.curves import LINE, Curve
+
+TIMES = st.lists(st.floats(0.0, 100.0), max_size=60)
+
+
+@given(times=TIMES, most=st.integers(4, 20))
+def test_memory_is_bounded_times_rise_and_the_newest_stays(times: list[float], most: int) -> None:
+    curve = Curve(most=most)
+    kept: list[float] = []
+    for time in times:
+        curve.append(time, -time)
+        if not kept or time >= kept[-1]:
+            kept.append(time)
+        rows = curve.rows()
+        assert len(rows) == len(curve) <= most
+        assert (np.diff(rows[:, 0]) >= 0.0).all()
+        assert rows[-1].tolist() == [kept[-1], -kept[-1]]
+        assert set(rows[:, 0].tolist()) <= set(kept)
+
+
+def test_the_newer_half_stays_as_it_was() -> None:
+    curve = Curve(most=100)
+    for time in range(101):
+        curve.append(float(time), 0.0)
+    assert curve.rows()[-51:, 0].tolist() == [float(time) for time in range(50, 101)]
+
+
+@given(values=st.lists(st.floats(0.0, 1e3), min_size=1, max_size=200))
+def test_peaks_survive_thinning(values: list[float]) -> None:
+    curve = Curve(peaks=True, most=8)
+    for time, value in enumerate(values):
+        curve.append(float(time), value)
+    assert curve.rows()[:, 1].max() == max(values)
+
+
+def test_rows_until_a_time_include_it() -> None:
+    curve = Curve()
+    for time in (0.0, 1.0, 2.0):
+        curve.append(time, 10.0 * time)
+    assert curve.rows(1.0).tolist() == [[0.0, 0.0], [1.0, 10.0]]
+    assert len(curve.rows(-1.0)) == 0
+
+
+def test_a_line_has_few_points_and_is_the_same_while_it_does_not_grow() -> None:
+    curve = Curve(3)
+    for time in range(3 * LINE):
+        curve.append(float(time), float(time), -float(time), 0.0)
+    line = curve.path(np.inf)
+    assert len(line) <= LINE
+    assert curve.path(np.inf) is line
+    assert curve.path(4.0).tolist() == [[float(t), -float(t)] for t in range(5)]

@@ -1,0 +1,102 @@
+import math
+
+import pytest
+
+from sim.geometry import Pose2
+from tests.thbridge.ros.drive import MOUNT, SCAN_PERIOD, SESSION, arena, records, snapshots
+from tests.ui.model.watching.hear import Heard, odometry, tf
+from thbridge.ros.publisher import Message, Publisher
+from ui.model.watching.live import LiveSource
+from ui.model.watching.scene import Shown
+
+
+def heard(messages: list[Message]) -> list[Heard]:
+    return [Heard(message.topic.name, message.topic.msgtype, message.stamp_ns, message.data) for message in messages]
+
+
+def opening() -> list[Heard]:
+    return heard(Publisher(2, MOUNT, SCAN_PERIOD).opening(0, SESSION, arena()))
+
+
+def ticks(first: int, count: int) -> list[Heard]:
+    publisher = Publisher(2, MOUNT, SCAN_PERIOD)
+    return [said for each in snapshots(2, count, first) for said in heard(publisher.tick(each, records(each.tick)))]
+
+
+@pytest.fixture
+def source() -> LiveSource:
+    live = LiveSource()
+    live.take([*opening(), *ticks(0, 100)], 10.0)
+    return live
+
+
+def test_nothing_is_there_before_anything_is_heard() -> None:
+    live = LiveSource()
+    assert (live.scene(Shown()).robots, live.session, live.messages) == ((), None, 0)
+    assert live.silent_for(5.0) == math.inf
+
+
+def test_it_shows_what_was_said_last(source: LiveSource) -> None:
+    scene = source.scene(Shown())
+    assert scene.time == pytest.approx(99 / 50)
+    assert source.session == SESSION
+    assert scene.grid == arena()
+    assert [robot.name for robot in scene.robots] == ["robot 1", "robot 2"]
+    assert all(robot.error is not None and robot.error < 0.2 for robot in scene.robots)
+    assert source.silent_for(12.5) == 2.5
+
+
+def test_a_held_scene_stands_still_while_all_is_taken_on(source: LiveSource) -> None:
+    source.hold(True)
+    before = source.scene(Shown())
+    source.take(ticks(100, 60), 11.0)
+    held = source.scene(Shown())
+    assert (held.stamp_ns, held.robots[0].truth) == (before.stamp_ns, before.robots[0].truth)
+    assert source.end_ns > held.stamp_ns
+    source.hold(False)
+    assert source.scene(Shown()).stamp_ns == source.end_ns
+
+
+def test_another_session_begins_anew(source: LiveSource) -> None:
+    events = len(source.story.entries("event"))
+    source.take([*opening(), *ticks(0, 1)], 20.0)
+    assert source.sessions == 1
+    assert len(source.story.entries("event")) < events
+    scene = source.scene(Shown())
+    assert scene.time == 0.0
+    assert scene.grid == arena()  # said before anybody could know that it is another's
+    assert len(source.series.of(0).truth) == 1
+
+
+def test_the_same_session_met_again_goes_on(source: LiveSource) -> None:
+    """A door tells newcomers what is latched first, as old as it is."""
+    samples = len(source.series.of(0).truth)
+    source.take([*opening(), *ticks(120, 50)], 20.0)
+    assert source.sessions == 0
+    assert len(source.series.of(0).truth) > samples
+
+
+def test_frames_of_a_while_ago_are_those_that_held_then() -> None:
+    live = LiveSource()
+    live.take([tf(second, ("map", "odom", Pose2(second, 0, 0))) for second in (1.0, 1.5, 2.0)], 0.0)
+    scene = live.scene(Shown())
+    assert scene.robots == ()
+    live.take([odometry(2.0, Pose2(1, 0, 0))], 0.0)
+    (robot,) = live.scene(Shown()).robots
+    assert robot.estimate == Pose2(3, 0, 0)
+
+
+def test_frames_that_nobody_speaks_of_any_more_are_forgotten() -> None:
+    live = LiveSource()
+    live.take([tf(1, ("map", "odom", Pose2(1, 0, 0))), odometry(1, Pose2(0, 0, 0))], 0.0)
+    assert live.scene(Shown()).robots[0].estimate is not None
+    live.take([odometry(12, Pose2(0, 0, 0), speed=1.0)], 0.0)
+    (robot,) = live.scene(Shown()).robots
+    assert (robot.speed, robot.estimate) == (1.0, None)
+
+
+def test_messages_that_cannot_be_read_are_left_out(source: LiveSource) -> None:
+    broken = [Heard(said.topic, said.msgtype, said.stamp_ns, said.data[:9]) for said in ticks(100, 20)]
+    source.take(broken, 11.0)
+    scene = source.scene(Shown())
+    assert [robot.truth for robot in scene.robots] == [None, None]

@@ -1,0 +1,61 @@
+import dataclasses
+from pathlib import Path
+
+import pytest
+
+from sim.geometry import Pose2
+from sim.team import Carry, Die, PutThing, Revive
+from thbridge.adapters.bag_records import Compression
+from thbridge.app.broadcast import Broadcast
+from thbridge.app.compose import build_bot, read_setting
+from thbridge.app.config import RecordingSection, Study
+from thbridge.app.play import PLAY, NoLog
+from thbridge.app.recording import BagWitness
+from thbridge.app.session import Session
+from thbridge.roles.requests import Request
+from thbridge.roles.tabui import TabUI
+from thbridge.wire import legacy
+from thbridge.wire.router import Router
+from ui.model.watching.tools import obstacle
+
+STUDY = dataclasses.replace(Study(), seed=7, robots=3)
+TICKS = 650
+DONE: dict[int, Request] = {
+    100: PutThing(obstacle("crate", "box", Pose2(0.0, 0.0, 0.0), 0.5)),
+    250: Die(1),
+    350: Carry(2, Pose2(-2.869, -2.97, 0.0)),
+    450: Revive(1),
+}
+"""What befalls the hunt, by tick."""
+
+
+def record(bag: Path, study: Study, ticks: int) -> None:
+    """A hunt with a simulated participant, and what befalls it."""
+    setting = read_setting(study, Path())
+    participant = TabUI(build_bot(setting.templates, study.participant.strategy, study.seed))
+    session_record = setting.record(PLAY, [legacy.SIMR, legacy.HIDER, legacy.TABUI], "suggestion")
+    with setting.writer(bag) as writer:
+        witness = BagWitness(Broadcast(setting.publisher(), session_record, setting.place.grid, [writer]))
+        roles = [setting.simr(), setting.hider()]
+        session = Session(Router(), setting.keeper(), roles, NoLog(), [witness], participant)
+        for tick in range(ticks):
+            if tick in DONE:
+                session.ask("watch", DONE[tick])
+            session.step()
+
+
+@pytest.fixture(scope="session")
+def hunt(tmp_path_factory: pytest.TempPathFactory) -> Path:
+    """Thirteen seconds of three robots: a crate is put, robot 2 dies and revives, robot 3 is carried away."""
+    bag = tmp_path_factory.mktemp("hunt") / "hunt.bag"
+    record(bag, STUDY, TICKS)
+    return bag
+
+
+@pytest.fixture(scope="session")
+def split(tmp_path_factory: pytest.TempPathFactory) -> Path:
+    """As `hunt`, in parts and packed."""
+    bag = tmp_path_factory.mktemp("split") / "hunt.bag"
+    recording = RecordingSection(Compression.LZ4, split_duration=2.0)
+    record(bag, dataclasses.replace(STUDY, recording=recording), TICKS // 2)
+    return bag

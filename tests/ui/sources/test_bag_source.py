@@ -1,0 +1,243 @@
+import random
+from collections.abc import Generator, Iterator
+from dataclasses import fields
+from pathlib import Path
+
+import numpy as np
+import pytest
+from rosbags.rosbag1 import Writer
+
+from sim.grid import OccupancyGrid
+from tests.thbridge.offline.foreign import Robot, write
+from tests.ui.sources.conftest import TICKS
+from thbridge.adapters import bag_reader
+from thbridge.adapters.errors import BadFile
+from thbridge.bags.report.gathering import read_report
+from ui.model.watching.live import LiveSource
+from ui.model.watching.scene import RobotScene, Scene, Shown
+from ui.sources.bag import TICK_NS, BagSource, open_bag
+
+ALL = Shown(selected=0, global_costmap=True, local_costmap=True)
+
+
+def opened(path: Path) -> BagSource:
+    work: Generator[float, None, BagSource] = open_bag(path)
+    while True:
+        try:
+            next(work)
+        except StopIteration as done:
+            source = done.value
+            assert isinstance(source, BagSource)
+            return source
+
+
+def scanned(path: Path) -> BagSource:
+    source = opened(path)
+    shares = list(source.scan())
+    assert shares == sorted(shares)
+    assert shares[-1] == pytest.approx(1.0)
+    return source
+
+
+@pytest.fixture(scope="module")
+def source(hunt: Path) -> Iterator[BagSource]:
+    whole = scanned(hunt)
+    yield whole
+    whole.close()
+
+
+def differences(one: Scene, other: Scene) -> list[str]:
+    """Names of what two scenes differ in; what is compared by identity elsewhere is compared by value here."""
+    found = [name for name in ("stamp_ns", "grid", "game", "wizard") if getattr(one, name) != getattr(other, name)]
+    found += ["things"] * ([t.name for t in one.things] != [t.name for t in other.things])
+    found += ["rooms"] * ([(r.state, r.robot) for r in one.rooms] != [(r.state, r.robot) for r in other.rooms])
+    found += ["robots"] * (len(one.robots) != len(other.robots))
+    for mine, theirs in zip(one.robots, other.robots, strict=True):
+        for field in fields(RobotScene):
+            a, b = getattr(mine, field.name), getattr(theirs, field.name)
+            same = np.array_equal(a, b) if isinstance(a, np.ndarray) else a == b
+            found += [] if same else [f"{mine.name}: {field.name}"]
+    return found
+
+
+class TestSeeking:
+    def test_any_moment_is_what_playing_up_to_it_gives(self, hunt: Path, source: BagSource) -> None:
+        """Death, revival, a kidnapping and an obstacle among it; and to and fro, so that nothing depends on the way."""
+        stamps = [source.start_ns + TICK_NS * tick for tick in (1, 2, 99, 101, 249, 260, 300, 352, 449, 455, 600, 649)]
+        played: dict[int, Scene] = {}
+        live = LiveSource()
+        live.rooms = source.rooms
+        waiting = list(stamps)
+        for message in bag_reader.messages(hunt):
+            while waiting and message.stamp_ns > waiting[0]:
+                played[waiting.pop(0)] = live.scene(ALL)
+            live.take([message], 0.0)
+        for stamp in waiting:
+            played[stamp] = live.scene(ALL)
+        order = stamps * 2
+        random.Random(1).shuffle(order)
+        for stamp in order:
+            assert differences(source.scene(stamp, ALL), played[stamp]) == [], stamp
+
+    def test_before_and_after_all_is_the_first_and_the_last(self, source: BagSource) -> None:
+        assert source.scene(0, ALL).stamp_ns == source.start_ns
+        assert source.scene(2**62, ALL).stamp_ns == source.end_ns
+
+    def test_steps_go_by_ticks_and_by_messages_and_back_again(self, source: BagSource) -> None:
+        at = source.start_ns + 100 * TICK_NS
+        assert source.step(at, 3) == at + 3 * TICK_NS
+        assert source.step(source.step(at, 7), -7) == at
+        scan = source.step(at, 1, "/robot1/scan")
+        assert scan > at
+        assert source.step(scan, 1, "/robot1/scan") == scan + 5 * TICK_NS
+        assert source.step(source.step(scan, 4, "/robot1/scan"), -4, "/robot1/scan") == scan
+        assert source.step(source.end_ns, 1) == source.end_ns
+        assert source.step(at, -1, "/nobody") == source.start_ns
+
+    def test_parts_are_one(self, split: Path, hunt: Path) -> None:
+        assert not split.exists()
+        parts, whole = scanned(split), scanned(hunt)
+        for tick in (1, 99, 101, 130, 260, 320):
+            stamp = whole.start_ns + tick * TICK_NS
+            assert differences(parts.scene(stamp, ALL), whole.scene(stamp, ALL)) == [], tick
+
+
+class TestScene:
+    def test_a_robot_that_dies_is_told_dead_and_where_it_is(self, source: BagSource) -> None:
+        states = {}
+        for tick in (240, 300, 470):
+            robot = source.scene(source.start_ns + tick * TICK_NS, ALL).robots[1]
+            states[tick] = (robot.dead, robot.truth is not None, robot.trouble)
+        assert states[240][0] is False
+        assert states[300] == (True, True, True)
+        assert states[470][0] is False
+
+    def test_who_is_carried_away_believes_to_be_elsewhere(self, source: BagSource) -> None:
+        before, after = (source.scene(source.start_ns + tick * TICK_NS, ALL).robots[2] for tick in (348, 353))
+        assert before.error is not None
+        assert after.error is not None
+        assert before.error < 0.3 < 1.0 < after.error
+
+    def test_scans_end_at_walls_as_seen_from_where_robots_believe_to_be(self, source: BagSource) -> None:
+        scene = source.scene(source.start_ns + 200 * TICK_NS, ALL)
+        grid = scene.grid
+        assert isinstance(grid, OccupancyGrid)
+        points = scene.robots[0].scan
+        assert len(points) > 100
+        near = [_distance_to_wall(grid, x, y) for x, y in points.tolist()]
+        assert np.median(near) < 0.15
+
+    def test_clouds_of_others_are_thinned_and_the_same_every_time(self, source: BagSource) -> None:
+        at = source.start_ns + 200 * TICK_NS
+        scene = source.scene(at, Shown(selected=1, thinned=10))
+        assert [len(robot.cloud) for robot in scene.robots] == [10, scene.robots[1].particles, 10]
+        assert scene.robots[1].particles > 10
+        again = source.scene(at, Shown(selected=1, thinned=10))
+        assert np.array_equal(scene.robots[0].cloud, again.robots[0].cloud)
+
+    def test_what_is_not_wanted_is_not_there(self, source: BagSource) -> None:
+        none = Shown(None, clouds=False, scans=False, plans=False, paths=False, footprints=False)
+        for robot in source.scene(source.start_ns + 200 * TICK_NS, none).robots:
+            parts = (robot.cloud, robot.scan, robot.plan, robot.local_plan, robot.footprint, robot.truth_path)
+            assert [len(part) for part in parts] == [0] * len(parts)
+            assert (robot.global_costmap, robot.local_costmap) == (None, None)
+
+    def test_costmaps_are_those_of_the_selected_robot(self, source: BagSource) -> None:
+        scene = source.scene(source.start_ns + 200 * TICK_NS, Shown(selected=2, local_costmap=True))
+        assert [robot.local_costmap is not None for robot in scene.robots] == [False, False, True]
+
+    def test_rooms_and_things_and_goals_are_those_of_the_moment(self, source: BagSource) -> None:
+        early, late = (source.scene(source.start_ns + tick * TICK_NS, ALL) for tick in (50, TICKS - 1))
+        assert [thing.name for thing in early.things] == []
+        assert [thing.name for thing in late.things] == ["crate"]
+        assert sorted(room.robot for room in early.rooms if room.state == "reserved" and room.robot is not None) == [
+            0,
+            1,
+            2,
+        ]
+        assert all(robot.goal is not None for robot in early.robots)
+        assert early.game is not None
+        assert early.game.rooms == len(early.rooms) == 8
+        assert {robot.state for robot in early.robots} == {"drives"}
+
+
+def _distance_to_wall(grid: OccupancyGrid, x: float, y: float) -> float:
+    rows, cols = np.nonzero(grid.cells == 100)
+    return float(
+        np.hypot(
+            grid.origin.x + (cols + 0.5) * grid.resolution - x, grid.origin.y + (rows + 0.5) * grid.resolution - y
+        ).min()
+    )
+
+
+class TestSeries:
+    def test_they_are_the_report_s_at_ten_a_second(self, hunt: Path, source: BagSource) -> None:
+        report = read_report(bag_reader.messages(hunt))
+        for robot, track in enumerate(report.tracks):
+            series = source.series.of(robot)
+            mine = series.errors.rows()
+            assert len(mine) >= (100 if robot != 1 else 60)
+            for rows, theirs in ((mine, track.errors), (series.estimate.rows(), track.estimate)):
+                at = np.searchsorted(theirs[:, 0], rows[:, 0] - 1e-9)
+                assert rows == pytest.approx(theirs[at], abs=1e-9)
+            assert series.energy.rows() == pytest.approx(track.energy)
+            assert series.deviations.rows() == pytest.approx(track.deviations)
+
+    def test_they_do_not_depend_on_how_they_are_come_by(self, hunt: Path, source: BagSource) -> None:
+        live = LiveSource()
+        live.take(list(bag_reader.messages(hunt)), 0.0)
+        for robot in range(3):
+            one, other = source.series.of(robot), live.series.of(robot)
+            for field in fields(one):
+                assert np.array_equal(getattr(one, field.name).rows(), getattr(other, field.name).rows())
+
+
+class TestStory:
+    def test_all_that_happened_is_in_its_list(self, hunt: Path, source: BagSource) -> None:
+        told = dict.fromkeys(("/hunt/events", "/dialogue/utterances", "/inputs", "/rosout"), 0)
+        for message in bag_reader.messages(hunt, told):
+            told[message.topic] += 1
+        story = source.story
+        kinds = ("event", "said", "input", "log")
+        assert [len(story.entries(kind)) for kind in kinds] == list(told.values())
+        assert [entry.text.split()[0] for entry in story.entries("line")] == ["%%goto"] * 3
+
+    def test_marks_are_where_it_matters(self, source: BagSource) -> None:
+        marks = {entry.what: (entry.stamp_ns - source.start_ns) // TICK_NS - 1 for entry in source.story.marks()}
+        assert (marks["died"], marks["revived"], marks["carried"]) == (250, 450, 350)
+
+    def test_lists_are_cut_at_a_time(self, source: BagSource) -> None:
+        events = source.story.entries("event")
+        count = source.story.count("event", source.start_ns + 251 * TICK_NS)
+        assert "died" in {entry.what for entry in events[:count]}
+        assert "revived" not in {entry.what for entry in events[:count]}
+
+
+class TestForeign:
+    def test_a_bag_of_another_robot_is_shown_as_far_as_it_goes(self, tmp_path: Path) -> None:
+        path = tmp_path / "foreign.bag"
+        write(path, Robot(odom_frame="odom", base_frame="base_footprint"))
+        source = scanned(path)
+        scene = source.scene((source.start_ns + source.end_ns) // 2, ALL)
+        (robot,) = scene.robots
+        assert source.session is None
+        assert (scene.grid, scene.game, scene.rooms, robot.truth, robot.error) == (None, None, (), None, None)
+        assert robot.estimate is not None  # on its own odometry, for nobody speaks of a map
+        assert len(robot.scan) > 50
+        assert len(robot.odometry_path) > 5
+
+    def test_topics_of_another_release_are_told_and_left_out(self, hunt: Path, tmp_path: Path) -> None:
+        path = tmp_path / "strange.bag"
+        with Writer(path) as bag:
+            known = bag.add_connection("/odom", "nav_msgs/msg/Odometry", msgdef="int32 x\n", md5sum="0" * 32)
+            bag.write(known, 1, b"\0\0\0\0")
+        source = scanned(path)
+        assert source.unreadable == ("/odom holds another release's nav_msgs/Odometry.",)
+        assert source.scene(1, ALL).robots == ()
+
+
+def test_a_torn_bag_says_what_to_do(hunt: Path, tmp_path: Path) -> None:
+    torn = tmp_path / "torn.bag.active"
+    torn.write_bytes(hunt.read_bytes()[: hunt.stat().st_size // 2])
+    with pytest.raises(BadFile, match="thbridge bag reindex"):
+        opened(torn)
