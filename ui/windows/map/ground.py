@@ -4,7 +4,7 @@ import math
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
 
-from PySide6.QtCore import QRectF, Qt
+from PySide6.QtCore import QPointF, QRectF, Qt
 from PySide6.QtGui import QColor, QFont, QPainter, QPen, QPixmap, QTransform
 
 from ui.model.scene import RoomMark
@@ -47,6 +47,10 @@ class Ground:
         """Other colours."""
         self._palette, self._picture = palette, None
 
+    def paint_anew(self) -> None:
+        """Something else has changed by which it is painted, as the font."""
+        self._picture = None
+
     def paint(self, painter: QPainter, camera: Camera, ratio: float, font: QFont, moving: bool) -> None:
         """Fill the view.
 
@@ -60,19 +64,12 @@ class Ground:
         picture = self._picture
         if picture is None or not _covers(picture, camera, ratio):
             picture = self._picture = self._painted(camera, ratio, font, MARGIN if moving else 0.0)
-        left, top = picture.camera.pixel(camera.x, camera.y)
-        source = QRectF(
-            round((left - camera.width / 2.0) * ratio),
-            round((top - camera.height / 2.0) * ratio),
-            round(camera.width * ratio),
-            round(camera.height * ratio),
-        )
-        painter.setCompositionMode(QPainter.CompositionMode.CompositionMode_Source)
-        painter.drawPixmap(QRectF(0.0, 0.0, camera.width, camera.height), picture.pixmap, source)
-        painter.setCompositionMode(QPainter.CompositionMode.CompositionMode_SourceOver)
+        px, py = picture.camera.pixel(*camera.point(0.0, 0.0))
+        painter.drawPixmap(QPointF(-px, -py), picture.pixmap)
 
     def _painted(self, camera: Camera, ratio: float, font: QFont, margin: float) -> _Picture:
-        border = (math.ceil(camera.width * margin), math.ceil(camera.height * margin))
+        # A multiple of four pixels is whole in device pixels at every scaling by quarters.
+        border = (4 * math.ceil(camera.width * margin / 4.0), 4 * math.ceil(camera.height * margin / 4.0))
         wide = replace(camera, width=camera.width + 2 * border[0], height=camera.height + 2 * border[1])
         pixmap = QPixmap(math.ceil(wide.width * ratio), math.ceil(wide.height * ratio))
         pixmap.setDevicePixelRatio(ratio)

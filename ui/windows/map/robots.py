@@ -92,6 +92,10 @@ class Robots:
         self._palette = palette
         self._badges.clear()
 
+    def paint_anew(self) -> None:
+        """Something else has changed by which labels are painted, as the font."""
+        self._badges.clear()
+
     def paint(self, painter: QPainter, camera: Camera, robots: Sequence[RobotMark], font: QFont, ratio: float) -> None:
         """All robots; what lies flat on the floor first, labels last."""
         painter.setRenderHint(QPainter.RenderHint.Antialiasing)

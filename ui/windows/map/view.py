@@ -268,6 +268,13 @@ class MapView(QWidget):
         if self._fitted:
             self._refit()
 
+    def changeEvent(self, event: QEvent) -> None:
+        """Letter in another font."""
+        if event.type() == QEvent.Type.FontChange:
+            self._ground.paint_anew()
+            self._painted_robots.paint_anew()
+        super().changeEvent(event)
+
     def wheelEvent(self, event: QWheelEvent) -> None:
         """Zoom about the pointer."""
         self._zoom(WHEEL ** event.angleDelta().y(), event.position())
@@ -333,11 +340,11 @@ class MapView(QWidget):
         self._point_at(event.position())
 
     def mouseDoubleClickEvent(self, event: QMouseEvent) -> None:
-        """Show all of the house, where there is nothing to choose."""
-        if self._tool is None and self.room_at(event.position()) is None and self.robot_at(event.position()) is None:
-            self.fit()
-        else:
+        """Show all of the house where there is nothing to choose; what there is was chosen by the first click."""
+        if self._tool is not None:
             self.mousePressEvent(event)
+        elif self.room_at(event.position()) is None and self.robot_at(event.position()) is None:
+            self.fit()
 
     def leaveEvent(self, event: QEvent) -> None:
         """Nothing is looked at any more."""

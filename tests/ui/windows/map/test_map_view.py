@@ -136,6 +136,13 @@ def test_a_double_click_beside_rooms_fits_again(qtbot: QtBot, view: MapView) -> 
     assert view.camera.scale == fitted
 
 
+def test_a_double_click_on_a_room_chooses_once(qtbot: QtBot, view: MapView, arena: Map) -> None:
+    clicks, at = QSignalSpy(view.room_clicked), spot(view, arena.rooms[0].goal.x, arena.rooms[0].goal.y)
+    click(qtbot, view, at)
+    qtbot.mouseDClick(view, Qt.MouseButton.LeftButton, pos=at)
+    assert clicks.count() == 1
+
+
 def test_the_whole_house_stays_in_view_when_the_size_changes(view: MapView, qtbot: QtBot) -> None:
     view.resize(500, 400)
     qtbot.waitUntil(lambda: view.camera.width == 500.0)
