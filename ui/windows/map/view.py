@@ -1,18 +1,16 @@
 """The map of both windows: house, rooms and robots, seen from above, looked at and pointed at."""
 
+import math
 from collections.abc import Sequence
 from typing import Protocol
 
 import numpy as np
-from PySide6.QtCore import QEvent, QPointF, QRectF, QSize, Qt, QTimer, Signal
+from PySide6.QtCore import QEvent, QPointF, QSize, Qt, QTimer, Signal
 from PySide6.QtGui import (
-    QColor,
-    QFontMetricsF,
     QMouseEvent,
     QNativeGestureEvent,
     QPainter,
     QPaintEvent,
-    QPen,
     QResizeEvent,
     QTransform,
     QWheelEvent,
@@ -23,9 +21,11 @@ from thbridge.roles.notices import House
 from ui.model.scene import RobotMark, RoomMark
 from ui.model.theme import Palette
 from ui.windows.map.camera import Camera
+from ui.windows.map.changes import same_robots, same_rooms
 from ui.windows.map.ground import Ground
 from ui.windows.map.plan import Plan, holds, unpack
 from ui.windows.map.robots import Robots
+from ui.windows.map.scale_bar import paint_scale_bar
 from ui.windows.map.words import describe
 
 FIT_MARGIN = 30.0
@@ -42,6 +42,9 @@ NEAR = 60.0
 
 CHASE = 0.15
 """Share of the way to the followed robot that the view goes in one frame."""
+
+CHASED = 1.0
+"""The followed robot is in the middle when it is so near to it, pixels."""
 
 DESCRIBED = 1000
 """Milliseconds between two descriptions in words."""
@@ -113,16 +116,20 @@ class MapView(QWidget):
 
     def show_rooms(self, rooms: Sequence[RoomMark]) -> None:
         """The rooms as they are now; nothing is done when they are as they were."""
-        if not _same(self._rooms, rooms):
+        if not same_rooms(self._rooms, rooms):
             self._rooms = tuple(rooms)
             self._ground.show_rooms(self._rooms)
             self.update()
 
     def show_robots(self, robots: Sequence[RobotMark]) -> None:
-        """The robots as they are in this frame."""
-        self._robots = tuple(robots)
+        """The robots as they are in this frame; nothing is painted when nobody would see a difference."""
+        before = self._camera
+        if not same_robots(self._robots, robots, self._camera.scale):
+            self._robots = tuple(robots)
+            self.update()
         self._chase()
-        self.update()
+        if self._layers or self._camera != before:
+            self.update()
 
     def set_palette(self, palette: Palette) -> None:
         """Other colours."""
@@ -132,7 +139,7 @@ class MapView(QWidget):
         self.update()
 
     def add_layer(self, layer: Layer) -> None:
-        """Draw this as well from now on; call `update` when it has changed and no robots are shown anew."""
+        """Draw this as well from now on, whenever robots are shown or `update` is called."""
         self._layers.append(layer)
         self._layers.sort(key=lambda one: one.z)
         self.update()
@@ -227,38 +234,13 @@ class MapView(QWidget):
         for layer in self._layers:
             if layer.z >= 0:
                 self._paint_layer(painter, layer)
-        self._paint_scale_bar(painter)
+        paint_scale_bar(painter, camera, self._palette, self.font())
         painter.end()
 
     def _paint_layer(self, painter: QPainter, layer: Layer) -> None:
         painter.save()
         layer.paint(painter, self)
         painter.restore()
-
-    def _paint_scale_bar(self, painter: QPainter) -> None:
-        metres = next((m for m in (0.1, 0.2, 0.5, 1.0, 2.0, 5.0, 10.0, 20.0) if m * self._camera.scale >= 60.0), 50.0)
-        length = metres * self._camera.scale
-        right, bottom = self.width() - 14.0, self.height() - 8.0
-        font = painter.font()
-        font.setPixelSize(11)
-        painter.setFont(font)
-        words = f"{metres:g} m"
-        metrics = QFontMetricsF(font)
-        box = QRectF(right - length - 8.0, bottom - 19.0, length + 16.0, 23.0)
-        backing = QColor(self._palette.panel)
-        backing.setAlpha(215)
-        painter.setPen(Qt.PenStyle.NoPen)
-        painter.setBrush(backing)
-        painter.drawRoundedRect(box, 6.0, 6.0)
-        painter.setPen(QPen(QColor(self._palette.muted), 2.0))
-        for one, other in (
-            ((right - length, bottom), (right, bottom)),
-            ((right - length, bottom - 4.0), (right - length, bottom)),
-            ((right, bottom - 4.0), (right, bottom)),
-        ):
-            painter.drawLine(QPointF(*one), QPointF(*other))
-        painter.setPen(QColor(self._palette.muted))
-        painter.drawText(QPointF(right - (length + metrics.horizontalAdvance(words)) / 2.0, bottom - 5.0), words)
 
     # Looking about ----------------------------------------------------------------------------------------------------
 
@@ -301,9 +283,9 @@ class MapView(QWidget):
         target = next((mark.pose for mark in self._robots if mark.robot == self._followed), None)
         if target is not None:
             camera = self._camera
-            self._camera = camera.centred(
-                camera.x + CHASE * (target.x - camera.x), camera.y + CHASE * (target.y - camera.y)
-            )
+            x, y = target.x - camera.x, target.y - camera.y
+            if math.hypot(x, y) * camera.scale > CHASED:
+                self._camera = camera.centred(camera.x + CHASE * x, camera.y + CHASE * y)
 
     # Pointing ---------------------------------------------------------------------------------------------------------
 
@@ -385,16 +367,3 @@ class MapView(QWidget):
         words = describe(self._rooms, self._robots)
         if words != self.accessibleDescription():
             self.setAccessibleDescription(words)
-
-
-def _same(some: Sequence[RoomMark], others: Sequence[RoomMark]) -> bool:
-    """Whether two sequences of rooms look the same."""
-    return len(some) == len(others) and all(
-        one is other
-        or (
-            (one.room, one.name, one.state, one.choosable, one.considered, one.found, one.robot)
-            == (other.room, other.name, other.state, other.choosable, other.considered, other.found, other.robot)
-            and np.array_equal(one.region, other.region)
-        )
-        for one, other in zip(some, others, strict=True)
-    )

@@ -2,10 +2,10 @@
 
 import numpy as np
 import pytest
-from PySide6.QtCore import QPoint, QPointF, Qt
+from PySide6.QtCore import QEvent, QObject, QPoint, QPointF, Qt
 from PySide6.QtGui import QColor, QPainter, QWheelEvent
 from PySide6.QtTest import QSignalSpy
-from PySide6.QtWidgets import QApplication
+from PySide6.QtWidgets import QApplication, QWidget
 from pytestqt.qtbot import QtBot
 
 from tests.ui.windows.map.houses import busy_robots, house_of, robot_at, rooms_of, shipped_map
@@ -214,6 +214,35 @@ def test_states_of_rooms_differ_without_colour(qtbot: QtBot, name: str) -> None:
     shares = [np.mean(np.abs(np.diff(np.array(one).reshape(-1, 234), axis=1)) > 4) for one in greys]
     assert shares[1] > 1.3 * shares[0]
     assert shares[2] > 1.02 * shares[0]
+
+
+class Paintings(QObject):
+    """Counts how often a widget is painted."""
+
+    def __init__(self, widget: QWidget) -> None:
+        super().__init__(widget)
+        self.count = 0
+        widget.installEventFilter(self)
+
+    def eventFilter(self, watched: QObject, event: QEvent) -> bool:
+        self.count += event.type() == QEvent.Type.Paint
+        return False
+
+
+def test_nothing_is_painted_while_nothing_moves(qtbot: QtBot, view: MapView) -> None:
+    paintings = Paintings(view)
+
+    def painted(x: float) -> bool:
+        before = paintings.count
+        view.show_robots([robot_at(0, x, 0.0)])
+        QApplication.processEvents()
+        return paintings.count > before
+
+    assert painted(0.0)
+    assert not painted(0.0001)
+    assert painted(0.02)
+    assert not any(painted(0.02 + 0.0002 * step) for step in range(5))
+    assert any(painted(0.021 + 0.0002 * step) for step in range(20))
 
 
 def test_layers_are_painted_below_and_above_robots(view: MapView) -> None:

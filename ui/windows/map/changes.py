@@ -1,0 +1,51 @@
+"""Whether the map would look any different: most of the time nothing moves, and nothing need be painted."""
+
+from collections.abc import Sequence
+
+import numpy as np
+
+from sim.geometry import Pose2
+from ui.model.scene import RobotMark, RoomMark
+
+SEEN = 0.1
+"""A change of so many pixels shows."""
+
+TURN_SEEN = 0.005
+"""A turn by so many radians shows."""
+
+
+def same_rooms(some: Sequence[RoomMark], others: Sequence[RoomMark]) -> bool:
+    """Whether two sequences of rooms look the same."""
+    return len(some) == len(others) and all(map(_same_room, some, others))
+
+
+def _same_room(one: RoomMark, other: RoomMark) -> bool:
+    return one is other or (
+        (one.room, one.name, one.state, one.choosable, one.considered, one.found, one.robot)
+        == (other.room, other.name, other.state, other.choosable, other.considered, other.found, other.robot)
+        and np.array_equal(one.region, other.region)
+    )
+
+
+def same_robots(some: Sequence[RobotMark], others: Sequence[RobotMark], scale: float) -> bool:
+    """Whether two sequences of robots look the same at so many pixels a metre."""
+    return len(some) == len(others) and all(_same_robot(*pair, scale) for pair in zip(some, others, strict=True))
+
+
+def _same_robot(one: RobotMark, other: RobotMark, scale: float) -> bool:
+    return (
+        (one.robot, one.label, one.selected, one.trouble, one.ellipse)
+        == (other.robot, other.label, other.selected, other.trouble, other.ellipse)
+        and _same_pose(one.pose, other.pose, scale)
+        and _same_pose(one.truth, other.truth, scale)
+        and one.footprint is other.footprint
+        and (one.trail is other.trail or np.array_equal(one.trail, other.trail))
+        and one.way.shape == other.way.shape
+        and bool(np.all(np.abs(one.way - other.way) * scale < SEEN))
+    )
+
+
+def _same_pose(one: Pose2 | None, other: Pose2 | None, scale: float) -> bool:
+    if one is None or other is None:
+        return one is other
+    return one.distance(other) * scale < SEEN and abs(one.theta - other.theta) < TURN_SEEN

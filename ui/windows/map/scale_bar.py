@@ -1,0 +1,35 @@
+"""How long a metre is on the map."""
+
+from PySide6.QtCore import QLineF, QPointF, QRectF, Qt
+from PySide6.QtGui import QColor, QFont, QFontMetricsF, QPainter, QPen
+
+from ui.model.theme import Palette
+from ui.windows.map.camera import Camera
+
+LENGTHS = (0.1, 0.2, 0.5, 1.0, 2.0, 5.0, 10.0, 20.0, 50.0)
+"""Metres a bar may stand for."""
+
+SHORTEST = 60.0
+"""Of a bar, pixels."""
+
+
+def paint_scale_bar(painter: QPainter, camera: Camera, palette: Palette, font: QFont) -> None:
+    """A bar of a round number of metres in the lower right corner."""
+    metres = next((length for length in LENGTHS if length * camera.scale >= SHORTEST), LENGTHS[-1])
+    length = metres * camera.scale
+    right, bottom = camera.width - 14.0, camera.height - 8.0
+    left = right - length
+    backing = QColor(palette.panel)
+    backing.setAlpha(215)
+    painter.setPen(Qt.PenStyle.NoPen)
+    painter.setBrush(backing)
+    painter.drawRoundedRect(QRectF(left - 8.0, bottom - 19.0, length + 16.0, 23.0), 6.0, 6.0)
+    painter.setPen(QPen(QColor(palette.muted), 2.0))
+    ends = [QLineF(x, bottom - 4.0, x, bottom) for x in (left, right)]
+    painter.drawLines([QLineF(left, bottom, right, bottom), *ends])
+    lettering = QFont(font)
+    lettering.setPixelSize(11)
+    words = f"{metres:g} m"
+    width = QFontMetricsF(lettering).horizontalAdvance(words)
+    painter.setFont(lettering)
+    painter.drawText(QPointF((left + right - width) / 2.0, bottom - 5.0), words)
