@@ -140,8 +140,18 @@ class Participant:
         memory = self._memory
         was_still = memory.connection.trouble(now) is not None
         memory.connection.hear(now)
-        before, memory.motions = memory.motions, motions
-        return was_still or _shown(before) != _shown(motions)
+        before, memory.motions = memory.motions, self._on_their_way(motions)
+        return was_still or _shown(before) != _shown(memory.motions)
+
+    def _on_their_way(self, motions: tuple[Motion, ...]) -> tuple[Motion, ...]:
+        """The motions; but a robot that came to rest is at the end of its way until the game says where it stands."""
+        hunt, before = self._memory.hunt, self._memory.motions
+        if hunt is None or not len(motions) == len(before) == len(hunt.view.robots):
+            return motions
+        return tuple(
+            old if new.doing == "resting" and robot.moving_to is not None else new
+            for robot, old, new in zip(hunt.view.robots, before, motions, strict=True)
+        )
 
     def _announcing(self, fresh: Screen) -> Screen:
         """A screen with what is to be read out now, or else what was read out last."""

@@ -132,14 +132,17 @@ class Stage:
         seed: int = 7,
         briefing: Briefing | None = None,
         kinds: Sequence[TreasureKind] | None = None,
+        history: Sequence[Event] = (),
     ) -> None:
         self.templates = templates(set_name)
         if kinds is not None:
             self.templates = replace(self.templates, kinds=tuple(kinds))
         self.log = Log()
+        self.log.append(history)
         self.router = Router()
         self.briefing = briefing or Briefing(names=tuple(sorted(kind.name for kind in self.templates.kinds)))
-        self.keeper = Keeper(rules, lambda game: engine(self.templates, seed), briefing=self.briefing)
+        last_game = 1 if history else 0
+        self.keeper = Keeper(rules, lambda game: engine(self.templates, seed), history, last_game, self.briefing)
         self.puppets = Puppets(robots, plain_costs(self.templates.costs))
         self.tabui: Role = participant or TabUI(build_bot(self.templates, strategy, seed))
         roles: list[Role] = [self.puppets, self.tabui]

@@ -16,6 +16,7 @@ class Seat:
     def __init__(self, model: Participant | None = None, **stage) -> None:
         self.model = model or Participant()
         self.now = 0.0
+        self.staged = stage
         self.tabui = TabUI(self, self)
         self.stage = Stage(participant=self.tabui, **stage)
         self.names = tuple(sorted({kind.name for kind in self.stage.templates.kinds}))
@@ -27,6 +28,14 @@ class Seat:
 
     def wishes(self, view: View):
         return self.model.wishes()
+
+    def restart_server(self) -> None:
+        """Kill the server with all its programs, and start them again on the journal."""
+        self.model.lost("The server has gone.", self.now)
+        self.now += 2.0
+        self.tabui = TabUI(self, self)
+        self.stage = Stage(participant=self.tabui, history=self.stage.log.events, **self.staged)
+        self.model.connected(self.now)
 
     @property
     def screen(self) -> Screen:

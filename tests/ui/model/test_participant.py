@@ -7,8 +7,10 @@ import pytest
 from tests.thbridge.roles.stage import RULES
 from tests.ui.model.seat import Seat
 from thbridge.hunt.events import Condition, Departed, Failed, Identified, Left, Pictured
+from thbridge.roles.briefing import Briefing
 from ui.model.participant import Participant
 from ui.model.screen import (
+    AgreeToTakePart,
     AnotherGame,
     ChooseRobot,
     ChooseRoom,
@@ -359,6 +361,52 @@ def test_a_server_that_comes_back_goes_on_where_it_was():
     screen = seat.run()
     assert screen.banner is None
     assert events(seat, Left)
+
+
+def test_the_picture_comes_from_the_keeper_in_pieces():
+    image = bytes(range(256)) * 300
+    seat = Seat(briefing=Briefing(names=("ball",), pictures={f"rsz_t{number}.jpg": image for number in range(1, 5)}))
+    assert go(seat, 3).pop.picture is None
+    assert seat.do(TakeThePicture(), 60).pop.picture == image
+    seat.model = Participant()
+    seat.model.connected(seat.now)
+    seat.tabui.connected()
+    assert seat.run(60).pop.picture == image
+
+
+def test_nothing_is_played_before_the_participant_agrees():
+    seat = Seat(briefing=Briefing(names=("ball",), consent="May we record what you do?"))
+    screen = seat.screen
+    assert (screen.phase, screen.consent, screen.pop) == (Phase.CONSENT, "May we record what you do?", None)
+    seat.press(ChooseRoom(3))
+    assert seat.do(AgreeToTakePart()).phase is Phase.PLAYING
+    assert seat.do(ChooseRoom(3)).pop.title == "Robot 1: go to room 3?"
+
+
+def test_a_server_that_is_killed_in_the_middle_goes_on_by_its_journal():
+    seat = Seat(robots=2)
+    go(seat, 3)
+    name = seat.names[0]
+    seat.press(PickName(name))
+    seat.do(ShowNext())
+    seat.press(NextRobot(1))
+    seat.stage.puppets.ticks = 500
+    seat.do(ChooseRoom(4))
+    agree(seat)
+    told = len(seat.screen.history)
+    # Asked while nobody is there to hear it.
+    seat.model.lost("The server has gone.", seat.now)
+    seat.model.do(StopRobot(), seat.now)
+    assert seat.screen.cards[1].state == "stopping"
+    seat.restart_server()
+    screen = seat.run(40)
+    assert screen.banner is None
+    assert screen.cards[1].state == "ready"
+    assert [event.at.people for event in events(seat, Failed)] == [0]
+    assert len(screen.history) > told
+    assert [waiting.text for waiting in screen.waiting] == ["Robot 1 is in room 3 and found something"]
+    assert seat.do(ShowWaiting(0)).pop.picked == name
+    assert seat.do(NameIt()).pop.verdict is not None
 
 
 def test_another_window_comes_into_the_middle_of_a_game():

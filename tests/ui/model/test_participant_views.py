@@ -125,6 +125,17 @@ def test_what_a_robot_under_way_does_is_said_in_words(motion, state):
     assert card.place == "coming from the corridor"
 
 
+def test_a_robot_that_came_to_rest_is_at_the_end_of_its_way_until_the_game_knows():
+    model = model_of(UNDER_WAY, where(1, Motion("driving", None, 0.98), Motion()))
+    model.hear(where(2), 0.04)
+    card = model.screen(0.04).cards[0]
+    assert (card.progress, card.state) == (0.98, "travelling to room 3")
+    model.hear(FOUND, 0.08)
+    model.hear(where(3), 0.12)
+    model.hear(with_robot(FOUND, 0, moving_to=2), 0.16)
+    assert model.screen(0.16).cards[0].progress == 0.0
+
+
 @pytest.mark.parametrize(
     ("changes", "state"),
     [
@@ -167,6 +178,25 @@ def test_a_talk_about_a_room_warns_as_its_tile_does():
         screen.tiles[0].choose.hint
         == "Costs 5; robot 1 keeps 2.5. Enough to name what is there, not to take a picture first."
     )
+
+
+def test_what_a_robot_under_way_could_do_is_counted_from_where_it_would_stop():
+    # It paid 7 for its way, which come back; from the corridor, where it would stop, room 2 costs 9 and room 1 costs 5.
+    model = model_of(with_robot(UNDER_WAY, 0, energy=1.0))
+    tiles = model.screen(0.0).tiles
+    assert [tile.choose.enabled for tile in tiles] == [True, False, False]
+    assert [tile.cost for tile in tiles] == [5.0, 9.0, None]
+    assert tiles[1].choose.hint == "This costs 9; robot 1 has 8 energy."
+    assert tiles[0].choose.hint == "Robot 1 is on its way to room 3 and would be called back first."
+
+
+def test_a_robot_may_spend_all_it_has():
+    spent = with_robot(view(identify_cost=0.0), 0, energy=5.0)
+    tile = model_of(spent).screen(0.0).tiles[0]
+    assert tile.choose.enabled
+    # It is switched off there, even where naming costs nothing.
+    assert tile.warning == "Enough to get there, not to name what is there."
+    assert model_of(with_robot(spent, 0, energy=5.5)).screen(0.0).tiles[0].warning == ""
 
 
 def test_what_follows_from_agreements_is_wanted_without_being_asked_again():

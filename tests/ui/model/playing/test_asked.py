@@ -78,6 +78,16 @@ def test_what_can_not_come_true_any_more_is_dropped_with_its_reason():
     assert asked.wishes == ()
 
 
+def test_advice_is_given_by_a_new_dialogue_even_if_it_has_the_number_of_one_before_a_restart():
+    asked = Asked()
+    asked.ask(Unsure(0), view(dialogues=(asking(0, 2),)))
+    asked.hear(view(dialogues=(asking(0, 2),)))
+    assert asked.wishes == (Unsure(0),)
+    asked.hear(view())
+    asked.hear(view(dialogues=(asking(0, 2),)))
+    assert asked.wishes == ()
+
+
 def test_a_robot_is_asked_to_go_to_one_place_at_a_time():
     asked = Asked()
     for wish in (Select(0, 3), Select(1, 2), Unsure(0), Select(0, 1)):

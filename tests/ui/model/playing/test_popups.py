@@ -42,6 +42,15 @@ def test_what_the_participant_asked_for_comes_first_and_the_rest_comes_back_afte
     assert popups.shown == A
 
 
+def test_what_was_put_aside_and_asked_for_is_not_aside_any_more():
+    popups = shown(A, B)
+    popups.put_aside()
+    popups.show(A)
+    popups.show(B)
+    popups.update((A,))
+    assert popups.shown == A
+
+
 def test_what_came_back_is_new():
     popups = shown(A)
     popups.put_aside()

@@ -1,0 +1,87 @@
+"""A hunt with simulated robots in their house, by the keys that the screen offers."""
+
+import dataclasses
+from pathlib import Path
+
+import pytest
+
+from thbridge.app.compose import read_setting
+from thbridge.app.config import Study
+from thbridge.app.play import NoLog
+from thbridge.app.session import Session
+from thbridge.roles.tabui import TabUI
+from thbridge.roles.view import View
+from thbridge.wire.router import Router
+from ui.model.keys import act_for
+from ui.model.participant import Participant
+from ui.model.screen import DialoguePop, Phase, Screen, TreasurePop
+
+ROBOTS = 2
+MINUTES = 12
+
+
+def key_for(screen: Screen) -> str | None:
+    """What a participant who trusts the robots presses now."""
+    match screen.pop:
+        case DialoguePop(choices=choices):
+            return "Enter" if choices else None
+        case TreasurePop() as found if found.verdict is not None:
+            return "Enter"
+        case TreasurePop() as found if found.take_picture is not None and found.take_picture.enabled:
+            return "P"
+        case TreasurePop() as found if found.picked is None and found.names:
+            return "Down"
+        case TreasurePop() as found:
+            return "N" if found.name_it.enabled else "L" if found.name_it.hint.startswith("Naming") else None
+    return "D" if screen.dont_know.enabled else "Tab"
+
+
+class Table:
+    def __init__(self) -> None:
+        setting = read_setting(dataclasses.replace(Study(), robots=ROBOTS), Path())
+        self.model, self.now = Participant(), 0.0
+        self.tabui = TabUI(self, self)
+        roles = [setting.simr(), setting.hider()]
+        self.session = Session(Router(), setting.keeper(), roles, NoLog(), [], self.tabui)
+        self.model.connected(0.0)
+
+    def saw(self, level) -> None:
+        self.model.hear(level, self.now)
+
+    def wishes(self, view: View):
+        return self.model.wishes()
+
+    def step(self) -> Screen:
+        self.now += 0.02
+        self.tabui.look_again()
+        self.session.step()
+        return self.model.screen(self.now)
+
+
+@pytest.mark.slow
+def test_a_hunt_with_robots_is_shown_as_it_goes():
+    table = Table()
+    progress = [0.0] * ROBOTS
+    states: set[str] = set()
+    for tick in range(MINUTES * 60 * 50):
+        screen = table.step()
+        if screen.phase is Phase.OVER:
+            break
+        assert screen.banner is None or screen.banner.kind == "note", screen.banner
+        marks = table.model.robots(table.now)
+        for card in screen.cards:
+            states.add(card.state.split(" room")[0])
+            # A longer way than was planned at first makes it a smaller share.
+            assert card.progress is None or card.progress >= progress[card.robot] - 0.35
+            progress[card.robot] = card.progress or 0.0
+            if marks and card.progress is not None and 0.1 < card.progress < 0.9:
+                assert len(marks[card.robot].way) > 1
+                assert len(marks[card.robot].trail) > 1
+        if screen.phase is Phase.PLAYING and tick % 20 == 0 and (key := key_for(screen)) is not None:
+            act = act_for(key, screen)
+            assert act is not None, key
+            table.model.do(act, table.now)
+    assert table.model.screen(table.now).phase is Phase.OVER
+    assert sum(tile.state == "visited" for tile in table.model.screen(table.now).tiles) >= 6
+    assert {"travelling to", "ready", "found something"} <= states
+    assert len(table.model.rooms(table.now)) == 8
