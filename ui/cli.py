@@ -17,6 +17,7 @@ from ui.commands.replay import replay_command
 from ui.commands.ros import ros_app
 from ui.commands.scan import scan
 from ui.commands.study_edit import study_edit
+from ui.commands.watch import watch
 from ui.terminal import err
 
 app = typer.Typer(
@@ -36,6 +37,7 @@ for command in (
     files.report,
     plan,
     scan,
+    watch,
 ):
     app.command()(command)
 app.command(cls=GoalWithYaw)(drive)

@@ -137,10 +137,10 @@ def watch_of(study: Study, file: Path | None, at: str | None, key: Path | None) 
         return None
     beside = Path() if file is None else file.parent
     path = key or (None if section.key is None else beside / section.key)
-    return Watch(host, port, None if path is None else _key_in(path))
+    return Watch(host, port, None if path is None else key_in(path))
 
 
-def _key_in(path: Path) -> str:
+def key_in(path: Path) -> str:
     """The key that a file holds."""
     with bad_input():
         key = next(iter(read_text(path).splitlines()), "").strip()

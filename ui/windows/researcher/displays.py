@@ -4,7 +4,7 @@ from dataclasses import dataclass
 from enum import StrEnum
 
 from PySide6.QtCore import Signal
-from PySide6.QtWidgets import QCheckBox, QComboBox, QGridLayout, QLabel, QVBoxLayout, QWidget
+from PySide6.QtWidgets import QCheckBox, QGridLayout, QLabel, QVBoxLayout, QWidget
 
 
 class Display(StrEnum):
@@ -14,15 +14,17 @@ class Display(StrEnum):
     ELLIPSES = "ellipses"
     CLOUDS = "clouds"
     SCANS = "scans"
-    GLOBAL_COSTMAPS = "global costmaps"
-    LOCAL_COSTMAPS = "local costmaps"
-    GLOBAL_PLANS = "global plans"
+    GLOBAL_COSTMAP = "global costmap"
+    LOCAL_COSTMAP = "local costmap"
+    PLANS = "plans"
     LOCAL_PLANS = "local plans"
     PATHS = "paths"
-    THINGS = "things"
-    ROOMS = "rooms"
+    TRUE_PATHS = "true paths"
+    ODOMETRY = "odometry"
     GOALS = "goals"
     FOOTPRINTS = "footprints"
+    THINGS = "things"
+    ROOMS = "rooms"
 
 
 @dataclass(frozen=True, slots=True)
@@ -43,19 +45,21 @@ class Switch:
 
 
 SWITCHES = {
-    Display.TRUTH: Switch("1", "Truth", True, "Where robots really are, as an outline"),
+    Display.TRUTH: Switch("1", "Truth", True, "Where robots really are: dashed, tied to where they believe to be"),
     Display.ELLIPSES: Switch("2", "Uncertainty", True, "Where a robot may be as well: 95 % of its belief"),
     Display.CLOUDS: Switch("3", "Particle clouds", True, "Of the robot selected in full, of others thinned"),
-    Display.SCANS: Switch("4", "Laser scans", True, "From where the robot believes it is: off the walls when it errs"),
-    Display.GLOBAL_COSTMAPS: Switch("5", "Global costmap", False, "What the global planner goes by"),
-    Display.LOCAL_COSTMAPS: Switch("6", "Local costmap", False, "What the local planner goes by"),
-    Display.GLOBAL_PLANS: Switch("7", "Global plan", True, "The way to the goal"),
-    Display.LOCAL_PLANS: Switch("8", "Local plan", True, "The next metres"),
-    Display.PATHS: Switch("9", "Paths driven", True, "Where robots believe they have been"),
-    Display.ROOMS: Switch("0", "Rooms", True, "Their outlines and numbers"),
-    Display.THINGS: Switch("", "Things in the way", True, "What no map shows"),
+    Display.SCANS: Switch("4", "Laser scans", True, "From where the robot believes to be: off the walls when it errs"),
+    Display.GLOBAL_COSTMAP: Switch("5", "Global costmap", False, "Of the robot selected: its global planner's"),
+    Display.LOCAL_COSTMAP: Switch("6", "Local costmap", False, "Of the robot selected: its local planner's"),
+    Display.PLANS: Switch("7", "Plans", True, "The whole way to the goal"),
+    Display.LOCAL_PLANS: Switch("8", "Local plans", True, "The next moments"),
+    Display.PATHS: Switch("9", "Paths", True, "Where robots believed to be so far"),
+    Display.TRUE_PATHS: Switch("0", "True paths", False, "Where robots were so far"),
+    Display.ODOMETRY: Switch("", "Odometry", False, "What wheels counted, laid where the robot believes to be now"),
     Display.GOALS: Switch("", "Goals", True, "Where robots shall end, and facing where"),
-    Display.FOOTPRINTS: Switch("", "Footprints", False, "As the costmaps have them"),
+    Display.FOOTPRINTS: Switch("", "Footprints", False, "Of the robots' bodies, as they published them last"),
+    Display.THINGS: Switch("", "Things in the way", True, "What no map shows"),
+    Display.ROOMS: Switch("", "Rooms", True, "Their outlines and numbers"),
 }
 
 
@@ -86,27 +90,14 @@ class Displays(QWidget):
             self._boxes[display] = box
             grid.addWidget(box, row, 0)
             grid.addWidget(key, row, 1)
-        self._whose = QComboBox()
-        self._whose.addItems(["of the robot selected", "of all robots"])
-        self._whose.setAccessibleName("Scans, costmaps and plans of which robots")
-        self._whose.setToolTip("Scans, costmaps, plans and footprints of which robots")
-        self._whose.currentIndexChanged.connect(self.changed)
         layout = QVBoxLayout(self)
         layout.setContentsMargins(12, 12, 12, 12)
         layout.addLayout(grid)
-        layout.addSpacing(8)
-        layout.addWidget(QLabel("Scans, costmaps and plans"))
-        layout.addWidget(self._whose)
         layout.addStretch(1)
 
     def shows(self, display: Display) -> bool:
         """Whether it is on."""
         return self._boxes[display].isChecked()
-
-    @property
-    def of_all(self) -> bool:
-        """Whether scans, costmaps and plans of all robots are wanted, or those of the one selected."""
-        return self._whose.currentIndex() == 1
 
     def toggle(self, display: Display) -> None:
         """Switch it on or off."""

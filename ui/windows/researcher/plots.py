@@ -88,6 +88,7 @@ class Plots(QWidget):
         self._curves: dict[tuple[str, int], pg.PlotDataItem] = {}
         self.canvas = pg.GraphicsLayoutWidget()
         self.canvas.setAccessibleName("Plots over time")
+        self.canvas.viewport().setFocusPolicy(Qt.FocusPolicy.NoFocus)
         self.canvas.ci.layout.setSpacing(2)
         self._plots: dict[str, pg.PlotItem] = {}
         self._cursors: list[pg.InfiniteLine] = []
@@ -133,6 +134,13 @@ class Plots(QWidget):
                 self._bands[curves.robot] = curves.figures[BAND]
         self._draw_band()
         self._range()
+
+    def clear(self) -> None:
+        """Forget all curves."""
+        for (panel, _), curve in self._curves.items():
+            self._plots[panel].removeItem(curve)
+        self._curves, self._bands = {}, {}
+        self._draw_band()
 
     def show_time(self, now: float) -> None:
         """Move the cursor to this moment."""

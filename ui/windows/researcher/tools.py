@@ -3,7 +3,8 @@
 import math
 from dataclasses import dataclass
 from enum import StrEnum
-from typing import Literal
+
+from ui.model.watching.tools import LEAST_SIZE
 
 
 class Tool(StrEnum):
@@ -16,11 +17,10 @@ class Tool(StrEnum):
     OBSTACLE = "obstacle"
 
 
-Shape = Literal["circle", "box"]
-"""Of an obstacle."""
-
 STILL = 0.1
 """Metres of dragging below which a press was a click."""
+USUAL = 0.5
+"""Metres across an obstacle that is put by a click."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -39,9 +39,19 @@ class Gesture:
         return math.hypot(self.to_x - self.x, self.to_y - self.y)
 
     @property
-    def heading(self) -> float | None:
-        """The direction it was dragged in; None for a click."""
-        return math.atan2(self.to_y - self.y, self.to_x - self.x) if self.length >= STILL else None
+    def click(self) -> bool:
+        """Whether it was hardly dragged at all."""
+        return self.length < STILL
+
+    @property
+    def heading(self) -> float:
+        """The direction it was dragged in."""
+        return math.atan2(self.to_y - self.y, self.to_x - self.x)
+
+    @property
+    def size(self) -> float:
+        """Metres across an obstacle that is dragged out from its middle."""
+        return USUAL if self.click else max(2.0 * self.length, LEAST_SIZE)
 
 
 @dataclass(frozen=True, slots=True)
@@ -64,5 +74,5 @@ TOOLS = {
     Tool.GOAL: ToolHelp("Goal", "G", "Press where {robot} shall go, drag to where it shall face, and let go."),
     Tool.POSE: ToolHelp("Pose", "P", "Press where {robot} shall believe it is, drag to where it faces, and let go."),
     Tool.CARRY: ToolHelp("Kidnap", "K", "Drag a robot to another place; it is not told."),
-    Tool.OBSTACLE: ToolHelp("Obstacle", "O", "Press and drag out an obstacle; click one to take it away."),
+    Tool.OBSTACLE: ToolHelp("Obstacle", "O", "Drag out an obstacle from its middle; click one to take it away."),
 }

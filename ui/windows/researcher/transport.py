@@ -187,6 +187,11 @@ class Transport(QWidget):
         self._shows = False
         self.timeline.set_marks(marks)
 
+    @property
+    def span(self) -> float:
+        """How long it is, seconds, to the millisecond."""
+        return self.timeline.maximum() / 1000.0
+
     def show_time(self, now: float) -> None:
         """Where we are, seconds since the beginning."""
         end = self.timeline.maximum() / 1000.0

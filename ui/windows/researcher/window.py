@@ -1,302 +1,484 @@
-"""The researcher's window: map in the middle, everything else in docks that can be moved, closed and torn off."""
+"""The researcher's window at work: what a feed tells goes to the parts, what people do goes to the feed."""
 
-from collections.abc import Callable
+import math
+from collections.abc import Callable, Iterator
 from functools import partial
-from itertools import pairwise
 
-from PySide6.QtCore import QEvent, QObject, Qt, Signal
-from PySide6.QtGui import QAction, QActionGroup, QKeyEvent, QKeySequence
-from PySide6.QtWidgets import (
-    QAbstractButton,
-    QApplication,
-    QComboBox,
-    QDockWidget,
-    QLabel,
-    QMainWindow,
-    QMenu,
-    QSizePolicy,
-    QToolBar,
-    QToolButton,
-    QWidget,
-)
+import numpy as np
+from PySide6.QtCore import Qt, QTimer
+from PySide6.QtGui import QCloseEvent
+from PySide6.QtWidgets import QLabel, QMessageBox
 
+from sim.geometry import FloatArray, Pose2
+from thbridge.hunt.outcomes import Refused
+from thbridge.hunt.rules import robot_name
+from thbridge.roles.house import house_of
+from ui.model.scene import RobotMark
 from ui.model.theme import Palette
-from ui.windows.researcher.displays import SWITCHES, Displays
-from ui.windows.researcher.keys import KeySheet
-from ui.windows.researcher.log import Log
-from ui.windows.researcher.plots import Plots
-from ui.windows.researcher.team import Team
-from ui.windows.researcher.tools import TOOLS, Shape, Tool
-from ui.windows.researcher.transport import Transport
-from ui.windows.researcher.wizard import Wizard
+from ui.model.watching.scene import Entry, EntryKind, PendingTurn, RobotScene, Scene, Shown
+from ui.model.watching.series import RobotSeries
+from ui.model.watching.tools import Tools, aimed
+from ui.windows.map import MapView
+from ui.windows.researcher.deck import Deck
+from ui.windows.researcher.displays import Display
+from ui.windows.researcher.feed import Feed, Wish
+from ui.windows.researcher.log import Log, Row
+from ui.windows.researcher.overlays import Overlays, drawn
+from ui.windows.researcher.plots import BAND, Curves
+from ui.windows.researcher.preview import Preview
+from ui.windows.researcher.team import RobotRow
+from ui.windows.researcher.tools import TOOLS, Gesture, Tool
+from ui.windows.researcher.transport import SPEEDS, Mark
 
-LEFT, RIGHT, BOTTOM = (
-    Qt.DockWidgetArea.LeftDockWidgetArea,
-    Qt.DockWidgetArea.RightDockWidgetArea,
-    Qt.DockWidgetArea.BottomDockWidgetArea,
-)
+FRAME = 33
+"""Milliseconds from one picture of the map to the next."""
+SLOW, PLOTTED = 5, 10
+"""Pictures of the map to one of the lists, and of the plots."""
+PORTION = 2000
+"""Rows that a list takes at once."""
+EPSILON = 0.01
+"""Seconds from a mark at which we are there."""
+REACH, GRIP = 0.4, 24.0
+"""Metres, or pixels where those are more, from its middle at which a robot is taken hold of."""
+NO_POINTS: FloatArray = np.empty((0, 2))
+ROUND: FloatArray = 0.2 * np.array([[math.cos(a), math.sin(a)] for a in np.linspace(0.0, 2.0 * math.pi, 17)[:-1]])
+"""The body of a robot that never told of its own, metres."""
 
 
-class Deck(QMainWindow):
-    """The window's parts and keys; what they show and do is its user's business.
+class ResearcherWindow(Deck):
+    """A recording or a session under way, in a window.
 
     Args:
+        feed: what is shown.
         title: what is looked at.
         palette: the colours.
-        live: a session under way, or else a recording.
-        canvas: the map.
-
-    Signals:
-        tool_taken: a tool was taken in hand.
-        robot_stepped: select the next robot (1), or the one before (-1).
-        kill, revive, clear_costmaps, follow_toggled, fit: as the buttons say.
-        speed_stepped: faster (1) or slower (-1).
-        jumped: to the next mark (1), or the one before (-1).
-        ended: to the beginning (-1) or the end (1).
+        clock: seconds that never go back.
     """
 
-    tool_taken = Signal(object)
-    robot_stepped = Signal(int)
-    kill = Signal()
-    revive = Signal()
-    clear_costmaps = Signal()
-    follow_toggled = Signal(bool)
-    fit = Signal()
-    speed_stepped = Signal(int)
-    jumped = Signal(int)
-    ended = Signal(int)
+    def __init__(self, feed: Feed, title: str, palette: Palette, clock: Callable[[], float]) -> None:
+        self._map = MapView(palette)
+        super().__init__(title, palette, feed.live, self._map)
+        self._feed = feed
+        self._clock = clock
+        self._selected = 0
+        self._edition = feed.edition
+        self._scene: Scene | None = None
+        self._bodies: dict[int, FloatArray] = {}
+        self._taken: dict[EntryKind, int] = {}
+        self._marks: tuple[Mark, ...] = ()
+        self._frames = 0
+        self._tools = Tools()
+        self._overlays = Overlays(self._map)
+        self._preview = Preview()
+        self._map.add_layer(self._preview)
+        self._sign = Sign(self._map)
+        self._connect()
+        if feed.refusal:
+            self.disable_tools(feed.refusal)
+        self._timer = QTimer(self)
+        self._timer.setTimerType(Qt.TimerType.PreciseTimer)
+        self._timer.timeout.connect(self.refresh)
+        self._timer.start(FRAME)
+        self._working = QTimer(self)
+        self._working.timeout.connect(self._work)
+        self._working.start(0)
 
-    def __init__(self, title: str, palette: Palette, live: bool, canvas: QWidget) -> None:
-        super().__init__()
-        self.setWindowTitle(f"{title} - thbridge watch")
-        self.setDockNestingEnabled(True)
-        self.resize(1480, 940)
-        self.canvas = canvas
-        self.transport = Transport(palette, live)
-        self.displays = Displays()
-        self.team = Team(palette)
-        self.plots = Plots(palette, live)
-        self.lines = Log("Lines of the protocol", ("From", "To", "Line"), palette)
-        self.talk = Log("Dialogue", ("Robot", "Who", "Sentence"), palette)
-        self.events = Log("Events", ("What", "Robot", "Room", "Details"), palette)
-        self.inputs = Log("Inputs", ("Kind", "From", "What"), palette)
-        self.wizard = Wizard()
-        self.logs = (self.lines, self.talk, self.events, self.inputs)
-        self.tool = Tool.LOOK
-        self._tool_actions: dict[Tool, QAction] = {}
-        self._robot_actions: list[QAction] = []
-        self.setCentralWidget(canvas)
-        self._add_docks()
-        self._add_tools()
-        self._add_time()
-        self._add_keys(live)
-        self.how = QLabel()
-        self.how.setAccessibleName("How the tool in hand is used")
-        self.statusBar().addPermanentWidget(self.how)
-        canvas.setFocusPolicy(Qt.FocusPolicy.StrongFocus)
-        canvas.installEventFilter(self)
-        canvas.setFocus()
-        QApplication.instance().focusChanged.connect(self._focus_moved)  # type: ignore[union-attr]  # there is one
-
-    # What it shows
+    def _connect(self) -> None:
+        feed, bar = self._feed, self.transport
+        bar.play_toggled.connect(lambda: feed.play(not feed.playing))
+        bar.stepped.connect(feed.step)
+        bar.speed_chosen.connect(feed.set_speed)
+        bar.seek.connect(feed.seek)
+        self.speed_stepped.connect(self._change_speed)
+        self.jumped.connect(self._jump)
+        self.ended.connect(lambda way: feed.seek(0.0 if way < 0 else feed.span))
+        self.plots.seek.connect(feed.seek)
+        for log in self.logs:
+            log.chosen.connect(feed.seek)
+        self.team.selected.connect(self._choose_row)
+        self.robot_stepped.connect(self._next_robot)
+        self.follow_toggled.connect(self._follow)
+        self.fit.connect(self._fit)
+        self.kill.connect(self._ask_to_kill)
+        self.revive.connect(partial(self._ask, Tools.revive, "{robot} is to go on."))
+        self.clear_costmaps.connect(partial(self._ask, Tools.clear_costmaps, "{robot} is to clear its costmaps."))
+        self.wizard.puppeteered.connect(self._puppeteer)
+        self.wizard.spoke.connect(self._speak)
+        self.wizard.advised.connect(self._advise)
+        self.tool_taken.connect(self._take_tool)
+        self._map.robot_clicked.connect(self.select)
+        self._map.point_pressed.connect(self._press)
+        self._map.point_dragged.connect(self._drag)
+        self._map.point_released.connect(self._release)
 
     @property
-    def shape(self) -> Shape:
-        """Of the next obstacle."""
-        return "box" if self._shape.currentIndex() else "circle"
+    def trouble(self) -> str:
+        """What the sign on the map says; empty where all is well."""
+        return self._sign.text()
 
-    def say(self, text: str, seconds: float = 8.0) -> None:
-        """Tell something in the status bar."""
-        self.statusBar().showMessage(text, round(seconds * 1000.0))
+    # Every frame
 
-    def take(self, tool: Tool) -> None:
-        """Take a tool in hand, as its button does."""
-        self._tool_actions[tool].trigger()
+    def refresh(self) -> None:
+        """Show what has become of it since the last time."""
+        feed, now = self._feed, self._clock()
+        feed.advance(now)
+        if feed.edition != self._edition:
+            self._begin_anew()
+        scene = feed.scene(self._shown())
+        if scene is not None:
+            self._show_map(scene)
+        self._sign.say(feed.trouble())
+        for news in feed.take_news():
+            self.say(news)
+        time = feed.time
+        self.transport.show_time(time)
+        self.transport.show_playing(feed.playing)
+        self.transport.show_speed(feed.speed)
+        self.transport.show_state(feed.state(now))
+        self._frames += 1
+        if self._frames % SLOW == 1:
+            self._show_lists()
+            if scene is not None:
+                self._show_figures(scene)
+        if self._frames % PLOTTED == 1:
+            self._show_plots()
+        for log in self.logs:
+            log.show_time(time)
 
-    def disable_tools(self, reason: str) -> None:
-        """Nothing can be asked of the robots here, for this reason; the buttons tell it."""
-        for tool, action in self._tool_actions.items():
-            if tool is not Tool.LOOK:
-                _disable(action, reason)
-        for action in self._robot_actions:
-            _disable(action, reason)
-        self._shape.setEnabled(False)
-        self._shape.setToolTip(reason)
-        self.wizard.refuse(reason)
+    def _work(self) -> None:
+        if not self._feed.work():
+            self._working.setInterval(FRAME)
+        else:
+            self._working.setInterval(0)
+
+    def _begin_anew(self) -> None:
+        self._edition = self._feed.edition
+        self._taken, self._bodies, self._scene = {}, {}, None
+        self.plots.clear()
+        for log in self.logs:
+            log.clear()
+
+    def _shown(self) -> Shown:
+        on = self.displays.shows
+        return Shown(
+            selected=self._selected,
+            clouds=on(Display.CLOUDS),
+            scans=on(Display.SCANS),
+            global_costmap=on(Display.GLOBAL_COSTMAP),
+            local_costmap=on(Display.LOCAL_COSTMAP),
+            plans=on(Display.PLANS) or on(Display.LOCAL_PLANS),
+            paths=on(Display.PATHS) or on(Display.TRUE_PATHS) or on(Display.ODOMETRY),
+        )
+
+    def _show_map(self, scene: Scene) -> None:
+        before, self._scene = self._scene, scene
+        if scene.grid is not None and (before is None or before.grid is not scene.grid):
+            self._map.show_house(house_of("", scene.grid, (), ()))
+        self._map.show_rooms(scene.rooms if self.displays.shows(Display.ROOMS) else ())
+        self._overlays.show(scene, self._selected, self.displays)
+        self._map.show_robots([mark for robot in scene.robots if (mark := self._mark(robot)) is not None])
+
+    def _mark(self, robot: RobotScene) -> RobotMark | None:
+        """How a robot is drawn; not at all where nobody knows of its place."""
+        place = robot.estimate or robot.truth
+        if place is None:
+            return None
+        if robot.robot not in self._bodies and len(robot.footprint) >= 3 and robot.estimate is not None:
+            self._bodies[robot.robot] = robot.estimate.inverse().transform(robot.footprint)
+        on = self.displays.shows
+        return RobotMark(
+            robot=robot.robot,
+            label=str(robot.robot + 1) if robot.name == robot_name(robot.robot) else robot.name,
+            pose=place,
+            footprint=self._bodies.get(robot.robot, ROUND),
+            selected=robot.robot == self._selected,
+            trouble=robot.trouble or robot.dead,
+            trail=drawn(robot.estimate_path) if on(Display.PATHS) else NO_POINTS,
+            way=robot.plan if on(Display.PLANS) else NO_POINTS,
+            ellipse=robot.ellipse if on(Display.ELLIPSES) else None,
+            truth=robot.truth if on(Display.TRUTH) else None,
+        )
+
+    def _show_lists(self) -> None:
+        story = self._feed.story
+        kinds: tuple[tuple[EntryKind, Log], ...] = (
+            ("event", self.events),
+            ("said", self.talk),
+            ("line", self.lines),
+            ("input", self.inputs),
+            ("log", self.notes),
+        )
+        for kind, log in kinds:
+            dropped, entries = story.dropped(kind), story.entries(kind)
+            new = max(self._taken.get(kind, 0) - dropped, 0)
+            log.extend([self._row(entry) for entry in entries[new : new + PORTION]])
+            self._taken[kind] = dropped + min(new + PORTION, len(entries))
+        marks = tuple(self._timeline_marks()) if not self._feed.live else ()
+        if marks != self._marks or self.transport.span != self._feed.span:
+            self._marks = marks
+            self.transport.show_span(self._feed.span, marks)
+
+    def _row(self, entry: Entry) -> Row:
+        time = (entry.stamp_ns - self._feed.start_ns) / 1e9
+        room = "" if entry.room is None else f"room {entry.room}" if entry.room else "corridor"
+        match entry.kind:
+            case "event":
+                cells: tuple[str, ...] = (entry.who, entry.what, room, entry.text)
+            case "said":
+                cells = (entry.who, room or entry.what, entry.text)
+            case "line":
+                cells = (entry.what, entry.text)
+            case "input" | "log":
+                cells = (entry.who, entry.what, entry.text)
+        return Row(time, cells, entry.robot)
+
+    def _timeline_marks(self) -> Iterator[Mark]:
+        start_ns = self._feed.start_ns
+        for entry in self._feed.story.marks():
+            room = f"room {entry.room}" if entry.room else ""
+            text = " ".join(part for part in (entry.who, entry.what, room) if part)
+            yield Mark((entry.stamp_ns - start_ns) / 1e9, text, entry.robot, talk=False)
+        for entry in self._feed.story.entries("said"):
+            yield Mark((entry.stamp_ns - start_ns) / 1e9, f"{entry.who}: {entry.text}", entry.robot, talk=True)
+
+    def _show_figures(self, scene: Scene) -> None:
+        rows = [
+            RobotRow(
+                each.name, each.state, each.error, each.deviation, each.energy, each.speed, each.trouble or each.dead
+            )
+            for each in scene.robots
+        ]
+        self.team.show_rows(rows, self._place(self._selected))
+        self.wizard.show_wizard(scene.wizard, len(scene.robots))
+
+    def _show_plots(self) -> None:
+        if self._scene is not None and self.plots.isVisible():
+            series = self._feed.series
+            curves = [Curves(robot.robot, _figures(series.of(robot.robot))) for robot in self._scene.robots]
+            self.plots.show_curves(curves, self._feed.span)
+        self.plots.show_time(self._feed.time)
+
+    # Robots
+
+    @property
+    def _name(self) -> str:
+        return robot_name(self._selected).capitalize()
+
+    def _place(self, robot: int) -> int:
+        """Row of a robot in the list."""
+        robots = () if self._scene is None else self._scene.robots
+        return next((row for row, each in enumerate(robots) if each.robot == robot), -1)
+
+    def _robot(self, robot: int) -> RobotScene | None:
+        robots = () if self._scene is None else self._scene.robots
+        return next((each for each in robots if each.robot == robot), None)
+
+    def select(self, robot: int) -> None:
+        """Have to do with this robot from now on."""
+        if robot == self._selected:
+            return
+        self._selected = robot
+        self.plots.select(robot)
+        if self.follow.isChecked():
+            self._map.follow(robot)
+        self._take_tool(self.tool)
+
+    def _choose_row(self, row: int) -> None:
+        if self._scene is not None and row < len(self._scene.robots):
+            self.select(self._scene.robots[row].robot)
+
+    def _next_robot(self, step: int) -> None:
+        if self._scene is not None and self._scene.robots:
+            row = (self._place(self._selected) + step) % len(self._scene.robots)
+            self._choose_row(row)
+            self._show_figures(self._scene)
+
+    def _follow(self, on: bool) -> None:
+        self._map.follow(self._selected if on else None)
+
+    def _fit(self) -> None:
+        self.follow.setChecked(False)
+        self._map.fit()
+
+    # Time
+
+    def _change_speed(self, step: int) -> None:
+        nearest = min(range(len(SPEEDS)), key=lambda number: abs(SPEEDS[number] - self._feed.speed))
+        self._feed.set_speed(SPEEDS[min(max(nearest + step, 0), len(SPEEDS) - 1)])
+
+    def _jump(self, way: int) -> None:
+        times = sorted(mark.time for mark in self._marks if not mark.talk)
+        here = self._feed.time
+        if way > 0:
+            target = next((time for time in times if time > here + EPSILON), self._feed.span)
+        else:
+            target = next((time for time in reversed(times) if time < here - EPSILON), 0.0)
+        self._feed.seek(target)
+
+    # What is asked of the robots
+
+    def _ask(self, make: Callable[[Tools, Scene, int], Wish | Refused], told: str) -> None:
+        """Ask something of the robot selected."""
+        if self._scene is not None:
+            self._send(make(self._tools, self._scene, self._selected), told)
+
+    def _send(self, wish: Wish | Refused, told: str) -> None:
+        """Ask for something, and say that or why not."""
+        refusal = wish.sentence if isinstance(wish, Refused) else self._feed.ask(wish)
+        self.say(refusal or told.format(robot=self._name))
+
+    def _ask_to_kill(self) -> None:
+        box = QMessageBox(self)
+        box.setIcon(QMessageBox.Icon.Warning)
+        box.setWindowTitle("Kill a robot")
+        box.setText(f"Kill {robot_name(self._selected)}?")
+        box.setInformativeText("Its software stops and its motors brake, until it is revived. The record tells of it.")
+        kill = box.addButton("Kill it", QMessageBox.ButtonRole.DestructiveRole)
+        box.setDefaultButton(box.addButton("Leave it alive", QMessageBox.ButtonRole.RejectRole))
+        kill.clicked.connect(lambda: self._ask(Tools.kill, "{robot} is to die."))
+        box.open()
+
+    def _puppeteer(self, robot: int, on: bool) -> None:
+        if self._scene is not None:
+            told = "You speak for {robot}." if on else "{robot} speaks for itself."
+            self._send(self._tools.puppeteer(self._scene, robot, on), told.format(robot=robot_name(robot)))
+
+    def _speak(self, turn: PendingTurn, move: int, text: str) -> None:
+        if self._scene is not None:
+            self._send(self._tools.speak(self._scene, turn, move, text), "Said.")
+
+    def _advise(self, robot: int, room: int) -> None:
+        if self._scene is not None:
+            self._send(self._tools.advise(self._scene, robot, room), "Said.")
+
+    def _take_tool(self, tool: Tool) -> None:
+        self._preview.gesture = None
+        self._map.set_tool(None if tool is Tool.LOOK else Qt.CursorShape.CrossCursor)
+        self.how.setText(TOOLS[tool].how.format(robot=robot_name(self._selected)))
+        self._map.update()
+
+    def _press(self, x: float, y: float) -> None:
+        if self.tool is Tool.CARRY:
+            robot = self._robot_near(x, y)
+            if robot is None:
+                self.say("Nobody stands there: press on a robot to carry it.")
+                return
+            self.select(robot)
+            self._preview.body = self._bodies.get(robot, ROUND)
+        self._preview.shape = self.shape
+        self._preview.heading = self._heading()
+        self._preview.gesture = Gesture(self.tool, x, y, x, y)
+        self._map.update()
+
+    def _drag(self, x: float, y: float) -> None:
+        begun = self._preview.gesture
+        if begun is not None:
+            self._preview.gesture = Gesture(begun.tool, begun.x, begun.y, x, y)
+            self._map.update()
+
+    def _release(self, x: float, y: float) -> None:
+        self._drag(x, y)
+        done, self._preview.gesture = self._preview.gesture, None
+        if done is None or self._scene is None:
+            return
+        self._send(self._meant(done, self._scene), _TOLD[done.tool])
+        if done.tool in {Tool.GOAL, Tool.POSE}:
+            self.take(Tool.LOOK)
+
+    def _meant(self, done: Gesture, scene: Scene) -> Wish | Refused:
+        """What a stroke asks for."""
+        tools = self._tools
+        match done.tool:
+            case Tool.GOAL | Tool.POSE:
+                place = aimed(done.x, done.y, done.to_x, done.to_y, self._heading())
+                make = tools.goal if done.tool is Tool.GOAL else tools.pose
+                return make(scene, self._selected, place)
+            case Tool.CARRY:
+                return tools.carry(scene, self._selected, done.to_x, done.to_y)
+            case _:
+                hit = tools.remove(scene, done.x, done.y) if done.click else None
+                put = tools.put(scene, self.shape, done.x, done.y, done.size)
+                return put if hit is None or isinstance(hit, Refused) else hit
+
+    def _heading(self) -> float:
+        """Of the robot selected: the true one where it is carried, else as it believes."""
+        robot = self._robot(self._selected)
+        if robot is None:
+            return 0.0
+        pose = (robot.truth or robot.estimate) if self.tool is Tool.CARRY else (robot.estimate or robot.truth)
+        return 0.0 if pose is None else pose.theta
+
+    def _robot_near(self, x: float, y: float) -> int | None:
+        """The robot whose body, or else whose belief, is there."""
+        here = Pose2(x, y, 0.0)
+        robots = () if self._scene is None else self._scene.robots
+        near = [
+            (pose.distance(here), robot.robot) for robot in robots for pose in (robot.truth, robot.estimate) if pose
+        ]
+        distance, robot = min(near, default=(math.inf, -1))
+        return robot if distance <= max(REACH, GRIP / self._map.camera.scale) else None
+
+    # Looks, and the end
 
     def set_palette(self, palette: Palette) -> None:
         """Other colours."""
-        for part in (self.transport, self.team, self.plots, *self.logs):
-            part.set_palette(palette)
+        super().set_palette(palette)
+        self._map.set_palette(palette)
 
-    # How it is put together
-
-    def _add_docks(self) -> None:
-        self.setCorner(Qt.Corner.BottomLeftCorner, LEFT)
-        self.setCorner(Qt.Corner.BottomRightCorner, RIGHT)
-        self._docks = [
-            self._dock("Robots", self.team, LEFT),
-            self._dock("Displays", self.displays, LEFT),
-            self._dock("Plots", self.plots, RIGHT),
-        ]
-        bottom = [
-            self._dock("Lines", self.lines, BOTTOM),
-            self._dock("Dialogue", self.talk, BOTTOM),
-            self._dock("Events", self.events, BOTTOM),
-            self._dock("Inputs", self.inputs, BOTTOM),
-            self._dock("Wizard", self.wizard, BOTTOM),
-        ]
-        for before, after in pairwise(bottom):
-            self.tabifyDockWidget(before, after)
-        bottom[0].raise_()
-        self._docks += bottom
-        self.resizeDocks([self._docks[0], self._docks[2]], [360, 400], Qt.Orientation.Horizontal)
-        self.resizeDocks([self._docks[0], self._docks[1]], [260, 460], Qt.Orientation.Vertical)
-        self.resizeDocks([bottom[0]], [220], Qt.Orientation.Vertical)
-
-    def _dock(self, title: str, part: QWidget, area: Qt.DockWidgetArea) -> QDockWidget:
-        dock = QDockWidget(title, self)
-        dock.setObjectName(title)
-        dock.setWidget(part)
-        self.addDockWidget(area, dock)
-        return dock
-
-    def _add_time(self) -> None:
-        bar = QToolBar("Time", self)
-        bar.setMovable(False)
-        bar.addWidget(self.transport)
-        self.addToolBar(Qt.ToolBarArea.BottomToolBarArea, bar)
-
-    def _add_tools(self) -> None:
-        bar = QToolBar("Tools", self)
-        bar.setMovable(False)
-        bar.setToolButtonStyle(Qt.ToolButtonStyle.ToolButtonTextOnly)
-        self.addToolBar(bar)
-        group = QActionGroup(self)
-        for tool, told in TOOLS.items():
-            action = self._action(f"{told.label} ({told.key})", told.key, partial(self._took, tool))
-            action.setCheckable(True)
-            action.setChecked(tool is Tool.LOOK)
-            action.setToolTip(told.how.format(robot="the robot selected"))
-            group.addAction(action)
-            bar.addAction(action)
-            self._tool_actions[tool] = action
-        self._shape = QComboBox()
-        self._shape.addItems(["round", "box"])
-        self._shape.setAccessibleName("Shape of the next obstacle")
-        self._shape.setToolTip("Shape of the next obstacle")
-        bar.addWidget(self._shape)
-        bar.addSeparator()
-        for label, key, tip, signal in (
-            ("Kill", "Delete", "Stop the software of the robot selected, for good; asks first", self.kill),
-            ("Revive", "R", "Let a dead robot go on", self.revive),
-            ("Clear costmaps", "C", "Let the robot selected forget what its laser has seen", self.clear_costmaps),
-        ):
-            action = self._action(f"{label} ({key})", key, signal.emit)
-            action.setToolTip(tip)
-            bar.addAction(action)
-            self._robot_actions.append(action)
-        bar.addSeparator()
-        self.follow = self._action("Follow (F)", "F", lambda: self.follow_toggled.emit(self.follow.isChecked()))
-        self.follow.setCheckable(True)
-        self.follow.setToolTip("Keep the robot selected in the middle of the map")
-        bar.addAction(self.follow)
-        bar.addAction(self._action("All (A)", "A", self.fit.emit))
-        spacer = QWidget()
-        spacer.setSizePolicy(QSizePolicy.Policy.Expanding, QSizePolicy.Policy.Preferred)
-        bar.addWidget(spacer)
-        panes = QToolButton()
-        panes.setText("Panes")
-        panes.setPopupMode(QToolButton.ToolButtonPopupMode.InstantPopup)
-        panes.setToolTip("Show or hide parts of the window")
-        menu = QMenu(panes)
-        for dock in self._docks:
-            menu.addAction(dock.toggleViewAction())
-        panes.setMenu(menu)
-        bar.addWidget(panes)
-        bar.addAction(self._action("Keys (F1)", "F1", self.show_keys))
-
-    def _add_keys(self, live: bool) -> None:
-        self._play = self._action("Play or pause", "Space", self.transport.play_toggled.emit)
-        self._action("One step forward", ".", lambda: self.transport.stepped.emit(1))
-        self._action("Faster", "]", lambda: self.speed_stepped.emit(1))
-        self._action("Slower", "[", lambda: self.speed_stepped.emit(-1))
-        self._action("Drop the tool", "Esc", lambda: self.take(Tool.LOOK))
-        self._action("Next part", "F6", lambda: self._next_part(1))
-        self._action("Part before", "Shift+F6", lambda: self._next_part(-1))
-        self._action("Filter", "Ctrl+F", self._filter)
-        if not live:
-            self._action("One step back", ",", lambda: self.transport.stepped.emit(-1))
-            self._action("To the beginning", "Home", lambda: self.ended.emit(-1))
-            self._action("To the end", "End", lambda: self.ended.emit(1))
-            self._action("Mark before", "PgUp", lambda: self.jumped.emit(-1))
-            self._action("Next mark", "PgDown", lambda: self.jumped.emit(1))
-        for display, switch in SWITCHES.items():
-            if switch.key:
-                self._action(switch.label, switch.key, partial(self.displays.toggle, display))
-
-    def _action(self, text: str, key: str, do: Callable[[], None]) -> QAction:
-        action = QAction(text, self)
-        action.setShortcut(QKeySequence(key))
-        action.triggered.connect(lambda _: do())
-        self.addAction(action)
-        return action
-
-    # What keys do
-
-    def show_keys(self) -> None:
-        """Open the sheet of keys."""
-        KeySheet(self).open()
-
-    def eventFilter(self, watched: QObject, event: QEvent) -> bool:
-        """On the map, Tab goes from robot to robot; F6 leaves it."""
-        if watched is self.canvas and isinstance(event, QKeyEvent) and event.type() == QEvent.Type.KeyPress:
-            if event.key() == Qt.Key.Key_Tab and not event.modifiers():
-                self.robot_stepped.emit(1)
-                return True
-            if event.key() == Qt.Key.Key_Backtab:
-                self.robot_stepped.emit(-1)
-                return True
-        return super().eventFilter(watched, event)
-
-    def _took(self, tool: Tool) -> None:
-        self.tool = tool
-        self.tool_taken.emit(tool)
-
-    def _focus_moved(self, _: QWidget | None, now: QWidget | None) -> None:
-        """Buttons and boxes have uses of their own for Space."""
-        self._play.setEnabled(not isinstance(now, QAbstractButton | QComboBox))
-
-    def _next_part(self, step: int) -> None:
-        """Move the focus around the parts of the window that are in sight."""
-        parts = [self.canvas, self.transport, *(dock.widget() for dock in self._docks if _in_sight(dock))]
-        focus = QApplication.focusWidget()
-        here = next((n for n, part in enumerate(parts) if focus is part or (focus and part.isAncestorOf(focus))), 0)
-        part = parts[(here + step) % len(parts)]
-        first = part if part.focusPolicy() & Qt.FocusPolicy.TabFocus else _first_focus(part)
-        first.setFocus(Qt.FocusReason.TabFocusReason)
-
-    def _filter(self) -> None:
-        log = next((log for log in self.logs if not log.visibleRegion().isEmpty()), None)
-        if log is not None:
-            log.focus_filter()
+    def closeEvent(self, event: QCloseEvent) -> None:
+        """Let go of the feed."""
+        self._timer.stop()
+        self._working.stop()
+        self._feed.close()
+        super().closeEvent(event)
 
 
-def _disable(action: QAction, reason: str) -> None:
-    action.setEnabled(False)
-    action.setToolTip(reason)
+class Sign(QLabel):
+    """A sentence across the top of the map, as long as it holds."""
+
+    def __init__(self, view: MapView) -> None:
+        super().__init__(view)
+        self.setAccessibleName("Trouble")
+        self.setWordWrap(True)
+        self.setMargin(12)
+        self.setAutoFillBackground(True)
+        self.hide()
+
+    def say(self, text: str) -> None:
+        """Show a sentence; an empty one hides the sign."""
+        if text == self.text() and self.isHidden() == (not text):
+            return
+        self.setText(text)
+        view = self.parentWidget()
+        width = min(640, view.width() - 32) if view is not None else 640
+        self.setFixedWidth(width)
+        self.adjustSize()
+        self.move(16, 16)
+        self.setVisible(bool(text))
 
 
-def _in_sight(dock: QDockWidget) -> bool:
-    return dock.isVisible() and not dock.widget().visibleRegion().isEmpty()
+_TOLD = {
+    Tool.GOAL: "{robot} is sent there.",
+    Tool.POSE: "{robot} is told that it is there.",
+    Tool.CARRY: "{robot} is carried there, and not told.",
+    Tool.OBSTACLE: "Asked for; an obstacle appears as soon as its place is free.",
+}
 
 
-def _first_focus(part: QWidget) -> QWidget:
-    """The first widget of a part, as Tab goes, that takes the focus."""
-    widget = part.nextInFocusChain()
-    while widget is not None and widget is not part:
-        wanted = widget.isVisible() and widget.isEnabled() and widget.focusPolicy() & Qt.FocusPolicy.TabFocus
-        if wanted and part.isAncestorOf(widget):
-            return widget
-        widget = widget.nextInFocusChain()
-    return part
+def _row_of(robot: RobotScene) -> RobotRow:
+    trouble = robot.trouble or robot.dead
+    return RobotRow(robot.name, robot.state, robot.error, robot.deviation, robot.energy, robot.speed, trouble)
+
+
+def _figures(series: RobotSeries) -> dict[str, tuple[FloatArray, FloatArray]]:
+    """What is plotted of a robot."""
+    errors, doubts = series.errors.rows(), series.deviations.rows()
+    energy, speeds = series.energy.rows(), series.speeds.rows()
+    return {
+        "error": (errors[:, 0], errors[:, 1]),
+        "heading_error": (errors[:, 0], errors[:, 2]),
+        "sigma": (doubts[:, 0], doubts[:, 1]),
+        BAND: (doubts[:, 0], 2.0 * doubts[:, 1]),
+        "energy": (energy[:, 0], energy[:, 1]),
+        "speed": (speeds[:, 0], speeds[:, 1]),
+    }

@@ -1,0 +1,210 @@
+"""The researcher's window on recordings."""
+
+import time
+from collections.abc import Iterator
+from pathlib import Path
+
+import pytest
+from PySide6.QtCore import QPoint, Qt
+from PySide6.QtGui import QImage
+from PySide6.QtTest import QTest
+from PySide6.QtWidgets import QApplication, QDialog, QWidget
+from pytestqt.qtbot import QtBot
+
+from tests.ui.windows.researcher.hunts import record
+from ui.model.theme import DARK, LIGHT
+from ui.windows.researcher.displays import SWITCHES, Display
+from ui.windows.researcher.plots import PANELS
+from ui.windows.researcher.recording import Opening, Recording
+from ui.windows.researcher.tools import Tool
+from ui.windows.researcher.window import ResearcherWindow
+
+
+@pytest.fixture(scope="module")
+def bag(tmp_path_factory: pytest.TempPathFactory) -> Path:
+    return record(tmp_path_factory.mktemp("watched") / "hunt.bag")
+
+
+@pytest.fixture(scope="module")
+def opened(bag: Path, qapp: QApplication) -> Iterator[ResearcherWindow]:
+    """One window for all tests: reading a bag takes its time."""
+    made = ResearcherWindow(Recording(Opening(bag)), "hunt.bag", LIGHT, time.monotonic)
+    made.show()
+    while made.transport.state.text() != "recording" or not made.lines.model.size:
+        qapp.processEvents()
+    yield made
+    made.close()
+
+
+@pytest.fixture
+def window(opened: ResearcherWindow) -> ResearcherWindow:
+    opened.activateWindow()
+    opened.canvas.setFocus()
+    opened.select(0)
+    return opened
+
+
+def picture(window: ResearcherWindow) -> QImage:
+    window.refresh()
+    return window.canvas.grab().toImage()
+
+
+def go_to(window: ResearcherWindow, seconds: float) -> None:
+    window.transport.timeline.setValue(round(seconds * 1000.0))
+    window.refresh()
+
+
+def test_lists_robots_and_plots_are_filled(window: ResearcherWindow, qtbot: QtBot) -> None:
+    assert window.team.model.rowCount() == 3
+    assert min(log.model.size for log in (window.lines, window.talk, window.events, window.inputs)) > 0
+    qtbot.waitUntil(lambda: all(window.plots.points(panel.name, robot) > 2 for panel in PANELS for robot in range(3)))
+    assert window.transport.span == pytest.approx(15.0, abs=1.0)
+
+
+def test_seeking_moves_the_robots_and_the_time(window: ResearcherWindow) -> None:
+    go_to(window, 3.0)
+    early = picture(window)
+    go_to(window, 9.0)
+    assert picture(window) != early
+    assert window.transport.time.text().startswith("0:09.00")
+    go_to(window, 3.0)
+    assert picture(window) == early
+
+
+def test_steps_are_ticks(window: ResearcherWindow) -> None:
+    go_to(window, 5.0)
+    QTest.keyClick(window.canvas, ".")
+    window.refresh()
+    assert window.transport.time.text().startswith("0:05.02")
+    for _ in range(2):
+        QTest.keyClick(window.canvas, ",")
+    window.refresh()
+    assert window.transport.time.text().startswith("0:04.98")
+
+
+def test_space_plays_and_pauses(window: ResearcherWindow, qtbot: QtBot) -> None:
+    go_to(window, 2.0)
+    QTest.keyClick(window.canvas, Qt.Key.Key_Space)
+    qtbot.waitUntil(lambda: window.transport.timeline.value() > 2200)
+    assert "Pause" in window.transport.play.text()
+    QTest.keyClick(window.canvas, Qt.Key.Key_Space)
+    window.refresh()
+    stands = window.transport.timeline.value()
+    window.refresh()
+    assert window.transport.timeline.value() == stands
+    assert "Play" in window.transport.play.text()
+
+
+@pytest.mark.parametrize(
+    "display", [display for display in Display if display not in {Display.THINGS, Display.ELLIPSES, Display.TRUTH}]
+)
+def test_what_is_switched_on_is_seen(window: ResearcherWindow, display: Display) -> None:
+    go_to(window, 8.0)
+    before = picture(window)
+    if SWITCHES[display].key:
+        QTest.keyClick(window.canvas, SWITCHES[display].key)
+    else:
+        window.displays.toggle(display)
+    assert picture(window) != before
+
+
+def test_robots_are_selected_by_tab_click_and_list(window: ResearcherWindow) -> None:
+    go_to(window, 8.0)
+    window.canvas.setFocus()
+    QTest.keyClick(window.canvas, Qt.Key.Key_Tab)
+    assert window.team.table.currentIndex().row() == 1
+    QTest.keyClick(window.canvas, Qt.Key.Key_Backtab)
+    assert window.team.table.currentIndex().row() == 0
+    window.team.table.setFocus()
+    QTest.keyClick(window.team.table, Qt.Key.Key_Down)
+    QTest.keyClick(window.team.table, Qt.Key.Key_Down)
+    one = picture(window)
+    window.select(1)
+    assert picture(window) != one
+
+
+def test_a_row_takes_us_to_its_moment(window: ResearcherWindow) -> None:
+    window.events.table.setFocus()
+    last = window.events.model.rowCount() - 1
+    window.events.table.setCurrentIndex(window.events.model.index(last, 0))
+    QTest.keyClick(window.events.table, Qt.Key.Key_Return)
+    window.refresh()
+    assert window.transport.timeline.value() == pytest.approx(1000.0 * window.events.model.row(last).time, abs=1.0)
+
+
+def test_page_keys_go_from_mark_to_mark(window: ResearcherWindow) -> None:
+    go_to(window, 0.0)
+    QTest.keyClick(window.canvas, Qt.Key.Key_PageDown)
+    window.refresh()
+    first = window.transport.timeline.value()
+    QTest.keyClick(window.canvas, Qt.Key.Key_PageDown)
+    window.refresh()
+    assert 0 < first < window.transport.timeline.value()
+    QTest.keyClick(window.canvas, Qt.Key.Key_Home)
+    window.refresh()
+    assert window.transport.timeline.value() == 0
+
+
+def test_of_a_recording_nothing_can_be_asked_and_the_buttons_say_why(window: ResearcherWindow) -> None:
+    for action in window.tool_actions:
+        assert not action.isEnabled()
+        assert "recording" in action.toolTip()
+    QTest.keyClick(window.canvas, "g")
+    assert window.tool is Tool.LOOK
+
+
+def test_the_sheet_of_keys(window: ResearcherWindow, qtbot: QtBot) -> None:
+    QTest.keyClick(window.canvas, Qt.Key.Key_F1)
+    sheet = next(dialog for dialog in window.findChildren(QDialog) if dialog.isVisible())
+    QTest.keyClick(sheet, Qt.Key.Key_Escape)
+    assert not sheet.isVisible()
+
+
+def test_dark_and_light_can_be_changed_while_it_is_open(window: ResearcherWindow) -> None:
+    day = picture(window)
+    window.set_palette(DARK)
+    assert picture(window) != day
+
+
+def test_whatever_takes_the_focus_has_a_name(window: ResearcherWindow) -> None:
+    nameless = [
+        widget
+        for widget in window.findChildren(QWidget)
+        if widget.focusPolicy() & Qt.FocusPolicy.TabFocus
+        and not widget.accessibleName()
+        and not (hasattr(widget, "text") and widget.text())
+        and widget.isVisible()
+        and widget.objectName() != "qt_scrollarea_viewport"
+    ]
+    assert [(type(widget).__name__, widget.objectName(), type(widget.parent()).__name__) for widget in nameless] == []
+
+
+def test_f6_goes_around_the_parts(window: ResearcherWindow, qtbot: QtBot) -> None:
+    window.canvas.setFocus()
+    seen = []
+    for _ in range(12):
+        QTest.keyClick(window.focusWidget(), Qt.Key.Key_F6)
+        seen.append(window.focusWidget())
+    assert window.canvas in seen
+    assert window.team.table in seen
+    assert len(set(map(id, seen))) >= 4
+
+
+def test_a_bag_that_is_none_is_told_in_the_window(tmp_path: Path, qtbot: QtBot) -> None:
+    path = tmp_path / "none.bag"
+    path.write_bytes(b"this is no bag, whatever it is called")
+    opening = Opening(path)
+    window = ResearcherWindow(Recording(opening), path.name, LIGHT, time.monotonic)
+    qtbot.addWidget(window)
+    window.show()
+    qtbot.waitUntil(lambda: "not a ROS 1 bag" in window.trouble)
+    window.close()
+
+
+def test_a_click_on_a_plot_goes_there(window: ResearcherWindow) -> None:
+    place = window.plots.place_of(6.0)
+    QTest.mouseClick(
+        window.plots.canvas.viewport(), Qt.MouseButton.LeftButton, pos=QPoint(round(place.x()), round(place.y()) - 5)
+    )
+    window.refresh()
+    assert window.transport.timeline.value() == pytest.approx(6000.0, abs=400.0)

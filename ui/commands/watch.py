@@ -1,0 +1,77 @@
+"""`thbridge watch`: the researcher's window."""
+
+import re
+from enum import StrEnum
+from pathlib import Path
+from typing import Annotated
+
+import typer
+
+from thbridge.adapters.watch_client import WatchClient
+from ui.display import no_window
+from ui.options import key_in
+from ui.terminal import BAD_INPUT, fail
+
+ADDRESS = re.compile(r"(?P<host>[^\s/]+):(?P<port>[0-9]{1,5})")
+PATIENCE = 2.0
+"""Seconds that a recording may take to open before its window does."""
+
+
+class Look(StrEnum):
+    """Of the window."""
+
+    SYSTEM = "system"
+    LIGHT = "light"
+    DARK = "dark"
+
+
+def watch(
+    what: Annotated[
+        str,
+        typer.Argument(metavar="HOST:PORT|BAG", help="The door of a session (its option --watch), or a recording."),
+    ],
+    key: Annotated[
+        Path | None, typer.Option(help="File with the key that the session's door wants.", metavar="FILE")
+    ] = None,
+    look: Annotated[Look, typer.Option(help="Of the window.")] = Look.SYSTEM,
+) -> None:
+    """Watch a session under way, or a recording: the truth beside what robots believe, plots, lines, dialogue.
+
+    At a session the window also sends robots, kidnaps and kills them, puts things in their way and speaks for them;
+    whatever it asks is recorded. Keys are told by F1. See docs/watching.md.
+    """
+    missing = no_window()
+    if missing is not None:
+        fail(BAD_INPUT, missing)
+    address = ADDRESS.fullmatch(what)
+    if address is not None and not Path(what).exists():
+        port = int(address["port"])
+        if not 0 < port < 65536:
+            fail(BAD_INPUT, f"{what}: {port} is not a port. Give the number that the session told, 1 to 65535.")
+        _watch_session(address["host"], port, None if key is None else key_in(key), look)
+    elif key is not None:
+        fail(BAD_INPUT, f"--key: {what} is not HOST:PORT, and a recording wants no key. Leave the option out.")
+    else:
+        _watch_recording(Path(what), look)
+
+
+def _watch_session(host: str, port: int, key: str | None, look: Look) -> None:
+    # Seconds of imports that no other command needs, and the packages may be missing.
+    from ui.windows.researcher.session import Connection, Session  # noqa: PLC0415
+    from ui.windows.researcher.show import show  # noqa: PLC0415
+
+    address = f"{host}:{port}"
+    show(Session(Connection(WatchClient(host, port, key)), address), address, look.value)
+
+
+def _watch_recording(path: Path, look: Look) -> None:
+    from ui.windows.researcher.recording import Opening, Recording  # noqa: PLC0415
+
+    opening = Opening(path)
+    if opening.wait(PATIENCE) and opening.fault is not None:
+        fail(BAD_INPUT, str(opening.fault))
+    from ui.windows.researcher.show import show  # noqa: PLC0415
+
+    show(Recording(opening), path.name, look.value)
+    if opening.fault is not None:
+        fail(BAD_INPUT, str(opening.fault))
