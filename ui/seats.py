@@ -68,7 +68,7 @@ async def _with_keyboard(program: Coroutine[object, object, T], typed: Callable[
 
     try:
         loop.add_reader(sys.stdin, readable)
-    except OSError:
+    except (OSError, ValueError):
         program.close()
-        fail(BAD_INPUT, "--participant person: standard input is a file. Type in a terminal, or feed a pipe.")
+        fail(BAD_INPUT, "--participant person: standard input is a file or closed. Type in a terminal, or feed a pipe.")
     return await program

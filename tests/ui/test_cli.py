@@ -307,6 +307,13 @@ def test_names_without_effect_are_told_where_a_study_is_read() -> None:
     assert "study.yaml, line 3: robot.fake_localization.odom_frame_id has no effect here" in checked.stderr
 
 
+def test_a_person_needs_no_templates_and_no_seed() -> None:
+    told = refusal("tabui", "--participant", "person", "--templates", "./nowhere", "--seed", "3")
+    assert "--templates has no effect here: it is for simulated participants.\n" in told
+    assert "--seed has no effect here" in told
+    assert "standard input is a file" in told, "it would start otherwise"
+
+
 def test_real_robots_are_not_simulated_and_not_hurried() -> None:
     assert "--ros: robots of a ROS graph are there already" in refusal("simr", "--robots-from", "ros", "--ros")
     assert "--rate: real robots have the time" in refusal("simr", "--robots-from", "ros", "--rate", "2")

@@ -39,9 +39,10 @@ class Audience:
     def __contains__(self, name: str) -> bool:
         return name in self._members
 
-    def __bool__(self) -> bool:
-        """Whether anybody is there."""
-        return bool(self._members)
+    @property
+    def is_empty(self) -> bool:
+        """Whether nobody is there."""
+        return not self._members
 
     def join(self, name: str, map_name: str | None) -> list[Message]:
         """Somebody is there, perhaps again: what is to be told at once.

@@ -23,8 +23,9 @@ WHEREABOUTS_PERIOD = TICKS_PER_SECOND // 25
 """Ticks from one word about the robots' whereabouts to the next."""
 WAYS_PERIOD = TICKS_PER_SECOND // 10
 """Ticks from one word about the ways that lie ahead of them to the next, if they change."""
-SUBSCRIPTION = 10 * TICKS_PER_SECOND
-"""Ticks a subscription lasts unless it is renewed."""
+SUBSCRIPTION = 60 * TICKS_PER_SECOND
+"""Ticks a subscription lasts unless it is renewed: long enough for windows that renew it in real time, where the
+simulation runs many times as fast."""
 
 OFF_THE_WAY = 0.01
 """Metres by which points left out may be off a way. It may be twice as much where the robot is, that is not quite on it
@@ -96,7 +97,7 @@ class Bulletin:
         if tick % WHEREABOUTS_PERIOD == 0:
             said += self._tell(self._whereabouts(snapshot, conditions, progress), self._until)
         if tick % WAYS_PERIOD == 0 and self._shows.way:
-            before, self._ways = self._ways, self._ahead(snapshot)
+            before, self._ways = self._ways, self._ahead(snapshot, conditions)
             listeners = self._newcomers if self._ways == before else self._until
             said += self._tell(Ways(snapshot.tick, self._ways), listeners)
             self._newcomers = {}
@@ -105,12 +106,15 @@ class Bulletin:
     def _tell(self, value: Level, names: Mapping[str, object]) -> list[Message]:
         return [tell(self._sender, name, value) for name in names]
 
-    def _ahead(self, snapshot: TeamSnapshot) -> tuple[Line, ...]:
-        """The way ahead of each robot."""
+    def _ahead(self, snapshot: TeamSnapshot, conditions: Sequence[Condition]) -> tuple[Line, ...]:
+        """The way ahead of each robot that answers."""
         count = len(snapshot.robots)
         if len(self._plans) != count:
             self._plans = tuple(_Plan(max(2, MOST_POINTS // count)) for _ in range(count))
-        return tuple(plan.ahead(output) for plan, output in zip(self._plans, snapshot.robots, strict=True))
+        return tuple(
+            () if condition is Condition.SILENT else plan.ahead(output)
+            for plan, output, condition in zip(self._plans, snapshot.robots, conditions, strict=True)
+        )
 
     def _whereabouts(
         self, snapshot: TeamSnapshot, conditions: Sequence[Condition], progress: Mapping[int, float]

@@ -266,7 +266,7 @@ class Keeper:
     def _see_to_end(self) -> None:
         """Programs of 2016 never say that they give a treasure up, so nobody waits for them to."""
         if self.state is not None:
-            self._book.happen(rules.ending(self.state, wait_for_decisions=bool(self._audience)))
+            self._book.happen(rules.ending(self.state, wait_for_decisions=not self._audience.is_empty))
 
     # What the keeper says
 

@@ -137,6 +137,11 @@ def test_a_way_that_is_only_wished_for_is_none(team):
     assert levels(told(navigating(team[0], state="planning")), Ways)[0].ways == ((), ())
 
 
+def test_a_robot_that_does_not_answer_has_no_way_ahead(team):
+    ways = levels(told(team[0], conditions=[Condition.SILENT, Condition.WELL]), Ways)[0].ways
+    assert (ways[0], bool(ways[1])) == ((), True)
+
+
 def test_ways_are_told_when_they_change_and_to_those_who_ask_anew(team):
     bulletin = Bulletin("SimR", Shows())
     assert len(levels(told(team[0], bulletin=bulletin), Ways)) == 1

@@ -7,12 +7,15 @@ import pytest
 from hypothesis import HealthCheck, given, settings
 from hypothesis import strategies as st
 
-from tests.thbridge.roles.stage import Stage
-from thbridge.app.compose import read_setting
+from tests.thbridge.roles.stage import Stage, templates
+from thbridge.app.compose import build_bot, read_setting
 from thbridge.app.config import Study
 from thbridge.hunt.game import fold
 from thbridge.roles import notices, view
+from thbridge.roles.briefing import Briefing
 from thbridge.roles.notices import KEEPER, tell
+from thbridge.roles.tabui import Seen, TabUI
+from thbridge.study.bots import BotStrategy
 from thbridge.wire import legacy
 from thbridge.wire.notice import notice
 from thbridge.wire.text import Message
@@ -81,6 +84,11 @@ well_formed = st.one_of(
     st.builds(notices.HidePlease, small, st.integers(0, 20)),
     st.builds(notices.Subscribe),
     st.builds(notices.ParticipantReady),
+    st.builds(notices.Whereabouts, small, poses),
+    st.builds(notices.Ways, small, st.just(())),
+    st.builds(notices.House, word, real, pose, small, small, word, st.just(()), st.just(())),
+    st.builds(notices.Picture, small, small, small, small, word),
+    st.builds(view.Agree),
     st.builds(view.Select, small, small),
     st.builds(view.Unsure, small),
     st.builds(view.Answer, small, small, small),
@@ -92,10 +100,17 @@ well_formed = st.one_of(
 typed = st.builds(tell, names, names, well_formed)
 
 
+class Forgetful:
+    def saw(self, level: Seen) -> None:
+        pass
+
+
 @settings(max_examples=40, deadline=None, suppress_health_check=[HealthCheck.too_slow])
 @given(st.lists(st.one_of(junk(), typed), max_size=20))
 def test_the_keeper_and_its_neighbours(said):
-    stage = Stage()
+    briefing = Briefing(names=("Blue Bottle",), pictures={"x.jpg": bytes(50_000), "rsz_t1.jpg": b"1"}, consent="Yes?")
+    bot = build_bot(templates(), BotStrategy.SUGGESTION, 7)
+    stage = Stage(participant=TabUI(bot, Forgetful()), briefing=briefing)
     stage.run(8)
     stage.router.attach("Noise")
     for message in said:

@@ -1,0 +1,45 @@
+"""Looking for words in the memory of another process."""
+
+import re
+from collections.abc import Iterable, Iterator
+from pathlib import Path
+
+CHUNK = 1 << 20
+
+_REGION = re.compile(r"([0-9a-f]+)-([0-9a-f]+) (\S+)")
+
+
+def found_in_memory(pid: int, words: Iterable[str]) -> set[str]:
+    """Those of the words that stand anywhere in what a process has written to its memory, as text of any width.
+
+    Raises:
+        PermissionError: this system lets nobody look.
+    """
+    forms = {word: [word.encode(code) for code in ("utf-8", "utf-16-le", "utf-32-le")] for word in words}
+    longest = max(len(form) for each in forms.values() for form in each)
+    nothing = bytes(CHUNK + longest)
+    found: set[str] = set()
+    with Path(f"/proc/{pid}/mem").open("rb", buffering=0) as memory:
+        for start, end in _written(pid):
+            for place in range(start, end, CHUNK):
+                try:
+                    memory.seek(place)
+                    # Chunks overlap, so that a word on an edge is whole in one of them.
+                    data = memory.read(min(CHUNK + longest, end - place))
+                except OSError:
+                    continue  # It has just been given back.
+                if not nothing.startswith(data):
+                    found |= {word for word, each in forms.items() if any(form in data for form in each)}
+    return found
+
+
+def _written(pid: int) -> Iterator[tuple[int, int]]:
+    """The regions that the process may write to and of which some is in memory, or swapped out."""
+    region: tuple[int, int] | None = None
+    for line in Path(f"/proc/{pid}/smaps").read_text().splitlines():
+        head = _REGION.match(line)
+        if head is not None:
+            region = (int(head[1], 16), int(head[2], 16)) if head[3].startswith("rw") else None
+        elif region is not None and line.startswith(("Rss:", "Swap:")) and int(line.split()[1]) > 0:
+            yield region
+            region = None
