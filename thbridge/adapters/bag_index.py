@@ -7,7 +7,7 @@ and forgotten when much else was looked up since; so neither time nor memory gro
 import os
 from bisect import bisect_right
 from collections import OrderedDict
-from collections.abc import Collection, Generator, Iterable, Iterator, Mapping
+from collections.abc import Callable, Collection, Generator, Iterable, Iterator, Mapping
 from contextlib import contextmanager
 from dataclasses import dataclass
 from itertools import accumulate
@@ -20,6 +20,7 @@ from rosbags.rosbag1 import ReaderError
 from rosbags.rosbag1.reader import Header, RecordType, decompressors, normalize, read_bytes, read_uint32
 
 from thbridge.adapters.bag_reader import MAGIC, VERSION, RawMessage, check_is_bag
+from thbridge.adapters.bag_records import Compression
 from thbridge.adapters.errors import BadFile
 from thbridge.adapters.recordings import ACTIVE, active_of, parts_of
 
@@ -29,6 +30,8 @@ CHUNKS_KEPT = 2048
 """Chunks whose index is remembered."""
 BYTES_KEPT = 32 * 1024 * 1024
 """Bytes of unpacked chunks that are remembered."""
+WHOLE = 1024 * 1024
+"""Bytes of chunks that are read whole though they are not packed: of larger ones, some messages are wanted."""
 
 _CONNECTION = b"\x09\x00\x00\x00conn="
 """The field of an index record's head that says whose it is, up to its 4 bytes."""
@@ -84,6 +87,15 @@ class _Chunk:
     start_ns: int
     end_ns: int
     counts: Mapping[int, int]
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class _Packed:
+    """Where a chunk's records lie in its file, how many bytes, and what unpacks them; None: they are not packed."""
+
+    position: int
+    size: int
+    unpack: Callable[[bytes], bytes] | None
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -148,7 +160,12 @@ class BagIndex:
         self.start_ns = self._chunks[0].start_ns if chunks else 0
         self.end_ns = max((chunk.end_ns for chunk in chunks), default=0)
         self._where: dict[str, _Where] = {}
+        self._speaking: dict[tuple[int, int], list[int]] = {}
+        for index, chunk in enumerate(self._chunks):
+            for number in chunk.counts:
+                self._speaking.setdefault((chunk.file, number), []).append(index)
         self._inner: OrderedDict[int, dict[int, bytes | _Entries]] = OrderedDict()
+        self._packed: dict[int, _Packed] = {}
         self._unpacked: OrderedDict[int, bytes] = OrderedDict()
         self._bytes = 0
 
@@ -227,13 +244,39 @@ class BagIndex:
 
     def read(self, place: Place) -> RawMessage:
         """The message at a place."""
-        data, publisher = self._data(place.chunk), place.publisher
-        try:
-            start = _after_length(data, place.offset)  # behind the record's head
-            body = data[start + 4 : _after_length(data, start)]
-        except ValueError as error:
-            raise _damaged(self._parts[place.file]) from error
+        publisher = place.publisher
+        packed = self._packed_at(place.chunk)
+        if packed.unpack is None and packed.size > WHOLE:
+            body = self._read_alone(place, packed)
+        else:
+            data = self._data(place.chunk, packed)
+            try:
+                start = _after_length(data, place.offset)  # behind the record's head
+                body = data[start + 4 : _after_length(data, start)]
+            except ValueError as error:
+                raise _damaged(self._parts[place.file]) from error
         return RawMessage(publisher.topic, publisher.msgtype, publisher.md5, place.stamp_ns, body)
+
+    def _read_alone(self, place: Place, packed: _Packed) -> bytes:
+        """A message without the pictures, say, that share its chunk."""
+        file = self._files[place.file]
+        with _damage_told(self._parts[place.file]):
+            file.seek(packed.position + place.offset)
+            file.seek(read_uint32(file), os.SEEK_CUR)
+            return read_bytes(file, read_uint32(file))
+
+    def _packed_at(self, index: int) -> _Packed:
+        known = self._packed.get(index)
+        if known is None:
+            chunk = self._chunks[index]
+            file = self._files[chunk.file]
+            with _damage_told(self._parts[chunk.file]):
+                file.seek(chunk.position)
+                compression = Header.read(file, RecordType.CHUNK).get_string("compression")
+                unpack = None if compression == Compression.NONE else decompressors[compression]
+                size = read_uint32(file)
+                known = self._packed[index] = _Packed(file.tell(), size, unpack)
+        return known
 
     def _place(self, index: int, entries: _Entries, row: int) -> Place:
         chunk = self._chunks[index]
@@ -248,12 +291,8 @@ class BagIndex:
     def _whereabouts(self, topic: str) -> _Where:
         known = self._where.get(topic)
         if known is None:
-            of_topic = self._of_topic.get(topic, set())
-            chunks = [
-                index
-                for index, chunk in enumerate(self._chunks)
-                if any(file == chunk.file and number in chunk.counts for file, number in of_topic)
-            ]
+            speaking = (self._speaking.get(who, ()) for who in self._of_topic.get(topic, ()))
+            chunks = sorted(set[int]().union(*speaking))
             known = self._where[topic] = _Where.of(chunks, self._chunks)
         return known
 
@@ -278,9 +317,8 @@ class BagIndex:
         """The index of a chunk by number of publisher; taken apart when somebody looks."""
         known = self._inner.get(index)
         if known is None:
-            chunk = self._chunks[index]
-            with _damage_told(self._parts[chunk.file]):
-                known = self._read_inside(chunk)
+            with _damage_told(self._parts[self._chunks[index].file]):
+                known = self._read_inside(index)
             self._inner[index] = known
             if len(self._inner) > CHUNKS_KEPT:
                 self._inner.popitem(last=False)
@@ -288,11 +326,11 @@ class BagIndex:
             self._inner.move_to_end(index)
         return known
 
-    def _read_inside(self, chunk: _Chunk) -> dict[int, bytes | _Entries]:
+    def _read_inside(self, index: int) -> dict[int, bytes | _Entries]:
+        chunk = self._chunks[index]
         file = self._files[chunk.file]
-        file.seek(chunk.position)
-        Header.read(file, RecordType.CHUNK)
-        file.seek(read_uint32(file), os.SEEK_CUR)
+        packed = self._packed_at(index)
+        file.seek(packed.position + packed.size)
         found: dict[int, bytes | _Entries] = {}
         for _ in chunk.counts:
             # rosbags' own way to read a head takes longer than all else that is done here.
@@ -304,7 +342,7 @@ class BagIndex:
             raise ValueError("a chunk's index is not what the file's end says")
         return found
 
-    def _data(self, index: int) -> bytes:
+    def _data(self, index: int, packed: _Packed) -> bytes:
         """The records of a chunk, unpacked."""
         known = self._unpacked.get(index)
         if known is not None:
@@ -313,9 +351,9 @@ class BagIndex:
         chunk = self._chunks[index]
         file = self._files[chunk.file]
         with _damage_told(self._parts[chunk.file]):
-            file.seek(chunk.position)
-            unpack = decompressors[Header.read(file, RecordType.CHUNK).get_string("compression")]
-            known = unpack(read_bytes(file, read_uint32(file)))
+            file.seek(packed.position)
+            known = read_bytes(file, packed.size)
+            known = known if packed.unpack is None else packed.unpack(known)
         self._unpacked[index] = known
         self._bytes += len(known)
         while self._bytes > BYTES_KEPT and len(self._unpacked) > 1:

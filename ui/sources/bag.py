@@ -1,7 +1,7 @@
 """A recording as the researcher's window shows it: any moment of it, at once, and what happened in all of it."""
 
 from bisect import bisect_right
-from collections.abc import Generator, Iterator, Mapping, Sequence
+from collections.abc import Callable, Collection, Generator, Iterator, Mapping, Sequence
 from pathlib import Path
 
 from thbridge.adapters.bag_index import BagIndex, Place, open_index
@@ -28,6 +28,8 @@ _CHUNKS_KEPT = 512
 """Chunks of which is remembered where frames are told in them."""
 _MESSAGES_KEPT = 512
 """Messages that are remembered."""
+_PIECE = 100
+"""Messages in a piece of a scan, at most: some milliseconds."""
 _STORY_SHARE = 0.1
 """Of the work of a scan."""
 
@@ -133,15 +135,19 @@ class BagSource:
         A piece takes some milliseconds. Whoever asks for all of it has `story` and `series` whole.
         """
         told = [topic for topic, msgtype in self._topics.items() if tells(topic, msgtype)]
-        for done, places in enumerate(self._index.walk(told), start=1):
-            for place in places:
-                self.story.take(self._index.read(place))
-            yield _STORY_SHARE * done / self._index.chunks
+        yield from self._tell(told, self.story.take, 0.0, _STORY_SHARE)
         moving = [topic for topic, msgtype in self._topics.items() if msgtype in TF_TYPES]
-        for done, places in enumerate(self._index.walk([*moving, *self.series.topics]), start=1):
-            for place in places:
-                self.series.take(_Unread(self._index, place))
-            yield _STORY_SHARE + (1.0 - _STORY_SHARE) * done / self._index.chunks
+        yield from self._tell([*moving, *self.series.topics], self.series.take, _STORY_SHARE, 1.0)
+
+    def _tell(self, topics: Collection[str], take: Callable[[Said], None], start: float, end: float) -> Iterator[float]:
+        """Hand over all messages of these topics, in order of time; shares go from start to end."""
+        chunk = (end - start) / max(self._index.chunks, 1)
+        for done, places in enumerate(self._index.walk(topics)):
+            for number, place in enumerate(places, start=1):
+                take(_Unread(self._index, place))
+                if number % _PIECE == 0:
+                    yield start + chunk * done
+            yield start + chunk * (done + 1)
 
     def _session(self) -> Session | None:
         place = self._index.next(names.SESSION, -1) if names.SESSION in self._topics else None

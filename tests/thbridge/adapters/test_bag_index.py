@@ -9,7 +9,7 @@ from hypothesis import strategies as st
 from thbridge.adapters import bag_reader
 from thbridge.adapters.bag_chunks import Chunks
 from thbridge.adapters.bag_file import BagFile, ChunkFile
-from thbridge.adapters.bag_index import BagIndex, open_index
+from thbridge.adapters.bag_index import WHOLE, BagIndex, open_index
 from thbridge.adapters.bag_reader import RawMessage
 from thbridge.adapters.bag_records import Compression, Connection
 from thbridge.adapters.errors import BadFile
@@ -106,6 +106,20 @@ def test_packed_chunks_are_unpacked(tmp_path: Path, compression: Compression) ->
     place = index.last("/a", 2)
     assert place is not None
     assert told(index.read(place)) == ("/a", 1, string("0"))
+
+
+def test_large_chunks_are_not_read_whole_for_one_message(tmp_path: Path) -> None:
+    path = tmp_path / "a.bag"
+    picture = "x" * (2 * WHOLE)
+    known, file, gathered = connections(), ChunkFile(path), Chunks()
+    for stamp, text in ((1, "before"), (2, picture), (3, "after")):
+        gathered.add(known[0], stamp, string(text))
+    file.append(gathered.take())
+    file.finish()
+    file.close()
+    index = opened(path)
+    said = [index.read(place) for places in index.walk(["/a"]) for place in places]
+    assert [message.data for message in said] == [string(text) for text in ("before", picture, "after")]
 
 
 def test_an_empty_bag_has_nothing_and_no_time(tmp_path: Path) -> None:
