@@ -29,6 +29,8 @@ class DialoguePanel(Panel):
         self.rows.addWidget(self.talk, 1)
         self._thinking = look.label(muted=True)
         self.rows.addWidget(self._thinking)
+        self._warning = look.label()
+        self.rows.addWidget(self._warning)
         answers = QVBoxLayout()
         answers.setSpacing(GAP)
         self.rows.addLayout(answers)
@@ -44,6 +46,8 @@ class DialoguePanel(Panel):
         self.talk.show_said(pop.said, pop.robot)
         self._thinking.setText(f"Robot {pop.robot + 1} is thinking …")
         self._thinking.setVisible(not pop.choices)
+        self._warning.setText(f"⚠ {pop.warning}")
+        self._warning.setVisible(bool(pop.warning))
         self.choices.show_actions(pop.choices)
 
     def _made(self) -> ActionButton:
