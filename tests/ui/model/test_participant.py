@@ -94,11 +94,11 @@ def test_what_is_chosen_is_talked_about_at_once_and_then_done_by_itself():
     seat = Seat()
     seat.model.do(ChooseRoom(3), seat.now)
     pop = seat.screen.pop
-    assert (pop.title, pop.said, pop.choices) == ("Asking robot 1 about room 3 …", (), ())
+    assert (pop.title, pop.said, pop.choices) == ("Asking robot 1 about room 3 …", (("you", "Go to room 3."),), ())
     assert seat.screen.tiles[2].choose.busy
     assert not seat.screen.tiles[2].choose.enabled
     pop = seat.run().pop
-    assert pop.said == (("robot", "It will cost me 17 to go to room 3"),)
+    assert pop.said == (("you", "Go to room 3."), ("robot", "It will cost me 17 to go to room 3"))
     assert [(choice.label, choice.key) for choice in pop.choices] == [("Continue", "C"), ("Stop", "S")]
     seat.model.do(GiveAnswer(0), seat.now)
     pop = seat.screen.pop
@@ -118,7 +118,7 @@ def test_stop_sends_nobody_and_the_same_can_be_asked_again():
         seat.do(ChooseRoom(3))
         assert seat.do(GiveAnswer(1)).pop is None
     assert not events(seat, Departed)
-    assert [told.text for told in seat.screen.history if told.speaker == "you"] == ["Stop", "Stop"]
+    assert [told.text for told in seat.screen.history if told.speaker == "you"] == ["Go to room 3.", "Stop"] * 2
 
 
 def test_an_answer_counts_for_what_was_on_the_screen_only():
@@ -188,7 +188,7 @@ def test_a_wrong_name_costs_and_is_said_so():
     seat.press(PickName(wrong))
     pop = seat.do(NameIt()).pop
     assert pop.verdict == f"{wrong} is wrong, {treasure.points} points lost."
-    assert seat.screen.tiles[2].found == f"{wrong} -{treasure.points}"
+    assert seat.screen.tiles[2].found == f"{wrong}, -{treasure.points}"
 
 
 def test_arrivals_wait_behind_what_is_read_and_never_take_its_place():

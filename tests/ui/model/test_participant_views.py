@@ -122,7 +122,7 @@ def test_the_screen_is_the_same_object_while_nothing_changes():
 def test_what_a_robot_under_way_does_is_said_in_words(motion, state):
     card = model_of(UNDER_WAY, where(1, motion, Motion())).screen(0.0).cards[0]
     assert (card.state, card.trouble, card.progress) == (state, False, motion.progress)
-    assert card.place == "coming from the corridor"
+    assert card.place == "from the corridor"
 
 
 def test_a_robot_that_came_to_rest_is_at_the_end_of_its_way_until_the_game_knows():

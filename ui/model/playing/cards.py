@@ -48,7 +48,7 @@ def _card(memory: Memory, hunt: Hunt, robot: RobotView) -> RobotCard:
         energy_at_start=hunt.richest,
         cost=cost,
         affordable=cost is None or cost <= robot.energy,
-        place=f"in {place}" if robot.moving_to is None else f"coming from {place}",
+        place=f"in {place}" if robot.moving_to is None else f"from {place}",
         state="too little energy for any room" if stranded else _state(hunt, robot, motion),
         trouble=is_in_trouble(robot) or stranded,
         progress=None if robot.moving_to is None else round(min(max(motion.progress, 0.0), 1.0), 2),

@@ -81,7 +81,7 @@ def _in_play(memory: Memory, hunt: Hunt, act: Act, now: float) -> None:
     match act:
         case Meant():
             if hunt.doubt is not None and hunt.doubt == memory.drawn.doubt:
-                _meant(hunt, hunt.doubt)
+                _meant(memory, hunt, hunt.doubt)
         case NotYet():
             _take_back(memory, hunt)
         case _ if hunt.doubt is not None:
@@ -184,39 +184,34 @@ def _choose(memory: Memory, hunt: Hunt, room: int, now: float) -> None:
         if view.robots[robot].moving_to is not None:
             hunt.doubt = Reroute(robot, room)
         else:
-            _ask_to_go(hunt, Select(robot, room))
+            _ask_to_go(memory, hunt, Select(robot, room))
 
 
 def _ask_advice(memory: Memory, hunt: Hunt, now: float) -> None:
     robot = memory.selected
     already = isinstance(hunt.asked.going(robot), Unsure)
     if not already and not _refused(memory, why_not_ask(hunt.view, robot), now):
-        _ask_to_go(hunt, Unsure(robot))
+        _ask_to_go(memory, hunt, Unsure(robot))
 
 
-def _ask_to_go(hunt: Hunt, wish: Select | Unsure) -> None:
+def _ask_to_go(memory: Memory, hunt: Hunt, wish: Select | Unsure) -> None:
     """Talk about where to go, unless the robot would leave something behind that it can still name."""
     view, robot = hunt.view, wish.robot
     room = undecided_beside(view, robot)
     if room is not None and view.room(room).sensed and why_not_name(view, robot, room) is None:
         hunt.doubt = MoveOn(wish, room)
     else:
-        _begin_talk(hunt, wish)
+        memory.history.requested(robot, hunt.ask_to_go(wish))
 
 
-def _begin_talk(hunt: Hunt, wish: Select | Unsure) -> None:
-    hunt.asked.ask(wish, hunt.view)
-    hunt.popups.show(Talk(wish.robot))
-
-
-def _meant(hunt: Hunt, doubt: Doubt) -> None:
+def _meant(memory: Memory, hunt: Hunt, doubt: Doubt) -> None:
     hunt.doubt = None
     match doubt:
         case Reroute(robot, room):
             hunt.reroutes[robot] = room
             hunt.asked.ask(CallBack(robot), hunt.view)
         case MoveOn(wish, _):
-            _begin_talk(hunt, wish)
+            memory.history.requested(wish.robot, hunt.ask_to_go(wish))
         case End():
             hunt.asked.ask(GiveUp(hunt.view.game), hunt.view)
 

@@ -43,6 +43,11 @@ def settle(hunt: Hunt) -> None:
     view = hunt.view
     hunt.named = {room: name for room, name in hunt.named.items() if _is_talked_over(hunt, room)}
     hunt.picked = {room: name for room, name in hunt.picked.items() if view.room(room).undecided}
+    hunt.requests = {
+        robot: said
+        for robot, said in hunt.requests.items()
+        if hunt.talk(robot) is not None or hunt.asked.going(robot) is not None
+    }
     hunt.popups.update(tuple(_items(hunt)) if view.over is None else ())
 
 
@@ -143,8 +148,7 @@ def _reroute(memory: Memory, hunt: Hunt, now: float) -> None:
         elif refused is not None:
             note(memory, refused, now)
         else:
-            hunt.asked.ask(Select(robot, room), hunt.view)
-            hunt.popups.show(Talk(robot))
+            memory.history.requested(robot, hunt.ask_to_go(Select(robot, room)))
 
 
 def _doubt(memory: Memory, hunt: Hunt, now: float) -> None:

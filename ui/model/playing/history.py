@@ -50,6 +50,10 @@ class History:
         self._tell("game", robot, sentence)
         self._news.append(sentence)
 
+    def requested(self, robot: int, sentence: str) -> None:
+        """The participant said this to a robot, to open a talk."""
+        self._tell("you", robot, sentence)
+
     def answered(self, dialogue: DialogueView, choice: int) -> None:
         """The participant made a choice; once the dialogue is over, nobody says it again."""
         self._tell("you", dialogue.robot, dialogue.choices[choice])

@@ -9,7 +9,7 @@ from ui.model.playing.asked import Asked
 from ui.model.playing.connection import Connection
 from ui.model.playing.history import History
 from ui.model.playing.pictures import Pictures
-from ui.model.playing.popups import Find, Item, Popups
+from ui.model.playing.popups import Find, Item, Popups, Talk
 
 
 @dataclass(frozen=True, slots=True)
@@ -44,6 +44,7 @@ class Hunt:
     Attributes:
         view: as last heard.
         asked: wishes without an answer yet.
+        requests: what the participant said to a robot to open the talk under way.
         reroutes: robots that are called back, and where they shall go then.
         picked: the name picked for what is in a room.
         named: the name that the participant means to be held to, while it is talked over.
@@ -57,6 +58,7 @@ class Hunt:
 
     view: View
     asked: Asked = field(default_factory=Asked)
+    requests: dict[int, str] = field(default_factory=dict)
     reroutes: dict[int, int] = field(default_factory=dict)
     picked: dict[int, str] = field(default_factory=dict)
     named: dict[int, str] = field(default_factory=dict)
@@ -66,6 +68,14 @@ class Hunt:
     richest: float = 0.0
     gained: int | None = None
     doubt: Doubt | None = None
+
+    def ask_to_go(self, wish: Select | Unsure) -> str:
+        """Ask a robot to go somewhere, and show the talk at once; what was said to it."""
+        said = f"Go to room {wish.room}." if isinstance(wish, Select) else "I don't know where to go."
+        self.asked.ask(wish, self.view)
+        self.requests[wish.robot] = said
+        self.popups.show(Talk(wish.robot))
+        return said
 
     def talk(self, robot: int) -> DialogueView | None:
         """What a robot and the participant talk about, if it is where to go."""

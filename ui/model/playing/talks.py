@@ -12,6 +12,9 @@ from ui.model.playing.state import Hunt
 from ui.model.playing.words import titled
 from ui.model.screen import Action, DialoguePop, GiveAnswer, ShowNext
 
+Said = tuple[Literal["robot", "you"], str]
+"""A sentence, and who says it."""
+
 
 def going(hunt: Hunt, item: Talk) -> DialoguePop | None:
     """The talk about where a robot shall go; before it says anything, that it is asked."""
@@ -20,16 +23,17 @@ def going(hunt: Hunt, item: Talk) -> DialoguePop | None:
     if asked is not None:
         about = f" about room {asked.room}" if isinstance(asked, Select) else " for its advice"
         never_mind = Action(ShowNext(), "Never mind", key_of(ShowNext()), hint="Do not ask it.")
-        return DialoguePop(item.robot, f"Asking {robot_name(item.robot)}{about} …", (), (), never_mind)
+        said = _request(hunt, item.robot)
+        return DialoguePop(item.robot, f"Asking {robot_name(item.robot)}{about} …", said, (), never_mind)
     return None if dialogue is None else talking(hunt, dialogue)
 
 
 def talking(hunt: Hunt, dialogue: DialogueView) -> DialoguePop:
     """A dialogue that waits for the participant, or for the robot once they have answered."""
     answered = hunt.asked.answer(dialogue.dialogue, dialogue.turn)
-    said: list[tuple[Literal["robot", "you"], str]] = [
-        (speaker_of(index), sentence) for index, sentence in enumerate(dialogue.said)
-    ]
+    said: list[Said] = [(speaker_of(index), sentence) for index, sentence in enumerate(dialogue.said)]
+    if dialogue.matter == "select-room":
+        said = [*_request(hunt, dialogue.robot), *said]
     if answered is not None and answered < len(dialogue.choices):
         said.append(("you", dialogue.choices[answered]))
     choices = tuple(
@@ -52,3 +56,9 @@ def title(hunt: Hunt, dialogue: DialogueView) -> str:
         case "take-treasure":
             named = hunt.named.get(dialogue.room)
             return f"{name}: name it {named}?" if named else f"{name}: name what is in room {dialogue.room}?"
+
+
+def _request(hunt: Hunt, robot: int) -> tuple[Said, ...]:
+    """What the participant said to open the talk; nothing if they did so in another window."""
+    said = hunt.requests.get(robot)
+    return () if said is None else (("you", said),)

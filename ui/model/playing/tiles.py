@@ -86,7 +86,7 @@ def _price(hunt: Hunt, robot: int, room: int) -> str:
 
 def _found(room: RoomView) -> str:
     if room.verdict is not None:
-        return f"{room.verdict.name} {room.verdict.points:+d}".strip()
+        return f"{room.verdict.name or 'named'}, {room.verdict.points:+d}"
     if room.left:
         return "left there"
-    return "" if room.colour is None else room.colour.lower()
+    return "" if room.colour is None else f"something {room.colour.lower()}"
