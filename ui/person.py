@@ -103,10 +103,10 @@ class Person:
                 self.show(HELP)
 
     def _answer(self, view: View, *, first: bool) -> None:
-        if not view.dialogues:
+        dialogue = next((dialogue for dialogue in view.dialogues if dialogue.choices), None)
+        if dialogue is None:
             self.show("No robot waits for an answer.")
             return
-        dialogue = view.dialogues[0]
         self._wanted = (Answer(dialogue.dialogue, dialogue.turn, 0 if first else len(dialogue.choices) - 1),)
 
     def _name(self, view: View, room: int, typed: str) -> None:
@@ -189,6 +189,8 @@ def _room_news(old: RoomView, new: RoomView) -> list[str]:
 
 
 def _asked(dialogue: DialogueView) -> str:
+    if not dialogue.choices:
+        return f"{robot_name(dialogue.robot).capitalize()} is thinking."
     answers = ", ".join(f"{choice[0].lower()} {choice}" for choice in dialogue.choices)
     return f"{robot_name(dialogue.robot).capitalize()}: {dialogue.said[-1]}   [{answers}]"
 

@@ -4,7 +4,7 @@ from collections.abc import Iterator
 
 from sim.observations import TICK
 from thbridge.app.session import Moment
-from thbridge.dialogue.moves import Speaker, Utterance
+from thbridge.dialogue.moves import Author, Speaker, Utterance
 from thbridge.hunt.costs import spoken_energy
 from thbridge.hunt.events import (
     Agreed,
@@ -57,7 +57,8 @@ def _timed(moment: Moment, sentence: str) -> str:
 def _said(utterance: Utterance) -> str:
     robot = utterance.topic.robot
     speaker = robot_name(robot).capitalize() if utterance.speaker is Speaker.ROBOT else f"You to {robot_name(robot)}"
-    return f"{speaker}: {utterance.text}"
+    wizard = " (spoken for)" if utterance.author is Author.WIZARD else ""
+    return f"{speaker}{wizard}: {utterance.text}"
 
 
 def _happened(event: Event) -> str:

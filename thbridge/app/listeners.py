@@ -79,6 +79,8 @@ async def listeners(
     pacer: Pacer,
     ask: Callable[[str, Request], None],
     told: Hosts,
+    *,
+    has_game: bool,
 ) -> AsyncIterator[list[Listener]]:
     """Those who listen; it lasts as long as they do.
 
@@ -91,6 +93,7 @@ async def listeners(
         ask: takes what they want of the robots, with the name of whoever wants it. Nobody asks before the event loop's
             next turn, when the session stands.
         told: whom to tell what became of it.
+        has_game: whether the game is this session's.
     """
     listening: list[Listener] = []
     async with AsyncExitStack() as opened:
@@ -101,7 +104,7 @@ async def listeners(
         if audience.bag is not None:
             listening.append(opened.enter_context(setting.writer(audience.bag)))
         if audience.watch is not None:
-            desk = Desk(ask, team, pacer)
+            desk = Desk(ask, team, pacer, has_game=has_game)
             door = WatchServer(desk, audience.watch.key)
             opened.push_async_callback(door.stop)
             told.watched(await door.start(audience.watch.host, audience.watch.port))

@@ -144,7 +144,8 @@ async def play(
         log: EventLog = NoLog()
         if options.bag is not None:
             log = opened.enter_context(closing(Ledger(journal_of(options.bag))))
-        audience = await opened.enter_async_context(listeners(options, setting, team, publisher, pacer, ask, told))
+        listening = listeners(options, setting, team, publisher, pacer, ask, told, has_game=True)
+        audience = await opened.enter_async_context(listening)
         witnesses = [BagWitness(Broadcast(publisher, record, setting.place.grid, audience))] if audience else []
         session = Session(Router(), setting.keeper(), roles, log, witnesses, inside)
         server = TextServer(session, session.hear)

@@ -213,7 +213,7 @@ async def simr(
     def ask(sender: str, request: Request) -> None:
         outpost.ask(sender, request)
 
-    async with listeners(options, setting, team, publisher, pacer, ask, told) as audience:
+    async with listeners(options, setting, team, publisher, pacer, ask, told, has_game=False) as audience:
         record = setting.record(SIMR, [role.name], "")
         witnesses = [BagWitness(Broadcast(publisher, record, setting.place.grid, audience))] if audience else []
         outpost = Outpost(role, witnesses)

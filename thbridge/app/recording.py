@@ -16,7 +16,8 @@ from thbridge.hunt.codec import to_json
 from thbridge.hunt.game import GameState
 from thbridge.hunt.rooms import Room
 from thbridge.roles.talks import MATTERS
-from thbridge.ros.records import GameEvent, GraphRequest, Record, Score, SendRobots, Success, Utterance
+from thbridge.roles.wizard import Held
+from thbridge.ros.records import GameEvent, GraphRequest, HeldTurns, Record, Score, SendRobots, Success, Utterance
 from thbridge.wire import legacy
 from thbridge.wire.router import Forwarded
 
@@ -41,6 +42,7 @@ class BagWitness:
     def __init__(self, speaker: Speaker) -> None:
         self._speaker = speaker
         self._score: Score | None = None
+        self._held = Held()
         self._collisions: tuple[int, ...] = ()
         self._things: tuple[str, ...] = ()
         self._dead: frozenset[int] = frozenset()
@@ -62,6 +64,9 @@ class BagWitness:
             yield _event(event)
         for utterance in moment.utterances:
             yield _utterance(utterance)
+        if moment.held != self._held:
+            self._held = moment.held
+            yield HeldTurns(moment.held.json())
         if moment.snapshot is not None and moment.snapshot.world is not None:
             yield from self._touches(moment.snapshot)
             yield from self._incidents(moment.snapshot)
@@ -130,6 +135,7 @@ def _utterance(said: moves.Utterance) -> Utterance:
         room=said.topic.room.people,
         scenario=MATTERS[said.topic.scenario],
         text=said.text,
+        author=said.author,
         move=type(said.move).__name__.lower(),
     )
 

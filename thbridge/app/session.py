@@ -25,9 +25,10 @@ from thbridge.dialogue.moves import Utterance
 from thbridge.hunt.events import Event
 from thbridge.hunt.game import GameState
 from thbridge.roles.keeper import Keeper
-from thbridge.roles.requests import Request
+from thbridge.roles.requests import Request, WizardRequest
 from thbridge.roles.role import Role
 from thbridge.roles.simr import SimR
+from thbridge.roles.wizard import Held
 from thbridge.wire.router import ConnectionId, Forwarded, Output, Router, TurnedAway
 from thbridge.wire.text import Message
 
@@ -43,6 +44,7 @@ class Moment:
         forwarded: the lines that were passed on, in order.
         events: of the game.
         utterances: of its dialogues.
+        held: what waits for whoever speaks in robots' place.
         game: as it stands now; None before the first.
     """
 
@@ -52,6 +54,7 @@ class Moment:
     forwarded: tuple[Forwarded, ...]
     events: tuple[Event, ...]
     utterances: tuple[Utterance, ...]
+    held: Held
     game: GameState | None
 
 
@@ -127,15 +130,18 @@ class Session:
     # What comes from outside
 
     def ask(self, sender: str, request: Request) -> None:
-        """Ask something of the robots, in the name of whoever wants it.
+        """Ask something of the robots, or in a robot's place of the game, in the name of whoever wants it.
 
         Raises:
             ValueError: the robots are another program's.
         """
-        if self._simr is None:
+        if isinstance(request, WizardRequest):
+            self._keeper.ask(request)
+        elif self._simr is None:
             raise ValueError("the robots are not in this process")
+        else:
+            self._simr.ask(request)
         self._inputs.append(Asked(sender, request))
-        self._simr.ask(request)
 
     def connect(self, now: float) -> ConnectionId | TurnedAway:
         """See `Router`, for this and the next ones; only what makes a difference counts as an input."""
@@ -208,6 +214,7 @@ class Session:
             heard,
             decided.events,
             decided.utterances,
+            decided.held,
             self._keeper.state,
         )
         for witness in self._witnesses:
@@ -247,9 +254,15 @@ class Outpost:
     # What comes from outside
 
     def ask(self, sender: str, request: Request) -> None:
-        """Ask something of the robots, in the name of whoever wants it."""
-        self._inputs.append(Asked(sender, request))
+        """Ask something of the robots, in the name of whoever wants it.
+
+        Raises:
+            ValueError: it is asked of the game, which is another program's.
+        """
+        if isinstance(request, WizardRequest):
+            raise ValueError("the game is not in this process")
         self._simr.ask(request)
+        self._inputs.append(Asked(sender, request))
 
     def connected(self) -> None:
         """The server has (again) accepted the name."""
@@ -272,7 +285,7 @@ class Outpost:
         heard = [item.message for item in inputs if isinstance(item, Heard)]
         said = self._simr.step(self.tick, heard)
         passed = tuple(Forwarded(message, True, False) for message in (*heard, *said))
-        moment = Moment(self.tick, inputs, self._simr.snapshot, passed, (), (), None)
+        moment = Moment(self.tick, inputs, self._simr.snapshot, passed, (), (), Held(), None)
         for witness in self._witnesses:
             witness.saw(moment)
         self.tick += 1

@@ -27,7 +27,20 @@ from thbridge.adapters.pacer import Pacer
 from thbridge.adapters.watch_server import Pace
 from thbridge.app.inputs import asked_in, request_text, value_in
 from thbridge.app.things import fault_of_thing
-from thbridge.roles.requests import PaceRequest, Pause, Request, Resume, SetParameters, SetRate, Step, with_values
+from thbridge.roles.requests import (
+    AdviseFor,
+    PaceRequest,
+    Pause,
+    Puppeteer,
+    Request,
+    Resume,
+    SetParameters,
+    SetRate,
+    SpeakFor,
+    Step,
+    WizardRequest,
+    with_values,
+)
 from thbridge.roles.robots import Robots
 from thbridge.ros.clients import FARTHEST, is_covariance
 from thbridge.ros.records import CancelRequest, InitialPose, SimpleGoal, VelocityCommand
@@ -40,7 +53,10 @@ WAITING = 200
 """Requests that may come between two ticks; more than hands can do in a pause."""
 
 LONGEST = 500
-"""Characters of a name."""
+"""Characters of a name, and of what is said in a robot's place."""
+
+DOOR = "watch"
+"""Who asks where nobody asks any more."""
 
 SLOWEST, FASTEST = 0.01, 1000.0
 """Rates that can be asked for, besides 0."""
@@ -65,8 +81,11 @@ Granted: TypeAlias = (
     | Place
     | Die
     | Revive
+    | Puppeteer
+    | SpeakFor
+    | AdviseFor
 )
-"""What is granted of the robots. The rest of what a session can be asked is the game's, or has another form here."""
+"""What is granted. The rest of what a session can be asked is the game's own, or has another form here."""
 
 _GRANTED: tuple[type[Granted], ...] = get_args(Granted)
 _PACES: dict[str, type[PaceRequest]] = {kind.__name__: kind for kind in get_args(PaceRequest)}
@@ -83,15 +102,18 @@ class Desk:
     """Grants what watchers wish, or says why not.
 
     Args:
-        ask: takes what is wanted of the robots, with the name of whoever wants it.
+        ask: takes what is wanted of the session, with the name of whoever wants it.
         robots: whom it is about.
         pacer: of the session.
+        has_game: whether the game is this session's, so that one can speak in a robot's place.
     """
 
-    def __init__(self, ask: Callable[[str, Request], None], robots: Robots, pacer: Pacer) -> None:
+    def __init__(self, ask: Callable[[str, Request], None], robots: Robots, pacer: Pacer, *, has_game: bool) -> None:
         self._ask = ask
         self._robots = robots
         self._pacer = pacer
+        self._has_game = has_game
+        self._puppets: set[int] = set()
         self._goals = count(FIRST_GOAL)
         self._waiting = 0
 
@@ -104,8 +126,11 @@ class Desk:
         return Pace(self._pacer.paused, self._pacer.rate, self._pacer.lag)
 
     def unwatched(self) -> None:
-        """Nobody watches any more: a session that was paused goes on, for nobody else could resume it."""
+        """Nobody watches any more: nothing waits for anybody there any longer, neither the session nor its robots."""
         self._pacer.resume()
+        for robot in sorted(self._puppets):
+            self._ask(DOOR, Puppeteer(robot, on=False))
+        self._puppets.clear()
 
     def ask(self, watcher: str, wish: Mapping[str, object]) -> str | None:
         """Grant a wish, the JSON of a request; None, or why not."""
@@ -119,6 +144,8 @@ class Desk:
             return str(error)
         if not isinstance(asked.request, _GRANTED):
             return f"{name} is not granted here"
+        if isinstance(asked.request, WizardRequest) and not self._has_game:
+            return "nobody can be spoken for here: the game is another program's"
         if len(asked.sender) > LONGEST:
             return f"whoever asks has a name of more than {LONGEST} characters"
         if self._waiting >= WAITING:
@@ -126,6 +153,8 @@ class Desk:
         reason = objection(asked.request, self._robots)
         if reason is None:
             self._waiting += 1
+            if isinstance(asked.request, Puppeteer):
+                self._puppets.add(asked.request.robot)
             self._ask(asked.sender, self._numbered(asked.request))
         return reason
 
@@ -161,7 +190,7 @@ def objection(request: Granted, robots: Robots) -> str | None:
 
     A session takes what it is asked at its word, so whatever a stranger could say is looked at here.
     """
-    if not isinstance(request, PutThing | RemoveThing) and not 0 <= request.robot < robots.size:
+    if not isinstance(request, PutThing | RemoveThing | SpeakFor) and not 0 <= request.robot < robots.size:
         return f"robot counts from 0 here, and there are {robots.size}"
     match request:
         case Go(_, goal):
@@ -181,6 +210,8 @@ def objection(request: Granted, robots: Robots) -> str | None:
             return changed.sentence if isinstance(changed, Rejected) else None
         case PutThing(thing):
             return fault_of_thing(thing, FARTHEST, LONGEST)
+        case SpeakFor(text=text) if len(text) > LONGEST or not text.isprintable():
+            return f"a robot says one line, of at most {LONGEST} characters"
         case RemoveThing(name) | CancelRequest(_, name):
             return None if len(name) <= LONGEST else f"nothing has a name of more than {LONGEST} characters"
     return None

@@ -4,11 +4,11 @@ from collections.abc import Callable
 from typing import assert_never
 
 from thbridge.dialogue.engine import Dialogues
-from thbridge.dialogue.moves import Ask, Continue, Dialogue, Move, Scenario, Speaker, Stop, Topic, Turn
+from thbridge.dialogue.moves import Ask, Author, Continue, Dialogue, Move, Scenario, Speaker, Stop, Topic, Turn
 from thbridge.hunt.json_fields import Fields, Json
 from thbridge.hunt.rooms import Room
 
-VERSION = 1
+VERSION = 2
 
 
 def snapshot(dialogues: Dialogues) -> dict[str, Json]:
@@ -20,7 +20,7 @@ def snapshot(dialogues: Dialogues) -> dict[str, Json]:
             {
                 "number": dialogue.number,
                 **_topic_fields(dialogue.topic),
-                "turns": [{"speaker": turn.speaker.value, **move_fields(turn.move)} for turn in dialogue.turns],
+                "turns": [_turn_fields(turn) for turn in dialogue.turns],
             }
             for dialogue in dialogues.open
         ],
@@ -82,6 +82,15 @@ def _topic_fields(topic: Topic) -> dict[str, Json]:
     }
 
 
+def _turn_fields(turn: Turn) -> dict[str, Json]:
+    return {
+        "speaker": turn.speaker.value,
+        **move_fields(turn.move),
+        "author": turn.author.value,
+        "text": turn.text,
+    }
+
+
 def _dialogue(fields: Fields) -> Dialogue:
     dialogue = Dialogue(
         fields.integer("number"),
@@ -101,6 +110,6 @@ def _dialogue(fields: Fields) -> Dialogue:
 
 
 def _turn(fields: Fields) -> Turn:
-    turn = Turn(Speaker(fields.text("speaker")), take_move(fields))
+    turn = Turn(Speaker(fields.text("speaker")), take_move(fields), Author(fields.text("author")), fields.text("text"))
     fields.end()
     return turn

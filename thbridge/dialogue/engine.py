@@ -1,5 +1,8 @@
 """Runs dialogues, sans-IO: moves of people in; utterances and outcomes out; state as a value.
 
+Somebody may speak in a robot's place: a dialogue that is held waits where the robot would speak, until `speak` makes
+its move or `go_on` lets the robot itself do so.
+
 The engine knows no way of talking. It asks a protocol whose turn it is and what is legal, a strategy for the robot's
 choice, and a phrasing for the words; the person gets the legal moves as sentences and can make no other.
 """
@@ -8,7 +11,7 @@ from dataclasses import dataclass, replace
 from enum import StrEnum
 from typing import Protocol
 
-from thbridge.dialogue.moves import Dialogue, Move, Outcome, Speaker, Topic, Turn, Utterance
+from thbridge.dialogue.moves import Author, Dialogue, Move, Outcome, Speaker, Topic, Turn, Utterance
 from thbridge.dialogue.protocols import DialogueProtocol
 from thbridge.dialogue.strategies import Strategy, View
 from thbridge.hunt.outcomes import Refused
@@ -37,7 +40,7 @@ class Dialogues:
 
     Attributes:
         opened: how many were ever opened; the next one gets the number after it.
-        open: those that wait for the person, in order of opening.
+        open: those that wait, for the person or for whoever speaks in the robot's place, in order of opening.
     """
 
     opened: int = 0
@@ -54,7 +57,7 @@ class Dialogues:
 
 @dataclass(frozen=True, slots=True)
 class Choice:
-    """A move that the person may make now, and how to offer it."""
+    """A move that may be made now, and how to offer it."""
 
     move: Move
     text: str
@@ -68,7 +71,7 @@ class Step:
         dialogues: the state afterwards.
         dialogue: the dialogue moved in, as it now is; no longer among the open ones if it has ended.
         utterances: what was said, in order.
-        outcome: how the dialogue ended, or None if it waits for the person.
+        outcome: how the dialogue ended, or None if it waits.
     """
 
     dialogues: Dialogues
@@ -93,23 +96,34 @@ class Engine:
     strategy: Strategy
     phrasing: Phrasing
 
-    def open(self, dialogues: Dialogues, topic: Topic) -> Step | Refused:
-        """Open a dialogue and let the robot speak until it is the person's turn, or all is decided."""
+    def open(self, dialogues: Dialogues, topic: Topic, *, held: bool = False) -> Step | Refused:
+        """Open a dialogue and let the robot speak until it is the person's turn, or all is decided; not if held."""
         if dialogues.of_robot(topic.robot) is not None:
             return Refused(Reason.ALREADY_TALKING, f"{_name(topic)} is already talking with you.")
         number = dialogues.opened + 1
         opened = replace(dialogues, opened=number)
-        return self._run(opened, Dialogue(number, topic), ())
+        return self._run(opened, Dialogue(number, topic), (), held)
 
-    def move(self, dialogues: Dialogues, number: int, move: Move) -> Step | Refused:
-        """Make the person's move, and let the robot answer."""
+    def move(self, dialogues: Dialogues, number: int, move: Move, *, held: bool = False) -> Step | Refused:
+        """Make the person's move, and let the robot answer, unless held."""
+        dialogue = self._at_turn(dialogues, number, Speaker.PERSON, move)
+        if isinstance(dialogue, Refused):
+            return dialogue
+        dialogue, utterance = self._said(dialogue, Turn(Speaker.PERSON, move, Author.PERSON))
+        return self._run(dialogues, dialogue, (utterance,), held)
+
+    def speak(self, dialogues: Dialogues, number: int, move: Move, text: str = "") -> Step | Refused:
+        """Make the move of a robot whose dialogue is held, in its place, and hold on; `text` as for `Turn`."""
+        dialogue = self._at_turn(dialogues, number, Speaker.ROBOT, move)
+        if isinstance(dialogue, Refused):
+            return dialogue
+        dialogue, utterance = self._said(dialogue, Turn(Speaker.ROBOT, move, Author.WIZARD, text))
+        return self._run(dialogues, dialogue, (utterance,), held=True)
+
+    def go_on(self, dialogues: Dialogues, number: int) -> Step | Refused:
+        """Let the robot speak in a dialogue that was held."""
         dialogue = dialogues.numbered(number)
-        if dialogue is None:
-            return _no_such(number)
-        if move not in self.protocol.legal(dialogue):
-            return Refused(Reason.NOT_LEGAL, "That cannot be said at this point of the dialogue.")
-        dialogue, utterance = self._said(dialogue, Speaker.PERSON, move)
-        return self._run(dialogues, dialogue, (utterance,))
+        return _no_such(number) if dialogue is None else self._run(dialogues, dialogue, (), held=False)
 
     def withdraw(self, dialogues: Dialogues, number: int) -> Step | Refused:
         """Close a dialogue whose topic is no longer to be decided, e.g. because the game has ended."""
@@ -118,8 +132,10 @@ class Engine:
             return _no_such(number)
         return Step(_without(dialogues, dialogue), dialogue, (), Outcome.WITHDRAWN)
 
-    def choices(self, dialogue: Dialogue) -> tuple[Choice, ...]:
-        """What the person may say now in an open dialogue, most agreeable first."""
+    def choices(self, dialogue: Dialogue, speaker: Speaker = Speaker.PERSON) -> tuple[Choice, ...]:
+        """What the speaker may say now in an open dialogue, most agreeable first; nothing if it is not their turn."""
+        if self.protocol.speaker(dialogue) is not speaker:
+            return ()
         return tuple(Choice(move, self.phrasing.say(dialogue, move)) for move in self.protocol.legal(dialogue))
 
     def utterances(self, dialogue: Dialogue) -> tuple[Utterance, ...]:
@@ -127,26 +143,36 @@ class Engine:
         said = Dialogue(dialogue.number, dialogue.topic)
         spoken: list[Utterance] = []
         for turn in dialogue.turns:
-            said, utterance = self._said(said, turn.speaker, turn.move)
+            said, utterance = self._said(said, turn)
             spoken.append(utterance)
         return tuple(spoken)
 
-    def _run(self, dialogues: Dialogues, dialogue: Dialogue, utterances: tuple[Utterance, ...]) -> Step:
+    def _at_turn(self, dialogues: Dialogues, number: int, speaker: Speaker, move: Move) -> Dialogue | Refused:
+        """The open dialogue of this number, if this speaker may make this move in it now."""
+        dialogue = dialogues.numbered(number)
+        if dialogue is None:
+            return _no_such(number)
+        if self.protocol.speaker(dialogue) is not speaker or move not in self.protocol.legal(dialogue):
+            return Refused(Reason.NOT_LEGAL, "That cannot be said at this point of the dialogue.")
+        return dialogue
+
+    def _run(self, dialogues: Dialogues, dialogue: Dialogue, utterances: tuple[Utterance, ...], held: bool) -> Step:
         while (outcome := self.protocol.outcome(dialogue)) is None:
-            if self.protocol.speaker(dialogue) is Speaker.PERSON:
+            if held or self.protocol.speaker(dialogue) is Speaker.PERSON:
                 return Step(_with(dialogues, dialogue), dialogue, utterances, None)
             legal = self.protocol.legal(dialogue)
             choice = self.strategy.choose(View(Speaker.ROBOT, dialogue), legal)
             if choice not in legal:
                 raise ValueError(f"the strategy chose {choice}, which is not among the legal moves {legal}")
-            dialogue, utterance = self._said(dialogue, Speaker.ROBOT, choice)
+            dialogue, utterance = self._said(dialogue, Turn(Speaker.ROBOT, choice, Author.ROBOT))
             utterances = (*utterances, utterance)
         return Step(_without(dialogues, dialogue), dialogue, utterances, outcome)
 
-    def _said(self, dialogue: Dialogue, speaker: Speaker, move: Move) -> tuple[Dialogue, Utterance]:
-        text = self.phrasing.say(dialogue, move)
-        utterance = Utterance(dialogue.number, len(dialogue.turns), speaker, move, text, dialogue.topic)
-        return replace(dialogue, turns=(*dialogue.turns, Turn(speaker, move))), utterance
+    def _said(self, dialogue: Dialogue, turn: Turn) -> tuple[Dialogue, Utterance]:
+        text = turn.text or self.phrasing.say(dialogue, turn.move)
+        index, topic = len(dialogue.turns), dialogue.topic
+        utterance = Utterance(dialogue.number, index, turn.speaker, turn.author, turn.move, text, topic)
+        return replace(dialogue, turns=(*dialogue.turns, turn)), utterance
 
 
 def _with(dialogues: Dialogues, changed: Dialogue) -> Dialogues:

@@ -32,6 +32,17 @@ class Speaker(StrEnum):
     PERSON = "person"
 
 
+class Author(StrEnum):
+    """Who decided what was said."""
+
+    ROBOT = "robot"
+    """The robot's strategy."""
+    PERSON = "person"
+    """The participant."""
+    WIZARD = "wizard"
+    """A person who spoke in the robot's place, unknown to the participant (Wizard-of-Oz)."""
+
+
 class Outcome(StrEnum):
     """How a dialogue ended."""
 
@@ -88,10 +99,19 @@ Move = Ask | Continue | Stop
 
 @dataclass(frozen=True, slots=True)
 class Turn:
-    """A move and who made it."""
+    """A move and who made it.
+
+    Attributes:
+        speaker: whose turn it was.
+        move: what was done.
+        author: who decided on it.
+        text: what was said instead of the sentence that belongs to the move; empty: that sentence.
+    """
 
     speaker: Speaker
     move: Move
+    author: Author
+    text: str = ""
 
 
 @dataclass(frozen=True, slots=True)
@@ -117,6 +137,7 @@ class Utterance:
         dialogue: number of the dialogue.
         index: place of the move in the dialogue, from 0.
         speaker: who said it.
+        author: who decided on it.
         move: what it does.
         text: what it says.
         topic: what the dialogue is about.
@@ -125,6 +146,7 @@ class Utterance:
     dialogue: int
     index: int
     speaker: Speaker
+    author: Author
     move: Move
     text: str
     topic: Topic

@@ -106,7 +106,7 @@ class Book:
         if isinstance(event, Started):
             self.state = game.begin(event)
             self.last_game = event.game
-            self.talks = Talks(self._engine(event.game))
+            self.talks = Talks(self._engine(event.game), self.talks.puppets)
             self.refusal = None
             self._moves = [0] * event.robots
             self._departures = 0

@@ -4,7 +4,7 @@ from sim.observations import TICKS_PER_SECOND
 from sim.parameters import RobotParameters
 from sim.parameters.reconfiguration import Rejected
 from sim.team import Configure, Drive, Go, Halt, Localize, PutThing, RemoveThing, TeamInput, TeamSnapshot
-from thbridge.roles.requests import Request, SetParameters, with_values
+from thbridge.roles.requests import RobotRequest, SetParameters, with_values
 from thbridge.roles.robots import Robots
 from thbridge.ros.actionlib import ActionRequest, MoveBaseServer
 from thbridge.ros.records import CancelRequest, GoalRequest, InitialPose, SimpleGoal, VelocityCommand
@@ -27,7 +27,7 @@ class Controls:
         self._inputs: list[TeamInput] = []
         self._by_hand: dict[int, int] = {}
 
-    def ask(self, request: Request) -> None:
+    def ask(self, request: RobotRequest) -> None:
         """Do this in the next tick; requests to robots that there are not are forgotten."""
         if not (isinstance(request, PutThing | RemoveThing) or 0 <= request.robot < self._robots.size):
             return

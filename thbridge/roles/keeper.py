@@ -35,9 +35,11 @@ from thbridge.roles.notices import (
     tell,
 )
 from thbridge.roles.overhearing import Overhearing, wish_in
+from thbridge.roles.requests import WizardRequest
 from thbridge.roles.showing import view_of
 from thbridge.roles.view import Agree, PlayAgain, SendRobot, Wish
 from thbridge.roles.wishes import grant
+from thbridge.roles.wizard import Held, held_in, obey
 from thbridge.wire import legacy
 from thbridge.wire.notice import Notice, is_notice, parse_notice
 from thbridge.wire.router import Forwarded
@@ -71,10 +73,11 @@ class GameRules:
 
 @dataclass(frozen=True, slots=True)
 class Decided:
-    """What one step of the keeper brought about, in order."""
+    """What one step of the keeper brought about, in order; and what waits for whoever speaks in robots' place."""
 
     events: tuple[Event, ...]
     utterances: tuple[Utterance, ...]
+    held: Held
 
 
 class Keeper:
@@ -111,8 +114,9 @@ class Keeper:
         self._ordered: Orders | None = None
         # Of the step under way, and of the last one.
         self._heard_anything = False
+        self._asked: list[WizardRequest] = []
         self._said: list[Message] = []
-        self._decided = Decided((), ())
+        self._decided = Decided((), (), Held())
 
     @property
     def state(self) -> GameState | None:
@@ -144,20 +148,30 @@ class Keeper:
                 if reply is not None:
                     self._tell(legacy.HIDER, Reply(reply.command, reply.text))
 
+    def ask(self, request: WizardRequest) -> None:
+        """Do this with the next step, before what is said to the keeper then."""
+        self._asked.append(request)
+
     def step(self, tick: int, messages: Sequence[Message]) -> list[Message]:
         """One tick; see `Role`."""
+        asked, self._asked = self._asked, []
+        for request in asked:
+            self._heard_anything = True
+            obey(self._book, self.state, request)
         for message in messages:
             value = parse_notice(message)
             if isinstance(value, Notice):
                 self._heard_anything = True
                 self._heed(value)
+        held = self._decided.held
         # Whatever changes does so because of something heard; most ticks are silent.
         if self._heard_anything:
             self._heard_anything = False
             self._see_to_end()
             self._tell_levels()
+            held = held_in(self._book, self.state)
         self._said += self._audience.pieces(tick)
-        self._decided = Decided(self._book.take_events(), tuple(self._book.talks.take_utterances()))
+        self._decided = Decided(self._book.take_events(), tuple(self._book.talks.take_utterances()), held)
         said, self._said = self._said, []
         return said
 

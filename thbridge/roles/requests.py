@@ -107,10 +107,13 @@ PaceRequest = Pause | Resume | SetRate | Step
 """What may be asked of a session's pace. It acts at once, changes no result, and so is no input."""
 
 WizardRequest = Puppeteer | SpeakFor | AdviseFor
-"""What a person asks who speaks in a robot's place; acts in the next tick."""
+"""What a person asks of the game who speaks in a robot's place; acts in the next tick."""
 
-Request = TeamInput | GraphRequest | SetParameters
+RobotRequest = TeamInput | GraphRequest | SetParameters
 """Acts in the next tick. What is asked of a robot that is under way for the game delays its order, and no more."""
+
+Request = RobotRequest | WizardRequest
+"""Whatever may be asked of a session."""
 
 
 def with_values(

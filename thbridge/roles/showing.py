@@ -29,6 +29,7 @@ def view_of(
         refusal=refusal,
         names=briefing.names if any(room.sensed is not None for room in state.rooms) else (),
         consent=None if state.agreed else briefing.consent,
+        thinking=talks.asked_for_advice,
     )
 
 

@@ -26,7 +26,7 @@ from thbridge.roles.notices import (
     heard,
     tell,
 )
-from thbridge.roles.requests import Request
+from thbridge.roles.requests import RobotRequest
 from thbridge.roles.robots import Robots
 from thbridge.wire import canonical, legacy
 from thbridge.wire.canonical import Dialect, GotoPoint, Move, Where, decode_goto
@@ -139,7 +139,7 @@ class SimR:
         """Tell the keeper with the next step that the robots are there."""
         self._introduce = True
 
-    def ask(self, request: Request) -> None:
+    def ask(self, request: RobotRequest) -> None:
         """Do this with the next step, before what is said to SimR then; an order of the game goes on afterwards."""
         self._controls.ask(request)
 

@@ -1,7 +1,9 @@
 """What robots and the participant are talking about, and what they agreed on and have not done yet."""
 
+from dataclasses import dataclass
+
 from thbridge.dialogue.engine import Dialogues, Engine, Step
-from thbridge.dialogue.moves import Outcome, Scenario, Topic, Utterance
+from thbridge.dialogue.moves import Outcome, Scenario, Speaker, Topic, Utterance
 from thbridge.hunt import rules
 from thbridge.hunt.game import GameState
 from thbridge.hunt.outcomes import Refused
@@ -16,14 +18,42 @@ MATTERS: dict[Scenario, Matter] = {
 }
 
 
+@dataclass(frozen=True, slots=True)
+class HeldTurn:
+    """A puppet's turn in a dialogue that waits for whoever speaks in its place.
+
+    Attributes:
+        dialogue: its number.
+        turn: place of the move in it, from 0.
+        robot: which, from 0.
+        scenario: what it is about.
+        room: that it is about, as people count.
+        sentences: for the legal moves, in their order.
+    """
+
+    dialogue: int
+    turn: int
+    robot: int
+    scenario: Matter
+    room: int
+    sentences: tuple[str, ...]
+
+
 class Talks:
     """The open dialogues of one game and the consents they led to.
 
     Args:
         engine: the way of talking.
+        puppets: robots that somebody else speaks for.
+
+    Attributes:
+        puppets: as they are now.
+        asked_for_advice: puppets that the participant has asked where to go, in the order of asking; no dialogue yet.
     """
 
-    def __init__(self, engine: Engine) -> None:
+    def __init__(self, engine: Engine, puppets: frozenset[int] = frozenset()) -> None:
+        self.puppets = puppets
+        self.asked_for_advice: tuple[int, ...] = ()
         self._engine = engine
         self._dialogues = Dialogues()
         self._consents: tuple[Consent, ...] = ()
@@ -41,11 +71,15 @@ class Talks:
 
     def open(self, state: GameState, scenario: Scenario, robot: int, room: Room) -> Refused | None:
         """Open a dialogue; what was being said or agreed with this robot before no longer holds."""
-        self._withdraw_consent(robot, MATTERS[scenario])
-        former = self._dialogues.of_robot(robot)
-        if former is not None:
-            self._follow(self._engine.withdraw(self._dialogues, former.number))
-        return self._follow(self._engine.open(self._dialogues, _topic(state, scenario, robot, room)))
+        self._forget(robot, MATTERS[scenario])
+        topic = _topic(state, scenario, robot, room)
+        return self._follow(self._engine.open(self._dialogues, topic, held=robot in self.puppets))
+
+    def await_advice(self, robot: int) -> None:
+        """The participant asked a puppet where to go; what was being said or agreed before no longer holds."""
+        if robot not in self.asked_for_advice:
+            self._forget(robot, "select-room")
+            self.asked_for_advice += (robot,)
 
     def answer(self, number: int, turn: int, choice: int) -> Refused | None:
         """Make the participant's choice; one for a turn that is past changes nothing."""
@@ -55,7 +89,48 @@ class Talks:
         choices = self._engine.choices(dialogue)
         if not 0 <= choice < len(choices):
             return None
-        return self._follow(self._engine.move(self._dialogues, number, choices[choice].move))
+        held = dialogue.topic.robot in self.puppets
+        return self._follow(self._engine.move(self._dialogues, number, choices[choice].move, held=held))
+
+    # In a robot's place
+
+    def hold(self, robot: int) -> None:
+        """Somebody else speaks for this robot from now on."""
+        self.puppets |= {robot}
+
+    def release(self, robot: int) -> None:
+        """The robot speaks for itself again, at once where its turn is waited for; advice is asked for no more."""
+        self.puppets -= {robot}
+        self._forget_advice(robot)
+        dialogue = self._dialogues.of_robot(robot)
+        if dialogue is not None:
+            self._follow(self._engine.go_on(self._dialogues, dialogue.number))
+
+    def speak_for(self, number: int, turn: int, move: int, text: str) -> None:
+        """Make the move of a puppet that is waited for; one for a turn that is past changes nothing."""
+        dialogue = self._dialogues.numbered(number)
+        if dialogue is None or len(dialogue.turns) != turn:
+            return
+        choices = self._engine.choices(dialogue, Speaker.ROBOT)
+        if 0 <= move < len(choices):
+            self._follow(self._engine.speak(self._dialogues, number, choices[move].move, text))
+
+    def held_turns(self) -> tuple[HeldTurn, ...]:
+        """Puppets' turns that are waited for."""
+        return tuple(
+            HeldTurn(
+                dialogue=dialogue.number,
+                turn=len(dialogue.turns),
+                robot=dialogue.topic.robot,
+                scenario=MATTERS[dialogue.topic.scenario],
+                room=dialogue.topic.room.people,
+                sentences=tuple(choice.text for choice in choices),
+            )
+            for dialogue in self._dialogues.open
+            if (choices := self._engine.choices(dialogue, Speaker.ROBOT))
+        )
+
+    # What holds
 
     def agreed(self, robot: int, matter: Matter, room: Room) -> bool:
         """Whether the participant may act on this now."""
@@ -83,6 +158,11 @@ class Talks:
             for consent in self._consents
             if _still_open(state, consent.robot, consent.matter, Room(consent.room))
         )
+        self.asked_for_advice = tuple(
+            robot
+            for robot in self.asked_for_advice
+            if any(_still_open(state, robot, "select-room", room) for room in state.free_rooms)
+        )
 
     def views(self) -> tuple[DialogueView, ...]:
         """The open dialogues as the participant sees them."""
@@ -109,6 +189,17 @@ class Talks:
             consent = Consent(topic.robot, MATTERS[topic.scenario], topic.room.people)
             self._consents = (*self._consents, consent)
         return None
+
+    def _forget(self, robot: int, matter: Matter) -> None:
+        """What was being said with a robot, and agreed on this matter, no longer holds."""
+        self._withdraw_consent(robot, matter)
+        self._forget_advice(robot)
+        former = self._dialogues.of_robot(robot)
+        if former is not None:
+            self._follow(self._engine.withdraw(self._dialogues, former.number))
+
+    def _forget_advice(self, robot: int) -> None:
+        self.asked_for_advice = tuple(asked for asked in self.asked_for_advice if asked != robot)
 
     def _withdraw_consent(self, robot: int, matter: Matter) -> None:
         self._consents = tuple(

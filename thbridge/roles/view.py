@@ -151,6 +151,7 @@ class View:
         refusal: the last wish refused.
         names: what a treasure may be called, in alphabetical order; empty until one was sensed.
         consent: what the participant has to agree to before anything else; None when that is done, or not asked.
+        thinking: robots that were asked where to go and have not answered yet.
     """
 
     game: int
@@ -167,6 +168,7 @@ class View:
     refusal: RefusalView | None
     names: tuple[str, ...] = ()
     consent: str | None = None
+    thinking: tuple[int, ...] = ()
 
     def room(self, number: int) -> RoomView:
         """The room people call `number`, from 1."""
@@ -199,6 +201,7 @@ class View:
             and all(robot.place in places for robot in self.robots)
             and all(robot.moving_to is None or robot.moving_to in rooms for robot in self.robots)
             and all(room.robot is None or room.robot in robots for room in self.rooms)
+            and all(robot in robots for robot in self.thinking)
             and all(talk.robot in robots and talk.room in rooms for talk in talks)
             and all(dialogue.said or not dialogue.choices for dialogue in self.dialogues)
         )

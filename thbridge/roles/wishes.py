@@ -61,13 +61,30 @@ def _suggest(book: Book, state: GameState, number: int, awaits_treasures: bool) 
     if refused is not None:
         book.refuse(Unsure.__name__, refused)
         return
-    robot = state.robots[number]
-    free = [room for room in state.free_rooms if book.talks.spoken_for(room, number) is None]
-    room = suggest(state.started.costs, robot.at, free, robot.energy, state.started.identify_cost)
+    say_where_to_go(book, state, number)
+
+
+def say_where_to_go(book: Book, state: GameState, number: int) -> None:
+    """A robot that could go somewhere suggests a room; or whoever speaks in its place is waited for."""
+    room = tour_of(book, state, number)
     if isinstance(room, Refused):
         book.refuse(Unsure.__name__, room)
+    elif number in book.talks.puppets:
+        book.talks.await_advice(number)
     else:
-        _open(book, state, (), Scenario.DONT_KNOW, number, room)
+        advise(book, state, number, room)
+
+
+def advise(book: Book, state: GameState, number: int, room: Room) -> None:
+    """A robot suggests a room."""
+    _open(book, state, (), Scenario.DONT_KNOW, number, room)
+
+
+def tour_of(book: Book, state: GameState, number: int) -> Room | Refused:
+    """Where a robot itself would suggest to go: rooms that are talked about with others are left to those."""
+    robot = state.robots[number]
+    free = [room for room in state.free_rooms if book.talks.spoken_for(room, number) is None]
+    return suggest(state.started.costs, robot.at, free, robot.energy, state.started.identify_cost)
 
 
 def _discuss(book: Book, state: GameState, discuss: Discuss) -> None:

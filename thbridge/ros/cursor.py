@@ -24,6 +24,11 @@ class Cursor:
         self._data = data
         self._at = 0
 
+    @property
+    def is_left(self) -> bool:
+        """Whether there is anything more."""
+        return self._at < len(self._data)
+
     def take(self, count: int) -> bytes:
         """The next `count` bytes."""
         end = self._at + count

@@ -18,6 +18,7 @@ from thbridge.ros.records import (
     CancelRequest,
     GameEvent,
     GoalRequest,
+    HeldTurns,
     InitialPose,
     Input,
     LogLine,
@@ -48,6 +49,7 @@ from thbridge.ros.topics import (
     TF_STATIC,
     THINGS,
     UTTERANCES,
+    WIZARD,
     Message,
     Planners,
     Topic,
@@ -188,6 +190,8 @@ def messages_of(stamp: int, tick: int, record: Record) -> Iterator[Message]:
             yield Message(SCORE, stamp, pack.score(tick, record))
         case Utterance():
             yield Message(UTTERANCES, stamp, pack.utterance(tick, record))
+        case HeldTurns(text):
+            yield Message(WIZARD, stamp, pack.string(text))
         case SendRobots(line):
             yield Message(SEND_ROBOTS, stamp, pack.string(line))
         case Success(line):

@@ -78,6 +78,7 @@ class Utterance:
         scenario: for example "select-room".
         text: the sentence.
         move: the move it stands for, for example "continue".
+        author: who decided on it: "robot", its strategy; "person"; "wizard", somebody who spoke in the robot's place.
     """
 
     dialogue: int
@@ -87,6 +88,18 @@ class Utterance:
     scenario: str
     text: str
     move: str
+    author: str
+
+
+@dataclass(frozen=True, slots=True)
+class HeldTurns:
+    """What waits for whoever speaks in robots' place; recorded whenever it changes.
+
+    Attributes:
+        json: all of it.
+    """
+
+    json: str
 
 
 @dataclass(frozen=True, slots=True)
@@ -217,4 +230,4 @@ class LogLine:
 GraphRequest = GoalRequest | CancelRequest | SimpleGoal | VelocityCommand | InitialPose
 """What others on a ROS graph ask of a robot by topics."""
 
-Record = GameEvent | Score | Utterance | Input | SendRobots | Success | LogLine | GraphRequest
+Record = GameEvent | Score | Utterance | HeldTurns | Input | SendRobots | Success | LogLine | GraphRequest

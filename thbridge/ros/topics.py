@@ -44,6 +44,7 @@ SUCCESS = Topic(names.SUCCESS, types.STRING)
 GAME_EVENTS = Topic(names.GAME_EVENTS, types.GAME_EVENT)
 SCORE = Topic(names.SCORE, types.SCORE, latched=True)
 UTTERANCES = Topic(names.UTTERANCES, types.UTTERANCE)
+WIZARD = Topic(names.WIZARD, types.STRING, latched=True)
 INPUTS = Topic(names.INPUTS, types.INPUT)
 THINGS = Topic(names.THINGS, types.MARKER_ARRAY, latched=True)
 ROSOUT = Topic(names.ROSOUT, types.LOG)
@@ -60,6 +61,7 @@ TEAM_TOPICS = (
     GAME_EVENTS,
     SCORE,
     UTTERANCES,
+    WIZARD,
     INPUTS,
     THINGS,
     ROSOUT,

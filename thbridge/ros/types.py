@@ -116,6 +116,7 @@ int32 room       # that it is about; -1: none
 string scenario  # for example "select-room"
 string text      # the sentence
 string move      # what it does, for example "continue"
+string author    # who decided on it: "robot" (its strategy), "person", or "wizard" (somebody in the robot's place)
 """,
     INPUT: """\
 # What came into a session from outside, exactly as it came; said before what follows from it.

@@ -91,7 +91,7 @@ class Bot:
         if view.consent is not None:
             return (Agree(),)
         self._watch(view)
-        wishes: list[Wish] = [self._answer(dialogue) for dialogue in view.dialogues]
+        wishes: list[Wish] = [self._answer(dialogue) for dialogue in view.dialogues if dialogue.choices]
         talks: Sequence[DialogueView | Consent] = (*view.dialogues, *view.consents)
         taken = {talk.room for talk in talks if talk.matter == "select-room"}
         for robot in view.robots:
@@ -99,7 +99,8 @@ class Bot:
                 wishes.append(wish)
                 if isinstance(wish, Select):
                     taken.add(wish.room)
-        if not wishes and view.robots and all(robot.moving_to is None for robot in view.robots):
+        waits = view.dialogues or view.thinking or any(robot.moving_to is not None for robot in view.robots)
+        if not wishes and view.robots and not waits:
             return (GiveUp(view.game),)
         return wishes
 
@@ -120,7 +121,7 @@ class Bot:
         agreed = [consent for consent in view.consents if consent.robot == robot.robot]
         if robot.blocked or robot.condition is Condition.SILENT or robot.moving_to is not None:
             return
-        if any(dialogue.robot == robot.robot for dialogue in view.dialogues):
+        if robot.robot in view.thinking or any(dialogue.robot == robot.robot for dialogue in view.dialogues):
             return
         room = view.room(robot.place) if robot.place > 0 else None
         if room is not None and room.undecided and room.robot == robot.robot:

@@ -40,7 +40,19 @@ from thbridge.app.config import Study
 from thbridge.app.inputs import value_in
 from thbridge.app.watching import FIRST_GOAL, WAITING, Desk, Granted, request_line
 from thbridge.roles.controls import Controls
-from thbridge.roles.requests import PaceRequest, Pause, Request, Resume, SetParameters, SetRate, Step
+from thbridge.roles.requests import (
+    AdviseFor,
+    PaceRequest,
+    Pause,
+    Puppeteer,
+    Request,
+    Resume,
+    SetParameters,
+    SetRate,
+    SpeakFor,
+    Step,
+    WizardRequest,
+)
 from thbridge.ros.records import CancelRequest, InitialPose, SimpleGoal, VelocityCommand
 
 HERE = Pose2(1.0, 0.5, 0.1)
@@ -64,6 +76,9 @@ GRANTED: list[Granted] = [
     Place(0, HERE),
     Die(1),
     Revive(1),
+    Puppeteer(1, on=True),
+    SpeakFor(3, 0, 0, "Off I go!"),
+    AdviseFor(0, 4),
 ]
 
 
@@ -75,10 +90,12 @@ def team() -> Team:
 class Visited:
     """A desk, and what it has passed on."""
 
-    def __init__(self, team: Team) -> None:
+    def __init__(self, team: Team, has_game: bool = True) -> None:
         self.asked: list[tuple[str, Request]] = []
         self.pacer = Pacer(1.0)
-        self.desk = Desk(lambda sender, request: self.asked.append((sender, request)), team, self.pacer)
+        self.desk = Desk(
+            lambda sender, request: self.asked.append((sender, request)), team, self.pacer, has_game=has_game
+        )
 
     def wish(self, request: Request | PaceRequest, sender: str = "window") -> str | None:
         return self.desk.ask("watcher 1", json.loads(request_line(sender, request)))
@@ -136,6 +153,10 @@ REFUSED: list[tuple[Request, str]] = [
     (RemoveThing("x" * 1000), "name"),
     (Configure(0, RobotParameters()), "not granted"),
     (SetCharge(0, 1e9), "not granted"),
+    (Puppeteer(2, on=True), "robot"),
+    (AdviseFor(-1, 3), "robot"),
+    (SpeakFor(1, 0, 0, "one\ntwo"), "one line"),
+    (SpeakFor(1, 0, 0, "x" * 1000), "one line"),
     (Drive(0, Twist(1.0, 0.0), 10**9), "not granted"),
 ]
 
@@ -192,6 +213,22 @@ def test_a_pause_ends_when_nobody_watches_any_more(visited: Visited) -> None:
     assert not visited.pacer.paused
 
 
+def test_robots_are_released_when_nobody_watches_any_more(visited: Visited) -> None:
+    for request in (Puppeteer(1, on=True), Puppeteer(0, on=True), Puppeteer(1, on=False)):
+        visited.wish(request)
+    del visited.asked[:]
+    visited.desk.unwatched()
+    assert [request for _, request in visited.asked] == [Puppeteer(0, on=False), Puppeteer(1, on=False)]
+    visited.desk.unwatched()
+    assert len(visited.asked) == 2
+
+
+def test_where_the_game_is_another_programs_nobody_can_be_spoken_for(team: Team) -> None:
+    visited = Visited(team, has_game=False)
+    assert "another program" in (visited.wish(Puppeteer(0, on=True)) or "")
+    assert visited.wish(Die(0)) is None
+
+
 def test_so_much_may_be_asked_between_two_ticks_and_no_more(visited: Visited) -> None:
     answers = [visited.wish(Globalize(0)) for _ in range(WAITING + 3)]
     assert [answer is None for answer in answers] == [True] * WAITING + [False] * 3
@@ -237,6 +274,7 @@ def test_whatever_is_wished_the_answer_is_words_or_a_team_can_bear_it(
     controls = Controls(team)
     for _, request in visited.asked:
         assert same(value_in(json.loads(request_line("", request))["fields"], type(request)), request)
-        controls.ask(request)
+        if not isinstance(request, WizardRequest):
+            controls.ask(request)
     for tick in range(2):
         controls.follow(team.step(controls.take_inputs(tick)))

@@ -6,7 +6,7 @@ from hypothesis import strategies as st
 
 from thbridge.dialogue.codec import restore, snapshot
 from thbridge.dialogue.engine import Dialogues, Engine, Reason
-from thbridge.dialogue.moves import Ask, Continue, Outcome, Scenario, Speaker, Stop, Topic
+from thbridge.dialogue.moves import Ask, Author, Continue, Outcome, Scenario, Speaker, Stop, Topic
 from thbridge.dialogue.protocols import TemplateProtocol
 from thbridge.dialogue.strategies import TemplateStrategy
 from thbridge.dialogue.templates import Question, Template, TemplatePhrasing
@@ -163,15 +163,67 @@ def test_consensus_only_ever_comes_of_as_many_continues_as_questions(requests):
     ("value", "complaint"),
     [
         ([], "object"),
-        ({"v": 2, "opened": 0, "open": []}, "version 2"),
-        ({"v": 1, "opened": 0}, "'open'"),
-        ({"v": 1, "opened": 0, "open": [], "more": 1}, "'more'"),
-        ({"v": 1, "opened": 0, "open": [{"number": 1, "scenario": "duel"}]}, "duel"),
+        ({"v": 3, "opened": 0, "open": []}, "version 3"),
+        ({"v": 2, "opened": 0}, "'open'"),
+        ({"v": 2, "opened": 0, "open": [], "more": 1}, "'more'"),
+        ({"v": 2, "opened": 0, "open": [{"number": 1, "scenario": "duel"}]}, "duel"),
     ],
 )
 def test_what_is_no_snapshot_is_refused(value, complaint):
     with pytest.raises(ValueError, match=complaint):
         restore(value)
+
+
+def test_a_held_dialogue_waits_where_the_robot_would_speak():
+    talk = engine()
+    step = talk.open(Dialogues(), TOPIC, held=True)
+    assert (step.utterances, step.outcome, step.dialogue.turns) == ((), None, ())
+    assert talk.choices(step.dialogue) == ()
+    assert [choice.text for choice in talk.choices(step.dialogue, Speaker.ROBOT)] == ["Do you want me to go to room 4"]
+    assert talk.move(step.dialogues, 1, Continue()).reason == Reason.NOT_LEGAL
+    assert talk.speak(step.dialogues, 1, Ask(1)).reason == Reason.NOT_LEGAL
+
+
+def test_what_is_said_in_a_robots_place_is_marked_and_said_again_in_the_same_words():
+    talk = engine()
+    step = talk.open(Dialogues(), TOPIC, held=True)
+    step = talk.speak(step.dialogues, 1, Ask(0), "Room 4, what do you say?")
+    step = talk.move(step.dialogues, 1, Continue(), held=True)
+    assert talk.choices(step.dialogue) == ()
+    step = talk.speak(step.dialogues, 1, Ask(1))
+    step = talk.move(step.dialogues, 1, Continue())
+    said = talk.utterances(restore(json.loads(json.dumps(snapshot(step.dialogues)))).open[0])
+    assert [(turn.author, turn.text) for turn in said] == [
+        (Author.WIZARD, "Room 4, what do you say?"),
+        (Author.PERSON, "Continue"),
+        (Author.WIZARD, "It will cost me 13 to go to room 4"),
+        (Author.PERSON, "Continue"),
+        (Author.ROBOT, "Are you sure?"),
+    ]
+
+
+def test_nobody_can_be_spoken_for_at_the_persons_turn():
+    talk = engine()
+    step = talk.open(Dialogues(), TOPIC)
+    assert talk.speak(step.dialogues, 1, Ask(1)).reason == Reason.NOT_LEGAL
+    assert talk.speak(step.dialogues, 2, Ask(1)).reason == Reason.NO_SUCH_DIALOGUE
+    assert talk.go_on(step.dialogues, 2).reason == Reason.NO_SUCH_DIALOGUE
+    assert talk.go_on(step.dialogues, 1).dialogues == step.dialogues
+
+
+@given(st.lists(st.booleans(), max_size=8))
+def test_a_robot_that_goes_on_says_what_it_would_have_said(held):
+    talk = engine()
+    plain, step = talk.open(Dialogues(), TOPIC), talk.open(Dialogues(), TOPIC, held=True)
+    for hold in held:
+        step = talk.go_on(step.dialogues, 1)
+        assert step.dialogue == plain.dialogue
+        if plain.outcome is not None:
+            return
+        plain = talk.move(plain.dialogues, 1, Continue())
+        step = talk.move(step.dialogues, 1, Continue(), held=hold)
+        if step.outcome is not None:
+            return
 
 
 def test_a_strategy_cannot_break_the_protocol():

@@ -78,7 +78,7 @@ def records(tick: int) -> tuple[Record, ...]:
         GameEvent("identified", 0, room, '{"event":"identified","name":"Blue <Bottle>","points":-20}'),
         GameEvent("ended", None, None, '{"event":"ended","reason":"all-visited"}'),
         Score(10 * room - 30, room, 8, (80.5, 70.25)),
-        Utterance(tick, "robot", 0, room, "select-room", f"It will cost me £{room} to go there", "claim"),
+        Utterance(tick, "robot", 0, room, "select-room", f"It will cost me £{room} to go there", "claim", "robot"),
         InitialPose(0, Pose2(1.0, 2.0, 0.5), np.diag([0.25, 0.25, 0.07])),
     )
 

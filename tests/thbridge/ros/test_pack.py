@@ -291,9 +291,9 @@ def test_score(tick: int, points: int, energy: list[float]) -> None:
 
 @given(TICKS, st.integers(-(2**63), 2**63 - 1), TEXTS, TEXTS, st.none() | st.integers(0, 99))
 def test_utterance(tick: int, dialogue: int, speaker: str, text: str, room: int | None) -> None:
-    record = Utterance(dialogue, speaker, 2, room, "select-room", text, "continue")
+    record = Utterance(dialogue, speaker, 2, room, "select-room", text, "continue", "wizard")
     data = pack.utterance(tick, record)
-    fields = (dialogue, speaker, 3, -1 if room is None else room, "select-room", text, "continue")
+    fields = (dialogue, speaker, 3, -1 if room is None else room, "select-room", text, "continue", "wizard")
     assert data == serialised(types.UTTERANCE, message(types.UTTERANCE, ros_header(tick), *fields))
     assert unpack.utterance(data) == record
 
@@ -315,7 +315,7 @@ def test_cut_messages_are_value_errors(data: st.DataObject) -> None:
         unpack.battery_state: pack.battery_state(Battery(1, 2.0, 3.0), "x"),
         unpack.session: pack.session(0, SESSION),
         unpack.score: pack.score(1, Score(1, 2, 3, (4.0,))),
-        unpack.utterance: pack.utterance(1, Utterance(1, "robot", 0, 1, "s", "t", "m")),
+        unpack.utterance: pack.utterance(1, Utterance(1, "robot", 0, 1, "s", "t", "m", "robot")),
     }
     read = data.draw(st.sampled_from(list(samples)))
     sample = samples[read]

@@ -217,6 +217,7 @@ class _Gathered:
     def _utterance(self, time: float, topic: str, data: bytes) -> None:
         said: Utterance = unpack.utterance(data)
         who = f"robot{said.robot + 1}" if said.speaker == "robot" else f"participant to robot{said.robot + 1}"
+        who += " (by a wizard)" if said.author == "wizard" else ""
         self._moments.append(Moment(time, "said", who, said.room, said.text or said.move))
 
     def _input(self, time: float, topic: str, data: bytes) -> None:

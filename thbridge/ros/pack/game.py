@@ -55,6 +55,7 @@ def utterance(tick: int, record: Utterance) -> bytes:
             string(record.scenario),
             string(record.text),
             string(record.move),
+            string(record.author),
         )
     )
 

@@ -41,12 +41,14 @@ def score(data: bytes) -> Score:
 
 
 def utterance(data: bytes) -> Utterance:
-    """thbridge_msgs/Utterance."""
+    """thbridge_msgs/Utterance; recordings from before robots could be spoken for have no author."""
     cursor = Cursor(data)
     cursor.header()
     dialogue, speaker = cursor.integer(INT64), cursor.string()
     robot, room = cursor.integer(INT32) - 1, _room(cursor.integer(INT32))
-    return Utterance(dialogue, speaker, robot, room, cursor.string(), cursor.string(), cursor.string())
+    scenario, text, move = cursor.string(), cursor.string(), cursor.string()
+    author = cursor.string() if cursor.is_left else "robot" if speaker == "robot" else "person"
+    return Utterance(dialogue, speaker, robot, room, scenario, text, move, author)
 
 
 def outside_input(data: bytes) -> Input:

@@ -97,6 +97,7 @@ class Story:
             case types.UTTERANCE:
                 spoken = unpack.utterance(said.data)
                 speaker = robot_name(spoken.robot) if spoken.speaker == "robot" else "participant"
+                speaker += " (spoken for)" if spoken.author == "wizard" else ""
                 text = spoken.text or spoken.move
                 return Entry(stamp, "said", spoken.scenario, speaker, spoken.robot, spoken.room, text)
             case types.INPUT:
