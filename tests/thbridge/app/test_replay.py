@@ -1,5 +1,6 @@
 import asyncio
 import dataclasses
+import json
 from collections.abc import Callable, Iterator, Mapping, Sequence
 from pathlib import Path
 
@@ -31,9 +32,19 @@ from thbridge.app.session import Moment, Outpost, Session
 from thbridge.app.watching import request_line
 from thbridge.app.what_if import Change, changed
 from thbridge.roles.notices import KEEPER, Order, Orders, Subscribe, tell
-from thbridge.roles.requests import PaceRequest, Pause, Request, Resume, SetParameters, Step
+from thbridge.roles.requests import (
+    AdviseFor,
+    PaceRequest,
+    Pause,
+    Puppeteer,
+    Request,
+    Resume,
+    SetParameters,
+    SpeakFor,
+    Step,
+)
 from thbridge.roles.tabui import TabUI
-from thbridge.ros import names
+from thbridge.ros import names, unpack
 from thbridge.ros.publisher import Message, Topic
 from thbridge.ros.records import CancelRequest, GoalRequest, InitialPose, SimpleGoal, VelocityCommand
 from thbridge.ros.stamps import START_NS, TICK_NS
@@ -161,6 +172,32 @@ class TestSame:
         asked = watched(bag, STUDY, 8.0, plan)
         assert asked == [type(request) for _, request in plan if not isinstance(request, Pause | Resume | Step)]
         equal(bag, 8 * 50)
+
+    def test_what_a_wizard_said_is_said_again(self, tmp_path: Path) -> None:
+        def conjure(tick: int, session: Session) -> None:
+            if tick == 1:
+                session.ask("wizard", Puppeteer(0, on=True))
+            if tick == 60:
+                session.ask("wizard", AdviseFor(0, 5))
+                session.ask("wizard", SpeakFor(1, 0, 0, "This is for a later turn, or none."))
+            if tick == 80:
+                session.ask("wizard", Puppeteer(0, on=False))
+            for number in (1, 2):
+                if tick == 70:
+                    session.ask("wizard", SpeakFor(number, 0, 0, "Room 5, shall I?"))
+
+        bag = tmp_path / "hunt.bag"
+        act(bag, STUDY, 200, conjure)
+        equal(bag, 200)
+        said = [unpack.utterance(message.data) for message in messages(bag, [names.UTTERANCES])]
+        ours = [(said.author, said.text) for said in said if said.robot == 0 and said.author != "person"]
+        assert ours[0] == ("wizard", "Room 5, shall I?")
+        assert {author for author, _ in ours[1:]} == {"robot"}
+        held = [json.loads(unpack.string(message.data)) for message in messages(bag, [names.WIZARD])]
+        assert held[0]["puppets"] == [0]
+        assert held[-1] == {"puppets": [], "turns": [], "advice": []}
+        assert any(level["advice"] for level in held)
+        assert any(level["turns"] for level in held)
 
     def test_packed_and_split_recordings_are_read_as_one(self, tmp_path: Path) -> None:
         bag = tmp_path / "hunt.bag"
