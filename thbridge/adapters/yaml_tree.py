@@ -112,7 +112,8 @@ def parse(path: Path, text: str, ros: bool = False) -> Node:
     anchors = _Anchors(path)
     documents = 0
     try:
-        for event in YAML(typ="safe", pure=True).parse(text):
+        # Without plug-ins, which are looked for on disk.
+        for event in YAML(typ="safe", pure=True, plug_ins=[]).parse(text):
             if isinstance(event, DocumentStartEvent):
                 documents += 1
                 if documents > 1:

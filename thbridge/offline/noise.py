@@ -11,7 +11,6 @@ from typing import Literal
 
 import numpy as np
 from numba import njit
-from numpy.typing import NDArray
 
 from sim.geometry import FloatArray, Pose2
 from sim.grid import FREE, OCCUPIED, OccupancyGrid
@@ -25,7 +24,7 @@ from sim.world import Misplaced, Wheels, World, measured_by, wheels_of
 PATHS = 200
 """Paths in a fan."""
 SEED = 1
-_KEPT = 80
+_KEPT = 60
 """Points of a path; more would not be seen."""
 _CHI_SQUARE_95 = 5.991464547107979
 """Of two degrees of freedom: within it lie 95 % of a normal distribution in the plane."""
@@ -71,7 +70,7 @@ def wheels_fan(noise: OdometryNoise, course: Course, speed: float, turn: float) 
     """
     movements = _movements(course, speed, turn)
     stride = max(1, len(movements) // _KEPT)
-    return _fan(_poses(movements)[:, :2], _reported(movements, _keys(), wheels_of(noise), stride))
+    return _fan(_poses(movements)[:, :2], _reported(movements, _draws(len(movements)), wheels_of(noise), stride))
 
 
 def believed_fan(amcl: AmclParameters, course: Course, speed: float, turn: float) -> Fan:
@@ -115,23 +114,32 @@ def _in_ticks(distance: float, half: float, seconds: float) -> FloatArray:
     return np.tile(np.array([[distance / ticks, half / ticks]]), (ticks, 1))
 
 
-@lru_cache(maxsize=1)
-def _keys() -> NDArray[np.uint64]:
-    return np.array([key(SEED, "fan", f"path{i + 1}") for i in range(PATHS)], dtype=np.uint64)
+@lru_cache(maxsize=4)
+def _draws(ticks: int) -> FloatArray:
+    """(n, ticks, 3) standard normals: the same for all noise, so that only what is changed makes a difference."""
+    keys = np.array([key(SEED, "fan", f"path{i + 1}") for i in range(PATHS)], dtype=np.uint64)
+    draws = np.empty((PATHS, ticks, 3))
+    for i in range(PATHS):
+        _draw(keys[i], draws[i])
+    return draws
+
+
+@njit(cache=True)
+def _draw(key: np.uint64, out: FloatArray) -> None:
+    for tick in range(out.shape[0]):
+        normals(key, tick, out[tick])
 
 
 @njit(cache=True, nogil=True)
-def _reported(movements: FloatArray, keys: NDArray[np.uint64], wheels: Wheels, stride: int) -> FloatArray:
+def _reported(movements: FloatArray, draws: FloatArray, wheels: Wheels, stride: int) -> FloatArray:
     """(n, k, 2) where the wheels of n robots say that they are: at the start, every `stride` ticks, at the end."""
     ticks = movements.shape[0]
     kept = 1 + (ticks + stride - 1) // stride
-    paths = np.zeros((keys.size, kept, 2))
-    draws = np.empty(3)
-    for i in range(keys.size):
+    paths = np.zeros((draws.shape[0], kept, 2))
+    for i in range(draws.shape[0]):
         x, y, theta = 0.0, 0.0, 0.0
         for tick in range(ticks):
-            normals(keys[i], tick, draws)
-            first, chord, second = measured_by(wheels, movements[tick, 0], movements[tick, 1], draws)
+            first, chord, second = measured_by(wheels, movements[tick, 0], movements[tick, 1], draws[i, tick])
             x += chord * math.cos(theta + first)
             y += chord * math.sin(theta + first)
             theta += first + second

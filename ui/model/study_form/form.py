@@ -1,6 +1,7 @@
 """The fields of a study's form: what the schema says of each, and what the file says."""
 
 import dataclasses
+import re
 import textwrap
 from collections.abc import Iterator, Mapping
 from dataclasses import dataclass
@@ -27,6 +28,9 @@ from thbridge.app.study_text import SHOWN_ELSEWHERE, as_yaml, is_plain_word
 
 if TYPE_CHECKING:
     from _typeshed import DataclassInstance
+
+
+_PLAIN = re.compile(r"[\w.+-]+")
 
 
 class Kind(StrEnum):
@@ -161,6 +165,8 @@ def typed(field: Field, said: str) -> str:
 
 def said_of(field: Field) -> str:
     """What holds, as a person would type it: a text without its quotes."""
+    if _PLAIN.fullmatch(field.value):
+        return field.value
     one_line = "\n" not in field.value
     if field.kind is Kind.LIST and one_line:
         return field.value

@@ -2,8 +2,10 @@
 
 from collections.abc import Callable
 from dataclasses import dataclass
+from typing import cast
 
 import numpy as np
+from pyqtgraph.functions import arrayToQPolygonF
 from PySide6.QtCore import QPointF, QRectF, QSize, Qt
 from PySide6.QtGui import QColor, QImage, QPainter, QPaintEvent, QPen, QPolygonF, QResizeEvent
 from PySide6.QtWidgets import QSizePolicy, QWidget
@@ -92,19 +94,26 @@ class _Sheet:
 
     def polygon(self, points: FloatArray) -> QPolygonF:
         """Points in metres as Qt has them."""
-        xs = (self._x + self._scale * points[:, 0]).tolist()
-        ys = (self._y - self._scale * points[:, 1]).tolist()
-        return QPolygonF([QPointF(x, y) for x, y in zip(xs, ys, strict=True)])
+        xs, ys = self._x + self._scale * points[:, 0], self._y - self._scale * points[:, 1]
+        return cast(QPolygonF, arrayToQPolygonF(xs, ys))
 
-    def line(self, points: FloatArray, colour: str, width: float, *, dashed: bool = False, alpha: int = 255) -> None:
+    def line(self, points: FloatArray, colour: str, width: float, *, dashed: bool = False) -> None:
         """A line through points."""
-        ink = QColor(colour)
-        ink.setAlpha(alpha)
-        pen = QPen(ink, width)
+        pen = QPen(QColor(colour), width)
         if dashed:
             pen.setStyle(Qt.PenStyle.DashLine)
         self.painter.setPen(pen)
         self.painter.drawPolyline(self.polygon(points))
+
+    def hairs(self, paths: FloatArray, colour: str, alpha: int) -> None:
+        """(n, k, 2) many lines, each one pixel wide: thicker ones take ten times as long."""
+        ink = QColor(colour)
+        ink.setAlpha(alpha)
+        pen = QPen(ink, 1.0)
+        pen.setCosmetic(True)
+        self.painter.setPen(pen)
+        for path in paths:
+            self.painter.drawPolyline(self.polygon(path))
 
     def dots(self, points: FloatArray, colour: str, size: float) -> None:
         """Round dots."""
@@ -143,8 +152,7 @@ def fan_image(fan: Fan, other: Fan, canvas: Canvas, colour: str, *, dashed: bool
     """A fan: what was driven, 200 paths, the ellipse of their ends; to the scale at which the other one fits, too."""
     everything = np.concatenate([each.reshape(-1, 2) for one in (fan, other) for each in (one.paths, one.ellipse)])
     sheet = _Sheet(canvas, np.concatenate([everything, fan.driven]))
-    for path in fan.paths:
-        sheet.line(path, colour, 0.8, alpha=60)
+    sheet.hairs(fan.paths, colour, 70)
     sheet.dots(fan.paths[:, -1], colour, 3.0)
     sheet.line(fan.driven, canvas.palette.text, 2.0)
     sheet.line(fan.ellipse, canvas.palette.text, 1.8, dashed=dashed)
@@ -158,8 +166,7 @@ def scan_image(scan: RoomScan, canvas: Canvas) -> QImage:
     palette = canvas.palette
     for wall in scan.walls:
         sheet.line(wall, palette.wall, 3.0)
-    for end in scan.true:
-        sheet.line(np.array([scan.laser, end]), palette.line, 0.5, alpha=70)
+    sheet.hairs(np.stack([np.broadcast_to(scan.laser, scan.true.shape), scan.true], axis=1), palette.line, 70)
     sheet.dots(scan.true, palette.text, 3.0)
     sheet.crosses(scan.seen, palette.robot(1), 3.0)
     sheet.dots(scan.laser[None, :], palette.text, 9.0)
