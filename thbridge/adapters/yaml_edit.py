@@ -11,17 +11,25 @@ from enum import StrEnum
 from pathlib import Path
 
 from thbridge.adapters.errors import BadFile
+from thbridge.adapters.yaml_places import (
+    Step,
+    behind_key,
+    column_of,
+    end_of,
+    is_empty,
+    left_out,
+    line_end,
+    line_start,
+    node_at,
+    path_of,
+    steps_of,
+)
 from thbridge.adapters.yaml_tree import Listing, Node, Scalar, Section, parse, quoted
 from thbridge.hunt.outcomes import Refused
 
-Step = str | int
-"""A key of a section, or the index of an item."""
 Names = Callable[[str], Sequence[str]]
 """The keys of the section at a path, in the order in which a file should have them."""
 
-_STEP = re.compile(r"\[(\d+)\]|([^.\[\]]+)")
-_COLON = re.compile(r"[ ]*:")
-_CLOSING = re.compile(r"(?:[\s,]|#[^\n]*)*[\]}]")
 _COMMENT_BEHIND = re.compile(r"[ ]*(#[^\r\n]*)?")
 _PLAIN_KEY = re.compile(r"[A-Za-z0-9_][A-Za-z0-9_/-]*")
 _SCRATCH = Path("text")
@@ -33,27 +41,6 @@ class Reason(StrEnum):
 
     NOT_YAML = "not-yaml"
     NOT_UNDERSTOOD = "not-understood"
-
-
-def steps_of(key: str) -> tuple[Step, ...]:
-    """A path such as `things[0].name`, taken apart."""
-    return tuple(int(index) if index else name for index, name in _STEP.findall(key))
-
-
-def node_at(tree: Node, steps: Sequence[Step]) -> Node | None:
-    """What stands at a path; None where nothing does."""
-    node: Node | None = tree
-    for step in steps:
-        node = None if node is None else _child(node, step)
-    return node
-
-
-def source_of(text: str, tree: Node, key: str) -> str | None:
-    """The value at a path as it is written, without comments behind it; None where the key is not written."""
-    node = node_at(tree, steps_of(key))
-    if node is None:
-        return None
-    return "" if _left_out(node) else text[node.start : _end(text, node)]
 
 
 def with_value(text: str, key: str, value: str, names: Names = lambda _: (), tree: Node | None = None) -> str | Refused:
@@ -105,17 +92,17 @@ class _Edit:
             return self._text
         if known == len(steps):
             return self._replaced(steps, node, value)
-        if _is_empty(node) and not (known == 0 and isinstance(node, Section)):
+        if is_empty(node) and not (known == 0 and isinstance(node, Section)):
             return self._filled(steps, known, node, value)
         return self._added(steps, known, node, value)
 
     def _replaced(self, steps: Sequence[Step], node: Node, value: str) -> str:
-        text, end = self._text, _end(self._text, node)
-        if _left_out(node) or (not isinstance(node, Scalar) and not node.flow):
+        text, end = self._text, end_of(self._text, node)
+        if left_out(node) or (not isinstance(node, Scalar) and not node.flow):
             # Behind the colon, and before a comment that may stand there.
             behind = self._behind_name(steps)
-            between = "" if _left_out(node) else text[behind : node.start].rstrip()
-            return text[:behind] + " " + value + between + text[behind if _left_out(node) else end :]
+            between = "" if left_out(node) else text[behind : node.start].rstrip()
+            return text[:behind] + " " + value + between + text[behind if left_out(node) else end :]
         return text[: node.start] + value + text[end:]
 
     def _filled(self, steps: Sequence[Step], known: int, node: Node, value: str) -> str:
@@ -124,8 +111,8 @@ class _Edit:
         if self._inside_flow(steps[:known]) or not isinstance(steps[known - 1], str):
             return self._replaced(steps[:known], node, self._flow(steps[known:], value, bare=False))
         behind = self._behind_name(steps[:known])
-        end = behind if _left_out(node) else _end(text, node)
-        at = _line_end(text, end)
+        end = behind if left_out(node) else end_of(text, node)
+        at = line_end(text, end)
         column = self._column_of_name(steps[:known]) + _INDENT
         added = self._newline.join(self._block(steps[known:], value, column))
         return text[:behind] + text[end:at] + self._newline + added + text[at:]
@@ -137,7 +124,7 @@ class _Edit:
             return text
         neighbour = self._neighbour(node, steps, known)
         if not isinstance(node, Section):
-            ends = [_end(text, item) for item in node.items]
+            ends = [end_of(text, item) for item in node.items]
             end = ends[-1] if ends else node.start + 1
         else:
             end = self._end_of_entry(node.entries[neighbour]) if node.entries else 0
@@ -150,8 +137,8 @@ class _Edit:
             lines = self._newline.join(self._block(steps[known:], value, 0))
             gap = "" if not text or text.endswith("\n") else self._newline
             return text + gap + lines + self._newline
-        at = _line_end(text, end)
-        added = self._newline.join(self._block(steps[known:], value, _column(text, node.start)))
+        at = line_end(text, end)
+        added = self._newline.join(self._block(steps[known:], value, column_of(text, node.start)))
         return text[:at] + self._newline + added + text[at:]
 
     def _neighbour(self, node: Node, steps: Sequence[Step], known: int) -> int:
@@ -215,12 +202,12 @@ class _Edit:
             if node is None:
                 return text
             dash = text.rfind("-", 0, node.start)
-            return _without_lines(text, dash, _end(text, node))
+            return _without_lines(text, dash, end_of(text, node))
         if not isinstance(section, Section):
             return text
         index = [name.text for name, _ in section.entries].index(step)
         name, _ = section.entries[index]
-        if not text[_line_start(text, name.start) : name.start].strip():
+        if not text[line_start(text, name.start) : name.start].strip():
             return _without_lines(text, name.start, self._end_of_entry(section.entries[index]))
         # The first key of an item stands behind its dash.
         if index + 1 < len(section.entries):
@@ -236,7 +223,7 @@ class _Edit:
             index = [name.text for name, _ in parent.entries].index(str(step))
             spans = [(entry[0].start, self._end_of_entry(entry)) for entry in parent.entries]
         elif isinstance(parent, Listing) and isinstance(step, int):
-            index, spans = step, [(item.start, _end(text, item)) for item in parent.items]
+            index, spans = step, [(item.start, end_of(text, item)) for item in parent.items]
         if index + 1 < len(spans):
             return text[: spans[index][0]] + text[spans[index + 1][0] :]
         start = spans[index - 1][1] if index else spans[index][0]
@@ -250,19 +237,15 @@ class _Edit:
 
     def _end_of_entry(self, entry: tuple[Scalar, Node]) -> int:
         name, node = entry
-        return self._behind(name) if _left_out(node) else _end(self._text, node)
-
-    def _behind(self, name: Scalar) -> int:
-        colon = _COLON.match(self._text, name.end)
-        return name.end if colon is None else colon.end()
+        return behind_key(self._text, name) if left_out(node) else end_of(self._text, node)
 
     def _behind_name(self, steps: Sequence[Step]) -> int:
         entry = self._entry(steps)
-        return 0 if entry is None else self._behind(entry[0])
+        return 0 if entry is None else behind_key(self._text, entry[0])
 
     def _column_of_name(self, steps: Sequence[Step]) -> int:
         entry = self._entry(steps)
-        return 0 if entry is None else _column(self._text, entry[0].start)
+        return 0 if entry is None else column_of(self._text, entry[0].start)
 
     def _inside_flow(self, steps: Sequence[Step]) -> bool:
         """Whether what stands at a path stands between brackets."""
@@ -270,12 +253,14 @@ class _Edit:
         return any(isinstance(parent, Section | Listing) and parent.flow for parent in parents)
 
 
-def path_of(steps: Sequence[Step]) -> str:
-    """A path written together, as `steps_of` takes it apart."""
-    path = ""
-    for step in steps:
-        path += f"[{step}]" if isinstance(step, int) else f".{step}" if path else step
-    return path
+def _only_child(node: Node | None) -> bool:
+    match node:
+        case Listing(items=items):
+            return len(items) == 1
+        case Section(entries=entries):
+            return len(entries) == 1
+        case _:
+            return False
 
 
 def in_brackets(node: Node) -> str:
@@ -289,74 +274,9 @@ def in_brackets(node: Node) -> str:
             return f"{{{', '.join(f'{_key(name.text)}: {in_brackets(child)}' for name, child in entries)}}}"
 
 
-def _child(node: Node, step: Step) -> Node | None:
-    if isinstance(node, Section):
-        return next((child for name, child in node.entries if name.text == str(step)), None)
-    if isinstance(node, Listing) and isinstance(step, int) and step < len(node.items):
-        return node.items[step]
-    return None
-
-
-def _left_out(node: Node) -> bool:
-    return isinstance(node, Scalar) and node.plain and not node.text
-
-
-def _is_empty(node: Node) -> bool:
-    match node:
-        case Scalar():
-            return node.absent
-        case Listing(items=items):
-            return not items
-        case Section(entries=entries):
-            return not entries
-
-
-def _only_child(node: Node | None) -> bool:
-    match node:
-        case Listing(items=items):
-            return len(items) == 1
-        case Section(entries=entries):
-            return len(entries) == 1
-        case _:
-            return False
-
-
-def _end(text: str, node: Node) -> int:
-    """Where a value ends: behind its last sign or bracket."""
-    if isinstance(node, Scalar):
-        # A text in several lines (|) takes the empty lines behind it along.
-        return node.start + len(text[node.start : node.end].rstrip("\r\n")) if node.end > node.start else node.end
-    last: int = node.start + 1
-    if isinstance(node, Section) and node.entries:
-        name, value = node.entries[-1]
-        colon = _COLON.match(text, name.end)
-        last = (name.end if colon is None else colon.end()) if _left_out(value) else _end(text, value)
-    elif isinstance(node, Listing) and node.items:
-        last = _end(text, node.items[-1])
-    if not node.flow:
-        return last
-    closing = _CLOSING.match(text, last)
-    return last if closing is None else closing.end()
-
-
-def _line_start(text: str, at: int) -> int:
-    return text.rfind("\n", 0, at) + 1
-
-
-def _line_end(text: str, at: int) -> int:
-    """Where the line ends, before the sign or signs that end it."""
-    end = text.find("\n", at)
-    end = len(text) if end < 0 else end
-    return end - 1 if end > at and text[end - 1] == "\r" else end
-
-
-def _column(text: str, at: int) -> int:
-    return at - _line_start(text, at)
-
-
 def _without_lines(text: str, start: int, end: int) -> str:
     """The text without the lines from `start` to `end`; a comment behind them stays, in a line of its own."""
-    start = _line_start(text, start)
+    start = line_start(text, start)
     comment = _COMMENT_BEHIND.match(text, end)
     if comment is not None and comment.group(1):
         indent = text[start : len(text)]

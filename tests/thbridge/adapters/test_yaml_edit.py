@@ -5,7 +5,8 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from thbridge.adapters.yaml_edit import Reason, path_of, source_of, steps_of, with_value, without
+from thbridge.adapters.yaml_edit import Reason, with_value, without
+from thbridge.adapters.yaml_places import path_of, source_of, steps_of
 from thbridge.adapters.yaml_tree import Node, parse
 from thbridge.hunt.outcomes import Refused
 

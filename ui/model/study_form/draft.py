@@ -7,7 +7,8 @@ from dataclasses import dataclass
 from pathlib import Path
 
 from thbridge.adapters.errors import BadFile, BadFiles
-from thbridge.adapters.yaml_edit import node_at, steps_of, with_value, without
+from thbridge.adapters.yaml_edit import with_value, without
+from thbridge.adapters.yaml_places import node_at, steps_of
 from thbridge.adapters.yaml_tree import Node, Section, parse
 from thbridge.app.compose import read_setting
 from thbridge.app.config import Study, StudyFile, load_study_tree, study_before

@@ -20,7 +20,8 @@ from thbridge.adapters.declarations import (
     sections_named_in,
 )
 from thbridge.adapters.errors import BadFile
-from thbridge.adapters.yaml_edit import in_brackets, node_at, source_of, steps_of
+from thbridge.adapters.yaml_edit import in_brackets
+from thbridge.adapters.yaml_places import node_at, source_of, steps_of
 from thbridge.adapters.yaml_tree import Listing, Node, Scalar, Section, parse, quoted
 from thbridge.app.config import StudyFile
 from thbridge.app.noise import HOMES
@@ -138,6 +139,17 @@ class Group:
 
 _NOISE_OF = {home: f"noise.{path}" for path, home in HOMES.items()}
 """The place in the section `noise` of each number that has another home."""
+
+
+_LABELS = {
+    "server": "Text server",
+    "fleet": "Real robots",
+    "fleet.robot": "Names of every robot",
+    "fleet.each": "Names of single robots",
+    "robot": "Robots' software",
+    "each": "Single robots",
+    "ros_parameters": "Parameter files of ROS",
+}
 
 
 def form_of(text: str, tree: Node, start: StudyFile) -> Group:
@@ -362,6 +374,8 @@ def _joined(key: str, name: str) -> str:
 def _label(key: str) -> str:
     """A name for people; those of ROS stay as people know them from ROS."""
     name = key.rpartition(".")[2]
+    if key in _LABELS:
+        return _LABELS[key]
     if key.startswith(("robot.", "each.", "noise.believed.")):
         return name
     words = name.replace("_", " ")

@@ -2,7 +2,7 @@
 
 from collections.abc import Iterator, Mapping
 
-from PySide6.QtCore import QElapsedTimer, Qt, QTimer, Signal
+from PySide6.QtCore import QElapsedTimer, Qt, QTimer, Signal, SignalInstance
 from PySide6.QtGui import QColor, QFont, QFontDatabase, QPalette, QTextCharFormat, QTextCursor
 from PySide6.QtWidgets import (
     QHBoxLayout,
@@ -19,6 +19,7 @@ from ui.model.study_form.form import Field, Group, Repeats
 from ui.windows.look import GAP, colours, font, label, panel
 from ui.windows.study.row import Row
 
+_FOUND = "found"
 _MOST_FOUND = 40
 _SLICE = 15
 """Milliseconds of building before the window lives on."""
@@ -50,6 +51,7 @@ class FieldsPage(QScrollArea):
         self.setWidgetResizable(True)
         self.setHorizontalScrollBarPolicy(Qt.ScrollBarPolicy.ScrollBarAlwaysOff)
         self._rows: dict[str, Row] = {}
+        self._clearing: dict[str, QPushButton] = {}
         self._shape: tuple[str, ...] = ()
         self._draft: Draft | None = None
         self._building: Iterator[None] = iter(())
@@ -91,7 +93,7 @@ class FieldsPage(QScrollArea):
         fields = found(draft.form, words)
         told = f"{len(fields)} found" if len(fields) <= _MOST_FOUND else f"{len(fields)} found; the first {_MOST_FOUND}"
         group = Group(
-            "search", f"“{words}”: {told}" if fields else f"“{words}”: nothing found", "", fields[:_MOST_FOUND], ()
+            _FOUND, f"“{words}”: {told}" if fields else f"“{words}”: nothing found", "", fields[:_MOST_FOUND], ()
         )
         self.show_groups(draft, (group,))
 
@@ -101,6 +103,9 @@ class FieldsPage(QScrollArea):
         for key, row in self._rows.items():
             if key in fields:
                 row.show_field(fields[key], draft.faults_of(fields[key]))
+        groups = draft.groups()
+        for key, button in self._clearing.items():
+            button.setEnabled(key in groups and groups[key].written() > 0)
 
     def _refresh_row(self, row: Row) -> None:
         draft = self._draft
@@ -116,24 +121,43 @@ class FieldsPage(QScrollArea):
         column.setSpacing(2 * GAP)
         column.addStretch(1)
         self.setWidget(inside)
+        self._clearing = {}
         for index, group in enumerate(groups):
-            head = QVBoxLayout()
-            head.setSpacing(GAP // 2)
-            head.addWidget(label(group.label, "title" if index == 0 else "body", bold=True))
-            if group.help:
-                head.addWidget(label(group.help[:1].upper() + group.help[1:] + ".", muted=True))
-            column.insertLayout(column.count() - 1, head)
+            column.insertLayout(column.count() - 1, self._head(group, first=index == 0, whole=groups[0]))
             if group.fields:
                 card = QWidget()
                 column.insertWidget(column.count() - 1, card)
                 yield from self._fill_card(card, group.fields, narrow=narrow)
             if group.repeats is not None:
                 column.insertLayout(column.count() - 1, self._adding(group))
-            if index == 0:
-                for inner in group.groups:
-                    if not any(inner.key == shown.key for shown in groups):
-                        link = self._link(inner, removable=group.repeats is not None)
-                        column.insertLayout(column.count() - 1, link)
+            for inner in group.groups if index == 0 else ():
+                if not any(inner.key == shown.key for shown in groups):
+                    link = self._link(inner, removable=group.repeats is not None)
+                    column.insertLayout(column.count() - 1, link)
+
+    def _head(self, group: Group, *, first: bool, whole: Group) -> QVBoxLayout:
+        """A section's name and meaning, and what can be done with all of it."""
+        head = QVBoxLayout()
+        head.setSpacing(GAP // 2)
+        row = QHBoxLayout()
+        row.addWidget(label(group.label, "title" if first else "body", bold=True), 1)
+        if not first and whole.repeats is Repeats.ITEMS:
+            row.addWidget(self._button("Remove", f"Remove {group.label}", self.removed, group.key))
+        elif first and group.key not in {"", _FOUND} and group.repeats is None:
+            clear = self._button("Reset all", f"Reset all of {group.label}", self.cleared, group.key)
+            clear.setEnabled(group.written() > 0)
+            self._clearing[group.key] = clear
+            row.addWidget(clear)
+        head.addLayout(row)
+        if group.help:
+            head.addWidget(label(group.help[:1].upper() + group.help[1:] + ".", muted=True))
+        return head
+
+    def _button(self, words: str, name: str, signal: SignalInstance, key: str) -> QPushButton:
+        button = QPushButton(words)
+        button.setAccessibleName(name)
+        button.clicked.connect(lambda: signal.emit(key))
+        return button
 
     def _fill_card(self, card: QWidget, fields: tuple[Field, ...], *, narrow: bool) -> Iterator[None]:
         panel(card)
@@ -170,10 +194,7 @@ class FieldsPage(QScrollArea):
         if group.help and not removable:
             row.addWidget(label(group.help, "small", muted=True), 1)
         if removable:
-            remove = QPushButton("Remove")
-            remove.setAccessibleName(f"Remove {group.label}")
-            remove.clicked.connect(lambda: self.removed.emit(group.key))
-            row.addWidget(remove)
+            row.addWidget(self._button("Remove", f"Remove {group.label}", self.removed, group.key))
         row.addStretch(1 if removable else 0)
         return row
 

@@ -11,6 +11,8 @@ from ui.model.study_form.form import Field, Kind, hint_of, said_of
 from ui.windows.look import GAP, font, label
 
 _EDITOR_WIDTH = 240
+_WIDE = 340
+"""Of lists."""
 _NARROW = 128
 """Beside drawings."""
 _STEPS = 1000
@@ -70,7 +72,7 @@ class Row(QWidget):
         self._combo: _Combo | None = None
         self._slider = self._made_slider(field) if narrow and _slides(field) else None
         editor = self._made_combo(field) if field.kind in {Kind.CHOICE, Kind.TRUTH} else self._made_line(field)
-        editor.setFixedWidth(_NARROW if narrow else _EDITOR_WIDTH)
+        editor.setFixedWidth(_NARROW if narrow else _WIDE if field.kind is Kind.LIST else _EDITOR_WIDTH)
         editor.setAccessibleName(field.label if not field.unit else f"{field.label}, {field.unit}")
         self._editor = editor
         unit = label(field.unit, "small", muted=True)
@@ -128,6 +130,7 @@ class Row(QWidget):
             if self._line.text() != said:
                 with QSignalBlocker(self._line):
                     self._line.setText(said)
+                    self._line.setCursorPosition(0)
             self._set_muted(self._line, field.written is None)
         if self._combo is not None and self._combo.currentText() != said:
             with QSignalBlocker(self._combo):

@@ -8,29 +8,23 @@ from PySide6.QtWidgets import (
     QHBoxLayout,
     QLabel,
     QLineEdit,
-    QListWidget,
-    QListWidgetItem,
     QMainWindow,
     QMessageBox,
     QPushButton,
     QSplitter,
     QStackedWidget,
-    QTreeWidget,
-    QTreeWidgetItem,
     QVBoxLayout,
     QWidget,
 )
 
-from thbridge.adapters.errors import BadFile
-from ui.model.study_form.form import Group
-from ui.windows.look import GAP, label, panel
+from ui.model.study_form.form import Repeats
+from ui.windows.look import GAP, RING, colours, label, panel
 from ui.windows.study.editor import StudyEditor
+from ui.windows.study.faults import Faults
 from ui.windows.study.noise_page import NoiseView
 from ui.windows.study.pages import ChangesPage, FieldsPage, TextPage
+from ui.windows.study.sections import NOISE, Sections
 
-_KEY = Qt.ItemDataRole.UserRole
-_NOISE = "noise"
-_FAULTS_HEIGHT = 104
 _FIELDS_WIDTH = 400
 
 
@@ -50,18 +44,14 @@ class StudyWindow(QMainWindow):
         self._closing = False
         self.search = QLineEdit(placeholderText="Find a setting   Ctrl+F", clearButtonEnabled=True)
         self.search.setAccessibleName("Find a setting by its name, meaning or ROS name")
-        self.sections = QTreeWidget()
-        self.sections.setHeaderHidden(True)
-        self.sections.setAccessibleName("Sections")
+        self.sections = Sections()
         self.fields = FieldsPage()
         self.noise_fields = FieldsPage()
         self.noise = NoiseView()
         self.found = FieldsPage()
         self.text = TextPage()
         self.changes = ChangesPage()
-        self.faults = QListWidget()
-        self.faults.setAccessibleName("Faults")
-        self._verdict = label("", "small")
+        self.faults = Faults()
         self._title = label(path.name, "title", bold=True)
         self._state = label("", "small", muted=True)
         self._buttons: dict[str, QPushButton] = {}
@@ -77,7 +67,7 @@ class StudyWindow(QMainWindow):
             self._stack.addWidget(page)
         self._lay_out()
         self._connect()
-        self._fill_sections()
+        self._dress()
         self._show()
         if self.editor.draft.tree is None:
             self.show_text()
@@ -89,16 +79,13 @@ class StudyWindow(QMainWindow):
 
     def open_section(self, key: str) -> None:
         """Show the section with this key."""
-        item = self._item(key)
-        if item is not None:
-            self.search.clear()
-            self.sections.setCurrentItem(item)
-            self._open(key)
+        if self.sections.select(key):
+            self._section_chosen(key)
 
     def open_field(self, key: str) -> None:
         """Show a field, and have it ready to be typed in."""
         section = key.rpartition(".")[0]
-        while section and self._item(section) is None:
+        while section and not self.sections.select(section):
             section = section.rpartition(".")[0]
         self.open_section(section)
         page = self.noise_fields if self._stack.currentWidget() is self._noise_page else self.fields
@@ -131,12 +118,13 @@ class StudyWindow(QMainWindow):
     @Slot()
     def repaint_all(self) -> None:
         """Take over other colours."""
+        self._dress()
         self.noise.again()
         self._show()
 
     def _open(self, key: str) -> None:
         self._key = key
-        self._stack.setCurrentWidget(self._noise_page if key.split(".", maxsplit=1)[0] == _NOISE else self.fields)
+        self._stack.setCurrentWidget(self._noise_page if key.split(".", maxsplit=1)[0] == NOISE else self.fields)
         self._show()
 
     @Slot()
@@ -147,9 +135,10 @@ class StudyWindow(QMainWindow):
         group = groups.get(self._key, draft.form)
         page = self._stack.currentWidget()
         if page is self.fields:
-            self.fields.show_groups(draft, (group,))
+            items = group.groups if group.repeats is Repeats.ITEMS else ()
+            self.fields.show_groups(draft, (group, *items))
         elif page is self._noise_page:
-            self.noise_fields.show_groups(draft, tuple(groups[_NOISE].all_groups()), narrow=True)
+            self.noise_fields.show_groups(draft, tuple(groups[NOISE].all_groups()), narrow=True)
             self.noise.ask(draft, self._said)
         elif page is self.found:
             self.found.show_found(draft, self.search.text().strip())
@@ -157,8 +146,8 @@ class StudyWindow(QMainWindow):
             self.text.show_draft(draft)
         elif page is self.changes:
             self.changes.show_draft(draft, editor.on_disk.text)
-        self._mark_sections(groups)
-        self._show_faults()
+        self.sections.show_draft(draft, self._key)
+        self.faults.show_draft(draft)
         self.setWindowModified(editor.dirty)
         self._buttons["undo"].setEnabled(bool(editor.history.past))
         self._buttons["redo"].setEnabled(bool(editor.history.future))
@@ -169,95 +158,6 @@ class StudyWindow(QMainWindow):
         where = str(editor.path.parent.resolve())
         state = "not saved yet" if not editor.on_disk.exists else "changed" if editor.dirty else "saved"
         self._state.setText(f"{state} · {where}")
-
-    def _fill_sections(self) -> None:
-        """The tree of sections, with what was open still open."""
-        opened = {key for key, item in self._items().items() if item.isExpanded()}
-        self.sections.blockSignals(True)
-        self.sections.clear()
-        form = self.editor.draft.form
-        top = QTreeWidgetItem(["Study"])
-        top.setData(0, _KEY, "")
-        self.sections.addTopLevelItem(top)
-        for group in form.groups:
-            self.sections.addTopLevelItem(self._made_item(group))
-        for key, item in self._items().items():
-            item.setExpanded(key in opened)
-        current = self._item(self._key)
-        if current is not None:
-            self.sections.setCurrentItem(current)
-        self.sections.blockSignals(False)
-
-    def _made_item(self, group: Group) -> QTreeWidgetItem:
-        item = QTreeWidgetItem([group.label])
-        item.setData(0, _KEY, group.key)
-        # The noise is one page.
-        for inner in group.groups if group.key != _NOISE else ():
-            item.addChild(self._made_item(inner))
-        return item
-
-    def _items(self) -> dict[str, QTreeWidgetItem]:
-        found: dict[str, QTreeWidgetItem] = {}
-        waiting = [self.sections.topLevelItem(index) for index in range(self.sections.topLevelItemCount())]
-        while waiting:
-            item = waiting.pop(0)
-            if item is not None:
-                found[str(item.data(0, _KEY))] = item
-                waiting += [item.child(index) for index in range(item.childCount())]
-        return found
-
-    def _item(self, key: str) -> QTreeWidgetItem | None:
-        return self._items().get(key)
-
-    def _mark_sections(self, groups: dict[str, Group] | object) -> None:
-        """How many values each section has of its own, and how many faults."""
-        draft = self.editor.draft
-        wanted = [group for group in draft.form.all_groups() if not group.key.startswith(f"{_NOISE}.")]
-        items = self._items()
-        if {group.key for group in wanted} != set(items):
-            self._fill_sections()
-            items = self._items()
-        places = [field.key for fault in draft.faults if (field := draft.field_of(fault)) is not None]
-        for group in wanted:
-            written = sum(field.written is not None for field in group.fields) if not group.key else group.written()
-            faults = sum(
-                key.startswith(f"{group.key}.") or key.startswith(f"{group.key}[") if group.key else "." not in key
-                for key in places
-            )
-            marks = ([f"● {written}"] if written else []) + ([f"⚠ {faults}"] if faults else [])
-            items[group.key].setText(0, "   ".join([group.label if group.key else "Study", *marks]))
-            told = [f"{written} written" if written else "", f"{faults} faults" if faults else ""]
-            items[group.key].setData(
-                0, Qt.ItemDataRole.AccessibleTextRole, ", ".join([group.label, *(word for word in told if word)])
-            )
-
-    def _show_faults(self) -> None:
-        draft = self.editor.draft
-        count = len(draft.faults)
-        self.faults.clear()
-        for fault in draft.faults:
-            item = QListWidgetItem(f"⚠ {_told(fault, draft.path)}")
-            self.faults.addItem(item)
-        for notice in draft.notices:
-            self.faults.addItem(QListWidgetItem(f"ℹ {notice.removeprefix(f'{draft.path}, ')}"))
-        self.faults.setVisible(self.faults.count() > 0)
-        height = sum(self.faults.sizeHintForRow(row) for row in range(self.faults.count())) + GAP
-        self.faults.setFixedHeight(min(_FAULTS_HEIGHT, height))
-        if count:
-            self._verdict.setText(f"⚠ {count} fault{'s' if count > 1 else ''}   F8 goes to the next")
-        else:
-            self._verdict.setText("✓ No faults: this study can be played.")
-        self._verdict.setProperty("bad", bool(count))
-        self._verdict.style().unpolish(self._verdict)
-        self._verdict.style().polish(self._verdict)
-
-    @Slot()
-    def next_fault(self) -> None:
-        """Go to the next fault."""
-        if self.editor.draft.faults:
-            row = (self.faults.currentRow() + 1) % len(self.editor.draft.faults)
-            self.faults.setCurrentRow(row)
-            self._open_fault(row)
 
     def _open_fault(self, row: int) -> None:
         draft = self.editor.draft
@@ -276,7 +176,7 @@ class StudyWindow(QMainWindow):
     def _field_said(self, key: str, said: str) -> None:
         self._said[key] = said
         self.editor.set(key, said)
-        if key.startswith(f"{_NOISE}."):
+        if key.startswith(f"{NOISE}."):
             self.noise.ask(self.editor.draft, self._said)
         self.setWindowModified(True)
         self._let_save(True)
@@ -313,18 +213,21 @@ class StudyWindow(QMainWindow):
             return
         self._show()
 
-    def _section_chosen(self, item: QTreeWidgetItem | None) -> None:
-        if item is not None:
-            self.search.blockSignals(True)
-            self.search.clear()
-            self.search.blockSignals(False)
-            self._open(str(item.data(0, _KEY)))
+    def _section_chosen(self, key: str) -> None:
+        self.search.blockSignals(True)
+        self.search.clear()
+        self.search.blockSignals(False)
+        self._open(key)
 
     def _add(self, key: str) -> None:
         self.editor.change(f"+{key}", lambda draft: draft.add(draft.groups()[key]), at_once=True)
 
     def _remove(self, key: str) -> None:
         self.editor.change(f"-{key}", lambda draft: draft.remove(draft.groups()[key]), at_once=True)
+
+    def _clear(self, key: str) -> None:
+        self._said.clear()
+        self.editor.change(f"0{key}", lambda draft: draft.reset_group(draft.groups()[key]), at_once=True)
 
     @Slot()
     def save(self) -> None:
@@ -426,9 +329,6 @@ class StudyWindow(QMainWindow):
             QShortcut(QKeySequence(key), self).activated.connect(slot)
             self._buttons[name] = button
             head.addWidget(button)
-        self.sections.setMinimumWidth(180)
-        self.sections.setStyleSheet(f"QTreeView::item {{ padding: {GAP // 2}px 0; }}")
-        self.search.setStyleSheet(f"padding: {GAP // 2}px {GAP}px;")
         body = QSplitter(Qt.Orientation.Horizontal)
         body.setChildrenCollapsible(False)
         body.addWidget(self.sections)
@@ -442,9 +342,20 @@ class StudyWindow(QMainWindow):
         column.addLayout(head)
         column.addWidget(self._banner)
         column.addWidget(body, 1)
-        column.addWidget(self._verdict)
         column.addWidget(self.faults)
         self.setCentralWidget(inside)
+
+    def _dress(self) -> None:
+        """Edges of what is typed and chosen in, which Qt draws too faint to be seen by all."""
+        worn = colours()
+        boxes = "QLineEdit, QComboBox, QPlainTextEdit, QTreeWidget, QListWidget"
+        self.setStyleSheet(
+            f"{boxes} {{ border: 1px solid {worn.line}; border-radius: 4px; padding: {GAP // 2}px; "
+            f"background: {worn.panel}; }}"
+            f"QLineEdit:focus, QComboBox:focus, QPlainTextEdit:focus, QTreeWidget:focus, QListWidget:focus "
+            f"{{ border: {RING}px solid {worn.accent}; }}"
+            f"QComboBox::drop-down {{ border: none; width: {3 * GAP}px; }}"
+        )
 
     def _made_banner(self) -> tuple[QWidget, QLabel]:
         banner = QWidget()
@@ -476,15 +387,10 @@ class StudyWindow(QMainWindow):
             page.opened.connect(self.open_section)
             page.added.connect(self._add)
             page.removed.connect(self._remove)
+            page.cleared.connect(self._clear)
         self.text.said.connect(editor.say)
         self.search.textChanged.connect(self._searched)
-        self.sections.currentItemChanged.connect(self._section_chosen)
-        self.faults.itemActivated.connect(lambda item: self._open_fault(self.faults.row(item)))
-        self.faults.itemClicked.connect(lambda item: self._open_fault(self.faults.row(item)))
-        QShortcut(QKeySequence("F8"), self).activated.connect(self.next_fault)
+        self.sections.chosen.connect(self._section_chosen)
+        self.faults.chosen.connect(self._open_fault)
+        QShortcut(QKeySequence("F8"), self).activated.connect(self.faults.choose_next)
         QShortcut(QKeySequence("Ctrl+F"), self).activated.connect(self.search.setFocus)
-
-
-def _told(fault: BadFile, path: Path) -> str:
-    """A fault without the name of the file that the window shows anyway."""
-    return str(fault).removeprefix(f"{path}, ").removeprefix(f"{path}: ")

@@ -87,10 +87,10 @@ def test_a_fault_appears_at_its_field_and_goes_again(qtbot: QtBot, window: Study
     retype(qtbot, window, "game.energy", "-3")
     row = window.fields.rows["game.energy"]
     assert any("out of range" in label.text() for label in row.findChildren(QWidget) if hasattr(label, "text"))
-    assert window.faults.count() == 1
+    assert window.faults.list.count() == 1
     assert "⚠ 1" in texts_of(window)
     retype(qtbot, window, "game.energy", "3")
-    assert window.faults.count() == 0
+    assert window.faults.list.count() == 0
 
 
 def texts_of(window: StudyWindow) -> str:

@@ -1,0 +1,72 @@
+"""What is wrong with a study, and what is right in it but changes nothing."""
+
+from pathlib import Path
+
+from PySide6.QtCore import Signal, Slot
+from PySide6.QtWidgets import QListWidget, QListWidgetItem, QVBoxLayout, QWidget
+
+from ui.model.study_form.draft import Draft
+from ui.windows.look import GAP, label
+
+_TALLEST = 104
+
+
+class Faults(QWidget):
+    """A verdict, and below it every fault and notice.
+
+    Attributes:
+        chosen: a person wants to see the fault of this index.
+    """
+
+    chosen = Signal(int)
+
+    def __init__(self) -> None:
+        super().__init__()
+        self.list = QListWidget()
+        self.list.setAccessibleName("Faults and notices")
+        self.list.itemClicked.connect(self._choose)
+        self.list.itemActivated.connect(self._choose)
+        self._verdict = label("", "small")
+        self._count = 0
+        column = QVBoxLayout(self)
+        column.setContentsMargins(0, 0, 0, 0)
+        column.setSpacing(GAP // 2)
+        column.addWidget(self._verdict)
+        column.addWidget(self.list)
+
+    def show_draft(self, draft: Draft) -> None:
+        """Show what there is to say of a draft."""
+        self._count = len(draft.faults)
+        told = [f"⚠ {_short(str(fault), draft.path)}" for fault in draft.faults]
+        told += [f"ℹ {_short(notice, draft.path)}" for notice in draft.notices]
+        if told != [self.list.item(row).text() for row in range(self.list.count())]:
+            self.list.clear()
+            for line in told:
+                self.list.addItem(QListWidgetItem(line))
+        self.list.setVisible(bool(told))
+        height = sum(self.list.sizeHintForRow(row) for row in range(self.list.count())) + 2 * GAP
+        self.list.setFixedHeight(min(_TALLEST, height))
+        words = f"{self._count} fault{'s' if self._count > 1 else ''}"
+        self._verdict.setText(
+            f"⚠ {words}. F8 goes to the next." if self._count else "✓ No faults: this study can be played."
+        )
+        self._verdict.setProperty("bad", bool(self._count))
+        self._verdict.style().unpolish(self._verdict)
+        self._verdict.style().polish(self._verdict)
+
+    @Slot()
+    def choose_next(self) -> None:
+        """Go to the next fault."""
+        if self._count:
+            row = (self.list.currentRow() + 1) % self._count
+            self.list.setCurrentRow(row)
+            self.chosen.emit(row)
+
+    def _choose(self, item: QListWidgetItem) -> None:
+        if self.list.row(item) < self._count:
+            self.chosen.emit(self.list.row(item))
+
+
+def _short(sentence: str, path: Path) -> str:
+    """A sentence without the name of the file, which the window shows anyway."""
+    return sentence.removeprefix(f"{path}, ").removeprefix(f"{path}: ")

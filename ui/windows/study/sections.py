@@ -1,0 +1,95 @@
+"""The sections of a study as a tree, each with how much of it is written and how much of that is wrong."""
+
+from PySide6.QtCore import Qt, Signal
+from PySide6.QtWidgets import QTreeWidget, QTreeWidgetItem
+
+from ui.model.study_form.draft import Draft
+from ui.model.study_form.form import Group
+from ui.windows.look import GAP
+
+NOISE = "noise"
+"""The section that is one page with all that is in it."""
+_KEY = Qt.ItemDataRole.UserRole
+
+
+class Sections(QTreeWidget):
+    """The tree.
+
+    Attributes:
+        chosen: a person wants to see the section with this key.
+    """
+
+    chosen = Signal(str)
+
+    def __init__(self) -> None:
+        super().__init__()
+        self.setHeaderHidden(True)
+        self.setAccessibleName("Sections")
+        self.setMinimumWidth(180)
+        self.setStyleSheet(f"QTreeView::item {{ padding: {GAP // 2}px 0; }}")
+        self.currentItemChanged.connect(self._choose)
+
+    def show_draft(self, draft: Draft, key: str) -> None:
+        """Show the sections of a draft, that with this key as chosen."""
+        groups = {group.key: group for group in draft.form.all_groups() if not group.key.startswith(f"{NOISE}.")}
+        if set(groups) != set(self._items()):
+            self._fill(draft.form, key)
+        faulty = [field.key for fault in draft.faults if (field := draft.field_of(fault)) is not None]
+        for own, item in self._items().items():
+            group = groups[own]
+            written = group.written() if own else sum(field.written is not None for field in group.fields)
+            wrong = sum(_is_in(place, own) for place in faulty)
+            marks = ([f"● {written}"] if written else []) + ([f"⚠ {wrong}"] if wrong else [])
+            told = ([f"{written} written"] if written else []) + ([f"{wrong} wrong"] if wrong else [])
+            item.setText(0, "   ".join([group.label, *marks]))
+            item.setData(0, Qt.ItemDataRole.AccessibleTextRole, ", ".join([group.label, *told]))
+
+    def select(self, key: str) -> bool:
+        """Mark a section as chosen, without saying so; False where there is none of this key."""
+        item = self._items().get(key)
+        if item is None:
+            return False
+        self.blockSignals(True)
+        self.setCurrentItem(item)
+        self.blockSignals(False)
+        return True
+
+    def _fill(self, form: Group, key: str) -> None:
+        """The tree anew; what was open stays open."""
+        opened = {own for own, item in self._items().items() if item.isExpanded()}
+        self.blockSignals(True)
+        self.clear()
+        top = QTreeWidgetItem([form.label])
+        top.setData(0, _KEY, form.key)
+        self.addTopLevelItems([top, *(_made_item(group) for group in form.groups)])
+        for own, item in self._items().items():
+            item.setExpanded(own in opened)
+        self.blockSignals(False)
+        self.select(key)
+
+    def _items(self) -> dict[str, QTreeWidgetItem]:
+        found: dict[str, QTreeWidgetItem] = {}
+        waiting = [self.topLevelItem(index) for index in range(self.topLevelItemCount())]
+        while waiting:
+            item = waiting.pop(0)
+            if item is not None:
+                found[str(item.data(0, _KEY))] = item
+                waiting += [item.child(index) for index in range(item.childCount())]
+        return found
+
+    def _choose(self, item: QTreeWidgetItem | None) -> None:
+        if item is not None:
+            self.chosen.emit(str(item.data(0, _KEY)))
+
+
+def _made_item(group: Group) -> QTreeWidgetItem:
+    item = QTreeWidgetItem([group.label])
+    item.setData(0, _KEY, group.key)
+    if group.key != NOISE:
+        item.addChildren([_made_item(inner) for inner in group.groups])
+    return item
+
+
+def _is_in(place: str, section: str) -> bool:
+    """Whether a field lies in a section; in the whole study's, those that lie in no other."""
+    return place.startswith((f"{section}.", f"{section}[")) if section else "." not in place
