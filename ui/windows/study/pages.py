@@ -36,6 +36,7 @@ class FieldsPage(QScrollArea):
         added: a person wants another item in a section.
         removed: a person wants an item gone.
         cleared: a person wants all defaults of a section back.
+        built: everything is there.
     """
 
     said = Signal(str, str)
@@ -45,6 +46,7 @@ class FieldsPage(QScrollArea):
     added = Signal(str)
     removed = Signal(str)
     cleared = Signal(str)
+    built = Signal()
 
     def __init__(self) -> None:
         super().__init__()
@@ -134,6 +136,7 @@ class FieldsPage(QScrollArea):
                 if not any(inner.key == shown.key for shown in groups):
                     link = self._link(inner, removable=group.repeats is not None)
                     column.insertLayout(column.count() - 1, link)
+        self.built.emit()
 
     def _head(self, group: Group, *, first: bool, whole: Group) -> QVBoxLayout:
         """A section's name and meaning, and what can be done with all of it."""

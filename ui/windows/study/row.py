@@ -2,8 +2,8 @@
 
 from collections.abc import Callable
 
-from PySide6.QtCore import QSignalBlocker, Qt, Signal
-from PySide6.QtGui import QFocusEvent, QWheelEvent
+from PySide6.QtCore import QPointF, QSignalBlocker, Qt, Signal
+from PySide6.QtGui import QFocusEvent, QPainter, QPaintEvent, QPen, QWheelEvent
 from PySide6.QtWidgets import QBoxLayout, QComboBox, QHBoxLayout, QLineEdit, QPushButton, QSlider, QVBoxLayout, QWidget
 
 from thbridge.adapters.errors import BadFile
@@ -31,6 +31,16 @@ class _Line(QLineEdit):
 
 class _Combo(QComboBox):
     """Choices that a wheel over a page does not change by accident."""
+
+    def paintEvent(self, event: QPaintEvent) -> None:
+        """Draw the arrow, too: with an edge of its own, Qt leaves it out."""
+        super().paintEvent(event)
+        x, y = self.width() - 2 * GAP, self.height() / 2
+        painter = QPainter(self)
+        painter.setRenderHint(QPainter.RenderHint.Antialiasing)
+        painter.setPen(QPen(self.palette().text().color(), 1.5))
+        painter.drawPolyline([QPointF(x - 4, y - 2), QPointF(x, y + 2), QPointF(x + 4, y - 2)])
+        painter.end()
 
     def wheelEvent(self, event: QWheelEvent) -> None:
         if self.hasFocus():
@@ -70,8 +80,8 @@ class Row(QWidget):
         self._fault.setProperty("bad", True)
         self._line: _Line | None = None
         self._combo: _Combo | None = None
-        self._slider = self._made_slider(field) if narrow and _slides(field) else None
         editor = self._made_combo(field) if field.kind in {Kind.CHOICE, Kind.TRUTH} else self._made_line(field)
+        self._slider = self._made_slider(field) if narrow and _slides(field) else None
         editor.setFixedWidth(_NARROW if narrow else _WIDE if field.kind is Kind.LIST else _EDITOR_WIDTH)
         editor.setAccessibleName(field.label if not field.unit else f"{field.label}, {field.unit}")
         self._editor = editor
@@ -115,6 +125,11 @@ class Row(QWidget):
     def editor(self) -> QWidget:
         """What is typed or chosen in."""
         return self._editor
+
+    @property
+    def last(self) -> QWidget:
+        """What Tab comes to last in it."""
+        return self._reset
 
     def text(self) -> str:
         """What stands in it just now."""

@@ -1,8 +1,10 @@
 """The window in which a study file is edited as a form."""
 
+from functools import partial
+from itertools import pairwise
 from pathlib import Path
 
-from PySide6.QtCore import Qt, Slot
+from PySide6.QtCore import QSize, Qt, Slot
 from PySide6.QtGui import QCloseEvent, QKeySequence, QShortcut
 from PySide6.QtWidgets import (
     QHBoxLayout,
@@ -72,7 +74,7 @@ class StudyWindow(QMainWindow):
         if self.editor.draft.tree is None:
             self.show_text()
         self.setWindowTitle(f"{path.name}[*] — study")
-        self.resize(1240, 860)
+        self.resize(QSize(1240, 860).boundedTo(self.screen().availableSize()))
         self.sections.setFocus()
 
     # What is shown ----------------------------------------------------------------------------------------------------
@@ -345,6 +347,14 @@ class StudyWindow(QMainWindow):
         column.addWidget(self.faults)
         self.setCentralWidget(inside)
 
+    def _order(self, page: FieldsPage) -> None:
+        """Let Tab follow the eye: what is above, the sections, the fields, the faults."""
+        order = [self.search, *self._buttons.values(), self.sections]
+        for before, after in pairwise(order):
+            self.setTabOrder(before, after)
+        if page.rows:
+            self.setTabOrder(list(page.rows.values())[-1].last, self.faults.list)
+
     def _dress(self) -> None:
         """Edges of what is typed and chosen in, which Qt draws too faint to be seen by all."""
         worn = colours()
@@ -388,6 +398,7 @@ class StudyWindow(QMainWindow):
             page.added.connect(self._add)
             page.removed.connect(self._remove)
             page.cleared.connect(self._clear)
+            page.built.connect(partial(self._order, page))
         self.text.said.connect(editor.say)
         self.search.textChanged.connect(self._searched)
         self.sections.chosen.connect(self._section_chosen)

@@ -251,6 +251,30 @@ def test_everything_has_a_name_for_those_who_cannot_see(qtbot: QtBot, window: St
             assert named or inside, widget
 
 
+def test_tab_follows_the_eye(qtbot: QtBot, window: StudyWindow) -> None:
+    window.open_section("game")
+    window.fields.finish()
+    editors = [row.editor for row in window.fields.rows.values()]
+    qtbot.waitUntil(lambda: all(editor.isVisible() for editor in editors), timeout=20_000)
+    stops: list[QWidget] = []
+    at: QWidget | None = window.search
+    while at is not None and at not in stops:
+        if at.focusPolicy() & Qt.FocusPolicy.TabFocus and at.isVisible() and at.isEnabled():
+            stops.append(at)
+        at = at.nextInFocusChain()
+    wanted = [window.search, window.sections, *editors]
+    places = [stops.index(stop) for stop in wanted]
+    assert places == sorted(places)
+    assert [stop.text() for stop in stops[1:4] if isinstance(stop, QPushButton)] == ["Form", "Text", "Changes"]
+
+
+def test_a_section_goes_back_to_its_defaults(qtbot: QtBot, window: StudyWindow) -> None:
+    window.open_section("game")
+    press(qtbot, window, "Reset all")
+    settled(qtbot, window)
+    assert window.editor.history.text == "# our pilot\nrobots: 4   # two pairs\n  # enough\n"
+
+
 def test_light_and_dark_differ(qtbot: QtBot, qapp: QApplication, window: StudyWindow) -> None:
     light = window.grab().toImage().pixelColor(5, 5)
     dress(qapp, DARK)
