@@ -28,10 +28,10 @@ JUMP = 0.5
 FASTEST = 1.5
 """What robots drive at most, metres a second: tellings that are far apart may be so much farther apart in space."""
 
-HARDEST = 5.0
-"""No robot changes its speed faster, m/s²: one that seems to has corrected where it believes it is."""
+HARDEST = 10.0
+"""Robots change their speed so fast, m/s²; one that seems twice as fast in that has corrected where it is."""
 
-HARDEST_TURN = 12.0
+HARDEST_TURN = 25.0
 """The same for turning, rad/s²."""
 
 GAP = 2.0
@@ -42,6 +42,12 @@ AHEAD = 0.1
 
 BLEND = 0.07
 """Time constant of blending, seconds: 95 % in 0.2 s."""
+
+HELD = 0.2
+"""A correction by less than this, in metres, does not move a robot back that drives on."""
+
+DRIVES = 0.03
+"""A robot drives when it is faster than this, m/s."""
 
 TRAIL_STEP = 0.12
 """Metres between two points of a trail."""
@@ -222,20 +228,21 @@ class Motions:
     def _correct(self, sample: _Sample, newest: _Sample) -> NDArray[np.bool_]:
         """Bring what is kept into the frame of a new telling; (n,) whether each robot was carried off.
 
-        A robot that does not move as it did has either changed its speed or its mind about where it is. It is the mind
-        unless its last step was just as odd: speed lasts.
+        A robot that does not move as it did has either changed its speed or its mind about where it is. The harder the
+        change, the more of it is of the mind; unless its last step was just as odd, for speed lasts.
         """
         passed = max(sample.time - newest.time, TICK)
         moved = sample.poses - newest.poses
         moved[:, 2] = _wrapped(moved[:, 2])
         speed = moved / passed
         carried: NDArray[np.bool_] = np.hypot(moved[:, 0], moved[:, 1]) > JUMP + FASTEST * passed
-        odd = _differ(speed, self._speeds, passed) & _differ(speed, self._last_speeds, passed) & ~carried
-        shift = np.where(odd[:, None], moved - self._speeds * passed, 0.0)
+        odd = np.minimum(_oddity(speed, self._speeds, passed), _oddity(speed, self._last_speeds, passed))
+        odd[carried] = 0.0
+        shift = odd[:, None] * (moved - self._speeds * passed)
         for kept in self._samples:
             kept.poses += shift
             kept.poses[carried] = sample.poses[carried]
-        self._speeds = np.where(odd[:, None], self._speeds, np.where(carried[:, None], 0.0, speed))
+        self._speeds = np.where(odd[:, None] > 0.0, self._speeds, np.where(carried[:, None], 0.0, speed))
         self._last_speeds = speed
         for robot in np.flatnonzero(carried).tolist():
             self._trails[robot].cut()
@@ -292,9 +299,21 @@ class Motions:
         return between
 
     def _fade(self, now: float) -> None:
+        """Take off the offsets what fades until now.
+
+        A robot that drives, and corrects its place a little back along its way, is held where it is until the
+        correction is made up for: nobody sees it drive backwards.
+        """
         passed = max(now - self._faded, 0.0)
         self._faded = max(self._faded, now)
-        self._offsets *= math.exp(-passed / BLEND)
+        fades = self._offsets * -math.expm1(-passed / BLEND)
+        speed = np.hypot(self._speeds[:, 0], self._speeds[:, 1])
+        ahead = self._speeds[:, :2] / np.maximum(speed, 1e-9)[:, None]
+        driven = speed * passed * self._clock.rate
+        back = np.sum(fades[:, :2] * ahead, axis=1) - driven
+        held = (back > 0.0) & (speed > DRIVES) & (np.hypot(self._offsets[:, 0], self._offsets[:, 1]) < HELD)
+        fades[:, :2] -= np.where(held, back, 0.0)[:, None] * ahead
+        self._offsets = self._offsets - fades
 
 
 def _between(one: FloatArray, other: FloatArray, share: float) -> FloatArray:
@@ -305,12 +324,12 @@ def _between(one: FloatArray, other: FloatArray, share: float) -> FloatArray:
     return between
 
 
-def _differ(speeds: FloatArray, others: FloatArray, passed: float) -> NDArray[np.bool_]:
-    """(n,) which of (n, 3) speeds no robot can have made of others in so many seconds."""
+def _oddity(speeds: FloatArray, others: FloatArray, passed: float) -> FloatArray:
+    """(n,) from 0, where robots can have made (n, 3) speeds of others in so many seconds, to 1, where none ever can."""
     change = np.abs(speeds - others)
-    moves: NDArray[np.bool_] = np.hypot(change[:, 0], change[:, 1]) > HARDEST * passed
-    turns: NDArray[np.bool_] = change[:, 2] > HARDEST_TURN * passed
-    return moves | turns
+    moves, turns = np.hypot(change[:, 0], change[:, 1]) / HARDEST, change[:, 2] / HARDEST_TURN
+    odd: FloatArray = np.clip(np.maximum(moves, turns) / passed - 1.0, 0.0, 1.0)
+    return odd
 
 
 def _wrapped(angles: FloatArray) -> FloatArray:

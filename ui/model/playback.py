@@ -48,9 +48,9 @@ class PlaybackClock:
         self._stood_until = -math.inf
 
     @property
-    def delay(self) -> float:
-        """Seconds by which it stays behind."""
-        return self._delay
+    def rate(self) -> float:
+        """Simulated seconds a second."""
+        return self._rate
 
     def hear(self, time: float, now: float) -> None:
         """A telling of this simulated time came now; each must be later than the one before."""
