@@ -105,6 +105,9 @@ def act_for(key: str, screen: Screen) -> Act | None:
     """
     if key in HELP.keys or (screen.help and key == "Esc"):
         return HELP.act
+    if screen.help:
+        # The sheet covers what the other keys are for.
+        return None
     if screen.question is not None:
         return _bound(key, QUESTION)
     match screen.phase:

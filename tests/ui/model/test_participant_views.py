@@ -343,6 +343,7 @@ def test_with_ten_rooms_a_number_has_two_digits_or_ends_with_enter():
     model.do(TypeDigit(1), 0.0)
     screen = model.screen(0.0)
     assert (screen.typed, screen.tiles[0].considered, model.wishes()) == ("1", True, ())
+    assert screen.announcement == "1, and another digit, or Enter."
     model.do(TypeDigit(2), 0.5)
     assert model.wishes() == (Select(0, 12),)
     model.do(TypeDigit(4), 1.0)

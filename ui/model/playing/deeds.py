@@ -229,6 +229,8 @@ def _type(memory: Memory, hunt: Hunt, digit: int, now: float) -> None:
     memory.typed_until = now + TYPING
     if len(memory.typed) >= len(str(len(hunt.view.rooms))):
         _finish(memory, hunt, now)
+    else:
+        memory.history.announce(f"{memory.typed}, and another digit, or Enter.")
 
 
 def _finish(memory: Memory, hunt: Hunt, now: float) -> None:
