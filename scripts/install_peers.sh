@@ -6,7 +6,7 @@ cd "$(dirname "$0")/.."
 
 packages="python3-rosbag python3-rostopic python3-rosnode python3-rosparam python3-rosservice python3-rosmsg
     python3-rosmaster python3-rospy python3-actionlib python3-tf2-ros tf2-tools ros-core default-jdk-headless
-    rviz xvfb imagemagick xdotool python3-std-srvs ros-std-srvs
+    rviz xvfb imagemagick xdotool at-spi2-core python3-pyatspi dbus python3-std-srvs ros-std-srvs
     python3-genpy python3-std-msgs python3-geometry-msgs python3-sensor-msgs python3-nav-msgs python3-actionlib-msgs
     python3-move-base-msgs python3-tf2-msgs python3-visualization-msgs ros-std-msgs ros-geometry-msgs ros-sensor-msgs
     ros-nav-msgs ros-actionlib-msgs ros-move-base-msgs ros-tf2-msgs ros-visualization-msgs

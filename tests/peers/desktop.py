@@ -1,0 +1,182 @@
+"""A desktop of one's own: an X server without a screen, a mouse and a keyboard moved by tests, and a screen reader's eyes.
+
+Everything that a test knows of a window it knows as assistive technology does (AT-SPI): names, roles, places.
+"""
+
+import json
+import os
+import shutil
+import subprocess
+import time
+from collections.abc import Callable, Iterator
+from contextlib import ExitStack, contextmanager
+from dataclasses import dataclass
+from pathlib import Path
+
+import pytest
+
+DEBIAN_PYTHON = "/usr/bin/python3"
+LAUNCHER = Path("/usr/libexec/at-spi-bus-launcher")
+
+
+def _missing() -> str | None:
+    for program in ("Xvfb", "xdotool", "dbus-daemon"):
+        if shutil.which(program) is None:
+            return f"{program} is not installed"
+    if not LAUNCHER.exists():
+        return "at-spi2-core is not installed"
+    if subprocess.run([DEBIAN_PYTHON, "-c", "import pyatspi"], capture_output=True, env={}, check=False).returncode:
+        return "python3-pyatspi is not installed"
+    return None
+
+
+MISSING = _missing()
+needs_desktop = pytest.mark.skipif(MISSING is not None, reason=f"{MISSING} (make peers, as root)")
+
+
+@dataclass(frozen=True)
+class Seen:
+    """One thing that a screen reader finds on the screen."""
+
+    name: str
+    description: str
+    role: str
+    window: str
+    x: int
+    y: int
+    width: int
+    height: int
+    enabled: bool
+    focusable: bool
+    focused: bool
+    text: str
+
+    @property
+    def middle(self) -> tuple[float, float]:
+        return self.x + self.width / 2, self.y + self.height / 2
+
+
+class Desktop:
+    """One X display with a session bus."""
+
+    def __init__(self, environment: dict[str, str], eyes: subprocess.Popen[str]) -> None:
+        self.environment = environment
+        self._eyes = eyes
+
+    def look(self) -> list[Seen]:
+        """Everything that shows."""
+        assert self._eyes.stdin is not None and self._eyes.stdout is not None
+        self._eyes.stdin.write("look\n")
+        self._eyes.stdin.flush()
+        return [Seen(**fields) for fields in json.loads(self._eyes.stdout.readline())]
+
+    def find(self, name: str, role: str | None = None) -> Seen | None:
+        """The first thing whose name begins so, whatever else it says."""
+        return next(
+            (seen for seen in self.look() if seen.name.startswith(name) and role in (None, seen.role)),
+            None,
+        )
+
+    def wait(self, what: str, condition: Callable[[], object], seconds: float = 60.0) -> None:
+        """Look until it is so; else tell what shows."""
+        end = time.monotonic() + seconds
+        while not condition():
+            if time.monotonic() > end:
+                shown = "\n".join(f"{seen.role}: {seen.name} | {seen.text[:80]}" for seen in self.look() if seen.name)
+                raise TimeoutError(f"waited {seconds} s for {what}; there is\n{shown}")
+            time.sleep(0.1)
+
+    def found(self, name: str, role: str | None = None, seconds: float = 60.0) -> Seen:
+        """Wait for something of this name."""
+        self.wait(name, lambda: self.find(name, role) is not None, seconds)
+        seen = self.find(name, role)
+        assert seen is not None
+        return seen
+
+    def do(self, *words: str) -> str:
+        """One command of xdotool; what it prints."""
+        done = subprocess.run(["xdotool", *words], env=self.environment, capture_output=True, text=True, check=False)
+        return done.stdout.strip()
+
+    def focus_window(self, title: str, seconds: float = 60.0) -> str:
+        """Wait for a window whose title begins so; keys go there from now on, for there is no window manager."""
+        window = ""
+
+        def there() -> bool:
+            nonlocal window
+            window = self.do("search", "--onlyvisible", "--name", f"^{title}").split("\n")[-1]
+            return bool(window)
+
+        self.wait(f"a window called {title}", there, seconds)
+        self.do("windowfocus", "--sync", window)
+        return window
+
+    def press(self, *keys: str) -> None:
+        """Press and release keys, one after the other."""
+        self.do("key", "--delay", "40", *keys)
+
+    def click(self, at: Seen | tuple[float, float]) -> None:
+        """Click with the left button, as a hand does: go there, press, release."""
+        x, y = at.middle if isinstance(at, Seen) else at
+        self.do("mousemove", "--sync", str(round(x)), str(round(y)))
+        self.do("click", "1")
+
+    def picture(self, path: Path) -> None:
+        """What the screen shows."""
+        subprocess.run(["import", "-window", "root", str(path)], env=self.environment, check=True)
+
+
+@contextmanager
+def desktop(width: int = 1280, height: int = 860) -> Iterator[Desktop]:
+    """A desktop, gone at the end with all that was started for it."""
+    with ExitStack() as opened:
+        display = _asked_for(
+            opened, ["Xvfb", "-displayfd", "{}", "-screen", "0", f"{width}x{height}x24", "-nolisten", "tcp"]
+        )
+        environment = {
+            **{key: value for key, value in os.environ.items() if key not in ("QT_QPA_PLATFORM", "WAYLAND_DISPLAY")},
+            "DISPLAY": f":{display}",
+            "PYTHONUNBUFFERED": "1",
+            "QT_LINUX_ACCESSIBILITY_ALWAYS_ON": "1",
+        }
+        bus = _asked_for(opened, ["dbus-daemon", "--session", "--nofork", "--nopidfile", "--print-address", "{}"])
+        environment["DBUS_SESSION_BUS_ADDRESS"] = bus
+        opened.callback(_end, _started([str(LAUNCHER), "--launch-immediately"], environment))
+        eyes = subprocess.Popen(
+            [DEBIAN_PYTHON, str(Path(__file__).parent / "eyes.py")],
+            env={key: value for key, value in environment.items() if key != "PYTHONPATH"},
+            stdin=subprocess.PIPE,
+            stdout=subprocess.PIPE,
+            stderr=subprocess.DEVNULL,
+            text=True,
+        )
+        opened.callback(_end, eyes)
+        yield Desktop(environment, eyes)
+
+
+def _asked_for(opened: ExitStack, command: list[str]) -> str:
+    """Start a server that writes where it is to a file descriptor of ours; the place."""
+    reading, writing = os.pipe()
+    server = subprocess.Popen(
+        [word.format(writing) for word in command], pass_fds=(writing,), stderr=subprocess.DEVNULL
+    )
+    opened.callback(_end, server)
+    os.close(writing)
+    with os.fdopen(reading) as answer:
+        place = answer.readline().strip()
+    if not place:
+        raise RuntimeError(f"{command[0]} does not start")
+    return place
+
+
+def _started(command: list[str], environment: dict[str, str]) -> subprocess.Popen[bytes]:
+    return subprocess.Popen(command, env=environment, stdout=subprocess.DEVNULL, stderr=subprocess.DEVNULL)
+
+
+def _end(process: subprocess.Popen[bytes] | subprocess.Popen[str]) -> None:
+    process.terminate()
+    try:
+        process.wait(10)
+    except subprocess.TimeoutExpired:
+        process.kill()
+        process.wait()
