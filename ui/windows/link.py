@@ -1,0 +1,121 @@
+"""The participant's program beside its window: a thread of its own speaks with the server.
+
+The window takes what was heard at each frame and says what is wanted; nothing else crosses between the threads.
+"""
+
+import asyncio
+import threading
+from collections import deque
+from collections.abc import Sequence
+from dataclasses import dataclass
+from typing import TypeAlias
+
+from sim.observations import TICK
+from thbridge.adapters.text_client import Lost, Patience, TextClient
+from thbridge.app.programs import Lone, converse, reason_of
+from thbridge.roles.notices import House, Picture, Ways, Whereabouts
+from thbridge.roles.tabui import TabUI
+from thbridge.roles.view import View, Wish
+
+AT_ONCE = Patience(first=0.25, longest=2.0)
+"""A person waits at the other end: a server that is back is found within two seconds."""
+
+
+@dataclass(frozen=True, slots=True)
+class Joined:
+    """The server is reached (again)."""
+
+
+@dataclass(frozen=True, slots=True)
+class Parted:
+    """The server is not reached any more; why, in words."""
+
+    sentence: str
+
+
+Heard: TypeAlias = View | House | Whereabouts | Ways | Picture | Joined | Parted
+
+
+class Link:
+    """Keeps a participant's program connected to a server, until it is stopped.
+
+    Args:
+        host: of the server.
+        port: of the server.
+        token: marks this run of the program, so that the server knows its own connection from before a fault.
+    """
+
+    def __init__(self, host: str, port: int, token: str) -> None:
+        self._address = (host, port)
+        self._token = token
+        # Appending to a deque, taking from it and replacing a tuple are single steps of the interpreter.
+        self._heard: deque[Heard] = deque()
+        self._wanted: tuple[Wish, ...] = ()
+        self._stopped = threading.Event()
+        self._thread = threading.Thread(target=self._run, name="link", daemon=True)
+
+    # The window's side
+
+    def start(self) -> None:
+        """Begin to connect."""
+        self._thread.start()
+
+    def stop(self) -> None:
+        """Leave the server; returns when that is done."""
+        self._stopped.set()
+        self._thread.join()
+
+    def take(self) -> list[Heard]:
+        """What was heard since the last call, oldest first."""
+        return [self._heard.popleft() for _ in range(len(self._heard))]
+
+    def want(self, wishes: tuple[Wish, ...]) -> None:
+        """This is all that is wanted from now on; it is said again and again until it is granted."""
+        self._wanted = wishes
+
+    # The thread's side
+
+    def _run(self) -> None:
+        asyncio.run(self._converse())
+
+    async def _converse(self) -> None:
+        player = _Wanting()
+        role = TabUI(player, self)
+        lodger = _Noticing(role, self._heard)
+        client = TextClient(role.name, self._token, *self._address, AT_ONCE)
+        async with client.running():
+            while not self._stopped.is_set():
+                if player.wanted != self._wanted:
+                    player.wanted = self._wanted
+                    role.look_again()
+                converse(lodger, client, self._lost)
+                await asyncio.sleep(TICK)
+
+    def saw(self, level: View | House | Whereabouts | Ways | Picture) -> None:
+        """The role heard something; see `thbridge.roles.tabui.Onlooker`."""
+        self._heard.append(level)
+
+    def _lost(self, lost: Lost) -> None:
+        self._heard.append(Parted(reason_of(lost)))
+
+
+class _Wanting:
+    """A player who wants what the window says."""
+
+    def __init__(self) -> None:
+        self.wanted: tuple[Wish, ...] = ()
+
+    def wishes(self, view: View) -> Sequence[Wish]:
+        return self.wanted
+
+
+class _Noticing(Lone):
+    """Tells the window, too, that the server is reached."""
+
+    def __init__(self, role: TabUI, heard: deque[Heard]) -> None:
+        super().__init__(role)
+        self._news = heard
+
+    def connected(self) -> None:
+        super().connected()
+        self._news.append(Joined())
