@@ -71,6 +71,17 @@ WatchKey = Annotated[
 ]
 
 
+class Colours(StrEnum):
+    """How windows look."""
+
+    SYSTEM = "system"
+    LIGHT = "light"
+    DARK = "dark"
+
+
+Theme = Annotated[Colours, typer.Option(help="Light or dark windows; `system`: as the desktop is.")]
+
+
 class Who(StrEnum):
     """Who sits in front of TabUI: a person who types, or a simulated participant."""
 

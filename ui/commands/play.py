@@ -18,6 +18,7 @@ from ui.model.lobby import Offer
 from ui.options import (
     AsJson,
     BagFile,
+    Colours,
     MapName,
     Port,
     Robots,
@@ -26,6 +27,7 @@ from ui.options import (
     RosMaster,
     Seed,
     StudyFile,
+    Theme,
     WatchAt,
     WatchKey,
     Who,
@@ -85,6 +87,7 @@ def play(
     ros_host: RosHost = None,
     watch: WatchAt = None,
     watch_key: WatchKey = None,
+    theme: Theme = Colours.SYSTEM,
     as_json: AsJson = False,
 ) -> None:
     """Play a whole hunt, recorded into a bag: in a window where there is a display, else with a simulated participant.
@@ -109,7 +112,7 @@ def play(
         offered = Offer(least=study.robots, most=study.robots, usual=study.robots)
         options = PlayOptions(pace, bag, frozenset({legacy.TABUI}), "", limit, graph, watch=door)
         games = Games(study, study_file, options, report_page is not False, told)
-        play_in_window(games, offered)
+        play_in_window(games, offered, ("--theme", theme.value))
         return
     seat = seat_of_person() if who is Who.PERSON else seat_of_bot(who, setting.templates, study.seed)
     path = bag or usual_bag(setting)

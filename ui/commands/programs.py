@@ -19,10 +19,12 @@ from thbridge.app.fleet import RobotsFrom
 from thbridge.app.programs import SimrOptions
 from thbridge.app.real_robots import simr_with_real_robots
 from thbridge.roles.view import View
+from ui.display import no_window
 from ui.options import (
     ADDRESS,
     AsJson,
     BagFile,
+    Colours,
     MapName,
     Port,
     Robots,
@@ -34,6 +36,7 @@ from ui.options import (
     StudyFile,
     StudyOption,
     Templates,
+    Theme,
     WatchAt,
     WatchKey,
     Who,
@@ -138,14 +141,31 @@ def hider(
 def tabui(
     server: Server = ADDRESS,
     participant: Annotated[
-        Who, typer.Option(help="You (`person`), or how a simulated participant chooses rooms.")
-    ] = Who.SUGGESTION,
+        Who | None,
+        typer.Option(
+            help="You in the terminal (`person`), or how a simulated participant chooses rooms; without a window."
+        ),
+    ] = None,
     templates: Templates = None,
     seed: Seed = None,
+    theme: Theme = Colours.SYSTEM,
     as_json: AsJson = False,
+    hosted: Annotated[bool, typer.Option("--hosted", hidden=True)] = False,
 ) -> None:
-    """Run a participant (TabUI) at a text server until the game is over."""
+    """Take part (TabUI) at a text server: in a window where there is a display, else with a simulated participant."""
+    if hosted:
+        from ui.windows.table import play_hosted  # noqa: PLC0415 - Qt, only when a window opens
+
+        raise typer.Exit(play_hosted(theme.value))
     host, port = _address(server)
+    if participant is None and not as_json:
+        why = no_window()
+        if why is None:
+            from ui.windows.table import play_at  # noqa: PLC0415 - Qt, only when a window opens
+
+            raise typer.Exit(play_at(host, port, _token(), theme.value))
+        note(f"{why} A simulated participant plays.")
+    participant = participant or Who.SUGGESTION
     seat = _seat(participant, templates, seed)
     program = programs.tabui(seat.tabui, host, port, _token(), _lost, _nothing)
     last = run(program, seat.typed)
