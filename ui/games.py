@@ -27,6 +27,19 @@ PRACTICE = Study(map="practice", templates="practice", robots=1)
 """A hall and two rooms, with treasures that no other set has."""
 
 
+def offer_of(study: Study, given: bool) -> Offer:
+    """How many robots a participant may choose.
+
+    Args:
+        study: says so, as `participant: robots`.
+        given: the admin has given a number, which then is the only one.
+    """
+    if study.participant.robots is None or given:
+        return Offer(study.robots, study.robots, study.robots)
+    least, most = study.participant.robots
+    return Offer(least, most, min(max(study.robots, least), most))
+
+
 @dataclass(frozen=True, slots=True)
 class Games:
     """What can be played.

@@ -1,4 +1,4 @@
-"""A desktop of one's own: an X server without a screen, a mouse and a keyboard moved by tests, and a screen reader's eyes.
+"""A desktop of one's own: an X server without a screen, mouse and keys moved by tests, and a screen reader's eyes.
 
 Everything that a test knows of a window it knows as assistive technology does (AT-SPI): names, roles, places.
 """

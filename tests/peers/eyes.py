@@ -50,7 +50,7 @@ def text_of(accessible):
     return text.getText(0, min(text.characterCount, 5000))
 
 
-for line in sys.stdin:
+for _ in sys.stdin:
     found = []
     for application in pyatspi.Registry.getDesktop(0):
         if application is not None:

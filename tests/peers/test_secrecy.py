@@ -1,4 +1,4 @@
-"""The participant's process holds nothing that the game has not told: its memory, its traffic and its files are searched.
+"""The participant's process holds nothing that the game has not told: memory, traffic and files are searched.
 
 The treasures of this hunt have names, colours, footprints and pictures whose words occur nowhere else in the world.
 """

@@ -13,8 +13,7 @@ from thbridge.app.play import PlayOptions, Unfinished
 from thbridge.app.session import Moment
 from thbridge.wire import legacy
 from ui.display import no_window
-from ui.games import Games, play_in_window
-from ui.model.lobby import Offer
+from ui.games import Games, offer_of, play_in_window
 from ui.options import (
     AsJson,
     BagFile,
@@ -109,7 +108,7 @@ def play(
     told = hosts_of(graph, as_json)
     door = watch_of(study, study_file, watch, watch_key)
     if windowed:
-        offered = Offer(least=study.robots, most=study.robots, usual=study.robots)
+        offered = offer_of(study, given=robots is not None)
         options = PlayOptions(pace, bag, frozenset({legacy.TABUI}), "", limit, graph, watch=door)
         games = Games(study, study_file, options, report_page is not False, told)
         play_in_window(games, offered, ("--theme", theme.value))

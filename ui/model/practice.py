@@ -37,7 +37,9 @@ def _about_treasure(pop: TreasurePop) -> str:
     if not pop.colour:
         return "The robot looks around in the room."
     if pop.picture is None and pop.take_picture is not None and pop.take_picture.enabled:
-        return "Colour and shape do not always tell what it is. Take a picture: it costs energy, and shows the treasure."
+        return (
+            "Colour and shape do not always tell what it is. Take a picture: it costs energy, and shows the treasure."
+        )
     if pop.picked is None:
         return "Choose from the list what you see. Nothing counts before you name it."
     return "Name it when you are sure: the right name wins points, a wrong one loses them. Or leave it."

@@ -22,7 +22,19 @@ from PySide6.QtWidgets import (
     QWidget,
 )
 
-from ui.model.lobby import Back, Begin, FromHost, FromWindow, Join, Leave, Offer, Practise, Preparing, heard_of_host, line
+from ui.model.lobby import (
+    Back,
+    Begin,
+    FromHost,
+    FromWindow,
+    Join,
+    Leave,
+    Offer,
+    Practise,
+    Preparing,
+    heard_of_host,
+    line,
+)
 from ui.model.participant import Participant
 from ui.model.practice import advice
 from ui.model.screen import Phase
@@ -186,7 +198,11 @@ class Table(QMainWindow):
         box = QMessageBox(self)
         box.setWindowTitle("Treasure hunt")
         box.setText("The game is not over. Leave it?")
-        ends = "It ends then." if self._say is not None else "The robots go on with what they are doing; you can come back."
+        ends = (
+            "It ends then."
+            if self._say is not None
+            else "The robots go on with what they are doing; you can come back."
+        )
         box.setInformativeText(ends)
         leave = box.addButton("Leave the game", QMessageBox.ButtonRole.DestructiveRole)
         stay = box.addButton("Stay", QMessageBox.ButtonRole.RejectRole)
