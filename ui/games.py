@@ -8,13 +8,11 @@ from pathlib import Path
 
 from thbridge.adapters.text_server import CannotListen, Listening
 from thbridge.app import play as hunt
-from thbridge.app.compose import Setting, build_bot
+from thbridge.app.compose import Setting
 from thbridge.app.config import Study, of_size
 from thbridge.app.listeners import Hosts
 from thbridge.app.play import Outcome, PlayOptions, Unfinished
 from thbridge.app.session import Moment
-from thbridge.roles.tabui import TabUI
-from thbridge.study.bots import BotStrategy
 from ui.front import WINDOW, Front
 from ui.hosting import Game, Visit, host
 from ui.model.lobby import Offer
@@ -99,11 +97,9 @@ class Games:
             for sentence in tell(moment):
                 out.print(sentence, highlight=False, markup=False)
 
-        # Whoever sits at the window is an outside program; nobody takes this seat.
-        nobody = TabUI(build_bot(setting.templates, BotStrategy.SUGGESTION, setting.study.seed))
         announce_compiling()
         try:
-            return await hunt.play(setting, nobody, options, ready, progress, self.told)
+            return await hunt.play(setting, None, options, ready, progress, self.told)
         except Unfinished as early:
             if early.stopped and visit.ended is None:
                 raise  # Ctrl-C: the program ends.

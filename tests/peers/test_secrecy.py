@@ -65,6 +65,10 @@ class Tap:
         lines = [line for line in bytes(self.heard).split(b"\n")[:-1] if b'"kind":"View"' in line]
         return {} if not lines else json.loads(lines[-1].split(b" thbridge ", 1)[1])
 
+    def turns(self) -> list[tuple[int, int]]:
+        """How far the talks that wait for the participant have come."""
+        return [(talk["dialogue"], talk["turn"]) for talk in self.view()["dialogues"]]
+
     def close(self) -> None:
         self._listener.close()
 
@@ -173,13 +177,10 @@ def test_nothing_of_a_treasure_is_in_the_participants_process_before_it_is_told(
         assert search() == set()
 
         # Robot 1 is sent to room 1; until it has sensed something there is nothing to know.
-        press_until("1", lambda: hunt.view()["dialogues"])
-        while hunt.view()["dialogues"]:
-            turn = [(talk["dialogue"], talk["turn"]) for talk in hunt.view()["dialogues"]]
+        press_until("1", hunt.turns)
+        while before := hunt.turns():
             screen.do("sleep", "0.5")
-            press_until(
-                "Return", lambda: [(talk["dialogue"], talk["turn"]) for talk in hunt.view()["dialogues"]] != turn
-            )
+            press_until("Return", lambda before=before: hunt.turns() != before)
         screen.wait("robot 1 to set out", lambda: hunt.view()["rooms"][0]["state"] != "unvisited")
         assert search() == set()
 
@@ -195,7 +196,7 @@ def test_nothing_of_a_treasure_is_in_the_participants_process_before_it_is_told(
             assert secret.encode() not in hunt.heard
 
         screen.do("sleep", "0.5")
-        press_until("p", lambda: hunt.view()["dialogues"] or hunt.view()["rooms"][0]["picture"])
+        press_until("p", lambda: hunt.turns() or hunt.view()["rooms"][0]["picture"])
         screen.do("sleep", "0.5")
         press_until("Return", lambda: hunt.view()["rooms"][0]["picture"] == file)
         screen.do("sleep", "1")

@@ -103,7 +103,7 @@ class PlayOptions:
 
 async def play(
     setting: Setting,
-    participant: TabUI,
+    participant: TabUI | None,
     options: PlayOptions,
     ready: Callable[[Listening | CannotListen], None],
     progress: Callable[[Moment], None],
@@ -113,7 +113,7 @@ async def play(
 
     Args:
         setting: the study.
-        participant: whoever plays, unless that is left to an outside program.
+        participant: whoever plays; None when that is an outside program, as it also is when `options` say so.
         options: how.
         ready: told where others can join, or why they cannot.
         progress: told of every tick.

@@ -109,7 +109,7 @@ def play(
     door = watch_of(study, study_file, watch, watch_key)
     if windowed:
         offered = offer_of(study, given=robots is not None)
-        options = PlayOptions(pace, bag, frozenset({legacy.TABUI}), "", limit, graph, watch=door)
+        options = PlayOptions(pace, bag, frozenset(), "", limit, graph, watch=door)
         games = Games(study, study_file, options, report_page is not False, told)
         play_in_window(games, offered, ("--theme", theme.value))
         return

@@ -1,6 +1,7 @@
 """The participant's window as a program: at a server, or hosted by the program that runs the games.
 
-It joins the window (`ParticipantWindow`), its model (`Participant`) and the thread that speaks with the server (`Link`).
+It joins the window (`ParticipantWindow`), its model (`Participant`) and the thread that speaks with the server
+(`Link`).
 """
 
 import sys
