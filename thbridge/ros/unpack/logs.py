@@ -4,6 +4,8 @@ from thbridge.ros.cursor import UINT8, UINT32, Cursor
 from thbridge.ros.pack import Diagnosis, DiagnosticLevel
 from thbridge.ros.records import LogLevel, LogLine
 
+_LOG_LEVELS, _DIAGNOSTIC_LEVELS = frozenset(LogLevel), frozenset(DiagnosticLevel)
+
 
 def string(data: bytes) -> str:
     """std_msgs/String."""
@@ -15,7 +17,7 @@ def log(data: bytes) -> LogLine:
     cursor = Cursor(data)
     cursor.header()
     level = cursor.integer(UINT8)
-    known = LogLevel(level) if level in set(LogLevel) else LogLevel.ERROR
+    known = LogLevel(level) if level in _LOG_LEVELS else LogLevel.ERROR
     return LogLine(known, cursor.string(), cursor.string())
 
 
@@ -26,7 +28,7 @@ def diagnostic_array(data: bytes) -> list[Diagnosis]:
     found = []
     for _ in range(cursor.integer(UINT32)):
         level = cursor.integer(UINT8)
-        known = DiagnosticLevel(level) if level in set(DiagnosticLevel) else DiagnosticLevel.ERROR
+        known = DiagnosticLevel(level) if level in _DIAGNOSTIC_LEVELS else DiagnosticLevel.ERROR
         name, message, hardware_id = cursor.string(), cursor.string(), cursor.string()
         values = {cursor.string(): cursor.string() for _ in range(cursor.integer(UINT32))}
         found.append(Diagnosis(known, name, message, hardware_id, values))
