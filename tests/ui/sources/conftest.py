@@ -1,4 +1,5 @@
 import dataclasses
+from collections.abc import Mapping
 from pathlib import Path
 
 import pytest
@@ -29,7 +30,7 @@ DONE: dict[int, Request] = {
 """What befalls the hunt, by tick."""
 
 
-def record(bag: Path, study: Study, ticks: int) -> None:
+def record(bag: Path, study: Study, ticks: int, done: Mapping[int, Request] = DONE) -> None:
     """A hunt with a simulated participant, and what befalls it."""
     setting = read_setting(study, Path())
     participant = TabUI(build_bot(setting.templates, study.participant.strategy, study.seed))
@@ -39,8 +40,8 @@ def record(bag: Path, study: Study, ticks: int) -> None:
         roles = [setting.simr(), setting.hider()]
         session = Session(Router(), setting.keeper(), roles, NoLog(), [witness], participant)
         for tick in range(ticks):
-            if tick in DONE:
-                session.ask("watch", DONE[tick])
+            if tick in done:
+                session.ask("watch", done[tick])
             session.step()
 
 

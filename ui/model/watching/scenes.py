@@ -22,7 +22,7 @@ from ui.model.watching.said import Levels, Said
 from ui.model.watching.scene import GameScene, Scene, Shown, ThingScene, Wizard
 from ui.model.watching.series import Series
 from ui.model.watching.story import RoomNews, Story
-from ui.model.watching.wizard import WIZARD, wizard
+from ui.model.watching.wizard import wizard
 
 FRAMES_KEPT = 8
 """Moments whose frames are remembered: that of the scene, and those of the scans in it."""
@@ -84,7 +84,7 @@ class Scenes:
             things=tuple(ThingScene(name, outline) for name, outline in things),
             rooms=tuple(_room(room, news.get(room.room.people, RoomNews())) for room in watched.rooms),
             game=None if score is None else GameScene(score.score, score.visited, score.rooms),
-            wizard=self._wizards.of(levels.newest(WIZARD)) or Wizard(),
+            wizard=self._wizards.of(levels.newest(names.WIZARD)) or Wizard(),
             unreadable=watched.unreadable,
         )
 

@@ -5,12 +5,9 @@ import msgspec
 from thbridge.ros import unpack
 from ui.model.watching.scene import Wizard
 
-WIZARD = "/hunt/wizard"
-"""Topic: std_msgs/String, the JSON of a `Wizard`."""
-
 
 def wizard(data: bytes) -> Wizard:
-    """Of a std_msgs/String.
+    """Of a std_msgs/String on the topic `names.WIZARD`: JSON of the same form.
 
     Raises:
         ValueError: it tells none.
