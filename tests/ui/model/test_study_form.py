@@ -8,11 +8,12 @@ from hypothesis import strategies as st
 
 from thbridge.adapters.yaml_tree import parse
 from thbridge.app.config import Study, load_study_tree, study_before
-from thbridge.app.noise import value_at
+from thbridge.app.noise import NoisePreset, preset, value_at, view_of, with_value
 from thbridge.app.study_text import as_yaml, commented_study
 from thbridge.hunt.outcomes import Refused
 from ui.model.study_form.draft import HEADER, Draft, History, draft_of, found
 from ui.model.study_form.form import Field, Kind, form_of, hint_of, said_of, typed
+from ui.model.study_form.noise import noise_said, preview_of
 
 PATH = Path("study.yaml")
 WRITTEN = """\
@@ -250,3 +251,20 @@ def test_as_it_stands_the_value_of_a_field_is_the_loaders() -> None:
     draft = quick(commented_study())
     for key in ("robots", "world.footprint", "robot.amcl.min_particles", "fleet.robot.recorded"):
         assert draft.fields()[key].value == as_yaml(value_at(draft.study, key))
+
+
+def test_noise_is_what_is_typed_before_it_is_in_the_file() -> None:
+    draft = quick("noise: {odometry: {alpha1: 0.3}}\n")
+    fields = list(draft.groups()["noise"].all_fields())
+    typing = noise_said(fields, {"noise.odometry.alpha2": "0.4", "noise.laser.dropout": "much"})
+    assert (typing.odometry.alpha1, typing.odometry.alpha2, typing.laser.dropout) == (0.3, 0.4, 0.005)
+    chosen = noise_said(fields, {"noise.preset": "bad wheels"})
+    assert (chosen.odometry.alpha1, chosen.odometry.alpha2, chosen.odometry.angular_scale) == (0.3, 0.1, 1.1)
+
+
+def test_a_verdict_tells_a_belief_that_fits_from_one_that_does_not() -> None:
+    quiet = preview_of(Study(), preset(NoisePreset.PERFECT, view_of(Study())))
+    assert "too sure" not in quiet.straight.verdict
+    sure = noise_said([], {})
+    sure = with_value(with_value(sure, "believed.amcl.odom_alpha2", 0.0), "believed.amcl.odom_alpha1", 0.0)
+    assert "too sure" in preview_of(Study(), with_value(sure, "odometry.alpha2", 0.5)).straight.verdict

@@ -4,7 +4,7 @@ from collections.abc import Iterable, Mapping
 from dataclasses import dataclass
 
 from thbridge.app.config import Study
-from thbridge.app.noise import HOMES, NoiseSection, applied, view_of, with_value
+from thbridge.app.noise import HOMES, NoisePreset, NoiseSection, applied, preset, view_of, with_value
 from thbridge.offline.noise import Fan, RoomScan, believed_fan, covered, room_scan, wheels_fan
 from ui.model.study_form.form import Field, Kind, said_of
 
@@ -39,7 +39,12 @@ def noise_said(fields: Iterable[Field], said: Mapping[str, str]) -> NoiseSection
         said: what was typed last, by the fields' keys.
     """
     noise = view_of(Study())
+    chosen = said.get("noise.preset")
+    if chosen in set(NoisePreset):
+        noise = preset(NoisePreset(chosen), noise)
     for field in fields:
+        if chosen is not None and field.written is None and field.key not in said:
+            continue  # its default is that of the preset before
         path = field.key.removeprefix("noise.")
         value = _value(field, said.get(field.key, said_of(field)))
         if path in HOMES and value is not None:

@@ -19,7 +19,7 @@ from PySide6.QtWidgets import (
     QWidget,
 )
 
-from ui.model.study_form.form import Repeats
+from ui.model.study_form.form import Kind, Repeats
 from ui.windows.look import GAP, RING, colours, label, panel
 from ui.windows.study.editor import StudyEditor
 from ui.windows.study.faults import Faults
@@ -177,7 +177,9 @@ class StudyWindow(QMainWindow):
 
     def _field_said(self, key: str, said: str) -> None:
         self._said[key] = said
-        self.editor.set(key, said)
+        field = self.editor.draft.fields().get(key)
+        chosen = field is not None and field.kind in {Kind.CHOICE, Kind.TRUTH}
+        self.editor.set(key, said, at_once=chosen)
         if key.startswith(f"{NOISE}."):
             self.noise.ask(self.editor.draft, self._said)
         self.setWindowModified(True)
@@ -250,12 +252,15 @@ class StudyWindow(QMainWindow):
         words = "fault is" if count == 1 else "faults are"
         if self._asked(f"{count} {words} left. Programs will refuse this study.", "Save anyway"):
             self.editor.save(anyway=True)
+        else:
+            self._closing = False
 
     @Slot()
     def _ask_over(self) -> None:
         if self._asked("The file was changed by another program since it was read here.", "Write over it"):
             self.editor.save(anyway=True, over=True)
         else:
+            self._closing = False
             self._changed_outside()
 
     def _asked(self, words: str, yes: str) -> bool:
@@ -268,6 +273,7 @@ class StudyWindow(QMainWindow):
 
     @Slot(str)
     def _failed(self, words: str) -> None:
+        self._closing = False
         box = QMessageBox(QMessageBox.Icon.Critical, self.editor.path.name, words, parent=self)
         box.setObjectName("question")
         box.exec()
@@ -284,7 +290,8 @@ class StudyWindow(QMainWindow):
 
     def closeEvent(self, event: QCloseEvent) -> None:
         """Ask first, where something would be lost."""
-        if self.editor.dirty and not self._closing and self.editor.history.past:
+        touched = bool(self.editor.history.past) or not self.editor.settled
+        if self.editor.dirty and touched and not self._closing:
             box = QMessageBox(QMessageBox.Icon.Question, self.editor.path.name, "Save the changes?", parent=self)
             box.setObjectName("question")
             standard = QMessageBox.StandardButton

@@ -251,6 +251,14 @@ def test_everything_has_a_name_for_those_who_cannot_see(qtbot: QtBot, window: St
             assert named or inside, widget
 
 
+def test_closing_asks_and_saves(qtbot: QtBot, window: StudyWindow, file: Path) -> None:
+    retype(qtbot, window, "game.energy", "120")
+    QTimer.singleShot(300, lambda: answer("Save"))
+    window.close()
+    qtbot.waitUntil(lambda: not window.isVisible(), timeout=20_000)
+    assert file.read_text() == TEXT.replace("90", "120")
+
+
 def test_tab_follows_the_eye(qtbot: QtBot, window: StudyWindow) -> None:
     window.open_section("game")
     window.fields.finish()

@@ -1,0 +1,15 @@
+from pathlib import Path
+
+import pytest
+from typer.testing import CliRunner
+
+from ui.cli import app
+
+
+@pytest.mark.parametrize("platform", ["", "offscreen"])
+def test_without_a_display_the_command_says_so(tmp_path: Path, platform: str) -> None:
+    shown = {"DISPLAY": None, "WAYLAND_DISPLAY": None, "QT_QPA_PLATFORM": platform}
+    result = CliRunner().invoke(app, ["study", "edit", str(tmp_path / "a.yaml")], env=shown)
+    assert result.exit_code == 2
+    assert "study check" in " ".join(result.stderr.split())
+    assert list(tmp_path.iterdir()) == []
