@@ -15,6 +15,7 @@ from numpy.typing import NDArray
 from sim.geometry import FloatArray, Pose2, wrap_angle
 from thbridge.roles.notices import Ellipse, Ways, Whereabouts
 from ui.model.playback import PlaybackClock
+from ui.model.trails import Trail, WayAhead
 
 TICK = 0.02
 """Simulated seconds a tick."""
@@ -49,15 +50,6 @@ HELD = 0.2
 DRIVES = 0.03
 """A robot drives when it is faster than this, m/s."""
 
-TRAIL_STEP = 0.12
-"""Metres between two points of a trail."""
-
-TRAIL_POINTS = 44
-"""Points of a trail: 5 m."""
-
-WAY_SEARCH = 1.5
-"""How far along its way, in metres, a robot may be found ahead of where it was last."""
-
 
 @dataclass(frozen=True, slots=True, eq=False)
 class Moving:
@@ -88,66 +80,6 @@ class _Sample:
     ellipses: tuple[Ellipse, ...] | None
 
 
-class _Trail:
-    """Where one robot was shown, thinned and bounded."""
-
-    def __init__(self) -> None:
-        self._points: deque[tuple[float, float]] = deque(maxlen=TRAIL_POINTS)
-        self._array: FloatArray | None = None
-
-    def add(self, x: float, y: float) -> None:
-        if self._points:
-            last_x, last_y = self._points[-1]
-            if math.hypot(x - last_x, y - last_y) < TRAIL_STEP:
-                return
-        self._points.append((x, y))
-        self._array = None
-
-    def cut(self) -> None:
-        self._points.clear()
-        self._array = None
-
-    def array(self) -> FloatArray:
-        if self._array is None:
-            self._array = np.array(self._points, dtype=np.float64).reshape(-1, 2)
-        return self._array
-
-
-class _Way:
-    """What lies ahead of one robot: what it has driven of its way is taken off, and does not come back."""
-
-    def __init__(self, points: tuple[tuple[float, float], ...]) -> None:
-        self._points = np.array(points, dtype=np.float64).reshape(-1, 2)
-        steps = np.diff(self._points, axis=0)
-        self._steps = steps
-        self._lengths = np.hypot(steps[:, 0], steps[:, 1])
-        self._along = np.concatenate(([0.0], np.cumsum(self._lengths)))
-        self._driven = 0.0
-
-    def ahead_of(self, x: float, y: float) -> FloatArray:
-        """(m, 2) the way from a place on."""
-        if len(self._points) < 2:
-            return np.empty((0, 2))
-        at = self._nearest(x, y)
-        self._driven = max(self._driven, at)
-        rest = self._points[np.searchsorted(self._along, self._driven, side="right") :]
-        if not len(rest):
-            rest = self._points[-1:]
-        return np.concatenate((np.array([[x, y]]), rest))
-
-    def _nearest(self, x: float, y: float) -> float:
-        """Metres along the way of its point nearest to a place, sought from what is driven to a little ahead."""
-        first = max(int(np.searchsorted(self._along, self._driven, side="right")) - 1, 0)
-        last = int(np.searchsorted(self._along, self._driven + WAY_SEARCH, side="left"))
-        window = slice(min(first, len(self._steps) - 1), max(last, first + 1))
-        starts, steps, lengths = self._points[:-1][window], self._steps[window], self._lengths[window]
-        offset = np.array([x, y]) - starts
-        share = np.clip(np.sum(offset * steps, axis=1) / np.maximum(lengths**2, 1e-12), 0.0, 1.0)
-        gaps = offset - share[:, None] * steps
-        best = int(np.argmin(np.sum(gaps**2, axis=1)))
-        return float(self._along[:-1][window][best] + share[best] * lengths[best])
-
-
 class Motions:
     """All robots' poses at any moment, out of what is told of them.
 
@@ -164,15 +96,19 @@ class Motions:
         self._offsets: FloatArray = np.zeros((0, 3))
         self._speeds: FloatArray = np.zeros((0, 3))
         self._last_speeds: FloatArray = np.zeros((0, 3))
-        self._trails: list[_Trail] = []
-        self._ways: list[_Way] = []
+        self._trails: list[Trail] = []
+        self._ways: list[WayAhead] = []
         self._faded = 0.0
         self._news: float | None = None
 
     def hear(self, notice: Whereabouts | Ways, now: float) -> None:
         """Take what was told at this moment."""
         if isinstance(notice, Ways):
-            self._ways = [_Way(points) for points in notice.ways]
+            before = self._ways
+            self._ways = [
+                before[robot] if robot < len(before) and before[robot].told == told else WayAhead(told)
+                for robot, told in enumerate(notice.ways)
+            ]
         elif all(math.isfinite(number) for pose in notice.poses for number in pose):
             self._hear_where(notice, now)
 
@@ -222,7 +158,7 @@ class Motions:
         self._clock.hear(sample.time, now)
         self._offsets = np.zeros_like(sample.poses)
         self._speeds = self._last_speeds = np.zeros_like(sample.poses)
-        self._trails = [_Trail() for _ in sample.poses]
+        self._trails = [Trail() for _ in sample.poses]
         self._faded = self._news = now
 
     def _correct(self, sample: _Sample, newest: _Sample) -> NDArray[np.bool_]:
@@ -231,19 +167,22 @@ class Motions:
         A robot that does not move as it did has either changed its speed or its mind about where it is. The harder the
         change, the more of it is of the mind; unless its last step was just as odd, for speed lasts.
         """
-        passed = max(sample.time - newest.time, TICK)
+        passed = sample.time - newest.time
         moved = sample.poses - newest.poses
         moved[:, 2] = _wrapped(moved[:, 2])
-        speed = moved / passed
         carried: NDArray[np.bool_] = np.hypot(moved[:, 0], moved[:, 1]) > JUMP + FASTEST * passed
-        odd = np.minimum(_oddity(speed, self._speeds, passed), _oddity(speed, self._last_speeds, passed))
-        odd[carried] = 0.0
-        shift = odd[:, None] * (moved - self._speeds * passed)
+        odd = np.where(carried, 0.0, 1.0)
+        if passed > 0.0:
+            speed = moved / passed
+            odd *= np.minimum(_oddity(speed, self._speeds, passed), _oddity(speed, self._last_speeds, passed))
+            before, self._last_speeds = self._speeds, speed
+            self._speeds = np.where(odd[:, None] > 0.0, before, speed)
+            moved = moved - before * passed
+        self._speeds[carried] = 0.0
+        shift = odd[:, None] * moved
         for kept in self._samples:
             kept.poses += shift
             kept.poses[carried] = sample.poses[carried]
-        self._speeds = np.where(odd[:, None] > 0.0, self._speeds, np.where(carried[:, None], 0.0, speed))
-        self._last_speeds = speed
         for robot in np.flatnonzero(carried).tolist():
             self._trails[robot].cut()
         return carried

@@ -11,7 +11,8 @@ from hypothesis import strategies as st
 
 from sim.geometry import wrap_angle
 from thbridge.roles.notices import Ellipse, Ways, Whereabouts
-from ui.model.motion import KEPT, TRAIL_POINTS, Motions
+from ui.model.motion import KEPT, Motions
+from ui.model.trails import TRAIL_POINTS
 
 FRAME = 1.0 / 60.0
 TELLING = 0.04
@@ -230,6 +231,31 @@ def test_a_way_begins_at_the_robot_and_what_is_driven_does_not_come_back() -> No
     assert robot.way[0] == pytest.approx([robot.pose.x, robot.pose.y])
     assert robot.way[1, 0] > robot.pose.x
     assert robot.way[-1] == pytest.approx([3.0, 0.0])
+
+
+def test_a_way_told_again_with_anothers_stays_as_far_driven() -> None:
+    motions = Motions()
+    out = tuple((0.1 * k, 0.0) for k in range(61))
+    motions.hear(Ways(0, (out,)), 0.0)
+    play(motions, straight(5.0, 1.0), 5.0)
+    before = len(motions.at(5.0)[0].way)
+    motions.hear(Ways(250, (out, ((0.0, 0.0), (1.0, 0.0)))), 5.0)
+    assert len(motions.at(5.0)[0].way) == before < 15
+
+
+def test_who_comes_late_sees_what_still_lies_ahead() -> None:
+    motions = Motions()
+    motions.hear(Ways(0, (tuple((0.1 * k, 0.0) for k in range(61)),)), 0.0)
+    motions.hear(where(0, (5.0, 0.0, 0.0)), 0.0)
+    assert len(motions.at(0.0)[0].way) < 15
+
+
+def test_the_same_moment_told_again_changes_nothing() -> None:
+    once, twice = Motions(), Motions()
+    drive = straight(1.0, 0.5)
+    again = [arrival for now, telling in drive for arrival in ((now, telling), (now + 0.001, telling))]
+    expected = [one.x for one in play(once, drive, 1.0)]
+    assert [one.x for one in play(twice, again, 1.0)] == pytest.approx(expected, abs=1e-4)
 
 
 def test_a_way_that_comes_back_near_itself_is_driven_in_its_order() -> None:

@@ -1,0 +1,83 @@
+"""Where a robot was shown, and what of its way still lies ahead of it."""
+
+import math
+from collections import deque
+
+import numpy as np
+
+from sim.geometry import FloatArray
+
+TRAIL_STEP = 0.12
+"""Metres between two points of a trail."""
+
+TRAIL_POINTS = 44
+"""Points of a trail: 5 m."""
+
+WAY_SEARCH = 1.5
+"""How far along its way, in metres, a robot may be found ahead of where it was last."""
+
+
+class Trail:
+    """Where one robot was shown, thinned and bounded."""
+
+    def __init__(self) -> None:
+        self._points: deque[tuple[float, float]] = deque(maxlen=TRAIL_POINTS)
+        self._array: FloatArray | None = None
+
+    def add(self, x: float, y: float) -> None:
+        """It is shown here now; told only where that is some way from the point before."""
+        if self._points:
+            last_x, last_y = self._points[-1]
+            if math.hypot(x - last_x, y - last_y) < TRAIL_STEP:
+                return
+        self._points.append((x, y))
+        self._array = None
+
+    def cut(self) -> None:
+        """Forget where it was."""
+        self._points.clear()
+        self._array = None
+
+    def array(self) -> FloatArray:
+        """(k, 2) the points, oldest first; the same array until there is another point."""
+        if self._array is None:
+            self._array = np.array(self._points, dtype=np.float64).reshape(-1, 2)
+        return self._array
+
+
+class WayAhead:
+    """What lies ahead of one robot: what it has driven of its way is taken off, and does not come back."""
+
+    def __init__(self, told: tuple[tuple[float, float], ...]) -> None:
+        self.told = told
+        self._points = np.array(told, dtype=np.float64).reshape(-1, 2)
+        steps = np.diff(self._points, axis=0)
+        self._steps = steps
+        self._lengths = np.hypot(steps[:, 0], steps[:, 1])
+        self._along = np.concatenate(([0.0], np.cumsum(self._lengths)))
+        self._driven: float | None = None
+
+    def ahead_of(self, x: float, y: float) -> FloatArray:
+        """(m, 2) the way from a place on."""
+        if len(self._points) < 2:
+            return np.empty((0, 2))
+        driven = self._driven = self._nearest(x, y)
+        rest = self._points[np.searchsorted(self._along, driven, side="right") :]
+        if not len(rest):
+            rest = self._points[-1:]
+        return np.concatenate((np.array([[x, y]]), rest))
+
+    def _nearest(self, x: float, y: float) -> float:
+        """Metres along the way of its point nearest to a place: at first anywhere, then from where it was found on."""
+        if self._driven is None:
+            reach = slice(0, len(self._steps))
+        else:
+            first = int(np.searchsorted(self._along, self._driven, side="right")) - 1
+            last = int(np.searchsorted(self._along, self._driven + WAY_SEARCH, side="left"))
+            reach = slice(min(first, len(self._steps) - 1), max(last, first + 1))
+        starts, steps, lengths = self._points[:-1][reach], self._steps[reach], self._lengths[reach]
+        offset = np.array([x, y]) - starts
+        share = np.clip(np.sum(offset * steps, axis=1) / np.maximum(lengths**2, 1e-12), 0.0, 1.0)
+        gaps = offset - share[:, None] * steps
+        best = int(np.argmin(np.sum(gaps**2, axis=1)))
+        return max(float(self._along[:-1][reach][best] + share[best] * lengths[best]), self._driven or 0.0)
