@@ -73,7 +73,8 @@ class Bulletin:
     def subscribe(self, name: str, tick: int) -> None:
         """Somebody wants to be told from now on, or goes on wanting it."""
         self._until[name] = tick + SUBSCRIPTION
-        self._newcomers[name] = None
+        if self._shows.way:
+            self._newcomers[name] = None
 
     def told(
         self,
@@ -100,7 +101,7 @@ class Bulletin:
             before, self._ways = self._ways, self._ahead(snapshot, conditions)
             listeners = self._newcomers if self._ways == before else self._until
             said += self._tell(Ways(snapshot.tick, self._ways), listeners)
-            self._newcomers = {}
+            self._newcomers.clear()
         return said
 
     def _tell(self, value: Level, names: Mapping[str, object]) -> list[Message]:

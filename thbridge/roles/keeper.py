@@ -49,7 +49,7 @@ MOST_ROBOTS = 250
 """Larger than any team; a number beyond it is a mistake."""
 
 _BEFORE_AGREEING = Refused(Reason.NOT_AGREED, "You have not agreed to take part yet.")
-_WISHES = {wish.__name__ for wish in get_args(Wish)}
+_AFTER_AGREEING = {wish.__name__ for wish in get_args(Wish)} - {Agree.__name__}
 
 
 @dataclass(frozen=True, slots=True)
@@ -189,7 +189,7 @@ class Keeper:
             self._hide(hidden)
         elif heard(notice, ParticipantReady) is not None:
             self._said += self._audience.join(notice.sender, None if self._team is None else self._team.map)
-        elif self.state is not None and notice.kind in _WISHES - {Agree.__name__} and self._must_agree(self.state):
+        elif self.state is not None and notice.kind in _AFTER_AGREEING and self._must_agree(self.state):
             self._book.refuse(notice.kind, _BEFORE_AGREEING)
         elif (again := heard(notice, PlayAgain)) is not None:
             self._play_again(again.game)

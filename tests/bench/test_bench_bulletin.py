@@ -1,0 +1,39 @@
+"""What it costs SimR to keep one window up to date about its robots, with everything that a study can show."""
+
+import time
+from dataclasses import replace
+from pathlib import Path
+
+import pytest
+
+from sim.inputs import Go
+from sim.navigator import Goal
+from sim.observations import TICKS_PER_SECOND
+from thbridge.app.compose import read_setting
+from thbridge.app.config import Study
+from thbridge.hunt.events import Condition
+from thbridge.roles.bulletin import Bulletin, Shows
+
+pytestmark = pytest.mark.bench
+
+SECONDS = 20
+
+
+@pytest.mark.parametrize("robots", [4, 10])
+def test_one_window_is_told_of_robots_under_way(robots: int) -> None:
+    setting = read_setting(replace(Study(), map="warehouse12", robots=robots), Path())
+    team = setting.team()
+    goals = [Go(robot, Goal(1, setting.place.rooms[robot].goal)) for robot in range(robots)]
+    film = [team.step(goals if tick == 0 else []) for tick in range(SECONDS * TICKS_PER_SECOND)]
+    conditions = [Condition.WELL] * robots
+    best, size = float("inf"), 0
+    for _ in range(5):
+        bulletin = Bulletin("SimR", Shows(way=True, uncertainty=True, truth=True))
+        bulletin.subscribe("Window", 0)
+        begin = time.process_time()
+        said = [m for tick, snapshot in enumerate(film) for m in bulletin.told(tick, snapshot, conditions, {})]
+        best = min(best, time.process_time() - begin)
+        size = sum(len(message.line()) for message in said)
+    share = 100 * best / SECONDS
+    print(f"{robots} robots: {share:.1f} % of a core, {size / SECONDS / 1024:.0f} KiB a second of the session")
+    assert size > 0
