@@ -256,7 +256,7 @@ class RoomTile:
         name: what people call it.
         state: "unvisited", "reserved" or "visited".
         robot: who visited it or is under way to it.
-        cost: for the selected robot; None where it cannot go.
+        cost: for the selected robot; None where there is no way for it, or somebody has been or is on the way there.
         considered: it is being looked at.
         found: what is known of its treasure, in a word or two.
         choose: sends the selected robot.

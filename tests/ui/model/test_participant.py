@@ -340,6 +340,16 @@ def test_trouble_is_said_in_words(condition, state):
     assert (card.state, card.trouble) == (state, True)
 
 
+def test_what_was_asked_and_lost_on_its_way_is_asked_again(monkeypatch):
+    seat = Seat()
+    step = seat.tabui.step
+    monkeypatch.setattr(seat.tabui, "step", lambda tick, messages: [step(tick, messages), []][1])
+    seat.do(ChooseRoom(3))
+    monkeypatch.undo()
+    assert seat.screen.pop.title == "Asking robot 1 about room 3 …"
+    assert seat.run(160).pop.title == "Robot 1: go to room 3?"
+
+
 def test_a_server_that_comes_back_goes_on_where_it_was():
     seat = Seat()
     go(seat, 3)

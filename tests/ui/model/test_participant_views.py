@@ -25,6 +25,7 @@ from ui.model.screen import (
     Phase,
     PickName,
     ShowHelp,
+    ShowNext,
     TypeDigit,
 )
 
@@ -205,6 +206,8 @@ def test_what_follows_from_agreements_is_wanted_without_being_asked_again():
     assert model.screen(0.0).cards[0].state == "about to set out for room 3"
     model.hear(with_room(FOUND, 3, colour=None, footprint=None), 0.1)
     assert model.wishes() == (Sense(3),)
+    model.hear(with_robot(with_room(FOUND, 3, colour=None, footprint=None), 0, condition=Condition.SILENT), 0.05)
+    assert model.wishes() == ()
     assert model.screen(0.1).pop.title == "Robot 1 looks around in room 3"
 
 
@@ -240,6 +243,15 @@ def test_an_act_for_what_has_gone_from_the_screen_meanwhile_does_nothing():
     assert model.screen(0.2).pop.room == 2
     model.do(LeaveIt(), 0.3)
     assert model.wishes() == (Leave(2),)
+
+
+def test_what_follows_on_an_act_before_the_screen_does_is_for_nothing_shown():
+    model = model_of(FOUND)
+    model.do(ShowNext(), 0.0)
+    model.do(LeaveIt(), 0.0)
+    assert model.wishes() == ()
+    model.do(ShowNext(), 0.0)
+    assert model.screen(0.0).pop is None
 
 
 def test_an_answer_names_the_turn_that_was_read():
@@ -295,11 +307,17 @@ def test_a_refusal_is_shown_for_some_seconds_and_only_once():
 
 @pytest.mark.parametrize(
     "other",
-    [view(game=2), view(), replace(view(robots=3)), with_room(FOUND, 3, state="unvisited", robot=None)],
-    ids=["number", "began anew", "robots", "rooms"],
+    [
+        view(game=2),
+        view(),
+        view(robots=3),
+        with_room(FOUND, 3, state="unvisited", robot=None),
+        replace(with_room(FOUND, 3, verdict=Verdict("can", 5)), costs=((5.0,) * 4,) * 4),
+    ],
+    ids=["number", "began anew", "robots", "rooms", "house"],
 )
 def test_another_game_begins_with_nothing_of_the_last_one(other):
-    verdict = with_room(with_room(FOUND, 3, verdict=Verdict("can", 5)), 1, state="visited")
+    verdict = with_room(FOUND, 3, verdict=Verdict("can", 5))
     model = model_of(FOUND)
     model.do(PickName("can"), 0.0)
     model.hear(verdict, 0.5)

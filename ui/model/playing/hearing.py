@@ -2,7 +2,8 @@
 
 from collections.abc import Iterator
 
-from thbridge.roles.view import Answer, Discuss, Identify, Select, SendRobot, Sense, TakePicture, View, Wish
+from thbridge.hunt.events import Condition
+from thbridge.roles.view import Answer, Discuss, Identify, RoomView, Select, SendRobot, Sense, TakePicture, View, Wish
 from ui.model.playing.history import History
 from ui.model.playing.popups import Find, Item, Talk
 from ui.model.playing.possible import standing_in, talks, why_not_end, why_not_go
@@ -65,12 +66,14 @@ def wishes(hunt: Hunt) -> tuple[Wish, ...]:
                 agreed.append(TakePicture(consent.room))
             case "take-treasure" if consent.room in hunt.named:
                 agreed.append(Identify(consent.room, hunt.named[consent.room]))
-    sense = [
-        Sense(room.room)
-        for room in view.rooms
-        if room.undecided and not room.sensed and standing_in(view, room.room) is not None
-    ]
+    sense = [Sense(room.room) for room in view.rooms if room.undecided and not room.sensed and _can_look(view, room)]
     return (*hunt.asked.wishes, *agreed, *sense)
+
+
+def _can_look(view: View, room: RoomView) -> bool:
+    """Whether a robot stands in a room that would tell what it sees."""
+    stander = standing_in(view, room.room)
+    return stander is not None and view.robots[stander].condition is not Condition.SILENT
 
 
 def _begin(memory: Memory, view: View) -> None:

@@ -6,7 +6,7 @@ from thbridge.hunt.costs import spoken_energy
 from thbridge.hunt.rules import robot_name
 from thbridge.roles.view import GiveUp, RoomView, Select, Unsure
 from ui.model.keys import key_of
-from ui.model.playing.possible import warning, why_not_ask, why_not_end, why_not_go, why_not_work
+from ui.model.playing.possible import warning, why_not_ask, why_not_end, why_not_go
 from ui.model.playing.state import Hunt, Memory
 from ui.model.playing.words import place_name, titled
 from ui.model.screen import Action, ChooseRoom, DontKnow, EndGame, RoomTile
@@ -44,7 +44,7 @@ def _tile(memory: Memory, hunt: Hunt, room: RoomView, names: Mapping[int, str]) 
         name=names.get(room.room) or f"Room {room.room}",
         state=room.state,
         robot=room.robot,
-        cost=costs[room.room] if room.state == "unvisited" and why_not_work(hunt.view, robot) is None else None,
+        cost=costs[room.room] if room.state == "unvisited" else None,
         considered=room.room == (memory.considered() or hunt.goal_considered(robot)),
         found=_found(room),
         choose=_choose(memory, hunt, room),
