@@ -5,7 +5,7 @@ from dataclasses import dataclass, replace
 from typing import Literal
 
 from PySide6.QtCore import QEvent, QRectF, QSize, Qt, Signal
-from PySide6.QtGui import QColor, QFont, QFontMetricsF, QKeyEvent, QPainter, QPaintEvent
+from PySide6.QtGui import QColor, QFocusEvent, QFont, QFontMetricsF, QKeyEvent, QPainter, QPaintEvent
 from PySide6.QtWidgets import QPushButton, QSizePolicy, QToolTip, QWidget
 
 from ui.model.screen import Act, Action
@@ -40,9 +40,11 @@ class AskingButton(QPushButton):
 
     Attributes:
         asked: the `Act` of the action shown.
+        focused: the button itself, once it has the focus.
     """
 
     asked = Signal(object)
+    focused = Signal(QWidget)
 
     def __init__(self, parent: QWidget | None = None) -> None:
         super().__init__(parent)
@@ -71,6 +73,11 @@ class AskingButton(QPushButton):
     def pointed_at(self) -> bool:
         """Whether it should look as if it could be pressed at once."""
         return self.face is not None and self.face.enabled and (self.underMouse() or self.isDown())
+
+    def focusInEvent(self, event: QFocusEvent) -> None:
+        """Whoever scrolls should show it."""
+        super().focusInEvent(event)
+        self.focused.emit(self)
 
     def event(self, event: QEvent) -> bool:
         """Keep the keys that press a button, which the window's own shortcuts would take."""

@@ -262,6 +262,7 @@ class Cards(QWidget):
         card = Card(self)
         card.setMaximumHeight(card.sizeHint().height())
         card.asked.connect(self.asked)
+        card.face.focused.connect(lambda _face: self.reveal.emit(card))
         self._rows.addWidget(card)
         return card
 

@@ -38,6 +38,7 @@ class Column(QWidget):
         for part in (self.cards, self.tiles, self.dont_know):
             part.asked.connect(self.asked)
         self.cards.reveal.connect(lambda card: self.card_area.ensureWidgetVisible(card, 0, GAP))
+        self.tiles.reveal.connect(lambda tile: self.tile_area.ensureWidgetVisible(tile, 0, GAP))
 
     def sizeHint(self) -> QSize:
         """The window decides about the width."""

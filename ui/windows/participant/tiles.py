@@ -145,9 +145,11 @@ class Tiles(QWidget):
 
     Attributes:
         asked: the `Act` of what was pressed or looked at.
+        reveal: the tile that should be seen.
     """
 
     asked = Signal(object)
+    reveal = Signal(QWidget)
 
     def __init__(self, parent: QWidget | None = None) -> None:
         super().__init__(parent)
@@ -195,6 +197,7 @@ class Tiles(QWidget):
         while len(self.tiles) < number:
             tile = Tile(self)
             tile.asked.connect(self.asked)
+            tile.focused.connect(self.reveal)
             tile.show()
             self.tiles.append(tile)
         while len(self.tiles) > number:

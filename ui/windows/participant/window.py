@@ -15,14 +15,13 @@ from PySide6.QtWidgets import (
     QApplication,
     QHBoxLayout,
     QMainWindow,
-    QSizePolicy,
     QStackedWidget,
     QVBoxLayout,
     QWidget,
 )
 
 from thbridge.roles.notices import House
-from ui.model.keys import HELP, act_for
+from ui.model.keys import HELP
 from ui.model.scene import RobotMark, RoomMark
 from ui.model.screen import (
     Act,
@@ -42,10 +41,14 @@ from ui.windows.map import MapView
 from ui.windows.participant import focus
 from ui.windows.participant.column import Column
 from ui.windows.participant.dialogue import DialoguePanel
+from ui.windows.participant.history import History
+from ui.windows.participant.keyboard import Keyboard
 from ui.windows.participant.pages import Connecting, ConsentPage, EndingPanel, HelpSheet, QuestionPanel
-from ui.windows.participant.panels import Panel, Veil, centre, set_text
-from ui.windows.participant.strips import BannerLine, History, TopStrip, WaitingStrip
+from ui.windows.participant.panels import Panel, Veil, set_text
+from ui.windows.participant.stage import Stage
+from ui.windows.participant.top import TopStrip
 from ui.windows.participant.treasure import TreasurePanel
+from ui.windows.participant.waiting import WaitingStrip
 
 FRAME = 16
 """Milliseconds between two looks at the model."""
@@ -53,11 +56,6 @@ FRAME = 16
 UNREAD = 0.3
 """Seconds for which what has just popped up cannot be answered: nobody has read it, so a press was meant for what was
 there before. That holds for the next turn of the same talk too: the second half of a double click is no answer."""
-
-_KEYS = (
-    *"0123456789ABCDEFGHIJKLMNOPQRSTUVWXYZ?",
-    *("Tab", "Shift+Tab", "Return", "Enter", "Esc", "Up", "Down", "F1"),
-)
 
 
 class Model(Protocol):
@@ -102,11 +100,11 @@ class ParticipantWindow(QMainWindow):
         self._popped: tuple[Act, ...] = ()
         self._popped_at = -UNREAD
         self.setWindowTitle("Treasure hunt")
-        self.setMinimumSize(900, 600)
+        self.setMinimumSize(820, 500)
         self.resize(1200, 800)
         self.map = MapView(palette)
         self._build()
-        self._shortcuts = {key: self._shortcut(key) for key in _KEYS}
+        self._keyboard = Keyboard(self, self.do)
         for keys, step in ((("F6", "Ctrl+Tab"), 1), (("Shift+F6", "Ctrl+Shift+Tab"), -1)):
             for key in keys:
                 QShortcut(QKeySequence(key), self, self._stepper(step))
@@ -129,7 +127,6 @@ class ParticipantWindow(QMainWindow):
         self.question, self.help = QuestionPanel(), HelpSheet()
         focus.region(self.top, "Score and tools")
         focus.region(self.waiting, "What waits for you")
-        focus.region(self.history, "History")
         self.history.hide()
         self.waiting.history.toggled.connect(self.history.setVisible)
         left = QVBoxLayout()
@@ -201,9 +198,9 @@ class ParticipantWindow(QMainWindow):
         self.refresh()
 
     def set_palette(self, palette: Palette) -> None:
-        """The map in other colours; all else follows from the application's."""
+        """The map and the history in other colours; all else follows from the application's."""
         self.map.set_palette(palette)
-        self.update()
+        self.history.repaint_words()
 
     def _show_map(self, now: float) -> None:
         house = self._model.house
@@ -233,9 +230,7 @@ class ParticipantWindow(QMainWindow):
         self.waiting.show_waiting(screen.waiting)
         self.history.show_history(screen.history)
         self._show_pops(screen, before, now)
-        for key, shortcut in self._shortcuts.items():
-            # A key that means nothing now stays with the widget that has the focus.
-            shortcut.setEnabled(act_for(_plain(key), screen) is not None)
+        self._keyboard.show_screen(screen)
         self._announce(screen)
         self._keep_focus(focused)
 
@@ -269,17 +264,6 @@ class ParticipantWindow(QMainWindow):
 
     # Keys and focus ---------------------------------------------------------------------------------------------------
 
-    def _shortcut(self, key: str) -> QShortcut:
-        shortcut = QShortcut(QKeySequence(key), self)
-        shortcut.setAutoRepeat(key in ("Tab", "Shift+Tab", "Up", "Down"))
-        shortcut.activated.connect(lambda: self._key(key))
-        return shortcut
-
-    def _key(self, key: str) -> None:
-        act = act_for(_plain(key), self._screen) if self._screen is not None else None
-        if act is not None:
-            self.do(act)
-
     def _stepper(self, step: int) -> Callable[[], None]:
         return lambda: focus.next_region(self.regions, step)
 
@@ -312,50 +296,6 @@ class ParticipantWindow(QMainWindow):
         if event.type() == QEvent.Type.LayoutRequest:
             self.veil.setGeometry(QRect(0, 0, self.pages.width(), self.pages.height()))
         return super().event(event)
-
-
-class Stage(QWidget):
-    """The map, a banner across its top, and at most one panel in its middle."""
-
-    def __init__(self, map_view: MapView) -> None:
-        super().__init__()
-        self._map = map_view
-        map_view.setParent(self)
-        self.banner = BannerLine(self)
-        self._panel: Panel | None = None
-        self.setMinimumSize(360, 300)
-        self.setSizePolicy(QSizePolicy.Policy.Expanding, QSizePolicy.Policy.Expanding)
-
-    def hold(self, panel: Panel | None) -> None:
-        """Have this panel in the middle."""
-        if panel is not self._panel:
-            if self._panel is not None:
-                self._panel.hide()
-            self._panel = panel
-            if panel is not None:
-                panel.setParent(self)
-                panel.show()
-        self._place()
-
-    def resizeEvent(self, _event: QResizeEvent) -> None:
-        """Everything keeps its place."""
-        self._place()
-
-    def event(self, event: QEvent) -> bool:
-        """A panel whose words have changed may need another size."""
-        if event.type() == QEvent.Type.LayoutRequest:
-            self._place()
-        return super().event(event)
-
-    def _place(self) -> None:
-        self._map.setGeometry(self.rect())
-        width = self.width() - 2 * GAP
-        high = self.banner.height_for(width)
-        self.banner.setGeometry(GAP, GAP, width, high)
-        self.banner.raise_()
-        if self._panel is not None:
-            centre(self._panel, self.width(), self.height(), 620, high + 2 * GAP if high else GAP)
-            self._panel.raise_()
 
 
 def _offered(screen: Screen) -> tuple[Act, ...]:
@@ -392,8 +332,3 @@ def _hint(screen: Screen) -> str:
         return ""
     words = tile.warning or tile.choose.hint
     return f"{tile.name}: {words}" if words else tile.name
-
-
-def _plain(key: str) -> str:
-    """A key as the table of keys calls it."""
-    return "Enter" if key == "Return" else key

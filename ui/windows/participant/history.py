@@ -1,0 +1,80 @@
+"""What was said and what happened."""
+
+from PySide6.QtGui import QColor, QFont, QTextCharFormat, QTextCursor
+from PySide6.QtWidgets import QFrame, QPlainTextEdit, QWidget
+
+from thbridge.hunt.rules import robot_name
+from ui.model.screen import Told
+from ui.windows import look
+from ui.windows.look import GAP, colours, font
+
+KEPT = 500
+"""Lines shown at the most."""
+
+
+class History(QPlainTextEdit):
+    """All that was said and all that happened, the newest at the bottom; can be read, searched through and copied."""
+
+    def __init__(self, parent: QWidget | None = None) -> None:
+        super().__init__(parent)
+        look.panel(self)
+        self.setAccessibleName("History")
+        self.setReadOnly(True)
+        self.setFrameShape(QFrame.Shape.NoFrame)
+        self.setFont(font("small"))
+        self.setMaximumBlockCount(KEPT)
+        self.setTabChangesFocus(True)
+        self.document().setDocumentMargin(GAP)
+        self.setFixedHeight(20 * GAP)
+        self._shown: tuple[Told, ...] = ()
+
+    def show_history(self, history: tuple[Told, ...]) -> None:
+        """Show this; only what is new is written."""
+        if history == self._shown:
+            return
+        new = _new(self._shown, history)
+        if len(new) == len(history):
+            self.clear()
+        self._shown = history
+        for told in new:
+            self._write(told)
+
+    def repaint_words(self) -> None:
+        """Write it anew, in the colours worn now."""
+        shown, self._shown = self._shown, ()
+        self.show_history(shown)
+
+    def _write(self, told: Told) -> None:
+        worn = colours()
+        plain, strong = QTextCharFormat(), QTextCharFormat()
+        plain.setForeground(QColor(worn.muted if told.speaker == "game" else worn.text))
+        strong.setForeground(QColor(worn.text))
+        strong.setFontWeight(QFont.Weight.DemiBold)
+        cursor = QTextCursor(self.document())
+        cursor.movePosition(QTextCursor.MoveOperation.End)
+        if not self.document().isEmpty():
+            cursor.insertBlock()
+        speaker = _speaker(told)
+        if speaker:
+            cursor.insertText(f"{speaker}: ", strong)
+        cursor.insertText(told.text, plain)
+        bar = self.verticalScrollBar()
+        bar.setValue(bar.maximum())
+
+
+def _new(shown: tuple[Told, ...], history: tuple[Told, ...]) -> tuple[Told, ...]:
+    """The lines that follow what is shown, of which the oldest may be gone by now."""
+    for gone in range(len(shown) + 1):
+        kept = len(shown) - gone
+        if shown[gone:] == history[:kept]:
+            return history[kept:]
+    return history
+
+
+def _speaker(told: Told) -> str:
+    if told.speaker == "game":
+        return ""
+    robot = robot_name(told.robot) if told.robot is not None else ""
+    if told.speaker == "you":
+        return f"You to {robot}" if robot else "You"
+    return robot.capitalize()

@@ -1,0 +1,53 @@
+"""The keys of the window: one shortcut each, so that none is swallowed by what has the focus, and none counts twice."""
+
+from collections.abc import Callable
+
+from PySide6.QtGui import QKeySequence, QShortcut
+from PySide6.QtWidgets import QWidget
+
+from ui.model.keys import act_for
+from ui.model.screen import Act, Screen
+
+_NAMES = {
+    **{key: key for key in "0123456789ABCDEFGHIJKLMNOPQRSTUVWXYZ?"},
+    **{key: key for key in ("Tab", "Shift+Tab", "Enter", "Esc", "Up", "Down", "F1")},
+    "Return": "Enter",
+}
+"""Qt's name of a key, and that of the table of keys."""
+
+_REPEATING = ("Tab", "Shift+Tab", "Up", "Down")
+
+
+class Keyboard:
+    """Turns keys into acts.
+
+    A key that means nothing on the screen shown stays with the widget that has the focus: Tab goes from button to
+    button on a page of text, arrows scroll it.
+
+    Args:
+        window: whose keys.
+        do: what to do with an act.
+    """
+
+    def __init__(self, window: QWidget, do: Callable[[Act], None]) -> None:
+        self._do = do
+        self._acts: dict[str, Act | None] = {}
+        self._shortcuts = {key: self._shortcut(window, key) for key in _NAMES}
+
+    def show_screen(self, screen: Screen) -> None:
+        """From now on keys mean what they mean on this screen."""
+        for key, shortcut in self._shortcuts.items():
+            act = act_for(_NAMES[key], screen)
+            self._acts[key] = act
+            shortcut.setEnabled(act is not None)
+
+    def _shortcut(self, window: QWidget, key: str) -> QShortcut:
+        shortcut = QShortcut(QKeySequence(key), window)
+        shortcut.setAutoRepeat(key in _REPEATING)
+        shortcut.activated.connect(lambda: self._pressed(key))
+        return shortcut
+
+    def _pressed(self, key: str) -> None:
+        act = self._acts.get(key)
+        if act is not None:
+            self._do(act)

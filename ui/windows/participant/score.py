@@ -1,0 +1,91 @@
+"""The score, which counts up to a new one."""
+
+from PySide6.QtCore import QEasingCurve, QRectF, QSize, Qt, QVariantAnimation
+from PySide6.QtGui import QColor, QFontMetricsF, QPainter, QPaintEvent
+from PySide6.QtWidgets import QSizePolicy, QWidget
+
+from ui.windows.look import GAP, colours, font
+
+COUNTING = 900
+"""Milliseconds in which a score counts up and what was gained floats away."""
+
+
+class Score(QWidget):
+    """The score. When it changes it counts to the new one, and the gain is shown beside it for a moment."""
+
+    def __init__(self, parent: QWidget | None = None) -> None:
+        super().__init__(parent)
+        self._score: int | None = None
+        self._from = 0
+        self._counting = QVariantAnimation(self)
+        self._counting.setStartValue(0.0)
+        self._counting.setEndValue(1.0)
+        self._counting.setDuration(COUNTING)
+        self._counting.setEasingCurve(QEasingCurve.Type.OutCubic)
+        self._counting.valueChanged.connect(lambda _value: self.update())
+        self.setSizePolicy(QSizePolicy.Policy.Fixed, QSizePolicy.Policy.Fixed)
+
+    def show_score(self, score: int, *, moving: bool) -> None:
+        """Show this score; `moving`: count to it."""
+        if score == self._score:
+            return
+        self._from = self._score if self._score is not None else score
+        self._score = score
+        self.setAccessibleName(f"Score {score}")
+        self._counting.stop()
+        if moving and self._from != score:
+            self._counting.start()
+        self.update()
+
+    def sizeHint(self) -> QSize:
+        """A word, four figures, and what was gained."""
+        hero = QFontMetricsF(font("hero", bold=True))
+        small = QFontMetricsF(font("small"))
+        return QSize(
+            int(small.horizontalAdvance("Score") + hero.horizontalAdvance("−0000  +00")) + 3 * GAP, int(hero.height())
+        )
+
+    def paintEvent(self, _event: QPaintEvent) -> None:
+        """Draw them."""
+        worn = colours()
+        painter = QPainter(self)
+        painter.setRenderHint(QPainter.RenderHint.Antialiasing)
+        rect = QRectF(self.rect())
+        middle = Qt.AlignmentFlag.AlignLeft | Qt.AlignmentFlag.AlignVCenter
+        painter.setFont(font("small"))
+        painter.setPen(QColor(worn.muted))
+        painter.drawText(rect, middle, "Score")
+        left = rect.left() + QFontMetricsF(font("small")).horizontalAdvance("Score") + GAP
+        share = self._share()
+        now, target = round(self._from + share * ((self._score or 0) - self._from)), self._score or 0
+        hero = font("hero", bold=True)
+        painter.setFont(hero)
+        painter.setPen(QColor(worn.text))
+        words = _signed(now)
+        painter.drawText(rect.adjusted(left, 0, 0, 0), middle, words)
+        gain = target - self._from
+        if share < 1.0 and gain:
+            left += QFontMetricsF(hero).horizontalAdvance(words) + GAP
+            ink = QColor(worn.good if gain > 0 else worn.bad)
+            ink.setAlphaF(min(1.0, 2.0 * (1.0 - share)))
+            painter.setPen(ink)
+            painter.setFont(font("title", bold=True))
+            painter.drawText(
+                rect.adjusted(left, -6.0 * share, 0, -6.0 * share), middle, f"{'+' if gain > 0 else ''}{_signed(gain)}"
+            )
+
+    @property
+    def is_counting(self) -> bool:
+        """Whether the figures move."""
+        return self._counting.state() == QVariantAnimation.State.Running
+
+    def _share(self) -> float:
+        """How much of the counting is done."""
+        if not self.is_counting:
+            return 1.0
+        value = self._counting.currentValue()
+        return value if isinstance(value, float) else 1.0
+
+
+def _signed(number: int) -> str:
+    return f"{number}".replace("-", "−")

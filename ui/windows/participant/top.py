@@ -1,0 +1,98 @@
+"""What runs along the top: score and tools, and across the map a line of news."""
+
+from PySide6.QtCore import QRectF, Qt, Signal
+from PySide6.QtGui import QColor, QFontMetricsF, QPainter, QPaintEvent
+from PySide6.QtWidgets import QHBoxLayout, QWidget
+
+from ui.model.screen import Action, Banner
+from ui.windows import look
+from ui.windows.look import GAP, RADIUS, colours, font
+from ui.windows.participant.buttons import ActionButton, ActionRow
+from ui.windows.participant.painting import box, sign
+from ui.windows.participant.panels import set_text
+from ui.windows.participant.score import Score
+
+
+class TopStrip(QWidget):
+    """Score at the left, tools at the right.
+
+    Attributes:
+        asked: the `Act` of what was pressed.
+    """
+
+    asked = Signal(object)
+
+    def __init__(self, parent: QWidget | None = None) -> None:
+        super().__init__(parent)
+        row = QHBoxLayout(self)
+        row.setContentsMargins(2 * GAP, GAP, 2 * GAP, GAP)
+        row.setSpacing(GAP)
+        self._game = look.label(size="small", muted=True)
+        self._game.setWordWrap(False)
+        self.score = Score()
+        row.addWidget(self._game)
+        row.addSpacing(GAP)
+        row.addWidget(self.score)
+        row.addStretch(1)
+        tools = QHBoxLayout()
+        tools.setSpacing(GAP // 2)
+        row.addLayout(tools)
+        self.tools = ActionRow(tools.addWidget, self._made)
+
+    def show_strip(self, game: int, score: int, *, moving: bool, tools: tuple[Action, ...]) -> None:
+        """Show this."""
+        set_text(self._game, f"Game {game}" if game else "")
+        self.score.show_score(score, moving=moving)
+        self.tools.show_actions(tools)
+
+    def _made(self) -> ActionButton:
+        button = ActionButton("quiet")
+        button.asked.connect(self.asked)
+        return button
+
+
+class BannerLine(QWidget):
+    """A line across the top of the map, which moves nothing."""
+
+    def __init__(self, parent: QWidget) -> None:
+        super().__init__(parent)
+        self._banner: Banner | None = None
+        self.setAttribute(Qt.WidgetAttribute.WA_TransparentForMouseEvents)
+        self.hide()
+
+    def show_banner(self, banner: Banner | None) -> bool:
+        """Show this, or nothing; tells whether that changed anything."""
+        if banner == self._banner:
+            return False
+        self._banner = banner
+        self.setAccessibleName(banner.text if banner is not None else "")
+        self.setVisible(banner is not None)
+        self.update()
+        return True
+
+    def height_for(self, width: int) -> int:
+        """What its text needs."""
+        if self._banner is None:
+            return 0
+        frame = QRectF(0, 0, max(1.0, width - 6.0 * GAP), 1000.0)
+        text = QFontMetricsF(font(bold=True)).boundingRect(frame, int(Qt.TextFlag.TextWordWrap), self._banner.text)
+        return int(text.height() + 2 * GAP)
+
+    def paintEvent(self, _event: QPaintEvent) -> None:
+        """Bad news on red with a warning sign, a note on the panel's ground."""
+        if self._banner is None:
+            return
+        worn = colours()
+        painter = QPainter(self)
+        painter.setRenderHint(QPainter.RenderHint.Antialiasing)
+        rect = QRectF(self.rect())
+        bad = self._banner.kind == "bad"
+        ink = worn.panel if bad else worn.text
+        box(painter, rect, worn.bad if bad else worn.panel, worn.bad if bad else worn.line, radius=RADIUS)
+        side = QFontMetricsF(font()).height()
+        mark = QRectF(rect.left() + 1.5 * GAP, rect.center().y() - side / 2, side, side)
+        sign(painter, mark, "trouble" if bad else "talk", ink)
+        painter.setFont(font(bold=bad))
+        painter.setPen(QColor(ink))
+        area = rect.adjusted(2.5 * GAP + side, 0, -GAP, 0)
+        painter.drawText(area, Qt.AlignmentFlag.AlignVCenter | Qt.TextFlag.TextWordWrap, self._banner.text)

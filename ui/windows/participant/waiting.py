@@ -1,0 +1,129 @@
+"""What waits for the participant, along the bottom."""
+
+from PySide6.QtCore import QPointF, QRectF, QSize, Qt, Signal
+from PySide6.QtGui import QColor, QFontMetricsF, QPainter, QPaintEvent, QWheelEvent
+from PySide6.QtWidgets import QFrame, QHBoxLayout, QScrollArea, QSizePolicy, QWidget
+
+from ui.model.screen import Waiting
+from ui.windows import look
+from ui.windows.look import GAP, RADIUS, colours, font
+from ui.windows.participant.buttons import ActionButton, AskingButton, Face
+from ui.windows.participant.painting import box, chip, chip_size, ring
+from ui.windows.participant.panels import set_text
+
+
+class WaitingChip(AskingButton):
+    """One thing that waits: whose, and what, in two lines."""
+
+    def __init__(self, parent: QWidget | None = None) -> None:
+        super().__init__(parent)
+        self._waiting: Waiting | None = None
+        self.setSizePolicy(QSizePolicy.Policy.Fixed, QSizePolicy.Policy.Fixed)
+
+    def show_waiting(self, waiting: Waiting) -> None:
+        """Show this."""
+        if waiting == self._waiting:
+            return
+        self._waiting = waiting
+        self.take(waiting.show, waiting.text)
+        self.setToolTip(waiting.text)
+        self.updateGeometry()
+        self.update()
+
+    def sizeHint(self) -> QSize:
+        """Two lines of words."""
+        metrics = QFontMetricsF(font("small"))
+        text = self._waiting.text if self._waiting is not None else ""
+        wide = min(190.0, max(90.0, metrics.horizontalAdvance(text) / 2.0 + 2 * GAP))
+        return QSize(int(wide + chip_size() + 3 * GAP), int(2 * metrics.height() + GAP))
+
+    def paintEvent(self, _event: QPaintEvent) -> None:
+        """Draw the chip and the words."""
+        if self._waiting is None:
+            return
+        worn = colours()
+        painter = QPainter(self)
+        painter.setRenderHint(QPainter.RenderHint.Antialiasing)
+        rect = QRectF(self.rect())
+        box(painter, rect, worn.track if self.pointed_at() else worn.panel, worn.accent, radius=RADIUS)
+        if self.hasFocus():
+            ring(painter, rect, worn.text)
+        chip(painter, QPointF(rect.left() + GAP + chip_size() / 2, rect.center().y()), self._waiting.robot)
+        painter.setFont(font("small"))
+        painter.setPen(QColor(worn.text))
+        area = rect.adjusted(1.75 * GAP + chip_size(), 2, -GAP, -2)
+        painter.drawText(area, Qt.AlignmentFlag.AlignVCenter | Qt.TextFlag.TextWordWrap, self._waiting.text)
+
+
+class Sideways(QScrollArea):
+    """Scrolls sideways, by the usual wheel too."""
+
+    def __init__(self) -> None:
+        super().__init__()
+        self.setWidgetResizable(True)
+        self.setFrameShape(QFrame.Shape.NoFrame)
+        self.setFocusPolicy(Qt.FocusPolicy.NoFocus)
+        self.setVerticalScrollBarPolicy(Qt.ScrollBarPolicy.ScrollBarAlwaysOff)
+        self.setHorizontalScrollBarPolicy(Qt.ScrollBarPolicy.ScrollBarAlwaysOff)
+
+    def wheelEvent(self, event: QWheelEvent) -> None:
+        """Down is right."""
+        turned = event.angleDelta()
+        bar = self.horizontalScrollBar()
+        bar.setValue(bar.value() - (turned.x() or turned.y()))
+
+
+class WaitingStrip(QWidget):
+    """What waits for the participant, oldest first; its height never changes, so that nothing jumps.
+
+    Attributes:
+        asked: the `Act` of what was pressed.
+        history: the button that opens the history.
+    """
+
+    asked = Signal(object)
+
+    def __init__(self, parent: QWidget | None = None) -> None:
+        super().__init__(parent)
+        row = QHBoxLayout(self)
+        row.setContentsMargins(0, 0, 0, 0)
+        row.setSpacing(GAP)
+        self._count = look.label(size="small", muted=True)
+        self._count.setWordWrap(False)
+        row.addWidget(self._count)
+        area = Sideways()
+        inside = QWidget()
+        self._chips = QHBoxLayout(inside)
+        self._chips.setContentsMargins(0, 0, 0, 0)
+        self._chips.setSpacing(GAP)
+        self._chips.addStretch(1)
+        area.setWidget(inside)
+        self._area = area
+        row.addWidget(area, 1)
+        self.history = ActionButton()
+        self.history.setCheckable(True)
+        self.history.wear(Face("History"), "History: what was said and what happened")
+        row.addWidget(self.history)
+        self.chips: list[WaitingChip] = []
+        self._shown: tuple[Waiting, ...] | None = None
+        probe = WaitingChip()
+        self.setFixedHeight(probe.sizeHint().height() + 2)
+        probe.deleteLater()
+
+    def show_waiting(self, waiting: tuple[Waiting, ...]) -> None:
+        """Show these; nothing is done when they are shown already."""
+        if waiting == self._shown:
+            return
+        self._shown = waiting
+        set_text(self._count, f"Waiting for\nyou: {len(waiting)}" if waiting else "Nothing waits\nfor you")
+        while len(self.chips) < len(waiting):
+            made = WaitingChip()
+            made.asked.connect(self.asked)
+            made.focused.connect(self._area.ensureWidgetVisible)
+            self._chips.insertWidget(len(self.chips), made)
+            self.chips.append(made)
+        for shown, one in zip(self.chips, waiting, strict=False):
+            shown.show_waiting(one)
+            shown.show()
+        for spare in self.chips[len(waiting) :]:
+            spare.hide()
