@@ -11,7 +11,7 @@ from ui.windows.participant.buttons import ActionButton, AskingButton
 from ui.windows.participant.painting import box, chip, chip_size, elided, hatch, key_cap, key_size, ring, sign
 
 PAD = 1.25 * GAP
-EDGE = 5.0
+EDGE = 6.0
 """Logical pixels above the first line and below the last one, when there is little room."""
 BAR = 7.0
 CLOSE, FAR = 3.0, 7.0
@@ -160,7 +160,7 @@ class CardFace(AskingButton):
     @staticmethod
     def _progress(painter: QPainter, rect: QRectF, share: float, colour: str) -> None:
         """A thin line along the lower edge, which grows with the way driven."""
-        y = rect.bottom() - 4.0
+        y = rect.bottom() - 5.0
         reach = rect.left() + PAD + (rect.width() - 2.0 * PAD) * min(1.0, max(0.0, share))
         pen = QPen(QColor(colours().track), 3.0)
         pen.setCapStyle(Qt.PenCapStyle.RoundCap)

@@ -22,8 +22,9 @@ class Picture(QWidget):
         self._data: bytes | None = None
         self._note = ""
         self._pixmap = QPixmap()
-        self.setMinimumSize(_PICTURE.width(), _PICTURE.height() // 2)
-        self.setSizePolicy(QSizePolicy.Policy.Fixed, QSizePolicy.Policy.Preferred)
+        self.setMinimumSize(_PICTURE.width() // 2, _PICTURE.height() // 3)
+        self.setMaximumSize(2 * _PICTURE)
+        self.setSizePolicy(QSizePolicy.Policy.Preferred, QSizePolicy.Policy.Preferred)
 
     def sizeHint(self) -> QSize:
         """Of a small photograph."""
@@ -72,7 +73,8 @@ class Facts(QWidget):
     def __init__(self, parent: QWidget | None = None) -> None:
         super().__init__(parent)
         self._colour = self._footprint = ""
-        self.setSizePolicy(QSizePolicy.Policy.Fixed, QSizePolicy.Policy.Fixed)
+        self.setMinimumWidth(_PICTURE.width() // 2)
+        self.setSizePolicy(QSizePolicy.Policy.Preferred, QSizePolicy.Policy.Fixed)
 
     def sizeHint(self) -> QSize:
         """Two lines."""
