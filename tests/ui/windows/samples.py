@@ -4,6 +4,7 @@ import base64
 import zlib
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field, replace
+from functools import cache
 from pathlib import Path
 
 import numpy as np
@@ -56,6 +57,7 @@ _FOUND = {1: "Orange bottle, +10", 4: "something pink"}
 _STATES = ("driving", "rest", "waiting", "lost", "rest", "empty")
 
 
+@cache
 def house(name: str = "arena8") -> House:
     """A house of ours as a participant is told of it."""
     drawn = read_map(PROJECT / "maps" / name)

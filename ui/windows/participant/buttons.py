@@ -114,7 +114,10 @@ class ActionButton(AskingButton):
         self._action: Action | None = None
         self._weight = weight
         self._hints = hints
-        policy = QSizePolicy(QSizePolicy.Policy.Minimum, QSizePolicy.Policy.Fixed)
+        # One that may break into lines has to be allowed to be higher than its usual height.
+        policy = QSizePolicy(
+            QSizePolicy.Policy.Minimum, QSizePolicy.Policy.Minimum if hints else QSizePolicy.Policy.Fixed
+        )
         policy.setHeightForWidth(True)
         self.setSizePolicy(policy)
 

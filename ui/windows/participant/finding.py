@@ -20,10 +20,11 @@ class Picture(QWidget):
     def __init__(self, parent: QWidget | None = None) -> None:
         super().__init__(parent)
         self._data: bytes | None = None
-        self._note = ""
+        self._note = "No picture yet"
+        self.setAccessibleName(self._note)
         self._pixmap = QPixmap()
         self.setMinimumSize(_PICTURE.width() // 2, _PICTURE.height() // 3)
-        self.setMaximumSize(2 * _PICTURE)
+        self.setMaximumSize(_PICTURE * 2)
         self.setSizePolicy(QSizePolicy.Policy.Preferred, QSizePolicy.Policy.Preferred)
 
     def sizeHint(self) -> QSize:
@@ -32,6 +33,7 @@ class Picture(QWidget):
 
     def show_picture(self, data: bytes | None, note: str) -> None:
         """Show this file's picture, or say the note."""
+        note = note or "No picture yet"
         if (data, note) == (self._data, self._note):
             return
         if data != self._data:
@@ -39,7 +41,7 @@ class Picture(QWidget):
             if data is not None and not self._pixmap.loadFromData(data):
                 note = "This picture cannot be shown."
         self._data, self._note = data, note
-        self.setAccessibleName("Picture of what was found" if not self._pixmap.isNull() else f"No picture. {note}")
+        self.setAccessibleName("Picture of what was found" if not self._pixmap.isNull() else note)
         self.update()
 
     def paintEvent(self, _event: QPaintEvent) -> None:
@@ -55,9 +57,8 @@ class Picture(QWidget):
         if self._pixmap.isNull():
             painter.setFont(font("small"))
             painter.setPen(QColor(worn.muted))
-            text = self._note or "No picture yet"
             wrap = Qt.AlignmentFlag.AlignCenter | Qt.TextFlag.TextWordWrap
-            painter.drawText(rect.adjusted(GAP, GAP, -GAP, -GAP), wrap, text)
+            painter.drawText(rect.adjusted(GAP, GAP, -GAP, -GAP), wrap, self._note)
             return
         size = (
             self._pixmap.size().toSizeF().scaled(rect.adjusted(2, 2, -2, -2).size(), Qt.AspectRatioMode.KeepAspectRatio)

@@ -56,8 +56,8 @@ class Names(QListWidget):
         return QSize(220, row * min(max(len(self._names), 3), 8) + 2 * GAP)
 
     def minimumSizeHint(self) -> QSize:
-        """Three names."""
-        return QSize(150, max(self.sizeHintForRow(0), 24) * 3 + 2 * GAP)
+        """Two names."""
+        return QSize(150, max(self.sizeHintForRow(0), 24) * 2 + 2 * GAP)
 
     def event(self, event: QEvent) -> bool:
         """Keep the keys that pick a name, which the window's shortcuts would take."""

@@ -2,7 +2,7 @@
 
 from typing import Literal
 
-from PySide6.QtCore import QPointF, QRectF, QSize, Qt, Signal
+from PySide6.QtCore import QEvent, QObject, QPoint, QPointF, QRect, QRectF, QSize, Qt, Signal
 from PySide6.QtGui import QColor, QFontMetricsF, QMouseEvent, QPainter, QPaintEvent, QResizeEvent
 from PySide6.QtWidgets import QFrame, QHBoxLayout, QLabel, QScrollArea, QSizePolicy, QVBoxLayout, QWidget
 
@@ -199,6 +199,12 @@ class Talk(QScrollArea):
         """The last sentence or two."""
         return QSize(200, min(self.heightForWidth(max(self.width(), 320)), 84))
 
+    def eventFilter(self, watched: QObject, event: QEvent) -> bool:
+        """Bubbles are shown a moment after they were added; whoever shares out the room has to know."""
+        if event.type() == QEvent.Type.LayoutRequest:
+            self.updateGeometry()
+        return super().eventFilter(watched, event)
+
     def _to_end(self) -> None:
         bar = self.verticalScrollBar()
         bar.setValue(bar.maximum())
@@ -254,18 +260,9 @@ class Veil(QWidget):
 
     def _place(self) -> None:
         if self._panel is not None:
-            centre(self._panel, self.width(), self.height(), self._widest)
-
-
-def centre(panel: Panel, width: int, height: int, widest: int, above: int = 2 * GAP) -> None:
-    """Set a panel in the middle of its parent, below what is above."""
-    size = panel.wanted(min(widest, width - 4 * GAP), height - above - 2 * GAP)
-    panel.setGeometry(
-        (width - size.width()) // 2,
-        above + max(0, (height - above - 2 * GAP - size.height()) // 2),
-        size.width(),
-        size.height(),
-    )
+            size = self._panel.wanted(min(self._widest, self.width() - 4 * GAP), self.height() - 4 * GAP)
+            corner = QPoint((self.width() - size.width()) // 2, (self.height() - size.height()) // 2)
+            self._panel.setGeometry(QRect(corner, size))
 
 
 def set_text(shown: QLabel, text: str) -> None:

@@ -11,8 +11,11 @@ from PySide6.QtWidgets import (
 
 from ui.windows.look import GAP
 from ui.windows.map import MapView
-from ui.windows.participant.panels import Panel, centre
+from ui.windows.participant.panels import Panel
 from ui.windows.participant.top import BannerLine
+
+WIDEST = 620
+"""Of a panel, logical pixels."""
 
 
 class Stage(QWidget):
@@ -24,6 +27,7 @@ class Stage(QWidget):
         map_view.setParent(self)
         self.banner = BannerLine(self)
         self._panel: Panel | None = None
+        self._foot: int | None = None
         self.setMinimumSize(360, 300)
         self.setSizePolicy(QSizePolicy.Policy.Expanding, QSizePolicy.Policy.Expanding)
 
@@ -32,14 +36,15 @@ class Stage(QWidget):
         if panel is not self._panel:
             if self._panel is not None:
                 self._panel.hide()
-            self._panel = panel
+            self._panel, self._foot = panel, None
             if panel is not None:
                 panel.setParent(self)
                 panel.show()
         self._place()
 
     def resizeEvent(self, _event: QResizeEvent) -> None:
-        """Everything keeps its place."""
+        """Everything is set anew."""
+        self._foot = None
         self._place()
 
     def event(self, event: QEvent) -> bool:
@@ -54,6 +59,14 @@ class Stage(QWidget):
         high = self.banner.height_for(width)
         self.banner.setGeometry(GAP, GAP, width, high)
         self.banner.raise_()
-        if self._panel is not None:
-            centre(self._panel, self.width(), self.height(), 620, high + 2 * GAP if high else GAP)
-            self._panel.raise_()
+        panel = self._panel
+        if panel is None:
+            return
+        top = high + 2 * GAP if high else GAP
+        size = panel.wanted(min(WIDEST, self.width() - 2 * GAP), self.height() - top - GAP)
+        if self._foot is None:
+            self._foot = (top + self.height() - GAP + size.height()) // 2
+        # It grows upwards as the talk goes on, so that the answers stay where they are, as far as that is possible.
+        y = min(max(self._foot - size.height(), top), self.height() - GAP - size.height())
+        panel.setGeometry((self.width() - size.width()) // 2, y, size.width(), size.height())
+        panel.raise_()

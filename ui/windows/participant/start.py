@@ -47,13 +47,16 @@ class StartPage(QWidget):
         rows.addWidget(look.label("Treasure hunt", "hero", bold=True))
         rows.addWidget(look.label(WHAT))
         rows.addSpacing(GAP)
-        rows.addWidget(look.label("How many robots?", "title", bold=True))
+        question = look.label("How many robots?", "title", bold=True)
+        rows.addWidget(question)
         self.choices = {number: self._choice(number) for number in range(least, most + 1)}
         grid = QGridLayout()
         grid.setSpacing(GAP)
         for at, button in enumerate(self.choices.values()):
             grid.addWidget(button, at // _IN_A_ROW, at % _IN_A_ROW)
         rows.addLayout(grid)
+        for widget in (question, *self.choices.values()):
+            widget.setVisible(most > least)
         rows.addSpacing(2 * GAP)
         self.practise, self.begin = ActionButton(), ActionButton("main")
         self.practise.wear(Face("Try it out first", "T"), "Try it out first: a short practice game")

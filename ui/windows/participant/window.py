@@ -100,7 +100,7 @@ class ParticipantWindow(QMainWindow):
         self._popped: tuple[Act, ...] = ()
         self._popped_at = -UNREAD
         self.setWindowTitle("Treasure hunt")
-        self.setMinimumSize(820, 500)
+        self.setMinimumSize(860, 540)
         self.resize(1200, 800)
         self.map = MapView(palette)
         self._build()

@@ -2,9 +2,11 @@
 
 from collections.abc import Callable
 from dataclasses import replace
+from itertools import combinations
 
 import pytest
 from PySide6.QtCore import QEvent, QObject, QPoint, Qt
+from PySide6.QtGui import QAccessible
 from PySide6.QtWidgets import QApplication, QLabel, QWidget
 from pytestqt.qtbot import QtBot
 
@@ -34,9 +36,16 @@ from ui.model.screen import (
     ShowWaiting,
     StopRobot,
     TakeThePicture,
+    Told,
     TypeDigit,
 )
-from ui.windows.participant.buttons import AskingButton
+from ui.windows.map import MapView
+from ui.windows.participant.buttons import ActionButton, AskingButton
+from ui.windows.participant.finding import Facts, Picture, Verdict
+from ui.windows.participant.pages import Keys
+from ui.windows.participant.panels import Bubble, Chip, Panel
+from ui.windows.participant.score import Score
+from ui.windows.participant.top import BannerLine
 
 Open = Callable[..., Opened]
 STATES = samples.states()
@@ -257,40 +266,95 @@ def test_the_focus_goes_to_what_takes_the_place_of_what_has_gone(opened: Open) -
     assert focused is not None and shown.window.dialogue.isAncestorOf(focused)
 
 
+def test_what_is_said_later_is_shown_whole(qtbot: QtBot, opened: Open) -> None:
+    pop = samples.dialogue()
+    shown = opened(replace(STATES["playing"], pop=replace(pop, said=(), choices=())))
+    shown.show(replace(STATES["playing"], pop=replace(pop, said=pop.said[:2])))
+    talk = shown.window.dialogue.talk
+    qtbot.waitUntil(lambda: talk.height() >= talk.heightForWidth(talk.width()) > 0)
+    shown.show(replace(STATES["playing"], pop=pop))
+    qtbot.waitUntil(lambda: talk.verticalScrollBar().maximum() == 0 and talk.height() > 150)
+
+
+def test_answers_stay_where_they_are_while_the_talk_goes_on(opened: Open) -> None:
+    pop = samples.dialogue()
+    shown = opened(replace(STATES["playing"], pop=replace(pop, said=pop.said[:2])))
+    button = shown.window.dialogue.choices.buttons[0]
+    before = button.mapTo(shown.window, QPoint(0, 0))
+    shown.show(replace(STATES["playing"], pop=pop))
+    for _ in range(5):
+        QApplication.processEvents()
+    assert shown.window.dialogue.talk.height() > 150
+    assert button.mapTo(shown.window, QPoint(0, 0)) == before
+
+
+def test_news_are_announced_once(opened: Open, monkeypatch: pytest.MonkeyPatch) -> None:
+    told: list[str] = []
+    monkeypatch.setattr(QAccessible, "updateAccessibility", lambda event: told.append(event.message()))
+    shown = opened(STATES["playing"])
+    news = replace(STATES["playing"], announcement="Robot 1 is in room 4.", announced=7)
+    shown.show(news)
+    shown.show(replace(news, score=130))
+    assert told == ["Robot 1 is in room 4."]
+    shown.show(replace(news, announced=8))
+    assert told == ["Robot 1 is in room 4."] * 2
+
+
+def test_the_history_keeps_up_when_its_oldest_lines_go(qtbot: QtBot, opened: Open) -> None:
+    told = tuple(Told("robot", 0, f"Sentence {number}.") for number in range(8))
+    shown = opened(replace(STATES["playing"], history=told[:5]))
+    qtbot.mouseClick(shown.window.waiting.history, LEFT)
+    assert shown.window.history.isVisible()
+    shown.show(replace(STATES["playing"], history=told[2:]))
+    words = shown.window.history.toPlainText()
+    assert words.splitlines() == [f"Robot 1: Sentence {number}." for number in range(8)]
+    shown.show(replace(STATES["playing"], history=(Told("game", None, "Game 2 begins."),)))
+    assert shown.window.history.toPlainText() == "Game 2 begins."
+
+
 # How it looks ---------------------------------------------------------------------------------------------------------
 
 
-@pytest.mark.parametrize("state", sorted(STATES))
-def test_everything_has_a_name_for_assistive_technology(opened: Open, state: str) -> None:
-    shown = opened(STATES[state])
-    nameless = [
-        f"{type(widget).__name__} {widget.geometry()}"
-        for widget in shown.window.findChildren(QWidget)
-        if widget.isVisible()
-        and (widget.focusPolicy() & Qt.FocusPolicy.TabFocus or isinstance(widget, AskingButton))
-        and not widget.accessibleName()
-    ]
-    assert nameless == []
+SHOWS = MapView | Score | Facts | Picture | Verdict | Bubble | Chip | Keys | BannerLine | Panel
+"""What shows something without being a button or words that Qt reads out itself."""
 
 
-@pytest.mark.parametrize(("width", "height"), [(900, 600), (1024, 768), (1920, 1080)])
-@pytest.mark.parametrize("state", sorted(STATES))
-def test_nothing_is_cut_off_or_lies_on_something_else(opened: Open, state: str, width: int, height: int) -> None:
-    window = opened(STATES[state], width, height).window
+def test_everything_has_a_name_for_assistive_technology(opened: Open) -> None:
+    shown = opened(STATES["playing"])
+    for state, screen in STATES.items():
+        shown.show(screen)
+        nameless = [
+            f"{type(widget).__name__} {widget.geometry()}"
+            for widget in shown.window.findChildren(QWidget)
+            if widget.isVisible()
+            and (widget.focusPolicy() & Qt.FocusPolicy.TabFocus or isinstance(widget, AskingButton | SHOWS))
+            and not widget.accessibleName()
+        ]
+        assert nameless == [], state
+
+
+@pytest.mark.parametrize(("width", "height"), [(860, 540), (1024, 768), (1920, 1080)])
+def test_nothing_is_cut_off_or_lies_on_something_else(opened: Open, width: int, height: int) -> None:
+    shown = opened(STATES["playing"], width, height)
+    for state, screen in STATES.items():
+        shown.show(screen)
+        for _ in range(5):
+            QApplication.processEvents()
+        _look_for_overlaps(shown.window, state)
+
+
+def _look_for_overlaps(window: QWidget, state: str) -> None:
     for widget in [*buttons(window), *window.findChildren(QLabel)]:
         if not widget.isVisible() or not widget.width():
             continue
         parent = widget.parentWidget()
-        name = f"{type(widget).__name__} {widget.accessibleName() or widget.property('text')}"
+        name = f"{state}: {type(widget).__name__} {widget.accessibleName() or widget.property('text')}"
         assert parent is not None and parent.rect().contains(widget.geometry()), name
-        if isinstance(widget, QLabel) and widget.wordWrap():
+        if isinstance(widget, QLabel | ActionButton) and widget.hasHeightForWidth():
             assert widget.heightForWidth(widget.width()) <= widget.height() + 1, name
-    for one in buttons(window):
-        for other in buttons(window):
-            if one is not other and one.parentWidget() is other.parentWidget() and not _on_its_card(one, other):
-                assert not one.geometry().intersects(other.geometry()), (
-                    f"{one.accessibleName()}, {other.accessibleName()}"
-                )
+    for one, other in combinations(buttons(window), 2):
+        if one.parentWidget() is other.parentWidget() and not _on_its_card(one, other):
+            assert not one.geometry().intersects(other.geometry()), f"{state}: {one.act}, {other.act}"
 
 
 def _on_its_card(one: QWidget, other: QWidget) -> bool:

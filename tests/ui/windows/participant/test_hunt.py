@@ -1,0 +1,146 @@
+"""Whole hunts in the window, on the real view model and the real game: by mouse alone, and by keyboard alone."""
+
+from collections.abc import Callable
+from dataclasses import dataclass
+
+import pytest
+from PySide6.QtCore import Qt
+from PySide6.QtWidgets import QApplication
+from pytestqt.qtbot import QtBot
+
+from tests.ui.model.seat import Seat
+from tests.ui.windows.participant.test_window import buttons, press, that_asks
+from ui.model.screen import (
+    Act,
+    AnotherGame,
+    DialoguePop,
+    DontKnow,
+    GiveAnswer,
+    LeaveIt,
+    NameIt,
+    NextRobot,
+    Phase,
+    ShowNext,
+    TakeThePicture,
+    TreasurePop,
+)
+from ui.model.theme import LIGHT
+from ui.windows import look
+from ui.windows.participant import ParticipantWindow
+
+LEFT = Qt.MouseButton.LeftButton
+TURNS = 300
+
+
+@dataclass
+class Player:
+    """Somebody at the window; what is done is drawn before the game goes on."""
+
+    seat: Seat
+    window: ParticipantWindow
+    qtbot: QtBot
+
+    def wait(self, ticks: int = 20) -> None:
+        self.seat.run(ticks)
+        self.window.refresh()
+
+    def click(self, act: Act) -> None:
+        self.qtbot.mouseClick(that_asks(self.window, act), LEFT)
+        self.wait()
+
+    def key(self, key: str) -> None:
+        press(self.qtbot, self.window, key)
+        self.wait()
+
+
+@pytest.fixture
+def player(qtbot: QtBot, qapp: QApplication) -> Callable[..., Player]:
+    def sit(robots: int) -> Player:
+        look.dress(qapp, LIGHT)
+        seat = Seat(robots=robots)
+        window = ParticipantWindow(seat.model, lambda: seat.now, LIGHT)
+        qtbot.addWidget(window)
+        window.show()
+        window.activateWindow()
+        qtbot.waitUntil(window.isActiveWindow)
+        return Player(seat, window, qtbot)
+
+    return sit
+
+
+def by_mouse(player: Player, right: str) -> None:
+    screen, window = player.seat.screen, player.window
+    pop = screen.pop
+    if isinstance(pop, DialoguePop) and pop.choices:
+        player.click(GiveAnswer(0))
+    elif isinstance(pop, TreasurePop) and pop.verdict is not None:
+        player.click(ShowNext())
+    elif isinstance(pop, TreasurePop) and pop.take_picture is not None and pop.take_picture.enabled:
+        player.click(TakeThePicture())
+    elif isinstance(pop, TreasurePop) and pop.picked is None and pop.names:
+        names = window.treasure.names
+        item = names.findItems(right, Qt.MatchFlag.MatchExactly)[0]
+        player.qtbot.mouseClick(names.viewport(), LEFT, pos=names.visualItemRect(item).center())
+        player.wait()
+    elif isinstance(pop, TreasurePop) and (pop.name_it.enabled or pop.leave.enabled):
+        player.click(NameIt() if pop.name_it.enabled else LeaveIt())
+    elif pop is None and screen.dont_know.enabled:
+        player.click(DontKnow())
+    elif pop is None and len(screen.cards) > 1:
+        player.click(next(card.select.act for card in screen.cards if not card.selected))
+    else:
+        player.wait()
+
+
+def by_keyboard(player: Player, right: str) -> None:
+    screen = player.seat.screen
+    pop = screen.pop
+    if isinstance(pop, DialoguePop) and pop.choices:
+        player.key("Return")
+    elif isinstance(pop, TreasurePop) and pop.verdict is not None:
+        player.key("Esc")
+    elif isinstance(pop, TreasurePop) and pop.take_picture is not None and pop.take_picture.enabled:
+        player.key("P")
+    elif isinstance(pop, TreasurePop) and pop.names and pop.picked != right and pop.verdict is None:
+        player.key("Down")
+    elif isinstance(pop, TreasurePop) and (pop.name_it.enabled or pop.leave.enabled):
+        player.key("N" if pop.name_it.enabled else "L")
+    elif pop is None and screen.dont_know.enabled:
+        player.key("D")
+    elif pop is None and len(screen.cards) > 1:
+        player.key("Tab")
+    else:
+        player.wait()
+
+
+@pytest.mark.parametrize(("play", "robots"), [(by_mouse, 2), (by_keyboard, 6)])
+def test_a_whole_hunt(player: Callable[..., Player], play: Callable[[Player, str], None], robots: int) -> None:
+    sitting = player(robots)
+    seat = sitting.seat
+    for _ in range(TURNS):
+        if seat.screen.phase is Phase.OVER:
+            break
+        pop = seat.screen.pop
+        right = seat.stage.session.game.treasures[pop.room - 1].name if isinstance(pop, TreasurePop) else ""
+        play(sitting, right)
+    assert seat.screen.phase is Phase.OVER
+    assert seat.screen.score > 0
+    assert sitting.window.ending.isVisible()
+    assert sitting.window.top.score.accessibleName() == f"Score {seat.screen.score}"
+    sitting.wait()  # until the end can have been read
+    if play is by_mouse:
+        sitting.click(AnotherGame())
+    else:
+        sitting.key("A")
+    sitting.wait(30)
+    assert seat.screen.phase is Phase.PLAYING
+    assert not sitting.window.ending.isVisible()
+
+
+def test_every_enabled_action_of_a_game_has_a_button_in_sight(player: Callable[..., Player]) -> None:
+    sitting = player(2)
+    sitting.key("D")
+    shown = {button.act for button in buttons(sitting.window) if button.face is not None and button.face.enabled}
+    offered = {action.act for action in sitting.seat.offers() if action.enabled}
+    assert offered <= shown
+    assert NextRobot(1) not in shown, "which only has a key"
