@@ -226,6 +226,23 @@ class TestForeign:
         assert len(robot.scan) > 50
         assert len(robot.odometry_path) > 5
 
+    def test_a_robot_of_whom_only_tf_speaks_leaves_a_path(self, tmp_path: Path) -> None:
+        path = tmp_path / "foreign.bag"
+        write(path, Robot(odom_topic=None))
+        source = scanned(path)
+        (robot,) = source.scene(source.end_ns, ALL).robots
+        assert len(robot.estimate_path) > 30
+        assert robot.estimate is not None
+        assert robot.estimate_path[-1].tolist() == pytest.approx([robot.estimate.x, robot.estimate.y], abs=0.1)
+
+    def test_where_no_frame_of_the_laser_is_known_nothing_is_guessed(self, tmp_path: Path) -> None:
+        path = tmp_path / "foreign.bag"
+        write(path, Robot(tf=False))
+        source = scanned(path)
+        (robot,) = source.scene(source.end_ns, ALL).robots
+        assert robot.estimate is not None
+        assert len(robot.scan) == 0
+
     def test_topics_of_another_release_are_told_and_left_out(self, hunt: Path, tmp_path: Path) -> None:
         path = tmp_path / "strange.bag"
         with Writer(path) as bag:

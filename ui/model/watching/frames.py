@@ -8,7 +8,7 @@ import numpy as np
 from sim.geometry import FloatArray, Pose2
 from thbridge.ros import unpack
 from thbridge.ros.frames import PlanarMount, frame_name, matrix
-from thbridge.ros.robots import is_map_frame
+from thbridge.ros.robots import is_map_frame, is_odom_frame
 from thbridge.ros.unpack import SpatialTransform
 from ui.model.watching.said import Said
 
@@ -69,6 +69,7 @@ class Frames:
             except ValueError:
                 continue
         self._mapped = mapped
+        self._parents = {parent for parent, _ in self._above.values()}
         self._poses: dict[str, FloatArray | None] = {}
 
     def pose(self, frame: str, owner: str = "") -> FloatArray | None:
@@ -101,6 +102,6 @@ class Frames:
             if above is not None:
                 parent = self._pose(above[0])
                 self._poses[frame] = None if parent is None else parent @ matrix(above[1])
-            elif not self._mapped:
+            elif not self._mapped and (frame in self._parents or is_odom_frame(frame)):
                 self._poses[frame] = np.eye(4)
         return self._poses[frame]

@@ -10,6 +10,7 @@ from thbridge.adapters.map_files import MapRoom
 from thbridge.ros import names, unpack
 from thbridge.ros.records import Session
 from ui.model.watching.cast import Introductions
+from ui.model.watching.decoded import Decoded
 from ui.model.watching.frames import HORIZON_NS, children_of
 from ui.model.watching.said import TF_TYPES, Said
 from ui.model.watching.scene import Scene, Shown
@@ -79,6 +80,7 @@ class LiveSource:
         self.rooms: tuple[MapRoom, ...] = ()
         self.sessions = 0
         self._scenes = Scenes()
+        self._sessions = Decoded[Session](unpack.session)
         self._heard = -math.inf
         # What was said since a session introduced itself, until its robots speak: that says which session it is.
         self._opening: list[Said] | None = None
@@ -98,11 +100,7 @@ class LiveSource:
     @property
     def session(self) -> Session | None:
         """What the session says of itself; None until it has."""
-        said = self._levels.newest(names.SESSION)
-        try:
-            return None if said is None else unpack.session(said.data)
-        except ValueError:
-            return None
+        return self._sessions.of(self._levels.newest(names.SESSION))
 
     @property
     def start_ns(self) -> int:

@@ -15,6 +15,8 @@ from ui.model.watching.said import TF_TYPES, Said
 
 PERIOD = 0.1
 """Seconds from one sample to the next, at least."""
+PATIENCE = 1.0
+"""Seconds in which a robot that tf speaks of may begin to tell its odometry."""
 _SLACK = 1e-6
 _WAITING = 64
 """Samples that wait for the truth at their time, before the oldest is given up."""
@@ -88,6 +90,8 @@ class Series:
         """Take a message; one that cannot be read changes nothing."""
         if said.msgtype in TF_TYPES:
             self._tf.take(said)
+            for teller in self._tellers.values():
+                teller.frames((said.stamp_ns - self._start_ns) / 1e9)
             return
         for taker in self._takers.get(said.topic, ()):
             try:
@@ -134,6 +138,7 @@ class _Teller:
         self._told: tuple[float, Said] | None = None
         self._known: tuple[float, Pose2] | None = None
         self._waiting: list[tuple[float, Pose2]] = []
+        self._alone_since = math.inf
 
     def truth(self, said: Said, time: float) -> None:
         """Between two words of the truth lies what it was meanwhile."""
@@ -184,6 +189,17 @@ class _Teller:
         odom_in_map = self._tf.frames().planar(driven.frame, self.member.key)
         if odom_in_map is not None:
             self._believe(time, odom_in_map.compose(pose))
+
+    def frames(self, time: float) -> None:
+        """What tf alone says of where it believes to be, where neither odometry nor a localiser has a topic."""
+        member = self.member
+        if member is None or member.odom is not None or member.estimate is not None or not member.base:
+            return
+        self._alone_since = min(self._alone_since, time)
+        if time - self._alone_since >= PATIENCE and _due(self.series.estimate, time):
+            base_in_map = self._tf.frames().planar(member.base, member.key)
+            if base_in_map is not None:
+                self._believe(time, base_in_map)
 
     def belief(self, said: Said, time: float) -> None:
         """What its localiser says of where it is, and how sure it is."""

@@ -10,7 +10,7 @@ import numpy as np
 
 from sim.floor import inside
 from sim.geometry import Pose2
-from sim.team import Carry, ClearCostmaps, Die, Globalize, PutThing, RemoveThing, Revive
+from sim.team import Carry, ClearCostmaps, Die, PutThing, RemoveThing, Revive
 from sim.things import Thing
 from thbridge.hunt.outcomes import Refused
 from thbridge.roles.requests import AdviseFor, Puppeteer, Request, SpeakFor, WizardRequest
@@ -74,11 +74,6 @@ class Tools:
         if isinstance(found, Refused):
             return found
         return _off_map(scene, base_in_map) or InitialPose(robot, base_in_map, COVARIANCE)
-
-    def forget(self, scene: Scene, robot: int) -> Request | Refused:
-        """Let a robot forget where it is."""
-        found = _living(scene, robot)
-        return found if isinstance(found, Refused) else Globalize(robot)
 
     def clear_costmaps(self, scene: Scene, robot: int) -> Request | Refused:
         """Let a robot forget what its laser has seen."""

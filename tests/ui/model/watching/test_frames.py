@@ -47,6 +47,7 @@ def test_robots_whose_frames_have_the_same_names_are_told_apart_by_their_topics(
 def test_where_there_is_no_map_frames_are_seen_from_odometry() -> None:
     frames = Frames([tf(0, ("odom", "base", Pose2(1, 2, 0)))], mapped=False)
     assert frames.planar("base") == Pose2(1, 2, 0)
+    assert frames.planar("laser") is None
 
 
 def test_frames_that_hang_on_each_other_hang_nowhere() -> None:

@@ -8,7 +8,7 @@ from hypothesis import strategies as st
 from sim.floor import inside
 from sim.geometry import Pose2
 from sim.grid import OccupancyGrid
-from sim.team import Carry, ClearCostmaps, Die, Globalize, PutThing, RemoveThing, Revive
+from sim.team import Carry, ClearCostmaps, Die, PutThing, RemoveThing, Revive
 from thbridge.hunt.outcomes import Refused
 from thbridge.roles.requests import AdviseFor, Puppeteer, Request, SpeakFor, WizardRequest
 from thbridge.ros.records import InitialPose, SimpleGoal
@@ -45,7 +45,6 @@ def test_what_is_done_to_robots_comes_to_requests(scene: Scene) -> None:
     assert tools.kill(scene, 0) == Die(0)
     assert tools.revive(scene, 1) == Revive(1)
     assert tools.clear_costmaps(scene, 0) == ClearCostmaps(0)
-    assert tools.forget(scene, 0) == Globalize(0)
 
 
 def test_every_goal_has_another_number(scene: Scene) -> None:
