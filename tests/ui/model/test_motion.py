@@ -62,7 +62,7 @@ def in_order(arrivals: list[tuple[float, Whereabouts]]) -> list[tuple[float, Whe
     return [(moment, telling) for moment, (_, telling) in zip(moments, arrivals, strict=True)]
 
 
-@settings(max_examples=40)
+@settings(max_examples=25)
 @given(
     jitter=st.lists(st.floats(0.0, 0.03), min_size=75, max_size=75),
     dropped=st.sets(st.integers(5, 74), max_size=20),
@@ -85,7 +85,7 @@ def test_a_straight_drive_never_goes_back(
     assert all(one.x <= speed * 3.0 + 0.06 for one in shown)
 
 
-@settings(max_examples=40)
+@settings(max_examples=25)
 @given(jitter=st.lists(st.floats(0.0, 0.015), min_size=75, max_size=75), speed=st.floats(0.2, 1.0))
 def test_what_is_shown_is_at_most_a_tenth_of_a_second_behind(jitter: list[float], speed: float) -> None:
     drive = straight(3.0, speed)

@@ -1,9 +1,11 @@
 """The map view: what is pointed at is told, the view goes where it is led, and colours reach the eye."""
 
+from dataclasses import replace
+
 import numpy as np
 import pytest
 from PySide6.QtCore import QEvent, QObject, QPoint, QPointF, Qt
-from PySide6.QtGui import QColor, QPainter, QWheelEvent
+from PySide6.QtGui import QColor, QNativeGestureEvent, QPainter, QPointingDevice, QWheelEvent
 from PySide6.QtTest import QSignalSpy
 from PySide6.QtWidgets import QApplication, QWidget
 from pytestqt.qtbot import QtBot
@@ -128,6 +130,23 @@ def test_the_wheel_zooms_about_the_pointer(view: MapView) -> None:
     assert view.camera.point(at.x(), at.y()) == pytest.approx(before.point(at.x(), at.y()), abs=1e-6)
 
 
+def test_two_fingers_zoom_about_their_middle(view: MapView) -> None:
+    at, before = QPointF(spot(view, 2.0, 3.0)), view.camera
+    pinch = QNativeGestureEvent(
+        Qt.NativeGestureType.ZoomNativeGesture,
+        QPointingDevice.primaryPointingDevice(),
+        2,
+        at,
+        at,
+        QPointF(view.mapToGlobal(at)),
+        0.25,
+        QPointF(),
+    )
+    QApplication.sendEvent(view, pinch)
+    assert view.camera.scale == pytest.approx(1.25 * before.scale)
+    assert view.camera.point(at.x(), at.y()) == pytest.approx(before.point(at.x(), at.y()), abs=1e-6)
+
+
 def test_a_double_click_beside_rooms_fits_again(qtbot: QtBot, view: MapView) -> None:
     fitted = view.camera.scale
     wheel(view, spot(view, 0.0, 0.0), 4)
@@ -178,10 +197,13 @@ def test_a_tool_has_the_left_button_in_metres(qtbot: QtBot, view: MapView, arena
     assert view.camera.x != before.x
 
 
-def test_a_choosable_room_invites_the_pointer(qtbot: QtBot, view: MapView, arena: Map) -> None:
-    goal = arena.rooms[0].goal
-    qtbot.mouseMove(view, spot(view, goal.x, goal.y))
-    assert view.cursor().shape() == Qt.CursorShape.ArrowCursor
+def test_the_pointer_tells_what_can_be_chosen(qtbot: QtBot, view: MapView, arena: Map) -> None:
+    view.show_rooms([replace(mark, choosable=mark.room == 1) for mark in rooms_of(arena)])
+    shapes = []
+    for room in arena.rooms[:2]:
+        qtbot.mouseMove(view, spot(view, room.goal.x, room.goal.y))
+        shapes.append(view.cursor().shape())
+    assert shapes == [Qt.CursorShape.PointingHandCursor, Qt.CursorShape.ArrowCursor]
 
 
 def test_a_robot_is_drawn_in_its_colour_and_its_nose_points_ahead(qtbot: QtBot, view: MapView) -> None:
@@ -207,8 +229,7 @@ def test_states_of_rooms_differ_without_colour(qtbot: QtBot, name: str) -> None:
     view = shown(qtbot, house)
     greys = []
     for state in ("unvisited", "reserved", "visited"):
-        rooms = [type(room)(room.room, room.name, room.region, state, robot=0) for room in rooms_of(house)]  # type: ignore[arg-type]
-        view.show_rooms(rooms)
+        view.show_rooms([replace(mark, state=state) for mark in rooms_of(house)])
         image = view.grab().toImage()
         greys.append([image.pixelColor(x, y).lightness() for x in range(0, 1000, 3) for y in range(0, 700, 3)])
     shares = [np.mean(np.abs(np.diff(np.array(one).reshape(-1, 234), axis=1)) > 4) for one in greys]
