@@ -103,6 +103,16 @@ def _paint_edge(painter: QPainter, camera: Camera, mark: RoomMark, palette: Pale
     painter.drawPath(path.subtracted(border.createStroke(path)))
 
 
+def _from_corner() -> FloatArray:
+    """(n, 2) places in a unit square, those nearest to the corner (0, 0) first."""
+    shares = np.linspace(0.0, 1.0, POSITIONS)
+    places: FloatArray = np.stack(np.meshgrid(shares, shares), axis=-1).reshape(-1, 2)
+    return places[np.argsort(places.sum(axis=1), kind="stable")]
+
+
+_FROM_CORNER = _from_corner()
+
+
 class _Space:
     """The space in a room for words and signs, pixels: what is put down goes where no wall and nothing else lies."""
 
@@ -121,16 +131,15 @@ class _Space:
         slack = np.array([self.width - width, self.height - height]) - 2.0 * self.inset
         if slack.min() < 0.0:
             return None
-        shares = np.linspace(0.0, 1.0, POSITIONS)
-        offsets: FloatArray = np.stack(np.meshgrid(shares, shares), axis=-1).reshape(-1, 2) * slack
-        goal = slack * (float(right), float(low))
-        nearest = np.argsort(np.abs(offsets - goal).sum(axis=1), kind="stable")
-        places = offsets[nearest] + (self._left + self.inset, self._top + self.inset)
-        for x, y in places[self._is_free(places, width, height)].tolist():
-            box = QRectF(x, y, width, height)
-            if not any(box.adjusted(-4.0, -4.0, 4.0, 4.0).intersects(taken) for taken in self._taken):
-                self._taken.append(box)
-                return box
+        shares = np.abs((float(right), float(low)) - _FROM_CORNER)
+        places = shares * slack + (self._left + self.inset, self._top + self.inset)
+        # Mostly the very corner is free, and the rest need not be looked at.
+        for some in (places[:1], places[1:]):
+            for x, y in some[self._is_free(some, width, height)].tolist():
+                box = QRectF(x, y, width, height)
+                if not any(box.adjusted(-4.0, -4.0, 4.0, 4.0).intersects(taken) for taken in self._taken):
+                    self._taken.append(box)
+                    return box
         return None
 
     def _is_free(self, places: FloatArray, width: float, height: float) -> NDArray[np.bool_]:
