@@ -188,7 +188,7 @@ def test_a_wrong_name_costs_and_is_said_so():
     seat.press(PickName(wrong))
     pop = seat.do(NameIt()).pop
     assert pop.verdict == f"{wrong} is wrong, {treasure.points} points lost."
-    assert seat.screen.tiles[2].found == f"{wrong}, -{treasure.points}"
+    assert seat.screen.tiles[2].found == f"{wrong}, −{treasure.points}"
 
 
 def test_arrivals_wait_behind_what_is_read_and_never_take_its_place():

@@ -9,7 +9,19 @@ import pytest
 from tests.ui.model.views import asking, refusal, view, with_robot, with_room
 from thbridge.hunt.events import Condition
 from thbridge.roles.notices import Ellipse, House, Motion, Picture, RoomOutline, Ways, Whereabouts
-from thbridge.roles.view import Agree, Answer, Consent, Identify, Leave, PlayAgain, Select, SendRobot, Sense, Verdict
+from thbridge.roles.view import (
+    Agree,
+    Answer,
+    Consent,
+    GiveUp,
+    Identify,
+    Leave,
+    PlayAgain,
+    Select,
+    SendRobot,
+    Sense,
+    Verdict,
+)
 from ui.model.participant import Participant
 from ui.model.screen import (
     AgreeToTakePart,
@@ -17,10 +29,12 @@ from ui.model.screen import (
     ChooseRobot,
     ChooseRoom,
     ConsiderRoom,
+    EndGame,
     FitMap,
     FollowRobot,
     GiveAnswer,
     LeaveIt,
+    Meant,
     NameIt,
     Phase,
     PickName,
@@ -254,6 +268,23 @@ def test_what_follows_on_an_act_before_the_screen_does_is_for_nothing_shown():
     assert model.screen(0.0).pop is None
 
 
+def test_a_question_is_answered_by_nobody_who_has_not_seen_it():
+    model = model_of(view())
+    model.do(EndGame(), 0.0)
+    model.do(Meant(), 0.0)
+    assert model.wishes() == ()
+    assert model.screen(0.0).question is not None
+    model.do(Meant(), 0.0)
+    assert model.wishes() == (GiveUp(1),)
+
+
+def test_nobody_is_asked_about_a_treasure_that_the_robot_cannot_name():
+    model = model_of(with_robot(replace(FOUND, identify_cost=50.0), 0, energy=20.0))
+    model.do(ChooseRoom(1), 0.0)
+    assert model.screen(0.0).question is None
+    assert model.wishes() == (Select(0, 1),)
+
+
 def test_an_answer_names_the_turn_that_was_read():
     model = model_of(view(dialogues=(asking(0, 3, turn=1),)))
     model.hear(view(dialogues=(asking(0, 3, turn=3),)), 0.1)
@@ -311,10 +342,11 @@ def test_a_refusal_is_shown_for_some_seconds_and_only_once():
         view(game=2),
         view(),
         view(robots=3),
-        with_room(FOUND, 3, state="unvisited", robot=None),
+        with_room(FOUND, 3, state="unvisited", robot=None, verdict=Verdict("can", 5)),
+        with_room(FOUND, 3, verdict=Verdict("ball", 5)),
         replace(with_room(FOUND, 3, verdict=Verdict("can", 5)), costs=((5.0,) * 4,) * 4),
     ],
-    ids=["number", "began anew", "robots", "rooms", "house"],
+    ids=["number", "began anew", "robots", "rooms", "verdicts", "house"],
 )
 def test_another_game_begins_with_nothing_of_the_last_one(other):
     verdict = with_room(FOUND, 3, verdict=Verdict("can", 5))

@@ -56,12 +56,11 @@ class Asked:
         answers = (w for w in self._wishes if isinstance(w, Answer) and (w.dialogue, w.turn) == (dialogue, turn))
         return next((answer.choice for answer in answers), None)
 
-    def refused(self, refusal: RefusalView) -> Wish | None:
-        """Drop the oldest wish that this refusal may be about, for it does not say which; that wish."""
+    def refused(self, refusal: RefusalView) -> None:
+        """Drop the oldest wish that this refusal may be about, for it does not say which."""
         found = next((wish for wish in self._wishes if refusal.wish in _kinds(wish)), None)
         if found is not None:
             del self._wishes[found]
-        return found
 
     def hear(self, view: View) -> tuple[str, ...]:
         """Drop what this view grants or makes moot; why it is moot, in words, where the participant should know."""

@@ -4,7 +4,7 @@ from thbridge.hunt.events import EndReason
 from thbridge.roles.view import PlayAgain
 from ui.model.keys import key_of
 from ui.model.playing.state import Hunt
-from ui.model.playing.words import as_sentence, counted, listed, verdict_words
+from ui.model.playing.words import as_sentence, counted, listed, scored, verdict_words
 from ui.model.screen import Action, AnotherGame, Ending
 
 _ENDS = {
@@ -20,10 +20,11 @@ def ending(hunt: Hunt) -> Ending:
     visited = sum(room.state == "visited" for room in view.rooms)
     verdicts = [(room.room, room.verdict) for room in view.rooms if room.verdict is not None]
     right = sum(verdict.points > 0 for _, verdict in verdicts)
+    rightly = f", {right or 'none'} rightly" if verdicts else ""
     lines = [
         _ENDS.get(view.over or "", "The game is over."),
         f"{visited} of {counted(len(view.rooms), 'room')} visited.",
-        as_sentence(f"{counted(len(verdicts), 'treasure')} named, {right} rightly."),
+        as_sentence(f"{counted(len(verdicts), 'treasure')} named{rightly}."),
     ]
     left = [f"room {room.room}" for room in view.rooms if room.left]
     if left:
@@ -31,4 +32,4 @@ def ending(hunt: Hunt) -> Ending:
     lines += [f"Room {room}: {verdict_words(verdict.name, verdict.points)}" for room, verdict in verdicts]
     busy = PlayAgain(view.game) in hunt.asked
     again = Action(AnotherGame(), "Play again", key_of(AnotherGame()), not busy, "With treasures hidden anew.", busy)
-    return Ending(f"The game is over. Score: {view.score}", tuple(lines), again)
+    return Ending(f"The game is over. Score: {scored(view.score)}", tuple(lines), again)

@@ -129,10 +129,8 @@ def _hear_refusal(memory: Memory, hunt: Hunt, now: float) -> None:
         return
     memory.note = (refusal.sentence, now + NOTE)
     memory.history.happened(refusal.sentence)
-    wish = hunt.asked.refused(refusal)
-    if isinstance(wish, Discuss) and wish.matter == "take-treasure":
-        hunt.named.pop(wish.room, None)
-    elif refusal.wish == Identify.__name__:
+    hunt.asked.refused(refusal)
+    if refusal.wish == Identify.__name__:
         hunt.named.clear()
 
 

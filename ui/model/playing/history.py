@@ -8,7 +8,7 @@ from thbridge.hunt.costs import spoken_energy
 from thbridge.hunt.events import Condition
 from thbridge.hunt.rules import robot_name
 from thbridge.roles.view import DialogueView, RobotView, RoomView, View
-from ui.model.playing.words import counted, place_name, seen_words, titled, verdict_words
+from ui.model.playing.words import counted, place_name, scored, seen_words, titled, verdict_words
 from ui.model.screen import Told
 
 KEPT = 500
@@ -74,7 +74,7 @@ class History:
             self._hear_dialogue(dialogue)
         self._said = {dialogue.dialogue: self._said[dialogue.dialogue] for dialogue in view.dialogues}
         if view.over is not None and (before is None or before.over is None):
-            self.happened(f"The game is over. The score is {view.score}.")
+            self.happened(f"The game is over. The score is {scored(view.score)}.")
 
     def _begin(self, view: View) -> None:
         team = f"{counted(len(view.robots), 'robot')} and {counted(len(view.rooms), 'room')}"
@@ -82,7 +82,7 @@ class History:
         self.happened(
             f"Game {view.game} begins, with {team}."
             if fresh
-            else f"Game {view.game} is under way, with {team}; the score is {view.score}."
+            else f"Game {view.game} is under way, with {team}; the score is {scored(view.score)}."
         )
 
     def _hear_dialogue(self, dialogue: DialogueView) -> None:

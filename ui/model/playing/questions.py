@@ -6,7 +6,7 @@ from thbridge.roles.view import View
 from ui.model.keys import key_of
 from ui.model.playing.possible import paid
 from ui.model.playing.state import End, Hunt, Memory, MoveOn, Reroute
-from ui.model.playing.words import as_sentence, counted, place_name, titled
+from ui.model.playing.words import as_sentence, counted, place_name, scored, titled
 from ui.model.screen import Action, Meant, NotYet, Question
 
 
@@ -32,7 +32,7 @@ def question(memory: Memory, hunt: Hunt) -> Question | None:
             left = sum(room.state == "unvisited" for room in hunt.view.rooms)
             return Question(
                 "End the game?",
-                as_sentence(f"{counted(left, 'room')} left to visit. The score stays as it is: {hunt.view.score}."),
+                as_sentence(f"{counted(left, 'room')} left to visit. The score stays {scored(hunt.view.score)}."),
                 Action(Meant(), "End the game", key_of(Meant())),
                 Action(NotYet(), "Play on", key_of(NotYet())),
             )

@@ -8,7 +8,7 @@ from thbridge.roles.view import GiveUp, RoomView, Select, Unsure
 from ui.model.keys import key_of
 from ui.model.playing.possible import warning, why_not_ask, why_not_end, why_not_go
 from ui.model.playing.state import Hunt, Memory
-from ui.model.playing.words import place_name, titled
+from ui.model.playing.words import gained, place_name, titled
 from ui.model.screen import Action, ChooseRoom, DontKnow, EndGame, RoomTile
 
 
@@ -86,7 +86,7 @@ def _price(hunt: Hunt, robot: int, room: int) -> str:
 
 def _found(room: RoomView) -> str:
     if room.verdict is not None:
-        return f"{room.verdict.name or 'named'}, {room.verdict.points:+d}"
+        return f"{room.verdict.name or 'named'}, {gained(room.verdict.points)}"
     if room.left:
         return "left there"
     return "" if room.colour is None else f"something {room.colour.lower()}"

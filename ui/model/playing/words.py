@@ -25,6 +25,16 @@ def listed(things: Sequence[str]) -> str:
     return things[-1] if len(things) < 2 else f"{', '.join(things[:-1])} and {things[-1]}"
 
 
+def scored(score: int) -> str:
+    """A score with the typographer's minus: `20`, `−20`."""
+    return f"{score}".replace("-", "−")
+
+
+def gained(points: int) -> str:
+    """Points won or lost: `+20`, `−20`."""
+    return f"{points:+d}".replace("-", "−")
+
+
 def verdict_words(name: str, points: int) -> str:
     """How naming a treasure ended."""
     named = name or "That"
