@@ -8,6 +8,7 @@ import bz2
 from collections.abc import Mapping
 from dataclasses import dataclass
 from enum import StrEnum
+from functools import lru_cache
 from struct import Struct
 
 import lz4.frame
@@ -109,16 +110,15 @@ def chunk_record(data: bytes, compression: Compression) -> bytes:
 
 def index_record(connection: Connection, entries: bytes) -> bytes:
     """Where in the chunk before it a connection's messages are: a stamp and an offset of 4 bytes for each."""
-    head = _header(
-        RecordType.IDXDATA,
-        ver=U32.pack(1),
-        conn=U32.pack(connection.number),
-        count=U32.pack(len(entries) // INDEX_ENTRY_BYTES),
-    )
-    return head + _sized(entries)
+    return _index_head(connection.number, len(entries) // INDEX_ENTRY_BYTES) + _sized(entries)
 
 
 INDEX_ENTRY_BYTES = _TIME.size + U32.size
+
+
+@lru_cache(maxsize=4096)
+def _index_head(number: int, count: int) -> bytes:
+    return _header(RecordType.IDXDATA, ver=U32.pack(1), conn=U32.pack(number), count=U32.pack(count))
 
 
 def chunk_info_record(position: int, start_ns: int, end_ns: int, counts: Mapping[Connection, int]) -> bytes:

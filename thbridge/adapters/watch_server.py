@@ -202,9 +202,12 @@ class WatchServer:
     def _say(self, watchers: Sequence[_Watcher], messages: Iterable[Message]) -> None:
         if not watchers:
             return
+        said_ns, time = -1, b""
         for topic, stamp_ns, data, _ in messages:
-            connection = self._connection(topic)
-            record = b"".join((self._heads[topic], time_bytes(stamp_ns), U32.pack(len(data)), data))
+            connection = self._connections.get(topic) or self._connect(topic)
+            if stamp_ns != said_ns:
+                said_ns, time = stamp_ns, time_bytes(stamp_ns)
+            record = b"".join((self._heads[topic], time, U32.pack(len(data)), data))
             for watcher in watchers:
                 watcher.backlog.put(connection.number, record, topic.latched)
         connections = tuple(self._connections.values())
@@ -223,17 +226,15 @@ class WatchServer:
         )
         self._say([watcher], [Message(_STATUS, self._stamp_ns, status.data())])
 
-    def _connection(self, topic: Topic) -> Connection:
+    def _connect(self, topic: Topic) -> Connection:
         """Numbers count from 0, in the order in which topics were first said."""
-        connection = self._connections.get(topic)
-        if connection is None:
-            definition = self._definitions.of(topic.msgtype)
-            number = len(self._connections)
-            connection = Connection(
-                number, topic.name, topic.msgtype, definition.md5, definition.text, CALLER, topic.latched
-            )
-            self._connections[topic] = connection
-            self._heads[topic] = message_head(connection)
+        definition = self._definitions.of(topic.msgtype)
+        number = len(self._connections)
+        connection = Connection(
+            number, topic.name, topic.msgtype, definition.md5, definition.text, CALLER, topic.latched
+        )
+        self._connections[topic] = connection
+        self._heads[topic] = message_head(connection)
         return connection
 
     async def _beat(self) -> None:
