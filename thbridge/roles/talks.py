@@ -76,8 +76,14 @@ class Talks:
         return self._follow(self._engine.open(self._dialogues, topic, held=robot in self.puppets))
 
     def await_advice(self, robot: int) -> None:
-        """The participant asked a puppet where to go; what was being said or agreed before no longer holds."""
-        if robot not in self.asked_for_advice:
+        """The participant asked a puppet where to go; what was being said or agreed before no longer holds.
+
+        Programs ask again until they see an answer: one that has been given, and not been answered, stands.
+        """
+        given = self._dialogues.of_robot(robot)
+        is_answered = given is not None and any(turn.speaker is Speaker.PERSON for turn in given.turns)
+        stands = given is not None and given.topic.scenario is Scenario.DONT_KNOW and not is_answered
+        if not stands and robot not in self.asked_for_advice:
             self._forget(robot, "select-room")
             self.asked_for_advice += (robot,)
 

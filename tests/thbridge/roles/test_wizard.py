@@ -123,6 +123,21 @@ def test_advice_waits_and_is_the_wizards(oz: Oz) -> None:
     assert turn.room == chosen
 
 
+def test_advice_stands_though_the_question_comes_once_more(oz: Oz) -> None:
+    oz.ask(ON)
+    oz.wish(Unsure(0))
+    oz.player.wish = (Unsure(0),)
+    for step in range(60):  # at whatever tick it is asked again
+        if step == 30:
+            oz.stage.session.ask("wizard", AdviseFor(0, 5))
+            oz.stage.session.ask("wizard", SpeakFor(1, 0, 0, "Room 5?"))
+        oz.stage.tabui.connected()
+        oz.stage.tabui.look_again()
+        oz.stage.run(1)
+    (dialogue,) = oz.view.dialogues
+    assert (dialogue.dialogue, dialogue.room, dialogue.said) == (1, 5, ("Room 5?",))
+
+
 def test_a_robot_that_is_released_gives_its_own_advice(oz: Oz) -> None:
     oz.ask(ON)
     oz.wish(Unsure(0))

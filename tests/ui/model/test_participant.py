@@ -8,6 +8,7 @@ from tests.thbridge.roles.stage import RULES
 from tests.ui.model.seat import Seat
 from thbridge.hunt.events import Condition, Departed, Failed, Identified, Left, Pictured
 from thbridge.roles.briefing import Briefing
+from thbridge.roles.requests import AdviseFor, Puppeteer, SpeakFor
 from ui.model.participant import Participant
 from ui.model.screen import (
     AgreeToTakePart,
@@ -338,6 +339,21 @@ def test_trouble_is_said_in_words(condition, state):
     seat.stage.puppets.conditions[0] = condition
     card = seat.run(60).cards[0]
     assert (card.state, card.trouble) == (state, True)
+
+
+def test_a_robot_that_somebody_speaks_for_is_thinking_until_they_do():
+    seat = Seat()
+    seat.stage.session.ask("wizard", Puppeteer(0, on=True))
+    seat.do(DontKnow())
+    assert seat.screen.cards[0].state == "is being asked"
+    seat.model = Participant()  # a window that was closed and opened again
+    seat.model.connected(seat.now)
+    seat.tabui.connected()
+    assert seat.run().cards[0].state == "is thinking about where to go"
+    seat.stage.session.ask("wizard", AdviseFor(0, 5))
+    assert seat.run().cards[0].state == "is thinking"
+    seat.stage.session.ask("wizard", SpeakFor(1, 0, 0, "Room 5?"))
+    assert seat.run().cards[0].state == "asks you something"
 
 
 def test_what_was_asked_and_lost_on_its_way_is_asked_again(monkeypatch):

@@ -123,8 +123,11 @@ def _resting(hunt: Hunt, robot: RobotView) -> str:
     number = robot.robot
     if hunt.asked.going(number) is not None:
         return "is being asked"
-    if hunt.talk(number) is not None:
-        return "asks you something"
+    if number in hunt.view.thinking:
+        return "is thinking about where to go"
+    talk = hunt.talk(number)
+    if talk is not None:
+        return "asks you something" if talk.choices else "is thinking"
     goal = hunt.goal_considered(number)
     if goal is not None:
         return f"about to set out for {place_name(goal)}"
