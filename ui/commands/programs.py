@@ -158,7 +158,7 @@ def tabui(
 
         raise typer.Exit(play_hosted(theme.value))
     host, port = _address(server)
-    if participant is None and not as_json:
+    if participant is None and templates is None and seed is None and not as_json:
         why = no_window()
         if why is None:
             from ui.windows.table import play_at  # noqa: PLC0415 - Qt, only when a window opens
