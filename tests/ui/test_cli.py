@@ -181,7 +181,7 @@ def test_a_team_too_large_for_the_map_is_refused_with_both_numbers() -> None:
     ("name", "remedy"),
     [
         ("arena", "nearest name is arena8"),
-        ("nonsense", "names are: arena8, office, warehouse12"),
+        ("nonsense", "names are: arena8, office, practice, warehouse12"),
         ("", "a path of your own"),
     ],
 )
@@ -214,7 +214,7 @@ def test_a_suggestion_is_the_first_room_of_the_cheapest_tour() -> None:
 
 def test_maps_are_listed_and_without_fault() -> None:
     names = thbridge("maps", "list").stdout.split()
-    assert names == ["arena8", "office", "warehouse12"]
+    assert names == ["arena8", "office", "practice", "warehouse12"]
     for name in names:
         assert said("maps", "check", name) == {"ok": True, "findings": []}
 
