@@ -4,11 +4,9 @@ Opening reads what the end of each file says of its chunks. What is in a chunk i
 and forgotten when much else was looked up since; so neither time nor memory grows with messages that nobody looks at.
 """
 
-import os
 from bisect import bisect_right
 from collections import OrderedDict
-from collections.abc import Callable, Collection, Generator, Iterable, Iterator, Mapping
-from contextlib import contextmanager
+from collections.abc import Collection, Generator, Iterable, Iterator
 from dataclasses import dataclass
 from itertools import accumulate
 from pathlib import Path
@@ -16,11 +14,10 @@ from typing import BinaryIO, NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
-from rosbags.rosbag1 import ReaderError
-from rosbags.rosbag1.reader import Header, RecordType, decompressors, normalize, read_bytes, read_uint32
+from rosbags.rosbag1.reader import Header, RecordType, normalize, read_bytes, read_uint32
 
-from thbridge.adapters.bag_reader import MAGIC, VERSION, RawMessage, check_is_bag
-from thbridge.adapters.bag_records import Compression
+from thbridge.adapters.bag_chunk_reader import Chunk, ChunkReader
+from thbridge.adapters.bag_reader import MAGIC, VERSION, RawMessage, check_is_bag, damage_told
 from thbridge.adapters.errors import BadFile
 from thbridge.adapters.recordings import ACTIVE, active_of, parts_of
 
@@ -28,15 +25,6 @@ STEP = 64
 """Chunks after which opening a bag pauses: some milliseconds."""
 CHUNKS_KEPT = 2048
 """Chunks whose index is remembered."""
-BYTES_KEPT = 32 * 1024 * 1024
-"""Bytes of unpacked chunks that are remembered."""
-WHOLE = 1024 * 1024
-"""Bytes of chunks that are read whole though they are not packed: of larger ones, some messages are wanted."""
-
-_CONNECTION = b"\x09\x00\x00\x00conn="
-"""The field of an index record's head that says whose it is, up to its 4 bytes."""
-_STUMBLES = (ReaderError, ValueError, LookupError, EOFError, OSError, MemoryError, RuntimeError)
-"""What rosbags' parser and its decompressors answer damage with."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -79,26 +67,6 @@ class Place(NamedTuple):
 
 
 @dataclass(frozen=True, slots=True, eq=False)
-class _Chunk:
-    """What a file's end says of a chunk; `counts` are messages by number of publisher."""
-
-    file: int
-    position: int
-    start_ns: int
-    end_ns: int
-    counts: Mapping[int, int]
-
-
-@dataclass(frozen=True, slots=True, eq=False)
-class _Packed:
-    """Where a chunk's records lie in its file, how many bytes, and what unpacks them; None: they are not packed."""
-
-    position: int
-    size: int
-    unpack: Callable[[bytes], bytes] | None
-
-
-@dataclass(frozen=True, slots=True, eq=False)
 class _Where:
     """The chunks that hold messages of one topic: numbers, first stamps, and last stamps in each or any before it."""
 
@@ -107,7 +75,7 @@ class _Where:
     reach: list[int]
 
     @classmethod
-    def of(cls, chunks: list[int], all_chunks: list[_Chunk]) -> "_Where":
+    def of(cls, chunks: list[int], all_chunks: list[Chunk]) -> "_Where":
         ends = accumulate((all_chunks[chunk].end_ns for chunk in chunks), max)
         return cls(chunks, [all_chunks[chunk].start_ns for chunk in chunks], list(ends))
 
@@ -148,10 +116,10 @@ class BagIndex:
         parts: tuple[Path, ...],
         files: list[BinaryIO],
         publishers: list[Publisher],
-        chunks: list[_Chunk],
+        chunks: list[Chunk],
     ) -> None:
         self.path = path
-        self._parts, self._files = parts, files
+        self._parts, self._reader = parts, ChunkReader(parts, files)
         self._publishers = {(each.file, each.number): each for each in publishers}
         self._of_topic: dict[str, set[tuple[int, int]]] = {}
         for each in publishers:
@@ -165,9 +133,6 @@ class BagIndex:
             for number in chunk.counts:
                 self._speaking.setdefault((chunk.file, number), []).append(index)
         self._inner: OrderedDict[int, dict[int, bytes | _Entries]] = OrderedDict()
-        self._packed: dict[int, _Packed] = {}
-        self._unpacked: OrderedDict[int, bytes] = OrderedDict()
-        self._bytes = 0
 
     @property
     def publishers(self) -> tuple[Publisher, ...]:
@@ -181,8 +146,7 @@ class BagIndex:
 
     def close(self) -> None:
         """Close the files."""
-        for file in self._files:
-            file.close()
+        self._reader.close()
 
     def last(self, topic: str, at_ns: int) -> Place | None:
         """Where the last message of a topic up to a time is, that time included."""
@@ -244,39 +208,8 @@ class BagIndex:
 
     def read(self, place: Place) -> RawMessage:
         """The message at a place."""
-        publisher = place.publisher
-        packed = self._packed_at(place.chunk)
-        if packed.unpack is None and packed.size > WHOLE:
-            body = self._read_alone(place, packed)
-        else:
-            data = self._data(place.chunk, packed)
-            try:
-                start = _after_length(data, place.offset)  # behind the record's head
-                body = data[start + 4 : _after_length(data, start)]
-            except ValueError as error:
-                raise _damaged(self._parts[place.file]) from error
-        return RawMessage(publisher.topic, publisher.msgtype, publisher.md5, place.stamp_ns, body)
-
-    def _read_alone(self, place: Place, packed: _Packed) -> bytes:
-        """A message without the pictures, say, that share its chunk."""
-        file = self._files[place.file]
-        with _damage_told(self._parts[place.file]):
-            file.seek(packed.position + place.offset)
-            file.seek(read_uint32(file), os.SEEK_CUR)
-            return read_bytes(file, read_uint32(file))
-
-    def _packed_at(self, index: int) -> _Packed:
-        known = self._packed.get(index)
-        if known is None:
-            chunk = self._chunks[index]
-            file = self._files[chunk.file]
-            with _damage_told(self._parts[chunk.file]):
-                file.seek(chunk.position)
-                compression = Header.read(file, RecordType.CHUNK).get_string("compression")
-                unpack = None if compression == Compression.NONE else decompressors[compression]
-                size = read_uint32(file)
-                known = self._packed[index] = _Packed(file.tell(), size, unpack)
-        return known
+        publisher, data = place.publisher, self._reader.message(self._chunks[place.chunk], place.offset)
+        return RawMessage(publisher.topic, publisher.msgtype, publisher.md5, place.stamp_ns, data)
 
     def _place(self, index: int, entries: _Entries, row: int) -> Place:
         chunk = self._chunks[index]
@@ -307,7 +240,7 @@ class BagIndex:
         for number in numbers:
             entries = inner.get(number)
             if isinstance(entries, bytes):
-                with _damage_told(self._parts[file]):
+                with damage_told(self._parts[file]):
                     entries = inner[number] = _Entries.of(self._publishers[file, number], entries)
             if entries is not None:
                 found.append(entries)
@@ -317,47 +250,11 @@ class BagIndex:
         """The index of a chunk by number of publisher; taken apart when somebody looks."""
         known = self._inner.get(index)
         if known is None:
-            with _damage_told(self._parts[self._chunks[index].file]):
-                known = self._read_inside(index)
-            self._inner[index] = known
+            known = self._inner[index] = {**self._reader.index_of(self._chunks[index])}
             if len(self._inner) > CHUNKS_KEPT:
                 self._inner.popitem(last=False)
         else:
             self._inner.move_to_end(index)
-        return known
-
-    def _read_inside(self, index: int) -> dict[int, bytes | _Entries]:
-        chunk = self._chunks[index]
-        file = self._files[chunk.file]
-        packed = self._packed_at(index)
-        file.seek(packed.position + packed.size)
-        found: dict[int, bytes | _Entries] = {}
-        for _ in chunk.counts:
-            # rosbags' own way to read a head takes longer than all else that is done here.
-            head = read_bytes(file, read_uint32(file))
-            at = head.index(_CONNECTION) + len(_CONNECTION)
-            number = int.from_bytes(head[at : at + 4], "little")
-            found[number] = read_bytes(file, read_uint32(file))
-        if found.keys() != chunk.counts.keys():
-            raise ValueError("a chunk's index is not what the file's end says")
-        return found
-
-    def _data(self, index: int, packed: _Packed) -> bytes:
-        """The records of a chunk, unpacked."""
-        known = self._unpacked.get(index)
-        if known is not None:
-            self._unpacked.move_to_end(index)
-            return known
-        chunk = self._chunks[index]
-        file = self._files[chunk.file]
-        with _damage_told(self._parts[chunk.file]):
-            file.seek(packed.position)
-            known = read_bytes(file, packed.size)
-            known = known if packed.unpack is None else packed.unpack(known)
-        self._unpacked[index] = known
-        self._bytes += len(known)
-        while self._bytes > BYTES_KEPT and len(self._unpacked) > 1:
-            self._bytes -= len(self._unpacked.popitem(last=False)[1])
         return known
 
 
@@ -378,11 +275,11 @@ def open_index(path: Path) -> Generator[float, None, BagIndex]:
         raise _unfinished(active_of(path))
     files: list[BinaryIO] = []
     publishers: list[Publisher] = []
-    chunks: list[_Chunk] = []
+    chunks: list[Chunk] = []
     try:
         for number, part in enumerate(parts):
             check_is_bag(part)
-            with _damage_told(part):
+            with damage_told(part):
                 files.append(part.open("rb"))
                 for share in _read_end(files[-1], number, part, publishers, chunks):
                     yield (number + share) / len(parts)
@@ -394,7 +291,7 @@ def open_index(path: Path) -> Generator[float, None, BagIndex]:
 
 
 def _read_end(
-    file: BinaryIO, number: int, part: Path, publishers: list[Publisher], chunks: list[_Chunk]
+    file: BinaryIO, number: int, part: Path, publishers: list[Publisher], chunks: list[Chunk]
 ) -> Iterator[float]:
     """Add what the end of a file says of its publishers and chunks; tells which share is read."""
     file.seek(len(MAGIC) + len(VERSION))
@@ -423,17 +320,9 @@ def _read_end(
         counts = {publisher: messages for publisher, messages in table.tolist() if messages}
         if counts:
             times = info.get_time("start_time"), info.get_time("end_time")
-            chunks.append(_Chunk(number, info.get_uint64("chunk_pos"), *times, counts))
+            chunks.append(Chunk(number, info.get_uint64("chunk_pos"), *times, counts))
         if index % STEP == STEP - 1:
             yield index / count
-
-
-def _after_length(data: bytes, at: int) -> int:
-    """Where what begins with its own length, 4 bytes, ends. Raises ValueError: beyond the data."""
-    end = at + 4 + int.from_bytes(data[at : at + 4], "little")
-    if end > len(data):
-        raise ValueError("a record ends beyond its chunk")
-    return end
 
 
 def _unfinished(path: Path) -> BadFile:
@@ -442,16 +331,3 @@ def _unfinished(path: Path) -> BadFile:
         remedy = f"wait until its session has ended, or else run `thbridge bag reindex {path}`"
         return BadFile(path, None, None, problem, remedy)
     return BadFile(path, None, None, "the bag was cut off: it has no index", f"run `thbridge bag reindex {path}`")
-
-
-@contextmanager
-def _damage_told(path: Path) -> Iterator[None]:
-    try:
-        yield
-    except _STUMBLES as error:
-        raise _damaged(path) from error
-
-
-def _damaged(path: Path) -> BadFile:
-    problem = "the bag was cut off or is damaged"
-    return BadFile(path, None, None, problem, f"run `thbridge bag reindex {path}`")

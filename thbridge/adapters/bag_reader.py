@@ -18,6 +18,19 @@ from thbridge.adapters.recordings import parts_of
 MAGIC = b"#ROSBAG V"
 VERSION = b"2.0\n"
 
+_STUMBLES = (
+    ReaderError,
+    AssertionError,
+    struct.error,
+    ValueError,
+    LookupError,
+    EOFError,
+    OSError,
+    MemoryError,
+    RuntimeError,
+)
+"""rosbags answers damage with whatever its parser and its decompressors stumble over, assertions among it."""
+
 
 @dataclass(frozen=True, slots=True)
 class TopicInfo:
@@ -217,25 +230,24 @@ def opened(path: Path) -> Iterator[Reader]:
     """rosbags' reader of one file, in whose block damage is told in our words. Raises BadFile."""
     check_is_bag(path)
     reader = Reader(path)
-    # rosbags answers damage with whatever its parser and its decompressors stumble over, assertions among it.
-    stumbles = (
-        ReaderError,
-        AssertionError,
-        struct.error,
-        ValueError,
-        LookupError,
-        EOFError,
-        OSError,
-        MemoryError,
-        RuntimeError,
-    )
     try:
-        reader.open()
-        yield reader
-    except stumbles as error:
-        raise BadFile(
-            path, None, None, "the bag was cut off or is damaged", f"run `thbridge bag reindex {path}`"
-        ) from error
+        with damage_told(path):
+            reader.open()
+            yield reader
     finally:
         if reader.bio is not None:
             reader.close()
+
+
+@contextmanager
+def damage_told(path: Path) -> Iterator[None]:
+    """A block in which what parser and decompressors stumble over is told in our words. Raises BadFile."""
+    try:
+        yield
+    except _STUMBLES as error:
+        raise damaged(path) from error
+
+
+def damaged(path: Path) -> BadFile:
+    """What is said of a file that cannot be read on."""
+    return BadFile(path, None, None, "the bag was cut off or is damaged", f"run `thbridge bag reindex {path}`")

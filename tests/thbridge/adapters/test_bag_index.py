@@ -7,9 +7,10 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from thbridge.adapters import bag_reader
+from thbridge.adapters.bag_chunk_reader import WHOLE
 from thbridge.adapters.bag_chunks import Chunks
 from thbridge.adapters.bag_file import BagFile, ChunkFile
-from thbridge.adapters.bag_index import WHOLE, BagIndex, open_index
+from thbridge.adapters.bag_index import BagIndex, open_index
 from thbridge.adapters.bag_reader import RawMessage
 from thbridge.adapters.bag_records import Compression, Connection
 from thbridge.adapters.errors import BadFile
