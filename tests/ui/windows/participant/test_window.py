@@ -1,5 +1,8 @@
 """The participant's window draws a screen and gives back acts, by mouse and by keyboard."""
 
+import os
+import subprocess
+import sys
 from collections.abc import Callable
 from dataclasses import replace
 from itertools import combinations
@@ -63,34 +66,37 @@ def that_asks(window: QWidget, act: Act) -> AskingButton:
 # Mouse ----------------------------------------------------------------------------------------------------------------
 
 
-@pytest.mark.parametrize(
-    ("state", "act"),
-    [
-        ("playing", ChooseRobot(1)),
-        ("playing", ChooseRoom(5)),
-        ("playing", DontKnow()),
-        ("playing", StopRobot(0)),
-        ("playing", EndGame()),
-        ("playing", FollowRobot()),
-        ("playing", FitMap()),
-        ("playing", ShowHelp()),
-        ("dialogue", GiveAnswer(0)),
-        ("dialogue", GiveAnswer(1)),
-        ("dialogue", ShowNext()),
-        ("dialogue", ShowWaiting(2)),
-        ("treasure", TakeThePicture()),
-        ("treasure", LeaveIt()),
-        ("picture", NameIt()),
-        ("question", Meant()),
-        ("question", NotYet()),
-        ("consent", AgreeToTakePart()),
-        ("over", AnotherGame()),
-    ],
-)
-def test_a_click_asks_for_what_the_button_says(qtbot: QtBot, opened: Open, state: str, act: Act) -> None:
-    shown = opened(STATES[state])
-    qtbot.mouseClick(that_asks(shown.window, act), LEFT)
-    assert [done for done in shown.done if not isinstance(done, ConsiderRoom)] == [act]
+CLICKS: list[tuple[str, Act]] = [
+    ("playing", ChooseRobot(1)),
+    ("playing", ChooseRoom(5)),
+    ("playing", DontKnow()),
+    ("playing", StopRobot(0)),
+    ("playing", EndGame()),
+    ("playing", FollowRobot()),
+    ("playing", FitMap()),
+    ("playing", ShowHelp()),
+    ("dialogue", GiveAnswer(0)),
+    ("dialogue", GiveAnswer(1)),
+    ("dialogue", ShowNext()),
+    ("dialogue", ShowWaiting(2)),
+    ("treasure", TakeThePicture()),
+    ("treasure", LeaveIt()),
+    ("picture", NameIt()),
+    ("question", Meant()),
+    ("question", NotYet()),
+    ("consent", AgreeToTakePart()),
+    ("over", AnotherGame()),
+]
+
+
+def test_a_click_asks_for_what_the_button_says(qtbot: QtBot, opened: Open) -> None:
+    shown = opened(STATES["playing"])
+    for state, act in CLICKS:
+        shown.show(STATES[state])
+        shown.now += 1.0
+        shown.done.clear()
+        qtbot.mouseClick(that_asks(shown.window, act), LEFT)
+        assert [done for done in shown.done if not isinstance(done, ConsiderRoom)] == [act], state
 
 
 def test_a_name_is_picked_by_a_click(qtbot: QtBot, opened: Open) -> None:
@@ -121,37 +127,40 @@ def test_the_map_takes_clicks_and_pointing(opened: Open) -> None:
 # Keys -----------------------------------------------------------------------------------------------------------------
 
 
-@pytest.mark.parametrize(
-    ("state", "key", "act"),
-    [
-        ("playing", "5", TypeDigit(5)),
-        ("playing", "D", DontKnow()),
-        ("playing", "X", StopRobot()),
-        ("playing", "E", EndGame()),
-        ("playing", "F", FollowRobot()),
-        ("playing", "M", FitMap()),
-        ("playing", "Tab", NextRobot(1)),
-        ("playing", "Shift+Tab", NextRobot(-1)),
-        ("playing", "F1", ShowHelp()),
-        ("help", "Esc", ShowHelp()),
-        ("dialogue", "C", GiveAnswer(0)),
-        ("dialogue", "Return", GiveAnswer(0)),
-        ("dialogue", "S", GiveAnswer(1)),
-        ("dialogue", "Esc", ShowNext()),
-        ("treasure", "P", TakeThePicture()),
-        ("treasure", "L", LeaveIt()),
-        ("treasure", "Down", PickName("Blue bottle")),
-        ("picture", "N", NameIt()),
-        ("question", "Y", Meant()),
-        ("question", "N", NotYet()),
-        ("consent", "A", AgreeToTakePart()),
-        ("over", "A", AnotherGame()),
-    ],
-)
-def test_a_key_does_what_its_button_does(qtbot: QtBot, opened: Open, state: str, key: str, act: Act) -> None:
-    shown = opened(STATES[state])
-    press(qtbot, shown.window, key)
-    assert shown.done == [act]
+KEYS: list[tuple[str, str, Act]] = [
+    ("playing", "5", TypeDigit(5)),
+    ("playing", "D", DontKnow()),
+    ("playing", "X", StopRobot()),
+    ("playing", "E", EndGame()),
+    ("playing", "F", FollowRobot()),
+    ("playing", "M", FitMap()),
+    ("playing", "Tab", NextRobot(1)),
+    ("playing", "Shift+Tab", NextRobot(-1)),
+    ("playing", "F1", ShowHelp()),
+    ("help", "Esc", ShowHelp()),
+    ("dialogue", "C", GiveAnswer(0)),
+    ("dialogue", "Return", GiveAnswer(0)),
+    ("dialogue", "S", GiveAnswer(1)),
+    ("dialogue", "Esc", ShowNext()),
+    ("treasure", "P", TakeThePicture()),
+    ("treasure", "L", LeaveIt()),
+    ("treasure", "Down", PickName("Blue bottle")),
+    ("picture", "N", NameIt()),
+    ("question", "Y", Meant()),
+    ("question", "N", NotYet()),
+    ("consent", "A", AgreeToTakePart()),
+    ("over", "A", AnotherGame()),
+]
+
+
+def test_a_key_does_what_its_button_does(qtbot: QtBot, opened: Open) -> None:
+    shown = opened(STATES["playing"])
+    for state, key, act in KEYS:
+        shown.show(STATES[state])
+        shown.now += 1.0
+        shown.done.clear()
+        press(qtbot, shown.window, key)
+        assert shown.done == [act], (state, key)
 
 
 def press(qtbot: QtBot, window: QWidget, key: str) -> None:
@@ -413,17 +422,27 @@ def test_only_what_has_changed_is_drawn_anew(opened: Open) -> None:
     assert 1 <= painted.count <= 6
 
 
+@pytest.mark.slow
+def test_twice_the_scale_cuts_nothing_off() -> None:
+    """In a process of its own, because Qt takes the scale once, at its start."""
+    asked = [sys.executable, "-m", "pytest", "-q", __file__, "-k", "cut_off or scrolling or whole"]
+    done = subprocess.run(
+        asked, env={**os.environ, "QT_SCALE_FACTOR": "2"}, capture_output=True, text=True, check=False
+    )
+    assert done.returncode == 0, done.stdout
+
+
 # Pages ----------------------------------------------------------------------------------------------------------------
 
 
-@pytest.mark.parametrize(
-    ("state", "page"), [("connecting", "connecting"), ("consent", "consent"), ("playing", "top"), ("over", "ending")]
-)
-def test_each_phase_has_its_page(opened: Open, state: str, page: str) -> None:
-    shown = opened(STATES[state])
-    visible = {name for name in ("connecting", "consent", "top", "ending") if getattr(shown.window, name).isVisible()}
-    assert page in visible
-    assert visible <= {page, "top"}
+def test_each_phase_has_its_page(opened: Open) -> None:
+    shown = opened(STATES["playing"])
+    pages = {"connecting": "connecting", "consent": "consent", "playing": "top", "over": "ending"}
+    for state, page in pages.items():
+        shown.show(STATES[state])
+        visible = {name for name in pages.values() if getattr(shown.window, name).isVisible()}
+        assert page in visible
+        assert visible <= {page, "top"}
 
 
 def test_while_something_is_asked_nothing_behind_it_can_be_clicked(qtbot: QtBot, opened: Open) -> None:
