@@ -3,18 +3,19 @@
 from collections.abc import Callable, Sequence
 from typing import Protocol
 
-from PySide6.QtCore import QEvent, QRect, Qt, QTimer
+from PySide6.QtCore import Qt, QTimer
 from PySide6.QtGui import (
     QAccessible,
     QAccessibleAnnouncementEvent,
+    QHideEvent,
     QKeySequence,
     QResizeEvent,
     QShortcut,
+    QShowEvent,
 )
 from PySide6.QtWidgets import (
     QApplication,
     QHBoxLayout,
-    QMainWindow,
     QStackedWidget,
     QVBoxLayout,
     QWidget,
@@ -82,8 +83,10 @@ class Model(Protocol):
         """The participant does this."""
 
 
-class ParticipantWindow(QMainWindow):
+class ParticipantWindow(QWidget):
     """The map, the robots beside it, the rooms below them; pop-ups above the map.
+
+    It is a window, or a page of one. It looks at the model while it is shown.
 
     Args:
         model: what to show.
@@ -111,7 +114,6 @@ class ParticipantWindow(QMainWindow):
         self._ticking = QTimer(self)
         self._ticking.setTimerType(Qt.TimerType.PreciseTimer)
         self._ticking.timeout.connect(self.refresh)
-        self._ticking.start(FRAME)
         # Nothing is marked as focused until somebody goes through the window by keyboard.
         self.setFocusPolicy(Qt.FocusPolicy.StrongFocus)
         self.setFocus()
@@ -150,8 +152,10 @@ class ParticipantWindow(QMainWindow):
         self._playing = playing
         for page in (self.connecting, self.consent, playing):
             self.pages.addWidget(page)
-        self.setCentralWidget(self.pages)
-        self.veil = Veil(self.pages)
+        around = QVBoxLayout(self)
+        around.setContentsMargins(0, 0, 0, 0)
+        around.addWidget(self.pages)
+        self.veil = Veil(self)
         self._connect()
 
     def _connect(self) -> None:
@@ -183,7 +187,7 @@ class ParticipantWindow(QMainWindow):
             before, self._screen = self._screen, screen
             if screen != before:
                 self._show(screen, before, now)
-        if self.isMinimized():
+        if self.window().isMinimized():
             return
         self._show_map(now)
 
@@ -285,17 +289,21 @@ class ParticipantWindow(QMainWindow):
 
     # Size -------------------------------------------------------------------------------------------------------------
 
+    def showEvent(self, event: QShowEvent) -> None:
+        """Look at the model from now on."""
+        super().showEvent(event)
+        self._ticking.start(FRAME)
+
+    def hideEvent(self, event: QHideEvent) -> None:
+        """Nobody sees it."""
+        super().hideEvent(event)
+        self._ticking.stop()
+
     def resizeEvent(self, event: QResizeEvent) -> None:
         """The column beside the map takes three tenths, within reason; the veil covers all."""
         super().resizeEvent(event)
         self.column.setFixedWidth(min(max(336, int(self.width() * 0.3)), 480))
-        self.veil.setGeometry(QRect(0, 0, self.pages.width(), self.pages.height()))
-
-    def event(self, event: QEvent) -> bool:
-        """When shown for the first time, sizes are known."""
-        if event.type() == QEvent.Type.LayoutRequest:
-            self.veil.setGeometry(QRect(0, 0, self.pages.width(), self.pages.height()))
-        return super().event(event)
+        self.veil.setGeometry(self.rect())
 
 
 def _offered(screen: Screen) -> tuple[Act, ...]:

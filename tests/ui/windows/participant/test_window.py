@@ -467,3 +467,17 @@ def test_phases_without_a_house_show_no_map(opened: Open) -> None:
     shown.model.house = samples.house("arena8")
     shown.show(STATES["dialogue"])
     assert shown.window.map.isVisible()
+
+
+def test_nobody_looks_while_it_is_hidden(qtbot: QtBot, opened: Open) -> None:
+    shown = opened(STATES["playing"])
+    looks: list[float] = []
+    screen = shown.model.screen
+    shown.model.screen = lambda now: looks.append(now) or screen(now)
+    shown.window.hide()
+    looks.clear()
+    with qtbot.assertNotEmitted(shown.window.top.asked, wait=100):
+        pass
+    assert looks == []
+    shown.window.show()
+    qtbot.waitUntil(lambda: len(looks) > 1)
