@@ -2,12 +2,12 @@
 
 from typing import Protocol
 
-from thbridge.roles.requests import PaceRequest, Request, WizardRequest
+from thbridge.roles.requests import PaceRequest, Request
 from ui.model.watching.scene import Scene, Shown
 from ui.model.watching.series import Series
 from ui.model.watching.story import Story
 
-Wish = Request | WizardRequest | PaceRequest
+Wish = Request | PaceRequest
 """What is asked of the robots, or of the session's pace."""
 
 

@@ -101,6 +101,9 @@ class Plots(QWidget):
             plot.getViewBox().setAutoVisible(y=True)
             plot.getViewBox().sigRangeChangedManually.connect(self._look_around)
             plot.getAxis("left").setWidth(48)
+            for side in ("left", "bottom"):
+                # Lines of the grid between the numbers cost more than all curves.
+                plot.getAxis(side).setStyle(maxTickLevel=0)
             if number < len(PANELS) - 1:
                 plot.getAxis("bottom").setStyle(showValues=False)
             if number:

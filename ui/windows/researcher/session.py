@@ -2,13 +2,14 @@
 
 import asyncio
 import threading
+from collections import deque
 from pathlib import Path
 
 from thbridge.adapters.map_files import MapRoom
-from thbridge.adapters.text_client import Lost
+from thbridge.adapters.text_client import LossReason, Lost
 from thbridge.adapters.watch_client import Connected, WatchClient
 from thbridge.app.watching import request_line
-from thbridge.roles.requests import Pause, Resume, SetRate, Step, WizardRequest
+from thbridge.roles.requests import Pause, Resume, SetRate, Step
 from thbridge.ros.records import Session as SessionRecord
 from thbridge.wire.watching import Said, Status, status_in
 from ui.model.watching.live import LiveSource
@@ -20,6 +21,10 @@ from ui.windows.researcher.feed import Wish
 
 SENDER = "watch"
 """In whose name this window asks."""
+MOMENTS = 2.0
+"""Seconds over which messages are timed."""
+LAG = 0.5
+"""Seconds of a session's lag that are worth a word."""
 SILENCE = 1.5
 """Seconds without a word after which a session that is not paused is called silent."""
 
@@ -73,8 +78,7 @@ class Session:
         self._connected = False
         self._refusals = 0
         self._news: list[str] = []
-        self._pace: tuple[float, float] | None = None
-        self._behind = 0.0
+        self._came: deque[tuple[float, float]] = deque()
         self._rooms: tuple[int, tuple[MapRoom, ...]] | None = None
         self._asked_for_rooms = -1
 
@@ -124,7 +128,7 @@ class Session:
         for event in self._connection.client.take():
             match event:
                 case Connected():
-                    self._connected, self._lost, self._pace = True, None, None
+                    self._connected, self._lost = True, None
                 case Lost():
                     self._connected, self._lost = False, event
                 case Said():
@@ -141,7 +145,7 @@ class Session:
     def _hear(self, status: Status) -> None:
         before, self._status = self._status, status
         if before is None or (before.paused, before.rate) != (status.paused, status.rate):
-            self._pace = None
+            self._came.clear()
         if status.refusals < self._refusals:
             self._refusals = 0  # of another connection
         if status.refused is not None and status.refusals > self._refusals:
@@ -149,14 +153,12 @@ class Session:
         self._refusals = status.refusals
 
     def _measure(self, now: float) -> None:
-        """How much later than the quickest the latest message came."""
-        if self._status is None or self._status.rate == 0.0 or self._status.paused:
-            self._pace = None
-            return
-        came = now - self._source.end_ns / 1e9 / self._status.rate
-        quickest = came if self._pace is None else min(came, self._pace[0])
-        self._pace = (quickest, came)
-        self._behind = came - quickest
+        """How much later the latest message came than the quickest of the last moments."""
+        if not self.playing or self.speed == 0.0:
+            self._came.clear()
+        self._came.append((now, now - self._source.end_ns / 1e9 / (self.speed or 1.0)))
+        while self._came[0][0] < now - MOMENTS:
+            self._came.popleft()
 
     def _find_rooms(self) -> None:
         """Reading a map takes longer than a frame."""
@@ -187,15 +189,26 @@ class Session:
         silent = self._source.silent_for(now)
         if silent > SILENCE:
             return "live, silent"
-        dropped = f", {self._status.dropped} messages lost" if self._status and self._status.dropped else ""
-        return f"live, {1000.0 * self._behind:.0f} ms behind{dropped}"
+        behind = self._came[-1][1] - min(came for _, came in self._came) if self._came else 0.0
+        state = f"live, {1000.0 * behind:.0f} ms behind"
+        if self._status is not None and self._status.lag > LAG:
+            state += f"; the session lags by {self._status.lag:.0f} s"
+        if self._status is not None and self._status.dropped:
+            state += f"; {self._status.dropped} messages lost"
+        return state
 
     def trouble(self) -> str:
         """That there is no connection, and why."""
-        if self._lost is not None:
-            detail = f" ({self._lost.detail})" if self._lost.detail else ""
-            return f"No connection to {self._address}: {self._lost.reason.value}{detail}. Trying again."
-        return "" if self._connected else f"Connecting to {self._address}."
+        if self._lost is None:
+            return "" if self._connected else f"Connecting to {self._address}."
+        detail = f" ({self._lost.detail})" if self._lost.detail else ""
+        match self._lost.reason:
+            case LossReason.UNREACHABLE:
+                return f"Nobody answers at {self._address}. Is a session running there, with --watch? Trying again."
+            case LossReason.REFUSED:
+                return f"{self._address} lets nobody in{detail}. A key is given by --key. Trying again."
+            case _:
+                return f"The connection to {self._address} is lost{detail}. Trying again."
 
     def take_news(self) -> list[str]:
         """What was refused."""
@@ -218,14 +231,8 @@ class Session:
     def seek(self, time: float) -> None:
         """A session under way cannot be sought through: its bag can, afterwards."""
 
-    def hold(self, still: bool) -> None:
-        """Let the picture stand still while the session goes on."""
-        self._source.hold(still)
-
     def ask(self, wish: Wish) -> str:
         """Send a wish; whether it is granted is heard later."""
-        if isinstance(wish, WizardRequest):
-            return "This session's door takes no words for robots."
         sent = self._connection.client.send(request_line(SENDER, wish))
         return "" if sent else f"There is no connection to {self._address}: nothing can be asked."
 

@@ -71,8 +71,9 @@ class Timeline(QSlider):
         painter.drawRoundedRect(QRectF(left, middle - 1.5, right - left, 3.0), 1.5, 1.5)
         painter.setBrush(QColor(self._palette.accent))
         painter.drawRoundedRect(QRectF(left, middle - 1.5, here - left, 3.0), 1.5, 1.5)
+        width, start = (right - left) / max(1, self.maximum() - self.minimum()), self.minimum()
         for mark in self._marks:
-            x = self._x(mark.time * 1000.0)
+            x = left + (mark.time * 1000.0 - start) * width
             colour = self._palette.muted if mark.robot is None else self._palette.robot(mark.robot)
             painter.setPen(QPen(QColor(colour), 1.5))
             y, arm = (middle + 7.0, TICK_MARK) if mark.talk else (middle - 8.0, ARM)

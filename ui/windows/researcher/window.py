@@ -6,7 +6,7 @@ from functools import partial
 
 import numpy as np
 from PySide6.QtCore import Qt, QTimer
-from PySide6.QtGui import QCloseEvent
+from PySide6.QtGui import QAccessible, QAccessibleAnnouncementEvent, QCloseEvent
 from PySide6.QtWidgets import QLabel, QMessageBox
 
 from sim.geometry import FloatArray, Pose2
@@ -18,6 +18,7 @@ from ui.model.theme import Palette
 from ui.model.watching.scene import Entry, EntryKind, PendingTurn, RobotScene, Scene, Shown
 from ui.model.watching.series import RobotSeries
 from ui.model.watching.tools import Tools, aimed
+from ui.windows.look import panel
 from ui.windows.map import MapView
 from ui.windows.researcher.deck import Deck
 from ui.windows.researcher.displays import Display
@@ -66,6 +67,7 @@ class ResearcherWindow(Deck):
         self._bodies: dict[int, FloatArray] = {}
         self._taken: dict[EntryKind, int] = {}
         self._marks: tuple[Mark, ...] = ()
+        self._marked = (0, 0.0)
         self._frames = 0
         self._tools = Tools()
         self._overlays = Overlays(self._map)
@@ -110,6 +112,11 @@ class ResearcherWindow(Deck):
         self._map.point_pressed.connect(self._press)
         self._map.point_dragged.connect(self._drag)
         self._map.point_released.connect(self._release)
+
+    @property
+    def scene(self) -> Scene | None:
+        """What is on the map; None before there is anything."""
+        return self._scene
 
     @property
     def trouble(self) -> str:
@@ -213,10 +220,11 @@ class ResearcherWindow(Deck):
             new = max(self._taken.get(kind, 0) - dropped, 0)
             log.extend([self._row(entry) for entry in entries[new : new + PORTION]])
             self._taken[kind] = dropped + min(new + PORTION, len(entries))
-        marks = tuple(self._timeline_marks()) if not self._feed.live else ()
-        if marks != self._marks or self.transport.span != self._feed.span:
-            self._marks = marks
-            self.transport.show_span(self._feed.span, marks)
+        told = sum(story.dropped(kind) + len(story.entries(kind)) for kind in ("event", "said"))
+        if not self._feed.live and (told, self._feed.span) != self._marked:
+            self._marked = told, self._feed.span
+            self._marks = tuple(self._timeline_marks())
+            self.transport.show_span(self._feed.span, self._marks)
 
     def _row(self, entry: Entry) -> Row:
         time = (entry.stamp_ns - self._feed.start_ns) / 1e9
@@ -329,6 +337,7 @@ class ResearcherWindow(Deck):
 
     def _ask_to_kill(self) -> None:
         box = QMessageBox(self)
+        box.setAttribute(Qt.WidgetAttribute.WA_DeleteOnClose)
         box.setIcon(QMessageBox.Icon.Warning)
         box.setWindowTitle("Kill a robot")
         box.setText(f"Kill {robot_name(self._selected)}?")
@@ -440,14 +449,16 @@ class Sign(QLabel):
         super().__init__(view)
         self.setAccessibleName("Trouble")
         self.setWordWrap(True)
-        self.setMargin(12)
-        self.setAutoFillBackground(True)
+        self.setMargin(8)
+        panel(self)
         self.hide()
 
     def say(self, text: str) -> None:
         """Show a sentence; an empty one hides the sign."""
         if text == self.text() and self.isHidden() == (not text):
             return
+        if text.partition("(")[0] != self.text().partition("(")[0]:
+            QAccessible.updateAccessibility(QAccessibleAnnouncementEvent(self, text))
         self.setText(text)
         view = self.parentWidget()
         width = min(640, view.width() - 32) if view is not None else 640

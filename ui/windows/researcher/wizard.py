@@ -87,7 +87,7 @@ class WizardDock(QWidget):
             box = QCheckBox(robot_name(robot))
             box.setAccessibleName(f"Speak for {robot_name(robot)}")
             box.setEnabled(not self._reason)
-            box.clicked.connect(partial(self.puppeteered.emit, robot))
+            box.clicked.connect(lambda on, robot=robot: self.puppeteered.emit(robot, on))
             self._puppets.append(box)
             self._row.insertWidget(self._row.count() - 1, box)
         for robot, box in enumerate(self._puppets):

@@ -2,6 +2,11 @@
 
 import asyncio
 import dataclasses
+import re
+import subprocess
+import sys
+from collections.abc import Iterator
+from contextlib import contextmanager
 from pathlib import Path
 
 from thbridge.app.compose import build_bot, read_setting
@@ -21,3 +26,25 @@ def record(bag: Path, robots: int = 3, seconds: float = 15.0) -> Path:
     except Unfinished:
         return bag
     return bag
+
+
+@contextmanager
+def door(bag: Path, *options: str) -> Iterator[int]:
+    """A hunt under way in another process; its door's port. It ends with the block."""
+    command = [sys.executable, "-c", "from ui.cli import main; main()", "play", "--headless", "--participant"]
+    command += ["suggestion", "--robots", "2", "--seed", "4", "--rate", "1", "--port", "0", "--watch", "0"]
+    command += ["--no-report", "--bag", str(bag), *options]
+    with subprocess.Popen(command, stdout=subprocess.DEVNULL, stderr=subprocess.PIPE, text=True) as program:
+        told = []
+        try:
+            for line in program.stderr or ():
+                told.append(line)
+                found = re.search(r"watch at [0-9.]+:([0-9]+)", line)
+                if found:
+                    yield int(found[1])
+                    break
+            else:
+                raise RuntimeError("".join(told))
+        finally:
+            program.terminate()
+            program.communicate()

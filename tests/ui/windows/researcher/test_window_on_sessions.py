@@ -1,0 +1,223 @@
+"""The researcher's window on a session under way, through its door."""
+
+import time
+from collections.abc import Callable, Iterator
+from pathlib import Path
+
+import pytest
+from PySide6.QtCore import QPoint, Qt
+from PySide6.QtTest import QTest
+from PySide6.QtWidgets import QApplication, QCheckBox, QLineEdit, QMessageBox, QPushButton
+from pytestqt.qtbot import QtBot
+
+from sim.geometry import Pose2
+from tests.ui.windows.researcher.hunts import door
+from thbridge.adapters.watch_client import WatchClient
+from ui.model.theme import LIGHT
+from ui.model.watching.scene import RobotScene
+from ui.windows.researcher.session import Connection, Session
+from ui.windows.researcher.tools import Tool
+from ui.windows.researcher.window import ResearcherWindow
+
+PATIENCE = 60_000
+"""Milliseconds; the machine may be busy."""
+
+
+def window_on(port: int) -> ResearcherWindow:
+    address = f"127.0.0.1:{port}"
+    return ResearcherWindow(
+        Session(Connection(WatchClient("127.0.0.1", port)), address), address, LIGHT, time.monotonic
+    )
+
+
+@pytest.fixture(scope="module")
+def opened(tmp_path_factory: pytest.TempPathFactory, qapp: QApplication) -> Iterator[ResearcherWindow]:
+    """One session for all tests: to begin one takes its time."""
+    with door(tmp_path_factory.mktemp("watched") / "hunt.bag") as port:
+        made = window_on(port)
+        made.show()
+        yield made
+        made.close()
+
+
+@pytest.fixture
+def window(opened: ResearcherWindow, qtbot: QtBot) -> ResearcherWindow:
+    qtbot.waitUntil(lambda: opened.scene is not None and len(opened.scene.robots) == 2, timeout=PATIENCE)
+    opened.activateWindow()
+    opened.canvas.setFocus()
+    opened.take(Tool.LOOK)
+    opened.select(0)
+    return opened
+
+
+def robot(window: ResearcherWindow, number: int) -> RobotScene:
+    assert window.scene is not None
+    return window.scene.robots[number]
+
+
+def truth(window: ResearcherWindow, number: int) -> Pose2:
+    pose = robot(window, number).truth
+    assert pose is not None
+    return pose
+
+
+def stroke(window: ResearcherWindow, start: tuple[float, float], end: tuple[float, float]) -> None:
+    """Press, drag and let go, in map metres."""
+    pixels = [QPoint(*(round(pixel) for pixel in window.canvas.camera.pixel(*point))) for point in (start, end)]
+    QTest.mousePress(window.canvas, Qt.MouseButton.LeftButton, pos=pixels[0])
+    QTest.mouseMove(window.canvas, pixels[1])
+    QTest.mouseRelease(window.canvas, Qt.MouseButton.LeftButton, pos=pixels[1])
+
+
+def asked(window: ResearcherWindow) -> list[str]:
+    rows = (window.inputs.model.row(number) for number in range(window.inputs.model.rowCount()))
+    return [row.cells[2] for row in rows if row.cells[0] == "watch"]
+
+
+def waits(qtbot: QtBot, until: Callable[[], bool]) -> None:
+    qtbot.waitUntil(until, timeout=PATIENCE)
+
+
+def test_it_shows_the_session_live(window: ResearcherWindow, qtbot: QtBot) -> None:
+    waits(qtbot, lambda: window.transport.state.text().startswith("live"))
+    waits(qtbot, lambda: window.plots.points("speed", 1) > 3 and window.team.model.rowCount() == 2)
+    assert window.trouble == ""
+    assert "Pause" in window.transport.play.text()
+
+
+def test_a_goal_by_mouse_is_an_input_of_the_session(window: ResearcherWindow, qtbot: QtBot) -> None:
+    QTest.keyClick(window.canvas, "g")
+    assert window.tool is Tool.GOAL
+    stroke(window, (3.0, -4.0), (3.0, -3.0))
+    assert window.tool is Tool.LOOK
+    waits(qtbot, lambda: any(line.startswith("SimpleGoal") for line in asked(window)))
+    waits(qtbot, lambda: (goal := robot(window, 0).goal) is not None and goal.distance(Pose2(3.0, -4.0, 0.0)) < 0.1)
+
+
+def test_a_pose_by_mouse_is_an_input_of_the_session(window: ResearcherWindow, qtbot: QtBot) -> None:
+    window.select(1)
+    here = truth(window, 1)
+    QTest.keyClick(window.canvas, "p")
+    stroke(window, (here.x, here.y), (here.x + 1.0, here.y))
+    waits(qtbot, lambda: any(line.startswith("InitialPose") for line in asked(window)))
+
+
+def test_a_robot_is_kidnapped_by_dragging_it(window: ResearcherWindow, qtbot: QtBot) -> None:
+    QTest.keyClick(window.canvas, "k")
+    here = truth(window, 1)
+    stroke(window, (here.x, here.y), (3.5, 0.0))
+    waits(qtbot, lambda: truth(window, 1).distance(Pose2(3.5, 0.0, 0.0)) < 1.0)
+
+
+def test_who_drags_nobody_is_told_so(window: ResearcherWindow) -> None:
+    QTest.keyClick(window.canvas, "k")
+    before = len(asked(window))
+    stroke(window, (-4.9, 6.9), (3.0, 0.0))
+    assert "Nobody stands there" in window.statusBar().currentMessage()
+    assert len(asked(window)) == before
+
+
+def test_an_obstacle_is_put_and_taken_away(window: ResearcherWindow, qtbot: QtBot) -> None:
+    QTest.keyClick(window.canvas, "o")
+    stroke(window, (-3.0, 1.5), (-2.7, 1.5))
+    waits(qtbot, lambda: window.scene is not None and len(window.scene.things) == 1)
+    stroke(window, (-3.0, 1.5), (-3.0, 1.5))
+    waits(qtbot, lambda: window.scene is not None and not window.scene.things)
+
+
+def test_a_robot_is_killed_only_when_that_is_meant_and_revived(window: ResearcherWindow, qtbot: QtBot) -> None:
+    window.select(1)
+
+    def answer(label: str) -> None:
+        QTest.keyClick(window.canvas, Qt.Key.Key_Delete)
+        box = next(box for box in window.findChildren(QMessageBox) if box.isVisible())
+        button = next(button for button in box.findChildren(QPushButton) if button.text() == label)
+        QTest.mouseClick(button, Qt.MouseButton.LeftButton)
+        window.activateWindow()
+        waits(qtbot, window.isActiveWindow)
+
+    answer("Leave it alive")
+    assert not any(line.startswith("Die") for line in asked(window))
+    answer("Kill it")
+    waits(qtbot, lambda: any(line.startswith("Die") for line in asked(window)))
+    waits(qtbot, lambda: robot(window, 1).dead)
+    QTest.keyClick(window.canvas, "g")
+    stroke(window, (3.0, -4.0), (3.0, -3.0))
+    assert "Revive it first" in window.statusBar().currentMessage()
+    QTest.keyClick(window.canvas, "r")
+    waits(qtbot, lambda: not robot(window, 1).dead)
+
+
+def test_costmaps_are_cleared_by_a_key(window: ResearcherWindow, qtbot: QtBot) -> None:
+    QTest.keyClick(window.canvas, "c")
+    waits(qtbot, lambda: any(line.startswith("ClearCostmaps") for line in asked(window)))
+
+
+def test_the_session_pauses_steps_and_goes_on(window: ResearcherWindow, qtbot: QtBot) -> None:
+    QTest.keyClick(window.canvas, Qt.Key.Key_Space)
+    waits(qtbot, lambda: window.transport.state.text() == "live, paused")
+    stands = window.scene.stamp_ns if window.scene else 0
+    QTest.keyClick(window.canvas, ".")
+    waits(qtbot, lambda: window.scene is not None and window.scene.stamp_ns > stands)
+    assert window.scene is not None
+    assert window.scene.stamp_ns - stands < 100_000_000
+    QTest.keyClick(window.canvas, Qt.Key.Key_Space)
+    waits(qtbot, lambda: window.transport.state.text() != "live, paused")
+
+
+def test_its_speed_is_asked_for(window: ResearcherWindow, qtbot: QtBot) -> None:
+    QTest.keyClick(window.canvas, "]")
+    waits(qtbot, lambda: window.transport.speed.currentText() == "2 x")
+    QTest.keyClick(window.canvas, "[")
+    waits(qtbot, lambda: window.transport.speed.currentText() == "1 x")
+
+
+def test_the_wizard_speaks_in_a_robots_place(tmp_path: Path, qtbot: QtBot) -> None:
+    with door(tmp_path / "hunt.bag", "--rate", "2") as port:
+        window = window_on(port)
+        qtbot.addWidget(window)
+        window.show()
+        waits(qtbot, lambda: window.scene is not None and len(window.scene.robots) == 2)
+        wizard = window.wizard
+        waits(qtbot, lambda: len(wizard.findChildren(QCheckBox)) == 2)
+        for box in wizard.findChildren(QCheckBox):
+            box.click()
+        waits(qtbot, lambda: bool(window.scene and (window.scene.wizard.advice or window.scene.wizard.turns)))
+        # The simulated participant asks for advice, which waits for the wizard, too.
+        while not (window.scene and window.scene.wizard.turns):
+            waits(qtbot, lambda: bool(window.scene and (window.scene.wizard.advice or window.scene.wizard.turns)))
+            room = next((each for each in wizard.findChildren(QPushButton) if each.text().startswith("Room")), None)
+            if room is not None:
+                room.click()
+            qtbot.wait(200)
+        turn = window.scene.wizard.turns[0]
+        waits(qtbot, lambda: any(button.text() == turn.sentences[0] for button in wizard.findChildren(QPushButton)))
+        next(edit for edit in wizard.findChildren(QLineEdit) if edit.isEnabled()).setText("By the way, hello.")
+        next(button for button in wizard.findChildren(QPushButton) if button.text() == turn.sentences[0]).click()
+        rows = window.talk.model
+        waits(qtbot, lambda: any("By the way, hello." in rows.row(n).cells for n in range(rows.rowCount())))
+        said = next(row for n in range(rows.rowCount()) if "By the way, hello." in (row := rows.row(n)).cells)
+        assert "spoken for" in said.cells[0]
+        window.close()
+
+
+def test_where_nobody_answers_it_says_so_and_waits(qtbot: QtBot) -> None:
+    window = window_on(1)
+    qtbot.addWidget(window)
+    window.show()
+    waits(qtbot, lambda: "Nobody answers at 127.0.0.1:1" in window.trouble)
+    window.close()
+
+
+@pytest.mark.slow
+def test_a_session_that_ends_is_told_and_the_next_one_is_shown(tmp_path: Path, qtbot: QtBot) -> None:
+    with door(tmp_path / "one.bag") as port:
+        window = window_on(port)
+        qtbot.addWidget(window)
+        window.show()
+        waits(qtbot, lambda: window.scene is not None and bool(window.scene.robots))
+    waits(qtbot, lambda: "Trying again" in window.trouble)
+    assert window.scene is not None
+    with door(tmp_path / "two.bag", "--watch", str(port)):
+        waits(qtbot, lambda: window.trouble == "")
+    window.close()
