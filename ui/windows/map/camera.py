@@ -85,7 +85,9 @@ class Camera:
             ratio: device pixels a logical pixel.
         """
         px, py = self.pixel(0.0, 0.0)
-        return self.dragged(math.floor(px * ratio + 0.5) / ratio - px, math.floor(py * ratio + 0.5) / ratio - py)
+        dx, dy = math.floor(px * ratio + 0.5) / ratio - px, math.floor(py * ratio + 0.5) / ratio - py
+        # One that is snapped already stays the same to the bit, by which those know it who keep what they have painted.
+        return self if math.hypot(dx, dy) < 1e-6 else self.dragged(dx, dy)
 
     def sees(self, x: float, y: float, margin: float) -> bool:
         """Whether a map point lies in the view, widened by a margin in pixels."""

@@ -34,6 +34,10 @@ DASH, SPACE = 7.0, 5.0
 """Of a way ahead, pixels."""
 
 
+_ROUND = np.linspace(0.0, 2.0 * np.pi, 49)[:-1]
+_CIRCLE = polygon(np.stack((np.cos(_ROUND), np.sin(_ROUND)), axis=1))
+"""Of radius 1."""
+
 _NOSE = np.array([[0.72, 0.0], [0.12, 0.42], [0.26, 0.0], [0.12, -0.42]])
 """An arrowhead on a robot's back, in units of its reach; it points ahead."""
 
@@ -165,15 +169,21 @@ class Robots:
             self._paint_truth(painter, camera, mark, mark.truth)
 
     def _paint_ellipse(self, painter: QPainter, camera: Camera, mark: RobotMark, ellipse: EllipseMark) -> None:
+        c, s = camera.scale * math.cos(ellipse.angle), camera.scale * math.sin(ellipse.angle)
+        centre = camera.pixel(mark.pose.x, mark.pose.y)
+        transform = QTransform(c * ellipse.major, -s * ellipse.major, -s * ellipse.minor, -c * ellipse.minor, *centre)
+        outline = transform.map(_CIRCLE)
         colour = QColor(self._colour(mark))
-        painter.setPen(QPen(colour, 1.0))
         colour.setAlpha(40)
+        # A filling without smooth edges under a smooth outline looks the same and takes a quarter of the time.
+        painter.setRenderHint(QPainter.RenderHint.Antialiasing, False)
+        painter.setPen(Qt.PenStyle.NoPen)
         painter.setBrush(colour)
-        painter.save()
-        painter.translate(*camera.pixel(mark.pose.x, mark.pose.y))
-        painter.rotate(-math.degrees(ellipse.angle))
-        painter.drawEllipse(QPointF(0.0, 0.0), ellipse.major * camera.scale, ellipse.minor * camera.scale)
-        painter.restore()
+        painter.drawPolygon(outline)
+        painter.setRenderHint(QPainter.RenderHint.Antialiasing)
+        painter.setPen(QPen(QColor(self._colour(mark)), 1.0))
+        painter.setBrush(Qt.BrushStyle.NoBrush)
+        painter.drawPolygon(outline)
 
     def _paint_truth(self, painter: QPainter, camera: Camera, mark: RobotMark, truth: Pose2) -> None:
         pen = QPen(QColor(self._palette.text), 1.5)

@@ -36,6 +36,12 @@ def test_snapping_moves_less_than_a_device_pixel(camera: Camera, ratio: float) -
     assert math.dist((px, py), camera.pixel(0.0, 0.0)) < 1.0 / ratio
 
 
+@given(cameras, st.sampled_from([1.0, 1.25, 1.5, 2.0]))
+def test_snapping_twice_changes_nothing_more(camera: Camera, ratio: float) -> None:
+    snapped = camera.snapped(ratio)
+    assert snapped.snapped(ratio) == snapped
+
+
 def test_north_is_up_and_a_house_fits() -> None:
     camera = Camera.fitted((-5.0, -2.0, 5.0, 2.0), 1000.0, 800.0, 50.0)
     assert camera.pixel(-5.0, 0.0)[0] == pytest.approx(50.0)
