@@ -12,6 +12,7 @@ from thbridge.roles.notices import Ellipse, House, Motion, Picture, RoomOutline,
 from thbridge.roles.view import (
     Agree,
     Answer,
+    CallBack,
     Consent,
     GiveUp,
     Identify,
@@ -259,6 +260,26 @@ def test_an_act_for_what_has_gone_from_the_screen_meanwhile_does_nothing():
     assert model.wishes() == (Leave(2),)
 
 
+def test_what_came_up_meanwhile_is_not_put_aside_unseen():
+    two = with_room(with_robot(FOUND, 1, place=2), 2, state="visited", robot=1, colour="Blue", footprint="Square")
+    model = model_of(FOUND)
+    model.hear(with_room(two, 3, left=True), 0.1)
+    model.do(ShowNext(), 0.1)
+    assert model.screen(0.1).pop.room == 2
+
+
+def test_a_robot_that_arrives_as_it_is_called_back_stays_with_what_it_found():
+    model = model_of(UNDER_WAY)
+    model.do(ChooseRoom(1), 0.0)
+    model.screen(0.0)
+    model.do(Meant(), 0.0)
+    assert model.wishes() == (CallBack(0),)
+    model.hear(FOUND, 0.1)
+    assert model.wishes() == ()
+    assert model.screen(0.1).banner.text == "Robot 1 was already in room 3 when you called it back."
+    assert model.screen(0.1).pop.room == 3
+
+
 def test_what_follows_on_an_act_before_the_screen_does_is_for_nothing_shown():
     model = model_of(FOUND)
     model.do(ShowNext(), 0.0)
@@ -385,6 +406,21 @@ def test_a_picture_is_shown_when_all_of_it_is_there():
     model.hear(with_room(FOUND, 3, picture="a.jpg"), 0.1)
     pop = model.screen(0.1).pop
     assert (pop.picture, pop.picture_note, pop.take_picture) == (b"image", "", None)
+
+
+def test_a_picture_of_another_game_by_the_same_number_is_not_shown():
+    pictured = with_room(FOUND, 3, picture="a.jpg")
+    model = model_of(Picture(1, 3, 0, 1, b64encode(b"image").decode()), pictured)
+    assert model.screen(0.0).pop.picture == b"image"
+    model.hear(view(), 0.1)
+    model.hear(pictured, 0.2)
+    assert model.screen(0.2).pop.picture is None
+
+
+def test_a_game_that_is_over_does_not_go_on():
+    model = model_of(replace(FOUND, over="given-up"))
+    model.hear(FOUND, 0.1)
+    assert texts(model.screen(0.1)) == ["Game 1 is under way, with 2 robots and 3 rooms; the score is 0."]
 
 
 def test_with_ten_rooms_a_number_has_two_digits_or_ends_with_enter():

@@ -43,7 +43,6 @@ def settle(hunt: Hunt) -> None:
     """Bring up to date what follows from the view and from what was asked for."""
     view = hunt.view
     hunt.named = {room: name for room, name in hunt.named.items() if _is_talked_over(hunt, room)}
-    hunt.picked = {room: name for room, name in hunt.picked.items() if view.room(room).undecided}
     hunt.requests = {
         robot: said
         for robot, said in hunt.requests.items()
