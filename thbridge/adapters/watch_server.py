@@ -10,29 +10,15 @@ import asyncio
 import logging
 from asyncio import Protocol as AsyncioProtocol
 from asyncio import Transport
-from collections import defaultdict
 from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass, replace
 from typing import Protocol
 
-from thbridge.adapters.bag_records import (
-    MAGIC,
-    U32,
-    Compression,
-    Connection,
-    bag_header,
-    chunk_record,
-    connection_record,
-    index_record,
-    message_head,
-    time_bytes,
-    time_in,
-)
+from thbridge.adapters.bag_stream import BEGINNING, BagStream, ChunkMaker
 from thbridge.adapters.errors import reason_of
 from thbridge.adapters.ros_definitions import Definitions
 from thbridge.adapters.text_server import CannotListen, Listening
 from thbridge.ros import types
-from thbridge.ros.names import CALLER
 from thbridge.ros.topics import Message, Topic
 from thbridge.wire.backlog import Backlog
 from thbridge.wire.watching import STATUS, Admitted, Guest, Refusal, Status, Wish, refusal
@@ -41,6 +27,9 @@ DEFAULT_PORT = 6010
 
 WATCHERS = 8
 """Who comes when so many watch is turned away."""
+
+CALLERS = 4 * WATCHERS
+"""Who comes when so many are connected, with the key or without, is not even told so."""
 
 _log = logging.getLogger(__name__)
 
@@ -88,9 +77,7 @@ class WatchServer:
     def __init__(self, house: House, key: str | None = None, definitions: Definitions | None = None) -> None:
         self._house = house
         self._key = key
-        self._definitions = definitions or Definitions()
-        self._connections: dict[Topic, Connection] = {}
-        self._heads: dict[Topic, bytes] = {}
+        self._stream = BagStream(definitions or Definitions())
         self._levels: dict[Topic, Message] = {}
         self._latest: Sequence[Message] = ()
         self._stamp_ns = 0
@@ -105,7 +92,9 @@ class WatchServer:
         """Begin to serve; port 0 takes any that is free."""
         loop = asyncio.get_running_loop()
         try:
-            server = await loop.create_server(lambda: _Watcher(self, Guest(self._key)), host, port)
+            server = await loop.create_server(
+                lambda: _Watcher(self, Guest(self._key), ChunkMaker(self._stream)), host, port
+            )
         except OSError as error:
             return CannotListen(host, port, reason_of(error))
         except UnicodeError:
@@ -146,6 +135,11 @@ class WatchServer:
 
     # What watchers do
 
+    @property
+    def is_crowded(self) -> bool:
+        """Whether so many stand at the door that nobody else is even told to go away."""
+        return len(self._open) >= CALLERS
+
     def meet(self, watcher: _Watcher) -> int:
         """Somebody connects; a number for them."""
         self._open.add(watcher)
@@ -159,7 +153,7 @@ class WatchServer:
             return
         self._watchers.append(watcher)
         _log.info("watcher %d has come", watcher.number)
-        watcher.write(MAGIC + bag_header(0, 0, 0))
+        watcher.write(BEGINNING)
         said_again = {message.topic for message in self._latest if message.topic.latched}
         levels = [level for topic, level in self._levels.items() if topic not in said_again]
         self._say([watcher], [*sorted(levels, key=lambda level: level.stamp_ns), *self._latest])
@@ -167,7 +161,7 @@ class WatchServer:
 
     def turn_away(self, watcher: _Watcher, why: Refusal) -> None:
         """Somebody who does not watch is told why, and sent away."""
-        watcher.write(MAGIC + bag_header(0, 0, 0))
+        watcher.write(BEGINNING)
         watcher.refuse(why)
         self._tell_status(watcher)
         watcher.close()
@@ -202,17 +196,12 @@ class WatchServer:
     def _say(self, watchers: Sequence[_Watcher], messages: Iterable[Message]) -> None:
         if not watchers:
             return
-        said_ns, time = -1, b""
-        for topic, stamp_ns, data, _ in messages:
-            connection = self._connections.get(topic) or self._connect(topic)
-            if stamp_ns != said_ns:
-                said_ns, time = stamp_ns, time_bytes(stamp_ns)
-            record = b"".join((self._heads[topic], time, U32.pack(len(data)), data))
+        for message in messages:
+            connection, record = self._stream.record(message)
             for watcher in watchers:
-                watcher.backlog.put(connection.number, record, topic.latched)
-        connections = tuple(self._connections.values())
+                watcher.backlog.put(connection.number, record, message.topic.latched)
         for watcher in watchers:
-            watcher.flush(connections)
+            watcher.flush()
 
     def _tell_status(self, watcher: _Watcher) -> None:
         pace = self._house.pace()
@@ -226,16 +215,8 @@ class WatchServer:
         )
         self._say([watcher], [Message(_STATUS, self._stamp_ns, status.data())])
 
-    def _connect(self, topic: Topic) -> Connection:
-        """Numbers count from 0, in the order in which topics were first said."""
-        definition = self._definitions.of(topic.msgtype)
-        number = len(self._connections)
-        connection = Connection(
-            number, topic.name, topic.msgtype, definition.md5, definition.text, CALLER, topic.latched
-        )
-        self._connections[topic] = connection
-        self._heads[topic] = message_head(connection)
-        return connection
+    def _watcher(self) -> _Watcher:
+        return _Watcher(self, Guest(self._key), ChunkMaker(self._stream))
 
     async def _beat(self) -> None:
         while True:
@@ -253,21 +234,23 @@ class _Watcher(AsyncioProtocol):
         status: what it was told last of its own affairs.
     """
 
-    def __init__(self, server: WatchServer, guest: Guest) -> None:
+    def __init__(self, server: WatchServer, guest: Guest, chunks: ChunkMaker) -> None:
         self.number = 0
         self.guest = guest
         self.backlog = Backlog()
         self.status = Status(paused=False, rate=0.0, lag=0.0, watchers=0, dropped=0)
         self._server = server
         self._transport: Transport | None = None
-        self._connections: tuple[Connection, ...] = ()
-        self._announced: set[int] = set()
+        self._chunks = chunks
         self._full = False
         self._closing = False
         self._mute = False
 
     def connection_made(self, transport: asyncio.BaseTransport) -> None:
         if not isinstance(transport, Transport):
+            return
+        if self._server.is_crowded:
+            transport.abort()
             return
         self._transport = transport
         transport.set_write_buffer_limits(_SEGMENT)
@@ -303,7 +286,7 @@ class _Watcher(AsyncioProtocol):
 
     def resume_writing(self) -> None:
         self._full = False
-        self.flush(self._connections)
+        self.flush()
 
     def connection_lost(self, exc: Exception | None) -> None:
         self._closing = True
@@ -313,30 +296,13 @@ class _Watcher(AsyncioProtocol):
         """Remember what is not granted; the next status tells it."""
         self.status = replace(self.status, refused=why, refusals=self.status.refusals + 1)
 
-    def flush(self, connections: tuple[Connection, ...]) -> None:
-        """Give the socket what waits, as far as it takes it, in one chunk; connections by number."""
-        self._connections = connections
+    def flush(self) -> None:
+        """Give the socket what waits, as far as it takes it."""
         while not (self._full or self._closing) and self._transport is not None:
             taken = self.backlog.take(_SEGMENT)
             if not taken:
                 return
-            self._transport.write(self._chunk(connections, taken))
-
-    def _chunk(self, connections: tuple[Connection, ...], taken: Sequence[tuple[int, bytes]]) -> bytes:
-        """Messages as a piece of a bag; rosbag's `reindex` wants something after every chunk, and that is its index."""
-        pieces: list[bytes] = []
-        entries: defaultdict[int, list[bytes]] = defaultdict(list)
-        at = 0
-        for channel, record in taken:
-            if channel not in self._announced:
-                self._announced.add(channel)
-                pieces.append(connection_record(connections[channel]))
-                at += len(pieces[-1])
-            entries[channel] += (time_in(record), U32.pack(at))
-            pieces.append(record)
-            at += len(record)
-        indices = [index_record(connections[channel], b"".join(entry)) for channel, entry in entries.items()]
-        return b"".join((chunk_record(b"".join(pieces), Compression.NONE), *indices))
+            self._transport.write(self._chunks.chunk(taken))
 
     def write(self, data: bytes) -> None:
         """Give the socket these bytes."""

@@ -1,6 +1,7 @@
 """The watch door over real TCP, and the client that goes through it."""
 
 import asyncio
+import contextlib
 import json
 from collections.abc import AsyncIterator, Awaitable, Callable, Mapping
 from contextlib import asynccontextmanager
@@ -11,7 +12,7 @@ from thbridge.adapters.ros_definitions import Definitions
 from thbridge.adapters.text_client import LossReason, Lost, Patience
 from thbridge.adapters.text_server import CannotListen, Listening
 from thbridge.adapters.watch_client import Connected, WatchClient, WatchEvent
-from thbridge.adapters.watch_server import WATCHERS, Pace, WatchServer
+from thbridge.adapters.watch_server import CALLERS, WATCHERS, Pace, WatchServer
 from thbridge.ros import pack, types
 from thbridge.ros.topics import Message, Topic
 from thbridge.wire.watching import MISTAKES, STATUS, Said, Status, StreamReader, status_in
@@ -214,6 +215,21 @@ async def test_a_ninth_is_turned_away_until_somebody_leaves() -> None:
         assert ninth.texts == []
         door.clients[0].cancel()
         await ninth.until_text("level")
+
+
+@run
+async def test_a_crowd_without_the_key_is_bounded_and_keeps_nobody_out_for_long() -> None:
+    async with serving("sesame") as door:
+        door.say((LEVEL, "level"))
+        crowd = [await asyncio.open_connection(door.where.host, door.where.port) for _ in range(CALLERS + 5)]
+        async with asyncio.timeout(PATIENCE):
+            for reader, _ in crowd[CALLERS:]:
+                with contextlib.suppress(ConnectionError):
+                    assert await reader.read() == b""
+        for _, writer in crowd:
+            writer.close()
+        visitor = door.enter("sesame")
+        await visitor.until_text("level")
 
 
 @run
