@@ -117,7 +117,7 @@ class WatchClient:
             if not data:
                 if self._writer is None and refused:
                     return Lost(LossReason.REFUSED, refused)
-                return Lost(LossReason.BROKEN, refused or "the session closed the connection")
+                return Lost(LossReason.BROKEN, "the session closed the connection")
             for heard in stream.feed(data):
                 if isinstance(heard, Broken):
                     return Lost(LossReason.BROKEN, heard.reason)

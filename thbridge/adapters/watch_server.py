@@ -279,7 +279,8 @@ class _Watcher(AsyncioProtocol):
 
     def eof_received(self) -> bool:
         self._mute = True
-        return not self._closing  # Who has nothing to ask may still listen: `nc HOST PORT < /dev/null`.
+        # Who has nothing to ask may still listen: `nc HOST PORT < /dev/null`.
+        return self.guest.admitted and not self._closing
 
     def pause_writing(self) -> None:
         self._full = True
