@@ -40,9 +40,6 @@ def watch(
     At a session the window also sends robots, kidnaps and kills them, puts things in their way and speaks for them;
     whatever it asks is recorded. Keys are told by F1. See docs/watching.md.
     """
-    missing = no_window()
-    if missing is not None:
-        fail(BAD_INPUT, missing)
     address = ADDRESS.fullmatch(what)
     if address is not None and not Path(what).exists():
         port = int(address["port"])
@@ -56,7 +53,8 @@ def watch(
 
 
 def _watch_session(host: str, port: int, key: str | None, look: Look) -> None:
-    # Seconds of imports that no other command needs, and the packages may be missing.
+    _need_window()
+    # Seconds of imports that no other command needs.
     from ui.windows.researcher.session import Connection, Session  # noqa: PLC0415
     from ui.windows.researcher.show import show  # noqa: PLC0415
 
@@ -70,8 +68,15 @@ def _watch_recording(path: Path, look: Look) -> None:
     opening = Opening(path)
     if opening.wait(PATIENCE) and opening.fault is not None:
         fail(BAD_INPUT, str(opening.fault))
+    _need_window()
     from ui.windows.researcher.show import show  # noqa: PLC0415
 
     show(Recording(opening), path.name, look.value)
     if opening.fault is not None:
         fail(BAD_INPUT, str(opening.fault))
+
+
+def _need_window() -> None:
+    missing = no_window()
+    if missing is not None:
+        fail(BAD_INPUT, missing)

@@ -121,6 +121,10 @@ class Deck(QMainWindow):
         """Take a tool in hand, as its button does."""
         self._tool_actions[tool].trigger()
 
+    def tell_waiting(self, things: int) -> None:
+        """Say on its tab how many things wait for the wizard."""
+        self._docks[-1].setWindowTitle(f"Wizard ({things} waiting)" if things else "Wizard")
+
     def disable_tools(self, reason: str) -> None:
         """Nothing can be asked of the robots here, for this reason; the buttons tell it."""
         for action in self.tool_actions:

@@ -258,6 +258,7 @@ class ResearcherWindow(Deck):
         ]
         self.team.show_rows(rows, self._place(self._selected))
         self.wizard.show_wizard(scene.wizard, len(scene.robots))
+        self.tell_waiting(len(scene.wizard.turns) + len(scene.wizard.advice))
 
     def _show_plots(self) -> None:
         if self._scene is not None and self.plots.isVisible():

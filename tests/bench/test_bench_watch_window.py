@@ -1,0 +1,53 @@
+"""How long the researcher's window keeps people waiting while it opens, reads and plays a recording."""
+
+import time
+from pathlib import Path
+
+import numpy as np
+import pytest
+from PySide6.QtCore import QTimer
+from pytestqt.qtbot import QtBot
+
+from tests.ui.windows.researcher.hunts import record
+from ui.model.theme import LIGHT
+from ui.windows.researcher.recording import Opening, Recording
+from ui.windows.researcher.window import ResearcherWindow
+
+pytestmark = pytest.mark.bench
+
+
+def test_bench_gaps_of_the_event_loop(tmp_path: Path, qtbot: QtBot) -> None:
+    bag = record(tmp_path / "hunt.bag", robots=3, seconds=120.0)
+    window = ResearcherWindow(Recording(Opening(bag)), "hunt.bag", LIGHT, time.monotonic)
+    qtbot.addWidget(window)
+    beats: list[float] = []
+    timer = QTimer()
+    timer.timeout.connect(lambda: beats.append(time.perf_counter()))
+    timer.start(1)
+    window.show()
+    megabytes = bag.stat().st_size / 1e6
+
+    def tell(what: str, began: float) -> None:
+        gaps = 1000.0 * np.diff(beats)
+        spent = time.perf_counter() - began
+        print(
+            f"\n{what} {megabytes:.0f} MB: {spent:.1f} s; gaps of the event loop: 99 % below "
+            f"{np.percentile(gaps, 99):.0f} ms, longest {gaps.max():.0f} ms",
+            end="",
+        )
+        beats.clear()
+
+    began = time.perf_counter()
+    qtbot.waitUntil(lambda: window.transport.state.text() == "recording", timeout=120_000)
+    tell("opening and reading", began)
+    window.transport.speed_chosen.emit(10.0)
+    window.transport.play_toggled.emit()
+    began = time.perf_counter()
+    qtbot.wait(3000)
+    tell("playing 3 s at 10 x, of", began)
+    began = time.perf_counter()
+    for share in range(20):
+        window.transport.seek.emit(window.transport.span * share / 20.0)
+        qtbot.wait(50)
+    tell("seeking 20 times, in", began)
+    window.close()
