@@ -111,6 +111,8 @@ def test_what_is_chosen_is_talked_about_at_once_and_then_done_by_itself():
     assert seat.screen.pop is None
     assert seat.view.robots[0].moving_to == 3
     assert seat.screen.cards[0].state == "travelling to room 3"
+    said = [told.text for told in seat.screen.history if told.speaker != "game"]
+    assert said == ["Go to room 3.", "It will cost me 17 to go to room 3", "Continue", "Are you sure?", "Continue"]
 
 
 def test_stop_sends_nobody_and_the_same_can_be_asked_again():

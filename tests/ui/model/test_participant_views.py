@@ -21,6 +21,7 @@ from thbridge.roles.view import (
     Select,
     SendRobot,
     Sense,
+    Unsure,
     Verdict,
 )
 from ui.model.participant import Participant
@@ -30,6 +31,7 @@ from ui.model.screen import (
     ChooseRobot,
     ChooseRoom,
     ConsiderRoom,
+    DontKnow,
     EndGame,
     FitMap,
     FollowRobot,
@@ -41,6 +43,7 @@ from ui.model.screen import (
     PickName,
     ShowHelp,
     ShowNext,
+    StopRobot,
     TypeDigit,
 )
 
@@ -174,7 +177,7 @@ def test_the_cost_of_the_room_looked_at_is_on_the_card_of_the_robot_commanded():
     screen = model.screen(0.0)
     assert [card.cost for card in screen.cards] == [9.0, None]
     assert [tile.considered for tile in screen.tiles] == [False, True, False]
-    model.hear(with_robot(view(), 0, energy=8.0), 0.1)
+    model.hear(with_robot(with_robot(view(), 0, energy=8.0), 1, energy=50.0), 0.1)
     card = model.screen(0.1).cards[0]
     assert (card.cost, card.affordable, card.energy_at_start) == (9.0, False, 100.0)
     model.do(ConsiderRoom(None), 0.2)
@@ -243,6 +246,7 @@ def test_an_agreed_name_is_said_only_as_it_was_picked():
     model.hear(replace(agreed, refusal=refusal(1, "Identify")), 0.1)
     assert model.wishes() == ()
     assert model.screen(0.1).pop.name_it.enabled
+    assert model.screen(0.1).pop.picked == "can"
 
 
 def test_an_act_for_what_has_gone_from_the_screen_meanwhile_does_nothing():
@@ -278,6 +282,40 @@ def test_a_robot_that_arrives_as_it_is_called_back_stays_with_what_it_found():
     assert model.wishes() == ()
     assert model.screen(0.1).banner.text == "Robot 1 was already in room 3 when you called it back."
     assert model.screen(0.1).pop.room == 3
+
+
+def test_a_robot_that_is_stopped_after_all_is_sent_nowhere_else():
+    model = model_of(UNDER_WAY)
+    model.do(ChooseRoom(1), 0.0)
+    model.screen(0.0)
+    model.do(Meant(), 0.0)
+    model.do(StopRobot(), 0.0)
+    model.hear(view(), 0.1)
+    assert model.wishes() == ()
+    assert model.screen(0.1).pop is None
+
+
+def test_an_act_for_one_game_is_none_for_the_next():
+    model = model_of(view())
+    model.hear(view(game=2), 0.1)
+    model.do(ChooseRoom(3), 0.1)
+    assert model.wishes() == ()
+
+
+def test_advice_is_asked_for_once():
+    model = model_of(view())
+    model.do(DontKnow(), 0.0)
+    asked = model.screen(0.0).dont_know
+    assert (asked.enabled, asked.busy, model.wishes()) == (False, True, (Unsure(0),))
+
+
+def test_a_picture_after_which_nothing_could_be_named_is_warned_of():
+    poor = with_robot(FOUND, 0, energy=5.5)
+    screen = model_of(poor).screen(0.0)
+    assert screen.pop.take_picture.hint == "Costs 5 of 5.5 energy. Then too little is left to name what it is."
+    assert model_of(FOUND).screen(0.0).pop.take_picture.hint == "Costs 5 of 100 energy."
+    # It cannot go anywhere any more, but there is something left to do.
+    assert model_of(with_robot(FOUND, 0, energy=2.0)).screen(0.0).cards[0].state == "found something"
 
 
 def test_what_follows_on_an_act_before_the_screen_does_is_for_nothing_shown():
