@@ -181,6 +181,8 @@ TOPICS: Mapping[str, str] = {
     "/success": "raw %%error lines, as in the system of 2016",
     "/hunt/events": "every event of the game",
     "/hunt/score": "how the game stands, at each change",
+    "/hunt/wizard": "robots that a researcher speaks for, and what waits for that, at each change",
+    "/watch/status": "what the watch door told whoever captured this",
     "/things": "outlines of things in the way",
     "/dialogue/utterances": "everything said in a dialogue",
     "/inputs": "every line that people and foreign programs sent",
