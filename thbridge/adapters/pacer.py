@@ -4,6 +4,7 @@ import asyncio
 import logging
 import time
 from collections.abc import Callable
+from contextlib import suppress
 
 from sim.observations import TICK
 
@@ -15,6 +16,9 @@ _BREATH = 25
 _LAG = 1.0
 """Seconds of delay that are made up for by running faster; beyond that the session's time lags for good."""
 
+_LOOK = 0.1
+"""Seconds between two looks, in a pause, whether anybody still wants one."""
+
 
 class Pacer:
     """Waits between ticks; a machine too slow makes simulated time lag, and never skips a tick.
@@ -24,11 +28,15 @@ class Pacer:
     Args:
         rate: simulated seconds per second; 0 runs as fast as the machine can.
         clock: seconds, never backwards.
+        let_go: asked ten times a second while paused whether nobody wants to pause any more; None: somebody does.
     """
 
-    def __init__(self, rate: float, clock: Callable[[], float] = time.monotonic) -> None:
+    def __init__(
+        self, rate: float, clock: Callable[[], float] = time.monotonic, let_go: Callable[[], bool] | None = None
+    ) -> None:
         self._rate = rate
         self._clock = clock
+        self._let_go = let_go
         self._due: float | None = None
         self._ticks = 0
         self._lagging = False
@@ -83,7 +91,10 @@ class Pacer:
                 return
             self._due = None  # Time that nobody wanted to pass is no delay.
             self._changed.clear()
-            await self._changed.wait()
+            with suppress(TimeoutError):
+                await asyncio.wait_for(self._changed.wait(), None if self._let_go is None else _LOOK)
+            if self._let_go is not None and self._let_go():
+                self._paused = False
 
     @property
     def _period(self) -> float:

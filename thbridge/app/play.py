@@ -135,7 +135,7 @@ async def play(
     names = [role.name for role in (*roles, inside) if role is not None]
     record = setting.record(PLAY, names, who)
     publisher = setting.publisher()
-    pacer = Pacer(options.rate)
+    pacer = Pacer(options.rate, let_go=options.left)
 
     def ask(sender: str, request: Request) -> None:
         session.ask(sender, request)

@@ -74,6 +74,30 @@ def test_steps_that_were_granted_do_not_come_after_a_pause():
     assert driven(drive)[0].finished
 
 
+def test_a_pause_ends_when_nobody_wants_one_any_more():
+    over = False
+
+    async def whole() -> int:
+        nonlocal over
+        pacer, ticks = Pacer(0.0, let_go=lambda: over), 0
+
+        def tick() -> bool:
+            nonlocal ticks
+            ticks += 1
+            return not over
+
+        async with asyncio.timeout(PATIENCE):
+            pacer.pause()
+            running = asyncio.ensure_future(run_ticks(tick, pacer))
+            await asyncio.sleep(0.25)
+            assert ticks == 1
+            over = True
+            await running
+        return ticks
+
+    assert asyncio.run(whole()) == 2
+
+
 def test_a_paused_program_can_be_stopped():
     async def drive(loop: Loop) -> None:
         loop.pacer.pause()
