@@ -172,6 +172,7 @@ def test_its_speed_is_asked_for(window: ResearcherWindow, qtbot: QtBot) -> None:
     waits(qtbot, lambda: window.transport.speed.currentText() == "1 x")
 
 
+@pytest.mark.slow
 def test_the_wizard_speaks_in_a_robots_place(tmp_path: Path, qtbot: QtBot) -> None:
     with door(tmp_path / "hunt.bag", "--rate", "2") as port:
         window = window_on(port)

@@ -1,0 +1,88 @@
+"""Fills the lists and the timeline from the story of what is watched."""
+
+from collections.abc import Iterator
+
+from ui.model.watching.scene import Entry, EntryKind
+from ui.windows.researcher.deck import Deck
+from ui.windows.researcher.feed import Feed
+from ui.windows.researcher.log import Log, Row
+from ui.windows.researcher.transport import Mark
+
+PORTION = 2000
+"""Rows that a list takes at once."""
+EPSILON = 0.01
+"""Seconds from a mark at which we are there."""
+
+
+class Chronicle:
+    """Hands the story over, list by list, in portions that nobody has to wait for.
+
+    Args:
+        feed: whose story.
+        deck: with the lists.
+    """
+
+    def __init__(self, feed: Feed, deck: Deck) -> None:
+        self._feed = feed
+        self._deck = deck
+        self._taken: dict[EntryKind, int] = {}
+        self._marks: tuple[Mark, ...] = ()
+        self._marked = (0, 0.0)
+
+    def clear(self) -> None:
+        """Begin anew: it is another story."""
+        self._taken = {}
+        for log in self._deck.logs:
+            log.clear()
+
+    def show(self) -> None:
+        """Hand over what is new."""
+        story = self._feed.story
+        kinds: tuple[tuple[EntryKind, Log], ...] = (
+            ("event", self._deck.events),
+            ("said", self._deck.talk),
+            ("line", self._deck.lines),
+            ("input", self._deck.inputs),
+            ("log", self._deck.notes),
+        )
+        for kind, log in kinds:
+            dropped, entries = story.dropped(kind), story.entries(kind)
+            new = max(self._taken.get(kind, 0) - dropped, 0)
+            log.extend([self._row(entry) for entry in entries[new : new + PORTION]])
+            self._taken[kind] = dropped + min(new + PORTION, len(entries))
+        told = sum(story.dropped(kind) + len(story.entries(kind)) for kind in ("event", "said"))
+        if not self._feed.live and (told, self._feed.span) != self._marked:
+            self._marked = told, self._feed.span
+            self._marks = tuple(self._timeline_marks())
+            self._deck.transport.show_span(self._feed.span, self._marks)
+
+    def _row(self, entry: Entry) -> Row:
+        time = (entry.stamp_ns - self._feed.start_ns) / 1e9
+        room = "" if entry.room is None else f"room {entry.room}" if entry.room else "corridor"
+        match entry.kind:
+            case "event":
+                cells: tuple[str, ...] = (entry.who, entry.what, room, entry.text)
+            case "said":
+                cells = (entry.who, room or entry.what, entry.text)
+            case "line":
+                cells = (entry.what, entry.text)
+            case "input" | "log":
+                cells = (entry.who, entry.what, entry.text)
+        return Row(time, cells, entry.robot)
+
+    def _timeline_marks(self) -> Iterator[Mark]:
+        start_ns = self._feed.start_ns
+        for entry in self._feed.story.marks():
+            room = f"room {entry.room}" if entry.room else ""
+            text = " ".join(part for part in (entry.who, entry.what, room) if part)
+            yield Mark((entry.stamp_ns - start_ns) / 1e9, text, entry.robot, talk=False)
+        for entry in self._feed.story.entries("said"):
+            yield Mark((entry.stamp_ns - start_ns) / 1e9, f"{entry.who}: {entry.text}", entry.robot, talk=True)
+
+    def mark_beside(self, way: int) -> float:
+        """The moment of the next mark (1), or of the one before (-1); else the end, or the beginning."""
+        times = sorted(mark.time for mark in self._marks if not mark.talk)
+        here = self._feed.time
+        if way > 0:
+            return next((time for time in times if time > here + EPSILON), self._feed.span)
+        return next((time for time in reversed(times) if time < here - EPSILON), 0.0)

@@ -1,0 +1,38 @@
+"""A sentence across the top of the map, as long as it holds."""
+
+from PySide6.QtGui import QAccessible, QAccessibleAnnouncementEvent
+from PySide6.QtWidgets import QLabel, QWidget
+
+from ui.windows.look import panel
+
+WIDEST, EDGE = 640, 16
+"""Of the sign, and its distance from the map's edges; pixels."""
+
+
+class Sign(QLabel):
+    """Tells what is wrong, or what is waited for.
+
+    Args:
+        view: that it lies on.
+    """
+
+    def __init__(self, view: QWidget) -> None:
+        super().__init__(view)
+        self.setAccessibleName("Trouble")
+        self.setWordWrap(True)
+        self.setMargin(8)
+        panel(self)
+        self.hide()
+
+    def say(self, text: str) -> None:
+        """Show a sentence; an empty one hides the sign."""
+        if text == self.text() and self.isHidden() == (not text):
+            return
+        if text.partition("(")[0] != self.text().partition("(")[0]:
+            QAccessible.updateAccessibility(QAccessibleAnnouncementEvent(self, text))
+        self.setText(text)
+        view = self.parentWidget()
+        self.setFixedWidth(WIDEST if view is None else min(WIDEST, view.width() - 2 * EDGE))
+        self.adjustSize()
+        self.move(EDGE, EDGE)
+        self.setVisible(bool(text))
