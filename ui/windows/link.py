@@ -11,8 +11,8 @@ from dataclasses import dataclass
 from typing import TypeAlias
 
 from sim.observations import TICK
-from thbridge.adapters.text_client import Lost, Patience, TextClient
-from thbridge.app.programs import Lone, converse, reason_of
+from thbridge.adapters.text_client import LossReason, Lost, Patience, TextClient
+from thbridge.app.programs import Lone, converse
 from thbridge.roles.notices import House, Picture, Ways, Whereabouts
 from thbridge.roles.tabui import TabUI
 from thbridge.roles.view import View, Wish
@@ -32,6 +32,14 @@ class Parted:
 
     sentence: str
 
+
+PLAIN = {
+    LossReason.UNREACHABLE: "",
+    LossReason.BROKEN: "",
+    LossReason.REFUSED: "Somebody else plays it just now.",
+    LossReason.STOPPED: "Its server has stopped.",
+}
+"""What there is to add, for people who play, when the connection is lost."""
 
 Heard: TypeAlias = View | House | Whereabouts | Ways | Picture | Joined | Parted
 
@@ -96,7 +104,7 @@ class Link:
         self._heard.append(level)
 
     def _lost(self, lost: Lost) -> None:
-        self._heard.append(Parted(reason_of(lost)))
+        self._heard.append(Parted(PLAIN[lost.reason]))
 
 
 class _Wanting:
