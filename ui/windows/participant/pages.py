@@ -76,10 +76,8 @@ class ConsentPage(QWidget):
         rows.addWidget(self._text, 1)
         self.agree = ActionButton("main")
         self.agree.asked.connect(self.asked)
-        foot = QHBoxLayout()
-        foot.addStretch(1)
+        foot = _foot(rows)
         foot.addWidget(self.agree)
-        rows.addLayout(foot)
 
     def show_consent(self, text: str, agree: Action) -> None:
         """Show this."""
@@ -101,14 +99,11 @@ class QuestionPanel(Panel):
         super().__init__("Question", parent)
         self._text = look.label()
         self.rows.addWidget(self._text, 1)
-        foot = QHBoxLayout()
-        foot.setSpacing(GAP)
+        foot = _foot(self.rows)
         self.no, self.yes = ActionButton(), ActionButton("main")
-        foot.addStretch(1)
         for button in (self.no, self.yes):
             button.asked.connect(self.asked)
             foot.addWidget(button)
-        self.rows.addLayout(foot)
 
     def show_question(self, question: Question) -> None:
         """Show this."""
@@ -206,3 +201,16 @@ class HelpSheet(Panel):
         inside = self._area.widget()
         lines = inside.sizeHint().height() if inside is not None else 0
         return QSize(width, min(height, lines + self.top.sizeHint().height() + 6 * GAP))
+
+
+def _foot(rows: QVBoxLayout) -> QHBoxLayout:
+    """A row below others, filled from the right.
+
+    It is added before it is filled: PySide takes a spacer in a layout that is added for an object of Python's, and
+    deletes it a second time.
+    """
+    row = QHBoxLayout()
+    rows.addLayout(row)
+    row.setSpacing(GAP)
+    row.addStretch(1)
+    return row
