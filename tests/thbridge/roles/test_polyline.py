@@ -5,7 +5,7 @@ from hypothesis.extra.numpy import arrays
 
 from thbridge.roles.polyline import enough
 
-lines = st.integers(1, 40).flatmap(lambda count: arrays(np.float64, (count, 2), elements=st.floats(-9, 9)))
+lines = st.integers(1, 40).flatmap(lambda count: arrays(np.float64, (count, 2), elements=st.floats(-9, 9, width=32)))
 
 
 def distance(point, start, end):
