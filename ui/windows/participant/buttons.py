@@ -217,7 +217,7 @@ class ActionButton(AskingButton):
         return font(sizes.get(self._weight, "body"), bold=self._weight in ("main", "large"))
 
     def _above(self) -> float:
-        return {"main": 1.25 * GAP, "large": 1.5 * GAP, "plain": GAP, "quiet": 0.6 * GAP, "small": 1.5}[self._weight]
+        return {"main": GAP, "large": 1.5 * GAP, "plain": GAP, "quiet": 0.6 * GAP, "small": 1.5}[self._weight]
 
     def _beside(self, face: Face) -> float:
         """Width of all that stands beside the label."""

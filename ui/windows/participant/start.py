@@ -16,7 +16,7 @@ WHAT = (
 )
 
 _IN_A_ROW = 5
-"""Choices side by side."""
+"""Choices side by side, at the most."""
 
 
 class StartPage(QWidget):
@@ -52,8 +52,10 @@ class StartPage(QWidget):
         self.choices = {number: self._choice(number) for number in range(least, most + 1)}
         grid = QGridLayout()
         grid.setSpacing(GAP)
+        lines = -(-len(self.choices) // _IN_A_ROW)
+        in_a_line = -(-len(self.choices) // lines)
         for at, button in enumerate(self.choices.values()):
-            grid.addWidget(button, at // _IN_A_ROW, at % _IN_A_ROW)
+            grid.addWidget(button, at // in_a_line, at % in_a_line)
         rows.addLayout(grid)
         for widget in (question, *self.choices.values()):
             widget.setVisible(most > least)
