@@ -104,6 +104,7 @@ class Plots(QWidget):
             for side in ("left", "bottom"):
                 # Lines of the grid between the numbers cost more than all curves.
                 plot.getAxis(side).setStyle(maxTickLevel=0)
+                plot.getAxis(side).enableAutoSIPrefix(False)
             if number < len(PANELS) - 1:
                 plot.getAxis("bottom").setStyle(showValues=False)
             if number:
