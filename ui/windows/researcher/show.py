@@ -1,5 +1,6 @@
 """Opens the researcher's window and runs it until it is closed."""
 
+import signal
 import time
 
 from PySide6.QtWidgets import QApplication
@@ -24,4 +25,6 @@ def show(feed: Feed, title: str, choice: Choice) -> None:
     window = ResearcherWindow(feed, title, appearance.palette, time.monotonic)
     appearance.changed.connect(window.set_palette)
     window.show()
+    # Qt would print the exception that Ctrl-C raises in one of its turns, and go on.
+    signal.signal(signal.SIGINT, lambda number, frame: app.quit())
     app.exec()
