@@ -4,6 +4,7 @@ It joins the window (`ParticipantWindow`), its model (`Participant`) and the thr
 (`Link`).
 """
 
+import signal
 import sys
 import threading
 import time
@@ -69,7 +70,6 @@ class Game(QWidget):
         self._practice = practice
         self._model = Participant()
         self.window_of_game = ParticipantWindow(self._model, time.monotonic, appearance.palette)
-        self.window_of_game.setWindowFlags(Qt.WindowType.Widget)
         appearance.changed.connect(self.window_of_game.set_palette)
         rows = QVBoxLayout(self)
         rows.setContentsMargins(0, 0, 0, 0)
@@ -283,6 +283,8 @@ class Host(QObject):
 def play_at(host: str, port: int, token: str, choice: look.Choice) -> int:
     """Open the window at a server; returns when it is closed."""
     app = QApplication(sys.argv[:1])
+    # Python's own answer, an exception in whatever slot runs just then, Qt would only print.
+    signal.signal(signal.SIGINT, lambda _number, _frame: app.quit())
     table = Table(look.Appearance(app, choice), None)
     table.join(Link(host, port, token))
     table.show()

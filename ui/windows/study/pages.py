@@ -131,11 +131,10 @@ class FieldsPage(QScrollArea):
                 column.insertWidget(column.count() - 1, card)
                 yield from self._fill_card(card, group.fields, narrow=narrow)
             if group.repeats is not None:
-                column.insertLayout(column.count() - 1, self._adding(group))
+                self._fill_adding(_row(column), group)
             for inner in group.groups if index == 0 else ():
                 if not any(inner.key == shown.key for shown in groups):
-                    link = self._link(inner, removable=group.repeats is not None)
-                    column.insertLayout(column.count() - 1, link)
+                    self._fill_link(_row(column), inner, removable=group.repeats is not None)
         self.built.emit()
 
     def _head(self, group: Group, *, first: bool, whole: Group) -> QVBoxLayout:
@@ -179,17 +178,14 @@ class FieldsPage(QScrollArea):
             self._refresh_row(row)
             yield
 
-    def _adding(self, group: Group) -> QHBoxLayout:
-        row = QHBoxLayout()
+    def _fill_adding(self, row: QHBoxLayout, group: Group) -> None:
         what = "Add a robot with software of its own" if group.repeats is Repeats.ROBOTS else f"Add to {group.label}"
         button = QPushButton(what)
         button.clicked.connect(lambda: self.added.emit(group.key))
         row.addWidget(button)
         row.addStretch(1)
-        return row
 
-    def _link(self, group: Group, *, removable: bool) -> QHBoxLayout:
-        row = QHBoxLayout()
+    def _fill_link(self, row: QHBoxLayout, group: Group, *, removable: bool) -> None:
         open_it = QPushButton(f"{group.label} ›")
         open_it.setAccessibleDescription(group.help)
         open_it.clicked.connect(lambda: self.opened.emit(group.key))
@@ -199,7 +195,16 @@ class FieldsPage(QScrollArea):
         if removable:
             row.addWidget(self._button("Remove", f"Remove {group.label}", self.removed, group.key))
         row.addStretch(1 if removable else 0)
-        return row
+
+
+def _row(column: QVBoxLayout) -> QHBoxLayout:
+    """A row at the end of a column that ends in a stretch, yet to be filled.
+
+    PySide 6.11 crashes at the end of a window whose rows got a stretch before they were put into another layout.
+    """
+    row = QHBoxLayout()
+    column.insertLayout(column.count() - 1, row)
+    return row
 
 
 def _rule() -> QWidget:

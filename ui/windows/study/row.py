@@ -98,8 +98,13 @@ class Row(QWidget):
         words.setSpacing(GAP // 4)
         for part in (self._name, self._help, self._origin, self._fault):
             words.addWidget(part)
+        whole = QBoxLayout(QBoxLayout.Direction.TopToBottom if narrow else QBoxLayout.Direction.LeftToRight, self)
+        whole.setContentsMargins(0, GAP, 0, GAP)
+        whole.setSpacing(GAP // 2 if narrow else 2 * GAP)
         values = QHBoxLayout()
         values.setSpacing(GAP)
+        whole.addLayout(words, 1)
+        whole.addLayout(values)  # before it gets a stretch; see `pages._row`
         values.addWidget(editor)
         values.addWidget(unit)
         if self._slider is not None:
@@ -107,11 +112,6 @@ class Row(QWidget):
         elif narrow:
             values.addStretch(1)
         values.addWidget(self._reset)
-        whole = QBoxLayout(QBoxLayout.Direction.TopToBottom if narrow else QBoxLayout.Direction.LeftToRight, self)
-        whole.setContentsMargins(0, GAP, 0, GAP)
-        whole.setSpacing(GAP // 2 if narrow else 2 * GAP)
-        whole.addLayout(words, 1)
-        whole.addLayout(values)
         if not narrow:
             whole.setAlignment(values, Qt.AlignmentFlag.AlignTop)
         self.show_field(field, ())
