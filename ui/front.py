@@ -31,6 +31,8 @@ class Front:
         self._asked: asyncio.Queue[FromWindow] = asyncio.Queue()
         # What a window has to be told that is opened again.
         self._shown: list[FromHost] = []
+        self.given_up = False
+        """Whether it has crashed too often."""
 
     async def say(self, said: FromHost) -> None:
         """Tell the window."""
@@ -57,10 +59,12 @@ class Front:
 
     async def _keep_open(self) -> None:
         try:
-            for _ in range(CRASHES):
+            for crashes in range(1, CRASHES + 1):
                 if await self._open_once():
-                    break
-                note("The window has crashed; it is opened again.")
+                    return
+                if crashes < CRASHES:
+                    note("The window has crashed; it is opened again.")
+            self.given_up = True
         finally:
             self._asked.put_nowait(Leave())
 

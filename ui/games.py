@@ -121,3 +121,5 @@ def play_in_window(games: Games, offer: Offer, arguments: tuple[str, ...] = ()) 
             asyncio.run(program)
     except Unfinished:
         fail(FAILED, "stopped; what was recorded up to here is complete")
+    if front.given_up:
+        fail(FAILED, "The window crashes whenever it is opened. Play without it: --headless, or --participant person.")

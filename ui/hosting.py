@@ -3,6 +3,7 @@
 import asyncio
 from collections.abc import Awaitable, Callable
 
+from sim import is_compiled
 from thbridge.adapters.text_server import Listening
 from ui.front import Front
 from ui.model.lobby import Back, Begin, Join, Leave, Offer, Practise, Preparing
@@ -65,10 +66,10 @@ async def host(
             match asked:
                 case Begin(robots) if offer.least <= robots <= offer.most:
                     number = "robot is" if robots == 1 else f"{robots} robots are"
-                    await front.say(Preparing(f"The {number} being made ready."))
+                    await front.say(Preparing(f"The {number} being made ready.{_patience()}"))
                     visit, game = Visit(front, token, practice=False), play(robots)
                 case Practise():
-                    await front.say(Preparing("The practice game is being made ready."))
+                    await front.say(Preparing(f"The practice game is being made ready.{_patience()}"))
                     visit, game = Visit(front, token, practice=True), practise()
                 case Leave():
                     return
@@ -78,3 +79,8 @@ async def host(
             if isinstance(visit.ended, Leave):
                 return
             await front.say(offer)
+
+
+def _patience() -> str:
+    """What to add where it takes its time."""
+    return "" if is_compiled() else " The first time on this computer takes half a minute."

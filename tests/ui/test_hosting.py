@@ -92,4 +92,12 @@ say("Leave")
 
 
 def test_a_window_that_crashes_again_and_again_stays_closed(tmp_path):
-    assert hosted(window(tmp_path, "hear()\nsys.exit(11)\n")) == []
+    front = window(tmp_path, "hear()\nsys.exit(11)\n")
+    assert hosted(front) == []
+    assert front.given_up
+
+
+def test_a_window_that_was_closed_has_not_crashed(tmp_path):
+    front = window(tmp_path, "hear()\nsay('Leave')\n")
+    hosted(front)
+    assert not front.given_up
