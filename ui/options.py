@@ -71,7 +71,7 @@ WatchKey = Annotated[
 ]
 
 
-class Colours(StrEnum):
+class Look(StrEnum):
     """How windows look."""
 
     SYSTEM = "system"
@@ -79,7 +79,7 @@ class Colours(StrEnum):
     DARK = "dark"
 
 
-Theme = Annotated[Colours, typer.Option(help="Light or dark windows; `system`: as the desktop is.")]
+LookOption = Annotated[Look, typer.Option("--look", help="Light or dark windows; `system`: as the desktop is.")]
 
 
 class Who(StrEnum):

@@ -17,7 +17,8 @@ from ui.games import Games, offer_of, play_in_window
 from ui.options import (
     AsJson,
     BagFile,
-    Colours,
+    Look,
+    LookOption,
     MapName,
     Port,
     Robots,
@@ -26,7 +27,6 @@ from ui.options import (
     RosMaster,
     Seed,
     StudyFile,
-    Theme,
     WatchAt,
     WatchKey,
     Who,
@@ -86,7 +86,7 @@ def play(
     ros_host: RosHost = None,
     watch: WatchAt = None,
     watch_key: WatchKey = None,
-    theme: Theme = Colours.SYSTEM,
+    look: LookOption = Look.SYSTEM,
     as_json: AsJson = False,
 ) -> None:
     """Play a whole hunt, recorded into a bag: in a window where there is a display, else with a simulated participant.
@@ -111,7 +111,7 @@ def play(
         offered = offer_of(study, given=robots is not None)
         options = PlayOptions(pace, bag, frozenset(), "", limit, graph, watch=door)
         games = Games(study, study_file, options, report_page is not False, told)
-        play_in_window(games, offered, ("--theme", theme.value))
+        play_in_window(games, offered, ("--look", look.value))
         return
     seat = seat_of_person() if who is Who.PERSON else seat_of_bot(who, setting.templates, study.seed)
     path = bag or usual_bag(setting)

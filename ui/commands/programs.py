@@ -24,7 +24,8 @@ from ui.options import (
     ADDRESS,
     AsJson,
     BagFile,
-    Colours,
+    Look,
+    LookOption,
     MapName,
     Port,
     Robots,
@@ -36,7 +37,6 @@ from ui.options import (
     StudyFile,
     StudyOption,
     Templates,
-    Theme,
     WatchAt,
     WatchKey,
     Who,
@@ -148,7 +148,7 @@ def tabui(
     ] = None,
     templates: Templates = None,
     seed: Seed = None,
-    theme: Theme = Colours.SYSTEM,
+    look: LookOption = Look.SYSTEM,
     as_json: AsJson = False,
     hosted: Annotated[bool, typer.Option("--hosted", hidden=True)] = False,
 ) -> None:
@@ -156,14 +156,14 @@ def tabui(
     if hosted:
         from ui.windows.table import play_hosted  # noqa: PLC0415 - Qt, only when a window opens
 
-        raise typer.Exit(play_hosted(theme.value))
+        raise typer.Exit(play_hosted(look.value))
     host, port = _address(server)
     if participant is None and templates is None and seed is None and not as_json:
         why = no_window()
         if why is None:
             from ui.windows.table import play_at  # noqa: PLC0415 - Qt, only when a window opens
 
-            raise typer.Exit(play_at(host, port, _token(), theme.value))
+            raise typer.Exit(play_at(host, port, _token(), look.value))
         note(f"{why} A simulated participant plays.")
     participant = participant or Who.SUGGESTION
     seat = _seat(participant, templates, seed)

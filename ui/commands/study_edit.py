@@ -6,12 +6,13 @@ from typing import Annotated
 import typer
 
 from ui.display import no_window
-from ui.options import announce_compiling
+from ui.options import Look, LookOption, announce_compiling
 from ui.terminal import BAD_INPUT, bad_input, fail
 
 
 def study_edit(
     file: Annotated[Path, typer.Argument(help="A study file; one that is not there yet is made when it is saved.")],
+    look: LookOption = Look.SYSTEM,
 ) -> None:
     """Edit a study file in a window: all settings with their meaning, the same checks, and what noise does, drawn."""
     reason = no_window()
@@ -22,5 +23,5 @@ def study_edit(
     from ui.windows.study import edit  # noqa: PLC0415
 
     with bad_input():
-        code = edit(file)
+        code = edit(file, look.value)
     raise typer.Exit(code)

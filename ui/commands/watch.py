@@ -1,7 +1,6 @@
 """`thbridge watch`: the researcher's window."""
 
 import re
-from enum import StrEnum
 from pathlib import Path
 from typing import Annotated
 
@@ -9,20 +8,12 @@ import typer
 
 from thbridge.adapters.watch_client import WatchClient
 from ui.display import no_window
-from ui.options import key_in
+from ui.options import Look, LookOption, key_in
 from ui.terminal import BAD_INPUT, fail
 
 ADDRESS = re.compile(r"(?P<host>[^\s/]+):(?P<port>[0-9]{1,5})")
 PATIENCE = 2.0
 """Seconds that a recording may take to open before its window does."""
-
-
-class Look(StrEnum):
-    """Of the window."""
-
-    SYSTEM = "system"
-    LIGHT = "light"
-    DARK = "dark"
 
 
 def watch(
@@ -33,7 +24,7 @@ def watch(
     key: Annotated[
         Path | None, typer.Option(help="File with the key that the session's door wants.", metavar="FILE")
     ] = None,
-    look: Annotated[Look, typer.Option(help="Of the window.")] = Look.SYSTEM,
+    look: LookOption = Look.SYSTEM,
 ) -> None:
     """Watch a session under way, or a recording: the truth beside what robots believe, plots, lines, dialogue.
 

@@ -1,5 +1,6 @@
 """The study file as a form."""
 
+import signal
 import sys
 from pathlib import Path
 
@@ -8,7 +9,7 @@ from PySide6.QtWidgets import QApplication
 from thbridge.app.config import Study
 from thbridge.app.noise import NoiseSection
 from ui.model.study_form.noise import preview_of
-from ui.windows.look import Appearance
+from ui.windows.look import Appearance, Choice
 from ui.windows.study.window import StudyWindow
 
 
@@ -23,14 +24,16 @@ def study_window(path: Path) -> StudyWindow:
     return StudyWindow(path)
 
 
-def edit(path: Path) -> int:
-    """Open the window and wait until it is closed; gives the program's exit code.
+def edit(path: Path, choice: Choice = "system") -> int:
+    """Open the window, light, dark or as the system is, and wait until it is closed; gives the program's exit code.
 
     Raises:
         BadFile: the file cannot be read.
     """
     app = QApplication(sys.argv[:1])
-    look = Appearance(app)
+    # Python's own answer, an exception in whatever slot runs just then, Qt would only print.
+    signal.signal(signal.SIGINT, lambda _number, _frame: app.quit())
+    look = Appearance(app, choice)
     window = study_window(path)
     look.changed.connect(window.repaint_all)
     window.show()
