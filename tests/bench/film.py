@@ -1,0 +1,138 @@
+"""A whole hunt as the participant's program hears it, taken down so that windows can be shown it again."""
+
+from collections.abc import Sequence
+from dataclasses import dataclass, replace
+from pathlib import Path
+
+from sim.observations import TICK, TICKS_PER_SECOND
+from thbridge.app.compose import read_setting
+from thbridge.app.config import ParticipantSection, ShowsSection, Study
+from thbridge.app.play import NoLog
+from thbridge.app.session import Session
+from thbridge.roles.notices import House
+from thbridge.roles.tabui import Seen, TabUI
+from thbridge.roles.view import View, Wish
+from thbridge.wire.router import Router
+from ui.model.keys import act_for
+from ui.model.participant import Participant
+from ui.model.scene import RobotMark, RoomMark
+from ui.model.screen import Act, DialoguePop, Screen, TreasurePop
+
+EVERYTHING = ParticipantSection(shows=ShowsSection(uncertainty=True, truth=True))
+"""What a study can show of robots at most."""
+
+
+@dataclass(frozen=True, slots=True)
+class Film:
+    """What was heard, oldest first.
+
+    Attributes:
+        heard: seconds of the session, and what was heard then.
+        seconds: how long it lasts.
+    """
+
+    heard: tuple[tuple[float, Seen], ...]
+    seconds: float
+
+
+PACE = 20
+"""Ticks from one key to the next of whoever played while the film was shot."""
+
+
+def shoot(robots: int, seconds: float, place: str = "warehouse12") -> Film:
+    """The beginning of a hunt: rooms, talks, treasures and pictures, played by keys that the screen offers."""
+    study = replace(Study(), map=place, robots=robots, seed=4, participant=EVERYTHING)
+    setting = read_setting(study, Path())
+    seat = _Seat()
+    session = Session(Router(), setting.keeper(), [setting.simr(), setting.hider()], NoLog(), [], seat.tabui)
+    for tick in range(int(seconds * TICKS_PER_SECOND)):
+        seat.now = tick * TICK
+        if tick % PACE == 0:
+            seat.play()
+        session.step()
+    return Film(tuple(seat.heard), seconds)
+
+
+class _Seat:
+    """Somebody who trusts the robots, has pictures taken, and names the first thing on the list."""
+
+    def __init__(self) -> None:
+        self.model, self.now = Participant(), 0.0
+        self.heard: list[tuple[float, Seen]] = []
+        self.tabui = TabUI(self, self)
+        self.model.connected(0.0)
+
+    def saw(self, level: Seen) -> None:
+        self.heard.append((self.now, level))
+        self.model.hear(level, self.now)
+
+    def wishes(self, view: View) -> Sequence[Wish]:
+        return self.model.wishes()
+
+    def play(self) -> None:
+        screen = self.model.screen(self.now)
+        act = act_for(key_for(screen), screen)
+        if act is not None:
+            self.model.do(act, self.now)
+        self.tabui.look_again()
+
+
+def key_for(screen: Screen) -> str:
+    match screen.pop:
+        case DialoguePop() as talk:
+            return "Enter" if talk.choices else "Esc"
+        case TreasurePop(verdict=str()):
+            return "Enter"
+        case TreasurePop() as found if found.take_picture is not None and found.take_picture.enabled:
+            return "P"
+        case TreasurePop() as found if found.picked is None and found.names:
+            return "Down"
+        case TreasurePop() as found:
+            return "N" if found.name_it.enabled else "L"
+    return "D" if screen.dont_know.enabled else "Tab"
+
+
+class Shown:
+    """The participant's real model, which hears a film by the clock of whoever looks at it; after its end, again.
+
+    Args:
+        film: what is heard.
+        begin: monotonic seconds at which it begins.
+    """
+
+    def __init__(self, film: Film, begin: float) -> None:
+        self._film = film
+        self._model = Participant()
+        self._model.connected(begin)
+        self._begin = begin
+        self._at = 0
+        self.done: list[Act] = []
+
+    def take(self, now: float) -> None:
+        """Hear what is due; each at the moment at which it was said, as a quick network would bring it."""
+        heard = self._film.heard
+        while self._at < len(heard) and heard[self._at][0] <= now - self._begin:
+            self._model.hear(heard[self._at][1], self._begin + heard[self._at][0])
+            self._at += 1
+
+    @property
+    def house(self) -> House | None:
+        return self._model.house
+
+    @property
+    def followed(self) -> int | None:
+        return self._model.followed
+
+    def screen(self, now: float) -> Screen:
+        self.take(now)
+        return self._model.screen(now)
+
+    def rooms(self, now: float) -> Sequence[RoomMark]:
+        return self._model.rooms(now)
+
+    def robots(self, now: float) -> Sequence[RobotMark]:
+        return self._model.robots(now)
+
+    def do(self, act: Act, now: float) -> None:
+        self.done.append(act)
+        self._model.do(act, now)
