@@ -1,4 +1,4 @@
-"""Robots' labels: small pictures made once, and places for them where they cover neither each other nor a robot."""
+"""Robots' labels: small pictures made once, and places for them where they cover no robot, no words, nor each other."""
 
 from collections.abc import Sequence
 from dataclasses import dataclass
@@ -23,8 +23,8 @@ _SIDES = np.array([(0, -1), (0, 1), (1, 0), (-1, 0), (1, -1), (-1, -1), (1, 1), 
 _REACHES = (1.0, 1.9, 2.8)
 """Where labels may lie about their robot, best first; and how far off, in heights of a label."""
 
-OVERLAP, COVERS, LESS_GOOD, MOVED = 4.0, 1.0, 6.0, 30.0
-"""Weights: square pixels over another label, or over a robot; a less good place; leaving the place it has."""
+OVERLAP, COVERS, HIDES, LESS_GOOD, MOVED = 4.0, 1.0, 2.0, 6.0, 30.0
+"""Weights: square pixels over another label, over a robot, over words; a less good place; leaving the place it has."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -38,12 +38,13 @@ class Anchor:
     height: float
 
 
-def placed(anchors: Sequence[Anchor], before: Sequence[int]) -> tuple[FloatArray, list[int]]:
+def placed(anchors: Sequence[Anchor], before: Sequence[int], words: FloatArray) -> tuple[FloatArray, list[int]]:
     """Where labels go, first come first served.
 
     Args:
         anchors: in order of precedence.
         before: for each, the number of the place it had, so that labels do not hop about; -1 for none.
+        words: (m, 4) boxes that should stay readable: left, top, right, bottom.
 
     Returns:
         (n, 2) upper left corners, and the places' numbers.
@@ -53,15 +54,15 @@ def placed(anchors: Sequence[Anchor], before: Sequence[int]) -> tuple[FloatArray
     bodies = np.concatenate((about[:, :2] - about[:, 2:3], about[:, :2] + about[:, 2:3]), axis=1)
     kept = places[np.arange(len(before)), before]
     near = all(0 <= had < len(_SIDES) for had in before)
-    if near and not _crowded(kept, bodies):
+    if near and not _crowded(kept, np.concatenate((bodies, words))):
         return kept[:, :2], list(before)
     numbers: list[int] = []
     taken = np.zeros((len(anchors), 4))
     best = LESS_GOOD * np.arange(len(_SIDES) * len(_REACHES), dtype=np.float64)
     for at, had in enumerate(before):
         boxes = places[at]
-        cost = best.copy()
-        cost += OVERLAP * _overlap(boxes, taken[:at]) + COVERS * _overlap(boxes, bodies)
+        cost = best + OVERLAP * _overlap(boxes, taken[:at])
+        cost += COVERS * _overlap(boxes, bodies) + HIDES * _overlap(boxes, words)
         if had >= 0:
             cost[had] -= MOVED
         number = int(np.argmin(cost))
@@ -80,10 +81,10 @@ def _places(about: FloatArray) -> FloatArray:
     return boxes
 
 
-def _crowded(boxes: FloatArray, bodies: FloatArray) -> bool:
-    """Whether any label lies over another, or over a robot."""
+def _crowded(boxes: FloatArray, others: FloatArray) -> bool:
+    """Whether any label lies over another, or over anything else."""
     own = np.sum((boxes[:, 2] - boxes[:, 0]) * (boxes[:, 3] - boxes[:, 1]))
-    return bool(np.sum(_overlap(boxes, np.concatenate((boxes, bodies)))) > own + 1e-6)
+    return bool(np.sum(_overlap(boxes, np.concatenate((boxes, others)))) > own + 1e-6)
 
 
 def _overlap(boxes: FloatArray, others: FloatArray) -> FloatArray:
@@ -141,7 +142,7 @@ def _made(label: str, colour: str, selected: bool, trouble: bool, palette: Palet
     pill = QRectF(0.75, 0.75, width - 1.5, HEIGHT - 1.5)
     painter.drawRoundedRect(pill, pill.height() / 2.0, pill.height() / 2.0)
     if trouble:
-        _paint_warning(painter, palette, lettering)
+        _paint_warning(painter, palette, lettering, on_colour=selected)
     painter.setFont(lettering)
     painter.setPen(QColor(palette.panel if selected else palette.text))
     baseline = (HEIGHT + metrics.capHeight()) / 2.0
@@ -150,12 +151,12 @@ def _made(label: str, colour: str, selected: bool, trouble: bool, palette: Palet
     return Badge(picture, width, HEIGHT)
 
 
-def _paint_warning(painter: QPainter, palette: Palette, font: QFont) -> None:
-    """A triangle with an exclamation mark, in the left of a label."""
+def _paint_warning(painter: QPainter, palette: Palette, font: QFont, *, on_colour: bool) -> None:
+    """A triangle with an exclamation mark, in the left of a label; on a robot's colour, red would hardly be seen."""
     painter.setPen(Qt.PenStyle.NoPen)
-    painter.setBrush(QColor(palette.bad))
+    painter.setBrush(QColor(palette.panel if on_colour else palette.bad))
     painter.drawPolygon(QPolygonF([QPointF(13.0, 2.5), QPointF(20.5, 16.0), QPointF(5.5, 16.0)]))
-    painter.setPen(QColor(palette.panel))
+    painter.setPen(QColor(palette.bad if on_colour else palette.panel))
     mark = QFont(font)
     mark.setPixelSize(10)
     painter.setFont(mark)

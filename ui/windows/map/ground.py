@@ -4,9 +4,11 @@ import math
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
 
+import numpy as np
 from PySide6.QtCore import QPointF, QRectF, Qt
 from PySide6.QtGui import QColor, QFont, QPainter, QPen, QPixmap, QTransform
 
+from sim.geometry import FloatArray
 from ui.model.scene import RoomMark
 from ui.model.theme import Palette
 from ui.windows.map.camera import Camera
@@ -19,11 +21,12 @@ MARGIN = 0.25
 
 @dataclass(frozen=True, slots=True, eq=False)
 class _Picture:
-    """A painted piece of ground: what was seen by `camera`, in device pixels."""
+    """A painted piece of ground: what was seen by `camera`, in device pixels; words are in (m, 4) boxes of its own."""
 
     pixmap: QPixmap
     camera: Camera
     ratio: float
+    words: FloatArray
 
 
 class Ground:
@@ -67,6 +70,14 @@ class Ground:
         px, py = picture.camera.pixel(*camera.point(0.0, 0.0))
         painter.drawPixmap(QPointF(-px, -py), picture.pixmap)
 
+    def words(self, camera: Camera) -> FloatArray:
+        """(m, 4) left, top, right and bottom of what is written on what was painted last, pixels of the view."""
+        if self._picture is None:
+            return np.empty((0, 4))
+        px, py = self._picture.camera.pixel(*camera.point(0.0, 0.0))
+        boxes: FloatArray = self._picture.words - np.array([px, py, px, py])
+        return boxes
+
     def _painted(self, camera: Camera, ratio: float, font: QFont, margin: float) -> _Picture:
         # A multiple of four pixels is whole in device pixels at every scaling by quarters.
         border = (4 * math.ceil(camera.width * margin / 4.0), 4 * math.ceil(camera.height * margin / 4.0))
@@ -80,9 +91,9 @@ class Ground:
         paint_floors(painter, wide, self._rooms, self._palette)
         if self._plan is not None:
             self._fill(painter, wide, self._plan, self._plan.walls, self._palette.wall)
-        paint_signs(painter, wide, self._rooms, self._palette, font, self._plan)
+        words = paint_signs(painter, wide, self._rooms, self._palette, font, self._plan)
         painter.end()
-        return _Picture(pixmap, wide, ratio)
+        return _Picture(pixmap, wide, ratio, words)
 
     def _fill(self, painter: QPainter, camera: Camera, plan: Plan, boxes: Boxes, colour: str) -> None:
         painter.save()

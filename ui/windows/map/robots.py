@@ -100,8 +100,16 @@ class Robots:
         """Something else has changed by which labels are painted, as the font."""
         self._badges.clear()
 
-    def paint(self, painter: QPainter, camera: Camera, robots: Sequence[RobotMark], font: QFont, ratio: float) -> None:
-        """All robots; what lies flat on the floor first, labels last."""
+    def paint(
+        self,
+        painter: QPainter,
+        camera: Camera,
+        robots: Sequence[RobotMark],
+        words: FloatArray,
+        font: QFont,
+        ratio: float,
+    ) -> None:
+        """All robots; what lies flat on the floor first, labels last, and not on these (m, 4) boxes of words."""
         painter.setRenderHint(QPainter.RenderHint.Antialiasing)
         order = sorted(robots, key=lambda mark: (mark.selected, -mark.robot))
         for mark in order:
@@ -112,7 +120,7 @@ class Robots:
             self._paint_belief(painter, camera, mark)
         for mark in order:
             self._paint_body(painter, camera, mark)
-        self._paint_labels(painter, camera, order[::-1], font, ratio)
+        self._paint_labels(painter, camera, order[::-1], words, font, ratio)
 
     def _body(self, footprint: FloatArray) -> _Body:
         key = footprint.tobytes()
@@ -215,7 +223,13 @@ class Robots:
         painter.drawPolygon(transform.map(body.nose))
 
     def _paint_labels(
-        self, painter: QPainter, camera: Camera, robots: Sequence[RobotMark], font: QFont, ratio: float
+        self,
+        painter: QPainter,
+        camera: Camera,
+        robots: Sequence[RobotMark],
+        words: FloatArray,
+        font: QFont,
+        ratio: float,
     ) -> None:
         seen = [mark for mark in robots if camera.sees(mark.pose.x, mark.pose.y, LABELS_REACH)]
         if not seen:
@@ -227,7 +241,7 @@ class Robots:
         anchors = [
             self._anchor(camera, mark, badge.width, badge.height) for mark, badge in zip(seen, badges, strict=True)
         ]
-        corners, places = placed(anchors, [self._places.get(mark.robot, -1) for mark in seen])
+        corners, places = placed(anchors, [self._places.get(mark.robot, -1) for mark in seen], words)
         self._places = {mark.robot: place for mark, place in zip(seen, places, strict=True)}
         for badge, (x, y) in zip(badges, corners.tolist(), strict=True):
             painter.drawPixmap(QPointF(round(x * ratio) / ratio, round(y * ratio) / ratio), badge.picture)

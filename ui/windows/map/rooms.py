@@ -75,14 +75,22 @@ def paint_floors(painter: QPainter, camera: Camera, rooms: Sequence[RoomMark], p
 
 def paint_signs(
     painter: QPainter, camera: Camera, rooms: Sequence[RoomMark], palette: Palette, font: QFont, plan: Plan | None
-) -> None:
-    """Edges, numbers, names, signs of state and what was found: over walls, under robots, clear of furniture."""
+) -> FloatArray:
+    """Edges, numbers, names, signs of state and what was found: over walls, under robots, clear of furniture.
+
+    Returns:
+        (m, 4) left, top, right and bottom of what was written, pixels.
+    """
+    written: list[tuple[float, float, float, float]] = []
     painter.save()
     painter.setRenderHint(QPainter.RenderHint.Antialiasing)
     for mark in rooms:
         _paint_edge(painter, camera, mark, palette)
-        _paint_words(painter, _Space(camera, mark.region, plan), mark, palette, font)
+        space = _Space(camera, mark.region, plan)
+        _paint_words(painter, space, mark, palette, font)
+        written += [(box.left(), box.top(), box.right(), box.bottom()) for box in space.taken]
     painter.restore()
+    return np.array(written).reshape(-1, 4)
 
 
 def _paint_edge(painter: QPainter, camera: Camera, mark: RoomMark, palette: Palette) -> None:
@@ -114,7 +122,11 @@ _FROM_CORNER = _from_corner()
 
 
 class _Space:
-    """The space in a room for words and signs, pixels: what is put down goes where no wall and nothing else lies."""
+    """The space in a room for words and signs, pixels: what is put down goes where no wall and nothing else lies.
+
+    Attributes:
+        taken: where something lies already.
+    """
 
     def __init__(self, camera: Camera, region: FloatArray, plan: Plan | None) -> None:
         corners = camera.to_screen(region)
@@ -124,7 +136,7 @@ class _Space:
         self._camera = camera
         self._region = region
         self._plan = plan
-        self._taken: list[QRectF] = []
+        self.taken: list[QRectF] = []
 
     def put(self, width: float, height: float, right: bool, low: bool) -> QRectF | None:
         """A box of this size as near as possible to a corner of the room; None where none fits."""
@@ -137,8 +149,8 @@ class _Space:
         for some in (places[:1], places[1:]):
             for x, y in some[self._is_free(some, width, height)].tolist():
                 box = QRectF(x, y, width, height)
-                if not any(box.adjusted(-4.0, -4.0, 4.0, 4.0).intersects(taken) for taken in self._taken):
-                    self._taken.append(box)
+                if not any(box.adjusted(-4.0, -4.0, 4.0, 4.0).intersects(taken) for taken in self.taken):
+                    self.taken.append(box)
                     return box
         return None
 

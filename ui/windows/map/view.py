@@ -230,7 +230,8 @@ class MapView(QWidget):
         for layer in self._layers:
             if layer.z < 0:
                 self._paint_layer(painter, layer)
-        self._painted_robots.paint(painter, camera, self._robots, self.font(), ratio)
+        words = self._ground.words(camera)
+        self._painted_robots.paint(painter, camera, self._robots, words, self.font(), ratio)
         for layer in self._layers:
             if layer.z >= 0:
                 self._paint_layer(painter, layer)

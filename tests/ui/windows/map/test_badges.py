@@ -6,6 +6,8 @@ from hypothesis import strategies as st
 
 from ui.windows.map.badges import Anchor, placed
 
+NOWHERE = np.empty((0, 4))
+
 spots = st.lists(st.tuples(st.floats(0.0, 1000.0), st.floats(0.0, 700.0)), min_size=1, max_size=20)
 
 
@@ -24,30 +26,37 @@ def overlap(corners: np.ndarray) -> float:
 
 
 def test_a_lone_label_lies_above_its_robot() -> None:
-    corners, _ = placed(anchors([(100.0, 100.0)]), [-1])
+    corners, _ = placed(anchors([(100.0, 100.0)]), [-1], NOWHERE)
     assert corners[0, 0] == 100.0 - 11.0
     assert corners[0, 1] + 20.0 < 100.0 - 18.0
 
 
 def test_labels_of_a_row_of_robots_do_not_overlap() -> None:
     row = [(100.0 + 24.0 * k, 100.0 + 10.0 * (k % 3)) for k in range(20)]
-    assert overlap(placed(anchors(row), [-1] * 20)[0]) == 0.0
+    assert overlap(placed(anchors(row), [-1] * 20, NOWHERE)[0]) == 0.0
 
 
 def test_labels_of_robots_in_one_place_do_not_overlap() -> None:
-    assert overlap(placed(anchors([(100.0, 100.0)] * 10), [-1] * 10)[0]) == 0.0
+    assert overlap(placed(anchors([(100.0, 100.0)] * 10), [-1] * 10, NOWHERE)[0]) == 0.0
 
 
 @given(spots)
 def test_a_second_look_changes_nothing(at: list[tuple[float, float]]) -> None:
-    first, places = placed(anchors(at), [-1] * len(at))
-    second, again = placed(anchors(at), places)
-    third, _ = placed(anchors(at), again)
+    first, places = placed(anchors(at), [-1] * len(at), NOWHERE)
+    second, again = placed(anchors(at), places, NOWHERE)
+    third, _ = placed(anchors(at), again, NOWHERE)
     assert np.array_equal(second, third)
     assert overlap(second) <= overlap(first) + 1e-9
 
 
 def test_a_label_stays_while_it_is_in_nobodys_way() -> None:
-    _, places = placed(anchors([(100.0, 100.0), (100.0, 70.0)]), [-1, -1])
-    _, later = placed(anchors([(300.0, 100.0), (100.0, 70.0)]), places)
+    _, places = placed(anchors([(100.0, 100.0), (100.0, 70.0)]), [-1, -1], NOWHERE)
+    _, later = placed(anchors([(300.0, 100.0), (100.0, 70.0)]), places, NOWHERE)
     assert later == places
+
+
+def test_a_label_leaves_words_readable() -> None:
+    above = np.array([[80.0, 50.0, 160.0, 90.0]])
+    corners, places = placed(anchors([(100.0, 100.0)]), [-1], above)
+    assert corners[0, 1] > 90.0
+    assert placed(anchors([(100.0, 100.0)]), [0], above)[1] == places, "it moves away where it lay on words"
