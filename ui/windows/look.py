@@ -165,6 +165,20 @@ def _sheet(worn: Palette) -> str:
     QPushButton:focus {{ border: {RING}px solid {worn.accent}; }}
     QPushButton:default {{ background: {worn.accent}; color: {worn.on_accent}; border-color: {worn.accent}; }}
     QPushButton:default:focus {{ border: {RING}px solid {worn.text}; }}
+    QLineEdit, QComboBox, QPlainTextEdit, QTreeWidget, QListWidget {{
+        background: {worn.panel}; border: 1px solid {worn.line}; border-radius: {RADIUS // 2}px; padding: {GAP // 2}px;
+    }}
+    QLineEdit:focus, QComboBox:focus, QPlainTextEdit:focus, QTreeWidget:focus, QListWidget:focus {{
+        border: {RING}px solid {worn.accent}; padding: {GAP // 2 - 1}px;
+    }}
+    QComboBox::drop-down {{ border: none; width: {3 * GAP}px; }}
+    QCheckBox {{ spacing: {GAP}px; }}
+    QCheckBox::indicator {{
+        width: 14px; height: 14px; border: 1px solid {worn.line}; border-radius: 3px; background: {worn.panel};
+    }}
+    QCheckBox::indicator:checked {{ background: {worn.accent}; border-color: {worn.accent}; }}
+    QCheckBox::indicator:focus {{ border: {RING}px solid {worn.text}; width: 12px; height: 12px; }}
+    QCheckBox::indicator:checked:disabled {{ background: {worn.muted}; border-color: {worn.muted}; }}
     QListView[roomy="true"] {{ border: 1px solid {worn.line}; border-radius: {RADIUS - 2}px; padding: {GAP // 2}px; }}
     QListView[roomy="true"]:focus {{ border: {RING}px solid {worn.accent}; padding: {GAP // 2 - 1}px; }}
     QListView[roomy="true"]::item {{ padding: {GAP // 2 + 1}px {GAP}px; border-radius: {RADIUS // 2}px; }}

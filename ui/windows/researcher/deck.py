@@ -23,6 +23,7 @@ from PySide6.QtWidgets import (
 
 from ui.model.theme import Palette
 from ui.model.watching.tools import Shape
+from ui.windows.controls import Choices
 from ui.windows.researcher.displays import SWITCHES, Displays
 from ui.windows.researcher.keys import KeySheet
 from ui.windows.researcher.log import Log
@@ -194,7 +195,7 @@ class Deck(QMainWindow):
             group.addAction(action)
             bar.addAction(action)
             self._tool_actions[tool] = action
-        self._shape = QComboBox()
+        self._shape = Choices()
         self._shape.addItems(["round", "box"])
         self._shape.setAccessibleName("Shape of the next obstacle")
         self._shape.setToolTip("Shape of the next obstacle")

@@ -4,7 +4,9 @@ from dataclasses import dataclass
 from enum import StrEnum
 
 from PySide6.QtCore import Signal
-from PySide6.QtWidgets import QCheckBox, QGridLayout, QLabel, QVBoxLayout, QWidget
+from PySide6.QtWidgets import QGridLayout, QLabel, QVBoxLayout, QWidget
+
+from ui.windows.controls import Tick
 
 
 class Display(StrEnum):
@@ -74,13 +76,13 @@ class Displays(QWidget):
 
     def __init__(self) -> None:
         super().__init__()
-        self._boxes: dict[Display, QCheckBox] = {}
+        self._boxes: dict[Display, Tick] = {}
         grid = QGridLayout()
         grid.setHorizontalSpacing(12)
         grid.setVerticalSpacing(6)
         grid.setColumnStretch(0, 1)
         for row, (display, switch) in enumerate(SWITCHES.items()):
-            box = QCheckBox(switch.label)
+            box = Tick(switch.label)
             box.setChecked(switch.on)
             box.setToolTip(switch.hint)
             box.setAccessibleDescription(f"{switch.hint}. Key {switch.key}" if switch.key else switch.hint)

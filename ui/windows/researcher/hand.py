@@ -95,6 +95,7 @@ class Hand:
         box.setInformativeText("Its software stops and its motors brake, until it is revived. The record tells of it.")
         kill = box.addButton("Kill it", QMessageBox.ButtonRole.DestructiveRole)
         box.setDefaultButton(box.addButton("Leave it alive", QMessageBox.ButtonRole.RejectRole))
+        kill.setAutoDefault(False)  # else it is Enter's once other colours are put on
         kill.clicked.connect(lambda: self._ask(Tools.kill, "{robot} is to die."))
         box.open()
 

@@ -1,7 +1,6 @@
 """What each key does in the researcher's window, and the sheet that tells it."""
 
-from PySide6.QtCore import Qt
-from PySide6.QtWidgets import QDialog, QDialogButtonBox, QGridLayout, QLabel, QVBoxLayout, QWidget
+from PySide6.QtWidgets import QDialog, QDialogButtonBox, QGridLayout, QHBoxLayout, QLabel, QVBoxLayout, QWidget
 
 from ui.windows.look import font
 from ui.windows.researcher.displays import SWITCHES
@@ -57,11 +56,15 @@ class KeySheet(QDialog):
     def __init__(self, parent: QWidget) -> None:
         super().__init__(parent)
         self.setWindowTitle("Keys")
-        columns = QGridLayout()
-        columns.setHorizontalSpacing(40)
-        columns.setVerticalSpacing(20)
-        for number, (title, keys) in enumerate(GROUPS):
-            columns.addLayout(_group(title, keys), number // 2, number % 2, Qt.AlignmentFlag.AlignTop)
+        columns = QHBoxLayout()
+        columns.setSpacing(40)
+        for groups in (GROUPS[::2], GROUPS[1::2]):
+            column = QVBoxLayout()
+            column.setSpacing(20)
+            for title, keys in groups:
+                column.addLayout(_group(title, keys))
+            column.addStretch(1)
+            columns.addLayout(column)
         close = QDialogButtonBox(QDialogButtonBox.StandardButton.Close)
         close.rejected.connect(self.reject)
         layout = QVBoxLayout(self)

@@ -6,9 +6,10 @@ from dataclasses import dataclass
 
 from PySide6.QtCore import QAbstractTableModel, QModelIndex, QPersistentModelIndex, Qt, Signal
 from PySide6.QtGui import QColor, QGuiApplication, QKeySequence, QShortcut
-from PySide6.QtWidgets import QCheckBox, QHBoxLayout, QHeaderView, QLabel, QLineEdit, QTableView, QVBoxLayout, QWidget
+from PySide6.QtWidgets import QHBoxLayout, QHeaderView, QLabel, QLineEdit, QTableView, QVBoxLayout, QWidget
 
 from ui.model.theme import Palette
+from ui.windows.controls import Tick
 
 CAPACITY = 20_000
 """Rows that are kept; the oldest go first."""
@@ -178,7 +179,7 @@ class Log(QWidget):
         self._filter = QLineEdit(placeholderText="Filter: words that a row must have", clearButtonEnabled=True)
         self._filter.setAccessibleName(f"Filter of {name}")
         self._filter.textChanged.connect(self._filtered)
-        self._follows = QCheckBox("Keep to the time")
+        self._follows = Tick("Keep to the time")
         self._follows.setAccessibleDescription("Scrolls along with the time shown, until you scroll elsewhere")
         self._follows.setChecked(True)
         self._follows.toggled.connect(self._keep_up)

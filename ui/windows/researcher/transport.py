@@ -5,9 +5,10 @@ from dataclasses import dataclass
 
 from PySide6.QtCore import QRectF, QSize, Qt, Signal
 from PySide6.QtGui import QColor, QFontDatabase, QMouseEvent, QPainter, QPaintEvent, QPen
-from PySide6.QtWidgets import QComboBox, QHBoxLayout, QLabel, QSlider, QStyle, QStyleOptionSlider, QToolButton, QWidget
+from PySide6.QtWidgets import QHBoxLayout, QLabel, QSlider, QStyle, QStyleOptionSlider, QToolButton, QWidget
 
 from ui.model.theme import Palette
+from ui.windows.controls import Choices
 
 SPEEDS = (0.1, 0.25, 0.5, 1.0, 2.0, 5.0, 10.0, 20.0, 50.0)
 """Simulated seconds per second."""
@@ -155,7 +156,7 @@ class Transport(QWidget):
         self.forward.setAccessibleName("One step forward")
         self.forward.setToolTip("One step forward (.)")
         self.forward.clicked.connect(lambda: self.stepped.emit(1))
-        self.speed = QComboBox()
+        self.speed = Choices()
         self.speed.setAccessibleName("Speed, simulated seconds per second")
         for speed in SPEEDS:
             self.speed.addItem(f"{speed:g} x", speed)

@@ -4,7 +4,6 @@ from functools import partial
 
 from PySide6.QtCore import Qt, Signal
 from PySide6.QtWidgets import (
-    QCheckBox,
     QFrame,
     QHBoxLayout,
     QLabel,
@@ -18,6 +17,7 @@ from PySide6.QtWidgets import (
 from thbridge.hunt.costs import spoken_energy
 from thbridge.hunt.rules import robot_name
 from ui.model.watching.scene import PendingAdvice, PendingTurn, Wizard
+from ui.windows.controls import Tick
 
 
 class WizardDock(QWidget):
@@ -35,7 +35,7 @@ class WizardDock(QWidget):
 
     def __init__(self) -> None:
         super().__init__()
-        self._puppets: list[QCheckBox] = []
+        self._puppets: list[Tick] = []
         self._shown: Wizard | None = None
         self._reason = ""
         self._note = QLabel("Robots that are ticked speak only what you let them say. The recording marks it as yours.")
@@ -84,7 +84,7 @@ class WizardDock(QWidget):
     def _show_puppets(self, robots: int, puppets: tuple[int, ...]) -> None:
         while len(self._puppets) < robots:
             robot = len(self._puppets)
-            box = QCheckBox(robot_name(robot))
+            box = Tick(robot_name(robot))
             box.setAccessibleName(f"Speak for {robot_name(robot)}")
             box.setEnabled(not self._reason)
             box.clicked.connect(lambda on, robot=robot: self.puppeteered.emit(robot, on))

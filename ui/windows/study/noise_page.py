@@ -50,6 +50,11 @@ class NoiseView(QScrollArea):
         column.addStretch(1)
         self.setWidget(inside)
 
+    @property
+    def busy(self) -> bool:
+        """Whether something is being drawn."""
+        return self._work.busy
+
     def ask(self, draft: Draft, said: Mapping[str, str]) -> None:
         """Draw the noise of a draft, with what was typed since."""
         self._asked = draft, dict(said)

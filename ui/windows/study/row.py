@@ -2,12 +2,13 @@
 
 from collections.abc import Callable
 
-from PySide6.QtCore import QPointF, QSignalBlocker, Qt, Signal
-from PySide6.QtGui import QFocusEvent, QPainter, QPaintEvent, QPen, QWheelEvent
-from PySide6.QtWidgets import QBoxLayout, QComboBox, QHBoxLayout, QLineEdit, QPushButton, QSlider, QVBoxLayout, QWidget
+from PySide6.QtCore import QSignalBlocker, Qt, Signal
+from PySide6.QtGui import QFocusEvent, QWheelEvent
+from PySide6.QtWidgets import QBoxLayout, QHBoxLayout, QLineEdit, QPushButton, QSlider, QVBoxLayout, QWidget
 
 from thbridge.adapters.errors import BadFile
 from ui.model.study_form.form import Field, Kind, hint_of, said_of
+from ui.windows.controls import Choices
 from ui.windows.look import GAP, font, label
 
 _EDITOR_WIDTH = 240
@@ -29,18 +30,8 @@ class _Line(QLineEdit):
         self.left.emit()
 
 
-class _Combo(QComboBox):
+class _Combo(Choices):
     """Choices that a wheel over a page does not change by accident."""
-
-    def paintEvent(self, event: QPaintEvent) -> None:
-        """Draw the arrow, too: with an edge of its own, Qt leaves it out."""
-        super().paintEvent(event)
-        x, y = self.width() - 2 * GAP, self.height() / 2
-        painter = QPainter(self)
-        painter.setRenderHint(QPainter.RenderHint.Antialiasing)
-        painter.setPen(QPen(self.palette().text().color(), 1.5))
-        painter.drawPolyline([QPointF(x - 4, y - 2), QPointF(x, y + 2), QPointF(x + 4, y - 2)])
-        painter.end()
 
     def wheelEvent(self, event: QWheelEvent) -> None:
         if self.hasFocus():

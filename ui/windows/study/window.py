@@ -20,7 +20,7 @@ from PySide6.QtWidgets import (
 )
 
 from ui.model.study_form.form import Kind, Repeats
-from ui.windows.look import GAP, RING, colours, label, panel
+from ui.windows.look import GAP, label, panel
 from ui.windows.study.editor import StudyEditor
 from ui.windows.study.faults import Faults
 from ui.windows.study.noise_page import NoiseView
@@ -69,7 +69,6 @@ class StudyWindow(QMainWindow):
             self._stack.addWidget(page)
         self._lay_out()
         self._connect()
-        self._dress()
         self._show()
         if self.editor.draft.tree is None:
             self.show_text()
@@ -120,7 +119,6 @@ class StudyWindow(QMainWindow):
     @Slot()
     def repaint_all(self) -> None:
         """Take over other colours."""
-        self._dress()
         self.noise.again()
         self._show()
 
@@ -361,18 +359,6 @@ class StudyWindow(QMainWindow):
             self.setTabOrder(before, after)
         if page.rows:
             self.setTabOrder(list(page.rows.values())[-1].last, self.faults.list)
-
-    def _dress(self) -> None:
-        """Edges of what is typed and chosen in, which Qt draws too faint to be seen by all."""
-        worn = colours()
-        boxes = "QLineEdit, QComboBox, QPlainTextEdit, QTreeWidget, QListWidget"
-        self.setStyleSheet(
-            f"{boxes} {{ border: 1px solid {worn.line}; border-radius: 4px; padding: {GAP // 2}px; "
-            f"background: {worn.panel}; }}"
-            f"QLineEdit:focus, QComboBox:focus, QPlainTextEdit:focus, QTreeWidget:focus, QListWidget:focus "
-            f"{{ border: {RING}px solid {worn.accent}; }}"
-            f"QComboBox::drop-down {{ border: none; width: {3 * GAP}px; }}"
-        )
 
     def _made_banner(self) -> tuple[QWidget, QLabel]:
         banner = QWidget()

@@ -1,0 +1,46 @@
+"""Boxes to choose and to tick in, with edges and signs that all can see; Qt's own are too faint on dark ground.
+
+The style sheet of `look` gives them their edges. With those Qt leaves out the signs inside, so they are painted here.
+"""
+
+from PySide6.QtCore import QPointF, Qt
+from PySide6.QtGui import QColor, QPainter, QPaintEvent, QPen
+from PySide6.QtWidgets import QCheckBox, QComboBox, QStyle, QStyleOptionButton
+
+from ui.windows.look import GAP, colours
+
+
+class Choices(QComboBox):
+    """Choices that fold out."""
+
+    def paintEvent(self, event: QPaintEvent) -> None:
+        """Draw the arrow, too."""
+        super().paintEvent(event)
+        x, y = self.width() - 2.0 * GAP, self.height() / 2.0
+        colour = self.palette().text().color() if self.isEnabled() else QColor(colours().muted)
+        _stroke(QPainter(self), colour, 1.5, [QPointF(x - 4, y - 2), QPointF(x, y + 2), QPointF(x + 4, y - 2)])
+
+
+class Tick(QCheckBox):
+    """Something that holds or does not."""
+
+    def paintEvent(self, event: QPaintEvent) -> None:
+        """Draw the tick, too."""
+        super().paintEvent(event)
+        if not self.isChecked():
+            return
+        option = QStyleOptionButton()
+        self.initStyleOption(option)
+        box = self.style().subElementRect(QStyle.SubElement.SE_CheckBoxIndicator, option, self)
+        middle = QPointF(box.center()) + QPointF(0.5, 0.5)
+        tick = [middle + QPointF(-4, 0), middle + QPointF(-1, 3), middle + QPointF(4, -3)]
+        _stroke(QPainter(self), QColor(colours().on_accent if self.isEnabled() else colours().panel), 2.0, tick)
+
+
+def _stroke(painter: QPainter, colour: QColor, width: float, points: list[QPointF]) -> None:
+    painter.setRenderHint(QPainter.RenderHint.Antialiasing)
+    pen = QPen(colour, width)
+    pen.setCapStyle(Qt.PenCapStyle.RoundCap)
+    painter.setPen(pen)
+    painter.drawPolyline(points)
+    painter.end()
