@@ -60,16 +60,23 @@ class Game(QWidget):
         appearance: colours.
         practice: it is the practice game, and says what to do next.
         back: goes back to the start page; None where there is none.
+        clock: monotonic seconds.
     """
 
     def __init__(
-        self, link: Link, appearance: look.Appearance, practice: bool, back: Callable[[], None] | None
+        self,
+        link: Link,
+        appearance: look.Appearance,
+        practice: bool,
+        back: Callable[[], None] | None,
+        clock: Callable[[], float],
     ) -> None:
         super().__init__()
         self._link = link
+        self._clock = clock
         self._practice = practice
         self._model = Participant()
-        self.window_of_game = ParticipantWindow(self._model, time.monotonic, appearance.palette)
+        self.window_of_game = ParticipantWindow(self._model, clock, appearance.palette)
         appearance.changed.connect(self.window_of_game.set_palette)
         rows = QVBoxLayout(self)
         rows.setContentsMargins(0, 0, 0, 0)
@@ -78,6 +85,7 @@ class Game(QWidget):
         self._build_strip(back)
         rows.addWidget(self._strip)
         rows.addWidget(self.window_of_game, 1)
+        self.setFocusProxy(self.window_of_game)
         link.start()
 
     def _build_strip(self, back: Callable[[], None] | None) -> None:
@@ -102,11 +110,11 @@ class Game(QWidget):
     @property
     def is_under_way(self) -> bool:
         """Whether something would be lost if the participant left now."""
-        return not self._practice and self._model.screen(time.monotonic()).phase is Phase.PLAYING
+        return not self._practice and self._model.screen(self._clock()).phase is Phase.PLAYING
 
     def pump(self) -> None:
         """Take in what came from the server, and say what is wanted."""
-        now = time.monotonic()
+        now = self._clock()
         for heard in self._link.take():
             match heard:
                 case Joined():
@@ -136,10 +144,17 @@ class Table(QMainWindow):
     Args:
         appearance: colours.
         say: tells the host; None where there is none.
+        clock: monotonic seconds.
     """
 
-    def __init__(self, appearance: look.Appearance, say: Callable[[FromWindow], None] | None) -> None:
+    def __init__(
+        self,
+        appearance: look.Appearance,
+        say: Callable[[FromWindow], None] | None,
+        clock: Callable[[], float] = time.monotonic,
+    ) -> None:
         super().__init__()
+        self._clock = clock
         self._appearance = appearance
         self._say = say
         self._leaving = False
@@ -171,7 +186,7 @@ class Table(QMainWindow):
     def join(self, link: Link, practice: bool = False) -> None:
         """Sit down at a game."""
         back = None if self._say is None else self._go_back
-        game = Game(link, self._appearance, practice, back)
+        game = Game(link, self._appearance, practice, back, self._clock)
         self._show(game)
         self.game = game
 
@@ -200,7 +215,7 @@ class Table(QMainWindow):
         box.setWindowTitle("Treasure hunt")
         box.setText("The game is not over. Leave it?")
         ends = (
-            "It ends then."
+            "The game ends if you leave it."
             if self._say is not None
             else "The robots go on with what they are doing; you can come back."
         )
@@ -209,6 +224,7 @@ class Table(QMainWindow):
         stay = box.addButton("Stay", QMessageBox.ButtonRole.RejectRole)
         box.setDefaultButton(stay)
         box.setEscapeButton(stay)
+        leave.setAutoDefault(False)  # else it is Enter's once other colours are put on
         box.setAttribute(Qt.WidgetAttribute.WA_DeleteOnClose)
         leave.clicked.connect(self.leave)
         box.open()

@@ -46,7 +46,10 @@ class Connection:
             sentence, since = self._lost
             seconds = int(now - since)
             lasting = f" for {seconds} second{'s' if seconds > 1 else ''}" if seconds else ""
-            cut = "The connection to the game is lost" if self._was_there else "The game is not reached yet"
+            if self._was_there:
+                cut = "The connection to the game has been lost" if lasting else "The connection to the game is lost"
+            else:
+                cut = "The game has not been reached" if lasting else "The game is not reached yet"
             again = "It is tried again by itself" + (", and you go on where you were." if self._was_there else ".")
             return " ".join(part for part in (f"{cut}{lasting}.", as_sentence(sentence), again) if part)
         if self._still_since() + STILL <= now:

@@ -20,8 +20,8 @@ class Picture(QWidget):
     def __init__(self, parent: QWidget | None = None) -> None:
         super().__init__(parent)
         self._data: bytes | None = None
-        self._note = "No picture yet"
-        self.setAccessibleName(self._note)
+        self._note = ""
+        self.setAccessibleName("Picture of what was found")
         self._pixmap = QPixmap()
         self.setMinimumSize(_PICTURE.width() // 2, _PICTURE.height() // 3)
         self.setMaximumSize(_PICTURE * 2)
@@ -32,8 +32,7 @@ class Picture(QWidget):
         return _PICTURE
 
     def show_picture(self, data: bytes | None, note: str) -> None:
-        """Show this file's picture, or say the note."""
-        note = note or "No picture yet"
+        """Show this file's picture, or say in a note why there is none."""
         if (data, note) == (self._data, self._note):
             return
         if data != self._data:

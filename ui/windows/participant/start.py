@@ -47,8 +47,9 @@ class StartPage(QWidget):
         rows.addWidget(look.label("Treasure hunt", "hero", bold=True))
         rows.addWidget(look.label(WHAT))
         rows.addSpacing(GAP)
-        question = look.label("How many robots?", "title", bold=True)
-        rows.addWidget(question)
+        asks = most > least
+        told = "How many robots?" if asks else f"You will command {_robots(usual)}."
+        rows.addWidget(look.label(told, "title", bold=asks))
         self.choices = {number: self._choice(number) for number in range(least, most + 1)}
         grid = QGridLayout()
         grid.setSpacing(GAP)
@@ -57,8 +58,8 @@ class StartPage(QWidget):
         for at, button in enumerate(self.choices.values()):
             grid.addWidget(button, at // in_a_line, at % in_a_line)
         rows.addLayout(grid)
-        for widget in (question, *self.choices.values()):
-            widget.setVisible(most > least)
+        for button in self.choices.values():
+            button.setVisible(asks)
         rows.addSpacing(2 * GAP)
         self.practise, self.begin = ActionButton(), ActionButton("main")
         self.practise.wear(Face("Try it out first", "T"), "Try it out first: a short practice game")
@@ -85,14 +86,14 @@ class StartPage(QWidget):
         self._number = number
         for other, button in self.choices.items():
             button.setChecked(other == number)
-        words = f"{number} robot{'s' if number > 1 else ''}"
-        self.begin.wear(Face(f"Start with {words}", "Enter"), f"Start with {words}")
+        words = f"Start with {_robots(number)}"
+        self.begin.wear(Face(words, "Enter"), words)
 
     def _choice(self, number: int) -> ActionButton:
         button = ActionButton("large")
         button.setCheckable(True)
         # The number is its own key, so none is printed beside it.
-        button.wear(Face(str(number)), f"{number} robot{'s' if number > 1 else ''}")
+        button.wear(Face(str(number)), _robots(number))
         button.clicked.connect(lambda: self.choose(number))
         return button
 
@@ -101,3 +102,7 @@ class StartPage(QWidget):
         shortcut.setContext(Qt.ShortcutContext.WidgetWithChildrenShortcut)
         shortcut.setAutoRepeat(False)
         shortcut.activated.connect(button.click)
+
+
+def _robots(number: int) -> str:
+    return f"{number} robot{'s' if number > 1 else ''}"

@@ -66,7 +66,8 @@ class TreasurePanel(Panel):
         self.entitle(pop.title, pop.robot)
         self.aside.show_action(pop.aside)
         self.facts.show_facts(pop.colour, pop.footprint)
-        self.picture.show_picture(pop.picture, pop.picture_note)
+        unseen = "No picture was taken" if pop.verdict is not None else "No picture yet"
+        self.picture.show_picture(pop.picture, pop.picture_note or unseen)
         self.take_picture.setVisible(pop.take_picture is not None)
         if pop.take_picture is not None:
             self.take_picture.show_action(pop.take_picture)

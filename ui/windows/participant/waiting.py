@@ -115,7 +115,7 @@ class WaitingStrip(QWidget):
         if waiting == self._shown:
             return
         self._shown = waiting
-        set_text(self._count, f"Waiting for\nyou: {len(waiting)}" if waiting else "Nothing waits\nfor you")
+        set_text(self._count, f"Waiting for\nyou: {len(waiting)}" if waiting else "Nothing waits for you")
         while len(self.chips) < len(waiting):
             made = WaitingChip()
             made.asked.connect(self.asked)

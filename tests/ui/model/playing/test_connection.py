@@ -13,7 +13,7 @@ def test_how_long_it_is_lost_is_told_each_second():
     )
     assert link.changes(10.2) == 11.0
     link.lose("refused", 11.0)
-    assert link.trouble(11.0).startswith("The connection to the game is lost for 1 second. Refused.")
+    assert link.trouble(11.0).startswith("The connection to the game has been lost for 1 second. Refused.")
     assert "for 2 seconds" in link.trouble(12.9)
     link.connected(13.0)
     assert link.trouble(13.1) is None

@@ -2,6 +2,7 @@
 
 import pytest
 from PySide6.QtCore import Qt
+from PySide6.QtWidgets import QLabel
 from pytestqt.qtbot import QtBot
 
 from ui.windows.participant import StartPage
@@ -51,4 +52,5 @@ def test_one_size_of_team_is_no_question(qtbot: QtBot) -> None:
     qtbot.addWidget(page)
     page.show()
     assert not page.choices[1].isVisible()
+    assert "You will command 1 robot." in [label.text() for label in page.findChildren(QLabel)]
     assert page.begin.accessibleName() == "Start with 1 robot"
