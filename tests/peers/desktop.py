@@ -3,6 +3,7 @@
 Everything that a test knows of a window it knows as assistive technology does (AT-SPI): names, roles, places.
 """
 
+import ctypes
 import json
 import os
 import shutil
@@ -111,6 +112,10 @@ class Desktop:
         self.do("windowfocus", "--sync", window)
         return window
 
+    def ask_to_close(self, window: str) -> None:
+        """Ask a window to close, as window managers do when somebody clicks on the cross."""
+        _ask_to_close(self.environment["DISPLAY"], int(window))
+
     def press(self, *keys: str) -> None:
         """Press and release keys, one after the other."""
         self.do("key", "--delay", "40", *keys)
@@ -118,8 +123,8 @@ class Desktop:
     def click(self, at: Seen | tuple[float, float]) -> None:
         """Click with the left button, as a hand does: go there, press, release."""
         x, y = at.middle if isinstance(at, Seen) else at
-        self.do("mousemove", "--sync", str(round(x)), str(round(y)))
-        self.do("click", "1")
+        # Not --sync, which waits for a pointer that is there already to move.
+        self.do("mousemove", str(round(x)), str(round(y)), "click", "1")
 
     def picture(self, path: Path) -> None:
         """What the screen shows."""
@@ -171,6 +176,41 @@ def _asked_for(opened: ExitStack, command: list[str]) -> str:
 
 def _started(command: list[str], environment: dict[str, str]) -> subprocess.Popen[bytes]:
     return subprocess.Popen(command, env=environment, stdout=subprocess.DEVNULL, stderr=subprocess.DEVNULL)
+
+
+class _ClientMessage(ctypes.Structure):
+    """XClientMessageEvent, as long as Xlib's XEvent."""
+
+    _fields_ = (
+        ("type", ctypes.c_int),
+        ("serial", ctypes.c_ulong),
+        ("send_event", ctypes.c_int),
+        ("display", ctypes.c_void_p),
+        ("window", ctypes.c_ulong),
+        ("message_type", ctypes.c_ulong),
+        ("format", ctypes.c_int),
+        ("data", ctypes.c_long * 17),
+    )
+
+
+def _ask_to_close(display: str, window: int) -> None:
+    x11 = ctypes.CDLL("libX11.so.6")
+    x11.XOpenDisplay.restype = ctypes.c_void_p
+    x11.XInternAtom.restype = ctypes.c_ulong
+    x11.XInternAtom.argtypes = (ctypes.c_void_p, ctypes.c_char_p, ctypes.c_int)
+    x11.XSendEvent.argtypes = (ctypes.c_void_p, ctypes.c_ulong, ctypes.c_int, ctypes.c_long, ctypes.c_void_p)
+    x11.XCloseDisplay.argtypes = (ctypes.c_void_p,)
+    there = x11.XOpenDisplay(display.encode())
+    client_message = 33
+    event = _ClientMessage(
+        type=client_message,
+        window=window,
+        message_type=x11.XInternAtom(there, b"WM_PROTOCOLS", 0),
+        format=32,
+    )
+    event.data[0] = x11.XInternAtom(there, b"WM_DELETE_WINDOW", 0)
+    x11.XSendEvent(there, window, 0, 0, ctypes.byref(event))
+    x11.XCloseDisplay(there)
 
 
 def _end(process: subprocess.Popen[bytes] | subprocess.Popen[str]) -> None:

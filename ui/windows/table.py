@@ -165,6 +165,7 @@ class Table(QMainWindow):
         self.resize(1200, 800)
         self._pages = QStackedWidget()
         self.setCentralWidget(self._pages)
+        QShortcut(QKeySequence.StandardKey.Quit, self, self.close)
         self._pumping = QTimer(self)
         self._pumping.setTimerType(Qt.TimerType.PreciseTimer)
         self._pumping.timeout.connect(self._pump)

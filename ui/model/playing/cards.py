@@ -121,6 +121,8 @@ def _moving(hunt: Hunt, robot: RobotView, motion: Motion, goal: str) -> str:
 
 def _resting(hunt: Hunt, robot: RobotView) -> str:
     number = robot.robot
+    if hunt.view.over is not None:
+        return "done"
     if hunt.asked.going(number) is not None:
         return "is being asked"
     if number in hunt.view.thinking:

@@ -1,7 +1,7 @@
 """The list of what a treasure may be."""
 
 from PySide6.QtCore import QEvent, QModelIndex, QSize, Qt, Signal
-from PySide6.QtGui import QFocusEvent, QKeyEvent
+from PySide6.QtGui import QFocusEvent, QHideEvent, QKeyEvent, QShowEvent
 from PySide6.QtWidgets import (
     QAbstractItemView,
     QFrame,
@@ -32,32 +32,39 @@ class Names(QListWidget):
         self.setProperty("roomy", True)
         self.setFocusPolicy(Qt.FocusPolicy.TabFocus)
         self._names: tuple[str, ...] = ()
+        self._picked: str | None = None
+        self._high = 24
         self.itemClicked.connect(lambda item: self.picked.emit(item.text()))
 
     def show_names(self, names: tuple[str, ...], picked: str | None) -> None:
         """Show these, with this one picked."""
-        if names != self._names:
+        self._picked = picked
+        if names != self._names or self.count() == 0:
             self._names = names
-            self.clear()
-            self.addItems(list(names))
+            self._fill()
             self.updateGeometry()
-        row = names.index(picked) if picked in names else -1
-        if row != self.currentRow() or (row < 0) == bool(self.selectedIndexes()):
-            if row < 0:
-                self.setCurrentIndex(QModelIndex())
-                self.clearSelection()
-            else:
-                self.setCurrentRow(row)
+        self._pick()
         self.setAccessibleDescription(f"Picked: {picked}" if picked else "Nothing is picked")
 
     def sizeHint(self) -> QSize:
         """All names, up to eight."""
-        row = max(self.sizeHintForRow(0), 24)
-        return QSize(220, row * min(max(len(self._names), 3), 8) + 2 * GAP)
+        return QSize(220, self._high * min(max(len(self._names), 3), 8) + 2 * GAP)
 
     def minimumSizeHint(self) -> QSize:
         """Two names."""
-        return QSize(150, max(self.sizeHintForRow(0), 24) * 2 + 2 * GAP)
+        return QSize(150, self._high * 2 + 2 * GAP)
+
+    def showEvent(self, event: QShowEvent) -> None:
+        """Have the names again."""
+        if self.count() == 0:
+            self._fill()
+            self._pick()
+        super().showEvent(event)
+
+    def hideEvent(self, event: QHideEvent) -> None:
+        """Have none: assistive technology finds them even where the list is hidden."""
+        super().hideEvent(event)
+        self.clear()
 
     def event(self, event: QEvent) -> bool:
         """Keep the keys that pick a name, which the window's shortcuts would take."""
@@ -83,6 +90,21 @@ class Names(QListWidget):
         if not current.isValid():
             self.setCurrentIndex(QModelIndex())
         self.viewport().update()
+
+    def _fill(self) -> None:
+        self.clear()
+        self.addItems(list(self._names))
+        self._high = max(self.sizeHintForRow(0), self._high)
+
+    def _pick(self) -> None:
+        row = self._names.index(self._picked) if self._picked in self._names else -1
+        if row == self.currentRow() and (row < 0) != bool(self.selectedIndexes()):
+            return
+        if row < 0:
+            self.setCurrentIndex(QModelIndex())
+            self.clearSelection()
+        else:
+            self.setCurrentRow(row)
 
     def _wanted(self, event: QKeyEvent) -> str | None:
         """The name that a key picks."""

@@ -15,6 +15,7 @@ from ui.windows.participant.panels import Panel, set_text
 OWN_KEYS = (
     ("F6 or Ctrl+Tab", "Go to the next part of the window"),
     ("Arrows", "Go to the neighbouring button; Space or Enter presses it"),
+    ("Ctrl+Q", "Close the window"),
 )
 """Keys of the window itself, for those who go through it button by button."""
 

@@ -40,6 +40,10 @@ class TreasurePanel(Panel):
         columns.addLayout(right, 3)
         self.facts, self.picture, self.names, self.verdict = Facts(), Picture(), Names(), Verdict()
         self.take_picture = ActionButton(hints=True)
+        # Its place stays: the list would move under the pointer when the picture comes.
+        keeping = self.take_picture.sizePolicy()
+        keeping.setRetainSizeWhenHidden(True)
+        self.take_picture.setSizePolicy(keeping)
         left.addWidget(self.facts)
         left.addWidget(self.picture)
         left.addWidget(self.take_picture)
@@ -72,7 +76,7 @@ class TreasurePanel(Panel):
         if pop.take_picture is not None:
             self.take_picture.show_action(pop.take_picture)
         decided = pop.verdict is not None
-        self.names.show_names(pop.names, pop.picked)
+        self.names.show_names(() if decided else pop.names, pop.picked)
         self.names.setVisible(not decided)
         self._asking.setVisible(not decided)
         self.verdict.setVisible(decided)

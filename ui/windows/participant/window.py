@@ -155,6 +155,7 @@ class ParticipantWindow(QWidget):
         around = QVBoxLayout(self)
         around.setContentsMargins(0, 0, 0, 0)
         around.addWidget(self.pages)
+        # Not a child of the pages: to assistive technology those have no other children than the page shown.
         self.veil = Veil(self)
         self._connect()
 
