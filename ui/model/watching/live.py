@@ -95,6 +95,8 @@ class LiveSource:
         self._held: _Levels | None = None
         self._introductions = Introductions()
         self._cast = self._introductions.cast()
+        # Robots are told apart by their frames: what comes before those may seem to be of a robot that it is not of.
+        self._unowned: list[Said] = []
         self._messages = 0
 
     @property
@@ -153,6 +155,7 @@ class LiveSource:
                 self._begin()
                 for again in opening or ():
                     self._absorb(again)
+            # It is the first word of a tick, and says who there is.
             self._tf_ns = said.stamp_ns
         elif self._opening is not None:
             self._opening.append(said)
@@ -168,10 +171,17 @@ class LiveSource:
             self._levels.take(said)
         except ValueError:
             return
-        if new:
-            self._introductions.take(said)
-            self._cast = self._introductions.cast()
-            self.series.follow(self._cast, self._introductions.mapped)
-        self.series.take(said)
         if tells(said.topic, said.msgtype):
             self.story.take(said)
+        if new:
+            self._introductions.take(said)
+        if not self._tf_ns:
+            self._unowned.append(said)
+            return
+        if new:
+            self._cast = self._introductions.cast()
+            self.series.follow(self._cast, self._introductions.mapped)
+        unowned, self._unowned = self._unowned, []
+        for earlier in unowned:
+            self.series.take(earlier)
+        self.series.take(said)

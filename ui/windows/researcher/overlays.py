@@ -2,7 +2,7 @@
 
 import numpy as np
 from PySide6.QtCore import QPointF, Qt
-from PySide6.QtGui import QColor, QPainter, QPen, QPolygonF
+from PySide6.QtGui import QBrush, QColor, QPainter, QPen, QPolygonF
 
 from sim.geometry import FloatArray
 from ui.model.watching.scene import NO_POINTS, RobotScene, Scene
@@ -35,7 +35,7 @@ class Things:
         for name, corners in self._outlines:
             body = polygon(view.camera.to_screen(corners))
             painter.setPen(QPen(QColor(view.colours.bad), 2.0))
-            painter.setBrush(Qt.BrushStyle.BDiagPattern)
+            painter.setBrush(QBrush(QColor(view.colours.bad), Qt.BrushStyle.BDiagPattern))
             painter.drawPolygon(body)
             painter.setPen(QColor(view.colours.text))
             painter.drawText(QPointF(body.boundingRect().right() + 4.0, body.boundingRect().center().y()), name)

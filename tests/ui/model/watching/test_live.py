@@ -4,7 +4,7 @@ import pytest
 
 from sim.geometry import Pose2
 from tests.thbridge.ros.drive import MOUNT, SCAN_PERIOD, SESSION, arena, records, snapshots
-from tests.ui.model.watching.hear import Heard, odometry, tf
+from tests.ui.model.watching.hear import SECOND, Heard, odometry, tf
 from thbridge.ros.publisher import Message, Publisher
 from ui.model.watching.live import LiveSource
 from ui.model.watching.scene import Shown
@@ -44,6 +44,18 @@ def test_it_shows_what_was_said_last(source: LiveSource) -> None:
     assert [robot.name for robot in scene.robots] == ["robot 1", "robot 2"]
     assert all(robot.error is not None and robot.error < 0.2 for robot in scene.robots)
     assert source.silent_for(12.5) == 2.5
+
+
+def test_what_was_said_before_robots_are_told_apart_is_taken_for_its_own_robots() -> None:
+    said = ticks(0, 100)
+    poses = [[each for each in said if each.topic == f"/robot{number}/amcl_pose"] for number in (1, 2)]
+    latched = [poses[1][0], poses[0][-1]]
+    live = LiveSource()
+    live.take([*opening(), *latched, *ticks(100, 20)], 10.0)
+    for robot, pose in enumerate((poses[0][-1], poses[1][0])):
+        first, second = live.series.of(robot).estimate.rows()[:2]
+        assert first[0] == pytest.approx((pose.stamp_ns - live.start_ns) / SECOND)
+        assert second[0] >= 100 / 50
 
 
 def test_a_held_scene_stands_still_while_all_is_taken_on(source: LiveSource) -> None:
