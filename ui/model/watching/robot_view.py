@@ -238,7 +238,7 @@ class RobotView:
     def _state(self, dead: bool) -> tuple[str, bool]:
         """What it does, and whether that is one to worry about."""
         if dead:
-            return "its software has stopped", True
+            return "software stopped", True
         parts = {part: self._moment.diagnoses.get(f"{self._member.key}: {part}") for part in _PARTS}
         told = [each for each in parts.values() if each is not None]
         worrying = [each for each in told if each.level is not DiagnosticLevel.OK]

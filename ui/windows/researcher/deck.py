@@ -5,7 +5,7 @@ from functools import partial
 from itertools import pairwise
 
 from PySide6.QtCore import QEvent, QObject, Qt, Signal
-from PySide6.QtGui import QAction, QActionGroup, QKeyEvent, QKeySequence
+from PySide6.QtGui import QAccessible, QAccessibleAnnouncementEvent, QAction, QActionGroup, QKeyEvent, QKeySequence
 from PySide6.QtWidgets import (
     QAbstractButton,
     QApplication,
@@ -95,8 +95,9 @@ class Deck(QMainWindow):
         self._add_time()
         self._add_keys(live)
         self.how = QLabel()
-        self.how.setAccessibleName("How the tool in hand is used")
+        self.how.setAccessibleDescription("How the tool in hand is used")
         self.statusBar().addPermanentWidget(self.how)
+        self.statusBar().messageChanged.connect(self.statusBar().setAccessibleName)
         canvas.setFocusPolicy(Qt.FocusPolicy.StrongFocus)
         canvas.installEventFilter(self)
         canvas.setFocus()
@@ -115,8 +116,9 @@ class Deck(QMainWindow):
         return (*(action for tool, action in self._tool_actions.items() if tool is not Tool.LOOK), *self._robot_actions)
 
     def say(self, text: str, seconds: float = 8.0) -> None:
-        """Tell something in the status bar."""
+        """Tell something in the status bar, and to assistive technology."""
         self.statusBar().showMessage(text, round(seconds * 1000.0))
+        QAccessible.updateAccessibility(QAccessibleAnnouncementEvent(self, text))
 
     def take(self, tool: Tool) -> None:
         """Take a tool in hand, as its button does."""
@@ -164,7 +166,7 @@ class Deck(QMainWindow):
         for tabs in self.findChildren(QTabBar):
             tabs.setAccessibleName("Lists")
         self._docks += bottom
-        self.resizeDocks([self._docks[0], self._docks[2]], [360, 400], Qt.Orientation.Horizontal)
+        self.resizeDocks([self._docks[0], self._docks[2]], [380, 400], Qt.Orientation.Horizontal)
         self.resizeDocks([self._docks[0], self._docks[1]], [260, 460], Qt.Orientation.Vertical)
         self.resizeDocks([bottom[0]], [220], Qt.Orientation.Vertical)
 

@@ -106,11 +106,13 @@ class Hand:
 
     def _speak(self, turn: PendingTurn, move: int, text: str) -> None:
         if self.scene is not None:
-            self._send(self._tools.speak(self.scene, turn, move, text), "Said.")
+            said = f"{robot_name(turn.robot).capitalize()} says so."
+            self._send(self._tools.speak(self.scene, turn, move, text), said)
 
     def _advise(self, robot: int, room: int) -> None:
         if self.scene is not None:
-            self._send(self._tools.advise(self.scene, robot, room), "Said.")
+            told = f"{robot_name(robot).capitalize()} is to suggest room {room}; choose its words next."
+            self._send(self._tools.advise(self.scene, robot, room), told)
 
     def take(self, tool: Tool) -> None:
         """Work with this tool from now on."""

@@ -23,8 +23,8 @@ SENDER = "watch"
 """In whose name this window asks."""
 MOMENTS = 2.0
 """Seconds over which messages are timed."""
-LAG = 0.5
-"""Seconds of a session's lag that are worth a word."""
+LAG, LAG_SPAN = 0.5, 10.0
+"""Seconds that a session falls behind which are worth a word, and within how many; it never makes up for them."""
 SILENCE = 1.5
 """Seconds without a word after which a session that is not paused is called silent."""
 
@@ -79,6 +79,7 @@ class Session:
         self._refusals = 0
         self._news: list[str] = []
         self._came: deque[tuple[float, float]] = deque()
+        self._lags: deque[tuple[float, float]] = deque()
         self._rooms: tuple[int, tuple[MapRoom, ...]] | None = None
         self._asked_for_rooms = -1
 
@@ -136,14 +137,17 @@ class Session:
                     if status is None:
                         messages.append(event)
                     else:
-                        self._hear(status)
+                        self._hear(status, now)
         self._source.take(messages, now)
         if messages:
             self._measure(now)
         self._find_rooms()
 
-    def _hear(self, status: Status) -> None:
+    def _hear(self, status: Status, now: float) -> None:
         before, self._status = self._status, status
+        self._lags.append((now, status.lag))
+        while self._lags[0][0] < now - LAG_SPAN:
+            self._lags.popleft()
         if before is None or (before.paused, before.rate) != (status.paused, status.rate):
             self._came.clear()
         if status.refusals < self._refusals:
@@ -191,8 +195,9 @@ class Session:
             return "live, silent"
         behind = self._came[-1][1] - min(came for _, came in self._came) if self._came else 0.0
         state = f"live, {1000.0 * behind:.0f} ms behind"
-        if self._status is not None and self._status.lag > LAG:
-            state += f"; the session lags by {self._status.lag:.0f} s"
+        lost = self._lags[-1][1] - min(lag for _, lag in self._lags) if self._lags else 0.0
+        if lost > LAG:
+            state += f"; the session is too slow, {lost:.1f} s in the last {LAG_SPAN:.0f}"
         if self._status is not None and self._status.dropped:
             state += f"; {self._status.dropped} messages lost"
         return state

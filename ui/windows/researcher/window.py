@@ -60,6 +60,7 @@ class ResearcherWindow(Deck):
         self._chronicle = Chronicle(feed, self)
         self._sign = Sign(self._map)
         self._connect()
+        self._hand.take(self.tool)
         if feed.refusal:
             self.disable_tools(feed.refusal)
         self._timer = QTimer(self)

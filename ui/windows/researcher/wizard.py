@@ -5,7 +5,7 @@ from functools import partial
 from PySide6.QtCore import Qt, Signal
 from PySide6.QtWidgets import (
     QFrame,
-    QHBoxLayout,
+    QGridLayout,
     QLabel,
     QLineEdit,
     QPushButton,
@@ -18,6 +18,9 @@ from thbridge.hunt.costs import spoken_energy
 from thbridge.hunt.rules import robot_name
 from ui.model.watching.scene import PendingAdvice, PendingTurn, Wizard
 from ui.windows.controls import Tick
+
+BOXES, ROOMS = 5, 3
+"""Robots, and rooms, beside each other."""
 
 
 class WizardDock(QWidget):
@@ -40,9 +43,9 @@ class WizardDock(QWidget):
         self._reason = ""
         self._note = QLabel("Robots that are ticked speak only what you let them say. The recording marks it as yours.")
         self._note.setWordWrap(True)
-        self._row = QHBoxLayout()
-        self._row.addWidget(QLabel("Speak for"))
-        self._row.addStretch(1)
+        self._boxes = QGridLayout()
+        self._boxes.addWidget(QLabel("Speak for"), 0, 0)
+        self._boxes.setColumnStretch(BOXES + 1, 1)
         self._cards = QVBoxLayout()
         self._cards.setAlignment(Qt.AlignmentFlag.AlignTop)
         inside = QWidget()
@@ -54,7 +57,7 @@ class WizardDock(QWidget):
         layout = QVBoxLayout(self)
         layout.setContentsMargins(12, 12, 12, 12)
         layout.addWidget(self._note)
-        layout.addLayout(self._row)
+        layout.addLayout(self._boxes)
         layout.addWidget(area, 1)
         self.show_wizard(Wizard(), 0)
 
@@ -89,7 +92,7 @@ class WizardDock(QWidget):
             box.setEnabled(not self._reason)
             box.clicked.connect(lambda on, robot=robot: self.puppeteered.emit(robot, on))
             self._puppets.append(box)
-            self._row.insertWidget(self._row.count() - 1, box)
+            self._boxes.addWidget(box, robot // BOXES, 1 + robot % BOXES)
         for robot, box in enumerate(self._puppets):
             box.setVisible(robot < robots)
             box.setChecked(robot in puppets)
@@ -97,13 +100,15 @@ class WizardDock(QWidget):
     def _turn(self, turn: PendingTurn) -> QWidget:
         about = "" if turn.room is None else f" about room {turn.room}"
         card, column = _card(f"{robot_name(turn.robot).capitalize()} is to speak{about}")
-        words = QLineEdit(placeholderText="In other words (optional), then choose what it means")
+        words = QLineEdit(placeholderText="In other words, where you like; then press what they mean")
         words.setAccessibleName(f"Other words for {robot_name(turn.robot)}")
+        column.addWidget(words)
         for number, sentence in enumerate(turn.sentences):
             button = QPushButton(sentence)
             button.clicked.connect(partial(self._speak, turn, number, words))
             column.addWidget(button)
-        column.addWidget(words)
+        if len(turn.sentences) == 1:
+            words.returnPressed.connect(partial(self._speak, turn, 0, words))
         return card
 
     def _speak(self, turn: PendingTurn, move: int, words: QLineEdit) -> None:
@@ -114,11 +119,13 @@ class WizardDock(QWidget):
 
     def _advice(self, wish: PendingAdvice) -> QWidget:
         card, column = _card(f"{robot_name(wish.robot).capitalize()} is asked where to go")
-        for room, cost in wish.costs:
-            own = "; its own suggestion" if room == wish.suggestion else ""
+        rooms = QGridLayout()
+        for number, (room, cost) in enumerate(wish.costs):
+            own = "; its own choice" if room == wish.suggestion else ""
             button = QPushButton(f"Room {room} ({spoken_energy(cost)}{own})")
             button.clicked.connect(partial(self._advise, wish.robot, room))
-            column.addWidget(button)
+            rooms.addWidget(button, number // ROOMS, number % ROOMS)
+        column.addLayout(rooms)
         return card
 
 
