@@ -83,7 +83,8 @@ class _Sample:
 class Motions:
     """All robots' poses at any moment, out of what is told of them.
 
-    Times called `now` are monotonic seconds of this program; they must not run backwards.
+    Times called `now` are monotonic seconds of this program. What came before robots were last looked at may be heard
+    after that; otherwise times must not run backwards.
 
     The past is always told in the frame of the newest estimate: when a robot corrects where it believes it is, the
     correction is added to what is kept of its past, and an offset as large, which fades within 0.2 s, keeps what is
@@ -219,23 +220,21 @@ class Motions:
         one, other = self._bracket(time)
         if one is not other:
             return _between(one.poses, other.poses, (time - one.time) / (other.time - one.time))
-        late = min(max(time - one.time, 0.0), AHEAD)
-        if late == 0.0:
-            return one.poses.copy()
-        driven: FloatArray = one.poses + self._speeds * (late - late * late / (2.0 * AHEAD))
+        driven: FloatArray = one.poses + self._speeds * _driven_on(time - one.time)
         return driven
 
     def _read_truth(self, time: float) -> FloatArray | None:
         one, other = self._bracket(time)
-        if one.truth is None or other.truth is None or len(one.truth) != len(other.truth):
+        if one is other and len(self._samples) > 1:
+            # Past the last telling it goes on as it did between the last two.
+            one = self._samples[-2]
+            time = other.time + _driven_on(time - other.time)
+        if one.truth is None or other.truth is None or one.time == other.time or len(one.truth) != len(other.truth):
             return other.truth
-        if one is other:
-            return one.truth
-        share = (time - one.time) / (other.time - one.time)
         carried = np.hypot(*(other.truth - one.truth)[:, :2].T) > JUMP
-        between = _between(one.truth, other.truth, share)
-        between[carried] = other.truth[carried]
-        return between
+        read = _between(one.truth, other.truth, (time - one.time) / (other.time - one.time))
+        read[carried] = other.truth[carried]
+        return read
 
     def _fade(self, now: float) -> None:
         """Take off the offsets what fades until now.
@@ -253,6 +252,12 @@ class Motions:
         held = (back > 0.0) & (speed > DRIVES) & (np.hypot(self._offsets[:, 0], self._offsets[:, 1]) < HELD)
         fades[:, :2] -= np.where(held, back, 0.0)[:, None] * ahead
         self._offsets = self._offsets - fades
+
+
+def _driven_on(late: float) -> float:
+    """For how long at full speed robots are driven on that have been without news for so long, seconds."""
+    late = min(max(late, 0.0), AHEAD)
+    return late - late * late / (2.0 * AHEAD)
 
 
 def _between(one: FloatArray, other: FloatArray, share: float) -> FloatArray:

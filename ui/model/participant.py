@@ -21,7 +21,8 @@ class Participant:
     """The view model of the participant's window.
 
     It is told what the game says and what the participant does, and says what to show and what to ask the game for.
-    Times called `now` are monotonic seconds that never run backwards.
+    Times called `now` are monotonic seconds that never run backwards, but for this: what came in, came a little before
+    somebody looks at it.
     """
 
     def __init__(self) -> None:

@@ -18,8 +18,12 @@ HELD_UP = 0.1
 MOST_TOLD = 128
 """Tellings kept at most, however fast they come."""
 
-LONGEST_DELAY = 0.08
+LONGEST_DELAY = 0.06
 """The clock stays at most this far behind, seconds: with the way through a network it is still less than 0.1 s."""
+
+DRIVEN_ON = 0.5
+"""Share of the time between two tellings for which robots are driven on without the next: at 25 a second that puts them
+off by millimetres, and draws them 20 ms earlier."""
 
 STANDSTILL = 0.25
 """Nothing told for so long, in seconds: simulated time stood still, or the network did; that says nothing of a rate."""
@@ -36,7 +40,7 @@ class PlaybackClock:
 
     Each telling says "simulated time s, heard at moment a". The lines s + rate (now - a) of those that travelled
     fastest say how far the simulation is now; how late the slowest of the last second came, and how long they are
-    apart, says how far behind the clock must stay so that there is nearly always a telling on either side of it.
+    apart, says how far behind the clock must stay so that robots are not driven on for long without the next telling.
     """
 
     def __init__(self) -> None:
@@ -67,7 +71,7 @@ class PlaybackClock:
             spacing = (now - first_now) / (len(self._told) - 1)
             front = self._front(now)
             lateness = max(front - heard - self._rate * (now - at) for heard, at in self._told) / self._rate
-            self._delay = min(spacing + lateness, LONGEST_DELAY)
+            self._delay = min((1.0 - DRIVEN_ON) * spacing + lateness, LONGEST_DELAY)
 
     def at(self, now: float) -> float:
         """Simulated time to be shown."""

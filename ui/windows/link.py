@@ -5,17 +5,23 @@ The window takes what was heard at each frame and says what is wanted; nothing e
 
 import asyncio
 import threading
+import time
 from collections import deque
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 from typing import TypeAlias
 
 from sim.observations import TICK
 from thbridge.adapters.text_client import LossReason, Lost, Patience, TextClient
-from thbridge.app.programs import Lone, converse
+from thbridge.app.programs import converse
 from thbridge.roles.notices import House, Picture, Ways, Whereabouts
 from thbridge.roles.tabui import TabUI
 from thbridge.roles.view import View, Wish
+from thbridge.wire.text import Message
+
+LISTENS = 0.005
+"""Seconds from one look at what has come to the next. Robots are drawn later by half of it, and by what it makes one
+telling come later than another."""
 
 AT_ONCE = Patience(first=0.25, longest=2.0)
 """A person waits at the other end: a server that is back is found within two seconds."""
@@ -41,7 +47,15 @@ PLAIN = {
 }
 """What there is to add, for people who play, when the connection is lost."""
 
-Heard: TypeAlias = View | House | Whereabouts | Ways | Picture | Joined | Parted
+News: TypeAlias = View | House | Whereabouts | Ways | Picture | Joined | Parted
+
+
+@dataclass(frozen=True, slots=True)
+class Heard:
+    """Something, and when it came: monotonic seconds, however much later the window looks."""
+
+    at: float
+    news: News
 
 
 class Link:
@@ -89,7 +103,7 @@ class Link:
     async def _converse(self) -> None:
         player = _Wanting()
         role = TabUI(player, self)
-        lodger = _Noticing(role, self._heard)
+        lodger = _Noticing(role, self._tell)
         client = TextClient(role.name, self._token, *self._address, AT_ONCE)
         async with client.running():
             while not self._stopped.is_set():
@@ -97,14 +111,17 @@ class Link:
                     player.wanted = self._wanted
                     role.look_again()
                 converse(lodger, client, self._lost)
-                await asyncio.sleep(TICK)
+                await asyncio.sleep(LISTENS)
 
     def saw(self, level: View | House | Whereabouts | Ways | Picture) -> None:
         """The role heard something; see `thbridge.roles.tabui.Onlooker`."""
-        self._heard.append(level)
+        self._tell(level)
 
     def _lost(self, lost: Lost) -> None:
-        self._heard.append(Parted(PLAIN[lost.reason]))
+        self._tell(Parted(PLAIN[lost.reason]))
+
+    def _tell(self, news: News) -> None:
+        self._heard.append(Heard(time.monotonic(), news))
 
 
 class _Wanting:
@@ -117,13 +134,25 @@ class _Wanting:
         return self.wanted
 
 
-class _Noticing(Lone):
-    """Tells the window, too, that the server is reached."""
+class _Noticing:
+    """Runs the role by the clock, as often as it is asked, and tells the window, too, that the server is reached."""
 
-    def __init__(self, role: TabUI, heard: deque[Heard]) -> None:
-        super().__init__(role)
-        self._news = heard
+    def __init__(self, role: TabUI, tell: Callable[[News], None]) -> None:
+        self._role = role
+        self._tell = tell
+        self._begin = time.monotonic()
+        self._messages: list[Message] = []
 
     def connected(self) -> None:
-        super().connected()
-        self._news.append(Joined())
+        """See `Lodger`, for this and the next two."""
+        self._role.connected()
+        self._tell(Joined())
+
+    def hear(self, message: Message) -> None:
+        """It is passed on with the next step."""
+        self._messages.append(message)
+
+    def step(self) -> Sequence[Message]:
+        """What the role says to what has come until this tick."""
+        messages, self._messages = self._messages, []
+        return self._role.step(int((time.monotonic() - self._begin) / TICK), messages)

@@ -116,13 +116,13 @@ class Game(QWidget):
         """Take in what came from the server, and say what is wanted."""
         now = self._clock()
         for heard in self._link.take():
-            match heard:
+            match heard.news:
                 case Joined():
-                    self._model.connected(now)
+                    self._model.connected(heard.at)
                 case Parted(sentence):
-                    self._model.lost(sentence, now)
-                case _:
-                    self._model.hear(heard, now)
+                    self._model.lost(sentence, heard.at)
+                case level:
+                    self._model.hear(level, heard.at)
         self._link.want(self._model.wishes())
         screen = self._model.screen(now)
         if self._practice:
