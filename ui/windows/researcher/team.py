@@ -4,7 +4,7 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 
 from PySide6.QtCore import QAbstractTableModel, QModelIndex, Qt, Signal
-from PySide6.QtGui import QColor, QIcon, QPixmap
+from PySide6.QtGui import QColor, QIcon, QPainter, QPixmap
 from PySide6.QtWidgets import QHeaderView, QTableView, QVBoxLayout, QWidget
 
 from ui.model.theme import Palette
@@ -104,9 +104,12 @@ class TeamModel(QAbstractTableModel):
         return None
 
     def _chip(self, robot: int) -> QIcon:
-        """Its colour, which is the same in a row that is selected."""
-        chip = QPixmap(14, 14)
-        chip.fill(QColor(self._palette.robot(robot)))
+        """Its colour, which is the same in a row that is selected; an edge keeps the two apart."""
+        chip = QPixmap(18, 18)
+        chip.fill(QColor(self._palette.panel))
+        painter = QPainter(chip)
+        painter.fillRect(chip.rect().adjusted(2, 2, -2, -2), QColor(self._palette.robot(robot)))
+        painter.end()
         icon = QIcon(chip)
         icon.addPixmap(chip, QIcon.Mode.Selected)
         return icon

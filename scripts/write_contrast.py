@@ -1,0 +1,244 @@
+"""Writes `docs/accessibility.md`: every pair of colours that the windows draw, and how well it is seen.
+
+python scripts/write_contrast.py [FILE]
+"""
+
+import sys
+from collections.abc import Iterator
+from dataclasses import dataclass
+from itertools import combinations
+from pathlib import Path
+from typing import Literal
+
+from ui.model.theme import DARK, LIGHT, SIMULATED, Palette, Vision, contrast, difference
+
+ROOT = Path(__file__).parents[1]
+
+Kind = Literal["text", "sign", "told besides"]
+
+LEAST: dict[Kind, float] = {"text": 4.5, "sign": 3.0, "told besides": 0.0}
+"""WCAG 2.2, AA: 1.4.3 for text, 1.4.11 for edges and signs."""
+
+APART = 15.0
+"""Colours that tell things from each other are this far apart in everybody's eyes, CIE76; 2.3 is just noticed."""
+
+FLOORS = "unvisited reserved visited"
+GROUNDS = f"window panel floor {FLOORS}"
+
+
+@dataclass(frozen=True, slots=True)
+class Pair:
+    """What is drawn on what.
+
+    Attributes:
+        module: of ui/windows.
+        what: it shows.
+        inks: roles of the palette, "robots" for all of theirs; each may be seen.
+        grounds: roles that may be below.
+        kind: how well it has to be seen; "told besides" where nothing rests on it, for the reason in `besides`.
+        opacity: of the ink, 0 to 1.
+        besides: where else one finds what it says.
+    """
+
+    module: str
+    what: str
+    inks: str
+    grounds: str
+    kind: Kind = "text"
+    opacity: float = 1.0
+    besides: str = ""
+
+
+PAIRS = (
+    Pair("look.py", "words of labels, buttons, lists, tool tips", "text", "window panel track"),
+    Pair("look.py", "lesser words, placeholders, what cannot be pressed", "muted", "window panel track"),
+    Pair("look.py", "trouble", "bad", "window panel"),
+    Pair("look.py", "main button, selected rows", "on_accent", "accent"),
+    Pair("look.py", "links", "accent", "window panel"),
+    Pair("look.py", "edges of buttons and lists, handles of scroll bars", "line", "window panel track", "sign"),
+    Pair("look.py", "ring of the focus", "accent text", "window panel", "sign"),
+    Pair("look.py", "shadow of the style", "wall", "window", "told besides", besides="it says nothing"),
+    Pair("participant/history.py", "what was said", "text muted", "panel"),
+    Pair("participant/pages.py", "keys on the sheet of help", "text", "panel"),
+    Pair("participant/top.py", "banner of a note", "text", "panel"),
+    Pair("participant/top.py", "banner of trouble", "panel", "bad"),
+    Pair("participant/top.py", "edge of the banner", "line bad", "window", "sign"),
+    Pair("participant/cards.py", "name, state, energy", "text", "panel track"),
+    Pair("participant/cards.py", "place, key", "muted", "panel track"),
+    Pair("participant/cards.py", "trouble, energy that does not suffice", "bad", "panel track"),
+    Pair("participant/cards.py", "edge, also of the selected", "accent line", "window panel", "sign"),
+    Pair("participant/cards.py", "ring of the focus", "text accent", "panel track", "sign"),
+    Pair("participant/cards.py", "how many things wait", "on_accent", "accent"),
+    Pair("participant/cards.py", "energy and progress on what is used up", "robots", "track", "sign"),
+    Pair("participant/cards.py", "hatched part of the energy", "robots bad", "panel", "sign"),
+    Pair("participant/score.py", "score", "text muted", "window"),
+    Pair("participant/score.py", "points won and lost", "good bad", "window"),
+    Pair("participant/buttons.py", "words", "text", "panel track"),
+    Pair("participant/buttons.py", "key, hint, what cannot be pressed", "muted", "panel track"),
+    Pair("participant/buttons.py", "main button", "on_accent", "accent"),
+    Pair("participant/buttons.py", "edge", "line accent", "window panel", "sign"),
+    Pair("participant/buttons.py", "ring of the focus", "accent", "panel track", "sign"),
+    Pair("participant/finding.py", "colour, footprint, verdict", "text good bad", "panel"),
+    Pair("participant/finding.py", "names of the figures, place of the picture", "muted", "panel track"),
+    Pair("participant/finding.py", "edges of picture and swatch", "line", "panel", "sign"),
+    Pair("participant/panels.py", "what was said", "text", "track"),
+    Pair("participant/panels.py", "who said it", "robots accent", "panel track", "sign"),
+    Pair("participant/painting.py", "robot's chip", "robots", GROUNDS, "sign"),
+    Pair("participant/waiting.py", "what waits", "text", "panel track"),
+    Pair("participant/waiting.py", "its edge", "accent", "window panel track", "sign"),
+    Pair("participant/tiles.py", "room, cost, sign, ring of the focus", "text", FLOORS),
+    Pair("participant/tiles.py", "name; a room that cannot be chosen", "muted", FLOORS),
+    Pair("participant/tiles.py", "edge", "accent line", f"window panel {FLOORS}", "sign"),
+    Pair("map/ground.py", "walls", "wall", f"floor unknown {FLOORS}", "sign"),
+    Pair("map/scale_bar.py", "scale", "muted", "panel"),
+    Pair("map/rooms.py", "number", "text", f"floor {FLOORS}"),
+    Pair("map/rooms.py", "name", "muted", f"floor {FLOORS}"),
+    Pair("map/rooms.py", "frame of a room to choose or looked at", "accent", FLOORS, "sign"),
+    Pair("map/rooms.py", "what was found", "text", "panel"),
+    Pair("map/rooms.py", "its edge, sign of state", "line robots", f"panel {FLOORS}", "sign"),
+    Pair("map/rooms.py", "tick of a visited room", "panel", "line robots", "sign"),
+    Pair(
+        "map/rooms.py",
+        "stripes and dots of the floor",
+        "text",
+        "reserved visited",
+        "told besides",
+        46 / 255,
+        "the room's sign: circle, arrows, tick",
+    ),
+    Pair("map/badges.py", "robot's number", "text", "panel"),
+    Pair("map/badges.py", "number of the selected robot", "panel", "robots"),
+    Pair("map/badges.py", "edge of the label", "robots", f"panel floor {FLOORS}", "sign"),
+    Pair("map/badges.py", "warning sign", "bad", "panel", "sign"),
+    Pair("map/badges.py", "the mark in it", "panel", "bad"),
+    Pair("map/robots.py", "robot, way ahead, outline of its ellipse", "robots", f"floor {FLOORS}", "sign"),
+    Pair("map/robots.py", "nose", "panel", "robots", "sign"),
+    Pair("map/robots.py", "where it really is", "text", f"floor {FLOORS}", "sign"),
+    Pair("map/robots.py", "ring of the selected", "accent", "panel", "sign"),
+    Pair("map/robots.py", "trail, at its newest", "robots", f"floor {FLOORS}", "told besides", 0.5, "it drove there"),
+    Pair("map/robots.py", "inside of the ellipse", "robots", "floor", "told besides", 40 / 255, "its outline"),
+    Pair("map/layers.py", "scans, plans, goals", "robots accent", f"floor {FLOORS}", "sign"),
+    Pair("researcher/preview.py", "what a tool is about to do", "accent", f"floor {FLOORS}", "sign"),
+    Pair("researcher/overlays.py", "things in the way", "bad", f"floor {FLOORS}", "sign"),
+    Pair("researcher/overlays.py", "their names", "text", f"floor {FLOORS}"),
+    Pair("researcher/overlays.py", "paths", "robots", f"floor {FLOORS}", "sign"),
+    Pair("researcher/overlays.py", "particles of the selected robot", "text", f"floor {FLOORS}", "sign", 0.6),
+    Pair("researcher/transport.py", "time to come, time past", "line accent", "window panel", "sign"),
+    Pair("researcher/transport.py", "marks", "muted robots", "window panel", "sign"),
+    Pair("researcher/log.py", "who", "robots", "panel"),
+    Pair("researcher/log.py", "rows still to come, times", "muted", "panel"),
+    Pair("researcher/team.py", "robot in trouble", "bad", "panel"),
+    Pair("researcher/team.py", "robot's chip in its edge", "robots", "panel", "sign"),
+    Pair("researcher/team.py", "that edge in a row that is selected", "panel", "accent", "sign"),
+    Pair("researcher/plots.py", "titles", "text", "panel"),
+    Pair("researcher/plots.py", "numbers", "muted", "panel"),
+    Pair("researcher/plots.py", "axes, the moment shown", "line accent", "panel", "sign"),
+    Pair("researcher/plots.py", "curve of the selected robot", "robots", "panel", "sign"),
+    Pair("researcher/plots.py", "the other curves", "robots", "panel", "told besides", 0.55, "select its robot"),
+    Pair("researcher/plots.py", "two standard deviations", "robots", "panel", "told besides", 0.18, "the plot below"),
+    Pair("study/pages.py", "lines that a change adds, takes away", "good bad muted", "panel"),
+    Pair("study/pictures.py", "paths driven and believed, walls", "text wall robots", "panel", "sign"),
+    Pair("study/pictures.py", "ruler", "muted", "panel"),
+    Pair("study/pictures.py", "beams", "line", "panel", "told besides", 70 / 255, "the crosses at their ends"),
+    Pair("study/window.py", "edges of fields, ring of the focus", "line accent", "window panel", "sign"),
+)
+"""What lies on what. Faults in the text of a study have a tinted ground, too; see `TINTED`."""
+
+TINTED = (("study/pages.py", "text on the line of a fault", "text", "bad", 48 / 255, "panel"),)
+"""Module, what it is, its ink; the ground: a colour, its opacity, and what is below it."""
+
+HEAD = """\
+# Who can see and use the windows
+
+`scripts/write_contrast.py` writes this page out of the windows' palettes (`ui/model/theme.py`). Ratios are those of
+WCAG 2.2: level AA wants 4.5 for text (1.4.3), 3 for edges, signs and curves (1.4.11). Each row shows the worst of its
+pairs; where a robot's colour is one of them, the worst of ten. *Told besides*: nothing rests on it, because the same is
+said elsewhere.
+
+All that can be done can be done by keyboard; every part has a name that screen readers say; the focus goes through
+each part of a window as the eye does, from top to bottom and from left to right (`tests/ui/windows`). Nothing is told
+by colour alone: rooms have signs and patterns, robots have numbers, trouble has a warning sign and words, what cannot
+be pressed has a dashed edge and says why.
+"""
+
+
+def mixed(ink: str, opacity: float, ground: str) -> str:
+    """What is seen of an ink through which the ground shows."""
+    channels = (
+        round(opacity * int(ink[at : at + 2], 16) + (1.0 - opacity) * int(ground[at : at + 2], 16)) for at in (1, 3, 5)
+    )
+    return "#" + "".join(f"{channel:02x}" for channel in channels)
+
+
+def colours(palette: Palette, roles: str) -> list[str]:
+    """The colours of some roles."""
+    found: list[str] = []
+    for role in roles.split():
+        colour = getattr(palette, role)
+        found += [colour] if isinstance(colour, str) else colour
+    return found
+
+
+def ratio(pair: Pair, palette: Palette) -> float:
+    """The worst contrast of a pair."""
+    return min(
+        contrast(mixed(ink, pair.opacity, ground), ground)
+        for ink in colours(palette, pair.inks)
+        for ground in colours(palette, pair.grounds)
+    )
+
+
+def tinted(palette: Palette) -> Iterator[tuple[str, str, float]]:
+    """Module, what it is and contrast of text on a tinted ground."""
+    for module, what, ink, tint, opacity, ground in TINTED:
+        below = mixed(getattr(palette, tint), opacity, getattr(palette, ground))
+        yield module, what, contrast(getattr(palette, ink), below)
+
+
+Told = tuple[str, str, float]
+"""What is told apart by colours, by what besides, and how far these have to be apart."""
+
+TOLD_APART: dict[Told, tuple[str, ...]] = {
+    ("robots", "numbers", APART): ("robots",),
+    ("points won from points lost", "+ and -, words", APART): ("good", "bad"),
+    ("what the robot has, from what it has not enough of", "hatching, words", APART): ("text", "bad"),
+    ("the selected card from others", "width of the edge", APART): ("accent", "line"),
+    ("states of rooms", "signs, patterns, words", 6.0): ("unvisited", "reserved", "visited"),
+}
+
+
+def apart(palette: Palette, roles: tuple[str, ...], vision: Vision) -> float:
+    """The least difference among the colours of some roles."""
+    return min(difference(a, b, vision) for a, b in combinations(colours(palette, " ".join(roles)), 2))
+
+
+def page() -> str:
+    """All of it."""
+    lines = [HEAD, "## Contrast", "", "| where | what | on | wants | light | dark |", "|---|---|---|---|---|---|"]
+    for pair in PAIRS:
+        wants = f"told besides: {pair.besides}" if pair.kind == "told besides" else f"{LEAST[pair.kind]:g}"
+        figures = " | ".join(f"{ratio(pair, palette):.1f}" for palette in (LIGHT, DARK))
+        lines.append(f"| `{pair.module}` | {pair.what} | {pair.grounds.replace(' ', ', ')} | {wants} | {figures} |")
+    for (module, what, light), (*_, dark) in zip(tinted(LIGHT), tinted(DARK), strict=True):
+        lines.append(f"| `{module}` | {what} | tinted panel | 4.5 | {light:.1f} | {dark:.1f} |")
+    lines += [
+        "",
+        "## Colours in everybody's eyes",
+        "",
+        "Least distance (CIE76; 2.3 is just noticed) of colours that tell",
+    ]
+    lines += [
+        "something, seen by all kinds of cones, or without those for red (protan), green (deutan) or blue (tritan)."
+    ]
+    visions: list[Vision] = list(SIMULATED)
+    lines += ["", f"| what is told apart | told besides by | palette | wants | {' | '.join(visions)} |"]
+    lines += ["|---|---|---|---|" + "---|" * len(visions)]
+    for (what, besides, least), roles in TOLD_APART.items():
+        for name, palette in (("light", LIGHT), ("dark", DARK)):
+            figures = " | ".join(f"{apart(palette, roles, vision):.0f}" for vision in visions)
+            lines.append(f"| {what} | {besides} | {name} | {least:g} | {figures} |")
+    return "\n".join(lines) + "\n"
+
+
+if __name__ == "__main__":
+    (Path(sys.argv[1]) if len(sys.argv) > 1 else ROOT / "docs" / "accessibility.md").write_text(page())
