@@ -6,6 +6,7 @@ from sim.things import Presence, Thing
 from tests.thbridge.ros.drive import snapshots
 from thbridge.app.recording import BagWitness
 from thbridge.app.session import Moment
+from thbridge.roles.wizard import Held
 from thbridge.ros.records import GameEvent
 
 CRATE = Presence(Thing("crate", ((0.1, 0.1), (-0.1, 0.1), (0.0, -0.1)), Pose2(1.0, 2.0, 0.0)))
@@ -28,7 +29,7 @@ def test_a_robot_that_is_put_elsewhere_is_an_event_and_one_that_drives_is_not():
         poses = snapshot.world.poses.copy()
         poses[1, 0] += 0.3 * (snapshot.tick > 50)
         carried = replace(snapshot, world=replace(snapshot.world, poses=poses))
-        witness.saw(Moment(snapshot.tick, (), carried, (), (), (), None))
+        witness.saw(Moment(snapshot.tick, (), carried, (), (), (), Held(), None))
     assert [json.loads(record.json) for record in tape.records] == [{"event": "carried", "robot": 1}]
 
 
@@ -39,7 +40,7 @@ def test_what_befalls_robots_and_things_is_an_event():
     for things, dead in (((CRATE,), ()), ((replace(CRATE, appeared=True),), (1,)), ((), (1,)), ((), ())):
         world = replace(snapshot.world, things=things)
         snapshot = replace(snapshot, world=world, dead=frozenset(dead))
-        witness.saw(Moment(1, (), snapshot, (), (), (), None))
+        witness.saw(Moment(1, (), snapshot, (), (), (), Held(), None))
     assert all(isinstance(record, GameEvent) for record in tape.records)
     assert [json.loads(record.json) for record in tape.records] == [
         {"event": "appeared", "thing": "crate"},
