@@ -50,6 +50,7 @@ class Seen:
     enabled: bool
     focusable: bool
     focused: bool
+    checked: bool
     text: str
 
     @property
@@ -125,6 +126,11 @@ class Desktop:
         x, y = at.middle if isinstance(at, Seen) else at
         # Not --sync, which waits for a pointer that is there already to move.
         self.do("mousemove", str(round(x)), str(round(y)), "click", "1")
+
+    def drag(self, *points: tuple[float, float]) -> None:
+        """Press the left button at the first point, go through the others, let go at the last."""
+        moves = [["mousemove", str(round(x)), str(round(y))] for x, y in points]
+        self.do(*moves[0], "mousedown", "1", *(word for move in moves[1:] for word in move), "mouseup", "1")
 
     def picture(self, path: Path) -> None:
         """What the screen shows."""

@@ -33,6 +33,7 @@ def seen(accessible, window, found):
                 "enabled": states.contains(pyatspi.STATE_ENABLED),
                 "focusable": states.contains(pyatspi.STATE_FOCUSABLE),
                 "focused": states.contains(pyatspi.STATE_FOCUSED),
+                "checked": states.contains(pyatspi.STATE_CHECKED),
                 "text": text_of(accessible),
             }
         )

@@ -97,7 +97,7 @@ class Deck(QMainWindow):
         self.how = QLabel()
         self.how.setAccessibleDescription("How the tool in hand is used")
         self.statusBar().addPermanentWidget(self.how)
-        self.statusBar().messageChanged.connect(self.statusBar().setAccessibleName)
+        self.statusBar().messageChanged.connect(lambda text: self.statusBar().setAccessibleName(text))
         canvas.setFocusPolicy(Qt.FocusPolicy.StrongFocus)
         canvas.installEventFilter(self)
         canvas.setFocus()

@@ -18,7 +18,7 @@ class Sign(QLabel):
 
     def __init__(self, view: QWidget) -> None:
         super().__init__(view)
-        self.setAccessibleName("Trouble")
+        self.setAccessibleDescription("Trouble")
         self.setWordWrap(True)
         self.setMargin(8)
         panel(self)
