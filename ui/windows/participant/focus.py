@@ -5,7 +5,7 @@ Tab is not free for that: in this game it means the next robot.
 
 from collections.abc import Sequence
 
-from PySide6.QtCore import QPoint, Qt
+from PySide6.QtCore import QPoint, QRect, Qt
 from PySide6.QtWidgets import QApplication, QWidget
 
 REGION = "region"
@@ -33,11 +33,17 @@ def reachable(inside: QWidget) -> list[QWidget]:
         if widget.focusPolicy() & Qt.FocusPolicy.TabFocus and widget.isVisibleTo(inside) and widget.isEnabled()
     ]
 
-    def place(widget: QWidget) -> tuple[int, int]:
-        corner = widget.mapTo(inside, QPoint(0, 0))
-        return corner.y(), corner.x()
-
-    return sorted(found, key=place)
+    rows: list[list[tuple[QRect, QWidget]]] = []
+    for place, widget in sorted(
+        ((QRect(widget.mapTo(inside, QPoint(0, 0)), widget.size()), widget) for widget in found),
+        key=lambda each: (each[0].center().y(), each[0].x()),
+    ):
+        # Of different heights, and yet beside each other.
+        if rows and rows[-1][0][0].top() <= place.center().y() <= rows[-1][0][0].bottom():
+            rows[-1].append((place, widget))
+        else:
+            rows.append([(place, widget)])
+    return [widget for row in rows for _, widget in sorted(row, key=lambda each: each[0].x())]
 
 
 def move(widget: QWidget, key: int) -> None:

@@ -209,12 +209,13 @@ class ParticipantWindow(QWidget):
 
     def _show_map(self, now: float) -> None:
         house = self._model.house
-        if house is not None and house is not self._house:
-            if house != self._house:
-                self.map.show_house(house)
-            self._house = house
         if house is None or self.pages.currentWidget() is not self._playing:
             return
+        if house is not self._house:
+            before, self._house = self._house, house
+            if house != before:
+                self.map.show_house(house)
+                return  # What is in it comes with the next frame: both together would hold the window up.
         self.map.show_rooms(self._model.rooms(now))
         self.map.show_robots(self._model.robots(now))
         if self._model.followed != self.map.followed:

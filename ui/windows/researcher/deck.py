@@ -101,6 +101,7 @@ class Deck(QMainWindow):
         canvas.setFocusPolicy(Qt.FocusPolicy.StrongFocus)
         canvas.installEventFilter(self)
         canvas.setFocus()
+        self._order_focus()
         QApplication.instance().focusChanged.connect(self._focus_moved)  # type: ignore[union-attr]  # there is one
 
     # What it shows
@@ -168,12 +169,27 @@ class Deck(QMainWindow):
         self._docks += bottom
         self.resizeDocks([self._docks[0], self._docks[2]], [380, 400], Qt.Orientation.Horizontal)
         self.resizeDocks([self._docks[0], self._docks[1]], [260, 460], Qt.Orientation.Vertical)
-        self.resizeDocks([bottom[0]], [220], Qt.Orientation.Vertical)
+        self.resizeDocks([bottom[0]], [265], Qt.Orientation.Vertical)
+
+    def _order_focus(self) -> None:
+        """Let Tab follow the eye: tools, what is on the left, the map, what is on the right, what is below."""
+        parts: list[QWidget] = [*self.findChildren(QToolBar, "Tools"), *self._docks[:2], self.canvas, *self._docks[2:]]
+        parts += [*self.findChildren(QTabBar), self.transport]
+        stops = [
+            widget
+            for part in parts
+            for widget in (part, *part.findChildren(QWidget))
+            if widget.focusPolicy() & Qt.FocusPolicy.TabFocus and not widget.isWindow() and widget.window() is self
+        ]
+        for before, after in pairwise(stops):
+            self.setTabOrder(before, after)
 
     def _dock(self, title: str, part: QWidget, area: Qt.DockWidgetArea) -> QDockWidget:
         dock = QDockWidget(title, self)
         dock.setObjectName(title)
         dock.setWidget(part)
+        # Qt puts what lies behind another tab far out of sight, where Tab would still go.
+        dock.visibilityChanged.connect(part.setVisible)
         self.addDockWidget(area, dock)
         return dock
 
@@ -185,6 +201,7 @@ class Deck(QMainWindow):
 
     def _add_tools(self) -> None:
         bar = QToolBar("Tools", self)
+        bar.setObjectName("Tools")
         bar.setMovable(False)
         bar.setToolButtonStyle(Qt.ToolButtonStyle.ToolButtonTextOnly)
         self.addToolBar(bar)

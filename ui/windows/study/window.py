@@ -353,12 +353,14 @@ class StudyWindow(QMainWindow):
         self.setCentralWidget(inside)
 
     def _order(self, page: FieldsPage) -> None:
-        """Let Tab follow the eye: what is above, the sections, the fields, the faults."""
+        """Let Tab follow the eye: what is above, the sections, the fields, what noise does, the faults."""
         order = [self.search, *self._buttons.values(), self.sections]
         for before, after in pairwise(order):
             self.setTabOrder(before, after)
         if page.rows:
-            self.setTabOrder(list(page.rows.values())[-1].last, self.faults.list)
+            order = [list(page.rows.values())[-1].last, *([self.noise] if page is self.noise_fields else [])]
+            for before, after in pairwise([*order, self.faults.list]):
+                self.setTabOrder(before, after)
 
     def _made_banner(self) -> tuple[QWidget, QLabel]:
         banner = QWidget()

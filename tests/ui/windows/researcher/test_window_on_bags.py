@@ -5,13 +5,14 @@ from collections.abc import Iterator
 from pathlib import Path
 
 import pytest
-from PySide6.QtCore import QPoint, Qt
+from PySide6.QtCore import QPoint, QRect, Qt
 from PySide6.QtGui import QImage
 from PySide6.QtTest import QTest
-from PySide6.QtWidgets import QApplication, QDialog, QWidget
+from PySide6.QtWidgets import QApplication, QDialog, QDockWidget, QWidget
 from pytestqt.qtbot import QtBot
 
 from tests.ui.windows.researcher.hunts import record
+from tests.ui.windows.walking import against_the_eye, nameless, stops
 from ui.model.theme import DARK, LIGHT
 from ui.windows.researcher.displays import SWITCHES, Display
 from ui.windows.researcher.plots import PANELS
@@ -166,17 +167,26 @@ def test_dark_and_light_can_be_changed_while_it_is_open(window: ResearcherWindow
     assert picture(window) != day
 
 
-def test_whatever_takes_the_focus_has_a_name(window: ResearcherWindow) -> None:
-    nameless = [
-        widget
-        for widget in window.findChildren(QWidget)
-        if widget.focusPolicy() & Qt.FocusPolicy.TabFocus
-        and not widget.accessibleName()
-        and not (hasattr(widget, "text") and widget.text())
-        and widget.isVisible()
-        and widget.objectName() != "qt_scrollarea_viewport"
-    ]
-    assert [(type(widget).__name__, widget.objectName(), type(widget.parent()).__name__) for widget in nameless] == []
+def test_whatever_takes_the_focus_has_a_name_and_tab_goes_as_the_eye_does(window: ResearcherWindow) -> None:
+    docks = window.findChildren(QDockWidget)
+    assert len(docks) == 9
+    for dock in docks:
+        dock.raise_()
+        for _ in range(5):
+            QApplication.processEvents()
+        assert nameless(window) == [], dock.windowTitle()
+        assert against_the_eye(stops(dock), dock) == [], dock.windowTitle()
+        places = [QRect(stop.mapTo(window, QPoint(0, 0)), stop.size()) for stop in stops(window)]
+        assert all(window.rect().intersects(place) for place in places), "Tab goes nowhere that nobody sees"
+    next(dock for dock in docks if dock.windowTitle() == "Lines").raise_()
+    QApplication.processEvents()
+    parts = (window.displays, window.canvas, window.lines, window.transport)
+    firsts = [next(at for at, stop in enumerate(stops(window)) if _within(stop, part)) for part in parts]
+    assert firsts == sorted(firsts)
+
+
+def _within(widget: QWidget, part: QWidget) -> bool:
+    return widget is part or part.isAncestorOf(widget)
 
 
 def test_f6_goes_around_the_parts(window: ResearcherWindow, qtbot: QtBot) -> None:

@@ -7,6 +7,7 @@ from PySide6.QtGui import QImage
 from PySide6.QtWidgets import QApplication, QComboBox, QLineEdit, QMessageBox, QPushButton, QSlider, QWidget
 from pytestqt.qtbot import QtBot
 
+from tests.ui.windows.walking import against_the_eye, nameless, stops
 from ui.model.theme import DARK, LIGHT
 from ui.windows.look import dress
 from ui.windows.study import StudyWindow, study_window
@@ -240,15 +241,15 @@ def test_a_new_file_is_made_when_it_is_saved(qtbot: QtBot, tmp_path: Path) -> No
     leave(window)
 
 
-def test_everything_has_a_name_for_those_who_cannot_see(qtbot: QtBot, window: StudyWindow) -> None:
-    window.open_section("noise")
-    window.noise_fields.finish()
-    kinds = (QLineEdit, QComboBox, QSlider, QPushButton)
-    for kind in kinds:
-        for widget in window.findChildren(kind):
-            inside = isinstance(widget.parent(), QComboBox)
-            named = widget.accessibleName() or (widget.text() if isinstance(widget, QPushButton) else "")
-            assert named or inside, widget
+@pytest.mark.parametrize("section", ["game", "noise", "participant", "robot"])
+def test_everything_has_a_name_and_tab_goes_as_the_eye_does(qtbot: QtBot, window: StudyWindow, section: str) -> None:
+    window.open_section(section)
+    for page in (window.fields, window.noise_fields):
+        page.finish()
+    QApplication.processEvents()
+    assert nameless(window) == []
+    assert len(stops(window)) > 6
+    assert against_the_eye(stops(window), window) == []
 
 
 def test_closing_asks_and_saves(qtbot: QtBot, window: StudyWindow, file: Path) -> None:

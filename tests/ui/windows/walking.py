@@ -1,0 +1,56 @@
+"""What screen readers hear of a window's parts, and where Tab goes in it."""
+
+from collections.abc import Iterator
+from itertools import pairwise
+
+from PySide6.QtCore import QPoint, Qt
+from PySide6.QtGui import QAccessible
+from PySide6.QtWidgets import QAbstractScrollArea, QWidget
+
+from ui.windows.participant.buttons import AskingButton
+
+
+def stops(inside: QWidget) -> list[QWidget]:
+    """What can have the focus inside a widget just now, in Tab's order."""
+    found: list[QWidget] = []
+    at = inside
+    while True:
+        if at is not inside and inside.isAncestorOf(at) and _stops_at(at):
+            found.append(at)
+        at = at.nextInFocusChain()
+        if at is inside:
+            return found
+
+
+def _stops_at(widget: QWidget) -> bool:
+    return bool(widget.focusPolicy() & Qt.FocusPolicy.TabFocus) and widget.isVisible() and widget.isEnabled()
+
+
+def nameless(inside: QWidget) -> list[str]:
+    """What can be pressed or typed in, or has the focus, and says nothing of itself to a screen reader."""
+    return [
+        f"{type(widget).__name__} {widget.objectName()} in {type(widget.parent()).__name__}"
+        for widget in inside.findChildren(QWidget)
+        if widget.isVisible() and (_stops_at(widget) or isinstance(widget, AskingButton)) and not _spoken(widget)
+    ]
+
+
+def _spoken(widget: QWidget) -> str:
+    parent = widget.parentWidget()
+    if isinstance(parent, QAbstractScrollArea) and parent.viewport() is widget:
+        return _spoken(parent)
+    return QAccessible.queryAccessibleInterface(widget).text(QAccessible.Text.Name).strip()
+
+
+def against_the_eye(stops: list[QWidget], inside: QWidget) -> list[tuple[str, str]]:
+    """Neighbours in an order whose later one ends above where the other begins, or left of it in the same row."""
+    return list(_wrong(stops, inside))
+
+
+def _wrong(stops: list[QWidget], inside: QWidget) -> Iterator[tuple[str, str]]:
+    for one, other in pairwise(stops):
+        first, second = one.mapTo(inside, QPoint(0, 0)), other.mapTo(inside, QPoint(0, 0))
+        above = second.y() + other.height() <= first.y()
+        same_row = second.y() < first.y() + one.height() and first.y() < second.y() + other.height()
+        if (above and second.x() < first.x() + one.width()) or (same_row and second.x() + other.width() <= first.x()):
+            yield _spoken(one), _spoken(other)
