@@ -26,8 +26,8 @@ def knows(*modules: str) -> bool:
 
 
 def clean() -> dict[str, str]:
-    # Debian's Python must not see this environment's packages.
-    hidden = ("PYTHONPATH", "PYTHONHOME", "VIRTUAL_ENV")
+    # Debian's Python must not see this environment's packages; and rviz is to be seen, unlike the windows of tests.
+    hidden = ("PYTHONPATH", "PYTHONHOME", "VIRTUAL_ENV", "QT_QPA_PLATFORM")
     return {name: value for name, value in os.environ.items() if name not in hidden}
 
 
