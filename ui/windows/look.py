@@ -172,6 +172,12 @@ def _sheet(worn: Palette) -> str:
         border: {RING}px solid {worn.accent}; padding: {GAP // 2 - 1}px;
     }}
     QComboBox::drop-down {{ border: none; width: {3 * GAP}px; }}
+    QSlider[fine="true"]::groove {{ height: 4px; border-radius: 2px; background: {worn.line}; }}
+    QSlider[fine="true"]::sub-page {{ border-radius: 2px; background: {worn.accent}; }}
+    QSlider[fine="true"]::handle {{
+        width: 12px; margin: -5px 0; border: 1px solid {worn.line}; border-radius: 6px; background: {worn.panel};
+    }}
+    QSlider[fine="true"]::handle:focus {{ border: {RING}px solid {worn.accent}; width: 10px; }}
     QCheckBox {{ spacing: {GAP}px; }}
     QCheckBox::indicator {{
         width: 14px; height: 14px; border: 1px solid {worn.line}; border-radius: 3px; background: {worn.panel};

@@ -235,6 +235,7 @@ def test_search_puts_exact_names_first_and_knows_old_ones() -> None:
     form = quick(WRITTEN).form
     assert found(form, "alpha1")[0].key == "noise.odometry.alpha1"
     assert found(form, "pdist_scale")[0].key == "robot.TrajectoryPlannerROS.path_distance_bias"
+    assert [field.key for field in found(quick("").form, "pdist")] == ["robot.TrajectoryPlannerROS.path_distance_bias"]
     assert found(form, "  ") == ()
 
 

@@ -148,13 +148,13 @@ def draft_of(path: Path, text: str) -> Draft:
 
 
 def found(form: Group, words: str) -> tuple[Field, ...]:
-    """The fields in whose key, name or help each of these words occurs, exact names first."""
+    """The fields in whose key, name (old ones, too) or help each of these words occurs, exact names first."""
     wanted = [word.replace(" ", "_") for word in words.lower().split()]
     if not wanted:
         return ()
 
     def told(field: Field) -> str:
-        return f"{field.key} {field.place} {field.label} {field.help} {' '.join(field.choices)}".lower()
+        return f"{field.key} {' '.join(field.places)} {field.label} {field.help} {' '.join(field.choices)}".lower()
 
     def rank(field: Field) -> tuple[bool, bool, bool]:
         name, said = field.key.rpartition(".")[2].lower(), "_".join(wanted)

@@ -71,6 +71,7 @@ class Field:
         written: as YAML, what stands in the file; None when it is silent.
         place: the path at which it stands in the file, or would; an old name of it, for example.
         line: where that is, counted from 1.
+        places: all paths at which it may stand in a file.
     """
 
     key: str
@@ -86,6 +87,7 @@ class Field:
     written: str | None
     place: str
     line: int | None
+    places: tuple[str, ...]
 
     @property
     def value(self) -> str:
@@ -296,6 +298,7 @@ class _Builder:
             written=source_of(self._text, self._tree, place),
             place=place,
             line=None if node is None else node.line,
+            places=tuple(places),
         )
         self._made[key] = made
         return made

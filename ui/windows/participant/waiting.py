@@ -8,7 +8,7 @@ from ui.model.screen import Waiting
 from ui.windows import look
 from ui.windows.look import GAP, RADIUS, colours, font
 from ui.windows.participant.buttons import ActionButton, AskingButton, Face
-from ui.windows.participant.painting import box, chip, chip_size, ring
+from ui.windows.participant.painting import box, chip, chip_size, key_cap, key_size, ring
 from ui.windows.participant.panels import set_text
 
 
@@ -35,7 +35,7 @@ class WaitingChip(AskingButton):
         metrics = QFontMetricsF(font("small"))
         text = self._waiting.text if self._waiting is not None else ""
         wide = min(190.0, max(90.0, metrics.horizontalAdvance(text) / 2.0 + 2 * GAP))
-        return QSize(int(wide + chip_size() + 3 * GAP), int(2 * metrics.height() + GAP))
+        return QSize(int(wide + chip_size() + 3 * GAP + self._key_room()), int(2 * metrics.height() + GAP))
 
     def paintEvent(self, _event: QPaintEvent) -> None:
         """Draw the chip and the words."""
@@ -51,8 +51,18 @@ class WaitingChip(AskingButton):
         chip(painter, QPointF(rect.left() + GAP + chip_size() / 2, rect.center().y()), self._waiting.robot)
         painter.setFont(font("small"))
         painter.setPen(QColor(worn.text))
-        area = rect.adjusted(1.75 * GAP + chip_size(), 2, -GAP, -2)
+        area = rect.adjusted(1.75 * GAP + chip_size(), 2, -GAP - self._key_room(), -2)
         painter.drawText(area, Qt.AlignmentFlag.AlignVCenter | Qt.TextFlag.TextWordWrap, self._waiting.text)
+        key = self._waiting.show.key
+        if key:
+            wide, high = key_size(key)
+            cap = QRectF(rect.right() - GAP - wide, rect.center().y() - high / 2.0, wide, high)
+            key_cap(painter, cap, key, worn.muted)
+
+    def _key_room(self) -> float:
+        """What its key takes of the width."""
+        key = self._waiting.show.key if self._waiting is not None else ""
+        return key_size(key)[0] + GAP / 2.0 if key else 0.0
 
 
 class Sideways(QScrollArea):

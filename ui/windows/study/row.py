@@ -182,6 +182,7 @@ class Row(QWidget):
 
     def _made_slider(self, field: Field) -> QSlider:
         slider = _Slider(Qt.Orientation.Horizontal)
+        slider.setProperty("fine", True)
         slider.setRange(0, _STEPS)
         slider.setPageStep(_STEPS // 20)
         slider.setAccessibleName(f"{field.label}, slider")
