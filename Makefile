@@ -1,6 +1,6 @@
 # `make play` and `make test` are all that most people need; both set up what is missing first.
 .NOTPARALLEL:
-.PHONY: help play test check test-slow bench setup peers maps stress lock
+.PHONY: help play test check test-slow bench setup peers maps pictures stress lock
 
 BIN := .venv/bin
 
@@ -36,6 +36,9 @@ peers: ## Install the ROS tools and Java that tests/peers plays against (as root
 
 maps: setup ## Draw the maps that come with the project anew.
 	$(BIN)/python scripts/draw_maps.py
+
+pictures: setup ## Draw the windows for docs/windows-gallery.md anew.
+	$(BIN)/python scripts/draw_windows.py $(ARGS)
 
 lock: setup ## Pin the dependencies of pyproject.toml anew; existing pins stay where they can.
 	$(BIN)/uv pip compile pyproject.toml --extra gui --group dev --python-version 3.11 --generate-hashes \

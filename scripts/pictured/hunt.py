@@ -1,0 +1,124 @@
+"""A real game in this process, and the model of the participant's window that is told of it."""
+
+from collections.abc import Callable, Sequence
+from dataclasses import replace
+from pathlib import Path
+
+from sim.observations import TICK
+from thbridge.app.compose import read_setting
+from thbridge.app.config import Study
+from thbridge.app.play import NoLog
+from thbridge.app.session import Session
+from thbridge.roles.requests import Request
+from thbridge.roles.tabui import Seen, TabUI
+from thbridge.roles.view import View, Wish
+from thbridge.wire.router import Router
+from ui.model.participant import Participant
+from ui.model.playing.offers import offer
+from ui.model.screen import Act, ConsiderRoom, GiveAnswer, PickName, Screen
+
+LIMIT = 120.0
+"""Simulated seconds after which what is waited for will not come any more."""
+
+
+class Hunt:
+    """Plays as a person at the window would; time goes on only here.
+
+    Args:
+        study: what is played; its paths are absolute.
+
+    Attributes:
+        model: of the window.
+        now: seconds of the window's clock.
+        shade: what the window is told in place of what the game said.
+        levels: the latest of each kind that the game said.
+    """
+
+    def __init__(self, study: Study) -> None:
+        self.model = Participant()
+        self.now = 0.0
+        self.shade: Callable[[Seen], Seen] = lambda seen: seen
+        self.levels: dict[type[Seen], Seen] = {}
+        setting = read_setting(study, Path())
+        self._tabui = TabUI(self, self)
+        self._session = Session(
+            Router(), setting.keeper(), [setting.simr(), setting.hider()], NoLog(), participant=self._tabui
+        )
+        self.model.connected(self.now)
+        self.until(lambda screen: bool(screen.cards))
+        self.run(0.2)
+
+    def saw(self, level: Seen) -> None:
+        """The game says this."""
+        self.levels[type(level)] = level
+        self.model.hear(self.shade(level), self.now)
+
+    def wishes(self, _view: View) -> Sequence[Wish]:
+        """What the window asks for."""
+        return self.model.wishes()
+
+    @property
+    def screen(self) -> Screen:
+        """What the window shows now."""
+        return self.model.screen(self.now)
+
+    def run(self, seconds: float) -> None:
+        """Let the game go on."""
+        for _ in range(round(seconds / TICK)):
+            self.now += TICK
+            self._tabui.look_again()
+            self._session.step()
+            self.model.robots(self.now)  # as a window does in each frame: trails are of what was seen
+
+    def ask(self, request: Request) -> None:
+        """Have this done to the robots, as a researcher can."""
+        self._session.ask("watch", request)
+
+    def until(self, holds: Callable[[Screen], bool]) -> None:
+        """Let the game go on until this holds. Raises RuntimeError when it never does."""
+        for _ in range(round(LIMIT / TICK)):
+            if holds(self.screen):
+                return
+            self.run(TICK)
+        told = "; ".join(line.text for line in self.screen.history[-4:])
+        raise RuntimeError(f"what is waited for does not come; what happened last: {told}")
+
+    def do(self, act: Act) -> None:
+        """Do what the window offers. Raises RuntimeError when it does not."""
+        offered = offer(self.screen, act)
+        if not isinstance(act, ConsiderRoom | PickName) and (offered is None or not offered.enabled):
+            raise RuntimeError(f"{act} is not possible: {offered}")
+        self.model.do(act, self.now)
+
+    def asked(self) -> None:
+        """Wait until a robot has asked something that can be answered."""
+        self.until(lambda screen: bool(getattr(screen.pop, "choices", ())))
+
+    def agree(self) -> None:
+        """Say yes to all that the robot whose talk is shown asks."""
+        self.asked()
+        while getattr(self.screen.pop, "choices", ()):
+            self.do(GiveAnswer(0))
+            self.run(0.2)
+
+    def send(self, act: Act) -> None:
+        """Have the robot selected go somewhere, and agree to what it says."""
+        self.do(act)
+        self.agree()
+
+    def reached(self) -> None:
+        """Wait until a robot has told what it sees in the room that it came to."""
+        self.until(lambda screen: bool(getattr(screen.pop, "colour", "")))
+
+    def tell(self, change: Callable[[View], View]) -> None:
+        """Have the game's view changed in this way from now on."""
+        self.shade = lambda seen: change(seen) if isinstance(seen, View) else seen
+        view = self.levels[View]
+        self.model.hear(self.shade(view), self.now)
+
+
+def with_robot(view: View, robot: int, **changes: object) -> View:
+    """A view in which a robot is otherwise."""
+    robots = list(view.robots)
+    robots[robot] = replace(robots[robot], **changes)
+    return replace(view, robots=tuple(robots))

@@ -1,0 +1,343 @@
+"""The participant's window, in the states of a hunt."""
+
+import tempfile
+from collections.abc import Callable, Iterator
+from dataclasses import replace
+from pathlib import Path
+
+import numpy as np
+from PySide6.QtWidgets import QApplication, QMessageBox
+
+from pictured.hunt import Hunt, with_robot
+from pictured.shot import Shot, Story
+from sim.geometry import Pose2
+from sim.inputs import Carry, Localize
+from thbridge.app.config import ParticipantSection, ShowsSection, Study
+from thbridge.hunt.events import Condition
+from thbridge.roles.notices import Whereabouts
+from thbridge.roles.tabui import Seen
+from thbridge.roles.view import View
+from ui.games import PRACTICE
+from ui.model.lobby import Offer, Preparing
+from ui.model.participant import Participant
+from ui.model.screen import (
+    ChooseRobot,
+    ChooseRoom,
+    ConsiderRoom,
+    DontKnow,
+    EndGame,
+    LeaveIt,
+    Meant,
+    NameIt,
+    NotYet,
+    PickName,
+    ShowHelp,
+    ShowNext,
+    ShowWaiting,
+    TakeThePicture,
+)
+from ui.model.theme import LIGHT
+from ui.windows.link import Heard, Joined, Link
+from ui.windows.look import Appearance
+from ui.windows.participant import ParticipantWindow
+from ui.windows.table import Game, Table
+
+SIZE = (1200, 800)
+
+CONSENT = """\
+Thank you for your interest in this study of how people and robots decide together.
+
+You will command a team of robots that look for treasures in a house. This takes about twenty minutes. What you do in \
+the game is recorded under a number, not under your name.
+
+You may stop at any time and need not say why; close the window, and nothing more is recorded. Nobody will ask you to \
+explain it, and you keep your compensation.
+
+The recordings are kept for ten years and may be published without anything that tells who you are. If you have a \
+question, please ask it now, before you begin.
+
+By pressing the button you say that you are eighteen or older, that you have read this text, and that you take part of \
+your own will.
+"""
+
+
+def window_on(model: Participant, clock: Callable[[], float]) -> ParticipantWindow:
+    """A window of the usual size."""
+    window = ParticipantWindow(model, clock, LIGHT)
+    window.resize(*SIZE)
+    window.show()
+    return window
+
+
+def shot(name: str, window: ParticipantWindow) -> Shot:
+    """A picture of a window."""
+    return Shot(name, window, window.set_palette, settled=lambda: not window.top.score.is_counting)
+
+
+# Before a game --------------------------------------------------------------------------------------------------------
+
+
+def before() -> Iterator[Shot]:
+    """Start page, being made ready, connecting."""
+    table = Table(Appearance(_application(), "light"), lambda _: None)
+    table.resize(*SIZE)
+    table.show()
+    table.hear(Offer(1, 4, 2))
+    yield Shot("start", table)
+    table.hear(Offer(2, 2, 2))
+    yield Shot("start-no-choice", table)
+    table.hear(Preparing("The robots are being made ready."))
+    yield Shot("preparing", table)
+    table.leave()
+    yield shot("connecting", window_on(Participant(), lambda: 0.0))
+
+
+def consent() -> Iterator[Shot]:
+    """The text that a study has participants agree to."""
+    with tempfile.TemporaryDirectory() as folder:
+        text = Path(folder) / "consent.txt"
+        text.write_text(CONSENT, encoding="utf-8")
+        hunt = Hunt(Study(participant=ParticipantSection(consent=text)))
+    yield shot("consent", window_on(hunt.model, lambda: hunt.now))
+
+
+def practice() -> Iterator[Shot]:
+    """The practice game, with its strip of advice."""
+    hunt = Hunt(PRACTICE)
+    hunt.send(ChooseRoom(1))
+    hunt.reached()
+    game = Game(_Told(hunt), Appearance(_application(), "light"), True, lambda: None, lambda: hunt.now)
+    game.resize(*SIZE)
+    game.show()
+    game.setFocus()
+    game.pump()
+    yield Shot("practice", game, game.window_of_game.set_palette)
+    game.leave()
+
+
+class _Told(Link):
+    """A link over which everything has been said already."""
+
+    def __init__(self, hunt: Hunt) -> None:
+        super().__init__("", 0, "")
+        self._said = [Heard(hunt.now, news) for news in (Joined(), *hunt.levels.values())]
+
+    def start(self) -> None:
+        """It is not connected to anything."""
+
+    def stop(self) -> None:
+        """Nothing has to be ended."""
+
+    def take(self) -> list[Heard]:
+        """All at once."""
+        heard, self._said = self._said, []
+        return heard
+
+
+def _application() -> QApplication:
+    application = QApplication.instance()
+    if not isinstance(application, QApplication):
+        raise RuntimeError("windows need an application")
+    return application
+
+
+# A hunt ---------------------------------------------------------------------------------------------------------------
+
+
+def hunting() -> Iterator[Shot]:
+    """Three robots, from the first choice of a room to the end."""
+    hunt = Hunt(Study(robots=3))
+    window = window_on(hunt.model, lambda: hunt.now)
+    hunt.do(ConsiderRoom(6))
+    yield shot("begin", window)
+    hunt.do(ChooseRoom(6))
+    yield shot("thinking", window)
+    hunt.asked()
+    yield shot("talk", window)
+    hunt.agree()
+    hunt.do(ConsiderRoom(None))
+    hunt.do(ChooseRobot(1))
+    hunt.send(DontKnow())
+    hunt.reached()
+    yield shot("treasure", window)
+    hunt.do(TakeThePicture())
+    hunt.until(lambda screen: getattr(screen.pop, "picture", None) is not None)
+    hunt.do(PickName("Pink can"))
+    yield shot("picture", window)
+    hunt.do(NameIt())
+    hunt.until(lambda screen: getattr(screen.pop, "verdict", None) is not None)
+    yield shot("verdict", window)
+    hunt.do(ShowNext())
+    hunt.reached()
+    hunt.do(PickName("Blue Bottle"))
+    hunt.do(NameIt())
+    hunt.until(lambda screen: getattr(screen.pop, "verdict", None) is not None)
+    yield shot("verdict-wrong", window)
+    hunt.do(ShowNext())
+    yield from _at_work(hunt, window)
+    yield from _queue(hunt, window)
+    yield from _end(hunt, window)
+
+
+def _at_work(hunt: Hunt, window: ParticipantWindow) -> Iterator[Shot]:
+    """Robot 1 is under way, robot 2 waits for it."""
+    for robot, room in ((1, 1), (0, 2)):
+        hunt.do(ChooseRobot(robot))
+        hunt.send(ChooseRoom(room))
+    hunt.run(8.0)
+    hunt.shade = _waiting_for
+    hunt.run(0.2)
+    hunt.do(ConsiderRoom(7))
+    yield shot("playing", window)
+    hunt.do(ConsiderRoom(None))
+    hunt.shade = lambda seen: seen
+    hunt.do(ShowHelp())
+    yield shot("help", window)
+    hunt.do(ShowHelp())
+    window.waiting.history.click()
+    yield shot("history", window)
+    window.waiting.history.click()
+
+
+def _waiting_for(seen: Seen) -> Seen:
+    """Robot 2 waits for robot 1."""
+    if not isinstance(seen, Whereabouts):
+        return seen
+    motions = list(seen.motions)
+    motions[1] = replace(motions[1], doing="waiting", waits_for=0)
+    return replace(seen, motions=tuple(motions))
+
+
+def _queue(hunt: Hunt, window: ParticipantWindow) -> Iterator[Shot]:
+    """Two robots arrive while the third one asks something; then what cannot be taken back."""
+    hunt.do(ChooseRoom(5))
+    yield shot("question-change", window)
+    hunt.do(NotYet())
+    hunt.do(ChooseRobot(2))
+    hunt.do(ChooseRoom(8))
+    hunt.asked()
+    hunt.until(lambda screen: sum("found" in waiting.text for waiting in screen.waiting) == 2)
+    yield shot("queue", window)
+    hunt.agree()
+    while hunt.screen.pop is not None:
+        hunt.do(ShowNext())
+    hunt.run(1.0)
+    hunt.model.lost("The server does not answer.", hunt.now)
+    hunt.now += 12.0
+    yield shot("lost-connection", window)
+    hunt.model.connected(hunt.now)
+    hunt.run(0.2)
+    hunt.model.do(ChooseRoom(6), hunt.now)
+    yield shot("refused", window)
+    hunt.now += 10.0
+    hunt.run(0.2)
+    hunt.tell(_in_trouble)
+    yield shot("trouble", window)
+    hunt.tell(lambda view: view)
+
+
+def _in_trouble(view: View) -> View:
+    """One robot is lost, one has no energy left, one does not answer."""
+    lost = with_robot(view, 0, condition=Condition.LOST, moving_to=None)
+    spent = with_robot(lost, 1, energy=0.0, blocked=True, moving_to=None)
+    return with_robot(spent, 2, condition=Condition.SILENT)
+
+
+def _end(hunt: Hunt, window: ParticipantWindow) -> Iterator[Shot]:
+    """All are called back, and the game is ended."""
+    hunt.until(lambda screen: all(card.progress is None for card in screen.cards))
+    hunt.reached()
+    for robot in (2, 1, 0):
+        if hunt.screen.pop is None:
+            hunt.do(ShowWaiting(robot))
+        hunt.do(LeaveIt())
+        hunt.run(0.2)
+    hunt.do(EndGame())
+    yield shot("question-end", window)
+    hunt.do(Meant())
+    hunt.until(lambda screen: screen.ending is not None)
+    yield shot("over", window)
+
+
+def sure() -> Iterator[Shot]:
+    """A study that shows how sure robots are of their places, and where they are."""
+    shows = ShowsSection(uncertainty=True, truth=True)
+    hunt = Hunt(Study(participant=ParticipantSection(shows=shows)))
+    hunt.send(ChooseRoom(8))
+    hunt.do(ChooseRobot(1))
+    hunt.send(ChooseRoom(1))
+    hunt.run(6.0)
+    hunt.ask(Carry(0, Pose2(4.2, 0.6, 2.5)))
+    hunt.ask(Localize(1, Pose2(0.2, 2.6, 2.0), np.diag([0.3, 0.1, 0.1])))
+    hunt.run(0.3)
+    yield shot("uncertainty", window_on(hunt.model, lambda: hunt.now))
+
+
+def crowd() -> Iterator[Shot]:
+    """Six robots and twelve rooms."""
+    hunt = Hunt(Study(map="warehouse12", templates="sklar-azhar-2015", robots=6))
+    for robot, room in enumerate((5, 12, 3, 9)):
+        hunt.do(ChooseRobot(robot))
+        hunt.send(ChooseRoom(room))
+    hunt.run(3.0)
+    hunt.do(ConsiderRoom(7))
+    yield shot("six-robots", window_on(hunt.model, lambda: hunt.now))
+
+
+def leaving() -> Iterator[Shot]:
+    """The question that closing the window asks in the middle of a game."""
+    hunt = Hunt(Study())
+    table = Table(Appearance(_application(), "light"), lambda _: None, lambda: hunt.now)
+    table.resize(*SIZE)
+    table.show()
+    table.join(_Told(hunt))
+    if table.game is None:
+        raise RuntimeError("the table has no game")
+    game = table.game
+    game.pump()
+    table.close()
+    box = table.findChild(QMessageBox)
+    yield Shot("leave", table, game.window_of_game.set_palette, over=box)
+    table.leave()
+
+
+STORIES = (
+    Story(
+        "The participant, before a game",
+        {
+            "start": "Start page",
+            "start-no-choice": "Start page of a study that allows one number of robots",
+            "preparing": "A game is being made ready",
+            "connecting": "The game is not reached yet",
+        },
+        before,
+    ),
+    Story("Consent", {"consent": "Consent"}, consent),
+    Story("Practice", {"practice": "Practice game, with its advice above the map"}, practice),
+    Story(
+        "A hunt",
+        {
+            "begin": "The game begins; room 6 is looked at",
+            "thinking": "A room is chosen; the robot thinks",
+            "talk": "The robot asks",
+            "treasure": "A treasure is sensed",
+            "picture": "Its picture was taken, and a name is picked",
+            "verdict": "A right name",
+            "verdict-wrong": "A wrong name",
+            "playing": "Robot 1 drives, robot 2 waits for it, robot 3 rests; a visited room and two reserved ones",
+            "help": "Keys (F1)",
+            "history": "The history is open",
+            "question-change": "Change of goal under way",
+            "queue": "Two robots wait while the third one asks",
+            "lost-connection": "The connection is lost",
+            "refused": "What cannot be done is said",
+            "trouble": "A robot is lost, one has no energy left, one does not answer",
+            "question-end": "The game is to be ended",
+            "over": "The game is over",
+        },
+        hunting,
+    ),
+    Story("How sure robots are", {"uncertainty": "A study that shows the belief and the truth"}, sure),
+    Story("Many robots", {"six-robots": "Six robots and twelve rooms"}, crowd),
+    Story("Leaving", {"leave": "The window is closed in the middle of a game"}, leaving),
+)

@@ -1,0 +1,196 @@
+"""The researcher's window: on a recording, and at a session under way with somebody speaking for a robot."""
+
+import tempfile
+from collections.abc import Callable, Iterator, Mapping, Sequence
+from dataclasses import replace
+from pathlib import Path
+
+from PySide6.QtWidgets import QApplication, QDialog, QDockWidget, QMessageBox
+
+from pictured.shot import Shot, Story
+from sim.geometry import Pose2
+from sim.inputs import Carry, Die, PutThing
+from thbridge.adapters.watch_client import Connected, WatchClient, WatchEvent
+from thbridge.app.broadcast import Broadcast, Listener
+from thbridge.app.compose import build_bot, read_setting
+from thbridge.app.config import Study
+from thbridge.app.play import PLAY, NoLog
+from thbridge.app.recording import BagWitness
+from thbridge.app.session import Session
+from thbridge.roles.requests import AdviseFor, Puppeteer, Request
+from thbridge.roles.tabui import TabUI
+from thbridge.ros.topics import Message
+from thbridge.wire import legacy
+from thbridge.wire.router import Router
+from thbridge.wire.watching import STATUS, Said, Status
+from ui.model.theme import LIGHT
+from ui.model.watching.tools import obstacle
+from ui.windows.researcher import session
+from ui.windows.researcher.displays import Display
+from ui.windows.researcher.recording import Opening, Recording
+from ui.windows.researcher.window import ResearcherWindow
+
+SIZE = (1440, 900)
+STUDY = replace(Study(), seed=7, robots=3)
+TICKS = 1500
+BEFALLS: Mapping[int, Request] = {
+    100: PutThing(obstacle("crate", "box", Pose2(0.0, 0.0, 0.0), 0.5)),
+    900: Carry(2, Pose2(-2.869, -2.97, 0.0)),
+    1300: Die(1),
+}
+"""What befalls the hunt that is recorded, by tick."""
+SPOKEN_FOR: Mapping[int, Request] = {
+    0: Puppeteer(0, on=True),
+    1: Puppeteer(1, on=True),
+    40: AdviseFor(0, 4),
+}
+"""Robot 1 has been told where to go and is to say so; robot 2 is asked."""
+
+
+def play(listeners: Sequence[Listener], ticks: int, befalls: Mapping[int, Request]) -> None:
+    """The beginning of a hunt with a simulated participant."""
+    setting = read_setting(STUDY, Path())
+    participant = TabUI(build_bot(setting.templates, STUDY.participant.strategy, STUDY.seed))
+    said = setting.record(PLAY, [legacy.SIMR, legacy.HIDER, legacy.TABUI], "suggestion")
+    witness = BagWitness(Broadcast(setting.publisher(), said, setting.place.grid, listeners))
+    roles = [setting.simr(), setting.hider()]
+    hunt = Session(Router(), setting.keeper(), roles, NoLog(), [witness], participant)
+    for tick in range(ticks):
+        if tick in befalls:
+            hunt.ask("watch", befalls[tick])
+        hunt.step()
+
+
+# A recording ----------------------------------------------------------------------------------------------------------
+
+
+def recorded() -> Iterator[Shot]:
+    """Half a minute of three robots; robot 3 has just been carried away."""
+    with tempfile.TemporaryDirectory() as folder:
+        bag = Path(folder) / "hunt.bag"
+        with read_setting(STUDY, Path()).writer(bag) as writer:
+            play([writer], TICKS, BEFALLS)
+        window = ResearcherWindow(Recording(Opening(bag)), "hunt.bag", LIGHT, lambda: 0.0)
+        window.resize(*SIZE)
+        window.show()
+        _wait(lambda: window.transport.state.text() == "recording")
+        window.transport.timeline.setValue(19_200)
+        window.select(2)
+        _refreshed(window)
+        yield shot("recording", window)
+        for display in (Display.GLOBAL_COSTMAP, Display.LOCAL_COSTMAP):
+            window.displays.toggle(display)
+        window.select(0)
+        window.transport.timeline.setValue(8_000)
+        _raise(window, "Dialogue")
+        _refreshed(window)
+        yield shot("recording-costmaps", window)
+        window.show_keys()
+        sheet = window.findChild(QDialog)
+        yield shot("researcher-keys", window, sheet)
+        if sheet is not None:
+            sheet.close()
+        window.close()
+
+
+# A session under way --------------------------------------------------------------------------------------------------
+
+
+class _Heard(WatchClient):
+    """A connection over which all has been said already."""
+
+    def __init__(self, events: list[WatchEvent]) -> None:
+        super().__init__("", 0)
+        self._said = events
+
+    def take(self) -> list[WatchEvent]:
+        """All at once."""
+        said, self._said = self._said, []
+        return said
+
+    def send(self, line: bytes) -> bool:
+        """Nobody listens."""
+        return True
+
+
+class _Connection(session.Connection):
+    """To nobody: no thread, no network."""
+
+    def __init__(self, client: WatchClient) -> None:
+        self.client = client
+
+    def close(self) -> None:
+        """Nothing is open."""
+
+
+class _Ear:
+    """Hears what a session says."""
+
+    def __init__(self) -> None:
+        self.said: list[WatchEvent] = [Connected()]
+
+    def take(self, tick: int, messages: Sequence[Message]) -> None:
+        """Keep it."""
+        self.said += [Said(each.topic.name, each.topic.msgtype, each.stamp_ns, each.data) for each in messages]
+
+
+def live() -> Iterator[Shot]:
+    """A session in which the researcher speaks for robot 1."""
+    ear = _Ear()
+    play([ear], 700, SPOKEN_FOR)
+    status = Status(paused=False, rate=1.0, lag=0.0, watchers=1, dropped=0)
+    ear.said.append(Said(STATUS, "std_msgs/String", 14_000_000_000, status.data()))
+    feed = session.Session(_Connection(_Heard(ear.said)), "127.0.0.1:6010")
+    window = ResearcherWindow(feed, "127.0.0.1:6010", LIGHT, lambda: 0.0)
+    window.resize(*SIZE)
+    window.show()
+    _raise(window, "Wizard")
+    _refreshed(window)
+    yield shot("live-wizard", window)
+    window.kill.emit()
+    box = window.findChild(QMessageBox)
+    yield shot("kill", window, box)
+    if box is not None:
+        box.close()
+    window.close()
+
+
+def shot(name: str, window: ResearcherWindow, over: QDialog | None = None) -> Shot:
+    """A picture of the window."""
+    return Shot(name, window, window.set_palette, over)
+
+
+def _raise(window: ResearcherWindow, title: str) -> None:
+    for dock in window.findChildren(QDockWidget):
+        if dock.windowTitle() == title:
+            dock.raise_()
+
+
+def _refreshed(window: ResearcherWindow) -> None:
+    """Lists and plots take part in every tenth picture only."""
+    for _ in range(12):
+        window.refresh()
+        QApplication.processEvents()
+
+
+def _wait(holds: Callable[[], bool]) -> None:
+    while not holds():
+        QApplication.processEvents()
+
+
+STORIES = (
+    Story(
+        "The researcher: a recording",
+        {
+            "recording": "A recording: robot 3 has been carried away and believes to be where it was",
+            "recording-costmaps": "Costmaps of robot 1, and what was said",
+            "researcher-keys": "The researcher's keys (F1)",
+        },
+        recorded,
+    ),
+    Story(
+        "The researcher: a session under way",
+        {"live-wizard": "A session under way; the researcher speaks for robots 1 and 2", "kill": "A robot is to die"},
+        live,
+    ),
+)

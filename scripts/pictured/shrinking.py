@@ -1,0 +1,46 @@
+"""Pictures of windows as small files: few colours, and those that matter."""
+
+import io
+
+import numpy as np
+from numpy.typing import NDArray
+from PIL import Image
+
+LARGEST = 60_000
+"""Bytes that a picture should have at most; a busy one of double size has some more."""
+PALETTES = (128, 64, 40, 26)
+"""Numbers of colours that are tried, the most first."""
+RARE = 100_000
+"""One pixel of so many must have a colour for it to count."""
+_WEIGHTS = np.array([65536, 256, 1], dtype=np.uint32)
+
+
+def shrunk(picture: Image.Image) -> bytes:
+    """A PNG of few colours: as many as fit."""
+    pixels = np.asarray(picture, dtype=np.uint32)
+    codes, places, counts = np.unique(pixels @ _WEIGHTS, return_inverse=True, return_counts=True)
+    colours = (codes[:, None] // _WEIGHTS % 256).astype(np.float32)
+    data = b""
+    for number in PALETTES:
+        chosen = colours[palette_of(colours, counts, number)]
+        nearest = np.argmin(((colours[:, None] - chosen[None]) ** 2).sum(axis=2), axis=1).astype(np.uint8)
+        few = Image.fromarray(nearest[places].reshape(pixels.shape[:2]), "P")
+        few.putpalette(chosen.astype(np.uint8).tobytes())
+        buffer = io.BytesIO()
+        few.save(buffer, "PNG", optimize=True)
+        data = buffer.getvalue()
+        if len(data) <= LARGEST:
+            break
+    return data
+
+
+def palette_of(colours: NDArray[np.float32], counts: NDArray[np.int64], number: int) -> list[int]:
+    """Which of (n, 3) colours to keep: half of them the most frequent, so that grounds stay as they are, then always
+    the one that is farthest from those kept, so that what is rare and tells something, as a robot's colour, stays."""
+    kept = np.argsort(-counts, kind="stable")[: number // 2].tolist()
+    frequent = counts >= counts.sum() / RARE
+    distance = ((colours[:, None] - colours[kept][None]) ** 2).sum(axis=2).min(axis=1)
+    while len(kept) < min(number, len(colours)):
+        kept.append(int(np.argmax(np.where(frequent, distance, 0.0))))
+        distance = np.minimum(distance, ((colours - colours[kept[-1]]) ** 2).sum(axis=1))
+    return kept

@@ -1,0 +1,94 @@
+"""The study file as a form."""
+
+import shutil
+import tempfile
+from collections.abc import Callable, Iterator
+from pathlib import Path
+
+from PySide6.QtTest import QTest
+from PySide6.QtWidgets import QApplication, QLineEdit
+
+from pictured.shot import Shot, Story
+from ui.windows.study import StudyWindow, study_window
+
+SIZE = (1240, 860)
+TEXT = """\
+# our pilot
+robots: 4   # two pairs
+game:
+  energy: 90  # enough for six rooms
+noise:
+  preset: bad wheels
+"""
+
+
+def edited() -> Iterator[Shot]:
+    """A small study file: a section, its noise, a fault, and what saving would change."""
+    # The window tells the folder, so it is always the same one.
+    folder = Path(tempfile.gettempdir()) / "studies"
+    folder.mkdir(exist_ok=True)
+    file = folder / "pilot.yaml"
+    file.write_text(TEXT, encoding="utf-8")
+    window = study_window(file)
+    window.resize(*SIZE)
+    window.show()
+    window.open_section("game")
+    yield shot("study-section", window)
+    window.open_section("noise")
+    yield shot("study-noise", window)
+    window.search.setText("pdist_scale")
+    yield shot("study-search", window)
+    window.search.clear()
+    _type(window, "game.energy", "-3")
+    yield shot("study-fault", window)
+    _type(window, "game.energy", "120")
+    _type(window, "game.picture_cost", "2")
+    window.show_changes()
+    yield shot("study-changes", window)
+    window.show_text()
+    yield shot("study-text", window)
+    window.editor.load_again()
+    _wait(lambda: window.editor.settled)
+    window.close()
+    shutil.rmtree(folder)
+
+
+def shot(name: str, window: StudyWindow) -> Shot:
+    """A picture of the window."""
+    return Shot(
+        name,
+        window,
+        lambda _: window.repaint_all(),
+        settled=lambda: window.editor.settled and not window.noise.busy,
+    )
+
+
+def _type(window: StudyWindow, key: str, said: str) -> None:
+    """As by hand."""
+    window.open_field(key)
+    line = window.fields.rows[key].findChild(QLineEdit)
+    if line is not None:
+        line.selectAll()
+        QTest.keyClicks(line, said)
+    _wait(lambda: window.editor.settled)
+
+
+def _wait(holds: Callable[[], bool]) -> None:
+    while not holds():
+        QApplication.processEvents()
+
+
+STORIES = (
+    Story(
+        "The admin: a study file",
+        {
+            "study-section": "A section of the form",
+            "study-noise": "Noise, and what it does",
+            "study-search": "A setting is looked for by ROS's old name of it",
+            "study-fault": "A fault, at its field and in the list",
+            "study-changes": "What saving would change",
+            "study-text": "The file as text",
+        },
+        edited,
+    ),
+)

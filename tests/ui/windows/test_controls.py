@@ -1,0 +1,50 @@
+"""Boxes have edges and signs that are seen, light and dark."""
+
+from collections.abc import Iterator
+
+import pytest
+from PySide6.QtGui import QImage
+from PySide6.QtWidgets import QApplication, QLineEdit, QWidget
+from pytestqt.qtbot import QtBot
+
+from ui.model.theme import DARK, LIGHT, Palette, contrast
+from ui.windows.controls import Choices, Tick
+from ui.windows.look import dress
+
+
+@pytest.fixture(params=[LIGHT, DARK], ids=["light", "dark"])
+def worn(request: pytest.FixtureRequest, qapp: QApplication) -> Iterator[Palette]:
+    dress(qapp, request.param)
+    yield request.param
+    dress(qapp, LIGHT)
+
+
+def drawn(qtbot: QtBot, widget: QWidget) -> QImage:
+    qtbot.addWidget(widget)
+    widget.resize(160, 32)
+    widget.show()
+    qtbot.waitExposed(widget)
+    return widget.grab().toImage()
+
+
+def colours_across(image: QImage, row: int, least: int, most: int) -> set[str]:
+    return {image.pixelColor(x, row).name() for x in range(least, most)}
+
+
+@pytest.mark.parametrize("made", [QLineEdit, Choices, lambda: Tick("")], ids=["line", "choices", "tick"])
+def test_edges_stand_out(qtbot: QtBot, worn: Palette, made) -> None:
+    image = drawn(qtbot, made())
+    inside = image.pixelColor(8, 16).name()
+    assert max(contrast(colour, inside) for colour in colours_across(image, 16, 0, 3)) >= 3.0
+
+
+def test_a_tick_is_told_by_its_shape_too(qtbot: QtBot, worn: Palette) -> None:
+    tick = Tick("")
+    tick.setChecked(True)
+    within = colours_across(drawn(qtbot, tick), 16, 4, 12)
+    assert max(contrast(colour, worn.accent) for colour in within) >= 3.0
+
+
+def test_choices_have_an_arrow(qtbot: QtBot, worn: Palette) -> None:
+    image = drawn(qtbot, Choices())
+    assert max(contrast(colour, worn.panel) for colour in colours_across(image, 16, 138, 150)) >= 3.0
