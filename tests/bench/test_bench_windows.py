@@ -10,6 +10,7 @@ import sys
 import time
 from collections.abc import Callable
 from functools import cache
+from pathlib import Path
 from random import Random
 
 import numpy as np
@@ -20,11 +21,15 @@ from pytestqt.qtbot import QtBot
 
 from tests.bench.film import Film, Shown, shoot
 from tests.peers.desktop import desktop, needs_desktop
+from tests.ui.windows.researcher.hunts import door
+from thbridge.adapters.watch_client import WatchClient
 from ui.model.screen import Screen
 from ui.model.theme import LIGHT
 from ui.windows import look
 from ui.windows.participant import ParticipantWindow
 from ui.windows.participant.cards import Card
+from ui.windows.researcher.session import Connection, Session
+from ui.windows.researcher.window import ResearcherWindow
 
 pytestmark = pytest.mark.bench
 
@@ -249,6 +254,31 @@ def test_from_a_press_to_the_screen(qtbot: QtBot, what: str) -> None:
 
 def at(place: QPoint) -> str:
     return f"mousemove {place.x()} {place.y()}"
+
+
+def test_a_researcher_watches_ten_robots(qtbot: QtBot, tmp_path: Path) -> None:
+    """A session under way in another process, with clouds, scans, plans and plots."""
+    with door(tmp_path / "hunt.bag", "--robots", "10", "--map", "warehouse12") as port:
+        session = Session(Connection(WatchClient("127.0.0.1", port)), "the session")
+        window = ResearcherWindow(session, "the session", LIGHT, time.monotonic)
+        qtbot.addWidget(window)
+        window.show()
+        qtbot.waitUntil(lambda: window.scene is not None and len(window.scene.robots) == 10, timeout=120_000)
+        qtbot.wait(3000)
+        paints = Paints(window.canvas)
+        beats: list[float] = []
+        timer = QTimer()
+        timer.timeout.connect(lambda: beats.append(time.thread_time()))
+        timer.start(5)
+        began, begun = time.perf_counter(), time.process_time()
+        qtbot.wait(int(1e3 * PLAYED))
+        share = (time.process_time() - begun) / (time.perf_counter() - began)
+        window.close()
+    gaps = [1e3 * gap for gap in np.diff(paints.times)]
+    tell(
+        f"researcher's window, 10 robots: {len(gaps) / PLAYED:.0f} frames/s, {spread(gaps)} apart; "
+        f"{100 * share:.0f} % of a core; it works at most {1e3 * np.diff(beats).max():.0f} ms at once"
+    )
 
 
 @needs_desktop
