@@ -95,8 +95,8 @@ class LiveSource:
         self._held: _Levels | None = None
         self._introductions = Introductions()
         self._cast = self._introductions.cast()
-        # Robots are told apart by their frames: what comes before those may seem to be of a robot that it is not of.
-        self._unowned: list[Said] = []
+        self._newcomers = False
+        self._unsorted: list[Said] = []
         self._messages = 0
 
     @property
@@ -134,6 +134,9 @@ class LiveSource:
             self._take(message)
         if said:
             self._heard = now
+        # Robots are told apart by their frames: what comes before those may seem to be of a robot that it is not of.
+        if self._tf_ns:
+            self._sort()
 
     def silent_for(self, now: float) -> float:
         """Seconds since the last message came; infinite before the first."""
@@ -155,7 +158,6 @@ class LiveSource:
                 self._begin()
                 for again in opening or ():
                     self._absorb(again)
-            # It is the first word of a tick, and says who there is.
             self._tf_ns = said.stamp_ns
         elif self._opening is not None:
             self._opening.append(said)
@@ -175,13 +177,15 @@ class LiveSource:
             self.story.take(said)
         if new:
             self._introductions.take(said)
-        if not self._tf_ns:
-            self._unowned.append(said)
-            return
-        if new:
+            self._newcomers = True
+        self._unsorted.append(said)
+
+    def _sort(self) -> None:
+        """Give each robot what is told of it; to find out who is who takes a while, and is done once for all topics."""
+        if self._newcomers:
+            self._newcomers = False
             self._cast = self._introductions.cast()
             self.series.follow(self._cast, self._introductions.mapped)
-        unowned, self._unowned = self._unowned, []
-        for earlier in unowned:
-            self.series.take(earlier)
-        self.series.take(said)
+        for said in self._unsorted:
+            self.series.take(said)
+        self._unsorted.clear()

@@ -1,5 +1,6 @@
 """A recording in the researcher's window: opened by a thread, read in pieces, played at any speed."""
 
+import gc
 import threading
 import time
 from collections.abc import Iterator
@@ -67,6 +68,11 @@ class Opening:
         return None
 
 
+def _keep_for_good() -> None:
+    """What was read stays until the end: looking through it for garbage would hold the window up for 0.1 s and more."""
+    gc.freeze()
+
+
 class Recording:
     """A recording; see `Feed`.
 
@@ -130,6 +136,7 @@ class Recording:
         self._playback = Playback(source.start_ns, source.end_ns)
         self._reading = source.scan()
         self.edition += 1
+        _keep_for_good()
 
     def work(self) -> bool:
         """Read some of what happened in all of it."""
@@ -141,6 +148,7 @@ class Recording:
                 share = next(self._reading, None)
                 if share is None:
                     self._whole = True
+                    _keep_for_good()
                     return False
                 self._share = share
         except BadFile as fault:
@@ -211,6 +219,7 @@ class Recording:
 
     def close(self) -> None:
         """Close the file, or give up opening it."""
+        gc.unfreeze()
         self._opening.give_up()
         if self._source is not None:
             self._source.close()

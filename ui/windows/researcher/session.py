@@ -10,8 +10,10 @@ from thbridge.adapters.text_client import LossReason, Lost
 from thbridge.adapters.watch_client import Connected, WatchClient
 from thbridge.app.watching import request_line
 from thbridge.roles.requests import Pause, Resume, SetRate, Step
+from thbridge.ros.names import MAP_FRAME
 from thbridge.ros.records import Session as SessionRecord
 from thbridge.wire.watching import Said, Status, status_in
+from ui.model.watching.frames import Frames
 from ui.model.watching.live import LiveSource
 from ui.model.watching.scene import Scene, Shown
 from ui.model.watching.series import Series
@@ -50,6 +52,8 @@ class Connection:
 
     def _run(self) -> None:
         asyncio.set_event_loop(self._loop)
+        # What takes half a second the first time would hold the window up.
+        Frames(()).planar(MAP_FRAME)
         try:
             self._loop.run_until_complete(self._listening)
         except asyncio.CancelledError:

@@ -21,15 +21,15 @@ from ui.windows.researcher.displays import Display
 from ui.windows.researcher.feed import Feed
 from ui.windows.researcher.hand import Hand
 from ui.windows.researcher.overlays import Overlays, drawn
-from ui.windows.researcher.plots import BAND, Curves
+from ui.windows.researcher.plots import BAND, PANELS, Curves
 from ui.windows.researcher.sign import Sign
 from ui.windows.researcher.team import RobotRow
 from ui.windows.researcher.transport import SPEEDS
 
 FRAME = 33
 """Milliseconds from one picture of the map to the next."""
-SLOW, PLOTTED = 5, 10
-"""Pictures of the map to one of the lists, and of the plots."""
+SLOW, PLOTTED = 5, 2
+"""Pictures of the map to one of the lists, and to one of the plots, which take turns."""
 NO_POINTS: FloatArray = np.empty((0, 2))
 ROUND: FloatArray = 0.2 * np.array([[math.cos(a), math.sin(a)] for a in np.linspace(0.0, 2.0 * math.pi, 17)[:-1]])
 """The body of a robot that never told of its own, metres."""
@@ -124,7 +124,7 @@ class ResearcherWindow(Deck):
             if scene is not None:
                 self._show_figures(scene)
         if self._frames % PLOTTED == 1:
-            self._show_plots()
+            self._show_plots(PANELS[self._frames // PLOTTED % len(PANELS)].name)
         for log in self.logs:
             log.show_time(time)
 
@@ -187,10 +187,10 @@ class ResearcherWindow(Deck):
         self.wizard.show_wizard(scene.wizard, len(scene.robots))
         self.tell_waiting(len(scene.wizard.turns) + len(scene.wizard.advice))
 
-    def _show_plots(self) -> None:
+    def _show_plots(self, panel: str) -> None:
         if self._scene is not None and self.plots.isVisible():
             series = self._feed.series
-            curves = [Curves(robot.robot, _figures(series.of(robot.robot))) for robot in self._scene.robots]
+            curves = [Curves(robot.robot, _figures(series.of(robot.robot), panel)) for robot in self._scene.robots]
             self.plots.show_curves(curves, self._feed.span)
         self.plots.show_time(self._feed.time)
 
@@ -254,15 +254,18 @@ def _row_of(robot: RobotScene) -> RobotRow:
     return RobotRow(robot.name, robot.state, robot.error, robot.deviation, robot.energy, robot.speed, trouble)
 
 
-def _figures(series: RobotSeries) -> dict[str, tuple[FloatArray, FloatArray]]:
-    """What is plotted of a robot."""
-    errors, doubts = series.errors.rows(), series.deviations.rows()
-    energy, speeds = series.energy.rows(), series.speeds.rows()
-    return {
-        "error": (errors[:, 0], errors[:, 1]),
-        "heading_error": (errors[:, 0], errors[:, 2]),
-        "sigma": (doubts[:, 0], doubts[:, 1]),
-        BAND: (doubts[:, 0], 2.0 * doubts[:, 1]),
-        "energy": (energy[:, 0], energy[:, 1]),
-        "speed": (speeds[:, 0], speeds[:, 1]),
-    }
+def _figures(series: RobotSeries, panel: str) -> dict[str, tuple[FloatArray, FloatArray]]:
+    """What is plotted of a robot in one panel, and beside it."""
+    match panel:
+        case "error":
+            errors, doubts = series.errors.rows(), series.deviations.rows()
+            return {panel: (errors[:, 0], errors[:, 1]), BAND: (doubts[:, 0], 2.0 * doubts[:, 1])}
+        case "heading_error":
+            rows, column = series.errors.rows(), 2
+        case "sigma":
+            rows, column = series.deviations.rows(), 1
+        case "energy":
+            rows, column = series.energy.rows(), 1
+        case _:
+            rows, column = series.speeds.rows(), 1
+    return {panel: (rows[:, 0], rows[:, column])}
