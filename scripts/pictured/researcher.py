@@ -30,7 +30,6 @@ from ui.windows.researcher.displays import Display
 from ui.windows.researcher.recording import Opening, Recording
 from ui.windows.researcher.window import ResearcherWindow
 
-SIZE = (1440, 900)
 STUDY = replace(Study(), seed=7, robots=3)
 TICKS = 1500
 BEFALLS: Mapping[int, Request] = {
@@ -71,7 +70,6 @@ def recorded() -> Iterator[Shot]:
         with read_setting(STUDY, Path()).writer(bag) as writer:
             play([writer], TICKS, BEFALLS)
         window = ResearcherWindow(Recording(Opening(bag)), "hunt.bag", LIGHT, lambda: 0.0)
-        window.resize(*SIZE)
         window.show()
         _wait(lambda: window.transport.state.text() == "recording")
         window.transport.timeline.setValue(19_200)
@@ -142,7 +140,6 @@ def live() -> Iterator[Shot]:
     ear.said.append(Said(STATUS, "std_msgs/String", 14_000_000_000, status.data()))
     feed = session.Session(_Connection(_Heard(ear.said)), "127.0.0.1:6010")
     window = ResearcherWindow(feed, "127.0.0.1:6010", LIGHT, lambda: 0.0)
-    window.resize(*SIZE)
     window.show()
     _raise(window, "Wizard")
     _refreshed(window)
