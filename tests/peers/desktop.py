@@ -142,7 +142,7 @@ def desktop(width: int = 1280, height: int = 860) -> Iterator[Desktop]:
     """A desktop, gone at the end with all that was started for it."""
     with ExitStack() as opened:
         display = _asked_for(
-            opened, ["Xvfb", "-displayfd", "{}", "-screen", "0", f"{width}x{height}x24", "-nolisten", "tcp"]
+            opened, ["Xvfb", "-displayfd", "{}", "-screen", "0", f"{width}x{height}x24", "-nolisten", "tcp", "-noreset"]
         )
         environment = {
             **{key: value for key, value in os.environ.items() if key not in ("QT_QPA_PLATFORM", "WAYLAND_DISPLAY")},

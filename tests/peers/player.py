@@ -3,8 +3,10 @@
 import re
 from collections.abc import Callable
 from dataclasses import dataclass
+from pathlib import Path
 
 from tests.peers.desktop import Desktop, Seen
+from tests.system.programs import Program
 
 PATIENCE = 120.0
 """Seconds; others may want the machine, too."""
@@ -259,3 +261,8 @@ class Keys(Player):
         if ", ready" in selected.name and sight.free:
             return str(sight.free[-1])
         return "Tab" if any(", ready" in card.name for card in sight.robots if card != selected) else None
+
+
+def on(screen: Desktop, folder: Path, *arguments: str) -> Program:
+    """A program whose windows open there."""
+    return Program(folder, *arguments, environment=screen.environment)

@@ -6,7 +6,7 @@ import signal
 import subprocess
 import sys
 import time
-from collections.abc import Callable
+from collections.abc import Callable, Mapping
 from pathlib import Path
 
 THBRIDGE = [sys.executable, "-c", "from ui.cli import main; main()"]
@@ -15,8 +15,9 @@ THBRIDGE = [sys.executable, "-c", "from ui.cli import main; main()"]
 class Program:
     """One `thbridge ...` process. Its output goes to a file, where a failing test can show it."""
 
-    def __init__(self, folder: Path, *arguments: str) -> None:
+    def __init__(self, folder: Path, *arguments: str, environment: Mapping[str, str] = os.environ) -> None:
         self.arguments = arguments
+        self.environment = environment
         self.folder = folder
         self.output = folder / f"{arguments[0]}-{time.monotonic_ns()}.txt"
         self._file = self.output.open("wb")
@@ -26,7 +27,7 @@ class Program:
             stdout=self._file,
             stderr=subprocess.STDOUT,
             stdin=subprocess.DEVNULL,
-            env={**os.environ, "PYTHONUNBUFFERED": "1", "COLUMNS": "200"},
+            env={**environment, "PYTHONUNBUFFERED": "1", "COLUMNS": "200"},
             start_new_session=True,
         )
 
@@ -43,7 +44,7 @@ class Program:
         return self.process.wait(30)
 
     def again(self) -> "Program":
-        return Program(self.folder, *self.arguments)
+        return Program(self.folder, *self.arguments, environment=self.environment)
 
     def close(self) -> None:
         if self.process.poll() is None:

@@ -369,7 +369,10 @@ def test_wishes_outlive_a_connection():
 def test_a_game_that_stands_still_is_said_so_and_no_more_when_it_moves():
     model = model_of(view(), where(1))
     assert model.screen(1.4).banner is None
-    assert model.screen(1.6).banner.text == "The game stands still just now. It goes on by itself."
+    assert (
+        model.screen(1.6).banner.text
+        == "There is no news of the robots just now. The game goes on as soon as there is."
+    )
     model.hear(where(2), 1.7)
     assert model.screen(1.7).banner is None
 

@@ -95,10 +95,12 @@ def _waiting_for(memory: Memory) -> str:
 def _banner(memory: Memory, now: float) -> Banner | None:
     trouble = memory.connection.trouble(now)
     view = None if memory.hunt is None else memory.hunt.view
-    if trouble is not None and (memory.connection.is_lost or (view is not None and view.over is None)):
+    if trouble is not None and memory.connection.is_lost:
         return Banner(trouble, "bad")
     if view is not None and not view.ready:
         return Banner("The robots are not there just now. The game goes on as soon as they are.", "bad")
+    if trouble is not None and view is not None and view.over is None:
+        return Banner(trouble, "bad")
     if memory.note is not None and now < memory.note[1]:
         return Banner(memory.note[0], "note")
     if view is not None and view.over is None and all(robot.condition is Condition.SILENT for robot in view.robots):

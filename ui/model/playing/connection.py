@@ -53,7 +53,7 @@ class Connection:
             again = "It is tried again by itself" + (", and you go on where you were." if self._was_there else ".")
             return " ".join(part for part in (f"{cut}{lasting}.", as_sentence(sentence), again) if part)
         if self._still_since() + STILL <= now:
-            return "The game stands still just now. It goes on by itself."
+            return "There is no news of the robots just now. The game goes on as soon as there is."
         return None
 
     def changes(self, now: float) -> float:

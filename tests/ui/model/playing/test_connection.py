@@ -33,7 +33,7 @@ def test_a_game_without_news_of_its_robots_stands_still():
     link.hear(100.0)
     assert link.changes(100.0) == 101.5
     assert link.trouble(101.4) is None
-    assert link.trouble(101.5) == "The game stands still just now. It goes on by itself."
+    assert link.trouble(101.5) == "There is no news of the robots just now. The game goes on as soon as there is."
     link.hear(102.0)
     assert link.trouble(102.0) is None
     link.lose("", 103.0)
