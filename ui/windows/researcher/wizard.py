@@ -19,7 +19,7 @@ from thbridge.hunt.rules import robot_name
 from ui.model.watching.scene import PendingAdvice, PendingTurn, Wizard
 from ui.windows.controls import Tick
 
-BOXES, ROOMS = 5, 3
+BOXES, ROOMS = 5, 4
 """Robots, and rooms, beside each other."""
 
 
