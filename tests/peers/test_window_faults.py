@@ -30,7 +30,7 @@ def screen() -> Iterator[Desktop]:
 
 @pytest.fixture(scope="module")
 def hunt(tmp_path_factory: pytest.TempPathFactory) -> Iterator[dict[str, Program]]:
-    """Server, SimR and Hider; robots are thrice as fast as in real time."""
+    """Server, SimR and Hider; robots are half as fast again as in real time, slow enough to be stopped under way."""
     folder = tmp_path_factory.mktemp("hunt")
     (folder / "study.yaml").write_text(STUDY)
     running = {"server": Program(folder, "server", "study.yaml", "--port", "0")}
@@ -39,7 +39,7 @@ def hunt(tmp_path_factory: pytest.TempPathFactory) -> Iterator[dict[str, Program
         at = f"127.0.0.1:{port}"
         # Started again, the server must be found where it was.
         running["server"].arguments = ("server", "study.yaml", "--port", str(port))
-        running["simr"] = Program(folder, "simr", "--study", "study.yaml", "--server", at, "--rate", "3")
+        running["simr"] = Program(folder, "simr", "--study", "study.yaml", "--server", at, "--rate", "1.5")
         running["hider"] = Program(folder, "hider", "--server", at, "--treasures", "original-2016")
         yield running
     finally:
@@ -168,7 +168,9 @@ def test_a_window_closed_in_the_middle_says_that_one_can_come_back(
         again.close()
 
 
-def test_stopping_gives_energy_back(hunt: dict[str, Program], screen: Desktop, window: Program) -> None:
+def test_stopping_gives_energy_back_and_another_goal_costs_its_own(
+    hunt: dict[str, Program], screen: Desktop, window: Program
+) -> None:
     player = Player(screen)
     whole = player.until("the game", lambda seen: seen.free).energy(1)
     room, cost = sent(player)
@@ -180,3 +182,19 @@ def test_stopping_gives_energy_back(hunt: dict[str, Program], screen: Desktop, w
     assert "in the corridor" in stopped.robot(1)
     assert whole - cost < stopped.energy(1) <= whole
     assert room in stopped.free
+    _, second = sent(player)
+    other, bound = stopped.free[-1], player.look()
+    assert bound.energy(1) == pytest.approx(stopped.energy(1) - second, abs=0.11)
+    screen.click(bound.rooms[other])
+    yes = "Stop it, then room"
+    screen.found(yes)
+    player.insist(
+        "the answer to be taken",
+        lambda: [screen.click(button) for button in player.look().buttons if button.name.startswith(yes)],
+        lambda seen: seen.button(yes) is None,
+    )
+    player.until("it to ask about the other room", lambda seen: seen.answers)
+    agreed(player)
+    player.until("the other room", lambda seen: f"travelling to room {other}" in seen.robot(1))
+    assert player.look().energy(1) < stopped.energy(1)
+    decided(player, other)
