@@ -112,6 +112,7 @@ def asked(bag: Path) -> list[tuple[str, dict]]:
     return [(kind, json.loads(fields)) for kind, _, fields in lines]
 
 
+@pytest.mark.slow
 def test_what_a_researcher_does_to_a_session_is_in_its_record(screen: Desktop, tmp_path: Path) -> None:
     (tmp_path / "study.yaml").write_text(STUDY)
     door = f"127.0.0.1:{free_port()}"

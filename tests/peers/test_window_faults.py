@@ -9,7 +9,7 @@ from tests.peers.desktop import Desktop, desktop, needs_desktop
 from tests.peers.player import Player, Sight, on
 from tests.system.programs import Program, port_of
 
-pytestmark = needs_desktop
+pytestmark = [needs_desktop, pytest.mark.slow]
 
 STUDY = """\
 map: arena8

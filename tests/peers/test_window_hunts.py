@@ -1,5 +1,7 @@
 """Whole hunts in the real window, with the real programs: by mouse alone, and by keyboard alone."""
 
+import os
+import signal
 import subprocess
 from collections.abc import Callable, Iterator
 from itertools import takewhile
@@ -8,7 +10,7 @@ from pathlib import Path
 import pytest
 
 from tests.peers.desktop import Desktop, Seen, desktop, needs_desktop
-from tests.peers.player import Keys, Mouse, Player, Sight
+from tests.peers.player import Keys, Mouse, Player, Sight, on
 from tests.system.programs import THBRIDGE
 from thbridge.adapters.bag_reader import messages
 from thbridge.bags.report.gathering import read_report
@@ -162,3 +164,57 @@ def test_a_practice_game_and_a_whole_hunt_by_keyboard_alone(
     first = first_game(played, tmp_path)
     assert sum(moment.points or 0 for moment in first) == over.score
     assert {moment.room for moment in first if moment.kind == "arrived"} == set(over.visited)
+
+
+@pytest.mark.slow
+def test_six_robots_arrive_while_somebody_is_asked(screen: Desktop, tmp_path: Path) -> None:
+    (tmp_path / "study.yaml").write_text(STUDY.replace("robots: 2", "robots: 6", 1).replace("[1, 4]", "null"))
+    program = on(screen, tmp_path, "play", "study.yaml", "--rate", "4", "--bag", "hunt.bag")
+    player = Mouse(screen, place_in_arena)
+    queued = 0
+    try:
+        screen.focus_window("Treasure hunt")
+        screen.click(screen.found("Start with 6 robots"))
+
+        def step(seen: Sight) -> None:
+            """Send everybody first, and only then look at what was found."""
+            nonlocal queued
+            queued = max(queued, len(seen.waiting))
+            home = [card for card in seen.robots if ", ready, in the corridor" in card.name]
+            later = seen.button("Later")
+            if not home or seen.answers:
+                player.step(seen)
+            elif later is not None:
+                screen.click(later)
+            elif ", selected" not in home[0].name:
+                screen.click(home[0])
+            elif seen.free:
+                screen.click(seen.rooms[seen.free[0]])
+
+        over = play(player, step)
+        assert queued > 1
+        assert len(over.robots) == 6
+        assert len(over.visited) >= 6
+    finally:
+        screen.picture(tmp_path / "screen.png")
+        program.close()
+
+
+@pytest.mark.slow
+def test_a_window_of_play_that_crashes_is_opened_again_at_its_game(screen: Desktop, tmp_path: Path) -> None:
+    (tmp_path / "study.yaml").write_text(STUDY)
+    program = on(screen, tmp_path, "play", "study.yaml", "--bag", "hunt.bag")
+    player = Keys(screen)
+    try:
+        screen.focus_window("Treasure hunt")
+        player.insist("the game", lambda: screen.press("Return"), lambda seen: seen.rooms)
+        screen.focus_window("Treasure hunt")
+        player.insist("robot 1 to be asked", lambda: screen.press("4"), lambda seen: seen.answers)
+        children = subprocess.run(
+            ["pgrep", "-P", str(program.process.pid), "-f", "hosted"], capture_output=True, text=True, check=True
+        )
+        os.kill(int(children.stdout.split()[0]), signal.SIGKILL)
+        screen.wait("it to be told", lambda: "crashed" in program.text)
+        player.until("the same talk", lambda seen: seen.answers)
+    finally:
+        program.close()
