@@ -51,7 +51,7 @@ missing_for_windows() {
         fi
     done
     # Debian 13 has it under the other name.
-    if ! dpkg-query -W -f '${db:Status-Status}\n' libglib2.0-0 libglib2.0-0t64 2>/dev/null | grep -qx installed; then
+    if ! { dpkg-query -W -f '${db:Status-Status}\n' libglib2.0-0 libglib2.0-0t64 2>/dev/null || true; } | grep -qx installed; then
         echo libglib2.0-0
     fi
 }
