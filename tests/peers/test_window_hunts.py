@@ -53,7 +53,7 @@ def played(screen: Desktop, tmp_path: Path) -> Iterator[subprocess.Popen[bytes]]
     """`thbridge play` on the desktop."""
     (tmp_path / "study.yaml").write_text(STUDY)
     program = subprocess.Popen(
-        [*THBRIDGE, "play", "study.yaml", "--rate", "6", "--bag", "hunt.bag", "--theme", "dark"],
+        [*THBRIDGE, "play", "study.yaml", "--rate", "6", "--bag", "hunt.bag", "--look", "dark"],
         cwd=tmp_path,
         env=screen.environment,
         stdout=(tmp_path / "told.txt").open("wb"),

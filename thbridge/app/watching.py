@@ -139,6 +139,8 @@ class Desk:
         try:
             if kind is not None:
                 return self._turn(value_in(wish.get("fields", {}), kind))
+            if _lies_far(wish.get("fields")):
+                return "no map is that large"
             asked = asked_in({"sender": watcher, "fields": {}, **wish})
         except ValueError as error:
             return str(error)
@@ -183,6 +185,25 @@ class Desk:
             case SimpleGoal():
                 return replace(request, number=next(self._goals))
         return request
+
+
+def _lies_far(fields: object) -> bool:
+    """Whether a thing in these fields lies beyond all sense, so that even to look at it would overflow."""
+    match fields:
+        case {"thing": {**thing}}:
+            return any(_is_far(thing.get(key)) for key in ("base_in_map", "footprint", "path"))
+    return False
+
+
+def _is_far(value: object) -> bool:
+    match value:
+        case Mapping():
+            return any(_is_far(inner) for inner in value.values())
+        case list():
+            return any(_is_far(inner) for inner in value)
+        case int() | float():
+            return abs(value) > FARTHEST
+    return False
 
 
 def objection(request: Granted, robots: Robots) -> str | None:
