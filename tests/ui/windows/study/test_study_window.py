@@ -115,9 +115,13 @@ def test_reset_takes_the_key_out_of_the_file(qtbot: QtBot, window: StudyWindow) 
     window.open_field("robots")
     button = window.fields.rows["robots"].findChild(QPushButton)
     assert button.accessibleName() == "Reset Robots"
-    # The screen of tests is narrower than the form: nobody can click what lies beyond its edge.
-    window.fields.ensureWidgetVisible(button)
-    qtbot.waitUntil(lambda: window.childAt(button.mapTo(window, button.rect().center())) is button)
+
+    def can_be_clicked() -> bool:
+        # The screen of tests is narrower than the form, which is being laid out: scroll there, until it is.
+        window.fields.ensureWidgetVisible(button)
+        return window.childAt(button.mapTo(window, button.rect().center())) is button
+
+    qtbot.waitUntil(can_be_clicked, timeout=20_000)
     qtbot.mouseClick(button, Qt.MouseButton.LeftButton)
     settled(qtbot, window)
     assert window.editor.history.text == TEXT.replace("robots: 4   # two pairs", "# two pairs")
