@@ -61,10 +61,6 @@ class _Levels:
             while len(spoken) > 1 and spoken[1].stamp_ns < said.stamp_ns - REMEMBERED_NS:
                 spoken.popleft()
 
-    def copy(self) -> "_Levels":
-        spoken = {key: deque(said) for key, said in self.spoken.items()}
-        return _Levels(self.at_ns, dict(self.last), spoken, dict(self.types))
-
 
 class LiveSource:
     """A session that runs, as far as its messages have come; for one thread.
@@ -92,7 +88,6 @@ class LiveSource:
         self._start_ns = 0
         self._tf_ns = 0
         self._levels = _Levels()
-        self._held: _Levels | None = None
         self._introductions = Introductions()
         self._cast = self._introductions.cast()
         self._newcomers = False
@@ -119,15 +114,6 @@ class LiveSource:
         """How many have been taken."""
         return self._messages
 
-    @property
-    def held(self) -> bool:
-        """Whether the scene stands still."""
-        return self._held is not None
-
-    def hold(self, still: bool) -> None:
-        """Let the scene stand still, while messages are taken on; or go on with what holds by then."""
-        self._held = self._levels.copy() if still else None
-
     def take(self, said: Sequence[Said], now: float) -> None:
         """Take messages, in their order, at a time (monotonic seconds)."""
         for message in said:
@@ -144,9 +130,8 @@ class LiveSource:
 
     def scene(self, shown: Shown) -> Scene:
         """How things stand."""
-        levels = self._held or self._levels
         watched = Watched(self._cast, self._introductions.mapped, self.series, self.story, self.rooms, self._start_ns)
-        return self._scenes.scene(levels, watched, shown)
+        return self._scenes.scene(self._levels, watched, shown)
 
     def _take(self, said: Said) -> None:
         if said.topic == names.SESSION:

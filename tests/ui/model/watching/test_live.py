@@ -59,17 +59,6 @@ def test_what_was_said_before_robots_are_told_apart_is_taken_for_its_own_robots(
         assert series.estimate.rows()[0, 0] >= 100 / 50
 
 
-def test_a_held_scene_stands_still_while_all_is_taken_on(source: LiveSource) -> None:
-    source.hold(True)
-    before = source.scene(Shown())
-    source.take(ticks(100, 60), 11.0)
-    held = source.scene(Shown())
-    assert (held.stamp_ns, held.robots[0].truth) == (before.stamp_ns, before.robots[0].truth)
-    assert source.end_ns > held.stamp_ns
-    source.hold(False)
-    assert source.scene(Shown()).stamp_ns == source.end_ns
-
-
 def test_another_session_begins_anew(source: LiveSource) -> None:
     events = len(source.story.entries("event"))
     source.take([*opening(), *ticks(0, 1)], 20.0)
