@@ -1,0 +1,88 @@
+"""A frame: one message on its way, with its header and checksum.
+
+Source: the MAVLink developer guide, "Packet Serialization" and "Message Signing".
+"""
+
+import struct
+from dataclasses import dataclass, replace
+
+import fastcrc
+
+V1, V2 = 0xFE, 0xFD
+"""First byte of a frame of either version."""
+
+SIGNED = 0x01
+"""Bit of `incompat_flags`: a signature follows the checksum."""
+
+SIGNATURE_SIZE = 13
+
+LARGEST = 10 + 255 + 2 + SIGNATURE_SIZE
+"""Bytes of the longest frame."""
+
+_HEADER_V1 = struct.Struct("<6B")
+_HEADER_V2 = struct.Struct("<7BHB")
+
+
+@dataclass(frozen=True, slots=True)
+class Frame:
+    """One frame. Its checksum is not a field: a frame with a wrong one is none.
+
+    Attributes:
+        system: of the sender, 1 to 255.
+        component: of the sender.
+        sequence: the sender's count on this link, 0 to 255.
+        message_id: what kind of message.
+        payload: its fields as they travel.
+        seed: what the message's layout adds to the checksum (`dialect.crc_extra`).
+        version: `V1` or `V2`.
+        incompat_flags: of version 2; a receiver that does not know one of them drops the frame.
+        compat_flags: of version 2.
+        signature: link, timestamp and signature, 13 bytes; empty where there is none.
+    """
+
+    system: int
+    component: int
+    sequence: int
+    message_id: int
+    payload: bytes
+    seed: int
+    version: int = V2
+    incompat_flags: int = 0
+    compat_flags: int = 0
+    signature: bytes = b""
+
+    @property
+    def head(self) -> bytes:
+        """Header and payload: what the checksum is of, but for its first byte."""
+        length = len(self.payload)
+        if self.version == V1:
+            head = (V1, length, self.sequence, self.system, self.component, self.message_id)
+            return _HEADER_V1.pack(*head) + self.payload
+        low, high = self.message_id & 0xFFFF, self.message_id >> 16
+        flags = (self.incompat_flags, self.compat_flags)
+        head_v2 = (V2, length, *flags, self.sequence, self.system, self.component, low, high)
+        return _HEADER_V2.pack(*head_v2) + self.payload
+
+    @property
+    def checksum(self) -> int:
+        """CRC-16/MCRF4XX of everything but the first byte, and of the seed."""
+        return checksum_of(self.head, self.seed)
+
+    def to_bytes(self) -> bytes:
+        """The frame as it travels.
+
+        Raises:
+            struct.error: a number is out of its range.
+        """
+        head = self.head
+        return head + checksum_of(head, self.seed).to_bytes(2, "little") + self.signature
+
+    def unsigned(self) -> "Frame":
+        """The same frame without its signature."""
+        return replace(self, incompat_flags=self.incompat_flags & ~SIGNED, signature=b"")
+
+
+def checksum_of(head: bytes, seed: int) -> int:
+    """The checksum of a frame's header and payload; the first byte is left out."""
+    checksum: int = fastcrc.crc16.mcrf4xx(head[1:] + bytes((seed,)))
+    return checksum
