@@ -9,6 +9,8 @@ from thbridge.hunt.costs import spoken_energy
 from thbridge.hunt.events import (
     Agreed,
     Arrived,
+    Commanded,
+    Commander,
     Condition,
     Departed,
     Ended,
@@ -23,7 +25,7 @@ from thbridge.hunt.events import (
     Sensed,
     Started,
 )
-from thbridge.hunt.rules import robot_name
+from thbridge.hunt.rules import commander_name, robot_name
 
 
 def tell(moment: Moment) -> Iterator[str]:
@@ -78,6 +80,9 @@ def _happened(event: Event) -> str:
             return f"{robot_name(robot).capitalize()} does not get to {room}: {reason}{back}"
         case Reported(robot, condition):
             return f"{robot_name(robot).capitalize()} {CONDITIONS[condition]}"
+        case Commanded(robot, by, name):
+            who = name if by is Commander.RESEARCHER and name else commander_name(by, name)
+            return f"{robot_name(robot).capitalize()} is commanded by {who} from now on."
         case Sensed(room, colour, footprint):
             return f"Something {colour.lower()}, {footprint.lower()}, is in {room}."
         case Pictured(room, robot, image):

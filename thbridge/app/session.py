@@ -25,7 +25,7 @@ from thbridge.dialogue.moves import Utterance
 from thbridge.hunt.events import Event
 from thbridge.hunt.game import GameState
 from thbridge.roles.keeper import Keeper
-from thbridge.roles.requests import Request, WizardRequest
+from thbridge.roles.requests import GameRequest, Request
 from thbridge.roles.role import Role
 from thbridge.roles.simr import SimR
 from thbridge.roles.wizard import Held
@@ -135,12 +135,12 @@ class Session:
         Raises:
             ValueError: the robots are another program's.
         """
-        if isinstance(request, WizardRequest):
+        if isinstance(request, GameRequest):
             self._keeper.ask(request)
         elif self._simr is None:
             raise ValueError("the robots are not in this process")
         else:
-            self._simr.ask(request)
+            self._simr.ask(request, sender)
         self._inputs.append(Asked(sender, request))
 
     def connect(self, now: float) -> ConnectionId | TurnedAway:
@@ -259,9 +259,9 @@ class Outpost:
         Raises:
             ValueError: it is asked of the game, which is another program's.
         """
-        if isinstance(request, WizardRequest):
+        if isinstance(request, GameRequest):
             raise ValueError("the game is not in this process")
-        self._simr.ask(request)
+        self._simr.ask(request, sender)
         self._inputs.append(Asked(sender, request))
 
     def connected(self) -> None:

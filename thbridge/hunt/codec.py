@@ -13,6 +13,8 @@ from thbridge.hunt.costs import CostMatrix
 from thbridge.hunt.events import (
     Agreed,
     Arrived,
+    Commanded,
+    Commander,
     Condition,
     Departed,
     Ended,
@@ -90,6 +92,8 @@ def _encoded(event: Event) -> tuple[str, dict[str, Json]]:
             }
         case Reported():
             return "reported", {"robot": event.robot, "condition": event.condition.value}
+        case Commanded():
+            return "commanded", {"robot": event.robot, "by": event.by.value, "name": event.name}
         case Sensed():
             return "sensed", {"room": event.room.people, "colour": event.colour, "footprint": event.footprint}
         case Pictured():
@@ -154,6 +158,10 @@ def _reported(fields: Fields) -> Event:
     return Reported(fields.integer("robot"), Condition(fields.text("condition")))
 
 
+def _commanded(fields: Fields) -> Event:
+    return Commanded(fields.integer("robot"), Commander(fields.text("by")), fields.text("name"))
+
+
 def _sensed(fields: Fields) -> Event:
     return Sensed(_room(fields), fields.text("colour"), fields.text("footprint"))
 
@@ -189,6 +197,7 @@ _DECODERS: dict[str, Callable[[Fields], Event]] = {
     "arrived": _arrived,
     "failed": _failed,
     "reported": _reported,
+    "commanded": _commanded,
     "sensed": _sensed,
     "pictured": _pictured,
     "identified": _identified,

@@ -28,6 +28,18 @@ class Condition(StrEnum):
     SILENT = "silent"
 
 
+class Commander(StrEnum):
+    """Who says where a robot goes: the participant, unless somebody else has taken it over.
+
+    A ground station keeps a robot until it gives it back. A researcher, or a program at the robots' controls, has it
+    for as long as a goal of theirs or their hand-driving lasts, whoever had it before.
+    """
+
+    PARTICIPANT = "participant"
+    GROUND_STATION = "ground station"
+    RESEARCHER = "researcher"
+
+
 @dataclass(frozen=True, slots=True)
 class Started:
     """A new game: its rules and its numbers. Every robot stands in the corridor.
@@ -120,6 +132,21 @@ class Reported:
 
 
 @dataclass(frozen=True, slots=True)
+class Commanded:
+    """A robot has another commander than before.
+
+    Attributes:
+        robot: which.
+        by: who commands it from now on.
+        name: who exactly, for example "ground station 255", or the name of a ROS node; empty for the participant.
+    """
+
+    robot: int
+    by: Commander
+    name: str
+
+
+@dataclass(frozen=True, slots=True)
 class Sensed:
     """What the robot in a room perceives of the treasure there."""
 
@@ -173,5 +200,17 @@ class Ended:
 
 
 Event = (
-    Started | Hidden | Agreed | Departed | Arrived | Failed | Reported | Sensed | Pictured | Identified | Left | Ended
+    Started
+    | Hidden
+    | Agreed
+    | Departed
+    | Arrived
+    | Failed
+    | Reported
+    | Commanded
+    | Sensed
+    | Pictured
+    | Identified
+    | Left
+    | Ended
 )

@@ -18,6 +18,8 @@ from typing import assert_never
 from thbridge.hunt.events import (
     Agreed,
     Arrived,
+    Commanded,
+    Commander,
     Condition,
     Departed,
     Ended,
@@ -36,6 +38,14 @@ from thbridge.hunt.treasures import TreasureKind
 
 
 @dataclass(frozen=True, slots=True)
+class Command:
+    """Who commands a robot, and, beside the participant, who exactly."""
+
+    by: Commander = Commander.PARTICIPANT
+    name: str = ""
+
+
+@dataclass(frozen=True, slots=True)
 class RobotState:
     """One robot as the game sees it.
 
@@ -45,6 +55,8 @@ class RobotState:
         bound_for: the room it is under way to, or None.
         paid: what it paid for the way under way, the most that can be refunded.
         condition: as last reported.
+        holder: who commands it, or gets it back when a researcher who intervenes is done.
+        intervention: the command of a researcher who intervenes just now, or None.
     """
 
     at: Room
@@ -52,6 +64,13 @@ class RobotState:
     bound_for: Room | None = None
     paid: float = 0.0
     condition: Condition = Condition.WELL
+    holder: Command = Command()
+    intervention: Command | None = None
+
+    @property
+    def command(self) -> Command:
+        """Who commands it just now."""
+        return self.intervention or self.holder
 
     @property
     def is_blocked(self) -> bool:
@@ -198,6 +217,16 @@ def apply(state: GameState, event: Event) -> GameState:
         case Reported():
             robot = _robot(state, event.robot)
             return _with_robot(state, event.robot, replace(robot, condition=event.condition))
+        case Commanded():
+            robot = _robot(state, event.robot)
+            command = Command(event.by, event.name)
+            return _with_robot(
+                state,
+                event.robot,
+                replace(robot, intervention=command)
+                if event.by is Commander.RESEARCHER
+                else replace(robot, holder=command, intervention=None),
+            )
         case Sensed():
             return _with_room(state, event.room, replace(_room(state, event.room), sensed=event))
         case Pictured():

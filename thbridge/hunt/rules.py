@@ -10,6 +10,8 @@ from thbridge.hunt.costs import spoken_energy
 from thbridge.hunt.events import (
     Agreed,
     Arrived,
+    Commanded,
+    Commander,
     Condition,
     Departed,
     Ended,
@@ -22,7 +24,7 @@ from thbridge.hunt.events import (
     Reported,
     Sensed,
 )
-from thbridge.hunt.game import GameState
+from thbridge.hunt.game import Command, GameState
 from thbridge.hunt.outcomes import Refused
 from thbridge.hunt.rooms import CORRIDOR, Room
 from thbridge.hunt.treasures import same_name
@@ -38,6 +40,7 @@ class Reason(StrEnum):
     NOT_UNDER_WAY = "not-under-way"
     SILENT = "silent"
     BLOCKED = "blocked"
+    COMMANDED = "commanded"
     ALREADY_VISITED = "already-visited"
     RESERVED = "reserved"
     NOT_A_MOVE = "not-a-move"
@@ -55,9 +58,57 @@ def agree(state: GameState) -> Ruling:
     return () if state.agreed else (Agreed(),)
 
 
-def move(state: GameState, robot: int, room: Room) -> Ruling:
+def command(state: GameState, robot: int, by: Command) -> Ruling:
+    """Give a robot to the participant or to a ground station; a researcher who intervenes is not stopped by that.
+
+    It may be asked after the end of a game too: robots drive on, and nothing in the game's outcome follows from it. A
+    robot under way goes on. The same again gives no new event.
+    """
+    if not state.has_robot(robot):
+        return _no_robot(state, robot)
+    now = state.robots[robot]
+    if now.holder == by:
+        return ()
+    given = Commanded(robot, by.by, by.name)
+    return (given,) if now.intervention is None else (given, _intervenes(robot, now.intervention.name))
+
+
+def intervene(state: GameState, robot: int, researcher: str | None) -> Ruling:
+    """A researcher of this name intervenes, or None does any more: the robot is its holder's again.
+
+    The same again gives no new event.
+    """
+    if not state.has_robot(robot):
+        return _no_robot(state, robot)
+    now = state.robots[robot]
+    if researcher is None:
+        return () if now.intervention is None else (Commanded(robot, now.holder.by, now.holder.name),)
+    same = now.intervention is not None and now.intervention.name == researcher
+    return () if same else (_intervenes(robot, researcher),)
+
+
+def commanded_by_other(state: GameState, robot: int, asker: Commander) -> Refused | None:
+    """Why this asker may not move a robot of the team, or None: somebody else commands it just now."""
+    now = state.robots[robot].command
+    if now.by is asker:
+        return None
+    return Refused(Reason.COMMANDED, f"{_name(robot)} is commanded by {commander_name(now.by, now.name)} just now.")
+
+
+def commander_name(by: Commander, name: str) -> str:
+    """What people call a commander within a sentence. The names of researchers' programs tell nobody anything."""
+    match by:
+        case Commander.PARTICIPANT:
+            return "the participant"
+        case Commander.GROUND_STATION:
+            return name or "a ground station"
+        case Commander.RESEARCHER:
+            return "a researcher"
+
+
+def move(state: GameState, robot: int, room: Room, asker: Commander = Commander.PARTICIPANT) -> Ruling:
     """Send a robot to a room. It leaves behind whatever it had not decided about the treasure where it stands."""
-    refused = _over(state) or _unknown(state, robot, room)
+    refused = _over(state) or _unknown(state, robot, room) or commanded_by_other(state, robot, asker)
     if refused:
         return refused
     mover = state.robots[robot]
@@ -264,6 +315,10 @@ def affordable(state: GameState, robot: int) -> tuple[Room, ...]:
 def robot_name(robot: int) -> str:
     """What people call a robot: the one numbered 0 on the wire is robot 1, as `/robot1` in ROS."""
     return f"robot {robot + 1}"
+
+
+def _intervenes(robot: int, researcher: str) -> Commanded:
+    return Commanded(robot, Commander.RESEARCHER, researcher)
 
 
 def _may_decide(state: GameState, robot: int) -> bool:

@@ -1,5 +1,7 @@
 """The robots' controls: what is asked of them beside the game, and what becomes of it."""
 
+from dataclasses import dataclass, replace
+
 from sim.observations import TICKS_PER_SECOND
 from sim.parameters import RobotParameters
 from sim.parameters.reconfiguration import Rejected
@@ -11,6 +13,14 @@ from thbridge.ros.records import CancelRequest, GoalRequest, InitialPose, Simple
 
 HAND_TICKS = TICKS_PER_SECOND // 2
 """Ticks that one command of somebody who drives by hand lasts; then the base stops, as real ones do."""
+
+
+@dataclass(frozen=True, slots=True)
+class _Hand:
+    """Somebody drives a robot by hand for so many more ticks; a researcher of this name, or None."""
+
+    ticks: int
+    researcher: str | None
 
 
 class Controls:
@@ -25,17 +35,31 @@ class Controls:
         self._servers = tuple(MoveBaseServer(robot) for robot in range(robots.size))
         self._actions: list[ActionRequest] = []
         self._inputs: list[TeamInput] = []
-        self._by_hand: dict[int, int] = {}
+        self._by_hand: dict[int, _Hand] = {}
+        # Researchers by robot and number of the goal that they have set.
+        self._goals: dict[tuple[int, int], str] = {}
+        self._researchers: tuple[str | None, ...] = (None,) * robots.size
 
-    def ask(self, request: RobotRequest) -> None:
-        """Do this in the next tick; requests to robots that there are not are forgotten."""
+    def ask(self, request: RobotRequest, researcher: str | None = None) -> None:
+        """Do this in the next tick; requests to robots that there are not are forgotten.
+
+        Args:
+            request: what.
+            researcher: the name of whoever intervenes by it; None: nobody does.
+        """
         if not (isinstance(request, PutThing | RemoveThing) or 0 <= request.robot < self._robots.size):
             return
+        if researcher is not None:
+            match request:
+                case GoalRequest(robot=robot, number=number) | SimpleGoal(robot=robot, number=number):
+                    self._goals[robot, number] = researcher
+                case Go(robot, goal):
+                    self._goals[robot, goal.id] = researcher
         match request:
             case GoalRequest() | SimpleGoal() | CancelRequest():
                 self._actions.append(request)
             case VelocityCommand(robot, twist):
-                self._take(Drive(robot, twist, HAND_TICKS))
+                self._take(Drive(robot, twist, HAND_TICKS), researcher)
             case InitialPose(robot, base_in_map, covariance):
                 self._take(Localize(robot, base_in_map, covariance))
             case SetParameters(robot, values) if robot < len(self._robots.parameters):
@@ -45,7 +69,7 @@ class Controls:
             case SetParameters():
                 pass  # Robots of others have their own.
             case _:
-                self._take(request)
+                self._take(request, researcher)
 
     def take_inputs(self, tick: int) -> list[TeamInput]:
         """What the team shall do in its next step, that of this tick: as asked; then what clients' goals come to."""
@@ -58,7 +82,14 @@ class Controls:
 
     def follow(self, snapshot: TeamSnapshot) -> None:
         """See what became of it."""
-        self._by_hand = {robot: left - 1 for robot, left in self._by_hand.items() if left > 1}
+        self._by_hand = {
+            robot: replace(hand, ticks=hand.ticks - 1) for robot, hand in self._by_hand.items() if hand.ticks > 1
+        }
+        goals = [None if output.navigation.goal is None else output.navigation.goal.id for output in snapshot.robots]
+        self._goals = {key: name for key, name in self._goals.items() if goals[key[0]] == key[1]}
+        set_by = {robot: name for (robot, _), name in self._goals.items()}
+        driven_by = {robot: hand.researcher for robot, hand in self._by_hand.items()}
+        self._researchers = tuple(driven_by.get(robot, set_by.get(robot)) for robot in range(self._robots.size))
         for robot, (server, output) in enumerate(zip(self._servers, snapshot.robots, strict=True)):
             navigation = None if robot in snapshot.dead else output.navigation
             server.follow(snapshot.tick, navigation, output.estimate.base_in_map)
@@ -67,10 +98,15 @@ class Controls:
         """Whether somebody drives a robot by hand just now."""
         return robot in self._by_hand
 
-    def _take(self, item: TeamInput) -> None:
+    @property
+    def researchers(self) -> tuple[str | None, ...]:
+        """By robot, who intervenes just now: whose goal it drives to, or who drives it by hand; None: nobody."""
+        return self._researchers
+
+    def _take(self, item: TeamInput, researcher: str | None = None) -> None:
         match item:
             case Drive(robot, _, ticks):
-                self._by_hand[robot] = ticks
+                self._by_hand[robot] = _Hand(ticks, researcher)
             case Go(robot) | Halt(robot):
                 self._by_hand.pop(robot, None)
         self._inputs.append(item)

@@ -13,8 +13,8 @@ from thbridge.dialogue.engine import Engine
 from thbridge.dialogue.moves import Utterance
 from thbridge.hunt import rules
 from thbridge.hunt.costs import CostMatrix
-from thbridge.hunt.events import Agreed, Event, Hidden, Started
-from thbridge.hunt.game import GameState
+from thbridge.hunt.events import Agreed, Commanded, Commander, Event, Hidden, Started
+from thbridge.hunt.game import Command, GameState
 from thbridge.hunt.outcomes import Refused
 from thbridge.roles.audience import Audience
 from thbridge.roles.book import Book, Reason
@@ -35,8 +35,9 @@ from thbridge.roles.notices import (
     tell,
 )
 from thbridge.roles.overhearing import Overhearing, wish_in
-from thbridge.roles.requests import WizardRequest
+from thbridge.roles.requests import CommandRequest, GameRequest
 from thbridge.roles.showing import view_of
+from thbridge.roles.stations import look_around, serve
 from thbridge.roles.view import Agree, PlayAgain, SendRobot, Wish
 from thbridge.roles.wishes import grant
 from thbridge.roles.wizard import Held, held_in, obey
@@ -105,6 +106,7 @@ class Keeper:
         self._briefing = briefing or Briefing()
         self._book = Book(engine, last_game)
         self._book.read(history)
+        self._take_back()
         self._overhearing = Overhearing(self._book)
         # Who is there, and what they were told last.
         self._team: RobotsReady | None = None
@@ -114,7 +116,7 @@ class Keeper:
         self._ordered: Orders | None = None
         # Of the step under way, and of the last one.
         self._heard_anything = False
-        self._asked: list[WizardRequest] = []
+        self._asked: list[GameRequest] = []
         self._said: list[Message] = []
         self._decided = Decided((), (), Held())
 
@@ -148,7 +150,7 @@ class Keeper:
                 if reply is not None:
                     self._tell(legacy.HIDER, Reply(reply.command, reply.text))
 
-    def ask(self, request: WizardRequest) -> None:
+    def ask(self, request: GameRequest) -> None:
         """Do this with the next step, before what is said to the keeper then."""
         self._asked.append(request)
 
@@ -157,7 +159,10 @@ class Keeper:
         asked, self._asked = self._asked, []
         for request in asked:
             self._heard_anything = True
-            obey(self._book, self.state, request)
+            if not isinstance(request, CommandRequest):
+                obey(self._book, self.state, request)
+            elif self.state is not None:
+                serve(self._book, self.state, request, awaits_treasures=self._awaits_treasures(self.state))
         for message in messages:
             value = parse_notice(message)
             if isinstance(value, Notice):
@@ -167,6 +172,8 @@ class Keeper:
         # Whatever changes does so because of something heard; most ticks are silent.
         if self._heard_anything:
             self._heard_anything = False
+            if self.state is not None:
+                look_around(self._book, self.state)
             self._see_to_end()
             self._tell_levels()
             held = held_in(self._book, self.state)
@@ -194,8 +201,11 @@ class Keeper:
         elif (again := heard(notice, PlayAgain)) is not None:
             self._play_again(again.game)
         elif self.state is not None:
-            awaits = self._hider_ready and self.state.treasures is None
-            grant(self._book, self.state, notice, awaits_treasures=awaits)
+            grant(self._book, self.state, notice, awaits_treasures=self._awaits_treasures(self.state))
+
+    def _awaits_treasures(self, state: GameState) -> bool:
+        """Whether Hider is about to hide them."""
+        return self._hider_ready and state.treasures is None
 
     def _must_agree(self, state: GameState) -> bool:
         """Whether the participant has to agree to take part before anything else."""
@@ -231,8 +241,11 @@ class Keeper:
             wrong_share=chosen.wrong_share,
             costs=costs,
         )
-        agreed = self.state is not None and self.state.agreed
-        self._book.happen((started, Agreed()) if agreed else (started,))
+        # Whoever agreed, and whoever commands a robot, goes on doing so.
+        former = self.state
+        agreed = (Agreed(),) if former is not None and former.agreed else ()
+        held = () if former is None else tuple(item for item in _held(former) if item.robot < robots)
+        self._book.happen((started, *agreed, *held))
         self._poses = None
         self._ask_to_hide()
 
@@ -276,6 +289,16 @@ class Keeper:
         for robot, condition in enumerate(status.conditions):
             if self.state is not None:
                 self._book.take("Reported", rules.report(self.state, robot, condition))
+        for robot, researcher in enumerate(status.researchers):
+            if self.state is not None:
+                self._book.take("Commanded", rules.intervene(self.state, robot, researcher))
+
+    def _take_back(self) -> None:
+        """Nobody who commanded a robot is there any more after a restart; they have to take it anew."""
+        for robot in range(0 if self.state is None else len(self.state.robots)):
+            if self.state is not None:
+                self._book.take("Commanded", rules.intervene(self.state, robot, None))
+                self._book.take("Commanded", rules.command(self.state, robot, Command()))
 
     def _see_to_end(self) -> None:
         """Programs of 2016 never say that they give a treasure up, so nobody waits for them to."""
@@ -305,10 +328,22 @@ class Keeper:
             energy=tuple(robot.energy for robot in state.robots),
             at=tuple(robot.at.people for robot in state.robots),
             poses=self._poses if with_poses else None,
+            taken=tuple(
+                number for number, robot in enumerate(state.robots) if robot.command.by is not Commander.PARTICIPANT
+            ),
         )
         if with_poses or self._ordered is None or replace(self._ordered, poses=None) != orders:
             self._ordered = orders
             self._tell(legacy.SIMR, orders)
+
+
+def _held(state: GameState) -> tuple[Commanded, ...]:
+    """What makes ground stations command the same robots in another game."""
+    return tuple(
+        Commanded(number, robot.holder.by, robot.holder.name)
+        for number, robot in enumerate(state.robots)
+        if robot.holder.by is Commander.GROUND_STATION
+    )
 
 
 def costs_of(rows: Sequence[Sequence[float | None]]) -> CostMatrix | Refused:

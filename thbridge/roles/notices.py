@@ -53,6 +53,7 @@ class Orders:
         energy: one entry a robot.
         at: the room each stands in as people count, 0 the corridor; where it set out from while it moves.
         poses: x, y, theta of every robot as last heard, for a SimR that comes back into a game.
+        taken: robots that somebody else than the participant commands; no line of text drives them beside the game.
     """
 
     game: int
@@ -60,6 +61,7 @@ class Orders:
     energy: tuple[float, ...]
     at: tuple[int, ...]
     poses: tuple[tuple[float, float, float], ...] | None
+    taken: tuple[int, ...] = ()
 
 
 @dataclass(frozen=True, slots=True)
@@ -88,12 +90,15 @@ class Status:
         poses: x, y, theta of every robot.
         results: one entry a robot; None while under way or before its first move.
         conditions: one entry a robot.
+        researchers: one entry a robot, the name of who intervenes just now at the robots' controls, or None; empty
+            from programs that do not tell.
     """
 
     game: int
     poses: tuple[tuple[float, float, float], ...]
     results: tuple[MoveResult | None, ...]
     conditions: tuple[Condition, ...]
+    researchers: tuple[str | None, ...] = ()
 
 
 @dataclass(frozen=True, slots=True)

@@ -72,6 +72,67 @@ class AdviseFor:
 
 
 @dataclass(frozen=True, slots=True)
+class TakeCommand:
+    """A ground station takes command of a robot, whoever of the participant and other ground stations had it.
+
+    Attributes:
+        robot: which, from 0; as in all that follows.
+        name: of the ground station, for people, within a sentence.
+    """
+
+    robot: int
+    name: str
+
+
+@dataclass(frozen=True, slots=True)
+class ReleaseCommand:
+    """The ground station that commands a robot gives it back to the participant."""
+
+    robot: int
+
+
+@dataclass(frozen=True, slots=True)
+class SendFor:
+    """The ground station that commands a robot sends it to a room, by the game's rules and with nobody's consent.
+
+    Attributes:
+        room: as people count, from 1.
+    """
+
+    robot: int
+    room: int
+
+
+@dataclass(frozen=True, slots=True)
+class CallBackFor:
+    """A robot that is under way in the game shall stop. Anybody may ask for that, whoever commands the robot."""
+
+    robot: int
+
+
+@dataclass(frozen=True, slots=True)
+class PictureFor:
+    """The ground station that commands a robot has a picture taken where it stands."""
+
+    robot: int
+
+
+@dataclass(frozen=True, slots=True)
+class IdentifyFor:
+    """The ground station that commands a robot names the treasure where it stands."""
+
+    robot: int
+    name: str
+
+
+@dataclass(frozen=True, slots=True)
+class LeaveFor:
+    """The ground station that commands a robot gives up the treasure where it stands."""
+
+    robot: int
+
+
+@dataclass(frozen=True, slots=True)
 class Pause:
     """Let no further tick come."""
 
@@ -109,10 +170,16 @@ PaceRequest = Pause | Resume | SetRate | Step
 WizardRequest = Puppeteer | SpeakFor | AdviseFor
 """What a person asks of the game who speaks in a robot's place; acts in the next tick."""
 
+CommandRequest = TakeCommand | ReleaseCommand | SendFor | CallBackFor | PictureFor | IdentifyFor | LeaveFor
+"""What is asked of the game in the name of a ground station; acts in the next tick. What the rules refuse is left."""
+
+GameRequest = WizardRequest | CommandRequest
+"""What is asked of the game, past the participant."""
+
 RobotRequest = TeamInput | GraphRequest | SetParameters
 """Acts in the next tick. What is asked of a robot that is under way for the game delays its order, and no more."""
 
-Request = RobotRequest | WizardRequest
+Request = RobotRequest | GameRequest
 """Whatever may be asked of a session."""
 
 

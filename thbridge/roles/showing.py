@@ -3,6 +3,7 @@
 import math
 
 from thbridge.hunt.costs import CostMatrix
+from thbridge.hunt.events import Commander
 from thbridge.hunt.game import GameState
 from thbridge.hunt.rooms import Room
 from thbridge.roles.briefing import Briefing
@@ -41,7 +42,18 @@ def plain_costs(costs: CostMatrix) -> tuple[tuple[float | None, ...], ...]:
 def _robot(state: GameState, number: int) -> RobotView:
     robot = state.robots[number]
     moving_to = None if robot.bound_for is None else robot.bound_for.people
-    return RobotView(number, robot.at.people, moving_to, robot.energy, robot.is_blocked, robot.condition)
+    command = robot.command
+    return RobotView(
+        robot=number,
+        place=robot.at.people,
+        moving_to=moving_to,
+        energy=robot.energy,
+        blocked=robot.is_blocked,
+        condition=robot.condition,
+        commander=command.by,
+        # What programs of researchers are called is not for participants.
+        commander_name=command.name if command.by is Commander.GROUND_STATION else "",
+    )
 
 
 def _room(state: GameState, room: Room) -> RoomView:

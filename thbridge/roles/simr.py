@@ -118,6 +118,8 @@ class SimR:
         self._ways: dict[int, _Way] = {}
         self._results: list[MoveResult | None] = [None] * robots.size
         self._conditions = (Condition.WELL,) * robots.size
+        self._researchers: tuple[str | None, ...] = (None,) * robots.size
+        self._taken: tuple[int, ...] = ()
         self._obeyed = [0] * robots.size
         self._game = 0
         self._waiting: list[tuple[int, legacy.Goto]] = []
@@ -139,9 +141,14 @@ class SimR:
         """Tell the keeper with the next step that the robots are there."""
         self._introduce = True
 
-    def ask(self, request: RobotRequest) -> None:
-        """Do this with the next step, before what is said to SimR then; an order of the game goes on afterwards."""
-        self._controls.ask(request)
+    def ask(self, request: RobotRequest, researcher: str | None = None) -> None:
+        """Do this with the next step, before what is said to SimR then; an order of the game goes on afterwards.
+
+        Args:
+            request: what.
+            researcher: the name of whoever intervenes by it, and so commands the robot while it lasts; None: nobody.
+        """
+        self._controls.ask(request, researcher)
 
     def step(self, tick: int, messages: Sequence[Message]) -> list[Message]:
         """One tick of the role and of the team; see `Role`."""
@@ -160,8 +167,9 @@ class SimR:
         self._controls.follow(self._snapshot)
         ended = self._ended(self._snapshot)
         said += ended
-        before, self._conditions = self._conditions, self._conditions_in(self._snapshot)
-        if ended or before != self._conditions or tick % STATUS_PERIOD == 0:
+        before = self._conditions, self._researchers
+        self._conditions, self._researchers = self._conditions_in(self._snapshot), self._controls.researchers
+        if ended or before != (self._conditions, self._researchers) or tick % STATUS_PERIOD == 0:
             said.append(tell(self.name, KEEPER, self._status(self._snapshot)))
         progress = {robot: way.share() for robot, way in self._ways.items()}
         return said + self._bulletin.told(tick, self._snapshot, self._conditions, progress)
@@ -178,7 +186,7 @@ class SimR:
                 goto = decode_goto(message, self._dialect, len(self._field.goals))
                 if isinstance(goto, legacy.Goto) and goto.robot < self._team.size:
                     self._waiting.append((tick, goto))
-                elif isinstance(goto, GotoPoint) and 0 <= goto.robot < self._team.size:
+                elif isinstance(goto, GotoPoint) and self._is_free(goto.robot):
                     self._go_to_point(goto)
             case Command.WHERE:
                 where = canonical.decode(message)
@@ -188,7 +196,7 @@ class SimR:
                     return [canonical.encode(answer, self.name, message.sender)]
             case Command.MOVE:
                 move = canonical.decode(message)
-                if isinstance(move, Move) and 0 <= move.robot < self._team.size and move.robot not in self._ways:
+                if isinstance(move, Move) and self._is_free(move.robot):
                     linear, angular = HAND_SPEEDS[move.drive]
                     share = move.intensity / 5.0
                     twist = Twist(0.5 * share * linear, share * angular)
@@ -225,6 +233,7 @@ class SimR:
             elif order is None and robot in self._ways:
                 self._ways[robot] = replace(self._ways[robot], recalled=True)
                 self._inputs.append(Halt(robot))
+        self._taken = orders.taken
         self._inputs += [SetCharge(robot, charge) for robot, charge in enumerate(orders.energy)]
 
     def _begin(self, orders: Orders) -> None:
@@ -265,9 +274,12 @@ class SimR:
             self._without_keeper += 1
             self._go(goto.robot, Order(self._without_keeper, Room.of_wire(goto.room).people))
 
+    def _is_free(self, robot: int) -> bool:
+        """Whether a line may drive a robot beside the game: it is under way in it nowhere, and nobody has taken it."""
+        return 0 <= robot < self._team.size and robot not in self._ways and robot not in self._taken
+
     def _go_to_point(self, goto: GotoPoint) -> None:
-        """Beside the game: a robot under way in it is not sent elsewhere."""
-        if goto.robot in self._ways or self._snapshot is None:
+        if self._snapshot is None:
             return
         here = self._snapshot.robots[goto.robot].estimate.base_in_map
         heading = math.atan2(goto.y - here.y, goto.x - here.x) if goto.heading is None else goto.heading
@@ -330,7 +342,7 @@ class SimR:
             places = _believed(snapshot)
         else:
             places = tuple((float(x), float(y), float(theta)) for x, y, theta in snapshot.world.poses)
-        return Status(self._game, places, tuple(self._results), self._conditions)
+        return Status(self._game, places, tuple(self._results), self._conditions, self._researchers)
 
 
 def _believed(snapshot: TeamSnapshot) -> tuple[tuple[float, float, float], ...]:

@@ -11,7 +11,7 @@ from typing import Literal
 
 import msgspec
 
-from thbridge.hunt.events import Condition
+from thbridge.hunt.events import Commander, Condition
 from thbridge.wire.notice import JsonValue
 
 
@@ -26,6 +26,8 @@ class RobotView:
         energy: what it has left.
         blocked: it has no energy left and does nothing any more.
         condition: whether it answers, and knows where it is; a silent one does nothing until it answers again.
+        commander: who commands it; while it is not the participant, it can be neither sent nor called back.
+        commander_name: which ground station, for people; else empty.
     """
 
     robot: int
@@ -34,6 +36,8 @@ class RobotView:
     energy: float
     blocked: bool
     condition: Condition
+    commander: Commander = Commander.PARTICIPANT
+    commander_name: str = ""
 
 
 @dataclass(frozen=True, slots=True)

@@ -2,6 +2,7 @@
 
 from thbridge.dialogue.moves import Scenario
 from thbridge.hunt import rules
+from thbridge.hunt.events import Commander
 from thbridge.hunt.game import GameState
 from thbridge.hunt.outcomes import Refused
 from thbridge.hunt.rooms import Room
@@ -40,10 +41,18 @@ def grant(book: Book, state: GameState, notice: Notice, *, awaits_treasures: boo
         if end.game == state.started.game:
             book.take(GiveUp.__name__, rules.give_up(state))
     elif (back := heard(notice, CallBack)) is not None:
-        if state.has_robot(back.robot) and state.robots[back.robot].bound_for is not None:
-            book.recall(back.robot)
-        else:
-            book.take(CallBack.__name__, rules.fail(state, back.robot, "", 0.0))
+        _call_back(book, state, back.robot)
+
+
+def _call_back(book: Book, state: GameState, robot: int) -> None:
+    is_under_way = state.has_robot(robot) and state.robots[robot].bound_for is not None
+    refused = rules.commanded_by_other(state, robot, Commander.PARTICIPANT) if is_under_way else None
+    if refused is not None:
+        book.refuse(CallBack.__name__, refused)
+    elif is_under_way:
+        book.recall(robot)
+    else:
+        book.take(CallBack.__name__, rules.fail(state, robot, "", 0.0))
 
 
 def _select(book: Book, state: GameState, asked: Select, awaits_treasures: bool) -> None:

@@ -6,7 +6,7 @@ from dataclasses import dataclass
 from enum import StrEnum
 
 from sim.noise import Stream
-from thbridge.hunt.events import Condition
+from thbridge.hunt.events import Commander, Condition
 from thbridge.hunt.treasures import TreasureKind
 from thbridge.roles.view import (
     Agree,
@@ -62,11 +62,11 @@ class Knowledge:
 class Bot:
     """A simulated participant; a player for TabUI.
 
-    It plays each robot on its own: looks at what a robot found before that robot goes on, names a treasure whose
-    colour and footprint leave no choice, takes a picture where they do and the energy suffices, and gives it up
-    otherwise. A room that a robot did not reach is left for last, whatever the strategy, and after three times
-    for good; a robot that is lost is sent once, for it looks for its place under way. When nothing is left that it
-    wants of any robot, it gives the game up.
+    It plays each robot on its own: looks at what a robot found before that robot goes on, names a treasure whose colour
+    and footprint leave no choice, takes a picture where they do and the energy suffices, and gives it up otherwise. Of
+    robots that somebody else commands it only looks after what they found, and waits. A room that a robot did not reach
+    is left for last, whatever the strategy, and after three times for good; a robot that is lost is sent once, for it
+    looks for its place under way. When nothing is left that it wants of any robot, it gives the game up.
 
     Args:
         strategy: how it chooses rooms.
@@ -99,7 +99,8 @@ class Bot:
                 wishes.append(wish)
                 if isinstance(wish, Select):
                     taken.add(wish.room)
-        waits = view.dialogues or view.thinking or any(robot.moving_to is not None for robot in view.robots)
+        busy = any(robot.moving_to is not None or _is_taken(robot) for robot in view.robots)
+        waits = view.dialogues or view.thinking or busy
         if not wishes and view.robots and not waits:
             return (GiveUp(view.game),)
         return wishes
@@ -126,6 +127,8 @@ class Bot:
         room = view.room(robot.place) if robot.place > 0 else None
         if room is not None and room.undecided and room.robot == robot.robot:
             yield self._treasure(view, robot, room, {consent.matter for consent in agreed if consent.room == room.room})
+            return
+        if _is_taken(robot):
             return
         for consent in agreed:
             if consent.matter == "select-room":
@@ -190,3 +193,8 @@ class Bot:
             if kind.colour == room.colour and kind.footprint == room.footprint
         }
         return fitting.pop() if len(fitting) == 1 else None
+
+
+def _is_taken(robot: RobotView) -> bool:
+    """Whether somebody else commands a robot."""
+    return robot.commander is not Commander.PARTICIPANT

@@ -61,6 +61,7 @@ class Puppets:
         self.unfit: str | None = None
         self.mute = False
         self.conditions = [Condition.WELL] * robots
+        self.researchers: tuple[str | None, ...] = ()
         self.orders: list[Orders] = []
         self._introduce = False
         self._ways: dict[int, tuple[Order, int]] = {}
@@ -93,9 +94,8 @@ class Puppets:
         if ended or self._recalled or tick % 50 == 0:
             self._recalled = False
             poses = tuple((float(robot), 0.0, 0.0) for robot in range(self.robots))
-            said.append(
-                tell(self.name, KEEPER, Status(self._game, poses, tuple(self._results), tuple(self.conditions)))
-            )
+            status = Status(self._game, poses, tuple(self._results), tuple(self.conditions), self.researchers)
+            said.append(tell(self.name, KEEPER, status))
         return said
 
     def _follow(self, orders: Orders, tick: int) -> None:

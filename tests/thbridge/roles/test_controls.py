@@ -13,9 +13,10 @@ from tests.thbridge.roles.test_simr import Driver, orders
 from thbridge.app.compose import read_setting
 from thbridge.app.config import Study
 from thbridge.roles.controls import HAND_TICKS
-from thbridge.roles.notices import Order, Status
+from thbridge.roles.notices import KEEPER, Order, Orders, Status, tell
 from thbridge.roles.requests import SetParameters, with_values
 from thbridge.ros.records import CancelRequest, GoalRequest, InitialPose, SimpleGoal, VelocityCommand
+from thbridge.wire import canonical, legacy
 
 NEAR = Pose2(0.5, 0.0, 0.0)
 CLIENT = 10**6
@@ -159,3 +160,44 @@ def test_values_that_only_fit_together_come_in_any_order():
         assert isinstance(changed, RobotParameters)
         assert (changed.amcl.min_particles, changed.amcl.max_particles) == (greatest + 1, greatest + 2)
     assert isinstance(with_values(parameters, together[:1]), Rejected)
+
+
+def researchers(driver: Driver) -> tuple[str | None, ...]:
+    return driver.levels(Status)[-1].researchers
+
+
+def test_whoever_sets_a_goal_is_told_to_intervene_until_it_ends(driver):
+    assert researchers(driver) == (None, None)
+    here = driver.simr.snapshot.robots[0].estimate.base_in_map
+    driver.simr.ask(GoalRequest(0, "client", 0, Pose2(here.x, here.y, here.theta + 1.0), CLIENT), "/move_base_client")
+    driver.run(1)
+    assert researchers(driver) == ("/move_base_client", None)
+    while goal_of(driver) == CLIENT:
+        driver.run(1)
+    driver.run(1)
+    assert researchers(driver) == (None, None)
+
+
+def test_whoever_drives_by_hand_intervenes_until_the_last_command_is_over(driver):
+    driver.simr.ask(VelocityCommand(1, Twist(0.1, 0.0)), "/teleop")
+    driver.run(HAND_TICKS - 1)
+    assert researchers(driver) == (None, "/teleop")
+    driver.run(2)
+    assert researchers(driver) == (None, None)
+
+
+def test_what_is_asked_in_nobody_s_name_is_no_intervention(driver):
+    driver.simr.ask(VelocityCommand(1, Twist(0.1, 0.0)))
+    ask_for(driver)
+    driver.run(60)
+    assert all(status.researchers == (None, None) for status in driver.levels(Status))
+
+
+def test_no_line_drives_a_robot_that_somebody_has_taken(driver):
+    taken = Orders(1, (Order(1, 2), None), (90.0, 80.0), (0, 0), None, taken=(1,))
+    driver.run(1, tell(KEEPER, legacy.SIMR, taken))
+    lines = (canonical.GotoPoint(1, 0.5, 0.0), canonical.Move(1, canonical.Drive.FORWARD, 5))
+    driver.run(1, *(canonical.encode(line, "Me", "SimR") for line in lines))
+    driver.run(3)
+    assert driver.simr.snapshot.robots[1].navigation.goal is None
+    assert not driver.simr.snapshot.commands[1].any()

@@ -21,7 +21,19 @@ LINES = frozenset({names.SEND_ROBOTS, names.SUCCESS})
 """Topics of raw lines of the protocol."""
 
 IMPORTANT = frozenset(
-    {"started", "departed", "arrived", "failed", "identified", "ended", "collision", "died", "revived", "carried"}
+    {
+        "started",
+        "departed",
+        "arrived",
+        "failed",
+        "commanded",
+        "identified",
+        "ended",
+        "collision",
+        "died",
+        "revived",
+        "carried",
+    }
 )
 """Events that get a mark on the timeline."""
 

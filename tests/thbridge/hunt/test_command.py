@@ -1,0 +1,130 @@
+"""Who commands a robot: what is an event, who may move it, and to whom it goes back."""
+
+import pytest
+from hypothesis import given
+from hypothesis import strategies as st
+
+from tests.thbridge.hunt.test_game import ROOM_1, ROOM_4, after, in_room_4, new_game, visit
+from thbridge.hunt import rules
+from thbridge.hunt.events import Commanded, Commander, Departed, Ended, EndReason
+from thbridge.hunt.game import Command, apply
+from thbridge.hunt.outcomes import Refused
+from thbridge.hunt.rules import Reason
+
+STATION = Command(Commander.GROUND_STATION, "ground station 255")
+PARTICIPANT = Command()
+
+
+def taken(state=None, robot=0, by=STATION):
+    state = new_game() if state is None else state
+    return after(state, rules.command(state, robot, by))
+
+
+def test_a_ground_station_takes_a_robot_and_gives_it_back():
+    state = new_game()
+    assert state.robots[0].command == PARTICIPANT
+    assert rules.command(state, 0, STATION) == (Commanded(0, Commander.GROUND_STATION, "ground station 255"),)
+    state = taken(state)
+    assert (state.robots[0].command, state.robots[1].command) == (STATION, PARTICIPANT)
+    assert rules.command(state, 0, STATION) == ()
+    assert taken(state, by=PARTICIPANT).robots[0].command == PARTICIPANT
+
+
+def test_another_ground_station_may_have_it_next():
+    other = Command(Commander.GROUND_STATION, "ground station 7")
+    assert taken(taken(), by=other).robots[0].command == other
+
+
+def test_only_its_commander_moves_a_robot():
+    state = taken()
+    refused = rules.move(state, 0, ROOM_4)
+    assert refused == Refused(Reason.COMMANDED, "Robot 1 is commanded by ground station 255 just now.")
+    assert rules.move(state, 0, ROOM_4, Commander.GROUND_STATION) == (Departed(0, ROOM_4, 13.0),)
+    assert rules.move(state, 1, ROOM_4) == (Departed(1, ROOM_4, 13.0),)
+    refused = rules.move(state, 1, ROOM_4, Commander.GROUND_STATION)
+    assert refused == Refused(Reason.COMMANDED, "Robot 2 is commanded by the participant just now.")
+
+
+def test_energy_and_reservations_hold_for_ground_stations_too():
+    state = taken(new_game(energy=5.0))
+    refused = rules.move(state, 0, ROOM_4, Commander.GROUND_STATION)
+    assert isinstance(refused, Refused) and refused.reason == Reason.NOT_ENOUGH_ENERGY
+    state = new_game()
+    state = taken(after(state, rules.move(state, 1, ROOM_4)))
+    refused = rules.move(state, 0, ROOM_4, Commander.GROUND_STATION)
+    assert isinstance(refused, Refused) and refused.reason == Reason.RESERVED
+
+
+def test_a_robot_under_way_goes_on_under_its_new_commander():
+    state = new_game()
+    state = taken(after(state, rules.move(state, 0, ROOM_4)))
+    assert state.robots[0].bound_for == ROOM_4
+    state = after(state, rules.arrive(state, 0, ROOM_4))
+    assert state.room(ROOM_4).visited and state.robots[0].command == STATION
+
+
+def test_what_a_machine_found_is_still_named_by_the_participant():
+    state = taken(in_room_4())
+    for ruling in (rules.picture(state, ROOM_4), rules.identify(state, ROOM_4, "Pink can"), rules.leave(state, ROOM_4)):
+        assert isinstance(ruling, tuple)
+
+
+def test_who_moves_a_robot_on_leaves_behind_what_nobody_decided():
+    state = taken(in_room_4())
+    left, departed = rules.move(state, 0, ROOM_1, Commander.GROUND_STATION)
+    assert (left.room, departed.room) == (ROOM_4, ROOM_1)
+
+
+@pytest.mark.parametrize("holder", [STATION, PARTICIPANT])
+def test_a_researcher_who_intervenes_gives_the_robot_back_to_whoever_had_it(holder):
+    state = taken(by=holder)
+    state = after(state, rules.intervene(state, 0, "/rviz"))
+    assert state.robots[0].command == Command(Commander.RESEARCHER, "/rviz")
+    assert rules.intervene(state, 0, "/rviz") == ()
+    refused = rules.move(state, 0, ROOM_4, holder.by)
+    assert refused == Refused(Reason.COMMANDED, "Robot 1 is commanded by a researcher just now.")
+    assert rules.intervene(state, 0, None) == (Commanded(0, holder.by, holder.name),)
+    state = after(state, rules.intervene(state, 0, None))
+    assert state.robots[0].command == holder
+    assert rules.intervene(state, 0, None) == ()
+
+
+def test_a_ground_station_that_leaves_meanwhile_does_not_end_what_a_researcher_does():
+    state = taken()
+    state = after(state, rules.intervene(state, 0, "/rviz"))
+    state = taken(state, by=PARTICIPANT)
+    assert state.robots[0].command.by is Commander.RESEARCHER
+    assert after(state, rules.intervene(state, 0, None)).robots[0].command == PARTICIPANT
+
+
+def test_command_is_given_back_after_the_end_of_the_game_too():
+    state = apply(taken(), Ended(EndReason.GIVEN_UP, 0))
+    assert taken(state, by=PARTICIPANT).robots[0].command == PARTICIPANT
+
+
+def test_there_is_no_command_of_robots_that_there_are_not():
+    for ruling in (rules.command(new_game(), 2, STATION), rules.intervene(new_game(), -1, "/rviz")):
+        assert isinstance(ruling, Refused) and ruling.reason == Reason.UNKNOWN_ROBOT
+
+
+def test_arrivals_and_endings_do_not_ask_who_commands():
+    state = visit(new_game(robots=1), 0, ROOM_1)
+    assert rules.ending(taken(state)) == rules.ending(state)
+
+
+commands = st.sampled_from([STATION, PARTICIPANT, Command(Commander.GROUND_STATION, "ground station 7")])
+researchers = st.sampled_from(["/rviz", "/teleop", None])
+
+
+@given(st.lists(st.tuples(st.just("command"), commands) | st.tuples(st.just("intervene"), researchers), max_size=12))
+def test_the_holder_is_whoever_took_it_last_and_a_researcher_goes_before(asked):
+    state, holder, researcher = new_game(), PARTICIPANT, None
+    for what, who in asked:
+        if what == "command":
+            holder = who
+            state = taken(state, by=who)
+        else:
+            researcher = who
+            state = after(state, rules.intervene(state, 0, who))
+        expected = holder if researcher is None else Command(Commander.RESEARCHER, researcher)
+        assert (state.robots[0].command, state.robots[0].holder) == (expected, holder)

@@ -1,0 +1,231 @@
+"""Ground stations and researchers in the participant's game: who may do what, and what the participant sees of it."""
+
+import pytest
+
+from tests.thbridge.roles.stage import Stage
+from tests.thbridge.roles.test_hunt import Script
+from thbridge.hunt.events import (
+    Arrived,
+    Commanded,
+    Commander,
+    Departed,
+    Failed,
+    Hidden,
+    Identified,
+    Left,
+    Pictured,
+    Sensed,
+)
+from thbridge.hunt.rooms import Room
+from thbridge.roles.requests import (
+    CallBackFor,
+    CommandRequest,
+    IdentifyFor,
+    LeaveFor,
+    PictureFor,
+    ReleaseCommand,
+    SendFor,
+    TakeCommand,
+)
+from thbridge.roles.tabui import TabUI
+from thbridge.roles.view import (
+    Answer,
+    CallBack,
+    Discuss,
+    GiveUp,
+    PlayAgain,
+    Select,
+    SendRobot,
+    TakePicture,
+    Unsure,
+    View,
+    Wish,
+)
+from thbridge.study.bots import BotStrategy
+
+NAME = "ground station 255"
+TAKE = TakeCommand(0, NAME)
+SENTENCE = f"Robot 1 is commanded by {NAME} just now."
+
+
+class Play:
+    """A stage with a participant and a ground station who do what the test tells them."""
+
+    def __init__(self, **options) -> None:
+        self.player = Script()
+        self.stage = Stage(participant=TabUI(self.player), **options)
+        self.stage.run(10)
+
+    def wish(self, *wishes: Wish, ticks: int = 6) -> View:
+        self.player.wish = wishes
+        self.stage.tabui.look_again()
+        self.stage.run(ticks)
+        self.player.wish = ()
+        return self.view
+
+    def ask(self, *requests: CommandRequest, ticks: int = 5) -> View:
+        for request in requests:
+            self.stage.session.ask("station", request)
+        self.stage.run(ticks)
+        return self.view
+
+    @property
+    def view(self) -> View:
+        view = self.stage.view()
+        assert view is not None
+        return view
+
+    def events(self, *kinds: type) -> list:
+        return [event for event in self.stage.log.events if isinstance(event, kinds)]
+
+
+@pytest.fixture
+def play() -> Play:
+    return Play()
+
+
+def test_the_participant_sees_who_commands_and_gets_the_robot_back(play: Play) -> None:
+    assert play.view.robots[0].commander is Commander.PARTICIPANT
+    robot = play.ask(TAKE).robots[0]
+    assert (robot.commander, robot.commander_name) == (Commander.GROUND_STATION, NAME)
+    assert play.view.robots[1].commander is Commander.PARTICIPANT
+    robot = play.ask(ReleaseCommand(0)).robots[0]
+    assert (robot.commander, robot.commander_name) == (Commander.PARTICIPANT, "")
+    assert play.events(Commanded) == [
+        Commanded(0, Commander.GROUND_STATION, NAME),
+        Commanded(0, Commander.PARTICIPANT, ""),
+    ]
+
+
+@pytest.mark.parametrize("wish", [Select(0, 3), Unsure(0), SendRobot(0, 3)])
+def test_what_the_participant_wishes_of_a_robot_of_others_is_refused(play: Play, wish: Wish) -> None:
+    play.ask(TAKE)
+    refusal = play.wish(wish).refusal
+    assert refusal is not None
+    assert (refusal.reason, refusal.sentence) == ("commanded", SENTENCE)
+    assert not play.events(Departed) and not play.view.dialogues
+
+
+def test_a_robot_of_others_under_way_is_not_called_back_by_the_participant(play: Play) -> None:
+    play.ask(TAKE, SendFor(0, 3), ticks=3)
+    refusal = play.wish(CallBack(0), ticks=4).refusal
+    assert refusal is not None and (refusal.wish, refusal.sentence) == ("CallBack", SENTENCE)
+    play.stage.run(10)
+    assert play.events(Arrived) == [Arrived(0, Room(3))]
+
+
+def test_an_open_talk_about_where_to_go_ends_when_somebody_takes_the_robot(play: Play) -> None:
+    (dialogue,) = play.wish(Select(0, 3)).dialogues
+    view = play.ask(TAKE)
+    assert view.dialogues == () and view.consents == ()
+    refused = view.refusal
+    # An answer that was on its way means nothing any more, and is no fault of anybody's.
+    assert play.wish(Answer(dialogue.dialogue, dialogue.turn, 0)).refusal == refused
+    assert play.wish(Select(1, 3)).dialogues[0].robot == 1
+
+
+def test_an_agreement_to_go_ends_too(play: Play) -> None:
+    view = play.wish(Select(0, 3))
+    while not view.consents:
+        (dialogue,) = view.dialogues
+        view = play.wish(Answer(dialogue.dialogue, dialogue.turn, 0))
+    assert play.ask(TAKE).consents == ()
+    assert play.ask(ReleaseCommand(0)).consents == ()
+
+
+def test_a_ground_station_sends_its_robot_without_talk_and_what_is_there_is_told_by_itself(play: Play) -> None:
+    view = play.ask(TAKE, SendFor(0, 3), ticks=20)
+    assert play.events(Departed, Arrived) == [Departed(0, Room(3), 17.0), Arrived(0, Room(3))]
+    assert [event.room for event in play.events(Sensed)] == [Room(3)]
+    assert view.room(3).sensed and view.room(3).undecided
+    assert not [utterance for moment in play.stage.moments for utterance in moment.utterances]
+
+
+def test_rules_hold_for_ground_stations_and_the_participant_is_not_bothered(play: Play) -> None:
+    for refused in (SendFor(0, 3), PictureFor(0), IdentifyFor(0, "Pink can"), LeaveFor(0), SendFor(9, 1)):
+        view = play.ask(refused)
+    view = play.ask(TAKE, SendFor(0, 99), SendFor(0, -1), PictureFor(0), LeaveFor(0), TakeCommand(7, NAME))
+    assert not play.events(Departed, Left, Pictured) and view.refusal is None
+
+
+def test_a_ground_station_pictures_names_and_leaves_where_its_robots_stand(play: Play) -> None:
+    play.ask(TAKE, TakeCommand(1, NAME), SendFor(0, 3), SendFor(1, 4), ticks=20)
+    game = play.stage.session.game
+    name = game.treasure(Room(3)).name
+    view = play.ask(PictureFor(0), IdentifyFor(0, name), LeaveFor(1))
+    assert view.room(3).picture is not None and view.room(3).verdict.points > 0 and view.room(4).left
+    assert [event.cost for event in play.events(Pictured, Identified)] == [5.0, 1.0]
+    assert view.score == view.room(3).verdict.points
+
+
+def test_the_participant_names_what_a_robot_of_others_found(play: Play) -> None:
+    play.ask(TAKE, SendFor(0, 3), ticks=20)
+    view = play.wish(Discuss(0, "take-picture", 3))
+    while view.dialogues:
+        (dialogue,) = view.dialogues
+        view = play.wish(Answer(dialogue.dialogue, dialogue.turn, 0))
+    assert play.wish(TakePicture(3)).room(3).picture is not None
+
+
+def test_anybody_may_stop_a_robot_and_the_energy_for_the_rest_comes_back(play: Play) -> None:
+    play.ask(TAKE, SendFor(0, 3), ReleaseCommand(0), ticks=3)
+    play.ask(CallBackFor(0))
+    (failed,) = play.events(Failed)
+    assert failed.refund == 8.5
+    assert play.view.robots[0].moving_to is None
+    play.ask(CallBackFor(0), CallBackFor(9))
+    assert len(play.events(Failed)) == 1
+
+
+def test_a_researcher_has_the_robot_while_it_lasts_and_then_whoever_had_it(play: Play) -> None:
+    play.ask(TAKE)
+    play.stage.puppets.researchers = ("/rviz", None)
+    play.stage.run(60)
+    robot = play.view.robots[0]
+    # What a researcher's program is called is not for the participant.
+    assert (robot.commander, robot.commander_name) == (Commander.RESEARCHER, "")
+    play.stage.puppets.researchers = (None, None)
+    play.stage.run(60)
+    assert play.view.robots[0].commander is Commander.GROUND_STATION
+    assert play.events(Commanded)[1:] == [
+        Commanded(0, Commander.RESEARCHER, "/rviz"),
+        Commanded(0, Commander.GROUND_STATION, NAME),
+    ]
+
+
+def test_whoever_commands_a_robot_has_it_in_the_next_game_too(play: Play) -> None:
+    play.ask(TAKE)
+    play.wish(GiveUp(1))
+    view = play.wish(PlayAgain(1), ticks=10)
+    assert view.game == 2
+    assert [robot.commander for robot in view.robots] == [Commander.GROUND_STATION, Commander.PARTICIPANT]
+
+
+def test_a_keeper_that_comes_back_gives_robots_back_to_the_participant(play: Play) -> None:
+    play.ask(TAKE)
+    again = Play(history=play.stage.log.events)
+    assert again.view.robots[0].commander is Commander.PARTICIPANT
+    assert again.events(Commanded)[-1] == Commanded(0, Commander.PARTICIPANT, "")
+
+
+def test_nobody_is_sent_before_the_treasures_are_hidden() -> None:
+    stage = Stage()
+    for _ in range(20):
+        stage.session.ask("station", TAKE)
+        stage.session.ask("station", SendFor(0, 3))
+        stage.run(1)
+    happened = [type(event) for event in stage.log.events if isinstance(event, Hidden | Departed)]
+    assert happened[0] is Hidden and Departed in happened
+
+
+@pytest.mark.parametrize("strategy", BotStrategy)
+def test_a_simulated_participant_waits_for_robots_that_others_command(strategy: BotStrategy) -> None:
+    stage = Stage(robots=2, strategy=strategy)
+    stage.run(5)
+    stage.session.ask("station", TAKE)
+    stage.run(3000)
+    departures = [event for event in stage.log.events if isinstance(event, Departed) and event.robot == 0]
+    assert stage.session.game.ended is None and not departures
+    stage.session.ask("station", ReleaseCommand(0))
+    stage.finish()
+    assert any(isinstance(event, Departed) and event.robot == 0 for event in stage.log.events)
