@@ -22,6 +22,7 @@ from thbridge.adapters.text_server import DEFAULT_PORT
 from thbridge.adapters.yaml_files import Loaded, load_tree
 from thbridge.adapters.yaml_tree import Listing, Node, Scalar, Section, parse, read_text
 from thbridge.app.fleet import FleetSection, RobotsFrom, faults_of_fleet
+from thbridge.app.mavlink import MavlinkSection, faults_of_mavlink
 from thbridge.app.noise import HOMES, NoiseSection, applied, preset, preset_in, value_at, view_of, with_value
 from thbridge.app.things import MishapEntry, ThingEntry, faults_of_mishaps, faults_of_things
 from thbridge.study.bots import BotStrategy
@@ -143,6 +144,7 @@ class Study:
     dialogue: DialogueSection = knob(DialogueSection(), "how robots talk")
     server: ServerSection = knob(ServerSection(), "the text server")
     watch: WatchSection = knob(WatchSection(), "researchers' windows")
+    mavlink: MavlinkSection = knob(MavlinkSection(), "the robots as MAVLink vehicles, for ground stations")
     recording: RecordingSection = knob(RecordingSection(), "the bag")
     fleet: FleetSection = knob(FleetSection(), "real robots: what their topics and frames are called")
     world: WorldParameters = knob(WorldParameters(), "bodies, motors and sensors as they truly are")
@@ -297,6 +299,7 @@ def _contradictions(loaded: Loaded[Study]) -> Iterator[BadFile]:
         if least > most:
             yield loaded.fault("participant.robots", f"{least} is above {most}", "Write the smaller number first")
     yield from faults_of_fleet(loaded, study.fleet, study.robots)
+    yield from faults_of_mavlink(loaded, study.mavlink)
     yield from faults_of_things(loaded, study.things)
     yield from faults_of_mishaps(loaded, study.mishaps, study.robots)
     if not _surrounds_origin(study.world.footprint):

@@ -14,6 +14,9 @@ import numpy as np
 
 from thbridge.roles.requests import PaceRequest, Request
 from thbridge.ros.records import Input as InputRecord
+from thbridge.wire.mavlink.dialect import name_of
+from thbridge.wire.mavlink.frame import Frame
+from thbridge.wire.mavlink.vehicle import LinkId
 from thbridge.wire.router import ConnectionId
 from thbridge.wire.text import Message
 
@@ -87,7 +90,53 @@ class Asked:
     request: Request
 
 
-Input: TypeAlias = Opened | Received | Closed | Backlogged | Advanced | Said | Registered | Heard | Asked
+@dataclass(frozen=True, slots=True)
+class LinkOpened:
+    """A link to the robots' vehicles was opened."""
+
+    link: LinkId
+    name: str
+
+
+@dataclass(frozen=True, slots=True)
+class LinkClosed:
+    """A link of this name ended."""
+
+    link: LinkId
+    sender: str
+
+
+@dataclass(frozen=True, slots=True)
+class Framed:
+    """A frame came in on a link, checked and without its signature.
+
+    Attributes:
+        link: which.
+        sender: the link's name.
+        frame: what came.
+        robot: the only one that is to hear it; None: whoever it is meant for.
+    """
+
+    link: LinkId
+    sender: str
+    frame: Frame
+    robot: int | None = None
+
+
+Input: TypeAlias = (
+    Opened
+    | Received
+    | Closed
+    | Backlogged
+    | Advanced
+    | Said
+    | Registered
+    | Heard
+    | Asked
+    | LinkOpened
+    | LinkClosed
+    | Framed
+)
 
 T = TypeVar("T")
 _KINDS: dict[str, type[Input]] = {kind.__name__.lower(): kind for kind in get_args(Input)}
@@ -153,6 +202,12 @@ def _for_people(item: Input) -> tuple[str, str]:
             return "", "the server has accepted the name"
         case Asked(sender):
             return _readable(sender), ""
+        case LinkOpened(_, name):
+            return _readable(name), "a link is opened"
+        case LinkClosed(_, sender):
+            return _readable(sender), "the link has ended"
+        case Framed(_, sender, frame):
+            return _readable(sender), f"{name_of(frame.message_id)} of {frame.system}/{frame.component}"
 
 
 def _readable(text: str) -> str:

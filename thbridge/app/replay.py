@@ -28,8 +28,11 @@ from thbridge.app.inputs import (
     Asked,
     Backlogged,
     Closed,
+    Framed,
     Heard,
     Input,
+    LinkClosed,
+    LinkOpened,
     Opened,
     Received,
     Registered,
@@ -289,6 +292,12 @@ class _Together:
                 self._prompter.prompt(message)
             case Asked(sender, request):
                 session.ask(sender, request)
+            case LinkOpened(_, name):
+                session.open_link(name)
+            case LinkClosed(link):
+                session.close_link(link)
+            case Framed(link, _, frame, robot):
+                session.transmit(session.receive_frame(link, frame, robot))
 
     def step(self) -> None:
         self._session.step()

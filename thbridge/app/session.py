@@ -14,8 +14,11 @@ from thbridge.app.inputs import (
     Asked,
     Backlogged,
     Closed,
+    Framed,
     Heard,
     Input,
+    LinkClosed,
+    LinkOpened,
     Opened,
     Received,
     Registered,
@@ -28,7 +31,11 @@ from thbridge.roles.keeper import Keeper
 from thbridge.roles.requests import GameRequest, Request
 from thbridge.roles.role import Role
 from thbridge.roles.simr import SimR
+from thbridge.roles.vehicles import Ask, Vehicles
 from thbridge.roles.wizard import Held
+from thbridge.wire.mavlink.frame import Frame
+from thbridge.wire.mavlink.hub import Sent, Traffic
+from thbridge.wire.mavlink.vehicle import LinkId, Status
 from thbridge.wire.router import ConnectionId, Forwarded, Output, Router, TurnedAway
 from thbridge.wire.text import Message
 
@@ -46,6 +53,8 @@ class Moment:
         utterances: of its dialogues.
         held: what waits for whoever speaks in robots' place.
         game: as it stands now; None before the first.
+        traffic: the frames that vehicles heard since the last tick, and said since then and in this one, in order.
+        vehicles: how each stands; empty where the robots are none.
     """
 
     tick: int
@@ -56,6 +65,8 @@ class Moment:
     utterances: tuple[Utterance, ...]
     held: Held
     game: GameState | None
+    traffic: tuple[Traffic, ...] = ()
+    vehicles: tuple[Status, ...] = ()
 
 
 class Witness(Protocol):
@@ -82,11 +93,14 @@ class Session:
         log: of the game's events.
         witnesses: who record.
         participant: whoever plays in this process, if anybody; what they say comes from outside.
+        vehicles: makes the robots MAVLink vehicles, given who takes what these ask of robots and game; what they ask
+            follows from frames, and so is no input. None: they are none.
 
     Attributes:
         tick: the number of the next tick.
         perform: carries out what the router decides. A server of outside connections takes this over, and must give
             every `Forwarded` to `hear`. This session is the switchboard of such a server.
+        transmit: sends frames on their links, of which it may not know all. Whoever serves links takes this over.
 
     Raises:
         ValueError: two roles have the same name, or one is held already.
@@ -100,9 +114,11 @@ class Session:
         log: EventLog,
         witnesses: Sequence[Witness] = (),
         participant: Role | None = None,
+        vehicles: Callable[[Ask], Vehicles] | None = None,
     ) -> None:
         self.tick = 0
         self.perform: Callable[[Sequence[Output]], None] = self._hear_all
+        self.transmit: Callable[[Sequence[Sent]], None] = _untransmitted
         self._router = router
         self._keeper = keeper
         self._roles = tuple(roles)
@@ -112,6 +128,7 @@ class Session:
         self._simr = next((role for role in roles if isinstance(role, SimR)), None)
         self._inputs: list[Input] = []
         self._heard: list[Forwarded] = []
+        self._vehicles = None if vehicles is None else vehicles(self._pass_on)
         for role in (keeper, *self._roles, *(() if participant is None else (participant,))):
             taken = router.attach(role.name)
             if taken is not None:
@@ -135,12 +152,7 @@ class Session:
         Raises:
             ValueError: the robots are another program's.
         """
-        if isinstance(request, GameRequest):
-            self._keeper.ask(request)
-        elif self._simr is None:
-            raise ValueError("the robots are not in this process")
-        else:
-            self._simr.ask(request, sender)
+        self._pass_on(sender, request)
         self._inputs.append(Asked(sender, request))
 
     def connect(self, now: float) -> ConnectionId | TurnedAway:
@@ -187,6 +199,45 @@ class Session:
         """The end: nothing comes in any more."""
         return self._router.stop()
 
+    def open_link(self, name: str) -> LinkId:
+        """Somebody may speak to the robots' vehicles, on a link of this name.
+
+        Raises:
+            ValueError: the robots are no vehicles.
+        """
+        if self._vehicles is None:
+            raise ValueError("the robots are no vehicles")
+        link = self._vehicles.open(name)
+        self._inputs.append(LinkOpened(link, name))
+        return link
+
+    def close_link(self, link: LinkId) -> None:
+        """A link ends, if it has not ended before."""
+        name = None if self._vehicles is None else self._vehicles.name_of(link)
+        if self._vehicles is not None and name is not None:
+            self._vehicles.close(link)
+            self._inputs.append(LinkClosed(link, name))
+
+    def receive_frame(self, link: LinkId, frame: Frame, robot: int | None = None) -> list[Sent]:
+        """A frame came in.
+
+        It acts at once on vehicles, as these stood after the last tick; what they ask of robots and game for it, is
+        done with the next.
+
+        Args:
+            link: where; a frame of a link that there is not is forgotten.
+            frame: checked, and without its signature.
+            robot: the only one that is to hear it; None: whoever it is meant for.
+
+        Returns:
+            What goes out for it, for `transmit`.
+        """
+        name = None if self._vehicles is None else self._vehicles.name_of(link)
+        if self._vehicles is None or name is None:
+            return []
+        self._inputs.append(Framed(link, name, frame, robot))
+        return self._vehicles.receive(link, frame, robot)
+
     # The tick
 
     def step(self) -> Moment:
@@ -207,20 +258,34 @@ class Session:
             self._step_role(role)
         if self._participant is not None:
             inputs += [Said(message) for message in self._step_role(self._participant)]
+        snapshot = None if self._simr is None else self._simr.snapshot
+        sent = [] if self._vehicles is None or snapshot is None else self._vehicles.step(snapshot, self._keeper.state)
         moment = Moment(
             self.tick,
             tuple(inputs),
-            None if self._simr is None else self._simr.snapshot,
+            snapshot,
             heard,
             decided.events,
             decided.utterances,
             decided.held,
             self._keeper.state,
+            () if self._vehicles is None else self._vehicles.take_traffic(),
+            () if self._vehicles is None else self._vehicles.statuses,
         )
         for witness in self._witnesses:
             witness.saw(moment)
+        self.transmit(sent)
         self.tick += 1
         return moment
+
+    def _pass_on(self, sender: str, request: Request) -> None:
+        """To the role that does what is asked. Raises ValueError where that is another program's."""
+        if isinstance(request, GameRequest):
+            self._keeper.ask(request)
+        elif self._simr is None:
+            raise ValueError("the robots are not in this process")
+        else:
+            self._simr.ask(request, sender)
 
     def _step_role(self, role: Role) -> Sequence[Message]:
         said = role.step(self.tick, self._router.take(role.name))
@@ -232,6 +297,10 @@ class Session:
         for output in outputs:
             if isinstance(output, Forwarded):
                 self.hear(output)
+
+
+def _untransmitted(sent: Sequence[Sent]) -> None:
+    """Nobody serves links."""
 
 
 class Outpost:

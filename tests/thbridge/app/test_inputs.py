@@ -16,8 +16,11 @@ from thbridge.app.inputs import (
     Asked,
     Backlogged,
     Closed,
+    Framed,
     Heard,
     Input,
+    LinkClosed,
+    LinkOpened,
     Opened,
     Received,
     Registered,
@@ -28,6 +31,7 @@ from thbridge.app.inputs import (
 from thbridge.roles.requests import Request
 from thbridge.ros import pack, unpack
 from thbridge.ros.records import Input as InputRecord
+from thbridge.wire.mavlink.frame import Frame
 from thbridge.wire.text import Message, tokens
 
 FLOATS = st.floats()
@@ -50,6 +54,8 @@ st.register_type_strategy(
     np.ndarray, st.lists(FLOATS, min_size=9, max_size=9).map(lambda values: np.array(values).reshape(3, 3))
 )
 REQUESTS = st.one_of(*(st.from_type(kind) for kind in get_args(Request)))
+BYTES = st.integers(0, 255)
+FRAMES = st.builds(Frame, BYTES, BYTES, BYTES, st.integers(0, 2**24 - 1), st.binary(min_size=1, max_size=255), BYTES)
 STRATEGIES = {
     Opened: st.builds(Opened, NUMBERS, FLOATS),
     Received: st.builds(Received, NUMBERS, WORDS, st.binary(max_size=100), FLOATS),
@@ -60,6 +66,9 @@ STRATEGIES = {
     Registered: st.just(Registered()),
     Heard: st.builds(Heard, MESSAGES),
     Asked: st.builds(Asked, st.text(), REQUESTS),
+    LinkOpened: st.builds(LinkOpened, NUMBERS, WORDS),
+    LinkClosed: st.builds(LinkClosed, NUMBERS, WORDS),
+    Framed: st.builds(Framed, NUMBERS, WORDS, FRAMES, st.none() | st.integers(0, 249)),
 }
 INPUTS = st.one_of(*(STRATEGIES[kind] for kind in get_args(Input)))
 

@@ -5,7 +5,7 @@ from typing import cast
 from pymavlink.dialects.v20 import all as mav
 from pymavlink.dialects.v20.all import MAVLink_message as Message
 
-__all__ = ["EVERYBODY", "Message", "crc_extra", "decoded", "mav", "payload_of", "target_of"]
+__all__ = ["EVERYBODY", "Message", "crc_extra", "decoded", "mav", "name_of", "payload_of", "target_of"]
 
 EVERYBODY = 0
 """As a target: every system, or every component."""
@@ -18,6 +18,12 @@ def crc_extra(message_id: int) -> int | None:
     """The seed that a message's layout adds to the checksum; None for a message that the dialect does not know."""
     kind = mav.mavlink_map.get(message_id)
     return None if kind is None else kind.crc_extra
+
+
+def name_of(message_id: int) -> str:
+    """What the dialect calls a message; its number where it does not know it."""
+    kind = mav.mavlink_map.get(message_id)
+    return str(message_id) if kind is None else kind.msgname
 
 
 def payload_of(message: Message) -> bytes:

@@ -145,6 +145,7 @@ _NOISE_OF = {home: f"noise.{path}" for path, home in HOMES.items()}
 
 _LABELS = {
     "server": "Text server",
+    "mavlink": "Ground stations (MAVLink)",
     "fleet": "Real robots",
     "fleet.robot": "Names of every robot",
     "fleet.each": "Names of single robots",

@@ -1,0 +1,147 @@
+"""Vehicles inside a session: what ground stations say is an input, and what vehicles do for it comes with the ticks."""
+
+from collections.abc import Sequence
+from pathlib import Path
+
+import pytest
+
+from sim.geometry import Pose2
+from sim.observations import TICKS_PER_SECOND
+from sim.team import TeamSnapshot
+from thbridge.app.compose import read_setting
+from thbridge.app.config import Study
+from thbridge.app.inputs import Framed, LinkClosed, LinkOpened, from_record, to_record
+from thbridge.app.mavlink import MavlinkSection
+from thbridge.app.play import NoLog
+from thbridge.app.session import Moment, Session
+from thbridge.hunt.game import GameState
+from thbridge.roles.vehicles import Ask, Vehicles
+from thbridge.wire.mavlink.dialect import crc_extra, mav, payload_of
+from thbridge.wire.mavlink.frame import Frame
+from thbridge.wire.mavlink.helm import Denied, Readings, Station
+from thbridge.wire.mavlink.helm import Setting as Knob
+from thbridge.wire.mavlink.hub import Sent
+from thbridge.wire.router import Router
+
+
+class Idler:
+    """Holds a helm, and does nothing that it is asked."""
+
+    def __init__(self, robot: int) -> None:
+        self._robot = robot
+
+    def follow(self, snapshot: TeamSnapshot, game: GameState | None) -> Readings:
+        output = snapshot.robots[self._robot]
+        twist = output.observations.odometry.twist
+        pose = output.estimate.base_in_map
+        return Readings(pose, twist, None, 1.0, 1.0, True, False, False, None, "participant", None)
+
+    def home(self) -> Pose2:
+        return Pose2(0.0, 0.0, 0.0)
+
+    def settings(self) -> Sequence[Knob]:
+        return ()
+
+    def setting(self, name: str) -> Knob | None:
+        return None
+
+    def take(self, station: Station) -> Denied | None:
+        return Denied("no")
+
+    def release(self) -> None:
+        pass
+
+    halt = release
+
+    def go_to(self, x: float, y: float, heading: float | None) -> int | Denied:
+        return Denied("no")
+
+    def drive(self, twist: object) -> Denied | None:
+        return Denied("no")
+
+    limit_speed = identify = drive
+
+    def change(self, name: str, value: float) -> Knob | Denied:
+        return Denied("no")
+
+    def photograph(self) -> Denied | None:
+        return Denied("no")
+
+    leave = photograph
+
+
+HEARTBEAT = mav.MAVLink_heartbeat_message(mav.MAV_TYPE_GCS, mav.MAV_AUTOPILOT_INVALID, 0, 0, 0, 3)
+FRAME = Frame(255, 190, 7, HEARTBEAT.id, payload_of(HEARTBEAT), crc_extra(HEARTBEAT.id) or 0)
+
+
+def vehicles(ask: Ask) -> Vehicles:
+    return Vehicles([Idler(0), Idler(1)], MavlinkSection().options)
+
+
+@pytest.fixture
+def session() -> Session:
+    setting = read_setting(Study(), Path())
+    return Session(Router(), setting.keeper(), [setting.simr()], NoLog(), vehicles=vehicles)
+
+
+def steps(session: Session, ticks: int) -> list[Moment]:
+    return [session.step() for _ in range(ticks)]
+
+
+def test_links_and_frames_are_inputs_of_the_next_tick(session: Session):
+    link = session.open_link("a")
+    session.receive_frame(link, FRAME, 1)
+    session.close_link(link)
+    session.close_link(link)
+    inputs = session.step().inputs
+    assert inputs == (LinkOpened(link, "a"), Framed(link, "a", FRAME, 1), LinkClosed(link, "a"))
+    assert tuple(from_record(to_record(item)) for item in inputs) == inputs
+    assert session.step().inputs == ()
+
+
+def test_people_read_in_the_bag_what_came(session: Session):
+    link = session.open_link("udp 127.0.0.1:14550")
+    session.receive_frame(link, FRAME)
+    told = [to_record(item) for item in session.step().inputs]
+    assert [(record.sender, record.line) for record in told] == [
+        ("udp 127.0.0.1:14550", "a link is opened"),
+        ("udp 127.0.0.1:14550", "HEARTBEAT of 255/190"),
+    ]
+
+
+def test_what_a_vehicle_hears_and_says_is_told_with_the_tick_it_acts_in(session: Session):
+    session.step()
+    link = session.open_link("a")
+    session.receive_frame(link, FRAME)
+    heard = [traffic for traffic in session.step().traffic if traffic.heard]
+    assert [(traffic.robot, traffic.link, traffic.frame) for traffic in heard] == [(0, "a", FRAME), (1, "a", FRAME)]
+    assert not any(traffic.heard for traffic in session.step().traffic)
+
+
+def test_heartbeats_go_out_on_every_link_once_a_second_and_are_told(session: Session):
+    transmitted: list[Sent] = []
+    session.transmit = transmitted.extend
+    links = [session.open_link("a"), session.open_link("b")]
+    moments = steps(session, TICKS_PER_SECOND)
+    beats = [sent for sent in transmitted if sent.frame.message_id == HEARTBEAT.id]
+    assert sorted((sent.link, sent.frame.system) for sent in beats) == [(link, n) for link in links for n in (1, 2)]
+    assert [sent.frame for sent in transmitted] == [item.frame for moment in moments for item in moment.traffic]
+    assert len(moments[-1].vehicles) == 2
+
+
+def test_frames_of_links_or_for_robots_that_there_are_not_change_nothing(session: Session):
+    link = session.open_link("a")
+    session.close_link(link)
+    session.step()
+    assert session.receive_frame(link, FRAME) == []
+    assert session.step().inputs == ()
+    link = session.open_link("a")
+    assert session.receive_frame(link, FRAME, 2) == []
+    assert not session.step().traffic
+
+
+def test_where_robots_are_no_vehicles_there_is_no_link():
+    setting = read_setting(Study(), Path())
+    session = Session(Router(), setting.keeper(), [setting.simr()], NoLog())
+    with pytest.raises(ValueError, match="no vehicles"):
+        session.open_link("a")
