@@ -28,6 +28,10 @@ class Station:
         return f"ground station {self.system}"
 
 
+PARTICIPANT = "participant"
+"""The words for the participant in `Readings.commanded_by`."""
+
+
 class Refusal(Enum):
     """How firmly something is refused."""
 
@@ -90,6 +94,8 @@ class Readings:
         commander: the station in command of it, by its words (`Station`); None when no station is.
         commanded_by: who is in command, for people: "participant", "ground station 255", "researcher".
         leg: where it was last told to go from here; None before the first.
+        news: what has come up in this tick and people at ground stations should know: a room reached, what was found
+            in it, what the game refused; sentences of at most some 100 characters.
     """
 
     base_in_map: Pose2
@@ -103,6 +109,7 @@ class Readings:
     commander: str | None
     commanded_by: str
     leg: Leg | None
+    news: tuple[str, ...] = ()
 
 
 @dataclass(frozen=True, slots=True)
@@ -146,6 +153,9 @@ class Helm(Protocol):
 
     def drive(self, twist: Twist) -> Denied | None:
         """Drive by hand for the next half second."""
+
+    def fastest(self) -> Twist:
+        """The fastest that a hand can drive it: m/s and rad/s, both positive."""
 
     def limit_speed(self, speed: float) -> Denied | None:
         """From now on drive at most this fast, m/s; a negative one: as the study says."""

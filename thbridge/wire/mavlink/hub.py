@@ -14,7 +14,8 @@ from sim.observations import TICKS_PER_SECOND
 from thbridge.wire.mavlink.dialect import EVERYBODY, Message, crc_extra, decoded, payload_of, target_of
 from thbridge.wire.mavlink.frame import Frame
 from thbridge.wire.mavlink.helm import Readings, Station
-from thbridge.wire.mavlink.vehicle import COMPONENT, LinkId, Said, Vehicle
+from thbridge.wire.mavlink.said import COMPONENT, LinkId, Said
+from thbridge.wire.mavlink.vehicle import Vehicle
 
 
 @dataclass(frozen=True, slots=True)
@@ -165,7 +166,11 @@ class Hub:
     def _reached(self, word: Said) -> Iterable[LinkId]:
         if word.link is not None:
             return [word.link] if word.link in self._links else []
-        return [link for link, state in self._links.items() if word.to_sleepers or self._is_awake(state)]
+        return [
+            link
+            for link, state in self._links.items()
+            if link not in word.besides and (word.to_sleepers or self._is_awake(state))
+        ]
 
     def _is_awake(self, link: _Link) -> bool:
         return link.heard is not None and self._tick - link.heard <= self._patience

@@ -1,0 +1,64 @@
+"""Where the map lies on earth: a plane that touches the WGS84 ellipsoid in the map's origin, its y axis north.
+
+Source: WGS 84 (NGA.STND.0036), semi-axes; the radii of curvature of an ellipsoid.
+Differs: the plane is not bent, so two points 1 km from the origin are off by some centimetres; maps are smaller.
+"""
+
+import math
+from dataclasses import dataclass
+from typing import TypeVar
+
+from thbridge.wire.mavlink.options import Origin
+
+_SEMI_MAJOR = 6_378_137.0
+_FLATTENING = 1.0 / 298.257223563
+_ECCENTRICITY_SQUARED = _FLATTENING * (2.0 - _FLATTENING)
+
+Number = TypeVar("Number", int, float)
+
+PER_DEGREE = 10_000_000
+"""MAVLink counts degrees in ten-millionths, 1.1 cm of latitude each."""
+
+_WHOLE_TURN = 360 * PER_DEGREE
+
+
+@dataclass(frozen=True, slots=True)
+class Place:
+    """A place on earth, in ten-millionths of a degree: north of the equator, and east of Greenwich."""
+
+    latitude: int
+    longitude: int
+
+
+class Earth:
+    """Metres of the map as degrees, and back.
+
+    Args:
+        origin: of the map; not at a pole.
+    """
+
+    def __init__(self, origin: Origin) -> None:
+        self.altitude = origin.altitude
+        phi = math.radians(origin.latitude)
+        shrink = 1.0 - _ECCENTRICITY_SQUARED * math.sin(phi) ** 2
+        meridian = _SEMI_MAJOR * (1.0 - _ECCENTRICITY_SQUARED) / shrink**1.5
+        parallel = _SEMI_MAJOR / math.sqrt(shrink) * math.cos(phi)
+        self._latitude = origin.latitude * PER_DEGREE
+        self._longitude = origin.longitude * PER_DEGREE
+        self._north = math.degrees(1.0 / meridian) * PER_DEGREE
+        self._east = math.degrees(1.0 / parallel) * PER_DEGREE
+
+    def place(self, x: float, y: float) -> Place:
+        """Where a point of the map, metres east and north, lies on earth."""
+        longitude = round(self._longitude + x * self._east)
+        return Place(round(self._latitude + y * self._north), _half_turn(longitude))
+
+    def point(self, place: Place) -> tuple[float, float]:
+        """The point of the map, metres east and north, that lies there."""
+        east = _half_turn(place.longitude - self._longitude)
+        return east / self._east, (place.latitude - self._latitude) / self._north
+
+
+def _half_turn(longitude: Number) -> Number:
+    """The same longitude from -180 degrees to 180."""
+    return (longitude + _WHOLE_TURN // 2) % _WHOLE_TURN - _WHOLE_TURN // 2
