@@ -14,13 +14,17 @@ V1, V2 = 0xFE, 0xFD
 SIGNED = 0x01
 """Bit of `incompat_flags`: a signature follows the checksum."""
 
+CHECKSUM_SIZE = 2
 SIGNATURE_SIZE = 13
 
-LARGEST = 10 + 255 + 2 + SIGNATURE_SIZE
-"""Bytes of the longest frame."""
+HEADER_V1 = struct.Struct("<6B")
+"""Magic, length of the payload, sequence, system, component, message."""
 
-_HEADER_V1 = struct.Struct("<6B")
-_HEADER_V2 = struct.Struct("<7BHB")
+HEADER_V2 = struct.Struct("<7BHB")
+"""Magic, length of the payload, incompat and compat flags, sequence, system, component, message (16 bits, then 8)."""
+
+LARGEST = HEADER_V2.size + 255 + CHECKSUM_SIZE + SIGNATURE_SIZE
+"""Bytes of the longest frame."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -52,16 +56,22 @@ class Frame:
     signature: bytes = b""
 
     @property
+    def size(self) -> int:
+        """Bytes of it on its way."""
+        header = HEADER_V1.size if self.version == V1 else HEADER_V2.size
+        return header + len(self.payload) + CHECKSUM_SIZE + len(self.signature)
+
+    @property
     def head(self) -> bytes:
         """Header and payload: what the checksum is of, but for its first byte."""
         length = len(self.payload)
         if self.version == V1:
             head = (V1, length, self.sequence, self.system, self.component, self.message_id)
-            return _HEADER_V1.pack(*head) + self.payload
+            return HEADER_V1.pack(*head) + self.payload
         low, high = self.message_id & 0xFFFF, self.message_id >> 16
         flags = (self.incompat_flags, self.compat_flags)
         head_v2 = (V2, length, *flags, self.sequence, self.system, self.component, low, high)
-        return _HEADER_V2.pack(*head_v2) + self.payload
+        return HEADER_V2.pack(*head_v2) + self.payload
 
     @property
     def checksum(self) -> int:
