@@ -132,7 +132,7 @@ class Setting:
         """What these robots say as ROS nodes."""
         study, laser = self.study, self.study.world.laser
         planners = [Planners.of(study.software(number)) for number in range(1, study.robots + 1)]
-        return Publisher(study.robots, mount_of(laser), 1.0 / laser.rate, planners)
+        return Publisher(study.robots, mount_of(laser), 1.0 / laser.rate, planners, vehicles=study.mavlink.on)
 
     def writer(self, path: Path, caller: str = CALLER) -> BagWriter:
         """A new bag of what this node says. Raises BagNotWritten."""

@@ -27,15 +27,17 @@ from thbridge.adapters.rosgraph.turns import Turns
 from thbridge.adapters.text_server import CannotListen
 from thbridge.app.door import Door
 from thbridge.app.live_parameters import LiveParameters, sendable
+from thbridge.app.mavros import frame_in
 from thbridge.app.typed_node import TypedNode
 from thbridge.roles.requests import Request
-from thbridge.ros import clients, names, pack, types
+from thbridge.ros import clients, names, pack, types, unpack
 from thbridge.ros.clients import Refused
 from thbridge.ros.names import CALLER, MAP_FRAME, RobotNames
 from thbridge.ros.parameters import Tree
 from thbridge.ros.records import CancelRequest, GoalRequest, InitialPose, SimpleGoal, VelocityCommand
 from thbridge.ros.stamps import stamp_ns
-from thbridge.ros.topics import CLOCK, Message, Topic
+from thbridge.ros.topics import CLOCK, Message, Topic, VehicleTopics
+from thbridge.wire.mavlink.frame import Frame
 from thbridge.wire.rosgraph.links import ServiceFailed
 
 _log = logging.getLogger(__name__)
@@ -75,6 +77,7 @@ class LiveGraph:
         facts: about the team.
         make_plan: answers questions about plans.
         ask: takes what clients want of the robots, with the client's name.
+        hear: takes MAVLink frames for one robot; None where robots are no vehicles.
     """
 
     def __init__(
@@ -83,6 +86,7 @@ class LiveGraph:
         facts: Facts,
         make_plan: MakePlan,
         ask: Callable[[str, Request], None],
+        hear: Callable[[int, Frame], None] | None = None,
     ) -> None:
         node = RosNode(CALLER, graph.master_uri, graph.host, on_shutdown=self._told_to_go)
         self._node = TypedNode(node, Definitions())
@@ -102,6 +106,8 @@ class LiveGraph:
         self._offer_map()
         for robot, named in enumerate(self._robots):
             self._listen_to_clients(robot, named)
+            if hear is not None:
+                self._listen_to_stations(robot, hear)
             self._offer_services(robot, named)
         node.declare_param(names.USE_SIM_TIME, True)
         node.declare_param(CALLER, sendable(facts.rest))
@@ -157,6 +163,21 @@ class LiveGraph:
             self._complaints.tell(f"{topic}: what {caller} said is of no use: {request.sentence}")
         else:
             self._ask(caller, request)
+
+    def _listen_to_stations(self, robot: int, hear: Callable[[int, Frame], None]) -> None:
+        topic = VehicleTopics.of(self._robots[robot]).heard
+        heard = partial(self._frame_heard, topic.name, partial(hear, robot))
+        self._node.subscribe(topic.name, topic.msgtype, heard)
+
+    def _frame_heard(self, topic: str, hear: Callable[[Frame], None], data: bytes, caller: str) -> None:
+        if caller == CALLER or not self._door.admits(topic, caller):
+            return
+        try:
+            frame = frame_in(unpack.mavlink(data))
+        except ValueError as error:
+            self._complaints.tell(f"{topic}: what {caller} said is of no use: {error}")
+        else:
+            hear(frame)
 
     def _pose_heard(self, robot: int, data: bytes) -> Request | Refused:
         found = clients.pose_estimate(data)

@@ -7,8 +7,10 @@ from typing import Protocol
 import numpy as np
 
 from sim.geometry import FloatArray
+from sim.observations import TICKS_PER_SECOND
 from sim.team import TeamSnapshot
 from thbridge.app.inputs import Asked, to_record
+from thbridge.app.mavros import frame_record, state_record
 from thbridge.app.session import Moment
 from thbridge.dialogue import moves
 from thbridge.hunt import events
@@ -17,12 +19,25 @@ from thbridge.hunt.game import GameState
 from thbridge.hunt.rooms import Room
 from thbridge.roles.talks import MATTERS
 from thbridge.roles.wizard import Held
-from thbridge.ros.records import GameEvent, GraphRequest, HeldTurns, Record, Score, SendRobots, Success, Utterance
+from thbridge.ros.records import (
+    GameEvent,
+    GraphRequest,
+    HeldTurns,
+    Record,
+    Score,
+    SendRobots,
+    Success,
+    Utterance,
+)
 from thbridge.wire import legacy
+from thbridge.wire.mavlink.vehicle import Status
 from thbridge.wire.router import Forwarded
 
 JUMP = 0.2
 """Metres in one tick that no robot drives: it was put there."""
+
+STATE_PERIOD = TICKS_PER_SECOND
+"""Ticks after which the state of a vehicle is said again when it has not changed."""
 
 
 class Speaker(Protocol):
@@ -47,6 +62,7 @@ class BagWitness:
         self._things: tuple[str, ...] = ()
         self._dead: frozenset[int] = frozenset()
         self._places: FloatArray | None = None
+        self._vehicles: tuple[Status, ...] = ()
 
     def saw(self, moment: Moment) -> None:
         """Write down one tick; raises what the speaker raises."""
@@ -70,6 +86,8 @@ class BagWitness:
         if moment.snapshot is not None and moment.snapshot.world is not None:
             yield from self._touches(moment.snapshot)
             yield from self._incidents(moment.snapshot)
+        yield from map(frame_record, moment.traffic)
+        yield from self._states(moment)
         score = None if moment.game is None else _score(moment.game)
         if score is not None and score != self._score:
             self._score = score
@@ -79,6 +97,13 @@ class BagWitness:
         """What a ROS client said, if there is such a robot."""
         if moment.snapshot is not None and request.robot < len(moment.snapshot.robots):
             yield request
+
+    def _states(self, moment: Moment) -> Iterator[Record]:
+        """How vehicles stand, of those for which it has changed, and now and then of all."""
+        before, self._vehicles = self._vehicles, moment.vehicles
+        for robot, status in enumerate(moment.vehicles):
+            if moment.tick % STATE_PERIOD == 0 or not before or status != before[robot]:
+                yield state_record(robot, status)
 
     def _touches(self, snapshot: TeamSnapshot) -> Iterator[GameEvent]:
         """A robot that has begun to touch a wall or another robot."""

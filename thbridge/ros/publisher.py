@@ -11,7 +11,7 @@ from sim.observations import TICKS_PER_SECOND, LaserMount, Twist
 from sim.team import TeamSnapshot
 from thbridge.ros import pack
 from thbridge.ros.actionlib import ActionRequest
-from thbridge.ros.names import MAP_FRAME
+from thbridge.ros.names import GRAPH_LINK, MAP_FRAME, RobotNames
 from thbridge.ros.one_robot import RobotPublisher
 from thbridge.ros.pack import Transform
 from thbridge.ros.records import (
@@ -22,6 +22,7 @@ from thbridge.ros.records import (
     InitialPose,
     Input,
     LogLine,
+    MavlinkFrame,
     Record,
     Score,
     SendRobots,
@@ -29,6 +30,8 @@ from thbridge.ros.records import (
     SimpleGoal,
     Success,
     Utterance,
+    VehicleRecord,
+    VehicleState,
     VelocityCommand,
 )
 from thbridge.ros.stamps import stamp_ns
@@ -53,6 +56,7 @@ from thbridge.ros.topics import (
     Message,
     Planners,
     Topic,
+    VehicleTopics,
 )
 from thbridge.ros.watch import RobotWatch
 
@@ -76,18 +80,26 @@ class Publisher:
         mount: the laser that every robot carries.
         scan_period: seconds between two scans of one robot.
         planners: names of each robot's planners; None: move_base's usual ones.
+        vehicles: whether the robots are MAVLink vehicles, too.
 
     Raises:
         ValueError: robots and planners differ in number.
     """
 
     def __init__(
-        self, robots: int, mount: LaserMount, scan_period: float, planners: Sequence[Planners] | None = None
+        self,
+        robots: int,
+        mount: LaserMount,
+        scan_period: float,
+        planners: Sequence[Planners] | None = None,
+        *,
+        vehicles: bool = False,
     ) -> None:
         self._laser_in_base = mount.laser_in_base
         team = range(robots)
         named = [Planners() for _ in team] if planners is None else planners
         self._robots = [RobotPublisher(robot, scan_period, own) for robot, own in zip(team, named, strict=True)]
+        self._vehicles = [VehicleTopics.of(RobotNames.of(robot)) for robot in team if vehicles]
         self._watches = [RobotWatch(robot) for robot in team]
         self._bodies = NO_POLYGONS
         self._bodies_tick = 0
@@ -95,7 +107,8 @@ class Publisher:
     @property
     def topics(self) -> tuple[Topic, ...]:
         """All topics on which anything may ever be said, the clock's aside."""
-        return TEAM_TOPICS + tuple(topic for robot in self._robots for topic in robot.topics.all())
+        own = tuple(topic for robot in self._robots for topic in robot.topics.all())
+        return TEAM_TOPICS + own + tuple(topic for robot in self._vehicles for topic in robot.all())
 
     def opening(self, tick: int, session: Session, grid: OccupancyGrid) -> list[Message]:
         """What is said once, before all else: session, frames that never move, the map. All of it is latched."""
@@ -152,8 +165,22 @@ class Publisher:
         if tick % DIAGNOSTICS_PERIOD == 0:
             messages.append(Message(DIAGNOSTICS, stamp, pack.diagnostic_array(tick, self._diagnoses(snapshot))))
         for record in records:
-            messages.extend(messages_of(stamp, tick, record))
+            if isinstance(record, VehicleRecord):
+                messages.append(self._vehicle(stamp, tick, record))
+            else:
+                messages.extend(messages_of(stamp, tick, record))
         return messages
+
+    def _vehicle(self, stamp: int, tick: int, record: VehicleRecord) -> Message:
+        topics = self._vehicles[record.robot]
+        match record:
+            case VehicleState():
+                return Message(topics.state, stamp, pack.vehicle_state(tick, record))
+            case MavlinkFrame():
+                data = pack.mavlink(tick, record)
+                if record.heard:
+                    return Message(topics.heard, stamp, data, heard=record.link == GRAPH_LINK)
+                return Message(topics.said, stamp, data)
 
     def _diagnoses(self, snapshot: TeamSnapshot) -> list[pack.Diagnosis]:
         return [
@@ -202,5 +229,7 @@ def messages_of(stamp: int, tick: int, record: Record) -> Iterator[Message]:
             pass  # Said before all else.
         case VelocityCommand():
             pass  # What the motors were told of it is on cmd_vel.
+        case MavlinkFrame() | VehicleState():
+            pass  # On the robot's own topics.
         case _:
             assert_never(record)

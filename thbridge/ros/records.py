@@ -227,7 +227,68 @@ class LogLine:
     text: str
 
 
+@dataclass(frozen=True, slots=True)
+class MavlinkFrame:
+    """A MAVLink frame that a robot's vehicle heard or said, without its signature.
+
+    Attributes:
+        robot: whose.
+        heard: whether the vehicle heard it; or else it said it.
+        link: name of the link.
+        magic: first byte of the frame, which tells its version.
+        incompat_flags: of version 2, as the next one.
+        compat_flags: see there.
+        sequence: the sender's count.
+        system: of the sender.
+        component: of the sender.
+        message_id: what kind of message.
+        checksum: as it stands in the frame.
+        payload: at most 255 bytes.
+    """
+
+    robot: int
+    heard: bool
+    link: str
+    magic: int
+    incompat_flags: int
+    compat_flags: int
+    sequence: int
+    system: int
+    component: int
+    message_id: int
+    checksum: int
+    payload: bytes
+
+
+@dataclass(frozen=True, slots=True)
+class VehicleState:
+    """How a robot stands as a MAVLink vehicle, in the words of mavros.
+
+    Attributes:
+        robot: which.
+        connected: a ground station is heard.
+        armed: its motors obey.
+        guided: it goes where it is told.
+        manual_input: it is driven by hand.
+        mode: its mode's name.
+        system_status: a code of MAV_STATE.
+    """
+
+    robot: int
+    connected: bool
+    armed: bool
+    guided: bool
+    manual_input: bool
+    mode: str
+    system_status: int
+
+
 GraphRequest = GoalRequest | CancelRequest | SimpleGoal | VelocityCommand | InitialPose
 """What others on a ROS graph ask of a robot by topics."""
 
-Record = GameEvent | Score | Utterance | HeldTurns | Input | SendRobots | Success | LogLine | GraphRequest
+VehicleRecord = MavlinkFrame | VehicleState
+"""What there is of a robot only where it is a MAVLink vehicle."""
+
+Record = (
+    GameEvent | Score | Utterance | HeldTurns | Input | SendRobots | Success | LogLine | GraphRequest | VehicleRecord
+)

@@ -85,6 +85,34 @@ class Planners:
 
 
 @dataclass(frozen=True, slots=True)
+class VehicleTopics:
+    """Those of one robot as a MAVLink vehicle, as mavros calls them.
+
+    Attributes:
+        said: what it says.
+        heard: what is said to it, by whichever link.
+        state: how it stands.
+    """
+
+    said: Topic
+    heard: Topic
+    state: Topic
+
+    @classmethod
+    def of(cls, robot: RobotNames) -> "VehicleTopics":
+        """The topics in a robot's namespace."""
+        return cls(
+            said=Topic(robot.topic("mavlink/from"), types.MAVLINK),
+            heard=Topic(robot.topic("mavlink/to"), types.MAVLINK),
+            state=Topic(robot.topic("mavros/state"), types.MAVROS_STATE, latched=True),
+        )
+
+    def all(self) -> tuple[Topic, ...]:
+        """Every one of them."""
+        return self.said, self.heard, self.state
+
+
+@dataclass(frozen=True, slots=True)
 class RobotTopics:
     """The topics of one robot."""
 

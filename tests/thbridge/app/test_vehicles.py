@@ -1,6 +1,8 @@
 """Vehicles inside a session: what ground stations say is an input, and what vehicles do for it comes with the ticks."""
 
+from collections import defaultdict
 from collections.abc import Sequence
+from dataclasses import replace
 from pathlib import Path
 
 import pytest
@@ -8,19 +10,27 @@ import pytest
 from sim.geometry import Pose2
 from sim.observations import TICKS_PER_SECOND
 from sim.team import TeamSnapshot
+from tests.thbridge.app.test_recording import Tape
+from tests.thbridge.ros.drive import snapshots
+from thbridge.app.broadcast import Broadcast
 from thbridge.app.compose import read_setting
 from thbridge.app.config import Study
 from thbridge.app.inputs import Framed, LinkClosed, LinkOpened, from_record, to_record
 from thbridge.app.mavlink import MavlinkSection
-from thbridge.app.play import NoLog
+from thbridge.app.play import PLAY, NoLog
+from thbridge.app.recording import BagWitness
 from thbridge.app.session import Moment, Session
 from thbridge.hunt.game import GameState
 from thbridge.roles.vehicles import Ask, Vehicles
+from thbridge.roles.wizard import Held
+from thbridge.ros import unpack
+from thbridge.ros.publisher import Message
 from thbridge.wire.mavlink.dialect import crc_extra, mav, payload_of
 from thbridge.wire.mavlink.frame import Frame
 from thbridge.wire.mavlink.helm import Denied, Readings, Station
 from thbridge.wire.mavlink.helm import Setting as Knob
 from thbridge.wire.mavlink.hub import Sent
+from thbridge.wire.mavlink.vehicle import Status
 from thbridge.wire.router import Router
 
 
@@ -138,6 +148,51 @@ def test_frames_of_links_or_for_robots_that_there_are_not_change_nothing(session
     link = session.open_link("a")
     assert session.receive_frame(link, FRAME, 2) == []
     assert not session.step().traffic
+
+
+def test_what_vehicles_hear_and_say_goes_to_the_topics_of_mavros(session: Session):
+    messages: list[Message] = []
+    setting = read_setting(replace(Study(), mavlink=MavlinkSection(on=True)), Path())
+
+    class Ear:
+        def take(self, tick: int, said: Sequence[Message]) -> None:
+            messages.extend(said)
+
+    publisher = setting.publisher()
+    ear = BagWitness(Broadcast(publisher, setting.record(PLAY, [], ""), setting.place.grid, [Ear()]))
+    session.step()
+    link, graph = session.open_link("a"), session.open_link("ros")
+    session.receive_frame(link, FRAME, 1)
+    session.receive_frame(graph, FRAME, 0)
+    moments = steps(session, 2 * TICKS_PER_SECOND)
+    for moment in moments:
+        ear.saw(moment)
+    by_topic = defaultdict(list)
+    for message in messages:
+        by_topic[message.topic.name].append(message)
+    (first,), (second,) = by_topic["/robot1/mavlink/to"], by_topic["/robot2/mavlink/to"]
+    assert first.heard  # A client of the graph said it there already.
+    assert not second.heard
+    assert unpack.mavlink(second.data).link == "a"
+    assert unpack.mavlink(second.data).checksum == FRAME.checksum
+    said = [unpack.mavlink(message.data) for message in by_topic["/robot2/mavlink/from"]]
+    frames = [item.frame for moment in moments for item in moment.traffic if item.robot == 1 and not item.heard]
+    assert [(frame.sequence, frame.payload) for frame in said] == [(frame.sequence, frame.payload) for frame in frames]
+    assert len(by_topic["/robot1/mavros/state"]) >= 2
+    announced = {topic.name for topic in publisher.topics}
+    assert set(by_topic) <= announced
+
+
+def test_states_are_said_when_they_change_and_every_second():
+    tape = Tape()
+    witness = BagWitness(tape)
+    rest, armed = Status(True, False, False, False, "HOLD", 4), Status(True, True, True, False, "GUIDED", 4)
+    (snapshot,) = snapshots(2, 1)
+    for tick in range(1, 102):
+        states = (rest, armed) if tick > 30 else (rest, rest)
+        witness.saw(Moment(tick, (), snapshot, (), (), (), Held(), None, (), states))
+    assert [record.robot for record in tape.records] == [0, 1, 1, 0, 1, 0, 1]
+    assert tape.records[2].mode == "GUIDED"
 
 
 def test_where_robots_are_no_vehicles_there_is_no_link():

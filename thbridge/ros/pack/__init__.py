@@ -26,6 +26,7 @@ from thbridge.ros.pack.motion import (
     transforms,
 )
 from thbridge.ros.pack.sensing import battery_state, laser_scan
+from thbridge.ros.pack.vehicles import mavlink, vehicle_state
 
 __all__ = [
     "ADD",
@@ -46,6 +47,7 @@ __all__ = [
     "laser_scan",
     "log",
     "map_meta_data",
+    "mavlink",
     "move_base_feedback",
     "move_base_goal",
     "move_base_result",
@@ -63,4 +65,5 @@ __all__ = [
     "string",
     "transforms",
     "utterance",
+    "vehicle_state",
 ]

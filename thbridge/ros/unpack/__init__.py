@@ -37,11 +37,13 @@ from thbridge.ros.unpack.robots import (
     transforms,
     twist,
 )
+from thbridge.ros.unpack.vehicles import HeardFrame, mavlink
 
 __all__ = [
     "Charge",
     "GoalEnd",
     "GoalStart",
+    "HeardFrame",
     "LaserScan",
     "Odometry",
     "PoseInFrame",
@@ -55,6 +57,7 @@ __all__ = [
     "goal_status_array",
     "laser_scan",
     "log",
+    "mavlink",
     "move_base_feedback",
     "move_base_goal",
     "move_base_result",

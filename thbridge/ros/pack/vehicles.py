@@ -1,0 +1,38 @@
+"""Robots as MAVLink vehicles: mavros' types."""
+
+from struct import Struct
+
+from thbridge.ros.pack.fields import UINT32, header, string
+from thbridge.ros.records import MavlinkFrame, VehicleState
+
+FRAMING_OK = 1
+_FRAME = Struct("<8BIH")
+_STATE = Struct("<4?")
+_WORD = 8
+
+
+def mavlink(tick: int, record: MavlinkFrame) -> bytes:
+    """mavros_msgs/Mavlink; its payload in 64-bit words, the last one filled up with zeros."""
+    size = len(record.payload)
+    words = -(-size // _WORD)
+    numbers = _FRAME.pack(
+        FRAMING_OK,
+        record.magic,
+        size,
+        record.incompat_flags,
+        record.compat_flags,
+        record.sequence,
+        record.system,
+        record.component,
+        record.message_id,
+        record.checksum,
+    )
+    payload = record.payload.ljust(words * _WORD, b"\0")
+    no_signature = UINT32.pack(0)
+    return header(tick, record.link) + numbers + UINT32.pack(words) + payload + no_signature
+
+
+def vehicle_state(tick: int, record: VehicleState) -> bytes:
+    """mavros_msgs/State."""
+    flags = _STATE.pack(record.connected, record.armed, record.guided, record.manual_input)
+    return header(tick) + flags + string(record.mode) + bytes((record.system_status,))
