@@ -9,7 +9,7 @@ from dataclasses import dataclass
 from sim.geometry import FloatArray, Pose2
 from sim.navigator import Goal
 from sim.observations import Twist
-from sim.parameters import RobotParameters
+from sim.parameters import RobotParameters, WorldParameters
 from sim.things import Thing
 
 
@@ -90,6 +90,19 @@ class Configure:
 
 
 @dataclass(frozen=True, slots=True)
+class Disturb:
+    """Let a robot's sensors err otherwise from now on; its software, if it lives, is told nothing.
+
+    Attributes:
+        parameters: what is true of the robot; may differ from what was where `sim.parameters.reconfigured` could have
+            made it differ.
+    """
+
+    robot: int
+    parameters: WorldParameters
+
+
+@dataclass(frozen=True, slots=True)
 class SetCharge:
     """The energy that a robot has left."""
 
@@ -150,6 +163,7 @@ TeamInput = (
     | RequestUpdate
     | ClearCostmaps
     | Configure
+    | Disturb
     | SetCharge
     | Place
     | PutThing

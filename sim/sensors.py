@@ -120,7 +120,7 @@ def mount_of(parameters: LaserParameters) -> LaserMount:
 
 
 class Sensors:
-    """The sensors of every robot in one map; all of them read the same WorldState.
+    """The sensors of every robot in one map; all of them read the same WorldState, and err as it says.
 
     Wheels and gyroscope report every tick. The laser reports `rate` times a second, at another tick for each of
     neighbouring robots, so that their work spreads over time. It sees walls, the bodies of the other robots and of
@@ -143,7 +143,6 @@ class Sensors:
             )
         self.mount = mount_of(laser)
         self._laser = laser
-        self._gyro_noise = parameters.gyro_noise
         self._seed = seed
         self._capacity = capacity
         self._period = TICKS_PER_SECOND // laser.rate
@@ -163,7 +162,7 @@ class Sensors:
         return Observations(
             tick=tick,
             odometry=Odometry(tick, Pose2(x, y, theta), Twist(linear, angular)),
-            imu=Imu(tick, float(state.twists[robot, 1] + self._gyro_noise * error[0])),
+            imu=Imu(tick, float(state.twists[robot, 1] + state.noise.gyro[robot] * error[0])),
             scan=self._scan(state, robot, keys) if (tick + robot) % self._period == 0 else None,
             battery=Battery(tick, float(state.charge[robot]), self._capacity),
         )
@@ -182,14 +181,15 @@ class Sensors:
             self._frame,
             state.bodies,
         )
+        range_noise, range_bias, dropout = state.noise.laser[robot].tolist()
         ranges = _measured(
             true_ranges,
             state.tick,
             keys.ranges,
             keys.dropouts,
-            laser.range_noise,
-            laser.range_bias,
-            laser.dropout,
+            range_noise,
+            range_bias,
+            dropout,
             laser.range_min,
             laser.range_max,
         )

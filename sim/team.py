@@ -17,6 +17,7 @@ from sim.inputs import (
     ClearCostmaps,
     Configure,
     Die,
+    Disturb,
     Drive,
     Globalize,
     Go,
@@ -38,11 +39,11 @@ from sim.localization.truth import Truth
 from sim.navigator import Navigator
 from sim.observations import Neighbour
 from sim.parameters import RobotParameters, WorldParameters
-from sim.parameters.reconfiguration import fixed_differences
+from sim.parameters.reconfiguration import P, fixed_differences
 from sim.planning.path import Refused
 from sim.robot import Robot, RobotOutput
 from sim.sensors import Sensors, mount_of
-from sim.world import Misplaced, World, WorldState, with_charge, with_thing, without_thing
+from sim.world import Misplaced, World, WorldState, with_charge, with_noise, with_thing, without_thing
 
 __all__ = [
     "START_COVARIANCE",
@@ -50,6 +51,7 @@ __all__ = [
     "ClearCostmaps",
     "Configure",
     "Die",
+    "Disturb",
     "Drive",
     "Globalize",
     "Go",
@@ -134,6 +136,7 @@ class Team:
         self._world = World(grid, world, seed, charge)
         self._sensors = Sensors(grid, world, seed, charge)
         self._parameters = list(robots)
+        self._worlds = [world] * len(robots)
         state = self._world.start(starts)
         if isinstance(state, Misplaced):
             raise ValueError(state.sentence)
@@ -171,6 +174,11 @@ class Team:
     def parameters(self) -> tuple[RobotParameters, ...]:
         """Of each robot's software, as they are now."""
         return tuple(self._parameters)
+
+    @property
+    def worlds(self) -> tuple[WorldParameters, ...]:
+        """What is true of each robot's body, motors and sensors now."""
+        return tuple(self._worlds)
 
     def make_plan(self, robot: int, start: Pose2 | None, goal: Pose2, tolerance: float) -> FloatArray | Refused:
         """A plan of a robot's for somebody who asks (ROS: move_base/make_plan); nothing that follows changes by it.
@@ -241,10 +249,13 @@ class Team:
             return
         del self._carried[carry.robot]
 
+    def _disturb(self, robot: int, parameters: WorldParameters) -> None:
+        _check_live(robot, self._worlds[robot], parameters)
+        self._worlds[robot] = parameters
+        self._state = with_noise(self._state, self._worlds)
+
     def _configure(self, robot: int, parameters: RobotParameters) -> None:
-        fixed = fixed_differences(self._parameters[robot], parameters)
-        if fixed:
-            raise ValueError(f"robot {robot} cannot change these while it runs: {', '.join(fixed)}")
+        _check_live(robot, self._parameters[robot], parameters)
         self._robots[robot].configure(parameters)
         self._parameters[robot] = parameters
 
@@ -279,8 +290,10 @@ class Team:
                 self._robots[robot].localizer.request_update()
             case ClearCostmaps(robot):
                 self._robots[robot].navigator.clear_costmaps()
-            case Configure(robot, parameters):
-                self._configure(robot, parameters)
+            case Configure(robot, software):
+                self._configure(robot, software)
+            case Disturb(robot, true):
+                self._disturb(robot, true)
             case SetCharge(robot, charge):
                 self._state = with_charge(self._state, robot, charge)
             case Place(robot, pose):
@@ -307,3 +320,10 @@ class Team:
                 self._commands[robot] = 0.0
             case Revive(robot):
                 self._dead.discard(robot)
+
+
+def _check_live(robot: int, before: P, after: P) -> None:
+    """Raise ValueError where parameters of a robot differ that cannot change while it runs."""
+    fixed = fixed_differences(before, after)
+    if fixed:
+        raise ValueError(f"robot {robot} cannot change these while it runs: {', '.join(fixed)}")

@@ -28,7 +28,8 @@ from sim.geometry import FloatArray, Pose2, wrap_angle
 from sim.grid import GridFrame, OccupancyGrid
 from sim.noise import key, normals
 from sim.observations import TICK
-from sim.parameters import OdometryNoise, WorldParameters
+from sim.parameters import WorldParameters
+from sim.sensor_noise import SensorNoise, Wheels, measured_by
 from sim.things import Presence, Robots, Thing, after_a_tick, polygons_of
 
 BoolArray = NDArray[np.bool_]
@@ -48,6 +49,7 @@ class WorldState:
         charge: (n,) energy left, in the game's units.
         contact: (n,) bool, stopped by a wall, another robot or a thing, and not yet away from it.
         collisions: (n,) int64, how often contact began.
+        noise: how the sensors err.
         things: in the way, and those that wait to appear.
         bodies: of the things that are there, map frame.
     """
@@ -60,6 +62,7 @@ class WorldState:
     charge: FloatArray
     contact: BoolArray
     collisions: IntArray
+    noise: SensorNoise
     things: tuple[Presence, ...] = ()
     bodies: Polygons = NO_POLYGONS
 
@@ -89,17 +92,6 @@ class Misplaced:
     sentence: str
 
 
-class Wheels(NamedTuple):
-    """How the wheels err, as in OdometryNoise."""
-
-    alpha1: float
-    alpha2: float
-    alpha3: float
-    alpha4: float
-    linear_scale: float
-    angular_scale: float
-
-
 class _Body(NamedTuple):
     """What the kernel knows of a robot besides its corners.
 
@@ -115,7 +107,6 @@ class _Body(NamedTuple):
     max_vel_theta: float
     acc_lim_x: float
     acc_lim_theta: float
-    wheels: Wheels
 
 
 @njit(cache=True)
@@ -181,31 +172,6 @@ def _chord(linear: float, angular: float, time: float) -> tuple[float, float]:
     return linear * time * shrink, half
 
 
-def wheels_of(noise: OdometryNoise) -> Wheels:
-    """The same noise in the form that compiled kernels take."""
-    return Wheels(noise.alpha1, noise.alpha2, noise.alpha3, noise.alpha4, noise.linear_scale, noise.angular_scale)
-
-
-@njit(cache=True)
-def measured_by(wheels: Wheels, chord: float, half: float, draws: FloatArray) -> tuple[float, float, float]:
-    """What wheels make of one tick's arc: the turn before its chord, the chord's length, the turn after it.
-
-    Args:
-        wheels: how they err.
-        chord: signed length of the chord that was really driven, metres.
-        half: the chord's angle to the heading before it, half of what was turned, radians.
-        draws: (3,) standard normals.
-
-    Source: Probabilistic Robotics, table 5.6, around the increment that really happened.
-    """
-    turn_noise = math.sqrt(wheels.alpha1 * half * half + wheels.alpha2 * chord * chord)
-    chord_noise = math.sqrt(wheels.alpha3 * chord * chord + 2.0 * wheels.alpha4 * half * half)
-    first_turn = wheels.angular_scale * (half + turn_noise * draws[0])
-    measured_chord = wheels.linear_scale * (chord + chord_noise * draws[1])
-    second_turn = wheels.angular_scale * (half + turn_noise * draws[2])
-    return first_turn, measured_chord, second_turn
-
-
 @njit(cache=True)
 def _step(
     tick: int,
@@ -216,13 +182,14 @@ def _step(
     collisions_before: IntArray,
     commands: FloatArray,
     keys: NDArray[np.uint64],
+    wheels: FloatArray,
     footprint: FloatArray,
     body: _Body,
     clearance: Clearance,
     frame: GridFrame,
     bodies: Polygons,
 ) -> tuple[FloatArray, FloatArray, FloatArray, FloatArray, BoolArray, IntArray]:
-    """One tick for all robots; see WorldState for the arrays and World.step for what happens."""
+    """One tick for all robots; see WorldState and SensorNoise for the arrays, World.step for what happens."""
     n = poses_before.shape[0]
     poses = poses_before.copy()
     twists = np.empty((n, 2))
@@ -260,7 +227,10 @@ def _step(
             continue
         chord, half = _chord(linear, angular, TICK)
         normals(keys[i], tick, draws)
-        first_turn, measured_chord, second_turn = measured_by(body.wheels, chord, half, draws)
+        w = wheels[i]
+        first_turn, measured_chord, second_turn = measured_by(
+            Wheels(w[0], w[1], w[2], w[3], w[4], w[5]), chord, half, draws
+        )
         odom[i, 0] += measured_chord * math.cos(odom[i, 2] + first_turn)
         odom[i, 1] += measured_chord * math.sin(odom[i, 2] + first_turn)
         odom[i, 2] = wrap_angle(odom[i, 2] + first_turn + second_turn)
@@ -293,6 +263,11 @@ def with_charge(state: WorldState, robot: int, charge: float) -> WorldState:
     return replace(state, charge=charges)
 
 
+def with_noise(state: WorldState, robots: Sequence[WorldParameters]) -> WorldState:
+    """The same world, but for how sensors err: as the parameters of each robot say."""
+    return replace(state, noise=SensorNoise.of(robots))
+
+
 def with_thing(state: WorldState, thing: Thing) -> WorldState:
     """The same world with a thing that appears as soon as its place is free; one of the same name vanishes."""
     kept = without_thing(state, thing.name)
@@ -320,6 +295,7 @@ class World:
         if len(parameters.footprint) < 3:
             raise ValueError(f"footprint needs at least three corners, not {len(parameters.footprint)}")
         self._grid = grid
+        self._parameters = parameters
         self._seed = seed
         self._charge = charge
         self._clearance = clearance_of(grid)
@@ -333,7 +309,6 @@ class World:
             max_vel_theta=parameters.max_vel_theta,
             acc_lim_x=parameters.acc_lim_x,
             acc_lim_theta=parameters.acc_lim_theta,
-            wheels=wheels_of(parameters.odometry),
         )
 
     def start(self, poses: Sequence[Pose2]) -> WorldState | Misplaced:
@@ -354,6 +329,7 @@ class World:
             charge=np.full(n, self._charge, dtype=np.float64),
             contact=np.zeros(n, dtype=np.bool_),
             collisions=np.zeros(n, dtype=np.int64),
+            noise=SensorNoise.of([self._parameters] * n),
         )
 
     def place(self, state: WorldState, robot: int, pose: Pose2) -> WorldState | Misplaced:
@@ -402,6 +378,7 @@ class World:
             state.collisions,
             np.ascontiguousarray(commands, dtype=np.float64),
             _odometry_keys(self._seed, n),
+            state.noise.wheels,
             self._footprint,
             self._body,
             self._clearance,
@@ -409,7 +386,7 @@ class World:
             bodies,
         )
         return WorldState(
-            tick, poses, twists, odom_poses, odom_twists, state.charge, contact, collisions, things, bodies
+            tick, poses, twists, odom_poses, odom_twists, state.charge, contact, collisions, state.noise, things, bodies
         )
 
     def _move_things(self, state: WorldState) -> tuple[tuple[Presence, ...], Polygons]:

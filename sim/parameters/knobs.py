@@ -47,7 +47,7 @@ def live(
     maximum: float | None = None,
     choices: tuple[str, ...] = (),
 ) -> T:
-    """A knob that may be turned while a robot runs, as by ROS's dynamic_reconfigure: it stands in a .cfg file there.
+    """A knob that may be turned while a robot runs: in ROS it stands in a .cfg file, for dynamic_reconfigure.
 
     Arguments as for `knob`; see `sim.parameters.reconfiguration`.
     """

@@ -1,7 +1,8 @@
 """Changing parameters while a robot runs: what ROS's dynamic_reconfigure does.
 
-Which may change is said where they are declared, by `live` instead of `knob`: those of ROS's .cfg files. A place is
-named by the keys that lead to it, with dots between: `local_costmap.inflation_layer.inflation_radius`.
+Which may change is said where they are declared, by `live` instead of `knob`: those of ROS's .cfg files, and how true
+sensors err. A place is named by the keys that lead to it, with dots between, from a robot's software or from what is
+true of it: `local_costmap.inflation_layer.inflation_radius`, `world.laser.range_noise`.
 """
 
 import dataclasses
@@ -12,9 +13,15 @@ from dataclasses import dataclass
 from typing import TYPE_CHECKING, Literal, TypeGuard, TypeVar, cast, get_args, get_type_hints
 
 from sim.parameters.robot import ORDERED, RobotParameters
+from sim.parameters.world import WorldParameters
 
 if TYPE_CHECKING:
     from _typeshed import DataclassInstance
+
+P = TypeVar("P", RobotParameters, WorldParameters)
+
+WORLD = "world."
+"""What the paths of `WorldParameters` begin with."""
 
 Reason = Literal["unknown", "fixed", "kind", "range"]
 
@@ -51,7 +58,7 @@ def is_live(field: "dataclasses.Field[object]") -> bool:
     return bool(field.metadata.get("live"))
 
 
-def reconfigured(parameters: RobotParameters, path: str, value: object) -> RobotParameters | Rejected:
+def reconfigured(parameters: P, path: str, value: object) -> P | Rejected:
     """The parameters with one of them changed, or why it may not.
 
     Args:
@@ -59,8 +66,9 @@ def reconfigured(parameters: RobotParameters, path: str, value: object) -> Robot
         path: of the one to change.
         value: its new value; a footprint may also come as ROS writes it, `[[x, y], ...]` in one text.
     """
-    changed = _changed(parameters, path.split("."), path, value)
-    if isinstance(changed, Rejected):
+    below = path.removeprefix(WORLD) if isinstance(parameters, WorldParameters) else path
+    changed = _changed(parameters, below.split("."), path, value)
+    if isinstance(changed, Rejected | WorldParameters):
         return changed
     for section, low, high in ORDERED:
         least, greatest = (_value_at(changed, f"{section}.{name}") for name in (low, high))
@@ -70,8 +78,8 @@ def reconfigured(parameters: RobotParameters, path: str, value: object) -> Robot
     return changed
 
 
-def fixed_differences(before: RobotParameters, after: RobotParameters) -> tuple[str, ...]:
-    """The paths at which two robots' parameters differ although they cannot change while a robot runs."""
+def fixed_differences(before: P, after: P) -> tuple[str, ...]:
+    """The places at which two robots' parameters differ although they cannot change while a robot runs."""
     return tuple(_differences(before, after, ""))
 
 

@@ -2,19 +2,19 @@
 
 from dataclasses import dataclass
 
-from sim.parameters.knobs import knob
+from sim.parameters.knobs import knob, live
 
 
 @dataclass(frozen=True, slots=True)
 class OdometryNoise:
     """How the wheels err: at random, anew every tick (Probabilistic Robotics, table 5.6), and by wrong scales."""
 
-    alpha1: float = knob(0.02, "error in turning per turning", minimum=0, maximum=10)
-    alpha2: float = knob(0.02, "error in turning per metre driven", minimum=0, maximum=10)
-    alpha3: float = knob(0.02, "error in distance per metre driven", minimum=0, maximum=10)
-    alpha4: float = knob(0.02, "error in distance per turning", minimum=0, maximum=10)
-    linear_scale: float = knob(1.0, "the wheels report every distance times this", minimum=0.1, maximum=10)
-    angular_scale: float = knob(1.0, "the wheels report every turn times this", minimum=0.1, maximum=10)
+    alpha1: float = live(0.02, "error in turning per turning", minimum=0, maximum=10)
+    alpha2: float = live(0.02, "error in turning per metre driven", minimum=0, maximum=10)
+    alpha3: float = live(0.02, "error in distance per metre driven", minimum=0, maximum=10)
+    alpha4: float = live(0.02, "error in distance per turning", minimum=0, maximum=10)
+    linear_scale: float = live(1.0, "the wheels report every distance times this", minimum=0.1, maximum=10)
+    angular_scale: float = live(1.0, "the wheels report every turn times this", minimum=0.1, maximum=10)
 
 
 @dataclass(frozen=True, slots=True)
@@ -27,9 +27,9 @@ class LaserParameters:
     range_max: float = knob(8.0, "farthest distance it can measure", "m", 0.1, 100)
     x: float = knob(0.1, "where it sits, forward of the robot's centre", "m", -2, 2)
     rate: int = knob(10, "sweeps per second; must divide 50", "Hz", 1, 50)
-    range_noise: float = knob(0.02, "standard deviation of a range", "m", 0, 5)
-    range_bias: float = knob(0.0, "what every range is too long by", "m", -1, 1)
-    dropout: float = knob(0.005, "share of beams that return nothing", "", 0, 1)
+    range_noise: float = live(0.02, "standard deviation of a range", "m", 0, 5)
+    range_bias: float = live(0.0, "what every range is too long by", "m", -1, 1)
+    dropout: float = live(0.005, "share of beams that return nothing", "", 0, 1)
 
 
 @dataclass(frozen=True, slots=True)
@@ -43,6 +43,6 @@ class WorldParameters:
     max_vel_theta: float = knob(1.5, "rate of turn the motors reach", "rad/s", 0.01, 20)
     acc_lim_x: float = knob(10.0, "acceleration of the motors", "m/s^2", 0.01, 100)
     acc_lim_theta: float = knob(10.0, "angular acceleration of the motors", "rad/s^2", 0.01, 100)
-    gyro_noise: float = knob(0.01, "standard deviation of the measured rate of turn", "rad/s", 0, 10)
+    gyro_noise: float = live(0.01, "standard deviation of the measured rate of turn", "rad/s", 0, 10)
     odometry: OdometryNoise = knob(OdometryNoise(), "noise of the wheels")
     laser: LaserParameters = knob(LaserParameters(), "the laser")

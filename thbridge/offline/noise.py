@@ -18,8 +18,9 @@ from sim.localization.motion import Alphas, MotionModel
 from sim.noise import Stream, key, normals
 from sim.observations import TICK, Scan
 from sim.parameters import AmclParameters, OdometryNoise, WorldParameters
+from sim.sensor_noise import Wheels, measured_by, wheels_of
 from sim.sensors import Sensors
-from sim.world import Misplaced, Wheels, World, measured_by, wheels_of
+from sim.world import Misplaced, World
 
 PATHS = 200
 """Paths in a fan."""

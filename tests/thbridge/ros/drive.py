@@ -20,7 +20,9 @@ from sim.observations import (
     Scan,
     Twist,
 )
+from sim.parameters import WorldParameters
 from sim.robot import RobotOutput
+from sim.sensor_noise import SensorNoise
 from sim.team import TeamSnapshot
 from sim.world import WorldState
 from thbridge.ros.records import GameEvent, InitialPose, Input, Record, Score, SendRobots, Session, Success, Utterance
@@ -95,7 +97,15 @@ def _world(robots: int, tick: int) -> WorldState:
     poses = np.array([truth(robot, tick).array() for robot in range(robots)])
     twists = np.tile([SPEED if _moves(tick) else 0.0, 0.0], (robots, 1))
     return WorldState(
-        tick, poses, twists, poses, twists, np.full(robots, 100.0), np.zeros(robots, bool), np.zeros(robots, np.int64)
+        tick,
+        poses,
+        twists,
+        poses,
+        twists,
+        np.full(robots, 100.0),
+        np.zeros(robots, bool),
+        np.zeros(robots, np.int64),
+        SensorNoise.of([WorldParameters()] * robots),
     )
 
 
