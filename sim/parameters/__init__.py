@@ -22,7 +22,7 @@ from sim.parameters.global_planners import GlobalPlannerParameters, NavfnParamet
 from sim.parameters.knobs import knob
 from sim.parameters.local_planners import DwaPlannerParameters, TrajectoryPlannerParameters
 from sim.parameters.move_base import MoveBaseParameters, RecoveryBehavior
-from sim.parameters.reconfiguration import Rejected, reconfigurable, reconfigured
+from sim.parameters.reconfiguration import LiveKnob, Rejected, live_knobs, reconfigurable, reconfigured
 from sim.parameters.robot import ORDERED, RobotParameters
 from sim.parameters.world import LaserParameters, OdometryNoise, WorldParameters
 
@@ -37,6 +37,7 @@ __all__ = [
     "GlobalPlannerParameters",
     "InflationParameters",
     "LaserParameters",
+    "LiveKnob",
     "LocalCostmapParameters",
     "MoveBaseParameters",
     "NavfnParameters",
@@ -51,6 +52,7 @@ __all__ = [
     "TrajectoryPlannerParameters",
     "WorldParameters",
     "knob",
+    "live_knobs",
     "reconfigurable",
     "reconfigured",
 ]

@@ -42,15 +42,64 @@ class Rejected:
     sentence: str
 
 
-def reconfigurable(into: "type[DataclassInstance]" = RobotParameters, path: str = "") -> Iterator[str]:
-    """The paths of all parameters that may change while a robot runs, in the order in which they are declared."""
+@dataclass(frozen=True, slots=True)
+class LiveKnob:
+    """A parameter that may change while a robot runs, as it is declared.
+
+    Attributes:
+        path: its place.
+        types: of its values; `NoneType` is among them where it may have none.
+        default: of its class.
+        help: one sentence.
+        unit: SI; empty for a pure number.
+        minimum: least value; None where there is none.
+        maximum: greatest value.
+        choices: the allowed words; empty when free.
+    """
+
+    path: str
+    types: tuple[object, ...]
+    default: object
+    help: str
+    unit: str
+    minimum: float | None
+    maximum: float | None
+    choices: tuple[str, ...]
+
+
+def live_knobs(into: "type[DataclassInstance]" = RobotParameters, path: str = "") -> Iterator[LiveKnob]:
+    """All parameters that may change while a robot runs, in the order in which they are declared.
+
+    Args:
+        into: the class that declares them.
+        path: of its place, where it is a section of something else.
+    """
     hints = get_type_hints(into)
     for field in dataclasses.fields(into):
         place, hint = f"{path}.{field.name}" if path else field.name, cast(object, hints[field.name])
         if is_live(field):
-            yield place
+            known = field.metadata
+            yield LiveKnob(
+                place,
+                _types(hint),
+                cast(object, field.default),
+                cast(str, known["help"]),
+                cast(str, known["unit"]),
+                cast("float | None", known["minimum"]),
+                cast("float | None", known["maximum"]),
+                cast(tuple[str, ...], known["choices"]),
+            )
         elif isinstance(hint, type) and dataclasses.is_dataclass(hint):
-            yield from reconfigurable(hint, place)
+            yield from live_knobs(hint, place)
+
+
+def _types(hint: object) -> tuple[object, ...]:
+    return get_args(hint) if type(None) in get_args(hint) else (hint,)
+
+
+def reconfigurable() -> Iterator[str]:
+    """The paths of all parameters of a robot's software that may change while it runs, in the order of declaration."""
+    return (knob.path for knob in live_knobs())
 
 
 def is_live(field: "dataclasses.Field[object]") -> bool:
@@ -128,7 +177,7 @@ def _changed(section: _Section, names: list[str], path: str, value: object) -> _
 
 def _fit(hint: object, metadata: Mapping[str, object], path: str, value: object) -> object:
     """A value as a field of this type holds it, or why it cannot."""
-    kinds = get_args(hint) if type(None) in get_args(hint) else (hint,)
+    kinds = _types(hint)
     choices = cast(tuple[str, ...], metadata["choices"])
     if value is None and type(None) in kinds:
         return None

@@ -38,8 +38,8 @@ from thbridge.roles.requests import (
     SetRate,
     SpeakFor,
     Step,
+    Tuning,
     WizardRequest,
-    with_values,
 )
 from thbridge.roles.robots import Robots
 from thbridge.ros.clients import FARTHEST, is_covariance
@@ -227,7 +227,7 @@ def objection(request: Granted, robots: Robots) -> str | None:
         case SetParameters(robot, values):
             if robot >= len(robots.parameters):
                 return "these robots' software is not ours to change"
-            changed = with_values(robots.parameters[robot], values)
+            changed = Tuning(robots.parameters[robot], robots.worlds[robot]).changed(values)
             return changed.sentence if isinstance(changed, Rejected) else None
         case PutThing(thing):
             return fault_of_thing(thing, FARTHEST, LONGEST)

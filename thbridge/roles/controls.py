@@ -1,12 +1,12 @@
 """The robots' controls: what is asked of them beside the game, and what becomes of it."""
 
+from collections.abc import Sequence
 from dataclasses import dataclass, replace
 
 from sim.observations import TICKS_PER_SECOND
-from sim.parameters import RobotParameters
 from sim.parameters.reconfiguration import Rejected
-from sim.team import Configure, Drive, Go, Halt, Localize, PutThing, RemoveThing, TeamInput, TeamSnapshot
-from thbridge.roles.requests import RobotRequest, SetParameters, with_values
+from sim.team import Configure, Disturb, Drive, Go, Halt, Localize, PutThing, RemoveThing, TeamInput, TeamSnapshot
+from thbridge.roles.requests import ParameterValue, RobotRequest, SetParameters, Tuning
 from thbridge.roles.robots import Robots
 from thbridge.ros.actionlib import ActionRequest, MoveBaseServer
 from thbridge.ros.records import CancelRequest, GoalRequest, InitialPose, SimpleGoal, VelocityCommand
@@ -62,12 +62,8 @@ class Controls:
                 self._take(Drive(robot, twist, HAND_TICKS), researcher)
             case InitialPose(robot, base_in_map, covariance):
                 self._take(Localize(robot, base_in_map, covariance))
-            case SetParameters(robot, values) if robot < len(self._robots.parameters):
-                changed = with_values(self._software(robot), values)
-                if not isinstance(changed, Rejected):
-                    self._take(Configure(robot, changed))
-            case SetParameters():
-                pass  # Robots of others have their own.
+            case SetParameters(robot, values):
+                self._tune(robot, values)
             case _:
                 self._take(request, researcher)
 
@@ -111,7 +107,30 @@ class Controls:
                 self._by_hand.pop(robot, None)
         self._inputs.append(item)
 
-    def _software(self, robot: int) -> RobotParameters:
-        """A robot's parameters as they will be when what has been asked so far is done."""
-        asked = [item.parameters for item in self._inputs if isinstance(item, Configure) and item.robot == robot]
-        return asked[-1] if asked else self._robots.parameters[robot]
+    def tuning(self, robot: int) -> Tuning | None:
+        """What can be changed of a robot, as it will be when all that was asked so far is done.
+
+        None where it is not ours to change.
+        """
+        if robot >= len(self._robots.parameters):
+            return None
+        software, world = self._robots.parameters[robot], self._robots.worlds[robot]
+        for item in self._inputs:
+            match item:
+                case Configure(number, parameters) if number == robot:
+                    software = parameters
+                case Disturb(number, true) if number == robot:
+                    world = true
+        return Tuning(software, world)
+
+    def _tune(self, robot: int, values: Sequence[tuple[str, ParameterValue]]) -> None:
+        before = self.tuning(robot)
+        if before is None:
+            return
+        after = before.changed(values)
+        if isinstance(after, Rejected):
+            return
+        if after.software != before.software:
+            self._take(Configure(robot, after.software))
+        if after.world != before.world:
+            self._take(Disturb(robot, after.world))

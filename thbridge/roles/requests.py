@@ -4,8 +4,8 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 
 from sim.inputs import TeamInput
-from sim.parameters import RobotParameters
-from sim.parameters.reconfiguration import Rejected, reconfigured
+from sim.parameters import RobotParameters, WorldParameters
+from sim.parameters.reconfiguration import WORLD, P, Rejected, reconfigured
 from thbridge.ros.records import GraphRequest
 
 ParameterValue = bool | int | float | str | None
@@ -14,13 +14,13 @@ ParameterValue = bool | int | float | str | None
 
 @dataclass(frozen=True, slots=True)
 class SetParameters:
-    """Change parameters of a robot's software while it runs.
+    """Change parameters of a robot's software, or how its true sensors err, while it runs.
 
     Unlike `Configure` it says what changes, and so means something to a robot whose other parameters are not the same.
 
     Attributes:
         robot: which.
-        values: by path, such as `amcl.kld_err`. All are changed, or none.
+        values: by path, such as `amcl.kld_err` or `world.laser.range_noise`. All are changed, or none.
     """
 
     robot: int
@@ -183,9 +183,29 @@ Request = RobotRequest | GameRequest
 """Whatever may be asked of a session."""
 
 
-def with_values(
-    parameters: RobotParameters, values: Sequence[tuple[str, ParameterValue]]
-) -> RobotParameters | Rejected:
+@dataclass(frozen=True, slots=True)
+class Tuning:
+    """All of one robot that may be changed while it runs.
+
+    Attributes:
+        software: its own.
+        world: what is true of its body, motors and sensors.
+    """
+
+    software: RobotParameters
+    world: WorldParameters
+
+    def changed(self, values: Sequence[tuple[str, ParameterValue]]) -> "Tuning | Rejected":
+        """With all these values, or why one of them may not be; in whatever order they come."""
+        true = [(path, value) for path, value in values if path.startswith(WORLD)]
+        own = [(path, value) for path, value in values if not path.startswith(WORLD)]
+        software, world = with_values(self.software, own), with_values(self.world, true)
+        if isinstance(software, Rejected):
+            return software
+        return world if isinstance(world, Rejected) else Tuning(software, world)
+
+
+def with_values(parameters: P, values: Sequence[tuple[str, ParameterValue]]) -> P | Rejected:
     """The parameters with all these values, or why one of them may not be.
 
     In whatever order they come: a least that is above the greatest as it was waits for the greatest.

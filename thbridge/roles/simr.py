@@ -26,7 +26,7 @@ from thbridge.roles.notices import (
     heard,
     tell,
 )
-from thbridge.roles.requests import RobotRequest
+from thbridge.roles.requests import RobotRequest, Tuning
 from thbridge.roles.robots import Robots
 from thbridge.wire import canonical, legacy
 from thbridge.wire.canonical import Dialect, GotoPoint, Move, Where, decode_goto
@@ -149,6 +149,10 @@ class SimR:
             researcher: the name of whoever intervenes by it, and so commands the robot while it lasts; None: nobody.
         """
         self._controls.ask(request, researcher)
+
+    def tuning(self, robot: int) -> Tuning | None:
+        """What can be changed of a robot; see `Controls.tuning`."""
+        return self._controls.tuning(robot)
 
     def step(self, tick: int, messages: Sequence[Message]) -> list[Message]:
         """One tick of the role and of the team; see `Role`."""

@@ -9,16 +9,16 @@ Differs: no parameter has a level, as nobody needs to be told what has to start 
 A choice of words that ROS leaves to the typist is an enum.
 """
 
-import dataclasses
 import json
 import math
 from collections.abc import Callable, Iterable, Mapping
 from dataclasses import dataclass
 from functools import cache
 from struct import Struct
-from typing import Literal, cast, get_args, get_type_hints
+from types import NoneType
+from typing import Literal, cast, get_args
 
-from sim.parameters import RobotParameters, reconfigurable
+from sim.parameters import LiveKnob, RobotParameters, live_knobs
 from thbridge.ros.clients import Refused
 from thbridge.ros.cursor import INT32, UINT8, Cursor
 from thbridge.ros.names import RobotNames
@@ -112,33 +112,26 @@ class Section:
 def sections() -> tuple[Section, ...]:
     """All servers of a robot."""
     found: dict[str, list[Parameter]] = {}
-    for path in reconfigurable():
-        found.setdefault(path.rpartition(".")[0], []).append(_parameter(path))
+    for knob in live_knobs():
+        found.setdefault(knob.path.rpartition(".")[0], []).append(_parameter(knob))
     return tuple(Section(path, tuple(parameters)) for path, parameters in found.items())
 
 
-def _parameter(path: str) -> Parameter:
-    *within, name = path.split(".")
-    section: type = RobotParameters
-    for each in within:
-        section = cast(type, get_type_hints(section)[each])
-    (field,) = (each for each in dataclasses.fields(section) if each.name == name)
-    hint = cast(object, get_type_hints(section)[name])
-    types = get_args(hint) or (hint,)
-    kind = _kind(types)
-    known = cast(Mapping[str, object], field.metadata)
-    help_, unit = cast(str, known["help"]), cast(str, known["unit"])
-    minimum, maximum = _bounds(kind, cast("float | None", known["minimum"]), cast("float | None", known["maximum"]))
-    default = cast(object, field.default)
+def _parameter(knob: LiveKnob) -> Parameter:
+    name = knob.path.rpartition(".")[2]
+    kind = _kind(knob.types)
+    minimum, maximum = _bounds(kind, knob.minimum, knob.maximum)
     return Parameter(
         name,
-        path,
+        knob.path,
         kind,
-        help_ + (f" [{unit}]" if unit else "") + (" (null is told as 0)" if type(None) in types else ""),
-        _edit_method(kind, help_, _choices(name, cast(tuple[str, ...], known["choices"]))),
+        knob.help
+        + (f" [{knob.unit}]" if knob.unit else "")
+        + (" (null is told as 0)" if NoneType in knob.types else ""),
+        _edit_method(kind, knob.help, _choices(name, knob.choices)),
         minimum,
         maximum,
-        default if isinstance(default, bool | int | float | str) else json.dumps(default),
+        knob.default if isinstance(knob.default, bool | int | float | str) else json.dumps(knob.default),
     )
 
 

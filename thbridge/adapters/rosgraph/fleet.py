@@ -9,7 +9,7 @@ from typing import Protocol
 import numpy as np
 
 from sim.inputs import Drive, Go, Halt, Localize, Place, SetCharge, TeamInput
-from sim.parameters import RobotParameters
+from sim.parameters import RobotParameters, WorldParameters
 from sim.team import TeamSnapshot
 from thbridge.adapters.ros_definitions import Definitions
 from thbridge.adapters.rosgraph.joining import Graph
@@ -126,6 +126,11 @@ class Fleet:
     @property
     def parameters(self) -> tuple[RobotParameters, ...]:
         """None: their software is their own."""
+        return ()
+
+    @property
+    def worlds(self) -> tuple[WorldParameters, ...]:
+        """None: nobody knows."""
         return ()
 
     def step(self, inputs: Sequence[TeamInput] = ()) -> TeamSnapshot:

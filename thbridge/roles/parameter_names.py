@@ -1,0 +1,118 @@
+"""What the study's parameters are called in MAVLink: at most 16 characters of A-Z, 0-9 and _.
+
+A name is what its path begins with, shortened, and then the parameter's own name, shortened: as a whole where a table
+has it, or else word by word. `GC_INFL_RADIUS` is `global_costmap.inflation_layer.inflation_radius`. Ground stations
+group parameters by what stands before the first `_`: one group for each of ROS's nodes, costmaps and planners, and SIM
+for what the simulator makes true sensors do, as ArduPilot calls it.
+"""
+
+from collections.abc import Mapping
+
+LONGEST = 16
+"""Characters that MAVLink has room for."""
+
+_BEGINNINGS: Mapping[str, str] = {
+    "amcl.": "AMCL",
+    "amcl.laser_": "AMCL",  # As amcl calls them among itself.
+    "amcl.odom_": "AMCL",
+    "amcl.beam_skip_": "AMCL_BSKIP",
+    "global_costmap.": "GC",
+    "global_costmap.static_layer.": "GC_STATIC",
+    "global_costmap.obstacle_layer.": "GC_OBS",
+    "global_costmap.inflation_layer.": "GC_INFL",
+    "local_costmap.": "LC",
+    "local_costmap.static_layer.": "LC_STATIC",
+    "local_costmap.obstacle_layer.": "LC_OBS",
+    "local_costmap.inflation_layer.": "LC_INFL",
+    "GlobalPlanner.": "GP",
+    "TrajectoryPlannerROS.": "TP",
+    "DWAPlannerROS.": "DWA",
+    "move_base.": "MB",
+    "world.": "SIM",
+    "world.odometry.": "SIM_ODOM",
+    "world.laser.": "SIM_LASER",
+    "world.laser.range_": "SIM_LASER",
+}
+"""The longest that fits counts."""
+
+_OWN: Mapping[str, str] = {
+    "recovery_alpha_slow": "RECOV_SLOW",
+    "recovery_alpha_fast": "RECOV_FAST",
+    "laser_model_type": "LASER_MODEL",
+    "odom_model_type": "ODOM_MODEL",
+    "laser_likelihood_max_dist": "LIKELI_DIST",
+    "footprint_clearing_enabled": "FOOT_CLR",
+    "combination_method": "COMBINE",
+    "obstacle_range": "RANGE",
+    "raytrace_range": "RAYTRACE",
+    "inflation_radius": "RADIUS",
+    "cost_scaling_factor": "COST_SCL",
+    "inflate_unknown": "UNKNOWN",
+    "orientation_window_size": "ORIENT_WIN",
+    "min_in_place_vel_theta": "MIN_INPL_TH",
+    "path_distance_bias": "PATH_BIAS",
+    "goal_distance_bias": "GOAL_BIAS",
+    "heading_scoring_timestep": "HDG_TIMESTEP",
+    "base_global_planner": "GLOBAL_PLAN",
+    "base_local_planner": "LOCAL_PLAN",
+    "max_planning_retries": "PLAN_RETRIES",
+    "recovery_behavior_enabled": "RECOV_ENABLE",
+    "clearing_rotation_allowed": "CLEAR_ROTATE",
+    "make_plan_add_unreachable_goal": "PLAN_ADD_GOAL",
+    "shutdown_costmaps": "SHUT_COSTMAPS",
+}
+"""Whole names that words would make too long, or that repeat what stands before them."""
+
+_WORDS: Mapping[str, str] = {
+    "angle": "ANG",
+    "angular": "ANG",
+    "attractor": "ATTR",
+    "conservative": "CONS",
+    "controller": "CTRL",
+    "distance": "DIST",
+    "dropout": "DROP",
+    "enabled": "ENABLE",
+    "escape": "ESC",
+    "factor": "FAC",
+    "footprint": "FOOT",
+    "forward": "FWD",
+    "frequency": "FREQ",
+    "granularity": "GRAN",
+    "heading": "HDG",
+    "interval": "INTV",
+    "lambda": "LAMB",
+    "linear": "LIN",
+    "orientation": "ORIENT",
+    "oscillation": "OSC",
+    "padding": "PAD",
+    "particles": "PART",
+    "planner": "PLAN",
+    "point": "PT",
+    "publish": "PUB",
+    "resample": "RESAMP",
+    "reset": "RST",
+    "scale": "SCL",
+    "scaling": "SCL",
+    "stopped": "STOP",
+    "theta": "TH",
+    "threshold": "THR",
+    "tolerance": "TOL",
+    "trans": "TRN",
+    "update": "UPD",
+    "vtheta": "VTH",
+}
+
+
+def name_of(path: str) -> str:
+    """The name of the parameter at a path.
+
+    Raises:
+        ValueError: MAVLink has no room for it: a table above must learn to shorten it.
+    """
+    beginning = max((each for each in _BEGINNINGS if path.startswith(each)), key=len)
+    whole = path.rpartition(".")[2]
+    rest = _OWN.get(whole) or "_".join(_WORDS.get(word, word.upper()) for word in path[len(beginning) :].split("_"))
+    name = f"{_BEGINNINGS[beginning]}_{rest}"
+    if len(name) > LONGEST:
+        raise ValueError(f"{name}, for {path}, has more than {LONGEST} characters")
+    return name

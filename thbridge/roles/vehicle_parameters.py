@@ -1,0 +1,158 @@
+"""A robot's parameters as MAVLink has them: numbers under short names, that a ground station may turn while it drives.
+
+MAVLink tells numbers in 32 bits. What is told is the nearest of those to the value in force; what is set means the
+shortest decimal that is told so, and nothing where that is told already: 0.1 stays 0.1, through any number of
+ground stations that send back what they have read.
+"""
+
+import math
+from collections.abc import Iterator, Sequence
+from dataclasses import dataclass
+from functools import cache
+from operator import attrgetter
+from types import NoneType
+from typing import Protocol, cast
+
+import numpy as np
+
+from sim.parameters import LiveKnob, Rejected, WorldParameters, live_knobs
+from thbridge.roles.parameter_names import name_of
+from thbridge.roles.requests import ParameterValue, SetParameters, Tuning
+from thbridge.wire.mavlink.helm import Denied, Setting
+
+Value = bool | int | float | str | None
+"""What stands in the study at the place of a parameter that has a name here."""
+
+
+@dataclass(frozen=True, slots=True)
+class VehicleParameter:
+    """A parameter of the study that MAVLink can tell.
+
+    Attributes:
+        name: at most 16 characters of A-Z, 0-9 and _.
+        knob: how it is declared.
+    """
+
+    name: str
+    knob: LiveKnob
+
+    def told(self, value: Value) -> float:
+        """The number that a value is told as: of words their place among the choices; 0 where there is none."""
+        if isinstance(value, str):
+            return float(self.knob.choices.index(value))
+        return float(value or 0)
+
+    def meant(self, told: float) -> Value | Denied:
+        """The value that is meant by a number, which is one of 32 bits; its bounds are not looked at."""
+        types, choices = self.knob.types, self.knob.choices
+        if float in types:
+            return None if told == 0.0 and NoneType in types else float(str(np.float32(told)))
+        if bool in types:
+            return bool(told) if told in {0.0, 1.0} else Denied(f"{self.name} is 0 or 1, not {told:g}")
+        if not told.is_integer():
+            return Denied(f"{self.name} is a whole number, not {told:g}")
+        if str not in types:
+            return int(told)
+        if not 0 <= told < len(choices):
+            return Denied(f"{self.name} is a whole number from 0 to {len(choices) - 1}, not {told:g}")
+        return choices[int(told)]
+
+
+@cache
+def vehicle_parameters() -> tuple[VehicleParameter, ...]:
+    """All of them, in the order in which they are told: those of the software, then how true sensors err."""
+    knobs = (*live_knobs(), *live_knobs(WorldParameters, "world"))
+    return tuple(VehicleParameter(name_of(knob.path), knob) for knob in knobs if _is_numeric(knob))
+
+
+def _is_numeric(knob: LiveKnob) -> bool:
+    return bool({bool, int, float} & {*knob.types}) or bool(knob.choices)
+
+
+@cache
+def _places() -> dict[str, int]:
+    """Which parameter has a name."""
+    return {parameter.name: place for place, parameter in enumerate(vehicle_parameters())}
+
+
+def _values(tuning: Tuning) -> tuple[Value, ...]:
+    return cast(tuple[Value, ...], _of_tuning()(tuning))
+
+
+@cache
+def _of_tuning() -> "attrgetter[tuple[object, ...]]":
+    paths = [parameter.knob.path for parameter in vehicle_parameters()]
+    return attrgetter(*(path if path.startswith("world.") else f"software.{path}" for path in paths))
+
+
+class Tunable(Protocol):
+    """Whoever knows a team's parameters, and has them changed."""
+
+    def tuning(self, robot: int) -> Tuning | None:
+        """What can be changed of a robot, as it will be when all that was asked so far is done."""
+
+    def ask(self, request: SetParameters) -> None:
+        """Do this with the next step."""
+
+
+class VehicleParameters:
+    """The parameters of one robot's vehicle. Whoever else changes them, these tell what is in force.
+
+    A robot whose parameters are not ours to change, a real one, has none.
+
+    Args:
+        robot: its index in the team.
+        robots: the team.
+    """
+
+    def __init__(self, robot: int, robots: Tunable) -> None:
+        self._robot = robot
+        self._robots = robots
+
+    def settings(self) -> Sequence[Setting]:
+        """All of them, always in the same order."""
+        tuning = self._robots.tuning(self._robot)
+        if tuning is None:
+            return ()
+        told = (parameter.told(value) for parameter, value in zip(vehicle_parameters(), _values(tuning), strict=True))
+        nearest = np.fromiter(told, dtype=np.float32).tolist()
+        return [Setting(name, value) for name, value in zip(_places(), nearest, strict=True)]
+
+    def setting(self, name: str) -> Setting | None:
+        """One of them as it is, or is about to be; None where there is none of this name."""
+        tuning, place = self._robots.tuning(self._robot), _places().get(name)
+        if tuning is None or place is None:
+            return None
+        return Setting(name, _nearest(vehicle_parameters()[place].told(_values(tuning)[place])))
+
+    def change(self, name: str, value: float) -> Setting | Denied:
+        """Set one of them; what it is now, or why it keeps its value.
+
+        Args:
+            name: of the parameter.
+            value: any number; as a 32-bit float it counts.
+        """
+        tuning, place = self._robots.tuning(self._robot), _places().get(name)
+        if tuning is None or place is None:
+            return Denied(f"there is no parameter {name}")
+        parameter = vehicle_parameters()[place]
+        wanted = _nearest(value)
+        if not math.isfinite(wanted):
+            return Denied(f"{name} is a number, not {wanted:g}")
+        if wanted == _nearest(parameter.told(_values(tuning)[place])):
+            return Setting(name, wanted)
+        meant = parameter.meant(wanted)
+        if isinstance(meant, Denied):
+            return meant
+        values: tuple[tuple[str, ParameterValue], ...] = ((parameter.knob.path, meant),)
+        changed = tuning.changed(values)
+        if isinstance(changed, Rejected):
+            return Denied(changed.sentence)
+        self._robots.ask(SetParameters(self._robot, values))
+        return Setting(name, wanted)
+
+
+def _nearest(value: float) -> float:
+    """The number of 32 bits that is nearest to a value; infinity where that is beyond all of them."""
+    with np.errstate(over="ignore"):
+        return float(np.float32(value))
