@@ -6,9 +6,8 @@ ground stations that send back what they have read.
 """
 
 import math
-from collections.abc import Iterator, Sequence
+from collections.abc import Sequence
 from dataclasses import dataclass
-from functools import cache
 from operator import attrgetter
 from types import NoneType
 from typing import Protocol, cast
@@ -16,6 +15,7 @@ from typing import Protocol, cast
 import numpy as np
 
 from sim.parameters import LiveKnob, Rejected, WorldParameters, live_knobs
+from sim.parameters.reconfiguration import WORLD
 from thbridge.roles.parameter_names import name_of
 from thbridge.roles.requests import ParameterValue, SetParameters, Tuning
 from thbridge.wire.mavlink.helm import Denied, Setting
@@ -58,31 +58,27 @@ class VehicleParameter:
         return choices[int(told)]
 
 
-@cache
-def vehicle_parameters() -> tuple[VehicleParameter, ...]:
-    """All of them, in the order in which they are told: those of the software, then how true sensors err."""
-    knobs = (*live_knobs(), *live_knobs(WorldParameters, "world"))
-    return tuple(VehicleParameter(name_of(knob.path), knob) for knob in knobs if _is_numeric(knob))
-
-
 def _is_numeric(knob: LiveKnob) -> bool:
     return bool({bool, int, float} & {*knob.types}) or bool(knob.choices)
 
 
-@cache
-def _places() -> dict[str, int]:
-    """Which parameter has a name."""
-    return {parameter.name: place for place, parameter in enumerate(vehicle_parameters())}
+PARAMETERS = tuple(
+    VehicleParameter(name_of(knob.path), knob)
+    for knob in (*live_knobs(), *live_knobs(WorldParameters, WORLD[:-1]))
+    if _is_numeric(knob)
+)
+"""All of them, in the order in which they are told: those of the software, then how true sensors err."""
+
+_PLACES = {parameter.name: place for place, parameter in enumerate(PARAMETERS)}
+
+_IN_TUNING = attrgetter(
+    *(path if path.startswith(WORLD) else f"software.{path}" for path in (each.knob.path for each in PARAMETERS))
+)
 
 
-def _values(tuning: Tuning) -> tuple[Value, ...]:
-    return cast(tuple[Value, ...], _of_tuning()(tuning))
-
-
-@cache
-def _of_tuning() -> "attrgetter[tuple[object, ...]]":
-    paths = [parameter.knob.path for parameter in vehicle_parameters()]
-    return attrgetter(*(path if path.startswith("world.") else f"software.{path}" for path in paths))
+def values_of(tuning: Tuning) -> tuple[Value, ...]:
+    """The values in force, in the order of `PARAMETERS`."""
+    return cast(tuple[Value, ...], _IN_TUNING(tuning))
 
 
 class Tunable(Protocol):
@@ -114,16 +110,16 @@ class VehicleParameters:
         tuning = self._robots.tuning(self._robot)
         if tuning is None:
             return ()
-        told = (parameter.told(value) for parameter, value in zip(vehicle_parameters(), _values(tuning), strict=True))
+        told = (parameter.told(value) for parameter, value in zip(PARAMETERS, values_of(tuning), strict=True))
         nearest = np.fromiter(told, dtype=np.float32).tolist()
-        return [Setting(name, value) for name, value in zip(_places(), nearest, strict=True)]
+        return [Setting(name, value) for name, value in zip(_PLACES, nearest, strict=True)]
 
     def setting(self, name: str) -> Setting | None:
         """One of them as it is, or is about to be; None where there is none of this name."""
-        tuning, place = self._robots.tuning(self._robot), _places().get(name)
+        tuning, place = self._robots.tuning(self._robot), _PLACES.get(name)
         if tuning is None or place is None:
             return None
-        return Setting(name, _nearest(vehicle_parameters()[place].told(_values(tuning)[place])))
+        return Setting(name, _nearest(PARAMETERS[place].told(values_of(tuning)[place])))
 
     def change(self, name: str, value: float) -> Setting | Denied:
         """Set one of them; what it is now, or why it keeps its value.
@@ -132,14 +128,14 @@ class VehicleParameters:
             name: of the parameter.
             value: any number; as a 32-bit float it counts.
         """
-        tuning, place = self._robots.tuning(self._robot), _places().get(name)
+        tuning, place = self._robots.tuning(self._robot), _PLACES.get(name)
         if tuning is None or place is None:
             return Denied(f"there is no parameter {name}")
-        parameter = vehicle_parameters()[place]
+        parameter = PARAMETERS[place]
         wanted = _nearest(value)
         if not math.isfinite(wanted):
             return Denied(f"{name} is a number, not {wanted:g}")
-        if wanted == _nearest(parameter.told(_values(tuning)[place])):
+        if wanted == _nearest(parameter.told(values_of(tuning)[place])):
             return Setting(name, wanted)
         meant = parameter.meant(wanted)
         if isinstance(meant, Denied):

@@ -9,7 +9,20 @@ import pytest
 
 from sim.geometry import Pose2
 from sim.observations import Twist
-from sim.team import Carry, ClearCostmaps, Die, Drive, Globalize, Localize, PutThing, RemoveThing, RequestUpdate, Revive
+from sim.parameters import WorldParameters
+from sim.team import (
+    Carry,
+    ClearCostmaps,
+    Die,
+    Disturb,
+    Drive,
+    Globalize,
+    Localize,
+    PutThing,
+    RemoveThing,
+    RequestUpdate,
+    Revive,
+)
 from sim.things import Thing
 from thbridge.adapters.bag_reader import messages
 from thbridge.adapters.bag_records import Compression
@@ -172,6 +185,29 @@ class TestSame:
         asked = watched(bag, STUDY, 8.0, plan)
         assert asked == [type(request) for _, request in plan if not isinstance(request, Pause | Resume | Step)]
         equal(bag, 8 * 50)
+
+    def test_sensors_that_get_worse_midway_do_so_again(self, tmp_path: Path) -> None:
+        worse = (("world.laser.range_noise", 0.4), ("world.odometry.angular_scale", 1.3), ("amcl.laser_sigma_hit", 0.4))
+
+        def disturb(tick: int, session: Session) -> None:
+            if tick == 80:
+                session.ask("window", SetParameters(0, worse))
+            if tick == 120:
+                session.ask("window", SetParameters(1, (("world.laser.dropout", 1.0),)))
+            if tick == 160:
+                session.ask("window", Disturb(1, WorldParameters()))
+
+        act(tmp_path / "plain.bag", STUDY, 200, lambda tick, session: None)
+        act(tmp_path / "worse.bag", STUDY, 200, disturb)
+        equal(tmp_path / "worse.bag", 200)
+        scans = [names.RobotNames.of(robot).topic("scan") for robot in range(2)]
+        plain, worse_ones = (
+            [[message.data for message in messages(tmp_path / name, [scan])] for scan in scans]
+            for name in ("plain.bag", "worse.bag")
+        )
+        assert plain[0][:15] == worse_ones[0][:15]
+        assert all(before != after for before, after in zip(plain[0][17:], worse_ones[0][17:], strict=True))
+        assert plain[1] != worse_ones[1]
 
     def test_what_a_wizard_said_is_said_again(self, tmp_path: Path) -> None:
         def conjure(tick: int, session: Session) -> None:

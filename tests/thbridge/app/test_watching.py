@@ -17,6 +17,7 @@ from sim.inputs import (
     ClearCostmaps,
     Configure,
     Die,
+    Disturb,
     Drive,
     Globalize,
     Go,
@@ -31,7 +32,7 @@ from sim.inputs import (
 )
 from sim.navigator import Goal
 from sim.observations import Twist
-from sim.parameters import RobotParameters
+from sim.parameters import RobotParameters, WorldParameters
 from sim.team import Team
 from sim.things import Thing
 from thbridge.adapters.pacer import Pacer
@@ -69,7 +70,7 @@ GRANTED: list[Granted] = [
     Globalize(0),
     RequestUpdate(0),
     ClearCostmaps(1),
-    SetParameters(0, (("amcl.kld_err", 0.02), ("amcl.recovery_alpha_fast", 0.1))),
+    SetParameters(0, (("amcl.kld_err", 0.02), ("amcl.recovery_alpha_fast", 0.1), ("world.laser.range_noise", 0.3))),
     PutThing(CRATE),
     RemoveThing("crate"),
     Carry(1, HERE),
@@ -145,6 +146,9 @@ REFUSED: list[tuple[Request, str]] = [
     (InitialPose(0, HERE, np.eye(2)), "covariance"),
     (SetParameters(0, (("amcl.no_such", 1),)), "amcl.no_such"),
     (SetParameters(0, (("amcl.max_particles", -1),)), "max_particles"),
+    (SetParameters(0, (("world.laser.range_noise", -1),)), "world.laser.range_noise is at least 0"),
+    (SetParameters(0, (("world.laser.beams", 90),)), "world.laser.beams cannot change"),
+    (SetParameters(0, (("world.odometry.linear_scale", 1.1), ("world", 1))), "world"),
     (PutThing(dataclasses.replace(CRATE, name="")), "name"),
     (PutThing(dataclasses.replace(CRATE, speed=math.pi * 1e9)), "walks"),
     (PutThing(dataclasses.replace(CRATE, base_in_map=FAR)), "no map"),
@@ -152,6 +156,7 @@ REFUSED: list[tuple[Request, str]] = [
     (PutThing(dataclasses.replace(CRATE, footprint=((0.0, 0.0), (1.0, 1.0), (1.0, 0.0), (0.0, 2.0)))), "enclose"),
     (RemoveThing("x" * 1000), "name"),
     (Configure(0, RobotParameters()), "not granted"),
+    (Disturb(0, WorldParameters()), "not granted"),
     (SetCharge(0, 1e9), "not granted"),
     (Puppeteer(2, on=True), "robot"),
     (AdviseFor(-1, 3), "robot"),

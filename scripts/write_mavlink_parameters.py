@@ -1,0 +1,81 @@
+"""Writes `docs/mavlink-parameters.md`: what the study's parameters are called in MAVLink, and what may be set.
+
+python scripts/write_mavlink_parameters.py [FILE]
+"""
+
+import sys
+from collections.abc import Iterator
+from itertools import groupby
+from pathlib import Path
+from types import NoneType
+
+from sim.parameters import RobotParameters, WorldParameters
+from thbridge.adapters.declarations import allowed
+from thbridge.roles.requests import Tuning
+from thbridge.roles.vehicle_parameters import PARAMETERS, VehicleParameter, values_of
+
+ROOT = Path(__file__).parents[1]
+
+HEAD = """\
+# MAVLink parameters
+
+The numbers of the study that a ground station may change while the robots drive, by their MAVLink names.
+`scripts/write_mavlink_parameters.py` writes this page.
+
+* The path is that of the study file, below `robot:`; those that begin with `world` stand at the file's top. A study
+  that says nothing begins with the value in the fourth column. A change concerns one robot, acts in the next tick, and
+  is recorded: a replay does it again.
+* All are REAL32. What is told is the nearest such number to the value in force, and to set what is told changes
+  nothing. What is set means the shortest decimal that is told so.
+* *0 or 1* is a switch. Words are told as their place among the choices, from 0.
+* What is not a number, has a fraction where there can be none, or is out of its range is refused, and the old value
+  told.
+"""
+
+GROUPS = {
+    "AMCL": "amcl",
+    "GC": "The costmap that covers the map",
+    "LC": "The costmap that moves along with the robot",
+    "GP": "global_planner",
+    "TP": "base_local_planner",
+    "DWA": "dwa_local_planner",
+    "MB": "move_base",
+    "SIM": "How the simulator lets true sensors err",
+}
+"""Headings, by what names begin with."""
+
+
+def range_of(parameter: VehicleParameter) -> str:
+    """What may be set."""
+    knob = parameter.knob
+    if bool in knob.types:
+        return "0 or 1"
+    if knob.choices:
+        return ", ".join(f"{place}: {word}" for place, word in enumerate(knob.choices))
+    words = allowed(None, {"minimum": knob.minimum, "maximum": knob.maximum})
+    whole = "whole, " if int in knob.types else ""
+    return f"{whole}{words}{'; 0: null' if NoneType in knob.types else ''}"
+
+
+def rows(parameters: list[tuple[VehicleParameter, float]]) -> Iterator[str]:
+    """The lines of a table, of parameters and what they are told as at first."""
+    yield "| name | path | meaning | at first | unit | range |\n|---|---|---|---|---|---|"
+    for parameter, told in parameters:
+        knob = parameter.knob
+        cells = (f"`{parameter.name}`", f"`{knob.path}`", knob.help, f"{told:.7g}", knob.unit, range_of(parameter))
+        yield "| " + " | ".join(cell.replace("|", "\\|") for cell in cells) + " |"
+
+
+def document() -> str:
+    """The whole page."""
+    at_first = values_of(Tuning(RobotParameters(), WorldParameters()))
+    told = [(parameter, parameter.told(value)) for parameter, value in zip(PARAMETERS, at_first, strict=True)]
+    parts = [HEAD]
+    for group, parameters in groupby(told, key=lambda each: each[0].name.partition("_")[0]):
+        parts += [f"\n## {group}: {GROUPS[group]}\n", *rows([*parameters])]
+    return "\n".join(parts) + "\n"
+
+
+if __name__ == "__main__":
+    path = Path(sys.argv[1] if len(sys.argv) > 1 else ROOT / "docs" / "mavlink-parameters.md")
+    path.write_text(document(), encoding="utf-8")
