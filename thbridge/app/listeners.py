@@ -1,6 +1,6 @@
 """Who listens to a session's robots: a ROS graph, a bag, researchers' windows. Two of them also ask."""
 
-from collections.abc import AsyncIterator, Callable
+from collections.abc import AsyncIterator, Callable, Sequence
 from contextlib import AsyncExitStack, asynccontextmanager
 from dataclasses import dataclass
 from pathlib import Path
@@ -50,6 +50,10 @@ class Audience(Protocol):
         """Where to be watched; None for nowhere."""
 
 
+def _untold(outcome: object) -> None:
+    """For those who are on no graph, not watched, and heard by no ground station."""
+
+
 @dataclass(frozen=True, slots=True)
 class Hosts:
     """Whom to tell what became of it.
@@ -57,14 +61,12 @@ class Hosts:
     Attributes:
         joined: who is the master of the graph, or why there is none; it may raise.
         watched: where researchers' windows connect, or why they cannot; it may raise.
+        linked: where ground stations reach the robots, such as "udp 127.0.0.1:14550", or why they cannot; it may raise.
     """
 
     joined: Callable[[Master | CannotListen], None]
     watched: Callable[[Listening | CannotListen], None]
-
-
-def _untold(outcome: object) -> None:
-    """For those who are on no graph, and not watched."""
+    linked: Callable[[Sequence[str] | CannotListen], None] = _untold
 
 
 NOBODY_TOLD = Hosts(_untold, _untold)

@@ -8,6 +8,7 @@ from pathlib import Path
 from sim.observations import TICK, TICKS_PER_SECOND
 from thbridge.adapters.ledger import Ledger
 from thbridge.adapters.loop import run_ticks
+from thbridge.adapters.mavlink_server import MavlinkServer, Ports
 from thbridge.adapters.pacer import Pacer
 from thbridge.adapters.recordings import journal_of
 from thbridge.adapters.rosgraph.joining import Graph
@@ -89,6 +90,7 @@ class PlayOptions:
         left: asked after every tick whether the participant, in a window of their own, has left: then the hunt ends,
             and not before, since they may look at what came of the game, and play again. None: it ends with the game.
         watch: where researchers' windows may connect; None for nowhere.
+        mavlink: where ground stations reach the robots; None for nowhere.
     """
 
     rate: float
@@ -99,6 +101,7 @@ class PlayOptions:
     graph: Graph | None = None
     left: Callable[[], bool] | None = None
     watch: Watch | None = None
+    mavlink: Ports | None = None
 
 
 async def play(
@@ -117,7 +120,7 @@ async def play(
         options: how.
         ready: told where others can join, or why they cannot.
         progress: told of every tick.
-        told: whom to tell what became of graph and watch.
+        told: whom to tell what became of graph, watch and links.
 
     Raises:
         BadFile: the journal or the bag cannot be written (as `BagNotWritten`).
@@ -141,6 +144,8 @@ async def play(
         session.ask(sender, request)
 
     async with AsyncExitStack() as opened:
+        # First of all: nothing is begun where ground stations cannot be reached.
+        links = await _links(options.mavlink, opened, told)
         log: EventLog = NoLog()
         if options.bag is not None:
             log = opened.enter_context(closing(Ledger(journal_of(options.bag))))
@@ -150,6 +155,8 @@ async def play(
         session = Session(Router(), setting.keeper(), roles, log, witnesses, inside)
         server = TextServer(session, session.hear)
         session.perform = server.perform
+        if links is not None:
+            await links.serve(session)
         ending = Ending(options.max_seconds, options.left)
 
         def tick() -> bool:
@@ -166,6 +173,17 @@ async def play(
     if ending.tick is None:
         raise Unfinished(outcome, stopped=not run.finished)
     return outcome
+
+
+async def _links(ports: Ports | None, opened: AsyncExitStack, told: Hosts) -> MavlinkServer | None:
+    """Whoever speaks to ground stations, with all ports taken; None where nobody does, or not all are free."""
+    if ports is None:
+        return None
+    links = MavlinkServer(ports)
+    opened.push_async_callback(links.close)
+    names = await links.open()
+    told.linked(names)
+    return None if isinstance(names, CannotListen) else links
 
 
 class NoLog:

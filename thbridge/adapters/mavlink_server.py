@@ -1,0 +1,71 @@
+"""Where ground stations reach a session: its UDP targets and its TCP port, opened and closed together."""
+
+from contextlib import AsyncExitStack
+from dataclasses import dataclass
+
+from thbridge.adapters.mavlink_links import Address, Exchange, Links, Totals
+from thbridge.adapters.mavlink_tcp import TcpPort, tcp_port
+from thbridge.adapters.mavlink_udp import UdpPort, udp_port
+from thbridge.adapters.text_server import CannotListen
+
+
+@dataclass(frozen=True, slots=True)
+class Ports:
+    """Where ground stations reach a session.
+
+    Attributes:
+        udp: to whom heartbeats go from the start; whoever answers is heard.
+        tcp: where to listen; None for nowhere.
+        key: with which frames are signed and verified; None for none.
+    """
+
+    udp: tuple[Address, ...]
+    tcp: Address | None
+    key: bytes | None
+
+
+class MavlinkServer:
+    """Speaks MAVLink for a session."""
+
+    def __init__(self, ports: Ports) -> None:
+        self._ports = ports
+        self._links = Links(ports.key)
+        self._udp_ports: list[UdpPort] = []
+        self._tcp_port: TcpPort | None = None
+        self._opened = AsyncExitStack()
+
+    @property
+    def totals(self) -> Totals:
+        """What was carried until now."""
+        return self._links.totals
+
+    async def open(self) -> list[str] | CannotListen:
+        """Take all ports, still silent; what ground stations find them by, or the first that cannot be had."""
+        names = []
+        for target in self._ports.udp:
+            udp = await udp_port(self._links, target)
+            if isinstance(udp, CannotListen):
+                return udp
+            self._opened.callback(udp.close)
+            self._udp_ports.append(udp)
+            names.append(f"udp {target}")
+        if self._ports.tcp is not None:
+            tcp = await tcp_port(self._links, self._ports.tcp)
+            if isinstance(tcp, CannotListen):
+                return tcp
+            self._opened.push_async_callback(tcp.close)
+            self._tcp_port = tcp
+            names.append(f"tcp {tcp.where}")
+        return names
+
+    async def serve(self, exchange: Exchange) -> None:
+        """Bring everything that comes in there, and take from there what is said."""
+        self._links.serve(exchange)
+        for port in self._udp_ports:
+            port.serve()
+        if self._tcp_port is not None:
+            await self._tcp_port.serve()
+
+    async def close(self) -> None:
+        """Close everything; what was sent last over TCP has a moment to be read."""
+        await self._opened.aclose()

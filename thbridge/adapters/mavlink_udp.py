@@ -1,0 +1,183 @@
+"""MAVLink over UDP: one socket for each target, and a link for everybody who answers to it."""
+
+from __future__ import annotations
+
+import asyncio
+import ipaddress
+import socket
+from collections.abc import Sequence
+from dataclasses import dataclass
+
+from thbridge.adapters.errors import reason_of
+from thbridge.adapters.mavlink_links import GARBAGE, Address, Links
+from thbridge.adapters.text_server import CannotListen
+from thbridge.wire.mavlink.channel import Channel
+from thbridge.wire.mavlink.vehicle import LinkId
+
+PEERS = 32
+"""Who speaks to one socket beside its target; one more, and who was silent for longest is forgotten."""
+
+MUTED = 10.0
+"""Seconds for which nobody listens to a peer that sent nothing but garbage."""
+
+_DATAGRAM = 1200
+"""Bytes that are sent as one datagram: fewer than any network's packets have."""
+
+_TURN = 64
+"""Datagrams taken at a time, so that a peer that floods us leaves turns to the others."""
+
+_LARGEST = 65535
+_BUFFER = 4 * 1024 * 1024
+"""Bytes that the system is asked to keep for us while a tick runs; it may grant fewer."""
+
+SocketAddress = tuple[str, int] | tuple[str, int, int, int]
+"""As sockets have it: of IPv4, or of IPv6."""
+
+
+@dataclass(slots=True)
+class _Peer:
+    """Somebody who speaks to a socket.
+
+    Attributes:
+        channel: what it says.
+        heard: seconds of the loop's clock when its last good frame came, or else when it first spoke.
+        link: None as long as nothing good has come.
+        muted: until then it is not listened to.
+    """
+
+    channel: Channel
+    heard: float
+    link: LinkId | None = None
+    muted: float = 0.0
+
+
+@dataclass(frozen=True, slots=True)
+class _Outlet:
+    """A link's way out."""
+
+    socket: socket.socket
+    address: SocketAddress
+
+    def carry(self, frames: Sequence[bytes]) -> int:
+        """As many frames to a datagram as go in."""
+        unsent = first = 0
+        while first < len(frames):
+            last, size = first + 1, len(frames[first])
+            while last < len(frames) and size + len(frames[last]) <= _DATAGRAM:
+                size += len(frames[last])
+                last += 1
+            try:
+                self.socket.sendto(b"".join(frames[first:last]), self.address)
+            except ConnectionRefusedError:
+                pass  # Nobody is there yet, which an earlier datagram has found out; this one is none the worse.
+            except OSError:
+                unsent += last - first
+            first = last
+        return unsent
+
+
+class UdpPort:
+    """The socket of one target.
+
+    Args:
+        links: where its frames come from and go to.
+        own: bound, and not blocking.
+        target: to whom it speaks from the start.
+    """
+
+    def __init__(self, links: Links, own: socket.socket, target: SocketAddress) -> None:
+        self._links = links
+        self._socket = own
+        self._target = target
+        self._peers: dict[SocketAddress, _Peer] = {}
+
+    def serve(self) -> None:
+        """Begin to speak and listen."""
+        loop = asyncio.get_running_loop()
+        first = _Peer(self._links.channel(datagrams=True), loop.time())
+        self._peers[self._target] = first
+        self._open(first, self._target)
+        loop.add_reader(self._socket, self._readable)
+
+    def close(self) -> None:
+        """Speak and listen no more."""
+        asyncio.get_running_loop().remove_reader(self._socket)
+        for peer in self._peers.values():
+            if peer.link is not None:
+                self._links.close(peer.link)
+        self._socket.close()
+
+    def _readable(self) -> None:
+        for _ in range(_TURN):
+            try:
+                data, address = self._socket.recvfrom(_LARGEST)
+            except BlockingIOError:
+                return
+            except OSError:
+                continue  # Some target is not there, as the network says.
+            self._received(data, address)
+
+    def _received(self, data: bytes, address: SocketAddress) -> None:
+        now = asyncio.get_running_loop().time()
+        peer = self._peers.get(address) or self._meet(address, now)
+        if now < peer.muted:
+            return
+        frames = self._links.frames_in(_name(address), peer.channel, data)
+        if frames:
+            peer.heard = now
+            self._open(peer, address)
+            if peer.link is not None:
+                self._links.receive(peer.link, frames)
+        elif peer.channel.spoiled > GARBAGE:
+            peer.channel.spoiled = 0
+            peer.muted = now + MUTED
+            self._links.complaints.tell(f"MAVLink: {_name(address)} sends nothing of use, and is not listened to")
+
+    def _meet(self, address: SocketAddress, now: float) -> _Peer:
+        if len(self._peers) > PEERS:
+            others = (there for there in self._peers if there != self._target)
+            # Whoever has said nothing good yet goes first: strangers drive no ground station out.
+            gone = min(others, key=lambda there: (self._peers[there].link is not None, self._peers[there].heard))
+            link = self._peers.pop(gone).link
+            if link is not None:
+                self._links.close(link)
+        peer = self._peers[address] = _Peer(self._links.channel(datagrams=True), now)
+        return peer
+
+    def _open(self, peer: _Peer, address: SocketAddress) -> None:
+        if peer.link is None:
+            peer.link = self._links.open(_name(address), peer.channel, _Outlet(self._socket, address))
+
+
+async def udp_port(links: Links, target: Address) -> UdpPort | CannotListen:
+    """A socket for a target, on this machine alone if the target is on it; not in use yet."""
+    try:
+        family, _, _, _, there = (
+            await asyncio.get_running_loop().getaddrinfo(target.host, target.port, type=socket.SOCK_DGRAM)
+        )[0]
+        own = socket.socket(family, socket.SOCK_DGRAM)
+        try:
+            own.setblocking(False)
+            own.setsockopt(socket.SOL_SOCKET, socket.SO_BROADCAST, 1)
+            own.setsockopt(socket.SOL_SOCKET, socket.SO_RCVBUF, _BUFFER)
+            own.setsockopt(socket.SOL_SOCKET, socket.SO_SNDBUF, _BUFFER)
+            own.bind((_local(there[0], family), 0))
+        except OSError:
+            own.close()
+            raise
+    except OSError as error:
+        return CannotListen(target.host, target.port, reason_of(error))
+    except UnicodeError:
+        return CannotListen(target.host, target.port, "that is not a host's name")
+    return UdpPort(links, own, there)
+
+
+def _local(host: str, family: int) -> str:
+    """The address to bind to in order to speak with a host."""
+    if ipaddress.ip_address(host.partition("%")[0]).is_loopback:
+        return host
+    return "::" if family == socket.AF_INET6 else "0.0.0.0"
+
+
+def _name(address: SocketAddress) -> str:
+    return f"udp {Address(address[0], address[1])}"
