@@ -81,7 +81,7 @@ class Games:
         setting = setting_of(study, None)
 
         async def play(visit: Visit) -> None:
-            options = dataclasses.replace(self.options, bag=None, graph=None, watch=None, left=visit.left)
+            options = dataclasses.replace(self.options, bag=None, graph=None, watch=None, mavlink=None, left=visit.left)
             await self._played(setting, options, visit)
 
         return play

@@ -1,7 +1,7 @@
 """What the commands that play or serve share: their options, and the study they make."""
 
 import dataclasses
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from enum import StrEnum
 from pathlib import Path
 from typing import Annotated
@@ -9,10 +9,13 @@ from typing import Annotated
 import typer
 
 from sim import is_compiled
+from thbridge.adapters.addresses import address_in
 from thbridge.adapters.errors import BadFile
 from thbridge.adapters.map_files import read_grid
+from thbridge.adapters.mavlink_server import Ports
 from thbridge.adapters.recordings import make_room, try_place
 from thbridge.adapters.rosgraph.joining import DEFAULT_URI, Graph, Master, is_master_uri
+from thbridge.adapters.signing_key import read_signing_key
 from thbridge.adapters.text_server import DEFAULT_HOST, DEFAULT_PORT, CannotListen, Listening
 from thbridge.adapters.watch_server import DEFAULT_PORT as WATCH_PORT
 from thbridge.adapters.yaml_tree import read_text
@@ -20,6 +23,7 @@ from thbridge.app.compose import Setting, read_setting
 from thbridge.app.config import Study, load_study
 from thbridge.app.listeners import Hosts, Watch
 from thbridge.study.bots import BotStrategy
+from thbridge.wire.mavlink.options import Identity
 from ui.terminal import BAD_INPUT, bad_input, fail, note
 
 StudyFile = Annotated[
@@ -68,6 +72,28 @@ WatchAt = Annotated[
 WatchKey = Annotated[
     Path | None,
     typer.Option("--watch-key", help="File whose first line whoever watches has to know. They see the truth."),
+]
+Mavlink = Annotated[
+    bool | None,
+    typer.Option("--mavlink/--no-mavlink", help="Make every robot a MAVLink rover; see docs/mavlink.md."),
+]
+MavlinkIdentity = Annotated[
+    Identity | None,
+    typer.Option("--identity", help="Whose autopilot robots say they have; QGroundControl commands only ardupilot's."),
+]
+MavlinkUdp = Annotated[
+    list[str] | None,
+    typer.Option("--udp", metavar="HOST:PORT", help="Where a ground station listens; may be given several times."),
+]
+MavlinkTcp = Annotated[
+    str | None, typer.Option("--tcp", metavar="HOST:PORT", help="Where ground stations may connect by TCP.")
+]
+KeyFile = Annotated[
+    Path | None,
+    typer.Option("--signing-key", metavar="FILE", help="MAVLink frames are signed and verified with this file's key."),
+]
+TlogWanted = Annotated[
+    bool | None, typer.Option("--tlog/--no-tlog", help="Also write all MAVLink frames into a .tlog beside the bag.")
 ]
 
 
@@ -151,6 +177,43 @@ def watch_of(study: Study, file: Path | None, at: str | None, key: Path | None) 
     return Watch(host, port, None if path is None else key_in(path))
 
 
+def with_mavlink(
+    study: Study,
+    on: bool | None,
+    identity: Identity | None,
+    udp: Sequence[str] | None,
+    tcp: str | None,
+    tlog: bool | None,
+) -> Study:
+    """The study with what options say of MAVLink; None changes nothing."""
+    for option, texts in (("--udp", udp or ()), ("--tcp", () if tcp is None else (tcp,))):
+        for text in texts:
+            if address_in(text) is None:
+                fail(BAD_INPUT, f"{option}: {text!r} is no address. Write HOST:PORT, such as 127.0.0.1:14550.")
+    targets = None if udp is None else tuple(dict.fromkeys(udp))
+    given = {"on": on, "identity": identity, "udp": targets, "tcp": tcp, "tlog": tlog}
+    changes = {key: value for key, value in given.items() if value is not None}
+    section = dataclasses.replace(study.mavlink, **changes)  # type: ignore[arg-type]  # the options have their types
+    unused = next((key for key in changes if key != "on"), None)
+    if unused is not None and not section.on:
+        fail(BAD_INPUT, f"--{unused}: the robots do not speak MAVLink. Add --mavlink, or leave the option out.")
+    return dataclasses.replace(study, mavlink=section)
+
+
+def ports_of(study: Study, file: Path | None, key: Path | None) -> Ports | None:
+    """Where ground stations reach the robots of a study, None for nowhere; `key` wins over the study's."""
+    section = study.mavlink
+    if not section.on:
+        if key is not None:
+            fail(BAD_INPUT, "--signing-key: the robots do not speak MAVLink. Add --mavlink, or leave the option out.")
+        return None
+    beside = Path() if file is None else file.parent
+    path = key or (None if section.signing_key is None else beside / section.signing_key)
+    with bad_input():
+        secret = None if path is None else read_signing_key(path)
+    return Ports(section.targets, None if section.tcp is None else address_in(section.tcp), secret)
+
+
 def key_in(path: Path) -> str:
     """The key that a file holds."""
     with bad_input():
@@ -161,7 +224,7 @@ def key_in(path: Path) -> str:
 
 
 def hosts_of(graph: Graph | None, quiet: bool = False) -> Hosts:
-    """Tells people who is the master and where one can watch, and ends the program where there can be neither."""
+    """Tells people what became of graph, watch and MAVLink; ends the program where one of them cannot be."""
 
     def joined(master: Master | CannotListen) -> None:
         if isinstance(master, CannotListen):
@@ -175,7 +238,13 @@ def hosts_of(graph: Graph | None, quiet: bool = False) -> Hosts:
         if not quiet:
             note(f"Researchers can watch at {where.host}:{where.port}.")
 
-    return Hosts(joined, watched)
+    def linked(names: Sequence[str] | CannotListen) -> None:
+        if isinstance(names, CannotListen):
+            fail(BAD_INPUT, f"MAVLink: {names}")
+        if not quiet:
+            note(f"Robots speak MAVLink: {', '.join(names) or 'to nobody'}.")
+
+    return Hosts(joined, watched, linked)
 
 
 def make_ready(bag: Path) -> None:

@@ -15,24 +15,13 @@ from thbridge.adapters.rosgraph.sockets import Complaints
 from thbridge.wire.mavlink.channel import Channel
 from thbridge.wire.mavlink.frame import Frame
 from thbridge.wire.mavlink.hub import Sent
-from thbridge.wire.mavlink.signing import Signing
-from thbridge.wire.mavlink.vehicle import LinkId
+from thbridge.wire.mavlink.said import LinkId
+from thbridge.wire.mavlink.signing import Signing, SigningKey, Timestamps
 
 GARBAGE = 16 * 1024
 """Who has sent so many bytes on end without one good frame is listened to no more, for some time at least."""
 
 _log = logging.getLogger(__name__)
-
-
-@dataclass(frozen=True, slots=True)
-class Address:
-    """Where something is reached, or listens."""
-
-    host: str
-    port: int
-
-    def __str__(self) -> str:
-        return f"[{self.host}]:{self.port}" if ":" in self.host else f"{self.host}:{self.port}"
 
 
 class Exchange(Protocol):
@@ -91,9 +80,10 @@ class Links:
         clock: seconds of Unix time, for signatures.
     """
 
-    def __init__(self, key: bytes | None, clock: Callable[[], float] = time.time) -> None:
+    def __init__(self, key: SigningKey | None, clock: Callable[[], float] = time.time) -> None:
         self.complaints = Complaints(_log)
         self._key = key
+        self._timestamps = Timestamps()
         self._clock = clock
         self._exchange: Exchange | None = None
         self._links: dict[LinkId, _Link] = {}
@@ -113,7 +103,7 @@ class Links:
     def channel(self, *, datagrams: bool) -> Channel:
         """For somebody new; it may become a link's."""
         self._met += 1
-        signing = None if self._key is None else Signing(self._key, self._met % 256)
+        signing = None if self._key is None else Signing(self._key, self._met % 256, self._timestamps)
         return Channel(signing, datagrams=datagrams)
 
     def open(self, name: str, channel: Channel, carrier: Carrier) -> LinkId | None:

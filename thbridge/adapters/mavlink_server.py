@@ -3,10 +3,12 @@
 from contextlib import AsyncExitStack
 from dataclasses import dataclass
 
-from thbridge.adapters.mavlink_links import Address, Exchange, Links, Totals
+from thbridge.adapters.addresses import Address
+from thbridge.adapters.mavlink_links import Exchange, Links, Totals
 from thbridge.adapters.mavlink_tcp import TcpPort, tcp_port
 from thbridge.adapters.mavlink_udp import UdpPort, udp_port
 from thbridge.adapters.text_server import CannotListen
+from thbridge.wire.mavlink.signing import SigningKey
 
 
 @dataclass(frozen=True, slots=True)
@@ -21,7 +23,7 @@ class Ports:
 
     udp: tuple[Address, ...]
     tcp: Address | None
-    key: bytes | None
+    key: SigningKey | None
 
 
 class MavlinkServer:

@@ -7,11 +7,12 @@ import socket
 from asyncio import Protocol, Transport
 from collections.abc import Sequence
 
+from thbridge.adapters.addresses import Address
 from thbridge.adapters.errors import reason_of
-from thbridge.adapters.mavlink_links import GARBAGE, Address, Links
+from thbridge.adapters.mavlink_links import GARBAGE, Links
 from thbridge.adapters.text_server import CannotListen
 from thbridge.wire.mavlink.channel import Channel
-from thbridge.wire.mavlink.vehicle import LinkId
+from thbridge.wire.mavlink.said import LinkId
 
 CONNECTIONS = 32
 """Who comes when so many are connected is turned away."""
@@ -78,9 +79,8 @@ class TcpPort:
 async def tcp_port(links: Links, address: Address) -> TcpPort | CannotListen:
     """Take a port; 0 takes any that is free."""
     try:
-        family, _, _, _, where = (
-            await asyncio.get_running_loop().getaddrinfo(address.host, address.port, type=socket.SOCK_STREAM)
-        )[0]
+        found = await asyncio.get_running_loop().getaddrinfo(address.host, address.port, type=socket.SOCK_STREAM)
+        family, _, _, _, where = found[0]
         own = socket.create_server((where[0], where[1]), family=family, backlog=CONNECTIONS)
     except OSError as error:
         return CannotListen(address.host, address.port, reason_of(error))

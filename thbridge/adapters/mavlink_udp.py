@@ -7,12 +7,14 @@ import ipaddress
 import socket
 from collections.abc import Sequence
 from dataclasses import dataclass
+from typing import cast
 
+from thbridge.adapters.addresses import Address
 from thbridge.adapters.errors import reason_of
-from thbridge.adapters.mavlink_links import GARBAGE, Address, Links
+from thbridge.adapters.mavlink_links import GARBAGE, Links
 from thbridge.adapters.text_server import CannotListen
 from thbridge.wire.mavlink.channel import Channel
-from thbridge.wire.mavlink.vehicle import LinkId
+from thbridge.wire.mavlink.said import LinkId
 
 PEERS = 32
 """Who speaks to one socket beside its target; one more, and who was silent for longest is forgotten."""
@@ -152,9 +154,8 @@ class UdpPort:
 async def udp_port(links: Links, target: Address) -> UdpPort | CannotListen:
     """A socket for a target, on this machine alone if the target is on it; not in use yet."""
     try:
-        family, _, _, _, there = (
-            await asyncio.get_running_loop().getaddrinfo(target.host, target.port, type=socket.SOCK_DGRAM)
-        )[0]
+        found = await asyncio.get_running_loop().getaddrinfo(target.host, target.port, type=socket.SOCK_DGRAM)
+        family, there = found[0][0], cast(SocketAddress, found[0][4])
         own = socket.socket(family, socket.SOCK_DGRAM)
         try:
             own.setblocking(False)

@@ -3,9 +3,10 @@
 from collections.abc import Iterator
 from dataclasses import dataclass
 from pathlib import Path
-from typing import NamedTuple, TypeVar
+from typing import TypeVar
 
 from sim.parameters import knob
+from thbridge.adapters.addresses import Address, address_in
 from thbridge.adapters.errors import BadFile
 from thbridge.adapters.yaml_files import Loaded
 from thbridge.wire.mavlink.vehicle import Failsafe, Identity, Origin, VehicleOptions
@@ -16,28 +17,6 @@ _NORTHERNMOST = 85.0
 """Degrees: maps of ground stations end there, and east and west mean little beyond."""
 _LOWEST, _HIGHEST = -500.0, 9000.0
 _ORIGIN_REMEDY = "Write degrees north, degrees east and metres above the sea, such as [51.5115, -0.116, 20.0]"
-
-
-class Address(NamedTuple):
-    """Where a program is reached."""
-
-    host: str
-    port: int
-
-    def __str__(self) -> str:
-        return f"[{self.host}]:{self.port}" if ":" in self.host else f"{self.host}:{self.port}"
-
-
-def address_in(text: str) -> Address | None:
-    """The address that HOST:PORT means; an IPv6 one stands in brackets. None: it means none."""
-    host, colon, number = text.rpartition(":")
-    if not (colon and number.isascii() and number.isdecimal() and 0 < int(number) <= 65535):
-        return None
-    bare = host.removeprefix("[").removesuffix("]")
-    bracketed = host == f"[{bare}]"
-    if not bare or bare != bare.strip() or set(bare) & set("[]/ ") or (":" in bare) != bracketed:
-        return None
-    return Address(bare, int(number))
 
 
 @dataclass(frozen=True, slots=True)

@@ -126,8 +126,6 @@ async def play(
         BadFile: the journal or the bag cannot be written (as `BagNotWritten`).
         Unfinished: it was stopped, or the game was not over in time; what was recorded is complete.
     """
-    if options.rate > 0.0:
-        setting.rehearse()
     team = setting.team()
     simr = setting.simr(team)
     roles: list[Role] = [simr]
@@ -146,6 +144,8 @@ async def play(
     async with AsyncExitStack() as opened:
         # First of all: nothing is begun where ground stations cannot be reached.
         links = await _links(options.mavlink, opened, told)
+        if options.rate > 0.0:
+            setting.rehearse()
         log: EventLog = NoLog()
         if options.bag is not None:
             log = opened.enter_context(closing(Ledger(journal_of(options.bag))))

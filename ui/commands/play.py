@@ -17,9 +17,14 @@ from ui.games import Games, offer_of, play_in_window
 from ui.options import (
     AsJson,
     BagFile,
+    KeyFile,
     Look,
     LookOption,
     MapName,
+    Mavlink,
+    MavlinkIdentity,
+    MavlinkTcp,
+    MavlinkUdp,
     Port,
     Robots,
     Ros,
@@ -27,6 +32,7 @@ from ui.options import (
     RosMaster,
     Seed,
     StudyFile,
+    TlogWanted,
     WatchAt,
     WatchKey,
     Who,
@@ -34,9 +40,11 @@ from ui.options import (
     graph_of,
     hosts_of,
     make_ready,
+    ports_of,
     setting_of,
     study_of,
     watch_of,
+    with_mavlink,
     with_server,
     write_report,
 )
@@ -86,6 +94,12 @@ def play(
     ros_host: RosHost = None,
     watch: WatchAt = None,
     watch_key: WatchKey = None,
+    mavlink: Mavlink = None,
+    identity: MavlinkIdentity = None,
+    udp: MavlinkUdp = None,
+    tcp: MavlinkTcp = None,
+    signing_key: KeyFile = None,
+    tlog: TlogWanted = None,
     look: LookOption = Look.SYSTEM,
     as_json: AsJson = False,
 ) -> None:
@@ -94,6 +108,7 @@ def play(
     Other programs may join on the TCP port; those named by --outside take the place of ours.
     """
     study = with_server(study_of(study_file, {"robots": robots, "map": map_name, "seed": seed}), None, port)
+    study = with_mavlink(study, mavlink, identity, udp, tcp, tlog)
     if study.robots_from is RobotsFrom.ROS:
         problem = "robots_from: this study is for real robots, and `play` simulates"
         fail(BAD_INPUT, f"{problem}. Start `thbridge server`, `simr`, `hider` and `tabui`, or write sim in the study.")
@@ -102,14 +117,15 @@ def play(
     graph = graph_of(ros, ros_master, ros_host)
     windowed = participant is None and not (headless or as_json or others) and no_window() is None
     who = participant or Who(study.participant.strategy)
-    people = windowed or bool(others) or who is Who.PERSON
+    ports = ports_of(study, study_file, signing_key)
+    people = windowed or bool(others) or who is Who.PERSON or ports is not None
     limit = max_seconds or (math.inf if people else AN_HOUR)
     pace = next(given for given in (rate, study.rate, float(people or ros)) if given is not None)
     told = hosts_of(graph, as_json)
     door = watch_of(study, study_file, watch, watch_key)
     if windowed:
         offered = offer_of(study, given=robots is not None)
-        options = PlayOptions(pace, bag, frozenset(), "", limit, graph, watch=door)
+        options = PlayOptions(pace, bag, frozenset(), "", limit, graph, watch=door, mavlink=ports)
         games = Games(study, study_file, options, report_page is not False, told)
         play_in_window(games, offered, ("--look", look.value))
         return
@@ -133,7 +149,7 @@ def play(
     announce_compiling()
     unfinished: Unfinished | None = None
     try:
-        options = PlayOptions(pace, path, others, who, limit, graph, watch=door)
+        options = PlayOptions(pace, path, others, who, limit, graph, watch=door, mavlink=ports)
         program = hunt.play(setting, seat.tabui, options, ready, progress, told)
         outcome = run(program, seat.typed)
     except Unfinished as early:

@@ -8,14 +8,15 @@ from contextlib import asynccontextmanager
 import pytest
 
 from thbridge.adapters import mavlink_tcp, mavlink_udp
-from thbridge.adapters.mavlink_links import GARBAGE, Address
+from thbridge.adapters.addresses import Address
+from thbridge.adapters.mavlink_links import GARBAGE
 from thbridge.adapters.mavlink_server import MavlinkServer, Ports
 from thbridge.adapters.text_server import CannotListen
 from thbridge.wire.mavlink.dialect import crc_extra, mav, payload_of
 from thbridge.wire.mavlink.frame import Frame
 from thbridge.wire.mavlink.framer import Framer
 from thbridge.wire.mavlink.hub import Sent
-from thbridge.wire.mavlink.vehicle import LinkId
+from thbridge.wire.mavlink.said import LinkId
 
 PATIENCE = 20
 

@@ -6,9 +6,10 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
+from thbridge.adapters.addresses import Address, address_in
 from thbridge.adapters.errors import BadFiles
 from thbridge.app.config import Study, read_study_text
-from thbridge.app.mavlink import Address, MavlinkSection, address_in
+from thbridge.app.mavlink import MavlinkSection
 from thbridge.app.study_text import resolved
 from thbridge.wire.mavlink.vehicle import Failsafe, Identity
 

@@ -1,0 +1,85 @@
+"""What `thbridge play` says of MAVLink options that cannot be."""
+
+import dataclasses
+import socket
+from pathlib import Path
+
+import pytest
+import typer
+from typer.testing import CliRunner
+
+from thbridge.adapters.addresses import Address
+from thbridge.app.config import Study
+from thbridge.app.mavlink import MavlinkSection
+from thbridge.wire.mavlink.options import Identity
+from ui.cli import app
+from ui.options import ports_of, with_mavlink
+
+
+@pytest.fixture(autouse=True)
+def folder(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.chdir(tmp_path)
+
+
+def refusal(*arguments: str) -> str:
+    done = CliRunner().invoke(app, ["play", "--headless", *arguments])
+    assert done.exit_code == 2, (done.output, done.exception)
+    assert done.stdout == ""
+    assert not list(Path().rglob("*.bag"))
+    return done.stderr
+
+
+@pytest.mark.parametrize("option", ["--udp", "--tcp"])
+@pytest.mark.parametrize("address", ["14550", "localhost:", ":14550", "localhost:0", "localhost:65536", "::1:14550"])
+def test_an_address_that_is_none(option: str, address: str) -> None:
+    assert f"{option}: '{address}' is no address. Write HOST:PORT" in refusal("--mavlink", option, address)
+
+
+@pytest.mark.parametrize(
+    ("option", "value"), [("--udp", "h:1"), ("--tcp", "h:1"), ("--identity", "generic"), ("--signing-key", "key")]
+)
+def test_an_option_without_mavlink(option: str, value: str) -> None:
+    assert f"{option}: the robots do not speak MAVLink. Add --mavlink" in refusal(option, value)
+
+
+def test_a_key_file_that_is_not_there() -> None:
+    assert "key: the signing key cannot be read" in refusal("--mavlink", "--signing-key", "key")
+
+
+def test_a_port_that_is_taken() -> None:
+    with socket.create_server(("127.0.0.1", 0)) as taken:
+        port = taken.getsockname()[1]
+        said = refusal("--mavlink", "--udp", "127.0.0.1:14550", "--tcp", f"127.0.0.1:{port}")
+    assert f"MAVLink: cannot listen on 127.0.0.1:{port}: Address already in use" in said
+
+
+def test_options_win_over_the_study() -> None:
+    written = MavlinkSection(on=True, udp=("10.0.0.1:14550",), tcp="0.0.0.0:5760")
+    study = with_mavlink(
+        dataclasses.replace(Study(), mavlink=written),
+        None,
+        Identity.ARDUPILOT,
+        ["[::1]:14550", "[::1]:14550"],
+        None,
+        True,
+    )
+    assert study.mavlink == dataclasses.replace(written, identity=Identity.ARDUPILOT, udp=("[::1]:14550",), tlog=True)
+    ports = ports_of(study, None, None)
+    assert ports is not None
+    assert (ports.udp, ports.tcp, ports.key) == ((Address("::1", 14550),), Address("0.0.0.0", 5760), None)
+
+
+def test_the_study_can_be_overruled_altogether() -> None:
+    study = dataclasses.replace(Study(), mavlink=MavlinkSection(on=True))
+    assert ports_of(with_mavlink(study, False, None, None, None, None), None, None) is None
+
+
+def test_the_studys_key_lies_beside_it(tmp_path: Path) -> None:
+    (tmp_path / "there").mkdir()
+    (tmp_path / "there" / "key").write_text("a passphrase\n")
+    study = dataclasses.replace(Study(), mavlink=MavlinkSection(on=True, signing_key=Path("key")))
+    ports = ports_of(study, tmp_path / "there" / "study.yaml", None)
+    assert ports is not None
+    assert ports.key is not None
+    with pytest.raises(typer.Exit):
+        ports_of(study, None, None)

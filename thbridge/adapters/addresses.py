@@ -1,0 +1,25 @@
+"""Where programs are reached, as people write it: HOST:PORT."""
+
+from typing import NamedTuple
+
+
+class Address(NamedTuple):
+    """Where a program is reached."""
+
+    host: str
+    port: int
+
+    def __str__(self) -> str:
+        return f"[{self.host}]:{self.port}" if ":" in self.host else f"{self.host}:{self.port}"
+
+
+def address_in(text: str) -> Address | None:
+    """The address that HOST:PORT means; an IPv6 one stands in brackets. None: it means none."""
+    host, colon, number = text.rpartition(":")
+    if not (colon and number.isascii() and number.isdecimal() and 0 < int(number) <= 65535):
+        return None
+    bare = host.removeprefix("[").removesuffix("]")
+    bracketed = host == f"[{bare}]"
+    if not bare or bare != bare.strip() or set(bare) & set("[]/ ") or (":" in bare) != bracketed:
+        return None
+    return Address(bare, int(number))
