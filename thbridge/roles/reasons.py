@@ -4,6 +4,10 @@ from sim.navigator.goals import NoPathReason
 from thbridge.hunt.rules import robot_name
 
 CALLED_BACK = "It was called back."
+STOPPED = "It was stopped."
+BY_HAND = "It is driven by hand."
+ELSEWHERE = "It was sent elsewhere, or stopped."
+NOT_READY = "The game is not ready for this move."
 
 _SENTENCES: dict[NoPathReason, str] = {
     "blocked_by_obstacle": "Something that is not on the map blocks the way of {robot}.",

@@ -169,11 +169,11 @@ class SimR:
         self._snapshot = self._team.step([*resumed, *asked, *self._inputs])
         self._inputs.clear()
         self._controls.follow(self._snapshot)
-        ended = self._ended(self._snapshot)
-        said += ended
-        before = self._conditions, self._researchers
+        before = self._conditions, self._researchers, tuple(self._results)
+        said += self._ended(self._snapshot)
         self._conditions, self._researchers = self._conditions_in(self._snapshot), self._controls.researchers
-        if ended or before != (self._conditions, self._researchers) or tick % STATUS_PERIOD == 0:
+        changed = before != (self._conditions, self._researchers, tuple(self._results))
+        if changed or tick % STATUS_PERIOD == 0:
             said.append(tell(self.name, KEEPER, self._status(self._snapshot)))
         progress = {robot: way.share() for robot, way in self._ways.items()}
         return said + self._bulletin.told(tick, self._snapshot, self._conditions, progress)

@@ -1,0 +1,32 @@
+"""What people at ground stations are told of the game by a robot: what it reached and found, and how that ended."""
+
+from collections.abc import Iterator
+
+from thbridge.hunt.game import GameState, RoomState
+from thbridge.hunt.rooms import Room
+from thbridge.hunt.rules import robot_name
+
+
+def news_of(robot: int, before: GameState | None, now: GameState) -> Iterator[str]:
+    """What is new about a robot and the room where it stands since the game was as `before`; sentences."""
+    if before is None or before.started != now.started:
+        return
+    was, mover = before.robots[robot], now.robots[robot]
+    if was.bound_for is not None and mover.bound_for is None and mover.at == was.bound_for:
+        yield f"{robot_name(robot).capitalize()} is in {mover.at}."
+    if mover.bound_for is None and now.has_room(mover.at):
+        yield from _room_news(mover.at, before.room(mover.at), now.room(mover.at))
+    if now.ended is not None and before.ended is None:
+        yield f"The game is over. The score is {now.score}."
+
+
+def _room_news(room: Room, was: RoomState, now: RoomState) -> Iterator[str]:
+    name = str(room).capitalize()
+    if now.sensed is not None and was.sensed is None:
+        yield f"{name}: something {now.sensed.colour.lower()}, {now.sensed.footprint.lower()}."
+    if now.image is not None and was.image is None:
+        yield f"{name}: a picture was taken, {now.image}."
+    if now.points is not None and was.points is None:
+        yield f"{name}: {now.name or 'named'}, {now.points:+d} points."
+    if now.left and not was.left:
+        yield f"{name}: what is there is left there."

@@ -1,0 +1,361 @@
+"""At a robot's helm: what ground stations ask of it becomes moves of the game, or goals and hand-driving beside it.
+
+A point in a room is a move of the game: its rules hold, energy is paid, what is there is told. Any other point, and one
+in the room where the robot stands, is a goal of its navigator that the game does not notice.
+"""
+
+import math
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass, replace
+from typing import Protocol
+
+import numpy as np
+
+from sim.floor import inside
+from sim.geometry import Pose2
+from sim.inputs import Drive, Go, Halt
+from sim.navigator import Goal
+from sim.observations import Twist
+from sim.parameters import RobotParameters
+from sim.parameters.reconfiguration import Rejected, reconfigured
+from sim.team import TeamSnapshot
+from thbridge.hunt import rules
+from thbridge.hunt.events import Commanded, Commander
+from thbridge.hunt.game import Command, GameState, apply
+from thbridge.hunt.outcomes import Refused
+from thbridge.hunt.rooms import Room
+from thbridge.roles import reasons
+from thbridge.roles.controls import HAND_TICKS
+from thbridge.roles.news import news_of
+from thbridge.roles.notices import RoomOutline
+from thbridge.roles.requests import (
+    CallBackFor,
+    IdentifyFor,
+    LeaveFor,
+    PictureFor,
+    ReleaseCommand,
+    Request,
+    SendFor,
+    SetParameters,
+    TakeCommand,
+)
+from thbridge.roles.trips import Stage, Trip, answers, followed
+from thbridge.wire.mavlink.helm import Denied, Leg, LegState, Readings, Refusal, Setting, Station
+
+
+class Settings(Protocol):
+    """A robot's parameters as MAVLink has them; see `Helm`."""
+
+    def settings(self) -> Sequence[Setting]:
+        """All of them."""
+
+    def setting(self, name: str) -> Setting | None:
+        """One of them."""
+
+    def change(self, name: str, value: float) -> Setting | Denied:
+        """Set one of them."""
+
+
+@dataclass(frozen=True, slots=True)
+class Premises:
+    """What all pilots of a team know of the game before it begins.
+
+    Attributes:
+        rooms: of the map.
+        names: what treasures may be called, in alphabetical order.
+        energy: what each robot starts with.
+    """
+
+    rooms: tuple[RoomOutline, ...]
+    names: tuple[str, ...]
+    energy: float
+
+    def room_at(self, x: float, y: float) -> RoomOutline | None:
+        """The room that a point of the map lies in."""
+        xs, ys = np.array([x]), np.array([y])
+        return next((room for room in self.rooms if inside(room.region, xs, ys)[0]), None)
+
+
+class Pilot:
+    """A `Helm` of one robot.
+
+    Args:
+        robot: its index in the team.
+        premises: of the game.
+        start: where the robot starts, map frame.
+        software: its parameters, as the study has them; None: they are not ours to change.
+        settings: the same as MAVLink has them.
+        ask: takes what is asked of robots and game; it is done with the next tick, and nobody asked it from outside.
+    """
+
+    def __init__(
+        self,
+        robot: int,
+        premises: Premises,
+        start: Pose2,
+        software: RobotParameters | None,
+        settings: Settings,
+        ask: Callable[[Request], None],
+    ) -> None:
+        self._robot = robot
+        self._premises = premises
+        self._start = start
+        self._software = software
+        self._settings = settings
+        self._ask = ask
+        self._fastest = math.inf
+        self._legs = 0
+        self._trip: Trip | None = None
+        self._snapshot: TeamSnapshot | None = None
+        self._game: GameState | None = None
+        # What was asked of the game since the last tick, and whether its move under way has to end.
+        self._given: Command | None = None
+        self._sent = False
+        self._stopping = False
+
+    # Command
+
+    def take(self, station: Station) -> Denied | None:
+        """See `Helm`; a robot that does not answer cannot be taken."""
+        if self._game is None or self._snapshot is None:
+            return _NO_GAME
+        if not answers(self._snapshot, self._robot):
+            return Denied(reasons.unanswered(self._robot))
+        self._give(TakeCommand(self._robot, str(station)), Command(Commander.GROUND_STATION, str(station)))
+        return None
+
+    def release(self) -> None:
+        """See `Helm`."""
+        self._give(ReleaseCommand(self._robot), Command())
+
+    def _give(self, request: TakeCommand | ReleaseCommand, command: Command) -> None:
+        self._ask(request)
+        self._given = command
+
+    # Driving
+
+    def go_to(self, x: float, y: float, heading: float | None) -> int | Denied:
+        """See `Helm`; the game's rules are asked at once, the navigator only when the robot sets out."""
+        if not all(map(math.isfinite, (x, y, 0.0 if heading is None else heading))):
+            return Denied("That is no point of a map.")
+        state = self._able()
+        if isinstance(state, Denied):
+            return state
+        robot, outline = state.robots[self._robot], self._premises.room_at(x, y)
+        room = None if outline is None else Room.of_people(outline.room)
+        if outline is None or room is None or (robot.bound_for is None and robot.at == room):
+            trip = self._trip_to(self._pose_at(x, y, heading), None)
+        else:
+            trip = self._trip_to(Pose2(*outline.goal), room)
+            if robot.bound_for == room and not self._stopping:
+                trip = replace(trip, stage=Stage.GOING)
+            elif isinstance(ruling := self._judge(state, room), Refused):
+                return Denied(ruling.sentence)
+        self._legs += 1
+        self._trip = trip
+        if trip.stage is Stage.WAITING:
+            self._trip = self._set_out(trip, state)
+        return trip.leg.number
+
+    def halt(self) -> None:
+        """See `Helm`."""
+        self._give_up(reasons.STOPPED)
+        self._stop_move()
+        self._ask(Halt(self._robot))
+
+    def drive(self, twist: Twist) -> Denied | None:
+        """See `Helm`; a leg or a move of the game under way is given up for it."""
+        state = self._able()
+        if isinstance(state, Denied):
+            return state
+        self._give_up(reasons.BY_HAND)
+        self._stop_move()
+        linear = min(max(twist.linear, -self._fastest), self._fastest)
+        self._ask(Drive(self._robot, Twist(linear, twist.angular), HAND_TICKS))
+        return None
+
+    def limit_speed(self, speed: float) -> Denied | None:
+        """See `Helm`; a robot never drives faster than the study lets it."""
+        if self._software is None:
+            return Denied("The speed of this robot is not ours to change.", Refusal.UNSUPPORTED)
+        if math.isnan(speed):
+            return Denied("That is no speed.")
+        limited, values = self._software, []
+        for path, own in _speeds(self._software):
+            value = own if speed < 0.0 else min(own, speed)
+            changed = reconfigured(limited, path, value)
+            if isinstance(changed, Rejected):
+                return Denied(changed.sentence)
+            limited = changed
+            values.append((path, value))
+        self._fastest = math.inf if speed < 0.0 else speed
+        self._ask(SetParameters(self._robot, tuple(values)))
+        return None
+
+    def home(self) -> Pose2:
+        """See `Helm`."""
+        return self._start
+
+    # Parameters
+
+    def settings(self) -> Sequence[Setting]:
+        """See `Helm`."""
+        return self._settings.settings()
+
+    def setting(self, name: str) -> Setting | None:
+        """See `Helm`."""
+        return self._settings.setting(name)
+
+    def change(self, name: str, value: float) -> Setting | Denied:
+        """See `Helm`."""
+        return self._settings.change(name, value)
+
+    # Treasures
+
+    def photograph(self) -> Denied | None:
+        """See `Helm`."""
+        return self._about_treasure(PictureFor(self._robot), rules.picture)
+
+    def identify(self, number: int) -> Denied | None:
+        """See `Helm`."""
+        names = self._premises.names
+        if not 1 <= number <= len(names):
+            return Denied(f"Treasures have {len(names)} names, numbered from 1.")
+        name = names[number - 1]
+        return self._about_treasure(IdentifyFor(self._robot, name), lambda state, at: rules.identify(state, at, name))
+
+    def leave(self) -> Denied | None:
+        """See `Helm`."""
+        return self._about_treasure(LeaveFor(self._robot), rules.leave)
+
+    def _about_treasure(self, request: Request, rule: Callable[[GameState, Room], rules.Ruling]) -> Denied | None:
+        state = self._able()
+        if isinstance(state, Denied):
+            return state
+        ruling = rule(state, state.robots[self._robot].at)
+        if isinstance(ruling, Refused):
+            return Denied(ruling.sentence)
+        self._ask(request)
+        return None
+
+    # What becomes of it
+
+    def follow(self, snapshot: TeamSnapshot, game: GameState | None) -> Readings:
+        """A tick has passed: go on with what is under way, and read the robot's instruments."""
+        news = () if game is None else tuple(news_of(self._robot, self._game, game))
+        self._snapshot, self._game, self._given, self._sent = snapshot, game, None, False
+        if game is not None:
+            self._stopping = self._stopping and game.robots[self._robot].bound_for is not None
+            if self._stopping:
+                self._ask(CallBackFor(self._robot))
+            if self._trip is not None and self._trip.under_way:
+                trip = followed(self._trip, snapshot, game, self._robot)
+                self._trip = self._set_out(trip, game) if trip.stage is Stage.WAITING else trip
+        return self._readings(snapshot, game, news)
+
+    def _set_out(self, trip: Trip, state: GameState) -> Trip:
+        """Ask for a trip, unless a move of the game has to end first."""
+        if self._sent or state.robots[self._robot].bound_for is not None:
+            self._stop_move()
+            return trip
+        if trip.room is None:
+            refused = rules.commanded_by_other(state, self._robot, Commander.GROUND_STATION)
+            if refused is not None:
+                return trip.failed(refused.sentence)
+            self._ask(Go(self._robot, Goal(trip.goal, trip.target)))
+            return replace(trip, stage=Stage.GOING)
+        ruling = rules.move(state, self._robot, trip.room, Commander.GROUND_STATION)
+        if isinstance(ruling, Refused):
+            return trip.failed(ruling.sentence)
+        self._ask(SendFor(self._robot, trip.room.people))
+        self._sent = True
+        return replace(trip, stage=Stage.ASKED)
+
+    def _readings(self, snapshot: TeamSnapshot, game: GameState | None, news: tuple[str, ...]) -> Readings:
+        output = snapshot.robots[self._robot]
+        robot = None if game is None else game.robots[self._robot]
+        holder = Command() if robot is None else robot.holder
+        goal, heard = output.navigation.goal, answers(snapshot, self._robot)
+        return Readings(
+            base_in_map=output.estimate.base_in_map,
+            twist=output.observations.odometry.twist,
+            goal_in_map=None if goal is None else goal.base_in_map,
+            energy=self._premises.energy if robot is None else robot.energy,
+            capacity=self._premises.energy if game is None else game.started.energy,
+            answers=heard,
+            lost=output.estimate.lost,
+            under_way=heard and goal is not None,
+            commander=holder.name if holder.by is Commander.GROUND_STATION else None,
+            commanded_by=_words(Command() if robot is None else robot.command),
+            leg=None if self._trip is None else self._trip.leg,
+            news=news,
+        )
+
+    # What holds
+
+    def _able(self) -> GameState | Denied:
+        """The game as it will be once all that was asked is done; or why no ground station moves this robot now."""
+        if self._game is None or self._snapshot is None:
+            return _NO_GAME
+        state = self._game
+        if self._given is not None:
+            state = apply(state, Commanded(self._robot, self._given.by, self._given.name))
+        robot = state.robots[self._robot]
+        if robot.is_silent or not answers(self._snapshot, self._robot):
+            return Denied(reasons.unanswered(self._robot))
+        refused = rules.commanded_by_other(state, self._robot, Commander.GROUND_STATION)
+        if refused is not None:
+            intervenes = robot.command.by is Commander.RESEARCHER
+            return Denied(refused.sentence, Refusal.NOT_NOW if intervenes else Refusal.DENIED)
+        if robot.is_blocked:
+            return Denied(f"{rules.robot_name(self._robot).capitalize()} has no energy left.")
+        return state
+
+    def _judge(self, state: GameState, room: Room) -> rules.Ruling:
+        """What the rules say to a move; of a robot under way, as if it had not set out, for it will be called back."""
+        back = rules.fail(state, self._robot, "", 0.0)
+        for event in () if isinstance(back, Refused) else back:
+            state = apply(state, event)
+        return rules.move(state, self._robot, room, Commander.GROUND_STATION)
+
+    def _trip_to(self, target: Pose2, room: Room | None) -> Trip:
+        return Trip(Leg(self._legs + 1, LegState.UNDER_WAY, self._here().distance(target)), target, room)
+
+    def _pose_at(self, x: float, y: float, heading: float | None) -> Pose2:
+        here = self._here()
+        return Pose2(x, y, math.atan2(y - here.y, x - here.x) if heading is None else heading)
+
+    def _here(self) -> Pose2:
+        return self._start if self._snapshot is None else self._snapshot.robots[self._robot].estimate.base_in_map
+
+    def _give_up(self, reason: str) -> None:
+        """The leg under way, if any, comes to nothing."""
+        if self._trip is not None and self._trip.under_way:
+            self._trip = self._trip.failed(reason)
+
+    def _stop_move(self) -> None:
+        """Let the game's move under way end, or the one just asked for; it takes some ticks, and is asked till then."""
+        under_way = self._game is not None and self._game.robots[self._robot].bound_for is not None
+        if under_way:
+            self._ask(CallBackFor(self._robot))
+        self._stopping = under_way or self._sent
+
+
+def _speeds(software: RobotParameters) -> tuple[tuple[str, float], ...]:
+    """What bounds the speed of the local planner in use, by path."""
+    if software.move_base.base_local_planner == "dwa_local_planner/DWAPlannerROS":
+        dwa = software.DWAPlannerROS
+        return ("DWAPlannerROS.max_vel_x", dwa.max_vel_x), ("DWAPlannerROS.max_vel_trans", dwa.max_vel_trans)
+    return (("TrajectoryPlannerROS.max_vel_x", software.TrajectoryPlannerROS.max_vel_x),)
+
+
+def _words(command: Command) -> str:
+    """Who commands, in words without an article."""
+    match command.by:
+        case Commander.GROUND_STATION:
+            return command.name
+        case _:
+            return command.by.value
+
+
+_NO_GAME = Denied("The game has not begun yet.", Refusal.NOT_NOW)
