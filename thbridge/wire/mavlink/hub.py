@@ -1,19 +1,20 @@
 """Joins vehicles and links: who is reached where, what is meant for whom, and the count of each sender on each link.
 
 The rules of routing are MAVLink's: what names no target goes to everybody; what names one goes to where its target was
-heard from, and nowhere else; nothing goes back to the link that it came from.
+heard from, and nowhere else; nothing goes back to where it came from. Whoever is heard on two links, because they
+are joined elsewhere too, is not told on one what it said on the other: so nothing goes round in circles.
 
 Source: the MAVLink developer guide, "Routing".
 """
 
-from collections import defaultdict
 from collections.abc import Iterable, Sequence
 from dataclasses import dataclass
 
 from sim.observations import TICKS_PER_SECOND
-from thbridge.wire.mavlink.dialect import EVERYBODY, Message, crc_extra, decoded, payload_of, target_of
+from thbridge.wire.mavlink.dialect import EVERYBODY, SECRETS, crc_extra, decoded, payload_of, target_of
 from thbridge.wire.mavlink.frame import Frame
 from thbridge.wire.mavlink.helm import Readings, Station
+from thbridge.wire.mavlink.links import Drop, Link, LinkReport
 from thbridge.wire.mavlink.said import COMPONENT, LinkId, Said
 from thbridge.wire.mavlink.vehicle import Vehicle
 
@@ -43,14 +44,6 @@ class Traffic:
     frame: Frame
 
 
-@dataclass(slots=True)
-class _Link:
-    """What the hub knows of a link: its name, and the tick in which it was last heard, if it ever was."""
-
-    name: str
-    heard: int | None = None
-
-
 class Hub:
     """The vehicles of one team and all links to them.
 
@@ -63,9 +56,7 @@ class Hub:
         self._vehicles = tuple(vehicles)
         self._by_system = {vehicle.system: robot for robot, vehicle in enumerate(vehicles)}
         self._patience = round(patience * TICKS_PER_SECOND)
-        self._links: dict[LinkId, _Link] = {}
-        self._routes: dict[Station, LinkId] = {}
-        self._counts: defaultdict[tuple[LinkId, int], int] = defaultdict(int)
+        self._links: dict[LinkId, Link] = {}
         self._traffic: list[Traffic] = []
         self._tick = 0
 
@@ -74,19 +65,21 @@ class Hub:
         """In the team's order."""
         return self._vehicles
 
+    @property
+    def links(self) -> tuple[LinkReport, ...]:
+        """How each link stands, in the order in which they were opened."""
+        return tuple(link.report(self._tick) for link in self._links.values())
+
     def open(self, link: LinkId, name: str) -> None:
         """From now on there is this link; one of the same number is closed before."""
         self.close(link)
-        self._links[link] = _Link(name)
+        self._links[link] = Link(name, self._patience)
 
     def close(self, link: LinkId) -> None:
         """A link is gone, and whoever was reached by it."""
-        if self._links.pop(link, None) is None:
-            return
-        self._routes = {station: there for station, there in self._routes.items() if there != link}
-        for vehicle in self._vehicles:
-            self._counts.pop((link, vehicle.system), None)
-            vehicle.forget(link)
+        if self._links.pop(link, None) is not None:
+            for vehicle in self._vehicles:
+                vehicle.forget(link)
 
     def receive(self, link: LinkId, frame: Frame, robot: int | None = None) -> list[Sent]:
         """A frame has come in.
@@ -100,19 +93,23 @@ class Hub:
             What goes out at once.
         """
         there = self._links.get(link)
-        message = decoded(frame.message_id, frame.payload)
-        if there is None or message is None or frame.system in self._by_system:
+        if there is None:
             return []
-        there.heard = self._tick
         sender = Station(frame.system, frame.component)
-        self._routes[sender] = link
+        message = decoded(frame.message_id, frame.payload)
+        why = self._why_not(there, sender, frame)
+        if message is None or why is not None:
+            there.dropped[why or Drop.UNKNOWN] += 1
+            return []
         system, component = target_of(message)
         sent: list[Sent] = []
         for number in self._meant(system, component) if robot is None else (robot,):
             self._traffic.append(Traffic(number, True, there.name, frame))
             sent += self._said(number, self._vehicles[number].hear(link, sender, message))
         if robot is None and system not in self._by_system:
-            sent += [Sent(other, frame) for other in self._beyond(link, system, component)]
+            for other in self._beyond(link, sender, system, component):
+                self._links[other].sent += 1
+                sent.append(Sent(other, frame))
         return sent
 
     def step(self, tick: int, readings: Sequence[Readings]) -> list[Sent]:
@@ -133,6 +130,16 @@ class Hub:
         traffic, self._traffic = tuple(self._traffic), []
         return traffic
 
+    def _why_not(self, link: Link, sender: Station, frame: Frame) -> Drop | None:
+        """Why a frame goes nowhere."""
+        if frame.system in self._by_system:
+            return Drop.OURS
+        if frame.system == EVERYBODY:
+            return Drop.NOBODY
+        if frame.message_id in SECRETS:
+            return Drop.SECRET
+        return None if link.hears(sender, frame, self._tick) else Drop.CROWDED
+
     def _meant(self, system: int, component: int) -> Iterable[int]:
         """The vehicles that a message with this target is meant for."""
         if component not in (EVERYBODY, COMPONENT):
@@ -142,42 +149,35 @@ class Hub:
         robot = self._by_system.get(system)
         return () if robot is None else (robot,)
 
-    def _beyond(self, link: LinkId, system: int, component: int) -> Iterable[LinkId]:
+    def _beyond(self, origin: LinkId, sender: Station, system: int, component: int) -> list[LinkId]:
         """The other links that a message with this target goes on to."""
-        if system == EVERYBODY:
-            return [other for other in self._links if other != link]
-        there = {
-            route
-            for station, route in self._routes.items()
-            if station.system == system and component in (EVERYBODY, station.component)
-        }
-        return sorted(there - {link})
+        wanted = None if component == EVERYBODY else component
+        return [
+            number
+            for number, link in self._links.items()
+            if number != origin
+            and not link.has(sender, self._tick)
+            and (link.is_awake(self._tick) if system == EVERYBODY else link.leads_to(system, wanted, self._tick))
+        ]
 
     def _said(self, robot: int, said: Iterable[Said]) -> list[Sent]:
         sent: list[Sent] = []
+        system = self._vehicles[robot].system
         for word in said:
-            payload = payload_of(word.message)
-            for link in self._reached(word):
-                frame = self._frame(link, robot, word.message, payload)
-                self._traffic.append(Traffic(robot, False, self._links[link].name, frame))
-                sent.append(Sent(link, frame))
+            message_id, payload = word.message.get_msgId(), payload_of(word.message)
+            seed = crc_extra(message_id) or 0
+            for number, link in self._reached(word):
+                frame = Frame(system, COMPONENT, link.next_sequence(system), message_id, payload, seed)
+                self._traffic.append(Traffic(robot, False, link.name, frame))
+                sent.append(Sent(number, frame))
         return sent
 
-    def _reached(self, word: Said) -> Iterable[LinkId]:
+    def _reached(self, word: Said) -> list[tuple[LinkId, Link]]:
         if word.link is not None:
-            return [word.link] if word.link in self._links else []
+            there = self._links.get(word.link)
+            return [] if there is None else [(word.link, there)]
         return [
-            link
-            for link, state in self._links.items()
-            if link not in word.besides and (word.to_sleepers or self._is_awake(state))
+            (number, link)
+            for number, link in self._links.items()
+            if number not in word.besides and (word.to_sleepers or link.is_awake(self._tick))
         ]
-
-    def _is_awake(self, link: _Link) -> bool:
-        return link.heard is not None and self._tick - link.heard <= self._patience
-
-    def _frame(self, link: LinkId, robot: int, message: Message, payload: bytes) -> Frame:
-        system = self._vehicles[robot].system
-        count = self._counts[link, system]
-        self._counts[link, system] = (count + 1) % 256
-        seed = crc_extra(message.get_msgId())
-        return Frame(system, COMPONENT, count, message.get_msgId(), payload, 0 if seed is None else seed)

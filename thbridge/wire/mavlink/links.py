@@ -1,0 +1,137 @@
+"""What is known of each link: who was heard there and when, what was lost and what was dropped."""
+
+from collections import Counter
+from collections.abc import Mapping
+from dataclasses import dataclass, field
+from enum import StrEnum
+
+from thbridge.wire.mavlink.frame import Frame
+from thbridge.wire.mavlink.helm import Station
+
+MOST_STATIONS = 16
+"""Senders that are listened to on one link: whoever makes up more is not heard."""
+
+
+class Drop(StrEnum):
+    """Why a frame that was whole goes nowhere, as the end of the sentence "a frame was dropped: ..."."""
+
+    OURS = "its sender has the system id of one of our vehicles"
+    NOBODY = "its sender has the system id 0, which stands for everybody"
+    CROWDED = f"{MOST_STATIONS} other senders are heard on this link"
+    SECRET = "it carries a signing key, and keys come from a file"
+    UNKNOWN = "the dialect does not know its message"
+
+
+@dataclass(frozen=True, slots=True)
+class LinkReport:
+    """How a link stands.
+
+    Attributes:
+        name: of the link.
+        awake: whether anybody has been heard there lately.
+        stations: who has been, in the order in which they came.
+        received: frames that came in and were listened to.
+        lost: frames that did not come in, by the gaps in their senders' counts.
+        dropped: frames that came in and went nowhere, by why.
+        sent: frames that went out.
+    """
+
+    name: str
+    awake: bool
+    stations: tuple[Station, ...]
+    received: int
+    lost: int
+    dropped: Mapping[Drop, int]
+    sent: int
+
+
+@dataclass(slots=True)
+class _Heard:
+    """When a sender was last heard, and its count then."""
+
+    tick: int
+    sequence: int
+
+
+@dataclass(slots=True)
+class Link:
+    """What the hub knows of a link.
+
+    Attributes:
+        name: for people.
+        patience: ticks for which somebody counts as heard.
+        sent: frames that went out.
+        dropped: frames that went nowhere, by why.
+    """
+
+    name: str
+    patience: int
+    sent: int = 0
+    dropped: Counter[Drop] = field(default_factory=Counter)
+    _received: int = 0
+    _lost: int = 0
+    _tick: int | None = None
+    _stations: dict[Station, _Heard] = field(default_factory=dict)
+    _counts: dict[int, int] = field(default_factory=dict)
+
+    def hears(self, station: Station, frame: Frame, tick: int) -> bool:
+        """Note that a frame came in; whether its sender is listened to."""
+        heard = self._stations.get(station)
+        if heard is None:
+            if not self._has_room(tick):
+                return False
+            self._stations[station] = _Heard(tick, frame.sequence)
+        else:
+            self._lost += missing_between(heard.sequence, frame.sequence)
+            heard.tick, heard.sequence = tick, frame.sequence
+        self._tick = tick
+        self._received += 1
+        return True
+
+    def is_awake(self, tick: int) -> bool:
+        """Whether anybody has been heard here lately."""
+        return self._tick is not None and tick - self._tick <= self.patience
+
+    def has(self, station: Station, tick: int) -> bool:
+        """Whether this sender has been heard here lately."""
+        heard = self._stations.get(station)
+        return heard is not None and tick - heard.tick <= self.patience
+
+    def leads_to(self, system: int, component: int | None, tick: int) -> bool:
+        """Whether anybody of this system has been heard here lately; a component of None is any."""
+        return any(
+            station.system == system and component in (None, station.component) and tick - heard.tick <= self.patience
+            for station, heard in self._stations.items()
+        )
+
+    def next_sequence(self, system: int) -> int:
+        """The number of the next frame that one of our vehicles says here."""
+        number = self._counts.get(system, 0)
+        self._counts[system] = (number + 1) % 256
+        self.sent += 1
+        return number
+
+    def report(self, tick: int) -> LinkReport:
+        """How it stands."""
+        stations = tuple(station for station in self._stations if self.has(station, tick))
+        awake, dropped = self.is_awake(tick), dict(self.dropped)
+        return LinkReport(self.name, awake, stations, self._received, self._lost, dropped, self.sent)
+
+    def _has_room(self, tick: int) -> bool:
+        """Whether one more can be listened to; who has been silent for long makes room."""
+        if len(self._stations) < MOST_STATIONS:
+            return True
+        silent = next((station for station in self._stations if not self.has(station, tick)), None)
+        if silent is None:
+            return False
+        del self._stations[silent]
+        return True
+
+
+def missing_between(last: int, sequence: int) -> int:
+    """How many frames are missing between two counts of one sender, 0 to 255.
+
+    A count that lies up to half of the circle behind is one that was overtaken or came twice: nothing is missing.
+    """
+    gap = (sequence - last - 1) % 256
+    return gap if gap < 128 else 0
