@@ -13,6 +13,7 @@ from pathlib import Path
 from typing import IO, Self
 
 from thbridge.adapters.errors import BadFile
+from thbridge.adapters.whole_writes import append_whole
 from thbridge.hunt.codec import from_json, to_json
 from thbridge.hunt.events import Event, Started
 from thbridge.hunt.game import GameState, apply, begin
@@ -152,16 +153,9 @@ class Journal:
             BadFile: the disk is full or gone. What was written of them is then cut off again as far as possible.
         """
         lines = "".join(to_json(event) + "\n" for event in events).encode()
-        before = self._file.tell()
         try:
-            _write_all(self._file, lines)
-            os.fsync(self._file.fileno())
+            append_whole(self._file, lines, synced=True)
         except OSError as error:
-            try:
-                self._file.truncate(before)
-                self._file.seek(before)
-            except OSError:
-                pass  # The torn line is dropped by whoever reads the journal next.
             raise _not_writable(self.path, error) from None
 
     def close(self) -> None:
@@ -186,12 +180,6 @@ class Journal:
                 "another program is writing this journal",
                 "stop the other server, or start a new game",
             ) from None
-
-
-def _write_all(file: IO[bytes], content: bytes) -> None:
-    view = memoryview(content)
-    while view:
-        view = view[file.write(view) :]
 
 
 def _sync_folder(folder: Path) -> None:
