@@ -34,6 +34,7 @@ The numbers of the study that a ground station may change while the robots drive
 
 GROUPS = {
     "AMCL": "amcl",
+    "EKF": "Kalman filter",
     "GC": "The costmap that covers the map",
     "LC": "The costmap that moves along with the robot",
     "GP": "global_planner",

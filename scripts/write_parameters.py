@@ -24,8 +24,8 @@ Every parameter of a robot's software, under the name it has in ROS. `scripts/wr
 the classes in `sim/parameters`, which the study file's reader and its error messages are made of too.
 
 * **yes**: does here what it does in ROS. **live**: that, and it may change while the robot runs, which it can in ROS by
-  dynamic_reconfigure. **accepted**: means something inside ROS only; files may have it, and are told
-  that it changes nothing. **ours**: ROS has no such name.
+  dynamic_reconfigure (but for the goal tolerances of TrajectoryPlannerROS). **accepted**: means something inside ROS
+  only; files may have it, and are told that it changes nothing. **ours**: ROS has no such name.
 * *ROS* is the default that really applies in ROS noetic, from a node's code or from its `.cfg`, whichever wins there.
   `thbridge localize` begins there. *Hunts* is what a study begins with, where that is something else.
 * Files of ROS are read as they are: `thbridge localize --params amcl.yaml`, `thbridge drive --params`, and in a study
@@ -83,7 +83,8 @@ def rows(standard: object, hunts: object, prefix: str = "", ours: bool = False) 
     for knob in dataclasses.fields(standard):
         own, other = getattr(standard, knob.name), getattr(hunts, knob.name)
         name, help_text = prefix + knob.name, knob.metadata["help"]
-        state = "ours" if ours or OURS in help_text else "live" if is_live(knob) else "yes"
+        live = is_live(knob)
+        state = f"ours{', live' if live else ''}" if ours or OURS in help_text else "live" if live else "yes"
         if dataclasses.is_dataclass(own):
             yield from rows(own, other, f"{name}.", ours)
             continue

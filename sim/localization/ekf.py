@@ -147,8 +147,8 @@ class Ekf:
         # Its import takes 0.7 s, which only those who choose this localiser should wait for.
         from filterpy.kalman import ExtendedKalmanFilter  # noqa: PLC0415
 
-        self._parameters = parameters
-        self._beams = Beams.of(mount, parameters.laser_max_beams, parameters.laser_max_range)
+        self._mount = mount
+        self._use(parameters)
         self._matcher = ScanMatcher.of(grid)
         self._algebra = ExtendedKalmanFilter(dim_x=3, dim_z=3)
         self._algebra.B = np.eye(3)
@@ -159,6 +159,10 @@ class Ekf:
         self._forgotten = False
         self._anywhere = read_only(_anywhere(grid))
         self._particles = np.empty((0, 3))
+
+    def _use(self, parameters: EkfParameters) -> None:
+        self._parameters = parameters
+        self._beams = Beams.of(self._mount, parameters.laser_max_beams, parameters.laser_max_range)
 
     @property
     def state(self) -> EkfState:
@@ -184,7 +188,9 @@ class Ekf:
         self._asked = True
 
     def configure(self, parameters: RobotParameters) -> None:
-        """Nothing that can change while it runs, as in robot_pose_ekf."""
+        """Go on with these parameters, believing what it believed."""
+        if parameters.ekf != self._parameters:
+            self._use(parameters.ekf)
 
     def update(self, odometry: Odometry, imu: Imu, scan: Scan | None) -> Estimate:
         """Take in one tick; a scan is matched when the robot has moved enough since the last one that was."""

@@ -4,7 +4,7 @@ from collections.abc import Mapping
 from dataclasses import dataclass
 from typing import ClassVar
 
-from sim.parameters.knobs import knob
+from sim.parameters.knobs import knob, live
 
 
 @dataclass(frozen=True, slots=True)
@@ -12,6 +12,8 @@ class EkfParameters:
     """Extended Kalman filter localisation: odometry and gyroscope, corrected by matching scans to the map.
 
     It stands where robot_pose_ekf stood, and takes its names: the matched pose is its visual odometry.
+
+    Differs: nothing of robot_pose_ekf may change while it runs.
     """
 
     ros_only: ClassVar[Mapping[str, str]] = {
@@ -27,15 +29,15 @@ class EkfParameters:
 
     imu_used: bool = knob(True, "whether the gyroscope is listened to")
     vo_used: bool = knob(True, "whether scans are matched to the map; without, doubt only grows")
-    update_min_d: float = knob(0.2, "metres to drive before a scan is matched", "m", 0, 5)
-    update_min_a: float = knob(0.523599, "angle to turn before a scan is matched", "rad", 0, 6.2832)
+    update_min_d: float = live(0.2, "metres to drive before a scan is matched", "m", 0, 5)
+    update_min_a: float = live(0.523599, "angle to turn before a scan is matched", "rad", 0, 6.2832)
     initial_cov_xx: float = knob(0.25, "variance of the first pose", "m^2", 0)
     initial_cov_yy: float = knob(0.25, "variance of the first pose", "m^2", 0)
     initial_cov_aa: float = knob(0.06853891945200942, "variance of the first heading", "rad^2", 0)
-    laser_max_beams: int = knob(60, "beams of a scan that are matched", "", 2, 4000)
-    laser_max_range: float = knob(-1.0, "farther readings are not used; -1: the laser's own limit", "m", -1)
-    odom_alpha1: float = knob(0.01, "believed variance in turning per turning", "", 0, 10)
-    odom_alpha2: float = knob(0.01, "believed variance in turning per metre", "", 0, 10)
-    odom_alpha3: float = knob(0.01, "believed variance in distance per metre", "", 0, 10)
-    odom_alpha4: float = knob(0.01, "believed variance in distance per turning", "", 0, 10)
-    gyro_noise: float = knob(0.01, "believed standard deviation of the measured rate of turn", "rad/s", 0, 10)
+    laser_max_beams: int = live(60, "beams of a scan that are matched", "", 2, 4000)
+    laser_max_range: float = live(-1.0, "farther readings are not used; -1: the laser's own limit", "m", -1)
+    odom_alpha1: float = live(0.01, "believed variance in turning per turning", "", 0, 10)
+    odom_alpha2: float = live(0.01, "believed variance in turning per metre", "", 0, 10)
+    odom_alpha3: float = live(0.01, "believed variance in distance per metre", "", 0, 10)
+    odom_alpha4: float = live(0.01, "believed variance in distance per turning", "", 0, 10)
+    gyro_noise: float = live(0.01, "believed standard deviation of the measured rate of turn", "rad/s", 0, 10)

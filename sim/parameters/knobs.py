@@ -47,7 +47,7 @@ def live(
     maximum: float | None = None,
     choices: tuple[str, ...] = (),
 ) -> T:
-    """A knob that may be turned while a robot runs: in ROS it stands in a .cfg file, for dynamic_reconfigure.
+    """A knob that may be turned while a robot runs. Where ROS has it, it stands in a .cfg file for dynamic_reconfigure.
 
     Arguments as for `knob`; see `sim.parameters.reconfiguration`.
     """

@@ -18,7 +18,10 @@ _UNUSED = "ROS's planner reads it and uses it nowhere"
 
 @dataclass(frozen=True, slots=True)
 class TrajectoryPlannerParameters:
-    """The local planner that rolls out trajectories, under base_local_planner's names."""
+    """The local planner that rolls out trajectories, under base_local_planner's names.
+
+    Differs: its goal tolerances may change while it runs, as DWAPlannerROS's may in ROS too.
+    """
 
     acc_lim_x: float = live(2.5, "acceleration the planner counts on", "m/s^2", 0.01, 100)
     acc_lim_theta: float = live(3.2, "angular acceleration the planner counts on", "rad/s^2", 0.01, 100)
@@ -45,8 +48,8 @@ class TrajectoryPlannerParameters:
     heading_scoring_timestep: float = live(0.1, "how early on that is", "s", 0, 1)
     simple_attractor: bool = live(False, "score the straight distance to the goal, not the way around obstacles")
     oscillation_reset_dist: float = live(0.05, "having moved so far it may turn the other way round", "m", 0, 5)
-    xy_goal_tolerance: float = knob(0.10, "how near the goal counts as reached", "m", 0.001, 5)
-    yaw_goal_tolerance: float = knob(0.05, "how well the heading must agree at the goal", "rad", 0.001, 3.15)
+    xy_goal_tolerance: float = live(0.10, "how near the goal counts as reached", "m", 0.001, 5)
+    yaw_goal_tolerance: float = live(0.05, "how well the heading must agree at the goal", "rad", 0.001, 3.15)
     latch_xy_goal_tolerance: bool = knob(False, "once at the goal, only turn")
 
     renamed: ClassVar[Mapping[str, str]] = {

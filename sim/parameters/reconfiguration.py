@@ -1,8 +1,9 @@
 """Changing parameters while a robot runs: what ROS's dynamic_reconfigure does.
 
-Which may change is said where they are declared, by `live` instead of `knob`: those of ROS's .cfg files, and how true
-sensors err. A place is named by the keys that lead to it, with dots between, from a robot's software or from what is
-true of it: `local_costmap.inflation_layer.inflation_radius`, `world.laser.range_noise`.
+Which may change is said where they are declared, by `live` instead of `knob`: those of ROS's .cfg files, some that ROS
+does not have or does not change, and how true sensors err. A place is named by the keys that lead to it, with dots
+between, from a robot's software or from what is true of it: `local_costmap.inflation_layer.inflation_radius`,
+`world.laser.range_noise`.
 """
 
 import dataclasses

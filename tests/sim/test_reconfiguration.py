@@ -171,9 +171,18 @@ IN_CFG_FILES = {
 }
 
 
-def test_what_ros_can_reconfigure_can_be_here_and_nothing_else():
-    expected = {f"{section}.{name}" for section, names in IN_CFG_FILES.items() for name in names.split()}
-    assert set(reconfigurable()) == expected
+ALSO = {
+    "TrajectoryPlannerROS": "xy_goal_tolerance yaw_goal_tolerance",
+    "ekf": """
+        update_min_d update_min_a laser_max_beams laser_max_range odom_alpha1 odom_alpha2 odom_alpha3 odom_alpha4
+        gyro_noise
+    """,
+}
+
+
+def test_what_ros_can_reconfigure_can_be_here_and_little_else():
+    tables = (*IN_CFG_FILES.items(), *ALSO.items())
+    assert set(reconfigurable()) == {f"{section}.{name}" for section, names in tables for name in names.split()}
 
 
 @given(st.sampled_from(sorted(reconfigurable())), st.none() | st.booleans() | st.integers() | st.floats() | st.text())
@@ -230,6 +239,8 @@ def test_what_is_told_before_the_first_tick_acts_as_if_it_had_been_so_from_the_b
             "base_global_planner": "global_planner/GlobalPlanner",
         }
         start = replace(STUDY, move_base=replace(STUDY.move_base, **planners))
+    if section == "ekf":
+        start = replace(STUDY, localization="ekf")
     new = start
     for path in paths:
         new = changed(path, another(path), new)
@@ -262,6 +273,30 @@ def test_a_slower_robot_keeps_goal_and_plan_and_arrives():
     assert len(navigation.plan) >= len(last.robots[0].navigation.plan) - 1
     assert max(s.robots[0].navigation.command.linear for s in snapshots[SECOND:]) == pytest.approx(0.5)
     assert any(isinstance(s.robots[0].navigation.result, Arrived) for s in snapshots)
+
+
+def test_a_robot_that_need_not_be_exact_any_more_has_arrived_where_it_is():
+    team = team_of()
+    near = team_of().step().robots[0].estimate.base_in_map.compose(Pose2(0.6, 0.0, 0.0))
+    run(team, 0.5, Go(0, Goal(1, near)))
+    loose = changed("TrajectoryPlannerROS.xy_goal_tolerance", 5.0)
+    first, *_ = run(team, 1, Configure(0, changed("TrajectoryPlannerROS.yaw_goal_tolerance", 3.15, loose)))
+    before = first.robots[0].estimate.base_in_map.distance(near)
+    result = next(s.robots[0].navigation.result for s in [first, *_] if s.robots[0].navigation.result is not None)
+    assert isinstance(result, Arrived)
+    assert before > 0.2
+
+
+def test_a_filter_that_trusts_its_wheels_less_doubts_more_and_goes_on_from_what_it_believed():
+    start = replace(STUDY, localization="ekf", ekf=replace(STUDY.ekf, vo_used=False))
+    doubts = []
+    for inputs in ([], [Configure(0, changed("ekf.odom_alpha3", 1.0, start))]):
+        team = team_of(start)
+        before = run(team, 1, Drive(0, Twist(0.3, 0.0), 3 * SECOND))[-1].robots[0].estimate
+        first, *_, last = (each.robots[0].estimate for each in run(team, 1, *inputs))
+        assert first.base_in_map.distance(before.base_in_map) < 0.01
+        doubts.append(float(np.trace(last.covariance[:2, :2]) - np.trace(before.covariance[:2, :2])))
+    assert doubts[1] > 5.0 * doubts[0] > 0.0
 
 
 def test_the_other_planners_take_over_under_way():

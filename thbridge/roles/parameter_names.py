@@ -16,6 +16,9 @@ _BEGINNINGS: Mapping[str, str] = {
     "amcl.laser_": "AMCL",  # As amcl calls them among itself.
     "amcl.odom_": "AMCL",
     "amcl.beam_skip_": "AMCL_BSKIP",
+    "ekf.": "EKF",
+    "ekf.laser_": "EKF",
+    "ekf.odom_": "EKF",
     "global_costmap.": "GC",
     "global_costmap.static_layer.": "GC_STATIC",
     "global_costmap.obstacle_layer.": "GC_OBS",

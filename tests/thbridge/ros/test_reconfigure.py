@@ -53,13 +53,14 @@ def asked(path: str, data: bytes, software: RobotParameters = SOFTWARE) -> dict[
     return dict(found)
 
 
-def test_the_servers_of_a_robot_are_those_of_ros() -> None:
+def test_the_servers_of_a_robot_are_those_of_ros_and_that_of_its_kalman_filter() -> None:
     robot = RobotNames.of(1)
     layers = ("", "/static_layer", "/obstacle_layer", "/inflation_layer")
     inside = [f"{costmap}{layer}" for costmap in ("global_costmap", "local_costmap") for layer in layers]
     planners = ["GlobalPlanner", "TrajectoryPlannerROS", "DWAPlannerROS"]
     assert {section.server(robot) for section in reconfigure.sections()} == {
         "/robot2/amcl",
+        "/robot2/ekf",
         "/robot2/move_base",
         *(f"/robot2/move_base/{each}" for each in (*inside, *planners)),
     }
