@@ -1,6 +1,6 @@
 """The root: builds every part of a session from one study. Nothing else looks anything up."""
 
-from collections.abc import Iterator, Sequence
+from collections.abc import Callable, Iterator, Sequence
 from dataclasses import dataclass, replace
 from importlib import metadata
 from pathlib import Path
@@ -39,14 +39,18 @@ from thbridge.roles.hider import Hider
 from thbridge.roles.house import house_of
 from thbridge.roles.keeper import GameRules, Keeper
 from thbridge.roles.notices import House, RoomOutline
+from thbridge.roles.pilot import Pilot, Premises
 from thbridge.roles.robots import Robots
 from thbridge.roles.showing import plain_costs
 from thbridge.roles.simr import SILENCE, Field, SimR
+from thbridge.roles.vehicles import Ask, Vehicles
 from thbridge.ros.names import CALLER
 from thbridge.ros.parameters import tree_of
 from thbridge.ros.publisher import Planners, Publisher
 from thbridge.ros.records import Session as SessionRecord
 from thbridge.study.bots import Bot, BotStrategy, Knowledge
+from thbridge.wire.mavlink.helm import Denied
+from thbridge.wire.mavlink.helm import Setting as VehicleSetting
 
 LARGEST_CONSENT = 8000
 """Bytes of the text that participants agree to; it must fit into a line with all the rest of a view."""
@@ -109,19 +113,31 @@ class Setting:
 
     def briefing(self) -> Briefing:
         """What participants are given beside the state of the game."""
-        names = sorted((kind.name for kind in self.templates.kinds), key=str.casefold)
-        return Briefing(self.house(), tuple(names), self.templates.pictures, self.consent)
+        return Briefing(self.house(), self._treasures(), self.templates.pictures, self.consent)
 
     def house(self) -> House:
         """The map as participants see it."""
-        rooms = [
-            RoomOutline(entry.room.people, entry.name, entry.region, _triple(entry.goal)) for entry in self.place.rooms
-        ]
-        return house_of(self.place.name, self.place.grid, rooms, self.study.world.footprint)
+        return house_of(self.place.name, self.place.grid, self._rooms(), self.study.world.footprint)
 
     def hider(self) -> Hider:
         """The treasures' role."""
         return build_hider(self.templates, self.study.seed)
+
+    def vehicles(self, simr: SimR) -> Callable[[Ask], Vehicles] | None:
+        """Makes simulated robots MAVLink vehicles, given who takes what these ask; None where the study has none."""
+        study = self.study
+        if not study.mavlink.on:
+            return None
+        premises = Premises(self._rooms(), self._treasures(), study.game.energy)
+
+        def made(ask: Ask) -> Vehicles:
+            pilots = [
+                Pilot(robot, premises, start, study.software(robot + 1), _NoParameters(), ask)
+                for robot, start in enumerate(self.place.starts[: study.robots])
+            ]
+            return Vehicles(pilots, study.mavlink.options)
+
+        return made
 
     def record(self, program: str, roles: Sequence[str], participant: str) -> SessionRecord:
         """What a bag says first; see `SessionRecord` for the arguments."""
@@ -146,10 +162,34 @@ class Setting:
         rest = {name: value for name, value in tree_of(study).items() if name not in {"robot", "each"}}
         return Facts(publisher.topics, software, self.place.grid, rest)
 
+    def _rooms(self) -> tuple[RoomOutline, ...]:
+        return tuple(
+            RoomOutline(entry.room.people, entry.name, entry.region, _triple(entry.goal)) for entry in self.place.rooms
+        )
+
+    def _treasures(self) -> tuple[str, ...]:
+        """What treasures are called, in alphabetical order."""
+        return tuple(sorted((kind.name for kind in self.templates.kinds), key=str.casefold))
+
     def _engine(self, game: int) -> Engine:
         template = self.templates.dialogue
         seed = int(noise.key(self.study.seed, "dialogue", str(game)))
         return Engine(TemplateProtocol(template), TemplateStrategy(), TemplatePhrasing(template, seed))
+
+
+class _NoParameters:
+    """For vehicles whose parameters nobody tells."""
+
+    def settings(self) -> Sequence[VehicleSetting]:
+        """There are none."""
+        return ()
+
+    def setting(self, name: str) -> VehicleSetting | None:
+        """There is none."""
+
+    def change(self, name: str, value: float) -> VehicleSetting | Denied:
+        """There is none to change."""
+        return Denied(f"There is no parameter {name}.")
 
 
 def build_hider(templates: TemplateSet, seed: int) -> Hider:

@@ -17,6 +17,7 @@ from thbridge.app.live import LiveGraph, on_graph
 from thbridge.app.watching import Desk
 from thbridge.roles.requests import Request
 from thbridge.ros.publisher import Publisher
+from thbridge.wire.mavlink.frame import Frame
 
 
 @dataclass(frozen=True, slots=True)
@@ -81,6 +82,7 @@ async def listeners(
     pacer: Pacer,
     ask: Callable[[str, Request], None],
     told: Hosts,
+    hear: Callable[[int, Frame], None] | None = None,
     *,
     has_game: bool,
 ) -> AsyncIterator[list[Listener]]:
@@ -95,12 +97,13 @@ async def listeners(
         ask: takes what they want of the robots, with the name of whoever wants it. Nobody asks before the event loop's
             next turn, when the session stands.
         told: whom to tell what became of it.
+        hear: takes MAVLink frames that they have for one robot, likewise; None where the robots are no vehicles.
         has_game: whether the game is this session's.
     """
     listening: list[Listener] = []
     async with AsyncExitStack() as opened:
         if audience.graph is not None:
-            live = LiveGraph(audience.graph, setting.facts(publisher), team.make_plan, ask)
+            live = LiveGraph(audience.graph, setting.facts(publisher), team.make_plan, ask, hear)
             await opened.enter_async_context(on_graph(live, audience.graph, told.joined))
             listening.append(live)
         if audience.bag is not None:

@@ -23,7 +23,9 @@ from thbridge.roles.requests import Request
 from thbridge.roles.role import Role
 from thbridge.roles.simr import SimR
 from thbridge.roles.tabui import TabUI
+from thbridge.ros.names import GRAPH_LINK
 from thbridge.wire import legacy
+from thbridge.wire.mavlink.frame import Frame
 from thbridge.wire.router import Router
 
 PLAY = "play"
@@ -141,6 +143,9 @@ async def play(
     def ask(sender: str, request: Request) -> None:
         session.ask(sender, request)
 
+    def hear(robot: int, frame: Frame) -> None:
+        session.transmit(session.receive_frame(graph_link, frame, robot))
+
     async with AsyncExitStack() as opened:
         # First of all: nothing is begun where ground stations cannot be reached.
         links = await _links(options.mavlink, opened, told)
@@ -149,12 +154,16 @@ async def play(
         log: EventLog = NoLog()
         if options.bag is not None:
             log = opened.enter_context(closing(Ledger(journal_of(options.bag))))
-        listening = listeners(options, setting, team, publisher, pacer, ask, told, has_game=True)
+        has_vehicles = setting.study.mavlink.on
+        stations = hear if has_vehicles else None
+        listening = listeners(options, setting, team, publisher, pacer, ask, told, stations, has_game=True)
         audience = await opened.enter_async_context(listening)
         witnesses = [BagWitness(Broadcast(publisher, record, setting.place.grid, audience))] if audience else []
-        session = Session(Router(), setting.keeper(), roles, log, witnesses, inside)
+        session = Session(Router(), setting.keeper(), roles, log, witnesses, inside, setting.vehicles(simr))
         server = TextServer(session, session.hear)
         session.perform = server.perform
+        if has_vehicles and options.graph is not None:
+            graph_link = session.open_link(GRAPH_LINK)
         if links is not None:
             await links.serve(session)
         ending = Ending(options.max_seconds, options.left)

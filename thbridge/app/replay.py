@@ -231,16 +231,18 @@ def _stage(
     setting: Setting, record: SessionRecord, participant: BotStrategy | None, witnesses: Sequence[Witness]
 ) -> Stage:
     """The programs that ran inside the recorded session; lines of its participant are inputs."""
+    simr = setting.simr()
     if record.program == SIMR:
-        return _Alone(Outpost(setting.simr(), witnesses))
-    roles: list[Role] = [setting.simr()]
+        return _Alone(Outpost(simr, witnesses))
+    roles: list[Role] = [simr]
     if legacy.HIDER in record.roles:
         roles.append(setting.hider())
     prompter = _Prompter() if legacy.TABUI in record.roles and participant is None else None
     player: Role | None = prompter
     if participant is not None:
         player = TabUI(build_bot(setting.templates, participant, setting.study.seed))
-    return _Together(Session(Router(), setting.keeper(), roles, NoLog(), witnesses, player), prompter)
+    vehicles = setting.vehicles(simr)
+    return _Together(Session(Router(), setting.keeper(), roles, NoLog(), witnesses, player, vehicles), prompter)
 
 
 class _Prompter:

@@ -152,7 +152,7 @@ class Session:
         Raises:
             ValueError: the robots are another program's.
         """
-        self._pass_on(sender, request)
+        self._pass_on(request, sender)
         self._inputs.append(Asked(sender, request))
 
     def connect(self, now: float) -> ConnectionId | TurnedAway:
@@ -278,14 +278,14 @@ class Session:
         self.tick += 1
         return moment
 
-    def _pass_on(self, sender: str, request: Request) -> None:
-        """To the role that does what is asked. Raises ValueError where that is another program's."""
+    def _pass_on(self, request: Request, researcher: str | None = None) -> None:
+        """To the role that does what is asked; see `ask`."""
         if isinstance(request, GameRequest):
             self._keeper.ask(request)
         elif self._simr is None:
             raise ValueError("the robots are not in this process")
         else:
-            self._simr.ask(request, sender)
+            self._simr.ask(request, researcher)
 
     def _step_role(self, role: Role) -> Sequence[Message]:
         said = role.step(self.tick, self._router.take(role.name))

@@ -174,6 +174,13 @@ class Pilot:
         self._ask(Drive(self._robot, Twist(linear, twist.angular), HAND_TICKS))
         return None
 
+    def fastest(self) -> Twist:
+        """See `Helm`: what the local planner in use keeps to, if that is known."""
+        if self._software is None:
+            return _USUAL_HAND
+        planner = self._software.DWAPlannerROS if _uses_dwa(self._software) else self._software.TrajectoryPlannerROS
+        return Twist(min(max(planner.max_vel_x, 0.0), self._fastest), planner.max_vel_theta)
+
     def limit_speed(self, speed: float) -> Denied | None:
         """See `Helm`; a robot never drives faster than the study lets it."""
         if self._software is None:
@@ -343,10 +350,14 @@ class Pilot:
 
 def _speeds(software: RobotParameters) -> tuple[tuple[str, float], ...]:
     """What bounds the speed of the local planner in use, by path."""
-    if software.move_base.base_local_planner == "dwa_local_planner/DWAPlannerROS":
+    if _uses_dwa(software):
         dwa = software.DWAPlannerROS
         return ("DWAPlannerROS.max_vel_x", dwa.max_vel_x), ("DWAPlannerROS.max_vel_trans", dwa.max_vel_trans)
     return (("TrajectoryPlannerROS.max_vel_x", software.TrajectoryPlannerROS.max_vel_x),)
+
+
+def _uses_dwa(software: RobotParameters) -> bool:
+    return software.move_base.base_local_planner == "dwa_local_planner/DWAPlannerROS"
 
 
 def _words(command: Command) -> str:
@@ -358,4 +369,6 @@ def _words(command: Command) -> str:
             return command.by.value
 
 
+_USUAL_HAND = Twist(0.5, 1.0)
+"""The fastest that hands drive robots whose software is not ours."""
 _NO_GAME = Denied("The game has not begun yet.", Refusal.NOT_NOW)

@@ -12,8 +12,8 @@ from thbridge.wire.mavlink.helm import Helm, Readings
 from thbridge.wire.mavlink.hub import Hub, Sent, Traffic
 from thbridge.wire.mavlink.vehicle import LinkId, Status, Vehicle, VehicleOptions
 
-Ask: TypeAlias = Callable[[str, Request], None]
-"""Takes what somebody of this name wants of the robots or of the game; it is done with the next tick."""
+Ask: TypeAlias = Callable[[Request], None]
+"""Takes what is wanted of the robots or of the game; it is done with the next tick."""
 
 
 class Steersman(Helm, Protocol):

@@ -19,7 +19,10 @@ from thbridge.app.play import PLAY, NoLog
 from thbridge.app.recording import BagWitness
 from thbridge.app.session import Moment, Session
 from thbridge.roles.requests import Request
+from thbridge.ros.names import GRAPH_LINK
 from thbridge.wire import legacy
+from thbridge.wire.mavlink.frame import Frame
+from thbridge.wire.mavlink.vehicle import LinkId
 from thbridge.wire.rosgraph.links import ServiceFailed
 from thbridge.wire.rosgraph.xmlrpc import XmlRpcValue
 from thbridge.wire.router import Router
@@ -75,15 +78,20 @@ class Visited:
         monkeypatch.setattr(live, "RosNode", doors)
         team, publisher = setting.team(), setting.publisher()
         simr = setting.simr(team)
-        graph = LiveGraph(Graph(), setting.facts(publisher), team.make_plan, self._ask)
+        graph = LiveGraph(Graph(), setting.facts(publisher), team.make_plan, self._ask, self._hear)
         self.doors = made[0]
         self.writer = setting.writer(bag)
         record = setting.record(PLAY, [legacy.SIMR, legacy.HIDER], "")
         witness = BagWitness(Broadcast(publisher, record, setting.place.grid, [graph, self.writer]))
-        self._session = Session(Router(), setting.keeper(), [simr, setting.hider()], NoLog(), [witness])
+        roles, vehicles = [simr, setting.hider()], setting.vehicles(simr)
+        self._session = Session(Router(), setting.keeper(), roles, NoLog(), [witness], vehicles=vehicles)
+        self._link = self._session.open_link(GRAPH_LINK) if setting.study.mavlink.on else LinkId(0)
 
     def _ask(self, sender: str, request: Request) -> None:
         self._session.ask(sender, request)
+
+    def _hear(self, robot: int, frame: Frame) -> None:
+        self._session.transmit(self._session.receive_frame(self._link, frame, robot))
 
     def say(self, topic: str, data: bytes, caller: str = "/client") -> None:
         self.doors.heard[topic](data, caller)

@@ -16,8 +16,17 @@ from tests.thbridge.ros.test_clients import stamped
 from thbridge.app.compose import read_setting
 from thbridge.app.config import Study
 from thbridge.app.door import REQUESTS
+from thbridge.app.inputs import Framed
+from thbridge.app.mavlink import MavlinkSection
+from thbridge.app.mavros import frame_record
+from thbridge.ros import pack
+from thbridge.ros.names import CALLER
 from thbridge.ros.records import CancelRequest, GoalRequest, SimpleGoal, VelocityCommand
 from thbridge.ros.stamps import stamp_ns
+from thbridge.wire.mavlink.dialect import crc_extra, mav, payload_of
+from thbridge.wire.mavlink.frame import Frame
+from thbridge.wire.mavlink.hub import Traffic
+from thbridge.wire.mavlink.vehicle import LinkId
 from thbridge.wire.rosgraph.links import ServiceFailed
 
 FORWARD = struct.pack("<6d", 0.1, 0, 0, 0, 0, 0)
@@ -62,6 +71,27 @@ def test_what_is_the_same_once_and_often_is_asked_once_and_answered_every_time(v
     assert asked(visited.step()) == [RequestUpdate(0)]
     visited.call("/robot1/request_nomotion_update")
     assert asked(visited.step()) == [RequestUpdate(0)]
+
+
+def test_a_frame_on_a_robots_topic_is_heard_by_that_robot_and_none_else(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch, caplog: pytest.LogCaptureFixture
+) -> None:
+    study = dataclasses.replace(Study(), robots=2, mavlink=MavlinkSection(on=True))
+    visited = Visited(read_setting(study, Path()), tmp_path / "hunt.bag", monkeypatch)
+    beat = mav.MAVLink_heartbeat_message(mav.MAV_TYPE_GCS, mav.MAV_AUTOPILOT_INVALID, 0, 0, 0, 3)
+    frame = Frame(255, 190, 7, beat.id, payload_of(beat), crc_extra(beat.id) or 0)
+    said = pack.mavlink(0, frame_record(Traffic(0, True, "whatever it was called", frame)))
+    with visited.writer:
+        visited.step()
+        visited.say("/robot2/mavlink/to", said, "/gcs_bridge")
+        visited.say("/robot2/mavlink/to", said, CALLER)  # What other links brought, which we say there.
+        moment = visited.step()
+        assert moment.inputs == (Framed(LinkId(0), "ros", frame, 1),)
+        assert [(item.robot, item.frame) for item in moment.traffic if item.heard] == [(1, frame)]
+        with caplog.at_level(logging.WARNING):
+            visited.say("/robot2/mavlink/to", said[:-30], "/gcs_bridge")
+        assert visited.step().inputs == ()
+    assert "/robot2/mavlink/to: what /gcs_bridge said is of no use" in caplog.text
 
 
 def test_a_flood_of_estimates_is_told_no(visited: Visited) -> None:

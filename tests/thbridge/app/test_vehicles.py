@@ -7,9 +7,7 @@ from pathlib import Path
 
 import pytest
 
-from sim.geometry import Pose2
 from sim.observations import TICKS_PER_SECOND
-from sim.team import TeamSnapshot
 from tests.thbridge.app.test_recording import Tape
 from tests.thbridge.ros.drive import snapshots
 from thbridge.app.broadcast import Broadcast
@@ -20,78 +18,25 @@ from thbridge.app.mavlink import MavlinkSection
 from thbridge.app.play import PLAY, NoLog
 from thbridge.app.recording import BagWitness
 from thbridge.app.session import Moment, Session
-from thbridge.hunt.game import GameState
-from thbridge.roles.vehicles import Ask, Vehicles
 from thbridge.roles.wizard import Held
 from thbridge.ros import unpack
 from thbridge.ros.publisher import Message
 from thbridge.wire.mavlink.dialect import crc_extra, mav, payload_of
 from thbridge.wire.mavlink.frame import Frame
-from thbridge.wire.mavlink.helm import Denied, Readings, Station
-from thbridge.wire.mavlink.helm import Setting as Knob
 from thbridge.wire.mavlink.hub import Sent
 from thbridge.wire.mavlink.vehicle import Status
 from thbridge.wire.router import Router
 
-
-class Idler:
-    """Holds a helm, and does nothing that it is asked."""
-
-    def __init__(self, robot: int) -> None:
-        self._robot = robot
-
-    def follow(self, snapshot: TeamSnapshot, game: GameState | None) -> Readings:
-        output = snapshot.robots[self._robot]
-        twist = output.observations.odometry.twist
-        pose = output.estimate.base_in_map
-        return Readings(pose, twist, None, 1.0, 1.0, True, False, False, None, "participant", None)
-
-    def home(self) -> Pose2:
-        return Pose2(0.0, 0.0, 0.0)
-
-    def settings(self) -> Sequence[Knob]:
-        return ()
-
-    def setting(self, name: str) -> Knob | None:
-        return None
-
-    def take(self, station: Station) -> Denied | None:
-        return Denied("no")
-
-    def release(self) -> None:
-        pass
-
-    halt = release
-
-    def go_to(self, x: float, y: float, heading: float | None) -> int | Denied:
-        return Denied("no")
-
-    def drive(self, twist: object) -> Denied | None:
-        return Denied("no")
-
-    limit_speed = identify = drive
-
-    def change(self, name: str, value: float) -> Knob | Denied:
-        return Denied("no")
-
-    def photograph(self) -> Denied | None:
-        return Denied("no")
-
-    leave = photograph
-
-
+WITH_VEHICLES = replace(Study(), mavlink=MavlinkSection(on=True))
 HEARTBEAT = mav.MAVLink_heartbeat_message(mav.MAV_TYPE_GCS, mav.MAV_AUTOPILOT_INVALID, 0, 0, 0, 3)
 FRAME = Frame(255, 190, 7, HEARTBEAT.id, payload_of(HEARTBEAT), crc_extra(HEARTBEAT.id) or 0)
 
 
-def vehicles(ask: Ask) -> Vehicles:
-    return Vehicles([Idler(0), Idler(1)], MavlinkSection().options)
-
-
 @pytest.fixture
 def session() -> Session:
-    setting = read_setting(Study(), Path())
-    return Session(Router(), setting.keeper(), [setting.simr()], NoLog(), vehicles=vehicles)
+    setting = read_setting(WITH_VEHICLES, Path())
+    simr = setting.simr()
+    return Session(Router(), setting.keeper(), [simr], NoLog(), vehicles=setting.vehicles(simr))
 
 
 def steps(session: Session, ticks: int) -> list[Moment]:
@@ -147,12 +92,12 @@ def test_frames_of_links_or_for_robots_that_there_are_not_change_nothing(session
     assert session.step().inputs == ()
     link = session.open_link("a")
     assert session.receive_frame(link, FRAME, 2) == []
-    assert not session.step().traffic
+    assert not any(traffic.heard for traffic in session.step().traffic)
 
 
 def test_what_vehicles_hear_and_say_goes_to_the_topics_of_mavros(session: Session):
     messages: list[Message] = []
-    setting = read_setting(replace(Study(), mavlink=MavlinkSection(on=True)), Path())
+    setting = read_setting(WITH_VEHICLES, Path())
 
     class Ear:
         def take(self, tick: int, said: Sequence[Message]) -> None:
@@ -197,6 +142,7 @@ def test_states_are_said_when_they_change_and_every_second():
 
 def test_where_robots_are_no_vehicles_there_is_no_link():
     setting = read_setting(Study(), Path())
-    session = Session(Router(), setting.keeper(), [setting.simr()], NoLog())
+    simr = setting.simr()
+    session = Session(Router(), setting.keeper(), [simr], NoLog(), vehicles=setting.vehicles(simr))
     with pytest.raises(ValueError, match="no vehicles"):
         session.open_link("a")

@@ -1,0 +1,137 @@
+"""Recordings of hunts in which ground stations took part, run again: whole, or by their frames alone."""
+
+import asyncio
+from collections.abc import Callable
+from dataclasses import replace
+from pathlib import Path
+
+import pytest
+
+from tests.thbridge.app.test_replay import again, equal
+from thbridge.adapters.bag_reader import messages
+from thbridge.adapters.bag_writer import BagWriter
+from thbridge.adapters.errors import BadFile
+from thbridge.app.broadcast import Broadcast
+from thbridge.app.compose import read_setting
+from thbridge.app.config import Study
+from thbridge.app.mavlink import MavlinkSection
+from thbridge.app.mavlink_replay import FramesOptions, FramesReplayed, has_session, replay_frames
+from thbridge.app.play import PLAY, NoLog
+from thbridge.app.recording import BagWitness
+from thbridge.app.session import Session
+from thbridge.ros import types
+from thbridge.ros.topics import Message as RosMessage
+from thbridge.ros.topics import Topic
+from thbridge.wire import legacy
+from thbridge.wire.mavlink.dialect import Message, crc_extra, mav, payload_of
+from thbridge.wire.mavlink.frame import Frame
+from thbridge.wire.mavlink.vehicle import LinkId
+from thbridge.wire.router import Router
+
+STUDY = replace(Study(), seed=7, robots=2, mavlink=MavlinkSection(on=True))
+TO = Topic("/robot1/mavlink/to", types.MAVLINK)
+
+
+class Station:
+    """A ground station at a session, on a link of its own."""
+
+    def __init__(self, session: Session, name: str = "udp 127.0.0.1:14550", system: int = 255) -> None:
+        self._session = session
+        self._system = system
+        self._sequence = 0
+        self._link: LinkId = session.open_link(name)
+
+    def say(self, message: Message) -> None:
+        seed = crc_extra(message.get_msgId())
+        assert seed is not None
+        frame = Frame(self._system, 190, self._sequence, message.get_msgId(), payload_of(message), seed)
+        self._sequence = (self._sequence + 1) % 256
+        self._session.transmit(self._session.receive_frame(self._link, frame))
+
+    def beat(self) -> None:
+        self.say(mav.MAVLink_heartbeat_message(mav.MAV_TYPE_GCS, mav.MAV_AUTOPILOT_INVALID, 0, 0, 0, 3))
+
+    def leave(self) -> None:
+        self._session.close_link(self._link)
+
+
+def record(bag: Path, ticks: int, doing: Callable[[int, Session], None], study: Study = STUDY) -> None:
+    """A hunt that nobody plays, and something that is done from outside before each tick."""
+    setting = read_setting(study, Path())
+    simr = setting.simr()
+    with setting.writer(bag) as writer:
+        opening = setting.record(PLAY, [legacy.SIMR, legacy.HIDER], "")
+        witness = BagWitness(Broadcast(setting.publisher(), opening, setting.place.grid, [writer]))
+        roles = [simr, setting.hider()]
+        session = Session(Router(), setting.keeper(), roles, NoLog(), [witness], None, setting.vehicles(simr))
+        for tick in range(ticks):
+            doing(tick, session)
+            session.step()
+
+
+def by_frames(bag: Path, study: Study = STUDY, to: Path | None = None) -> FramesReplayed:
+    setting = read_setting(study, Path())
+    return asyncio.run(replay_frames(bag, setting, FramesOptions(to=to), lambda moment: None))
+
+
+def beating(stations: dict[str, Station]) -> Callable[[int, Session], None]:
+    def beat(tick: int, session: Session) -> None:
+        if tick == 10:
+            stations["a"] = Station(session)
+        if tick == 30:
+            stations["b"] = Station(session, "tcp [::1]:5760", 254)
+        if tick % 25 == 10:
+            for station in stations.values():
+                station.beat()
+        if tick == 90:
+            stations.pop("b").leave()
+
+    return beat
+
+
+def test_links_and_frames_are_replayed_bit_for_bit(tmp_path: Path):
+    bag = tmp_path / "hunt.bag"
+    record(bag, 120, beating({}))
+    equal(bag, 120)
+
+
+def test_frames_alone_are_heard_by_the_same_robots_in_the_same_ticks_on_links_of_the_same_names(tmp_path: Path):
+    bag, fresh = tmp_path / "hunt.bag", tmp_path / "fresh.bag"
+    record(bag, 120, beating({}))
+    done = by_frames(bag, to=fresh)
+    topics = ["/robot1/mavlink/to", "/robot2/mavlink/to"]
+    was, now = list(messages(bag, topics)), list(messages(fresh, topics))
+    assert now == was
+    assert (done.frames, done.unusable, done.ticks, done.finished) == (len(was), 0, 120, True)
+    assert done.parted is None
+    assert again(fresh).difference is None
+
+
+def test_robots_that_the_study_has_not_hear_nothing(tmp_path: Path):
+    bag = tmp_path / "hunt.bag"
+    record(bag, 120, beating({}))
+    done = by_frames(bag, replace(STUDY, robots=1))
+    assert done.unusable == len(list(messages(bag, ["/robot2/mavlink/to"]))) > 0
+
+
+def test_a_bag_of_strangers_drives_robots_whose_study_has_no_vehicles(tmp_path: Path):
+    bag, ours = tmp_path / "mavros.bag", tmp_path / "hunt.bag"
+    record(ours, 120, beating({}))
+    started = 1_600_000_000_000_000_000
+    with BagWriter(bag) as writer:
+        for number, message in enumerate(messages(ours, [TO.name])):
+            stamp = started + number * 500_000_000
+            writer.take(number, [RosMessage(TO._replace(name="/mavlink/to"), stamp, message.data)])
+    assert has_session(ours)
+    assert not has_session(bag)
+    done = by_frames(bag, replace(Study(), robots=1))
+    assert (done.recorded, done.parted, done.unusable) == (None, None, 0)
+    assert done.frames == number + 1
+    assert done.ticks == 50 + 25 * number
+
+
+def test_a_bag_without_frames_is_refused_with_what_to_do(tmp_path: Path):
+    bag = tmp_path / "hunt.bag"
+    record(bag, 3, lambda tick, session: None, replace(STUDY, mavlink=MavlinkSection()))
+    with pytest.raises(BadFile, match="it has no topic /robot1/mavlink/to of type mavros_msgs/Mavlink"):
+        by_frames(bag)
