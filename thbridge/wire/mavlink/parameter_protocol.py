@@ -1,0 +1,155 @@
+"""How a robot's numeric parameters are read and changed: the parameter protocol, without sockets and clocks.
+
+Source: the MAVLink developer guide, "Parameter Protocol" and "Extended Parameter Protocol".
+Differs: a parameter that is not there is answered with PARAM_ERROR, which is younger than most of the guide.
+"""
+
+import math
+from collections.abc import Iterator
+
+import numpy as np
+
+from sim.observations import TICKS_PER_SECOND
+from thbridge.wire.mavlink.dialect import Message, mav
+from thbridge.wire.mavlink.helm import Denied, Helm, Readings, Refusal, Setting, Station
+from thbridge.wire.mavlink.parts import Announce, Severity
+from thbridge.wire.mavlink.said import LinkId, Said
+
+VALUES_PER_TICK = 3
+"""Of a whole list, on each link: 150 a second."""
+
+_BY_NAME = -1
+"""As an index that is asked for: see the name."""
+
+_TYPE_UNSUPPORTED = 6
+"""Of MAV_PARAM_ERROR; the dialect at hand ends before it."""
+
+_ERRORS = {
+    Refusal.DENIED: mav.MAV_PARAM_ERROR_VALUE_OUT_OF_RANGE,
+    Refusal.NOT_NOW: mav.MAV_PARAM_ERROR_PERMISSION_DENIED,
+    Refusal.UNSUPPORTED: mav.MAV_PARAM_ERROR_READ_ONLY,
+}
+
+
+class Parameters:
+    """One robot's parameters as MAVLink has them, all of them 32-bit floats.
+
+    Args:
+        helm: the robot.
+        announce: tells people why something is refused.
+        ardupilot: a value is the number itself, whichever type the station says it has; otherwise other types than
+            floats travel as their bytes, and are refused.
+    """
+
+    def __init__(self, helm: Helm, announce: Announce, ardupilot: bool) -> None:
+        self._helm = helm
+        self._announce = announce
+        self._ardupilot = ardupilot
+        # Parameters are never added or removed, so a name keeps its number.
+        self._numbers = {setting.name: number for number, setting in enumerate(helm.settings())}
+        self._told = {setting.name: setting.value for setting in helm.settings()}
+        self._lists: dict[LinkId, int] = {}
+
+    def hear(self, link: LinkId, sender: Station, message: Message) -> Iterator[Said]:
+        """What is answered; nothing to a message that is not of this protocol."""
+        match message:
+            case mav.MAVLink_param_request_list_message():
+                self._lists[link] = 0
+            case mav.MAVLink_param_request_read_message():
+                yield from self._read(link, sender, message.param_index, message.param_id)
+            case mav.MAVLink_param_set_message():
+                value, kind = message.param_value, message.param_type
+                yield from self._set(link, sender, message.param_id, value, kind)
+            case mav.MAVLink_param_ext_request_list_message():
+                yield Said(mav.MAVLink_param_ext_value_message(b"", b"", mav.MAV_PARAM_EXT_TYPE_REAL32, 0, 0), link)
+            case mav.MAVLink_param_ext_request_read_message():
+                # There is no answer that says "no such parameter"; a failed acknowledgement comes nearest.
+                yield _unextended(link, message.param_id, "", mav.MAV_PARAM_EXT_TYPE_REAL32)
+            case mav.MAVLink_param_ext_set_message():
+                yield _unextended(link, message.param_id, message.param_value, message.param_type)
+
+    def step(self, tick: int, readings: Readings) -> Iterator[Said]:
+        """A tick has passed: lists go on, and once a second whatever others have changed is told to all."""
+        for link, start in list(self._lists.items()):
+            settings = self._helm.settings()
+            for setting in settings[start : start + VALUES_PER_TICK]:
+                yield Said(self._value(setting), link)
+            self._lists[link] = start + VALUES_PER_TICK
+            if start + VALUES_PER_TICK >= len(settings):
+                del self._lists[link]
+        if tick % TICKS_PER_SECOND == 0:
+            for setting in self._helm.settings():
+                if setting.value != self._told[setting.name]:
+                    yield self._news(setting)
+
+    def forget(self, link: LinkId) -> None:
+        """A link is gone, and the list on it."""
+        self._lists.pop(link, None)
+
+    def _read(self, link: LinkId, sender: Station, index: int, name: str) -> Iterator[Said]:
+        settings = self._helm.settings()
+        if index == _BY_NAME:
+            setting = self._helm.setting(name)
+        else:
+            setting = settings[index] if 0 <= index < len(settings) else None
+        if setting is None:
+            yield _error(link, sender, name, index, mav.MAV_PARAM_ERROR_DOES_NOT_EXIST)
+        else:
+            yield Said(self._value(setting), link)
+
+    def _set(self, link: LinkId, sender: Station, name: str, value: float, kind: int) -> Iterator[Said]:
+        old = self._helm.setting(name)
+        if old is None:
+            yield _error(link, sender, name, _BY_NAME, mav.MAV_PARAM_ERROR_DOES_NOT_EXIST)
+            return
+        if kind != mav.MAV_PARAM_TYPE_REAL32 and not self._ardupilot:
+            new: Setting | int = _TYPE_UNSUPPORTED
+        elif not math.isfinite(value):
+            new = mav.MAV_PARAM_ERROR_VALUE_OUT_OF_RANGE
+        else:
+            new = self._changed(name, value)
+        if isinstance(new, Setting):
+            yield self._news(new)
+        else:
+            # The error goes first: a station that knows it does not try again because of the old value.
+            yield _error(link, sender, name, _BY_NAME, new)
+            yield Said(self._value(old), link)
+
+    def _changed(self, name: str, value: float) -> Setting | int:
+        """The parameter as it is now, or a code of MAV_PARAM_ERROR."""
+        changed = self._helm.change(name, _shortest(value))
+        if isinstance(changed, Denied):
+            self._announce(Severity.WARNING, f"{name} not changed: {changed.sentence}")
+            return _ERRORS[changed.refusal]
+        return changed
+
+    def _news(self, setting: Setting) -> Said:
+        """The new value of a parameter, for all."""
+        self._told[setting.name] = setting.value
+        return Said(self._value(setting))
+
+    def _value(self, setting: Setting) -> Message:
+        number, count = self._numbers[setting.name], len(self._numbers)
+        name = _on_wire(setting.name)
+        return mav.MAVLink_param_value_message(name, setting.value, mav.MAV_PARAM_TYPE_REAL32, count, number)
+
+
+def _shortest(value: float) -> float:
+    """The shortest decimal number that this 32-bit float can be: 0.1 and not 0.10000000149."""
+    return float(str(np.float32(value)))
+
+
+def _error(link: LinkId, station: Station, name: str, index: int, error: int) -> Said:
+    target = station.system, station.component
+    return Said(mav.MAVLink_param_error_message(*target, _on_wire(name), index, error), link)
+
+
+def _unextended(link: LinkId, name: str, value: str, kind: int) -> Said:
+    """No extended parameter of this name is here to be read or set."""
+    ack = mav.MAVLink_param_ext_ack_message(_on_wire(name), _on_wire(value), kind, mav.PARAM_ACK_FAILED)
+    return Said(ack, link)
+
+
+def _on_wire(text: str) -> bytes:
+    """A name as it is told back; what was no ASCII when it came is a question mark."""
+    return text.encode("ascii", errors="replace")
