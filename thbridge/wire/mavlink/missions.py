@@ -6,6 +6,7 @@ Differs: a partial list may be written, as ArduPilot's may, but becomes the plan
 
 from collections.abc import Iterator
 from dataclasses import dataclass, field
+from typing import NamedTuple
 
 from sim.observations import TICKS_PER_SECOND
 from thbridge.wire.mavlink.dialect import Message, mav
@@ -33,8 +34,18 @@ DOWNLOAD_PATIENCE = (RETRIES + 1) * 3 * TICKS_PER_SECOND // 2
 _ItemMessage = mav.MAVLink_mission_item_message | mav.MAVLink_mission_item_int_message
 _RequestMessage = mav.MAVLink_mission_request_message | mav.MAVLink_mission_request_int_message
 
+_GUIDED = (2, 3)
+"""As an item's `current`: it belongs to no mission, but is a place to go to at once, or an altitude."""
+
 _EMPTY_TYPES = frozenset((mav.MAV_MISSION_TYPE_FENCE, mav.MAV_MISSION_TYPE_RALLY))
 """Of these a robot has none, and takes none."""
+
+
+class _Peer(NamedTuple):
+    """Whoever takes part in a transfer; stations on different links may well have the same ids."""
+
+    link: LinkId
+    station: Station
 
 
 @dataclass(slots=True)
@@ -42,8 +53,7 @@ class _Upload:
     """A transfer to the robot under way.
 
     Attributes:
-        station: who sends.
-        link: where.
+        peer: who sends.
         kept_before: items of the plan as it is that come before the first one sent.
         kept_after: those that come after the last one sent.
         count: how many are sent.
@@ -53,8 +63,7 @@ class _Upload:
         items: what has come, in order.
     """
 
-    station: Station
-    link: LinkId
+    peer: _Peer
     kept_before: tuple[Item, ...]
     kept_after: tuple[Item, ...]
     count: int
@@ -78,7 +87,6 @@ class _Upload:
 class _Download:
     """Somebody who reads the plan, which stays for them as it was when they began."""
 
-    link: LinkId
     plan: tuple[Item, ...]
     asked: int
 
@@ -95,33 +103,35 @@ class Missions:
         self._run = run
         self._announce = announce
         self._upload: _Upload | None = None
-        self._downloads: dict[Station, _Download] = {}
+        self._downloads: dict[_Peer, _Download] = {}
         # The last item of the upload that was completed last: it comes again if the acknowledgement got lost.
-        self._completed: tuple[Station, int] | None = None
+        self._completed: tuple[_Peer, int] | None = None
         self._tick = 0
 
     def hear(self, link: LinkId, sender: Station, message: Message) -> Iterator[Said]:
         """What is answered; nothing to a message that is not of this protocol."""
+        peer = _Peer(link, sender)
         match message:
             case mav.MAVLink_mission_count_message():
-                yield from self._count(link, sender, message.count, message.mission_type)
+                yield from self._count(peer, message.count, message.mission_type)
             case mav.MAVLink_mission_write_partial_list_message():
                 first, last = message.start_index, message.end_index
-                yield from self._partial(link, sender, first, last, message.mission_type)
+                yield from self._partial(peer, first, last, message.mission_type)
             case mav.MAVLink_mission_item_int_message() | mav.MAVLink_mission_item_message():
-                yield from self._item(link, sender, message)
+                if message.current not in _GUIDED:
+                    yield from self._item(peer, message)
             case mav.MAVLink_mission_request_list_message():
-                yield from self._request_list(link, sender, message.mission_type)
+                yield from self._request_list(peer, message.mission_type)
             case mav.MAVLink_mission_request_int_message() | mav.MAVLink_mission_request_message():
-                yield from self._request(link, sender, message)
+                yield from self._request(peer, message)
             case mav.MAVLink_mission_request_partial_list_message():
-                yield _ack(link, sender, mav.MAV_MISSION_UNSUPPORTED, message.mission_type)
+                yield _ack(peer, mav.MAV_MISSION_UNSUPPORTED, message.mission_type)
             case mav.MAVLink_mission_clear_all_message():
-                yield from self._clear(link, sender, message.mission_type)
+                yield from self._clear(peer, message.mission_type)
             case mav.MAVLink_mission_set_current_message():
-                yield from self._set_current(sender, message.seq)
-            case mav.MAVLink_mission_ack_message():
-                yield from self._acknowledged(sender, message.type)
+                yield from self._set_current(peer, message.seq)
+            case mav.MAVLink_mission_ack_message(mission_type=mav.MAV_MISSION_TYPE_MISSION):
+                yield from self._acknowledged(peer, message.type)
 
     def step(self, tick: int, readings: Readings) -> Iterator[Said]:
         """A tick has passed; an item that has not come is asked for again, and the mission goes on."""
@@ -131,20 +141,20 @@ class Missions:
 
     def forget(self, link: LinkId) -> None:
         """A link is gone, and with it the transfers on it."""
-        if self._upload is not None and self._upload.link == link:
+        if self._upload is not None and self._upload.peer.link == link:
             self._upload = None
-        self._downloads = {station: there for station, there in self._downloads.items() if there.link != link}
+        self._downloads = {peer: there for peer, there in self._downloads.items() if peer.link != link}
 
     def _transferred(self, tick: int) -> Iterator[Said]:
-        for station, download in list(self._downloads.items()):
+        for peer, download in list(self._downloads.items()):
             if tick - download.asked > DOWNLOAD_PATIENCE:
-                del self._downloads[station]
+                del self._downloads[peer]
         upload = self._upload
         if upload is None or tick - upload.asked < ITEM_PATIENCE:
             return
         if upload.retries == RETRIES:
             self._upload = None
-            yield _ack(upload.link, upload.station, mav.MAV_MISSION_OPERATION_CANCELLED)
+            yield _ack(upload.peer, mav.MAV_MISSION_OPERATION_CANCELLED)
             return
         upload.retries += 1
         if not upload.items:
@@ -152,48 +162,47 @@ class Missions:
             upload.old_form = upload.retries >= TRIES_OF_NEW_FORM
         yield self._asked(upload)
 
-    def _count(self, link: LinkId, sender: Station, count: int, mission_type: int) -> Iterator[Said]:
+    def _count(self, peer: _Peer, count: int, mission_type: int) -> Iterator[Said]:
         if mission_type in _EMPTY_TYPES and count == 0:
-            yield _ack(link, sender, mav.MAV_MISSION_ACCEPTED, mission_type)
+            yield _ack(peer, mav.MAV_MISSION_ACCEPTED, mission_type)
         elif mission_type != mav.MAV_MISSION_TYPE_MISSION:
-            yield _ack(link, sender, mav.MAV_MISSION_UNSUPPORTED, mission_type)
-        elif (denied := self._denied(sender)) is not None:
-            yield from self._refused(link, sender, denied)
+            yield _ack(peer, mav.MAV_MISSION_UNSUPPORTED, mission_type)
+        elif (denied := self._denied(peer)) is not None:
+            yield from self._refused(peer, denied)
         elif count > LONGEST:
             self._upload = None
-            yield _ack(link, sender, mav.MAV_MISSION_NO_SPACE)
+            yield _ack(peer, mav.MAV_MISSION_NO_SPACE)
         elif count == 0:
-            yield from self._complete(link, sender, ())
+            yield from self._complete(peer, ())
         else:
-            yield self._begun(_Upload(sender, link, (), (), count, self._tick))
+            yield self._begun(_Upload(peer, (), (), count, self._tick))
 
-    def _partial(self, link: LinkId, sender: Station, first: int, last: int, mission_type: int) -> Iterator[Said]:
+    def _partial(self, peer: _Peer, first: int, last: int, mission_type: int) -> Iterator[Said]:
         plan = self._run.plan
         # -1 is the end of the list; and a station may name an item more than there are.
         last = len(plan) - 1 if last == -1 else min(last, len(plan) - 1)
         if mission_type != mav.MAV_MISSION_TYPE_MISSION:
-            yield _ack(link, sender, mav.MAV_MISSION_UNSUPPORTED, mission_type)
-        elif (denied := self._denied(sender)) is not None:
-            yield from self._refused(link, sender, denied)
+            yield _ack(peer, mav.MAV_MISSION_UNSUPPORTED, mission_type)
+        elif (denied := self._denied(peer)) is not None:
+            yield from self._refused(peer, denied)
         elif not 0 <= first <= last:
-            yield _ack(link, sender, mav.MAV_MISSION_INVALID_SEQUENCE)
+            yield _ack(peer, mav.MAV_MISSION_INVALID_SEQUENCE)
         else:
             count = last - first + 1
-            yield self._begun(_Upload(sender, link, plan[:first], plan[last + 1 :], count, self._tick))
+            yield self._begun(_Upload(peer, plan[:first], plan[last + 1 :], count, self._tick))
 
     def _item(
         self,
-        link: LinkId,
-        sender: Station,
+        peer: _Peer,
         message: _ItemMessage,
     ) -> Iterator[Said]:
         upload = self._upload
         if message.mission_type != mav.MAV_MISSION_TYPE_MISSION:
-            yield _ack(link, sender, mav.MAV_MISSION_UNSUPPORTED, message.mission_type)
+            yield _ack(peer, mav.MAV_MISSION_UNSUPPORTED, message.mission_type)
         elif upload is None:
-            yield from self._late_item(link, sender, message.seq)
-        elif upload.station != sender:
-            yield _ack(link, sender, mav.MAV_MISSION_DENIED)
+            yield from self._late_item(peer, message.seq)
+        elif upload.peer != peer:
+            yield _ack(peer, mav.MAV_MISSION_DENIED)
         elif message.seq > upload.next:
             yield self._asked(upload)
         elif message.seq == upload.next:
@@ -202,30 +211,29 @@ class Missions:
             # One that is there already: the station has not heard what it is asked for, but it lives.
             upload.retries = 0
 
-    def _late_item(self, link: LinkId, sender: Station, seq: int) -> Iterator[Said]:
+    def _late_item(self, peer: _Peer, seq: int) -> Iterator[Said]:
         """An item while none is waited for."""
-        if self._completed is None or self._completed[0] != sender:
-            yield _ack(link, sender, mav.MAV_MISSION_ERROR)
+        if self._completed is None or self._completed[0] != peer:
+            yield _ack(peer, mav.MAV_MISSION_ERROR)
         elif self._completed[1] == seq:
-            yield _ack(link, sender, mav.MAV_MISSION_ACCEPTED)
+            yield _ack(peer, mav.MAV_MISSION_ACCEPTED)
 
     def _next_item(self, upload: _Upload, message: _ItemMessage) -> Iterator[Said]:
         item = self._admitted(message, upload.size)
         if isinstance(item, Unfit):
             self._upload = None
-            yield _ack(upload.link, upload.station, item.result)
+            yield _ack(upload.peer, item.result)
             self._announce(Severity.WARNING, f"Mission refused: in item {message.seq}, {item.sentence}")
             return
         upload.items.append(item)
         upload.retries = 0
         if len(upload.items) < upload.count:
             yield self._asked(upload)
-        elif (denied := self._run.denied(upload.station)) is not None:
-            yield from self._refused(upload.link, upload.station, denied)
+        elif (denied := self._run.denied(upload.peer.station)) is not None:
+            yield from self._refused(upload.peer, denied)
         else:
-            self._completed = (upload.station, message.seq)
-            plan = (*upload.kept_before, *upload.items, *upload.kept_after)
-            yield from self._complete(upload.link, upload.station, plan)
+            yield from self._complete(upload.peer, (*upload.kept_before, *upload.items, *upload.kept_after))
+            self._completed = (upload.peer, message.seq)
 
     def _admitted(self, message: _ItemMessage, size: int) -> Item | Unfit:
         item = item_of(message)
@@ -233,56 +241,56 @@ class Missions:
             return item
         return unfit(item, size) or item
 
-    def _request_list(self, link: LinkId, sender: Station, mission_type: int) -> Iterator[Said]:
+    def _request_list(self, peer: _Peer, mission_type: int) -> Iterator[Said]:
         self._completed = None
         if mission_type in _EMPTY_TYPES:
-            yield _count(link, sender, 0, mission_type)
+            yield _count(peer, 0, mission_type)
         elif mission_type != mav.MAV_MISSION_TYPE_MISSION:
-            yield _ack(link, sender, mav.MAV_MISSION_UNSUPPORTED, mission_type)
+            yield _ack(peer, mav.MAV_MISSION_UNSUPPORTED, mission_type)
         else:
-            self._downloads[sender] = _Download(link, self._run.plan, self._tick)
-            yield _count(link, sender, len(self._run.plan), mission_type)
+            self._downloads[peer] = _Download(self._run.plan, self._tick)
+            yield _count(peer, len(self._run.plan), mission_type)
 
-    def _request(self, link: LinkId, sender: Station, message: _RequestMessage) -> Iterator[Said]:
+    def _request(self, peer: _Peer, message: _RequestMessage) -> Iterator[Said]:
         if message.mission_type not in (mav.MAV_MISSION_TYPE_MISSION, *_EMPTY_TYPES):
-            yield _ack(link, sender, mav.MAV_MISSION_UNSUPPORTED, message.mission_type)
+            yield _ack(peer, mav.MAV_MISSION_UNSUPPORTED, message.mission_type)
             return
-        download = self._downloads.get(sender)
+        download = self._downloads.get(peer)
         if download is not None:
             download.asked = self._tick
         plan = self._run.plan if download is None else download.plan
         seq = message.seq
         if message.mission_type in _EMPTY_TYPES or seq >= len(plan):
-            yield _ack(link, sender, mav.MAV_MISSION_INVALID_SEQUENCE, message.mission_type)
+            yield _ack(peer, mav.MAV_MISSION_INVALID_SEQUENCE, message.mission_type)
             return
         current = seq == self._run.at
         if isinstance(message, mav.MAVLink_mission_request_int_message):
-            yield Said(message_of(plan[seq], seq, current, sender), link)
+            yield Said(message_of(plan[seq], seq, current, peer.station), peer.link)
         else:
-            yield Said(old_message_of(plan[seq], seq, current, sender), link)
+            yield Said(old_message_of(plan[seq], seq, current, peer.station), peer.link)
 
-    def _clear(self, link: LinkId, sender: Station, mission_type: int) -> Iterator[Said]:
+    def _clear(self, peer: _Peer, mission_type: int) -> Iterator[Said]:
         if mission_type in _EMPTY_TYPES:
-            yield _ack(link, sender, mav.MAV_MISSION_ACCEPTED, mission_type)
+            yield _ack(peer, mav.MAV_MISSION_ACCEPTED, mission_type)
         elif mission_type not in (mav.MAV_MISSION_TYPE_MISSION, mav.MAV_MISSION_TYPE_ALL):
-            yield _ack(link, sender, mav.MAV_MISSION_UNSUPPORTED, mission_type)
-        elif (denied := self._denied(sender)) is not None:
-            yield from self._refused(link, sender, denied, mission_type)
+            yield _ack(peer, mav.MAV_MISSION_UNSUPPORTED, mission_type)
+        elif (denied := self._denied(peer)) is not None:
+            yield from self._refused(peer, denied, mission_type)
         else:
-            yield from self._complete(link, sender, (), mission_type)
+            yield from self._complete(peer, (), mission_type)
 
-    def _set_current(self, sender: Station, seq: int) -> Iterator[Said]:
-        denied = self._run.denied(sender) or self._run.select(seq)
+    def _set_current(self, peer: _Peer, seq: int) -> Iterator[Said]:
+        denied = self._run.denied(peer.station) or self._run.select(seq)
         if denied is None:
             yield Said(self._run.current())
         else:
             self._announce(Severity.WARNING, f"Mission item not set: {denied.sentence}")
 
-    def _acknowledged(self, sender: Station, result: int) -> Iterator[Said]:
+    def _acknowledged(self, peer: _Peer, result: int) -> Iterator[Said]:
         """The station says that it has all it asked for, or that it gives up."""
-        self._downloads.pop(sender, None)
+        self._downloads.pop(peer, None)
         upload = self._upload
-        if upload is None or upload.station != sender or result == mav.MAV_MISSION_ACCEPTED:
+        if upload is None or upload.peer != peer or result == mav.MAV_MISSION_ACCEPTED:
             return
         if upload.old_form and not upload.items and result == mav.MAV_MISSION_UNSUPPORTED:
             # It does not know the form of old, which was tried because it had said nothing.
@@ -291,20 +299,18 @@ class Missions:
         else:
             self._upload = None
 
-    def _denied(self, sender: Station) -> Denied | None:
+    def _denied(self, peer: _Peer) -> Denied | None:
         """Why this station may not change the plan now."""
-        if self._upload is not None and self._upload.station != sender:
-            return Denied(f"{self._upload.station} is sending a mission", Refusal.NOT_NOW)
-        return self._run.denied(sender)
+        if self._upload is not None and self._upload.peer != peer:
+            return Denied(f"{self._upload.peer.station} is sending a mission", Refusal.NOT_NOW)
+        return self._run.denied(peer.station)
 
-    def _refused(
-        self, link: LinkId, station: Station, denied: Denied, mission_type: int = mav.MAV_MISSION_TYPE_MISSION
-    ) -> Iterator[Said]:
+    def _refused(self, peer: _Peer, denied: Denied, mission_type: int = mav.MAV_MISSION_TYPE_MISSION) -> Iterator[Said]:
         """The plan is not changed; an upload of the same station that was under way is given up."""
-        if self._upload is not None and self._upload.station == station:
+        if self._upload is not None and self._upload.peer == peer:
             self._upload = None
         self._announce(Severity.WARNING, f"Mission refused: {denied.sentence}")
-        yield _ack(link, station, mav.MAV_MISSION_DENIED, mission_type)
+        yield _ack(peer, mav.MAV_MISSION_DENIED, mission_type)
 
     def _begun(self, upload: _Upload) -> Said:
         """The upload is under way; one of the same station that was is given up."""
@@ -314,23 +320,27 @@ class Missions:
     def _asked(self, upload: _Upload) -> Said:
         """The next item is asked for."""
         upload.asked = self._tick
-        station, seq = upload.station, upload.next
+        station, seq = upload.peer.station, upload.next
         request = mav.MAVLink_mission_request_message if upload.old_form else mav.MAVLink_mission_request_int_message
-        return Said(request(station.system, station.component, seq, mav.MAV_MISSION_TYPE_MISSION), upload.link)
+        return Said(request(station.system, station.component, seq, mav.MAV_MISSION_TYPE_MISSION), upload.peer.link)
 
     def _complete(
-        self, link: LinkId, sender: Station, plan: tuple[Item, ...], mission_type: int = mav.MAV_MISSION_TYPE_MISSION
+        self, peer: _Peer, plan: tuple[Item, ...], mission_type: int = mav.MAV_MISSION_TYPE_MISSION
     ) -> Iterator[Said]:
         """The robot has a new plan."""
-        self._upload = None
+        self._upload, self._completed = None, None
         self._run.replace(plan)
-        yield _ack(link, sender, mav.MAV_MISSION_ACCEPTED, mission_type)
+        yield _ack(peer, mav.MAV_MISSION_ACCEPTED, mission_type)
         yield Said(self._run.current())
 
 
-def _ack(link: LinkId, station: Station, result: int, mission_type: int = mav.MAV_MISSION_TYPE_MISSION) -> Said:
-    return Said(mav.MAVLink_mission_ack_message(station.system, station.component, result, mission_type), link)
+def _ack(peer: _Peer, result: int, mission_type: int = mav.MAV_MISSION_TYPE_MISSION) -> Said:
+    return Said(
+        mav.MAVLink_mission_ack_message(peer.station.system, peer.station.component, result, mission_type), peer.link
+    )
 
 
-def _count(link: LinkId, station: Station, count: int, mission_type: int) -> Said:
-    return Said(mav.MAVLink_mission_count_message(station.system, station.component, count, mission_type), link)
+def _count(peer: _Peer, count: int, mission_type: int) -> Said:
+    return Said(
+        mav.MAVLink_mission_count_message(peer.station.system, peer.station.component, count, mission_type), peer.link
+    )
