@@ -43,14 +43,13 @@ from thbridge.roles.pilot import Pilot, Premises
 from thbridge.roles.robots import Robots
 from thbridge.roles.showing import plain_costs
 from thbridge.roles.simr import SILENCE, Field, SimR
+from thbridge.roles.vehicle_parameters import VehicleParameters
 from thbridge.roles.vehicles import Ask, Vehicles
 from thbridge.ros.names import CALLER
 from thbridge.ros.parameters import tree_of
 from thbridge.ros.publisher import Planners, Publisher
 from thbridge.ros.records import Session as SessionRecord
 from thbridge.study.bots import Bot, BotStrategy, Knowledge
-from thbridge.wire.mavlink.helm import Denied
-from thbridge.wire.mavlink.helm import Setting as VehicleSetting
 
 LARGEST_CONSENT = 8000
 """Bytes of the text that participants agree to; it must fit into a line with all the rest of a view."""
@@ -132,7 +131,7 @@ class Setting:
 
         def made(ask: Ask) -> Vehicles:
             pilots = [
-                Pilot(robot, premises, start, study.software(robot + 1), _NoParameters(), ask)
+                Pilot(robot, premises, start, study.software(robot + 1), VehicleParameters(robot, simr), ask)
                 for robot, start in enumerate(self.place.starts[: study.robots])
             ]
             return Vehicles(pilots, study.mavlink.options)
@@ -175,21 +174,6 @@ class Setting:
         template = self.templates.dialogue
         seed = int(noise.key(self.study.seed, "dialogue", str(game)))
         return Engine(TemplateProtocol(template), TemplateStrategy(), TemplatePhrasing(template, seed))
-
-
-class _NoParameters:
-    """For vehicles whose parameters nobody tells."""
-
-    def settings(self) -> Sequence[VehicleSetting]:
-        """There are none."""
-        return ()
-
-    def setting(self, name: str) -> VehicleSetting | None:
-        """There is none."""
-
-    def change(self, name: str, value: float) -> VehicleSetting | Denied:
-        """There is none to change."""
-        return Denied(f"There is no parameter {name}.")
 
 
 def build_hider(templates: TemplateSet, seed: int) -> Hider:

@@ -104,22 +104,23 @@ class VehicleParameters:
     def __init__(self, robot: int, robots: Tunable) -> None:
         self._robot = robot
         self._robots = robots
+        self._of: Tuning | None = None
+        self._settings: tuple[Setting, ...] = ()
 
     def settings(self) -> Sequence[Setting]:
-        """All of them, always in the same order."""
+        """All of them, always in the same order, as they are or are about to be."""
         tuning = self._robots.tuning(self._robot)
-        if tuning is None:
-            return ()
-        told = (parameter.told(value) for parameter, value in zip(PARAMETERS, values_of(tuning), strict=True))
-        nearest = np.fromiter(told, dtype=np.float32).tolist()
-        return [Setting(name, value) for name, value in zip(_PLACES, nearest, strict=True)]
+        if tuning is not None and tuning != self._of:
+            told = (parameter.told(value) for parameter, value in zip(PARAMETERS, values_of(tuning), strict=True))
+            nearest = np.fromiter(told, dtype=np.float32).tolist()
+            self._settings = tuple(Setting(name, value) for name, value in zip(_PLACES, nearest, strict=True))
+            self._of = tuning
+        return self._settings
 
     def setting(self, name: str) -> Setting | None:
-        """One of them as it is, or is about to be; None where there is none of this name."""
-        tuning, place = self._robots.tuning(self._robot), _PLACES.get(name)
-        if tuning is None or place is None:
-            return None
-        return Setting(name, _nearest(PARAMETERS[place].told(values_of(tuning)[place])))
+        """One of them; None where there is none of this name."""
+        place, settings = _PLACES.get(name), self.settings()
+        return None if place is None or not settings else settings[place]
 
     def change(self, name: str, value: float) -> Setting | Denied:
         """Set one of them; what it is now, or why it keeps its value.
@@ -128,15 +129,16 @@ class VehicleParameters:
             name: of the parameter.
             value: any number; as a 32-bit float it counts.
         """
-        tuning, place = self._robots.tuning(self._robot), _PLACES.get(name)
-        if tuning is None or place is None:
+        before, tuning = self.setting(name), self._robots.tuning(self._robot)
+        if before is None or tuning is None:
             return Denied(f"there is no parameter {name}")
-        parameter = PARAMETERS[place]
-        wanted = _nearest(value)
+        parameter = PARAMETERS[_PLACES[name]]
+        with np.errstate(over="ignore"):  # What is beyond all numbers of 32 bits is infinite.
+            wanted = float(np.float32(value))
         if not math.isfinite(wanted):
             return Denied(f"{name} is a number, not {wanted:g}")
-        if wanted == _nearest(parameter.told(values_of(tuning)[place])):
-            return Setting(name, wanted)
+        if wanted == before.value:
+            return before
         meant = parameter.meant(wanted)
         if isinstance(meant, Denied):
             return meant
@@ -146,9 +148,3 @@ class VehicleParameters:
             return Denied(changed.sentence)
         self._robots.ask(SetParameters(self._robot, values))
         return Setting(name, wanted)
-
-
-def _nearest(value: float) -> float:
-    """The number of 32 bits that is nearest to a value; infinity where that is beyond all of them."""
-    with np.errstate(over="ignore"):
-        return float(np.float32(value))

@@ -58,7 +58,7 @@ def bench() -> Bench:
 def test_all_are_told_in_one_order_as_they_are_alone(bench: Bench) -> None:
     settings = bench.vehicle.settings()
     assert [setting.name for setting in settings] == [parameter.name for parameter in PARAMETERS]
-    assert settings == [bench.vehicle.setting(setting.name) for setting in settings]
+    assert [*settings] == [bench.vehicle.setting(setting.name) for setting in settings]
     assert all(setting.value == single(setting.value) for setting in settings)
 
 
