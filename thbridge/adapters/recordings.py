@@ -35,8 +35,13 @@ def journal_of(bag: Path) -> Path:
     return bag.with_name(bag.name.removesuffix(".bag") + ".journal")
 
 
+def tlog_of(bag: Path) -> Path:
+    """The telemetry log that goes with a bag."""
+    return bag.with_name(bag.name.removesuffix(".bag") + ".tlog")
+
+
 def make_room(bag: Path) -> Path | None:
-    """Move an older recording of this name out of the way, with its parts and its journal; nothing is overwritten.
+    """Move an older recording of this name out of the way, with all that goes with it; nothing is overwritten.
 
     Returns:
         Where the older bag is now, or None when there was none.
@@ -44,7 +49,7 @@ def make_room(bag: Path) -> Path | None:
     Raises:
         OSError: it cannot be moved.
     """
-    old = [path for path in (bag, active_of(bag), journal_of(bag)) if path.exists()]
+    old = [path for path in (bag, active_of(bag), journal_of(bag), tlog_of(bag)) if path.exists()]
     old += [path for ending in ("", ACTIVE) for _, path in _numbered(bag, bag.suffix + ending)]
     if not old:
         return None

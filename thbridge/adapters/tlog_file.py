@@ -9,9 +9,6 @@ from thbridge.adapters.whole_writes import append_whole
 from thbridge.wire.mavlink.hub import Traffic
 from thbridge.wire.mavlink.tlog import Tlog
 
-ENDING = ".tlog"
-"""Of such a file beside a bag of the same name."""
-
 
 class TlogFile:
     """Appends frames to a new file. Close it, or use it in `with`.

@@ -10,14 +10,15 @@ from thbridge.adapters.ledger import Ledger
 from thbridge.adapters.loop import run_ticks
 from thbridge.adapters.mavlink_server import MavlinkServer, Ports
 from thbridge.adapters.pacer import Pacer
-from thbridge.adapters.recordings import journal_of
+from thbridge.adapters.recordings import journal_of, tlog_of
 from thbridge.adapters.rosgraph.joining import Graph
 from thbridge.adapters.text_server import CannotListen, Listening, TextServer
+from thbridge.adapters.tlog_file import TlogFile
 from thbridge.app.broadcast import Broadcast
 from thbridge.app.compose import Setting
 from thbridge.app.listeners import NOBODY_TOLD, Hosts, Watch, listeners
-from thbridge.app.recording import BagWitness
-from thbridge.app.session import EventLog, Moment, Session
+from thbridge.app.recording import BagWitness, TlogWitness
+from thbridge.app.session import EventLog, Moment, Session, Witness
 from thbridge.hunt.game import GameState
 from thbridge.roles.requests import Request
 from thbridge.roles.role import Role
@@ -125,7 +126,7 @@ async def play(
         told: whom to tell what became of graph, watch and links.
 
     Raises:
-        BadFile: the journal or the bag cannot be written (as `BagNotWritten`).
+        BadFile: the journal, the telemetry log or the bag cannot be written (the latter as `BagNotWritten`).
         Unfinished: it was stopped, or the game was not over in time; what was recorded is complete.
     """
     team = setting.team()
@@ -158,7 +159,11 @@ async def play(
         stations = hear if has_vehicles else None
         listening = listeners(options, setting, team, publisher, pacer, ask, told, stations, has_game=True)
         audience = await opened.enter_async_context(listening)
-        witnesses = [BagWitness(Broadcast(publisher, record, setting.place.grid, audience))] if audience else []
+        witnesses: list[Witness] = []
+        if audience:
+            witnesses.append(BagWitness(Broadcast(publisher, record, setting.place.grid, audience)))
+        if options.bag is not None and has_vehicles and setting.study.mavlink.tlog:
+            witnesses.append(TlogWitness(opened.enter_context(TlogFile(tlog_of(options.bag)))))
         session = Session(Router(), setting.keeper(), roles, log, witnesses, inside, setting.vehicles(simr))
         server = TextServer(session, session.hear)
         session.perform = server.perform

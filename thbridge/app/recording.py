@@ -9,6 +9,7 @@ import numpy as np
 from sim.geometry import FloatArray
 from sim.observations import TICKS_PER_SECOND
 from sim.team import TeamSnapshot
+from thbridge.adapters.tlog_file import TlogFile
 from thbridge.app.inputs import Asked, to_record
 from thbridge.app.mavros import frame_record, state_record
 from thbridge.app.session import Moment
@@ -29,6 +30,7 @@ from thbridge.ros.records import (
     Success,
     Utterance,
 )
+from thbridge.ros.stamps import stamp_ns
 from thbridge.wire import legacy
 from thbridge.wire.mavlink.vehicle import Status
 from thbridge.wire.router import Forwarded
@@ -131,6 +133,22 @@ class BagWitness:
             for robot in np.flatnonzero(np.hypot(*(places - self._places).T) > JUMP).tolist():
                 yield _befell("carried", robot)
         self._places = places.copy()
+
+
+class TlogWitness:
+    """Takes down what vehicles hear and say.
+
+    Args:
+        tlog: somebody else closes it.
+    """
+
+    def __init__(self, tlog: TlogFile) -> None:
+        self._tlog = tlog
+
+    def saw(self, moment: Moment) -> None:
+        """Write down one tick. Raises BadFile when it cannot be written."""
+        if moment.snapshot is not None and moment.traffic:
+            self._tlog.record(stamp_ns(moment.snapshot.tick), moment.traffic)
 
 
 def _befell(kind: str, robot: int) -> GameEvent:

@@ -26,8 +26,9 @@ def test_a_file_that_is_there_is_all_of_the_recording(tmp_path: Path) -> None:
 
 
 def test_an_older_recording_moves_with_all_that_is_its_own(tmp_path: Path) -> None:
-    touch(tmp_path, "a_0.bag", "a_1.bag.active", "a-1.bag", "ab.bag", "a_b.bag")
+    touch(tmp_path, "a_0.bag", "a_1.bag.active", "a-1.bag", "ab.bag", "a_b.bag", "a.tlog")
     journal_of(tmp_path / "a.bag").mkdir()
     assert make_room(tmp_path / "a.bag") == tmp_path / "a-2.bag"
-    assert names(tmp_path) == ["a-1.bag", "a-2.journal", "a-2_0.bag", "a-2_1.bag.active", "a_b.bag", "ab.bag"]
+    moved = ["a-2.journal", "a-2.tlog", "a-2_0.bag", "a-2_1.bag.active"]
+    assert names(tmp_path) == ["a-1.bag", *moved, "a_b.bag", "ab.bag"]
     assert make_room(tmp_path / "a.bag") is None

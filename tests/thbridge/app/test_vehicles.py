@@ -10,17 +10,19 @@ import pytest
 from sim.observations import TICKS_PER_SECOND
 from tests.thbridge.app.test_recording import Tape
 from tests.thbridge.ros.drive import snapshots
+from thbridge.adapters.tlog_file import TlogFile
 from thbridge.app.broadcast import Broadcast
 from thbridge.app.compose import read_setting
 from thbridge.app.config import Study
 from thbridge.app.inputs import Framed, LinkClosed, LinkOpened, from_record, to_record
 from thbridge.app.mavlink import MavlinkSection
 from thbridge.app.play import PLAY, NoLog
-from thbridge.app.recording import BagWitness
+from thbridge.app.recording import BagWitness, TlogWitness
 from thbridge.app.session import Moment, Session
 from thbridge.roles.wizard import Held
 from thbridge.ros import unpack
 from thbridge.ros.publisher import Message
+from thbridge.ros.stamps import stamp_ns
 from thbridge.wire.mavlink.dialect import crc_extra, mav, payload_of
 from thbridge.wire.mavlink.frame import Frame
 from thbridge.wire.mavlink.hub import Sent
@@ -138,6 +140,21 @@ def test_states_are_said_when_they_change_and_every_second():
         witness.saw(Moment(tick, (), snapshot, (), (), (), Held(), None, (), states))
     assert [record.robot for record in tape.records] == [0, 1, 1, 0, 1, 0, 1]
     assert tape.records[2].mode == "GUIDED"
+
+
+def test_a_telemetry_log_has_all_traffic_with_the_stamps_of_the_bag(tmp_path: Path):
+    setting = read_setting(WITH_VEHICLES, Path())
+    simr = setting.simr()
+    log = tmp_path / "hunt.tlog"
+    with TlogFile(log) as file:
+        witnesses = [TlogWitness(file)]
+        session = Session(Router(), setting.keeper(), [simr], NoLog(), witnesses, vehicles=setting.vehicles(simr))
+        session.step()
+        session.receive_frame(session.open_link("a"), FRAME)
+        moment = session.step()
+    assert moment.snapshot is not None
+    first = (stamp_ns(moment.snapshot.tick) // 1000).to_bytes(8, "big") + FRAME.to_bytes()
+    assert log.read_bytes().startswith(first)
 
 
 def test_where_robots_are_no_vehicles_there_is_no_link():
