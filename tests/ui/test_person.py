@@ -5,6 +5,7 @@ import pytest
 from tests.thbridge.roles.stage import Stage
 from thbridge.hunt.events import Agreed, Condition, Departed, Hidden, Identified
 from thbridge.roles.briefing import Briefing
+from thbridge.roles.requests import ReleaseCommand, TakeCommand
 from thbridge.roles.tabui import TabUI
 from ui.person import Person
 
@@ -83,6 +84,17 @@ def test_a_person_is_told_of_robots_that_do_not_answer_or_know_where_they_are(se
     assert seat.shown[-2:] == ["Robot 1 does not answer any more.", "Robot 2 does not know where it is."]
     assert "  Robot 2 does not know where it is." in seat.type("?")
     assert seat.type("1 3") == ["Robot 1 does not answer any more."]
+
+
+def test_a_person_is_told_whose_a_robot_is(seat):
+    seat.stage.session.ask("station", TakeCommand(0, "ground station 255"))
+    seat.stage.run(10)
+    assert seat.shown[-1:] == ["Robot 1 is commanded by ground station 255 now."]
+    assert "  Robot 1 is commanded by ground station 255." in seat.type("?")
+    assert seat.type("1 3") == ["Robot 1 is commanded by ground station 255 just now."]
+    seat.stage.session.ask("station", ReleaseCommand(0))
+    seat.stage.run(10)
+    assert seat.shown[-1:] == ["Robot 1 is yours again."]
 
 
 def test_a_person_may_end_the_game(seat):

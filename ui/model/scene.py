@@ -57,6 +57,7 @@ class RobotMark:
         way: (m, 2) where it means to go, its own place first.
         ellipse: how sure it is of its place, where that is shown.
         truth: where it really is, where that is shown.
+        taken: who else than the participant commands it, in words; empty when nobody does.
     """
 
     robot: int
@@ -69,3 +70,4 @@ class RobotMark:
     way: FloatArray
     ellipse: EllipseMark | None = None
     truth: Pose2 | None = None
+    taken: str = ""

@@ -229,6 +229,7 @@ class RobotCard:
         waits: how many things wait for the participant because of it: an answer, a treasure.
         select: selects it.
         stop: calls it back; None at rest.
+        commanded: who else commands it, "commanded by ground station 255"; empty where the participant does.
     """
 
     robot: int
@@ -245,6 +246,7 @@ class RobotCard:
     waits: int
     select: Action
     stop: Action | None
+    commanded: str = ""
 
 
 @dataclass(frozen=True, slots=True)

@@ -14,7 +14,7 @@ from thbridge.roles.view import (
     View,
     Wish,
 )
-from ui.model.playing.possible import standing_in, talks, why_not_go, why_not_work
+from ui.model.playing.possible import standing_in, talks, why_not_command, why_not_go, why_not_work
 
 
 class Asked:
@@ -126,7 +126,9 @@ def _moot(wish: Wish, view: View) -> str | None:
         case Select(robot, room):
             return why_not_go(view, robot, room)
         case Unsure(robot):
-            return why_not_work(view, robot)
+            return why_not_work(view, robot) or why_not_command(view, robot)
+        case CallBack(robot):
+            return why_not_command(view, robot)
         case Discuss(robot, _, room) if standing_in(view, room) != robot:
             return why_not_work(view, robot) or ""
         case _:

@@ -6,9 +6,9 @@ from thbridge.hunt.rules import robot_name
 from thbridge.roles.notices import Motion
 from thbridge.roles.view import CallBack, RobotView
 from ui.model.keys import key_of
-from ui.model.playing.possible import undecided_beside
+from ui.model.playing.possible import undecided_beside, why_not_command
 from ui.model.playing.state import Hunt, Memory
-from ui.model.playing.words import place_name, titled
+from ui.model.playing.words import other_commander, place_name, titled
 from ui.model.screen import Action, ChooseRobot, NextRobot, RobotCard, StopRobot
 
 
@@ -25,7 +25,8 @@ def is_in_trouble(robot: RobotView) -> bool:
 def described(memory: Memory, hunt: Hunt, robot: int) -> str:
     """A robot's card as one would read it out."""
     card = _card(memory, hunt, hunt.view.robots[robot])
-    return f"{card.name}: {card.place}, {card.state}, {spoken_energy(card.energy)} energy."
+    commanded = f", {card.commanded}" if card.commanded else ""
+    return f"{card.name}: {card.place}, {card.state}, {spoken_energy(card.energy)} energy{commanded}."
 
 
 def _card(memory: Memory, hunt: Hunt, robot: RobotView) -> RobotCard:
@@ -40,6 +41,7 @@ def _card(memory: Memory, hunt: Hunt, robot: RobotView) -> RobotCard:
     motion = memory.motion(number)
     place = place_name(robot.place)
     stranded = _is_stranded(hunt, robot)
+    other = other_commander(robot)
     return RobotCard(
         robot=number,
         name=titled(number),
@@ -55,6 +57,7 @@ def _card(memory: Memory, hunt: Hunt, robot: RobotView) -> RobotCard:
         waits=sum(item.robot == number for item in hunt.popups.waiting),
         select=_select(memory, hunt, number),
         stop=_stop(hunt, robot, selected),
+        commanded=f"commanded by {other}" if other else "",
     )
 
 
@@ -65,28 +68,18 @@ def _select(memory: Memory, hunt: Hunt, robot: int) -> Action:
         if team > 1 and robot == (memory.selected + step) % team:
             key = key_of(NextRobot(step))
     chosen = robot == memory.selected
-    return Action(
-        ChooseRobot(robot),
-        titled(robot),
-        key,
-        hint=f"You command {robot_name(robot)}." if chosen else f"Command {robot_name(robot)}.",
-    )
+    yours = f"You command {robot_name(robot)}." if chosen else f"Command {robot_name(robot)}."
+    return Action(ChooseRobot(robot), titled(robot), key, hint=why_not_command(hunt.view, robot) or yours)
 
 
 def _stop(hunt: Hunt, robot: RobotView, selected: bool) -> Action | None:
     if robot.moving_to is None:
         return None
     stopping = CallBack(robot.robot) in hunt.asked or robot.robot in hunt.reroutes
-    return Action(
-        StopRobot(robot.robot),
-        "Stop",
-        key_of(StopRobot()) if selected else "",
-        enabled=not stopping,
-        hint=f"{titled(robot.robot)} is about to stop."
-        if stopping
-        else "The energy for the rest of the way comes back.",
-        busy=stopping,
-    )
+    refused = why_not_command(hunt.view, robot.robot)
+    hint = f"{titled(robot.robot)} is about to stop." if stopping else "The energy for the rest of the way comes back."
+    key, enabled = key_of(StopRobot()) if selected else "", refused is None and not stopping
+    return Action(StopRobot(robot.robot), "Stop", key, enabled, refused or hint, stopping)
 
 
 def _state(hunt: Hunt, robot: RobotView, motion: Motion) -> str:

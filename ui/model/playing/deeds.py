@@ -7,6 +7,7 @@ from ui.model.playing.popups import Find, Talk
 from ui.model.playing.possible import (
     undecided_beside,
     why_not_ask,
+    why_not_command,
     why_not_end,
     why_not_go,
     why_not_name,
@@ -243,6 +244,8 @@ def _stop(memory: Memory, hunt: Hunt, robot: int, now: float) -> None:
         return
     if hunt.view.robots[robot].moving_to is None:
         note(memory, _stands(hunt.view, robot), now)
+        return
+    if _refused(memory, why_not_command(hunt.view, robot), now):
         return
     hunt.reroutes.pop(robot, None)
     hunt.asked.ask(CallBack(robot), hunt.view)

@@ -6,9 +6,9 @@ from thbridge.hunt.events import Condition
 from thbridge.roles.view import Answer, Discuss, Identify, RoomView, Select, SendRobot, Sense, TakePicture, View, Wish
 from ui.model.playing.history import History
 from ui.model.playing.popups import Find, Item, Talk
-from ui.model.playing.possible import standing_in, talks, why_not_end, why_not_go
+from ui.model.playing.possible import standing_in, talks, why_not_command, why_not_end, why_not_go
 from ui.model.playing.state import End, Hunt, Memory, MoveOn, Reroute
-from ui.model.playing.words import place_name, titled
+from ui.model.playing.words import how_it_comes_back, other_commander, place_name, titled
 
 NOTE = 6.0
 """Seconds for which a sentence is shown."""
@@ -30,6 +30,7 @@ def hear_view(memory: Memory, view: View, now: float) -> None:
     hunt.richest = max([hunt.richest, *(robot.energy for robot in view.robots)])
     memory.history.hear(before, view)
     _hear_rooms(hunt, before, now)
+    _hear_commanders(memory, hunt, before, now)
     _hear_refusal(memory, hunt, now)
     for reason in hunt.asked.hear(view):
         if reason:
@@ -118,6 +119,22 @@ def _hear_rooms(hunt: Hunt, before: View, now: float) -> None:
                 hunt.verdicts[new.room] = stander
 
 
+def _hear_commanders(memory: Memory, hunt: Hunt, before: View, now: float) -> None:
+    """Tell that a robot is not the participant's any more, and what becomes of a talk on its way; or that it is."""
+    for was, robot in zip(before.robots, hunt.view.robots, strict=True):
+        if (was.commander, was.commander_name) == (robot.commander, robot.commander_name):
+            continue
+        name, other = titled(robot.robot), other_commander(robot)
+        if not other:
+            sentence = f"{name} is yours again."
+        else:
+            sentence = f"{name} is commanded by {other} now. {how_it_comes_back(robot)}"
+            if any((talking, matter) == (robot.robot, "select-room") for talking, matter, _ in talks(before)):
+                sentence += " Where it should go need not be talked over any more."
+        memory.history.happened(sentence, robot.robot)
+        memory.note = (sentence, now + NOTE)
+
+
 def _hear_refusal(memory: Memory, hunt: Hunt, now: float) -> None:
     refusal = hunt.view.refusal
     number = 0 if refusal is None else refusal.number
@@ -162,7 +179,7 @@ def _doubt(memory: Memory, hunt: Hunt, now: float) -> None:
             )
         case MoveOn(wish, room):
             decided = not hunt.view.room(room).undecided or standing_in(hunt.view, room) != wish.robot
-            reason = "That is decided by now." if decided else None
+            reason = why_not_command(hunt.view, wish.robot) or ("That is decided by now." if decided else None)
         case End():
             reason = why_not_end(hunt.view)
         case None:

@@ -8,7 +8,7 @@ from thbridge.hunt.costs import spoken_energy
 from thbridge.hunt.events import Condition
 from thbridge.hunt.rules import robot_name
 from thbridge.roles.view import Consent, DialogueView, Matter, RobotView, View
-from ui.model.playing.words import place_name, titled
+from ui.model.playing.words import how_it_comes_back, other_commander, place_name, titled
 
 
 def standing_in(view: View, room: int) -> int | None:
@@ -46,6 +46,12 @@ def why_not_work(view: View, robot: int) -> str | None:
     return None
 
 
+def why_not_command(view: View, robot: int) -> str | None:
+    """Why a robot is not the participant's to send or to stop just now, or None."""
+    other = other_commander(view.robots[robot])
+    return f"{titled(robot)} is commanded by {other}. {how_it_comes_back(view.robots[robot])}" if other else None
+
+
 def why_not_free(view: View, robot: int, room: int) -> str | None:
     """Why nobody, or not this robot, may go to a room, wherever it stands and whatever it costs; or None."""
     known = view.room(room)
@@ -59,7 +65,7 @@ def why_not_free(view: View, robot: int, room: int) -> str | None:
 
 def why_not_go(view: View, robot: int, room: int) -> str | None:
     """Why a robot cannot go to a room; one that is under way would be called back first."""
-    refused = why_not_work(view, robot) or why_not_free(view, robot, room)
+    refused = why_not_work(view, robot) or why_not_command(view, robot) or why_not_free(view, robot, room)
     if refused is not None:
         return refused
     mover = view.robots[robot]
@@ -76,7 +82,7 @@ def why_not_go(view: View, robot: int, room: int) -> str | None:
 
 def why_not_ask(view: View, robot: int) -> str | None:
     """Why a robot cannot be asked for advice, or None."""
-    refused = why_not_work(view, robot)
+    refused = why_not_work(view, robot) or why_not_command(view, robot)
     if refused is not None:
         return refused
     bound_for = view.robots[robot].moving_to

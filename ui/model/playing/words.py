@@ -2,12 +2,27 @@
 
 from collections.abc import Sequence
 
-from thbridge.hunt.rules import robot_name
+from thbridge.hunt.events import Commander
+from thbridge.hunt.rules import commander_name, robot_name
+from thbridge.roles.view import RobotView
 
 
 def titled(robot: int) -> str:
     """A robot's name at the beginning of a sentence."""
     return robot_name(robot).capitalize()
+
+
+def other_commander(robot: RobotView) -> str:
+    """Who else than the participant commands a robot, within a sentence; empty when nobody does."""
+    if robot.commander is Commander.PARTICIPANT:
+        return ""
+    return commander_name(robot.commander, robot.commander_name)
+
+
+def how_it_comes_back(robot: RobotView) -> str:
+    """When a robot that somebody else commands will be the participant's again, a sentence."""
+    researcher = robot.commander is Commander.RESEARCHER
+    return f"You get it back when the {'researcher is done' if researcher else 'ground station releases it'}."
 
 
 def place_name(place: int) -> str:

@@ -89,8 +89,8 @@ class RobotView:
         self._odometry = moment.unpacked.odometry.of(self._odometry_said)
         self._belief = moment.unpacked.beliefs.of(self._newest(member.estimate))
 
-    def scene(self) -> RobotScene:
-        """The robot."""
+    def scene(self, commander: str) -> RobotScene:
+        """The robot, which this one commands; empty: the participant."""
         member, shown, dead = self._member, self._moment.shown, self._dead()
         truth, estimate = self._truth(), self._estimate()
         both = (truth, estimate) if truth is not None and estimate is not None else None
@@ -132,6 +132,7 @@ class RobotView:
             state=state,
             trouble=trouble,
             dead=dead,
+            commander=commander,
         )
 
     def _newest(self, topic: str | None) -> Said | None:

@@ -84,6 +84,7 @@ class RobotScene:
         state: what it does, in words; empty where nobody says.
         trouble: the state is one to worry about.
         dead: its software has fallen silent, while the truth of it is told on.
+        commander: who else than the participant commands it, in words; empty when nobody does.
     """
 
     robot: int
@@ -114,6 +115,7 @@ class RobotScene:
     state: str = ""
     trouble: bool = False
     dead: bool = False
+    commander: str = ""
 
 
 @dataclass(frozen=True, slots=True, eq=False)

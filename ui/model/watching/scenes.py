@@ -75,12 +75,12 @@ class Scenes:
         )
         score = self._scores.of(levels.newest(names.SCORE))
         things = self._things.of(levels.newest(names.THINGS)) or ()
-        news = watched.story.rooms(levels.at_ns)
+        news, commanders = watched.story.rooms(levels.at_ns), watched.story.commanders(levels.at_ns)
         return Scene(
             stamp_ns=levels.at_ns,
             time=time,
             grid=self._map(levels),
-            robots=tuple(RobotView(member, moment).scene() for member in watched.cast),
+            robots=tuple(RobotView(member, moment).scene(commanders.get(member.robot, "")) for member in watched.cast),
             things=tuple(ThingScene(name, outline) for name, outline in things),
             rooms=tuple(_room(room, news.get(room.room.people, RoomNews())) for room in watched.rooms),
             game=None if score is None else GameScene(score.score, score.visited, score.rooms),

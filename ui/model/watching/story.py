@@ -6,6 +6,7 @@ from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
 from typing import get_args
 
+from thbridge.hunt.events import Commander
 from thbridge.hunt.rules import robot_name
 from thbridge.ros import names, types, unpack
 from thbridge.ros.records import GameEvent, LogLevel
@@ -52,6 +53,14 @@ class RoomNews:
     found: str = ""
 
 
+@dataclass(frozen=True, slots=True)
+class _Standing:
+    """How the game stands: its rooms by number, and by robot who else than the participant commands it."""
+
+    rooms: dict[int, RoomNews]
+    commanders: dict[int, str]
+
+
 class Story:
     """Grows with the messages that are taken, in order of time."""
 
@@ -59,7 +68,7 @@ class Story:
         self._entries: dict[EntryKind, list[Entry]] = {kind: [] for kind in get_args(EntryKind)}
         self._dropped: dict[EntryKind, int] = dict.fromkeys(self._entries, 0)
         self._stamps: list[int] = []
-        self._rooms: list[dict[int, RoomNews]] = [{}]
+        self._standing = [_Standing({}, {})]
 
     def entries(self, kind: EntryKind) -> Sequence[Entry]:
         """A list, oldest first. It grows at its end, and when it is long it loses what is oldest: see `dropped`."""
@@ -79,7 +88,14 @@ class Story:
 
     def rooms(self, until_ns: int) -> dict[int, RoomNews]:
         """What the game made of its rooms up to a time, by number; rooms that it never spoke of are missing."""
-        return self._rooms[bisect_right(self._stamps, until_ns)]
+        return self._at(until_ns).rooms
+
+    def commanders(self, until_ns: int) -> dict[int, str]:
+        """Who commands robots at a time, in words, by index; those that the participant commands are missing."""
+        return self._at(until_ns).commanders
+
+    def _at(self, until_ns: int) -> _Standing:
+        return self._standing[bisect_right(self._stamps, until_ns)]
 
     def take(self, said: Said) -> None:
         """Take a message; one that cannot be read, or tells no story, changes nothing."""
@@ -124,26 +140,40 @@ class Story:
         return None
 
     def _follow(self, stamp: int, event: GameEvent, fields: dict[str, object]) -> None:
-        """See what an event makes of the rooms."""
-        before = self._rooms[-1]
-        after: dict[int, RoomNews] | None = None
+        """See what an event makes of rooms and robots."""
+        before = self._standing[-1]
+        rooms, commanders = before.rooms, before.commanders
         match event:
             case GameEvent("started"):
-                after = {}
+                rooms, commanders = {}, {}
             case GameEvent("hidden"):
                 treasures = fields.get("treasures")
                 if isinstance(treasures, list):
                     found = {room: _name(treasure) for room, treasure in enumerate(treasures, start=1)}
-                    after = {**before, **{room: RoomNews(found=name) for room, name in found.items()}}
+                    rooms = {**rooms, **{room: RoomNews(found=name) for room, name in found.items()}}
             case GameEvent("departed", int(robot), int(room)):
-                after = {**before, room: RoomNews("reserved", robot, _found(before, room))}
+                rooms = {**rooms, room: RoomNews("reserved", robot, _found(rooms, room))}
             case GameEvent("arrived", int(robot), int(room)):
-                after = {**before, room: RoomNews("visited", robot, _found(before, room))}
+                rooms = {**rooms, room: RoomNews("visited", robot, _found(rooms, room))}
             case GameEvent("failed", _, int(room)):
-                after = {**before, room: RoomNews(found=_found(before, room))}
-        if after is not None and (not self._stamps or stamp >= self._stamps[-1]):
+                rooms = {**rooms, room: RoomNews(found=_found(rooms, room))}
+            case GameEvent("commanded", int(robot)):
+                others = {other: words for other, words in commanders.items() if other != robot}
+                commander = _commander(fields)
+                commanders = {**others, robot: commander} if commander else others
+            case _:
+                return
+        if not self._stamps or stamp >= self._stamps[-1]:
             self._stamps.append(stamp)
-            self._rooms.append(after)
+            self._standing.append(_Standing(rooms, commanders))
+
+
+def _commander(fields: dict[str, object]) -> str:
+    """Who commands a robot, in words; empty for the participant."""
+    by, name = fields.get("by"), fields.get("name")
+    if by == Commander.RESEARCHER:
+        return f"researcher {name}" if name else "a researcher"
+    return str(name or by or "") if by != Commander.PARTICIPANT else ""
 
 
 def _found(rooms: dict[int, RoomNews], room: int) -> str:

@@ -19,6 +19,9 @@ TEXT = 12
 GAP = 4.0
 """Pixels between a robot and its label."""
 
+SIGN = 19.0
+"""Width of a sign in a label, pixels."""
+
 _SIDES = np.array([(0, -1), (0, 1), (1, 0), (-1, 0), (1, -1), (-1, -1), (1, 1), (-1, 1)], dtype=np.float64)
 _REACHES = (1.0, 1.9, 2.8)
 """Where labels may lie about their robot, best first; and how far off, in heights of a label."""
@@ -96,6 +99,25 @@ def _overlap(boxes: FloatArray, others: FloatArray) -> FloatArray:
 
 
 @dataclass(frozen=True, slots=True)
+class Lettering:
+    """What a label says of its robot.
+
+    Attributes:
+        label: its name.
+        colour: its own.
+        selected: whether it is; the label is filled then.
+        trouble: whether something is wrong with it; the label has a warning sign then.
+        taken: who else commands it, in words; the label has a mast before them then.
+    """
+
+    label: str
+    colour: str
+    selected: bool
+    trouble: bool
+    taken: str
+
+
+@dataclass(frozen=True, slots=True)
 class Badge:
     """A label's picture and its size in logical pixels."""
 
@@ -108,47 +130,66 @@ class Badges:
     """Labels as pictures, each made once."""
 
     def __init__(self) -> None:
-        self._made: dict[tuple[str, str, bool, bool, float, str], Badge] = {}
+        self._made: dict[tuple[Lettering, float, str], Badge] = {}
 
     def clear(self) -> None:
         """Another palette or font."""
         self._made.clear()
 
-    def of(
-        self, label: str, colour: str, selected: bool, trouble: bool, palette: Palette, font: QFont, ratio: float
-    ) -> Badge:
-        """The picture of a label: filled for the selected robot, with a warning sign for one in trouble."""
-        key = (label, colour, selected, trouble, ratio, palette.panel)
+    def of(self, lettering: Lettering, palette: Palette, font: QFont, ratio: float) -> Badge:
+        """The picture of a label."""
+        key = (lettering, ratio, palette.panel)
         badge = self._made.get(key)
         if badge is None:
-            badge = self._made[key] = _made(label, colour, selected, trouble, palette, font, ratio)
+            badge = self._made[key] = _made(lettering, palette, font, ratio)
         return badge
 
 
-def _made(label: str, colour: str, selected: bool, trouble: bool, palette: Palette, font: QFont, ratio: float) -> Badge:
-    lettering = QFont(font)
-    lettering.setPixelSize(TEXT)
-    lettering.setWeight(QFont.Weight.Bold)
-    metrics = QFontMetricsF(lettering)
-    sign = 19.0 if trouble else 0.0
-    width = float(round(max(metrics.horizontalAdvance(label) + sign + 13.0, HEIGHT)))
+def _made(lettering: Lettering, palette: Palette, font: QFont, ratio: float) -> Badge:
+    face = QFont(font)
+    face.setPixelSize(TEXT)
+    face.setWeight(QFont.Weight.Bold)
+    metrics = QFontMetricsF(face)
+    warning = SIGN if lettering.trouble else 0.0
+    own, other = metrics.horizontalAdvance(lettering.label), metrics.horizontalAdvance(lettering.taken)
+    taken = SIGN + other + GAP if lettering.taken else 0.0
+    width = float(round(max(own + warning + taken + 13.0, HEIGHT)))
     picture = QPixmap(round(width * ratio), round(HEIGHT * ratio))
     picture.setDevicePixelRatio(ratio)
     picture.fill(Qt.GlobalColor.transparent)
     painter = QPainter(picture)
     painter.setRenderHint(QPainter.RenderHint.Antialiasing)
+    colour, selected = lettering.colour, lettering.selected
+    ink = QColor(palette.panel if selected else palette.text)
     painter.setPen(QPen(QColor(palette.panel if selected else colour), 1.5))
     painter.setBrush(QColor(colour if selected else palette.panel))
     pill = QRectF(0.75, 0.75, width - 1.5, HEIGHT - 1.5)
     painter.drawRoundedRect(pill, pill.height() / 2.0, pill.height() / 2.0)
-    if trouble:
-        _paint_warning(painter, palette, lettering, on_colour=selected)
-    painter.setFont(lettering)
-    painter.setPen(QColor(palette.panel if selected else palette.text))
+    if lettering.trouble:
+        _paint_warning(painter, palette, face, on_colour=selected)
+    painter.setFont(face)
+    painter.setPen(ink)
     baseline = (HEIGHT + metrics.capHeight()) / 2.0
-    painter.drawText(QPointF(sign + (width - sign - metrics.horizontalAdvance(label)) / 2.0, baseline), label)
+    left = warning + (width - warning - taken - own) / 2.0
+    painter.drawText(QPointF(left, baseline), lettering.label)
+    if lettering.taken:
+        _paint_mast(painter, left + own + GAP, ink)
+        painter.drawText(QPointF(left + own + SIGN + GAP, baseline), lettering.taken)
     painter.end()
     return Badge(picture, width, HEIGHT)
+
+
+def _paint_mast(painter: QPainter, left: float, ink: QColor) -> None:
+    """A mast that sends to both sides: somebody elsewhere commands this robot."""
+    painter.setPen(QPen(ink, 1.4))
+    painter.setBrush(Qt.BrushStyle.NoBrush)
+    middle = left + SIGN / 2.0 - 2.0
+    painter.drawLine(QPointF(middle, 8.0), QPointF(middle, 15.0))
+    for reach in (3.0, 6.0):
+        around = QRectF(middle - reach, 8.0 - reach, 2.0 * reach, 2.0 * reach)
+        # Sixteenths of a degree.
+        painter.drawArc(around, -45 * 16, 90 * 16)
+        painter.drawArc(around, 135 * 16, 90 * 16)
 
 
 def _paint_warning(painter: QPainter, palette: Palette, font: QFont, *, on_colour: bool) -> None:

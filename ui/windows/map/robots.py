@@ -11,7 +11,7 @@ from PySide6.QtGui import QColor, QFont, QPainter, QPen, QPolygonF, QTransform
 from sim.geometry import FloatArray, Pose2
 from ui.model.scene import EllipseMark, RobotMark
 from ui.model.theme import Palette
-from ui.windows.map.badges import Anchor, Badges, placed
+from ui.windows.map.badges import Anchor, Badges, Lettering, placed
 from ui.windows.map.camera import Camera
 from ui.windows.map.points import lines, polygon
 
@@ -235,7 +235,12 @@ class Robots:
         if not seen:
             return
         badges = [
-            self._badges.of(mark.label, self._colour(mark), mark.selected, mark.trouble, self._palette, font, ratio)
+            self._badges.of(
+                Lettering(mark.label, self._colour(mark), mark.selected, mark.trouble, mark.taken),
+                self._palette,
+                font,
+                ratio,
+            )
             for mark in seen
         ]
         anchors = [

@@ -8,7 +8,7 @@ from thbridge.hunt.costs import spoken_energy
 from ui.model.screen import RobotCard
 from ui.windows.look import GAP, RADIUS, colours, font
 from ui.windows.participant.buttons import ActionButton, AskingButton
-from ui.windows.participant.painting import box, chip, chip_size, elided, hatch, key_cap, key_size, ring, sign
+from ui.windows.participant.painting import Sign, box, chip, chip_size, elided, hatch, key_cap, key_size, ring, sign
 
 PAD = 1.25 * GAP
 EDGE = 6.0
@@ -129,32 +129,34 @@ class CardFace(AskingButton):
 
     @staticmethod
     def _bottom_line(painter: QPainter, card: RobotCard, line: QRectF, small: QFontMetricsF) -> None:
+        """What is wrong, or who else commands it, before what it does and where."""
         worn = colours()
         ink = worn.bad if card.trouble else worn.text
         left = line.left()
-        if card.trouble:
+        marked: Sign | None = "trouble" if card.trouble else "mast" if card.commanded else None
+        if marked is not None:
             side = small.height() * 0.9
-            sign(painter, QRectF(left, line.center().y() - side / 2, side, side), "trouble", ink)
+            sign(painter, QRectF(left, line.center().y() - side / 2, side, side), marked, ink)
             left += side + GAP / 2.0
-        where = f" · {card.place}" if card.place else ""
-        face = font("small", bold=card.trouble)
-        state = elided(card.state, line.right() - left, QFontMetricsF(face))
+        told, *rest = _parts(card)
+        face = font("small", bold=marked is not None)
+        shown = elided(told, line.right() - left, QFontMetricsF(face))
         painter.setFont(face)
         painter.setPen(QColor(ink))
         painter.drawText(
             QRectF(left, line.top(), line.right() - left, line.height()),
             Qt.AlignmentFlag.AlignLeft | Qt.AlignmentFlag.AlignVCenter,
-            state,
+            shown,
         )
-        left += QFontMetricsF(face).horizontalAdvance(state)
-        if state == card.state and where:
+        left += QFontMetricsF(face).horizontalAdvance(shown)
+        if shown == told and rest:
             painter.setFont(font("small"))
             painter.setPen(QColor(worn.muted))
-            rest = QRectF(left, line.top(), line.right() - left, line.height())
+            space = QRectF(left, line.top(), line.right() - left, line.height())
             painter.drawText(
-                rest,
+                space,
                 Qt.AlignmentFlag.AlignLeft | Qt.AlignmentFlag.AlignVCenter,
-                elided(where, rest.width(), small),
+                elided("".join(f" · {part}" for part in rest), space.width(), small),
             )
 
     @staticmethod
@@ -267,6 +269,13 @@ class Cards(QWidget):
         return card
 
 
+def _parts(card: RobotCard) -> list[str]:
+    """What the last line says, the most important part first: trouble, then who else commands it."""
+    commanded = card.commanded[:1].upper() + card.commanded[1:]
+    first = (card.state, commanded) if card.trouble else (commanded, card.state)
+    return [part for part in (*first, card.place) if part]
+
+
 def draw_energy(painter: QPainter, rect: QRectF, card: RobotCard) -> None:
     """What is left in the robot's colour; the end that the considered move would take is hatched."""
     worn = colours()
@@ -308,6 +317,7 @@ def spoken_card(card: RobotCard) -> str:
     parts = [
         card.name,
         "selected" if card.selected else "",
+        card.commanded,
         f"energy {spoken_energy(card.energy)} of {spoken_energy(card.energy_at_start)}",
         f"this move costs {spoken_energy(card.cost)}" if card.cost is not None else "",
         "" if card.affordable else "which it cannot pay",

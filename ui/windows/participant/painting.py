@@ -7,7 +7,7 @@ from PySide6.QtGui import QBrush, QColor, QFontMetricsF, QPainter, QPainterPath,
 
 from ui.windows.look import GAP, RADIUS, RING, colours, font, on
 
-Sign = Literal["open", "way", "tick", "trouble", "busy", "talk"]
+Sign = Literal["open", "way", "tick", "trouble", "busy", "talk", "mast"]
 """Not visited yet, a robot is under way, visited; something is wrong; asked for and not done yet; somebody speaks."""
 
 
@@ -104,6 +104,13 @@ def sign(painter: QPainter, rect: QRectF, kind: Sign, ink: str) -> None:
         case "busy":
             painter.drawEllipse(area.adjusted(side * 0.08, side * 0.08, -side * 0.08, -side * 0.08))
             painter.drawPolyline([at(0.5, 0.25), at(0.5, 0.5), at(0.7, 0.6)])
+        case "mast":
+            painter.drawPolyline([at(0.5, 0.36), at(0.5, 0.95)])
+            for reach in (0.22, 0.44):
+                around = QRectF(at(0.5 - reach, 0.36 - reach), at(0.5 + reach, 0.36 + reach))
+                # Sixteenths of a degree.
+                painter.drawArc(around, -45 * 16, 90 * 16)
+                painter.drawArc(around, 135 * 16, 90 * 16)
         case "talk":
             bubble = QPainterPath()
             bubble.addRoundedRect(QRectF(at(0.05, 0.1), at(0.95, 0.72)), side * 0.18, side * 0.18)

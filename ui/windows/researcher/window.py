@@ -180,6 +180,7 @@ class ResearcherWindow(Deck):
             way=robot.plan if on(Display.PLANS) else NO_POINTS,
             ellipse=robot.ellipse if on(Display.ELLIPSES) else None,
             truth=robot.truth if on(Display.TRUTH) else None,
+            taken=robot.commander,
         )
 
     def _show_figures(self, scene: Scene) -> None:
@@ -251,7 +252,8 @@ class ResearcherWindow(Deck):
 
 def _row_of(robot: RobotScene) -> RobotRow:
     trouble = robot.trouble or robot.dead
-    return RobotRow(robot.name, robot.state, robot.error, robot.deviation, robot.energy, robot.speed, trouble)
+    state = f"{robot.state} · commanded by {robot.commander}".removeprefix(" · ") if robot.commander else robot.state
+    return RobotRow(robot.name, state, robot.error, robot.deviation, robot.energy, robot.speed, trouble)
 
 
 def _figures(series: RobotSeries, panel: str) -> dict[str, tuple[FloatArray, FloatArray]]:

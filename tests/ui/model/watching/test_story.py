@@ -44,6 +44,23 @@ def test_an_event_is_told_with_who_where_and_what() -> None:
     assert entry.important
 
 
+def test_who_commands_a_robot_at_a_time() -> None:
+    story = Story()
+    for said in (
+        event(1, "started"),
+        event(2, "commanded", 0, by="ground station", name="ground station 255"),
+        event(3, "commanded", 1, by="researcher", name="/rviz"),
+        event(4, "commanded", 1, by="participant", name=""),
+        event(5, "started"),
+    ):
+        story.take(said)
+    assert story.commanders(1) == {}
+    assert story.commanders(3) == {0: "ground station 255", 1: "researcher /rviz"}
+    assert story.commanders(4) == {0: "ground station 255"}
+    assert story.commanders(5) == {}
+    assert all(entry.important for entry in story.entries("event"))
+
+
 def test_grave_lines_of_the_log_are_important() -> None:
     story = Story()
     for level in LogLevel:

@@ -1,10 +1,16 @@
 """Labels lie beside their robots, off one another, and do not hop about."""
 
+from dataclasses import replace
+
 import numpy as np
 from hypothesis import given
 from hypothesis import strategies as st
+from PySide6.QtGui import QFont
 
-from ui.windows.map.badges import Anchor, placed
+from tests.ui.windows.map.houses import robot_at
+from ui.model.theme import LIGHT
+from ui.windows.map.badges import SIGN, Anchor, Badges, Lettering, placed
+from ui.windows.map.words import describe
 
 NOWHERE = np.empty((0, 4))
 
@@ -60,3 +66,18 @@ def test_a_label_leaves_words_readable() -> None:
     corners, places = placed(anchors([(100.0, 100.0)]), [-1], above)
     assert corners[0, 1] > 90.0
     assert placed(anchors([(100.0, 100.0)]), [0], above)[1] == places, "it moves away where it lay on words"
+
+
+def test_a_label_grows_by_the_words_on_who_commands_its_robot(qtbot) -> None:
+    badges, font = Badges(), QFont()
+    own = Lettering("1", LIGHT.robot(0), selected=False, trouble=False, taken="")
+    narrow = badges.of(own, LIGHT, font, 1.0)
+    wide = badges.of(replace(own, taken="ground station 255"), LIGHT, font, 1.0)
+    assert wide.width > narrow.width + SIGN and badges.of(own, LIGHT, font, 1.0) is narrow
+
+
+def test_the_map_in_words_says_who_commands_a_robot() -> None:
+    taken = replace(robot_at(0, 0.0, 0.0), taken="ground station 255")
+    assert describe((), (taken, robot_at(1, 1.0, 1.0))) == (
+        "Map: 0 rooms; robot 1 in the corridor, commanded by ground station 255; robot 2 in the corridor."
+    )
