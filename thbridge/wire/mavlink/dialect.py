@@ -8,6 +8,8 @@ from typing import cast
 from pymavlink.dialects.v20 import all as mav
 from pymavlink.dialects.v20.all import MAVLink_message as Message
 
+from thbridge.wire.mavlink.added import ADDED
+
 __all__ = [
     "EVERYBODY",
     "SECRETS",
@@ -23,6 +25,8 @@ __all__ = [
 
 EVERYBODY = 0
 """As a target: every system, or every component."""
+
+_KINDS = mav.mavlink_map | ADDED
 
 SECRETS = frozenset({mav.MAVLINK_MSG_ID_SETUP_SIGNING})
 """Messages that carry a key: they are thrown away where they come in, so that nothing forwards or records them."""
@@ -81,7 +85,7 @@ def longest_payload(message_id: int) -> int:
 
 def name_of(message_id: int) -> str:
     """What the dialect calls a message; its number where it does not know it."""
-    kind = mav.mavlink_map.get(message_id)
+    kind = _KINDS.get(message_id)
     return str(message_id) if kind is None else kind.msgname
 
 
@@ -150,4 +154,4 @@ def _layout_of(kind: type[Message]) -> _Layout:
     return _Layout(kind, kind.crc_extra, kind.unpacker, tuple(fields), declared)
 
 
-_LAYOUTS = {message_id: _layout_of(kind) for message_id, kind in mav.mavlink_map.items()}
+_LAYOUTS = {message_id: _layout_of(kind) for message_id, kind in _KINDS.items()}

@@ -1,0 +1,76 @@
+"""A vehicle as a whole: what it says by itself, and when it says nothing."""
+
+from collections import Counter
+from dataclasses import replace
+
+import pytest
+
+from tests.thbridge.wire.mavlink.rig import HEARTBEAT, HERE, SECOND, Rig, messages
+from thbridge.wire.mavlink.dialect import decoded, mav, payload_of
+from thbridge.wire.mavlink.options import Identity
+
+ONCE_A_SECOND = {"HEARTBEAT", "SYS_STATUS", "SYSTEM_TIME", "GPS_RAW_INT", "MISSION_CURRENT", "BATTERY_STATUS"}
+OFTEN = {"ATTITUDE", "GLOBAL_POSITION_INT", "LOCAL_POSITION_NED", "VFR_HUD"}
+
+
+@pytest.mark.parametrize("identity", Identity)
+def test_it_says_each_of_its_streams_at_its_rate_to_all_links(identity):
+    rig = Rig(identity=identity, position_rate=10.0)
+    rig.run(SECOND)
+    said = rig.run(10 * SECOND)
+    counts = Counter(word.message.get_type() for word in said)
+    assert counts == dict.fromkeys(ONCE_A_SECOND, 10) | dict.fromkeys(OFTEN, 100)
+    assert all(word.link is None for word in said)
+    assert {word.message.get_type() for word in said if word.to_sleepers} == {"HEARTBEAT"}
+
+
+def test_what_it_says_survives_the_wire():
+    rig = Rig()
+    for message in messages(rig.run(SECOND)):
+        again = decoded(message.get_msgId(), payload_of(message))
+        assert payload_of(again) == payload_of(message)
+
+
+def test_a_robot_that_does_not_answer_has_no_voice_until_it_answers_again():
+    rig = Rig()
+    alive = rig.robot.readings
+    rig.robot.readings = replace(alive, answers=False)
+    assert rig.run(3 * SECOND) == []
+    assert rig.arm() == []
+    rig.robot.readings = alive
+    assert "HEARTBEAT" in {message.get_type() for message in messages(rig.run(SECOND))}
+    assert rig.arm() == [0]
+
+
+def test_a_heartbeat_tells_of_a_change_at_once():
+    rig = Rig()
+    rig.run(SECOND)
+    rig.arm()
+    (beat,) = messages(rig.run(1), "HEARTBEAT")
+    assert beat.base_mode & mav.MAV_MODE_FLAG_SAFETY_ARMED
+    assert beat.system_status == mav.MAV_STATE_ACTIVE
+
+
+def test_status_says_whether_a_ground_station_is_heard():
+    rig = Rig()
+    assert not rig.status.connected
+    rig.hear(HEARTBEAT)
+    rig.run(SECOND)
+    assert rig.status.connected
+    rig.run(6 * SECOND)
+    assert not rig.status.connected
+
+
+def test_news_of_the_game_are_told_to_people():
+    rig = Rig()
+    rig.robot.readings = replace(rig.robot.readings, news=("Robot 3 has reached room 4.",))
+    rig.run(1)
+    rig.robot.readings = replace(rig.robot.readings, news=())
+    assert rig.texts() == ["Robot 3 has reached room 4."]
+
+
+def test_a_link_that_is_gone_takes_its_rates_along():
+    rig = Rig()
+    rig.long(mav.MAV_CMD_SET_MESSAGE_INTERVAL, mav.MAVLINK_MSG_ID_ATTITUDE, 20_000)
+    rig.vehicle.forget(HERE)
+    assert all(word.link is None and not word.besides for word in rig.run(SECOND))

@@ -1,0 +1,86 @@
+"""MAVLink's coordinate frames: points, headings and velocities as the map has them, and back.
+
+The map has x east and y north, and angles from east, anticlockwise; MAVLink has north first, then east, and angles from
+north, clockwise. Heights are of no account: all robots stand on one floor.
+"""
+
+import math
+
+from sim.geometry import Pose2, wrap_angle
+from sim.observations import Twist
+from thbridge.wire.mavlink.dialect import mav
+
+GLOBAL = frozenset(
+    {
+        mav.MAV_FRAME_GLOBAL,
+        mav.MAV_FRAME_GLOBAL_RELATIVE_ALT,
+        mav.MAV_FRAME_GLOBAL_TERRAIN_ALT,
+        mav.MAV_FRAME_GLOBAL_INT,
+        mav.MAV_FRAME_GLOBAL_RELATIVE_ALT_INT,
+        mav.MAV_FRAME_GLOBAL_TERRAIN_ALT_INT,
+    }
+)
+"""Latitude and longitude; these frames differ in their heights alone."""
+
+_BODY = frozenset({mav.MAV_FRAME_BODY_NED, mav.MAV_FRAME_BODY_OFFSET_NED, mav.MAV_FRAME_BODY_FRD})
+
+LOCAL = _BODY | {mav.MAV_FRAME_LOCAL_NED, mav.MAV_FRAME_LOCAL_OFFSET_NED}
+"""Metres: from the map's origin or from the robot, along the map's axes or along the robot's."""
+
+_TURN_RATE = 2.0
+"""Radians per second for each radian that a robot points away from where it is to drive."""
+
+
+def yaw_of(theta: float) -> float:
+    """A direction of the map as MAVLink's yaw, radians from north, clockwise, in [-pi, pi)."""
+    return wrap_angle(math.pi / 2.0 - theta)
+
+
+def theta_of(yaw: float) -> float:
+    """A finite yaw as a direction of the map."""
+    return wrap_angle(math.pi / 2.0 - yaw)
+
+
+def compass(theta: float) -> float:
+    """A direction of the map in degrees from north, clockwise, in [0, 360)."""
+    return math.degrees(yaw_of(theta)) % 360.0
+
+
+def north_east(twist: Twist, theta: float) -> tuple[float, float]:
+    """How a robot that points to `theta` moves, m/s."""
+    return twist.linear * math.sin(theta), twist.linear * math.cos(theta)
+
+
+def point_in_map(frame: int, first: float, second: float, base_in_map: Pose2) -> tuple[float, float]:
+    """The point of the map with these coordinates in a frame of `LOCAL`: north and east, or forward and right."""
+    if frame in _BODY:
+        away = base_in_map.compose(Pose2(first, -second, 0.0))
+        return away.x, away.y
+    if frame == mav.MAV_FRAME_LOCAL_OFFSET_NED:
+        return base_in_map.x + second, base_in_map.y + first
+    return second, first
+
+
+def twist_towards(
+    frame: int, first: float, second: float, yaw_rate: float, base_in_map: Pose2, fastest: Twist
+) -> Twist:
+    """How a robot, which cannot move sideways, follows a velocity in a frame of `LOCAL`.
+
+    Along its own axes it takes what is forward, and the rate of turn; along the map's it turns to where the velocity
+    points and drives the faster, the better it points there.
+    """
+    if frame in _BODY:
+        return bounded(Twist(first, -yaw_rate), fastest)
+    speed = math.hypot(first, second)
+    if speed == 0.0:
+        return Twist(0.0, 0.0)
+    error = wrap_angle(math.atan2(first, second) - base_in_map.theta)
+    return bounded(Twist(speed * max(0.0, math.cos(error)), _TURN_RATE * error), fastest)
+
+
+def bounded(twist: Twist, fastest: Twist) -> Twist:
+    """The twist, each of its speeds cut to the fastest."""
+    return Twist(
+        max(-fastest.linear, min(twist.linear, fastest.linear)),
+        max(-fastest.angular, min(twist.angular, fastest.angular)),
+    )

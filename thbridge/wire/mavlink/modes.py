@@ -1,0 +1,78 @@
+"""The modes of a vehicle, and the numbers by which ground stations know them.
+
+ArduPilot's rovers number their modes; PX4 has a main mode and a mode below it. A vehicle that says it is ArduPilot's
+shows the former; one that says it is nobody's shows the latter, as MAVSDK expects of all that is not ArduPilot's.
+
+Source: ArduPilot, Rover, `Mode::Number`; PX4, `px4_custom_mode.h`.
+"""
+
+from enum import StrEnum
+
+from thbridge.wire.mavlink.dialect import mav
+from thbridge.wire.mavlink.options import Identity
+
+
+class Mode(StrEnum):
+    """What a vehicle does by itself."""
+
+    HOLD = "HOLD"
+    GUIDED = "GUIDED"
+    AUTO = "AUTO"
+    RETURN = "RTL"
+    MANUAL = "MANUAL"
+
+
+_ARDUPILOT = {Mode.MANUAL: 0, Mode.HOLD: 4, Mode.AUTO: 10, Mode.RETURN: 11, Mode.GUIDED: 15}
+
+_PX4_MANUAL, _PX4_ALTCTL, _PX4_POSCTL, _PX4_AUTO, _PX4_OFFBOARD = 1, 2, 3, 4, 6
+_PX4 = {
+    Mode.MANUAL: (_PX4_MANUAL, 0),
+    Mode.HOLD: (_PX4_AUTO, 3),
+    Mode.AUTO: (_PX4_AUTO, 4),
+    Mode.RETURN: (_PX4_AUTO, 5),
+    Mode.GUIDED: (_PX4_OFFBOARD, 0),
+}
+
+_ASKED_ARDUPILOT = {number: mode for mode, number in _ARDUPILOT.items()}
+_ASKED_GENERIC = (
+    {(number, 0): mode for mode, number in _ARDUPILOT.items()}
+    | {numbers: mode for mode, numbers in _PX4.items()}
+    # Flown by hand, with more help or less.
+    | {(_PX4_ALTCTL, 0): Mode.MANUAL, (_PX4_POSCTL, 0): Mode.MANUAL}
+)
+"""MAVProxy and mavutil send ArduPilot's numbers to everything that is not PX4's; none of them means two things here."""
+
+_STANDARD = {Mode.RETURN: mav.MAV_STANDARD_MODE_SAFE_RECOVERY, Mode.AUTO: mav.MAV_STANDARD_MODE_MISSION}
+
+
+def custom_mode(identity: Identity, mode: Mode) -> int:
+    """The number by which heartbeats show a mode."""
+    if identity is Identity.ARDUPILOT:
+        return _ARDUPILOT[mode]
+    main, sub = _PX4[mode]
+    return main << 16 | sub << 24
+
+
+def mode_asked(identity: Identity, main: int, sub: int) -> Mode | None:
+    """The mode that is meant; None where there is none of these numbers.
+
+    Args:
+        identity: whose autopilot the vehicle says it has.
+        main: a main mode, or a whole number as heartbeats show it.
+        sub: the mode below a main one; else 0.
+    """
+    if identity is Identity.ARDUPILOT:
+        return _ASKED_ARDUPILOT.get(main) if sub == 0 else None
+    if main > 0xFFFF:
+        main, sub = main >> 16 & 0xFF, main >> 24
+    return _ASKED_GENERIC.get((main, sub))
+
+
+def standard_mode(mode: Mode) -> int:
+    """A mode's code of MAV_STANDARD_MODE; 0 where the standard has none like it."""
+    return _STANDARD.get(mode, mav.MAV_STANDARD_MODE_NON_STANDARD)
+
+
+def mode_of_standard(code: int) -> Mode | None:
+    """The mode of a code of MAV_STANDARD_MODE; None where there is none."""
+    return next((mode for mode, standard in _STANDARD.items() if standard == code), None)

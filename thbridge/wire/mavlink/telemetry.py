@@ -1,0 +1,380 @@
+"""What a vehicle says of its robot: messages made of what the robot itself believes."""
+
+import math
+from collections.abc import Callable
+from dataclasses import dataclass
+
+from sim.geometry import Pose2
+from sim.observations import TICK, TICKS_PER_SECOND
+from thbridge.wire.mavlink.added import ComponentMetadata, ProtocolVersion
+from thbridge.wire.mavlink.dialect import Message, mav
+from thbridge.wire.mavlink.earth import Earth
+from thbridge.wire.mavlink.frames import compass, north_east, yaw_of
+from thbridge.wire.mavlink.helm import Readings
+from thbridge.wire.mavlink.modes import Mode, custom_mode, standard_mode
+from thbridge.wire.mavlink.options import Identity
+from thbridge.wire.mavlink.streams import OFF
+
+MILLISECONDS_PER_TICK = 1000 // TICKS_PER_SECOND
+
+_UNKNOWN_16 = 0xFFFF
+_POSITION_ONLY = 0x0DF8
+"""Of a target's fields: velocity, acceleration, yaw and its rate are to be ignored."""
+
+_KNOWS_WHERE = mav.MAV_SYS_STATUS_SENSOR_GPS | mav.MAV_SYS_STATUS_AHRS | mav.MAV_SYS_STATUS_SENSOR_XY_POSITION_CONTROL
+_SENSORS = (
+    # Ground stations think a vehicle ready that claims gyroscope, accelerometer and compass to be well.
+    mav.MAV_SYS_STATUS_SENSOR_3D_GYRO
+    | mav.MAV_SYS_STATUS_SENSOR_3D_ACCEL
+    | mav.MAV_SYS_STATUS_SENSOR_3D_MAG
+    | mav.MAV_SYS_STATUS_SENSOR_LASER_POSITION
+    | mav.MAV_SYS_STATUS_SENSOR_ANGULAR_RATE_CONTROL
+    | mav.MAV_SYS_STATUS_SENSOR_YAW_POSITION
+    | mav.MAV_SYS_STATUS_SENSOR_MOTOR_OUTPUTS
+    | mav.MAV_SYS_STATUS_SENSOR_BATTERY
+    | mav.MAV_SYS_STATUS_PREARM_CHECK
+    | _KNOWS_WHERE
+)
+
+_CAPABILITIES = (
+    mav.MAV_PROTOCOL_CAPABILITY_PARAM_FLOAT
+    | mav.MAV_PROTOCOL_CAPABILITY_PARAM_ENCODE_C_CAST
+    | mav.MAV_PROTOCOL_CAPABILITY_MISSION_INT
+    | mav.MAV_PROTOCOL_CAPABILITY_COMMAND_INT
+    | mav.MAV_PROTOCOL_CAPABILITY_SET_POSITION_TARGET_LOCAL_NED
+    | mav.MAV_PROTOCOL_CAPABILITY_SET_POSITION_TARGET_GLOBAL_INT
+    | mav.MAV_PROTOCOL_CAPABILITY_MAVLINK2
+)
+
+_SATELLITES = 12
+_ACCURACY = 50
+"""Of a position, in millimetres and millimetres per second: what an estimate among walls is good for."""
+
+
+@dataclass(frozen=True, slots=True)
+class Standing:
+    """How a vehicle stands after a tick.
+
+    Attributes:
+        tick: which.
+        readings: of its robot.
+        mode: as it is shown.
+        armed: a station may move it, or it moves.
+        by_hand: it is driven by hand.
+    """
+
+    tick: int
+    readings: Readings
+    mode: Mode
+    armed: bool
+    by_hand: bool
+
+    @property
+    def milliseconds(self) -> int:
+        """Of simulated time since the session began, as 32 bits count them."""
+        return self.tick * MILLISECONDS_PER_TICK & 0xFFFFFFFF
+
+    @property
+    def system_status(self) -> int:
+        """A code of MAV_STATE."""
+        if self.readings.lost:
+            return mav.MAV_STATE_CRITICAL
+        return mav.MAV_STATE_ACTIVE if self.armed else mav.MAV_STATE_STANDBY
+
+
+def default_streams(position_rate: float) -> dict[int, int]:
+    """Ticks between two of each message that can be asked for.
+
+    Args:
+        position_rate: of position, attitude and speed, Hz.
+    """
+    often = max(1, round(TICKS_PER_SECOND / position_rate)) if position_rate > 0.0 else OFF
+    return {
+        mav.MAVLINK_MSG_ID_HEARTBEAT: TICKS_PER_SECOND,
+        mav.MAVLINK_MSG_ID_SYS_STATUS: TICKS_PER_SECOND,
+        mav.MAVLINK_MSG_ID_SYSTEM_TIME: TICKS_PER_SECOND,
+        mav.MAVLINK_MSG_ID_GPS_RAW_INT: TICKS_PER_SECOND,
+        mav.MAVLINK_MSG_ID_MISSION_CURRENT: TICKS_PER_SECOND,
+        mav.MAVLINK_MSG_ID_BATTERY_STATUS: TICKS_PER_SECOND,
+        mav.MAVLINK_MSG_ID_ATTITUDE: often,
+        mav.MAVLINK_MSG_ID_GLOBAL_POSITION_INT: often,
+        mav.MAVLINK_MSG_ID_LOCAL_POSITION_NED: often,
+        mav.MAVLINK_MSG_ID_VFR_HUD: often,
+        mav.MAVLINK_MSG_ID_ATTITUDE_QUATERNION: OFF,
+        mav.MAVLINK_MSG_ID_GPS_GLOBAL_ORIGIN: OFF,
+        mav.MAVLINK_MSG_ID_NAV_CONTROLLER_OUTPUT: OFF,
+        mav.MAVLINK_MSG_ID_POSITION_TARGET_LOCAL_NED: OFF,
+        mav.MAVLINK_MSG_ID_POSITION_TARGET_GLOBAL_INT: OFF,
+        mav.MAVLINK_MSG_ID_AUTOPILOT_VERSION: OFF,
+        mav.MAVLINK_MSG_ID_HOME_POSITION: OFF,
+        mav.MAVLINK_MSG_ID_EXTENDED_SYS_STATE: OFF,
+        ProtocolVersion.id: OFF,
+        ComponentMetadata.id: OFF,
+        mav.MAVLINK_MSG_ID_CURRENT_MODE: OFF,
+        mav.MAVLINK_MSG_ID_AVAILABLE_MODES_MONITOR: OFF,
+    }
+
+
+class Telemetry:
+    """The messages of one vehicle.
+
+    Args:
+        system: its system id.
+        identity: whose autopilot it says it has.
+        earth: where its map lies.
+        home: where its robot started.
+        mission_current: makes MISSION_CURRENT.
+    """
+
+    def __init__(
+        self,
+        system: int,
+        identity: Identity,
+        earth: Earth,
+        home: Callable[[], Pose2],
+        mission_current: Callable[[], Message],
+    ) -> None:
+        self._system = system
+        self._identity = identity
+        self._earth = earth
+        self._altitude = round(earth.altitude * 1000.0)
+        self._home = home
+        self._makers: dict[int, Callable[[Standing], Message | None]] = {
+            mav.MAVLINK_MSG_ID_HEARTBEAT: self._heartbeat,
+            mav.MAVLINK_MSG_ID_SYS_STATUS: self._sys_status,
+            mav.MAVLINK_MSG_ID_SYSTEM_TIME: self._system_time,
+            mav.MAVLINK_MSG_ID_GPS_RAW_INT: self._gps_raw_int,
+            mav.MAVLINK_MSG_ID_MISSION_CURRENT: lambda _: mission_current(),
+            mav.MAVLINK_MSG_ID_BATTERY_STATUS: self._battery_status,
+            mav.MAVLINK_MSG_ID_ATTITUDE: self._attitude,
+            mav.MAVLINK_MSG_ID_GLOBAL_POSITION_INT: self._global_position_int,
+            mav.MAVLINK_MSG_ID_LOCAL_POSITION_NED: self._local_position_ned,
+            mav.MAVLINK_MSG_ID_VFR_HUD: self._vfr_hud,
+            mav.MAVLINK_MSG_ID_ATTITUDE_QUATERNION: self._attitude_quaternion,
+            mav.MAVLINK_MSG_ID_GPS_GLOBAL_ORIGIN: self._gps_global_origin,
+            mav.MAVLINK_MSG_ID_NAV_CONTROLLER_OUTPUT: self._nav_controller_output,
+            mav.MAVLINK_MSG_ID_POSITION_TARGET_LOCAL_NED: self._position_target_local_ned,
+            mav.MAVLINK_MSG_ID_POSITION_TARGET_GLOBAL_INT: self._position_target_global_int,
+            mav.MAVLINK_MSG_ID_AUTOPILOT_VERSION: self._autopilot_version,
+            mav.MAVLINK_MSG_ID_HOME_POSITION: self._home_position,
+            mav.MAVLINK_MSG_ID_EXTENDED_SYS_STATE: self._extended_sys_state,
+            ProtocolVersion.id: self._protocol_version,
+            ComponentMetadata.id: self._component_metadata,
+            mav.MAVLINK_MSG_ID_CURRENT_MODE: self._current_mode,
+            mav.MAVLINK_MSG_ID_AVAILABLE_MODES_MONITOR: self._available_modes_monitor,
+        }
+
+    def message(self, number: int, standing: Standing) -> Message | None:
+        """A message of `default_streams`; None where there is nothing to say, as of a goal when there is none."""
+        return self._makers[number](standing)
+
+    def available_mode(self, place: int) -> Message:
+        """One of the modes there are, by its place from 1."""
+        mode = list(Mode)[place - 1]
+        custom, standard = custom_mode(self._identity, mode), standard_mode(mode)
+        return mav.MAVLink_available_modes_message(len(Mode), place, standard, custom, 0, mode.value.encode())
+
+    def _heartbeat(self, now: Standing) -> Message:
+        ardupilot = self._identity is Identity.ARDUPILOT
+        return mav.MAVLink_heartbeat_message(
+            mav.MAV_TYPE_GROUND_ROVER,
+            mav.MAV_AUTOPILOT_ARDUPILOTMEGA if ardupilot else mav.MAV_AUTOPILOT_GENERIC,
+            base_mode(now),
+            custom_mode(self._identity, now.mode),
+            now.system_status,
+            3,
+        )
+
+    def _sys_status(self, now: Standing) -> Message:
+        healthy = _SENSORS & ~_KNOWS_WHERE if now.readings.lost else _SENSORS
+        remaining = _remaining(now.readings)
+        return mav.MAVLink_sys_status_message(
+            _SENSORS, _SENSORS, healthy, 0, _UNKNOWN_16, -1, remaining, 0, 0, 0, 0, 0, 0
+        )
+
+    def _battery_status(self, now: Standing) -> Message:
+        remaining = _remaining(now.readings)
+        if remaining > 20:
+            charge = mav.MAV_BATTERY_CHARGE_STATE_OK
+        elif remaining > 0:
+            charge = mav.MAV_BATTERY_CHARGE_STATE_LOW
+        else:
+            charge = mav.MAV_BATTERY_CHARGE_STATE_CRITICAL
+        whole, no_voltages = mav.MAV_BATTERY_FUNCTION_ALL, [_UNKNOWN_16] * 10
+        kind = mav.MAV_BATTERY_TYPE_UNKNOWN
+        return mav.MAVLink_battery_status_message(
+            0, whole, kind, 0x7FFF, no_voltages, -1, -1, -1, remaining, 0, charge, [0, 0, 0, 0], 0, 0
+        )
+
+    def _system_time(self, now: Standing) -> Message:
+        # Simulated time is no time of day: the first field stays unknown.
+        return mav.MAVLink_system_time_message(0, now.milliseconds)
+
+    def _gps_raw_int(self, now: Standing) -> Message:
+        pose, twist = now.readings.base_in_map, now.readings.twist
+        place = self._earth.place(pose.x, pose.y)
+        fix = mav.GPS_FIX_TYPE_NO_FIX if now.readings.lost else mav.GPS_FIX_TYPE_3D_FIX
+        heading = _hundredths(compass(pose.theta))
+        course = heading if twist.linear >= 0.0 else (heading + 18_000) % 36_000
+        return mav.MAVLink_gps_raw_int_message(
+            round(now.tick * TICK * 1e6),
+            fix,
+            place.latitude,
+            place.longitude,
+            self._altitude,
+            100,
+            100,
+            _within(abs(twist.linear) * 100.0, 0, _UNKNOWN_16 - 1),
+            course,
+            _SATELLITES,
+            self._altitude,
+            _ACCURACY,
+            _ACCURACY,
+            _ACCURACY,
+            0,
+            heading or 36_000,
+        )
+
+    def _attitude(self, now: Standing) -> Message:
+        yaw, rate = yaw_of(now.readings.base_in_map.theta), -now.readings.twist.angular
+        return mav.MAVLink_attitude_message(now.milliseconds, 0.0, 0.0, yaw, 0.0, 0.0, rate)
+
+    def _attitude_quaternion(self, now: Standing) -> Message:
+        q, rate = _quaternion(now.readings.base_in_map.theta), -now.readings.twist.angular
+        return mav.MAVLink_attitude_quaternion_message(now.milliseconds, *q, 0.0, 0.0, rate)
+
+    def _global_position_int(self, now: Standing) -> Message:
+        pose = now.readings.base_in_map
+        place, (north, east) = self._earth.place(pose.x, pose.y), north_east(now.readings.twist, pose.theta)
+        speeds = (_centimetres(north), _centimetres(east), 0)
+        heading = _hundredths(compass(pose.theta))
+        where = (place.latitude, place.longitude, self._altitude, 0)
+        return mav.MAVLink_global_position_int_message(now.milliseconds, *where, *speeds, heading)
+
+    def _local_position_ned(self, now: Standing) -> Message:
+        pose = now.readings.base_in_map
+        north, east = north_east(now.readings.twist, pose.theta)
+        return mav.MAVLink_local_position_ned_message(now.milliseconds, pose.y, pose.x, 0.0, north, east, 0.0)
+
+    def _vfr_hud(self, now: Standing) -> Message:
+        speed = abs(now.readings.twist.linear)
+        heading = int(compass(now.readings.base_in_map.theta))
+        return mav.MAVLink_vfr_hud_message(0.0, speed, heading, 0, self._earth.altitude, 0.0)
+
+    def _gps_global_origin(self, now: Standing) -> Message:
+        place = self._earth.place(0.0, 0.0)
+        microseconds = round(now.tick * TICK * 1e6)
+        return mav.MAVLink_gps_global_origin_message(place.latitude, place.longitude, self._altitude, microseconds)
+
+    def _nav_controller_output(self, now: Standing) -> Message | None:
+        goal, pose, leg = now.readings.goal_in_map, now.readings.base_in_map, now.readings.leg
+        if goal is None:
+            return None
+        bearing = round(compass(math.atan2(goal.y - pose.y, goal.x - pose.x)))
+        remaining = pose.distance(goal) if leg is None else leg.remaining
+        metres = _within(remaining, 0, _UNKNOWN_16)
+        return mav.MAVLink_nav_controller_output_message(0.0, 0.0, bearing, bearing, metres, 0.0, 0.0, 0.0)
+
+    def _position_target_local_ned(self, now: Standing) -> Message | None:
+        goal = now.readings.goal_in_map
+        if goal is None:
+            return None
+        frame, nothing = mav.MAV_FRAME_LOCAL_NED, (0.0,) * 6
+        where = (goal.y, goal.x, 0.0)
+        return mav.MAVLink_position_target_local_ned_message(
+            now.milliseconds, frame, _POSITION_ONLY, *where, *nothing, 0.0, 0.0
+        )
+
+    def _position_target_global_int(self, now: Standing) -> Message | None:
+        goal = now.readings.goal_in_map
+        if goal is None:
+            return None
+        place, frame, nothing = self._earth.place(goal.x, goal.y), mav.MAV_FRAME_GLOBAL_INT, (0.0,) * 6
+        where = (place.latitude, place.longitude, self._earth.altitude)
+        return mav.MAVLink_position_target_global_int_message(
+            now.milliseconds, frame, _POSITION_ONLY, *where, *nothing, 0.0, 0.0
+        )
+
+    def _home_position(self, now: Standing) -> Message:
+        home = self._home()
+        place = self._earth.place(home.x, home.y)
+        return mav.MAVLink_home_position_message(
+            place.latitude,
+            place.longitude,
+            self._altitude,
+            home.y,
+            home.x,
+            0.0,
+            list(_quaternion(home.theta)),
+            0.0,
+            0.0,
+            0.0,
+            round(now.tick * TICK * 1e6),
+        )
+
+    def _extended_sys_state(self, now: Standing) -> Message:
+        return mav.MAVLink_extended_sys_state_message(mav.MAV_VTOL_STATE_UNDEFINED, mav.MAV_LANDED_STATE_ON_GROUND)
+
+    def _autopilot_version(self, now: Standing) -> Message:
+        # No version: ground stations would judge it by that of the autopilot whose numbers this vehicle borrows.
+        nothing = [0] * 8
+        return mav.MAVLink_autopilot_version_message(
+            _CAPABILITIES, 0, 0, 0, 0, nothing, nothing, nothing, 0, 0, self._system
+        )
+
+    def _protocol_version(self, now: Standing) -> Message:
+        return ProtocolVersion(200, 100, 200, [0] * 8, [0] * 8)
+
+    def _component_metadata(self, now: Standing) -> Message:
+        # There are no files about this vehicle; ground stations then go on.
+        return ComponentMetadata(now.milliseconds, 0, b"")
+
+    def _current_mode(self, now: Standing) -> Message:
+        custom = custom_mode(self._identity, now.mode)
+        return mav.MAVLink_current_mode_message(standard_mode(now.mode), custom, custom)
+
+    def _available_modes_monitor(self, now: Standing) -> Message:
+        # The modes never change.
+        return mav.MAVLink_available_modes_monitor_message(0)
+
+
+def base_mode(now: Standing) -> int:
+    """The bits of MAV_MODE_FLAG."""
+    bits: int = mav.MAV_MODE_FLAG_CUSTOM_MODE_ENABLED
+    if now.armed:
+        bits |= mav.MAV_MODE_FLAG_SAFETY_ARMED
+    match now.mode:
+        case Mode.MANUAL:
+            bits |= mav.MAV_MODE_FLAG_MANUAL_INPUT_ENABLED
+        case Mode.GUIDED:
+            bits |= mav.MAV_MODE_FLAG_GUIDED_ENABLED
+        case Mode.AUTO | Mode.RETURN:
+            bits |= mav.MAV_MODE_FLAG_GUIDED_ENABLED | mav.MAV_MODE_FLAG_AUTO_ENABLED
+    return bits
+
+
+def _remaining(readings: Readings) -> int:
+    """Per cent of its energy that a robot has left; -1 where there is no such thing."""
+    if not 0.0 < readings.capacity < math.inf:
+        return -1
+    return _within(100.0 * readings.energy / readings.capacity, 0, 100)
+
+
+def _within(value: float, low: int, high: int) -> int:
+    """The nearest whole number from `low` to `high`."""
+    return round(max(low, min(value, high)))
+
+
+def _centimetres(speed: float) -> int:
+    return _within(100.0 * speed, -0x7FFF, 0x7FFF)
+
+
+def _hundredths(degrees: float) -> int:
+    """A compass heading in hundredths of degrees, from 0 to 35999."""
+    return round(degrees * 100.0) % 36_000
+
+
+def _quaternion(theta: float) -> tuple[float, float, float, float]:
+    """A direction of the map as a turn about MAVLink's axis down, w first."""
+    half = yaw_of(theta) / 2.0
+    return math.cos(half), 0.0, 0.0, math.sin(half)
