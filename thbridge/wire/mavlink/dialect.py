@@ -95,7 +95,8 @@ def payload_of(message: Message) -> bytes:
     Raises:
         struct.error, OverflowError: a field does not fit its type.
     """
-    layout = _LAYOUTS[message.get_msgId()]
+    # By its own class, which may have more fields at its end than the dialect's.
+    layout = _BY_CLASS.get(type(message)) or _layout_of(type(message))
     values: list[object] = []
     for field in layout.fields:
         value: object = getattr(message, field.name)
@@ -155,3 +156,4 @@ def _layout_of(kind: type[Message]) -> _Layout:
 
 
 _LAYOUTS = {message_id: _layout_of(kind) for message_id, kind in _KINDS.items()}
+_BY_CLASS = {layout.kind: layout for layout in _LAYOUTS.values()}

@@ -15,6 +15,7 @@ from sim.observations import TICKS_PER_SECOND
 from thbridge.wire.mavlink.dialect import mav
 from thbridge.wire.mavlink.earth import Earth, Place
 from thbridge.wire.mavlink.helm import Denied, Helm, LegState, Readings, Refusal, Station
+from thbridge.wire.mavlink.mission_ids import MissionCurrent, plan_id
 from thbridge.wire.mavlink.mission_items import METRES_ON_WIRE, Item
 from thbridge.wire.mavlink.parts import Announce, Severity
 from thbridge.wire.mavlink.said import Said
@@ -70,6 +71,7 @@ class MissionRun:
         self._earth = earth
         self._announce = announce
         self._plan: tuple[Item, ...] = ()
+        self._plan_id = plan_id(())
         self._at = 0
         self._last: int | None = None
         self._state: int = mav.MISSION_STATE_NOT_STARTED
@@ -81,6 +83,11 @@ class MissionRun:
     def plan(self) -> tuple[Item, ...]:
         """All items, as they are told to whoever asks."""
         return self._plan
+
+    @property
+    def plan_id(self) -> int:
+        """Tells this plan from others."""
+        return self._plan_id
 
     @property
     def at(self) -> int:
@@ -96,11 +103,11 @@ class MissionRun:
         """Whether this item only tells where home is."""
         return self._ardupilot and item == 0
 
-    def current(self) -> mav.MAVLink_mission_current_message:
+    def current(self) -> MissionCurrent:
         """How the mission stands."""
         state, total = (self._state, self._size) if self._size > 0 else (mav.MISSION_STATE_NO_MISSION, _NO_TOTAL)
         mode = _IN_MISSION_MODE if self.running else _SUSPENDED
-        return mav.MAVLink_mission_current_message(self._at, total, state, mode)
+        return MissionCurrent(self._at, total, state, mode, self._plan_id)
 
     def denied(self, station: Station) -> Denied | None:
         """Why this station may not change the mission: it is under way by another one's command."""
@@ -117,7 +124,7 @@ class MissionRun:
             plan = (self._home(), *plan[1:])
         done = self._at + 1
         goes_on = len(plan) >= done and plan[:done] == self._plan[:done]
-        self._plan, self._last = plan, None
+        self._plan, self._plan_id, self._last = plan, plan_id(plan), None
         if not goes_on:
             self._go(0)
             self._jumps.clear()

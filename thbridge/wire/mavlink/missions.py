@@ -11,6 +11,7 @@ from typing import NamedTuple
 from sim.observations import TICKS_PER_SECOND
 from thbridge.wire.mavlink.dialect import Message, mav
 from thbridge.wire.mavlink.helm import Denied, Readings, Refusal, Station
+from thbridge.wire.mavlink.mission_ids import MissionAck, MissionCount
 from thbridge.wire.mavlink.mission_items import Item, Unfit, item_of, message_of, old_message_of, unfit
 from thbridge.wire.mavlink.mission_run import MissionRun
 from thbridge.wire.mavlink.parts import Announce, Severity
@@ -83,6 +84,13 @@ class _Upload:
         return len(self.kept_before) + self.count + len(self.kept_after)
 
 
+class _Completed(NamedTuple):
+    """The upload that was completed last; its last item comes again if the acknowledgement got lost."""
+
+    peer: _Peer
+    last: int
+
+
 @dataclass(slots=True)
 class _Download:
     """Somebody who reads the plan, which stays for them as it was when they began."""
@@ -104,8 +112,7 @@ class Missions:
         self._announce = announce
         self._upload: _Upload | None = None
         self._downloads: dict[_Peer, _Download] = {}
-        # The last item of the upload that was completed last: it comes again if the acknowledgement got lost.
-        self._completed: tuple[_Peer, int] | None = None
+        self._completed: _Completed | None = None
         self._tick = 0
 
     def hear(self, link: LinkId, sender: Station, message: Message) -> Iterator[Said]:
@@ -143,6 +150,8 @@ class Missions:
         """A link is gone, and with it the transfers on it."""
         if self._upload is not None and self._upload.peer.link == link:
             self._upload = None
+        if self._completed is not None and self._completed.peer.link == link:
+            self._completed = None
         self._downloads = {peer: there for peer, there in self._downloads.items() if peer.link != link}
 
     def _transferred(self, tick: int) -> Iterator[Said]:
@@ -213,10 +222,10 @@ class Missions:
 
     def _late_item(self, peer: _Peer, seq: int) -> Iterator[Said]:
         """An item while none is waited for."""
-        if self._completed is None or self._completed[0] != peer:
+        if self._completed is None or self._completed.peer != peer:
             yield _ack(peer, mav.MAV_MISSION_ERROR)
-        elif self._completed[1] == seq:
-            yield _ack(peer, mav.MAV_MISSION_ACCEPTED)
+        elif self._completed.last == seq:
+            yield _ack(peer, mav.MAV_MISSION_ACCEPTED, plan=self._run.plan_id)
 
     def _next_item(self, upload: _Upload, message: _ItemMessage) -> Iterator[Said]:
         item = self._admitted(message, upload.size)
@@ -233,7 +242,7 @@ class Missions:
             yield from self._refused(upload.peer, denied)
         else:
             yield from self._complete(upload.peer, (*upload.kept_before, *upload.items, *upload.kept_after))
-            self._completed = (upload.peer, message.seq)
+            self._completed = _Completed(upload.peer, message.seq)
 
     def _admitted(self, message: _ItemMessage, size: int) -> Item | Unfit:
         item = item_of(message)
@@ -249,7 +258,7 @@ class Missions:
             yield _ack(peer, mav.MAV_MISSION_UNSUPPORTED, mission_type)
         else:
             self._downloads[peer] = _Download(self._run.plan, self._tick)
-            yield _count(peer, len(self._run.plan), mission_type)
+            yield _count(peer, len(self._run.plan), mission_type, self._run.plan_id)
 
     def _request(self, peer: _Peer, message: _RequestMessage) -> Iterator[Said]:
         if message.mission_type not in (mav.MAV_MISSION_TYPE_MISSION, *_EMPTY_TYPES):
@@ -320,9 +329,8 @@ class Missions:
     def _asked(self, upload: _Upload) -> Said:
         """The next item is asked for."""
         upload.asked = self._tick
-        station, seq = upload.peer.station, upload.next
         request = mav.MAVLink_mission_request_message if upload.old_form else mav.MAVLink_mission_request_int_message
-        return Said(request(station.system, station.component, seq, mav.MAV_MISSION_TYPE_MISSION), upload.peer.link)
+        return Said(request(*_target(upload.peer), upload.next, mav.MAV_MISSION_TYPE_MISSION), upload.peer.link)
 
     def _complete(
         self, peer: _Peer, plan: tuple[Item, ...], mission_type: int = mav.MAV_MISSION_TYPE_MISSION
@@ -330,17 +338,17 @@ class Missions:
         """The robot has a new plan."""
         self._upload, self._completed = None, None
         self._run.replace(plan)
-        yield _ack(peer, mav.MAV_MISSION_ACCEPTED, mission_type)
+        yield _ack(peer, mav.MAV_MISSION_ACCEPTED, mission_type, self._run.plan_id)
         yield Said(self._run.current())
 
 
-def _ack(peer: _Peer, result: int, mission_type: int = mav.MAV_MISSION_TYPE_MISSION) -> Said:
-    return Said(
-        mav.MAVLink_mission_ack_message(peer.station.system, peer.station.component, result, mission_type), peer.link
-    )
+def _ack(peer: _Peer, result: int, mission_type: int = mav.MAV_MISSION_TYPE_MISSION, plan: int = 0) -> Said:
+    return Said(MissionAck(*_target(peer), result, mission_type, plan), peer.link)
 
 
-def _count(peer: _Peer, count: int, mission_type: int) -> Said:
-    return Said(
-        mav.MAVLink_mission_count_message(peer.station.system, peer.station.component, count, mission_type), peer.link
-    )
+def _count(peer: _Peer, count: int, mission_type: int, plan: int = 0) -> Said:
+    return Said(MissionCount(*_target(peer), count, mission_type, plan), peer.link)
+
+
+def _target(peer: _Peer) -> tuple[int, int]:
+    return peer.station.system, peer.station.component

@@ -1,6 +1,7 @@
 """The mission protocol, rule by rule, against a station that follows the guide."""
 
 import math
+import struct
 
 import pytest
 from hypothesis import given, settings
@@ -8,7 +9,7 @@ from hypothesis import strategies as st
 
 from tests.thbridge.wire.mavlink.model_robot import ModelRobot
 from tests.thbridge.wire.mavlink.model_station import Air, ModelStation, waypoint
-from thbridge.wire.mavlink.dialect import decoded, mav
+from thbridge.wire.mavlink.dialect import decoded, mav, payload_of
 from thbridge.wire.mavlink.earth import Earth
 from thbridge.wire.mavlink.mission_run import MissionRun
 from thbridge.wire.mavlink.missions import ITEM_PATIENCE, LONGEST, RETRIES, Missions
@@ -67,6 +68,10 @@ class Field:
         station.say(message)
         self.air.run(1)
         return station.heard[heard:]
+
+    def answers(self, message):
+        """What is answered to the first station, before it has travelled."""
+        return [said.message for said in self.missions.hear(0, self.station.station, message)]
 
     @property
     def plan(self):
@@ -454,3 +459,23 @@ def test_no_message_whatever_its_numbers_breaks_anything(data):
         station.say(decoded(kind.id, payload))
         field.air.run(data.draw(st.sampled_from([1, 14])))
     assert len(field.run_of.plan) <= LONGEST
+
+
+class TestPlanIds:
+    """Fields that the dialect does not know yet, at the end of three messages: read here from their bytes."""
+
+    def test_one_id_in_acknowledgement_count_and_current(self, field):
+        field.answers(count_message(1))
+        ack, current = field.answers(item_message(0, places(1)[0]))
+        (count,) = field.answers(mav.MAVLink_mission_request_list_message(1, 1))
+        ids = {payload_of(message)[-4:] for message in (ack, current, count)}
+        assert ids == {struct.pack("<I", field.run_of.plan_id)}
+
+    def test_equal_plans_have_equal_ids_and_others_have_others(self, field):
+        ids = []
+        for items in ([], places(2), places(3), places(2), [places(1)[0], waypoint(7, 7)]):
+            field.upload(items)
+            ids.append(field.run_of.plan_id)
+        assert ids[0] == 0
+        assert ids[1] == ids[3]
+        assert len(set(ids)) == 4
