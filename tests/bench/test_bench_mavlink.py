@@ -1,0 +1,99 @@
+"""What MAVLink costs: frames found in bytes, and the words of 50 vehicles on three links."""
+
+import random
+import time
+
+import pytest
+
+from sim.geometry import Pose2
+from sim.observations import TICKS_PER_SECOND, Twist
+from thbridge.wire.mavlink.dialect import crc_extra, mav, payload_of
+from thbridge.wire.mavlink.frame import Frame
+from thbridge.wire.mavlink.framer import Framer
+from thbridge.wire.mavlink.helm import Readings
+from thbridge.wire.mavlink.hub import Hub
+from thbridge.wire.mavlink.said import LinkId, Said
+from thbridge.wire.mavlink.signing import Signing, SigningKey, Timestamps
+
+pytestmark = pytest.mark.bench
+
+ROBOTS = 50
+RATE = 40
+LINKS = 3
+SECONDS = 5
+
+READINGS = Readings(Pose2(0, 0, 0), Twist(0, 0), None, 1, 1, True, False, False, None, "participant", None)
+ATTITUDE = mav.MAVLink_attitude_message(1000, 0.0, 0.0, 1.5, 0.0, 0.0, 0.1)
+HEARTBEAT = mav.MAVLink_heartbeat_message(6, 8, 0, 0, 4, 3)
+
+
+class Talker:
+    """Says as many messages a second as a vehicle at its default rates."""
+
+    def __init__(self, system):
+        self.system = system
+
+    def hear(self, link, sender, message):
+        return ()
+
+    def step(self, tick, readings):
+        before, now = (RATE * (tick + more) // TICKS_PER_SECOND for more in (0, 1))
+        for _ in range(now - before):
+            yield Said(mav.MAVLink_attitude_message(tick, 0.0, 0.0, 1.5, 0.0, 0.0, 0.1))
+
+    def forget(self, link):
+        pass
+
+
+def frame_of(message, system):
+    message_id = message.get_msgId()
+    return Frame(system, 1, 0, message_id, payload_of(message), crc_extra(message_id))
+
+
+def test_fifty_vehicles():
+    hub = Hub([Talker(system) for system in range(1, ROBOTS + 1)], patience=1000)
+    for number in range(LINKS):
+        hub.open(LinkId(number), str(number))
+        hub.receive(LinkId(number), frame_of(HEARTBEAT, 255 - number))
+    hub.take_traffic()
+    begun, frames, packing = time.process_time(), 0, 0.0
+    for tick in range(SECONDS * TICKS_PER_SECOND):
+        sent = hub.step(tick, [READINGS] * ROBOTS)
+        hub.take_traffic()
+        packed = time.process_time()
+        for one in sent:
+            one.frame.to_bytes()
+        packing += time.process_time() - packed
+        frames += len(sent)
+    spent = time.process_time() - begun
+    print(
+        f"{ROBOTS} vehicles of {RATE} messages/s on {LINKS} links: {1e3 * spent / SECONDS:.0f} ms of CPU a simulated "
+        f"second, of which {1e3 * packing / SECONDS:.0f} ms to make bytes; {frames / spent:.0f} frames/s"
+    )
+
+
+def test_framer():
+    traffic = b"".join(frame_of(ATTITUDE, 1 + number % 250).to_bytes() for number in range(20_000))
+    floods = {"frames": traffic, "random bytes": random.Random(1).randbytes(2_000_000), "0xFD": b"\xfd" * 2_000_000}
+    for name, data in floods.items():
+        framer = Framer()
+        begun = time.process_time()
+        for place in range(0, len(data), 65536):
+            framer.receive_data(data[place : place + 65536])
+        spent = time.process_time() - begun
+        print(f"framer, {name}: {len(data) / spent / 1e6:.1f} MB/s")
+
+
+def test_signing():
+    signing, other = (Signing(SigningKey(bytes(32)), 0, Timestamps()) for _ in range(2))
+    frame = frame_of(ATTITUDE, 1)
+    begun = time.process_time()
+    wrapped = [signing.wrap(frame, 1.8e9) for _ in range(10_000)]
+    signed = time.process_time()
+    framer = Framer()
+    signatures = framer.receive_data(b"".join(wrapped))
+    found = time.process_time()
+    for one in signatures:
+        assert isinstance(other.unwrap(one, 1.8e9), Frame)
+    checked = time.process_time()
+    print(f"signing: {(signed - begun) * 100:.1f} us a frame; verifying: {(checked - found) * 100:.1f} us")
