@@ -156,10 +156,8 @@ class Setting:
 
     def facts(self, publisher: Publisher) -> Facts:
         """What a ROS graph is told of these robots."""
-        study = self.study
-        software = [study.software(number) for number in range(1, study.robots + 1)]
-        rest = {name: value for name, value in tree_of(study).items() if name not in {"robot", "each"}}
-        return Facts(publisher.topics, software, self.place.grid, rest)
+        rest = {name: value for name, value in tree_of(self.study).items() if name not in {"robot", "each"}}
+        return Facts(publisher.topics, self.place.grid, rest)
 
     def _rooms(self) -> tuple[RoomOutline, ...]:
         return tuple(

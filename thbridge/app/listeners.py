@@ -103,7 +103,7 @@ async def listeners(
     listening: list[Listener] = []
     async with AsyncExitStack() as opened:
         if audience.graph is not None:
-            live = LiveGraph(audience.graph, setting.facts(publisher), team.make_plan, ask, hear)
+            live = LiveGraph(audience.graph, setting.facts(publisher), team, ask, hear)
             await opened.enter_async_context(on_graph(live, audience.graph, told.joined))
             listening.append(live)
         if audience.bag is not None:

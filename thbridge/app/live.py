@@ -10,7 +10,7 @@ from contextlib import asynccontextmanager
 from dataclasses import dataclass
 from functools import partial
 from itertools import count
-from typing import TypeAlias
+from typing import Protocol
 
 import numpy as np
 
@@ -48,8 +48,15 @@ FIRST_GOAL = 1_000_000_000
 """Number of the first goal of a client; those of the game are far below."""
 
 
-MakePlan: TypeAlias = Callable[[int, Pose2 | None, Pose2, float], FloatArray | NoPlan]
-"""Answers questions about plans; see `sim.team.Team.make_plan`."""
+class Simulated(Protocol):
+    """A team of ours, as a graph looks at it; see `sim.team.Team`."""
+
+    @property
+    def parameters(self) -> tuple[RobotParameters, ...]:
+        """Of each robot's software, as they are now."""
+
+    def make_plan(self, robot: int, start: Pose2 | None, goal: Pose2, tolerance: float) -> FloatArray | NoPlan:
+        """Answer a question; nothing that follows changes by it."""
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -58,13 +65,11 @@ class Facts:
 
     Attributes:
         topics: all that will be said.
-        software: of each robot.
         grid: the map.
         rest: of the study, as parameters.
     """
 
     topics: Sequence[Topic]
-    software: Sequence[RobotParameters]
     grid: OccupancyGrid
     rest: Tree
 
@@ -75,7 +80,7 @@ class LiveGraph:
     Args:
         graph: where.
         facts: about the team.
-        make_plan: answers questions about plans.
+        team: its robots.
         ask: takes what clients want of the robots, with the client's name.
         hear: takes MAVLink frames for one robot; None where robots are no vehicles.
     """
@@ -84,16 +89,16 @@ class LiveGraph:
         self,
         graph: Graph,
         facts: Facts,
-        make_plan: MakePlan,
+        team: Simulated,
         ask: Callable[[str, Request], None],
         hear: Callable[[int, Frame], None] | None = None,
     ) -> None:
         node = RosNode(CALLER, graph.master_uri, graph.host, on_shutdown=self._told_to_go)
         self._node = TypedNode(node, Definitions())
         self._facts = facts
-        self._plan = make_plan
+        self._team = team
         self._ask = ask
-        self._robots = [RobotNames.of(robot) for robot in range(len(facts.software))]
+        self._robots = [RobotNames.of(robot) for robot in range(len(team.parameters))]
         self._goals = count(FIRST_GOAL)
         self._door = Door()
         self._turns = Turns()
@@ -111,7 +116,7 @@ class LiveGraph:
             self._offer_services(robot, named)
         node.declare_param(names.USE_SIM_TIME, True)
         node.declare_param(CALLER, sendable(facts.rest))
-        self._parameters = LiveParameters(self._node, facts.software, self._door, ask)
+        self._parameters = LiveParameters(self._node, team.parameters, self._door, ask)
 
     async def start(self) -> Started | CannotListen:
         """Join the graph; its master need not be there yet."""
@@ -135,6 +140,7 @@ class LiveGraph:
         """Say what is said in one tick, the time first."""
         self._tick = tick
         self._door.tick()
+        self._parameters.follow(self._team.parameters)
         self._publications[CLOCK.name].publish(pack.clock(tick))
         for message in messages:
             if not message.heard:
@@ -250,7 +256,7 @@ class LiveGraph:
         question = clients.plan_question(data)
         if isinstance(question, Refused):
             return ServiceFailed(question.sentence)
-        plan = self._plan(robot, question.start, question.goal, question.tolerance)
+        plan = self._team.make_plan(robot, question.start, question.goal, question.tolerance)
         if isinstance(plan, NoPlan):
             # move_base, too, answers with an empty plan; why, only its log says.
             _log.info("%s: no plan: %s", self._robots[robot].topic("move_base/make_plan"), plan.sentence)

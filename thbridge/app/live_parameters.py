@@ -9,7 +9,7 @@ from collections.abc import Callable, Iterable, Sequence
 from functools import partial
 from typing import cast
 
-from sim.parameters import RobotParameters
+from sim.parameters import RobotParameters, reconfigurable
 from sim.parameters.reconfiguration import Rejected
 from thbridge.adapters.rosgraph.sockets import Complaints
 from thbridge.app.door import Door
@@ -62,6 +62,13 @@ class LiveParameters:
             for section in reconfigure.sections():
                 self._offer(robot, section)
 
+    def follow(self, software: Sequence[RobotParameters]) -> None:
+        """A tick has passed: tell what has changed, whoever changed it, and what has not since its robot was dead."""
+        for robot, now in enumerate(software):
+            before, self._software[robot] = self._software[robot], now
+            if now is not before and now != before:
+                self._tell(robot, [path for path in reconfigurable() if value_at(now, path) != value_at(before, path)])
+
     def _offer(self, robot: int, section: Section) -> None:
         """Be the dynamic_reconfigure server of a section."""
         name = section.server(self._robots[robot])
@@ -93,11 +100,7 @@ class LiveParameters:
         if self._door.admits(key, "clients"):
             self._change(robot, changes, named.topic("parameters"))
         # Also what was set as it stands: a master that is restarted hears of it only from us.
-        self._declare(robot, (path for path, _ in changes))
-        touched = {path.rpartition(".")[0] for path, _ in changes}
-        for section in reconfigure.sections():
-            if section.path in touched:
-                self._publish(robot, section)
+        self._tell(robot, [path for path, _ in changes])
 
     def _change(self, robot: int, changes: Sequence[tuple[str, SetValue]], sender: str) -> None:
         """Turn parameters: what cannot be done together is done one by one, as far as it goes."""
@@ -109,6 +112,14 @@ class LiveParameters:
             elif after != self._software[robot]:
                 self._software[robot] = after
                 self._ask(sender, SetParameters(robot, tuple(values)))
+
+    def _tell(self, robot: int, paths: Sequence[str]) -> None:
+        """Tell everybody what some parameters are now."""
+        self._declare(robot, paths)
+        touched = {path.rpartition(".")[0] for path in paths}
+        for section in reconfigure.sections():
+            if section.path in touched:
+                self._publish(robot, section)
 
     def _declare(self, robot: int, paths: Iterable[str]) -> None:
         """Tell the parameter server what some parameters are now."""

@@ -78,7 +78,7 @@ class Visited:
         monkeypatch.setattr(live, "RosNode", doors)
         team, publisher = setting.team(), setting.publisher()
         simr = setting.simr(team)
-        graph = LiveGraph(Graph(), setting.facts(publisher), team.make_plan, self._ask, self._hear)
+        graph = LiveGraph(Graph(), setting.facts(publisher), team, self.ask, self._hear)
         self.doors = made[0]
         self.writer = setting.writer(bag)
         record = setting.record(PLAY, [legacy.SIMR, legacy.HIDER], "")
@@ -87,7 +87,7 @@ class Visited:
         self._session = Session(Router(), setting.keeper(), roles, NoLog(), [witness], vehicles=vehicles)
         self._link = self._session.open_link(GRAPH_LINK) if setting.study.mavlink.on else LinkId(0)
 
-    def _ask(self, sender: str, request: Request) -> None:
+    def ask(self, sender: str, request: Request) -> None:
         self._session.ask(sender, request)
 
     def _hear(self, robot: int, frame: Frame) -> None:

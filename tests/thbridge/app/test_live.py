@@ -19,6 +19,7 @@ from thbridge.app.door import REQUESTS
 from thbridge.app.inputs import Framed
 from thbridge.app.mavlink import MavlinkSection
 from thbridge.app.mavros import frame_record
+from thbridge.roles.requests import SetParameters
 from thbridge.ros import pack
 from thbridge.ros.names import CALLER
 from thbridge.ros.records import CancelRequest, GoalRequest, SimpleGoal, VelocityCommand
@@ -142,3 +143,11 @@ def test_a_mistake_is_told_once_however_often_it_is_made(visited: Visited, caplo
             visited.say("/robot1/move_base_simple/goal", stamped("odom"))
             assert asked(visited.step()) == []
     assert len(caplog.records) == 1
+
+
+def test_the_graph_is_told_of_parameters_that_others_change(visited: Visited) -> None:
+    visited.ask("window", SetParameters(1, (("amcl.kld_err", 0.25), ("world.gyro_noise", 0.5))))
+    visited.step()
+    declared = visited.doors.declared
+    assert declared["/robot2/amcl/kld_err"] == 0.25
+    assert "/robot1/amcl/kld_err" not in declared

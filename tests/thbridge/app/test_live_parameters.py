@@ -3,6 +3,7 @@
 import asyncio
 import struct
 from collections.abc import Callable, Coroutine
+from dataclasses import replace
 
 import pytest
 
@@ -26,7 +27,15 @@ AMCL = "/robot2/amcl"
 class Beside:
     """Two robots' parameters at a master of ours, and a client that turns them and looks."""
 
-    def __init__(self, master: MasterServer, client: RosNode, door: Door, asks: list[tuple[str, Request]]) -> None:
+    def __init__(
+        self,
+        master: MasterServer,
+        client: RosNode,
+        door: Door,
+        asks: list[tuple[str, Request]],
+        ours: LiveParameters,
+    ) -> None:
+        self.ours = ours
         self.master = master
         self.door = door
         self.asks = asks
@@ -77,7 +86,7 @@ def beside(test: Callable[[Beside], Coroutine[None, None, None]]) -> None:
             asks: list[tuple[str, Request]] = []
             ours, client = RosNode("/ours", master.uri), RosNode("/client", master.uri)
             door = Door()
-            LiveParameters(
+            parameters = LiveParameters(
                 TypedNode(ours, Definitions(())),
                 [RobotParameters()] * 2,
                 door,
@@ -86,7 +95,7 @@ def beside(test: Callable[[Beside], Coroutine[None, None, None]]) -> None:
             for node in (ours, client):
                 assert isinstance(await node.start(), Started)
                 await node.registered()
-            graph = Beside(master, client, door, asks)
+            graph = Beside(master, client, door, asks, parameters)
             try:
                 await test(graph)
             finally:
@@ -127,6 +136,25 @@ def test_what_is_set_on_the_parameter_server_is_told_by_dynamic_reconfigure() ->
             SetParameters(0, (("amcl.kld_err", 0.3),)),
             SetParameters(0, (("local_costmap.inflation_layer.inflation_radius", 1.25),)),
         ]
+
+    beside(test)
+
+
+def test_what_others_turn_is_told_to_all_and_what_was_asked_of_the_dead_is_taken_back() -> None:
+    async def test(graph: Beside) -> None:
+        graph.hear(AMCL)
+        asked = await graph.reconfigure(AMCL, kld_err=0.25)
+        assert isinstance(asked, bytes)
+        software = RobotParameters()
+        turned = replace(software, amcl=replace(software.amcl, laser_z_hit=0.75))
+        graph.ours.follow((software, turned))
+        await graph.until(lambda: graph.value(AMCL, "laser_z_hit") == 0.75)
+        assert graph.value(AMCL, "kld_err") == 0.05
+        await graph.until(lambda: graph.param(f"{AMCL}/laser_z_hit") == 0.75)
+        assert graph.param(f"{AMCL}/kld_err") == 0.05
+        assert len(graph.asks) == 1
+        await graph.reconfigure(AMCL, laser_z_hit=0.95)  # As it was in the beginning, and is not any more.
+        assert graph.asks[1:] == [(f"{AMCL}/set_parameters", SetParameters(1, (("amcl.laser_z_hit", 0.95),)))]
 
     beside(test)
 
