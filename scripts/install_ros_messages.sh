@@ -1,6 +1,7 @@
 #!/usr/bin/env bash
-# Makes our message types known to an installed ROS 1, so that `rosbag check`, `rostopic echo` and rqt treat them like any other:
-# the package under PREFIX/share, its Python classes, made by ROS's own generator, where Debian's Python looks for them.
+# Makes the message types of our bags known to an installed ROS 1, so that `rosbag check`, `rostopic echo` and rqt treat them
+# like any other: packages under PREFIX/share, their Python classes, made by ROS's own generator, where Debian's Python looks
+# for them. Beside thbridge_msgs that is mavros_msgs, with the two messages that we record, where ROS has no mavros.
 set -euo pipefail
 cd "$(dirname "$0")/.."
 
@@ -11,11 +12,14 @@ if [ ! -f $generator ]; then
     exit 1
 fi
 .venv/bin/thbridge ros messages "$prefix/share"
-messages=$prefix/share/thbridge_msgs/msg
 version=$(/usr/bin/python3 -c 'import sys; print("python%d.%d" % sys.version_info[:2])')
-classes=$prefix/lib/$version/dist-packages/thbridge_msgs
-mkdir -p "$classes/msg"
-touch "$classes/__init__.py"
-/usr/bin/python3 $generator -p thbridge_msgs -Ithbridge_msgs:"$messages" -Istd_msgs:/usr/share/std_msgs/msg \
-    -o "$classes/msg" "$messages"/*.msg
-/usr/bin/python3 $generator --initpy -o "$classes/msg" -p thbridge_msgs
+for package in thbridge_msgs mavros_msgs; do
+    messages=$prefix/share/$package/msg
+    [ -d "$messages" ] || continue
+    classes=$prefix/lib/$version/dist-packages/$package
+    mkdir -p "$classes/msg"
+    touch "$classes/__init__.py"
+    /usr/bin/python3 $generator -p $package -I$package:"$messages" -Istd_msgs:/usr/share/std_msgs/msg \
+        -o "$classes/msg" "$messages"/*.msg
+    /usr/bin/python3 $generator --initpy -o "$classes/msg" -p $package
+done

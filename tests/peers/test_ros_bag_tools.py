@@ -34,7 +34,8 @@ from thbridge.adapters.ros_definitions import Definitions
 from thbridge.adapters.worker import Inline
 from thbridge.app.broadcast import Broadcast
 from thbridge.ros.publisher import Message, Publisher, Topic
-from thbridge.ros.types import MARKER_ARRAY, OWN_TYPES, STANDARD_TYPES
+from thbridge.ros.records import MavlinkFrame, VehicleState
+from thbridge.ros.types import MARKER_ARRAY, MAVROS_TYPES, OWN_TYPES, STANDARD_TYPES
 
 PYTHON = "/usr/bin/python3"
 TOOLS = ("rosbag", "rostopic", "roscore")
@@ -48,13 +49,13 @@ def knows_our_messages() -> bool:
     """Whether the installed ROS has been made to know our types."""
     if any(shutil.which(tool) is None for tool in TOOLS):
         return False
-    asked = [PYTHON, "-c", "import thbridge_msgs.msg"]
+    asked = [PYTHON, "-c", "import thbridge_msgs.msg, mavros_msgs.msg"]
     return subprocess.run(asked, capture_output=True, env=_environment(""), check=False).returncode == 0
 
 
 needs_our_messages = pytest.mark.skipif(
     "not knows_our_messages()",
-    reason="ROS, or thbridge_msgs for it (scripts/install_ros_messages.sh), is not installed",
+    reason="ROS, or the packages of our messages for it (scripts/install_ros_messages.sh), is not installed",
 )
 TICKS = 200
 ROBOTS = 2
@@ -130,19 +131,41 @@ def test_rosbag_check_wants_no_migration_at_all(bag: Path) -> None:
 @needs_our_messages
 def test_rosbag_check_wants_no_migration_of_any_type(tmp_path: Path) -> None:
     with BagWriter(tmp_path / "types.bag") as writer:
-        for number, msgtype in enumerate((*STANDARD_TYPES, *OWN_TYPES)):
+        for number, msgtype in enumerate((*STANDARD_TYPES, *OWN_TYPES, *MAVROS_TYPES)):
             writer.write(Message(Topic(f"/type{number}", msgtype), 1_000_000_000 + number, b""))
     assert run("rosbag", "check", str(tmp_path / "types.bag")).strip() == "Bag file does not need any migrations."
 
 
 @needs_ros
 def test_rostopic_reads_our_own_types_though_no_package_has_them(bag: Path, tmp_path: Path) -> None:
-    (tmp_path / "thbridge_msgs").mkdir()
-    (tmp_path / "thbridge_msgs" / "__init__.py").write_text("raise ImportError")
-    command = ["rostopic", "echo", "-b", str(bag), "-n", "1", "/dialogue/utterances"]
-    environment = {**_environment(""), "PYTHONPATH": str(tmp_path)}
-    said = subprocess.run(command, env=environment, capture_output=True, text=True, timeout=PATIENCE, check=True)
-    assert "text: " in said.stdout
+    assert "text: " in first_on(bag, "/dialogue/utterances", tmp_path)
+
+
+def first_on(bag: Path, topic: str, folder: Path) -> str:
+    """What rostopic says of a topic's first message, on a machine whose ROS knows no types of ours."""
+    for package in ("thbridge_msgs", "mavros_msgs"):
+        (folder / package).mkdir(exist_ok=True)
+        (folder / package / "__init__.py").write_text("raise ImportError")
+    command = ["rostopic", "echo", "-b", str(bag), "-n", "1", topic]
+    environment = {**_environment(""), "PYTHONPATH": str(folder)}
+    done = subprocess.run(command, env=environment, capture_output=True, text=True, timeout=PATIENCE, check=True)
+    return done.stdout
+
+
+@needs_ros
+def test_rostopic_reads_frames_and_states_of_vehicles(tmp_path: Path) -> None:
+    frame = MavlinkFrame(0, True, "udp 127.0.0.1:14550", 253, 0, 0, 7, 255, 190, 0, 11100, bytes(range(9)))
+    state = VehicleState(0, True, True, False, False, "GUIDED", 4)
+    bag = tmp_path / "vehicles.bag"
+    with BagWriter(bag) as writer:
+        publisher = Publisher(1, MOUNT, SCAN_PERIOD, vehicles=True)
+        Broadcast(publisher, SESSION, arena(), [writer]).record(next(snapshots(1, 1)), [frame, state])
+    said = first_on(bag, "/robot1/mavlink/to", tmp_path)
+    assert 'frame_id: "udp 127.0.0.1:14550"' in said
+    assert "sysid: 255\ncompid: 190\nmsgid: 0\nchecksum: 11100\n" in said
+    assert "payload64: [506097522914230528, 8]\nsignature: []" in said
+    said = first_on(bag, "/robot1/mavros/state", tmp_path)
+    assert 'guided: False\nmanual_input: False\nmode: "GUIDED"\nsystem_status: 4' in said
 
 
 @needs_our_messages
@@ -162,7 +185,7 @@ def test_sums_and_texts_are_those_of_the_installed_ros() -> None:
         "classes = {t: m.get_message_class(t) for t in sys.argv[1:]}\n"
         "print(json.dumps({t: [c._md5sum, c._full_text.strip()] for t, c in classes.items() if c}))\n"
     )
-    types = (*STANDARD_TYPES, *OWN_TYPES) if knows_our_messages() else STANDARD_TYPES
+    types = (*STANDARD_TYPES, *OWN_TYPES, *MAVROS_TYPES) if knows_our_messages() else STANDARD_TYPES
     theirs = json.loads(run(PYTHON, "-c", script, *types))
     # Only studies with things in the way have markers; not every ROS knows them.
     assert set(types) - set(theirs) <= {MARKER_ARRAY}

@@ -250,6 +250,8 @@ def test_a_study_that_cannot_be_written_says_so(place: str) -> None:
 def test_ros_messages_are_a_package() -> None:
     assert thbridge("ros", "messages", "src").exit_code == 0
     assert Path("src/thbridge_msgs/package.xml").is_file()
+    assert Path("src/thbridge_msgs/msg/Session.msg").is_file()
+    assert "uint64[] payload64" in Path("src/mavros_msgs/msg/Mavlink.msg").read_text()  # where ROS has no mavros
     Path("file").touch()
     assert "it cannot be written" in refusal("ros", "messages", "file")
 

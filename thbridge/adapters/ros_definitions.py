@@ -4,6 +4,7 @@ from collections.abc import Sequence
 from functools import cache
 from pathlib import Path
 
+from thbridge.ros.ros_texts import ROS_TEXTS
 from thbridge.ros.types import OWN_TEXTS, Definition, full_text, md5_of, plain_definition
 
 ROS_SHARES = (Path("/usr/share"), *sorted(Path("/opt/ros").glob("*/share"), reverse=True))
@@ -44,4 +45,4 @@ class Definitions:
                 return (share / package / "msg" / f"{name}.msg").read_text(encoding="utf-8")
             except (OSError, UnicodeDecodeError):
                 continue
-        return None
+        return ROS_TEXTS.get(msgtype)

@@ -6,7 +6,7 @@ from typing import Annotated
 
 import typer
 
-from thbridge.adapters.ros_package import write_package
+from thbridge.adapters.ros_package import write_packages
 from thbridge.adapters.rosgraph import master_server
 from thbridge.adapters.text_server import CannotListen, Listening
 from thbridge.ros.rviz import configuration
@@ -17,11 +17,12 @@ ros_app = typer.Typer(help="ROS 1: our message types for it, a master, and rviz'
 
 
 @ros_app.command("messages")
-def ros_messages(folder: Annotated[Path, typer.Argument(help="Where the package goes, e.g. a catkin `src`.")]) -> None:
-    """Write our message types as the ROS package `thbridge_msgs`."""
+def ros_messages(folder: Annotated[Path, typer.Argument(help="Where packages go, e.g. a catkin `src`.")]) -> None:
+    """Write our message types as the ROS package `thbridge_msgs`; where ROS lacks mavros, also those we have of it."""
     with bad_input():
-        package = write_package(folder)
-    note(f"Wrote {package}.")
+        packages = write_packages(folder)
+    for package in packages:
+        note(f"Wrote {package}.")
 
 
 @ros_app.command("master")

@@ -23,6 +23,8 @@ SHOWN_TYPES = frozenset(
     }
 )
 """Messages that are shown at a place in space."""
+FRAMELESS_TYPES = frozenset({"mavros_msgs/Mavlink"})
+"""Messages whose headers name something else than a frame, as a MAVLink link."""
 LATE_NS = 1_000_000_000
 """So long a start without transforms is usual."""
 
@@ -34,9 +36,11 @@ class SlashedFrames:
         self._slashed: Tally[tuple[str, str]] = Tally()
         self._tf: set[str] = set()
 
-    def listen(self, source: Source) -> Listener:
-        """Every topic."""
+    def listen(self, source: Source) -> Listener | None:
+        """Every topic that has frames."""
         topic = source.topic
+        if source.msgtype in FRAMELESS_TYPES:
+            return None
         if source.msgtype in TF_TYPES:
             self._tf.add(topic)
 
@@ -93,8 +97,10 @@ class Tree:
         self._uses: dict[tuple[str, str], _Use] = {}
         self._unnamed: Tally[str] = Tally()
 
-    def listen(self, source: Source) -> Listener:
-        """Transforms, and every topic that has headers."""
+    def listen(self, source: Source) -> Listener | None:
+        """Transforms, and every topic that has frames."""
+        if source.msgtype in FRAMELESS_TYPES:
+            return None
         return self._transforms(source) if source.msgtype in TF_TYPES else self._users(source)
 
     def _transforms(self, source: Source) -> Listener:
