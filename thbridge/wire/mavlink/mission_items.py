@@ -10,29 +10,16 @@ from types import MappingProxyType
 
 from thbridge.wire.mavlink.dialect import mav
 from thbridge.wire.mavlink.earth import PER_DEGREE
+from thbridge.wire.mavlink.frames import GLOBAL
 from thbridge.wire.mavlink.helm import Station
+from thbridge.wire.mavlink.orders import UNSET
 
-GLOBAL_FRAMES = frozenset(
-    (
-        mav.MAV_FRAME_GLOBAL,
-        mav.MAV_FRAME_GLOBAL_RELATIVE_ALT,
-        mav.MAV_FRAME_GLOBAL_INT,
-        mav.MAV_FRAME_GLOBAL_RELATIVE_ALT_INT,
-        mav.MAV_FRAME_GLOBAL_TERRAIN_ALT,
-        mav.MAV_FRAME_GLOBAL_TERRAIN_ALT_INT,
-    )
-)
-"""Frames of latitude and longitude; they differ in the altitude, which a robot on its floor does not have."""
-
-LOCAL_FRAMES = frozenset((mav.MAV_FRAME_LOCAL_NED, mav.MAV_FRAME_LOCAL_ENU))
-"""Frames of metres from the map's origin."""
-
-METRES_ON_WIRE = 10_000
+PER_METRE = 10_000
 """Metres travel as whole numbers of 0.1 mm."""
 
 _LARGEST = 2**31 - 1
-_UNSET = _LARGEST
-"""A coordinate that says it is none."""
+_FRAMES = GLOBAL | {mav.MAV_FRAME_LOCAL_NED, mav.MAV_FRAME_MISSION}
+"""The last is that of items which have no place."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -60,7 +47,7 @@ class Item:
     @property
     def has_place(self) -> bool:
         """Whether it names a place; (0, 0) in degrees is none, as ground stations leave them where they mean "here"."""
-        return _takes_place(self.command) and not (self.frame in GLOBAL_FRAMES and self.x == 0 and self.y == 0)
+        return _takes_place(self.command) and not (self.frame in GLOBAL and self.x == 0 and self.y == 0)
 
 
 @dataclass(frozen=True, slots=True)
@@ -122,15 +109,15 @@ def unfit(item: Item, count: int) -> Unfit | None:
 
 
 def _misplaced(item: Item) -> Unfit | None:
-    if item.frame not in GLOBAL_FRAMES | LOCAL_FRAMES | {mav.MAV_FRAME_MISSION}:
+    if item.frame not in _FRAMES:
         return Unfit(mav.MAV_MISSION_UNSUPPORTED_FRAME, f"frame {item.frame} is not known")
     if not _takes_place(item.command):
         return None
     if item.frame == mav.MAV_FRAME_MISSION:
         return Unfit(mav.MAV_MISSION_UNSUPPORTED_FRAME, "its place needs a frame")
-    if item.x == _UNSET or (item.frame in GLOBAL_FRAMES and abs(item.x) > 90 * PER_DEGREE):
+    if item.x == UNSET or (item.frame in GLOBAL and abs(item.x) > 90 * PER_DEGREE):
         return Unfit(mav.MAV_MISSION_INVALID_PARAM5_X, "its latitude is beyond the poles")
-    if item.y == _UNSET or (item.frame in GLOBAL_FRAMES and abs(item.y) > 180 * PER_DEGREE):
+    if item.y == UNSET or (item.frame in GLOBAL and abs(item.y) > 180 * PER_DEGREE):
         return Unfit(mav.MAV_MISSION_INVALID_PARAM6_Y, "its longitude is beyond 180 degrees")
     if item.command == mav.MAV_CMD_NAV_WAYPOINT and not item.has_place:
         return Unfit(mav.MAV_MISSION_INVALID_PARAM5_X, "a waypoint needs a place")
@@ -141,7 +128,7 @@ _Rule = tuple[Callable[[float, int], bool], str]
 """Whether a parameter fits into a mission of so many items, and what is wrong if not."""
 
 _SECONDS: _Rule = (lambda value, _: value >= 0.0 and math.isfinite(value), "has to be seconds, 0 or more")
-_SECONDS_OR_UNSET: _Rule = (lambda value, _: math.isnan(value) or 0.0 <= value < math.inf, _SECONDS[1])
+_SECONDS_IF_ANY: _Rule = (lambda value, _: math.isnan(value) or 0.0 <= value < math.inf, _SECONDS[1])
 _LENGTH: _Rule = (lambda value, _: math.isnan(value) or 0.0 <= value < math.inf, "has to be metres, 0 or more")
 _ANGLE: _Rule = (lambda value, _: not math.isinf(value), "has to be degrees or NaN")
 _ITEM: _Rule = (lambda value, count: value in range(count), "is not an item of the mission")
@@ -153,7 +140,7 @@ _ORDINAL: _Rule = (lambda value, _: value >= 1 and value.is_integer(), "has to b
 
 _COMMANDS: Mapping[int, Mapping[int, _Rule]] = MappingProxyType(
     {
-        mav.MAV_CMD_NAV_WAYPOINT: {1: _SECONDS_OR_UNSET, 2: _LENGTH, 4: _ANGLE},
+        mav.MAV_CMD_NAV_WAYPOINT: {1: _SECONDS_IF_ANY, 2: _LENGTH, 4: _ANGLE},
         mav.MAV_CMD_NAV_LOITER_UNLIM: {4: _ANGLE},
         mav.MAV_CMD_NAV_LOITER_TIME: {1: _SECONDS},
         mav.MAV_CMD_NAV_RETURN_TO_LAUNCH: {},
@@ -188,7 +175,7 @@ def _scale(command: int, frame: int) -> float:
     """What a place is multiplied with to travel as an integer."""
     if not _takes_place(command):
         return 1.0
-    return METRES_ON_WIRE if frame in LOCAL_FRAMES else PER_DEGREE
+    return PER_METRE if frame == mav.MAV_FRAME_LOCAL_NED else PER_DEGREE
 
 
 def _number(value: float) -> float:

@@ -10,13 +10,13 @@ from collections import Counter
 from collections.abc import Iterator
 from dataclasses import dataclass
 
-from sim.geometry import wrap_angle
 from sim.observations import TICKS_PER_SECOND
 from thbridge.wire.mavlink.dialect import mav
 from thbridge.wire.mavlink.earth import Earth, Place
+from thbridge.wire.mavlink.frames import theta_of
 from thbridge.wire.mavlink.helm import Denied, Helm, LegState, Readings, Refusal, Station
 from thbridge.wire.mavlink.mission_ids import MissionCurrent, plan_id
-from thbridge.wire.mavlink.mission_items import METRES_ON_WIRE, Item
+from thbridge.wire.mavlink.mission_items import PER_METRE, Item
 from thbridge.wire.mavlink.parts import Announce, Severity
 from thbridge.wire.mavlink.said import Said
 
@@ -76,6 +76,8 @@ class MissionRun:
         self._last: int | None = None
         self._state: int = mav.MISSION_STATE_NOT_STARTED
         self._stage: _Stage | None = None
+        # The leg that the robot drives for the mission.
+        self._leg: int | None = None
         self._jumps: Counter[int] = Counter()
         self._commander: str | None = None
 
@@ -112,7 +114,7 @@ class MissionRun:
     def denied(self, station: Station) -> Denied | None:
         """Why this station may not change the mission: it is under way by another one's command."""
         if self.running and self._commander not in (None, str(station)):
-            return Denied(f"a mission of {self._commander} is under way", Refusal.NOT_NOW)
+            return Denied(f"A mission of {self._commander} is under way.", Refusal.NOT_NOW)
         return None
 
     def replace(self, plan: tuple[Item, ...]) -> None:
@@ -129,6 +131,7 @@ class MissionRun:
             self._go(0)
             self._jumps.clear()
             if self._size <= 0 or not self.running:
+                self._stand()
                 self._state = mav.MISSION_STATE_NOT_STARTED
 
     def start(self, first: int | None = None, last: int | None = None) -> Denied | None:
@@ -139,13 +142,13 @@ class MissionRun:
             last: the item to end with; None: the last.
         """
         if self._size <= 0:
-            return Denied("there is no mission", Refusal.NOT_NOW)
+            return Denied("There is no mission.", Refusal.NOT_NOW)
         if first is None and self._state == mav.MISSION_STATE_COMPLETE:
             first = 0
         if first is not None and first not in range(len(self._plan)):
-            return Denied(f"the mission has no item {first}")
+            return Denied(f"The mission has no item {first}.")
         if last is not None and last not in range(self._at if first is None else first, len(self._plan)):
-            return Denied(f"the mission cannot end with item {last}")
+            return Denied(f"The mission cannot end with item {last}.")
         if first is not None:
             self._go(first)
             self._jumps.clear()
@@ -157,12 +160,12 @@ class MissionRun:
         """Carry nothing out any more; the current item begins anew when the mission goes on."""
         if self.running:
             self._state = mav.MISSION_STATE_PAUSED
-            self._stage = None
+            self._stage = self._leg = None
 
     def select(self, item: int) -> Denied | None:
         """Go on with this item, now if the mission is under way and else when it starts."""
         if item not in range(len(self._plan)):
-            return Denied(f"the mission has no item {item}")
+            return Denied(f"The mission has no item {item}.")
         self._go(item)
         self._jumps.clear()
         if self._state == mav.MISSION_STATE_COMPLETE:
@@ -178,14 +181,19 @@ class MissionRun:
         stage = self._begun(item, tick) if self._stage is None else self._gone_on(self._stage, item, tick, readings)
         match stage:
             case Denied(sentence):
+                self._stand()
                 self.pause()
-                self._announce(Severity.WARNING, f"Mission halted at item {self._at}: {sentence}")
+                self._announce(Severity.WARNING, f"Mission halted at item {self._at}. {sentence}")
                 yield Said(self.current())
             case _Jump(to):
                 self._go(to)
                 yield Said(self.current())
             case None:
                 yield from self._done(item)
+            case _Waiting() if self._stage is None:
+                # Another item may have been left for this one while the robot drove.
+                self._stand()
+                self._stage = stage
             case _:
                 self._stage = stage
 
@@ -214,7 +222,7 @@ class MissionRun:
                 return self._leg_to(*self._point(item), self._heading(item)) if item.has_place else _stay(item, tick)
             case mav.MAV_CMD_NAV_RETURN_TO_LAUNCH:
                 home = self._helm.home()
-                return self._leg_to(home.x, home.y, None)
+                return self._leg_to(home.x, home.y, home.theta)
             case mav.MAV_CMD_NAV_DELAY | mav.MAV_CMD_CONDITION_DELAY:
                 return _Waiting(tick + first * TICKS_PER_SECOND)
             case mav.MAV_CMD_DO_JUMP:
@@ -236,6 +244,7 @@ class MissionRun:
         leg = readings.leg
         if leg is None or leg.number != stage.leg or leg.state is LegState.UNDER_WAY:
             return stage
+        self._leg = None
         return Denied(leg.reason) if leg.state is LegState.FAILED else _stay(item, tick)
 
     def _done(self, item: Item) -> Iterator[Said]:
@@ -243,18 +252,29 @@ class MissionRun:
         if not self.is_home(self._at):
             yield Said(mav.MAVLink_mission_item_reached_message(self._at))
         if self._at in (self._last, len(self._plan) - 1):
+            self._stand()
             self._state, self._stage = mav.MISSION_STATE_COMPLETE, None
-            self._announce(Severity.INFO, "Mission complete")
+            self._announce(Severity.INFO, "Mission complete.")
         else:
             self._go(self._at + 1)
             if not item.autocontinue:
+                self._stand()
                 self.pause()
-                self._announce(Severity.NOTICE, f"Mission waits before item {self._at}, as its plan says")
+                self._announce(Severity.NOTICE, f"Mission waits before item {self._at}, as its plan says.")
         yield Said(self.current())
 
     def _leg_to(self, x: float, y: float, heading: float | None) -> _Driving | Denied:
         number = self._helm.go_to(x, y, heading)
-        return number if isinstance(number, Denied) else _Driving(number)
+        if isinstance(number, Denied):
+            return number
+        self._leg = number
+        return _Driving(number)
+
+    def _stand(self) -> None:
+        """The robot is not to drive for the mission any more."""
+        if self._leg is not None:
+            self._helm.halt()
+            self._leg = None
 
     def _jump(self, to: int, repeats: int) -> _Jump | None:
         if repeats != _UNLIMITED and self._jumps[self._at] >= repeats:
@@ -264,21 +284,16 @@ class MissionRun:
 
     def _point(self, item: Item) -> tuple[float, float]:
         """Where an item lies, metres east and north in the map."""
-        x, y = item.x / METRES_ON_WIRE, item.y / METRES_ON_WIRE
-        match item.frame:
-            case mav.MAV_FRAME_LOCAL_NED:
-                return y, x
-            case mav.MAV_FRAME_LOCAL_ENU:
-                return x, y
-            case _:
-                return self._earth.point(Place(item.x, item.y))
+        if item.frame == mav.MAV_FRAME_LOCAL_NED:
+            return item.y / PER_METRE, item.x / PER_METRE
+        return self._earth.point(Place(item.x, item.y))
 
     def _heading(self, item: Item) -> float | None:
         """Which way the robot is to look there: radians from east, anticlockwise; None: any."""
         yaw = item.params[3]
         if self._ardupilot or item.command == mav.MAV_CMD_NAV_LOITER_TIME or math.isnan(yaw):
             return None
-        return wrap_angle(math.radians(90.0 - yaw))
+        return theta_of(math.radians(yaw))
 
 
 def _stay(item: Item, tick: int) -> _Waiting | None:

@@ -232,7 +232,7 @@ class Missions:
         if isinstance(item, Unfit):
             self._upload = None
             yield _ack(upload.peer, item.result)
-            self._announce(Severity.WARNING, f"Mission refused: in item {message.seq}, {item.sentence}")
+            self._announce(Severity.WARNING, f"Mission refused: in item {message.seq}, {item.sentence}.")
             return
         upload.items.append(item)
         upload.retries = 0
@@ -293,7 +293,7 @@ class Missions:
         if denied is None:
             yield Said(self._run.current())
         else:
-            self._announce(Severity.WARNING, f"Mission item not set: {denied.sentence}")
+            self._announce(Severity.WARNING, f"Mission item not set. {denied.sentence}")
 
     def _acknowledged(self, peer: _Peer, result: int) -> Iterator[Said]:
         """The station says that it has all it asked for, or that it gives up."""
@@ -311,14 +311,14 @@ class Missions:
     def _denied(self, peer: _Peer) -> Denied | None:
         """Why this station may not change the plan now."""
         if self._upload is not None and self._upload.peer != peer:
-            return Denied(f"{self._upload.peer.station} is sending a mission", Refusal.NOT_NOW)
+            return Denied(f"{self._upload.peer.station} is sending a mission.", Refusal.NOT_NOW)
         return self._run.denied(peer.station)
 
     def _refused(self, peer: _Peer, denied: Denied, mission_type: int = mav.MAV_MISSION_TYPE_MISSION) -> Iterator[Said]:
         """The plan is not changed; an upload of the same station that was under way is given up."""
         if self._upload is not None and self._upload.peer == peer:
             self._upload = None
-        self._announce(Severity.WARNING, f"Mission refused: {denied.sentence}")
+        self._announce(Severity.WARNING, f"Mission refused. {denied.sentence}")
         yield _ack(peer, mav.MAV_MISSION_DENIED, mission_type)
 
     def _begun(self, upload: _Upload) -> Said:

@@ -119,7 +119,7 @@ class Parameters:
         """The parameter as it is now, or a code of MAV_PARAM_ERROR."""
         changed = self._helm.change(name, _shortest(value))
         if isinstance(changed, Denied):
-            self._announce(Severity.WARNING, f"{name} not changed: {changed.sentence}")
+            self._announce(Severity.WARNING, f"{name} not changed. {changed.sentence}")
             return _ERRORS[changed.refusal]
         return changed
 

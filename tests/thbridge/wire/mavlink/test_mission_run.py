@@ -16,15 +16,15 @@ from thbridge.wire.mavlink.mission_run import MissionRun
 from thbridge.wire.mavlink.options import Origin
 
 NAN = math.nan
-ENU = mav.MAV_FRAME_LOCAL_ENU
+NED = mav.MAV_FRAME_LOCAL_NED
 NO_MISSION, NOT_STARTED, ACTIVE, PAUSED, COMPLETE = range(1, 6)
 STATION = Station(255, 190)
 
 
 def go(x, y, hold=0.0, yaw=NAN, **fields):
     """A waypoint, metres east and north."""
-    place = {"x": round(x * 10000), "y": round(y * 10000)}
-    return Item(mav.MAV_CMD_NAV_WAYPOINT, ENU, (hold, 0.0, 0.0, yaw), **place, **fields)
+    place = {"x": round(y * 10000), "y": round(x * 10000)}
+    return Item(mav.MAV_CMD_NAV_WAYPOINT, NED, (hold, 0.0, 0.0, yaw), **place, **fields)
 
 
 def do(command, *params, **fields):
@@ -80,7 +80,7 @@ def test_waypoints_are_driven_to_one_after_the_other():
     tour.robot.arrive()
     tour.pass_()
     assert (tour.reached, tour.state, tour.run.running) == ([0, 1], COMPLETE, False)
-    assert tour.told == ["Mission complete"]
+    assert tour.told == ["Mission complete."]
 
 
 def test_a_change_of_item_is_told_at_once():
@@ -93,7 +93,7 @@ def test_a_change_of_item_is_told_at_once():
 @pytest.mark.parametrize(
     ("item", "point"),
     [
-        (replace(go(1, 2), frame=mav.MAV_FRAME_LOCAL_NED), (2, 1)),
+        (Item(mav.MAV_CMD_NAV_WAYPOINT, NED, (0, 0, 0, NAN), x=10000, y=20000), (2, 1)),
         (replace(go(0, 0), frame=mav.MAV_FRAME_GLOBAL_RELATIVE_ALT_INT, x=520000000, y=130000000), (0, 0)),
         (replace(go(0, 0), frame=mav.MAV_FRAME_GLOBAL, x=520000899, y=130001457), (10.0, 10.0)),
     ],
@@ -153,7 +153,7 @@ def test_delays(command):
 def test_returning_to_launch_is_going_home():
     tour = Tour(do(mav.MAV_CMD_NAV_RETURN_TO_LAUNCH))
     tour.arrive()
-    assert (tour.legs, tour.state) == ([(1, 2)], COMPLETE)
+    assert (tour.robot.asked, tour.state) == ([("go_to", 1, 2, 0.0)], COMPLETE)
 
 
 @pytest.mark.parametrize(
@@ -195,20 +195,20 @@ class TestFailure:
     def test_it_halts_the_mission_and_says_why(self, failing):
         tour = Tour(go(1, 2), go(3, 4))
         if failing == "refused":
-            tour.robot.refusal = Denied("not enough energy")
+            tour.robot.refusal = Denied("Not enough energy.")
             tour.pass_()
         else:
             tour.pass_()
-            tour.robot.fail("not enough energy")
+            tour.robot.fail("Not enough energy.")
             tour.pass_()
         assert (tour.run.running, tour.state, tour.run.at) == (False, PAUSED, 0)
-        assert tour.told == ["Mission halted at item 0: not enough energy"]
+        assert tour.told == ["Mission halted at item 0. Not enough energy."]
         assert tour.said[-1].mission_state == PAUSED
         assert tour.reached == []
 
     def test_the_item_is_tried_again_when_the_mission_goes_on(self):
         tour = Tour(do(mav.MAV_CMD_IMAGE_START_CAPTURE, 0.0, 0.0, 1.0))
-        tour.robot.refusal = Denied("no room here")
+        tour.robot.refusal = Denied("No room here.")
         tour.pass_()
         tour.robot.refusal = None
         tour.run.start()
@@ -237,7 +237,7 @@ def test_an_item_that_does_not_continue_waits():
 class TestStart:
     def test_there_has_to_be_a_mission(self):
         tour = Tour(start=False)
-        assert tour.run.start().sentence == "there is no mission"
+        assert tour.run.start().sentence == "There is no mission."
         assert (tour.state, tour.run.current().total) == (NO_MISSION, 65535)
 
     def test_a_part_of_it(self):
@@ -290,6 +290,46 @@ class TestSelect:
         assert isinstance(tour.run.select(1), Denied)
 
 
+class TestHalting:
+    """The robot does not drive on where the mission has no more use for it."""
+
+    @pytest.fixture
+    def tour(self):
+        tour = Tour(go(0, 0), do(mav.MAV_CMD_NAV_DELAY, 1.0), do(mav.MAV_CMD_USER_2), go(3, 3))
+        tour.pass_(5)
+        return tour
+
+    def test_a_robot_on_its_way_stands_still_to_wait(self, tour):
+        tour.run.select(1)
+        tour.pass_()
+        assert tour.robot.asked[1:] == [("halt",)]
+
+    def test_it_stands_still_when_the_plan_is_taken_away(self, tour):
+        tour.run.replace(())
+        assert tour.robot.asked[1:] == [("halt",)]
+
+    def test_it_stands_still_when_another_item_fails(self, tour):
+        tour.run.select(2)
+        tour.robot.refusal = Denied("No treasure here.")
+        tour.pass_()
+        assert tour.robot.asked[1:] == [("leave",), ("halt",)]
+
+    def test_it_needs_no_halt_to_go_elsewhere(self, tour):
+        tour.run.select(3)
+        tour.pass_()
+        assert tour.robot.asked[1:] == [("go_to", 3, 3, None)]
+
+    def test_nor_where_it_has_arrived(self, tour):
+        tour.robot.arrive()
+        tour.pass_(3)
+        assert tour.robot.asked[1:] == []
+
+    def test_nor_when_a_pause_has_halted_it(self, tour):
+        tour.run.pause()
+        tour.run.replace(())
+        assert tour.robot.asked[1:] == []
+
+
 class TestReplace:
     def test_a_plan_that_is_the_same_so_far_goes_on(self):
         tour = Tour(go(0, 0), go(1, 1), go(2, 2))
@@ -320,7 +360,7 @@ class TestReplace:
         tour.robot.readings = replace(tour.robot.readings, commander=str(STATION))
         tour.pass_()
         assert tour.run.denied(STATION) is None
-        assert tour.run.denied(Station(254, 190)).sentence == "a mission of ground station 255 is under way"
+        assert tour.run.denied(Station(254, 190)).sentence == "A mission of ground station 255 is under way."
         tour.run.pause()
         assert tour.run.denied(Station(254, 190)) is None
 
@@ -347,4 +387,4 @@ def test_whatever_the_plan_each_waypoint_is_reached_before_the_next_is_driven_to
             break
     assert tour.state == COMPLETE
     driven = [n for n in tour.reached if items[n].command == mav.MAV_CMD_NAV_WAYPOINT]
-    assert tour.legs == [(round(items[n].x / 1e4, 2), round(items[n].y / 1e4, 2)) for n in driven]
+    assert tour.legs == [(round(items[n].y / 1e4, 2), round(items[n].x / 1e4, 2)) for n in driven]

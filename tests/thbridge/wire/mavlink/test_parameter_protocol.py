@@ -139,9 +139,9 @@ def test_what_is_no_number_is_refused_and_the_old_value_told(field, value):
     ],
 )
 def test_what_the_robot_refuses_is_refused_with_its_reason(field, refusal, error):
-    field.robot.refusal = Denied("it is at most 2", refusal)
+    field.robot.refusal = Denied("It is at most 2.", refusal)
     assert field.send(change(b"PARAM_03", 9.0)) == [[("PARAM_03", "error", error), ("PARAM_03", 1.5)], []]
-    assert field.told == ["PARAM_03 not changed: it is at most 2"]
+    assert field.told == ["PARAM_03 not changed. It is at most 2."]
 
 
 def test_none_can_be_made(field):
