@@ -36,6 +36,7 @@ class Texts:
 
     def say(self, severity: Severity, sentence: str) -> None:
         """Tell a sentence when its turn comes."""
+        sentence = sentence[:1].upper() + sentence[1:]
         before = self._last.get(sentence)
         if before is not None and self._tick - before < _AGAIN:
             return
