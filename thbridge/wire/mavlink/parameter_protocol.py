@@ -5,9 +5,7 @@ Differs: a parameter that is not there is answered with PARAM_ERROR, which is yo
 """
 
 import math
-from collections.abc import Iterator
-
-import numpy as np
+from collections.abc import Iterator, Sequence
 
 from sim.observations import TICKS_PER_SECOND
 from thbridge.wire.mavlink.dialect import Message, mav
@@ -45,9 +43,8 @@ class Parameters:
         self._helm = helm
         self._announce = announce
         self._ardupilot = ardupilot
-        # Parameters are never added or removed, so a name keeps its number.
-        self._numbers = {setting.name: number for number, setting in enumerate(helm.settings())}
-        self._told = {setting.name: setting.value for setting in helm.settings()}
+        # The value of each that stations may know.
+        self._told: dict[str, float] = {}
         self._lists: dict[LinkId, int] = {}
 
     def hear(self, link: LinkId, sender: Station, message: Message) -> Iterator[Said]:
@@ -70,17 +67,21 @@ class Parameters:
 
     def step(self, tick: int, readings: Readings) -> Iterator[Said]:
         """A tick has passed: lists go on, and once a second whatever others have changed is told to all."""
+        is_whole_second = tick % TICKS_PER_SECOND == 0
+        if not self._lists and not is_whole_second:
+            return
+        settings = self._helm.settings()
         for link, start in list(self._lists.items()):
-            settings = self._helm.settings()
-            for setting in settings[start : start + VALUES_PER_TICK]:
-                yield Said(self._value(setting), link)
-            self._lists[link] = start + VALUES_PER_TICK
-            if start + VALUES_PER_TICK >= len(settings):
+            stop = start + VALUES_PER_TICK
+            for number in range(start, min(stop, len(settings))):
+                yield Said(_value(settings, number), link)
+            self._lists[link] = stop
+            if stop >= len(settings):
                 del self._lists[link]
-        if tick % TICKS_PER_SECOND == 0:
-            for setting in self._helm.settings():
-                if setting.value != self._told[setting.name]:
-                    yield self._news(setting)
+        if is_whole_second:
+            for number, setting in enumerate(settings):
+                if self._told.setdefault(setting.name, setting.value) != setting.value:
+                    yield self._news(settings, number)
 
     def forget(self, link: LinkId) -> None:
         """A link is gone, and the list on it."""
@@ -88,55 +89,51 @@ class Parameters:
 
     def _read(self, link: LinkId, sender: Station, index: int, name: str) -> Iterator[Said]:
         settings = self._helm.settings()
-        if index == _BY_NAME:
-            setting = self._helm.setting(name)
-        else:
-            setting = settings[index] if 0 <= index < len(settings) else None
-        if setting is None:
+        number = _number(settings, name) if index == _BY_NAME else index
+        if number is None or not 0 <= number < len(settings):
             yield _error(link, sender, name, index, mav.MAV_PARAM_ERROR_DOES_NOT_EXIST)
         else:
-            yield Said(self._value(setting), link)
+            yield Said(_value(settings, number), link)
 
     def _set(self, link: LinkId, sender: Station, name: str, value: float, kind: int) -> Iterator[Said]:
-        old = self._helm.setting(name)
-        if old is None:
+        number = _number(self._helm.settings(), name)
+        if number is None:
             yield _error(link, sender, name, _BY_NAME, mav.MAV_PARAM_ERROR_DOES_NOT_EXIST)
             return
-        if kind != mav.MAV_PARAM_TYPE_REAL32 and not self._ardupilot:
-            new: Setting | int = _TYPE_UNSUPPORTED
-        elif not math.isfinite(value):
-            new = mav.MAV_PARAM_ERROR_VALUE_OUT_OF_RANGE
-        else:
-            new = self._changed(name, value)
-        if isinstance(new, Setting):
-            yield self._news(new)
+        error = self._changed(name, value, kind)
+        settings = self._helm.settings()
+        if error is None:
+            yield self._news(settings, number)
         else:
             # The error goes first: a station that knows it does not try again because of the old value.
-            yield _error(link, sender, name, _BY_NAME, new)
-            yield Said(self._value(old), link)
+            yield _error(link, sender, name, _BY_NAME, error)
+            yield Said(_value(settings, number), link)
 
-    def _changed(self, name: str, value: float) -> Setting | int:
-        """The parameter as it is now, or a code of MAV_PARAM_ERROR."""
-        changed = self._helm.change(name, _shortest(value))
+    def _changed(self, name: str, value: float, kind: int) -> int | None:
+        """Change a parameter; a code of MAV_PARAM_ERROR where it keeps its value."""
+        if kind != mav.MAV_PARAM_TYPE_REAL32 and not self._ardupilot:
+            return _TYPE_UNSUPPORTED
+        if not math.isfinite(value):
+            return mav.MAV_PARAM_ERROR_VALUE_OUT_OF_RANGE
+        changed = self._helm.change(name, value)
         if isinstance(changed, Denied):
-            self._announce(Severity.WARNING, f"{name} not changed. {changed.sentence}")
+            self._announce(Severity.WARNING, changed.sentence)
             return _ERRORS[changed.refusal]
-        return changed
+        return None
 
-    def _news(self, setting: Setting) -> Said:
+    def _news(self, settings: Sequence[Setting], number: int) -> Said:
         """The new value of a parameter, for all."""
-        self._told[setting.name] = setting.value
-        return Said(self._value(setting))
-
-    def _value(self, setting: Setting) -> Message:
-        number, count = self._numbers[setting.name], len(self._numbers)
-        name = _on_wire(setting.name)
-        return mav.MAVLink_param_value_message(name, setting.value, mav.MAV_PARAM_TYPE_REAL32, count, number)
+        self._told[settings[number].name] = settings[number].value
+        return Said(_value(settings, number))
 
 
-def _shortest(value: float) -> float:
-    """The shortest decimal number that this 32-bit float can be: 0.1 and not 0.10000000149."""
-    return float(str(np.float32(value)))
+def _number(settings: Sequence[Setting], name: str) -> int | None:
+    return next((number for number, setting in enumerate(settings) if setting.name == name), None)
+
+
+def _value(settings: Sequence[Setting], number: int) -> Message:
+    name, value = _on_wire(settings[number].name), settings[number].value
+    return mav.MAVLink_param_value_message(name, value, mav.MAV_PARAM_TYPE_REAL32, len(settings), number)
 
 
 def _error(link: LinkId, station: Station, name: str, index: int, error: int) -> Said:
