@@ -1,6 +1,7 @@
 """Recordings of hunts in which ground stations took part, run again: whole, or by their frames alone."""
 
 import asyncio
+import math
 from collections.abc import Callable
 from dataclasses import replace
 from pathlib import Path
@@ -19,7 +20,7 @@ from thbridge.app.mavlink_replay import FramesOptions, FramesReplayed, has_sessi
 from thbridge.app.play import PLAY, NoLog
 from thbridge.app.recording import BagWitness
 from thbridge.app.session import Session
-from thbridge.ros import types
+from thbridge.ros import names, types, unpack
 from thbridge.ros.topics import Message as RosMessage
 from thbridge.ros.topics import Topic
 from thbridge.wire import legacy
@@ -135,3 +136,81 @@ def test_a_bag_without_frames_is_refused_with_what_to_do(tmp_path: Path):
     record(bag, 3, lambda tick, session: None, replace(STUDY, mavlink=MavlinkSection()))
     with pytest.raises(BadFile, match="it has no topic /robot1/mavlink/to of type mavros_msgs/Mavlink"):
         by_frames(bag)
+
+
+class Tour:
+    """A ground station that arms the robots and sends each from room to room, where it takes a picture and says that
+    what is there is the first treasure of all."""
+
+    def __init__(self, rooms: dict[int, list[int]]) -> None:
+        self._left = rooms
+        self._goals = [room.goal for room in read_setting(STUDY, Path()).place.rooms]
+        self._arrived = dict.fromkeys(rooms, 0)
+        self._bound = dict.fromkeys(rooms, 0)
+
+    def __call__(self, tick: int, session: Session) -> None:
+        if tick == 20:
+            self._station = Station(session)
+        if tick >= 20 and tick % 50 == 20:
+            self._station.beat()
+        if tick == 30:
+            for robot in self._left:
+                self._order(robot, mav.MAV_CMD_COMPONENT_ARM_DISARM, 1)
+        if tick < 50 or session.game is None:
+            return
+        for robot in self._left:
+            state = session.game.robots[robot - 1]
+            if state.bound_for is not None or state.at.people != self._bound[robot]:
+                self._arrived[robot] = tick
+            elif self._bound[robot] == 0 or tick - self._arrived[robot] == 30:
+                self._send_on(robot)
+            elif tick - self._arrived[robot] == 10:
+                self._order(robot, mav.MAV_CMD_IMAGE_START_CAPTURE, 0, 0, 1)
+            elif tick - self._arrived[robot] == 20:
+                self._order(robot, mav.MAV_CMD_USER_1, 1)
+
+    def _order(self, robot: int, command: int, *values: float) -> None:
+        filled = (*values, *[0.0] * (7 - len(values)))
+        self._station.say(mav.MAVLink_command_long_message(robot, 1, command, 0, *filled))
+
+    def _send_on(self, robot: int) -> None:
+        if not self._left[robot]:
+            return
+        self._bound[robot] = self._left[robot].pop(0)
+        goal = self._goals[self._bound[robot] - 1]
+        local, reposition = mav.MAV_FRAME_LOCAL_NED, mav.MAV_CMD_DO_REPOSITION
+        north, east = round(goal.y * 1e4), round(goal.x * 1e4)
+        order = (robot, 1, local, reposition, 0, 0, -1.0, 1.0, 0.0, math.nan, north, east, 0.0)
+        self._station.say(mav.MAVLink_command_int_message(*order))
+
+
+def events(bag: Path) -> list[str]:
+    return [unpack.game_event(message.data).kind for message in messages(bag, [names.GAME_EVENTS])]
+
+
+def test_a_hunt_driven_by_ground_stations_is_driven_again_by_its_frames_alone(tmp_path: Path):
+    bag = tmp_path / "hunt.bag"
+    record(bag, 950, Tour({1: [5, 2], 2: [4, 8]}))
+    assert {"commanded", "arrived", "sensed", "pictured", "identified"} <= set(events(bag))
+    done = by_frames(bag)
+    assert done.recorded is not None
+    assert [arrival.room for arrival in done.recorded.arrivals] == [5, 4]
+    assert done.recorded.score != 0
+    assert done.replayed == done.recorded
+    assert done.same
+    assert done.parted is None
+    equal(bag, 950)
+
+
+@pytest.mark.slow
+def test_a_whole_hunt_by_ground_stations_comes_out_the_same_and_with_another_seed_it_goes_other_ways(tmp_path: Path):
+    bag = tmp_path / "hunt.bag"
+    record(bag, 6000, Tour({1: [5, 2, 1, 3], 2: [4, 8, 7, 6]}))
+    done = by_frames(bag)
+    assert done.recorded is not None
+    assert len(done.recorded.arrivals) >= 6
+    assert (done.replayed, done.parted) == (done.recorded, None)
+    other = by_frames(bag, replace(STUDY, seed=8))
+    assert other.parted is not None
+    assert other.frames == done.frames
+    equal(bag, 6000)
