@@ -13,7 +13,7 @@ from pictured.shot import Shot, Story
 from sim.geometry import Pose2
 from sim.inputs import Carry, Localize
 from thbridge.app.config import ParticipantSection, ShowsSection, Study
-from thbridge.hunt.events import Condition
+from thbridge.hunt.events import Commander, Condition
 from thbridge.roles.notices import Whereabouts
 from thbridge.roles.tabui import Seen
 from thbridge.roles.view import View
@@ -273,6 +273,18 @@ def sure() -> Iterator[Shot]:
     yield shot("uncertainty", window_on(hunt.model, lambda: hunt.now))
 
 
+def commanded() -> Iterator[Shot]:
+    """A ground station takes a robot that is under way."""
+    hunt = Hunt(Study())
+    for robot, room in ((1, 1), (0, 8)):
+        hunt.do(ChooseRobot(robot))
+        hunt.send(ChooseRoom(room))
+    hunt.run(5.0)
+    station = {"commander": Commander.GROUND_STATION, "commander_name": "ground station 255"}
+    hunt.tell(lambda view: with_robot(view, 0, **station))
+    yield shot("commanded", window_on(hunt.model, lambda: hunt.now))
+
+
 def crowd() -> Iterator[Shot]:
     """Six robots and twelve rooms."""
     hunt = Hunt(Study(map="warehouse12", templates="sklar-azhar-2015", robots=6))
@@ -338,6 +350,7 @@ STORIES = (
         hunting,
     ),
     Story("How sure robots are", {"uncertainty": "A study that shows the belief and the truth"}, sure),
+    Story("Robots of others", {"commanded": "A ground station has taken robot 1, which is selected"}, commanded),
     Story("Many robots", {"six-robots": "Six robots and twelve rooms"}, crowd),
     Story("Leaving", {"leave": "The window is closed in the middle of a game"}, leaving),
 )

@@ -1,5 +1,6 @@
 """Ground stations and researchers in the participant's game: who may do what, and what the participant sees of it."""
 
+import msgspec
 import pytest
 
 from tests.thbridge.roles.stage import Stage
@@ -17,6 +18,7 @@ from thbridge.hunt.events import (
     Sensed,
 )
 from thbridge.hunt.rooms import Room
+from thbridge.roles.notices import KEEPER, Orders, Status, heard
 from thbridge.roles.requests import (
     CallBackFor,
     CommandRequest,
@@ -42,6 +44,7 @@ from thbridge.roles.view import (
     Wish,
 )
 from thbridge.study.bots import BotStrategy
+from thbridge.wire.notice import Notice
 
 NAME = "ground station 255"
 TAKE = TakeCommand(0, NAME)
@@ -229,3 +232,17 @@ def test_a_simulated_participant_waits_for_robots_that_others_command(strategy: 
     stage.session.ask("station", ReleaseCommand(0))
     stage.finish()
     assert any(isinstance(event, Departed) and event.robot == 0 for event in stage.log.events)
+
+
+def test_programs_of_before_are_understood(play: Play) -> None:
+    fields = msgspec.to_builtins(play.ask(TAKE))
+    for robot in fields["robots"]:
+        del robot["commander"], robot["commander_name"]
+    view = View.from_json(fields)
+    assert view is not None and view.robots[0].commander is Commander.PARTICIPANT
+    status = msgspec.to_builtins(Status(1, (), (), ()))
+    del status["researchers"]
+    assert heard(Notice("SimR", KEEPER, "Status", status), Status) == Status(1, (), (), ())
+    orders = msgspec.to_builtins(Orders(1, (), (), (), None))
+    del orders["taken"]
+    assert heard(Notice(KEEPER, "SimR", "Orders", orders), Orders) == Orders(1, (), (), (), None)
