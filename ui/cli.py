@@ -9,6 +9,7 @@ from ui.commands import bag, files, programs
 from ui.commands.drive import GoalWithYaw, drive
 from ui.commands.export import bag_export
 from ui.commands.localize import localize_command
+from ui.commands.mavlink import mavlink_app
 from ui.commands.measure import maps_measure
 from ui.commands.plan import plan
 from ui.commands.play import play
@@ -50,6 +51,7 @@ files.maps_app.command("measure")(maps_measure)
 app.add_typer(files.maps_app, name="maps")
 files.study_app.command("edit")(study_edit)
 app.add_typer(files.study_app, name="study")
+app.add_typer(mavlink_app, name="mavlink")
 app.add_typer(ros_app, name="ros")
 
 

@@ -29,7 +29,7 @@ _TURN = 64
 """Datagrams taken at a time, so that a peer that floods us leaves turns to the others."""
 
 _LARGEST = 65535
-_BUFFER = 4 * 1024 * 1024
+BUFFER = 4 * 1024 * 1024
 """Bytes that the system is asked to keep for us while a tick runs; it may grant fewer."""
 
 SocketAddress = tuple[str, int] | tuple[str, int, int, int]
@@ -160,8 +160,8 @@ async def udp_port(links: Links, target: Address) -> UdpPort | CannotListen:
         try:
             own.setblocking(False)
             own.setsockopt(socket.SOL_SOCKET, socket.SO_BROADCAST, 1)
-            own.setsockopt(socket.SOL_SOCKET, socket.SO_RCVBUF, _BUFFER)
-            own.setsockopt(socket.SOL_SOCKET, socket.SO_SNDBUF, _BUFFER)
+            own.setsockopt(socket.SOL_SOCKET, socket.SO_RCVBUF, BUFFER)
+            own.setsockopt(socket.SOL_SOCKET, socket.SO_SNDBUF, BUFFER)
             own.bind((_local(there[0], family), 0))
         except OSError:
             own.close()

@@ -6,8 +6,7 @@ Source: the MAVLink developer guide, "Heartbeat" and "Command Protocol".
 """
 
 import math
-from collections import Counter
-from dataclasses import dataclass, field, replace
+from dataclasses import dataclass, replace
 from typing import TypeAlias
 
 from thbridge.wire.mavlink.dialect import Message, crc_extra, decoded, mav, payload_of
@@ -89,6 +88,7 @@ class Sighting:
         base_mode: bits of MAV_MODE_FLAG.
         first: when it was first heard.
         heard: when its last heartbeat came.
+        last: when its last frame came.
         x: metres east of the map's origin; NaN as long as it has not said so.
         y: metres north of it.
         latitude: degrees; NaN as long as it has not said so.
@@ -97,7 +97,7 @@ class Sighting:
         energy: what is left, from 0 to 1; NaN as long as it has not said so.
         frames: that came from it.
         lost: frames that it sent and that did not come.
-        counts: of its messages, by name.
+        commander: who commands it, by its words; None as long as it has not said so.
         text: what it said last to people.
     """
 
@@ -107,6 +107,7 @@ class Sighting:
     base_mode: int
     first: float
     heard: float
+    last: float
     x: float = math.nan
     y: float = math.nan
     latitude: float = math.nan
@@ -115,7 +116,7 @@ class Sighting:
     energy: float = math.nan
     frames: int = 0
     lost: int = 0
-    counts: Counter[str] = field(default_factory=Counter)
+    commander: str | None = None
     text: str = ""
 
     @property
@@ -197,14 +198,14 @@ class GroundStation:
         robot.lost += 0 if last is None else (frame.sequence - last - 1) % 256
         self._sequences[frame.system] = frame.sequence
         robot.frames += 1
-        robot.counts[message.msgname] += 1
+        robot.last = now
         return self._understood(robot, message, now)
 
     def _seen(self, system: int, message: Message, now: float) -> Sighting | None:
         """The robot of this id; None: it has not said by a heartbeat that it is one."""
         robot = self.robots.get(system)
         if robot is None and isinstance(message, mav.MAVLink_heartbeat_message) and len(self.robots) < _MOST_SYSTEMS:
-            robot = Sighting(system, message.autopilot, message.custom_mode, message.base_mode, now, now)
+            robot = Sighting(system, message.autopilot, message.custom_mode, message.base_mode, now, now, now)
             self.robots[system] = robot
         return robot
 

@@ -1,0 +1,218 @@
+"""The commands that speak MAVLink to robots, as a ground station: who is there, and go there."""
+
+import asyncio
+import math
+from collections.abc import AsyncIterator, Coroutine
+from contextlib import asynccontextmanager
+from pathlib import Path
+from typing import Annotated, NoReturn, TypeVar
+
+import typer
+from rich.table import Table
+
+from thbridge.adapters.addresses import Address, address_in
+from thbridge.adapters.loop import stopping
+from thbridge.adapters.mavlink_client import StationLink, Unreachable, linked
+from thbridge.adapters.signing_key import read_signing_key
+from thbridge.wire.mavlink.ground_station import Sighting
+from thbridge.wire.mavlink.modes import mode_shown
+from thbridge.wire.mavlink.signing import SigningKey
+from thbridge.wire.mavlink.trip import Destination, Outcome, Stage, Trip
+from ui.options import AsJson, KeyFile
+from ui.terminal import BAD_INPUT, FAILED, bad_input, fail, note, out, print_json
+
+T = TypeVar("T")
+
+USUAL = "127.0.0.1:14550"
+OTHER = "127.0.0.1:14540"
+_TCP = "tcp:"
+_TELL_SECONDS = 2.0
+"""Between two words on the way."""
+
+mavlink_app = typer.Typer(
+    help="MAVLink: watch and command robots that speak it, such as those of `thbridge play --mavlink`.",
+    no_args_is_help=True,
+)
+
+Where = Annotated[
+    str,
+    typer.Argument(
+        metavar="HOST:PORT", help="An address that robots speak to by UDP, or tcp:HOST:PORT where they can be reached."
+    ),
+]
+
+
+@mavlink_app.command("status")
+def mavlink_status(
+    where: Where = USUAL,
+    seconds: Annotated[float, typer.Option(help="How long to listen.", min=0.1, max=3600)] = 3.0,
+    signing_key: KeyFile = None,
+    as_json: AsJson = False,
+) -> None:
+    """Tell which robots are there, and how they stand."""
+    address, tcp = _address(where, "HOST:PORT")
+
+    async def listen() -> StationLink:
+        async with _station(address, tcp, _key(signing_key)) as link:
+            loop = asyncio.get_running_loop()
+            until = loop.time() + seconds
+            while loop.time() < until:
+                await link.turn()
+            return link
+
+    link = _run(listen())
+    if not link.station.robots:
+        _nobody(link, address, signing_key)
+    robots = [link.station.robots[system] for system in sorted(link.station.robots)]
+    if as_json:
+        print_json({"robots": [_figures(robot) for robot in robots]})
+    else:
+        out.print(_table(robots))
+
+
+@mavlink_app.command("goto", context_settings={"ignore_unknown_options": True})
+def mavlink_goto(
+    robot: Annotated[int, typer.Argument(help="The robot's number, which is its system id.", min=1, max=255)],
+    x: Annotated[float, typer.Argument(help="Metres east of the map's origin.")],
+    y: Annotated[float, typer.Argument(help="Metres north of it.")],
+    at: Annotated[str, typer.Option("--at", metavar="HOST:PORT", help="Where it speaks; as for `status`.")] = USUAL,
+    heading: Annotated[
+        float | None, typer.Option(help="Which way it is to look there: degrees from east, anticlockwise.")
+    ] = None,
+    keep: Annotated[bool, typer.Option("--keep", help="Stay in command of it afterwards.")] = False,
+    signing_key: KeyFile = None,
+) -> None:
+    """Take command of a robot, send it to a point of the map, wait until it is there, and give it back.
+
+    Its number, X and Y are those of `thbridge mavlink status`. A point in a room is a move of the game.
+    """
+    for name, value in (("X", x), ("Y", y), ("--heading", 0.0 if heading is None else heading)):
+        if not abs(value) < 1e5:
+            fail(BAD_INPUT, f"{name}: {value:g} is not within 100,000. Give metres, and degrees for --heading.")
+    address, tcp = _address(at, "--at")
+    destination = Destination(x, y, None if heading is None else math.radians(heading))
+
+    async def drive() -> tuple[StationLink, Outcome]:
+        async with _station(address, tcp, _key(signing_key)) as link:
+            return link, await _drive(link, robot, destination, keep)
+
+    link, outcome = _run(drive())
+    if not link.station.robots:
+        _nobody(link, address, signing_key)
+    if outcome.problem:
+        hint = " If it wants signatures, give --signing-key." if signing_key is None and _silent(outcome) else ""
+        fail(FAILED, f"{outcome.problem[:1].upper()}{outcome.problem[1:].rstrip('.')}.{hint}")
+    there = link.station.robots[robot]
+    out.print(f"Robot {robot} is at {there.x:.2f} {there.y:.2f}.", highlight=False)
+
+
+async def _drive(link: StationLink, robot: int, destination: Destination, keep: bool) -> Outcome:
+    clock = asyncio.get_running_loop().time
+    trip = Trip(link.station, robot, destination, keep, clock())
+    stage, told = trip.stage, clock()
+    with stopping() as stopped:
+        while trip.outcome is None:
+            trip.advance(await link.turn(), clock())
+            if stopped.is_set() and trip.stage not in (Stage.RETURNING, Stage.OVER):
+                trip.give_up(clock())
+            if trip.stage is not stage and trip.stage is Stage.UNDER_WAY:
+                note(f"Robot {robot} is on its way.")
+                told = clock()
+            if trip.stage is Stage.UNDER_WAY and clock() - told >= _TELL_SECONDS:
+                told = clock()
+                note(f"{trip.remaining:.1f} m to go")
+            stage = trip.stage
+    return trip.outcome
+
+
+def _silent(outcome: Outcome) -> bool:
+    return "does not answer" in outcome.problem
+
+
+def _figures(robot: Sighting) -> dict[str, object]:
+    """A robot as the JSON object has it; what it has not said is null."""
+    seconds = max(robot.last - robot.first, 1e-9)
+    return {
+        "robot": robot.system,
+        "mode": mode_shown(robot.autopilot, robot.custom_mode),
+        "armed": robot.armed,
+        "commander": robot.commander,
+        "x": _known(robot.x, 3),
+        "y": _known(robot.y, 3),
+        "latitude": _known(robot.latitude, 7),
+        "longitude": _known(robot.longitude, 7),
+        "energy": _known(robot.energy, 2),
+        "frames": robot.frames,
+        "frames_per_second": round((robot.frames - 1) / seconds, 1) if robot.frames > 1 else 0.0,
+        "lost": robot.lost,
+        "text": robot.text,
+    }
+
+
+def _known(value: float, digits: int) -> float | None:
+    return None if math.isnan(value) else round(value, digits)
+
+
+def _table(robots: list[Sighting]) -> Table:
+    table = Table("robot", "mode", "armed", "commanded by", "x, y (m)", "energy", "frames/s", "lost", "said last")
+    for robot in robots:
+        figures = _figures(robot)
+        place = "" if math.isnan(robot.x) else f"{robot.x:.2f}, {robot.y:.2f}"
+        energy = "" if math.isnan(robot.energy) else f"{robot.energy:.0%}"
+        table.add_row(
+            str(robot.system),
+            str(figures["mode"]),
+            "yes" if robot.armed else "no",
+            robot.commander or "",
+            place,
+            energy,
+            str(figures["frames_per_second"]),
+            str(robot.lost),
+            robot.text,
+        )
+    return table
+
+
+# Where robots are spoken to
+
+
+def _address(text: str, option: str) -> tuple[Address, bool]:
+    """An address, and whether it is of TCP."""
+    bare = text.removeprefix(_TCP)
+    address = address_in(bare.removeprefix("udp:"))
+    if address is None:
+        fail(BAD_INPUT, f"{option}: {text!r} is no address. Write HOST:PORT, such as {USUAL}, or tcp:HOST:PORT.")
+    return address, bare != text
+
+
+def _key(path: Path | None) -> SigningKey | None:
+    with bad_input():
+        return None if path is None else read_signing_key(path)
+
+
+def _run(program: Coroutine[object, object, T]) -> T:
+    try:
+        return asyncio.run(program)
+    except KeyboardInterrupt:
+        fail(FAILED, "stopped")
+
+
+@asynccontextmanager
+async def _station(address: Address, tcp: bool, key: SigningKey | None) -> AsyncIterator[StationLink]:
+    try:
+        async with linked(address, tcp, key) as link:
+            yield link
+    except Unreachable as why:
+        remedy = "Start robots there, by `thbridge play --mavlink --tcp HOST:PORT`" if tcp else "Give another address"
+        fail(FAILED, f"{address}: {why}. {remedy}.")
+
+
+def _nobody(link: StationLink, address: Address, key: Path | None) -> NoReturn:
+    """Nobody has been heard: why that may be."""
+    if link.refused:
+        fail(FAILED, f"{address}: {link.refused} frames were refused, for they are not signed with the key of {key}.")
+    if link.waits:
+        remedy = "Start `thbridge play --mavlink`, or give the address that it tells"
+        fail(FAILED, f"{address}: nobody speaks MAVLink there. {remedy}.")
+    remedy = f"Give an address that is free, such as {OTHER}; robots speak to several, see `play --udp`"
+    fail(FAILED, f"{address}: another program has this address, or another machine, and no robot answers. {remedy}.")
