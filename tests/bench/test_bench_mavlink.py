@@ -1,0 +1,127 @@
+"""What it costs that fifty robots speak MAVLink: processor time, frames lost, and how long a command waits for its ack.
+
+The hunt runs in this process at the pace of the clock, and is recorded. The ground station is another process: it hears
+every robot at the usual rates and asks one after the other for a message that they do not send by themselves.
+"""
+
+import asyncio
+import dataclasses
+import json
+import re
+import shutil
+import socket
+import subprocess
+import sys
+import time
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+from thbridge.adapters.addresses import Address
+from thbridge.adapters.mavlink_server import Ports
+from thbridge.adapters.resources import shipped
+from thbridge.app import play
+from thbridge.app.compose import read_setting
+from thbridge.app.config import Study
+from thbridge.app.mavlink import MavlinkSection
+from thbridge.app.play import PlayOptions, Unfinished
+from thbridge.app.session import Moment
+
+pytestmark = pytest.mark.bench
+
+ROBOTS = 50
+WARM_UP = 6.0
+SECONDS = 26.0
+
+STATION = """
+import asyncio, json, sys, time
+from thbridge.adapters.addresses import Address
+from thbridge.adapters.mavlink_client import linked
+from thbridge.wire.mavlink.dialect import mav
+from thbridge.wire.mavlink.ground_station import Acked, Unanswered
+
+async def main():
+    port, robots, seconds = int(sys.argv[1]), int(sys.argv[2]), float(sys.argv[3])
+    async with linked(Address("127.0.0.1", port), False, None) as link:
+        print("ready", flush=True)
+        station = link.station
+        while len(station.robots) < robots:
+            await link.turn()
+        until = time.monotonic() + 3.0
+        while time.monotonic() < until:
+            await link.turn()
+        first = {each.system: each.frames for each in station.robots.values()}
+        waits, asked, begun = [], 0, time.monotonic()
+        while time.monotonic() - begun < seconds:
+            robot, asked = asked % robots + 1, asked + 1
+            sent = time.monotonic()
+            station.request(robot, mav.MAVLINK_MSG_ID_AUTOPILOT_VERSION, sent)
+            answered = False
+            while not answered:
+                for event in await link.turn():
+                    answered = answered or isinstance(event, Acked | Unanswered) and event.system == robot
+            waits.append(time.monotonic() - sent)
+            pause = time.monotonic() + 0.013
+            while time.monotonic() < pause:
+                await link.turn()
+        took = time.monotonic() - begun
+        frames = sum(each.frames - first[each.system] for each in station.robots.values())
+        lost = sum(each.lost for each in station.robots.values())
+        print(json.dumps({"waits": waits, "frames": frames, "lost": lost, "took": took}))
+
+asyncio.run(main())
+"""
+
+
+@pytest.fixture
+def hall(tmp_path: Path) -> Path:
+    """The warehouse with starts for fifty."""
+    folder = tmp_path / "warehouse"
+    shutil.copytree(shipped().find("maps", "warehouse12", Path()), folder)
+    rooms = folder / "rooms.yaml"
+    ends = [(2.4, 5.6, 2.0), (2.4, 5.6, 2.9), (2.4, 3.2, 3.8), (9.0, 12.2, 1.9), (9.0, 12.2, 2.9), (9.0, 12.2, 4.6)]
+    rows = "".join(f"\n    - [[{first}, {y}], [{last}, {y}]]" for first, last, y in ends)
+    text = rooms.read_text().replace("\n  rows:", f"\n  rows:{rows}")
+    rooms.write_text(re.sub(r"spacing: .*", "spacing: 0.8", text))
+    return folder
+
+
+@pytest.mark.parametrize("vehicles", ["none", "unheard", "heard"])
+def test_fifty_robots(vehicles: str, hall: Path, tmp_path: Path) -> None:
+    with socket.socket(socket.AF_INET, socket.SOCK_DGRAM) as free:
+        free.bind(("127.0.0.1", 0))
+        port = free.getsockname()[1]
+    section = MavlinkSection(on=vehicles != "none")
+    server = dataclasses.replace(Study().server, port=0)
+    study = dataclasses.replace(Study(), map=f"{hall}/", robots=ROBOTS, server=server, mavlink=section)
+    ports = Ports((Address("127.0.0.1", port),), None, None) if section.on else None
+    begun: tuple[float, float] | None = None
+    ended = (0.0, 0.0)
+
+    def watch(moment: Moment) -> None:
+        nonlocal begun, ended
+        now = (moment.tick * 0.02, time.process_time())
+        if begun is None and now[0] >= WARM_UP:
+            begun = now
+        ended = now
+
+    command = [sys.executable, "-c", STATION, str(port), str(ROBOTS), str(SECONDS - WARM_UP - 6.0)]
+    station = subprocess.Popen(command, stdout=subprocess.PIPE, text=True) if vehicles == "heard" else None
+    if station is not None and station.stdout is not None:
+        assert station.stdout.readline() == "ready\n"
+    setting = read_setting(study, Path())
+    options = PlayOptions(1.0, tmp_path / "hunt.bag", frozenset({"TabUI"}), "", SECONDS, mavlink=ports)
+    with pytest.raises(Unfinished):
+        asyncio.run(play.play(setting, None, options, lambda _: None, watch))
+    assert begun is not None
+    share = (ended[1] - begun[1]) / (ended[0] - begun[0])
+    print(f"\n{ROBOTS} robots, MAVLink: {vehicles}: {1e3 * share:.0f} ms of processor time per simulated second")
+    if station is not None:
+        told, _ = station.communicate(timeout=60)
+        heard = json.loads(told)
+        waits = 1e3 * np.array(heard["waits"])
+        print(
+            f"{heard['frames'] / heard['took']:.0f} frames/s at the station, {heard['lost']} lost; {len(waits)} acks: "
+            f"median {np.median(waits):.1f} ms, 95 % {np.percentile(waits, 95):.1f} ms, longest {waits.max():.1f} ms"
+        )
