@@ -14,6 +14,7 @@ from thbridge.adapters.addresses import Address, address_in
 from thbridge.adapters.loop import stopping
 from thbridge.adapters.mavlink_client import StationLink, Unreachable, linked
 from thbridge.adapters.signing_key import read_signing_key
+from thbridge.wire.mavlink import command_of
 from thbridge.wire.mavlink.ground_station import Sighting
 from thbridge.wire.mavlink.modes import mode_shown
 from thbridge.wire.mavlink.signing import SigningKey
@@ -68,6 +69,9 @@ def mavlink_status(
         print_json({"robots": [_figures(robot) for robot in robots]})
     else:
         out.print(_table(robots))
+        for robot in robots:
+            if robot.text:
+                out.print(f"robot {robot.system}: {robot.text}", highlight=False, markup=False)
 
 
 @mavlink_app.command("goto", context_settings={"ignore_unknown_options": True})
@@ -136,7 +140,7 @@ def _figures(robot: Sighting) -> dict[str, object]:
         "robot": robot.system,
         "mode": mode_shown(robot.autopilot, robot.custom_mode),
         "armed": robot.armed,
-        "commander": robot.commander,
+        "commander": _commander(robot),
         "x": _known(robot.x, 3),
         "y": _known(robot.y, 3),
         "latitude": _known(robot.latitude, 7),
@@ -149,27 +153,31 @@ def _figures(robot: Sighting) -> dict[str, object]:
     }
 
 
+def _commander(robot: Sighting) -> str | None:
+    match robot.commander:
+        case None:
+            return None
+        case command_of.BY_PARTICIPANT:
+            return "participant"
+        case command_of.BY_OTHERS:
+            return "researcher"
+        case system:
+            return f"ground station {system}"
+
+
 def _known(value: float, digits: int) -> float | None:
     return None if math.isnan(value) else round(value, digits)
 
 
 def _table(robots: list[Sighting]) -> Table:
-    table = Table("robot", "mode", "armed", "commanded by", "x, y (m)", "energy", "frames/s", "lost", "said last")
+    table = Table("robot", "mode", "armed", "commander", "x, y (m)", "energy", "frames/s", "lost")
     for robot in robots:
         figures = _figures(robot)
         place = "" if math.isnan(robot.x) else f"{robot.x:.2f}, {robot.y:.2f}"
         energy = "" if math.isnan(robot.energy) else f"{robot.energy:.0%}"
-        table.add_row(
-            str(robot.system),
-            str(figures["mode"]),
-            "yes" if robot.armed else "no",
-            robot.commander or "",
-            place,
-            energy,
-            str(figures["frames_per_second"]),
-            str(robot.lost),
-            robot.text,
-        )
+        rate, armed = str(figures["frames_per_second"]), "yes" if robot.armed else "no"
+        mode, commander = str(figures["mode"]), _commander(robot) or ""
+        table.add_row(str(robot.system), mode, armed, commander, place, energy, rate, str(robot.lost))
     return table
 
 

@@ -3,6 +3,9 @@
 from sim.observations import TICKS_PER_SECOND
 from thbridge.wire.mavlink.helm import PARTICIPANT, Denied, Helm, Readings, Station
 
+BY_PARTICIPANT, BY_OTHERS = 0, -1
+"""Who commands when no station does: the participant of the game, or somebody beside it, such as a researcher."""
+
 _AWAY = TICKS_PER_SECOND
 """Ticks of somebody else's command after which it counts as taken away. Before that it may be on its way: what a
 vehicle asks of the game, the game's readings show some ticks later."""
@@ -30,6 +33,13 @@ class CommandOf:
     def station(self) -> Station | None:
         """The station in command; None when none is. A researcher may have taken over for a while."""
         return self._station
+
+    @property
+    def number(self) -> int:
+        """Who commands, as one number: a station's system id, `BY_PARTICIPANT`, or `BY_OTHERS`."""
+        if self._station is not None and not self.is_overruled:
+            return self._station.system
+        return BY_PARTICIPANT if self._commanded_by() == PARTICIPANT else BY_OTHERS
 
     @property
     def is_lost(self) -> bool:

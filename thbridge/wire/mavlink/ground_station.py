@@ -11,6 +11,7 @@ from typing import TypeAlias
 
 from thbridge.wire.mavlink.dialect import Message, crc_extra, decoded, mav, payload_of
 from thbridge.wire.mavlink.frame import Frame
+from thbridge.wire.mavlink.telemetry import COMMANDER
 
 SYSTEM = 255
 COMPONENT = mav.MAV_COMP_ID_MISSIONPLANNER
@@ -67,14 +68,7 @@ class Texted:
     text: str
 
 
-@dataclass(frozen=True, slots=True)
-class Reached:
-    """A robot has come to where it was sent."""
-
-    system: int
-
-
-StationEvent: TypeAlias = Acked | Unanswered | Texted | Reached
+StationEvent: TypeAlias = Acked | Unanswered | Texted
 
 
 @dataclass(slots=True)
@@ -97,7 +91,7 @@ class Sighting:
         energy: what is left, from 0 to 1; NaN as long as it has not said so.
         frames: that came from it.
         lost: frames that it sent and that did not come.
-        commander: who commands it, by its words; None as long as it has not said so.
+        commander: who commands it, see `CommandOf.number`; None as long as it has not said so.
         text: what it said last to people.
     """
 
@@ -116,7 +110,7 @@ class Sighting:
     energy: float = math.nan
     frames: int = 0
     lost: int = 0
-    commander: str | None = None
+    commander: int | None = None
     text: str = ""
 
     @property
@@ -221,8 +215,8 @@ class GroundStation:
                 robot.latitude, robot.longitude = message.lat / 1e7, message.lon / 1e7
             case mav.MAVLink_battery_status_message():
                 robot.energy = message.battery_remaining / 100
-            case mav.MAVLink_mission_item_reached_message():
-                return [Reached(robot.system)]
+            case mav.MAVLink_named_value_int_message() if _text(message.name) == COMMANDER.decode():
+                robot.commander = message.value
             case mav.MAVLink_command_ack_message():
                 return self._acked(robot.system, message, now)
             case mav.MAVLink_statustext_message():
@@ -247,8 +241,7 @@ class GroundStation:
 
     def _texted(self, robot: Sighting, message: mav.MAVLink_statustext_message) -> list[StationEvent]:
         """Long texts come in pieces, of which the last is shorter than the others."""
-        raw: str | bytes = message.text
-        piece = (raw if isinstance(raw, bytes) else raw.encode()).rstrip(b"\0").decode("utf-8", "replace")
+        piece = _text(message.text)
         if message.id:
             key = (robot.system, message.id)
             piece = self._texts.pop(key, "") + piece if message.chunk_seq else piece
@@ -282,3 +275,9 @@ class GroundStation:
             Frame(self._system, self._component, self._sequence, message.get_msgId(), payload_of(message), seed)
         )
         self._sequence = (self._sequence + 1) % 256
+
+
+def _text(raw: str | bytes) -> str:
+    """A field of characters, which are padded with zeros."""
+    data = raw if isinstance(raw, bytes) else raw.encode()
+    return data.rstrip(b"\0").decode("utf-8", "replace")

@@ -76,3 +76,9 @@ def standard_mode(mode: Mode) -> int:
 def mode_of_standard(code: int) -> Mode | None:
     """The mode of a code of MAV_STANDARD_MODE; None where there is none."""
     return next((mode for mode, standard in _STANDARD.items() if standard == code), None)
+
+
+def mode_shown(autopilot: int, number: int) -> str:
+    """The name of the mode that a heartbeat shows; of one that is none of ours, its number."""
+    identity = Identity.ARDUPILOT if autopilot == mav.MAV_AUTOPILOT_ARDUPILOTMEGA else Identity.GENERIC
+    return next((mode.value for mode in Mode if custom_mode(identity, mode) == number), f"mode {number}")

@@ -17,6 +17,9 @@ from thbridge.wire.mavlink.streams import OFF
 
 MILLISECONDS_PER_TICK = 1000 // TICKS_PER_SECOND
 
+COMMANDER = b"COMMANDER"
+"""The named value that tells who commands; common MAVLink has no message for it."""
+
 _UNKNOWN_16 = 0xFFFF
 _POSITION_ONLY = 0x0DF8
 """Of a target's fields: velocity, acceleration, yaw and its rate are to be ignored."""
@@ -61,6 +64,7 @@ class Standing:
         mode: as it is shown.
         armed: a station may move it, or it moves.
         by_hand: it is driven by hand.
+        commander: who commands it, see `CommandOf.number`.
     """
 
     tick: int
@@ -68,6 +72,7 @@ class Standing:
     mode: Mode
     armed: bool
     by_hand: bool
+    commander: int
 
     @property
     def milliseconds(self) -> int:
@@ -96,6 +101,7 @@ def default_streams(position_rate: float) -> dict[int, int]:
         mav.MAVLINK_MSG_ID_GPS_RAW_INT: TICKS_PER_SECOND,
         mav.MAVLINK_MSG_ID_MISSION_CURRENT: TICKS_PER_SECOND,
         mav.MAVLINK_MSG_ID_BATTERY_STATUS: TICKS_PER_SECOND,
+        mav.MAVLINK_MSG_ID_NAMED_VALUE_INT: TICKS_PER_SECOND,
         mav.MAVLINK_MSG_ID_ATTITUDE: often,
         mav.MAVLINK_MSG_ID_GLOBAL_POSITION_INT: often,
         mav.MAVLINK_MSG_ID_LOCAL_POSITION_NED: often,
@@ -146,6 +152,7 @@ class Telemetry:
             mav.MAVLINK_MSG_ID_GPS_RAW_INT: self._gps_raw_int,
             mav.MAVLINK_MSG_ID_MISSION_CURRENT: lambda _: mission_current(),
             mav.MAVLINK_MSG_ID_BATTERY_STATUS: self._battery_status,
+            mav.MAVLINK_MSG_ID_NAMED_VALUE_INT: self._commander,
             mav.MAVLINK_MSG_ID_ATTITUDE: self._attitude,
             mav.MAVLINK_MSG_ID_GLOBAL_POSITION_INT: self._global_position_int,
             mav.MAVLINK_MSG_ID_LOCAL_POSITION_NED: self._local_position_ned,
@@ -205,6 +212,9 @@ class Telemetry:
         return mav.MAVLink_battery_status_message(
             0, whole, kind, 0x7FFF, no_voltages, -1, -1, -1, remaining, 0, charge, [0, 0, 0, 0], 0, 0
         )
+
+    def _commander(self, now: Standing) -> Message:
+        return mav.MAVLink_named_value_int_message(now.milliseconds, COMMANDER, now.commander)
 
     def _system_time(self, now: Standing) -> Message:
         # Simulated time is no time of day: the first field stays unknown.

@@ -10,6 +10,7 @@ from enum import Enum, auto
 
 from thbridge.wire.mavlink.dialect import mav
 from thbridge.wire.mavlink.ground_station import (
+    HEARTBEAT_SECONDS,
     Acked,
     GroundStation,
     Order,
@@ -180,7 +181,7 @@ class Trip:
             self._fail(f"robot {self._system} is not heard any more", now)
         elif now - self._stood > _STANDING_SECONDS and self._destination.distance(robot) < NEAR:
             self._hand_back(now)
-        elif not robot.armed:
+        elif not robot.armed and robot.heard - self._since > HEARTBEAT_SECONDS:  # before that it may not know it yet
             self._fail(f"robot {self._system} is commanded by somebody else now", now)
 
     def _order(self, stage: Stage, order: Order, now: float) -> None:

@@ -131,7 +131,9 @@ class Vehicle:
     @property
     def _standing(self) -> Standing:
         conduct = self._conduct
-        return Standing(self._tick, self._readings, conduct.mode, conduct.armed, conduct.is_by_hand)
+        return Standing(
+            self._tick, self._readings, conduct.mode, conduct.armed, conduct.is_by_hand, self._command.number
+        )
 
     def _stream(self, tick: int) -> Iterator[Said]:
         """The messages whose time has come, and a heartbeat at once when it shows something new."""

@@ -273,6 +273,9 @@ def test_a_robot_that_is_taken_away(air: Air) -> None:
     journey = Journey(air, keep=True)
     journey.set_out()
     air.heartbeat(armed=False)
+    journey.pass_time(1.5)
+    assert journey.trip.outcome is None
+    air.heartbeat(armed=False)
     journey.pass_time(1.0)
     assert journey.trip.outcome == Outcome("robot 1 is commanded by somebody else now")
 

@@ -9,7 +9,15 @@ from tests.thbridge.wire.mavlink.rig import HEARTBEAT, HERE, SECOND, Rig, messag
 from thbridge.wire.mavlink.dialect import decoded, mav, payload_of
 from thbridge.wire.mavlink.options import Identity
 
-ONCE_A_SECOND = {"HEARTBEAT", "SYS_STATUS", "SYSTEM_TIME", "GPS_RAW_INT", "MISSION_CURRENT", "BATTERY_STATUS"}
+ONCE_A_SECOND = {
+    "HEARTBEAT",
+    "SYS_STATUS",
+    "SYSTEM_TIME",
+    "GPS_RAW_INT",
+    "MISSION_CURRENT",
+    "BATTERY_STATUS",
+    "NAMED_VALUE_INT",
+}
 OFTEN = {"ATTITUDE", "GLOBAL_POSITION_INT", "LOCAL_POSITION_NED", "VFR_HUD"}
 
 
@@ -49,6 +57,21 @@ def test_a_heartbeat_tells_of_a_change_at_once():
     (beat,) = messages(rig.run(1), "HEARTBEAT")
     assert beat.base_mode & mav.MAV_MODE_FLAG_SAFETY_ARMED
     assert beat.system_status == mav.MAV_STATE_ACTIVE
+
+
+def test_it_tells_who_commands():
+    rig = Rig()
+    for readings, commander in (
+        (rig.robot.readings, 0),
+        (replace(rig.robot.readings, commanded_by="researcher"), -1),
+    ):
+        rig.robot.readings = readings
+        (told, *_) = messages(rig.run(SECOND), "NAMED_VALUE_INT")
+        assert (told.name, told.value) == ("COMMANDER", commander)
+    rig = Rig()
+    rig.arm()
+    (told, *_) = messages(rig.run(SECOND), "NAMED_VALUE_INT")
+    assert told.value == 255
 
 
 def test_status_says_whether_a_ground_station_is_heard():
