@@ -1,8 +1,25 @@
 #!/usr/bin/env bash
-# Installs the programs of others that tests/peers plays against: the real ROS 1 tools, and Java for the clients of 2016.
-# Tests whose program is missing are skipped and say so; nothing else depends on them.
+# Installs the programs of others that tests/peers plays against: MAVLink's clients, the real ROS 1 tools, and Java for
+# the clients of 2016. Tests whose program is missing are skipped and say so; nothing else depends on them.
 set -uo pipefail
 cd "$(dirname "$0")/.."
+
+# Each of MAVLink's clients has an environment of its own, and only what it needs without a screen.
+for client in mavsdk mavproxy; do
+    there=.peers/$client
+    wanted=$(sha256sum <scripts/peers/$client.txt)
+    if [ "$(cat $there/installed 2>/dev/null)" = "$wanted" ]; then
+        continue
+    fi
+    echo "Installing for tests/peers: $client"
+    if .venv/bin/python -m venv --clear $there &&
+        $there/bin/python -m pip install --quiet --disable-pip-version-check --no-deps --require-hashes \
+            -r scripts/peers/$client.txt; then
+        echo "$wanted" >$there/installed
+    else
+        echo "It could not be installed; the tests that need it will be skipped." >&2
+    fi
+done
 
 packages="python3-rosbag python3-rostopic python3-rosnode python3-rosparam python3-rosservice python3-rosmsg
     python3-rosmaster python3-rospy python3-actionlib python3-tf2-ros tf2-tools ros-core default-jdk-headless
