@@ -1,0 +1,174 @@
+"""pymavlink's `mavutil`, with which most scripts for drones are written: two of them at once, on ports of their own."""
+
+import math
+import os
+import time
+from collections.abc import Callable, Iterator
+from typing import Any
+
+import pytest
+
+from tests.peers.rovers import degrees, free_udp_port, metres, rovers
+from tests.system.programs import Program
+
+os.environ["MAVLINK20"] = "1"
+from pymavlink import mavutil, mavwp
+
+mav = mavutil.mavlink
+
+PATIENCE = 60.0
+PARAMETER = "SIM_ODOM_ALPHA1"
+
+
+class Script:
+    """One connection of mavutil's, to one robot, with a heartbeat of its own."""
+
+    def __init__(self, port: int, own: int) -> None:
+        self.master: Any = mavutil.mavlink_connection(
+            f"udpin:127.0.0.1:{port}", source_system=own, source_component=190, dialect="all"
+        )
+        self._beaten = -math.inf
+
+    def follows(self, system: int) -> None:
+        self.master.target_system, self.master.target_component = system, 1
+
+    def beat(self) -> None:
+        if time.monotonic() - self._beaten > 0.5:
+            self._beaten = time.monotonic()
+            self.master.mav.heartbeat_send(mav.MAV_TYPE_GCS, mav.MAV_AUTOPILOT_INVALID, 0, 0, 0)
+
+    def hears(self, kind: str, wanted: Callable[[Any], bool] = lambda _: True, seconds: float = PATIENCE) -> Any:
+        """The next message of the robot that is as wanted."""
+        end = time.monotonic() + seconds
+        while time.monotonic() < end:
+            self.beat()
+            told = self.master.recv_match(type=kind.split("|"), blocking=True, timeout=0.2)
+            if told is not None and told.get_srcSystem() == self.master.target_system and wanted(told):
+                return told
+        raise TimeoutError(f"waited {seconds} s for {kind}")
+
+    def result(self, command: int) -> int:
+        return int(self.hears("COMMAND_ACK", lambda told: told.command == command).result)
+
+    def commands(self, command: int, *params: float) -> int:
+        seven = [*params, *[0.0] * (7 - len(params))]
+        self.master.mav.command_long_send(self.master.target_system, 1, command, 0, *seven)
+        return self.result(command)
+
+    def is_in(self, mode: str) -> None:
+        self.hears("HEARTBEAT", lambda told: mavutil.mode_string_v10(told) == mode)
+
+    def arms(self) -> None:
+        self.master.arducopter_arm()
+        self.hears("HEARTBEAT", lambda told: bool(told.base_mode & mav.MAV_MODE_FLAG_SAFETY_ARMED))
+
+    def reaches(self, east: float, north: float) -> None:
+        def there(told: Any) -> bool:
+            return math.dist((told.y, told.x), (east, north)) < 0.35 and math.hypot(told.vx, told.vy) < 0.02
+
+        self.hears("LOCAL_POSITION_NED", there)
+
+
+@pytest.fixture(scope="module")
+def both(tmp_path_factory: pytest.TempPathFactory) -> Iterator[tuple[Script, Script, Program]]:
+    ports = free_udp_port(), free_udp_port()
+    one, other = Script(ports[0], 255), Script(ports[1], 254)
+    with rovers(tmp_path_factory.mktemp("mavutil"), ports, "--identity", "ardupilot", "--rate", "2") as play:
+        for script, system in ((one, 1), (other, 2)):
+            assert script.master.wait_heartbeat(timeout=PATIENCE) is not None
+            script.follows(system)
+            script.hears("HEARTBEAT")
+        yield one, other, play
+    for script in (one, other):
+        script.master.close()
+
+
+@pytest.fixture(scope="module")
+def one(both: tuple[Script, Script, Program]) -> Script:
+    return both[0]
+
+
+def test_modes_are_changed_by_name(one: Script) -> None:
+    assert {"MANUAL", "HOLD", "AUTO", "RTL", "GUIDED"} <= set(one.master.mode_mapping())
+    one.arms()
+    one.master.set_mode("GUIDED")
+    one.is_in("GUIDED")
+    one.master.set_mode("HOLD")
+    one.is_in("HOLD")
+    one.master.set_mode_rtl()
+    one.is_in("RTL")
+    one.master.arducopter_disarm()
+
+
+def test_parameters_are_fetched_one_and_all_and_set(one: Script) -> None:
+    one.master.param_fetch_all()
+    told = one.hears("PARAM_VALUE")
+    seen = {told.param_index: told.param_id}
+    while len(seen) < told.param_count:
+        told = one.hears("PARAM_VALUE")
+        seen[told.param_index] = told.param_id
+    assert len(set(seen.values())) == told.param_count
+    one.master.param_fetch_one(PARAMETER)
+    before = one.hears("PARAM_VALUE", lambda told: told.param_id == PARAMETER).param_value
+    one.master.param_set_send(PARAMETER, before * 2, mav.MAV_PARAM_TYPE_REAL32)
+    after = one.hears("PARAM_VALUE", lambda told: told.param_id == PARAMETER).param_value
+    assert after == pytest.approx(2 * before)
+
+
+def test_a_mission_goes_up_comes_down_and_is_driven(one: Script) -> None:
+    loader = mavwp.MAVWPLoader(1, 1)
+    for east, north in ((0.0, 0.0), (0.0, 0.8), (0.3, 0.4)):  # the first is home, as ArduPilot has it
+        loader.add_latlonalt(*degrees(east, north), 0.0)
+    one.master.waypoint_count_send(loader.count())
+    for seq in range(loader.count()):
+        asked = one.hears("MISSION_REQUEST|MISSION_REQUEST_INT")
+        assert asked.seq == seq
+        item = loader.wp(seq)
+        x, y, first = round(item.x * 1e7), round(item.y * 1e7), int(seq == 0)
+        one.master.mav.mission_item_int_send(1, 1, seq, item.frame, item.command, first, 1, 0, 0, 0, 0, x, y, 0)
+    assert one.hears("MISSION_ACK").type == mav.MAV_MISSION_ACCEPTED
+    one.master.waypoint_request_list_send()
+    assert one.hears("MISSION_COUNT").count == loader.count()
+    for seq in range(loader.count()):
+        one.master.waypoint_request_send(seq)  # the old form, without _INT
+        item = one.hears("MISSION_ITEM", lambda told, seq=seq: told.seq == seq)
+        assert (item.x, item.y) == pytest.approx((loader.wp(seq).x, loader.wp(seq).y), abs=1e-5)  # 32-bit floats
+    one.master.mav.mission_ack_send(1, 1, mav.MAV_MISSION_ACCEPTED)
+    one.arms()
+    one.master.set_mode_auto()
+    assert one.result(mav.MAV_CMD_MISSION_START) == mav.MAV_RESULT_ACCEPTED
+    one.hears("MISSION_ITEM_REACHED", lambda told: told.seq == 2)
+    one.reaches(0.3, 0.4)
+    one.master.waypoint_clear_all_send()
+    assert one.hears("MISSION_ACK").type == mav.MAV_MISSION_ACCEPTED
+    one.master.arducopter_disarm()
+
+
+def test_two_stations_command_a_robot_each_and_the_second_may_only_stop_the_firsts(
+    both: tuple[Script, Script, Program],
+) -> None:
+    one, other, _ = both
+    one.arms()
+    other.arms()
+    one.master.set_mode("GUIDED")
+    one.is_in("GUIDED")
+    latitude, longitude = degrees(0.0, -2.0)
+    goal = (-1, 1, 0, math.nan, round(latitude * 1e7), round(longitude * 1e7), 0)
+    one.master.mav.command_int_send(1, 1, mav.MAV_FRAME_GLOBAL_INT, mav.MAV_CMD_DO_REPOSITION, 0, 0, *goal)
+    assert one.result(mav.MAV_CMD_DO_REPOSITION) == mav.MAV_RESULT_ACCEPTED
+    other.follows(1)
+    other.master.mav.command_int_send(1, 1, mav.MAV_FRAME_GLOBAL_INT, mav.MAV_CMD_DO_REPOSITION, 0, 0, *goal)
+    assert other.result(mav.MAV_CMD_DO_REPOSITION) == mav.MAV_RESULT_DENIED
+    assert "255" in other.hears("STATUSTEXT").text  # who is in command
+    assert other.commands(mav.MAV_CMD_DO_PAUSE_CONTINUE, 0.0) == mav.MAV_RESULT_ACCEPTED
+    one.hears("LOCAL_POSITION_NED", lambda told: math.hypot(told.vx, told.vy) < 0.02)
+    for script, system in ((one, 1), (other, 2)):
+        script.follows(system)
+        script.master.arducopter_disarm()
+        script.hears("HEARTBEAT", lambda told: not told.base_mode & mav.MAV_MODE_FLAG_SAFETY_ARMED)
+
+
+def test_global_position_is_the_local_one_on_earth(one: Script) -> None:
+    globe = one.hears("GLOBAL_POSITION_INT")
+    local = one.hears("LOCAL_POSITION_NED")
+    assert metres(globe.lat / 1e7, globe.lon / 1e7) == pytest.approx((local.y, local.x), abs=0.02)
