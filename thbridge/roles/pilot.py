@@ -17,7 +17,6 @@ from sim.inputs import Drive, Go, Halt
 from sim.navigator import Goal
 from sim.observations import Twist
 from sim.parameters import RobotParameters
-from sim.parameters.reconfiguration import Rejected, reconfigured
 from sim.team import TeamSnapshot
 from thbridge.hunt import rules
 from thbridge.hunt.events import Commanded, Commander
@@ -39,6 +38,7 @@ from thbridge.roles.requests import (
     SetParameters,
     TakeCommand,
 )
+from thbridge.roles.speeds import Speeds
 from thbridge.roles.trips import Stage, Trip, answers, followed
 from thbridge.wire.mavlink.helm import Denied, Leg, LegState, Readings, Refusal, Setting, Station
 
@@ -100,10 +100,9 @@ class Pilot:
         self._robot = robot
         self._premises = premises
         self._start = start
-        self._software = software
+        self._speeds = Speeds(software)
         self._settings = settings
         self._ask = ask
-        self._fastest = math.inf
         self._legs = 0
         self._trip: Trip | None = None
         self._snapshot: TeamSnapshot | None = None
@@ -170,33 +169,19 @@ class Pilot:
             return state
         self._give_up(reasons.BY_HAND)
         self._stop_move()
-        linear = min(max(twist.linear, -self._fastest), self._fastest)
-        self._ask(Drive(self._robot, Twist(linear, twist.angular), HAND_TICKS))
+        self._ask(Drive(self._robot, self._speeds.bounded(twist), HAND_TICKS))
         return None
 
     def fastest(self) -> Twist:
-        """See `Helm`: what the local planner in use keeps to, if that is known."""
-        if self._software is None:
-            return _USUAL_HAND
-        planner = self._software.DWAPlannerROS if _uses_dwa(self._software) else self._software.TrajectoryPlannerROS
-        return Twist(min(max(planner.max_vel_x, 0.0), self._fastest), planner.max_vel_theta)
+        """See `Helm`."""
+        return self._speeds.fastest()
 
     def limit_speed(self, speed: float) -> Denied | None:
         """See `Helm`; a robot never drives faster than the study lets it."""
-        if self._software is None:
-            return Denied("The speed of this robot is not ours to change.", Refusal.UNSUPPORTED)
-        if math.isnan(speed):
-            return Denied("That is no speed.")
-        limited, values = self._software, []
-        for path, own in _speeds(self._software):
-            value = own if speed < 0.0 else min(own, speed)
-            changed = reconfigured(limited, path, value)
-            if isinstance(changed, Rejected):
-                return Denied(changed.sentence)
-            limited = changed
-            values.append((path, value))
-        self._fastest = math.inf if speed < 0.0 else speed
-        self._ask(SetParameters(self._robot, tuple(values)))
+        values = self._speeds.limit(speed)
+        if isinstance(values, Denied):
+            return values
+        self._ask(SetParameters(self._robot, values))
         return None
 
     def home(self) -> Pose2:
@@ -261,14 +246,20 @@ class Pilot:
         return self._readings(snapshot, game, news)
 
     def _set_out(self, trip: Trip, state: GameState) -> Trip:
-        """Ask for a trip, unless a move of the game has to end first."""
-        if self._sent or state.robots[self._robot].bound_for is not None:
-            self._stop_move()
+        """Ask for a trip, unless a move of the game has to end first.
+
+        A way home outlives the command of a station that was lost, as long as nobody else sends the robot anywhere.
+        """
+        mover = state.robots[self._robot]
+        if self._sent or mover.bound_for is not None:
+            if not self._stopping:
+                if mover.holder.by is not Commander.GROUND_STATION:
+                    return trip.failed(reasons.ELSEWHERE)
+                self._stop_move()
             return trip
         if trip.room is None:
-            refused = rules.commanded_by_other(state, self._robot, Commander.GROUND_STATION)
-            if refused is not None:
-                return trip.failed(refused.sentence)
+            if mover.intervention is not None:
+                return trip.failed(reasons.ELSEWHERE)
             self._ask(Go(self._robot, Goal(trip.goal, trip.target)))
             return replace(trip, stage=Stage.GOING)
         ruling = rules.move(state, self._robot, trip.room, Commander.GROUND_STATION)
@@ -348,18 +339,6 @@ class Pilot:
         self._stopping = under_way or self._sent
 
 
-def _speeds(software: RobotParameters) -> tuple[tuple[str, float], ...]:
-    """What bounds the speed of the local planner in use, by path."""
-    if _uses_dwa(software):
-        dwa = software.DWAPlannerROS
-        return ("DWAPlannerROS.max_vel_x", dwa.max_vel_x), ("DWAPlannerROS.max_vel_trans", dwa.max_vel_trans)
-    return (("TrajectoryPlannerROS.max_vel_x", software.TrajectoryPlannerROS.max_vel_x),)
-
-
-def _uses_dwa(software: RobotParameters) -> bool:
-    return software.move_base.base_local_planner == "dwa_local_planner/DWAPlannerROS"
-
-
 def _words(command: Command) -> str:
     """Who commands, in words without an article."""
     match command.by:
@@ -369,6 +348,4 @@ def _words(command: Command) -> str:
             return command.by.value
 
 
-_USUAL_HAND = Twist(0.5, 1.0)
-"""The fastest that hands drive robots whose software is not ours."""
 _NO_GAME = Denied("The game has not begun yet.", Refusal.NOT_NOW)

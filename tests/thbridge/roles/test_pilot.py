@@ -7,9 +7,9 @@ from pathlib import Path
 import pytest
 
 from sim.geometry import Pose2
+from sim.inputs import Die
 from sim.observations import Twist
 from sim.parameters import RobotParameters
-from sim.team import Die
 from tests.thbridge.roles.stage import Log
 from tests.thbridge.roles.test_hunt import Script
 from thbridge.app.compose import Setting, read_setting
@@ -22,6 +22,7 @@ from thbridge.roles.pilot import Pilot, Premises
 from thbridge.roles.requests import GameRequest, Request, SetParameters
 from thbridge.roles.simr import SimR
 from thbridge.roles.tabui import TabUI
+from thbridge.roles.view import Answer, Select, SendRobot, Wish
 from thbridge.ros.records import SimpleGoal
 from thbridge.wire.mavlink.helm import Denied, LegState, Readings, Refusal, Station
 from thbridge.wire.mavlink.helm import Setting as Parameter
@@ -54,14 +55,14 @@ def setting(energy: float = 100.0) -> Setting:
 class Flight:
     """A session with a silent participant and a pilot at each robot's helm."""
 
-    def __init__(self, energy: float = 100.0) -> None:
+    def __init__(self, energy: float = 100.0, participant: TabUI | None = None) -> None:
         made = setting(energy)
         self.setting = made
         self.log = Log()
         self.player = Script()
         self.simr: SimR = made.simr()
         self.keeper = made.keeper()
-        self.tabui = TabUI(self.player)
+        self.tabui = participant or TabUI(self.player)
         self.session = Session(Router(), self.keeper, [self.simr, made.hider(), self.tabui], self.log)
         self.asked: list[Request] = []
         briefing = made.briefing()
@@ -101,6 +102,19 @@ class Flight:
         assert self.pilot.take(STATION) is None
         self.run()
         return self
+
+    def send_as_participant(self, room: int) -> None:
+        self._wish(Select(0, room))
+        while not self.tabui.view.consents:
+            (dialogue,) = self.tabui.view.dialogues
+            self._wish(Answer(dialogue.dialogue, dialogue.turn, 0))
+        self._wish(SendRobot(0, room))
+
+    def _wish(self, wish: Wish) -> None:
+        self.player.wish = (wish,)
+        self.tabui.look_again()
+        self.run(6)
+        self.player.wish = ()
 
     def goal_of(self, room: int) -> tuple[float, float]:
         goal = self.setting.place.rooms[room - 1].goal
@@ -258,6 +272,28 @@ def test_a_robot_goes_on_when_it_is_given_back(taken: Flight) -> None:
     taken.run(5)
     taken.pilot.release()
     assert taken.until(ARRIVED).commanded_by == "participant"
+
+
+def test_a_way_home_outlives_the_command_of_a_station_that_was_lost(taken: Flight) -> None:
+    taken.pilot.go_to(*taken.goal_of(4), None)
+    taken.run(60)
+    home = taken.pilot.home()
+    number = taken.pilot.go_to(home.x, home.y, home.theta)
+    taken.pilot.release()
+    readings = taken.until(ARRIVED)
+    assert (readings.leg.number, readings.commanded_by) == (number, "participant")
+    assert readings.base_in_map.distance(home) < 0.35
+    assert [event.room for event in taken.events(Failed)] == [Room(4)]
+
+
+def test_a_way_home_ends_where_the_participant_sends_the_robot_elsewhere(taken: Flight) -> None:
+    home = taken.pilot.home()
+    taken.pilot.go_to(home.x + 1.5, home.y, None)
+    taken.pilot.release()
+    taken.run(5)
+    taken.send_as_participant(3)
+    readings = taken.run(5)
+    assert (readings.leg.state, readings.leg.reason) == (FAILED, "It was sent elsewhere, or stopped.")
 
 
 def test_hand_driving_needs_repeating_and_takes_the_place_of_a_leg(taken: Flight) -> None:

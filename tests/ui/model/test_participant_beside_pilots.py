@@ -1,0 +1,60 @@
+"""A whole hunt steered by a ground station, while the participant's window follows it."""
+
+from tests.thbridge.roles.test_pilot import STATION, Flight
+from thbridge.hunt.events import Arrived, Identified
+from thbridge.roles.notices import Whereabouts
+from thbridge.roles.tabui import TabUI
+from thbridge.wire.mavlink.helm import LegState
+from ui.model.participant import Participant
+from ui.model.screen import Phase
+
+TICK = 0.02
+
+
+class Follower:
+    """The window's model behind a TabUI."""
+
+    def __init__(self) -> None:
+        self.model = Participant()
+        self.model.connected(0.0)
+        self.now = 0.0
+
+    def saw(self, level) -> None:
+        if isinstance(level, Whereabouts):
+            self.now = level.tick * TICK
+        self.model.hear(level, self.now)
+
+    def wishes(self, view):
+        return self.model.wishes()
+
+
+def test_the_window_follows_a_hunt_that_a_ground_station_steers():
+    follower = Follower()
+    flight = Flight(participant=TabUI(follower, follower))
+    names = flight.setting.briefing().names
+    for pilot in flight.pilots:
+        pilot.take(STATION)
+    flight.run(3)
+    rooms = iter(range(1, 9))
+    while flight.session.game.ended is None:
+        for robot, pilot in enumerate(flight.pilots):
+            leg = flight.readings[robot].leg
+            if leg is not None and leg.state is LegState.UNDER_WAY:
+                continue
+            here = flight.session.game.robots[robot].at
+            if not here.is_corridor and not flight.session.game.room(here).is_decided:
+                pilot.identify(names.index(flight.session.game.treasure(here).name) + 1)
+            elif (room := next(rooms, None)) is not None:
+                assert isinstance(pilot.go_to(*flight.goal_of(room), None), int)
+        flight.run(3)
+        if len(flight.moments) > 20_000:
+            raise TimeoutError("the hunt does not end")
+    flight.run(50)
+    screen = follower.model.screen(follower.now)
+    game = flight.session.game
+    assert len(flight.events(Arrived)) == len(flight.events(Identified)) == 8
+    assert (screen.phase, screen.score) == (Phase.OVER, game.score)
+    assert all(card.commanded == "commanded by ground station 255" for card in screen.cards)
+    told = [line.text for line in screen.history]
+    assert sum("is right" in text for text in told) == 8
+    assert "Robot 1 is in room 1." in told
