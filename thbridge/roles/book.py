@@ -9,6 +9,7 @@ from thbridge.hunt.events import Arrived, Departed, Event, Failed, Started
 from thbridge.hunt.game import GameState
 from thbridge.hunt.outcomes import Refused
 from thbridge.roles.notices import Order
+from thbridge.roles.reasons import CALLED_BACK
 from thbridge.roles.talks import Talks
 from thbridge.roles.view import RefusalView
 
@@ -40,6 +41,8 @@ class Book:
         self._refusals = 0
         # The number of each robot's latest move in this game, and how many moves there were.
         self._moves: list[int] = []
+        # Likewise, those that the robots were told of.
+        self._ordered: list[int] = []
         self._departures = 0
         self._recalled: set[int] = set()
         self._events: list[Event] = []
@@ -71,8 +74,11 @@ class Book:
         self.refusal = RefusalView(self._refusals, request, refused.reason, refused.sentence)
 
     def recall(self, robot: int) -> None:
-        """A robot under way shall stop; its move ends when SimR reports how far it came."""
-        self._recalled.add(robot)
+        """A robot under way shall stop; its move ends when SimR reports how far it came, or now if it never set out."""
+        if self.state is not None and self._ordered[robot] != self._moves[robot]:
+            self.take("Failed", rules.fail(self.state, robot, CALLED_BACK, 0.0))
+        else:
+            self._recalled.add(robot)
 
     def is_recalled(self, robot: int) -> bool:
         """Whether a robot under way was told to stop."""
@@ -88,7 +94,8 @@ class Book:
         )
 
     def orders(self, state: GameState) -> tuple[Order | None, ...]:
-        """What each robot shall do."""
+        """What each robot shall do; they are told of it now."""
+        self._ordered = list(self._moves)
         return tuple(
             None
             if robot.bound_for is None or number in self._recalled
@@ -108,7 +115,7 @@ class Book:
             self.last_game = event.game
             self.talks = Talks(self._engine(event.game), self.talks.puppets)
             self.refusal = None
-            self._moves = [0] * event.robots
+            self._moves, self._ordered = [0] * event.robots, [0] * event.robots
             self._departures = 0
             self._recalled.clear()
         elif self.state is not None:

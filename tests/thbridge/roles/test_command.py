@@ -17,7 +17,7 @@ from thbridge.hunt.events import (
     Pictured,
     Sensed,
 )
-from thbridge.hunt.rooms import Room
+from thbridge.hunt.rooms import CORRIDOR, Room
 from thbridge.roles.notices import KEEPER, Orders, Status, heard
 from thbridge.roles.requests import (
     CallBackFor,
@@ -178,6 +178,14 @@ def test_anybody_may_stop_a_robot_and_the_energy_for_the_rest_comes_back(play: P
     assert play.view.robots[0].moving_to is None
     play.ask(CallBackFor(0), CallBackFor(9))
     assert len(play.events(Failed)) == 1
+
+
+def test_a_robot_that_is_called_back_before_it_was_told_to_go_never_set_out(play: Play) -> None:
+    view = play.ask(TAKE, SendFor(0, 3), CallBackFor(0))
+    (failed,) = play.events(Failed)
+    assert (failed.refund, failed.at, view.robots[0].energy) == (17.0, CORRIDOR, 100.0)
+    assert view.robots[0].moving_to is None
+    assert play.ask(SendFor(0, 3), ticks=20).robots[0].place == 3
 
 
 def test_a_researcher_has_the_robot_while_it_lasts_and_then_whoever_had_it(play: Play) -> None:
