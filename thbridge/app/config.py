@@ -10,7 +10,7 @@ from collections.abc import Iterator, Mapping
 from dataclasses import dataclass
 from enum import StrEnum
 from pathlib import Path
-from typing import TYPE_CHECKING, Never, cast
+from typing import Never, cast
 
 from sim.observations import TICKS_PER_SECOND
 from sim.parameters import ORDERED, RobotParameters, WorldParameters, knob
@@ -25,14 +25,9 @@ from thbridge.app.fleet import FleetSection, RobotsFrom, faults_of_fleet
 from thbridge.app.mavlink import MavlinkSection, faults_of_mavlink
 from thbridge.app.noise import HOMES, NoiseSection, applied, preset, preset_in, value_at, view_of, with_value
 from thbridge.app.things import MishapEntry, ThingEntry, faults_of_mishaps, faults_of_things
+from thbridge.roles.keeper import MOST_ROBOTS
 from thbridge.study.bots import BotStrategy
 from thbridge.wire.canonical import Dialect
-
-if TYPE_CHECKING:
-    pass
-
-MOST_ROBOTS = 64
-"""In a team."""
 
 
 @dataclass(frozen=True, slots=True)

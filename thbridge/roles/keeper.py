@@ -47,7 +47,7 @@ from thbridge.wire.router import Forwarded
 from thbridge.wire.text import Message
 
 MOST_ROBOTS = 250
-"""Larger than any team; a number beyond it is a mistake."""
+"""In a team: MAVLink numbers vehicles up to there, and leaves the numbers above to ground stations."""
 
 _BEFORE_AGREEING = Refused(Reason.NOT_AGREED, "You have not agreed to take part yet.")
 _AFTER_AGREEING = {wish.__name__ for wish in get_args(Wish)} - {Agree.__name__}
