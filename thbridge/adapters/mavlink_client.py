@@ -62,7 +62,8 @@ class StationLink:
         Raises:
             Unreachable: the connection has ended.
         """
-        events = self.station.advance(time.monotonic())
+        # Its first heartbeat is for the first who is there.
+        events = self.station.advance(time.monotonic()) if self._stream or self._peers else []
         await self._send()
         try:
             async with asyncio.timeout(_STEP):

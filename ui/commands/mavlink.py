@@ -1,6 +1,7 @@
-"""The commands that speak MAVLink to robots, as a ground station: who is there, and go there."""
+"""The commands about MAVLink: who is there, and go there, as a ground station; and a recording's frames again."""
 
 import asyncio
+import dataclasses
 import math
 from collections.abc import AsyncIterator, Coroutine
 from contextlib import asynccontextmanager
@@ -14,12 +15,20 @@ from thbridge.adapters.addresses import Address, address_in
 from thbridge.adapters.loop import stopping
 from thbridge.adapters.mavlink_client import StationLink, Unreachable, linked
 from thbridge.adapters.signing_key import read_signing_key
+from thbridge.app.compose import Setting, read_setting
+from thbridge.app.config import read_study_text
+from thbridge.app.mavlink_replay import FramesOptions, FramesReplayed, Hunt, has_session, replay_frames
+from thbridge.app.replay import session_of
+from thbridge.app.session import Moment
+from thbridge.app.what_if import changed
 from thbridge.wire.mavlink import command_of
 from thbridge.wire.mavlink.ground_station import Sighting
 from thbridge.wire.mavlink.modes import mode_shown
 from thbridge.wire.mavlink.signing import SigningKey
 from thbridge.wire.mavlink.trip import Destination, Outcome, Stage, Trip
-from ui.options import AsJson, KeyFile
+from ui.commands.replay import changes_of, other_versions
+from ui.options import AsJson, KeyFile, announce_compiling, make_ready, setting_of, study_of
+from ui.story import tell
 from ui.terminal import BAD_INPUT, FAILED, bad_input, fail, note, out, print_json
 
 T = TypeVar("T")
@@ -108,6 +117,91 @@ def mavlink_goto(
         fail(FAILED, f"{outcome.problem[:1].upper()}{outcome.problem[1:].rstrip('.')}.{hint}")
     there = link.station.robots[robot]
     out.print(f"Robot {robot} is at {there.x:.2f} {there.y:.2f}.", highlight=False)
+
+
+@mavlink_app.command("replay")
+def mavlink_replay(
+    bag: Annotated[Path, typer.Argument(help="A recording with topics /robotN/mavlink/to.")],
+    study_file: Annotated[
+        Path | None, typer.Option("--study", help="Study to run it in; by default the recording's own.")
+    ] = None,
+    changes: Annotated[
+        list[str] | None,
+        typer.Option(
+            "--with",
+            metavar="KEY=VALUE|FILE.yaml",
+            help="Change this in the recording's study, e.g. `--with seed=2`. May be given several times.",
+        ),
+    ] = None,
+    rate: Annotated[
+        float | None, typer.Option(help="Simulated seconds per second; full speed by default.", min=0.01)
+    ] = None,
+    to: Annotated[Path | None, typer.Option(help="Keep the new recording in this bag.")] = None,
+    longer: Annotated[float, typer.Option(help="Seconds to go on after the end of the recording.", min=0)] = 0.0,
+    beside: Annotated[Path, typer.Option(help="Folder that paths in the recording's study start from.")] = Path(),
+    as_json: AsJson = False,
+) -> None:
+    """Drive a fresh hunt by a recording's MAVLink frames alone: each robot hears again what it was told.
+
+    Ends with 1 where rooms were not reached in the recorded order, or the score is another, and nothing was changed.
+    """
+    what_if = study_file is not None or bool(changes)
+    setting = _setting(bag, study_file, changes or [], beside)
+    if to is not None:
+        if to.resolve() == bag.resolve():
+            fail(BAD_INPUT, f"--to: {to} is the recording itself. Give another name.")
+        make_ready(to)
+
+    def progress(moment: Moment) -> None:
+        if not as_json:
+            for sentence in tell(moment):
+                out.print(sentence, highlight=False, markup=False)
+
+    announce_compiling()
+    with bad_input():
+        done = asyncio.run(replay_frames(bag, setting, FramesOptions(rate or 0.0, to, longer), progress))
+    if as_json:
+        print_json(dataclasses.asdict(done) | {"same": done.same, "bag": None if to is None else str(to)})
+    else:
+        _show(done)
+    if not done.finished:
+        fail(FAILED, "stopped before the end of the recording")
+    if done.recorded is not None and not done.same and not what_if:
+        raise typer.Exit(FAILED)
+
+
+def _setting(bag: Path, study_file: Path | None, changes: list[str], beside: Path) -> Setting:
+    """The study of a recording, or another one."""
+    if study_file is not None:
+        if changes:
+            fail(BAD_INPUT, "--with: it changes the recording's study; --study gives another. Leave one of them out.")
+        return setting_of(study_of(study_file, {}), study_file)
+    with bad_input():
+        if not has_session(bag):
+            fail(BAD_INPUT, f"{bag}: it does not say what it was recorded with. Give a study by --study.")
+        record = session_of(bag)
+        for sentence in other_versions(record):
+            note(sentence)
+        return read_setting(changed(read_study_text(bag, record.study), *changes_of(changes)), beside)
+
+
+def _show(done: FramesReplayed) -> None:
+    table = Table("", "recorded", "replayed", title=f"{done.frames} frames in {done.wall_seconds:.1f} s")
+    was, now = done.recorded, done.replayed
+    table.add_row("score", "-" if was is None else str(was.score), str(now.score))
+    table.add_row("rooms reached", "-" if was is None else _arrivals(was), _arrivals(now))
+    out.print(table)
+    if done.unusable:
+        note(f"{done.unusable} messages held no frame, or were for robots that there are not.")
+    if was is not None and done.parted is None:
+        out.print("Every robot drove as it was recorded, to the last bit.", highlight=False)
+    elif done.parted is not None:
+        out.print(f"A robot first was elsewhere than recorded at {done.parted:.2f} s.", highlight=False)
+
+
+def _arrivals(hunt: Hunt) -> str:
+    """The rooms in order, each with the robot that reached it."""
+    return ", ".join(f"{arrival.room} (robot {arrival.robot})" for arrival in hunt.arrivals) or "none"
 
 
 async def _drive(link: StationLink, robot: int, destination: Destination, keep: bool) -> Outcome:

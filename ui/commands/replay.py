@@ -55,7 +55,7 @@ def replay_command(
     Ends with 0 when every message is the same, bit for bit, and with 1 when one differs; then it says which. With
     `--with` or `--participant` the two runs are compared by their figures, and a difference is no failure.
     """
-    files, assignments = _changes(changes or [])
+    files, assignments = changes_of(changes or [])
     with bad_input():
         record = session_of(bag)
         study = read_study_text(bag, record.study)
@@ -63,7 +63,7 @@ def replay_command(
     if participant is not None and not record.participant:
         fail(BAD_INPUT, f"--participant: nobody played inside the program that recorded {bag}. Leave the option out.")
     what_if = bool(changes) or participant is not None
-    for sentence in _other_versions(record):
+    for sentence in other_versions(record):
         note(sentence)
     if to is not None:
         if to.resolve() == bag.resolve():
@@ -94,8 +94,8 @@ def replay_command(
         raise typer.Exit(FAILED)
 
 
-def _changes(given: list[str]) -> tuple[list[Path], list[Change]]:
-    """Files and single changes apart."""
+def changes_of(given: list[str]) -> tuple[list[Path], list[Change]]:
+    """What --with says: study files, and single changes."""
     files, changes = [], []
     for text in given:
         key, equals, value = text.partition("=")
@@ -109,7 +109,8 @@ def _changes(given: list[str]) -> tuple[list[Path], list[Change]]:
     return files, changes
 
 
-def _other_versions(record: Session) -> Iterator[str]:
+def other_versions(record: Session) -> Iterator[str]:
+    """A sentence about what a session was recorded with, where that was something else than there is now."""
     now = versions()
     then = record.versions.items()
     other = [f"{name} {was} then, {now.get(name, 'none')} now" for name, was in then if now.get(name) != was]
