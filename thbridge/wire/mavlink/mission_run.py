@@ -120,12 +120,14 @@ class MissionRun:
     def replace(self, plan: tuple[Item, ...]) -> None:
         """From now on this is the plan.
 
-        A mission under way goes on if it is the same up to its current item, and begins anew otherwise.
+        A mission under way or paused stays where it is if it is the same up to its current item, and begins anew
+        otherwise.
         """
         if self._ardupilot and plan:
             plan = (self._home(), *plan[1:])
         done = self._at + 1
-        goes_on = len(plan) >= done and plan[:done] == self._plan[:done]
+        is_begun = self._state in (mav.MISSION_STATE_ACTIVE, mav.MISSION_STATE_PAUSED)
+        goes_on = is_begun and len(plan) >= done and plan[:done] == self._plan[:done]
         self._plan, self._plan_id, self._last = plan, plan_id(plan), None
         if not goes_on:
             self._go(0)

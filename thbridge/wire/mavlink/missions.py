@@ -38,6 +38,8 @@ _RequestMessage = mav.MAVLink_mission_request_message | mav.MAVLink_mission_requ
 _GUIDED = (2, 3)
 """As an item's `current`: it belongs to no mission, but is a place to go to at once, or an altitude."""
 
+_MISSION = mav.MAV_MISSION_TYPE_MISSION
+
 _EMPTY_TYPES = frozenset((mav.MAV_MISSION_TYPE_FENCE, mav.MAV_MISSION_TYPE_RALLY))
 """Of these a robot has none, and takes none."""
 
@@ -120,25 +122,25 @@ class Missions:
         peer = _Peer(link, sender)
         match message:
             case mav.MAVLink_mission_count_message():
-                yield from self._count(peer, message.count, message.mission_type)
+                yield from self._hear_count(peer, message.count, message.mission_type)
             case mav.MAVLink_mission_write_partial_list_message():
                 first, last = message.start_index, message.end_index
-                yield from self._partial(peer, first, last, message.mission_type)
+                yield from self._hear_partial(peer, first, last, message.mission_type)
             case mav.MAVLink_mission_item_int_message() | mav.MAVLink_mission_item_message():
                 if message.current not in _GUIDED:
-                    yield from self._item(peer, message)
+                    yield from self._hear_item(peer, message)
             case mav.MAVLink_mission_request_list_message():
-                yield from self._request_list(peer, message.mission_type)
+                yield from self._hear_request_list(peer, message.mission_type)
             case mav.MAVLink_mission_request_int_message() | mav.MAVLink_mission_request_message():
-                yield from self._request(peer, message)
+                yield from self._hear_request(peer, message)
             case mav.MAVLink_mission_request_partial_list_message():
                 yield _ack(peer, mav.MAV_MISSION_UNSUPPORTED, message.mission_type)
             case mav.MAVLink_mission_clear_all_message():
-                yield from self._clear(peer, message.mission_type)
+                yield from self._hear_clear(peer, message.mission_type)
             case mav.MAVLink_mission_set_current_message():
-                yield from self._set_current(peer, message.seq)
+                yield from self._hear_set_current(peer, message.seq)
             case mav.MAVLink_mission_ack_message(mission_type=mav.MAV_MISSION_TYPE_MISSION):
-                yield from self._acknowledged(peer, message.type)
+                yield from self._hear_ack(peer, message.type)
 
     def step(self, tick: int, readings: Readings) -> Iterator[Said]:
         """A tick has passed; an item that has not come is asked for again, and the mission goes on."""
@@ -171,10 +173,10 @@ class Missions:
             upload.old_form = upload.retries >= TRIES_OF_NEW_FORM
         yield self._asked(upload)
 
-    def _count(self, peer: _Peer, count: int, mission_type: int) -> Iterator[Said]:
+    def _hear_count(self, peer: _Peer, count: int, mission_type: int) -> Iterator[Said]:
         if mission_type in _EMPTY_TYPES and count == 0:
             yield _ack(peer, mav.MAV_MISSION_ACCEPTED, mission_type)
-        elif mission_type != mav.MAV_MISSION_TYPE_MISSION:
+        elif mission_type != _MISSION:
             yield _ack(peer, mav.MAV_MISSION_UNSUPPORTED, mission_type)
         elif (denied := self._denied(peer)) is not None:
             yield from self._refused(peer, denied)
@@ -186,11 +188,11 @@ class Missions:
         else:
             yield self._begun(_Upload(peer, (), (), count, self._tick))
 
-    def _partial(self, peer: _Peer, first: int, last: int, mission_type: int) -> Iterator[Said]:
+    def _hear_partial(self, peer: _Peer, first: int, last: int, mission_type: int) -> Iterator[Said]:
         plan = self._run.plan
         # -1 is the end of the list; and a station may name an item more than there are.
         last = len(plan) - 1 if last == -1 else min(last, len(plan) - 1)
-        if mission_type != mav.MAV_MISSION_TYPE_MISSION:
+        if mission_type != _MISSION:
             yield _ack(peer, mav.MAV_MISSION_UNSUPPORTED, mission_type)
         elif (denied := self._denied(peer)) is not None:
             yield from self._refused(peer, denied)
@@ -200,13 +202,9 @@ class Missions:
             count = last - first + 1
             yield self._begun(_Upload(peer, plan[:first], plan[last + 1 :], count, self._tick))
 
-    def _item(
-        self,
-        peer: _Peer,
-        message: _ItemMessage,
-    ) -> Iterator[Said]:
+    def _hear_item(self, peer: _Peer, message: _ItemMessage) -> Iterator[Said]:
         upload = self._upload
-        if message.mission_type != mav.MAV_MISSION_TYPE_MISSION:
+        if message.mission_type != _MISSION:
             yield _ack(peer, mav.MAV_MISSION_UNSUPPORTED, message.mission_type)
         elif upload is None:
             yield from self._late_item(peer, message.seq)
@@ -250,18 +248,18 @@ class Missions:
             return item
         return unfit(item, size) or item
 
-    def _request_list(self, peer: _Peer, mission_type: int) -> Iterator[Said]:
+    def _hear_request_list(self, peer: _Peer, mission_type: int) -> Iterator[Said]:
         self._completed = None
         if mission_type in _EMPTY_TYPES:
             yield _count(peer, 0, mission_type)
-        elif mission_type != mav.MAV_MISSION_TYPE_MISSION:
+        elif mission_type != _MISSION:
             yield _ack(peer, mav.MAV_MISSION_UNSUPPORTED, mission_type)
         else:
             self._downloads[peer] = _Download(self._run.plan, self._tick)
             yield _count(peer, len(self._run.plan), mission_type, self._run.plan_id)
 
-    def _request(self, peer: _Peer, message: _RequestMessage) -> Iterator[Said]:
-        if message.mission_type not in (mav.MAV_MISSION_TYPE_MISSION, *_EMPTY_TYPES):
+    def _hear_request(self, peer: _Peer, message: _RequestMessage) -> Iterator[Said]:
+        if message.mission_type not in (_MISSION, *_EMPTY_TYPES):
             yield _ack(peer, mav.MAV_MISSION_UNSUPPORTED, message.mission_type)
             return
         download = self._downloads.get(peer)
@@ -278,24 +276,24 @@ class Missions:
         else:
             yield Said(old_message_of(plan[seq], seq, current, peer.station), peer.link)
 
-    def _clear(self, peer: _Peer, mission_type: int) -> Iterator[Said]:
+    def _hear_clear(self, peer: _Peer, mission_type: int) -> Iterator[Said]:
         if mission_type in _EMPTY_TYPES:
             yield _ack(peer, mav.MAV_MISSION_ACCEPTED, mission_type)
-        elif mission_type not in (mav.MAV_MISSION_TYPE_MISSION, mav.MAV_MISSION_TYPE_ALL):
+        elif mission_type not in (_MISSION, mav.MAV_MISSION_TYPE_ALL):
             yield _ack(peer, mav.MAV_MISSION_UNSUPPORTED, mission_type)
         elif (denied := self._denied(peer)) is not None:
             yield from self._refused(peer, denied, mission_type)
         else:
             yield from self._complete(peer, (), mission_type)
 
-    def _set_current(self, peer: _Peer, seq: int) -> Iterator[Said]:
+    def _hear_set_current(self, peer: _Peer, seq: int) -> Iterator[Said]:
         denied = self._run.denied(peer.station) or self._run.select(seq)
         if denied is None:
             yield Said(self._run.current())
         else:
             self._announce(Severity.WARNING, f"Mission item not set. {denied.sentence}")
 
-    def _acknowledged(self, peer: _Peer, result: int) -> Iterator[Said]:
+    def _hear_ack(self, peer: _Peer, result: int) -> Iterator[Said]:
         """The station says that it has all it asked for, or that it gives up."""
         self._downloads.pop(peer, None)
         upload = self._upload
@@ -311,10 +309,10 @@ class Missions:
     def _denied(self, peer: _Peer) -> Denied | None:
         """Why this station may not change the plan now."""
         if self._upload is not None and self._upload.peer != peer:
-            return Denied(f"{self._upload.peer.station} is sending a mission.", Refusal.NOT_NOW)
+            return Denied(f"A mission of {self._upload.peer.station} is coming in.", Refusal.NOT_NOW)
         return self._run.denied(peer.station)
 
-    def _refused(self, peer: _Peer, denied: Denied, mission_type: int = mav.MAV_MISSION_TYPE_MISSION) -> Iterator[Said]:
+    def _refused(self, peer: _Peer, denied: Denied, mission_type: int = _MISSION) -> Iterator[Said]:
         """The plan is not changed; an upload of the same station that was under way is given up."""
         if self._upload is not None and self._upload.peer == peer:
             self._upload = None
@@ -330,19 +328,18 @@ class Missions:
         """The next item is asked for."""
         upload.asked = self._tick
         request = mav.MAVLink_mission_request_message if upload.old_form else mav.MAVLink_mission_request_int_message
-        return Said(request(*_target(upload.peer), upload.next, mav.MAV_MISSION_TYPE_MISSION), upload.peer.link)
+        return Said(request(*_target(upload.peer), upload.next, _MISSION), upload.peer.link)
 
-    def _complete(
-        self, peer: _Peer, plan: tuple[Item, ...], mission_type: int = mav.MAV_MISSION_TYPE_MISSION
-    ) -> Iterator[Said]:
+    def _complete(self, peer: _Peer, plan: tuple[Item, ...], mission_type: int = _MISSION) -> Iterator[Said]:
         """The robot has a new plan."""
         self._upload, self._completed = None, None
+        self._downloads.pop(peer, None)
         self._run.replace(plan)
         yield _ack(peer, mav.MAV_MISSION_ACCEPTED, mission_type, self._run.plan_id)
         yield Said(self._run.current())
 
 
-def _ack(peer: _Peer, result: int, mission_type: int = mav.MAV_MISSION_TYPE_MISSION, plan: int = 0) -> Said:
+def _ack(peer: _Peer, result: int, mission_type: int = _MISSION, plan: int = 0) -> Said:
     return Said(MissionAck(*_target(peer), result, mission_type, plan), peer.link)
 
 

@@ -348,6 +348,19 @@ class TestReplace:
         assert tour.legs == [(0, 0), (7, 7)]
         assert tour.state == ACTIVE
 
+    def test_a_paused_mission_stays_where_it_is(self):
+        tour = Tour(go(0, 0), go(1, 1))
+        tour.arrive()
+        tour.run.pause()
+        tour.run.replace((go(0, 0), go(1, 1), go(7, 7)))
+        assert (tour.run.at, tour.state) == (1, PAUSED)
+
+    def test_one_that_is_over_begins_anew_even_by_the_same_plan(self):
+        tour = Tour(go(0, 0))
+        tour.arrive()
+        tour.run.replace((go(0, 0),))
+        assert (tour.run.at, tour.state) == (0, NOT_STARTED)
+
     def test_no_plan_ends_the_mission(self):
         tour = Tour(go(0, 0))
         tour.pass_()

@@ -359,6 +359,14 @@ class TestTwoStations:
         field.air.run(50)
         assert coordinates(field.stations[1].downloaded) == coordinates(places(9))
 
+    def test_who_has_sent_a_plan_reads_that_one(self):
+        field = Field()
+        field.upload(places(2))
+        field.send(mav.MAVLink_mission_request_list_message(1, 1, 0))
+        field.upload([waypoint(7, 7)])
+        (item,) = field.send(mav.MAVLink_mission_request_int_message(1, 1, 0))
+        assert (item.x, item.y) == (7, 7)
+
     def test_a_link_that_is_gone_frees_the_robot(self):
         field = Field(stations=2)
         field.send(count_message(2), field.stations[0])
