@@ -94,6 +94,8 @@ def test_what_cannot_be_is_answered_with_the_old_value(played: Played) -> None:
 
 def test_what_a_researcher_changes_is_told_to_ground_stations_within_a_second(played: Played) -> None:
     played.station.beat()
+    played.run(50)
+    assert [*played.values()] == []
     played.session.ask("window", SetParameters(1, (("world.gyro_noise", 0.5), ("amcl.kld_err", 0.25))))
     played.run(52)
     assert {*played.values()} == {(2, "SIM_GYRO_NOISE", 0.5), (2, "AMCL_KLD_ERR", 0.25)}
