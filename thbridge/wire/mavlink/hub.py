@@ -106,7 +106,7 @@ class Hub:
         for number in self._meant(system, component) if robot is None else (robot,):
             self._traffic.append(Traffic(number, True, there.name, frame))
             sent += self._said(number, self._vehicles[number].hear(link, sender, message))
-        if robot is None and system not in self._by_system:
+        if robot is None and (system not in self._by_system or component != COMPONENT):
             for other in self._beyond(link, sender, system, component):
                 self._links[other].sent += 1
                 sent.append(Sent(other, frame))
@@ -132,7 +132,8 @@ class Hub:
 
     def _why_not(self, link: Link, sender: Station, frame: Frame) -> Drop | None:
         """Why a frame goes nowhere."""
-        if frame.system in self._by_system:
+        if frame.system in self._by_system and frame.component == COMPONENT:
+            # Other components may have a robot's system id: its companion computer, mavros or MAVSDK on it.
             return Drop.OURS
         if frame.system == EVERYBODY:
             return Drop.NOBODY

@@ -15,7 +15,7 @@ MOST_STATIONS = 16
 class Drop(StrEnum):
     """Why a frame that was whole goes nowhere, as the end of the sentence "a frame was dropped: ..."."""
 
-    OURS = "its sender has the system id of one of our vehicles"
+    OURS = "its sender has the ids of one of our vehicles"
     NOBODY = "its sender has the system id 0, which stands for everybody"
     CROWDED = f"{MOST_STATIONS} other senders are heard on this link"
     SECRET = "it carries a signing key, and keys come from a file"

@@ -176,6 +176,15 @@ def test_a_vehicles_own_id_from_outside_is_counted_and_heard_by_nobody(hub, vehi
     assert [report.dropped for report in hub.links] == [{Drop.OURS: 1}] * 3
 
 
+def test_a_robots_companion_has_its_system_id_and_is_somebody(hub, vehicles):
+    companion = Station(1, 191)
+    sent = hub.receive(A, frame_of(command(1), companion.system, companion.component))
+    assert sent == []
+    assert [vehicle.heard for vehicle in vehicles] == [[(A, companion, "COMMAND_LONG")], [], []]
+    assert links_of(hub.receive(B, frame_of(command(1, 191), 255))) == [A]
+    assert links_of(hub.receive(B, frame_of(command(1), 255))) == []
+
+
 def test_nobody_is_called_0(hub, vehicles):
     hub.receive(A, frame_of(HEARTBEAT, 0))
     assert vehicles[0].heard == []
