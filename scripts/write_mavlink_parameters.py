@@ -30,6 +30,16 @@ The numbers of the study that a ground station may change while the robots drive
 * *0 or 1* is a switch. Words are told as their place among the choices, from 0.
 * What is not a number, has a fraction where there can be none, or is out of its range is refused, and the old value
   told.
+
+## The vehicle's own
+
+Three come before those of the robot, under the names that ArduPilot's rovers have for them.
+
+| name | key of the study | meaning | range |
+|---|---|---|---|
+| `SYSID_THISMAV` | | the robot's number | fixed |
+| `FS_GCS_TIMEOUT` | `mavlink: lost_after` | time without heartbeats after which a station counts as lost | 1 to 600 s |
+| `FS_ACTION` | `mavlink: failsafe` | what a robot does whose ground station is lost | 0: continue, 1: home, 2: stop |
 """
 
 GROUPS = {

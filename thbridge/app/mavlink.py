@@ -9,6 +9,7 @@ from sim.parameters import knob
 from thbridge.adapters.addresses import Address, address_in
 from thbridge.adapters.errors import BadFile
 from thbridge.adapters.yaml_files import Loaded
+from thbridge.wire.mavlink.options import LONGEST_PATIENCE, SHORTEST_PATIENCE
 from thbridge.wire.mavlink.vehicle import Failsafe, Identity, Origin, VehicleOptions
 
 S = TypeVar("S")
@@ -37,7 +38,13 @@ class MavlinkSection:
     origin: tuple[float, float, float] = knob(
         (51.5115, -0.116, 20.0), "where on earth the map's (0, 0) lies, WGS84; north is the map's y", "deg, deg, m"
     )
-    lost_after: float = knob(5.0, "time without a heartbeat after which a ground station counts as lost", "s", 1, 600)
+    lost_after: float = knob(
+        5.0,
+        "time without a heartbeat after which a ground station counts as lost",
+        "s",
+        SHORTEST_PATIENCE,
+        LONGEST_PATIENCE,
+    )
     failsafe: Failsafe = knob(Failsafe.STOP, "what a robot does whose ground station is lost")
     position_rate: float = knob(
         5.0, "how often position, attitude and speed are told, unless somebody asks otherwise", "Hz", 0.1, 50

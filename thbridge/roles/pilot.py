@@ -7,7 +7,6 @@ in the room where the robot stands, is a goal of its navigator that the game doe
 import math
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass, replace
-from typing import Protocol
 
 import numpy as np
 
@@ -40,20 +39,7 @@ from thbridge.roles.requests import (
 )
 from thbridge.roles.speeds import Speeds
 from thbridge.roles.trips import Stage, Trip, answers, followed
-from thbridge.wire.mavlink.helm import Denied, Leg, LegState, Readings, Refusal, Setting, Station
-
-
-class Settings(Protocol):
-    """A robot's parameters as MAVLink has them; see `Helm`."""
-
-    def settings(self) -> Sequence[Setting]:
-        """All of them."""
-
-    def setting(self, name: str) -> Setting | None:
-        """One of them."""
-
-    def change(self, name: str, value: float) -> Setting | Denied:
-        """Set one of them."""
+from thbridge.wire.mavlink.helm import Denied, Leg, LegState, Readings, Refusal, Setting, Settings, Station
 
 
 @dataclass(frozen=True, slots=True)
@@ -191,15 +177,15 @@ class Pilot:
     # Parameters
 
     def settings(self) -> Sequence[Setting]:
-        """See `Helm`."""
+        """See `Settings`."""
         return self._settings.settings()
 
     def setting(self, name: str) -> Setting | None:
-        """See `Helm`."""
+        """See `Settings`."""
         return self._settings.setting(name)
 
     def change(self, name: str, value: float) -> Setting | Denied:
-        """See `Helm`."""
+        """See `Settings`."""
         return self._settings.change(name, value)
 
     # Treasures

@@ -48,13 +48,13 @@ class VehicleParameter:
         if float in types:
             return None if told == 0.0 and NoneType in types else float(str(np.float32(told)))
         if bool in types:
-            return bool(told) if told in {0.0, 1.0} else Denied(f"{self.name} is 0 or 1, not {told:g}")
+            return bool(told) if told in {0.0, 1.0} else Denied(f"{self.name} is 0 or 1, not {told:g}.")
         if not told.is_integer():
-            return Denied(f"{self.name} is a whole number, not {told:g}")
+            return Denied(f"{self.name} is a whole number, not {told:g}.")
         if str not in types:
             return int(told)
         if not 0 <= told < len(choices):
-            return Denied(f"{self.name} is a whole number from 0 to {len(choices) - 1}, not {told:g}")
+            return Denied(f"{self.name} is a whole number from 0 to {len(choices) - 1}, not {told:g}.")
         return choices[int(told)]
 
 
@@ -131,12 +131,12 @@ class VehicleParameters:
         """
         before, tuning = self.setting(name), self._robots.tuning(self._robot)
         if before is None or tuning is None:
-            return Denied(f"there is no parameter {name}")
+            return Denied(f"There is no parameter {name}.")
         parameter = PARAMETERS[_PLACES[name]]
         with np.errstate(over="ignore"):  # What is beyond all numbers of 32 bits is infinite.
             wanted = float(np.float32(value))
         if not math.isfinite(wanted):
-            return Denied(f"{name} is a number, not {wanted:g}")
+            return Denied(f"{name} is a number, not {wanted:g}.")
         if wanted == before.value:
             return before
         meant = parameter.meant(wanted)
@@ -145,6 +145,6 @@ class VehicleParameters:
         values: tuple[tuple[str, ParameterValue], ...] = ((parameter.knob.path, meant),)
         changed = tuning.changed(values)
         if isinstance(changed, Rejected):
-            return Denied(changed.sentence)
+            return Denied(f"{changed.sentence}.")
         self._robots.ask(SetParameters(self._robot, values))
         return Setting(name, wanted)

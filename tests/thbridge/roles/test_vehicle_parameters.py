@@ -131,7 +131,7 @@ def test_what_has_no_value_is_zero_both_ways(bench: Bench) -> None:
         ("AMCL_LASER_MODEL", -1.0, "from 0 to 2, not -1"),
         ("AMCL_LASER_MODEL", 0.5, "whole number"),
         ("SIM_LASER_DROP", -0.1, "world.laser.dropout is at least 0"),
-        ("NO_SUCH", 1.0, "there is no parameter NO_SUCH"),
+        ("NO_SUCH", 1.0, "There is no parameter NO_SUCH."),
     ],
 )
 def test_what_cannot_be_is_denied_with_the_reason_and_nothing_changes(
@@ -141,6 +141,7 @@ def test_what_cannot_be_is_denied_with_the_reason_and_nothing_changes(
     denied = bench.vehicle.change(name, value)
     assert isinstance(denied, Denied)
     assert why in denied.sentence
+    assert denied.sentence.endswith(".")
     assert (bench.vehicle.settings(), bench.asked) == (before, [])
 
 

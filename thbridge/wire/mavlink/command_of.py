@@ -17,11 +17,14 @@ class CommandOf:
     Args:
         helm: the robot.
         lost_after: seconds without a heartbeat after which a station counts as lost.
+
+    Attributes:
+        lost_after: as above; may be set anew.
     """
 
     def __init__(self, helm: Helm, lost_after: float) -> None:
         self._helm = helm
-        self._patience = round(lost_after * TICKS_PER_SECOND)
+        self.lost_after = lost_after
         self._station: Station | None = None
         self._heard = 0
         self._anybody: int | None = None
@@ -58,6 +61,10 @@ class CommandOf:
         if self._station is None or readings is None or readings.commander not in (None, ours):
             return False
         return readings.commanded_by not in (PARTICIPANT, ours)
+
+    @property
+    def _patience(self) -> int:
+        return round(self.lost_after * TICKS_PER_SECOND)
 
     def objection(self, station: Station) -> Denied | None:
         """Why this station may not move the robot; None when it may."""

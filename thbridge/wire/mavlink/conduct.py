@@ -67,6 +67,9 @@ class Conduct:
         failsafe: what it does when the station that commands it is lost.
         announce: tells people.
         readings: the robot as it is at first.
+
+    Attributes:
+        failsafe: as above; may be set anew.
     """
 
     def __init__(
@@ -75,7 +78,7 @@ class Conduct:
         self._helm = helm
         self._command = command
         self._plan = plan
-        self._failsafe = failsafe
+        self.failsafe = failsafe
         self._announce = announce
         self._readings = readings
         self._tick = 0
@@ -267,15 +270,15 @@ class Conduct:
                 self.stop()
                 self._give_back()
             return
-        what = {Failsafe.STOP: "stops", Failsafe.HOME: "goes home", Failsafe.CONTINUE: "carries on"}[self._failsafe]
+        what = {Failsafe.STOP: "stops", Failsafe.HOME: "goes home", Failsafe.CONTINUE: "carries on"}[self.failsafe]
         self._announce(Severity.CRITICAL, f"{self._command.station} is lost: the robot {what}.")
-        if self._failsafe is Failsafe.CONTINUE:
+        if self.failsafe is Failsafe.CONTINUE:
             self._carries_on = True
             return
-        denied = self.go_home() if self._failsafe is Failsafe.HOME else None
+        denied = self.go_home() if self.failsafe is Failsafe.HOME else None
         if denied is not None:
             self._announce(Severity.WARNING, denied.sentence)
-        if self._failsafe is Failsafe.STOP or denied is not None:
+        if self.failsafe is Failsafe.STOP or denied is not None:
             self.stop()
         self._give_back()
 

@@ -125,7 +125,20 @@ class Setting:
     value: float
 
 
-class Helm(Protocol):
+class Settings(Protocol):
+    """Numeric parameters."""
+
+    def settings(self) -> Sequence[Setting]:
+        """All of them, always in the same order, as they are or are about to be."""
+
+    def setting(self, name: str) -> Setting | None:
+        """One of them; None: there is none of this name."""
+
+    def change(self, name: str, value: float) -> Setting | Denied:
+        """Change one of this name, which exists; what it is now."""
+
+
+class Helm(Settings, Protocol):
     """A robot's controls. Each call answers at once; what is granted is done with the next tick."""
 
     def take(self, station: Station) -> Denied | None:
@@ -162,15 +175,6 @@ class Helm(Protocol):
 
     def home(self) -> Pose2:
         """Where the robot started, map frame."""
-
-    def settings(self) -> Sequence[Setting]:
-        """All parameters, always in the same order."""
-
-    def setting(self, name: str) -> Setting | None:
-        """One parameter as it is, or is about to be; None: there is none of this name."""
-
-    def change(self, name: str, value: float) -> Setting | Denied:
-        """Change a parameter of this name, which exists; what it is now."""
 
     def photograph(self) -> Denied | None:
         """Take a picture of what is in the room where the robot stands."""

@@ -3,6 +3,9 @@
 from dataclasses import dataclass
 from enum import StrEnum
 
+SHORTEST_PATIENCE, LONGEST_PATIENCE = 1.0, 600.0
+"""Seconds without a heartbeat after which a ground station may count as lost."""
+
 
 class Identity(StrEnum):
     """Whose autopilot a vehicle says it has; ground stations offer more to those that they know."""

@@ -9,7 +9,7 @@ from collections.abc import Iterator, Sequence
 
 from sim.observations import TICKS_PER_SECOND
 from thbridge.wire.mavlink.dialect import Message, mav
-from thbridge.wire.mavlink.helm import Denied, Helm, Readings, Refusal, Setting, Station
+from thbridge.wire.mavlink.helm import Denied, Readings, Refusal, Setting, Settings, Station
 from thbridge.wire.mavlink.parts import Announce, Severity
 from thbridge.wire.mavlink.said import LinkId, Said
 
@@ -33,14 +33,14 @@ class Parameters:
     """One robot's parameters as MAVLink has them, all of them 32-bit floats.
 
     Args:
-        helm: the robot.
+        settings: what they are.
         announce: tells people why something is refused.
         ardupilot: a value is the number itself, whichever type the station says it has; otherwise other types than
             floats travel as their bytes, and are refused.
     """
 
-    def __init__(self, helm: Helm, announce: Announce, ardupilot: bool) -> None:
-        self._helm = helm
+    def __init__(self, settings: Settings, announce: Announce, ardupilot: bool) -> None:
+        self._settings = settings
         self._announce = announce
         self._ardupilot = ardupilot
         # The value of each that stations may know.
@@ -70,7 +70,7 @@ class Parameters:
         is_whole_second = tick % TICKS_PER_SECOND == 0
         if not self._lists and not is_whole_second:
             return
-        settings = self._helm.settings()
+        settings = self._settings.settings()
         for link, start in list(self._lists.items()):
             stop = start + VALUES_PER_TICK
             for number in range(start, min(stop, len(settings))):
@@ -88,7 +88,7 @@ class Parameters:
         self._lists.pop(link, None)
 
     def _read(self, link: LinkId, sender: Station, index: int, name: str) -> Iterator[Said]:
-        settings = self._helm.settings()
+        settings = self._settings.settings()
         number = _number(settings, name) if index == _BY_NAME else index
         if number is None or not 0 <= number < len(settings):
             yield _error(link, sender, name, index, mav.MAV_PARAM_ERROR_DOES_NOT_EXIST)
@@ -96,12 +96,12 @@ class Parameters:
             yield Said(_value(settings, number), link)
 
     def _set(self, link: LinkId, sender: Station, name: str, value: float, kind: int) -> Iterator[Said]:
-        number = _number(self._helm.settings(), name)
+        number = _number(self._settings.settings(), name)
         if number is None:
             yield _error(link, sender, name, _BY_NAME, mav.MAV_PARAM_ERROR_DOES_NOT_EXIST)
             return
         error = self._changed(name, value, kind)
-        settings = self._helm.settings()
+        settings = self._settings.settings()
         if error is None:
             yield self._news(settings, number)
         else:
@@ -115,7 +115,7 @@ class Parameters:
             return _TYPE_UNSUPPORTED
         if not math.isfinite(value):
             return mav.MAV_PARAM_ERROR_VALUE_OUT_OF_RANGE
-        changed = self._helm.change(name, value)
+        changed = self._settings.change(name, value)
         if isinstance(changed, Denied):
             self._announce(Severity.WARNING, changed.sentence)
             return _ERRORS[changed.refusal]

@@ -19,6 +19,7 @@ from thbridge.wire.mavlink.mission_run import MissionRun
 from thbridge.wire.mavlink.missions import Missions
 from thbridge.wire.mavlink.modes import Mode
 from thbridge.wire.mavlink.options import Failsafe, Identity, Origin, VehicleOptions
+from thbridge.wire.mavlink.own_parameters import OwnParameters
 from thbridge.wire.mavlink.parameter_protocol import Parameters
 from thbridge.wire.mavlink.parts import Part, Severity
 from thbridge.wire.mavlink.said import COMPONENT, LinkId, Said, Status
@@ -84,7 +85,7 @@ class Vehicle:
             commands,
             Controls(system, helm, self._conduct, self._command, commands, earth, announce),
             Missions(plan, announce),
-            Parameters(helm, announce, ardupilot),
+            Parameters(OwnParameters(system, helm, self._command, self._conduct), announce, ardupilot),
             Courtesies(self._streams, earth),
         )
 
