@@ -9,8 +9,14 @@ from sim.parameters import knob
 from thbridge.adapters.addresses import Address, address_in
 from thbridge.adapters.errors import BadFile
 from thbridge.adapters.yaml_files import Loaded
-from thbridge.wire.mavlink.options import LONGEST_PATIENCE, SHORTEST_PATIENCE
-from thbridge.wire.mavlink.vehicle import Failsafe, Identity, Origin, VehicleOptions
+from thbridge.wire.mavlink.options import (
+    LONGEST_PATIENCE,
+    SHORTEST_PATIENCE,
+    Failsafe,
+    Identity,
+    Origin,
+    VehicleOptions,
+)
 
 S = TypeVar("S")
 

@@ -29,7 +29,7 @@ from thbridge.ros.names import RobotNames
 from thbridge.ros.publisher import Message
 from thbridge.ros.stamps import START_NS, TICK_NS
 from thbridge.ros.topics import VehicleTopics
-from thbridge.wire.mavlink.vehicle import LinkId
+from thbridge.wire.mavlink.said import LinkId
 from thbridge.wire.router import Router
 
 _TOPIC = re.compile(r"(?:/robot([1-9]\d{0,2}))?/mavlink/to")

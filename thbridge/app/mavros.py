@@ -5,7 +5,7 @@ from thbridge.ros.unpack import HeardFrame
 from thbridge.wire.mavlink.dialect import crc_extra
 from thbridge.wire.mavlink.frame import V1, V2, Frame
 from thbridge.wire.mavlink.hub import Traffic
-from thbridge.wire.mavlink.vehicle import Status
+from thbridge.wire.mavlink.said import Status
 
 
 def frame_record(traffic: Traffic) -> MavlinkFrame:

@@ -32,7 +32,7 @@ from thbridge.ros.records import (
 )
 from thbridge.ros.stamps import stamp_ns
 from thbridge.wire import legacy
-from thbridge.wire.mavlink.vehicle import Status
+from thbridge.wire.mavlink.said import Status
 from thbridge.wire.router import Forwarded
 
 JUMP = 0.2

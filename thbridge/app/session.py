@@ -35,7 +35,7 @@ from thbridge.roles.vehicles import Ask, Vehicles
 from thbridge.roles.wizard import Held
 from thbridge.wire.mavlink.frame import Frame
 from thbridge.wire.mavlink.hub import Sent, Traffic
-from thbridge.wire.mavlink.vehicle import LinkId, Status
+from thbridge.wire.mavlink.said import LinkId, Status
 from thbridge.wire.router import ConnectionId, Forwarded, Output, Router, TurnedAway
 from thbridge.wire.text import Message
 

@@ -10,7 +10,9 @@ from thbridge.roles.requests import Request
 from thbridge.wire.mavlink.frame import Frame
 from thbridge.wire.mavlink.helm import Helm, Readings
 from thbridge.wire.mavlink.hub import Hub, Sent, Traffic
-from thbridge.wire.mavlink.vehicle import LinkId, Status, Vehicle, VehicleOptions
+from thbridge.wire.mavlink.options import VehicleOptions
+from thbridge.wire.mavlink.said import LinkId, Status
+from thbridge.wire.mavlink.vehicle import Vehicle
 
 Ask: TypeAlias = Callable[[Request], None]
 """Takes what is wanted of the robots or of the game; it is done with the next tick."""

@@ -27,7 +27,7 @@ from thbridge.ros.stamps import stamp_ns
 from thbridge.wire.mavlink.dialect import crc_extra, mav, payload_of
 from thbridge.wire.mavlink.frame import Frame
 from thbridge.wire.mavlink.hub import Traffic
-from thbridge.wire.mavlink.vehicle import LinkId
+from thbridge.wire.mavlink.said import LinkId
 from thbridge.wire.rosgraph.links import ServiceFailed
 
 FORWARD = struct.pack("<6d", 0.1, 0, 0, 0, 0, 0)

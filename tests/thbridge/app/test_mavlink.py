@@ -11,7 +11,7 @@ from thbridge.adapters.errors import BadFiles
 from thbridge.app.config import Study, read_study_text
 from thbridge.app.mavlink import MavlinkSection
 from thbridge.app.study_text import resolved
-from thbridge.wire.mavlink.vehicle import Failsafe, Identity
+from thbridge.wire.mavlink.options import Failsafe, Identity
 
 FILE = Path("study.yaml")
 

@@ -26,7 +26,7 @@ from thbridge.ros.topics import Topic
 from thbridge.wire import legacy
 from thbridge.wire.mavlink.dialect import Message, crc_extra, mav, payload_of
 from thbridge.wire.mavlink.frame import Frame
-from thbridge.wire.mavlink.vehicle import LinkId
+from thbridge.wire.mavlink.said import LinkId
 from thbridge.wire.router import Router
 
 STUDY = replace(Study(), seed=7, robots=2, mavlink=MavlinkSection(on=True))

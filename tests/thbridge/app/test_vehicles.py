@@ -26,7 +26,7 @@ from thbridge.ros.stamps import stamp_ns
 from thbridge.wire.mavlink.dialect import crc_extra, mav, payload_of
 from thbridge.wire.mavlink.frame import Frame
 from thbridge.wire.mavlink.hub import Sent
-from thbridge.wire.mavlink.vehicle import Status
+from thbridge.wire.mavlink.said import Status
 from thbridge.wire.router import Router
 
 WITH_VEHICLES = replace(Study(), mavlink=MavlinkSection(on=True))

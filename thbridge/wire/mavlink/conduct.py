@@ -7,7 +7,7 @@ from dataclasses import dataclass
 
 from sim.observations import STANDSTILL, TICKS_PER_SECOND, Twist
 from thbridge.wire.mavlink.command_of import CommandOf
-from thbridge.wire.mavlink.frames import bounded, twist_towards
+from thbridge.wire.mavlink.coordinates import bounded, twist_towards
 from thbridge.wire.mavlink.helm import Denied, Helm, Leg, LegState, Readings, Refusal, Station
 from thbridge.wire.mavlink.modes import Mode
 from thbridge.wire.mavlink.options import Failsafe
@@ -36,7 +36,7 @@ class Target:
 
 @dataclass(frozen=True, slots=True)
 class Velocity:
-    """How fast the robot was told to move: see `frames.twist_towards`."""
+    """How fast the robot was told to move: see `coordinates.twist_towards`."""
 
     frame: int
     first: float

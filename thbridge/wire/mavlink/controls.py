@@ -6,14 +6,14 @@ from typing import TypeAlias
 
 from sim.observations import Twist
 from thbridge.wire.mavlink.command_of import CommandOf
-from thbridge.wire.mavlink.commands import Commands
 from thbridge.wire.mavlink.conduct import Conduct, Target, Velocity
+from thbridge.wire.mavlink.coordinates import GLOBAL, LOCAL, point_in_map, theta_of
 from thbridge.wire.mavlink.dialect import Message, mav
 from thbridge.wire.mavlink.earth import PER_DEGREE, Earth, Place
-from thbridge.wire.mavlink.frames import GLOBAL, LOCAL, point_in_map, theta_of
 from thbridge.wire.mavlink.helm import Denied, Helm, Readings, Station
 from thbridge.wire.mavlink.modes import Mode
 from thbridge.wire.mavlink.parts import Announce, Severity
+from thbridge.wire.mavlink.repertoire import Repertoire
 from thbridge.wire.mavlink.said import LinkId, Said
 
 _NO_AXIS = 0x7FFF
@@ -53,7 +53,7 @@ class Controls:
         helm: the robot.
         conduct: its modes.
         command: who is in command of it.
-        commands: knows the numbers of modes.
+        repertoire: knows the numbers of modes.
         earth: where its map lies.
         announce: tells people.
     """
@@ -64,7 +64,7 @@ class Controls:
         helm: Helm,
         conduct: Conduct,
         command: CommandOf,
-        commands: Commands,
+        repertoire: Repertoire,
         earth: Earth,
         announce: Announce,
     ) -> None:
@@ -72,7 +72,7 @@ class Controls:
         self._helm = helm
         self._conduct = conduct
         self._command = command
-        self._commands = commands
+        self._repertoire = repertoire
         self._earth = earth
         self._announce = announce
         self._readings: Readings | None = None
@@ -90,7 +90,7 @@ class Controls:
             case mav.MAVLink_set_position_target_global_int_message():
                 self._tell(self._setpoint(sender, message))
             case mav.MAVLink_set_mode_message():
-                reply = self._commands.mode_reply(sender, message.base_mode, message.custom_mode, 0)
+                reply = self._repertoire.mode_reply(sender, message.base_mode, message.custom_mode, 0)
                 if reply.sentence:
                     self._announce(Severity.WARNING, reply.sentence)
                 # As ArduPilot does, under the number of the message.

@@ -8,9 +8,9 @@ from collections.abc import Callable, Mapping
 from dataclasses import dataclass
 from types import MappingProxyType
 
+from thbridge.wire.mavlink.coordinates import GLOBAL
 from thbridge.wire.mavlink.dialect import mav
 from thbridge.wire.mavlink.earth import PER_DEGREE
-from thbridge.wire.mavlink.frames import GLOBAL
 from thbridge.wire.mavlink.helm import Station
 from thbridge.wire.mavlink.orders import UNSET
 

@@ -5,9 +5,9 @@ from dataclasses import dataclass
 from enum import IntEnum
 
 from sim.geometry import Pose2
+from thbridge.wire.mavlink.coordinates import GLOBAL, point_in_map
 from thbridge.wire.mavlink.dialect import Message, mav
 from thbridge.wire.mavlink.earth import Earth, Place
-from thbridge.wire.mavlink.frames import GLOBAL, point_in_map
 from thbridge.wire.mavlink.helm import Denied, Refusal, Station
 from thbridge.wire.mavlink.said import LinkId
 
@@ -75,11 +75,13 @@ class Reply:
         result: in the acknowledgement.
         messages: what follows it, to whoever asked.
         sentence: for people, why not.
+        way: the number of the way at whose end it is over; None when it is over at once.
     """
 
     result: Result
     messages: tuple[Message, ...] = ()
     sentence: str = ""
+    way: int | None = None
 
 
 ACCEPTED = Reply(Result.ACCEPTED)

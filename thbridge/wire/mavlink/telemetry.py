@@ -4,18 +4,16 @@ import math
 from collections.abc import Callable
 from dataclasses import dataclass
 
-from sim.geometry import Pose2
 from sim.observations import TICK, TICKS_PER_SECOND
 from thbridge.wire.mavlink.added import ComponentMetadata, ProtocolVersion
+from thbridge.wire.mavlink.coordinates import compass, north_east, quaternion, yaw_of
 from thbridge.wire.mavlink.dialect import Message, mav
 from thbridge.wire.mavlink.earth import Earth
-from thbridge.wire.mavlink.frames import compass, north_east, yaw_of
 from thbridge.wire.mavlink.helm import Readings
 from thbridge.wire.mavlink.modes import Mode, custom_mode, standard_mode
 from thbridge.wire.mavlink.options import Identity
+from thbridge.wire.mavlink.particulars import Particulars, milliseconds
 from thbridge.wire.mavlink.streams import OFF
-
-MILLISECONDS_PER_TICK = 1000 // TICKS_PER_SECOND
 
 COMMANDER = b"COMMANDER"
 """The named value that tells who commands; common MAVLink has no message for it."""
@@ -37,16 +35,6 @@ _SENSORS = (
     | mav.MAV_SYS_STATUS_SENSOR_BATTERY
     | mav.MAV_SYS_STATUS_PREARM_CHECK
     | _KNOWS_WHERE
-)
-
-_CAPABILITIES = (
-    mav.MAV_PROTOCOL_CAPABILITY_PARAM_FLOAT
-    | mav.MAV_PROTOCOL_CAPABILITY_PARAM_ENCODE_C_CAST
-    | mav.MAV_PROTOCOL_CAPABILITY_MISSION_INT
-    | mav.MAV_PROTOCOL_CAPABILITY_COMMAND_INT
-    | mav.MAV_PROTOCOL_CAPABILITY_SET_POSITION_TARGET_LOCAL_NED
-    | mav.MAV_PROTOCOL_CAPABILITY_SET_POSITION_TARGET_GLOBAL_INT
-    | mav.MAV_PROTOCOL_CAPABILITY_MAVLINK2
 )
 
 _SATELLITES = 12
@@ -76,8 +64,8 @@ class Standing:
 
     @property
     def milliseconds(self) -> int:
-        """Of simulated time since the session began, as 32 bits count them."""
-        return self.tick * MILLISECONDS_PER_TICK & 0xFFFFFFFF
+        """See `particulars.milliseconds`."""
+        return milliseconds(self.tick)
 
     @property
     def system_status(self) -> int:
@@ -125,26 +113,23 @@ class Telemetry:
     """The messages of one vehicle.
 
     Args:
-        system: its system id.
+        particulars: what never changes of it.
         identity: whose autopilot it says it has.
         earth: where its map lies.
-        home: where its robot started.
         mission_current: makes MISSION_CURRENT.
     """
 
     def __init__(
         self,
-        system: int,
+        particulars: Particulars,
         identity: Identity,
         earth: Earth,
-        home: Callable[[], Pose2],
         mission_current: Callable[[], Message],
     ) -> None:
-        self._system = system
         self._identity = identity
         self._earth = earth
         self._altitude = round(earth.altitude * 1000.0)
-        self._home = home
+        self._particulars = particulars.makers()
         self._makers: dict[int, Callable[[Standing], Message | None]] = {
             mav.MAVLINK_MSG_ID_HEARTBEAT: self._heartbeat,
             mav.MAVLINK_MSG_ID_SYS_STATUS: self._sys_status,
@@ -158,28 +143,16 @@ class Telemetry:
             mav.MAVLINK_MSG_ID_LOCAL_POSITION_NED: self._local_position_ned,
             mav.MAVLINK_MSG_ID_VFR_HUD: self._vfr_hud,
             mav.MAVLINK_MSG_ID_ATTITUDE_QUATERNION: self._attitude_quaternion,
-            mav.MAVLINK_MSG_ID_GPS_GLOBAL_ORIGIN: self._gps_global_origin,
             mav.MAVLINK_MSG_ID_NAV_CONTROLLER_OUTPUT: self._nav_controller_output,
             mav.MAVLINK_MSG_ID_POSITION_TARGET_LOCAL_NED: self._position_target_local_ned,
             mav.MAVLINK_MSG_ID_POSITION_TARGET_GLOBAL_INT: self._position_target_global_int,
-            mav.MAVLINK_MSG_ID_AUTOPILOT_VERSION: self._autopilot_version,
-            mav.MAVLINK_MSG_ID_HOME_POSITION: self._home_position,
-            mav.MAVLINK_MSG_ID_EXTENDED_SYS_STATE: self._extended_sys_state,
-            ProtocolVersion.id: self._protocol_version,
-            ComponentMetadata.id: self._component_metadata,
             mav.MAVLINK_MSG_ID_CURRENT_MODE: self._current_mode,
-            mav.MAVLINK_MSG_ID_AVAILABLE_MODES_MONITOR: self._available_modes_monitor,
         }
 
     def message(self, number: int, standing: Standing) -> Message | None:
         """A message of `default_streams`; None where there is nothing to say, as of a goal when there is none."""
-        return self._makers[number](standing)
-
-    def available_mode(self, place: int) -> Message:
-        """One of the modes there are, by its place from 1."""
-        mode = list(Mode)[place - 1]
-        custom, standard = custom_mode(self._identity, mode), standard_mode(mode)
-        return mav.MAVLink_available_modes_message(len(Mode), place, standard, custom, 0, mode.value.encode())
+        constant = self._particulars.get(number)
+        return self._makers[number](standing) if constant is None else constant(standing.tick)
 
     def _heartbeat(self, now: Standing) -> Message:
         ardupilot = self._identity is Identity.ARDUPILOT
@@ -250,7 +223,7 @@ class Telemetry:
         return mav.MAVLink_attitude_message(now.milliseconds, 0.0, 0.0, yaw, 0.0, 0.0, rate)
 
     def _attitude_quaternion(self, now: Standing) -> Message:
-        q, rate = _quaternion(now.readings.base_in_map.theta), -now.readings.twist.angular
+        q, rate = quaternion(now.readings.base_in_map.theta), -now.readings.twist.angular
         return mav.MAVLink_attitude_quaternion_message(now.milliseconds, *q, 0.0, 0.0, rate)
 
     def _global_position_int(self, now: Standing) -> Message:
@@ -270,11 +243,6 @@ class Telemetry:
         speed = abs(now.readings.twist.linear)
         heading = int(compass(now.readings.base_in_map.theta))
         return mav.MAVLink_vfr_hud_message(0.0, speed, heading, 0, self._earth.altitude, 0.0)
-
-    def _gps_global_origin(self, now: Standing) -> Message:
-        place = self._earth.place(0.0, 0.0)
-        microseconds = round(now.tick * TICK * 1e6)
-        return mav.MAVLink_gps_global_origin_message(place.latitude, place.longitude, self._altitude, microseconds)
 
     def _nav_controller_output(self, now: Standing) -> Message | None:
         goal, pose, leg = now.readings.goal_in_map, now.readings.base_in_map, now.readings.leg
@@ -305,47 +273,9 @@ class Telemetry:
             now.milliseconds, frame, _POSITION_ONLY, *where, *nothing, 0.0, 0.0
         )
 
-    def _home_position(self, now: Standing) -> Message:
-        home = self._home()
-        place = self._earth.place(home.x, home.y)
-        return mav.MAVLink_home_position_message(
-            place.latitude,
-            place.longitude,
-            self._altitude,
-            home.y,
-            home.x,
-            0.0,
-            list(_quaternion(home.theta)),
-            0.0,
-            0.0,
-            0.0,
-            round(now.tick * TICK * 1e6),
-        )
-
-    def _extended_sys_state(self, now: Standing) -> Message:
-        return mav.MAVLink_extended_sys_state_message(mav.MAV_VTOL_STATE_UNDEFINED, mav.MAV_LANDED_STATE_ON_GROUND)
-
-    def _autopilot_version(self, now: Standing) -> Message:
-        # No version: ground stations would judge it by that of the autopilot whose numbers this vehicle borrows.
-        nothing = [0] * 8
-        return mav.MAVLink_autopilot_version_message(
-            _CAPABILITIES, 0, 0, 0, 0, nothing, nothing, nothing, 0, 0, self._system
-        )
-
-    def _protocol_version(self, now: Standing) -> Message:
-        return ProtocolVersion(200, 100, 200, [0] * 8, [0] * 8)
-
-    def _component_metadata(self, now: Standing) -> Message:
-        # There are no files about this vehicle; ground stations then go on.
-        return ComponentMetadata(now.milliseconds, 0, b"")
-
     def _current_mode(self, now: Standing) -> Message:
         custom = custom_mode(self._identity, now.mode)
         return mav.MAVLink_current_mode_message(standard_mode(now.mode), custom, custom)
-
-    def _available_modes_monitor(self, now: Standing) -> Message:
-        # The modes never change.
-        return mav.MAVLink_available_modes_monitor_message(0)
 
 
 def base_mode(now: Standing) -> int:
@@ -382,9 +312,3 @@ def _centimetres(speed: float) -> int:
 def _hundredths(degrees: float) -> int:
     """A compass heading in hundredths of degrees, from 0 to 35999."""
     return round(degrees * 100.0) % 36_000
-
-
-def _quaternion(theta: float) -> tuple[float, float, float, float]:
-    """A direction of the map as a turn about MAVLink's axis down, w first."""
-    half = yaw_of(theta) / 2.0
-    return math.cos(half), 0.0, 0.0, math.sin(half)

@@ -18,16 +18,16 @@ from thbridge.wire.mavlink.helm import PARTICIPANT, Helm, Readings, Station
 from thbridge.wire.mavlink.mission_run import MissionRun
 from thbridge.wire.mavlink.missions import Missions
 from thbridge.wire.mavlink.modes import Mode
-from thbridge.wire.mavlink.options import Failsafe, Identity, Origin, VehicleOptions
+from thbridge.wire.mavlink.options import Identity, VehicleOptions
 from thbridge.wire.mavlink.own_parameters import OwnParameters
 from thbridge.wire.mavlink.parameter_protocol import Parameters
+from thbridge.wire.mavlink.particulars import Particulars
 from thbridge.wire.mavlink.parts import Part, Severity
-from thbridge.wire.mavlink.said import COMPONENT, LinkId, Said, Status
+from thbridge.wire.mavlink.repertoire import Repertoire
+from thbridge.wire.mavlink.said import LinkId, Said, Status
 from thbridge.wire.mavlink.streams import Streams
 from thbridge.wire.mavlink.telemetry import Standing, Telemetry, default_streams
 from thbridge.wire.mavlink.texts import Texts
-
-__all__ = ["COMPONENT", "Failsafe", "Identity", "LinkId", "Origin", "Said", "Status", "Vehicle", "VehicleOptions"]
 
 _NOTHING_KNOWN = Readings(
     base_in_map=IDENTITY,
@@ -69,21 +69,22 @@ class Vehicle:
         self._command = CommandOf(helm, options.lost_after)
         self._conduct = Conduct(helm, self._command, plan, options.failsafe, announce, self._readings)
         self._streams = Streams(default_streams(options.position_rate), system)
-        self._telemetry = Telemetry(system, identity, earth, helm.home, plan.current)
-        commands = Commands(
+        particulars = Particulars(system, identity, earth, helm.home)
+        self._telemetry = Telemetry(particulars, identity, earth, plan.current)
+        repertoire = Repertoire(
             helm,
             self._conduct,
             self._command,
             self._streams,
             self._telemetry,
+            particulars,
             lambda: self._standing,
             earth,
             identity,
-            announce,
         )
         self._parts: tuple[Part, ...] = (
-            commands,
-            Controls(system, helm, self._conduct, self._command, commands, earth, announce),
+            Commands(repertoire, self._command, self._conduct, announce),
+            Controls(system, helm, self._conduct, self._command, repertoire, earth, announce),
             Missions(plan, announce),
             Parameters(OwnParameters(system, helm, self._command, self._conduct), announce, ardupilot),
             Courtesies(self._streams, earth),

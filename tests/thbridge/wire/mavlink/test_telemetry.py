@@ -16,6 +16,7 @@ from thbridge.wire.mavlink.earth import Earth, Place
 from thbridge.wire.mavlink.helm import Leg, LegState
 from thbridge.wire.mavlink.modes import Mode
 from thbridge.wire.mavlink.options import Identity
+from thbridge.wire.mavlink.particulars import Particulars
 from thbridge.wire.mavlink.telemetry import Standing, Telemetry, default_streams
 
 EARTH = Earth(OPTIONS.origin)
@@ -24,7 +25,8 @@ GYRO_ACCEL_MAG_GPS = 0b100111
 
 
 def telemetry(identity=Identity.GENERIC):
-    return Telemetry(3, identity, EARTH, lambda: HOME, lambda: mav.MAVLink_mission_current_message(0))
+    particulars = Particulars(3, identity, EARTH, lambda: HOME)
+    return Telemetry(particulars, identity, EARTH, lambda: mav.MAVLink_mission_current_message(0))
 
 
 def standing(mode=Mode.HOLD, armed=False, tick=100, **readings):

@@ -46,6 +46,12 @@ def compass(theta: float) -> float:
     return math.degrees(yaw_of(theta)) % 360.0
 
 
+def quaternion(theta: float) -> tuple[float, float, float, float]:
+    """A direction of the map as a turn about MAVLink's axis down, w first."""
+    half = yaw_of(theta) / 2.0
+    return math.cos(half), 0.0, 0.0, math.sin(half)
+
+
 def north_east(twist: Twist, theta: float) -> tuple[float, float]:
     """How a robot that points to `theta` moves, m/s."""
     return twist.linear * math.sin(theta), twist.linear * math.cos(theta)
