@@ -141,6 +141,7 @@ class Conduct:
             return None
         if self._command.station is None:
             self._mode = mode
+            self._announce(Severity.NOTICE, f"Mode {mode.value} begins when the robot is armed.")
             return None
         return self._command.objection(station) or self.enter(mode)
 
@@ -253,7 +254,7 @@ class Conduct:
             self._announce(Severity.WARNING, f"Commanded by {readings.commanded_by} now.")
         self._tell_end(before, self.leg)
         self._step_hand()
-        if self._mode is Mode.AUTO and self._command.station is not None and not self._plan.running:
+        if self._is_over():
             self._mode = Mode.HOLD
         if self._command.is_lost:
             self._step_failsafe()
@@ -294,6 +295,12 @@ class Conduct:
         self._leave()
         self._leg, self._target, self._mode = number, target, mode
         return None
+
+    def _is_over(self) -> bool:
+        """The mode was about something that has come to its end; on its way home, whoever is in command then."""
+        if self._command.station is not None:
+            return self._mode is Mode.AUTO and not self._plan.running
+        return self._mode is Mode.RETURN and self._leg is not None and not self._is_under_way()
 
     def _is_same(self, target: Target) -> bool:
         leg = self.leg

@@ -255,7 +255,9 @@ class Repertoire:
         return reply_to(self._conduct.go_home())
 
     def _change_speed(self, order: Order) -> Reply:
-        speed = order.given(2)
+        kind, speed = order.whole(1, otherwise=mav.SPEED_TYPE_GROUNDSPEED), order.given(2)
+        if kind not in (mav.SPEED_TYPE_AIRSPEED, mav.SPEED_TYPE_GROUNDSPEED):
+            return MALFORMED
         if speed is None or speed == -1.0:
             return ACCEPTED
         if speed == -2.0:

@@ -378,9 +378,9 @@ def test_a_speed_is_set_kept_or_given_back(armed, speed, asked):
     assert [call[1] for call in armed.robot.calls("limit_speed")] == asked
 
 
-@pytest.mark.parametrize("speed", [0.0, -3.0])
-def test_a_speed_that_is_none_is_denied(armed, speed):
-    assert armed.long(mav.MAV_CMD_DO_CHANGE_SPEED, 1, speed) == [DENIED]
+@pytest.mark.parametrize(("kind", "speed"), [(1, 0.0), (1, -3.0), (2, 0.5), (-1, 0.5)])
+def test_a_speed_that_is_none_of_a_rover_is_denied(armed, kind, speed):
+    assert armed.long(mav.MAV_CMD_DO_CHANGE_SPEED, kind, speed) == [DENIED]
 
 
 def test_reposition_brings_its_speed_and_heading(armed):

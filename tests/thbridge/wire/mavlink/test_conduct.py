@@ -242,6 +242,7 @@ def test_what_nobody_commands_remembers_its_mode_and_does_not_move(rig):
     rig.run(SECOND)
     assert rig.status.mode == "AUTO"
     assert rig.robot.asked == []
+    assert rig.texts() == ["Mode AUTO begins when the robot is armed."]
     rig.arm()
     rig.run(2)
     assert rig.robot.calls("go_to")
@@ -427,6 +428,9 @@ def test_or_it_goes_home_and_is_the_participant_s_at_once():
     assert rig.robot.asked[-2:] == [("go_to", 1.0, 2.0, 0.0), ("release",)]
     rig.run(1)
     assert rig.status.mode == "RTL"
+    rig.robot.arrive()
+    rig.run(1)
+    assert rig.status.mode == "HOLD"
 
 
 def test_or_it_stops_when_it_cannot_go_home():
