@@ -15,6 +15,7 @@ from thbridge.adapters.rosgraph.sockets import Complaints
 from thbridge.wire.mavlink.channel import Channel
 from thbridge.wire.mavlink.frame import Frame
 from thbridge.wire.mavlink.hub import Sent
+from thbridge.wire.mavlink.links import Drop
 from thbridge.wire.mavlink.said import LinkId
 from thbridge.wire.mavlink.signing import Signing, SigningKey, Timestamps
 
@@ -38,6 +39,9 @@ class Exchange(Protocol):
 
     def close_link(self, link: LinkId) -> None:
         """It is gone."""
+
+    def why_not(self, link: LinkId, frame: Frame) -> Drop | None:
+        """Why a frame would be dropped that comes in on a link."""
 
     def receive_frame(self, link: LinkId, frame: Frame) -> Sequence[Sent]:
         """A frame has come in; what goes out at once."""
@@ -133,6 +137,9 @@ class Links:
             return
         answers: list[Sent] = []
         for frame in frames:
+            why = self._exchange.why_not(link, frame)
+            if why is not None:
+                self.complaints.tell(f"MAVLink: {self._links[link].name}: a frame goes nowhere: {why}")
             answers += self._exchange.receive_frame(link, frame)
         self.transmit(answers)
 

@@ -35,6 +35,7 @@ from thbridge.roles.vehicles import Ask, Vehicles
 from thbridge.roles.wizard import Held
 from thbridge.wire.mavlink.frame import Frame
 from thbridge.wire.mavlink.hub import Sent, Traffic
+from thbridge.wire.mavlink.links import Drop
 from thbridge.wire.mavlink.said import LinkId, Status
 from thbridge.wire.router import ConnectionId, Forwarded, Output, Router, TurnedAway
 from thbridge.wire.text import Message
@@ -218,6 +219,10 @@ class Session:
             self._vehicles.close(link)
             self._inputs.append(LinkClosed(link, name))
 
+    def why_not(self, link: LinkId, frame: Frame) -> Drop | None:
+        """Why a frame that comes in on a link would be dropped; None: it would be taken."""
+        return None if self._vehicles is None else self._vehicles.why_not(link, frame)
+
     def receive_frame(self, link: LinkId, frame: Frame, robot: int | None = None) -> list[Sent]:
         """A frame came in.
 
@@ -235,7 +240,9 @@ class Session:
         name = None if self._vehicles is None else self._vehicles.name_of(link)
         if self._vehicles is None or name is None:
             return []
-        self._inputs.append(Framed(link, name, frame, robot))
+        # What is dropped changes nothing, and may be a secret: it is not recorded.
+        if self._vehicles.why_not(link, frame) is None:
+            self._inputs.append(Framed(link, name, frame, robot))
         return self._vehicles.receive(link, frame, robot)
 
     # The tick

@@ -10,6 +10,7 @@ from thbridge.roles.requests import Request
 from thbridge.wire.mavlink.frame import Frame
 from thbridge.wire.mavlink.helm import Helm, Readings
 from thbridge.wire.mavlink.hub import Hub, Sent, Traffic
+from thbridge.wire.mavlink.links import Drop
 from thbridge.wire.mavlink.options import VehicleOptions
 from thbridge.wire.mavlink.said import LinkId, Status
 from thbridge.wire.mavlink.vehicle import Vehicle
@@ -60,6 +61,10 @@ class Vehicles:
     def name_of(self, link: LinkId) -> str | None:
         """What a link is called; None: there is none of this number."""
         return self._names.get(link)
+
+    def why_not(self, link: LinkId, frame: Frame) -> Drop | None:
+        """See `Hub.why_not`."""
+        return self._hub.why_not(link, frame)
 
     def receive(self, link: LinkId, frame: Frame, robot: int | None) -> list[Sent]:
         """See `Hub.receive`; a frame for a robot that there is not is nobody's."""

@@ -16,6 +16,7 @@ from thbridge.wire.mavlink.dialect import crc_extra, mav, payload_of
 from thbridge.wire.mavlink.frame import Frame
 from thbridge.wire.mavlink.framer import Framer
 from thbridge.wire.mavlink.hub import Sent
+from thbridge.wire.mavlink.links import Drop
 from thbridge.wire.mavlink.said import LinkId
 
 PATIENCE = 20
@@ -47,6 +48,9 @@ class Exchange:
 
     def close_link(self, link: LinkId) -> None:
         self.gone.append(self.names.pop(link))
+
+    def why_not(self, link: LinkId, frame: Frame) -> Drop | None:
+        return Drop.OURS if frame.system == 1 else None
 
     def receive_frame(self, link: LinkId, frame: Frame) -> Sequence[Sent]:
         self.heard.append((self.names[link], frame))
@@ -125,6 +129,20 @@ def test_an_answer_comes_at_once_and_on_the_link_it_was_asked_on(station: Statio
             assert exchange.heard == [(f"udp {station.address}", PING)]
 
     asyncio.run(whole())
+
+
+def test_what_goes_nowhere_is_told_once(station: Station, caplog: pytest.LogCaptureFixture) -> None:
+    async def whole() -> None:
+        async with served(station.address) as (exchange, _):
+            exchange.say(HEARTBEAT)
+            data, vehicles = await station.hear()
+            for _ in range(2):
+                station.socket.sendto(data, vehicles)
+            await until(lambda: len(exchange.heard) == 2)
+
+    asyncio.run(whole())
+    told = [record.message for record in caplog.records if record.levelname == "WARNING"]
+    assert told == [f"MAVLink: udp {station.address}: a frame goes nowhere: {Drop.OURS}"]
 
 
 def test_whoever_else_speaks_to_the_socket_is_a_link_of_its_own(station: Station) -> None:

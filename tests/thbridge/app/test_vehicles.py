@@ -56,6 +56,19 @@ def test_links_and_frames_are_inputs_of_the_next_tick(session: Session):
     assert session.step().inputs == ()
 
 
+def test_what_vehicles_drop_is_not_recorded(session: Session):
+    link = session.open_link("a")
+    ours, setup = replace(FRAME, system=1, component=1), mav.MAVLink_setup_signing_message(1, 1, list(range(32)), 5)
+    secret = replace(FRAME, message_id=setup.id, payload=payload_of(setup), seed=setup.crc_extra)
+    session.step()
+    for frame in (ours, secret):
+        assert session.why_not(link, frame) is not None
+        assert session.receive_frame(link, frame) == []
+    moment = session.step()
+    assert moment.inputs == ()
+    assert not any(traffic.heard for traffic in moment.traffic)
+
+
 def test_people_read_in_the_bag_what_came(session: Session):
     link = session.open_link("udp 127.0.0.1:14550")
     session.receive_frame(link, FRAME)

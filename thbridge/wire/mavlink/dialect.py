@@ -40,16 +40,13 @@ class _Field:
         name: of the attribute that holds it as it travels.
         start: which of the payload's values is its first.
         stop: one more than its last; text is one value.
+        is_array: whether its value is a list.
     """
 
     name: str
     start: int
     stop: int
-
-    @property
-    def is_array(self) -> bool:
-        """Whether its value is a list."""
-        return self.stop - self.start > 1
+    is_array: bool
 
 
 @dataclass(frozen=True, slots=True)
@@ -149,7 +146,7 @@ def _layout_of(kind: type[Message]) -> _Layout:
     for index, (name, length) in enumerate(zip(kind.ordered_fieldnames, kind.lengths, strict=True)):
         # A message shows text as str up to its first zero; beside it, it keeps the bytes.
         is_text = kind.array_lengths[index] > 0 and length == 1
-        fields.append(_Field(f"_{name}_raw" if is_text else name, place, place + length))
+        fields.append(_Field(f"_{name}_raw" if is_text else name, place, place + length, length > 1))
         place += length
     declared = tuple(fields[index] for index in kind.orders)
     return _Layout(kind, kind.crc_extra, kind.unpacker, tuple(fields), declared)

@@ -20,6 +20,7 @@ PER_DEGREE = 10_000_000
 """MAVLink counts degrees in ten-millionths, 1.1 cm of latitude each."""
 
 _WHOLE_TURN = 360 * PER_DEGREE
+_POLE = 90 * PER_DEGREE
 
 
 @dataclass(frozen=True, slots=True)
@@ -49,9 +50,10 @@ class Earth:
         self._east = math.degrees(1.0 / parallel) * PER_DEGREE
 
     def place(self, x: float, y: float) -> Place:
-        """Where a point of the map, metres east and north, lies on earth."""
+        """Where a point of the map, metres east and north, lies on earth; beyond a pole, at the pole."""
+        latitude = round(self._latitude + y * self._north)
         longitude = round(self._longitude + x * self._east)
-        return Place(round(self._latitude + y * self._north), _half_turn(longitude))
+        return Place(min(max(latitude, -_POLE), _POLE), _half_turn(longitude))
 
     def point(self, place: Place) -> tuple[float, float]:
         """The point of the map, metres east and north, that lies there."""

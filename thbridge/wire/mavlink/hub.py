@@ -81,6 +81,21 @@ class Hub:
             for vehicle in self._vehicles:
                 vehicle.forget(link)
 
+    def why_not(self, link: LinkId, frame: Frame) -> Drop | None:
+        """Why a frame that comes in on a link would be dropped; None: it would not."""
+        there = self._links.get(link)
+        if frame.system in self._by_system and frame.component == COMPONENT:
+            # Other components may have a robot's system id: its companion computer, mavros or MAVSDK on it.
+            return Drop.OURS
+        if frame.system == EVERYBODY:
+            return Drop.NOBODY
+        if frame.message_id in SECRETS:
+            return Drop.SECRET
+        if crc_extra(frame.message_id) is None:
+            return Drop.UNKNOWN
+        sender = Station(frame.system, frame.component)
+        return None if there is None or there.has_room_for(sender, self._tick) else Drop.CROWDED
+
     def receive(self, link: LinkId, frame: Frame, robot: int | None = None) -> list[Sent]:
         """A frame has come in.
 
@@ -92,15 +107,15 @@ class Hub:
         Returns:
             What goes out at once.
         """
-        there = self._links.get(link)
+        there, message = self._links.get(link), decoded(frame.message_id, frame.payload)
         if there is None:
             return []
-        sender = Station(frame.system, frame.component)
-        message = decoded(frame.message_id, frame.payload)
-        why = self._why_not(there, sender, frame)
+        why = self.why_not(link, frame)
         if message is None or why is not None:
             there.dropped[why or Drop.UNKNOWN] += 1
             return []
+        sender = Station(frame.system, frame.component)
+        there.hear(sender, frame.sequence, self._tick)
         system, component = target_of(message)
         sent: list[Sent] = []
         for number in self._meant(system, component) if robot is None else (robot,):
@@ -129,17 +144,6 @@ class Hub:
         """What vehicles heard and said since the last call, in order."""
         traffic, self._traffic = tuple(self._traffic), []
         return traffic
-
-    def _why_not(self, link: Link, sender: Station, frame: Frame) -> Drop | None:
-        """Why a frame goes nowhere."""
-        if frame.system in self._by_system and frame.component == COMPONENT:
-            # Other components may have a robot's system id: its companion computer, mavros or MAVSDK on it.
-            return Drop.OURS
-        if frame.system == EVERYBODY:
-            return Drop.NOBODY
-        if frame.message_id in SECRETS:
-            return Drop.SECRET
-        return None if link.hears(sender, frame, self._tick) else Drop.CROWDED
 
     def _meant(self, system: int, component: int) -> Iterable[int]:
         """The vehicles that a message with this target is meant for."""

@@ -5,7 +5,6 @@ from collections.abc import Mapping
 from dataclasses import dataclass, field
 from enum import StrEnum
 
-from thbridge.wire.mavlink.frame import Frame
 from thbridge.wire.mavlink.helm import Station
 
 MOST_STATIONS = 16
@@ -13,7 +12,7 @@ MOST_STATIONS = 16
 
 
 class Drop(StrEnum):
-    """Why a frame that was whole goes nowhere, as the end of the sentence "a frame was dropped: ..."."""
+    """Why a frame that was whole goes nowhere, as the end of the sentence "a frame goes nowhere: ..."."""
 
     OURS = "its sender has the ids of one of our vehicles"
     NOBODY = "its sender has the system id 0, which stands for everybody"
@@ -74,19 +73,23 @@ class Link:
     _stations: dict[Station, _Heard] = field(default_factory=dict)
     _counts: dict[int, int] = field(default_factory=dict)
 
-    def hears(self, station: Station, frame: Frame, tick: int) -> bool:
-        """Note that a frame came in; whether its sender is listened to."""
+    def has_room_for(self, station: Station, tick: int) -> bool:
+        """Whether this sender is listened to; who has been silent for long makes room for another."""
+        known = self._stations
+        return station in known or len(known) < MOST_STATIONS or not all(self.has(other, tick) for other in known)
+
+    def hear(self, station: Station, sequence: int, tick: int) -> None:
+        """Note that a frame came in, from a sender for whom there is room."""
         heard = self._stations.get(station)
         if heard is None:
-            if not self._has_room(tick):
-                return False
-            self._stations[station] = _Heard(tick, frame.sequence)
+            if len(self._stations) >= MOST_STATIONS:
+                del self._stations[min(self._stations, key=lambda other: self._stations[other].tick)]
+            self._stations[station] = _Heard(tick, sequence)
         else:
-            self._lost += missing_between(heard.sequence, frame.sequence)
-            heard.tick, heard.sequence = tick, frame.sequence
+            self._lost += missing_between(heard.sequence, sequence)
+            heard.tick, heard.sequence = tick, sequence
         self._tick = tick
         self._received += 1
-        return True
 
     def is_awake(self, tick: int) -> bool:
         """Whether anybody has been heard here lately."""
@@ -116,16 +119,6 @@ class Link:
         stations = tuple(station for station in self._stations if self.has(station, tick))
         awake, dropped = self.is_awake(tick), dict(self.dropped)
         return LinkReport(self.name, awake, stations, self._received, self._lost, dropped, self.sent)
-
-    def _has_room(self, tick: int) -> bool:
-        """Whether one more can be listened to; who has been silent for long makes room."""
-        if len(self._stations) < MOST_STATIONS:
-            return True
-        silent = next((station for station in self._stations if not self.has(station, tick)), None)
-        if silent is None:
-            return False
-        del self._stations[silent]
-        return True
 
 
 def missing_between(last: int, sequence: int) -> int:

@@ -24,6 +24,10 @@ ACTED_ON = tuple(number for number in KNOWN if mav.mavlink_map[number].msgname.s
 """What vehicles may know; it comes more often than the rest."""
 
 
+MODEL_NAMES = tuple(f"PARAM_{number:02}" for number in range(20))
+"""Parameters of robots that there are in tests only."""
+
+
 def orders(system):
     """What a ground station says that wants to drive a vehicle."""
     east, north = -1_000_000, 515_000_000
@@ -73,11 +77,13 @@ class Foe:
     Args:
         chance: where from.
         systems: ids of the vehicles.
+        names: of their parameters.
     """
 
-    def __init__(self, chance, systems):
+    def __init__(self, chance, systems, names=MODEL_NAMES):
         self._chance = chance
         self._systems = tuple(systems)
+        self._names = tuple(name.encode() for name in names)
         self._orders = [order for system in systems for order in orders(system)]
         self._last = b""
         self._sequence = 0
@@ -98,13 +104,21 @@ class Foe:
         what = chance.random()
         if what < 0.6:
             message = copy.copy(chance.choice(self._orders))
+            self._name(message)
             if what < 0.3:
                 self._spoil(message)
         else:
             known = mav.mavlink_map[chance.choice(ACTED_ON if what < 0.9 else KNOWN)]
             message = decoded(known.id, self._payload(known))
             self._aim(message)
+            if chance.random() < 0.7:
+                self._name(message)
         return self._framed(message)
+
+    def _name(self, message):
+        """A message about a parameter is about one that there is."""
+        if hasattr(message, "_param_id_raw"):
+            message._param_id_raw = self._chance.choice(self._names)
 
     def _spoil(self, message):
         """One field becomes the worst that it can be."""
@@ -152,8 +166,6 @@ class Foe:
         ):
             if isinstance(getattr(message, name, None), int) and chance.random() < 0.8:
                 setattr(message, name, chance.choice(values))
-        if hasattr(message, "_param_id_raw") and chance.random() < 0.7:
-            message._param_id_raw = b"PARAM_%02d" % chance.randrange(20)
 
     def _payload(self, kind):
         """The values of a message, many of them as bad as they can be."""

@@ -39,3 +39,10 @@ def test_a_degree_is_as_long_as_on_wgs84(latitude, metres_north, metres_east):
 
 def test_the_origin_is_the_map_s_origin():
     assert Earth(Origin(52.4, 9.7, 55.0)).place(0.0, 0.0) == Place(524_000_000, 97_000_000)
+
+
+@pytest.mark.parametrize("far", [1e9, 1e30, -1e30])
+def test_what_lies_beyond_a_pole_lies_at_the_pole_and_can_be_told(far):
+    place = Earth(Origin(51.5, -0.1, 20.0)).place(far, far)
+    assert place.latitude == math.copysign(900_000_000, far)
+    assert -1_800_000_000 <= place.longitude < 1_800_000_000
