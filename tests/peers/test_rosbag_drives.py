@@ -1,0 +1,43 @@
+"""`rosbag play` of what vehicles once heard drives the robots of a session that is on a ROS graph."""
+
+import subprocess
+from pathlib import Path
+
+from tests.peers.beside import NEEDS_ROS, Ros, free_port
+from tests.peers.rovers import free_udp_port
+from tests.system.programs import THBRIDGE, Program, until
+from tests.thbridge.app.test_mavlink_replay import Tour, record
+from thbridge.adapters.bag_reader import messages
+from thbridge.ros import unpack
+
+pytestmark = NEEDS_ROS
+
+TOPICS = ("/robot1/mavlink/to", "/robot2/mavlink/to")
+
+
+def test_rosbag_play_sets_robots_off(tmp_path: Path) -> None:
+    record(tmp_path / "was.bag", 120, Tour({1: [5], 2: [4]}))
+    port = free_port()
+    alone = ("--headless", "--outside", "TabUI", "--port", "0", "--bag", "now.bag", "--no-report")
+    graph = ("--ros", "--ros-master", f"http://127.0.0.1:{port}")
+    play = Program(tmp_path, "play", "--mavlink", "--udp", f"127.0.0.1:{free_udp_port()}", *alone, *graph)
+    try:
+        until("the session to be on the graph", lambda: "this program is it" in play.text, [play])
+        ros = Ros(port, tmp_path)
+        ros.says("rostopic", "echo", "-n", "1", "/robot1/odom/header/seq")
+        # So long a subscriber may need to find the one who plays.
+        ros.says("rosbag", "play", "-q", "-d", "2", str(tmp_path / "was.bag"), "--topics", *TOPICS)
+        until("the robots to set out", lambda: all(f"for room {room}" in play.text for room in (4, 5)), [play])
+        assert play.stop() == 1
+    finally:
+        play.close()
+    was, now = (list(messages(tmp_path / bag, TOPICS)) for bag in ("was.bag", "now.bag"))
+    heard = [unpack.mavlink(message.data) for message in now]
+    assert {frame.link for frame in heard} == {"ros"}
+    frames = [(frame.sequence, frame.message_id, frame.payload) for frame in heard]
+    played = [unpack.mavlink(message.data) for message in was]
+    assert frames == [(frame.sequence, frame.message_id, frame.payload) for frame in played]
+    done = subprocess.run(
+        [*THBRIDGE, "replay", "now.bag", "--json"], cwd=tmp_path, capture_output=True, text=True, check=False
+    )
+    assert done.returncode == 0, done.stdout + done.stderr
