@@ -327,6 +327,12 @@ def test_real_robots_are_not_simulated_and_not_hurried() -> None:
     )
 
 
+def test_robots_by_themselves_are_no_vehicles() -> None:
+    Path("study.yaml").write_text("mavlink: {on: true}\n")
+    told = refusal("simr", "--study", "study.yaml", "--ros", "--ros-master", "nonsense")
+    assert "mavlink has no effect here: robots are MAVLink vehicles in `thbridge play`." in told
+
+
 def test_fewer_robots_than_the_study_has_software_for_are_refused() -> None:
     Path("study.yaml").write_text("robots: 2\neach: {2: {localization: truth}}\n")
     assert "--robots 1: the study has software for robot 2" in refusal("play", "study.yaml", "--robots", "1")

@@ -1,5 +1,6 @@
 """The commands that run one program each: the text server, and what joins it."""
 
+import dataclasses
 import secrets
 from collections.abc import Sequence
 from pathlib import Path
@@ -97,7 +98,12 @@ def simr(
     """Run the robots (SimR) at a text server until stopped."""
     host, port = _address(server)
     changes = {"robots": robots, "robots_from": robots_from, "map": map_name, "seed": seed}
-    setting = setting_of(study_of(study_file, changes), study_file)
+    study = study_of(study_file, changes)
+    if study.mavlink.on:
+        # Whether a robot may be sent somewhere is for the game to say, which is another program's.
+        note("mavlink has no effect here: robots are MAVLink vehicles in `thbridge play`.")
+        study = dataclasses.replace(study, mavlink=dataclasses.replace(study.mavlink, on=False))
+    setting = setting_of(study, study_file)
     real = setting.study.robots_from is RobotsFrom.ROS
     if real and ros:
         fail(BAD_INPUT, "--ros: robots of a ROS graph are there already. Leave the option out.")
