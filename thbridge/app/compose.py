@@ -43,6 +43,7 @@ from thbridge.roles.pilot import Pilot, Premises
 from thbridge.roles.robots import Robots
 from thbridge.roles.showing import plain_costs
 from thbridge.roles.simr import SILENCE, Field, SimR
+from thbridge.roles.speeds import Speeds
 from thbridge.roles.vehicle_parameters import VehicleParameters
 from thbridge.roles.vehicles import Ask, Vehicles
 from thbridge.ros.names import CALLER
@@ -130,10 +131,10 @@ class Setting:
         premises = Premises(self._rooms(), self._treasures(), study.game.energy)
 
         def made(ask: Ask) -> Vehicles:
-            pilots = [
-                Pilot(robot, premises, start, study.software(robot + 1), VehicleParameters(robot, simr), ask)
-                for robot, start in enumerate(self.place.starts[: study.robots])
-            ]
+            pilots = []
+            for robot, start in enumerate(self.place.starts[: study.robots]):
+                speeds = Speeds(robot, study.software(robot + 1), simr)
+                pilots.append(Pilot(robot, premises, start, speeds, VehicleParameters(robot, simr), ask))
             return Vehicles(pilots, study.mavlink.options)
 
         return made

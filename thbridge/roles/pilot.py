@@ -15,7 +15,6 @@ from sim.geometry import Pose2
 from sim.inputs import Drive, Go, Halt
 from sim.navigator import Goal
 from sim.observations import Twist
-from sim.parameters import RobotParameters
 from sim.team import TeamSnapshot
 from thbridge.hunt import rules
 from thbridge.hunt.events import Commanded, Commander
@@ -69,7 +68,7 @@ class Pilot:
         robot: its index in the team.
         premises: of the game.
         start: where the robot starts, map frame.
-        software: its parameters, as the study has them; None: they are not ours to change.
+        speeds: how fast it may drive.
         settings: the same as MAVLink has them.
         ask: takes what is asked of robots and game; it is done with the next tick, and nobody asked it from outside.
     """
@@ -79,14 +78,14 @@ class Pilot:
         robot: int,
         premises: Premises,
         start: Pose2,
-        software: RobotParameters | None,
+        speeds: Speeds,
         settings: Settings,
         ask: Callable[[Request], None],
     ) -> None:
         self._robot = robot
         self._premises = premises
         self._start = start
-        self._speeds = Speeds(software)
+        self._speeds = speeds
         self._settings = settings
         self._ask = ask
         self._legs = 0

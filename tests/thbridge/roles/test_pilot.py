@@ -21,6 +21,7 @@ from thbridge.roles.controls import HAND_TICKS
 from thbridge.roles.pilot import Pilot, Premises
 from thbridge.roles.requests import GameRequest, Request, SetParameters
 from thbridge.roles.simr import SimR
+from thbridge.roles.speeds import Speeds
 from thbridge.roles.tabui import TabUI
 from thbridge.roles.view import Answer, Select, SendRobot, Wish
 from thbridge.ros.records import SimpleGoal
@@ -43,6 +44,19 @@ class Parameters:
 
     def change(self, name, value):
         return Parameter(name, value)
+
+
+class RealRobots:
+    """Their software is not ours to change."""
+
+    def tuning(self, robot):
+        return None
+
+    def ask(self, request):
+        """Nobody does it."""
+
+
+OF_OTHERS = Speeds(0, RobotParameters(), RealRobots())
 
 
 @cache
@@ -69,7 +83,8 @@ class Flight:
         premises = Premises(briefing.house.rooms, briefing.names, energy)
         software = made.study.software(1)
         self.pilots = [
-            Pilot(robot, premises, made.place.starts[robot], software, Parameters(), self.ask) for robot in range(2)
+            Pilot(robot, premises, made.place.starts[robot], Speeds(robot, software, self.simr), Parameters(), self.ask)
+            for robot in range(2)
         ]
         self.pilot = self.pilots[0]
         self.readings: list[Readings] = []
@@ -387,15 +402,28 @@ def test_a_limit_holds_for_hand_driving_too(taken: Flight) -> None:
     assert 0.15 < taken.readings[0].twist.linear < 0.25
 
 
+def test_who_changes_the_local_planner_by_a_parameter_has_the_other_ones_speed_limited(taken: Flight) -> None:
+    taken.simr.ask(SetParameters(0, (("move_base.base_local_planner", "dwa_local_planner/DWAPlannerROS"),)))
+    assert taken.pilot.limit_speed(0.2) is None
+    assert taken.asked[-1] == SetParameters(0, (("DWAPlannerROS.max_vel_x", 0.2), ("DWAPlannerROS.max_vel_trans", 0.2)))
+    taken.run(2)
+    assert taken.pilot.fastest().linear == 0.2
+
+
+def test_who_changes_a_speed_by_a_parameter_finds_it_changed(taken: Flight) -> None:
+    taken.simr.ask(SetParameters(0, (("TrajectoryPlannerROS.max_vel_x", 0.4),)))
+    assert taken.pilot.fastest().linear == 0.4
+
+
 def test_real_robots_speeds_are_not_ours() -> None:
     flight = Flight()
-    pilot = Pilot(0, Premises((), (), 100.0), Pose2(0.0, 0.0, 0.0), None, Parameters(), flight.ask)
+    pilot = Pilot(0, Premises((), (), 100.0), Pose2(0.0, 0.0, 0.0), OF_OTHERS, Parameters(), flight.ask)
     denied = pilot.limit_speed(0.5)
     assert isinstance(denied, Denied) and denied.refusal is Refusal.UNSUPPORTED
 
 
 def test_nothing_is_granted_before_there_is_a_game() -> None:
-    pilot = Pilot(0, Premises((), (), 100.0), Pose2(0.0, 0.0, 0.0), RobotParameters(), Parameters(), lambda _: None)
+    pilot = Pilot(0, Premises((), (), 100.0), Pose2(0.0, 0.0, 0.0), OF_OTHERS, Parameters(), lambda _: None)
     for refused in (pilot.take(STATION), pilot.go_to(0.0, 0.0, None), pilot.drive(Twist(0.0, 0.0)), pilot.leave()):
         assert isinstance(refused, Denied) and refused.refusal is Refusal.NOT_NOW
     pilot.halt()
