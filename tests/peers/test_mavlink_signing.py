@@ -1,0 +1,74 @@
+"""Signed frames with MAVProxy and with pymavlink's `mavutil`: who has the key drives, and nobody else."""
+
+import hashlib
+from collections.abc import Iterator
+from pathlib import Path
+
+import pytest
+
+from tests.peers.rovers import free_udp_port, needs, rovers
+from tests.peers.test_mavproxy import MavProxy
+from tests.peers.test_mavutil import Script, mav
+from tests.system.programs import Program
+
+WORD = "open-sesame"
+KEY = hashlib.sha256(WORD.encode()).digest()
+
+
+@pytest.fixture
+def key(tmp_path: Path) -> Path:
+    path = tmp_path / "team.key"
+    path.write_text(f"{WORD}\n")
+    return path
+
+
+@pytest.fixture
+def scripts() -> Iterator[tuple[Script, Script]]:
+    made = Script(free_udp_port(), 255), Script(free_udp_port(), 254)
+    yield made
+    for script in made:
+        script.master.close()
+
+
+def port_of(script: Script) -> int:
+    return int(script.master.port.getsockname()[1])
+
+
+def meets(script: Script, play: Program) -> None:
+    script.follows(1)
+    script.hears("HEARTBEAT")
+
+
+def test_mavutil_signs_and_verifies(tmp_path: Path, key: Path, scripts: tuple[Script, Script]) -> None:
+    friend, stranger = scripts
+    friend.master.setup_signing(KEY, sign_outgoing=True)
+    options = ("--identity", "ardupilot", "--rate", "2", "--signing-key", str(key))
+    with rovers(tmp_path, (port_of(friend), port_of(stranger)), *options) as play:
+        meets(friend, play)
+        meets(stranger, play)  # it has no key, and believes everybody
+        assert friend.commands(mav.MAV_CMD_COMPONENT_ARM_DISARM, 1) == mav.MAV_RESULT_ACCEPTED
+        with pytest.raises(TimeoutError):
+            stranger.master.mav.command_long_send(1, 1, mav.MAV_CMD_COMPONENT_ARM_DISARM, 0, 0, *[0.0] * 6)
+            stranger.hears("COMMAND_ACK", seconds=3.0)
+        assert friend.hears("HEARTBEAT").base_mode & mav.MAV_MODE_FLAG_SAFETY_ARMED
+        signing = friend.master.mav.signing
+        assert signing.goodsig_count > 0
+        assert signing.badsig_count == signing.reject_count == 0
+
+
+@needs("mavproxy")
+def test_mavproxy_drives_with_the_passphrase_and_not_without(tmp_path: Path, key: Path) -> None:
+    port = free_udp_port()
+    (tmp_path / "mavproxy").mkdir()
+    with rovers(tmp_path, (port,), "--identity", "ardupilot", "--rate", "2", "--signing-key", str(key)):
+        proxy = MavProxy(tmp_path / "mavproxy", port)
+        try:
+            proxy.says("Detected vehicle 1:1")
+            proxy.types("arm throttle")
+            proxy.types(f"signing key {WORD}")
+            proxy.says("Setup signing key")
+            assert "Got COMMAND_ACK" not in proxy.output.read_text()
+            proxy.says("Got COMMAND_ACK: COMPONENT_ARM_DISARM: ACCEPTED", again="arm throttle")
+            proxy.says(r"Received \d+ parameters", again="param fetch")
+        finally:
+            proxy.close()
