@@ -2,6 +2,7 @@
 
 import asyncio
 import math
+import random
 from collections.abc import Callable
 from dataclasses import replace
 from pathlib import Path
@@ -9,6 +10,7 @@ from pathlib import Path
 import pytest
 
 from tests.thbridge.app.test_replay import again, equal
+from tests.thbridge.wire.mavlink.hostile import Foe
 from thbridge.adapters.bag_reader import messages
 from thbridge.adapters.bag_writer import BagWriter
 from thbridge.adapters.errors import BadFile
@@ -20,12 +22,14 @@ from thbridge.app.mavlink_replay import FramesOptions, FramesReplayed, has_sessi
 from thbridge.app.play import PLAY, NoLog
 from thbridge.app.recording import BagWitness
 from thbridge.app.session import Session
+from thbridge.roles.vehicle_parameters import PARAMETERS
 from thbridge.ros import names, types, unpack
 from thbridge.ros.topics import Message as RosMessage
 from thbridge.ros.topics import Topic
 from thbridge.wire import legacy
 from thbridge.wire.mavlink.dialect import Message, crc_extra, mav, payload_of
 from thbridge.wire.mavlink.frame import Frame
+from thbridge.wire.mavlink.framer import Framer
 from thbridge.wire.mavlink.said import LinkId
 from thbridge.wire.router import Router
 
@@ -200,6 +204,35 @@ def test_a_hunt_driven_by_ground_stations_is_driven_again_by_its_frames_alone(tm
     assert done.same
     assert done.parted is None
     equal(bag, 950)
+
+
+class Storm:
+    """Somebody who says all that should not be said, on several links."""
+
+    def __init__(self, seed: int) -> None:
+        self._chance = random.Random(seed)
+        self._foe = Foe(self._chance, range(1, STUDY.robots + 1), [parameter.name for parameter in PARAMETERS])
+        self._framer = Framer()
+
+    def __call__(self, tick: int, session: Session) -> None:
+        if tick % 40 == 10:
+            if tick > 10:
+                session.close_link(self._link)
+            self._link = session.open_link(f"tcp {tick}")
+        for _ in range(10 if tick > 10 else 0):
+            for found in self._framer.receive_data(self._foe.says()):
+                if isinstance(found, Frame):
+                    session.transmit(session.receive_frame(self._link, found))
+
+
+@pytest.mark.parametrize("ticks", [150, pytest.param(1500, marks=pytest.mark.slow)])
+def test_a_storm_of_frames_does_the_same_again(tmp_path: Path, ticks: int):
+    bag = tmp_path / "hunt.bag"
+    record(bag, ticks, Storm(3))
+    equal(bag, ticks)
+    done = by_frames(bag)
+    assert done.frames > ticks
+    assert (done.replayed, done.parted) == (done.recorded, None)
 
 
 @pytest.mark.slow
