@@ -1,6 +1,8 @@
 """The commands of MAVLink that a vehicle knows: which messages may carry each, who may give it, and what it does.
 
 Source: MAVLink's `common.xml`, MAV_CMD.
+Differs: MISSION_START with zeros goes on where the mission stands, as with ArduPilot, and not with item 0: ground
+stations send it to continue too. To begin anew, item 0 is made the current one.
 """
 
 import math
@@ -268,8 +270,8 @@ class Repertoire:
         first, last = order.whole(1, otherwise=0), order.whole(2, otherwise=0)
         if first is None or last is None:
             return MALFORMED
-        # A last item of 0 is what stations send that want all of it.
-        return reply_to(self._conduct.run(first, last or None))
+        # Stations that want to go on, or all of it, send zeros.
+        return reply_to(self._conduct.run(first or None, last or None))
 
     def _select_item(self, order: Order) -> Reply:
         item = order.whole(1)

@@ -338,6 +338,19 @@ def test_mission_start_runs_it_from_an_item_on(armed):
     assert armed.long(START, 9, 0) == [DENIED]
 
 
+def test_mission_start_with_zeros_goes_on_where_it_was(armed):
+    plan(armed, 2)
+    assert armed.long(START, 0, 0) == [ACCEPTED]
+    armed.run(2)
+    armed.robot.arrive()
+    armed.run(3)
+    armed.mode(*HOLD)
+    assert armed.long(START, 0, 0) == [ACCEPTED]
+    armed.run(2)
+    first, second, again = armed.robot.calls("go_to")
+    assert again == second != first
+
+
 def test_auto_without_a_mission_is_refused(armed):
     armed.mode(*GUIDED)
     assert armed.mode(*AUTO) == [BUSY]
