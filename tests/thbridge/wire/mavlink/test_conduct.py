@@ -480,6 +480,17 @@ def test_a_station_that_comes_back_while_its_mission_goes_on_is_still_in_command
     assert rig.robot.calls("release") == []
 
 
+def test_every_loss_is_told():
+    rig = Rig(failsafe=Failsafe.CONTINUE)
+    rig.arm()
+    plan(rig, 1)
+    rig.mode(*AUTO)
+    lost(rig)
+    rig.run(2 * SECOND, beating=[US])
+    lost(rig)
+    assert rig.texts().count("Ground station 255 is lost: the robot carries on.") == 2
+
+
 def test_a_station_that_comes_back_too_late_has_to_arm_again(armed):
     armed.go(5, 5)
     lost(armed)
