@@ -52,6 +52,9 @@ class Fleet:
         self._hub.open(link, name)
         return link
 
+    def why_not(self, link, frame):
+        return self._hub.why_not(link, frame)
+
     def close_link(self, link: LinkId) -> None:
         self._hub.close(link)
 

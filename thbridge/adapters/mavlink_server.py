@@ -1,14 +1,17 @@
 """Where ground stations reach a session: its UDP targets and its TCP port, opened and closed together."""
 
+import logging
 from contextlib import AsyncExitStack
 from dataclasses import dataclass
 
 from thbridge.adapters.addresses import Address
-from thbridge.adapters.mavlink_links import Exchange, Links, Totals
+from thbridge.adapters.mavlink_links import Exchange, Links
 from thbridge.adapters.mavlink_tcp import TcpPort, tcp_port
 from thbridge.adapters.mavlink_udp import UdpPort, udp_port
 from thbridge.adapters.text_server import CannotListen
 from thbridge.wire.mavlink.signing import SigningKey
+
+_log = logging.getLogger(__name__)
 
 
 @dataclass(frozen=True, slots=True)
@@ -35,11 +38,6 @@ class MavlinkServer:
         self._udp_ports: list[UdpPort] = []
         self._tcp_port: TcpPort | None = None
         self._opened = AsyncExitStack()
-
-    @property
-    def totals(self) -> Totals:
-        """What was carried until now."""
-        return self._links.totals
 
     async def open(self) -> list[str] | CannotListen:
         """Take all ports, still silent; what ground stations find them by, or the first that cannot be had."""
@@ -71,3 +69,6 @@ class MavlinkServer:
     async def close(self) -> None:
         """Close everything; what was sent last over TCP has a moment to be read."""
         await self._opened.aclose()
+        carried = self._links.totals
+        told = f"{carried.received} frames came in, {carried.sent} went out, {carried.unsent} could not be sent"
+        _log.log(logging.WARNING if carried.unsent else logging.INFO, "MAVLink: %s", told)

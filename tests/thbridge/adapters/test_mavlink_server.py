@@ -1,6 +1,7 @@
 """MAVLink's sockets, with a session behind them that answers every ping."""
 
 import asyncio
+import errno
 import socket
 from collections.abc import AsyncIterator, Callable, Sequence
 from contextlib import asynccontextmanager
@@ -161,6 +162,30 @@ def test_whoever_else_speaks_to_the_socket_is_a_link_of_its_own(station: Station
 
     asyncio.run(whole())
     other.socket.close()
+
+
+class FullSocket(socket.socket):
+    """Takes nothing, and says so, as a network that is down does."""
+
+    def sendto(self, *_: object) -> int:
+        raise OSError(errno.ENETUNREACH, "no way there")
+
+
+def test_frames_that_cannot_be_sent_are_counted_and_told(
+    caplog: pytest.LogCaptureFixture, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setattr(socket, "socket", FullSocket)
+
+    async def whole() -> None:
+        async with served(Address("127.0.0.1", 14550)) as (exchange, _):
+            exchange.say(HEARTBEAT, HEARTBEAT)
+            exchange.say(HEARTBEAT)
+
+    asyncio.run(whole())
+    assert [record.message for record in caplog.records] == [
+        "MAVLink: udp 127.0.0.1:14550: frames could not be sent and are lost",
+        "MAVLink: 0 frames came in, 0 went out, 3 could not be sent",
+    ]
 
 
 def test_a_stranger_who_sends_garbage_is_no_link(station: Station) -> None:
