@@ -77,7 +77,7 @@ def test_the_client_of_ros_reads_and_turns_numbers_words_and_switches(beside: Ro
     ]
     said = beside.script(CLIENT, "/robot1/amcl", json.dumps(changes))
     assert isinstance(said, dict)
-    assert len([name for name in said["servers"] if name.startswith("/robot2/")]) == 13
+    assert len([name for name in said["servers"] if name.startswith("/robot2/")]) == 14
     assert "/robot1/move_base/local_costmap/inflation_layer" in said["servers"]
     assert said["first"]["laser_max_beams"] == 60
     assert said["first"]["laser_model_type"] == "likelihood_field"

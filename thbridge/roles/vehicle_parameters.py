@@ -20,9 +20,6 @@ from thbridge.roles.parameter_names import name_of
 from thbridge.roles.requests import ParameterValue, SetParameters, Tuning
 from thbridge.wire.mavlink.helm import Denied, Setting
 
-Value = bool | int | float | str | None
-"""What stands in the study at the place of a parameter that has a name here."""
-
 
 @dataclass(frozen=True, slots=True)
 class VehicleParameter:
@@ -36,13 +33,13 @@ class VehicleParameter:
     name: str
     knob: LiveKnob
 
-    def told(self, value: Value) -> float:
+    def told(self, value: ParameterValue) -> float:
         """The number that a value is told as: of words their place among the choices; 0 where there is none."""
         if isinstance(value, str):
             return float(self.knob.choices.index(value))
         return float(value or 0)
 
-    def meant(self, told: float) -> Value | Denied:
+    def meant(self, told: float) -> ParameterValue | Denied:
         """The value that is meant by a number, which is one of 32 bits; its bounds are not looked at."""
         types, choices = self.knob.types, self.knob.choices
         if float in types:
@@ -76,9 +73,9 @@ _IN_TUNING = attrgetter(
 )
 
 
-def values_of(tuning: Tuning) -> tuple[Value, ...]:
+def values_of(tuning: Tuning) -> tuple[ParameterValue, ...]:
     """The values in force, in the order of `PARAMETERS`."""
-    return cast(tuple[Value, ...], _IN_TUNING(tuning))
+    return cast(tuple[ParameterValue, ...], _IN_TUNING(tuning))
 
 
 class Tunable(Protocol):
@@ -142,7 +139,7 @@ class VehicleParameters:
         meant = parameter.meant(wanted)
         if isinstance(meant, Denied):
             return meant
-        values: tuple[tuple[str, ParameterValue], ...] = ((parameter.knob.path, meant),)
+        values = ((parameter.knob.path, meant),)
         changed = tuning.changed(values)
         if isinstance(changed, Rejected):
             return Denied(f"{changed.sentence}.")
