@@ -45,6 +45,7 @@ class Streams:
     def __init__(self, defaults: Mapping[int, int], system: int) -> None:
         self._defaults = dict(defaults)
         self._offsets = {message: (system + place) * _SPREAD for place, message in enumerate(defaults)}
+        self._unasked = [(message, every, self._offsets[message]) for message, every in defaults.items() if every]
         self._own: dict[LinkId, dict[int, int]] = {}
         self._besides: dict[int, frozenset[LinkId]] = {message: frozenset() for message in defaults}
 
@@ -71,8 +72,8 @@ class Streams:
 
     def due(self, tick: int) -> Iterator[Due]:
         """What is to be said now."""
-        for message, every in self._defaults.items():
-            if every and (tick + self._offsets[message]) % every == 0:
+        for message, every, offset in self._unasked:
+            if (tick + offset) % every == 0:
                 yield Due(message, None, self._besides[message])
         for link, own in self._own.items():
             for message, every in own.items():

@@ -262,6 +262,16 @@ def test_the_same_command_while_it_runs_is_rejected_for_now(armed):
     assert len(armed.robot.calls("go_to")) == 1
 
 
+def test_another_station_s_command_while_one_runs_is_its_own(armed):
+    armed.go(4, 2, command=WAYPOINT)
+    assert armed.go(4, 2, command=WAYPOINT, station=THEM) == [DENIED], "and not busy"
+    armed.run(1)
+    assert armed.go(5, 5, command=WAYPOINT, link=THERE) == [IN_PROGRESS]
+    told = [word for word in armed.run(2 * SECOND) if word.message.get_type() == "COMMAND_ACK"]
+    assert next((word.link, word.message.result) for word in told) == (HERE, CANCELLED)
+    assert {word.link for word in told[1:]} == {THERE}
+
+
 @pytest.mark.parametrize("how", ["hold", "elsewhere", "disarm"])
 def test_a_way_that_is_broken_off_is_cancelled(armed, how):
     armed.go(4, 2, command=WAYPOINT)
