@@ -4,8 +4,8 @@ from collections.abc import Callable, Sequence
 from dataclasses import dataclass, field
 
 from thbridge.hunt.costs import spoken_energy
-from thbridge.hunt.events import Commander, Condition
-from thbridge.hunt.rules import commander_name, robot_name
+from thbridge.hunt.events import Condition
+from thbridge.hunt.rules import robot_name
 from thbridge.roles.view import (
     Agree,
     Answer,
@@ -173,15 +173,9 @@ def _robot_news(was: RobotView, now: RobotView) -> list[str]:
     if now.condition is not was.condition:
         told.append(f"{name} {CONDITIONS[now.condition]}")
     if (now.commander, now.commander_name) != (was.commander, was.commander_name):
-        other = _other_commander(now)
+        other = now.other_commander
         told.append(f"{name} is commanded by {other} now." if other else f"{name} is yours again.")
     return told
-
-
-def _other_commander(robot: RobotView) -> str:
-    """Who else than the participant commands a robot; empty when nobody does."""
-    is_theirs = robot.commander is Commander.PARTICIPANT
-    return "" if is_theirs else commander_name(robot.commander, robot.commander_name)
 
 
 def _room_news(old: RoomView, new: RoomView) -> list[str]:
@@ -213,7 +207,7 @@ def _standing(view: View) -> list[str]:
         told.append(f"  {name}: {where}, energy {spoken_energy(robot.energy)}")
         if robot.condition is not Condition.WELL:
             told.append(f"  {name} {CONDITIONS[robot.condition]}")
-        if other := _other_commander(robot):
+        if other := robot.other_commander:
             told.append(f"  {name} is commanded by {other}.")
     free = [str(room.room) for room in view.rooms if room.state == "unvisited"]
     told.append(f"  Rooms not visited: {' '.join(free) or 'none'}. Score {view.score}.")

@@ -13,8 +13,8 @@ from thbridge.dialogue.engine import Engine
 from thbridge.dialogue.moves import Utterance
 from thbridge.hunt import rules
 from thbridge.hunt.costs import CostMatrix
-from thbridge.hunt.events import Agreed, Commanded, Commander, Event, Hidden, Started
-from thbridge.hunt.game import Command, GameState
+from thbridge.hunt.events import Agreed, Commander, Event, Hidden, Started
+from thbridge.hunt.game import GameState
 from thbridge.hunt.outcomes import Refused
 from thbridge.roles.audience import Audience
 from thbridge.roles.book import Book, Reason
@@ -37,7 +37,7 @@ from thbridge.roles.notices import (
 from thbridge.roles.overhearing import Overhearing, wish_in
 from thbridge.roles.requests import CommandRequest, GameRequest
 from thbridge.roles.showing import view_of
-from thbridge.roles.stations import look_around, serve
+from thbridge.roles.stations import give_back, handed_on, look_around, serve
 from thbridge.roles.view import Agree, PlayAgain, SendRobot, Wish
 from thbridge.roles.wishes import grant
 from thbridge.roles.wizard import Held, held_in, obey
@@ -106,7 +106,7 @@ class Keeper:
         self._briefing = briefing or Briefing()
         self._book = Book(engine, last_game)
         self._book.read(history)
-        self._take_back()
+        give_back(self._book)
         self._overhearing = Overhearing(self._book)
         # Who is there, and what they were told last.
         self._team: RobotsReady | None = None
@@ -244,8 +244,8 @@ class Keeper:
         # Whoever agreed, and whoever commands a robot, goes on doing so.
         former = self.state
         agreed = (Agreed(),) if former is not None and former.agreed else ()
-        held = () if former is None else tuple(item for item in _held(former) if item.robot < robots)
-        self._book.happen((started, *agreed, *held))
+        kept = () if former is None else handed_on(former, robots)
+        self._book.happen((started, *agreed, *kept))
         self._poses = None
         self._ask_to_hide()
 
@@ -293,13 +293,6 @@ class Keeper:
             if self.state is not None:
                 self._book.take("Commanded", rules.intervene(self.state, robot, researcher))
 
-    def _take_back(self) -> None:
-        """Nobody who commanded a robot is there any more after a restart; they have to take it anew."""
-        for robot in range(0 if self.state is None else len(self.state.robots)):
-            if self.state is not None:
-                self._book.take("Commanded", rules.intervene(self.state, robot, None))
-                self._book.take("Commanded", rules.command(self.state, robot, Command()))
-
     def _see_to_end(self) -> None:
         """Programs of 2016 never say that they give a treasure up, so nobody waits for them to."""
         if self.state is not None:
@@ -335,15 +328,6 @@ class Keeper:
         if with_poses or self._ordered is None or replace(self._ordered, poses=None) != orders:
             self._ordered = orders
             self._tell(legacy.SIMR, orders)
-
-
-def _held(state: GameState) -> tuple[Commanded, ...]:
-    """What makes ground stations command the same robots in another game."""
-    return tuple(
-        Commanded(number, robot.holder.by, robot.holder.name)
-        for number, robot in enumerate(state.robots)
-        if robot.holder.by is Commander.GROUND_STATION
-    )
 
 
 def costs_of(rows: Sequence[Sequence[float | None]]) -> CostMatrix | Refused:

@@ -3,7 +3,7 @@
 from typing import TypeAlias
 
 from thbridge.hunt import rules
-from thbridge.hunt.events import Commander
+from thbridge.hunt.events import Commanded, Commander
 from thbridge.hunt.game import Command, GameState
 from thbridge.hunt.outcomes import Refused
 from thbridge.hunt.rooms import Room
@@ -54,6 +54,27 @@ def look_around(book: Book, state: GameState) -> None:
             seen = rules.sense(state, robot.at)
             if isinstance(seen, tuple):
                 book.happen(seen)
+
+
+def handed_on(former: GameState, robots: int) -> tuple[Commanded, ...]:
+    """What makes ground stations command the same robots in another game, of so many robots."""
+    return tuple(
+        Commanded(number, robot.holder.by, robot.holder.name)
+        for number, robot in enumerate(former.robots[:robots])
+        if robot.holder.by is Commander.GROUND_STATION
+    )
+
+
+def give_back(book: Book) -> None:
+    """Give all robots to the participant: after a restart nobody is there any more who commanded them."""
+    robots = () if book.state is None else book.state.robots
+    book.happen(
+        tuple(
+            Commanded(number, Commander.PARTICIPANT, "")
+            for number, robot in enumerate(robots)
+            if robot.command != Command()
+        )
+    )
 
 
 def _ruling(state: GameState, request: _Judged) -> rules.Ruling:

@@ -12,6 +12,7 @@ from typing import Literal
 import msgspec
 
 from thbridge.hunt.events import Commander, Condition
+from thbridge.hunt.rules import commander_name
 from thbridge.wire.notice import JsonValue
 
 
@@ -38,6 +39,13 @@ class RobotView:
     condition: Condition
     commander: Commander = Commander.PARTICIPANT
     commander_name: str = ""
+
+    @property
+    def other_commander(self) -> str:
+        """Who else than the participant commands it, within a sentence; empty when nobody does."""
+        if self.commander is Commander.PARTICIPANT:
+            return ""
+        return commander_name(self.commander, self.commander_name)
 
 
 @dataclass(frozen=True, slots=True)

@@ -6,7 +6,7 @@ from dataclasses import dataclass
 from enum import StrEnum
 
 from sim.noise import Stream
-from thbridge.hunt.events import Commander, Condition
+from thbridge.hunt.events import Condition
 from thbridge.hunt.treasures import TreasureKind
 from thbridge.roles.view import (
     Agree,
@@ -99,7 +99,7 @@ class Bot:
                 wishes.append(wish)
                 if isinstance(wish, Select):
                     taken.add(wish.room)
-        busy = any(robot.moving_to is not None or _is_taken(robot) for robot in view.robots)
+        busy = any(robot.moving_to is not None or robot.other_commander for robot in view.robots)
         waits = view.dialogues or view.thinking or busy
         if not wishes and view.robots and not waits:
             return (GiveUp(view.game),)
@@ -128,7 +128,7 @@ class Bot:
         if room is not None and room.undecided and room.robot == robot.robot:
             yield self._treasure(view, robot, room, {consent.matter for consent in agreed if consent.room == room.room})
             return
-        if _is_taken(robot):
+        if robot.other_commander:
             return
         for consent in agreed:
             if consent.matter == "select-room":
@@ -193,8 +193,3 @@ class Bot:
             if kind.colour == room.colour and kind.footprint == room.footprint
         }
         return fitting.pop() if len(fitting) == 1 else None
-
-
-def _is_taken(robot: RobotView) -> bool:
-    """Whether somebody else commands a robot."""
-    return robot.commander is not Commander.PARTICIPANT

@@ -8,7 +8,7 @@ from thbridge.roles.view import CallBack, RobotView
 from ui.model.keys import key_of
 from ui.model.playing.possible import undecided_beside, why_not_command
 from ui.model.playing.state import Hunt, Memory
-from ui.model.playing.words import other_commander, place_name, titled
+from ui.model.playing.words import place_name, titled
 from ui.model.screen import Action, ChooseRobot, NextRobot, RobotCard, StopRobot
 
 
@@ -41,7 +41,7 @@ def _card(memory: Memory, hunt: Hunt, robot: RobotView) -> RobotCard:
     motion = memory.motion(number)
     place = place_name(robot.place)
     stranded = _is_stranded(hunt, robot)
-    other = other_commander(robot)
+    other = robot.other_commander
     return RobotCard(
         robot=number,
         name=titled(number),

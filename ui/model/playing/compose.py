@@ -12,7 +12,7 @@ from ui.model.playing.questions import question
 from ui.model.playing.state import Hunt, Memory
 from ui.model.playing.talks import going, title
 from ui.model.playing.tiles import dont_know, end, tiles
-from ui.model.playing.words import other_commander, titled, verdict_words
+from ui.model.playing.words import titled, verdict_words
 from ui.model.screen import (
     Action,
     AgreeToTakePart,
@@ -105,7 +105,7 @@ def _banner(memory: Memory, now: float) -> Banner | None:
         return Banner(memory.note[0], "note")
     if view is not None and view.over is None and all(robot.condition is Condition.SILENT for robot in view.robots):
         return Banner("No robot answers. Wait for one to answer again, or end the game.", "bad")
-    if view is not None and view.over is None and all(other_commander(robot) for robot in view.robots):
+    if view is not None and view.over is None and all(robot.other_commander for robot in view.robots):
         return Banner("Others command all robots just now. You name what they find.", "note")
     return None
 

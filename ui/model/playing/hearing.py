@@ -8,7 +8,7 @@ from ui.model.playing.history import History
 from ui.model.playing.popups import Find, Item, Talk
 from ui.model.playing.possible import standing_in, talks, why_not_command, why_not_end, why_not_go
 from ui.model.playing.state import End, Hunt, Memory, MoveOn, Reroute
-from ui.model.playing.words import how_it_comes_back, other_commander, place_name, titled
+from ui.model.playing.words import how_it_comes_back, place_name, titled
 
 NOTE = 6.0
 """Seconds for which a sentence is shown."""
@@ -124,7 +124,7 @@ def _hear_commanders(memory: Memory, hunt: Hunt, before: View, now: float) -> No
     for was, robot in zip(before.robots, hunt.view.robots, strict=True):
         if (was.commander, was.commander_name) == (robot.commander, robot.commander_name):
             continue
-        name, other = titled(robot.robot), other_commander(robot)
+        name, other = titled(robot.robot), robot.other_commander
         if not other:
             sentence = f"{name} is yours again."
         else:

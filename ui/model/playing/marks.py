@@ -7,7 +7,6 @@ from thbridge.roles.notices import House
 from thbridge.roles.view import View
 from ui.model.motion import Moving
 from ui.model.playing.cards import is_in_trouble
-from ui.model.playing.words import other_commander
 from ui.model.scene import EllipseMark, RobotMark, RoomMark
 from ui.model.screen import RoomTile
 
@@ -56,7 +55,7 @@ class Outlines:
                 if motion.ellipse is None
                 else EllipseMark(motion.ellipse.major, motion.ellipse.minor, motion.ellipse.angle),
                 truth=motion.truth,
-                taken=other_commander(robot),
+                taken=robot.other_commander,
             )
             for robot, motion in zip(view.robots, moving, strict=False)
         )

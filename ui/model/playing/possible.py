@@ -8,7 +8,7 @@ from thbridge.hunt.costs import spoken_energy
 from thbridge.hunt.events import Condition
 from thbridge.hunt.rules import robot_name
 from thbridge.roles.view import Consent, DialogueView, Matter, RobotView, View
-from ui.model.playing.words import how_it_comes_back, other_commander, place_name, titled
+from ui.model.playing.words import how_it_comes_back, place_name, titled
 
 
 def standing_in(view: View, room: int) -> int | None:
@@ -48,7 +48,7 @@ def why_not_work(view: View, robot: int) -> str | None:
 
 def why_not_command(view: View, robot: int) -> str | None:
     """Why a robot is not the participant's to send or to stop just now, or None."""
-    other = other_commander(view.robots[robot])
+    other = view.robots[robot].other_commander
     return f"{titled(robot)} is commanded by {other}. {how_it_comes_back(view.robots[robot])}" if other else None
 
 

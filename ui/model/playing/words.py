@@ -3,20 +3,13 @@
 from collections.abc import Sequence
 
 from thbridge.hunt.events import Commander
-from thbridge.hunt.rules import commander_name, robot_name
+from thbridge.hunt.rules import robot_name
 from thbridge.roles.view import RobotView
 
 
 def titled(robot: int) -> str:
     """A robot's name at the beginning of a sentence."""
     return robot_name(robot).capitalize()
-
-
-def other_commander(robot: RobotView) -> str:
-    """Who else than the participant commands a robot, within a sentence; empty when nobody does."""
-    if robot.commander is Commander.PARTICIPANT:
-        return ""
-    return commander_name(robot.commander, robot.commander_name)
 
 
 def how_it_comes_back(robot: RobotView) -> str:
