@@ -56,7 +56,7 @@ LARGEST_CONSENT = 8000
 """Bytes of the text that participants agree to; it must fit into a line with all the rest of a view."""
 REHEARSAL = 5 * TICKS_PER_SECOND
 """Ticks after which robots have localised, planned around each other, turned and driven."""
-RECORDED_PACKAGES = ("thbridge", "numpy", "scipy", "numba", "filterpy", "rosbags")
+RECORDED_PACKAGES = ("thbridge", "numpy", "scipy", "numba", "filterpy", "rosbags", "pymavlink")
 """Whose versions a bag tells: what else could make the same study run differently."""
 
 

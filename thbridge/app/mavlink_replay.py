@@ -6,7 +6,7 @@ whose topic it stands, in the tick in which it was recorded.
 
 import dataclasses
 import re
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Iterator, Sequence
 from contextlib import ExitStack
 from dataclasses import dataclass
 from pathlib import Path
@@ -27,6 +27,7 @@ from thbridge.hunt.events import Arrived
 from thbridge.ros import names, types, unpack
 from thbridge.ros.names import RobotNames
 from thbridge.ros.publisher import Message
+from thbridge.ros.records import GameEvent
 from thbridge.ros.stamps import START_NS, TICK_NS
 from thbridge.ros.topics import VehicleTopics
 from thbridge.wire.mavlink.said import LinkId
@@ -128,15 +129,22 @@ def _is_ours(info: BagInfo) -> bool:
 
 def hunt_of(path: Path) -> Hunt:
     """What became of a recorded game. Raises BadFile."""
-    arrivals, score = [], 0
+    arrivals: list[Arrival] = []
+    score = 0
     for message in bag_reader.messages(path, [names.GAME_EVENTS, names.SCORE]):
-        if message.topic == names.SCORE:
-            score = unpack.score(message.data).score
-            continue
-        event = unpack.game_event(message.data)
-        if event.kind == Arrived.__name__.lower() and event.robot is not None and event.room is not None:
-            arrivals.append(Arrival(event.robot + 1, event.room, _seconds(message.stamp_ns)))
+        try:
+            if message.topic == names.SCORE:
+                score = unpack.score(message.data).score
+            else:
+                arrivals += _arrival(unpack.game_event(message.data), message.stamp_ns)
+        except ValueError as error:
+            raise BadFile(path, None, message.topic, str(error), "name another recording") from None
     return Hunt(tuple(arrivals), score)
+
+
+def _arrival(event: GameEvent, stamp_ns: int) -> Iterator[Arrival]:
+    if event.kind == Arrived.__name__.lower() and event.robot is not None and event.room is not None:
+        yield Arrival(event.robot + 1, event.room, _seconds(stamp_ns))
 
 
 async def replay_frames(
