@@ -14,7 +14,7 @@ from typer.testing import CliRunner
 from tests.thbridge.wire.mavlink.rig import OPTIONS, Game
 from thbridge.adapters.addresses import Address
 from thbridge.adapters.mavlink_server import MavlinkServer, Ports
-from thbridge.wire.mavlink import trip
+from thbridge.wire.mavlink import ground_station, trip
 from thbridge.wire.mavlink.helm import Denied
 from thbridge.wire.mavlink.hub import Hub, Sent
 from thbridge.wire.mavlink.said import LinkId
@@ -87,6 +87,7 @@ def free_address() -> Address:
 @pytest.fixture(autouse=True)
 def impatient(monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setattr(trip, "DISCOVERY_SECONDS", 1.0)
+    monkeypatch.setattr(ground_station, "TRIES", 2)
 
 
 @pytest.fixture
@@ -121,7 +122,7 @@ def refusal(*arguments: object) -> str:
 @pytest.mark.parametrize("by", ["udp", "tcp"])
 def test_status_tells_who_is_there(by: str, at: Address, fleet: Fleet) -> None:
     where = at if by == "udp" else f"tcp:127.0.0.1:{fleet.tcp}"
-    done = mavlink("status", where, "--seconds", 1.5, "--json")
+    done = mavlink("status", where, "--seconds", 0.9, "--json")
     assert done.exit_code == 0, done.output
     robots = json.loads(done.stdout)["robots"]
     assert [robot["robot"] for robot in robots] == [1, 2]
@@ -218,7 +219,7 @@ def test_a_key_opens(at: Address, signed: Fleet, key: Path) -> None:
 
 def test_a_wrong_key(at: Address, signed: Fleet, key: Path) -> None:
     key.write_text("another\n")
-    said = told("status", at, "--signing-key", key, "--seconds", 1.5)
+    said = told("status", at, "--signing-key", key, "--seconds", 0.9)
     assert f"frames were refused, for they are not signed with the key of {key}." in " ".join(said.split())
 
 

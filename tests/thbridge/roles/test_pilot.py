@@ -222,7 +222,7 @@ def test_a_point_outside_all_rooms_is_no_move_of_the_game(taken: Flight) -> None
 def test_a_point_that_cannot_be_reached_fails_with_the_navigators_words(taken: Flight) -> None:
     taken.pilot.go_to(500.0, 500.0, None)
     readings = taken.until(FAILED)
-    assert readings.leg.reason == "Where robot 1 should stand in that room is not on the map."
+    assert readings.leg.reason == "The place where robot 1 should stand is not on the map."
 
 
 @pytest.mark.parametrize("point", [(float("nan"), 0.0), (0.0, float("inf"))])
