@@ -2,6 +2,7 @@
 
 import asyncio
 import json
+import math
 import socket
 import threading
 from collections.abc import Iterator
@@ -11,10 +12,14 @@ import pytest
 from click.testing import Result
 from typer.testing import CliRunner
 
+from tests.system.programs import Program, until
+from tests.thbridge.app.test_mavlink_replay import Station, record
 from tests.thbridge.wire.mavlink.rig import OPTIONS, Game
 from thbridge.adapters.addresses import Address
 from thbridge.adapters.mavlink_server import MavlinkServer, Ports
+from thbridge.app.session import Session
 from thbridge.wire.mavlink import ground_station, trip
+from thbridge.wire.mavlink.dialect import mav
 from thbridge.wire.mavlink.helm import Denied
 from thbridge.wire.mavlink.hub import Hub, Sent
 from thbridge.wire.mavlink.said import LinkId
@@ -241,3 +246,62 @@ def test_a_key_file_that_is_not_there(at: Address) -> None:
 
 def test_a_recording_that_is_none(tmp_path: Path) -> None:
     assert "no such file" in refusal("replay", tmp_path / "none.bag")
+
+
+@pytest.fixture(scope="module")
+def recorded(tmp_path_factory: pytest.TempPathFactory) -> Path:
+    """A moment of a hunt in which a ground station takes command."""
+    bag = tmp_path_factory.mktemp("recorded") / "hunt.bag"
+
+    def take(tick: int, session: Session) -> None:
+        if tick == 20:
+            station = Station(session)
+            station.beat()
+            arm = mav.MAV_CMD_COMPONENT_ARM_DISARM
+            station.say(mav.MAVLink_command_long_message(1, 1, arm, 0, 1, 0, 0, 0, 0, 0, 0))
+
+    record(bag, 60, take)
+    return bag
+
+
+def test_a_recordings_frames_drive_a_fresh_hunt(recorded: Path, tmp_path: Path) -> None:
+    kept = tmp_path / "again.bag"
+    done = mavlink("replay", recorded, "--to", kept, "--json")
+    assert done.exit_code == 0, done.output
+    told = json.loads(done.stdout)
+    assert (told["frames"], told["ticks"], told["same"], told["parted"], told["bag"]) == (3, 60, True, None, str(kept))
+    assert kept.exists()
+
+
+def test_a_replay_for_people(recorded: Path) -> None:
+    done = mavlink("replay", recorded, "--with", "seed=2")
+    assert done.exit_code == 0, done.output
+    assert "Robot 1 is commanded by ground station 255 from now on." in done.stdout
+
+
+def test_a_replay_in_two_studies(recorded: Path, tmp_path: Path) -> None:
+    said = refusal("replay", recorded, "--study", tmp_path / "s.yaml", "--with", "seed=2")
+    assert "--with: it changes the recording's study; --study gives another." in said
+
+
+def test_a_replay_onto_itself(recorded: Path) -> None:
+    assert "is the recording itself" in refusal("replay", recorded, "--to", recorded)
+
+
+@pytest.mark.slow
+def test_a_hunt_in_a_process_of_its_own(at: Address, tmp_path: Path) -> None:
+    """From `play` to `status`, `goto` and `replay`, as an admin types them."""
+    options = ["--mavlink", "--headless", "--outside", "TabUI", "--no-report", "--port", "0", "--bag", "a.bag"]
+    play = Program(tmp_path, "play", *options, "--udp", str(at))
+    try:
+        until("treasures are hidden", lambda: "treasures are hidden" in play.text, [play])
+        assert mavlink("goto", 1, -2.7, 1.4, "--at", at).exit_code == 0
+        robots = json.loads(mavlink("status", at, "--json").stdout)["robots"]
+        assert math.dist((robots[0]["x"], robots[0]["y"]), (-2.735, 1.442)) < 0.5
+        assert all(robot["lost"] == 0 for robot in robots)
+        play.stop()
+    finally:
+        play.close()
+    told = json.loads(mavlink("replay", tmp_path / "a.bag", "--json").stdout)
+    assert told["same"]
+    assert told["recorded"]["arrivals"][0]["room"] == 2
