@@ -9,7 +9,7 @@ import math
 from collections import defaultdict
 from collections.abc import Callable, Iterable
 from functools import partial
-from typing import Protocol
+from typing import Protocol, TypeGuard
 
 import numpy as np
 
@@ -250,10 +250,14 @@ def _told(event: GameEvent) -> tuple[str, int | None]:
     told = (
         f"{name.replace('_', ' ')} {_plain(value)}"
         for name, value in fields.items()
-        if name not in _SAID_ELSEWHERE and isinstance(value, str | int | float) and not isinstance(value, bool)
+        if name not in _SAID_ELSEWHERE and _is_plain(value)
     )
     points = fields.get("points")
     return ", ".join(told), points if isinstance(points, int) else None
+
+
+def _is_plain(value: object) -> TypeGuard[str | int | float]:
+    return isinstance(value, str | int | float) and not isinstance(value, bool) and value != ""
 
 
 def _plain(value: str | int | float) -> str:

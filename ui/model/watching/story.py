@@ -4,7 +4,7 @@ import json
 from bisect import bisect_right
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
-from typing import get_args
+from typing import TypeGuard, get_args
 
 from thbridge.hunt.events import Commander
 from thbridge.hunt.rules import robot_name
@@ -194,9 +194,13 @@ def _told(fields: dict[str, object]) -> str:
     told = (
         f"{name.replace('_', ' ')} {value.rstrip('.') if isinstance(value, str) else f'{value:g}'}"
         for name, value in fields.items()
-        if name not in _SAID_ELSEWHERE and isinstance(value, str | int | float) and not isinstance(value, bool)
+        if name not in _SAID_ELSEWHERE and _is_plain(value)
     )
     return ", ".join(told)
+
+
+def _is_plain(value: object) -> TypeGuard[str | int | float]:
+    return isinstance(value, str | int | float) and not isinstance(value, bool) and value != ""
 
 
 _SAID_ELSEWHERE = frozenset({"v", "event", "robot", "room"})

@@ -83,3 +83,9 @@ def test_long_lists_lose_what_is_oldest() -> None:
     assert len(story.entries("log")) <= MOST
     assert story.dropped("log") + len(story.entries("log")) == MOST + 1
     assert story.entries("log")[-1].stamp_ns == MOST
+
+
+def test_what_an_event_leaves_empty_is_not_told() -> None:
+    story = Story()
+    story.take(event(4, "commanded", 1, by="participant", name=""))
+    assert [entry.text for entry in story.entries("event")] == ["by participant"]
