@@ -266,7 +266,7 @@ class VehicleState:
 
     Attributes:
         robot: which.
-        connected: a ground station is heard.
+        connected: its software answers: mavros hears its heartbeat.
         armed: its motors obey.
         guided: it goes where it is told.
         manual_input: it is driven by hand.

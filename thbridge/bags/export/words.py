@@ -71,7 +71,7 @@ WORDS: Mapping[str, Mapping[str, Word]] = {
         "signature": Word("", "of a signed frame, left out in ours"),
     },
     "mavros_msgs/State": {
-        "connected": Word("", "a ground station is heard"),
+        "connected": Word("", "its software answers"),
         "armed": Word("", "its motors obey"),
         "guided": Word("", "it goes where it is told"),
         "manual_input": Word("", "it is driven by hand"),

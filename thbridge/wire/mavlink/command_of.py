@@ -27,7 +27,6 @@ class CommandOf:
         self.lost_after = lost_after
         self._station: Station | None = None
         self._heard = 0
-        self._anybody: int | None = None
         self._away = 0
         self._tick = 0
         self._readings: Readings | None = None
@@ -48,11 +47,6 @@ class CommandOf:
     def is_lost(self) -> bool:
         """The station in command has not been heard for too long."""
         return self._station is not None and self._tick - self._heard > self._patience
-
-    @property
-    def is_anybody_heard(self) -> bool:
-        """Some ground station is heard."""
-        return self._anybody is not None and self._tick - self._anybody <= self._patience
 
     @property
     def is_overruled(self) -> bool:
@@ -95,7 +89,6 @@ class CommandOf:
 
     def heartbeat(self, station: Station) -> None:
         """A station, of which any component may have spoken, is there."""
-        self._anybody = self._tick
         if self._station is not None and station.system == self._station.system:
             self._heard = self._tick
 

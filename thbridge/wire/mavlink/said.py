@@ -33,7 +33,7 @@ class Status:
     """How a vehicle stands, as mavros tells it.
 
     Attributes:
-        connected: a ground station is heard.
+        connected: its software answers: mavros hears its heartbeat.
         armed: its motors obey.
         guided: it goes where it is told.
         manual_input: it is driven by hand.

@@ -95,7 +95,7 @@ class Vehicle:
         """How it stands."""
         now = self._standing
         return Status(
-            connected=self._command.is_anybody_heard,
+            connected=self._readings.answers,
             armed=now.armed,
             guided=now.mode in (Mode.GUIDED, Mode.AUTO, Mode.RETURN),
             manual_input=now.by_hand,
