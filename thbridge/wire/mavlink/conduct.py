@@ -268,7 +268,7 @@ class Conduct:
             return
         if self._carries_on:
             if not self._plan.running and not self._is_under_way():
-                self.stop()
+                self._mode = Mode.HOLD
                 self._give_back()
             return
         what = {Failsafe.STOP: "stops", Failsafe.HOME: "goes home", Failsafe.CONTINUE: "carries on"}[self.failsafe]

@@ -51,7 +51,8 @@ class Texts:
             self._next = tick + _BETWEEN
             severity, sentence = self._waiting.popleft()
             for message in self._chunks(severity, sentence.encode("utf-8")):
-                yield Said(message)
+                # What is critical is told to stations that are not heard any more, too: they may hear.
+                yield Said(message, to_sleepers=severity is Severity.CRITICAL)
 
     def _chunks(self, severity: Severity, text: bytes) -> Iterator[Message]:
         if len(text) <= _CHUNK:

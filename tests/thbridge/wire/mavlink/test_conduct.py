@@ -480,6 +480,16 @@ def test_a_station_that_comes_back_while_its_mission_goes_on_is_still_in_command
     assert rig.robot.calls("release") == []
 
 
+def test_a_way_that_is_carried_on_comes_to_its_end():
+    rig = Rig(failsafe=Failsafe.CONTINUE)
+    rig.arm()
+    rig.go(5, 5, command=mav.MAV_CMD_NAV_WAYPOINT)
+    lost(rig)
+    rig.robot.arrive()
+    assert acks(rig.run(1), mav.MAV_CMD_NAV_WAYPOINT) == [ACCEPTED]
+    assert (rig.status.mode, rig.status.armed) == ("HOLD", False)
+
+
 def test_every_loss_is_told():
     rig = Rig(failsafe=Failsafe.CONTINUE)
     rig.arm()

@@ -59,6 +59,14 @@ def test_of_too_many_the_newest_are_told():
     assert told == [f"Sentence {number}" for number in range(992, 1000)]
 
 
+@pytest.mark.parametrize("severity", Severity)
+def test_what_is_critical_is_told_to_stations_that_are_not_heard_too(severity):
+    texts = Texts()
+    texts.say(severity, "The station is lost." * 5)
+    words = list(texts.step(0))
+    assert {word.to_sleepers for word in words} == {severity is Severity.CRITICAL}
+
+
 def test_a_sentence_begins_with_a_capital():
     texts = Texts()
     texts.say(Severity.INFO, "there is no mission")
