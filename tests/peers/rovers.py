@@ -10,7 +10,7 @@ import pytest
 
 from sim.geometry import Pose2
 from sim.observations import TICKS_PER_SECOND
-from tests.system.programs import Program, until
+from tests.system.programs import Program
 from thbridge.adapters.bag_reader import messages
 from thbridge.ros import unpack
 from thbridge.ros.stamps import START_NS, TICK_NS
@@ -20,12 +20,16 @@ ROBOTS = 3
 ORIGIN = (51.5, -0.1, 30.0)
 """Degrees north and east, metres up: where the map's origin lies on earth."""
 
+RATE = "4"
+"""Simulated seconds per second. Ground stations go by their own clocks, so that they are in no hurry here."""
+
 STUDY = f"""
 robots: {ROBOTS}
 robot:
   localization: truth
 mavlink:
   origin: [{ORIGIN[0]}, {ORIGIN[1]}, {ORIGIN[2]}]
+  lost_after: 60
 """
 
 
@@ -49,7 +53,7 @@ def rovers(folder: Path, ports: tuple[int, ...], *options: str) -> Iterator[Prog
     """
     (folder / "study.yaml").write_text(STUDY)
     targets = [word for port in ports for word in ("--udp", f"127.0.0.1:{port}")]
-    alone = ("--headless", "--outside", "TabUI", "--port", "0", "--bag", "a.bag", "--no-report")
+    alone = ("--headless", "--outside", "TabUI", "--port", "0", "--bag", "a.bag", "--no-report", "--rate", RATE)
     play = Program(folder, "play", "study.yaml", "--mavlink", *targets, *alone, *options)
     try:
         yield play
@@ -89,7 +93,3 @@ def _metres_of_a_degree() -> tuple[float, float]:
     bent = 1 - eccentricity * math.sin(parallel) ** 2
     meridian, vertical = radius * (1 - eccentricity) / bent**1.5, radius / math.sqrt(bent)
     return math.radians(vertical * math.cos(parallel)), math.radians(meridian)
-
-
-def waits_for(what: str, play: Program, *words: str) -> None:
-    until(what, lambda: all(word in play.text for word in words), [play])

@@ -80,7 +80,7 @@ class MavProxy:
 @contextmanager
 def beside(folder: Path) -> Iterator[tuple[MavProxy, Program]]:
     port = free_udp_port()
-    with rovers(folder, (port,), "--identity", "ardupilot", "--rate", "2") as play:
+    with rovers(folder, (port,), "--identity", "ardupilot") as play:
         (folder / "mavproxy").mkdir()
         proxy = MavProxy(folder / "mavproxy", port)
         try:
@@ -134,9 +134,10 @@ def test_a_mission_is_loaded_listed_run_and_cleared(proxy: MavProxy) -> None:
         found = proxy.says(r"16 3 (-?[\d.]+) (-?[\d.]+) ")
         assert (float(found[1]), float(found[2])) == pytest.approx(place, abs=2e-7)
     proxy.does("arm throttle", "ARMED")
-    proxy.does("mode AUTO", "Mode AUTO")
+    proxy.does("mode AUTO", "AUTO> ")
     proxy.says("waypoint 2")
-    proxy.says("Mode HOLD")  # it is over
+    proxy.says("Mission complete")
+    proxy.says("HOLD> ")
     proxy.does("wp clear", "Got MISSION_ACK: TYPE_MISSION: ACCEPTED")
     proxy.does("wp list", "Requesting 0 waypoints")
     proxy.does("disarm", "DISARMED")

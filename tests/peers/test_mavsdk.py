@@ -10,6 +10,7 @@ from typing import Any
 import pytest
 
 from tests.peers.rovers import ORIGIN, PEERS, ROBOTS, free_udp_port, metres, needs, rovers, truth
+from tests.system.programs import THBRIDGE
 
 pytestmark = needs("mavsdk")
 
@@ -45,7 +46,7 @@ def judged(request: pytest.FixtureRequest, tmp_path_factory: pytest.TempPathFact
         "drive": DRIVE,
         "mission": MISSION,
     }
-    with rovers(folder, (port,), "--identity", request.param, "--rate", "2") as play:
+    with rovers(folder, (port,), "--identity", request.param) as play:
         done = subprocess.run(
             [PEERS / "mavsdk" / "bin" / "python", STATION],
             input=json.dumps(orders), capture_output=True, text=True, timeout=PATIENCE, check=False,
@@ -98,3 +99,12 @@ def test_local_and_global_positions_are_the_truth(judged: Judged) -> None:
     for told in globe:
         pose = poses[told["time_boot_ms"]]
         assert metres(told["lat"] / 1e7, told["lon"] / 1e7) == pytest.approx((pose.x, pose.y), abs=A_CENTIMETRE)
+
+
+@pytest.mark.slow
+def test_what_mavsdk_did_is_done_again_by_a_replay_to_the_last_bit(judged: Judged) -> None:
+    done = subprocess.run(
+        [*THBRIDGE, "replay", "a.bag", "--json"], cwd=judged.bag.parent, capture_output=True, text=True, check=False
+    )
+    assert done.returncode == 0, done.stdout + done.stderr
+    assert json.loads(done.stdout)["equal"]

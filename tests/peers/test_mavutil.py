@@ -1,4 +1,4 @@
-"""pymavlink's `mavutil`, with which most scripts for drones are written: two of them at once, on ports of their own."""
+"""pymavlink's `mavutil`, with which most scripts for drones are written: two of them at once, by UDP and by TCP."""
 
 import math
 import os
@@ -8,8 +8,9 @@ from typing import Any
 
 import pytest
 
+from tests.peers.beside import free_port
 from tests.peers.rovers import degrees, free_udp_port, metres, rovers
-from tests.system.programs import Program
+from tests.system.programs import Program, until
 
 os.environ["MAVLINK20"] = "1"
 from pymavlink import mavutil, mavwp
@@ -23,10 +24,8 @@ PARAMETER = "SIM_ODOM_ALPHA1"
 class Script:
     """One connection of mavutil's, to one robot, with a heartbeat of its own."""
 
-    def __init__(self, port: int, own: int) -> None:
-        self.master: Any = mavutil.mavlink_connection(
-            f"udpin:127.0.0.1:{port}", source_system=own, source_component=190, dialect="all"
-        )
+    def __init__(self, where: str, own: int) -> None:
+        self.master: Any = mavutil.mavlink_connection(where, source_system=own, source_component=190, dialect="all")
         self._beaten = -math.inf
 
     def follows(self, system: int) -> None:
@@ -71,10 +70,14 @@ class Script:
 
 @pytest.fixture(scope="module")
 def both(tmp_path_factory: pytest.TempPathFactory) -> Iterator[tuple[Script, Script, Program]]:
-    ports = free_udp_port(), free_udp_port()
-    one, other = Script(ports[0], 255), Script(ports[1], 254)
-    with rovers(tmp_path_factory.mktemp("mavutil"), ports, "--identity", "ardupilot", "--rate", "2") as play:
+    udp, tcp = free_udp_port(), free_port()
+    one = Script(f"udpin:127.0.0.1:{udp}", 255)
+    ports = ("--identity", "ardupilot", "--tcp", f"127.0.0.1:{tcp}")
+    with rovers(tmp_path_factory.mktemp("mavutil"), (udp,), *ports) as play:
+        until("the robots to be reached", lambda: "Robots speak MAVLink" in play.text, [play])
+        other = Script(f"tcp:127.0.0.1:{tcp}", 254)
         for script, system in ((one, 1), (other, 2)):
+            script.beat()
             assert script.master.wait_heartbeat(timeout=PATIENCE) is not None
             script.follows(system)
             script.hears("HEARTBEAT")
@@ -159,7 +162,7 @@ def test_two_stations_command_a_robot_each_and_the_second_may_only_stop_the_firs
     other.follows(1)
     other.master.mav.command_int_send(1, 1, mav.MAV_FRAME_GLOBAL_INT, mav.MAV_CMD_DO_REPOSITION, 0, 0, *goal)
     assert other.result(mav.MAV_CMD_DO_REPOSITION) == mav.MAV_RESULT_DENIED
-    assert "255" in other.hears("STATUSTEXT").text  # who is in command
+    other.hears("STATUSTEXT", lambda told: "255" in told.text)  # who is in command
     assert other.commands(mav.MAV_CMD_DO_PAUSE_CONTINUE, 0.0) == mav.MAV_RESULT_ACCEPTED
     one.hears("LOCAL_POSITION_NED", lambda told: math.hypot(told.vx, told.vy) < 0.02)
     for script, system in ((one, 1), (other, 2)):

@@ -24,12 +24,12 @@ class Texts:
     """What one vehicle has to tell people.
 
     Sentences wait for their turn; of too many that wait the oldest are dropped, and of equal ones within three seconds
-    all but the first.
+    all but the first; one that warns is not equal to one that only tells.
     """
 
     def __init__(self) -> None:
         self._waiting: deque[tuple[Severity, str]] = deque(maxlen=_MOST_WAITING)
-        self._last: dict[str, int] = {}
+        self._last: dict[tuple[Severity, str], int] = {}
         self._tick = 0
         self._next = 0
         self._count = 0
@@ -37,12 +37,13 @@ class Texts:
     def say(self, severity: Severity, sentence: str) -> None:
         """Tell a sentence when its turn comes."""
         sentence = sentence[:1].upper() + sentence[1:]
-        before = self._last.get(sentence)
+        text = (severity, sentence)
+        before = self._last.get(text)
         if before is not None and self._tick - before < _AGAIN:
             return
         self._last = {old: tick for old, tick in self._last.items() if self._tick - tick < _AGAIN}
-        self._last[sentence] = self._tick
-        self._waiting.append((severity, sentence))
+        self._last[text] = self._tick
+        self._waiting.append(text)
 
     def step(self, tick: int) -> Iterator[Said]:
         """A tick has passed; the sentence whose turn it is."""

@@ -51,6 +51,13 @@ def test_the_same_sentence_is_not_said_again_for_a_while():
     assert 3 <= len(heard) <= 4
 
 
+def test_a_warning_is_said_though_the_same_was_just_told():
+    texts = Texts()
+    texts.say(Severity.NOTICE, "Commanded by ground station 255.")
+    texts.say(Severity.WARNING, "Commanded by ground station 255.")
+    assert [message.severity for message in said(texts, SECOND)] == [Severity.NOTICE, Severity.WARNING]
+
+
 def test_of_too_many_the_newest_are_told():
     texts = Texts()
     for number in range(1000):
