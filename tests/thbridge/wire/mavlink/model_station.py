@@ -104,8 +104,9 @@ class ModelStation:
             return
         match message.get_type():
             case "MISSION_REQUEST_INT" | "MISSION_REQUEST" if self._is("MISSION_COUNT", "MISSION_ITEM_INT"):
-                head = (1, 1, message.seq)
-                self._expect(mav.MAVLink_mission_item_int_message(*head, *self._items[message.seq]), ITEM)
+                if message.seq < len(self._items):
+                    item = self._items[message.seq]
+                    self._expect(mav.MAVLink_mission_item_int_message(1, 1, message.seq, *item), ITEM)
             case "MISSION_COUNT" if self._is("MISSION_REQUEST_LIST"):
                 self._count = message.count
                 self._next()

@@ -10,7 +10,7 @@ from hypothesis import strategies as st
 from tests.thbridge.wire.mavlink.model_robot import ModelRobot
 from thbridge.wire.mavlink.dialect import mav
 from thbridge.wire.mavlink.earth import Earth
-from thbridge.wire.mavlink.helm import Denied, Station
+from thbridge.wire.mavlink.helm import Denied, Leg, LegState, Station
 from thbridge.wire.mavlink.mission_items import Item
 from thbridge.wire.mavlink.mission_run import MissionRun
 from thbridge.wire.mavlink.options import Origin
@@ -184,6 +184,28 @@ def test_jumps_are_repeated_as_often_as_they_say():
     assert tour.state == COMPLETE
 
 
+@pytest.mark.parametrize("how", ["select", "start"])
+def test_who_goes_back_by_hand_has_all_jumps_again(how):
+    tour = Tour(go(1, 1), do(mav.MAV_CMD_DO_JUMP, 0.0, 1.0), go(9, 9))
+    for _ in range(2):
+        tour.arrive()
+        tour.pass_()
+    tour.run.select(0) if how == "select" else tour.run.start(0)
+    for _ in range(3):
+        tour.arrive()
+        tour.pass_()
+    assert tour.legs == [(1, 1)] * 4 + [(9, 9)]
+
+
+def test_the_end_of_another_leg_is_not_taken_for_that_of_the_own():
+    tour = Tour(go(1, 2))
+    old = Leg(7, LegState.ARRIVED)
+    tour.pass_()
+    tour.robot.readings = replace(tour.robot.readings, leg=old)
+    tour.pass_(5)
+    assert (tour.state, tour.reached) == (ACTIVE, [])
+
+
 def test_a_jump_without_end_goes_on_for_ever_and_takes_time():
     tour = Tour(do(mav.MAV_CMD_DO_JUMP, 0.0, -1.0))
     tour.pass_(1000)
@@ -246,6 +268,13 @@ class TestStart:
         tour.arrive()
         tour.arrive()
         assert (tour.legs, tour.state) == ([(1, 1), (2, 2)], COMPLETE)
+
+    def test_the_end_of_a_part_is_not_that_of_another_plan(self):
+        tour = Tour(go(0, 0), go(1, 1), start=False)
+        tour.run.start(0, 0)
+        tour.run.replace((go(0, 0), go(2, 2)))
+        tour.arrive()
+        assert (tour.run.at, tour.state) == (1, ACTIVE)
 
     @pytest.mark.parametrize(("first", "last"), [(2, None), (-1, None), (0, 2), (1, 0)])
     def test_parts_that_are_none_are_refused(self, first, last):

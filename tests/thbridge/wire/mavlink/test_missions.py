@@ -12,7 +12,7 @@ from tests.thbridge.wire.mavlink.model_station import Air, ModelStation, waypoin
 from thbridge.wire.mavlink.dialect import decoded, mav, payload_of
 from thbridge.wire.mavlink.earth import Earth
 from thbridge.wire.mavlink.mission_run import MissionRun
-from thbridge.wire.mavlink.missions import ITEM_PATIENCE, LONGEST, RETRIES, Missions
+from thbridge.wire.mavlink.missions import DOWNLOAD_PATIENCE, ITEM_PATIENCE, LONGEST, RETRIES, Missions
 from thbridge.wire.mavlink.options import Origin
 
 ACCEPTED = mav.MAV_MISSION_ACCEPTED
@@ -68,6 +68,13 @@ class Field:
         station.say(message)
         self.air.run(1)
         return station.heard[heard:]
+
+    @property
+    def upload_goes_on(self):
+        """Whether an item is asked for within the next half second."""
+        before = len(self.station.of("MISSION_REQUEST_INT") + self.station.of("MISSION_REQUEST"))
+        self.air.run(2 * ITEM_PATIENCE)
+        return len(self.station.of("MISSION_REQUEST_INT") + self.station.of("MISSION_REQUEST")) > before
 
     def answers(self, message):
         """What is answered to the first station, before it has travelled."""
@@ -142,6 +149,23 @@ def test_an_item_that_does_not_come_is_asked_for_again_each_250_ms_and_then_give
     assert field.send(item_message(0, places(1)[0]))[0].type == mav.MAV_MISSION_ERROR, "nothing is under way any more"
 
 
+def test_items_are_asked_for_again_after_250_ms_and_not_before(field):
+    field.send(count_message(1))
+    # It came just before this tick, and counts as come with the last one.
+    field.air.run(ITEM_PATIENCE - 2)
+    assert len(field.station.of("MISSION_REQUEST_INT")) == 1
+    field.air.run(1)
+    assert len(field.station.of("MISSION_REQUEST_INT")) == 2
+
+
+def test_who_sends_what_is_there_already_lives_and_is_waited_for(field):
+    field.send(count_message(2))
+    for _ in range(4):
+        field.send(item_message(0, places(1)[0]))
+        field.air.run((RETRIES - 1) * ITEM_PATIENCE)
+    assert field.upload_goes_on
+
+
 def test_the_old_plan_stands_until_the_new_one_is_complete(field):
     field.upload(places(3))
     field.send(count_message(2))
@@ -186,6 +210,28 @@ def test_a_station_may_cancel(field):
     field.send(mav.MAVLink_mission_ack_message(1, 1, mav.MAV_MISSION_OPERATION_CANCELLED))
     field.air.run(100)
     assert len(field.station.of("MISSION_REQUEST_INT")) == 1
+
+
+def test_what_is_said_of_fences_does_not_cancel_a_mission(field):
+    field.send(count_message(2))
+    field.send(mav.MAVLink_mission_ack_message(1, 1, mav.MAV_MISSION_ERROR, FENCE))
+    assert field.upload_goes_on
+
+
+def test_an_error_ends_the_upload_that_was_before_it(field):
+    field.send(count_message(2))
+    assert field.send(count_message(LONGEST + 1))[0].type == mav.MAV_MISSION_NO_SPACE
+    assert not field.upload_goes_on
+
+
+def test_who_has_said_nothing_for_long_reads_the_plan_anew(field):
+    field.upload(places(1))
+    field.send(mav.MAVLink_mission_request_list_message(1, 1, 0))
+    field.run_of.replace(())
+    field.air.run(DOWNLOAD_PATIENCE - 2)
+    assert field.send(mav.MAVLink_mission_request_int_message(1, 1, 0))[0].get_type() == "MISSION_ITEM_INT"
+    field.air.run(DOWNLOAD_PATIENCE + 1)
+    assert field.send(mav.MAVLink_mission_request_int_message(1, 1, 0))[0].get_type() == "MISSION_ACK"
 
 
 def test_an_empty_plan_clears(field):
@@ -303,6 +349,8 @@ class TestOldForms:
         field.air.run(200, lambda: field.station.of("MISSION_REQUEST") != [])
         answer = field.send(mav.MAVLink_mission_ack_message(1, 1, mav.MAV_MISSION_UNSUPPORTED))
         assert names(answer) == ["MISSION_REQUEST_INT"]
+        field.air.run((RETRIES - 1) * ITEM_PATIENCE)
+        assert field.upload_goes_on
 
     def test_who_asks_in_one_form_is_answered_in_it(self, field):
         field.upload(places(1))
@@ -352,12 +400,11 @@ class TestTwoStations:
 
     def test_who_reads_goes_on_with_the_plan_as_it_was(self):
         field = Field(stations=2)
-        field.upload(places(9))
-        field.stations[1].download()
-        field.air.run(3)
-        field.upload([waypoint(7, 7)] * 9)
-        field.air.run(50)
-        assert coordinates(field.stations[1].downloaded) == coordinates(places(9))
+        field.upload(places(1))
+        field.send(mav.MAVLink_mission_request_list_message(1, 1, 0), field.stations[1])
+        field.upload([waypoint(7, 7)])
+        (item,) = field.send(mav.MAVLink_mission_request_int_message(1, 1, 0), field.stations[1])
+        assert (item.x, item.y) == (LATITUDE, LONGITUDE)
 
     def test_who_has_sent_a_plan_reads_that_one(self):
         field = Field()
@@ -438,8 +485,9 @@ def test_with_a_third_of_everything_lost_plans_arrive_whole(seed, count, ardupil
     field = Field(seed=seed, ardupilot=ardupilot, **LOSSY)
     field.upload([waypoint(5, 5)])
     field.run(8000)
-    # An acknowledgement that is still on its way would be taken for that of the next upload: they have no numbers.
-    field.air.run(20)
+    # What is still on its way of one transfer would be taken for the next one's: they have no numbers. A count that was
+    # overtaken begins one that nobody goes on with.
+    field.air.run((RETRIES + 2) * ITEM_PATIENCE)
     before, new = field.plan, coordinates(places(count))
     field.station.upload(places(count))
     for _ in range(400):

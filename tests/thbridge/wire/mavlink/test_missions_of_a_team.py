@@ -148,6 +148,29 @@ def test_the_other_station_may_read_and_stop_but_not_change_what_is_under_way(sc
     assert scene.upload(scene.other, [east(5)]) == mav.MAV_MISSION_ACCEPTED
 
 
+def test_a_plan_for_a_mission_under_way_is_refused_before_it_is_sent(scene):
+    scene.begin(scene.one, [east(1)])
+    scene.other.say(mav.MAVLink_mission_count_message(1, 1, 2))
+    scene.run(20)
+    assert scene.other.of("MISSION_REQUEST_INT") == []
+    assert [ack.type for ack in scene.other.of("MISSION_ACK")] == [mav.MAV_MISSION_DENIED]
+    assert "Mission refused. A mission of ground station 255" in scene.texts(scene.other)
+
+
+def test_a_plan_that_comes_while_a_mission_begins_is_refused_in_the_end(scene):
+    assert scene.upload(scene.one, [east(1)]) == mav.MAV_MISSION_ACCEPTED
+    scene.other.say(mav.MAVLink_mission_count_message(1, 1, 1))
+    scene.run(2)
+    scene.command(scene.one, mav.MAV_CMD_COMPONENT_ARM_DISARM, 1)
+    scene.command(scene.one, mav.MAV_CMD_DO_SET_MODE, 1, *MISSION)
+    scene.other.say(mav.MAVLink_mission_item_int_message(1, 1, 0, *east(5)))
+    scene.run(20)
+    assert [ack.type for ack in scene.other.of("MISSION_ACK")] == [mav.MAV_MISSION_DENIED]
+    scene.robot.arrive()
+    scene.run(10)
+    assert scene.mission(scene.one) == (0, COMPLETE)
+
+
 def test_pause_and_continue(scene):
     scene.begin(scene.one, [east(1), east(2)])
     scene.run(10)
