@@ -116,17 +116,17 @@ class Conduct:
         return self._leg
 
     def arm(self, station: Station, by_force: bool) -> Denied | None:
-        """Put a station in command, and do what the mode is about, if that was chosen before."""
+        """Put a station in command. The robot goes on with what it is about; or it begins with what the mode is about
+        that was chosen while no station commanded it."""
         before = self._command.station
         denied = self._command.take(station, by_force)
         if denied is not None or before == station:
             return denied
         self._carries_on = False
         self._announce(Severity.NOTICE, f"Commanded by {station}.")
-        chosen, self._mode = self._mode, Mode.HOLD
-        denied = None if chosen is Mode.HOLD else self.enter(chosen)
-        if denied is not None:
-            self._announce(Severity.WARNING, denied.sentence)
+        if before is None and self._mode is not Mode.HOLD:
+            chosen, self._mode = self._mode, Mode.HOLD
+            self._tell(self.enter(chosen))
         return None
 
     def disarm(self) -> None:
@@ -224,7 +224,7 @@ class Conduct:
     def pause(self) -> None:
         """Stop, and remember what it was about."""
         paused = self._paused
-        if paused is None:
+        if paused is None and self._mode is not Mode.HOLD:
             paused = Paused(self._mode, self._target if self._is_under_way() else None)
         self.stop()
         self._paused = paused
@@ -277,8 +277,7 @@ class Conduct:
             self._carries_on = True
             return
         denied = self.go_home() if self.failsafe is Failsafe.HOME else None
-        if denied is not None:
-            self._announce(Severity.WARNING, denied.sentence)
+        self._tell(denied)
         if self.failsafe is Failsafe.STOP or denied is not None:
             self.stop()
         self._give_back()
@@ -344,6 +343,10 @@ class Conduct:
             self._helm.drive(STANDSTILL)
         elif self._velocity is not None:
             self._steer(self._velocity)
+
+    def _tell(self, denied: Denied | None) -> None:
+        if denied is not None:
+            self._announce(Severity.WARNING, denied.sentence)
 
     def _tell_end(self, before: Leg | None, now: Leg | None) -> None:
         """Tell how a way ended that was under way before."""

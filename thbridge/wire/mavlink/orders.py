@@ -4,6 +4,8 @@ import math
 from dataclasses import dataclass
 from enum import IntEnum
 
+import numpy as np
+
 from sim.geometry import Pose2
 from thbridge.wire.mavlink.coordinates import GLOBAL, point_in_map
 from thbridge.wire.mavlink.dialect import Message, mav
@@ -118,6 +120,11 @@ def order_of(link: LinkId, station: Station, message: Message) -> Order | None:
         params = (message.param1, message.param2, message.param3, message.param4, x, y, message.z)
         return Order(link, station, message.command, params, message.frame, 0)
     return None
+
+
+def decimal_of(value: float) -> float:
+    """What somebody meant whose decimal number came as a float of 32 bits: 0.4, and not 0.4000000059604645."""
+    return float(str(np.float32(value)))
 
 
 def destination(order: Order, base_in_map: Pose2, earth: Earth) -> tuple[float, float]:

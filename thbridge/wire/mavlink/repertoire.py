@@ -20,7 +20,7 @@ from thbridge.wire.mavlink.earth import Earth
 from thbridge.wire.mavlink.helm import Helm, Station
 from thbridge.wire.mavlink.modes import Mode, mode_asked, mode_of_standard
 from thbridge.wire.mavlink.options import Identity
-from thbridge.wire.mavlink.orders import ACCEPTED, MALFORMED, Order, Reply, Result, destination, reply_to
+from thbridge.wire.mavlink.orders import ACCEPTED, MALFORMED, Order, Reply, Result, decimal_of, destination, reply_to
 from thbridge.wire.mavlink.particulars import Particulars
 from thbridge.wire.mavlink.streams import MICROSECONDS_PER_TICK, OFF, Streams, ticks_of
 from thbridge.wire.mavlink.telemetry import Standing, Telemetry
@@ -236,7 +236,7 @@ class Repertoire:
         if not options & _REPOSITION_CHANGES_MODE and self._conduct.mode not in (Mode.GUIDED, Mode.HOLD):
             return Reply(Result.DENIED, sentence=f"The robot is in mode {self._conduct.mode.value}, not GUIDED.")
         speed = order.given(1)
-        return self._go(order, speed if speed is not None and speed > 0.0 else None, order.given(4))
+        return self._go(order, decimal_of(speed) if speed is not None and speed > 0.0 else None, order.given(4))
 
     def _waypoint(self, order: Order) -> Reply:
         yaw = order.given(4)
@@ -264,7 +264,7 @@ class Repertoire:
             return ACCEPTED
         if speed == -2.0:
             return reply_to(self._helm.limit_speed(-1.0))
-        return reply_to(self._helm.limit_speed(speed)) if speed > 0.0 else MALFORMED
+        return reply_to(self._helm.limit_speed(decimal_of(speed))) if speed > 0.0 else MALFORMED
 
     def _start_mission(self, order: Order) -> Reply:
         first, last = order.whole(1, otherwise=0), order.whole(2, otherwise=0)

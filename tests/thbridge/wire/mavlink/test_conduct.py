@@ -116,6 +116,14 @@ def test_another_station_takes_command_by_force_only(armed):
     assert armed.go(1, 1, station=THEM) == [ACCEPTED]
 
 
+def test_who_takes_over_by_force_finds_the_robot_going_on(armed):
+    armed.go(5, 5)
+    armed.run(1)
+    armed.arm(THEM, force=21196)
+    assert armed.robot.calls("halt") == []
+    assert armed.status.mode == "GUIDED"
+
+
 def test_two_stations_of_the_same_system_are_two(armed):
     other = replace(US, component=230)
     assert armed.go(1, 1, station=other) == [DENIED]
@@ -305,6 +313,8 @@ def test_pausing_remembers_where_it_was_bound_for(armed):
 
 
 def test_there_may_be_nothing_to_continue(armed):
+    assert armed.long(PAUSE, 1) == [BUSY]
+    armed.long(PAUSE, 0)
     assert armed.long(PAUSE, 1) == [BUSY]
 
 
