@@ -19,6 +19,9 @@ from thbridge.wire.mavlink.said import LinkId
 PEERS = 32
 """Who speaks to one socket beside its target; one more, and who was silent for longest is forgotten."""
 
+SILENT = 60.0
+"""Seconds after which somebody who has said nothing good is forgotten; the target never is."""
+
 MUTED = 10.0
 """Seconds for which nobody listens to a peer that sent nothing but garbage."""
 
@@ -92,6 +95,7 @@ class UdpPort:
         self._socket = own
         self._target = target
         self._peers: dict[SocketAddress, _Peer] = {}
+        self._sweep: asyncio.TimerHandle | None = None
 
     def serve(self) -> None:
         """Begin to speak and listen."""
@@ -100,14 +104,24 @@ class UdpPort:
         self._peers[self._target] = first
         self._open(first, self._target)
         loop.add_reader(self._socket, self._readable)
+        self._forget_silent()
 
     def close(self) -> None:
         """Speak and listen no more."""
         asyncio.get_running_loop().remove_reader(self._socket)
-        for peer in self._peers.values():
-            if peer.link is not None:
-                self._links.close(peer.link)
+        if self._sweep is not None:
+            self._sweep.cancel()
+        for address in tuple(self._peers):
+            self._forget(address)
         self._socket.close()
+
+    def _forget_silent(self) -> None:
+        """Those who have gone would cost a heartbeat of every robot for ever."""
+        loop = asyncio.get_running_loop()
+        for address, peer in tuple(self._peers.items()):
+            if address != self._target and loop.time() - peer.heard > SILENT:
+                self._forget(address)
+        self._sweep = loop.call_later(SILENT / 4.0, self._forget_silent)
 
     def _readable(self) -> None:
         for _ in range(_TURN):
@@ -139,12 +153,14 @@ class UdpPort:
         if len(self._peers) > PEERS:
             others = (there for there in self._peers if there != self._target)
             # Whoever has said nothing good yet goes first: strangers drive no ground station out.
-            gone = min(others, key=lambda there: (self._peers[there].link is not None, self._peers[there].heard))
-            link = self._peers.pop(gone).link
-            if link is not None:
-                self._links.close(link)
+            self._forget(min(others, key=lambda there: (self._peers[there].link is not None, self._peers[there].heard)))
         peer = self._peers[address] = _Peer(self._links.channel(datagrams=True), now)
         return peer
+
+    def _forget(self, address: SocketAddress) -> None:
+        link = self._peers.pop(address).link
+        if link is not None:
+            self._links.close(link)
 
     def _open(self, peer: _Peer, address: SocketAddress) -> None:
         if peer.link is None:

@@ -274,6 +274,25 @@ def test_the_silent_one_goes_when_too_many_speak(station: Station, monkeypatch: 
         other.socket.close()
 
 
+def test_who_has_been_silent_for_long_is_forgotten_but_never_the_target(
+    station: Station, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setattr(mavlink_udp, "SILENT", 0.2)
+    other = Station()
+
+    async def whole() -> None:
+        async with served(station.address) as (exchange, _):
+            exchange.say(HEARTBEAT)
+            _, vehicles = await station.hear()
+            other.socket.sendto(PING.to_bytes(), vehicles)
+            await until(lambda: len(exchange.names) == 2)
+            await until(lambda: exchange.gone == [f"udp {other.address}"])
+            assert list(exchange.names.values()) == [f"udp {station.address}"]
+
+    asyncio.run(whole())
+    other.socket.close()
+
+
 def test_a_flood_of_strangers_drives_no_ground_station_out(station: Station, monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setattr(mavlink_udp, "PEERS", 2)
     strangers = [Station() for _ in range(5)]
