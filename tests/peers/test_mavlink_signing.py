@@ -6,9 +6,9 @@ from pathlib import Path
 
 import pytest
 
+from tests.peers.mavproxy import MavProxy
 from tests.peers.rovers import free_udp_port, needs, rovers
-from tests.peers.test_mavproxy import MavProxy
-from tests.peers.test_mavutil import Script, mav
+from tests.peers.scripting import Script, mav
 from tests.system.programs import Program
 
 WORD = "open-sesame"
@@ -24,7 +24,7 @@ def key(tmp_path: Path) -> Path:
 
 @pytest.fixture
 def scripts() -> Iterator[tuple[Script, Script]]:
-    made = Script(free_udp_port(), 255), Script(free_udp_port(), 254)
+    made = Script(f"udpin:127.0.0.1:{free_udp_port()}", 255), Script(f"udpin:127.0.0.1:{free_udp_port()}", 254)
     yield made
     for script in made:
         script.master.close()
@@ -42,7 +42,7 @@ def meets(script: Script, play: Program) -> None:
 def test_mavutil_signs_and_verifies(tmp_path: Path, key: Path, scripts: tuple[Script, Script]) -> None:
     friend, stranger = scripts
     friend.master.setup_signing(KEY, sign_outgoing=True)
-    options = ("--identity", "ardupilot", "--rate", "2", "--signing-key", str(key))
+    options = ("--identity", "ardupilot", "--signing-key", str(key))
     with rovers(tmp_path, (port_of(friend), port_of(stranger)), *options) as play:
         meets(friend, play)
         meets(stranger, play)  # it has no key, and believes everybody
@@ -59,16 +59,12 @@ def test_mavutil_signs_and_verifies(tmp_path: Path, key: Path, scripts: tuple[Sc
 @needs("mavproxy")
 def test_mavproxy_drives_with_the_passphrase_and_not_without(tmp_path: Path, key: Path) -> None:
     port = free_udp_port()
-    (tmp_path / "mavproxy").mkdir()
-    with rovers(tmp_path, (port,), "--identity", "ardupilot", "--rate", "2", "--signing-key", str(key)):
-        proxy = MavProxy(tmp_path / "mavproxy", port)
-        try:
-            proxy.says("Detected vehicle 1:1")
-            proxy.types("arm throttle")
-            proxy.types(f"signing key {WORD}")
-            proxy.says("Setup signing key")
-            assert "Got COMMAND_ACK" not in proxy.output.read_text()
-            proxy.says("Got COMMAND_ACK: COMPONENT_ARM_DISARM: ACCEPTED", again="arm throttle")
-            proxy.says(r"Received \d+ parameters", again="param fetch")
-        finally:
-            proxy.close()
+    signed = ("--identity", "ardupilot", "--signing-key", str(key))
+    with rovers(tmp_path, (port,), *signed), MavProxy(tmp_path / "mavproxy", port) as proxy:
+        proxy.says("Detected vehicle 1:1")
+        proxy.types("arm throttle")
+        proxy.types(f"signing key {WORD}")
+        proxy.says("Setup signing key")
+        assert "Got COMMAND_ACK" not in proxy.output.read_text()
+        proxy.says("Got COMMAND_ACK: COMPONENT_ARM_DISARM: ACCEPTED", again="arm throttle")
+        proxy.says(r"Received \d+ parameters", again="param fetch")
