@@ -247,7 +247,9 @@ class MissionRun:
         if leg is None or leg.number != stage.leg or leg.state is LegState.UNDER_WAY:
             return stage
         self._leg = None
-        return Denied(leg.reason) if leg.state is LegState.FAILED else _stay(item, tick)
+        if leg.state is LegState.FAILED:
+            return Denied(leg.reason or "The robot did not get there.")
+        return _stay(item, tick)
 
     def _done(self, item: Item) -> Iterator[Said]:
         """The current item is done."""

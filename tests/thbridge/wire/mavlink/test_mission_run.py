@@ -228,6 +228,13 @@ class TestFailure:
         assert tour.said[-1].mission_state == PAUSED
         assert tour.reached == []
 
+    def test_a_failure_without_a_reason_is_put_into_words(self):
+        tour = Tour(go(1, 2))
+        tour.pass_()
+        tour.robot.fail("")
+        tour.pass_()
+        assert tour.told == ["Mission halted at item 0. The robot did not get there."]
+
     def test_the_item_is_tried_again_when_the_mission_goes_on(self):
         tour = Tour(do(mav.MAV_CMD_IMAGE_START_CAPTURE, 0.0, 0.0, 1.0))
         tour.robot.refusal = Denied("No room here.")
