@@ -163,7 +163,7 @@ class Repertoire:
             return MALFORMED
         if number not in self._streams:
             return Reply(Result.UNSUPPORTED)
-        ticks = None if microseconds == 0.0 else OFF if microseconds < 0.0 else ticks_of(round(microseconds))
+        ticks = None if microseconds == 0.0 else OFF if microseconds < 0.0 else ticks_of(microseconds)
         if number == mav.MAVLINK_MSG_ID_HEARTBEAT:
             # Whether a vehicle is there is judged by its heartbeats: once a second for everybody.
             return ACCEPTED if ticks in (None, TICKS_PER_SECOND) else MALFORMED

@@ -11,6 +11,9 @@ from thbridge.wire.mavlink.said import LinkId
 
 MICROSECONDS_PER_TICK = 1_000_000 // TICKS_PER_SECOND
 
+_LONGEST = 0x7FFFFFFF // MICROSECONDS_PER_TICK
+"""Ticks of the longest interval that MESSAGE_INTERVAL can tell: 35 minutes."""
+
 OFF = 0
 """As an interval in ticks: never."""
 
@@ -84,6 +87,6 @@ class Streams:
         self._besides[message] = frozenset(link for link, own in self._own.items() if message in own)
 
 
-def ticks_of(microseconds: int) -> int:
-    """The interval in ticks that comes nearest; never less than one."""
-    return max(1, round(microseconds / MICROSECONDS_PER_TICK))
+def ticks_of(microseconds: float) -> int:
+    """The interval in ticks that comes nearest, of those that there can be: from one tick to some half an hour."""
+    return round(max(1.0, min(microseconds / MICROSECONDS_PER_TICK, float(_LONGEST))))

@@ -86,14 +86,14 @@ class Rig:
             if self.tick % SECOND == 0:
                 for station in beating:
                     self.hear(HEARTBEAT, station)
-            said += self.vehicle.step(self.tick, self.robot.readings)
+            said += _sent(self.vehicle.step(self.tick, self.robot.readings))
         self.heard += said
         return said
 
     def hear(self, message, station=US, link=HERE):
         """Send a message; what is answered at once."""
         again = decoded(message.get_msgId(), payload_of(message))
-        return list(self.vehicle.hear(link, station, again))
+        return list(_sent(self.vehicle.hear(link, station, again)))
 
     def long(self, command, *params, station=US, link=HERE, confirmation=0):
         """Send a command as COMMAND_LONG; the results of its acknowledgements."""
@@ -140,6 +140,13 @@ class Rig:
 
 
 HEARTBEAT = mav.MAVLink_heartbeat_message(6, 8, 0, 0, 4, 3)
+
+
+def _sent(said):
+    """What is said, each message of it fit for the wire."""
+    for word in said:
+        payload_of(word.message)
+        yield word
 
 
 def acks(said, command):

@@ -364,6 +364,14 @@ def test_an_interval_is_told_turned_off_and_forgotten(rig):
     assert told() == 200_000
 
 
+@given(st.floats(0.0, width=32, allow_infinity=False))
+def test_any_interval_can_be_told(microseconds):
+    rig = Rig()
+    assert rig.long(INTERVAL, ATTITUDE, microseconds) == [ACCEPTED]
+    _, interval = messages(rig.hear(long_of(mav.MAV_CMD_GET_MESSAGE_INTERVAL, ATTITUDE)))
+    assert 20_000 <= interval.interval_us < 2**31
+
+
 def test_what_is_not_streamed_has_no_interval(rig):
     assert rig.long(INTERVAL, 259, 1000) == [UNSUPPORTED]
     _, interval = messages(rig.hear(long_of(mav.MAV_CMD_GET_MESSAGE_INTERVAL, 259)))
