@@ -291,11 +291,13 @@ def ending(state: GameState, *, wait_for_decisions: bool = True) -> tuple[Event,
         state: the game.
         wait_for_decisions: also wait while a robot stands by a treasure (sensed or about to be) that it could still
             identify and that nobody has given up. Old participants never say that they give up, and without a Hider
-            there is nothing to decide: then the caller stops waiting when it has waited enough.
+            there is nothing to decide: then the caller stops waiting when it has waited enough. For a ground station
+            that commands such a robot the game waits in any case: it gives the robot back when it is done.
     """
     if state.ended is not None or any(robot.bound_for is not None for robot in state.robots):
         return ()
-    if wait_for_decisions and any(_may_decide(state, robot) for robot in range(len(state.robots))):
+    undecided = [robot for robot in range(len(state.robots)) if _may_decide(state, robot)]
+    if any(wait_for_decisions or _is_held_by_station(state, robot) for robot in undecided):
         return ()
     if all(room.visited for room in state.rooms):
         return (Ended(EndReason.ALL_VISITED, state.score),)
@@ -330,6 +332,10 @@ def _may_decide(state: GameState, robot: int) -> bool:
         or stander.is_blocked
         or stander.energy < state.started.identify_cost
     )
+
+
+def _is_held_by_station(state: GameState, robot: int) -> bool:
+    return state.treasures is not None and state.robots[robot].holder.by is Commander.GROUND_STATION
 
 
 def _standing_robot(state: GameState, room: Room) -> int | Refused:

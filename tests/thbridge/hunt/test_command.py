@@ -4,7 +4,7 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from tests.thbridge.hunt.test_game import ROOM_1, ROOM_4, after, in_room_4, new_game, visit
+from tests.thbridge.hunt.test_game import ROOM_1, ROOM_2, ROOM_4, after, in_room_4, new_game, small_game, visit
 from thbridge.hunt import rules
 from thbridge.hunt.events import Commanded, Commander, Departed, Ended, EndReason
 from thbridge.hunt.game import Command, apply
@@ -105,6 +105,14 @@ def test_command_is_given_back_after_the_end_of_the_game_too():
 def test_there_is_no_command_of_robots_that_there_are_not():
     for ruling in (rules.command(new_game(), 2, STATION), rules.intervene(new_game(), -1, "/rviz")):
         assert isinstance(ruling, Refused) and ruling.reason == Reason.UNKNOWN_ROBOT
+
+
+def test_the_last_treasure_waits_for_a_ground_station_at_it_whoever_else_is_there():
+    state = visit(visit(small_game(), 0, ROOM_1), 0, ROOM_2)
+    (ended,) = rules.ending(state, wait_for_decisions=False)
+    held = taken(state)
+    assert rules.ending(held, wait_for_decisions=False) == ()
+    assert rules.ending(taken(held, by=PARTICIPANT), wait_for_decisions=False) == (ended,)
 
 
 def test_arrivals_and_endings_do_not_ask_who_commands():
