@@ -19,7 +19,8 @@ from thbridge.adapters.addresses import Address
 from thbridge.adapters.mavlink_server import MavlinkServer, Ports
 from thbridge.app.session import Session
 from thbridge.wire.mavlink import ground_station, trip
-from thbridge.wire.mavlink.dialect import mav
+from thbridge.wire.mavlink.dialect import crc_extra, mav, payload_of
+from thbridge.wire.mavlink.frame import Frame
 from thbridge.wire.mavlink.helm import Denied
 from thbridge.wire.mavlink.hub import Hub, Sent
 from thbridge.wire.mavlink.said import LinkId
@@ -179,6 +180,25 @@ def test_an_address_that_another_program_has(at: Address) -> None:
         other.bind((at.host, at.port))
         said = told("status", at, "--seconds", 0.2)
     assert f"{at}: another program has this address, or another machine, and no robot answers." in said
+
+
+def test_a_robot_that_waits_to_be_spoken_to(at: Address) -> None:
+    """As behind a router: its address is taken, so it is spoken to."""
+    beat = mav.MAVLink_heartbeat_message(mav.MAV_TYPE_GROUND_ROVER, 0, 1, 0, 4, 3)
+    frame = Frame(5, 1, 0, beat.get_msgId(), payload_of(beat), crc_extra(beat.get_msgId()) or 0)
+
+    def answer() -> None:
+        _, asker = robot.recvfrom(1024)
+        robot.sendto(frame.to_bytes(), asker)
+
+    with socket.socket(socket.AF_INET, socket.SOCK_DGRAM) as robot:
+        robot.bind((at.host, at.port))
+        thread = threading.Thread(target=answer)
+        thread.start()
+        done = mavlink("status", at, "--seconds", 0.3, "--json")
+        thread.join()
+    (told,) = json.loads(done.stdout)["robots"]
+    assert (told["robot"], told["commander"], told["x"]) == (5, None, None)
 
 
 def test_a_connection_that_nobody_takes(at: Address) -> None:
