@@ -22,7 +22,9 @@ from thbridge.app.mavlink_replay import FramesOptions, FramesReplayed, has_sessi
 from thbridge.app.play import PLAY, NoLog
 from thbridge.app.recording import BagWitness
 from thbridge.app.session import Session
+from thbridge.roles.tabui import Seen, TabUI
 from thbridge.roles.vehicle_parameters import PARAMETERS
+from thbridge.roles.view import View, Wish
 from thbridge.ros import names, types, unpack
 from thbridge.ros.topics import Message as RosMessage
 from thbridge.ros.topics import Topic
@@ -60,15 +62,29 @@ class Station:
         self._session.close_link(self._link)
 
 
-def record(bag: Path, ticks: int, doing: Callable[[int, Session], None], study: Study = STUDY) -> None:
+class Follower:
+    """A participant who follows the hunt, and wishes nothing."""
+
+    def wishes(self, view: View) -> tuple[Wish, ...]:
+        return ()
+
+    def saw(self, level: Seen) -> None:
+        pass
+
+
+def record(
+    bag: Path, ticks: int, doing: Callable[[int, Session], None], study: Study = STUDY, follower: Follower | None = None
+) -> None:
     """A hunt that nobody plays, and something that is done from outside before each tick."""
     setting = read_setting(study, Path())
     simr = setting.simr()
     with setting.writer(bag) as writer:
-        opening = setting.record(PLAY, [legacy.SIMR, legacy.HIDER], "")
+        window = None if follower is None else TabUI(follower, follower)
+        roles_within = [legacy.SIMR, legacy.HIDER, *([] if window is None else [window.name])]
+        opening = setting.record(PLAY, roles_within, "" if window is None else "person")
         witness = BagWitness(Broadcast(setting.publisher(), opening, setting.place.grid, [writer]))
         roles = [simr, setting.hider()]
-        session = Session(Router(), setting.keeper(), roles, NoLog(), [witness], None, setting.vehicles(simr))
+        session = Session(Router(), setting.keeper(), roles, NoLog(), [witness], window, setting.vehicles(simr))
         for tick in range(ticks):
             doing(tick, session)
             session.step()
@@ -146,9 +162,9 @@ class Tour:
     """A ground station that arms the robots and sends each from room to room, where it takes a picture and says that
     what is there is the first treasure of all."""
 
-    def __init__(self, rooms: dict[int, list[int]]) -> None:
+    def __init__(self, rooms: dict[int, list[int]], study: Study = STUDY) -> None:
         self._left = rooms
-        self._goals = [room.goal for room in read_setting(STUDY, Path()).place.rooms]
+        self._goals = [room.goal for room in read_setting(study, Path()).place.rooms]
         self._arrived = dict.fromkeys(rooms, 0)
         self._bound = dict.fromkeys(rooms, 0)
 
@@ -192,9 +208,9 @@ def events(bag: Path) -> list[str]:
     return [unpack.game_event(message.data).kind for message in messages(bag, [names.GAME_EVENTS])]
 
 
-def test_a_hunt_driven_by_ground_stations_is_driven_again_by_its_frames_alone(tmp_path: Path):
+def test_a_hunt_that_ground_stations_drove_and_a_window_followed_is_driven_again_by_its_frames_alone(tmp_path: Path):
     bag = tmp_path / "hunt.bag"
-    record(bag, 950, Tour({1: [5, 2], 2: [4, 8]}))
+    record(bag, 950, Tour({1: [5, 2], 2: [4, 8]}), follower=Follower())
     assert {"commanded", "arrived", "sensed", "pictured", "identified"} <= set(events(bag))
     done = by_frames(bag)
     assert done.recorded is not None
@@ -238,12 +254,17 @@ def test_a_storm_of_frames_does_the_same_again(tmp_path: Path, ticks: int):
 @pytest.mark.slow
 def test_a_whole_hunt_by_ground_stations_comes_out_the_same_and_with_another_seed_it_goes_other_ways(tmp_path: Path):
     bag = tmp_path / "hunt.bag"
-    record(bag, 6000, Tour({1: [5, 2, 1, 3], 2: [4, 8, 7, 6]}))
-    done = by_frames(bag)
+    study = replace(STUDY, map="practice", templates="practice")
+    rooms = len(read_setting(study, Path()).place.rooms)
+    numbers = [*range(1, rooms + 1)]
+    tour = Tour({1: numbers[: rooms // 2], 2: numbers[rooms // 2 :]}, study)
+    record(bag, 6000, tour, study, Follower())
+    assert events(bag)[-1] == "ended"
+    done = by_frames(bag, study)
     assert done.recorded is not None
-    assert len(done.recorded.arrivals) >= 6
+    assert sorted(arrival.room for arrival in done.recorded.arrivals) == numbers
     assert (done.replayed, done.parted) == (done.recorded, None)
-    other = by_frames(bag, replace(STUDY, seed=8))
+    other = by_frames(bag, replace(study, seed=8))
     assert other.parted is not None
     assert other.frames == done.frames
     equal(bag, 6000)
