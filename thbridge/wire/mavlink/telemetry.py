@@ -166,7 +166,8 @@ class Telemetry:
         )
 
     def _sys_status(self, now: Standing) -> Message:
-        healthy = _SENSORS & ~_KNOWS_WHERE if now.readings.lost else _SENSORS
+        # There is no fence, and MAVProxy takes one that is not well for breached, whether it is there or not.
+        healthy = (_SENSORS & ~_KNOWS_WHERE if now.readings.lost else _SENSORS) | mav.MAV_SYS_STATUS_GEOFENCE
         remaining = _remaining(now.readings)
         return mav.MAVLink_sys_status_message(
             _SENSORS, _SENSORS, healthy, 0, _UNKNOWN_16, -1, remaining, 0, 0, 0, 0, 0, 0

@@ -92,6 +92,9 @@ def test_a_robot_that_is_lost_has_no_fix_and_is_not_well():
         assert bits & GYRO_ACCEL_MAG_GPS == GYRO_ACCEL_MAG_GPS
         assert bits & mav.MAV_SYS_STATUS_PREARM_CHECK
     assert not lost.onboard_control_sensors_health & mav.MAV_SYS_STATUS_SENSOR_GPS
+    for told in (well, lost):
+        assert not told.onboard_control_sensors_present & mav.MAV_SYS_STATUS_GEOFENCE
+        assert told.onboard_control_sensors_health & mav.MAV_SYS_STATUS_GEOFENCE  # there is none that is breached
     assert said(0, standing(lost=True)).system_status == mav.MAV_STATE_CRITICAL
 
 
