@@ -46,14 +46,15 @@ def free_udp_port() -> int:
 
 
 @contextmanager
-def rovers(folder: Path, ports: tuple[int, ...], *options: str) -> Iterator[Program]:
-    """Three robots in the arena that ground stations at these UDP ports hear; nobody else plays.
+def rovers(folder: Path, ports: tuple[int, ...], *options: str, participant: str | None = None) -> Iterator[Program]:
+    """Three robots in the arena that ground stations at these UDP ports hear; nobody else plays, or such a participant.
 
     They know where they are, so that what they tell is the truth. What happened is in `a.bag` when it is over.
     """
     (folder / "study.yaml").write_text(STUDY)
     targets = [word for port in ports for word in ("--udp", f"127.0.0.1:{port}")]
-    alone = ("--headless", "--outside", "TabUI", "--port", "0", "--bag", "a.bag", "--no-report", "--rate", RATE)
+    seat = ("--outside", "TabUI") if participant is None else ("--participant", participant)
+    alone = ("--headless", *seat, "--port", "0", "--bag", "a.bag", "--no-report", "--rate", RATE)
     play = Program(folder, "play", "study.yaml", "--mavlink", *targets, *alone, *options)
     try:
         yield play

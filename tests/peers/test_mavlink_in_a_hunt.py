@@ -1,0 +1,39 @@
+"""A hunt in which a simulated participant plays, and mavutil's scripts take robots from them and give them back."""
+
+import json
+import subprocess
+from pathlib import Path
+
+import pytest
+
+from tests.peers.rovers import degrees, free_udp_port, rovers
+from tests.peers.scripting import Script, mav
+from tests.system.programs import THBRIDGE, until
+
+
+@pytest.mark.slow
+def test_a_robot_is_taken_from_the_participant_and_given_back_and_the_hunt_comes_to_its_end(tmp_path: Path) -> None:
+    port = free_udp_port()
+    script = Script(f"udpin:127.0.0.1:{port}", 255)
+    with rovers(tmp_path, (port,), "--identity", "ardupilot", participant="nearest") as play:
+        assert script.master.wait_heartbeat(timeout=60) is not None
+        script.follows(1)
+        until("the first robot to be sent", lambda: "Robot 1 sets out" in play.text, [play])
+        script.arms()  # on its way: the participant loses it there
+        script.master.set_mode("GUIDED")
+        script.is_in("GUIDED")
+        latitude, longitude = degrees(0.0, 1.2)
+        goal = (-1, 1, 0, 0, round(latitude * 1e7), round(longitude * 1e7), 0)
+        script.master.mav.command_int_send(1, 1, mav.MAV_FRAME_GLOBAL_INT, mav.MAV_CMD_DO_REPOSITION, 0, 0, *goal)
+        assert script.result(mav.MAV_CMD_DO_REPOSITION) == mav.MAV_RESULT_ACCEPTED
+        script.reaches(0.0, 1.2)
+        script.master.arducopter_disarm()
+        script.hears("HEARTBEAT", lambda told: not told.base_mode & mav.MAV_MODE_FLAG_SAFETY_ARMED)
+        script.master.close()
+        assert play.process.wait(300) == 0, play.text
+    assert play.text.index("commanded by ground station 255") < play.text.index("commanded by the participant")
+    for command in (["replay", "a.bag", "--json"], ["bag", "check", "a.bag"]):
+        done = subprocess.run([*THBRIDGE, *command], cwd=tmp_path, capture_output=True, text=True, check=False)
+        assert done.returncode == 0, done.stdout + done.stderr
+        if "--json" in command:
+            assert json.loads(done.stdout)["equal"]
