@@ -1,7 +1,7 @@
 """Which ground station is in command of a robot, and whether it is still heard."""
 
 from sim.observations import TICKS_PER_SECOND
-from thbridge.wire.mavlink.helm import PARTICIPANT, Denied, Helm, Readings, Station
+from thbridge.wire.mavlink.helm import PARTICIPANT, Denied, Helm, Readings, Refusal, Station
 
 BY_PARTICIPANT, BY_OTHERS = 0, -1
 """Who commands when no station does: the participant of the game, or somebody beside it, such as a researcher."""
@@ -67,7 +67,7 @@ class CommandOf:
         if station != self._station:
             return Denied(f"Commanded by {self._station}.")
         if self.is_overruled:
-            return Denied(f"Commanded by {self._commanded_by()} just now.")
+            return Denied(f"Commanded by {self._commanded_by()} just now.", Refusal.NOT_NOW)
         return None
 
     def take(self, station: Station, by_force: bool = False) -> Denied | None:
