@@ -15,7 +15,7 @@ from thbridge.adapters.rosgraph.sockets import Complaints
 from thbridge.wire.mavlink.channel import Channel
 from thbridge.wire.mavlink.frame import Frame
 from thbridge.wire.mavlink.hub import Sent
-from thbridge.wire.mavlink.links import Drop
+from thbridge.wire.mavlink.links import Drop, LinkReport
 from thbridge.wire.mavlink.said import LinkId
 from thbridge.wire.mavlink.signing import Signing, SigningKey, Timestamps
 
@@ -39,6 +39,9 @@ class Exchange(Protocol):
 
     def close_link(self, link: LinkId) -> None:
         """It is gone."""
+
+    def report(self, link: LinkId) -> LinkReport | None:
+        """How a link stands; None: there is no such link."""
 
     def why_not(self, link: LinkId, frame: Frame) -> Drop | None:
         """Why a frame would be dropped that comes in on a link."""
@@ -121,6 +124,7 @@ class Links:
     def close(self, link: LinkId) -> None:
         """A link is gone; one that is gone already stays so."""
         if self._links.pop(link, None) is not None and self._exchange is not None:
+            _log.info("MAVLink: %s", self._exchange.report(link))
             self._exchange.close_link(link)
 
     def frames_in(self, name: str, channel: Channel, data: bytes) -> list[Frame]:

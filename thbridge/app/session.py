@@ -35,7 +35,7 @@ from thbridge.roles.vehicles import Ask, Vehicles
 from thbridge.roles.wizard import Held
 from thbridge.wire.mavlink.frame import Frame
 from thbridge.wire.mavlink.hub import Sent, Traffic
-from thbridge.wire.mavlink.links import Drop
+from thbridge.wire.mavlink.links import Drop, LinkReport
 from thbridge.wire.mavlink.said import LinkId, Status
 from thbridge.wire.router import ConnectionId, Forwarded, Output, Router, TurnedAway
 from thbridge.wire.text import Message
@@ -218,6 +218,10 @@ class Session:
         if self._vehicles is not None and name is not None:
             self._vehicles.close(link)
             self._inputs.append(LinkClosed(link, name))
+
+    def report(self, link: LinkId) -> LinkReport | None:
+        """How a link stands; None: there is no such link."""
+        return None if self._vehicles is None else self._vehicles.report(link)
 
     def why_not(self, link: LinkId, frame: Frame) -> Drop | None:
         """Why a frame that comes in on a link would be dropped; None: it would be taken."""

@@ -10,7 +10,7 @@ from thbridge.roles.requests import Request
 from thbridge.wire.mavlink.frame import Frame
 from thbridge.wire.mavlink.helm import Helm, Readings
 from thbridge.wire.mavlink.hub import Hub, Sent, Traffic
-from thbridge.wire.mavlink.links import Drop
+from thbridge.wire.mavlink.links import Drop, LinkReport
 from thbridge.wire.mavlink.options import VehicleOptions
 from thbridge.wire.mavlink.said import LinkId, Status
 from thbridge.wire.mavlink.vehicle import Vehicle
@@ -61,6 +61,10 @@ class Vehicles:
     def name_of(self, link: LinkId) -> str | None:
         """What a link is called; None: there is none of this number."""
         return self._names.get(link)
+
+    def report(self, link: LinkId) -> LinkReport | None:
+        """See `Hub.report`."""
+        return self._hub.report(link)
 
     def why_not(self, link: LinkId, frame: Frame) -> Drop | None:
         """See `Hub.why_not`."""

@@ -17,7 +17,7 @@ from thbridge.wire.mavlink.dialect import crc_extra, mav, payload_of
 from thbridge.wire.mavlink.frame import Frame
 from thbridge.wire.mavlink.framer import Framer
 from thbridge.wire.mavlink.hub import Sent
-from thbridge.wire.mavlink.links import Drop
+from thbridge.wire.mavlink.links import Drop, LinkReport
 from thbridge.wire.mavlink.said import LinkId
 
 PATIENCE = 20
@@ -49,6 +49,9 @@ class Exchange:
 
     def close_link(self, link: LinkId) -> None:
         self.gone.append(self.names.pop(link))
+
+    def report(self, link: LinkId) -> LinkReport | None:
+        return None
 
     def why_not(self, link: LinkId, frame: Frame) -> Drop | None:
         return Drop.OURS if frame.system == 1 else None

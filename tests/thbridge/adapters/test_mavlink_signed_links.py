@@ -10,7 +10,7 @@ from thbridge.wire.mavlink.channel import Channel
 from thbridge.wire.mavlink.dialect import payload_of
 from thbridge.wire.mavlink.frame import Frame
 from thbridge.wire.mavlink.hub import Sent
-from thbridge.wire.mavlink.links import Drop
+from thbridge.wire.mavlink.links import Drop, LinkReport
 from thbridge.wire.mavlink.said import LinkId
 from thbridge.wire.mavlink.signing import EPOCH, Reason, SigningKey
 
@@ -33,6 +33,9 @@ class Exchange:
 
     def close_link(self, link: LinkId) -> None:
         """As sessions do."""
+
+    def report(self, link: LinkId) -> LinkReport | None:
+        return None
 
     def why_not(self, link: LinkId, frame: Frame) -> Drop | None:
         return None

@@ -11,6 +11,7 @@ from typing import TypeAlias
 
 from thbridge.wire.mavlink.dialect import Message, crc_extra, decoded, mav, payload_of
 from thbridge.wire.mavlink.frame import Frame
+from thbridge.wire.mavlink.links import missing_between
 from thbridge.wire.mavlink.telemetry import COMMANDER
 
 SYSTEM = 255
@@ -189,7 +190,7 @@ class GroundStation:
         if robot is None:
             return []
         last = self._sequences.get(frame.system)
-        robot.lost += 0 if last is None else (frame.sequence - last - 1) % 256
+        robot.lost += 0 if last is None else missing_between(last, frame.sequence)
         self._sequences[frame.system] = frame.sequence
         robot.frames += 1
         robot.last = now

@@ -65,11 +65,6 @@ class Hub:
         """In the team's order."""
         return self._vehicles
 
-    @property
-    def links(self) -> tuple[LinkReport, ...]:
-        """How each link stands, in the order in which they were opened."""
-        return tuple(link.report(self._tick) for link in self._links.values())
-
     def open(self, link: LinkId, name: str) -> None:
         """From now on there is this link; one of the same number is closed before."""
         self.close(link)
@@ -80,6 +75,11 @@ class Hub:
         if self._links.pop(link, None) is not None:
             for vehicle in self._vehicles:
                 vehicle.forget(link)
+
+    def report(self, link: LinkId) -> LinkReport | None:
+        """How a link stands; None: there is none of this number."""
+        there = self._links.get(link)
+        return None if there is None else there.report(self._tick)
 
     def why_not(self, link: LinkId, frame: Frame) -> Drop | None:
         """Why a frame that comes in on a link would be dropped; None: it would not."""

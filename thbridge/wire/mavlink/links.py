@@ -27,7 +27,6 @@ class LinkReport:
 
     Attributes:
         name: of the link.
-        awake: whether anybody has been heard there lately.
         stations: who has been, in the order in which they came.
         received: frames that came in and were listened to.
         lost: frames that did not come in, by the gaps in their senders' counts.
@@ -36,12 +35,16 @@ class LinkReport:
     """
 
     name: str
-    awake: bool
     stations: tuple[Station, ...]
     received: int
     lost: int
     dropped: Mapping[Drop, int]
     sent: int
+
+    def __str__(self) -> str:
+        counts = f"{self.received} frames came in, {self.lost} were lost on the way, {self.sent} went out"
+        dropped = "".join(f"; {count} went nowhere: {why}" for why, count in self.dropped.items())
+        return f"{self.name}: {counts}{dropped}"
 
 
 @dataclass(slots=True)
@@ -117,8 +120,7 @@ class Link:
     def report(self, tick: int) -> LinkReport:
         """How it stands."""
         stations = tuple(station for station in self._stations if self.has(station, tick))
-        awake, dropped = self.is_awake(tick), dict(self.dropped)
-        return LinkReport(self.name, awake, stations, self._received, self._lost, dropped, self.sent)
+        return LinkReport(self.name, stations, self._received, self._lost, dict(self.dropped), self.sent)
 
 
 def missing_between(last: int, sequence: int) -> int:
