@@ -58,6 +58,9 @@ class Fleet:
         self._hub.open(link, name)
         return link
 
+    def report(self, link):
+        return self._hub.report(link)
+
     def why_not(self, link, frame):
         return self._hub.why_not(link, frame)
 
