@@ -294,7 +294,7 @@ class _Together:
                 self._prompter.prompt(message)
             case Asked(sender, request):
                 session.ask(sender, request)
-            case LinkOpened(_, name):
+            case LinkOpened(_, name) if session.has_vehicles:
                 session.open_link(name)
             case LinkClosed(link):
                 session.close_link(link)

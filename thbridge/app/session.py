@@ -137,6 +137,11 @@ class Session:
             role.connected()
 
     @property
+    def has_vehicles(self) -> bool:
+        """Whether the robots are MAVLink vehicles."""
+        return self._vehicles is not None
+
+    @property
     def game(self) -> GameState | None:
         """The game as it stands."""
         return self._keeper.state

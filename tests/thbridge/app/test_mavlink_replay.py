@@ -22,6 +22,7 @@ from thbridge.app.mavlink_replay import FramesOptions, FramesReplayed, has_sessi
 from thbridge.app.play import PLAY, NoLog
 from thbridge.app.recording import BagWitness
 from thbridge.app.session import Session
+from thbridge.app.what_if import Change
 from thbridge.roles.tabui import Seen, TabUI
 from thbridge.roles.vehicle_parameters import PARAMETERS
 from thbridge.roles.view import View, Wish
@@ -114,6 +115,14 @@ def test_links_and_frames_are_replayed_bit_for_bit(tmp_path: Path):
     bag = tmp_path / "hunt.bag"
     record(bag, 120, beating({}))
     equal(bag, 120)
+
+
+def test_frames_say_nothing_to_robots_that_are_no_vehicles_any_more(tmp_path: Path):
+    bag = tmp_path / "hunt.bag"
+    record(bag, 120, beating({}))
+    done = again(bag, Change("mavlink.on", "false"), to_the_end=True)
+    assert done.difference is not None
+    assert done.ticks == 120
 
 
 def test_frames_alone_are_heard_by_the_same_robots_in_the_same_ticks_on_links_of_the_same_names(tmp_path: Path):
