@@ -172,20 +172,16 @@ class Controls:
 
     def _velocity(self, message: _Setpoint, yaw_rate: float) -> Velocity | None:
         """The velocity that is meant; turning on the spot where only a rate of turn is given."""
-        frame = message.coordinate_frame
-        if frame in GLOBAL:
-            frame = mav.MAV_FRAME_LOCAL_NED
-        ignored = message.type_mask & _IGNORE_VELOCITY == _IGNORE_VELOCITY
-        if ignored and message.type_mask & _IGNORE_YAW_RATE:
-            return None
-        first, second = (0.0, 0.0) if ignored else (message.vx, message.vy)
-        if ignored:
-            frame = mav.MAV_FRAME_BODY_FRD
-        return (
-            Velocity(frame, first, second, yaw_rate)
-            if frame in LOCAL and _all_finite(first, second, yaw_rate)
-            else None
-        )
+        if message.type_mask & _IGNORE_VELOCITY == _IGNORE_VELOCITY:
+            if message.type_mask & _IGNORE_YAW_RATE:
+                return None
+            velocity = Velocity(mav.MAV_FRAME_BODY_FRD, 0.0, 0.0, yaw_rate)
+        else:
+            # A velocity at a place on earth is along the map's axes.
+            frame = mav.MAV_FRAME_LOCAL_NED if message.coordinate_frame in GLOBAL else message.coordinate_frame
+            velocity = Velocity(frame, message.vx, message.vy, yaw_rate)
+        is_one = velocity.frame in LOCAL and _all_finite(velocity.first, velocity.second, yaw_rate)
+        return velocity if is_one else None
 
     # -- older ways ---------------------------------------------------------------------------------------------------
 
