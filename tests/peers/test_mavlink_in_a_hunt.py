@@ -1,4 +1,4 @@
-"""A hunt in which a simulated participant plays, and mavutil's scripts take robots from them and give them back."""
+"""Scripts that steer robots of a hunt: one of the manual's, and one that takes a robot from a participant."""
 
 import json
 import subprocess
@@ -37,3 +37,15 @@ def test_a_robot_is_taken_from_the_participant_and_given_back_and_the_hunt_comes
         assert done.returncode == 0, done.stdout + done.stderr
         if "--json" in command:
             assert json.loads(done.stdout)["equal"]
+
+
+@pytest.mark.slow
+def test_the_manuals_example_sends_a_robot_into_a_room(tmp_path: Path) -> None:
+    manual = (Path(__file__).parents[2] / "docs" / "mavlink.md").read_text()
+    example = manual.split("```python\n")[1].split("```")[0]
+    port = free_udp_port()
+    with rovers(tmp_path, (port,)) as play:
+        names: dict[str, object] = {}
+        exec(example.replace("14540", str(port)), names)
+        until("the robot to be sent", lambda: "Robot 1 sets out for room 2" in play.text, [play])
+        names["station"].close()
