@@ -106,10 +106,11 @@ class Commands:
         reply = self._judged(order)
         if reply.sentence:
             self._announce(Severity.WARNING, reply.sentence)
-        if reply.way is None:
-            self._remember(key, order, reply.result)
-        else:
+        if reply.way is not None:
             self._running[key] = _Running(order, reply.way, None, 0, self._tick)
+        elif not reply.messages:
+            # Who asks for a message again has perhaps not got that either, and gets it again.
+            self._remember(key, order, reply.result)
         yield _ack(order, reply.result)
         for answer in reply.messages:
             yield Said(answer, link)

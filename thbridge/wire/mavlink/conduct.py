@@ -230,9 +230,11 @@ class Conduct:
         self._paused = paused
 
     def proceed(self) -> Denied | None:
-        """Go on with what a pause broke off."""
+        """Go on with what a pause broke off; what goes on already does so."""
+        if self._mode is not Mode.HOLD:
+            return None
         paused = self._paused
-        if paused is None or self._mode is not Mode.HOLD:
+        if paused is None:
             return Denied("There is nothing to continue.", Refusal.NOT_NOW)
         denied = self._go(paused.target, paused.mode) if paused.target is not None else self.enter(paused.mode)
         if denied is None:

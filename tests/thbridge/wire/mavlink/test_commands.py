@@ -213,6 +213,21 @@ def test_a_copy_that_does_not_count_up_is_a_repetition_for_a_second(armed):
     assert len(armed.robot.calls("photograph")) == 2
 
 
+def test_a_message_that_is_asked_for_again_is_told_again(rig):
+    first, again = rig.hear(long_of(REQUEST, 148)), rig.hear(long_of(REQUEST, 148, confirmation=1))
+    assert [message.get_type() for message in messages(first)] == ["COMMAND_ACK", "AUTOPILOT_VERSION"]
+    assert [message.get_type() for message in messages(again)] == ["COMMAND_ACK", "AUTOPILOT_VERSION"]
+
+
+@pytest.mark.parametrize("confirmation", [0, 1])
+def test_to_go_on_is_not_refused_to_who_says_it_again(armed, confirmation):
+    armed.go(4, 2)
+    armed.run(1)
+    armed.long(mav.MAV_CMD_DO_PAUSE_CONTINUE, 0)
+    assert armed.long(mav.MAV_CMD_DO_PAUSE_CONTINUE, 1) == [ACCEPTED]
+    assert armed.long(mav.MAV_CMD_DO_PAUSE_CONTINUE, 1, confirmation=confirmation) == [ACCEPTED]
+
+
 def test_a_repetition_is_forgotten_in_time(armed):
     armed.long(PHOTOGRAPH, 0, 0, 1)
     armed.run(10 * SECOND, beating=[US])
