@@ -21,7 +21,7 @@ from thbridge.app.mavlink_replay import FramesOptions, FramesReplayed, Hunt, has
 from thbridge.app.replay import session_of
 from thbridge.app.session import Moment
 from thbridge.app.what_if import changed
-from thbridge.wire.mavlink import command_of
+from thbridge.wire.mavlink import conventions
 from thbridge.wire.mavlink.ground_station import Sighting
 from thbridge.wire.mavlink.modes import mode_shown
 from thbridge.wire.mavlink.signing import SigningKey
@@ -251,9 +251,9 @@ def _commander(robot: Sighting) -> str | None:
     match robot.commander:
         case None:
             return None
-        case command_of.BY_PARTICIPANT:
+        case conventions.BY_PARTICIPANT:
             return "participant"
-        case command_of.BY_OTHERS:
+        case conventions.BY_OTHERS:
             return "researcher"
         case system:
             return f"ground station {system}"

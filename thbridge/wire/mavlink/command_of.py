@@ -1,10 +1,8 @@
 """Which ground station is in command of a robot, and whether it is still heard."""
 
 from sim.observations import TICKS_PER_SECOND
+from thbridge.wire.mavlink.conventions import BY_OTHERS, BY_PARTICIPANT
 from thbridge.wire.mavlink.helm import PARTICIPANT, Denied, Helm, Readings, Refusal, Station
-
-BY_PARTICIPANT, BY_OTHERS = 0, -1
-"""Who commands when no station does: the participant of the game, or somebody beside it, such as a researcher."""
 
 _AWAY = TICKS_PER_SECOND
 """Ticks of somebody else's command after which it counts as taken away. Before that it may be on its way: what a

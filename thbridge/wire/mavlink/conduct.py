@@ -7,6 +7,7 @@ from dataclasses import dataclass
 
 from sim.observations import STANDSTILL, TICKS_PER_SECOND, Twist
 from thbridge.wire.mavlink.command_of import CommandOf
+from thbridge.wire.mavlink.conventions import ARRIVED
 from thbridge.wire.mavlink.coordinates import bounded, twist_towards
 from thbridge.wire.mavlink.helm import Denied, Helm, Leg, LegState, Readings, Refusal, Station
 from thbridge.wire.mavlink.modes import Mode
@@ -355,6 +356,6 @@ class Conduct:
         if now is None or now.state is LegState.UNDER_WAY or now == before:
             return
         if now.state is LegState.ARRIVED:
-            self._announce(Severity.INFO, "Arrived.")
+            self._announce(Severity.INFO, ARRIVED)
         else:
             self._announce(Severity.WARNING, now.reason or "The robot did not get there.")

@@ -4,6 +4,7 @@ from collections.abc import Iterator, Mapping
 from types import MappingProxyType
 
 from sim.observations import TICKS_PER_SECOND
+from thbridge.wire.mavlink.boot_time import microseconds
 from thbridge.wire.mavlink.dialect import EVERYBODY, Message, mav
 from thbridge.wire.mavlink.earth import Earth
 from thbridge.wire.mavlink.helm import Readings, Station
@@ -30,8 +31,6 @@ _GROUPS: Mapping[int, tuple[int, ...]] = MappingProxyType(
     }
 )
 """The messages of each group that REQUEST_DATA_STREAM names, as ArduPilot has them."""
-
-_NANOSECONDS_PER_TICK = 1_000_000_000 // TICKS_PER_SECOND
 
 _FTP_NAK = 129
 _FTP_FILE_NOT_FOUND = 10
@@ -62,7 +61,7 @@ class Courtesies:
             case mav.MAVLink_timesync_message():
                 if message.tc1 == 0:
                     # A time of zero would be a question again.
-                    now = max(1, self._tick * _NANOSECONDS_PER_TICK)
+                    now = max(1, microseconds(self._tick) * 1000)
                     yield Said(mav.MAVLink_timesync_message(now, message.ts1), link)
             case mav.MAVLink_set_gps_global_origin_message():
                 # The map lies where the study says; whoever wants it elsewhere is told.

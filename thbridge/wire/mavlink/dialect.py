@@ -13,6 +13,7 @@ from thbridge.wire.mavlink.added import ADDED
 __all__ = [
     "EVERYBODY",
     "SECRETS",
+    "TEXT_SIZE",
     "Message",
     "crc_extra",
     "decoded",
@@ -25,6 +26,9 @@ __all__ = [
 
 EVERYBODY = 0
 """As a target: every system, or every component."""
+
+TEXT_SIZE = 50
+"""Bytes of a sentence that one STATUSTEXT has room for."""
 
 _KINDS = mav.mavlink_map | ADDED
 

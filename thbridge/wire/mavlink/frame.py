@@ -96,3 +96,12 @@ def checksum_of(head: bytes, seed: int) -> int:
     """The checksum of a frame's header and payload; the first byte is left out."""
     checksum: int = fastcrc.crc16.mcrf4xx(head[1:] + bytes((seed,)))
     return checksum
+
+
+def missing_between(last: int, sequence: int) -> int:
+    """How many frames are missing between two counts of one sender, 0 to 255.
+
+    A count that lies up to half of the circle behind is one that was overtaken or came twice: nothing is missing.
+    """
+    gap = (sequence - last - 1) % 256
+    return gap if gap < 128 else 0

@@ -9,10 +9,9 @@ import math
 from dataclasses import dataclass, replace
 from typing import TypeAlias
 
-from thbridge.wire.mavlink.dialect import Message, crc_extra, decoded, mav, payload_of
-from thbridge.wire.mavlink.frame import Frame
-from thbridge.wire.mavlink.links import missing_between
-from thbridge.wire.mavlink.telemetry import COMMANDER
+from thbridge.wire.mavlink.conventions import COMMANDER
+from thbridge.wire.mavlink.dialect import TEXT_SIZE, Message, crc_extra, decoded, mav, payload_of
+from thbridge.wire.mavlink.frame import Frame, missing_between
 
 SYSTEM = 255
 COMPONENT = mav.MAV_COMP_ID_MISSIONPLANNER
@@ -24,7 +23,6 @@ TRIES = 5
 PROGRESS_SECONDS = 3.0
 """How long news of a command may take whose answer was that it is in progress."""
 
-_CHUNK = 50
 _MOST_SYSTEMS = 255
 
 
@@ -92,7 +90,7 @@ class Sighting:
         energy: what is left, from 0 to 1; NaN as long as it has not said so.
         frames: that came from it.
         lost: frames that it sent and that did not come.
-        commander: who commands it, see `CommandOf.number`; None as long as it has not said so.
+        commander: who commands it, see `conventions.COMMANDER`; None as long as it has not said so.
         text: what it said last to people.
     """
 
@@ -216,7 +214,7 @@ class GroundStation:
                 robot.latitude, robot.longitude = message.lat / 1e7, message.lon / 1e7
             case mav.MAVLink_battery_status_message():
                 robot.energy = message.battery_remaining / 100
-            case mav.MAVLink_named_value_int_message() if _text(message.name) == COMMANDER.decode():
+            case mav.MAVLink_named_value_int_message() if _text(message.name) == COMMANDER:
                 robot.commander = message.value
             case mav.MAVLink_command_ack_message():
                 return self._acked(robot.system, message, now)
@@ -246,7 +244,7 @@ class GroundStation:
         if message.id:
             key = (robot.system, message.id)
             piece = self._texts.pop(key, "") + piece if message.chunk_seq else piece
-            if len(piece) >= _CHUNK * (message.chunk_seq + 1):
+            if len(piece) >= TEXT_SIZE * (message.chunk_seq + 1):
                 self._texts[key] = piece
                 return []
         robot.text = piece

@@ -5,6 +5,7 @@ from collections.abc import Mapping
 from dataclasses import dataclass, field
 from enum import StrEnum
 
+from thbridge.wire.mavlink.frame import missing_between
 from thbridge.wire.mavlink.helm import Station
 
 MOST_STATIONS = 16
@@ -121,12 +122,3 @@ class Link:
         """How it stands."""
         stations = tuple(station for station in self._stations if self.has(station, tick))
         return LinkReport(self.name, stations, self._received, self._lost, dict(self.dropped), self.sent)
-
-
-def missing_between(last: int, sequence: int) -> int:
-    """How many frames are missing between two counts of one sender, 0 to 255.
-
-    A count that lies up to half of the circle behind is one that was overtaken or came twice: nothing is missing.
-    """
-    gap = (sequence - last - 1) % 256
-    return gap if gap < 128 else 0

@@ -8,14 +8,11 @@ from collections.abc import Callable, Mapping
 from dataclasses import dataclass
 from types import MappingProxyType
 
-from thbridge.wire.mavlink.coordinates import GLOBAL
+from thbridge.wire.mavlink.coordinates import GLOBAL, PER_METRE
 from thbridge.wire.mavlink.dialect import mav
 from thbridge.wire.mavlink.earth import PER_DEGREE
 from thbridge.wire.mavlink.helm import Station
 from thbridge.wire.mavlink.orders import UNSET
-
-PER_METRE = 10_000
-"""Metres travel as whole numbers of 0.1 mm."""
 
 _LARGEST = 2**31 - 1
 _FRAMES = GLOBAL | {mav.MAV_FRAME_LOCAL_NED, mav.MAV_FRAME_MISSION}

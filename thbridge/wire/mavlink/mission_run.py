@@ -11,12 +11,12 @@ from collections.abc import Iterator
 from dataclasses import dataclass
 
 from sim.observations import TICKS_PER_SECOND
-from thbridge.wire.mavlink.coordinates import theta_of
+from thbridge.wire.mavlink.coordinates import PER_METRE, theta_of
 from thbridge.wire.mavlink.dialect import mav
 from thbridge.wire.mavlink.earth import Earth, Place
 from thbridge.wire.mavlink.helm import Denied, Helm, LegState, Readings, Refusal, Station
 from thbridge.wire.mavlink.mission_ids import MissionCurrent, plan_id
-from thbridge.wire.mavlink.mission_items import PER_METRE, Item
+from thbridge.wire.mavlink.mission_items import Item
 from thbridge.wire.mavlink.parts import Announce, Severity
 from thbridge.wire.mavlink.said import Said
 

@@ -7,7 +7,7 @@ from enum import IntEnum
 import numpy as np
 
 from sim.geometry import Pose2
-from thbridge.wire.mavlink.coordinates import GLOBAL, point_in_map
+from thbridge.wire.mavlink.coordinates import GLOBAL, PER_METRE, point_in_map
 from thbridge.wire.mavlink.dialect import Message, mav
 from thbridge.wire.mavlink.earth import Earth, Place
 from thbridge.wire.mavlink.helm import Denied, Refusal, Station
@@ -15,9 +15,6 @@ from thbridge.wire.mavlink.said import LinkId
 
 UNSET = 0x7FFFFFFF
 """A coordinate of COMMAND_INT that is not given."""
-
-_PER_METRE = 10_000
-"""COMMAND_INT counts metres in ten-thousandths."""
 
 
 class Result(IntEnum):
@@ -135,4 +132,4 @@ def destination(order: Order, base_in_map: Pose2, earth: Earth) -> tuple[float, 
     frame = mav.MAV_FRAME_GLOBAL if order.frame is None else order.frame
     if frame in GLOBAL:
         return earth.point(Place(round(first), round(second)))
-    return point_in_map(frame, first / _PER_METRE, second / _PER_METRE, base_in_map)
+    return point_in_map(frame, first / PER_METRE, second / PER_METRE, base_in_map)

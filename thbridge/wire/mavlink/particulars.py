@@ -3,15 +3,13 @@
 from collections.abc import Callable, Mapping
 
 from sim.geometry import Pose2
-from sim.observations import TICKS_PER_SECOND
 from thbridge.wire.mavlink.added import ComponentMetadata, ProtocolVersion
+from thbridge.wire.mavlink.boot_time import microseconds, milliseconds
 from thbridge.wire.mavlink.coordinates import quaternion
 from thbridge.wire.mavlink.dialect import Message, mav
 from thbridge.wire.mavlink.earth import Earth
 from thbridge.wire.mavlink.modes import Mode, custom_mode, standard_mode
 from thbridge.wire.mavlink.options import Identity
-
-_MICROSECONDS_PER_TICK = 1_000_000 // TICKS_PER_SECOND
 
 _CAPABILITIES = (
     mav.MAV_PROTOCOL_CAPABILITY_PARAM_FLOAT
@@ -60,14 +58,14 @@ class Particulars:
         return mav.MAVLink_available_modes_message(len(Mode), place, standard, custom, 0, mode.value.encode())
 
     def _gps_global_origin(self, tick: int) -> Message:
-        place, now = self._earth.place(0.0, 0.0), tick * _MICROSECONDS_PER_TICK
+        place, now = self._earth.place(0.0, 0.0), microseconds(tick)
         return mav.MAVLink_gps_global_origin_message(place.latitude, place.longitude, self._altitude, now)
 
     def _home_position(self, tick: int) -> Message:
         home = self._home()
         place = self._earth.place(home.x, home.y)
         where = (place.latitude, place.longitude, self._altitude, home.y, home.x, 0.0)
-        approach, now = (0.0, 0.0, 0.0), tick * _MICROSECONDS_PER_TICK
+        approach, now = (0.0, 0.0, 0.0), microseconds(tick)
         return mav.MAVLink_home_position_message(*where, list(quaternion(home.theta)), *approach, now)
 
     def _extended_sys_state(self, tick: int) -> Message:
@@ -89,8 +87,3 @@ class Particulars:
 
     def _available_modes_monitor(self, tick: int) -> Message:
         return mav.MAVLink_available_modes_monitor_message(0)
-
-
-def milliseconds(tick: int) -> int:
-    """Of simulated time since the session began, as 32 bits count them."""
-    return tick * (1000 // TICKS_PER_SECOND) & 0xFFFFFFFF

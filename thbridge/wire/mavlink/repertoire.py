@@ -12,6 +12,7 @@ from enum import Enum
 
 from sim.observations import TICKS_PER_SECOND
 from thbridge.wire.mavlink.added import ProtocolVersion
+from thbridge.wire.mavlink.boot_time import MICROSECONDS_PER_TICK
 from thbridge.wire.mavlink.command_of import CommandOf
 from thbridge.wire.mavlink.conduct import Conduct, Target
 from thbridge.wire.mavlink.coordinates import GLOBAL, LOCAL, theta_of
@@ -22,7 +23,7 @@ from thbridge.wire.mavlink.modes import Mode, mode_asked, mode_of_standard
 from thbridge.wire.mavlink.options import Identity
 from thbridge.wire.mavlink.orders import ACCEPTED, MALFORMED, Order, Reply, Result, decimal_of, destination, reply_to
 from thbridge.wire.mavlink.particulars import Particulars
-from thbridge.wire.mavlink.streams import MICROSECONDS_PER_TICK, OFF, Streams, ticks_of
+from thbridge.wire.mavlink.streams import OFF, Streams, ticks_of
 from thbridge.wire.mavlink.telemetry import Standing, Telemetry
 
 _FORCED = frozenset({21196, 2989})

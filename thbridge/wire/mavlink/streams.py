@@ -6,10 +6,8 @@ Every link gets the same messages at the same rates until somebody on it asks fo
 from collections.abc import Iterator, Mapping
 from dataclasses import dataclass
 
-from sim.observations import TICKS_PER_SECOND
+from thbridge.wire.mavlink.boot_time import MICROSECONDS_PER_TICK
 from thbridge.wire.mavlink.said import LinkId
-
-MICROSECONDS_PER_TICK = 1_000_000 // TICKS_PER_SECOND
 
 _LONGEST = 0x7FFFFFFF // MICROSECONDS_PER_TICK
 """Ticks of the longest interval that MESSAGE_INTERVAL can tell: 35 minutes."""

@@ -4,19 +4,18 @@ import math
 from collections.abc import Callable
 from dataclasses import dataclass
 
-from sim.observations import TICK, TICKS_PER_SECOND
+from sim.observations import TICKS_PER_SECOND
 from thbridge.wire.mavlink.added import ComponentMetadata, ProtocolVersion
+from thbridge.wire.mavlink.boot_time import microseconds, milliseconds
+from thbridge.wire.mavlink.conventions import COMMANDER
 from thbridge.wire.mavlink.coordinates import compass, north_east, quaternion, yaw_of
 from thbridge.wire.mavlink.dialect import Message, mav
 from thbridge.wire.mavlink.earth import Earth
 from thbridge.wire.mavlink.helm import Readings
 from thbridge.wire.mavlink.modes import Mode, custom_mode, standard_mode
 from thbridge.wire.mavlink.options import Identity
-from thbridge.wire.mavlink.particulars import Particulars, milliseconds
+from thbridge.wire.mavlink.particulars import Particulars
 from thbridge.wire.mavlink.streams import OFF
-
-COMMANDER = b"COMMANDER"
-"""The named value that tells who commands; common MAVLink has no message for it."""
 
 _UNKNOWN_16 = 0xFFFF
 _POSITION_ONLY = 0x0DF8
@@ -64,7 +63,7 @@ class Standing:
 
     @property
     def milliseconds(self) -> int:
-        """See `particulars.milliseconds`."""
+        """Simulated time since the session began."""
         return milliseconds(self.tick)
 
     @property
@@ -188,7 +187,7 @@ class Telemetry:
         )
 
     def _commander(self, now: Standing) -> Message:
-        return mav.MAVLink_named_value_int_message(now.milliseconds, COMMANDER, now.commander)
+        return mav.MAVLink_named_value_int_message(now.milliseconds, COMMANDER.encode(), now.commander)
 
     def _system_time(self, now: Standing) -> Message:
         # Simulated time is no time of day: the first field stays unknown.
@@ -201,7 +200,7 @@ class Telemetry:
         heading = _hundredths(compass(pose.theta))
         course = heading if twist.linear >= 0.0 else (heading + 18_000) % 36_000
         return mav.MAVLink_gps_raw_int_message(
-            round(now.tick * TICK * 1e6),
+            microseconds(now.tick),
             fix,
             place.latitude,
             place.longitude,

@@ -8,11 +8,10 @@ from collections import deque
 from collections.abc import Iterator
 
 from sim.observations import TICKS_PER_SECOND
-from thbridge.wire.mavlink.dialect import Message, mav
+from thbridge.wire.mavlink.dialect import TEXT_SIZE, Message, mav
 from thbridge.wire.mavlink.parts import Severity
 from thbridge.wire.mavlink.said import Said
 
-_CHUNK = 50
 _MOST_WAITING = 8
 _BETWEEN = TICKS_PER_SECOND // 4
 """Ticks between two sentences: four a second at most."""
@@ -56,10 +55,10 @@ class Texts:
                 yield Said(message, to_sleepers=severity is Severity.CRITICAL)
 
     def _chunks(self, severity: Severity, text: bytes) -> Iterator[Message]:
-        if len(text) <= _CHUNK:
+        if len(text) <= TEXT_SIZE:
             yield mav.MAVLink_statustext_message(severity, text, 0, 0)
             return
         self._count = self._count % 0xFFFF + 1
         # A sentence that fills its last chunk gets an empty one more, which ends it.
-        for chunk, start in enumerate(range(0, len(text) + 1, _CHUNK)):
-            yield mav.MAVLink_statustext_message(severity, text[start : start + _CHUNK], self._count, chunk)
+        for chunk, start in enumerate(range(0, len(text) + 1, TEXT_SIZE)):
+            yield mav.MAVLink_statustext_message(severity, text[start : start + TEXT_SIZE], self._count, chunk)

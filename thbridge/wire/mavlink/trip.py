@@ -8,6 +8,8 @@ from collections.abc import Iterable
 from dataclasses import dataclass
 from enum import Enum, auto
 
+from thbridge.wire.mavlink.conventions import ARRIVED
+from thbridge.wire.mavlink.coordinates import PER_METRE, yaw_of
 from thbridge.wire.mavlink.dialect import mav
 from thbridge.wire.mavlink.ground_station import (
     HEARTBEAT_SECONDS,
@@ -19,9 +21,6 @@ from thbridge.wire.mavlink.ground_station import (
     Texted,
     Unanswered,
 )
-
-UNITS_PER_METRE = 10_000
-"""In which a command carries local positions."""
 
 NEAR = 0.3
 """Metres: a robot that stands no further from where it was sent is there, whether it says so or not."""
@@ -56,8 +55,8 @@ class Destination:
     def order(self) -> Order:
         """The command that sends it there, in its own frame, x north and y east."""
         # NaN is the heading that does not matter.
-        yaw = math.nan if self.heading is None else math.pi / 2.0 - self.heading
-        place = (round(self.y * UNITS_PER_METRE), round(self.x * UNITS_PER_METRE))
+        yaw = math.nan if self.heading is None else yaw_of(self.heading)
+        place = (round(self.y * PER_METRE), round(self.x * PER_METRE))
         change_mode = float(mav.MAV_DO_REPOSITION_FLAGS_CHANGE_MODE)
         parameters = (-1.0, change_mode, 0.0, yaw, *place, 0.0)
         return Order(mav.MAV_CMD_DO_REPOSITION, parameters, mav.MAV_FRAME_LOCAL_NED)
@@ -200,10 +199,6 @@ class Trip:
 
     def _end(self) -> None:
         self.stage, self.outcome = Stage.OVER, Outcome(self._problem)
-
-
-ARRIVED = "Arrived."
-"""What a robot says when it is there."""
 
 
 def _word(result: int) -> str:

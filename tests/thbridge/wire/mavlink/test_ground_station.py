@@ -4,6 +4,7 @@ import math
 
 import pytest
 
+from thbridge.wire.mavlink.conventions import ARRIVED
 from thbridge.wire.mavlink.dialect import Message, crc_extra, decoded, mav, payload_of
 from thbridge.wire.mavlink.frame import Frame
 from thbridge.wire.mavlink.ground_station import (
@@ -17,7 +18,7 @@ from thbridge.wire.mavlink.ground_station import (
     Texted,
     Unanswered,
 )
-from thbridge.wire.mavlink.trip import ARRIVED, Destination, Outcome, Stage, Trip
+from thbridge.wire.mavlink.trip import Destination, Outcome, Stage, Trip
 
 ARM = mav.MAV_CMD_COMPONENT_ARM_DISARM
 GO = mav.MAV_CMD_DO_REPOSITION
