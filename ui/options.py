@@ -85,6 +85,12 @@ MavlinkUdp = Annotated[
     list[str] | None,
     typer.Option("--udp", metavar="HOST:PORT", help="Where a ground station listens; may be given several times."),
 ]
+MavlinkUdpListen = Annotated[
+    str | None,
+    typer.Option(
+        "--udp-listen", metavar="HOST:PORT", help="Where ground stations that speak first find robots by UDP."
+    ),
+]
 MavlinkTcp = Annotated[
     str | None, typer.Option("--tcp", metavar="HOST:PORT", help="Where ground stations may connect by TCP.")
 ]
@@ -179,24 +185,27 @@ def watch_of(study: Study, file: Path | None, at: str | None, key: Path | None) 
 
 def with_mavlink(
     study: Study,
-    on: bool | None,
-    identity: Identity | None,
-    udp: Sequence[str] | None,
-    tcp: str | None,
-    tlog: bool | None,
+    on: bool | None = None,
+    *,
+    identity: Identity | None = None,
+    udp: Sequence[str] | None = None,
+    udp_listen: str | None = None,
+    tcp: str | None = None,
+    tlog: bool | None = None,
 ) -> Study:
     """The study with what options say of MAVLink; None changes nothing."""
-    for option, texts in (("--udp", udp or ()), ("--tcp", () if tcp is None else (tcp,))):
+    for option, texts in (("--udp", udp or ()), ("--udp-listen", (udp_listen,)), ("--tcp", (tcp,))):
         for text in texts:
-            if address_in(text) is None:
+            if text is not None and address_in(text) is None:
                 fail(BAD_INPUT, f"{option}: {text!r} is no address. Write HOST:PORT, such as 127.0.0.1:14550.")
     targets = None if udp is None else tuple(dict.fromkeys(udp))
-    given = {"on": on, "identity": identity, "udp": targets, "tcp": tcp, "tlog": tlog}
+    given = {"on": on, "identity": identity, "udp": targets, "udp_listen": udp_listen, "tcp": tcp, "tlog": tlog}
     changes = {key: value for key, value in given.items() if value is not None}
     section = dataclasses.replace(study.mavlink, **changes)  # type: ignore[arg-type]  # the options have their types
     unused = next((key for key in changes if key != "on"), None)
     if unused is not None and not section.on:
-        fail(BAD_INPUT, f"--{unused}: the robots do not speak MAVLink. Add --mavlink, or leave the option out.")
+        option = unused.replace("_", "-")
+        fail(BAD_INPUT, f"--{option}: the robots do not speak MAVLink. Add --mavlink, or leave the option out.")
     return dataclasses.replace(study, mavlink=section)
 
 
@@ -211,7 +220,8 @@ def ports_of(study: Study, file: Path | None, key: Path | None) -> Ports | None:
     path = key or (None if section.signing_key is None else beside / section.signing_key)
     with bad_input():
         secret = None if path is None else read_signing_key(path)
-    return Ports(section.targets, None if section.tcp is None else address_in(section.tcp), secret)
+    listens = None if section.udp_listen is None else address_in(section.udp_listen)
+    return Ports(section.targets, None if section.tcp is None else address_in(section.tcp), secret, listens)
 
 
 def key_in(path: Path) -> str:

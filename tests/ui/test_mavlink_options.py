@@ -29,14 +29,21 @@ def refusal(*arguments: str) -> str:
     return done.stderr
 
 
-@pytest.mark.parametrize("option", ["--udp", "--tcp"])
+@pytest.mark.parametrize("option", ["--udp", "--udp-listen", "--tcp"])
 @pytest.mark.parametrize("address", ["14550", "localhost:", ":14550", "localhost:0", "localhost:65536", "::1:14550"])
 def test_an_address_that_is_none(option: str, address: str) -> None:
     assert f"{option}: '{address}' is no address. Write HOST:PORT" in refusal("--mavlink", option, address)
 
 
 @pytest.mark.parametrize(
-    ("option", "value"), [("--udp", "h:1"), ("--tcp", "h:1"), ("--identity", "generic"), ("--signing-key", "key")]
+    ("option", "value"),
+    [
+        ("--udp", "h:1"),
+        ("--udp-listen", "h:1"),
+        ("--tcp", "h:1"),
+        ("--identity", "generic"),
+        ("--signing-key", "key"),
+    ],
 )
 def test_an_option_without_mavlink(option: str, value: str) -> None:
     assert f"{option}: the robots do not speak MAVLink. Add --mavlink" in refusal(option, value)
@@ -57,21 +64,23 @@ def test_options_win_over_the_study() -> None:
     written = MavlinkSection(on=True, udp=("10.0.0.1:14550",), tcp="0.0.0.0:5760")
     study = with_mavlink(
         dataclasses.replace(Study(), mavlink=written),
-        None,
-        Identity.ARDUPILOT,
-        ["[::1]:14550", "[::1]:14550"],
-        None,
-        True,
+        identity=Identity.ARDUPILOT,
+        udp=["[::1]:14550", "[::1]:14550"],
+        udp_listen="[::1]:14555",
+        tlog=True,
     )
-    assert study.mavlink == dataclasses.replace(written, identity=Identity.ARDUPILOT, udp=("[::1]:14550",), tlog=True)
+    assert study.mavlink == dataclasses.replace(
+        written, identity=Identity.ARDUPILOT, udp=("[::1]:14550",), udp_listen="[::1]:14555", tlog=True
+    )
     ports = ports_of(study, None, None)
     assert ports is not None
-    assert (ports.udp, ports.tcp, ports.key) == ((Address("::1", 14550),), Address("0.0.0.0", 5760), None)
+    assert (ports.udp, ports.udp_listen) == ((Address("::1", 14550),), Address("::1", 14555))
+    assert (ports.tcp, ports.key) == (Address("0.0.0.0", 5760), None)
 
 
 def test_the_study_can_be_overruled_altogether() -> None:
     study = dataclasses.replace(Study(), mavlink=MavlinkSection(on=True))
-    assert ports_of(with_mavlink(study, False, None, None, None, None), None, None) is None
+    assert ports_of(with_mavlink(study, False), None, None) is None
 
 
 def test_the_studys_key_lies_beside_it(tmp_path: Path) -> None:

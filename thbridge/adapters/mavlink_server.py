@@ -1,4 +1,4 @@
-"""Where ground stations reach a session: its UDP targets and its TCP port, opened and closed together."""
+"""Where ground stations reach a session: its UDP targets and ports, and its TCP port, opened and closed together."""
 
 import logging
 from contextlib import AsyncExitStack
@@ -7,7 +7,7 @@ from dataclasses import dataclass
 from thbridge.adapters.addresses import Address
 from thbridge.adapters.mavlink_links import Exchange, Links
 from thbridge.adapters.mavlink_tcp import TcpPort, tcp_port
-from thbridge.adapters.mavlink_udp import UdpPort, udp_port
+from thbridge.adapters.mavlink_udp import UdpPort, udp_listener, udp_port
 from thbridge.adapters.text_server import CannotListen
 from thbridge.wire.mavlink.signing import SigningKey
 
@@ -22,11 +22,13 @@ class Ports:
         udp: to whom heartbeats go from the start; whoever answers is heard.
         tcp: where to listen; None for nowhere.
         key: with which frames are signed and verified; None for none.
+        udp_listen: where to listen by UDP for those who speak first; None for nowhere.
     """
 
     udp: tuple[Address, ...]
     tcp: Address | None
     key: SigningKey | None
+    udp_listen: Address | None = None
 
 
 class MavlinkServer:
@@ -43,12 +45,15 @@ class MavlinkServer:
         """Take all ports, still silent; what ground stations find them by, or the first that cannot be had."""
         names = []
         for target in self._ports.udp:
-            udp = await udp_port(self._links, target)
+            udp = self._kept(await udp_port(self._links, target))
             if isinstance(udp, CannotListen):
                 return udp
-            self._opened.callback(udp.close)
-            self._udp_ports.append(udp)
             names.append(f"udp {target}")
+        if self._ports.udp_listen is not None:
+            udp = self._kept(await udp_listener(self._links, self._ports.udp_listen))
+            if isinstance(udp, CannotListen):
+                return udp
+            names.append(f"udp from {udp.where}")
         if self._ports.tcp is not None:
             tcp = await tcp_port(self._links, self._ports.tcp)
             if isinstance(tcp, CannotListen):
@@ -57,6 +62,13 @@ class MavlinkServer:
             self._tcp_port = tcp
             names.append(f"tcp {tcp.where}")
         return names
+
+    def _kept(self, port: UdpPort | CannotListen) -> UdpPort | CannotListen:
+        """The port, to be served and closed with the others."""
+        if isinstance(port, UdpPort):
+            self._opened.callback(port.close)
+            self._udp_ports.append(port)
+        return port
 
     async def serve(self, exchange: Exchange) -> None:
         """Bring everything that comes in there, and take from there what is said."""

@@ -1,11 +1,11 @@
-"""MAVLink over UDP: one socket for each target, and a link for everybody who answers to it."""
+"""MAVLink over UDP: a socket for each target and one that waits to be spoken to, and a link for everybody they hear."""
 
 from __future__ import annotations
 
 import asyncio
 import ipaddress
 import socket
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 from typing import cast
 
@@ -17,7 +17,7 @@ from thbridge.wire.mavlink.channel import Channel
 from thbridge.wire.mavlink.said import LinkId
 
 PEERS = 32
-"""Who speaks to one socket beside its target; one more, and who was silent for longest is forgotten."""
+"""Who speaks to one socket beside its target, if it has one; one more, and who was silent for longest is forgotten."""
 
 SILENT = 60.0
 """Seconds after which somebody who has said nothing good is forgotten; the target never is."""
@@ -82,27 +82,33 @@ class _Outlet:
 
 
 class UdpPort:
-    """The socket of one target.
+    """A socket, and all who are reached by it.
 
     Args:
         links: where its frames come from and go to.
         own: bound, and not blocking.
-        target: to whom it speaks from the start.
+        target: to whom it speaks from the start; None: to nobody before they speak to it.
     """
 
-    def __init__(self, links: Links, own: socket.socket, target: SocketAddress) -> None:
+    def __init__(self, links: Links, own: socket.socket, target: SocketAddress | None) -> None:
         self._links = links
         self._socket = own
         self._target = target
         self._peers: dict[SocketAddress, _Peer] = {}
         self._sweep: asyncio.TimerHandle | None = None
 
+    @property
+    def where(self) -> Address:
+        """Its own address."""
+        host, port, *_ = cast(SocketAddress, self._socket.getsockname())
+        return Address(host, port)
+
     def serve(self) -> None:
         """Begin to speak and listen."""
         loop = asyncio.get_running_loop()
-        first = _Peer(self._links.channel(datagrams=True), loop.time())
-        self._peers[self._target] = first
-        self._open(first, self._target)
+        if self._target is not None:
+            first = self._peers[self._target] = _Peer(self._links.channel(datagrams=True), loop.time())
+            self._open(first, self._target)
         loop.add_reader(self._socket, self._readable)
         self._forget_silent()
 
@@ -169,8 +175,20 @@ class UdpPort:
 
 async def udp_port(links: Links, target: Address) -> UdpPort | CannotListen:
     """A socket for a target, on this machine alone if the target is on it; not in use yet."""
+    return await _port(links, target, lambda there, family: (_local(there[0], family), 0), speaks_first=True)
+
+
+async def udp_listener(links: Links, where: Address) -> UdpPort | CannotListen:
+    """A socket at this address, for whoever speaks to it first; not in use yet."""
+    return await _port(links, where, lambda there, family: there, speaks_first=False)
+
+
+async def _port(
+    links: Links, given: Address, bound: Callable[[SocketAddress, int], SocketAddress], *, speaks_first: bool
+) -> UdpPort | CannotListen:
+    """A socket for a given address, bound to what `bound` makes of it and its family."""
     try:
-        found = await asyncio.get_running_loop().getaddrinfo(target.host, target.port, type=socket.SOCK_DGRAM)
+        found = await asyncio.get_running_loop().getaddrinfo(given.host, given.port, type=socket.SOCK_DGRAM)
         family, there = found[0][0], cast(SocketAddress, found[0][4])
         own = socket.socket(family, socket.SOCK_DGRAM)
         try:
@@ -178,15 +196,15 @@ async def udp_port(links: Links, target: Address) -> UdpPort | CannotListen:
             own.setsockopt(socket.SOL_SOCKET, socket.SO_BROADCAST, 1)
             own.setsockopt(socket.SOL_SOCKET, socket.SO_RCVBUF, BUFFER)
             own.setsockopt(socket.SOL_SOCKET, socket.SO_SNDBUF, BUFFER)
-            own.bind((_local(there[0], family), 0))
+            own.bind(bound(there, family))
         except OSError:
             own.close()
             raise
     except OSError as error:
-        return CannotListen(target.host, target.port, reason_of(error))
+        return CannotListen(given.host, given.port, reason_of(error))
     except UnicodeError:
-        return CannotListen(target.host, target.port, "that is not a host's name")
-    return UdpPort(links, own, there)
+        return CannotListen(given.host, given.port, "that is not a host's name")
+    return UdpPort(links, own, there if speaks_first else None)
 
 
 def _local(host: str, family: int) -> str:

@@ -37,6 +37,9 @@ class MavlinkSection:
     udp: tuple[str, ...] = knob(
         ("127.0.0.1:14550", "127.0.0.1:14540"), "UDP addresses, HOST:PORT, at which ground stations and programs listen"
     )
+    udp_listen: str | None = knob(
+        None, "address, HOST:PORT, at which those find robots who speak first by UDP; null: none"
+    )
     tcp: str | None = knob(None, "address, HOST:PORT, at which they may connect by TCP; null: none")
     signing_key: Path | None = knob(
         None, "path of a key file: frames without its signature are refused, ours have it; null: nothing is signed"
@@ -78,8 +81,10 @@ def faults_of_mavlink(loaded: Loaded[S], section: MavlinkSection) -> Iterator[Ba
             yield loaded.fault(key, _no_address(text), "Write HOST:PORT, such as 127.0.0.1:14550")
         elif taken.setdefault(address, index) != index:
             yield loaded.fault(key, f"{text} stands in this list twice", "Write each address once")
-    if section.tcp is not None and address_in(section.tcp) is None:
-        yield loaded.fault("mavlink.tcp", _no_address(section.tcp), "Write HOST:PORT, such as 127.0.0.1:5760, or null")
+    for name, listens, usual in (("udp_listen", section.udp_listen, 14555), ("tcp", section.tcp, 5760)):
+        if listens is not None and address_in(listens) is None:
+            remedy = f"Write HOST:PORT, such as 127.0.0.1:{usual}, or null"
+            yield loaded.fault(f"mavlink.{name}", _no_address(listens), remedy)
     latitude, longitude, altitude = section.origin
     if not abs(latitude) <= _NORTHERNMOST:
         problem = f"{latitude:g} degrees north is not within {-_NORTHERNMOST:g} to {_NORTHERNMOST:g}"

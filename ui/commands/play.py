@@ -25,6 +25,7 @@ from ui.options import (
     MavlinkIdentity,
     MavlinkTcp,
     MavlinkUdp,
+    MavlinkUdpListen,
     Port,
     Robots,
     Ros,
@@ -97,6 +98,7 @@ def play(
     mavlink: Mavlink = None,
     identity: MavlinkIdentity = None,
     udp: MavlinkUdp = None,
+    udp_listen: MavlinkUdpListen = None,
     tcp: MavlinkTcp = None,
     signing_key: KeyFile = None,
     tlog: TlogWanted = None,
@@ -108,7 +110,7 @@ def play(
     Other programs may join on the TCP port; those named by --outside take the place of ours.
     """
     study = with_server(study_of(study_file, {"robots": robots, "map": map_name, "seed": seed}), None, port)
-    study = with_mavlink(study, mavlink, identity, udp, tcp, tlog)
+    study = with_mavlink(study, mavlink, identity=identity, udp=udp, udp_listen=udp_listen, tcp=tcp, tlog=tlog)
     if study.robots_from is RobotsFrom.ROS:
         problem = "robots_from: this study is for real robots, and `play` simulates"
         fail(BAD_INPUT, f"{problem}. Start `thbridge server`, `simr`, `hider` and `tabui`, or write sim in the study.")

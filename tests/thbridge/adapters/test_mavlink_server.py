@@ -94,8 +94,10 @@ def station():
 
 
 @asynccontextmanager
-async def served(*udp: Address, tcp: Address | None = None) -> AsyncIterator[tuple[Exchange, list[str]]]:
-    server, exchange = MavlinkServer(Ports(udp, tcp, None)), Exchange()
+async def served(
+    *udp: Address, tcp: Address | None = None, listen: Address | None = None
+) -> AsyncIterator[tuple[Exchange, list[str]]]:
+    server, exchange = MavlinkServer(Ports(udp, tcp, None, listen)), Exchange()
     try:
         names = await server.open()
         assert not isinstance(names, CannotListen), names
@@ -131,6 +133,31 @@ def test_an_answer_comes_at_once_and_on_the_link_it_was_asked_on(station: Statio
             station.socket.sendto(PING.to_bytes(), vehicles)
             assert (await station.hear())[0] == ANSWER.to_bytes()
             assert exchange.heard == [(f"udp {station.address}", PING)]
+
+    asyncio.run(whole())
+
+
+def test_who_speaks_first_is_answered_and_heard_from_then_on(station: Station) -> None:
+    async def whole() -> None:
+        async with served(listen=Address("127.0.0.1", 0)) as (exchange, names):
+            assert exchange.names == {}
+            host, port = names[0].removeprefix("udp from ").split(":")
+            station.socket.sendto(PING.to_bytes(), (host, int(port)))
+            assert (await station.hear())[0] == ANSWER.to_bytes()
+            assert list(exchange.names.values()) == [f"udp {station.address}"]
+            exchange.say(HEARTBEAT)
+            assert (await station.hear())[0] == HEARTBEAT.to_bytes()
+
+    asyncio.run(whole())
+
+
+def test_a_udp_port_that_is_taken_is_told_before_anything_starts(station: Station) -> None:
+    async def whole() -> None:
+        server = MavlinkServer(Ports((), None, None, station.address))
+        why = await server.open()
+        assert isinstance(why, CannotListen)
+        assert str(station.address) in str(why)
+        await server.close()
 
     asyncio.run(whole())
 
