@@ -189,7 +189,8 @@ async def replay_frames(
         ticks=session.tick,
         recorded=recorded,
         replayed=Hunt(tuple(hunt.arrivals), hunt.score),
-        parted=ways.parted,
+        # Other programs' robots may have a truth of their own, which is none here.
+        parted=None if recorded is None else ways.parted,
         finished=run.finished,
         wall_seconds=run.seconds,
     )

@@ -151,7 +151,9 @@ def test_a_bag_of_strangers_drives_robots_whose_study_has_no_vehicles(tmp_path: 
     with BagWriter(bag) as writer:
         for number, message in enumerate(messages(ours, [TO.name])):
             stamp = started + number * 500_000_000
+            truth = Topic("/robot1/base_pose_ground_truth", types.ODOMETRY)
             writer.take(number, [RosMessage(TO._replace(name="/mavlink/to"), stamp, message.data)])
+            writer.take(number, [RosMessage(truth, stamp, b"of another simulator")])
     assert has_session(ours)
     assert not has_session(bag)
     done = by_frames(bag, replace(Study(), robots=1))
