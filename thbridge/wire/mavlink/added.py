@@ -1,143 +1,135 @@
-"""Messages of MAVLink's `common` that pymavlink's dialect `all` lacks, made as its generator makes them."""
+"""Messages and fields of MAVLink's `common` that pymavlink's dialect `all` lacks, made as its generator makes them.
 
+Source: the MAVLink developer guide, "Packet Serialization": order of fields, "CRC_EXTRA calculation".
+"""
+
+import re
 import struct
-from typing import NamedTuple
+from collections.abc import Callable
+from typing import NamedTuple, TypeVar
 
 import fastcrc
 from pymavlink.dialects.v20.all import MAVLink_message as Message
 
+M = TypeVar("M", bound=Message)
+
+_DECLARATION = re.compile(r"(\w+)(?:\[(\d+)\])? (\w+)")
+_FORMATS = {"char": "s", "uint8_t": "B", "uint16_t": "H", "uint32_t": "I"}
+
 
 class _Field(NamedTuple):
-    """A field: its type, its name, and how many of that type it has; 0 where it is no array."""
+    """A field: its type, how many of that type it has, 0 where it is no array, and its name."""
 
     kind: str
+    length: int
     name: str
-    length: int = 0
+
+    @property
+    def format(self) -> str:
+        return f"{self.length or ''}{_FORMATS[self.kind]}"
+
+    @property
+    def values(self) -> int:
+        """How many values it is in a payload; text is one."""
+        return 1 if self.kind == "char" else max(1, self.length)
 
 
-def _names(fields: tuple[_Field, ...]) -> list[str]:
-    return [field.name for field in fields]
+def _field(declaration: str) -> _Field:
+    match = _DECLARATION.fullmatch(declaration)
+    if match is None:
+        raise ValueError(f"{declaration!r} declares no field")
+    return _Field(match[1], int(match[2] or 0), match[3])
 
 
-def _kinds(fields: tuple[_Field, ...]) -> list[str]:
-    return [field.kind for field in fields]
+class _Added(Message):
+    """A message that is made of its fields.
 
-
-def _lengths(fields: tuple[_Field, ...]) -> list[int]:
-    """How many values each field is; text is one."""
-    return [1 if field.kind == "char" else max(1, field.length) for field in fields]
-
-
-def _array_lengths(fields: tuple[_Field, ...]) -> list[int]:
-    return [field.length for field in fields]
-
-
-def _orders(declared: tuple[_Field, ...], on_wire: tuple[_Field, ...]) -> list[int]:
-    """Where on the wire each declared field lies."""
-    return [on_wire.index(field) for field in declared]
-
-
-def _crc_extra(name: str, fields: tuple[_Field, ...]) -> int:
-    """The seed of a message's checksum, of its fields in the order of the wire.
-
-    Source: the MAVLink developer guide, "CRC_EXTRA calculation".
+    Args:
+        values: of the fields, in the order in which they are declared; of text bytes.
     """
+
+    def __init_subclass__(cls, *, number: int, name: str, fields: tuple[str, ...]) -> None:
+        declared = [_field(declaration) for declaration in fields]
+        on_wire = sorted(declared, key=lambda field: -struct.calcsize(_FORMATS[field.kind]))
+        cls.id, cls.msgname = number, name
+        cls.fieldnames = [field.name for field in declared]
+        cls.fieldtypes = [field.kind for field in declared]
+        cls.ordered_fieldnames = [field.name for field in on_wire]
+        cls.orders = [on_wire.index(field) for field in declared]
+        cls.lengths = [field.values for field in on_wire]
+        cls.array_lengths = [field.length for field in on_wire]
+        cls.crc_extra = _crc_extra(name, on_wire)
+        cls.unpacker = struct.Struct("<" + "".join(field.format for field in on_wire))
+
+    def __init__(self, *values: int | bytes | list[int]) -> None:
+        super().__init__(self.id, self.msgname)
+        self._fieldnames = self.fieldnames
+        for name, value in zip(self.fieldnames, values, strict=True):
+            if isinstance(value, bytes):
+                # As the generated classes keep text.
+                setattr(self, f"_{name}_raw", value)
+                setattr(self, name, value.split(b"\0", 1)[0].decode("ascii", errors="replace"))
+            else:
+                setattr(self, name, value)
+
+
+def _crc_extra(name: str, on_wire: list[_Field]) -> int:
+    """The seed of a message's checksum, of its fields in the order of the wire."""
     text = f"{name} ".encode()
-    for field in fields:
+    for field in on_wire:
         text += f"{field.kind} {field.name} ".encode() + (bytes((field.length,)) if field.length else b"")
     checksum: int = fastcrc.crc16.mcrf4xx(text)
     return checksum & 0xFF ^ checksum >> 8
 
 
-class CommandCancel(Message):
-    """COMMAND_CANCEL: give up a command that takes its time."""
+class CommandCancel(
+    _Added,
+    number=80,
+    name="COMMAND_CANCEL",
+    fields=("uint8_t target_system", "uint8_t target_component", "uint16_t command"),
+):
+    """Give up a command that takes its time."""
 
-    _DECLARED = (
-        _Field("uint8_t", "target_system"),
-        _Field("uint8_t", "target_component"),
-        _Field("uint16_t", "command"),
-    )
-    # On the wire, larger fields come first.
-    _FIELDS = (_DECLARED[2], *_DECLARED[:2])
-    id = 80
-    msgname = "COMMAND_CANCEL"
-    ordered_fieldnames = _names(_FIELDS)
-    orders = _orders(_DECLARED, _FIELDS)
-    fieldnames = _names(_DECLARED)
-    fieldtypes = _kinds(_DECLARED)
-    lengths = _lengths(_FIELDS)
-    array_lengths = _array_lengths(_FIELDS)
-    crc_extra = _crc_extra(msgname, _FIELDS)
-    unpacker = struct.Struct("<HBB")
-
-    def __init__(self, target_system: int, target_component: int, command: int) -> None:
-        super().__init__(self.id, self.msgname)
-        self._fieldnames = self.fieldnames
-        self.target_system = target_system
-        self.target_component = target_component
-        self.command = command
+    command: int
 
 
-class ProtocolVersion(Message):
-    """PROTOCOL_VERSION: which versions of MAVLink are spoken, times 100; hashes of nothing."""
-
-    _FIELDS = (
-        _Field("uint16_t", "version"),
-        _Field("uint16_t", "min_version"),
-        _Field("uint16_t", "max_version"),
-        _Field("uint8_t", "spec_version_hash", 8),
-        _Field("uint8_t", "library_version_hash", 8),
-    )
-    id = 300
-    msgname = "PROTOCOL_VERSION"
-    ordered_fieldnames = _names(_FIELDS)
-    orders = _orders(_FIELDS, _FIELDS)
-    fieldnames = _names(_FIELDS)
-    fieldtypes = _kinds(_FIELDS)
-    lengths = _lengths(_FIELDS)
-    array_lengths = _array_lengths(_FIELDS)
-    crc_extra = _crc_extra(msgname, _FIELDS)
-    unpacker = struct.Struct("<HHH8B8B")
-
-    def __init__(
-        self,
-        version: int,
-        min_version: int,
-        max_version: int,
-        spec_version_hash: list[int],
-        library_version_hash: list[int],
-    ) -> None:
-        super().__init__(self.id, self.msgname)
-        self._fieldnames = self.fieldnames
-        self.version = version
-        self.min_version = min_version
-        self.max_version = max_version
-        self.spec_version_hash = spec_version_hash
-        self.library_version_hash = library_version_hash
+class ProtocolVersion(
+    _Added,
+    number=300,
+    name="PROTOCOL_VERSION",
+    fields=(
+        "uint16_t version",
+        "uint16_t min_version",
+        "uint16_t max_version",
+        "uint8_t[8] spec_version_hash",
+        "uint8_t[8] library_version_hash",
+    ),
+):
+    """Which versions of MAVLink are spoken, times 100; hashes of nothing."""
 
 
-class ComponentMetadata(Message):
-    """COMPONENT_METADATA: where files about a component are; nowhere, when its uri is empty."""
-
-    _FIELDS = (_Field("uint32_t", "time_boot_ms"), _Field("uint32_t", "file_crc"), _Field("char", "uri", 100))
-    id = 397
-    msgname = "COMPONENT_METADATA"
-    ordered_fieldnames = _names(_FIELDS)
-    orders = _orders(_FIELDS, _FIELDS)
-    fieldnames = _names(_FIELDS)
-    fieldtypes = _kinds(_FIELDS)
-    lengths = _lengths(_FIELDS)
-    array_lengths = _array_lengths(_FIELDS)
-    crc_extra = _crc_extra(msgname, _FIELDS)
-    unpacker = struct.Struct("<II100s")
-
-    def __init__(self, time_boot_ms: int, file_crc: int, uri: bytes) -> None:
-        super().__init__(self.id, self.msgname)
-        self._fieldnames = self.fieldnames
-        self.time_boot_ms = time_boot_ms
-        self.file_crc = file_crc
-        self._uri_raw = uri
-        self.uri = uri.split(b"\0", 1)[0].decode("ascii", errors="replace")
+class ComponentMetadata(
+    _Added,
+    number=397,
+    name="COMPONENT_METADATA",
+    fields=("uint32_t time_boot_ms", "uint32_t file_crc", "char[100] uri"),
+):
+    """Where files about a component are; nowhere, when its uri is empty."""
 
 
 ADDED: dict[int, type[Message]] = {kind.id: kind for kind in (CommandCancel, ProtocolVersion, ComponentMetadata)}
+
+
+def extended(declaration: str) -> Callable[[type[M]], type[M]]:
+    """Gives a generated message one more field, at its end; no checksum changes by that."""
+    field = _field(declaration)
+
+    def with_field(kind: type[M]) -> type[M]:
+        kind.ordered_fieldnames = [*kind.ordered_fieldnames, field.name]
+        kind.orders = [*kind.orders, len(kind.orders)]
+        kind.lengths = [*kind.lengths, field.values]
+        kind.array_lengths = [*kind.array_lengths, field.length]
+        kind.unpacker = struct.Struct(kind.unpacker.format + field.format)
+        return kind
+
+    return with_field

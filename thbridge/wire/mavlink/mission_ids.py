@@ -7,8 +7,8 @@ pymavlink's dialect, so that its messages are lengthened here; whoever does not 
 import struct
 import zlib
 from collections.abc import Iterable
-from typing import TypeVar
 
+from thbridge.wire.mavlink.added import extended
 from thbridge.wire.mavlink.dialect import mav
 from thbridge.wire.mavlink.mission_items import Item
 
@@ -25,50 +25,28 @@ def plan_id(items: Iterable[Item]) -> int:
     return crc
 
 
-Value = TypeVar("Value")
-
-
-def _with(values: list[Value], more: Value) -> list[Value]:
-    return [*values, more]
-
-
+@extended("uint32_t opaque_id")
 class MissionAck(mav.MAVLink_mission_ack_message):
     """MISSION_ACK that tells which plan the robot has now."""
-
-    ordered_fieldnames = _with(mav.MAVLink_mission_ack_message.ordered_fieldnames, "opaque_id")
-    orders = _with(mav.MAVLink_mission_ack_message.orders, 4)
-    lengths = _with(mav.MAVLink_mission_ack_message.lengths, 1)
-    array_lengths = _with(mav.MAVLink_mission_ack_message.array_lengths, 0)
-    unpacker = struct.Struct("<BBBBI")
 
     def __init__(self, target_system: int, target_component: int, result: int, mission_type: int, plan: int) -> None:
         super().__init__(target_system, target_component, result, mission_type)
         self.opaque_id = plan
 
 
+@extended("uint32_t opaque_id")
 class MissionCount(mav.MAVLink_mission_count_message):
     """MISSION_COUNT that tells which plan it is of."""
-
-    ordered_fieldnames = _with(mav.MAVLink_mission_count_message.ordered_fieldnames, "opaque_id")
-    orders = _with(mav.MAVLink_mission_count_message.orders, 4)
-    lengths = _with(mav.MAVLink_mission_count_message.lengths, 1)
-    array_lengths = _with(mav.MAVLink_mission_count_message.array_lengths, 0)
-    unpacker = struct.Struct("<HBBBI")
 
     def __init__(self, target_system: int, target_component: int, count: int, mission_type: int, plan: int) -> None:
         super().__init__(target_system, target_component, count, mission_type)
         self.opaque_id = plan
 
 
+# Plans of fences and rally points, of which it has none, would follow.
+@extended("uint32_t mission_id")
 class MissionCurrent(mav.MAVLink_mission_current_message):
     """MISSION_CURRENT that tells which plan the robot has."""
-
-    # Plans of fences and rally points, of which it has none, would follow.
-    ordered_fieldnames = _with(mav.MAVLink_mission_current_message.ordered_fieldnames, "mission_id")
-    orders = _with(mav.MAVLink_mission_current_message.orders, 4)
-    lengths = _with(mav.MAVLink_mission_current_message.lengths, 1)
-    array_lengths = _with(mav.MAVLink_mission_current_message.array_lengths, 0)
-    unpacker = struct.Struct("<HHBBI")
 
     def __init__(self, seq: int, total: int, mission_state: int, mission_mode: int, plan: int) -> None:
         super().__init__(seq, total, mission_state, mission_mode)
