@@ -16,8 +16,9 @@ from thbridge.adapters.text_server import CannotListen, Listening, TextServer
 from thbridge.app.broadcast import Broadcast
 from thbridge.app.compose import Setting
 from thbridge.app.listeners import NOBODY_TOLD, Hosts, Watch, listeners
+from thbridge.app.outpost import Outpost
 from thbridge.app.recording import BagWitness
-from thbridge.app.session import Outpost, Session
+from thbridge.app.session import Session
 from thbridge.roles.hider import Hider
 from thbridge.roles.keeper import Keeper
 from thbridge.roles.requests import Request

@@ -14,9 +14,9 @@ from thbridge.adapters.rosgraph.joining import Graph
 from thbridge.adapters.text_client import Lost, TextClient
 from thbridge.adapters.text_server import CannotListen
 from thbridge.app.compose import Setting
+from thbridge.app.outpost import Outpost
 from thbridge.app.programs import SIMR, SimrOptions, take_part
 from thbridge.app.recording import BagWitness
-from thbridge.app.session import Outpost
 from thbridge.ros.remote import RemoteRobot
 from thbridge.ros.topics import Message
 from thbridge.wire import legacy

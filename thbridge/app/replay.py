@@ -39,10 +39,11 @@ from thbridge.app.inputs import (
     Said,
     from_record,
 )
+from thbridge.app.outpost import Outpost
 from thbridge.app.play import PLAY, NoLog
 from thbridge.app.programs import SIMR
 from thbridge.app.recording import BagWitness
-from thbridge.app.session import Moment, Outpost, Session, Witness
+from thbridge.app.session import Moment, Session, Witness
 from thbridge.roles.role import Role
 from thbridge.roles.tabui import TabUI
 from thbridge.ros import names, types, unpack

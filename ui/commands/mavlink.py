@@ -113,7 +113,7 @@ def mavlink_goto(
     if not link.station.robots:
         _nobody(link, address, signing_key)
     if outcome.problem:
-        hint = " If it wants signatures, give --signing-key." if signing_key is None and _silent(outcome) else ""
+        hint = " If it wants signatures, give --signing-key." if signing_key is None and outcome.unanswered else ""
         fail(FAILED, f"{outcome.problem[:1].upper()}{outcome.problem[1:].rstrip('.')}.{hint}")
     there = link.station.robots[robot]
     out.print(f"Robot {robot} is at {there.x:.2f} {there.y:.2f}.", highlight=False)
@@ -221,10 +221,6 @@ async def _drive(link: StationLink, robot: int, destination: Destination, keep: 
                 note(f"{trip.remaining:.1f} m to go")
             stage = trip.stage
     return trip.outcome
-
-
-def _silent(outcome: Outcome) -> bool:
-    return "does not answer" in outcome.problem
 
 
 def _figures(robot: Sighting) -> dict[str, object]:

@@ -37,11 +37,12 @@ from thbridge.app.compose import Setting, build_bot, read_setting
 from thbridge.app.config import RecordingSection, Study, read_study_text
 from thbridge.app.inputs import Advanced, Asked, Backlogged, Closed, Input, Opened, Received, Said
 from thbridge.app.listeners import Hosts, Watch
+from thbridge.app.outpost import Outpost
 from thbridge.app.play import PLAY, NoLog, PlayOptions, Unfinished, play
 from thbridge.app.programs import SIMR
 from thbridge.app.recording import BagWitness
 from thbridge.app.replay import Replayed, ReplayOptions, replay, session_of, ticks_of
-from thbridge.app.session import Moment, Outpost, Session
+from thbridge.app.session import Moment, Session
 from thbridge.app.watching import request_line
 from thbridge.app.what_if import Change, changed
 from thbridge.roles.notices import KEEPER, Order, Orders, Subscribe, tell

@@ -68,9 +68,15 @@ class Destination:
 
 @dataclass(frozen=True, slots=True)
 class Outcome:
-    """How a trip ended; `problem` is empty where the robot arrived."""
+    """How a trip ended.
+
+    Attributes:
+        problem: why the robot did not arrive, for people; empty where it did.
+        unanswered: it never said a word to what it was told.
+    """
 
     problem: str
+    unanswered: bool = False
 
 
 class Stage(Enum):
@@ -110,6 +116,7 @@ class Trip:
         self._since = now
         self._commands = False
         self._problem = ""
+        self._unanswered = False
         self._stood = now
 
     @property
@@ -156,6 +163,7 @@ class Trip:
                 else:
                     self._fail(f"robot {self._system} does not go there ({_word(result)})", now)
             case Unanswered() if self.stage in (Stage.TAKING, Stage.ASKING):
+                self._unanswered = True
                 self._fail(f"robot {self._system} does not answer", now)
             case Acked() | Unanswered() if self.stage is Stage.RETURNING:
                 self._end()
@@ -198,7 +206,7 @@ class Trip:
             self._end()
 
     def _end(self) -> None:
-        self.stage, self.outcome = Stage.OVER, Outcome(self._problem)
+        self.stage, self.outcome = Stage.OVER, Outcome(self._problem, self._unanswered)
 
 
 def _word(result: int) -> str:

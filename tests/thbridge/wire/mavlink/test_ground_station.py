@@ -260,7 +260,7 @@ def test_a_robot_that_does_not_answer(air: Air) -> None:
     journey = Journey(air)
     air.heartbeat()
     journey.pass_time(ANSWER_SECONDS * TRIES + 2.0)
-    assert journey.trip.outcome == Outcome("robot 1 does not answer")
+    assert journey.trip.outcome == Outcome("robot 1 does not answer", unanswered=True)
 
 
 def test_a_robot_that_falls_silent_on_its_way(air: Air) -> None:
