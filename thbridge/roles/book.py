@@ -22,6 +22,7 @@ class Reason(StrEnum):
     UNDER_DISCUSSION = "under-discussion"
     NO_PATH = "no-path"
     NOT_AGREED = "not-agreed"
+    STOPPED = "stopped"
 
 
 class Book:

@@ -7,7 +7,7 @@ from thbridge.hunt.events import Commanded, Commander
 from thbridge.hunt.game import Command, GameState
 from thbridge.hunt.outcomes import Refused
 from thbridge.hunt.rooms import Room
-from thbridge.roles.book import Book
+from thbridge.roles.book import Book, Reason
 from thbridge.roles.requests import (
     CallBackFor,
     CommandRequest,
@@ -18,6 +18,7 @@ from thbridge.roles.requests import (
     SendFor,
     TakeCommand,
 )
+from thbridge.roles.view import SendRobot
 
 _Judged: TypeAlias = TakeCommand | ReleaseCommand | SendFor | PictureFor | IdentifyFor | LeaveFor
 
@@ -34,7 +35,7 @@ def serve(book: Book, state: GameState, request: CommandRequest, *, awaits_treas
     match request:
         case CallBackFor(robot):
             if state.has_robot(robot) and state.robots[robot].bound_for is not None:
-                book.recall(robot)
+                _stop(book, state, robot)
         case SendFor() if awaits_treasures:
             pass
         case _:
@@ -75,6 +76,14 @@ def give_back(book: Book) -> None:
             if robot.command != Command()
         )
     )
+
+
+def _stop(book: Book, state: GameState, robot: int) -> None:
+    """Call a robot back, once; whose robot it is, if it is the participant's, has to know who did that."""
+    if not book.is_recalled(robot) and state.robots[robot].command.by is Commander.PARTICIPANT:
+        sentence = f"A ground station has stopped {rules.robot_name(robot)}."
+        book.refuse(SendRobot.__name__, Refused(Reason.STOPPED, sentence))
+    book.recall(robot)
 
 
 def _ruling(state: GameState, request: _Judged) -> rules.Ruling:

@@ -180,6 +180,16 @@ def test_anybody_may_stop_a_robot_and_the_energy_for_the_rest_comes_back(play: P
     assert len(play.events(Failed)) == 1
 
 
+def test_a_participant_whose_robot_is_stopped_by_others_is_told_so_once(play: Play) -> None:
+    play.ask(TAKE, SendFor(0, 3), ReleaseCommand(0), ticks=3)
+    view = play.ask(CallBackFor(0), CallBackFor(0))
+    assert (view.refusal.number, view.refusal.sentence) == (1, "A ground station has stopped robot 1.")
+
+
+def test_a_station_that_stops_its_own_robot_concerns_nobody_else(play: Play) -> None:
+    assert play.ask(TAKE, SendFor(0, 3), CallBackFor(0)).refusal is None
+
+
 def test_a_robot_that_is_called_back_before_it_was_told_to_go_never_set_out(play: Play) -> None:
     view = play.ask(TAKE, SendFor(0, 3), CallBackFor(0))
     (failed,) = play.events(Failed)
