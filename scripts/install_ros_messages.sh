@@ -11,8 +11,14 @@ if [ ! -f $generator ]; then
     echo "ROS's message generator is not installed: sudo apt-get install python3-genpy" >&2
     exit 1
 fi
-.venv/bin/thbridge ros messages "$prefix/share"
 version=$(/usr/bin/python3 -c 'import sys; print("python%d.%d" % sys.version_info[:2])')
+stamp=$prefix/lib/$version/dist-packages/thbridge_msgs/made_from
+wanted=$(cat "scripts/$(basename "$0")" thbridge/ros/types.py thbridge/ros/ros_texts.py \
+    thbridge/adapters/ros_package.py $generator | sha256sum)
+if [ "$(cat "$stamp" 2>/dev/null)" = "$wanted" ]; then
+    exit 0
+fi
+.venv/bin/thbridge ros messages "$prefix/share"
 for package in thbridge_msgs mavros_msgs; do
     messages=$prefix/share/$package/msg
     [ -d "$messages" ] || continue
@@ -23,3 +29,4 @@ for package in thbridge_msgs mavros_msgs; do
         -o "$classes/msg" "$messages"/*.msg
     /usr/bin/python3 $generator --initpy -o "$classes/msg" -p $package
 done
+echo "$wanted" >"$stamp"
