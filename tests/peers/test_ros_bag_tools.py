@@ -34,7 +34,7 @@ from thbridge.adapters.ros_definitions import Definitions
 from thbridge.adapters.worker import Inline
 from thbridge.app.broadcast import Broadcast
 from thbridge.ros.publisher import Message, Publisher, Topic
-from thbridge.ros.records import MavlinkFrame, VehicleState
+from thbridge.ros.records import MavlinkFrame, VehicleFrame, VehicleState
 from thbridge.ros.types import MARKER_ARRAY, MAVROS_TYPES, OWN_TYPES, STANDARD_TYPES
 
 PYTHON = "/usr/bin/python3"
@@ -154,12 +154,13 @@ def first_on(bag: Path, topic: str, folder: Path) -> str:
 
 @needs_ros
 def test_rostopic_reads_frames_and_states_of_vehicles(tmp_path: Path) -> None:
-    frame = MavlinkFrame(0, True, "udp 127.0.0.1:14550", 253, 0, 0, 7, 255, 190, 0, 11100, bytes(range(9)))
+    told = MavlinkFrame("udp 127.0.0.1:14550", 253, 0, 0, 7, 255, 190, 0, 11100, bytes(range(9)))
+    heard = VehicleFrame(0, True, told)
     state = VehicleState(0, True, True, False, False, "GUIDED", 4)
     bag = tmp_path / "vehicles.bag"
     with BagWriter(bag) as writer:
         publisher = Publisher(1, MOUNT, SCAN_PERIOD, vehicles=True)
-        Broadcast(publisher, SESSION, arena(), [writer]).record(next(snapshots(1, 1)), [frame, state])
+        Broadcast(publisher, SESSION, arena(), [writer]).record(next(snapshots(1, 1)), [heard, state])
     said = first_on(bag, "/robot1/mavlink/to", tmp_path)
     assert 'frame_id: "udp 127.0.0.1:14550"' in said
     assert "sysid: 255\ncompid: 190\nmsgid: 0\nchecksum: 11100\n" in said

@@ -1,19 +1,16 @@
 """MAVLink's frames, and how vehicles stand, in the words of mavros: to its messages and back."""
 
-from thbridge.ros.records import MavlinkFrame, VehicleState
-from thbridge.ros.unpack import HeardFrame
+from thbridge.ros.records import MavlinkFrame, VehicleFrame, VehicleState
 from thbridge.wire.mavlink.dialect import crc_extra
 from thbridge.wire.mavlink.frame import V1, V2, Frame
 from thbridge.wire.mavlink.hub import Traffic
 from thbridge.wire.mavlink.said import Status
 
 
-def frame_record(traffic: Traffic) -> MavlinkFrame:
+def frame_record(traffic: Traffic) -> VehicleFrame:
     """What a vehicle heard or said, for its topic."""
     frame = traffic.frame
-    return MavlinkFrame(
-        robot=traffic.robot,
-        heard=traffic.heard,
+    told = MavlinkFrame(
         link=traffic.link,
         magic=frame.version,
         incompat_flags=frame.incompat_flags,
@@ -25,6 +22,7 @@ def frame_record(traffic: Traffic) -> MavlinkFrame:
         checksum=frame.checksum,
         payload=frame.payload,
     )
+    return VehicleFrame(traffic.robot, traffic.heard, told)
 
 
 def state_record(robot: int, status: Status) -> VehicleState:
@@ -40,28 +38,28 @@ def state_record(robot: int, status: Status) -> VehicleState:
     )
 
 
-def frame_in(heard: HeardFrame) -> Frame:
+def frame_in(told: MavlinkFrame) -> Frame:
     """The frame that a message holds, without its signature.
 
     Raises:
         ValueError: it is none, or one of a message that nobody here knows.
     """
-    if heard.magic not in {V1, V2}:
-        raise ValueError(f"no frame begins with {heard.magic}")
-    seed = crc_extra(heard.message_id)
+    if told.magic not in {V1, V2}:
+        raise ValueError(f"no frame begins with {told.magic}")
+    seed = crc_extra(told.message_id)
     if seed is None:
-        raise ValueError(f"there is no message {heard.message_id}")
+        raise ValueError(f"there is no message {told.message_id}")
     frame = Frame(
-        system=heard.system,
-        component=heard.component,
-        sequence=heard.sequence,
-        message_id=heard.message_id,
-        payload=heard.payload,
+        system=told.system,
+        component=told.component,
+        sequence=told.sequence,
+        message_id=told.message_id,
+        payload=told.payload,
         seed=seed,
-        version=heard.magic,
-        incompat_flags=heard.incompat_flags,
-        compat_flags=heard.compat_flags,
+        version=told.magic,
+        incompat_flags=told.incompat_flags,
+        compat_flags=told.compat_flags,
     )
-    if frame.checksum != heard.checksum:
-        raise ValueError(f"its checksum is {heard.checksum}, and should be {frame.checksum}")
+    if frame.checksum != told.checksum:
+        raise ValueError(f"its checksum is {told.checksum}, and should be {frame.checksum}")
     return frame.unsigned()

@@ -22,7 +22,6 @@ from thbridge.ros.records import (
     InitialPose,
     Input,
     LogLine,
-    MavlinkFrame,
     Record,
     Score,
     SendRobots,
@@ -30,6 +29,7 @@ from thbridge.ros.records import (
     SimpleGoal,
     Success,
     Utterance,
+    VehicleFrame,
     VehicleRecord,
     VehicleState,
     VelocityCommand,
@@ -176,10 +176,10 @@ class Publisher:
         match record:
             case VehicleState():
                 return Message(topics.state, stamp, pack.vehicle_state(tick, record))
-            case MavlinkFrame():
-                data = pack.mavlink(tick, record)
-                if record.heard:
-                    return Message(topics.heard, stamp, data, heard=record.link == GRAPH_LINK)
+            case VehicleFrame(_, heard, frame):
+                data = pack.mavlink(tick, frame)
+                if heard:
+                    return Message(topics.heard, stamp, data, heard=frame.link == GRAPH_LINK)
                 return Message(topics.said, stamp, data)
 
     def _diagnoses(self, snapshot: TeamSnapshot) -> list[pack.Diagnosis]:
@@ -229,7 +229,7 @@ def messages_of(stamp: int, tick: int, record: Record) -> Iterator[Message]:
             pass  # Said before all else.
         case VelocityCommand():
             pass  # What the motors were told of it is on cmd_vel.
-        case MavlinkFrame() | VehicleState():
+        case VehicleFrame() | VehicleState():
             pass  # On the robot's own topics.
         case _:
             assert_never(record)

@@ -229,12 +229,10 @@ class LogLine:
 
 @dataclass(frozen=True, slots=True)
 class MavlinkFrame:
-    """A MAVLink frame that a robot's vehicle heard or said, without its signature.
+    """A MAVLink frame as mavros_msgs/Mavlink tells it, without its signature.
 
     Attributes:
-        robot: whose.
-        heard: whether the vehicle heard it; or else it said it.
-        link: name of the link.
+        link: what the header's frame says; the name of a link, where we recorded it.
         magic: first byte of the frame, which tells its version.
         incompat_flags: of version 2, as the next one.
         compat_flags: see there.
@@ -242,12 +240,10 @@ class MavlinkFrame:
         system: of the sender.
         component: of the sender.
         message_id: what kind of message.
-        checksum: as it stands in the frame.
+        checksum: as it stands, or is said to stand, in the frame.
         payload: at most 255 bytes.
     """
 
-    robot: int
-    heard: bool
     link: str
     magic: int
     incompat_flags: int
@@ -258,6 +254,21 @@ class MavlinkFrame:
     message_id: int
     checksum: int
     payload: bytes
+
+
+@dataclass(frozen=True, slots=True)
+class VehicleFrame:
+    """A MAVLink frame that a robot's vehicle heard or said.
+
+    Attributes:
+        robot: whose.
+        heard: whether the vehicle heard it; or else it said it.
+        frame: which.
+    """
+
+    robot: int
+    heard: bool
+    frame: MavlinkFrame
 
 
 @dataclass(frozen=True, slots=True)
@@ -286,7 +297,7 @@ class VehicleState:
 GraphRequest = GoalRequest | CancelRequest | SimpleGoal | VelocityCommand | InitialPose
 """What others on a ROS graph ask of a robot by topics."""
 
-VehicleRecord = MavlinkFrame | VehicleState
+VehicleRecord = VehicleFrame | VehicleState
 """What there is of a robot only where it is a MAVLink vehicle."""
 
 Record = (

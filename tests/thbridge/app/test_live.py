@@ -81,7 +81,7 @@ def test_a_frame_on_a_robots_topic_is_heard_by_that_robot_and_none_else(
     visited = Visited(read_setting(study, Path()), tmp_path / "hunt.bag", monkeypatch)
     beat = mav.MAVLink_heartbeat_message(mav.MAV_TYPE_GCS, mav.MAV_AUTOPILOT_INVALID, 0, 0, 0, 3)
     frame = Frame(255, 190, 7, beat.id, payload_of(beat), crc_extra(beat.id) or 0)
-    said = pack.mavlink(0, frame_record(Traffic(0, True, "whatever it was called", frame)))
+    said = pack.mavlink(0, frame_record(Traffic(0, True, "whatever it was called", frame)).frame)
     with visited.writer:
         visited.step()
         visited.say("/robot2/mavlink/to", said, "/gcs_bridge")

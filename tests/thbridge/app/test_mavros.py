@@ -8,6 +8,7 @@ from hypothesis import strategies as st
 
 from thbridge.app.mavros import frame_in, frame_record
 from thbridge.ros import pack, unpack
+from thbridge.ros.records import MavlinkFrame
 from thbridge.wire.mavlink.dialect import crc_extra, mav
 from thbridge.wire.mavlink.frame import SIGNED, V1, V2, Frame
 from thbridge.wire.mavlink.hub import Traffic
@@ -24,8 +25,8 @@ def frames(draw: st.DrawFn) -> Frame:
     return Frame(*numbers, draw(st.binary(max_size=255)), crc_extra(message_id) or 0, version, 0, flags)
 
 
-def heard(frame: Frame) -> unpack.HeardFrame:
-    return unpack.mavlink(pack.mavlink(0, frame_record(Traffic(0, True, "a", frame))))
+def heard(frame: Frame) -> MavlinkFrame:
+    return unpack.mavlink(pack.mavlink(0, frame_record(Traffic(0, True, "a", frame)).frame))
 
 
 @given(frames())

@@ -11,25 +11,25 @@ _STATE = Struct("<4?")
 _WORD = 8
 
 
-def mavlink(tick: int, record: MavlinkFrame) -> bytes:
+def mavlink(tick: int, frame: MavlinkFrame) -> bytes:
     """mavros_msgs/Mavlink; its payload in 64-bit words, the last one filled up with zeros."""
-    size = len(record.payload)
+    size = len(frame.payload)
     words = -(-size // _WORD)
     numbers = _FRAME.pack(
         FRAMING_OK,
-        record.magic,
+        frame.magic,
         size,
-        record.incompat_flags,
-        record.compat_flags,
-        record.sequence,
-        record.system,
-        record.component,
-        record.message_id,
-        record.checksum,
+        frame.incompat_flags,
+        frame.compat_flags,
+        frame.sequence,
+        frame.system,
+        frame.component,
+        frame.message_id,
+        frame.checksum,
     )
-    payload = record.payload.ljust(words * _WORD, b"\0")
+    payload = frame.payload.ljust(words * _WORD, b"\0")
     no_signature = UINT32.pack(0)
-    return header(tick, record.link) + numbers + UINT32.pack(words) + payload + no_signature
+    return header(tick, frame.link) + numbers + UINT32.pack(words) + payload + no_signature
 
 
 def vehicle_state(tick: int, record: VehicleState) -> bytes:

@@ -37,13 +37,12 @@ from thbridge.ros.unpack.robots import (
     transforms,
     twist,
 )
-from thbridge.ros.unpack.vehicles import HeardFrame, mavlink
+from thbridge.ros.unpack.vehicles import mavlink
 
 __all__ = [
     "Charge",
     "GoalEnd",
     "GoalStart",
-    "HeardFrame",
     "LaserScan",
     "Odometry",
     "PoseInFrame",

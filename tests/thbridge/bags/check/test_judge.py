@@ -19,7 +19,7 @@ from thbridge.adapters.bag_writer import BagWriter
 from thbridge.app.broadcast import Broadcast
 from thbridge.bags.check import Severity, Tool, judge
 from thbridge.ros.publisher import Publisher
-from thbridge.ros.records import MavlinkFrame, VehicleState
+from thbridge.ros.records import MavlinkFrame, VehicleFrame, VehicleState
 
 
 def test_the_bag_that_faults_are_planted_in_is_clean(tmp_path: Path) -> None:
@@ -44,10 +44,8 @@ def test_a_recording_of_vehicles_is_clean(tmp_path: Path) -> None:
     with BagWriter(path) as writer:
         recorder = Broadcast(Publisher(2, MOUNT, SCAN_PERIOD, vehicles=True), SESSION, arena(), [writer])
         for snapshot in snapshots(2, 120):
-            frames = [
-                MavlinkFrame(robot, True, "/dev/ttyACM0", 253, 0, 0, 7, 255, 190, 0, 11100, bytes(9))
-                for robot in range(2 if snapshot.tick % 50 == 0 else 0)
-            ]
+            heard = MavlinkFrame("/dev/ttyACM0", 253, 0, 0, 7, 255, 190, 0, 11100, bytes(9))
+            frames = [VehicleFrame(robot, True, heard) for robot in range(2 if snapshot.tick % 50 == 0 else 0)]
             state = VehicleState(0, True, False, False, False, "HOLD", 4)
             recorder.record(snapshot, [*frames, *([state] if frames else [])])
     assert {finding.rule for finding in judge(scan(path)).findings} <= {"long-array"}
