@@ -5,17 +5,14 @@ Whoever calls says nothing of who asks: whether a station may move the robot, `C
 
 from dataclasses import dataclass
 
-from sim.observations import STANDSTILL, TICKS_PER_SECOND, Twist
+from sim.observations import TICKS_PER_SECOND, Twist
 from thbridge.wire.mavlink.command_of import CommandOf
 from thbridge.wire.mavlink.conventions import ARRIVED
-from thbridge.wire.mavlink.coordinates import bounded, twist_towards
+from thbridge.wire.mavlink.hand import Hand, Velocity
 from thbridge.wire.mavlink.helm import Denied, Helm, Leg, LegState, Readings, Refusal, Station
 from thbridge.wire.mavlink.modes import Mode
 from thbridge.wire.mavlink.options import Failsafe
 from thbridge.wire.mavlink.parts import Announce, Plan, Severity
-
-_DEADMAN = TICKS_PER_SECOND // 2
-"""Ticks for which what a hand says holds."""
 
 _STOPPING = TICKS_PER_SECOND
 """Ticks after a halt in which a robot that still moves does so because it is stopping."""
@@ -33,16 +30,6 @@ class Target:
     x: float
     y: float
     heading: float | None
-
-
-@dataclass(frozen=True, slots=True)
-class Velocity:
-    """How fast the robot was told to move: see `coordinates.twist_towards`."""
-
-    frame: int
-    first: float
-    second: float
-    yaw_rate: float
 
 
 @dataclass(frozen=True, slots=True)
@@ -79,6 +66,7 @@ class Conduct:
         self._helm = helm
         self._command = command
         self._plan = plan
+        self._hand = Hand(helm)
         self.failsafe = failsafe
         self._announce = announce
         self._readings = readings
@@ -87,8 +75,6 @@ class Conduct:
         self._target: Target | None = None
         self._leg: int | None = None
         self._paused: Paused | None = None
-        self._velocity: Velocity | None = None
-        self._by_hand_until: int | None = None
         self._stopped_at = -_STOPPING
         self._carries_on = False
 
@@ -203,24 +189,21 @@ class Conduct:
         """Drive at a velocity that is said again and again; only in mode guided, or else it is passed over."""
         if self._mode is not Mode.GUIDED:
             return None
-        denied = self._steer(velocity)
+        denied = self._hand.follow(velocity, self._tick, self._readings.base_in_map)
         if denied is None:
-            self._forget_way()
-            self._velocity = velocity
-            self._by_hand_until = self._tick + _DEADMAN
+            self._leg = self._target = self._paused = None
         return denied
 
     def drive(self, twist: Twist) -> Denied | None:
         """Drive by hand; only in mode manual, or else it is passed over."""
         if self._mode is not Mode.MANUAL:
             return None
-        self._by_hand_until = self._tick + _DEADMAN
-        return self._helm.drive(bounded(twist, self._helm.fastest()))
+        return self._hand.drive(twist, self._tick)
 
     @property
     def is_by_hand(self) -> bool:
         """It is driven by hand just now."""
-        return self._mode is Mode.MANUAL and self._by_hand_until is not None
+        return self._mode is Mode.MANUAL and self._hand.drives
 
     def pause(self) -> None:
         """Stop, and remember what it was about."""
@@ -256,7 +239,7 @@ class Conduct:
             self._mode = Mode.HOLD
             self._announce(Severity.WARNING, f"Commanded by {readings.commanded_by} now.")
         self._tell_end(before, self.leg)
-        self._step_hand()
+        self._hand.step(tick, readings.base_in_map)
         if self._is_over():
             self._mode = Mode.HOLD
         if self._command.is_lost:
@@ -324,28 +307,8 @@ class Conduct:
         self._forget_way()
 
     def _forget_way(self) -> None:
-        self._leg = self._target = self._velocity = self._by_hand_until = self._paused = None
-
-    def _steer(self, velocity: Velocity) -> Denied | None:
-        twist = twist_towards(
-            velocity.frame,
-            velocity.first,
-            velocity.second,
-            velocity.yaw_rate,
-            self._readings.base_in_map,
-            self._helm.fastest(),
-        )
-        return self._helm.drive(twist)
-
-    def _step_hand(self) -> None:
-        """Keep to a velocity until it is too old; then stand still."""
-        if self._by_hand_until is None:
-            return
-        if self._tick >= self._by_hand_until:
-            self._velocity = self._by_hand_until = None
-            self._helm.drive(STANDSTILL)
-        elif self._velocity is not None:
-            self._steer(self._velocity)
+        self._leg = self._target = self._paused = None
+        self._hand.let_go()
 
     def _tell(self, denied: Denied | None) -> None:
         if denied is not None:
