@@ -1,6 +1,8 @@
 """The command protocol: one final acknowledgement for everything, whoever asks whatever how often."""
 
 import math
+import re
+from pathlib import Path
 
 import pytest
 from hypothesis import given, settings
@@ -154,6 +156,13 @@ def test_a_place_that_is_not_given_is_where_the_robot_is(armed):
 
 
 # -- unknown, malformed
+
+
+def test_the_manual_tells_every_command_that_is_known_and_no_other():
+    manual = (Path(__file__).parents[4] / "docs" / "mavlink.md").read_text()
+    told = {int(number) for number in re.findall(r"\b[A-Z][A-Z0-9_]+ \((\d+)\)", manual)}
+    known = {number for number in mav.enums["MAV_CMD"] if Rig().long(number) != [UNSUPPORTED]}
+    assert told == known
 
 
 @pytest.mark.parametrize("command", [21, 22, 84, 205, 280, 2500, 40001, 65535])
