@@ -1,0 +1,89 @@
+"""Missions of real clients over links that lose a third of all datagrams, both ways: they arrive whole, or not at all."""
+
+import json
+import subprocess
+from collections.abc import Iterator
+from pathlib import Path
+
+import pytest
+
+from tests.peers.lossy import LossyLink, lossy_link
+from tests.peers.rovers import PEERS, free_udp_port, needs, rovers
+from tests.peers.scripting import Script, mav
+from tests.system.programs import Program, until
+
+LOSS = 0.3
+STATION = Path(__file__).with_name("mavsdk_uploader.py")
+PLACES = [(515_000_000 + 10 * seq, -1_000_000 - 7 * seq) for seq in range(6)]
+"""Latitude and longitude, degrees times ten million."""
+
+PATIENCE = 240.0
+SILENCE = 1.5
+"""Seconds after which the protocol has a station say again what it said last."""
+
+REQUESTS = "MISSION_REQUEST_INT|MISSION_ACK"
+
+
+@pytest.fixture(scope="module")
+def lossy(tmp_path_factory: pytest.TempPathFactory) -> Iterator[tuple[Program, int, int, tuple[LossyLink, LossyLink]]]:
+    """Robots, the ports where a script and MAVSDK are to listen, and their links."""
+    script, mavsdk = free_udp_port(), free_udp_port()
+    with lossy_link(script, LOSS, seed=1) as one, lossy_link(mavsdk, LOSS, seed=2) as other:
+        with rovers(tmp_path_factory.mktemp("lossy"), (one.port, other.port), "--rate", "1") as play:
+            until("the robots to be reached", lambda: "Robots speak MAVLink" in play.text, [play])
+            yield play, script, mavsdk, (one, other)
+
+
+def uploaded(script: Script) -> None:
+    """Send the mission as the protocol has it: what is asked for is sent, and said again after a silence."""
+    said = script.master.mav.mission_count_send
+    words: tuple[int, ...] = (1, 1, len(PLACES))
+    while True:
+        said(*words)
+        try:
+            told = script.hears(REQUESTS, seconds=SILENCE)
+        except TimeoutError:
+            continue
+        if told.get_type() == "MISSION_ACK":
+            assert told.type == mav.MAV_MISSION_ACCEPTED
+            return
+        said = script.master.mav.mission_item_int_send
+        head = (1, 1, told.seq, mav.MAV_FRAME_GLOBAL_INT, mav.MAV_CMD_NAV_WAYPOINT, int(told.seq == 0), 1, 0, 0, 0, 0)
+        words = (*head, *PLACES[told.seq], 0)
+
+
+def item(script: Script, seq: int) -> tuple[int, int]:
+    while True:
+        script.master.mav.mission_request_int_send(1, 1, seq)
+        try:
+            told = script.hears("MISSION_ITEM_INT", lambda told: told.seq == seq, SILENCE)
+        except TimeoutError:
+            continue
+        return told.x, told.y
+
+
+def test_a_script_s_mission_arrives(lossy: tuple[Program, int, int, tuple[LossyLink, LossyLink]]) -> None:
+    _, port, _, (link, _) = lossy
+    script = Script(f"udpin:127.0.0.1:{port}", 255)
+    assert script.master.wait_heartbeat(timeout=60) is not None
+    script.follows(1)
+    uploaded(script)
+    assert [item(script, seq) for seq in range(len(PLACES))] == PLACES
+    script.master.close()
+    for lost, carried in zip(link.lost.values(), link.carried.values(), strict=True):
+        assert lost > 0.15 * (lost + carried), "or the link was not bad enough"
+
+
+@needs("mavsdk")
+def test_mavsdk_s_mission_arrives(lossy: tuple[Program, int, int, tuple[LossyLink, LossyLink]]) -> None:
+    play, _, port, (_, link) = lossy
+    orders = {"url": f"udpin://127.0.0.1:{port}", "robot": 2, "places": PLACES}
+    done = subprocess.run(
+        [PEERS / "mavsdk" / "bin" / "python", STATION],
+        input=json.dumps(orders), capture_output=True, text=True, timeout=PATIENCE, check=False,
+    )  # fmt: skip
+    assert done.returncode == 0, done.stdout + done.stderr + play.text
+    told = json.loads(done.stdout.splitlines()[-1])
+    print(told["tries"])
+    assert [tuple(place) for place in told["read"]] == PLACES
+    assert sum(link.lost.values()) > 0
