@@ -1,4 +1,4 @@
-"""Missions of real clients over links that lose a third of all datagrams, both ways: they arrive whole, or not at all."""
+"""Missions of real clients over links that lose thirty per cent of all datagrams, both ways: they arrive whole."""
 
 import json
 import subprocess
@@ -26,12 +26,16 @@ REQUESTS = "MISSION_REQUEST_INT|MISSION_ACK"
 
 @pytest.fixture(scope="module")
 def lossy(tmp_path_factory: pytest.TempPathFactory) -> Iterator[tuple[Program, int, int, tuple[LossyLink, LossyLink]]]:
-    """Robots, the ports where a script and MAVSDK are to listen, and their links."""
+    """Robots at the pace of the clock, the ports where a script and MAVSDK are to listen, and their links."""
     script, mavsdk = free_udp_port(), free_udp_port()
-    with lossy_link(script, LOSS, seed=1) as one, lossy_link(mavsdk, LOSS, seed=2) as other:
-        with rovers(tmp_path_factory.mktemp("lossy"), (one.port, other.port), "--rate", "1") as play:
-            until("the robots to be reached", lambda: "Robots speak MAVLink" in play.text, [play])
-            yield play, script, mavsdk, (one, other)
+    folder = tmp_path_factory.mktemp("lossy")
+    with (
+        lossy_link(script, LOSS, seed=1) as one,
+        lossy_link(mavsdk, LOSS, seed=2) as other,
+        rovers(folder, (one.port, other.port), "--rate", "1") as play,
+    ):
+        until("the robots to be reached", lambda: "Robots speak MAVLink" in play.text, [play])
+        yield play, script, mavsdk, (one, other)
 
 
 def uploaded(script: Script) -> None:
@@ -84,6 +88,5 @@ def test_mavsdk_s_mission_arrives(lossy: tuple[Program, int, int, tuple[LossyLin
     )  # fmt: skip
     assert done.returncode == 0, done.stdout + done.stderr + play.text
     told = json.loads(done.stdout.splitlines()[-1])
-    print(told["tries"])
     assert [tuple(place) for place in told["read"]] == PLACES
     assert sum(link.lost.values()) > 0

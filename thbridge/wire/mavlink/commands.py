@@ -122,7 +122,6 @@ class Commands:
             result = self._result_of(running)
             if result is not Result.IN_PROGRESS:
                 del self._running[key]
-                self._remember(key, running.order, result)
                 yield _ack(running.order, result)
             elif tick - running.told >= TICKS_PER_SECOND:
                 running.told = tick
@@ -155,9 +154,6 @@ class Commands:
 
     def _repeated(self, key: _Key, order: Order) -> Said | None:
         """What was said of this command before, if it is not a new one."""
-        running = self._running.get(key)
-        if running is not None and order.confirmation > 0 and _same(order, running.order):
-            return _ack(order, Result.IN_PROGRESS, running.progress)
         done = self._done.get(key)
         if done is None or not _same(order, done.order):
             return None
