@@ -18,8 +18,8 @@ from ui.hosting import Game, Visit, host
 from ui.model.lobby import Offer
 from ui.options import announce_compiling, make_ready, setting_of, write_report
 from ui.outcome import show_outcome, usual_bag
-from ui.story import tell
-from ui.terminal import FAILED, bad_input, fail, note, out
+from ui.story import print_story
+from ui.terminal import FAILED, bad_input, fail, note
 
 PRACTICE = Study(map="practice", templates="practice", robots=1)
 """A hall and two rooms, with treasures that no other set has."""
@@ -94,8 +94,7 @@ class Games:
             visit.ready(where)
 
         def progress(moment: Moment) -> None:
-            for sentence in tell(moment):
-                out.print(sentence, highlight=False, markup=False)
+            print_story(moment)
 
         announce_compiling()
         try:

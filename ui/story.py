@@ -26,6 +26,13 @@ from thbridge.hunt.events import (
     Started,
 )
 from thbridge.hunt.rules import commander_name, robot_name
+from ui.terminal import out
+
+
+def print_story(moment: Moment) -> None:
+    """Print what happened in a tick."""
+    for sentence in tell(moment):
+        out.print(sentence, highlight=False, markup=False)
 
 
 def tell(moment: Moment) -> Iterator[str]:

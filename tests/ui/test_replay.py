@@ -90,7 +90,7 @@ def test_what_if_for_people_is_a_table(hunt: Path) -> None:
         (["--with", "robots=50"], "there are start poses for"),
         (["--with", "map=./nowhere"], "nowhere"),
         (["--with", "none.yaml"], "none.yaml"),
-        (["--to", "bag"], "is not the name of a bag"),
+        (["--to", "bag"], "--to: bag is not the name of a bag"),
     ],
 )
 def test_bad_input_is_refused(hunt: Path, arguments: list[str], told: str) -> None:

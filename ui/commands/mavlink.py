@@ -27,8 +27,8 @@ from thbridge.wire.mavlink.modes import mode_shown
 from thbridge.wire.mavlink.signing import SigningKey
 from thbridge.wire.mavlink.trip import Destination, Outcome, Stage, Trip
 from ui.commands.replay import changes_of, other_versions
-from ui.options import AsJson, KeyFile, announce_compiling, make_ready, setting_of, study_of
-from ui.story import tell
+from ui.options import AsJson, KeyFile, announce_compiling, make_copy_ready, setting_of, study_of
+from ui.story import print_story
 from ui.terminal import BAD_INPUT, FAILED, bad_input, fail, note, out, print_json
 
 T = TypeVar("T")
@@ -148,14 +148,11 @@ def mavlink_replay(
     what_if = study_file is not None or bool(changes)
     setting = _setting(bag, study_file, changes or [], beside)
     if to is not None:
-        if to.resolve() == bag.resolve():
-            fail(BAD_INPUT, f"--to: {to} is the recording itself. Give another name.")
-        make_ready(to)
+        make_copy_ready(to, bag)
 
     def progress(moment: Moment) -> None:
         if not as_json:
-            for sentence in tell(moment):
-                out.print(sentence, highlight=False, markup=False)
+            print_story(moment)
 
     announce_compiling()
     with bad_input():

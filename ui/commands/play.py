@@ -51,8 +51,8 @@ from ui.options import (
 )
 from ui.outcome import show_outcome, usual_bag
 from ui.seats import run, seat_of_bot, seat_of_person
-from ui.story import tell
-from ui.terminal import BAD_INPUT, FAILED, bad_input, fail, note, out, print_json
+from ui.story import print_story
+from ui.terminal import BAD_INPUT, FAILED, bad_input, fail, note, print_json
 
 AN_HOUR = 3600.0
 
@@ -145,8 +145,7 @@ def play(
 
     def progress(moment: Moment) -> None:
         if not as_json and who is not Who.PERSON:
-            for sentence in tell(moment):
-                out.print(sentence, highlight=False, markup=False)
+            print_story(moment)
 
     announce_compiling()
     unfinished: Unfinished | None = None

@@ -19,9 +19,9 @@ from thbridge.bags.comparison import RobotFigures, RunFigures, figures_of
 from thbridge.bags.report.gathering import read_report
 from thbridge.ros.records import Session
 from thbridge.study.bots import BotStrategy
-from ui.options import AsJson, announce_compiling, make_ready
+from ui.options import AsJson, announce_compiling, make_copy_ready
 from ui.seats import run
-from ui.story import tell
+from ui.story import print_story
 from ui.terminal import BAD_INPUT, FAILED, bad_input, fail, note, out, print_json
 
 
@@ -66,14 +66,11 @@ def replay_command(
     for sentence in other_versions(record):
         note(sentence)
     if to is not None:
-        if to.resolve() == bag.resolve():
-            fail(BAD_INPUT, f"--to: {to} is the recording itself. Give another name.")
-        make_ready(to)
+        make_copy_ready(to, bag)
 
     def progress(moment: Moment) -> None:
         if not as_json:
-            for sentence in tell(moment):
-                out.print(sentence, highlight=False, markup=False)
+            print_story(moment)
 
     announce_compiling()
     figures: tuple[RunFigures, RunFigures] | None = None
