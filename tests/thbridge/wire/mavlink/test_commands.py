@@ -43,18 +43,6 @@ PHOTOGRAPH = mav.MAV_CMD_IMAGE_START_CAPTURE
 ATTITUDE = mav.MAVLINK_MSG_ID_ATTITUDE
 
 
-@pytest.fixture
-def rig():
-    return Rig()
-
-
-@pytest.fixture
-def armed(rig):
-    rig.arm()
-    rig.run(1)
-    return rig
-
-
 def long_of(command, *params, confirmation=0):
     params = (*params, *[NAN] * (7 - len(params)))
     return mav.MAVLink_command_long_message(3, 1, command, confirmation, *params)

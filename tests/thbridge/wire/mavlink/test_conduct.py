@@ -37,18 +37,6 @@ MOTIONS = [
 HOLD, GUIDED, AUTO, RETURN, MANUAL = (4, 3), (6, 0), (4, 4), (4, 5), (1, 0)
 
 
-@pytest.fixture
-def rig():
-    return Rig()
-
-
-@pytest.fixture
-def armed(rig):
-    rig.arm()
-    rig.run(1)
-    return rig
-
-
 def upload(rig, *items):
     """Give the vehicle a plan."""
     rig.hear(mav.MAVLink_mission_count_message(3, 1, len(items)))
