@@ -96,8 +96,8 @@ class FramesReplayed:
         ticks: how many were run.
         recorded: the hunt of the recording; None where that has none.
         replayed: the hunt of the fresh session.
-        parted: seconds at which a robot first was not where it was in the recording, to the last bit; None when that
-            never was so, or cannot be told.
+        compared: how many times it was seen whether a robot is where it was in the recording.
+        parted: seconds at which a robot first was not there, to the last bit; None when that never was so.
         finished: the end was reached; or else somebody stopped it.
         wall_seconds: real time it took.
     """
@@ -107,6 +107,7 @@ class FramesReplayed:
     ticks: int
     recorded: Hunt | None
     replayed: Hunt
+    compared: int
     parted: float | None
     finished: bool
     wall_seconds: float
@@ -125,6 +126,11 @@ def has_session(path: Path) -> bool:
 
 def _is_ours(info: BagInfo) -> bool:
     return any(topic.name == names.SESSION for topic in info.topics)
+
+
+def _tells_hunt(info: BagInfo) -> bool:
+    """Whether a bag is ours, and what became of the game was not cut out of it."""
+    return _is_ours(info) and any(topic.name == names.GAME_EVENTS for topic in info.topics)
 
 
 def hunt_of(path: Path) -> Hunt:
@@ -165,8 +171,9 @@ async def replay_frames(
     info = bag_reader.info(path)
     heard = _Heard(path, info)
     last_tick = heard.tick_at(info.end_ns or 0) + round(options.longer * TICKS_PER_SECOND)
-    recorded = hunt_of(path) if _is_ours(info) else None
-    ways, hunt = _Ways(path, setting.study.robots), _HuntWitness()
+    recorded = hunt_of(path) if _tells_hunt(info) else None
+    # Other programs' robots may have a truth of their own, which is none here.
+    ways, hunt = _Ways(path, setting.study.robots if _is_ours(info) else 0), _HuntWitness()
     with ExitStack() as opened:
         listening: list[Listener] = [ways]
         if options.to is not None:
@@ -189,8 +196,8 @@ async def replay_frames(
         ticks=session.tick,
         recorded=recorded,
         replayed=Hunt(tuple(hunt.arrivals), hunt.score),
-        # Other programs' robots may have a truth of their own, which is none here.
-        parted=None if recorded is None else ways.parted,
+        compared=ways.compared,
+        parted=ways.parted,
         finished=run.finished,
         wall_seconds=run.seconds,
     )
@@ -256,10 +263,12 @@ class _Ways:
     """Holds where robots truly are against a recording.
 
     Attributes:
+        compared: how often it did.
         parted: session time at which one first was elsewhere, seconds.
     """
 
     def __init__(self, path: Path, robots: int) -> None:
+        self.compared = 0
         self.parted: float | None = None
         self._topics = {RobotNames.of(robot).topic("base_pose_ground_truth") for robot in range(robots)}
         self._recorded = bag_reader.messages(path, self._topics)
@@ -274,6 +283,7 @@ class _Ways:
             was = next(self._recorded, None)
             if was is None:
                 return
+            self.compared += 1
             if (was.topic, was.stamp_ns, was.data) != (message.topic.name, message.stamp_ns, message.data):
                 self.parted = _seconds(message.stamp_ns)
                 return

@@ -190,7 +190,7 @@ def _show(done: FramesReplayed) -> None:
     out.print(table)
     if done.unusable:
         note(f"{done.unusable} messages held no frame, or were for robots that there are not.")
-    if was is not None and done.parted is None:
+    if done.compared and done.parted is None:
         out.print("Every robot drove as it was recorded, to the last bit.", highlight=False)
     elif done.parted is not None:
         out.print(f"A robot first was elsewhere than recorded at {done.parted:.2f} s.", highlight=False)

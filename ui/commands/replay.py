@@ -9,7 +9,7 @@ from typing import Annotated
 import typer
 from rich.table import Table
 
-from thbridge.adapters.bag_reader import messages
+from thbridge.adapters.bag_reader import info, messages
 from thbridge.app.compose import read_setting, versions
 from thbridge.app.config import read_study_text
 from thbridge.app.replay import Difference, Replayed, ReplayOptions, replay, session_of
@@ -17,6 +17,7 @@ from thbridge.app.session import Moment
 from thbridge.app.what_if import Change, changed
 from thbridge.bags.comparison import RobotFigures, RunFigures, figures_of
 from thbridge.bags.report.gathering import read_report
+from thbridge.ros.names import INPUTS
 from thbridge.ros.records import Session
 from thbridge.study.bots import BotStrategy
 from ui.options import AsJson, announce_compiling, make_copy_ready
@@ -88,7 +89,12 @@ def replay_command(
     if not done.finished:
         fail(FAILED, "stopped before the end of the recording")
     if done.difference is not None and not what_if:
+        if not any(topic.name == INPUTS for topic in info(bag).topics):
+            note(f"The recording has no {INPUTS}: if anything came from outside, it was cut out. {_FRAMES}")
         raise typer.Exit(FAILED)
+
+
+_FRAMES = "Where MAVLink frames drove the robots, `thbridge mavlink replay` does without."
 
 
 def changes_of(given: list[str]) -> tuple[list[Path], list[Change]]:

@@ -162,6 +162,19 @@ def test_a_bag_of_strangers_drives_robots_whose_study_has_no_vehicles(tmp_path: 
     assert done.ticks == 50 + 25 * number
 
 
+def test_of_a_bag_that_was_cut_to_its_frames_nothing_is_claimed(tmp_path: Path):
+    ours, cut = tmp_path / "hunt.bag", tmp_path / "cut.bag"
+    record(ours, 120, beating({}))
+    with BagWriter(cut) as writer:
+        for number, message in enumerate(messages(ours, [names.SESSION, TO.name])):
+            topic = Topic(message.topic, types.SESSION if message.topic == names.SESSION else TO.msgtype)
+            writer.take(number, [RosMessage(topic, message.stamp_ns, message.data)])
+    done = by_frames(cut)
+    assert (done.recorded, done.compared, done.parted) == (None, 0, None)
+    assert not done.same
+    assert by_frames(ours).compared > 0
+
+
 def test_a_bag_without_frames_is_refused_with_what_to_do(tmp_path: Path):
     bag = tmp_path / "hunt.bag"
     record(bag, 3, lambda tick, session: None, replace(STUDY, mavlink=MavlinkSection()))
