@@ -1,14 +1,12 @@
 """What it costs that fifty robots speak MAVLink: processor time, frames lost, and how long a command waits for its ack.
 
-The hunt runs in this process at the pace of the clock, and is recorded. The ground station is another process: it hears
-every robot at the usual rates and asks one after the other for a message that they do not send by themselves.
+The hunt runs in this process at the pace of the clock. The ground station is another process: it hears every robot at
+the usual rates and asks one after the other for a message that they do not send by themselves.
 """
 
 import asyncio
 import dataclasses
 import json
-import re
-import shutil
 import socket
 import subprocess
 import sys
@@ -18,9 +16,9 @@ from pathlib import Path
 import numpy as np
 import pytest
 
+from tests.bench.halls import hall_for_fifty
 from thbridge.adapters.addresses import Address
 from thbridge.adapters.mavlink_server import Ports
-from thbridge.adapters.resources import shipped
 from thbridge.app import play
 from thbridge.app.compose import read_setting
 from thbridge.app.config import Study
@@ -74,21 +72,10 @@ asyncio.run(main())
 """
 
 
-@pytest.fixture
-def hall(tmp_path: Path) -> Path:
-    """The warehouse with starts for fifty."""
-    folder = tmp_path / "warehouse"
-    shutil.copytree(shipped().find("maps", "warehouse12", Path()), folder)
-    rooms = folder / "rooms.yaml"
-    ends = [(2.4, 5.6, 2.0), (2.4, 5.6, 2.9), (2.4, 3.2, 3.8), (9.0, 12.2, 1.9), (9.0, 12.2, 2.9), (9.0, 12.2, 4.6)]
-    rows = "".join(f"\n    - [[{first}, {y}], [{last}, {y}]]" for first, last, y in ends)
-    text = rooms.read_text().replace("\n  rows:", f"\n  rows:{rows}")
-    rooms.write_text(re.sub(r"spacing: .*", "spacing: 0.8", text))
-    return folder
-
-
+@pytest.mark.parametrize("recorded", [True, False], ids=["recorded", "unrecorded"])
 @pytest.mark.parametrize("vehicles", ["none", "unheard", "heard"])
-def test_fifty_robots(vehicles: str, hall: Path, tmp_path: Path) -> None:
+def test_fifty_robots(vehicles: str, recorded: bool, tmp_path: Path) -> None:
+    hall = hall_for_fifty(tmp_path)
     with socket.socket(socket.AF_INET, socket.SOCK_DGRAM) as free:
         free.bind(("127.0.0.1", 0))
         port = free.getsockname()[1]
@@ -111,12 +98,14 @@ def test_fifty_robots(vehicles: str, hall: Path, tmp_path: Path) -> None:
     if station is not None and station.stdout is not None:
         assert station.stdout.readline() == "ready\n"
     setting = read_setting(study, Path())
-    options = PlayOptions(1.0, tmp_path / "hunt.bag", frozenset({"TabUI"}), "", SECONDS, mavlink=ports)
+    bag = tmp_path / "hunt.bag" if recorded else None
+    options = PlayOptions(1.0, bag, frozenset({"TabUI"}), "", SECONDS, mavlink=ports)
     with pytest.raises(Unfinished):
         asyncio.run(play.play(setting, None, options, lambda _: None, watch))
     assert begun is not None
     share = (ended[1] - begun[1]) / (ended[0] - begun[0])
-    print(f"\n{ROBOTS} robots, MAVLink: {vehicles}: {1e3 * share:.0f} ms of processor time per simulated second")
+    how = f"MAVLink: {vehicles}, {'recorded' if recorded else 'not recorded'}"
+    print(f"\n{ROBOTS} robots, {how}: {1e3 * share:.0f} ms of processor time per simulated second")
     if station is not None:
         told, _ = station.communicate(timeout=60)
         heard = json.loads(told)
