@@ -1,6 +1,7 @@
 """Signed frames with MAVProxy and with pymavlink's `mavutil`: who has the key drives, and nobody else."""
 
 import hashlib
+import socket
 from collections.abc import Iterator
 from pathlib import Path
 
@@ -9,7 +10,7 @@ import pytest
 from tests.peers.mavproxy import MavProxy
 from tests.peers.rovers import free_udp_port, needs, rovers
 from tests.peers.scripting import Script, mav
-from tests.system.programs import Program
+from tests.system.programs import Program, until
 
 WORD = "open-sesame"
 KEY = hashlib.sha256(WORD.encode()).digest()
@@ -54,6 +55,49 @@ def test_mavutil_signs_and_verifies(tmp_path: Path, key: Path, scripts: tuple[Sc
         signing = friend.master.mav.signing
         assert signing.goodsig_count > 0
         assert signing.badsig_count == signing.reject_count == 0
+
+
+def test_datagrams_that_are_said_again_or_late_or_by_another_key_do_nothing(
+    tmp_path: Path, key: Path, scripts: tuple[Script, Script]
+) -> None:
+    friend, _ = scripts
+    friend.master.setup_signing(KEY, sign_outgoing=True)
+
+    def arming(arm: int) -> bytes:
+        robot = (1, 1, mav.MAV_CMD_COMPONENT_ARM_DISARM, 0, arm, *[0.0] * 6)
+        return bytes(friend.master.mav.command_long_encode(*robot).pack(friend.master.mav))
+
+    def is_armed() -> bool:
+        return bool(friend.hears("HEARTBEAT").base_mode & mav.MAV_MODE_FLAG_SAFETY_ARMED)
+
+    with (
+        rovers(tmp_path, (port_of(friend),), "--signing-key", str(key)) as play,
+        socket.socket(socket.AF_INET, socket.SOCK_DGRAM) as thief,
+    ):
+        meets(friend, play)
+        stolen = arming(1)
+        for arm, said in ((True, stolen), (False, arming(0))):
+            friend.master.write(said)
+            friend.hears("COMMAND_ACK")
+            assert is_armed() == arm
+        signing = friend.master.mav.signing
+        signing.link_id, signing.timestamp = 7, signing.timestamp - 3600 * 100_000
+        late = arming(1)
+        signing.secret_key = bytes(32)
+        signing.timestamp += 2 * 3600 * 100_000
+        forged = arming(1)
+        signing.secret_key, signing.link_id = KEY, 0
+        for said in (stolen, late, forged):
+            friend.master.write(said)
+            thief.sendto(said, *friend.master.clients)
+        with pytest.raises(TimeoutError):
+            friend.hears("COMMAND_ACK", seconds=2.0)
+        assert not is_armed()
+        until(
+            "all to be told",
+            lambda: all(reason in play.text for reason in ("not newer", "minute old", "wrong")),
+            [play],
+        )
 
 
 @needs("mavproxy")
