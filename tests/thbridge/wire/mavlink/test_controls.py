@@ -56,8 +56,9 @@ def test_a_stick_drives_in_mode_manual(rig):
 def test_a_stick_is_passed_over_in_other_modes(rig, mode):
     rig.mode(*mode)
     stick(rig, x=500)
+    stick(rig, x=500, station=THEM)
     assert driven(rig) == []
-    assert rig.texts() == ["Commanded by ground station 255."]
+    assert rig.texts() == ["Commanded by ground station 255."], "and nobody is told that theirs is in vain"
 
 
 def test_a_stick_for_another_robot_is_not_ours(rig):
