@@ -208,7 +208,8 @@ class Mouse(Player):
             if (button := sight.button(name)) is not None and sight.named("What was said") is None:
                 return button
         if sight.names and sight.picked is None:
-            return next(name for name in sight.names if name.name == sight.treasure)
+            # A look takes a moment, and may catch a pop-up half filled: the next one sees all of it.
+            return next((name for name in sight.names if name.name == sight.treasure), None)
         return sight.button("Name it") or sight.button("Leave it")
 
     def send(self, sight: Sight) -> None:
