@@ -37,7 +37,7 @@ import asyncio, json, sys, time
 from thbridge.adapters.addresses import Address
 from thbridge.adapters.mavlink_client import linked
 from thbridge.wire.mavlink.dialect import mav
-from thbridge.wire.mavlink.ground_station import Acked, Unanswered
+from thbridge.wire.mavlink.station.ground_station import Acked, Unanswered
 
 async def main():
     port, robots, seconds = int(sys.argv[1]), int(sys.argv[2]), float(sys.argv[3])

@@ -22,7 +22,7 @@ from tests.system.programs import Program, until
 from thbridge.adapters.addresses import Address
 from thbridge.adapters.mavlink_client import StationLink, linked
 from thbridge.wire.mavlink.dialect import mav
-from thbridge.wire.mavlink.ground_station import Acked, Order, Unanswered
+from thbridge.wire.mavlink.station.ground_station import Acked, Order, Unanswered
 
 pytestmark = pytest.mark.bench
 

@@ -8,12 +8,12 @@ import pytest
 from sim.geometry import Pose2
 from sim.observations import TICKS_PER_SECOND, Twist
 from thbridge.wire.mavlink.dialect import crc_extra, mav, payload_of
-from thbridge.wire.mavlink.frame import Frame
-from thbridge.wire.mavlink.framer import Framer
+from thbridge.wire.mavlink.frames.frame import Frame
+from thbridge.wire.mavlink.frames.framer import Framer
+from thbridge.wire.mavlink.frames.signing import Signing, SigningKey, Timestamps
 from thbridge.wire.mavlink.helm import Readings
 from thbridge.wire.mavlink.hub import Hub
 from thbridge.wire.mavlink.said import LinkId, Said
-from thbridge.wire.mavlink.signing import Signing, SigningKey, Timestamps
 
 pytestmark = pytest.mark.bench
 

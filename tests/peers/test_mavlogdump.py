@@ -7,7 +7,7 @@ from pathlib import Path
 from thbridge.adapters.tlog_file import TlogFile
 from thbridge.ros.stamps import stamp_ns
 from thbridge.wire.mavlink.dialect import crc_extra, mav, payload_of
-from thbridge.wire.mavlink.frame import Frame
+from thbridge.wire.mavlink.frames.frame import Frame
 from thbridge.wire.mavlink.hub import Traffic
 
 TOOLS = Path(sys.executable).parent

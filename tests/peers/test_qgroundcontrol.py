@@ -19,9 +19,9 @@ from thbridge.app.config import Study
 from thbridge.app.play import NoLog
 from thbridge.app.session import Session
 from thbridge.wire.mavlink.dialect import Message, crc_extra, decoded, mav, payload_of
-from thbridge.wire.mavlink.frame import Frame
+from thbridge.wire.mavlink.frames.frame import Frame
 from thbridge.wire.mavlink.hub import Sent
-from thbridge.wire.mavlink.vehicle import Identity
+from thbridge.wire.mavlink.vehicle.vehicle import Identity
 from thbridge.wire.router import Router
 
 ROBOT = 1

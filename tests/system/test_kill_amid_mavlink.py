@@ -10,8 +10,8 @@ from thbridge.adapters.bag_repair import reindex
 from thbridge.app.mavros import frame_in
 from thbridge.ros import unpack
 from thbridge.wire.mavlink.dialect import crc_extra, mav, payload_of
-from thbridge.wire.mavlink.frame import Frame
-from thbridge.wire.mavlink.framer import Framer
+from thbridge.wire.mavlink.frames.frame import Frame
+from thbridge.wire.mavlink.frames.framer import Framer
 
 LOST = 1.0
 """Seconds before the kill of which nothing is promised."""

@@ -18,14 +18,14 @@ from tests.thbridge.wire.mavlink.rig import OPTIONS, Game
 from thbridge.adapters.addresses import Address
 from thbridge.adapters.mavlink_server import MavlinkServer, Ports
 from thbridge.app.session import Session
-from thbridge.wire.mavlink import ground_station, trip
 from thbridge.wire.mavlink.dialect import crc_extra, mav, payload_of
-from thbridge.wire.mavlink.frame import Frame
+from thbridge.wire.mavlink.frames.frame import Frame
+from thbridge.wire.mavlink.frames.signing import SigningKey, key_in
 from thbridge.wire.mavlink.helm import Denied
 from thbridge.wire.mavlink.hub import Hub, Sent
 from thbridge.wire.mavlink.said import LinkId
-from thbridge.wire.mavlink.signing import SigningKey, key_in
-from thbridge.wire.mavlink.vehicle import Vehicle
+from thbridge.wire.mavlink.station import ground_station, trip
+from thbridge.wire.mavlink.vehicle.vehicle import Vehicle
 from ui.cli import app
 
 

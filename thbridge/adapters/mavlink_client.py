@@ -12,9 +12,9 @@ from typing import cast
 from thbridge.adapters.addresses import Address
 from thbridge.adapters.errors import reason_of
 from thbridge.adapters.mavlink_udp import BUFFER, SocketAddress
-from thbridge.wire.mavlink.channel import Channel
-from thbridge.wire.mavlink.ground_station import GroundStation, StationEvent
-from thbridge.wire.mavlink.signing import Signing, SigningKey, Timestamps
+from thbridge.wire.mavlink.frames.channel import Channel
+from thbridge.wire.mavlink.frames.signing import Signing, SigningKey, Timestamps
+from thbridge.wire.mavlink.station.ground_station import GroundStation, StationEvent
 
 CONNECT_SECONDS = 5.0
 

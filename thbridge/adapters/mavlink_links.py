@@ -12,12 +12,12 @@ from dataclasses import dataclass
 from typing import Protocol
 
 from thbridge.adapters.rosgraph.sockets import Complaints
-from thbridge.wire.mavlink.channel import Channel
-from thbridge.wire.mavlink.frame import Frame
+from thbridge.wire.mavlink.frames.channel import Channel
+from thbridge.wire.mavlink.frames.frame import Frame
+from thbridge.wire.mavlink.frames.signing import Signing, SigningKey, Timestamps
 from thbridge.wire.mavlink.hub import Sent
 from thbridge.wire.mavlink.links import Drop, LinkReport
 from thbridge.wire.mavlink.said import LinkId
-from thbridge.wire.mavlink.signing import Signing, SigningKey, Timestamps
 
 GARBAGE = 16 * 1024
 """Who has sent so many bytes on end without one good frame is listened to no more, for some time at least."""

@@ -9,7 +9,7 @@ from thbridge.adapters.mavlink_links import Exchange, Links
 from thbridge.adapters.mavlink_tcp import TcpPort, tcp_port
 from thbridge.adapters.mavlink_udp import UdpPort, udp_listener, udp_port
 from thbridge.adapters.text_server import CannotListen
-from thbridge.wire.mavlink.signing import SigningKey
+from thbridge.wire.mavlink.frames.signing import SigningKey
 
 _log = logging.getLogger(__name__)
 

@@ -11,7 +11,7 @@ from thbridge.adapters.addresses import Address
 from thbridge.adapters.errors import reason_of
 from thbridge.adapters.mavlink_links import GARBAGE, Links
 from thbridge.adapters.text_server import CannotListen
-from thbridge.wire.mavlink.channel import Channel
+from thbridge.wire.mavlink.frames.channel import Channel
 from thbridge.wire.mavlink.said import LinkId
 
 CONNECTIONS = 32

@@ -3,7 +3,7 @@
 from pathlib import Path
 
 from thbridge.adapters.errors import BadFile, reason_of
-from thbridge.wire.mavlink.signing import NoKey, SigningKey, key_in
+from thbridge.wire.mavlink.frames.signing import NoKey, SigningKey, key_in
 
 _REMEDY = "put a passphrase, 32 bytes or 64 hexadecimal digits there"
 _LARGEST = 4096

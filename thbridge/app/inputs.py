@@ -15,7 +15,7 @@ import numpy as np
 from thbridge.roles.requests import PaceRequest, Request
 from thbridge.ros.records import Input as InputRecord
 from thbridge.wire.mavlink.dialect import name_of
-from thbridge.wire.mavlink.frame import Frame
+from thbridge.wire.mavlink.frames.frame import Frame
 from thbridge.wire.mavlink.said import LinkId
 from thbridge.wire.router import ConnectionId
 from thbridge.wire.text import Message

@@ -17,7 +17,7 @@ from thbridge.app.live import LiveGraph, on_graph
 from thbridge.app.watching import Desk
 from thbridge.roles.requests import Request
 from thbridge.ros.publisher import Publisher
-from thbridge.wire.mavlink.frame import Frame
+from thbridge.wire.mavlink.frames.frame import Frame
 
 
 @dataclass(frozen=True, slots=True)

@@ -37,7 +37,7 @@ from thbridge.ros.parameters import Tree
 from thbridge.ros.records import CancelRequest, GoalRequest, InitialPose, SimpleGoal, VelocityCommand
 from thbridge.ros.stamps import stamp_ns
 from thbridge.ros.topics import CLOCK, Message, Topic, VehicleTopics
-from thbridge.wire.mavlink.frame import Frame
+from thbridge.wire.mavlink.frames.frame import Frame
 from thbridge.wire.rosgraph.links import ServiceFailed
 
 _log = logging.getLogger(__name__)

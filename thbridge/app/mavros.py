@@ -2,7 +2,7 @@
 
 from thbridge.ros.records import MavlinkFrame, VehicleFrame, VehicleState
 from thbridge.wire.mavlink.dialect import crc_extra
-from thbridge.wire.mavlink.frame import V1, V2, Frame
+from thbridge.wire.mavlink.frames.frame import V1, V2, Frame
 from thbridge.wire.mavlink.hub import Traffic
 from thbridge.wire.mavlink.said import Status
 

@@ -26,7 +26,7 @@ from thbridge.roles.simr import SimR
 from thbridge.roles.tabui import TabUI
 from thbridge.ros.names import GRAPH_LINK
 from thbridge.wire import legacy
-from thbridge.wire.mavlink.frame import Frame
+from thbridge.wire.mavlink.frames.frame import Frame
 from thbridge.wire.router import Router
 
 PLAY = "play"

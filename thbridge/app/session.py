@@ -31,7 +31,7 @@ from thbridge.roles.role import Role
 from thbridge.roles.simr import SimR
 from thbridge.roles.vehicles import Ask, Vehicles
 from thbridge.roles.wizard import Held
-from thbridge.wire.mavlink.frame import Frame
+from thbridge.wire.mavlink.frames.frame import Frame
 from thbridge.wire.mavlink.hub import Sent, Traffic
 from thbridge.wire.mavlink.links import Drop, LinkReport
 from thbridge.wire.mavlink.said import LinkId, Status

@@ -7,13 +7,13 @@ from typing import Protocol, TypeAlias
 from sim.team import TeamSnapshot
 from thbridge.hunt.game import GameState
 from thbridge.roles.requests import Request
-from thbridge.wire.mavlink.frame import Frame
+from thbridge.wire.mavlink.frames.frame import Frame
 from thbridge.wire.mavlink.helm import Helm, Readings
 from thbridge.wire.mavlink.hub import Hub, Sent, Traffic
 from thbridge.wire.mavlink.links import Drop, LinkReport
 from thbridge.wire.mavlink.options import VehicleOptions
 from thbridge.wire.mavlink.said import LinkId, Status
-from thbridge.wire.mavlink.vehicle import Vehicle
+from thbridge.wire.mavlink.vehicle.vehicle import Vehicle
 
 Ask: TypeAlias = Callable[[Request], None]
 """Takes what is wanted of the robots or of the game; it is done with the next tick."""

@@ -22,10 +22,10 @@ from thbridge.app.replay import session_of
 from thbridge.app.session import Moment
 from thbridge.app.what_if import changed
 from thbridge.wire.mavlink import conventions
-from thbridge.wire.mavlink.ground_station import Sighting
+from thbridge.wire.mavlink.frames.signing import SigningKey
 from thbridge.wire.mavlink.modes import mode_shown
-from thbridge.wire.mavlink.signing import SigningKey
-from thbridge.wire.mavlink.trip import Destination, Outcome, Stage, Trip
+from thbridge.wire.mavlink.station.ground_station import Sighting
+from thbridge.wire.mavlink.station.trip import Destination, Outcome, Stage, Trip
 from ui.commands.replay import changes_of, other_versions
 from ui.options import AsJson, KeyFile, announce_compiling, make_copy_ready, setting_of, study_of
 from ui.story import print_story

@@ -14,8 +14,8 @@ from thbridge.adapters.mavlink_links import GARBAGE
 from thbridge.adapters.mavlink_server import MavlinkServer, Ports
 from thbridge.adapters.text_server import CannotListen
 from thbridge.wire.mavlink.dialect import crc_extra, mav, payload_of
-from thbridge.wire.mavlink.frame import Frame
-from thbridge.wire.mavlink.framer import Framer
+from thbridge.wire.mavlink.frames.frame import Frame
+from thbridge.wire.mavlink.frames.framer import Framer
 from thbridge.wire.mavlink.hub import Sent
 from thbridge.wire.mavlink.links import Drop, LinkReport
 from thbridge.wire.mavlink.said import LinkId

@@ -6,13 +6,13 @@ import pytest
 from pymavlink.dialects.v20 import all as mav
 
 from thbridge.adapters.mavlink_links import Links
-from thbridge.wire.mavlink.channel import Channel
 from thbridge.wire.mavlink.dialect import payload_of
-from thbridge.wire.mavlink.frame import Frame
+from thbridge.wire.mavlink.frames.channel import Channel
+from thbridge.wire.mavlink.frames.frame import Frame
+from thbridge.wire.mavlink.frames.signing import EPOCH, Reason, SigningKey
 from thbridge.wire.mavlink.hub import Sent
 from thbridge.wire.mavlink.links import Drop, LinkReport
 from thbridge.wire.mavlink.said import LinkId
-from thbridge.wire.mavlink.signing import EPOCH, Reason, SigningKey
 
 KEY = SigningKey(bytes(range(32)))
 NOW = 1_763_000_000.0

@@ -9,7 +9,7 @@ from thbridge.adapters.errors import BadFile
 from thbridge.adapters.tlog_file import TlogFile
 from thbridge.ros.stamps import stamp_ns
 from thbridge.wire.mavlink.dialect import mav, payload_of
-from thbridge.wire.mavlink.frame import Frame
+from thbridge.wire.mavlink.frames.frame import Frame
 from thbridge.wire.mavlink.hub import Traffic
 
 HEARTBEAT = Frame(1, 1, 0, 0, payload_of(mav.MAVLink_heartbeat_message(10, 0, 1, 0, 4, 3)), 50)

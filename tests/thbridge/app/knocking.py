@@ -21,7 +21,7 @@ from thbridge.app.session import Moment, Session
 from thbridge.roles.requests import Request
 from thbridge.ros.names import GRAPH_LINK
 from thbridge.wire import legacy
-from thbridge.wire.mavlink.frame import Frame
+from thbridge.wire.mavlink.frames.frame import Frame
 from thbridge.wire.mavlink.said import LinkId
 from thbridge.wire.rosgraph.links import ServiceFailed
 from thbridge.wire.rosgraph.xmlrpc import XmlRpcValue

@@ -31,7 +31,7 @@ from thbridge.app.inputs import (
 from thbridge.roles.requests import Request
 from thbridge.ros import pack, unpack
 from thbridge.ros.records import Input as InputRecord
-from thbridge.wire.mavlink.frame import Frame
+from thbridge.wire.mavlink.frames.frame import Frame
 from thbridge.wire.text import Message, tokens
 
 FLOATS = st.floats()

@@ -25,7 +25,7 @@ from thbridge.ros.names import CALLER
 from thbridge.ros.records import CancelRequest, GoalRequest, SimpleGoal, VelocityCommand
 from thbridge.ros.stamps import stamp_ns
 from thbridge.wire.mavlink.dialect import crc_extra, mav, payload_of
-from thbridge.wire.mavlink.frame import Frame
+from thbridge.wire.mavlink.frames.frame import Frame
 from thbridge.wire.mavlink.hub import Traffic
 from thbridge.wire.mavlink.said import LinkId
 from thbridge.wire.rosgraph.links import ServiceFailed

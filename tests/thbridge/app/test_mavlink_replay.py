@@ -31,8 +31,8 @@ from thbridge.ros.topics import Message as RosMessage
 from thbridge.ros.topics import Topic
 from thbridge.wire import legacy
 from thbridge.wire.mavlink.dialect import Message, crc_extra, mav, payload_of
-from thbridge.wire.mavlink.frame import Frame
-from thbridge.wire.mavlink.framer import Framer
+from thbridge.wire.mavlink.frames.frame import Frame
+from thbridge.wire.mavlink.frames.framer import Framer
 from thbridge.wire.mavlink.said import LinkId
 from thbridge.wire.router import Router
 

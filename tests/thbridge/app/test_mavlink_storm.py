@@ -17,8 +17,8 @@ from thbridge.app.play import NoLog
 from thbridge.app.session import Session
 from thbridge.roles.vehicle_parameters import VehicleParameters
 from thbridge.wire.mavlink.dialect import mav
-from thbridge.wire.mavlink.frame import Frame
-from thbridge.wire.mavlink.framer import Framer
+from thbridge.wire.mavlink.frames.frame import Frame
+from thbridge.wire.mavlink.frames.framer import Framer
 from thbridge.wire.router import Router
 
 ROBOTS = 2

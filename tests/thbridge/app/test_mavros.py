@@ -10,7 +10,7 @@ from thbridge.app.mavros import frame_in, frame_record
 from thbridge.ros import pack, unpack
 from thbridge.ros.records import MavlinkFrame
 from thbridge.wire.mavlink.dialect import crc_extra, mav
-from thbridge.wire.mavlink.frame import SIGNED, V1, V2, Frame
+from thbridge.wire.mavlink.frames.frame import SIGNED, V1, V2, Frame
 from thbridge.wire.mavlink.hub import Traffic
 
 BYTES = st.integers(0, 255)

@@ -24,7 +24,7 @@ from thbridge.ros import unpack
 from thbridge.ros.publisher import Message
 from thbridge.ros.stamps import stamp_ns
 from thbridge.wire.mavlink.dialect import crc_extra, mav, payload_of
-from thbridge.wire.mavlink.frame import Frame
+from thbridge.wire.mavlink.frames.frame import Frame
 from thbridge.wire.mavlink.hub import Sent
 from thbridge.wire.mavlink.said import Status
 from thbridge.wire.router import Router

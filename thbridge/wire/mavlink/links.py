@@ -5,7 +5,7 @@ from collections.abc import Mapping
 from dataclasses import dataclass, field
 from enum import StrEnum
 
-from thbridge.wire.mavlink.frame import missing_between
+from thbridge.wire.mavlink.frames.frame import missing_between
 from thbridge.wire.mavlink.helm import Station
 
 MOST_STATIONS = 16

@@ -10,7 +10,7 @@ from collections import defaultdict
 from collections.abc import Iterable
 from dataclasses import replace
 
-from thbridge.wire.mavlink.frame import Frame
+from thbridge.wire.mavlink.frames.frame import Frame
 from thbridge.wire.mavlink.hub import Traffic
 
 _STAMP = struct.Struct(">Q")

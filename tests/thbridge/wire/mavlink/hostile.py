@@ -8,7 +8,7 @@ import struct
 from pymavlink.dialects.v20 import all as mav
 
 from thbridge.wire.mavlink.dialect import SECRETS, crc_extra, decoded, payload_of
-from thbridge.wire.mavlink.frame import LARGEST, V1, V2, Frame
+from thbridge.wire.mavlink.frames.frame import LARGEST, V1, V2, Frame
 
 FLOATS = (math.nan, math.inf, -math.inf, 3.4e38, -3.4e38, 1e-45, -0.0, 0.0, 1.0, -1.0, 0.5, 255.0, 1e9, 4294967296.0)
 INTEGERS = {"b": 8, "B": 8, "h": 16, "H": 16, "i": 32, "I": 32, "q": 64, "Q": 64}

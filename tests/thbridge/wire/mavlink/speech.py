@@ -4,7 +4,7 @@ from hypothesis import strategies as st
 from pymavlink.dialects.v20 import all as mav
 
 from thbridge.wire.mavlink.dialect import SECRETS
-from thbridge.wire.mavlink.frame import V1, V2, Frame
+from thbridge.wire.mavlink.frames.frame import V1, V2, Frame
 
 KINDS = {message_id: kind for message_id, kind in mav.mavlink_map.items() if message_id not in SECRETS}
 

@@ -7,7 +7,7 @@ import pytest
 from sim.geometry import Pose2
 from sim.observations import TICKS_PER_SECOND, Twist
 from thbridge.wire.mavlink.dialect import crc_extra, mav, payload_of
-from thbridge.wire.mavlink.frame import Frame, missing_between
+from thbridge.wire.mavlink.frames.frame import Frame, missing_between
 from thbridge.wire.mavlink.helm import Readings, Station
 from thbridge.wire.mavlink.hub import Hub
 from thbridge.wire.mavlink.links import MOST_STATIONS, Drop

@@ -15,13 +15,13 @@ from sim.observations import TICKS_PER_SECOND, Twist
 from tests.thbridge.wire.mavlink.hostile import Foe
 from tests.thbridge.wire.mavlink.speech import frames
 from thbridge.wire.mavlink.dialect import crc_extra, mav, payload_of
-from thbridge.wire.mavlink.frame import LARGEST, Frame
-from thbridge.wire.mavlink.framer import Framer, frame_of
+from thbridge.wire.mavlink.frames.frame import LARGEST, Frame
+from thbridge.wire.mavlink.frames.framer import Framer, frame_of
 from thbridge.wire.mavlink.helm import Denied, Leg, LegState, Readings, Setting
 from thbridge.wire.mavlink.hub import Hub
 from thbridge.wire.mavlink.options import Failsafe, Identity, Origin, VehicleOptions
 from thbridge.wire.mavlink.said import LinkId
-from thbridge.wire.mavlink.vehicle import Vehicle
+from thbridge.wire.mavlink.vehicle.vehicle import Vehicle
 
 ROBOTS = 3
 SYSTEMS = range(1, ROBOTS + 1)

@@ -4,8 +4,8 @@ import struct
 from dataclasses import replace
 
 from thbridge.wire.mavlink.dialect import crc_extra, mav, payload_of
-from thbridge.wire.mavlink.frame import Frame
-from thbridge.wire.mavlink.framer import frames_of
+from thbridge.wire.mavlink.frames.frame import Frame
+from thbridge.wire.mavlink.frames.framer import frames_of
 from thbridge.wire.mavlink.hub import Traffic
 from thbridge.wire.mavlink.tlog import Tlog
 

@@ -1,0 +1,198 @@
+"""Signatures of MAVLink 2: who has the key may speak, and nothing that was said once counts twice.
+
+Source: the MAVLink developer guide, "Message Signing".
+
+Differs: nothing unsigned is let in. Others accept RADIO_STATUS, which radios say without a key; here no radio is on the
+way, and what was forwarded under our signature would look as if somebody with the key had said it. A key is never
+taken from the wire (SETUP_SIGNING). A timestamp from the last few months that 48 bits can tell is refused, because
+nobody could say anything after it.
+"""
+
+import hashlib
+import hmac
+import re
+from dataclasses import dataclass, field, replace
+from enum import StrEnum
+from typing import Final
+
+from thbridge.wire.mavlink.frames.frame import SIGNED, V2, Frame
+
+KEY_SIZE = 32
+
+UNITS_PER_SECOND = 100_000
+"""A timestamp counts 10 microseconds."""
+
+EPOCH = 1_420_070_400
+"""Unix time from which timestamps count: 1 January 2015."""
+
+BEHIND = 60 * UNITS_PER_SECOND
+"""How far behind ours the first timestamp of a stream may be."""
+
+LATEST = (1 << 48) - (1 << 40)
+"""Timestamps up to here are believed; what is left lasts four months at 100,000 frames a second."""
+
+MOST_STREAMS = 1024
+"""Senders whose timestamps are kept."""
+
+_HEX_KEY = re.compile(r"[0-9a-fA-F]{64}")
+_STAMP_SIZE = 6
+_DIGEST_SIZE = 6
+
+
+@dataclass(frozen=True, slots=True)
+class SigningKey:
+    """A secret that both sides of a link have; its text does not show it.
+
+    Raises:
+        ValueError: it is not of 32 bytes.
+    """
+
+    secret: bytes = field(repr=False)
+
+    def __post_init__(self) -> None:
+        if len(self.secret) != KEY_SIZE:
+            raise ValueError(f"a signing key has {KEY_SIZE} bytes, not {len(self.secret)}")
+
+
+@dataclass(frozen=True, slots=True)
+class NoKey:
+    """Why what a key's file holds is none.
+
+    Attributes:
+        problem: as a clause without its full stop.
+    """
+
+    problem: str
+
+
+class Reason(StrEnum):
+    """Why a frame is not believed, as the end of the sentence "refused: ..."."""
+
+    UNSIGNED = "it is not signed"
+    WRONG = "its signature is wrong"
+    REPEATED = "its timestamp is not newer than the last of its sender"
+    OLD = "its sender is new, and its timestamp more than a minute old"
+    FAR_AHEAD = "its timestamp is from the end of all timestamps"
+    CROWDED = f"there are {MOST_STREAMS} other senders already"
+
+
+@dataclass(frozen=True, slots=True)
+class Rejected:
+    """A frame that is not believed."""
+
+    reason: Reason
+
+
+def key_in(content: bytes) -> SigningKey | NoKey:
+    """The key in a file: 32 bytes as they are, 64 hexadecimal digits, or a passphrase.
+
+    A line of text is a passphrase, and its SHA-256 the key, as MAVProxy and Mission Planner make it; QGroundControl
+    makes keys from passphrases by a way of its own since 2025, but shows them in 64 digits.
+
+    Args:
+        content: all of the file. Anything printable is text, with or without an end of line.
+    """
+    try:
+        text = content.decode().removesuffix("\n").removesuffix("\r")
+    except UnicodeDecodeError:
+        text = ""
+    if text.isprintable() and text.strip():
+        if _HEX_KEY.fullmatch(text):
+            return SigningKey(bytes.fromhex(text))
+        return SigningKey(hashlib.sha256(text.encode()).digest())
+    if len(content) == KEY_SIZE:
+        return SigningKey(content)
+    if not content.strip():
+        return NoKey("it is empty")
+    return NoKey(f"it is neither one line of text nor {KEY_SIZE} bytes, but {len(content)} bytes")
+
+
+class Timestamps:
+    """What all links with one key know of time: which timestamps were used, by us and by others.
+
+    They share it so that what was said on one link is not believed again on another.
+    """
+
+    def __init__(self) -> None:
+        self._latest = 0
+        self._streams: dict[tuple[int, int, int], int] = {}
+
+    def next(self, now: float) -> int:
+        """A timestamp to sign with; each is newer than all before, ours and those that were believed."""
+        self._latest = max(self._latest + 1, _timestamp_at(now))
+        return self._latest
+
+    def why_not(self, stream: tuple[int, int, int], timestamp: int, now: float) -> Reason | None:
+        """Why a frame of a stream (link, system, component) with this timestamp is not to be believed."""
+        if timestamp > LATEST:
+            return Reason.FAR_AHEAD
+        last = self._streams.get(stream)
+        if last is not None:
+            return Reason.REPEATED if timestamp <= last else None
+        if timestamp + BEHIND < max(self._latest, _timestamp_at(now)):
+            return Reason.OLD
+        return Reason.CROWDED if len(self._streams) >= MOST_STREAMS else None
+
+    def believe(self, stream: tuple[int, int, int], timestamp: int) -> None:
+        """A frame with this timestamp was rightly signed."""
+        self._streams[stream] = timestamp
+        self._latest = max(self._latest, timestamp)
+
+
+class Signing:
+    """Signs what goes out on a link and verifies what comes in.
+
+    Args:
+        key: of both sides.
+        link_id: 0 to 255; says to the other side which of our links this is.
+        timestamps: of all links with this key.
+    """
+
+    def __init__(self, key: SigningKey, link_id: int, timestamps: Timestamps) -> None:
+        self._key: Final = key
+        self._link_id: Final = link_id
+        self._timestamps: Final = timestamps
+
+    def unwrap(self, frame: Frame, now: float) -> Frame | Rejected:
+        """The frame without its signature, if that is right and new.
+
+        Args:
+            frame: as it came in.
+            now: seconds of Unix time.
+        """
+        if not frame.signature:
+            return Rejected(Reason.UNSIGNED)
+        stamped, digest = frame.signature[:-_DIGEST_SIZE], frame.signature[-_DIGEST_SIZE:]
+        if not hmac.compare_digest(digest, self._digest(_sealed(frame) + stamped)):
+            return Rejected(Reason.WRONG)
+        stream = (stamped[0], frame.system, frame.component)
+        timestamp = int.from_bytes(stamped[1:], "little")
+        reason = self._timestamps.why_not(stream, timestamp, now)
+        if reason is not None:
+            return Rejected(reason)
+        self._timestamps.believe(stream, timestamp)
+        return frame.unsigned()
+
+    def wrap(self, frame: Frame, now: float) -> bytes:
+        """The frame as it travels, signed; one of version 1 becomes one of version 2, which alone can be signed.
+
+        Args:
+            frame: unsigned.
+            now: seconds of Unix time.
+        """
+        signed = replace(frame, version=V2, incompat_flags=frame.incompat_flags | SIGNED, signature=b"")
+        stamp = self._timestamps.next(now).to_bytes(_STAMP_SIZE, "little")
+        stamped = signed.to_bytes() + bytes((self._link_id,)) + stamp
+        return stamped + self._digest(stamped)
+
+    def _digest(self, stamped: bytes) -> bytes:
+        return hashlib.sha256(self._key.secret + stamped).digest()[:_DIGEST_SIZE]
+
+
+def _sealed(frame: Frame) -> bytes:
+    """Header, payload and checksum of a frame, as they came in."""
+    return replace(frame, signature=b"").to_bytes()
+
+
+def _timestamp_at(now: float) -> int:
+    return min(max(int((now - EPOCH) * UNITS_PER_SECOND), 0), LATEST)

@@ -1,0 +1,215 @@
+"""Sends one robot somewhere, as a ground station: take command of it, let it go, wait until it is there, give it back.
+
+Without sockets and clocks; a `GroundStation` speaks for it.
+"""
+
+import math
+from collections.abc import Iterable
+from dataclasses import dataclass
+from enum import Enum, auto
+
+from thbridge.wire.mavlink.conventions import ARRIVED
+from thbridge.wire.mavlink.coordinates import PER_METRE, yaw_of
+from thbridge.wire.mavlink.dialect import mav
+from thbridge.wire.mavlink.station.ground_station import (
+    HEARTBEAT_SECONDS,
+    Acked,
+    GroundStation,
+    Order,
+    Sighting,
+    StationEvent,
+    Texted,
+    Unanswered,
+)
+
+NEAR = 0.3
+"""Metres: a robot that stands no further from where it was sent is there, whether it says so or not."""
+
+DISCOVERY_SECONDS = 5.0
+SILENCE_SECONDS = 5.0
+_WORDS_SECONDS = 0.5
+"""What a robot may take to say in words why it refuses."""
+_STANDING_SECONDS = 3.0
+_STANDING = 0.02
+"""Metres per second."""
+
+_ARM = Order(mav.MAV_CMD_COMPONENT_ARM_DISARM, (1.0,))
+_DISARM = Order(mav.MAV_CMD_COMPONENT_ARM_DISARM, (0.0,))
+
+
+@dataclass(frozen=True, slots=True)
+class Destination:
+    """Where a robot is sent.
+
+    Attributes:
+        x: metres east of the map's origin.
+        y: metres north of it.
+        heading: radians from east, anticlockwise; None: any.
+    """
+
+    x: float
+    y: float
+    heading: float | None = None
+
+    @property
+    def order(self) -> Order:
+        """The command that sends it there, in its own frame, x north and y east."""
+        # NaN is the heading that does not matter.
+        yaw = math.nan if self.heading is None else yaw_of(self.heading)
+        place = (round(self.y * PER_METRE), round(self.x * PER_METRE))
+        change_mode = float(mav.MAV_DO_REPOSITION_FLAGS_CHANGE_MODE)
+        parameters = (-1.0, change_mode, 0.0, yaw, *place, 0.0)
+        return Order(mav.MAV_CMD_DO_REPOSITION, parameters, mav.MAV_FRAME_LOCAL_NED)
+
+    def distance(self, robot: Sighting) -> float:
+        """Metres from where a robot believes it is; NaN as long as it has not said so."""
+        return math.hypot(self.x - robot.x, self.y - robot.y)
+
+
+@dataclass(frozen=True, slots=True)
+class Outcome:
+    """How a trip ended.
+
+    Attributes:
+        problem: why the robot did not arrive, for people; empty where it did.
+        unanswered: it never said a word to what it was told.
+    """
+
+    problem: str
+    unanswered: bool = False
+
+
+class Stage(Enum):
+    """How far a trip is."""
+
+    SEARCHING = auto()
+    TAKING = auto()
+    ASKING = auto()
+    UNDER_WAY = auto()
+    LISTENING = auto()
+    RETURNING = auto()
+    OVER = auto()
+
+
+class Trip:
+    """One trip.
+
+    Args:
+        station: speaks.
+        system: the robot.
+        destination: where it goes.
+        keep: stay in command of it afterwards.
+        now: seconds, of the clock that the station has.
+
+    Attributes:
+        stage: how far it is.
+        outcome: None until it is over.
+    """
+
+    def __init__(self, station: GroundStation, system: int, destination: Destination, keep: bool, now: float) -> None:
+        self.stage = Stage.SEARCHING
+        self.outcome: Outcome | None = None
+        self._station = station
+        self._system = system
+        self._destination = destination
+        self._keep = keep
+        self._since = now
+        self._commands = False
+        self._problem = ""
+        self._unanswered = False
+        self._stood = now
+
+    @property
+    def remaining(self) -> float:
+        """Metres to go, as the crow flies; NaN as long as nobody knows."""
+        robot = self._station.robots.get(self._system)
+        return math.nan if robot is None else self._destination.distance(robot)
+
+    def advance(self, events: Iterable[StationEvent], now: float) -> None:
+        """What has happened to the station, and that time has passed."""
+        for event in events:
+            if event.system == self._system:
+                self._take(event, now)
+        robot = self._station.robots.get(self._system)
+        waited = now - self._since
+        match self.stage:
+            case Stage.SEARCHING if robot is not None:
+                self._order(Stage.TAKING, _ARM, now)
+            case Stage.SEARCHING if waited > DISCOVERY_SECONDS:
+                there = ", ".join(str(system) for system in sorted(self._station.robots))
+                self._fail(f"robot {self._system} is not heard; those that are: {there or 'none'}", now)
+            case Stage.UNDER_WAY if robot is not None:
+                self._watch(robot, now)
+            case Stage.LISTENING if waited > _WORDS_SECONDS:
+                self._hand_back(now)
+
+    def give_up(self, now: float) -> None:
+        """Whoever wanted it does not any more: the robot is stopped and given back."""
+        self._problem = "given up"
+        self._keep = False
+        self._hand_back(now)
+
+    def _take(self, event: StationEvent, now: float) -> None:
+        match event:
+            case Acked(_, mav.MAV_CMD_COMPONENT_ARM_DISARM, result) if self.stage is Stage.TAKING:
+                if result == mav.MAV_RESULT_ACCEPTED:
+                    self._commands = True
+                    self._order(Stage.ASKING, self._destination.order, now)
+                else:
+                    self._fail(f"robot {self._system} gives nobody else the command ({_word(result)})", now)
+            case Acked(_, mav.MAV_CMD_DO_REPOSITION, result) if self.stage is Stage.ASKING:
+                if result == mav.MAV_RESULT_ACCEPTED:
+                    self.stage, self._since, self._stood = Stage.UNDER_WAY, now, now
+                else:
+                    self._fail(f"robot {self._system} does not go there ({_word(result)})", now)
+            case Unanswered() if self.stage in (Stage.TAKING, Stage.ASKING):
+                self._unanswered = True
+                self._fail(f"robot {self._system} does not answer", now)
+            case Acked() | Unanswered() if self.stage is Stage.RETURNING:
+                self._end()
+            case Texted(_, severity, text):
+                self._hear(severity, text, now)
+
+    def _hear(self, severity: int, text: str, now: float) -> None:
+        """What the robot says in words tells more than a code."""
+        if self.stage is Stage.UNDER_WAY and text == ARRIVED:
+            self._hand_back(now)
+        elif severity <= mav.MAV_SEVERITY_WARNING:
+            if self.stage is Stage.UNDER_WAY:
+                self._fail(text, now)
+            elif self.stage is Stage.LISTENING:
+                self._problem = text
+
+    def _watch(self, robot: Sighting, now: float) -> None:
+        """Robots are believed by where they are, too: words may get lost."""
+        if not robot.speed < _STANDING:
+            self._stood = now
+        if now - robot.heard > SILENCE_SECONDS:
+            self._fail(f"robot {self._system} is not heard any more", now)
+        elif now - self._stood > _STANDING_SECONDS and self._destination.distance(robot) < NEAR:
+            self._hand_back(now)
+        elif not robot.armed and robot.heard - self._since > HEARTBEAT_SECONDS:  # before that it may not know it yet
+            self._fail(f"robot {self._system} is commanded by somebody else now", now)
+
+    def _order(self, stage: Stage, order: Order, now: float) -> None:
+        self.stage, self._since = stage, now
+        self._station.order(self._system, order, now)
+
+    def _fail(self, problem: str, now: float) -> None:
+        self._problem = problem
+        self.stage, self._since = Stage.LISTENING, now
+
+    def _hand_back(self, now: float) -> None:
+        if self._commands and not self._keep:
+            self._order(Stage.RETURNING, _DISARM, now)
+        else:
+            self._end()
+
+    def _end(self) -> None:
+        self.stage, self.outcome = Stage.OVER, Outcome(self._problem, self._unanswered)
+
+
+def _word(result: int) -> str:
+    """A code of MAV_RESULT as a word."""
+    known = mav.enums["MAV_RESULT"].get(result)
+    return f"result {result}" if known is None else known.name.removeprefix("MAV_RESULT_").replace("_", " ").lower()

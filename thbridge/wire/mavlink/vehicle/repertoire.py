@@ -1,0 +1,312 @@
+"""The commands of MAVLink that a vehicle knows: which messages may carry each, who may give it, and what it does.
+
+Source: MAVLink's `common.xml`, MAV_CMD.
+Differs: MISSION_START with zeros goes on where the mission stands, as with ArduPilot, and not with item 0: ground
+stations send it to continue too. To begin anew, item 0 is made the current one.
+"""
+
+import math
+from collections.abc import Callable
+from dataclasses import dataclass
+from enum import Enum
+
+from sim.observations import TICKS_PER_SECOND
+from thbridge.wire.mavlink.added import ProtocolVersion
+from thbridge.wire.mavlink.coordinates import GLOBAL, LOCAL, theta_of
+from thbridge.wire.mavlink.dialect import mav
+from thbridge.wire.mavlink.helm import Helm, Station
+from thbridge.wire.mavlink.modes import Mode, mode_asked, mode_of_standard
+from thbridge.wire.mavlink.options import Identity
+from thbridge.wire.mavlink.vehicle.boot_time import MICROSECONDS_PER_TICK
+from thbridge.wire.mavlink.vehicle.command_of import CommandOf
+from thbridge.wire.mavlink.vehicle.conduct import Conduct, Target
+from thbridge.wire.mavlink.vehicle.earth import Earth
+from thbridge.wire.mavlink.vehicle.orders import (
+    ACCEPTED,
+    MALFORMED,
+    Order,
+    Reply,
+    Result,
+    decimal_of,
+    destination,
+    reply_to,
+)
+from thbridge.wire.mavlink.vehicle.particulars import Particulars
+from thbridge.wire.mavlink.vehicle.streams import OFF, Streams, ticks_of
+from thbridge.wire.mavlink.vehicle.telemetry import Standing, Telemetry
+
+_FORCED = frozenset({21196, 2989})
+"""What stands for "by force" in arming: the standard's number, and MAVProxy's."""
+
+_REPOSITION_CHANGES_MODE = 1
+_LARGEST_ID = 0xFFFF
+"""Of a message whose interval MESSAGE_INTERVAL can tell, and of an item."""
+
+
+class Carrier(Enum):
+    """Which messages may carry a command."""
+
+    LONG = "COMMAND_LONG"
+    INT = "COMMAND_INT"
+    BOTH = "both"
+
+
+class Who(Enum):
+    """Who may give a command."""
+
+    ANYBODY = "anybody"
+    COMMANDER = "the station in command"
+
+
+@dataclass(frozen=True, slots=True)
+class Command:
+    """A command that the vehicle knows.
+
+    Attributes:
+        do: does it.
+        carrier: which messages may carry it.
+        frames: in which its place may be; empty where it has no place.
+        who: may give it.
+        once: each time it does something anew.
+    """
+
+    do: Callable[[Order], Reply]
+    carrier: Carrier = Carrier.BOTH
+    frames: frozenset[int] = frozenset()
+    who: Who = Who.ANYBODY
+    once: bool = False
+
+
+class Repertoire:
+    """What one vehicle can be commanded.
+
+    Args:
+        helm: the robot.
+        conduct: its modes.
+        command: who is in command of it.
+        streams: the rates of its messages.
+        telemetry: its messages.
+        particulars: what never changes of it.
+        standing: how it stands.
+        earth: where its map lies.
+        identity: whose autopilot it says it has.
+    """
+
+    def __init__(
+        self,
+        helm: Helm,
+        conduct: Conduct,
+        command: CommandOf,
+        streams: Streams,
+        telemetry: Telemetry,
+        particulars: Particulars,
+        standing: Callable[[], Standing],
+        earth: Earth,
+        identity: Identity,
+    ) -> None:
+        self._helm = helm
+        self._conduct = conduct
+        self._command = command
+        self._streams = streams
+        self._telemetry = telemetry
+        self._particulars = particulars
+        self._standing = standing
+        self._earth = earth
+        self._identity = identity
+        places = GLOBAL | LOCAL
+        by_commander = Who.COMMANDER
+        self._known: dict[int, Command] = {
+            mav.MAV_CMD_SET_MESSAGE_INTERVAL: Command(self._set_message_interval),
+            mav.MAV_CMD_GET_MESSAGE_INTERVAL: Command(self._get_message_interval),
+            mav.MAV_CMD_REQUEST_MESSAGE: Command(self._request_message),
+            mav.MAV_CMD_REQUEST_PROTOCOL_VERSION: Command(self._one(ProtocolVersion.id)),
+            mav.MAV_CMD_REQUEST_AUTOPILOT_CAPABILITIES: Command(self._one(mav.MAVLINK_MSG_ID_AUTOPILOT_VERSION)),
+            mav.MAV_CMD_GET_HOME_POSITION: Command(self._one(mav.MAVLINK_MSG_ID_HOME_POSITION)),
+            mav.MAV_CMD_COMPONENT_ARM_DISARM: Command(self._arm_disarm),
+            mav.MAV_CMD_RUN_PREARM_CHECKS: Command(lambda _: ACCEPTED),
+            mav.MAV_CMD_DO_SET_MODE: Command(self._set_mode),
+            mav.MAV_CMD_DO_SET_STANDARD_MODE: Command(self._set_standard_mode),
+            mav.MAV_CMD_DO_PAUSE_CONTINUE: Command(self._pause_continue),
+            mav.MAV_CMD_NAV_LOITER_UNLIM: Command(self._hold),
+            mav.MAV_CMD_DO_REPOSITION: Command(self._reposition, Carrier.INT, places, by_commander),
+            mav.MAV_CMD_NAV_WAYPOINT: Command(self._waypoint, Carrier.INT, places, by_commander),
+            mav.MAV_CMD_NAV_RETURN_TO_LAUNCH: Command(self._return, who=by_commander),
+            mav.MAV_CMD_DO_CHANGE_SPEED: Command(self._change_speed, who=by_commander),
+            mav.MAV_CMD_MISSION_START: Command(self._start_mission, who=by_commander),
+            mav.MAV_CMD_DO_SET_MISSION_CURRENT: Command(self._select_item),
+            mav.MAV_CMD_DO_SET_HOME: Command(self._set_home),
+            mav.MAV_CMD_PREFLIGHT_REBOOT_SHUTDOWN: Command(lambda _: _NO_REBOOT),
+            mav.MAV_CMD_IMAGE_START_CAPTURE: Command(self._photograph, who=by_commander, once=True),
+            mav.MAV_CMD_USER_1: Command(self._identify, Carrier.LONG, who=by_commander, once=True),
+            mav.MAV_CMD_USER_2: Command(self._leave, Carrier.LONG, who=by_commander, once=True),
+        }
+
+    def find(self, number: int) -> Command | None:
+        """The command of this number, if it is known."""
+        return self._known.get(number)
+
+    # -- messages -----------------------------------------------------------------------------------------------------
+
+    def _one(self, number: int) -> Callable[[Order], Reply]:
+        """Asks for one message, always the same."""
+        return lambda _: self._requested(number)
+
+    def _requested(self, number: int) -> Reply:
+        message = self._telemetry.message(number, self._standing())
+        return Reply(Result.TEMPORARILY_REJECTED) if message is None else Reply(Result.ACCEPTED, (message,))
+
+    def _request_message(self, order: Order) -> Reply:
+        number = order.whole(1)
+        if number is None:
+            return MALFORMED
+        if number == mav.MAVLINK_MSG_ID_AVAILABLE_MODES:
+            place = order.whole(2, otherwise=0)
+            if place is None or place > len(Mode):
+                return MALFORMED
+            places = range(1, len(Mode) + 1) if place == 0 else (place,)
+            return Reply(Result.ACCEPTED, tuple(self._particulars.available_mode(place) for place in places))
+        return self._requested(number) if number in self._streams else Reply(Result.UNSUPPORTED)
+
+    def _set_message_interval(self, order: Order) -> Reply:
+        number, microseconds = order.whole(1), order.given(2)
+        if number is None or microseconds is None or not (microseconds >= 0.0 or microseconds == -1.0):
+            return MALFORMED
+        if number not in self._streams:
+            return Reply(Result.UNSUPPORTED)
+        ticks = None if microseconds == 0.0 else OFF if microseconds < 0.0 else ticks_of(microseconds)
+        if number == mav.MAVLINK_MSG_ID_HEARTBEAT:
+            # Whether a vehicle is there is judged by its heartbeats: once a second for everybody.
+            return ACCEPTED if ticks in (None, TICKS_PER_SECOND) else MALFORMED
+        self._streams.change(order.link, number, ticks)
+        return ACCEPTED
+
+    def _get_message_interval(self, order: Order) -> Reply:
+        number = order.whole(1)
+        if number is None or number > _LARGEST_ID:
+            return MALFORMED
+        microseconds = 0
+        if number in self._streams:
+            ticks = self._streams.every(order.link, number)
+            microseconds = -1 if ticks == OFF else ticks * MICROSECONDS_PER_TICK
+        return Reply(Result.ACCEPTED, (mav.MAVLink_message_interval_message(number, microseconds),))
+
+    # -- command and modes --------------------------------------------------------------------------------------------
+
+    def _arm_disarm(self, order: Order) -> Reply:
+        match order.given(1):
+            case 1.0:
+                return reply_to(self._conduct.arm(order.station, by_force=order.given(2) in _FORCED))
+            case 0.0:
+                self._conduct.disarm()
+                return ACCEPTED
+        return MALFORMED
+
+    def _set_mode(self, order: Order) -> Reply:
+        base, main, sub = order.whole(1), order.whole(2), order.whole(3, otherwise=0)
+        if base is None or main is None or sub is None:
+            return MALFORMED
+        return self.mode_reply(order.station, base, main, sub)
+
+    def mode_reply(self, station: Station, base: int, main: int, sub: int) -> Reply:
+        """Change the mode to the one of these numbers, as DO_SET_MODE and SET_MODE have them."""
+        mode: Mode | None
+        if base & mav.MAV_MODE_FLAG_CUSTOM_MODE_ENABLED:
+            mode = mode_asked(self._identity, main, sub)
+        else:
+            mode = Mode.MANUAL if base & mav.MAV_MODE_FLAG_MANUAL_INPUT_ENABLED else None
+        if mode is None:
+            return Reply(Result.DENIED, sentence="There is no such mode.")
+        return reply_to(self._conduct.choose(station, mode))
+
+    def _set_standard_mode(self, order: Order) -> Reply:
+        code = order.whole(1)
+        mode = None if code is None else mode_of_standard(code)
+        return MALFORMED if mode is None else reply_to(self._conduct.choose(order.station, mode))
+
+    def _pause_continue(self, order: Order) -> Reply:
+        match order.given(1):
+            case 0.0:
+                self._conduct.pause()
+                return ACCEPTED
+            case 1.0:
+                objection = self._command.objection(order.station)
+                return reply_to(objection or self._conduct.proceed())
+        return MALFORMED
+
+    def _hold(self, order: Order) -> Reply:
+        self._conduct.stop()
+        return ACCEPTED
+
+    # -- ways ---------------------------------------------------------------------------------------------------------
+
+    def _reposition(self, order: Order) -> Reply:
+        options = order.whole(2, otherwise=_REPOSITION_CHANGES_MODE)
+        if options is None:
+            return MALFORMED
+        if not options & _REPOSITION_CHANGES_MODE and self._conduct.mode not in (Mode.GUIDED, Mode.HOLD):
+            return Reply(Result.DENIED, sentence=f"The robot is in mode {self._conduct.mode.value}, not GUIDED.")
+        speed = order.given(1)
+        return self._go(order, decimal_of(speed) if speed is not None and speed > 0.0 else None, order.given(4))
+
+    def _waypoint(self, order: Order) -> Reply:
+        yaw = order.given(4)
+        reply = self._go(order, None, None if yaw is None else math.radians(yaw))
+        way = self._conduct.sent
+        if reply.result is not Result.ACCEPTED or way is None:
+            return reply
+        return Reply(Result.IN_PROGRESS, way=way)
+
+    def _go(self, order: Order, speed: float | None, yaw: float | None) -> Reply:
+        x, y = destination(order, self._standing().readings.base_in_map, self._earth)
+        if yaw == 0.0 and self._identity is Identity.ARDUPILOT:
+            # To ArduPilot, stations say 0 for what they leave open; its own rovers never heed this parameter.
+            yaw = None
+        return reply_to(self._conduct.go(Target(x, y, None if yaw is None else theta_of(yaw)), speed))
+
+    def _return(self, order: Order) -> Reply:
+        return reply_to(self._conduct.go_home())
+
+    def _change_speed(self, order: Order) -> Reply:
+        kind, speed = order.whole(1, otherwise=mav.SPEED_TYPE_GROUNDSPEED), order.given(2)
+        if kind not in (mav.SPEED_TYPE_AIRSPEED, mav.SPEED_TYPE_GROUNDSPEED):
+            return MALFORMED
+        if speed is None or speed == -1.0:
+            return ACCEPTED
+        if speed == -2.0:
+            return reply_to(self._helm.limit_speed(-1.0))
+        return reply_to(self._helm.limit_speed(decimal_of(speed))) if speed > 0.0 else MALFORMED
+
+    def _start_mission(self, order: Order) -> Reply:
+        first, last = order.whole(1, otherwise=0), order.whole(2, otherwise=0)
+        if first is None or last is None:
+            return MALFORMED
+        # Stations that want to go on, or all of it, send zeros.
+        return reply_to(self._conduct.run(first or None, last or None))
+
+    def _select_item(self, order: Order) -> Reply:
+        item = order.whole(1)
+        if item is None or item > _LARGEST_ID:
+            return MALFORMED
+        objection = self._command.objection(order.station) if self._conduct.mode is Mode.AUTO else None
+        return reply_to(objection or self._conduct.select(item))
+
+    def _set_home(self, order: Order) -> Reply:
+        return Reply(Result.DENIED, sentence="Home is where the robot started.")
+
+    # -- the game -----------------------------------------------------------------------------------------------------
+
+    def _photograph(self, order: Order) -> Reply:
+        pictures = order.whole(3, otherwise=1)
+        if pictures is None or pictures > 1:
+            return Reply(Result.DENIED, sentence="One picture at a time.")
+        return reply_to(self._helm.photograph())
+
+    def _identify(self, order: Order) -> Reply:
+        number = order.whole(1)
+        return MALFORMED if not number else reply_to(self._helm.identify(number))
+
+    def _leave(self, order: Order) -> Reply:
+        return reply_to(self._helm.leave())
+
+
+_NO_REBOOT = Reply(Result.DENIED, sentence="A robot of a running game is not restarted.")

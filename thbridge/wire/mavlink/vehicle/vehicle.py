@@ -1,0 +1,157 @@
+"""One robot as a MAVLink 2 ground rover, without sockets and clocks: messages in, messages out.
+
+Source: the MAVLink developer guide, "Microservices".
+"""
+
+from collections.abc import Iterator
+
+from sim.geometry import IDENTITY
+from sim.observations import STANDSTILL
+from thbridge.wire.mavlink.dialect import Message, mav
+from thbridge.wire.mavlink.helm import PARTICIPANT, Helm, Readings, Station
+from thbridge.wire.mavlink.modes import Mode
+from thbridge.wire.mavlink.options import Identity, VehicleOptions
+from thbridge.wire.mavlink.said import LinkId, Said, Status
+from thbridge.wire.mavlink.vehicle.command_of import CommandOf
+from thbridge.wire.mavlink.vehicle.commands import Commands
+from thbridge.wire.mavlink.vehicle.conduct import Conduct
+from thbridge.wire.mavlink.vehicle.controls import Controls
+from thbridge.wire.mavlink.vehicle.courtesies import Courtesies
+from thbridge.wire.mavlink.vehicle.earth import Earth
+from thbridge.wire.mavlink.vehicle.mission_run import MissionRun
+from thbridge.wire.mavlink.vehicle.missions import Missions
+from thbridge.wire.mavlink.vehicle.own_parameters import OwnParameters
+from thbridge.wire.mavlink.vehicle.parameter_protocol import Parameters
+from thbridge.wire.mavlink.vehicle.particulars import Particulars
+from thbridge.wire.mavlink.vehicle.parts import Part, Severity
+from thbridge.wire.mavlink.vehicle.repertoire import Repertoire
+from thbridge.wire.mavlink.vehicle.streams import Streams
+from thbridge.wire.mavlink.vehicle.telemetry import Standing, Telemetry, default_streams
+from thbridge.wire.mavlink.vehicle.texts import Texts
+
+_NOTHING_KNOWN = Readings(
+    base_in_map=IDENTITY,
+    twist=STANDSTILL,
+    goal_in_map=None,
+    energy=0.0,
+    capacity=0.0,
+    answers=False,
+    lost=False,
+    under_way=False,
+    commander=None,
+    commanded_by=PARTICIPANT,
+    leg=None,
+)
+"""Before the first tick."""
+
+
+class Vehicle:
+    """One robot's voice in MAVLink.
+
+    A robot whose software does not answer has no voice: it hears nothing and says nothing until it answers again, so
+    that ground stations lose it as they would lose a real one.
+
+    Args:
+        system: its system id, 1 to 250.
+        helm: the robot.
+        options: what the study says.
+    """
+
+    def __init__(self, system: int, helm: Helm, options: VehicleOptions) -> None:
+        self.system = system
+        self._tick = 0
+        self._readings = _NOTHING_KNOWN
+        self._shown = (Mode.HOLD, False)
+        self._texts = Texts()
+        announce, earth, identity = self._texts.say, Earth(options.origin), options.identity
+        ardupilot = identity is Identity.ARDUPILOT
+        plan = MissionRun(helm, earth, announce, ardupilot)
+        self._command = CommandOf(helm, options.lost_after)
+        self._conduct = Conduct(helm, self._command, plan, options.failsafe, announce, self._readings)
+        self._streams = Streams(default_streams(options.position_rate), system)
+        particulars = Particulars(system, identity, earth, helm.home)
+        self._telemetry = Telemetry(particulars, identity, earth, plan.current)
+        repertoire = Repertoire(
+            helm,
+            self._conduct,
+            self._command,
+            self._streams,
+            self._telemetry,
+            particulars,
+            lambda: self._standing,
+            earth,
+            identity,
+        )
+        self._parts: tuple[Part, ...] = (
+            Commands(repertoire, self._command, self._conduct, announce),
+            Controls(system, helm, self._conduct, self._command, repertoire, earth, announce),
+            Missions(plan, announce),
+            Parameters(OwnParameters(system, helm, self._command, self._conduct), announce, ardupilot),
+            Courtesies(self._streams, earth),
+        )
+
+    @property
+    def status(self) -> Status:
+        """How it stands."""
+        now = self._standing
+        return Status(
+            connected=self._readings.answers,
+            armed=now.armed,
+            guided=now.mode in (Mode.GUIDED, Mode.AUTO, Mode.RETURN),
+            manual_input=now.by_hand,
+            mode=now.mode.value,
+            system_status=now.system_status,
+        )
+
+    def hear(self, link: LinkId, sender: Station, message: Message) -> Iterator[Said]:
+        """Somebody said something to this vehicle, or to everybody; what it answers at once."""
+        if isinstance(message, mav.MAVLink_heartbeat_message):
+            self._command.heartbeat(sender)
+        elif self._readings.answers:
+            for part in self._parts:
+                yield from part.hear(link, sender, message)
+
+    def step(self, tick: int, readings: Readings) -> Iterator[Said]:
+        """A tick has passed; what it says by itself."""
+        self._tick, self._readings = tick, readings
+        self._conduct.step(tick, readings)
+        for sentence in readings.news:
+            self._texts.say(Severity.INFO, sentence)
+        if not readings.answers:
+            return
+        yield from self._stream(tick)
+        for part in self._parts:
+            yield from part.step(tick, readings)
+        yield from self._texts.step(tick)
+
+    def forget(self, link: LinkId) -> None:
+        """A link is gone, with the rates that were asked for on it."""
+        self._streams.forget(link)
+        for part in self._parts:
+            part.forget(link)
+
+    @property
+    def _standing(self) -> Standing:
+        conduct = self._conduct
+        return Standing(
+            self._tick, self._readings, conduct.mode, conduct.armed, conduct.is_by_hand, self._command.number
+        )
+
+    def _stream(self, tick: int) -> Iterator[Said]:
+        """The messages whose time has come, and a heartbeat at once when it shows something new."""
+        standing = self._standing
+        shown = (standing.mode, standing.armed)
+        made: dict[int, Message | None] = {}
+        for due in self._streams.due(tick):
+            number = due.message
+            if number not in made:
+                made[number] = self._telemetry.message(number, standing)
+            message = made[number]
+            if message is not None:
+                is_heartbeat = number == mav.MAVLINK_MSG_ID_HEARTBEAT
+                yield Said(message, due.link, to_sleepers=is_heartbeat, besides=due.besides)
+        if shown != self._shown and mav.MAVLINK_MSG_ID_HEARTBEAT not in made:
+            heartbeat = self._telemetry.message(mav.MAVLINK_MSG_ID_HEARTBEAT, standing)
+            if heartbeat is not None:
+                yield Said(heartbeat, to_sleepers=True)
+        self._shown = shown
