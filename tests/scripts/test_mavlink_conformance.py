@@ -8,7 +8,7 @@ import pytest
 ROOT = Path(__file__).parents[2]
 TABLE = (ROOT / "docs" / "mavlink-conformance.md").read_text()
 FOLDERS = dict(re.findall(r"`(\w+)` =\s+`(tests/[\w/]+)`", TABLE))
-NAMED = re.findall(r"`(\w+)/(\w+\.py)::(\w+)`", TABLE)
+NAMED = re.findall(r"`(\w+)/([\w/]+\.py)::(\w+)`", TABLE)
 
 
 @pytest.mark.parametrize(("folder", "file", "name"), NAMED)
@@ -21,3 +21,4 @@ def test_every_row_names_one() -> None:
     rows = [line for line in TABLE.splitlines() if line.startswith("|") and not line.startswith(("| rule", "|---"))]
     assert rows
     assert all("::" in row for row in rows)
+    assert TABLE.count("::") == len(NAMED) + 1, "one stands where it is said how they are named"

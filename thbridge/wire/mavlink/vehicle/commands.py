@@ -5,7 +5,8 @@ that ends them.
 
 Source: the MAVLink developer guide, "Command Protocol".
 Differs: a station that repeats a command which is done does not always count up `confirmation` (MAVSDK never does); so
-of commands that do something each time, an equal one within a second is taken for a repetition too.
+of commands that do something each time, an equal one within a second is taken for a repetition too. What anybody may
+ask is done again however often it is repeated: no stop is taken for an earlier one.
 """
 
 import math
@@ -40,12 +41,14 @@ class _Done:
     Attributes:
         order: as it came.
         tick: when.
-        result: the last that was said of it.
+        result: what was said of it.
+        once: each time it does something anew.
     """
 
     order: Order
     tick: int
     result: Result
+    once: bool
 
 
 @dataclass(slots=True)
@@ -108,8 +111,7 @@ class Commands:
             self._announce(Severity.WARNING, reply.sentence)
         if reply.way is not None:
             self._running[key] = _Running(order, reply.way, None, 0, self._tick)
-        elif not reply.messages:
-            # Who asks for a message again has perhaps not got that either, and gets it again.
+        else:
             self._remember(key, order, reply.result)
         yield _ack(order, reply.result)
         for answer in reply.messages:
@@ -158,16 +160,19 @@ class Commands:
         if done is None or not _same(order, done.order):
             return None
         age = self._tick - done.tick
-        command = self._repertoire.find(order.number)
         counted = order.confirmation > done.order.confirmation and age <= _REMEMBERED
-        at_once = command is not None and command.once and done.result is Result.ACCEPTED and age <= TICKS_PER_SECOND
+        at_once = done.once and done.result is Result.ACCEPTED and age <= TICKS_PER_SECOND
         return _ack(order, done.result) if counted or at_once else None
 
     def _remember(self, key: _Key, order: Order, result: Result) -> None:
+        command = self._repertoire.find(order.number)
+        if command is None or command.who is Who.ANYBODY:
+            # What anybody may ask, such as a message or a stop, is done again: it may be needed again by now.
+            return
         self._done.pop(key, None)
         while len(self._done) >= _MOST_REMEMBERED:
             del self._done[next(iter(self._done))]
-        self._done[key] = _Done(order, self._tick, result)
+        self._done[key] = _Done(order, self._tick, result, command.once)
 
     def _cancel(self, link: LinkId, sender: Station, number: int) -> Iterator[Said]:
         running = self._running.pop((link, sender, number), None)

@@ -225,6 +225,18 @@ def test_to_go_on_is_not_refused_to_who_says_it_again(armed, confirmation):
     assert armed.long(mav.MAV_CMD_DO_PAUSE_CONTINUE, 1, confirmation=confirmation) == [ACCEPTED]
 
 
+@pytest.mark.parametrize(
+    ("stop", "params"),
+    [(mav.MAV_CMD_NAV_LOITER_UNLIM, ()), (mav.MAV_CMD_DO_PAUSE_CONTINUE, (0,)), (mav.MAV_CMD_DO_SET_MODE, (1, 4, 3))],
+)
+def test_no_stop_is_taken_for_one_that_was_before(armed, stop, params):
+    armed.go(4, 2)
+    assert armed.long(stop, *params) == [ACCEPTED]
+    armed.go(5, 2)
+    assert armed.long(stop, *params, confirmation=1) == [ACCEPTED]
+    assert armed.status.mode == "HOLD"
+
+
 def test_a_repetition_is_forgotten_in_time(armed):
     armed.long(PHOTOGRAPH, 0, 0, 1)
     armed.run(10 * SECOND, beating=[US])
