@@ -22,6 +22,9 @@ class LossyLink:
     def __init__(self, station: int, loss: float, seed: int) -> None:
         self._near, self._far = (socket.socket(socket.AF_INET, socket.SOCK_DGRAM) for _ in range(2))
         self._near.bind(("127.0.0.1", 0))
+        # What a socket is ready for may be an error that a sending takes away before it is read.
+        self._near.setblocking(False)
+        self._far.setblocking(False)
         self._far.connect(("127.0.0.1", station))
         self._loss = loss
         self._random = random.Random(seed)
@@ -37,7 +40,7 @@ class LossyLink:
                 try:
                     data, address = ready.recvfrom(_LARGEST)
                     self._carry(data, address, ready is self._near)
-                except ConnectionRefusedError:
+                except (BlockingIOError, ConnectionRefusedError):
                     pass  # The station is not there yet.
         self._near.close()
         self._far.close()

@@ -334,7 +334,9 @@ def _verified(text: str, wanted: list[Leaf], steps: tuple[Step, ...]) -> str | R
     above = {path_of(steps[:depth]) for depth in range(len(steps))}
 
     def told(leaves: list[Leaf]) -> list[Leaf]:
-        return sorted(leaf for leaf in leaves if not (leaf[0] in above and leaf[1] is None))
+        kept = (leaf for leaf in leaves if not (leaf[0] in above and leaf[1] is None))
+        # A key that stands twice may have a value once and none once.
+        return sorted(kept, key=lambda leaf: (leaf[0], leaf[1] is not None, leaf[1] or "", leaf[2]))
 
     try:
         sound = told(_leaves(parse(_SCRATCH, text))) == told(wanted)

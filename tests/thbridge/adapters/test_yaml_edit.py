@@ -96,6 +96,7 @@ def test_a_file_written_in_another_way_is_refused_rather_than_spoilt() -> None:
     assert isinstance(refused, Refused) or "b: 1" in refused
     assert isinstance(with_value("a: 1\n...\n", "b.c", "2"), str | Refused)
     assert isinstance(with_value("a: word\n", "a.b", "2"), Refused)
+    assert isinstance(with_value("a:\n- 1\nd:\nb: 1\n", "a.d", "1"), Refused)
 
 
 @pytest.mark.parametrize("path", ["a", "a.b", "things[0]", "things[0].at[2]", "each.2.amcl"])
