@@ -148,8 +148,8 @@ def test_a_practice_game_and_a_whole_hunt_by_keyboard_alone(
         if seen.button("Take a picture") is not None and not asides:
             screen.press("Escape")
             asides.extend(one.name for one in player.until("what waits", lambda seen: seen.waiting).waiting)
-            screen.press("w")
-            player.until("it again", lambda seen: seen.button("Take a picture"))
+            # W puts aside what another robot has come with meanwhile, and shows what waits once nothing is in front.
+            player.insist("it again", lambda: screen.press("w"), lambda seen: seen.button("Take a picture"))
         else:
             player.step(seen)
 
