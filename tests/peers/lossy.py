@@ -27,7 +27,8 @@ class LossyLink:
         self._far.setblocking(False)
         self._far.connect(("127.0.0.1", station))
         self._loss = loss
-        self._random = random.Random(seed)
+        # Each way has its own, so that it depends on nobody's pace which of its datagrams are lost.
+        self._random = {from_robots: random.Random(f"{seed} {from_robots}") for from_robots in (True, False)}
         self._robots: tuple[str, int] | None = None
         self._over = threading.Event()
         self.port = int(self._near.getsockname()[1])
@@ -51,7 +52,7 @@ class LossyLink:
     def _carry(self, data: bytes, address: tuple[str, int], from_robots: bool) -> None:
         if from_robots:
             self._robots = address
-        if self._random.random() < self._loss:
+        if self._random[from_robots].random() < self._loss:
             self.lost[from_robots] += 1
             return
         self.carried[from_robots] += 1

@@ -74,8 +74,7 @@ def test_a_script_s_mission_arrives(lossy: tuple[Program, int, int, tuple[LossyL
     uploaded(script)
     assert [item(script, seq) for seq in range(len(PLACES))] == PLACES
     script.master.close()
-    for lost, carried in zip(link.lost.values(), link.carried.values(), strict=True):
-        assert lost > 0.15 * (lost + carried), "or the link was not bad enough"
+    assert all(link.lost.values()), "or the link was not bad"
 
 
 @needs("mavsdk")
@@ -89,4 +88,4 @@ def test_mavsdk_s_mission_arrives(lossy: tuple[Program, int, int, tuple[LossyLin
     assert done.returncode == 0, done.stdout + done.stderr + play.text
     told = json.loads(done.stdout.splitlines()[-1])
     assert [tuple(place) for place in told["read"]] == PLACES
-    assert sum(link.lost.values()) > 0
+    assert all(link.lost.values()), "or the link was not bad"
