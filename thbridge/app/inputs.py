@@ -123,6 +123,11 @@ class Framed:
     robot: int | None = None
 
 
+@dataclass(frozen=True, slots=True)
+class KeptAlive:
+    """The session stood, or was slow, while time went on for ground stations; vehicles said that they are there."""
+
+
 Input: TypeAlias = (
     Opened
     | Received
@@ -136,6 +141,7 @@ Input: TypeAlias = (
     | LinkOpened
     | LinkClosed
     | Framed
+    | KeptAlive
 )
 
 T = TypeVar("T")
@@ -206,6 +212,8 @@ def _for_people(item: Input) -> tuple[str, str]:
             return _readable(name), "a link is opened"
         case LinkClosed(_, sender):
             return _readable(sender), "the link has ended"
+        case KeptAlive():
+            return "", "robots say that they are there"
         case Framed(_, sender, frame):
             return _readable(sender), f"{name_of(frame.message_id)} of {frame.system}/{frame.component}"
 

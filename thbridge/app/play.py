@@ -6,6 +6,7 @@ from dataclasses import dataclass
 from pathlib import Path
 
 from sim.observations import TICK, TICKS_PER_SECOND
+from thbridge.adapters.keeping_alive import kept_alive
 from thbridge.adapters.ledger import Ledger
 from thbridge.adapters.loop import run_ticks
 from thbridge.adapters.mavlink_server import MavlinkServer, Ports
@@ -171,6 +172,7 @@ async def play(
             graph_link = session.open_link(GRAPH_LINK)
         if links is not None:
             await links.serve(session)
+            await opened.enter_async_context(kept_alive(session, pacer))
         ending = Ending(options.max_seconds, options.left)
 
         def tick() -> bool:

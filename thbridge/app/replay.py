@@ -31,6 +31,7 @@ from thbridge.app.inputs import (
     Framed,
     Heard,
     Input,
+    KeptAlive,
     LinkClosed,
     LinkOpened,
     Opened,
@@ -301,6 +302,8 @@ class _Together:
                 session.close_link(link)
             case Framed(link, _, frame, robot):
                 session.transmit(session.receive_frame(link, frame, robot))
+            case KeptAlive():
+                session.keep_alive()
 
     def step(self) -> None:
         self._session.step()

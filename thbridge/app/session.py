@@ -16,6 +16,7 @@ from thbridge.app.inputs import (
     Closed,
     Framed,
     Input,
+    KeptAlive,
     LinkClosed,
     LinkOpened,
     Opened,
@@ -251,6 +252,12 @@ class Session:
         if self._vehicles.why_not(link, frame) is None:
             self._inputs.append(Framed(link, name, frame, robot))
         return self._vehicles.receive(link, frame, robot)
+
+    def keep_alive(self) -> None:
+        """Time has passed for ground stations and none for the session: robots say that they are alive."""
+        if self._vehicles is not None:
+            self._inputs.append(KeptAlive())
+            self.transmit(self._vehicles.keep_alive())
 
     # The tick
 

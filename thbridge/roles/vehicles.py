@@ -81,6 +81,10 @@ class Vehicles:
         readings = [steersman.follow(snapshot, game) for steersman in self._steersmen]
         return self._hub.step(snapshot.tick, readings)
 
+    def keep_alive(self) -> list[Sent]:
+        """See `Hub.keep_alive`."""
+        return self._hub.keep_alive()
+
     def take_traffic(self) -> tuple[Traffic, ...]:
         """What vehicles heard and said since the last call, in order."""
         return self._hub.take_traffic()

@@ -19,6 +19,7 @@ from thbridge.app.inputs import (
     Framed,
     Heard,
     Input,
+    KeptAlive,
     LinkClosed,
     LinkOpened,
     Opened,
@@ -68,6 +69,7 @@ STRATEGIES = {
     Asked: st.builds(Asked, st.text(), REQUESTS),
     LinkOpened: st.builds(LinkOpened, NUMBERS, WORDS),
     LinkClosed: st.builds(LinkClosed, NUMBERS, WORDS),
+    KeptAlive: st.just(KeptAlive()),
     Framed: st.builds(Framed, NUMBERS, WORDS, FRAMES, st.none() | st.integers(0, 249)),
 }
 INPUTS = st.one_of(*(STRATEGIES[kind] for kind in get_args(Input)))

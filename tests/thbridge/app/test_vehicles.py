@@ -7,6 +7,7 @@ from pathlib import Path
 
 import pytest
 
+from sim.inputs import Die
 from sim.observations import TICKS_PER_SECOND
 from tests.thbridge.app.test_recording import Tape
 from tests.thbridge.ros.drive import snapshots
@@ -14,7 +15,7 @@ from thbridge.adapters.tlog_file import TlogFile
 from thbridge.app.broadcast import Broadcast
 from thbridge.app.compose import read_setting
 from thbridge.app.config import Study
-from thbridge.app.inputs import Framed, LinkClosed, LinkOpened, from_record, to_record
+from thbridge.app.inputs import Framed, KeptAlive, LinkClosed, LinkOpened, from_record, to_record
 from thbridge.app.mavlink import MavlinkSection
 from thbridge.app.play import PLAY, NoLog
 from thbridge.app.recording import BagWitness, TlogWitness
@@ -176,3 +177,30 @@ def test_where_robots_are_no_vehicles_there_is_no_link():
     session = Session(Router(), setting.keeper(), [simr], NoLog(), vehicles=setting.vehicles(simr))
     with pytest.raises(ValueError, match="no vehicles"):
         session.open_link("a")
+
+
+def test_between_two_ticks_that_are_long_apart_vehicles_say_that_they_are_there(session: Session):
+    transmitted: list[Sent] = []
+    link = session.open_link("a")
+    steps(session, 60)
+    session.transmit = transmitted.extend
+    session.keep_alive()
+    session.keep_alive()
+    assert [(sent.link, sent.frame.system) for sent in transmitted] == [(link, 1), (link, 2)] * 2
+    assert {sent.frame.message_id for sent in transmitted} == {HEARTBEAT.id}
+    said = [sent.frame for sent in transmitted]
+    moment = session.step()
+    assert moment.inputs == (KeptAlive(), KeptAlive())
+    assert [traffic.frame for traffic in moment.traffic][:4] == said
+    sequences = [traffic.frame.sequence for traffic in moment.traffic if traffic.robot == 0]
+    assert sequences == list(range(sequences[0], sequences[0] + len(sequences)))
+
+
+def test_a_robot_that_does_not_answer_says_nothing_between_ticks_either(session: Session):
+    session.open_link("a")
+    session.ask("researcher", Die(0))
+    steps(session, TICKS_PER_SECOND + 5)
+    transmitted: list[Sent] = []
+    session.transmit = transmitted.extend
+    session.keep_alive()
+    assert [sent.frame.system for sent in transmitted] == [2]

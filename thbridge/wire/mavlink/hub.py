@@ -140,6 +140,12 @@ class Hub:
             sent += self._said(robot, vehicle.step(tick, reading))
         return sent
 
+    def keep_alive(self) -> list[Sent]:
+        """No tick has passed for a while: the heartbeats of all vehicles."""
+        return [
+            frame for robot, vehicle in enumerate(self._vehicles) for frame in self._said(robot, vehicle.keep_alive())
+        ]
+
     def take_traffic(self) -> tuple[Traffic, ...]:
         """What vehicles heard and said since the last call, in order."""
         traffic, self._traffic = tuple(self._traffic), []

@@ -124,6 +124,11 @@ class Vehicle:
             yield from part.step(tick, readings)
         yield from self._texts.step(tick)
 
+    def keep_alive(self) -> Iterator[Said]:
+        """No tick has passed for a while, but nothing is wrong: a heartbeat, as things stand."""
+        if self._readings.answers:
+            yield from self._heartbeat()
+
     def forget(self, link: LinkId) -> None:
         """A link is gone, with the rates that were asked for on it."""
         self._streams.forget(link)
@@ -151,7 +156,10 @@ class Vehicle:
                 is_heartbeat = number == mav.MAVLINK_MSG_ID_HEARTBEAT
                 yield Said(message, due.link, to_sleepers=is_heartbeat, besides=due.besides)
         if shown != self._shown and mav.MAVLINK_MSG_ID_HEARTBEAT not in made:
-            heartbeat = self._telemetry.message(mav.MAVLINK_MSG_ID_HEARTBEAT, standing)
-            if heartbeat is not None:
-                yield Said(heartbeat, to_sleepers=True)
+            yield from self._heartbeat()
         self._shown = shown
+
+    def _heartbeat(self) -> Iterator[Said]:
+        heartbeat = self._telemetry.message(mav.MAVLINK_MSG_ID_HEARTBEAT, self._standing)
+        if heartbeat is not None:
+            yield Said(heartbeat, to_sleepers=True)
