@@ -1,6 +1,7 @@
 """The loop of a program: ticks kept to the wall clock until one is the last, or somebody stops the program."""
 
 import asyncio
+import gc
 import signal
 import time
 from collections.abc import Callable, Iterator
@@ -35,7 +36,7 @@ async def run_ticks(tick: Callable[[], bool], pacer: Pacer) -> Run:
         pacer: says when the next one is due.
     """
     started = time.monotonic()
-    with stopping(pacer.resume) as stopped:
+    with stopping(pacer.resume) as stopped, _standing_spared():
         finished = False
         while not finished and not stopped.is_set():
             finished = not tick()
@@ -61,3 +62,16 @@ def stopping(told: Callable[[], None] = _pass) -> Iterator[asyncio.Event]:
     finally:
         for number in signals:
             loop.remove_signal_handler(number)
+
+
+@contextmanager
+def _standing_spared() -> Iterator[None]:
+    """Keep the garbage collector from what stands already: modules and compiled code, which no tick throws away.
+
+    To walk all of that takes several ticks' time, and the collector would do so in the midst of a session.
+    """
+    gc.freeze()
+    try:
+        yield
+    finally:
+        gc.unfreeze()

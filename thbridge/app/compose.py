@@ -12,7 +12,7 @@ from sim import noise
 from sim.costmap.footprint import radii
 from sim.floor import Floor
 from sim.geometry import Pose2
-from sim.inputs import Go
+from sim.inputs import Go, Timed
 from sim.navigator import Goal
 from sim.observations import TICKS_PER_SECOND
 from sim.sensors import mount_of
@@ -56,6 +56,8 @@ LARGEST_CONSENT = 8000
 """Bytes of the text that participants agree to; it must fit into a line with all the rest of a view."""
 REHEARSAL = 5 * TICKS_PER_SECOND
 """Ticks after which robots have localised, planned around each other, turned and driven."""
+REHEARSERS = 10
+"""Robots among which all of that happens."""
 RECORDED_PACKAGES = ("thbridge", "numpy", "scipy", "numba", "filterpy", "rosbags", "pymavlink")
 """Whose versions a bag tells: what else could make the same study run differently."""
 
@@ -81,14 +83,23 @@ class Setting:
     def team(self) -> Team:
         """The robots at their start poses."""
         study = self.study
-        starts = self.place.starts[: study.robots]
-        software = [study.software(number) for number in range(1, study.robots + 1)]
-        schedule = schedule_of(study.things, study.mishaps)
+        return self._team(range(1, study.robots + 1), schedule_of(study.things, study.mishaps))
+
+    def _team(self, numbers: Sequence[int], schedule: Sequence[Timed]) -> Team:
+        """These robots of the study's, at their start poses."""
+        study = self.study
+        starts = [self.place.starts[number - 1] for number in numbers]
+        software = [study.software(number) for number in numbers]
         return Team(self.place.grid, study.world, software, starts, study.seed, study.game.energy, schedule)
 
     def rehearse(self) -> None:
-        """Drive another such team for a moment: what is to be compiled is compiled before anybody waits for it."""
-        team, rooms = self.team(), self.place.rooms
+        """Drive such robots for a moment: what is to be compiled is compiled before anybody waits for it.
+
+        A large team needs nothing that some of its robots do not need, except where others have software of their own.
+        """
+        study, rooms = self.study, self.place.rooms
+        numbers = [number for number in range(1, study.robots + 1) if number <= REHEARSERS or number in study.each]
+        team = self._team(numbers, schedule_of(study.things, ()))
         orders = [Go(robot, Goal(0, rooms[robot % len(rooms)].goal)) for robot in range(team.size)]
         for tick in range(REHEARSAL):
             team.step(orders if tick == 0 else [])

@@ -1,6 +1,7 @@
 """A loop of ticks whose pace is changed while it runs."""
 
 import asyncio
+import gc
 import os
 import signal
 from collections.abc import Awaitable, Callable
@@ -96,6 +97,20 @@ def test_a_pause_ends_when_nobody_wants_one_any_more():
         return ticks
 
     assert asyncio.run(whole()) == 2
+
+
+def test_what_stood_before_the_first_tick_is_not_walked_by_the_garbage_collector_until_the_last():
+    spared = []
+
+    async def drive(loop: Loop) -> None:
+        await asyncio.sleep(0)
+        spared.append(gc.get_freeze_count())
+        loop.over = True
+
+    before = len(gc.get_objects())
+    driven(drive)
+    assert spared[0] > 0.9 * before
+    assert gc.get_freeze_count() == 0
 
 
 def test_a_paused_program_can_be_stopped():

@@ -4,7 +4,7 @@ from pathlib import Path
 import pytest
 
 from sim.team import Team
-from thbridge.app.compose import Setting, read_setting
+from thbridge.app.compose import REHEARSERS, Setting, read_setting
 from thbridge.app.config import ParticipantSection, ShowsSection, Study
 from thbridge.roles.notices import Subscribe, tell
 
@@ -13,15 +13,32 @@ from thbridge.roles.notices import Subscribe, tell
 def test_a_rehearsal_is_long_enough_for_robots_to_drive(name: str, monkeypatch: pytest.MonkeyPatch) -> None:
     # Whatever it does not come to is compiled in the midst of a session, and holds it up for seconds.
     setting = read_setting(dataclasses.replace(Study(), map=name, robots=2), Path())
-    team = setting.team()
-
-    def same_team(self: Setting) -> Team:
-        return team
-
-    monkeypatch.setattr(Setting, "team", same_team)
-    setting.rehearse()
+    team = rehearsed(setting, monkeypatch)
     # Turning on the spot does not need all of the local planner.
     assert (team.step([]).world.twists[:, 0] > 0.2).all()
+
+
+def test_of_a_large_team_only_some_rehearse_and_whoever_has_software_of_its_own(
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
+    own = dataclasses.replace(Study().robot, localization="truth")
+    setting = read_setting(dataclasses.replace(Study(), map="warehouse12", robots=14, each={2: own, 13: own}), Path())
+    monkeypatch.setattr("thbridge.app.compose.REHEARSAL", 1)
+    software = [parameters.localization for parameters in rehearsed(setting, monkeypatch).parameters]
+    assert software == ["amcl", "truth", *["amcl"] * (REHEARSERS - 2), "truth"]
+
+
+def rehearsed(setting: Setting, monkeypatch: pytest.MonkeyPatch) -> Team:
+    """The team of a rehearsal, after it."""
+    teams: list[Team] = []
+
+    def made(*arguments: object) -> Team:
+        teams.append(Team(*arguments))  # type: ignore[arg-type]
+        return teams[0]
+
+    monkeypatch.setattr("thbridge.app.compose.Team", made)
+    setting.rehearse()
+    return teams[0]
 
 
 def test_participants_are_briefed_with_the_study_s_map_pictures_and_consent(tmp_path: Path) -> None:
