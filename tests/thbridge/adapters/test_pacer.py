@@ -4,6 +4,7 @@ import asyncio
 import gc
 import os
 import signal
+import sys
 from collections.abc import Awaitable, Callable
 
 from thbridge.adapters.loop import Run, run_ticks
@@ -111,6 +112,18 @@ def test_what_stood_before_the_first_tick_is_not_walked_by_the_garbage_collector
     driven(drive)
     assert spared[0] > 0.9 * before
     assert gc.get_freeze_count() == 0
+
+
+def test_other_threads_soon_let_the_ticks_go_on_and_only_as_long_as_there_are_any():
+    turns: list[float] = []
+
+    async def drive(loop: Loop) -> None:
+        turns.append(sys.getswitchinterval())
+        loop.over = True
+
+    usual = sys.getswitchinterval()
+    driven(drive)
+    assert turns[0] < usual / 5 == sys.getswitchinterval() / 5
 
 
 def test_a_paused_program_can_be_stopped():
