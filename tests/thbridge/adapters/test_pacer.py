@@ -118,6 +118,7 @@ def test_other_threads_soon_let_the_ticks_go_on_and_only_as_long_as_there_are_an
     turns: list[float] = []
 
     async def drive(loop: Loop) -> None:
+        await asyncio.sleep(0)
         turns.append(sys.getswitchinterval())
         loop.over = True
 
