@@ -11,6 +11,7 @@ from types import NoneType
 
 from sim.parameters import RobotParameters, WorldParameters
 from thbridge.adapters.declarations import allowed
+from thbridge.roles.parameter_names import GROUPS, group_of
 from thbridge.roles.requests import Tuning
 from thbridge.roles.vehicle_parameters import PARAMETERS, VehicleParameter, values_of
 
@@ -42,19 +43,6 @@ Three come before those of the robot, under the names that ArduPilot's rovers ha
 | `FS_ACTION` | `mavlink: failsafe` | what a robot does whose ground station is lost | 0: continue, 1: home, 2: stop |
 """
 
-GROUPS = {
-    "AMCL": "amcl",
-    "EKF": "Kalman filter",
-    "GC": "The costmap that covers the map",
-    "LC": "The costmap that moves along with the robot",
-    "GP": "global_planner",
-    "TP": "base_local_planner",
-    "DWA": "dwa_local_planner",
-    "MB": "move_base",
-    "SIM": "How the simulator lets true sensors err",
-}
-"""Headings, by what names begin with."""
-
 
 def range_of(parameter: VehicleParameter) -> str:
     """What may be set."""
@@ -82,7 +70,7 @@ def document() -> str:
     at_first = values_of(Tuning(RobotParameters(), WorldParameters()))
     told = [(parameter, parameter.told(value)) for parameter, value in zip(PARAMETERS, at_first, strict=True)]
     parts = [HEAD]
-    for group, parameters in groupby(told, key=lambda each: each[0].name.partition("_")[0]):
+    for group, parameters in groupby(told, key=lambda each: group_of(each[0].name)):
         parts += [f"\n## {group}: {GROUPS[group]}\n", *rows([*parameters])]
     return "\n".join(parts) + "\n"
 

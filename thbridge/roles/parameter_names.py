@@ -105,6 +105,24 @@ _WORDS: Mapping[str, str] = {
     "vtheta": "VTH",
 }
 
+GROUPS: Mapping[str, str] = {
+    "AMCL": "amcl",
+    "EKF": "Kalman filter",
+    "GC": "The costmap that covers the map",
+    "LC": "The costmap that moves along with the robot",
+    "GP": "global_planner",
+    "TP": "base_local_planner",
+    "DWA": "dwa_local_planner",
+    "MB": "move_base",
+    "SIM": "How the simulator lets true sensors err",
+}
+"""Who has the parameters whose names begin so."""
+
+
+def group_of(name: str) -> str:
+    """What a name begins with, a key of `GROUPS`."""
+    return name.partition("_")[0]
+
 
 def name_of(path: str) -> str:
     """The name of the parameter at a path.

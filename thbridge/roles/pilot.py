@@ -38,7 +38,7 @@ from thbridge.roles.requests import (
 )
 from thbridge.roles.speeds import Speeds
 from thbridge.roles.trips import Stage, Trip, answers, followed
-from thbridge.wire.mavlink.helm import Denied, Leg, LegState, Readings, Refusal, Setting, Settings, Station
+from thbridge.wire.mavlink.helm import Denied, Description, Leg, LegState, Readings, Refusal, Setting, Settings, Station
 
 
 @dataclass(frozen=True, slots=True)
@@ -174,6 +174,10 @@ class Pilot:
         return self._start
 
     # Parameters
+
+    def descriptions(self) -> Sequence[Description]:
+        """See `Settings`."""
+        return self._settings.descriptions()
 
     def settings(self) -> Sequence[Setting]:
         """See `Settings`."""

@@ -16,9 +16,9 @@ import numpy as np
 
 from sim.parameters import LiveKnob, Rejected, WorldParameters, live_knobs
 from sim.parameters.reconfiguration import WORLD
-from thbridge.roles.parameter_names import name_of
+from thbridge.roles.parameter_names import GROUPS, group_of, name_of
 from thbridge.roles.requests import ParameterValue, SetParameters, Tuning
-from thbridge.wire.mavlink.helm import Denied, Setting
+from thbridge.wire.mavlink.helm import Denied, Description, Setting
 
 
 @dataclass(frozen=True, slots=True)
@@ -53,6 +53,26 @@ class VehicleParameter:
         if not 0 <= told < len(choices):
             return Denied(f"{self.name} is a whole number from 0 to {len(choices) - 1}, not {told:g}.")
         return choices[int(told)]
+
+    def described(self, default: ParameterValue) -> Description:
+        """What it means; `default` is its value at first."""
+        knob = self.knob
+        path = knob.path if knob.path.startswith(WORLD) else f"robot.{knob.path}"
+        may_be_none = NoneType in knob.types
+        minimum = knob.minimum
+        return Description(
+            self.name,
+            knob.help,
+            f"{path} of the study{'; 0: null' if may_be_none else ''}",
+            path.partition(".")[0],
+            GROUPS[group_of(self.name)],
+            knob.unit,
+            self.told(default),
+            min(minimum, 0.0) if may_be_none and minimum is not None else minimum,
+            knob.maximum,
+            float not in knob.types,
+            ("off", "on") if bool in knob.types else knob.choices,
+        )
 
 
 def _is_numeric(knob: LiveKnob) -> bool:
@@ -101,8 +121,16 @@ class VehicleParameters:
     def __init__(self, robot: int, robots: Tunable) -> None:
         self._robot = robot
         self._robots = robots
+        self._at_first = robots.tuning(robot)
         self._of: Tuning | None = None
         self._settings: tuple[Setting, ...] = ()
+
+    def descriptions(self) -> Sequence[Description]:
+        """What each of them means, and was when the session began."""
+        if self._at_first is None:
+            return ()
+        values = values_of(self._at_first)
+        return tuple(parameter.described(value) for parameter, value in zip(PARAMETERS, values, strict=True))
 
     def settings(self) -> Sequence[Setting]:
         """All of them, always in the same order, as they are or are about to be."""

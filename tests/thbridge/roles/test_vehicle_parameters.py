@@ -17,7 +17,7 @@ from thbridge.app.config import Study
 from thbridge.roles.requests import ParameterValue, SetParameters, Tuning
 from thbridge.roles.simr import SimR
 from thbridge.roles.vehicle_parameters import PARAMETERS, VehicleParameters, values_of
-from thbridge.wire.mavlink.helm import Denied, Setting
+from thbridge.wire.mavlink.helm import Denied, Description, Setting
 
 SINGLES = st.floats(width=32, allow_nan=False, allow_infinity=False)
 OF_NAME = {parameter.name: parameter for parameter in PARAMETERS}
@@ -60,6 +60,37 @@ def test_all_are_told_in_one_order_as_they_are_alone(bench: Bench) -> None:
     assert [setting.name for setting in settings] == [parameter.name for parameter in PARAMETERS]
     assert [*settings] == [bench.vehicle.setting(setting.name) for setting in settings]
     assert all(setting.value == single(setting.value) for setting in settings)
+
+
+def test_all_are_described_in_the_same_order_and_begin_within_their_bounds(bench: Bench) -> None:
+    described = bench.vehicle.descriptions()
+    assert [each.name for each in described] == [setting.name for setting in bench.vehicle.settings()]
+    for each, setting in zip(described, bench.vehicle.settings(), strict=True):
+        assert each.default is not None
+        assert single(each.default) == setting.value
+        assert each.minimum is None or each.minimum <= each.default
+        assert each.maximum is None or each.default <= each.maximum
+        assert not each.words or each.default in range(len(each.words))
+        assert each.meaning and not each.fixed
+
+
+def test_what_a_parameter_means_is_what_the_study_says_of_it(bench: Bench) -> None:
+    described = {each.name: each for each in bench.vehicle.descriptions()}
+    assert described["AMCL_UPD_MIN_D"] == Description(
+        "AMCL_UPD_MIN_D", "metres to drive before the filter is updated", "robot.amcl.update_min_d of the study",
+        "robot", "amcl", "m", 0.2, 0.0, 5.0,
+    )  # fmt: skip
+    assert described["AMCL_LASER_MODEL"].words == ("likelihood_field", "likelihood_field_prob", "beam")
+    assert described["MB_RECOV_ENABLE"].words == ("off", "on")
+    assert described["AMCL_MAX_PART"].whole and not described["AMCL_KLD_ERR"].whole
+    assert described["LC_ROBOT_RADIUS"].details == "robot.local_costmap.robot_radius of the study; 0: null"
+    assert (described["SIM_LASER_DROP"].section, described["TP_SIM_TIME"].group) == ("world", "base_local_planner")
+
+
+def test_its_default_is_that_of_the_session_s_beginning(bench: Bench) -> None:
+    before = bench.vehicle.descriptions()
+    bench.vehicle.change("AMCL_KLD_ERR", 0.25)
+    assert bench.vehicle.descriptions() == before
 
 
 @pytest.mark.parametrize(

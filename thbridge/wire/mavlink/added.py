@@ -114,10 +114,27 @@ class ComponentMetadata(
     name="COMPONENT_METADATA",
     fields=("uint32_t time_boot_ms", "uint32_t file_crc", "char[100] uri"),
 ):
-    """Where files about a component are; nowhere, when its uri is empty."""
+    """Where the file is that tells which files there are about a component, and its checksum."""
 
 
-ADDED: dict[int, type[Message]] = {kind.id: kind for kind in (CommandCancel, ProtocolVersion, ComponentMetadata)}
+class ComponentInformation(
+    _Added,
+    number=395,
+    name="COMPONENT_INFORMATION",
+    fields=(
+        "uint32_t time_boot_ms",
+        "uint32_t general_metadata_file_crc",
+        "char[100] general_metadata_uri",
+        "uint32_t peripherals_metadata_file_crc",
+        "char[100] peripherals_metadata_uri",
+    ),
+):
+    """The same, as stations asked for it before there was COMPONENT_METADATA."""
+
+
+_OURS = (CommandCancel, ProtocolVersion, ComponentInformation, ComponentMetadata)
+
+ADDED: dict[int, type[Message]] = {kind.id: kind for kind in _OURS}
 
 
 def extended(declaration: str) -> Callable[[type[M]], type[M]]:

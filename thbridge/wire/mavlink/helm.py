@@ -125,8 +125,44 @@ class Setting:
     value: float
 
 
+@dataclass(frozen=True, slots=True)
+class Description:
+    """What a numeric parameter means, for people who set it.
+
+    Attributes:
+        name: its name.
+        meaning: one sentence.
+        details: what else is to be known of it.
+        section: of the study that it stands in.
+        group: of those that belong together, by the name of what has them.
+        unit: SI; empty for a pure number.
+        default: what it is at first; None where that is another one for each robot.
+        minimum: least value; None where there is none.
+        maximum: greatest value.
+        whole: it has no fraction.
+        words: what 0, 1, 2... stand for; empty where numbers are numbers.
+        fixed: nobody can change it.
+    """
+
+    name: str
+    meaning: str
+    details: str
+    section: str
+    group: str
+    unit: str = ""
+    default: float | None = None
+    minimum: float | None = None
+    maximum: float | None = None
+    whole: bool = False
+    words: tuple[str, ...] = ()
+    fixed: bool = False
+
+
 class Settings(Protocol):
     """Numeric parameters."""
+
+    def descriptions(self) -> Sequence[Description]:
+        """What each of them means, in the order of `settings`; always the same."""
 
     def settings(self) -> Sequence[Setting]:
         """All of them, always in the same order, as they are or are about to be."""

@@ -36,7 +36,7 @@ def orders(system):
         mav.MAV_CMD_DO_SET_MODE: [(1, mode) for mode in (0, 4, 10, 10, 11, 15, 15)] + [(129, 4, 3), (1, 3)],
         mav.MAV_CMD_DO_CHANGE_SPEED: [(1, 0.5, -1), (1, -2)],
         mav.MAV_CMD_SET_MESSAGE_INTERVAL: [(30, 100_000), (32, 0), (0, -1), (0, 60e6), (33, -1), (1, 20_000)],
-        mav.MAV_CMD_REQUEST_MESSAGE: [(148,), (242,), (435, 0), (435, 2), (397,), (0,), (411,)],
+        mav.MAV_CMD_REQUEST_MESSAGE: [(148,), (242,), (435, 0), (435, 2), (395,), (397,), (0,), (411,)],
         mav.MAV_CMD_MISSION_START: [(0, 0), (1, 2)],
         mav.MAV_CMD_DO_PAUSE_CONTINUE: [(0,), (1,)],
         mav.MAV_CMD_NAV_RETURN_TO_LAUNCH: [()],

@@ -4,7 +4,7 @@ from dataclasses import dataclass, field, replace
 
 from sim.geometry import Pose2
 from sim.observations import Twist
-from thbridge.wire.mavlink.helm import Denied, Leg, LegState, Readings, Setting
+from thbridge.wire.mavlink.helm import Denied, Description, Leg, LegState, Readings, Setting
 
 AT_REST = Readings(
     base_in_map=Pose2(1.0, 2.0, 0.0),
@@ -77,6 +77,9 @@ class ModelRobot:
 
     def home(self):
         return Pose2(1.0, 2.0, 0.0)
+
+    def descriptions(self):
+        return [Description(name, "a number", "", "robot", "tests", default=0.0) for name in self.values]
 
     def settings(self):
         return [Setting(name, value) for name, value in self.values.items()]

@@ -2,11 +2,11 @@
 
 import pytest
 
-from thbridge.wire.mavlink.added import ADDED, CommandCancel, ComponentMetadata, ProtocolVersion
+from thbridge.wire.mavlink.added import ADDED, CommandCancel, ComponentInformation, ComponentMetadata, ProtocolVersion
 from thbridge.wire.mavlink.dialect import crc_extra, decoded, mav, payload_of
 
 
-@pytest.mark.parametrize(("number", "seed"), [(80, 14), (300, 217), (397, 182)])
+@pytest.mark.parametrize(("number", "seed"), [(80, 14), (300, 217), (395, 0), (397, 182)])
 def test_a_seed_is_the_published_one(number, seed):
     assert crc_extra(number) == seed
 
@@ -20,6 +20,7 @@ def test_they_are_lacking():
     [
         CommandCancel(3, 1, 16),
         ProtocolVersion(200, 100, 200, list(range(1, 9)), list(range(8, 0, -1))),
+        ComponentInformation(17, 1, b"mftp://somewhere", 0, b""),
         ComponentMetadata(17, 0, b"http://somewhere"),
     ],
     ids=lambda message: message.msgname,

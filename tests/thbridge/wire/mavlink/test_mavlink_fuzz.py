@@ -17,7 +17,7 @@ from tests.thbridge.wire.mavlink.speech import frames
 from thbridge.wire.mavlink.dialect import crc_extra, mav, payload_of
 from thbridge.wire.mavlink.frames.frame import LARGEST, Frame
 from thbridge.wire.mavlink.frames.framer import Framer, frame_of
-from thbridge.wire.mavlink.helm import Denied, Leg, LegState, Readings, Setting
+from thbridge.wire.mavlink.helm import Denied, Description, Leg, LegState, Readings, Setting
 from thbridge.wire.mavlink.hub import Hub
 from thbridge.wire.mavlink.options import Failsafe, Identity, Origin, VehicleOptions
 from thbridge.wire.mavlink.said import LinkId
@@ -82,6 +82,9 @@ class Sailor:
 
     def home(self):
         return Pose2(1.0, 2.0, 0.0)
+
+    def descriptions(self):
+        return [Description(name, "a number", "", "robot", "tests") for name in self._values]
 
     def settings(self):
         return [Setting(name, value) for name, value in self._values.items()]

@@ -1,4 +1,4 @@
-"""Small questions that every vehicle answers: is it there, what time is it, which streams, which files."""
+"""Small questions that every vehicle answers: is it there, what time is it, which streams."""
 
 from collections.abc import Iterator, Mapping
 from types import MappingProxyType
@@ -31,10 +31,6 @@ _GROUPS: Mapping[int, tuple[int, ...]] = MappingProxyType(
     }
 )
 """The messages of each group that REQUEST_DATA_STREAM names, as ArduPilot has them."""
-
-_FTP_NAK = 129
-_FTP_FILE_NOT_FOUND = 10
-_FTP_PAYLOAD = 251
 
 
 class Courtesies:
@@ -70,8 +66,6 @@ class Courtesies:
                 yield Said(mav.MAVLink_gps_global_origin_message(place.latitude, place.longitude, altitude), link)
             case mav.MAVLink_request_data_stream_message():
                 self._set_group(link, message)
-            case mav.MAVLink_file_transfer_protocol_message():
-                yield Said(_no_files(message, sender), link)
 
     def step(self, tick: int, readings: Readings) -> Iterator[Said]:
         """Nothing is said unasked."""
@@ -91,16 +85,3 @@ class Courtesies:
             members = _GROUPS.get(message.req_stream_id, ())
         for member in members:
             self._streams.change(link, member, ticks)
-
-
-def _no_files(message: mav.MAVLink_file_transfer_protocol_message, sender: Station) -> Message:
-    """There are no files here; stations that look for some go on at once.
-
-    Source: the MAVLink developer guide, "File Transfer Protocol", payload of a NAK.
-    """
-    asked = bytes(message.payload)
-    sequence = int.from_bytes(asked[0:2], "little") + 1 & 0xFFFF
-    session, opcode = asked[2], asked[3]
-    head = sequence.to_bytes(2, "little") + bytes((session, _FTP_NAK, 1, opcode, 0, 0)) + bytes(4)
-    payload = (head + bytes((_FTP_FILE_NOT_FOUND,))).ljust(_FTP_PAYLOAD, b"\0")
-    return mav.MAVLink_file_transfer_protocol_message(0, sender.system, sender.component, list(payload))

@@ -8,7 +8,7 @@ from collections.abc import Mapping, Sequence
 
 import numpy as np
 
-from thbridge.wire.mavlink.helm import Denied, Refusal, Setting, Settings
+from thbridge.wire.mavlink.helm import Denied, Description, Refusal, Setting, Settings
 from thbridge.wire.mavlink.options import LONGEST_PATIENCE, SHORTEST_PATIENCE, Failsafe
 from thbridge.wire.mavlink.vehicle.command_of import CommandOf
 from thbridge.wire.mavlink.vehicle.conduct import Conduct
@@ -19,6 +19,8 @@ ACTION = "FS_ACTION"
 
 ACTIONS: Mapping[Failsafe, int] = {Failsafe.CONTINUE: 0, Failsafe.HOME: 1, Failsafe.STOP: 2}
 """What `FS_ACTION` is told as: ArduPilot's nothing, RTL and hold."""
+
+_SECTION, _GROUP = "mavlink", "vehicle"
 
 
 class OwnParameters:
@@ -36,6 +38,35 @@ class OwnParameters:
         self._robot = robot
         self._command = command
         self._conduct = conduct
+        self._at_first = {own.name: own.value for own in self._own()}
+
+    def descriptions(self) -> Sequence[Description]:
+        """See `Settings`."""
+        return (
+            Description(SYSTEM_ID, "the robot's number", "system id of MAVLink", _SECTION, _GROUP, fixed=True),
+            Description(
+                TIMEOUT,
+                "time without heartbeats after which a station counts as lost",
+                "mavlink.lost_after of the study",
+                _SECTION,
+                _GROUP,
+                "s",
+                self._at_first[TIMEOUT],
+                SHORTEST_PATIENCE,
+                LONGEST_PATIENCE,
+            ),
+            Description(
+                ACTION,
+                "what a robot does whose ground station is lost",
+                "mavlink.failsafe of the study",
+                _SECTION,
+                _GROUP,
+                default=self._at_first[ACTION],
+                whole=True,
+                words=tuple(failsafe.value for failsafe in sorted(ACTIONS, key=ACTIONS.__getitem__)),
+            ),
+            *self._robot.descriptions(),
+        )
 
     def settings(self) -> Sequence[Setting]:
         """See `Settings`."""

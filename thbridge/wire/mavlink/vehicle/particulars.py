@@ -3,19 +3,21 @@
 from collections.abc import Callable, Mapping
 
 from sim.geometry import Pose2
-from thbridge.wire.mavlink.added import ComponentMetadata, ProtocolVersion
+from thbridge.wire.mavlink.added import ComponentInformation, ComponentMetadata, ProtocolVersion
 from thbridge.wire.mavlink.coordinates import quaternion
 from thbridge.wire.mavlink.dialect import Message, mav
 from thbridge.wire.mavlink.modes import Mode, custom_mode, standard_mode
 from thbridge.wire.mavlink.options import Identity
 from thbridge.wire.mavlink.vehicle.boot_time import microseconds, milliseconds
 from thbridge.wire.mavlink.vehicle.earth import Earth
+from thbridge.wire.mavlink.vehicle.metadata_files import GENERAL, MetadataFiles, checksum, uri
 
 _CAPABILITIES = (
     mav.MAV_PROTOCOL_CAPABILITY_PARAM_FLOAT
     | mav.MAV_PROTOCOL_CAPABILITY_PARAM_ENCODE_C_CAST
     | mav.MAV_PROTOCOL_CAPABILITY_MISSION_INT
     | mav.MAV_PROTOCOL_CAPABILITY_COMMAND_INT
+    | mav.MAV_PROTOCOL_CAPABILITY_FTP
     | mav.MAV_PROTOCOL_CAPABILITY_SET_POSITION_TARGET_LOCAL_NED
     | mav.MAV_PROTOCOL_CAPABILITY_SET_POSITION_TARGET_GLOBAL_INT
     | mav.MAV_PROTOCOL_CAPABILITY_MAVLINK2
@@ -30,14 +32,18 @@ class Particulars:
         identity: whose autopilot it says it has.
         earth: where its map lies.
         home: where its robot started.
+        files: about it.
     """
 
-    def __init__(self, system: int, identity: Identity, earth: Earth, home: Callable[[], Pose2]) -> None:
+    def __init__(
+        self, system: int, identity: Identity, earth: Earth, home: Callable[[], Pose2], files: MetadataFiles
+    ) -> None:
         self._system = system
         self._identity = identity
         self._earth = earth
         self._altitude = round(earth.altitude * 1000.0)
         self._home = home
+        self._files = files
 
     def makers(self) -> Mapping[int, Callable[[int], Message]]:
         """What makes each message, by its id, in a tick."""
@@ -47,6 +53,7 @@ class Particulars:
             mav.MAVLINK_MSG_ID_HOME_POSITION: self._home_position,
             mav.MAVLINK_MSG_ID_EXTENDED_SYS_STATE: self._extended_sys_state,
             ProtocolVersion.id: self._protocol_version,
+            ComponentInformation.id: self._component_information,
             ComponentMetadata.id: self._component_metadata,
             mav.MAVLINK_MSG_ID_AVAILABLE_MODES_MONITOR: self._available_modes_monitor,
         }
@@ -82,8 +89,14 @@ class Particulars:
         return ProtocolVersion(200, 100, 200, [0] * 8, [0] * 8)
 
     def _component_metadata(self, tick: int) -> Message:
-        # There are no files about this vehicle; ground stations then go on.
-        return ComponentMetadata(milliseconds(tick), 0, b"")
+        return ComponentMetadata(milliseconds(tick), *self._general())
+
+    def _component_information(self, tick: int) -> Message:
+        return ComponentInformation(milliseconds(tick), *self._general(), 0, b"")
+
+    def _general(self) -> tuple[int, bytes]:
+        """Checksum and place of the file that tells of all others."""
+        return checksum(self._files.contents[GENERAL]), uri(GENERAL).encode()
 
     def _available_modes_monitor(self, tick: int) -> Message:
         return mav.MAVLink_available_modes_monitor_message(0)

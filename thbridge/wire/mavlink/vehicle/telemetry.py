@@ -5,7 +5,7 @@ from collections.abc import Callable
 from dataclasses import dataclass
 
 from sim.observations import TICKS_PER_SECOND
-from thbridge.wire.mavlink.added import ComponentMetadata, ProtocolVersion
+from thbridge.wire.mavlink.added import ComponentInformation, ComponentMetadata, ProtocolVersion
 from thbridge.wire.mavlink.conventions import COMMANDER
 from thbridge.wire.mavlink.coordinates import compass, north_east, quaternion, yaw_of
 from thbridge.wire.mavlink.dialect import Message, mav
@@ -102,6 +102,7 @@ def default_streams(position_rate: float) -> dict[int, int]:
         mav.MAVLINK_MSG_ID_HOME_POSITION: OFF,
         mav.MAVLINK_MSG_ID_EXTENDED_SYS_STATE: OFF,
         ProtocolVersion.id: OFF,
+        ComponentInformation.id: OFF,
         ComponentMetadata.id: OFF,
         mav.MAVLINK_MSG_ID_CURRENT_MODE: OFF,
         mav.MAVLINK_MSG_ID_AVAILABLE_MODES_MONITOR: OFF,

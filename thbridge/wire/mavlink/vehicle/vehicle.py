@@ -18,6 +18,8 @@ from thbridge.wire.mavlink.vehicle.conduct import Conduct
 from thbridge.wire.mavlink.vehicle.controls import Controls
 from thbridge.wire.mavlink.vehicle.courtesies import Courtesies
 from thbridge.wire.mavlink.vehicle.earth import Earth
+from thbridge.wire.mavlink.vehicle.file_transfer import FileTransfer
+from thbridge.wire.mavlink.vehicle.metadata_files import MetadataFiles
 from thbridge.wire.mavlink.vehicle.mission_run import MissionRun
 from thbridge.wire.mavlink.vehicle.missions import Missions
 from thbridge.wire.mavlink.vehicle.own_parameters import OwnParameters
@@ -69,7 +71,9 @@ class Vehicle:
         self._command = CommandOf(helm, options.lost_after)
         self._conduct = Conduct(helm, self._command, plan, options.failsafe, announce, self._readings)
         self._streams = Streams(default_streams(options.position_rate), system)
-        particulars = Particulars(system, identity, earth, helm.home)
+        parameters = OwnParameters(system, helm, self._command, self._conduct)
+        files = MetadataFiles(parameters)
+        particulars = Particulars(system, identity, earth, helm.home, files)
         self._telemetry = Telemetry(particulars, identity, earth, plan.current)
         repertoire = Repertoire(
             helm,
@@ -86,7 +90,8 @@ class Vehicle:
             Commands(repertoire, self._command, self._conduct, announce),
             Controls(system, helm, self._conduct, self._command, repertoire, earth, announce),
             Missions(plan, announce),
-            Parameters(OwnParameters(system, helm, self._command, self._conduct), announce, ardupilot),
+            Parameters(parameters, announce, ardupilot),
+            FileTransfer(lambda: files.contents),
             Courtesies(self._streams, earth),
         )
 

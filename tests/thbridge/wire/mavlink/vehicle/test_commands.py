@@ -328,7 +328,7 @@ def test_reposition_is_acknowledged_at_once_and_can_be_changed_under_way(armed):
 
 
 def test_a_message_can_be_asked_for(rig):
-    for number in (0, 1, 2, 24, 30, 31, 32, 33, 42, 49, 74, 147, 148, 242, 245, 300, 397, 436, 437):
+    for number in (0, 1, 2, 24, 30, 31, 32, 33, 42, 49, 74, 147, 148, 242, 245, 300, 395, 397, 436, 437):
         ack, message = messages(rig.hear(long_of(REQUEST, number)))
         assert (ack.result, message.get_msgId()) == (ACCEPTED, number)
 

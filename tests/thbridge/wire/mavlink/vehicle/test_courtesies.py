@@ -65,14 +65,5 @@ def test_an_unknown_group_changes_nothing(rig):
     assert count(rig, "ATTITUDE", HERE) == 50
 
 
-@pytest.mark.parametrize("opcode", [1, 2, 3, 4, 15])
-def test_whoever_looks_for_files_is_told_there_are_none(rig, opcode):
-    asked = [5, 0, 9, opcode, *[0] * 247]
-    (answer,) = messages(rig.hear(mav.MAVLink_file_transfer_protocol_message(0, 3, 1, asked)))
-    assert answer.payload[:8] == [6, 0, 9, 129, 1, opcode, 0, 0]
-    assert answer.payload[12] == 10
-    assert (answer.target_system, answer.target_component) == _ids(US)
-
-
 def _ids(station):
     return station.system, station.component

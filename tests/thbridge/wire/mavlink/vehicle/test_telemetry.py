@@ -9,13 +9,14 @@ from hypothesis import strategies as st
 
 from sim.geometry import Pose2
 from sim.observations import Twist
-from tests.thbridge.wire.mavlink.model_robot import AT_REST
+from tests.thbridge.wire.mavlink.model_robot import AT_REST, ModelRobot
 from tests.thbridge.wire.mavlink.rig import OPTIONS
 from thbridge.wire.mavlink.dialect import decoded, mav, payload_of
 from thbridge.wire.mavlink.helm import Leg, LegState
 from thbridge.wire.mavlink.modes import Mode
 from thbridge.wire.mavlink.options import Identity
 from thbridge.wire.mavlink.vehicle.earth import Earth, Place
+from thbridge.wire.mavlink.vehicle.metadata_files import MetadataFiles
 from thbridge.wire.mavlink.vehicle.particulars import Particulars
 from thbridge.wire.mavlink.vehicle.telemetry import Standing, Telemetry, default_streams
 
@@ -25,7 +26,7 @@ GYRO_ACCEL_MAG_GPS = 0b100111
 
 
 def telemetry(identity=Identity.GENERIC):
-    particulars = Particulars(3, identity, EARTH, lambda: HOME)
+    particulars = Particulars(3, identity, EARTH, lambda: HOME, MetadataFiles(ModelRobot()))
     return Telemetry(particulars, identity, EARTH, lambda: mav.MAVLink_mission_current_message(0))
 
 
@@ -161,7 +162,8 @@ def test_time_is_the_simulation_s():
 def test_what_it_says_it_can_do():
     capabilities = said(148, standing()).capabilities
     assert capabilities & 4, "MAVSDK sends no mission without it"
-    assert not capabilities & (32 | 16384 | 32768), "no files, fences, rally points"
+    assert capabilities & 32, "stations ask for no files without it"
+    assert not capabilities & (16384 | 32768), "no fences, rally points"
 
 
 def test_position_may_be_told_never():
