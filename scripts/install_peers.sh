@@ -6,7 +6,7 @@ set -uo pipefail
 cd "$(dirname "$0")/.."
 
 # Each of MAVLink's clients has an environment of its own, and only what it needs without a screen.
-for client in mavsdk mavproxy; do
+for client in mavsdk mavproxy dronekit; do
     there=.peers/$client
     # An environment belongs to the Python that made it.
     wanted=$( (cat scripts/peers/$client.txt && .venv/bin/python -VV) | sha256sum)

@@ -50,6 +50,7 @@ class Conduct:
 
     Args:
         helm: the robot.
+        hand: drives it.
         command: who commands it.
         plan: its mission.
         failsafe: what it does when the station that commands it is lost.
@@ -61,12 +62,19 @@ class Conduct:
     """
 
     def __init__(
-        self, helm: Helm, command: CommandOf, plan: Plan, failsafe: Failsafe, announce: Announce, readings: Readings
+        self,
+        helm: Helm,
+        hand: Hand,
+        command: CommandOf,
+        plan: Plan,
+        failsafe: Failsafe,
+        announce: Announce,
+        readings: Readings,
     ) -> None:
         self._helm = helm
         self._command = command
         self._plan = plan
-        self._hand = Hand(helm)
+        self._hand = hand
         self.failsafe = failsafe
         self._announce = announce
         self._readings = readings
@@ -198,7 +206,7 @@ class Conduct:
         """Drive by hand; only in mode manual, or else it is passed over."""
         if self._mode is not Mode.MANUAL:
             return None
-        return self._hand.drive(twist, self._tick)
+        return self._hand.follow(twist, self._tick, self._readings.base_in_map)
 
     @property
     def is_by_hand(self) -> bool:

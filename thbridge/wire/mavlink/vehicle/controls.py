@@ -24,6 +24,7 @@ _FULL_STICK = 1000.0
 _RC_MIDDLE, _RC_FULL = 1500, 500.0
 _RC_RANGE = range(800, 2201)
 """Microseconds that a receiver of radio control can give; numbers beyond mean that a channel is left alone."""
+_RC_RELEASED = 0
 
 _IGNORE_POSITION = 0b11
 _IGNORE_VELOCITY = 0b11 << 3
@@ -131,6 +132,9 @@ class Controls:
                 (value - _RC_MIDDLE) / _RC_FULL if value in _RC_RANGE else 0.0 for value in (steering, throttle)
             )
             self._drive(sender, forward, turn)
+        elif _RC_RELEASED in (steering, throttle) and self._conduct.is_by_hand:
+            # Given back to a radio that is not there.
+            self._drive(sender, 0.0, 0.0)
 
     def _drive(self, sender: Station, forward: float, turn: float) -> None:
         """Drive by hand: parts of the fastest, ahead and to the right."""

@@ -27,7 +27,11 @@ _GROUPS: Mapping[int, tuple[int, ...]] = MappingProxyType(
         ),
         mav.MAV_DATA_STREAM_EXTRA1: (mav.MAVLINK_MSG_ID_ATTITUDE,),
         mav.MAV_DATA_STREAM_EXTRA2: (mav.MAVLINK_MSG_ID_VFR_HUD,),
-        mav.MAV_DATA_STREAM_EXTRA3: (mav.MAVLINK_MSG_ID_BATTERY_STATUS, mav.MAVLINK_MSG_ID_SYSTEM_TIME),
+        mav.MAV_DATA_STREAM_EXTRA3: (
+            mav.MAVLINK_MSG_ID_BATTERY_STATUS,
+            mav.MAVLINK_MSG_ID_SYSTEM_TIME,
+            mav.MAVLINK_MSG_ID_EKF_STATUS_REPORT,
+        ),
     }
 )
 """The messages of each group that REQUEST_DATA_STREAM names, as ArduPilot has them."""

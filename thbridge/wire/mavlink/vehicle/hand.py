@@ -1,4 +1,8 @@
-"""Driving by hand: by sticks or velocities that are said again and again, and hold only for a moment."""
+"""Driving by hand: by sticks or velocities that are said again and again, and hold only for a moment.
+
+Source: ArduPilot, Rover, `mode_guided.cpp` and the parameter RC_OVERRIDE_TIME, of its three seconds: scripts for it say
+a velocity once a second.
+"""
 
 from dataclasses import dataclass
 
@@ -6,8 +10,9 @@ from sim.geometry import Pose2
 from sim.observations import STANDSTILL, TICKS_PER_SECOND, Twist
 from thbridge.wire.mavlink.coordinates import bounded, twist_towards
 from thbridge.wire.mavlink.helm import Denied, Helm
+from thbridge.wire.mavlink.options import Identity
 
-DEADMAN = TICKS_PER_SECOND // 2
+_DEADMAN = {Identity.GENERIC: TICKS_PER_SECOND // 2, Identity.ARDUPILOT: 3 * TICKS_PER_SECOND}
 """Ticks for which what a hand says holds."""
 
 
@@ -26,11 +31,13 @@ class Hand:
 
     Args:
         helm: the robot.
+        identity: whose autopilot it says it has.
     """
 
-    def __init__(self, helm: Helm) -> None:
+    def __init__(self, helm: Helm, identity: Identity) -> None:
         self._helm = helm
-        self._velocity: Velocity | None = None
+        self._deadman = _DEADMAN[identity]
+        self._wanted: Twist | Velocity | None = None
         self._until: int | None = None
 
     @property
@@ -38,40 +45,30 @@ class Hand:
         """What it said last still holds."""
         return self._until is not None
 
-    def drive(self, twist: Twist, tick: int) -> Denied | None:
-        """Drive like this, at most as fast as a hand may."""
-        self._until = tick + DEADMAN
-        return self._helm.drive(bounded(twist, self._helm.fastest()))
-
-    def follow(self, velocity: Velocity, tick: int, base_in_map: Pose2) -> Denied | None:
-        """Drive at a velocity, which the robot steers to anew in each tick."""
-        denied = self._steer(velocity, base_in_map)
+    def follow(self, wanted: Twist | Velocity, tick: int, base_in_map: Pose2) -> Denied | None:
+        """Drive like this, at most as fast as a hand may; a velocity is steered to anew in each tick."""
+        denied = self._steer(wanted, base_in_map)
         if denied is None:
-            self._velocity, self._until = velocity, tick + DEADMAN
+            self._wanted, self._until = wanted, tick + self._deadman
         return denied
 
     def let_go(self) -> None:
         """It drives no more; the robot itself is not halted."""
-        self._velocity = self._until = None
+        self._wanted = self._until = None
 
     def step(self, tick: int, base_in_map: Pose2) -> None:
-        """A tick has passed: keep to a velocity until it is too old; then stand still."""
-        if self._until is None:
+        """A tick has passed: keep to what was said until it is too old; then stand still."""
+        if self._until is None or self._wanted is None:
             return
         if tick >= self._until:
             self.let_go()
             self._helm.drive(STANDSTILL)
-        elif self._velocity is not None:
-            self._steer(self._velocity, base_in_map)
+        else:
+            self._steer(self._wanted, base_in_map)
 
-    def _steer(self, velocity: Velocity, base_in_map: Pose2) -> Denied | None:
-        return self._helm.drive(
-            twist_towards(
-                velocity.frame,
-                velocity.first,
-                velocity.second,
-                velocity.yaw_rate,
-                base_in_map,
-                self._helm.fastest(),
-            )
-        )
+    def _steer(self, wanted: Twist | Velocity, base_in_map: Pose2) -> Denied | None:
+        fastest = self._helm.fastest()
+        if isinstance(wanted, Twist):
+            return self._helm.drive(bounded(wanted, fastest))
+        axes = (wanted.frame, wanted.first, wanted.second, wanted.yaw_rate)
+        return self._helm.drive(twist_towards(*axes, base_in_map, fastest))

@@ -61,8 +61,8 @@ class MissionRun:
         helm: the robot.
         earth: where its map lies.
         announce: tells people what becomes of the mission.
-        ardupilot: read plans as ArduPilot does: the first item is home, whatever a station sends for it, and a rover
-            looks wherever it likes at its waypoints.
+        ardupilot: read plans as ArduPilot does: the first item is home, whatever a station sends for it, a rover
+            looks wherever it likes at its waypoints, and a mission goes on by itself, whatever `autocontinue` says.
     """
 
     def __init__(self, helm: Helm, earth: Earth, announce: Announce, ardupilot: bool) -> None:
@@ -85,6 +85,11 @@ class MissionRun:
     def plan(self) -> tuple[Item, ...]:
         """All items, as they are told to whoever asks."""
         return self._plan
+
+    @property
+    def readable(self) -> tuple[Item, ...]:
+        """The items that can be read: those of the plan, and ArduPilot's home also where there is none."""
+        return self._plan or ((self._home(),) if self._ardupilot else ())
 
     @property
     def plan_id(self) -> int:
@@ -261,7 +266,7 @@ class MissionRun:
             self._announce(Severity.INFO, "Mission complete.")
         else:
             self._go(self._at + 1)
-            if not item.autocontinue:
+            if not (item.autocontinue or self._ardupilot):
                 self._stand()
                 self.pause()
                 self._announce(Severity.NOTICE, f"Mission waits before item {self._at}, as its plan says.")

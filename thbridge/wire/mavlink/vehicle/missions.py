@@ -255,7 +255,7 @@ class Missions:
         elif mission_type != _MISSION:
             yield _ack(peer, mav.MAV_MISSION_UNSUPPORTED, mission_type)
         else:
-            self._downloads[peer] = _Download(self._run.plan, self._tick)
+            self._downloads[peer] = _Download(self._run.readable, self._tick)
             yield _count(peer, len(self._run.plan), mission_type, self._run.plan_id)
 
     def _hear_request(self, peer: _Peer, message: _RequestMessage) -> Iterator[Said]:
@@ -265,7 +265,7 @@ class Missions:
         download = self._downloads.get(peer)
         if download is not None:
             download.asked = self._tick
-        plan = self._run.plan if download is None else download.plan
+        plan = self._run.readable if download is None else download.plan
         seq = message.seq
         if message.mission_type in _EMPTY_TYPES or seq >= len(plan):
             yield _ack(peer, mav.MAV_MISSION_INVALID_SEQUENCE, message.mission_type)

@@ -36,6 +36,16 @@ _SENSORS = (
     | _KNOWS_WHERE
 )
 
+_KNOWS_HOW_IT_MOVES = mav.EKF_ATTITUDE | mav.EKF_VELOCITY_HORIZ | mav.EKF_VELOCITY_VERT
+_KNOWS_ITS_PLACE = (
+    mav.EKF_POS_HORIZ_REL
+    | mav.EKF_POS_HORIZ_ABS
+    | mav.EKF_POS_VERT_ABS
+    | mav.EKF_PRED_POS_HORIZ_REL
+    | mav.EKF_PRED_POS_HORIZ_ABS
+)
+"""What ArduPilot says of its estimate; the last bit is what DroneKit waits for to call a vehicle armable."""
+
 _SATELLITES = 12
 _ACCURACY = 50
 """Of a position, in millimetres and millimetres per second: what an estimate among walls is good for."""
@@ -74,11 +84,12 @@ class Standing:
         return mav.MAV_STATE_ACTIVE if self.armed else mav.MAV_STATE_STANDBY
 
 
-def default_streams(position_rate: float) -> dict[int, int]:
+def default_streams(position_rate: float, identity: Identity) -> dict[int, int]:
     """Ticks between two of each message that can be asked for.
 
     Args:
         position_rate: of position, attitude and speed, Hz.
+        identity: whose autopilot the vehicle says it has.
     """
     often = max(1, round(TICKS_PER_SECOND / position_rate)) if position_rate > 0.0 else OFF
     return {
@@ -89,6 +100,8 @@ def default_streams(position_rate: float) -> dict[int, int]:
         mav.MAVLINK_MSG_ID_MISSION_CURRENT: TICKS_PER_SECOND,
         mav.MAVLINK_MSG_ID_BATTERY_STATUS: TICKS_PER_SECOND,
         mav.MAVLINK_MSG_ID_NAMED_VALUE_INT: TICKS_PER_SECOND,
+        # A message of ArduPilot's own.
+        mav.MAVLINK_MSG_ID_EKF_STATUS_REPORT: TICKS_PER_SECOND if identity is Identity.ARDUPILOT else OFF,
         mav.MAVLINK_MSG_ID_ATTITUDE: often,
         mav.MAVLINK_MSG_ID_GLOBAL_POSITION_INT: often,
         mav.MAVLINK_MSG_ID_LOCAL_POSITION_NED: often,
@@ -138,6 +151,7 @@ class Telemetry:
             mav.MAVLINK_MSG_ID_MISSION_CURRENT: lambda _: mission_current(),
             mav.MAVLINK_MSG_ID_BATTERY_STATUS: self._battery_status,
             mav.MAVLINK_MSG_ID_NAMED_VALUE_INT: self._commander,
+            mav.MAVLINK_MSG_ID_EKF_STATUS_REPORT: self._ekf_status_report,
             mav.MAVLINK_MSG_ID_ATTITUDE: self._attitude,
             mav.MAVLINK_MSG_ID_GLOBAL_POSITION_INT: self._global_position_int,
             mav.MAVLINK_MSG_ID_LOCAL_POSITION_NED: self._local_position_ned,
@@ -189,6 +203,10 @@ class Telemetry:
 
     def _commander(self, now: Standing) -> Message:
         return mav.MAVLink_named_value_int_message(now.milliseconds, COMMANDER.encode(), now.commander)
+
+    def _ekf_status_report(self, now: Standing) -> Message:
+        flags = _KNOWS_HOW_IT_MOVES if now.readings.lost else _KNOWS_HOW_IT_MOVES | _KNOWS_ITS_PLACE
+        return mav.MAVLink_ekf_status_report_message(flags, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0)
 
     def _system_time(self, now: Standing) -> Message:
         # Simulated time is no time of day: the first field stays unknown.

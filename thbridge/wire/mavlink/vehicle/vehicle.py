@@ -19,6 +19,7 @@ from thbridge.wire.mavlink.vehicle.controls import Controls
 from thbridge.wire.mavlink.vehicle.courtesies import Courtesies
 from thbridge.wire.mavlink.vehicle.earth import Earth
 from thbridge.wire.mavlink.vehicle.file_transfer import FileTransfer
+from thbridge.wire.mavlink.vehicle.hand import Hand
 from thbridge.wire.mavlink.vehicle.metadata_files import MetadataFiles
 from thbridge.wire.mavlink.vehicle.mission_run import MissionRun
 from thbridge.wire.mavlink.vehicle.missions import Missions
@@ -69,8 +70,9 @@ class Vehicle:
         ardupilot = identity is Identity.ARDUPILOT
         plan = MissionRun(helm, earth, announce, ardupilot)
         self._command = CommandOf(helm, options.lost_after)
-        self._conduct = Conduct(helm, self._command, plan, options.failsafe, announce, self._readings)
-        self._streams = Streams(default_streams(options.position_rate), system)
+        hand = Hand(helm, identity)
+        self._conduct = Conduct(helm, hand, self._command, plan, options.failsafe, announce, self._readings)
+        self._streams = Streams(default_streams(options.position_rate, identity), system)
         parameters = OwnParameters(system, helm, self._command, self._conduct)
         files = MetadataFiles(parameters)
         particulars = Particulars(system, identity, earth, helm.home, files)

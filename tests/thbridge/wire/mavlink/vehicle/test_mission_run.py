@@ -263,6 +263,13 @@ def test_an_item_that_does_not_continue_waits():
     assert (tour.run.running, tour.state, tour.run.at, tour.reached) == (False, PAUSED, 1, [0])
 
 
+def test_ardupilot_always_goes_on():
+    tour = Tour(go(0, 0), go(1, 2, autocontinue=False), go(3, 4, autocontinue=False), ardupilot=True)
+    tour.arrive()
+    tour.arrive()
+    assert (tour.legs, tour.reached, tour.state) == ([(1, 2), (3, 4)], [1, 2], COMPLETE)
+
+
 class TestStart:
     def test_there_has_to_be_a_mission(self):
         tour = Tour(start=False)

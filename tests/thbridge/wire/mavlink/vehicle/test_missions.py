@@ -454,6 +454,16 @@ class TestArduPilot:
         assert home[8] == pytest.approx(LATITUDE + 180, abs=1)
         assert home[9] == pytest.approx(LONGITUDE + 146, abs=1)
 
+    def test_home_can_be_read_where_there_is_no_plan(self):
+        field = Field(ardupilot=True)
+        (count,) = field.send(mav.MAVLink_mission_request_list_message(1, 1))
+        assert count.count == 0
+        (home,) = field.send(mav.MAVLink_mission_request_message(1, 1, 0))
+        assert (home.seq, home.command) == (0, 16)
+        assert home.x == pytest.approx(52.0, abs=1e-3)
+        (refused,) = field.send(mav.MAVLink_mission_request_message(1, 1, 1))
+        assert refused.type == mav.MAV_MISSION_INVALID_SEQUENCE
+
     def test_home_alone_is_no_mission(self):
         field = Field(ardupilot=True)
         field.upload([waypoint(0, 0, frame=3)])

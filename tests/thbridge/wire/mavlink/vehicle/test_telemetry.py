@@ -153,6 +153,18 @@ def test_a_goal_is_told_while_there_is_one():
     assert said(62, bound).wp_dist == 7
 
 
+def test_its_estimate_is_well_unless_it_is_lost():
+    armable = mav.EKF_PRED_POS_HORIZ_ABS | mav.EKF_POS_HORIZ_ABS
+    assert said(193, standing()).flags & armable == armable
+    assert not said(193, standing(lost=True)).flags & armable
+    assert not said(193, standing()).flags & mav.EKF_CONST_POS_MODE
+
+
+def test_ardupilot_tells_of_its_estimate_unasked():
+    assert default_streams(5.0, Identity.ARDUPILOT)[193] == 50
+    assert default_streams(5.0, Identity.GENERIC)[193] == 0
+
+
 def test_time_is_the_simulation_s():
     assert said(30, standing(tick=50)).time_boot_ms == 1000
     assert said(2, standing(tick=50)).time_unix_usec == 0
@@ -167,6 +179,6 @@ def test_what_it_says_it_can_do():
 
 
 def test_position_may_be_told_never():
-    streams = default_streams(0.0)
+    streams = default_streams(0.0, Identity.GENERIC)
     assert streams[30] == streams[33] == 0
     assert streams[0] == 50
