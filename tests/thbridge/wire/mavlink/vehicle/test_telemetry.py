@@ -160,11 +160,6 @@ def test_its_estimate_is_well_unless_it_is_lost():
     assert not said(193, standing()).flags & mav.EKF_CONST_POS_MODE
 
 
-def test_ardupilot_tells_of_its_estimate_unasked():
-    assert default_streams(5.0, Identity.ARDUPILOT)[193] == 50
-    assert default_streams(5.0, Identity.GENERIC)[193] == 0
-
-
 def test_time_is_the_simulation_s():
     assert said(30, standing(tick=50)).time_boot_ms == 1000
     assert said(2, standing(tick=50)).time_unix_usec == 0
