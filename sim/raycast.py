@@ -8,6 +8,7 @@ in an occupied cell has range 0.
 import math
 from dataclasses import dataclass
 from functools import lru_cache
+from typing import NamedTuple
 
 import numpy as np
 from numba import njit
@@ -242,6 +243,46 @@ def shorten_by_polygon(polygon: FloatArray, directions: FloatArray, max_range: f
                     ranges[j] = hit
             last_along = along
             last_across = across
+
+
+class Fan(NamedTuple):
+    """Beams that are spread evenly, in the form that compiled kernels take.
+
+    Attributes:
+        angle_min: of the first, radians in the sensor's frame.
+        angle_increment: from one to the next, more than 0.
+        directions: (m, 2) cosine and sine of their angles.
+    """
+
+    angle_min: float
+    angle_increment: float
+    directions: FloatArray
+
+
+@njit(cache=True)
+def shorten_fan_by_polygon(polygon: FloatArray, fan: Fan, max_range: float, ranges: FloatArray) -> None:
+    """The same as `shorten_by_polygon`, for which only those beams are looked at that may meet the polygon."""
+    beams = fan.directions.shape[0]
+    centre_x = polygon[:, 0].mean()
+    centre_y = polygon[:, 1].mean()
+    radius = 0.0
+    for k in range(polygon.shape[0]):
+        radius = max(radius, math.hypot(polygon[k, 0] - centre_x, polygon[k, 1] - centre_y))
+    away = math.hypot(centre_x, centre_y)
+    # From nearer by, beams that lead away from its centre may meet it too.
+    if away < 2.0 * radius:
+        shorten_by_polygon(polygon, fan.directions, max_range, ranges)
+        return
+    half = math.asin(radius / away)
+    begin = (math.atan2(centre_y, centre_x) - half - fan.angle_min) / fan.angle_increment
+    end = begin + 2.0 * half / fan.angle_increment
+    turn = math.tau / fan.angle_increment
+    for turns in (-1, 0, 1):
+        # One beam more on either side: no rounding leaves one out.
+        first = max(0, math.floor(begin + turns * turn) - 1)
+        last = min(beams, math.ceil(end + turns * turn) + 2)
+        if first < last:
+            shorten_by_polygon(polygon, fan.directions[first:last], max_range, ranges[first:last])
 
 
 def directions_of(angles: FloatArray) -> FloatArray:

@@ -14,7 +14,7 @@ from sim.grid import GridFrame, OccupancyGrid
 from sim.noise import key, normals, uniforms
 from sim.observations import TICKS_PER_SECOND, Battery, Imu, LaserMount, Observations, Odometry, Scan, Twist
 from sim.parameters import LaserParameters, WorldParameters
-from sim.raycast import FreeSquares, cast_beams, directions_of, free_squares_of, shorten_by_polygon
+from sim.raycast import Fan, FreeSquares, cast_beams, directions_of, free_squares_of, shorten_fan_by_polygon
 from sim.world import WorldState
 
 
@@ -23,27 +23,34 @@ def _sweep(
     robot: int,
     poses: FloatArray,
     laser_x: float,
-    directions: FloatArray,
+    fan: Fan,
     range_max: float,
     footprint: FloatArray,
+    radius: float,
     squares: FreeSquares,
     frame: GridFrame,
     bodies: Polygons,
 ) -> FloatArray:
-    """(m,) true ranges of one robot's laser: to walls, all other robots and things; inf beyond range_max."""
+    """(m,) true ranges of one robot's laser: to walls, all other robots and things; inf beyond range_max.
+
+    `radius`, metres, is that of a circle around the base that holds the (v, 2) corners of the footprint.
+    """
     theta = poses[robot, 2]
     laser = np.empty((1, 3))
     laser[0, 0] = poses[robot, 0] + laser_x * math.cos(theta)
     laser[0, 1] = poses[robot, 1] + laser_x * math.sin(theta)
     laser[0, 2] = theta
-    ranges = np.empty((1, directions.shape[0]))
-    cast_beams(squares, frame, laser, directions, range_max, ranges)
+    ranges = np.empty((1, fan.directions.shape[0]))
+    cast_beams(squares, frame, laser, fan.directions, range_max, ranges)
+    farthest = range_max + 2.0 * radius
     body = np.empty_like(footprint)
     for j in range(poses.shape[0]):
         if j == robot:
             continue
         dx = poses[j, 0] - laser[0, 0]
         dy = poses[j, 1] - laser[0, 1]
+        if abs(dx) > farthest or abs(dy) > farthest:
+            continue
         x = dx * math.cos(theta) + dy * math.sin(theta)
         y = dy * math.cos(theta) - dx * math.sin(theta)
         c = math.cos(poses[j, 2] - theta)
@@ -51,7 +58,7 @@ def _sweep(
         for k in range(footprint.shape[0]):
             body[k, 0] = x + c * footprint[k, 0] - s * footprint[k, 1]
             body[k, 1] = y + s * footprint[k, 0] + c * footprint[k, 1]
-        shorten_by_polygon(body, directions, range_max, ranges[0])
+        shorten_fan_by_polygon(body, fan, range_max, ranges[0])
     for k in range(bodies.circles.shape[0]):
         seen = bodies.corners[bodies.ends[k] : bodies.ends[k + 1]].copy()
         for corner in seen:
@@ -59,7 +66,7 @@ def _sweep(
             dy = corner[1] - laser[0, 1]
             corner[0] = dx * math.cos(theta) + dy * math.sin(theta)
             corner[1] = dy * math.cos(theta) - dx * math.sin(theta)
-        shorten_by_polygon(seen, directions, range_max, ranges[0])
+        shorten_fan_by_polygon(seen, fan, range_max, ranges[0])
     sweep: FloatArray = ranges[0]
     return sweep
 
@@ -146,8 +153,9 @@ class Sensors:
         self._seed = seed
         self._capacity = capacity
         self._period = TICKS_PER_SECOND // laser.rate
-        self._directions = directions_of(self.mount.angles())
+        self._fan = Fan(self.mount.angle_min, self.mount.angle_increment, directions_of(self.mount.angles()))
         self._footprint = np.array(parameters.footprint, dtype=np.float64)
+        self._radius = float(np.hypot(*self._footprint.T).max())
         self._squares = free_squares_of(grid)
         self._frame = grid.frame
 
@@ -174,9 +182,10 @@ class Sensors:
             robot,
             state.poses,
             laser.x,
-            self._directions,
+            self._fan,
             laser.range_max,
             self._footprint,
+            self._radius,
             self._squares,
             self._frame,
             state.bodies,

@@ -5,8 +5,10 @@ estimates, plans and chooses a command. What robots tell each other is heard a t
 they are stepped changes nothing.
 """
 
+from bisect import bisect_left
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
+from operator import attrgetter
 
 import numpy as np
 
@@ -103,6 +105,8 @@ class TeamSnapshot:
 
 START_COVARIANCE: FloatArray = np.diag([0.05**2, 0.05**2, 0.05**2])
 """How well a robot knows where it is put at the start: people place it on a mark, 5 cm and 3 degrees."""
+
+_ROBOT = attrgetter("robot")
 
 
 class Team:
@@ -224,10 +228,15 @@ class Team:
         last = self._said[robot.number]
         if robot.number in self._dead and last is not None:
             return last
-        others = [neighbour for neighbour in self._neighbours if neighbour.robot != robot.number]
-        said = robot.step(self._sensors.sense(self._state, robot.number), others)
+        said = robot.step(self._sensors.sense(self._state, robot.number), self._others(robot.number))
         self._said[robot.number] = said
         return said
+
+    def _others(self, robot: int) -> tuple[Neighbour, ...]:
+        """What the other robots said; cut out of what all said, for every robot asks in every tick."""
+        said = self._neighbours
+        own = bisect_left(said, robot, key=_ROBOT)
+        return said[:own] + said[own + 1 :] if own < len(said) and said[own].robot == robot else said
 
     def _command(self, output: RobotOutput) -> tuple[float, float]:
         if output.neighbour.robot in self._dead:

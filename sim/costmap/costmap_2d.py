@@ -137,6 +137,11 @@ class Costmap2D:
             self._cleared = scan.tick
         self._obstacles.observe(base_in_map, scan, discs, clears)
 
+    @property
+    def explains_within(self) -> float:
+        """Metres from the laser beyond which no disc explains a reading that would mark."""
+        return self._obstacles.explains_within
+
     def see(self, neighbours: Sequence[Neighbour]) -> None:
         """Take in what the others said last."""
         self._robots.see(neighbours)
@@ -194,12 +199,12 @@ class Costmap2D:
             (rows, cols) and its frame.
         """
         robots = RobotsLayer(self._parameters.robots_layer, self._grid)
-        robots.see(neighbours)
         obstacles = self._obstacles.copied()
         instead: dict[Layer, Layer] = {self._robots: robots, self._obstacles: obstacles}
         layers = [instead.get(layer, layer) for layer in self._layers]
         updated = self._empty(layers)
         updated.roll(x, y)
+        robots.see(neighbours if self._shape is None else robots.reaching(updated.window, neighbours))
         obstacles.roll(updated.origin)
         if unseen is not None:
             obstacles.observe(*unseen)

@@ -277,6 +277,12 @@ class ObstacleLayer:
         row, col = self._origin
         return Window(row, col, row + self._marks.shape[0], col + self._marks.shape[1])
 
+    @property
+    def explains_within(self) -> float:
+        """Metres from the laser beyond which no disc explains a reading that would mark."""
+        marking = (self._obstacle_range(source) for source in self._parameters.observation_sources if source.marking)
+        return max(marking, default=0.0) + self._parameters.explained_distance
+
     def roll(self, origin: tuple[int, int]) -> None:
         """Move along with a rolling costmap, to begin at this cell of the static map; what leaves is forgotten."""
         if origin == self._origin:

@@ -8,7 +8,7 @@ import numpy as np
 from numba import njit
 
 from sim.costmap.costs import UNKNOWN, Changes, CostFrame, Costs, Window
-from sim.costmap.footprint import in_cells
+from sim.costmap.footprint import circumscribed_radius, in_cells
 from sim.costmap.lines import line
 from sim.geometry import FloatArray
 from sim.grid import OccupancyGrid
@@ -17,6 +17,9 @@ from sim.parameters import RobotsParameters
 
 STIR = 0.05
 """Metres (and 0.1 rad for each) below which a change of pose is not worth an update."""
+
+
+_NO_PATH: FloatArray = np.empty((0, 2))
 
 
 @njit(cache=True)
@@ -48,6 +51,35 @@ def _around(points: FloatArray) -> tuple[int, int, int, int]:
     low, high = points[:, 1].min(), points[:, 1].max()
     left, right = points[:, 0].min(), points[:, 0].max()
     return math.floor(low), math.floor(left), math.floor(high) + 1, math.floor(right) + 1
+
+
+@njit(cache=True)
+def _outline(
+    footprint: FloatArray, frame: CostFrame, x: float, y: float, theta: float
+) -> tuple[FloatArray, tuple[int, int, int, int]]:
+    """(n, 2) columns and rows of a footprint's corners when its base is at (x, y, theta), and the window around."""
+    corners = in_cells(footprint, frame, x, y, theta)
+    return corners, _around(corners)
+
+
+def meeting(
+    neighbours: Sequence[Neighbour], left: float, low: float, right: float, high: float
+) -> list[tuple[Neighbour, float]]:
+    """The neighbours of which something may lie in a rectangle of the map, with their circumscribed radii, metres."""
+    met: list[tuple[Neighbour, float]] = []
+    footprint: FloatArray | None = None
+    radius = reach = 0.0
+    for other in neighbours:
+        if other.footprint is not footprint:
+            # Mostly one and the same for all.
+            footprint = other.footprint
+            radius = circumscribed_radius(footprint)
+            # A hair more than that: nobody is left out because of rounding.
+            reach = radius + 1e-6
+        pose = other.base_in_map
+        if left - reach < pose.x < right + reach and low - reach < pose.y < high + reach:
+            met.append((other, radius))
+    return met
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -92,6 +124,16 @@ class RobotsLayer:
         for robot in [robot for robot in self._seen if robot not in heard]:
             self._forget(robot)
 
+    def reaching(self, window: Window, neighbours: Sequence[Neighbour]) -> Sequence[Neighbour]:
+        """Those that may write into a window of the map's cells."""
+        if self._parameters.path_length > 0.0:
+            # How far a path leads from the body is not for us to know.
+            return neighbours
+        frame = self._frame
+        left, right = frame.x + window.col * frame.resolution, frame.x + window.col_end * frame.resolution
+        low, high = frame.y + window.row * frame.resolution, frame.y + window.row_end * frame.resolution
+        return [other for other, _ in meeting(neighbours, left, low, right, high)]
+
     def _stirs_not(self, seen: _Seen, neighbour: Neighbour) -> bool:
         pose = neighbour.base_in_map
         moved = math.hypot(pose.x - seen.x, pose.y - seen.y)
@@ -101,9 +143,9 @@ class RobotsLayer:
 
     def _path_ahead(self, neighbour: Neighbour) -> FloatArray:
         """(m, 2) column and row of the first points of a path, which ends at its greatest length."""
+        if self._parameters.path_length == 0.0 or len(neighbour.path) < 2:
+            return _NO_PATH
         path = neighbour.path[:, :2]
-        if self._parameters.path_length == 0.0 or len(path) < 2:
-            return np.empty((0, 2))
         lengths = np.append(0.0, np.cumsum(np.hypot(*np.diff(path, axis=0).T)))
         end = min(self._parameters.path_length, lengths[-1])
         last = [np.interp(end, lengths, path[:, axis]) for axis in (0, 1)]
@@ -113,10 +155,12 @@ class RobotsLayer:
 
     def _drawn(self, neighbour: Neighbour) -> _Seen:
         pose = neighbour.base_in_map
-        corners = in_cells(neighbour.footprint, self._frame, pose.x, pose.y, pose.theta)
+        corners, around = _outline(neighbour.footprint, self._frame, pose.x, pose.y, pose.theta)
+        window = Window(*around)
         path = self._path_ahead(neighbour)
-        drawn = np.concatenate([corners, path]) if len(path) else corners
-        return _Seen(pose.x, pose.y, pose.theta, corners, path, Window(*_around(drawn)))
+        if len(path):
+            window = window.union(Window(*_around(path)))
+        return _Seen(pose.x, pose.y, pose.theta, corners, path, window)
 
     def _forget(self, robot: int) -> None:
         if robot in self._seen:

@@ -86,6 +86,11 @@ class Costmaps:
         self._whole_display.configure(parameters.global_costmap.publish_frequency)
         self._around_display.configure(parameters.local_costmap.publish_frequency)
 
+    @property
+    def explains_within(self) -> float:
+        """Metres from the laser beyond which no robot's body explains a reading that would mark."""
+        return max(self.whole.explains_within, self.around.explains_within)
+
     def clear(self) -> None:
         """Forget what the laser has seen."""
         self.whole.clear()

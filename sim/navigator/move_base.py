@@ -18,7 +18,7 @@ from collections.abc import Callable, Sequence
 
 import numpy as np
 
-from sim.costmap.footprint import circumscribed_radius
+from sim.costmap.robots import meeting
 from sim.geometry import IDENTITY, FloatArray, Pose2
 from sim.grid import OccupancyGrid, distance_field
 from sim.navigator.costmaps import Costmaps
@@ -219,9 +219,10 @@ class Navigator:
             return self._told(tick, pose)
         self._lost = False
         if scan is not None:
-            self._silence.look(pose.compose(scan.mount.laser_in_base), scan)
+            laser = pose.compose(scan.mount.laser_in_base)
+            self._silence.look(laser, scan)
             if self._goal is not None or not self._parameters.shutdown_costmaps:
-                discs = _discs(self._silence.known(tick))
+                discs = _discs(self._silence.known(tick), laser, self._costmaps.explains_within)
                 self._costmaps.whole.observe(pose, scan, discs)
                 self._follower.look(pose, scan, discs)
         # One and the same for all who speak, so that no two of them have their turn at once.
@@ -483,8 +484,7 @@ def _planner(parameters: RobotParameters) -> PotentialPlanner:
     return global_planner(*_plans_by(parameters))
 
 
-def _discs(neighbours: Sequence[Neighbour]) -> FloatArray:
-    """(k, 3) x, y and circumscribed radius of the neighbours."""
-    return np.array(
-        [(other.base_in_map.x, other.base_in_map.y, circumscribed_radius(other.footprint)) for other in neighbours]
-    ).reshape(-1, 3)
+def _discs(neighbours: Sequence[Neighbour], laser: Pose2, reach: float) -> FloatArray:
+    """(k, 3) x, y and circumscribed radius of those neighbours that come within `reach` metres of the laser."""
+    near = meeting(neighbours, laser.x - reach, laser.y - reach, laser.x + reach, laser.y + reach)
+    return np.array([(other.base_in_map.x, other.base_in_map.y, radius) for other, radius in near]).reshape(-1, 3)

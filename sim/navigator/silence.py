@@ -8,6 +8,8 @@ through the place where it stood.
 import math
 from collections.abc import Sequence
 from dataclasses import replace
+from operator import attrgetter
+from typing import NamedTuple
 
 import numpy as np
 
@@ -20,22 +22,39 @@ HEART = 0.15
 """Metres around a robot's centre through which no laser looks while it stands there."""
 
 
+_ROBOT = attrgetter("robot")
+
+
+class _Silent(NamedTuple):
+    """A robot that has fallen silent.
+
+    Attributes:
+        since: tick of its silence.
+        moving: its last word, but for its way.
+        standing: the same, had it stood.
+    """
+
+    since: int
+    moving: Neighbour
+    standing: Neighbour
+
+
 class Silence:
     """Keeps the last word of those who have fallen silent."""
 
     def __init__(self) -> None:
         self._speaking: Sequence[Neighbour] = ()
         self._robots: list[int] = []
-        self._silent: dict[int, tuple[int, Neighbour]] = {}
+        self._silent: dict[int, _Silent] = {}
 
     def hear(self, tick: int, neighbours: Sequence[Neighbour]) -> None:
         """Take note of who spoke last."""
-        robots = [neighbour.robot for neighbour in neighbours]
+        robots = list(map(_ROBOT, neighbours))
         if robots != self._robots:
             for neighbour in self._speaking:
                 if neighbour.robot not in robots:
                     stays = replace(neighbour, path=neighbour.path[:0], times=neighbour.times[:0], claim=None)
-                    self._silent[neighbour.robot] = (tick, stays)
+                    self._silent[neighbour.robot] = _Silent(tick, stays, replace(stays, twist=STANDSTILL))
             for robot in robots:
                 self._silent.pop(robot, None)
             self._robots = robots
@@ -48,24 +67,27 @@ class Silence:
 
     def look(self, laser_in_map: Pose2, scan: Scan) -> None:
         """Forget those through whose place the laser looks."""
-        for robot, (_, neighbour) in list(self._silent.items()):
-            place = neighbour.base_in_map
+        if not self._silent:
+            return
+        angles = scan.mount.angles()
+        for robot, silent in list(self._silent.items()):
+            place = silent.moving.base_in_map
             away = math.hypot(place.x - laser_in_map.x, place.y - laser_in_map.y)
             bearing = math.atan2(place.y - laser_in_map.y, place.x - laser_in_map.x) - laser_in_map.theta
-            off = np.abs(np.remainder(scan.mount.angles() - bearing + math.pi, math.tau) - math.pi)
+            off = np.abs(np.remainder(angles - bearing + math.pi, math.tau) - math.pi)
             through = (off * away < HEART) & (off < 0.5) & (scan.ranges > away + HEART)
             if away > HEART and through.any():
                 del self._silent[robot]
 
-    def known(self, tick: int) -> list[Neighbour]:
+    def known(self, tick: int) -> Sequence[Neighbour]:
         """All that plans reckon with: those who speak, and those remembered."""
-        return [*self._speaking, *self.remembered(tick)]
+        return [*self._speaking, *self.remembered(tick)] if self._silent else self._speaking
 
     def remembered(self, tick: int) -> list[Neighbour]:
         """Those that plans reckon with: they stand."""
         fresh = MEMORY * TICKS_PER_SECOND
-        return [replace(word, twist=STANDSTILL) for since, word in self._silent.values() if tick - since <= fresh]
+        return [silent.standing for silent in self._silent.values() if tick - silent.since <= fresh]
 
     def bodies(self) -> list[Neighbour]:
         """Those that may still stand there, each with the speed it had."""
-        return [word for _, word in self._silent.values()]
+        return [silent.moving for silent in self._silent.values()]

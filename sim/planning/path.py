@@ -4,6 +4,7 @@ from dataclasses import dataclass
 from typing import Literal, Protocol
 
 import numpy as np
+from numba import njit
 
 from sim.costmap.costs import CostFrame, Costs
 from sim.geometry import FloatArray, Pose2
@@ -82,12 +83,16 @@ def headings(points: FloatArray, last: float) -> FloatArray:
     return np.column_stack([points, np.append(np.arctan2(steps[:, 1], steps[:, 0]), last)])
 
 
+@njit(cache=True)
 def thinned(points: FloatArray, spacing: float) -> FloatArray:
     """(k, 2) of (m, 2) points: both ends, and those at least `spacing` metres apart."""
-    kept = [0]
-    for i in range(1, len(points) - 1):
-        dx, dy = points[i] - points[kept[-1]]
+    kept = np.empty((points.shape[0] + 1, 2))
+    kept[0] = points[0]
+    count = 1
+    for i in range(1, points.shape[0] - 1):
+        dx, dy = points[i, 0] - kept[count - 1, 0], points[i, 1] - kept[count - 1, 1]
         if dx * dx + dy * dy >= spacing * spacing:
-            kept.append(i)
-    kept.append(len(points) - 1)
-    return points[kept]
+            kept[count] = points[i]
+            count += 1
+    kept[count] = points[-1]
+    return kept[: count + 1].copy()

@@ -7,7 +7,7 @@ from hypothesis import strategies as st
 
 from sim.geometry import FloatArray, Pose2
 from sim.grid import OccupancyGrid
-from sim.raycast import Raycaster, directions_of, shorten_by_polygon
+from sim.raycast import Fan, Raycaster, directions_of, shorten_by_polygon, shorten_fan_by_polygon
 
 ORIGINS = st.builds(Pose2, st.floats(-20, 20), st.floats(-20, 20), st.floats(-math.pi, 3.14))
 SEEDS = st.integers(0, 2**32 - 1)
@@ -182,6 +182,19 @@ def polygon_ranges(polygon: FloatArray, angles: FloatArray, max_range: float = 1
     ranges = np.full(angles.size, math.inf)
     shorten_by_polygon(polygon, directions_of(angles), max_range, ranges)
     return ranges
+
+
+@given(SEEDS, st.floats(0.01, 2 * math.pi), st.integers(2, 400))
+@settings(max_examples=300, deadline=None)
+def test_the_beams_of_a_fan_that_may_meet_a_polygon_are_all_that_do(seed: int, view: float, beams: int) -> None:
+    rng = np.random.default_rng(seed)
+    middle = rng.normal(0.0, rng.choice([0.1, 1.0, 5.0]), 2)
+    polygon = middle + rng.normal(0.0, 0.3, (rng.integers(3, 6), 2))
+    fan_angles = -0.5 * view + view / (beams - 1) * np.arange(beams)
+    fan = Fan(-0.5 * view, view / (beams - 1), directions_of(fan_angles))
+    ranges = np.full(beams, math.inf)
+    shorten_fan_by_polygon(polygon, fan, 8.0, ranges)
+    assert np.array_equal(ranges, polygon_ranges(polygon, fan_angles, 8.0))
 
 
 SQUARE = np.array([[2.0, -1.0], [4.0, -1.0], [4.0, 1.0], [2.0, 1.0]])

@@ -5,6 +5,8 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
+from hypothesis import given, settings
+from hypothesis import strategies as st
 
 from sim.costmap.costmap_2d import Costmap2D, Look
 from sim.costmap.costs import FREE, LETHAL, UNKNOWN
@@ -15,6 +17,7 @@ from sim.parameters import (
     GlobalCostmapParameters,
     InflationParameters,
     RobotParameters,
+    RobotsParameters,
     StaticParameters,
     WorldParameters,
 )
@@ -139,6 +142,23 @@ def test_what_an_update_would_make_of_a_costmap_is_what_it_makes():
     costmap.update(1.1, 1.8)
     assert np.array_equal(costmap.costs, costs)
     assert costmap.frame == frame
+
+
+@pytest.mark.parametrize("path_length", [0.0, 1.5])
+@given(st.lists(st.tuples(st.floats(-2, 7), st.floats(-2, 6), st.floats(-3, 3)), max_size=6))
+@settings(max_examples=40)
+def test_a_local_costmap_is_shown_with_all_robots_that_reach_into_it(path_length, poses):
+    layer = RobotsParameters(path_length=path_length)
+    costmap = Costmap2D(replace(HUNT.local_costmap, width=2.0, height=2.0, robots_layer=layer), BODY, grid())
+    ways = [np.array([(x, y), (x + 1.0, y - 1.0)]) for x, y, _ in poses]
+    others = [
+        Neighbour(number, Pose2(*pose), STANDSTILL, BODY, way, np.array([0.0, 2.0]))
+        for number, (pose, way) in enumerate(zip(poses, ways, strict=True))
+    ]
+    shown, _ = costmap.as_updated(2.0, 2.0, others)
+    costmap.see(others)
+    costmap.update(2.0, 2.0)
+    assert np.array_equal(costmap.costs, shown)
 
 
 def test_what_the_laser_saw_can_be_thought_away_too():

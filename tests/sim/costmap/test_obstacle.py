@@ -200,6 +200,16 @@ class TestThingsThatComeAndGo:
         layer.observe(AHEAD, scan(0.6), NOBODY)
         assert lethal(layer)
 
+    @pytest.mark.parametrize("reading", [0.6, 1.45])
+    def test_only_robots_within_a_certain_distance_do_so(self, reading):
+        layer, radius = layer_of(HUNT), 0.35
+        farthest = layer.explains_within + radius
+        layer.observe(AHEAD, scan(reading), np.array([[farthest + 0.001, 0.0, radius]]))
+        assert lethal(layer)
+        layer = layer_of(HUNT)
+        layer.observe(AHEAD, scan(reading), np.array([[farthest - 0.06, 0.0, radius]]))
+        assert bool(lethal(layer)) == (reading < 1.0)
+
 
 def test_clearing_forgets_all_and_says_so():
     layer = layer_of()
