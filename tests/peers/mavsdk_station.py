@@ -139,6 +139,16 @@ class Rover:
         latitude, longitude = self.earth.degrees(east, north)
         await in_time("go-to to be accepted", self.action.goto_location(latitude, longitude, 0.0, math.nan))
 
+    async def moves_home(self, east: float, north: float) -> None:
+        await self.action.set_home(False, *self.earth.degrees(east, north), 0.0)
+        while math.dist(await self.home(), (east, north)) > NEAR:
+            await asyncio.sleep(0.05)
+
+    async def home(self) -> tuple[float, float]:
+        """East and north, metres, as it was told last."""
+        home = await self.telemetry.home()
+        return self.earth.metres(home.latitude_deg, home.longitude_deg)
+
     async def is_in(self, mode: str) -> None:
         await first(f"mode {mode}", self.telemetry.subscribe_flight_mode(), lambda told: told.name == mode)
 
@@ -151,11 +161,10 @@ async def heard(rover: Rover, kind: str, into: list[Told]) -> None:
 async def looks_around(rover: Rover) -> Told:
     await first("all to be well", rover.telemetry.subscribe_health_all_ok(), lambda well: well)
     battery = await first("the battery", rover.telemetry.subscribe_battery())
-    home = await rover.telemetry.home()  # known, or else all would not be well
     mode = await first("a mode", rover.telemetry.subscribe_flight_mode())
     return {
         "battery": battery.remaining_percent,
-        "home": rover.earth.metres(home.latitude_deg, home.longitude_deg),
+        "home": await rover.home(),  # known, or else all would not be well
         "at": await rover.where(),
         "mode": mode.name,
     }
@@ -189,6 +198,7 @@ async def drives(rover: Rover, way: Sequence[tuple[float, float]]) -> Told:
     ]
     await in_time("arming", rover.action.arm())
     await first("it to be armed", rover.telemetry.subscribe_armed(), lambda armed: armed)
+    await in_time("a new home", rover.moves_home(*way[0]))
     await rover.go_to(*way[0])
     await rover.reaches(*way[0])
     await rover.go_to(*way[1])

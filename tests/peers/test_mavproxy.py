@@ -47,6 +47,13 @@ def test_it_is_armed_guided_to_a_point_and_held(proxy: MavProxy) -> None:
     proxy.does("disarm", "DISARMED")
 
 
+def test_home_is_set_to_a_place(proxy: MavProxy) -> None:
+    north, east = (round(degree * 1e7) for degree in degrees(0.0, 0.6))
+    line = f"command_int GLOBAL_RELATIVE_ALT DO_SET_HOME 0 0 0 0 0 0 {north} {east} 0"
+    proxy.does(line, "Got COMMAND_ACK: DO_SET_HOME: ACCEPTED")
+    proxy.says(rf"HOME_POSITION {{latitude : {north},", again="status HOME_POSITION")
+
+
 def test_a_mission_is_loaded_listed_run_and_cleared(proxy: MavProxy) -> None:
     places = [degrees(0.0, 0.0), degrees(0.0, 0.6), degrees(0.3, 0.3)]
     lines = [

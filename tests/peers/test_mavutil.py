@@ -49,6 +49,27 @@ def test_modes_are_changed_by_name(one: Script) -> None:
     one.master.arducopter_disarm()
 
 
+def test_home_is_set_and_returned_to(one: Script) -> None:
+    latitude, longitude = degrees(0.2, 0.7)
+    place = (0, 0, 0, 0, round(latitude * 1e7), round(longitude * 1e7), 0)
+    one.master.mav.command_int_send(1, 1, mav.MAV_FRAME_GLOBAL_INT, mav.MAV_CMD_DO_SET_HOME, 0, 0, *place)
+    assert one.result(mav.MAV_CMD_DO_SET_HOME) == mav.MAV_RESULT_ACCEPTED
+    told = one.hears("HOME_POSITION")
+    assert (told.y, told.x) == pytest.approx((0.2, 0.7), abs=0.02)
+    one.arms()
+    one.master.set_mode_rtl()
+    one.reaches(0.2, 0.7)
+    one.master.arducopter_disarm()
+    assert one.commands(mav.MAV_CMD_DO_SET_HOME, 1.0) == mav.MAV_RESULT_ACCEPTED  # here
+    told = one.hears("HOME_POSITION")
+    here = one.hears("LOCAL_POSITION_NED")
+    assert (told.x, told.y) == pytest.approx((here.x, here.y), abs=0.02)
+    off_the_map = (0, 0, 0, 0, round((latitude + 1.0) * 1e7), round(longitude * 1e7), 0)
+    one.master.mav.command_int_send(1, 1, mav.MAV_FRAME_GLOBAL_INT, mav.MAV_CMD_DO_SET_HOME, 0, 0, *off_the_map)
+    assert one.result(mav.MAV_CMD_DO_SET_HOME) == mav.MAV_RESULT_DENIED
+    one.hears("STATUSTEXT", lambda told: "should stand" in told.text)
+
+
 def test_parameters_are_fetched_one_and_all_and_set(one: Script) -> None:
     one.master.param_fetch_all()
     told = one.hears("PARAM_VALUE")

@@ -134,12 +134,16 @@ class Setting:
         """The treasures' role."""
         return build_hider(self.templates, self.study.seed)
 
+    def premises(self) -> Premises:
+        """What whoever is at robots' helms knows of the game before it begins."""
+        return Premises(_floor(self.study, self.place), self._rooms(), self._treasures(), self.study.game.energy)
+
     def vehicles(self, simr: SimR) -> Callable[[Ask], Vehicles] | None:
         """Makes simulated robots MAVLink vehicles, given who takes what these ask; None where the study has none."""
         study = self.study
         if not study.mavlink.on:
             return None
-        premises = Premises(self._rooms(), self._treasures(), study.game.energy)
+        premises = self.premises()
 
         def made(ask: Ask) -> Vehicles:
             pilots = []
@@ -245,9 +249,14 @@ def _triple(pose: Pose2) -> tuple[float, float, float]:
     return pose.x, pose.y, pose.theta
 
 
+def _floor(study: Study, place: Map) -> Floor:
+    """The map's floor, for robots of the study's size."""
+    return Floor.of(place.grid, *radii(np.array(study.world.footprint)))
+
+
 def _misplaced(study: Study, place: Map, map_yaml: Path) -> Iterator[BadFile]:
     """Robots that the study would carry into walls or off the map."""
-    floor = Floor.of(place.grid, *radii(np.array(study.world.footprint)))
+    floor = _floor(study, place)
     for index, mishap in enumerate(study.mishaps):
         if mishap.to is not None and floor.clearance_at(Pose2(*mishap.to)) < floor.inscribed:
             x, y, _ = mishap.to

@@ -10,7 +10,7 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
-from sim.floor import inside
+from sim.floor import Floor, inside
 from sim.geometry import Pose2
 from sim.inputs import Drive, Go, Halt
 from sim.navigator import Goal
@@ -46,11 +46,13 @@ class Premises:
     """What all pilots of a team know of the game before it begins.
 
     Attributes:
-        rooms: of the map.
+        floor: of the map.
+        rooms: on it.
         names: what treasures may be called, in alphabetical order.
         energy: what each robot starts with.
     """
 
+    floor: Floor
     rooms: tuple[RoomOutline, ...]
     names: tuple[str, ...]
     energy: float
@@ -169,9 +171,18 @@ class Pilot:
         self._ask(SetParameters(self._robot, values))
         return None
 
-    def home(self) -> Pose2:
+    def start(self) -> Pose2:
         """See `Helm`."""
         return self._start
+
+    def misplaced(self, x: float, y: float) -> Denied | None:
+        """See `Helm`; told in the words in which a way there would fail."""
+        floor, point = self._premises.floor, Pose2(x, y, 0.0)
+        if not floor.grid.contains(*floor.grid.cell_of(x, y)):
+            return Denied(reasons.told(self._robot, "goal_outside"))
+        if floor.clearance_at(point) <= floor.inscribed:
+            return Denied(reasons.told(self._robot, "goal_occupied"))
+        return None
 
     # Parameters
 

@@ -30,7 +30,7 @@ from thbridge.ros import names, types, unpack
 from thbridge.ros.topics import Message as RosMessage
 from thbridge.ros.topics import Topic
 from thbridge.wire import legacy
-from thbridge.wire.mavlink.dialect import Message, crc_extra, mav, payload_of
+from thbridge.wire.mavlink.dialect import Message, crc_extra, decoded, mav, payload_of
 from thbridge.wire.mavlink.frames.frame import Frame
 from thbridge.wire.mavlink.frames.framer import Framer
 from thbridge.wire.mavlink.said import LinkId
@@ -115,6 +115,24 @@ def test_links_and_frames_are_replayed_bit_for_bit(tmp_path: Path):
     bag = tmp_path / "hunt.bag"
     record(bag, 120, beating({}))
     equal(bag, 120)
+
+
+def test_a_home_that_was_set_is_set_again(tmp_path: Path):
+    bag = tmp_path / "hunt.bag"
+    stations: dict[str, Station] = {}
+    place = (0, 0, 0, 0, 14_000, -27_000, 0)  # north and east, units of 0.1 mm
+
+    def set_home(tick: int, session: Session) -> None:
+        beating(stations)(tick, session)
+        if tick == 20:
+            stations["a"].say(mav.MAVLink_command_int_message(1, 1, 1, mav.MAV_CMD_DO_SET_HOME, 0, 0, *place))
+
+    record(bag, 60, set_home)
+    frames = [unpack.mavlink(message.data) for message in messages(bag, ["/robot1/mavlink/from"])]
+    (home,) = [frame for frame in frames if frame.message_id == mav.MAVLINK_MSG_ID_HOME_POSITION]
+    told = decoded(home.message_id, home.payload)
+    assert (told.x, told.y) == pytest.approx((1.4, -2.7))
+    equal(bag, 60)
 
 
 def test_frames_say_nothing_to_robots_that_are_no_vehicles_any_more(tmp_path: Path):

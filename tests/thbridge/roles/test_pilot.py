@@ -4,9 +4,11 @@ from dataclasses import replace
 from functools import cache
 from pathlib import Path
 
+import numpy as np
 import pytest
 
 from sim.geometry import Pose2
+from sim.grid import OCCUPIED
 from sim.inputs import Die
 from sim.observations import Twist
 from sim.parameters import RobotParameters
@@ -18,7 +20,7 @@ from thbridge.app.session import Moment, Session
 from thbridge.hunt.events import Arrived, Commanded, Commander, Departed, Failed, Identified, Left, Pictured
 from thbridge.hunt.rooms import Room
 from thbridge.roles.controls import HAND_TICKS
-from thbridge.roles.pilot import Pilot, Premises
+from thbridge.roles.pilot import Pilot
 from thbridge.roles.requests import GameRequest, Request, SetParameters
 from thbridge.roles.simr import SimR
 from thbridge.roles.speeds import Speeds
@@ -79,8 +81,7 @@ class Flight:
         self.tabui = participant or TabUI(self.player)
         self.session = Session(Router(), self.keeper, [self.simr, made.hider(), self.tabui], self.log)
         self.asked: list[Request] = []
-        briefing = made.briefing()
-        premises = Premises(briefing.house.rooms, briefing.names, energy)
+        premises = made.premises()
         software = made.study.software(1)
         self.pilots = [
             Pilot(robot, premises, made.place.starts[robot], Speeds(robot, software, self.simr), Parameters(), self.ask)
@@ -154,7 +155,7 @@ def test_readings_before_anybody_has_come(flight: Flight) -> None:
     assert readings.answers and not readings.lost and not readings.under_way
     assert (readings.commander, readings.commanded_by, readings.leg) == (None, "participant", None)
     assert (readings.energy, readings.capacity) == (100.0, 100.0)
-    assert readings.base_in_map.distance(flight.pilot.home()) < 0.01
+    assert readings.base_in_map.distance(flight.pilot.start()) < 0.01
 
 
 def test_taking_and_releasing_is_seen_with_the_next_tick(flight: Flight) -> None:
@@ -210,7 +211,7 @@ def test_too_little_energy_is_said_at_once() -> None:
 
 
 def test_a_point_outside_all_rooms_is_no_move_of_the_game(taken: Flight) -> None:
-    home = taken.pilot.home()
+    home = taken.pilot.start()
     number = taken.pilot.go_to(home.x + 0.6, home.y, 0.5)
     readings = taken.until(ARRIVED)
     assert readings.leg.number == number
@@ -223,6 +224,17 @@ def test_a_point_that_cannot_be_reached_fails_with_the_navigators_words(taken: F
     taken.pilot.go_to(500.0, 500.0, None)
     readings = taken.until(FAILED)
     assert readings.leg.reason == "The place where robot 1 should stand is not on the map."
+
+
+def test_what_can_be_no_home_is_where_no_way_could_end(taken: Flight) -> None:
+    start, (x, y), grid = taken.pilot.start(), taken.goal_of(4), taken.setting.place.grid
+    assert taken.pilot.misplaced(start.x, start.y) is None and taken.pilot.misplaced(x, y) is None
+    walls = (grid.centre_of(int(row), int(col)) for row, col in np.argwhere(grid.cells == OCCUPIED))
+    wall = next(point for point in walls if taken.setting.premises().room_at(*point) is None)
+    for point in (wall, (500.0, 500.0)):
+        denied = taken.pilot.misplaced(*point)
+        taken.pilot.go_to(*point, None)
+        assert denied == Denied(taken.until(FAILED).leg.reason)
 
 
 @pytest.mark.parametrize("point", [(float("nan"), 0.0), (0.0, float("inf"))])
@@ -243,7 +255,7 @@ def test_a_move_under_way_is_called_back_before_the_next_and_gives_its_energy_ba
 
 
 def test_legs_asked_for_within_one_tick_leave_the_last_one(taken: Flight) -> None:
-    home = taken.pilot.home()
+    home = taken.pilot.start()
     taken.pilot.go_to(*taken.goal_of(4), None)
     taken.pilot.go_to(home.x + 0.5, home.y, None)
     last = taken.pilot.go_to(*taken.goal_of(3), None)
@@ -292,7 +304,7 @@ def test_a_robot_goes_on_when_it_is_given_back(taken: Flight) -> None:
 def test_a_way_home_outlives_the_command_of_a_station_that_was_lost(taken: Flight) -> None:
     taken.pilot.go_to(*taken.goal_of(4), None)
     taken.run(60)
-    home = taken.pilot.home()
+    home = taken.pilot.start()
     number = taken.pilot.go_to(home.x, home.y, home.theta)
     taken.pilot.release()
     readings = taken.until(ARRIVED)
@@ -302,7 +314,7 @@ def test_a_way_home_outlives_the_command_of_a_station_that_was_lost(taken: Fligh
 
 
 def test_a_way_home_ends_where_the_participant_sends_the_robot_elsewhere(taken: Flight) -> None:
-    home = taken.pilot.home()
+    home = taken.pilot.start()
     taken.pilot.go_to(home.x + 1.5, home.y, None)
     taken.pilot.release()
     taken.run(5)
@@ -326,7 +338,7 @@ def test_hand_driving_needs_repeating_and_takes_the_place_of_a_leg(taken: Flight
 
 
 def test_a_researcher_goes_before_and_is_named(taken: Flight) -> None:
-    home = taken.pilot.home()
+    home = taken.pilot.start()
     taken.session.ask("/rviz", SimpleGoal(0, Pose2(home.x, home.y, home.theta + 2.0), 1_000_000_000))
     taken.run(3)
     readings = taken.readings[0]
@@ -345,7 +357,7 @@ def test_a_researcher_goes_before_and_is_named(taken: Flight) -> None:
 
 
 def test_a_dead_robot_says_so_and_is_refused(taken: Flight) -> None:
-    home = taken.pilot.home()
+    home = taken.pilot.start()
     taken.pilot.go_to(home.x + 0.6, home.y, None)
     taken.run(5)
     taken.session.ask("researcher", Die(0))
@@ -417,13 +429,13 @@ def test_who_changes_a_speed_by_a_parameter_finds_it_changed(taken: Flight) -> N
 
 def test_real_robots_speeds_are_not_ours() -> None:
     flight = Flight()
-    pilot = Pilot(0, Premises((), (), 100.0), Pose2(0.0, 0.0, 0.0), OF_OTHERS, Parameters(), flight.ask)
+    pilot = Pilot(0, setting().premises(), Pose2(0.0, 0.0, 0.0), OF_OTHERS, Parameters(), flight.ask)
     denied = pilot.limit_speed(0.5)
     assert isinstance(denied, Denied) and denied.refusal is Refusal.UNSUPPORTED
 
 
 def test_nothing_is_granted_before_there_is_a_game() -> None:
-    pilot = Pilot(0, Premises((), (), 100.0), Pose2(0.0, 0.0, 0.0), OF_OTHERS, Parameters(), lambda _: None)
+    pilot = Pilot(0, setting().premises(), Pose2(0.0, 0.0, 0.0), OF_OTHERS, Parameters(), lambda _: None)
     for refused in (pilot.take(STATION), pilot.go_to(0.0, 0.0, None), pilot.drive(Twist(0.0, 0.0)), pilot.leave()):
         assert isinstance(refused, Denied) and refused.refusal is Refusal.NOT_NOW
     pilot.halt()

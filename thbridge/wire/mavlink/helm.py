@@ -54,6 +54,21 @@ class Denied:
 
 
 @dataclass(frozen=True, slots=True)
+class Target:
+    """Where a robot is to go.
+
+    Attributes:
+        x: metres east, map.
+        y: metres north, map.
+        heading: radians from east, anticlockwise; None: any.
+    """
+
+    x: float
+    y: float
+    heading: float | None
+
+
+@dataclass(frozen=True, slots=True)
 class Leg:
     """Where a robot was last told to go from its helm.
 
@@ -209,8 +224,16 @@ class Helm(Settings, Protocol):
     def limit_speed(self, speed: float) -> Denied | None:
         """From now on drive at most this fast, m/s; a negative one: as the study says."""
 
-    def home(self) -> Pose2:
+    def start(self) -> Pose2:
         """Where the robot started, map frame."""
+
+    def misplaced(self, x: float, y: float) -> Denied | None:
+        """Why the robot could stand at no time at a point of the map; None: it could, whoever is there just now.
+
+        Args:
+            x: metres east.
+            y: metres north.
+        """
 
     def photograph(self) -> Denied | None:
         """Take a picture of what is in the room where the robot stands."""

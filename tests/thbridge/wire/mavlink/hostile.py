@@ -52,6 +52,7 @@ def orders(system):
         place = (north, east) if frame != mav.MAV_FRAME_LOCAL_NED else (20_000, 30_000)
         go = mav.MAV_CMD_DO_REPOSITION
         yield mav.MAVLink_command_int_message(system, 1, frame, go, 0, 0, -1, 1, 0, math.nan, *place, 0)
+        yield mav.MAVLink_command_int_message(system, 1, frame, mav.MAV_CMD_DO_SET_HOME, 0, 0, 0, 0, 0, 0, *place, 0)
         for seq in range(3):
             item = (system, 1, seq, frame, mav.MAV_CMD_NAV_WAYPOINT, 0, 1, 0, 0, 0, math.nan, *place, 0, 0)
             yield mav.MAVLink_mission_item_int_message(*item)
@@ -68,6 +69,7 @@ def orders(system):
     yield mav.MAVLink_param_request_read_message(system, 1, b"PARAM_04", -1)
     yield mav.MAVLink_change_operator_control_message(system, 0, 0, b"")
     yield mav.MAVLink_set_mode_message(system, 1, 15)
+    yield mav.MAVLink_set_home_position_message(system, north, east, 0, 0, 0, 0, [1, 0, 0, 0], 0, 0, 0)
     yield mav.MAVLink_heartbeat_message(mav.MAV_TYPE_GCS, mav.MAV_AUTOPILOT_INVALID, 0, 0, 4, 3)
 
 

@@ -75,11 +75,14 @@ class ModelRobot:
     def limit_speed(self, speed):
         return self._done("limit_speed", speed)
 
-    def home(self):
+    def start(self):
         return Pose2(1.0, 2.0, 0.0)
 
     def descriptions(self):
         return [Description(name, "a number", "", "robot", "tests", default=0.0) for name in self.values]
+
+    def misplaced(self, x, y):
+        return None if max(abs(x), abs(y)) < 20.0 else Denied("There the map has nothing.")
 
     def settings(self):
         return [Setting(name, value) for name, value in self.values.items()]

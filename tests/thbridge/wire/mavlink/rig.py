@@ -8,6 +8,8 @@ from thbridge.wire.mavlink.dialect import decoded, mav, payload_of
 from thbridge.wire.mavlink.helm import LegState, Station
 from thbridge.wire.mavlink.options import Failsafe, Identity, Origin, VehicleOptions
 from thbridge.wire.mavlink.said import LinkId
+from thbridge.wire.mavlink.vehicle.command_of import CommandOf
+from thbridge.wire.mavlink.vehicle.home import Home
 from thbridge.wire.mavlink.vehicle.vehicle import Vehicle
 
 OPTIONS = VehicleOptions(Identity.GENERIC, Origin(52.4, 9.7, 55.0), 5.0, Failsafe.STOP, 5.0)
@@ -137,6 +139,11 @@ class Rig:
                 texts.append(parts.decode())
                 parts = b""
         return texts
+
+
+def home_of(robot, earth, announce):
+    """The home of a robot alone."""
+    return Home(robot, CommandOf(robot, 5.0), earth, announce, robot.readings)
 
 
 HEARTBEAT = mav.MAVLink_heartbeat_message(6, 8, 0, 0, 4, 3)

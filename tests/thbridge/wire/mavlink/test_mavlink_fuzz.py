@@ -80,11 +80,17 @@ class Sailor:
     def limit_speed(self, speed):
         assert math.isfinite(speed)
 
-    def home(self):
+    def start(self):
         return Pose2(1.0, 2.0, 0.0)
 
     def descriptions(self):
         return [Description(name, "a number", "", "robot", "tests") for name in self._values]
+
+    def misplaced(self, x, y):
+        assert max(abs(x), abs(y)) < 1e8  # metres: cells can be counted, and there are none farther away on earth
+        if self._chance.random() < 0.2:
+            return Denied("there is a wall")
+        return None
 
     def settings(self):
         return [Setting(name, value) for name, value in self._values.items()]

@@ -62,11 +62,16 @@ class CommandOf:
         """Why this station may not move the robot; None when it may."""
         if self._station is None:
             return Denied(f"Commanded by {self._commanded_by()}: arm the robot to take command.")
-        if station != self._station:
-            return Denied(f"Commanded by {self._station}.")
-        if self.is_overruled:
+        reserved = self.reserved(station)
+        if reserved is None and self.is_overruled:
             return Denied(f"Commanded by {self._commanded_by()} just now.", Refusal.NOT_NOW)
-        return None
+        return reserved
+
+    def reserved(self, station: Station) -> Denied | None:
+        """Why this station may not settle what the robot does later; None when no other station is in command."""
+        if self._station in (None, station):
+            return None
+        return Denied(f"Commanded by {self._station}.")
 
     def take(self, station: Station, by_force: bool = False) -> Denied | None:
         """Put a station in command; from another one that is still heard only by force."""

@@ -17,7 +17,7 @@ from typing import TypeAlias
 from sim.observations import TICKS_PER_SECOND
 from thbridge.wire.mavlink.added import CommandCancel
 from thbridge.wire.mavlink.dialect import Message, mav
-from thbridge.wire.mavlink.helm import LegState, Readings, Station
+from thbridge.wire.mavlink.helm import Denied, LegState, Readings, Station
 from thbridge.wire.mavlink.said import LinkId, Said
 from thbridge.wire.mavlink.vehicle.command_of import CommandOf
 from thbridge.wire.mavlink.vehicle.conduct import Conduct
@@ -144,15 +144,21 @@ class Commands:
             return Reply(Result.COMMAND_LONG_ONLY)
         if command.carrier is Carrier.INT and order.frame is None:
             return Reply(Result.COMMAND_INT_ONLY)
-        if command.frames and order.frame not in command.frames:
+        if command.frames and order.frame is not None and order.frame not in command.frames:
             return Reply(Result.UNSUPPORTED_MAV_FRAME)
         if any(math.isinf(value) for value in order.params):
             return MALFORMED
-        if command.who is Who.COMMANDER:
-            objection = self._command.objection(order.station)
-            if objection is not None:
-                return reply_to(objection)
-        return command.do(order)
+        objection = self._objection(command.who, order.station)
+        return command.do(order) if objection is None else reply_to(objection)
+
+    def _objection(self, who: Who, station: Station) -> Denied | None:
+        match who:
+            case Who.COMMANDER:
+                return self._command.objection(station)
+            case Who.NO_RIVAL:
+                return self._command.reserved(station)
+            case Who.ANYBODY:
+                return None
 
     def _repeated(self, key: _Key, order: Order) -> Said | None:
         """What was said of this command before, if it is not a new one."""

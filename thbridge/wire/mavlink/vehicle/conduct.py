@@ -7,29 +7,16 @@ from dataclasses import dataclass
 
 from sim.observations import TICKS_PER_SECOND, Twist
 from thbridge.wire.mavlink.conventions import ARRIVED
-from thbridge.wire.mavlink.helm import Denied, Helm, Leg, LegState, Readings, Refusal, Station
+from thbridge.wire.mavlink.helm import Denied, Helm, Leg, LegState, Readings, Refusal, Station, Target
 from thbridge.wire.mavlink.modes import Mode
 from thbridge.wire.mavlink.options import Failsafe
 from thbridge.wire.mavlink.vehicle.command_of import CommandOf
 from thbridge.wire.mavlink.vehicle.hand import Hand, Velocity
+from thbridge.wire.mavlink.vehicle.home import Home
 from thbridge.wire.mavlink.vehicle.parts import Announce, Plan, Severity
 
 _STOPPING = TICKS_PER_SECOND
 """Ticks after a halt in which a robot that still moves does so because it is stopping."""
-
-
-@dataclass(frozen=True, slots=True)
-class Target:
-    """Where the robot was told to go.
-
-    Attributes:
-        x, y: metres, map.
-        heading: radians, map; None: any.
-    """
-
-    x: float
-    y: float
-    heading: float | None
 
 
 @dataclass(frozen=True, slots=True)
@@ -53,6 +40,7 @@ class Conduct:
         hand: drives it.
         command: who commands it.
         plan: its mission.
+        home: where it returns to.
         failsafe: what it does when the station that commands it is lost.
         announce: tells people.
         readings: the robot as it is at first.
@@ -67,6 +55,7 @@ class Conduct:
         hand: Hand,
         command: CommandOf,
         plan: Plan,
+        home: Home,
         failsafe: Failsafe,
         announce: Announce,
         readings: Readings,
@@ -74,6 +63,7 @@ class Conduct:
         self._helm = helm
         self._command = command
         self._plan = plan
+        self._home = home
         self._hand = hand
         self.failsafe = failsafe
         self._announce = announce
@@ -175,9 +165,8 @@ class Conduct:
         return denied
 
     def go_home(self) -> Denied | None:
-        """Drive to where it started."""
-        home = self._helm.home()
-        return self._go(Target(home.x, home.y, home.theta), Mode.RETURN)
+        """Return to where home is now."""
+        return self._go(self._home.target, Mode.RETURN)
 
     def go(self, target: Target, speed: float | None = None) -> Denied | None:
         """Drive to a point; at most this fast from now on, if that is said."""

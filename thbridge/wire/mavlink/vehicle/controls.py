@@ -7,11 +7,11 @@ from typing import TypeAlias
 from sim.observations import Twist
 from thbridge.wire.mavlink.coordinates import GLOBAL, LOCAL, point_in_map, theta_of
 from thbridge.wire.mavlink.dialect import Message, mav
-from thbridge.wire.mavlink.helm import Denied, Helm, Readings, Station
+from thbridge.wire.mavlink.helm import Denied, Helm, Readings, Station, Target
 from thbridge.wire.mavlink.modes import Mode
 from thbridge.wire.mavlink.said import LinkId, Said
 from thbridge.wire.mavlink.vehicle.command_of import CommandOf
-from thbridge.wire.mavlink.vehicle.conduct import Conduct, Target
+from thbridge.wire.mavlink.vehicle.conduct import Conduct
 from thbridge.wire.mavlink.vehicle.earth import PER_DEGREE, Earth, Place
 from thbridge.wire.mavlink.vehicle.hand import Velocity
 from thbridge.wire.mavlink.vehicle.parts import Announce, Severity

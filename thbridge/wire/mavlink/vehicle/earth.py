@@ -30,6 +30,16 @@ class Place:
     latitude: int
     longitude: int
 
+    @property
+    def is_on_earth(self) -> bool:
+        """Whether there is such a place."""
+        return abs(self.latitude) <= _POLE and abs(self.longitude) <= _WHOLE_TURN // 2
+
+    @property
+    def is_none(self) -> bool:
+        """Whether it is (0, 0), which ground stations leave where they name no place and mean "here"."""
+        return self.latitude == 0 and self.longitude == 0
+
 
 class Earth:
     """Metres of the map as degrees, and back.

@@ -11,7 +11,7 @@ from types import MappingProxyType
 from thbridge.wire.mavlink.coordinates import GLOBAL, PER_METRE
 from thbridge.wire.mavlink.dialect import mav
 from thbridge.wire.mavlink.helm import Station
-from thbridge.wire.mavlink.vehicle.earth import PER_DEGREE
+from thbridge.wire.mavlink.vehicle.earth import PER_DEGREE, Place
 from thbridge.wire.mavlink.vehicle.orders import UNSET
 
 _LARGEST = 2**31 - 1
@@ -43,8 +43,13 @@ class Item:
 
     @property
     def has_place(self) -> bool:
-        """Whether it names a place; (0, 0) in degrees is none, as ground stations leave them where they mean "here"."""
-        return _takes_place(self.command) and not (self.frame in GLOBAL and self.x == 0 and self.y == 0)
+        """Whether it names a place; (0, 0) in degrees is none."""
+        return _takes_place(self.command) and not (self.frame in GLOBAL and Place(self.x, self.y).is_none)
+
+    @property
+    def is_here(self) -> bool:
+        """Whether it is to make home where the robot is then."""
+        return self.command == mav.MAV_CMD_DO_SET_HOME and (self.params[0] == 1.0 or not self.has_place)
 
 
 @dataclass(frozen=True, slots=True)
@@ -108,7 +113,7 @@ def unfit(item: Item, count: int) -> Unfit | None:
 def _misplaced(item: Item) -> Unfit | None:
     if item.frame not in _FRAMES:
         return Unfit(mav.MAV_MISSION_UNSUPPORTED_FRAME, f"frame {item.frame} is not known")
-    if not _takes_place(item.command):
+    if not _takes_place(item.command) or item.is_here:
         return None
     if item.frame == mav.MAV_FRAME_MISSION:
         return Unfit(mav.MAV_MISSION_UNSUPPORTED_FRAME, "its place needs a frame")
@@ -130,6 +135,7 @@ _LENGTH: _Rule = (lambda value, _: math.isnan(value) or 0.0 <= value < math.inf,
 _ANGLE: _Rule = (lambda value, _: not math.isinf(value), "has to be degrees or NaN")
 _ITEM: _Rule = (lambda value, count: value in range(count), "is not an item of the mission")
 _REPEATS: _Rule = (lambda value, _: value >= -1 and value.is_integer(), "has to be a number of repeats, or -1")
+_HERE_OR_THERE: _Rule = (lambda value, _: value in (0, 1), "has to be 1: where the robot is, or 0: the place")
 _SPEED_TYPE: _Rule = (lambda value, _: math.isnan(value) or value in (0, 1), "has to be 1: speed over ground")
 _SPEED: _Rule = (lambda value, _: math.isnan(value) or value in (-1, -2) or 0.0 < value < math.inf, "is no speed")
 _ONE_PICTURE: _Rule = (lambda value, _: value == 1, "has to be 1: one picture")
@@ -144,6 +150,7 @@ _COMMANDS: Mapping[int, Mapping[int, _Rule]] = MappingProxyType(
         mav.MAV_CMD_NAV_DELAY: {1: _SECONDS},
         mav.MAV_CMD_CONDITION_DELAY: {1: _SECONDS},
         mav.MAV_CMD_DO_JUMP: {1: _ITEM, 2: _REPEATS},
+        mav.MAV_CMD_DO_SET_HOME: {1: _HERE_OR_THERE},
         mav.MAV_CMD_DO_CHANGE_SPEED: {1: _SPEED_TYPE, 2: _SPEED},
         mav.MAV_CMD_IMAGE_START_CAPTURE: {3: _ONE_PICTURE},
         mav.MAV_CMD_USER_1: {1: _ORDINAL},
@@ -152,7 +159,14 @@ _COMMANDS: Mapping[int, Mapping[int, _Rule]] = MappingProxyType(
 )
 """What a mission may ask of a robot: for each command, which of its first four parameters have to be how."""
 
-_PLACES = frozenset((mav.MAV_CMD_NAV_WAYPOINT, mav.MAV_CMD_NAV_LOITER_UNLIM, mav.MAV_CMD_NAV_LOITER_TIME))
+_PLACES = frozenset(
+    (
+        mav.MAV_CMD_NAV_WAYPOINT,
+        mav.MAV_CMD_NAV_LOITER_UNLIM,
+        mav.MAV_CMD_NAV_LOITER_TIME,
+        mav.MAV_CMD_DO_SET_HOME,
+    )
+)
 
 _INVALID_PARAM = MappingProxyType(
     {

@@ -8,17 +8,21 @@ a point in a room is a move of the game and ends at that room's own place.
 import math
 from collections import Counter
 from collections.abc import Iterator
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 from sim.observations import TICKS_PER_SECOND
 from thbridge.wire.mavlink.coordinates import PER_METRE, theta_of
 from thbridge.wire.mavlink.dialect import mav
-from thbridge.wire.mavlink.helm import Denied, Helm, LegState, Readings, Refusal, Station
+from thbridge.wire.mavlink.helm import Denied, Helm, LegState, Readings, Refusal, Station, Target
 from thbridge.wire.mavlink.said import Said
 from thbridge.wire.mavlink.vehicle.earth import Earth, Place
+from thbridge.wire.mavlink.vehicle.home import Home
 from thbridge.wire.mavlink.vehicle.mission_ids import MissionCurrent, plan_id
 from thbridge.wire.mavlink.vehicle.mission_items import Item
 from thbridge.wire.mavlink.vehicle.parts import Announce, Severity
+
+_HOME = Item(mav.MAV_CMD_NAV_WAYPOINT, mav.MAV_FRAME_GLOBAL)
+"""What stands in a plan for where home is, which may change."""
 
 _NO_TOTAL = 2**16 - 1
 """As a mission's length: there is none."""
@@ -59,15 +63,17 @@ class MissionRun:
 
     Args:
         helm: the robot.
+        home: where it returns to.
         earth: where its map lies.
         announce: tells people what becomes of the mission.
         ardupilot: read plans as ArduPilot does: the first item is home, whatever a station sends for it, a rover
             looks wherever it likes at its waypoints, and a mission goes on by itself, whatever `autocontinue` says.
     """
 
-    def __init__(self, helm: Helm, earth: Earth, announce: Announce, ardupilot: bool) -> None:
+    def __init__(self, helm: Helm, home: Home, earth: Earth, announce: Announce, ardupilot: bool) -> None:
         self._ardupilot = ardupilot
         self._helm = helm
+        self._home = home
         self._earth = earth
         self._announce = announce
         self._plan: tuple[Item, ...] = ()
@@ -83,13 +89,13 @@ class MissionRun:
 
     @property
     def plan(self) -> tuple[Item, ...]:
-        """All items, as they are told to whoever asks."""
+        """All items; where ArduPilot's home is, the first does not say."""
         return self._plan
 
     @property
     def readable(self) -> tuple[Item, ...]:
         """The items that can be read: those of the plan, and ArduPilot's home also where there is none."""
-        return self._plan or ((self._home(),) if self._ardupilot else ())
+        return (self._home_item(), *self._plan[1:]) if self._ardupilot else self._plan
 
     @property
     def plan_id(self) -> int:
@@ -129,7 +135,7 @@ class MissionRun:
         otherwise.
         """
         if self._ardupilot and plan:
-            plan = (self._home(), *plan[1:])
+            plan = (_HOME, *plan[1:])
         done = self._at + 1
         is_begun = self._state in (mav.MISSION_STATE_ACTIVE, mav.MISSION_STATE_PAUSED)
         goes_on = is_begun and len(plan) >= done and plan[:done] == self._plan[:done]
@@ -209,11 +215,9 @@ class MissionRun:
         """Items to carry out."""
         return len(self._plan) - self._ardupilot
 
-    def _home(self) -> Item:
-        home = self._helm.home()
-        place = self._earth.place(home.x, home.y)
-        altitude = self._earth.altitude
-        return Item(mav.MAV_CMD_NAV_WAYPOINT, mav.MAV_FRAME_GLOBAL, x=place.latitude, y=place.longitude, z=altitude)
+    def _home_item(self) -> Item:
+        place = self._home.place
+        return replace(_HOME, x=place.latitude, y=place.longitude, z=self._earth.altitude)
 
     def _go(self, item: int) -> None:
         """The mission goes on with this item, from its beginning."""
@@ -228,8 +232,12 @@ class MissionRun:
             case mav.MAV_CMD_NAV_WAYPOINT | mav.MAV_CMD_NAV_LOITER_TIME | mav.MAV_CMD_NAV_LOITER_UNLIM:
                 return self._leg_to(*self._point(item), self._heading(item)) if item.has_place else _stay(item, tick)
             case mav.MAV_CMD_NAV_RETURN_TO_LAUNCH:
-                home = self._helm.home()
-                return self._leg_to(home.x, home.y, home.theta)
+                home = self._home.target
+                return self._leg_to(home.x, home.y, home.heading)
+            case mav.MAV_CMD_DO_SET_HOME if item.is_here:
+                return self._home.set_here()
+            case mav.MAV_CMD_DO_SET_HOME:
+                return self._home.set_to(Target(*self._point(item), None))
             case mav.MAV_CMD_NAV_DELAY | mav.MAV_CMD_CONDITION_DELAY:
                 return _Waiting(tick + first * TICKS_PER_SECOND)
             case mav.MAV_CMD_DO_JUMP:

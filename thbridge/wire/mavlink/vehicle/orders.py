@@ -11,7 +11,7 @@ from thbridge.wire.mavlink.coordinates import GLOBAL, PER_METRE, point_in_map
 from thbridge.wire.mavlink.dialect import Message, mav
 from thbridge.wire.mavlink.helm import Denied, Refusal, Station
 from thbridge.wire.mavlink.said import LinkId
-from thbridge.wire.mavlink.vehicle.earth import Earth, Place
+from thbridge.wire.mavlink.vehicle.earth import PER_DEGREE, Earth, Place
 
 UNSET = 0x7FFFFFFF
 """A coordinate of COMMAND_INT that is not given."""
@@ -124,12 +124,22 @@ def decimal_of(value: float) -> float:
     return float(str(np.float32(value)))
 
 
-def destination(order: Order, base_in_map: Pose2, earth: Earth) -> tuple[float, float]:
-    """The point of the map that a COMMAND_INT in one of our frames means; where the robot is, where it names none."""
+def destination(order: Order, base_in_map: Pose2, earth: Earth) -> tuple[float, float] | Denied | None:
+    """The point of the map that a command means, metres east and north.
+
+    A COMMAND_INT is in one of our frames; COMMAND_LONG has degrees, as 32-bit floats good to some decimetres.
+
+    Returns:
+        `Denied` where there is no such latitude or longitude; None where the command names no place, by leaving it out
+        or by (0, 0) in degrees.
+    """
     first, second = order.params[4], order.params[5]
     if math.isnan(first) or math.isnan(second):
-        return base_in_map.x, base_in_map.y
-    frame = mav.MAV_FRAME_GLOBAL if order.frame is None else order.frame
-    if frame in GLOBAL:
-        return earth.point(Place(round(first), round(second)))
-    return point_in_map(frame, first / PER_METRE, second / PER_METRE, base_in_map)
+        return None
+    if order.frame is not None and order.frame not in GLOBAL:
+        return point_in_map(order.frame, first / PER_METRE, second / PER_METRE, base_in_map)
+    scale = PER_DEGREE if order.frame is None else 1
+    place = Place(round(first * scale), round(second * scale))
+    if place.is_none:
+        return None
+    return earth.point(place) if place.is_on_earth else Denied("There is no such place on earth.")

@@ -1,10 +1,8 @@
-"""What is said of a vehicle that never changes: what it can do, where its home is, which modes there are."""
+"""What is said of a vehicle that never changes: what it can do, which modes there are."""
 
 from collections.abc import Callable, Mapping
 
-from sim.geometry import Pose2
 from thbridge.wire.mavlink.added import ComponentInformation, ComponentMetadata, ProtocolVersion
-from thbridge.wire.mavlink.coordinates import quaternion
 from thbridge.wire.mavlink.dialect import Message, mav
 from thbridge.wire.mavlink.modes import Mode, custom_mode, standard_mode
 from thbridge.wire.mavlink.options import Identity
@@ -31,18 +29,14 @@ class Particulars:
         system: its system id.
         identity: whose autopilot it says it has.
         earth: where its map lies.
-        home: where its robot started.
         files: about it.
     """
 
-    def __init__(
-        self, system: int, identity: Identity, earth: Earth, home: Callable[[], Pose2], files: MetadataFiles
-    ) -> None:
+    def __init__(self, system: int, identity: Identity, earth: Earth, files: MetadataFiles) -> None:
         self._system = system
         self._identity = identity
         self._earth = earth
         self._altitude = round(earth.altitude * 1000.0)
-        self._home = home
         self._files = files
 
     def makers(self) -> Mapping[int, Callable[[int], Message]]:
@@ -50,7 +44,6 @@ class Particulars:
         return {
             mav.MAVLINK_MSG_ID_GPS_GLOBAL_ORIGIN: self._gps_global_origin,
             mav.MAVLINK_MSG_ID_AUTOPILOT_VERSION: self._autopilot_version,
-            mav.MAVLINK_MSG_ID_HOME_POSITION: self._home_position,
             mav.MAVLINK_MSG_ID_EXTENDED_SYS_STATE: self._extended_sys_state,
             ProtocolVersion.id: self._protocol_version,
             ComponentInformation.id: self._component_information,
@@ -67,13 +60,6 @@ class Particulars:
     def _gps_global_origin(self, tick: int) -> Message:
         place, now = self._earth.place(0.0, 0.0), microseconds(tick)
         return mav.MAVLink_gps_global_origin_message(place.latitude, place.longitude, self._altitude, now)
-
-    def _home_position(self, tick: int) -> Message:
-        home = self._home()
-        place = self._earth.place(home.x, home.y)
-        where = (place.latitude, place.longitude, self._altitude, home.y, home.x, 0.0)
-        approach, now = (0.0, 0.0, 0.0), microseconds(tick)
-        return mav.MAVLink_home_position_message(*where, list(quaternion(home.theta)), *approach, now)
 
     def _extended_sys_state(self, tick: int) -> Message:
         return mav.MAVLink_extended_sys_state_message(mav.MAV_VTOL_STATE_UNDEFINED, mav.MAV_LANDED_STATE_ON_GROUND)

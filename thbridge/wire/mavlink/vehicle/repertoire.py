@@ -14,13 +14,14 @@ from sim.observations import TICKS_PER_SECOND
 from thbridge.wire.mavlink.added import ProtocolVersion
 from thbridge.wire.mavlink.coordinates import GLOBAL, LOCAL, theta_of
 from thbridge.wire.mavlink.dialect import mav
-from thbridge.wire.mavlink.helm import Helm, Station
+from thbridge.wire.mavlink.helm import Denied, Helm, Station, Target
 from thbridge.wire.mavlink.modes import Mode, mode_asked, mode_of_standard
 from thbridge.wire.mavlink.options import Identity
 from thbridge.wire.mavlink.vehicle.boot_time import MICROSECONDS_PER_TICK
 from thbridge.wire.mavlink.vehicle.command_of import CommandOf
-from thbridge.wire.mavlink.vehicle.conduct import Conduct, Target
+from thbridge.wire.mavlink.vehicle.conduct import Conduct
 from thbridge.wire.mavlink.vehicle.earth import Earth
+from thbridge.wire.mavlink.vehicle.home import Home
 from thbridge.wire.mavlink.vehicle.orders import (
     ACCEPTED,
     MALFORMED,
@@ -55,6 +56,7 @@ class Who(Enum):
     """Who may give a command."""
 
     ANYBODY = "anybody"
+    NO_RIVAL = "anybody, unless another station is in command"
     COMMANDER = "the station in command"
 
 
@@ -84,6 +86,7 @@ class Repertoire:
         helm: the robot.
         conduct: its modes.
         command: who is in command of it.
+        home: where it returns to.
         streams: the rates of its messages.
         telemetry: its messages.
         particulars: what never changes of it.
@@ -97,6 +100,7 @@ class Repertoire:
         helm: Helm,
         conduct: Conduct,
         command: CommandOf,
+        home: Home,
         streams: Streams,
         telemetry: Telemetry,
         particulars: Particulars,
@@ -107,6 +111,7 @@ class Repertoire:
         self._helm = helm
         self._conduct = conduct
         self._command = command
+        self._home = home
         self._streams = streams
         self._telemetry = telemetry
         self._particulars = particulars
@@ -134,7 +139,7 @@ class Repertoire:
             mav.MAV_CMD_DO_CHANGE_SPEED: Command(self._change_speed, who=by_commander),
             mav.MAV_CMD_MISSION_START: Command(self._start_mission, who=by_commander),
             mav.MAV_CMD_DO_SET_MISSION_CURRENT: Command(self._select_item),
-            mav.MAV_CMD_DO_SET_HOME: Command(self._set_home),
+            mav.MAV_CMD_DO_SET_HOME: Command(self._set_home, frames=places, who=Who.NO_RIVAL),
             mav.MAV_CMD_PREFLIGHT_REBOOT_SHUTDOWN: Command(lambda _: _NO_REBOOT),
             mav.MAV_CMD_IMAGE_START_CAPTURE: Command(self._photograph, who=by_commander, once=True),
             mav.MAV_CMD_USER_1: Command(self._identify, Carrier.LONG, who=by_commander, once=True),
@@ -257,11 +262,19 @@ class Repertoire:
         return Reply(Result.IN_PROGRESS, way=way)
 
     def _go(self, order: Order, speed: float | None, yaw: float | None) -> Reply:
-        x, y = destination(order, self._standing().readings.base_in_map, self._earth)
+        point = self._destination(order)
+        if isinstance(point, Denied):
+            return reply_to(point)
+        if point is None:
+            here = self._standing().readings.base_in_map
+            point = here.x, here.y
         if yaw == 0.0 and self._identity is Identity.ARDUPILOT:
             # To ArduPilot, stations say 0 for what they leave open; its own rovers never heed this parameter.
             yaw = None
-        return reply_to(self._conduct.go(Target(x, y, None if yaw is None else theta_of(yaw)), speed))
+        return reply_to(self._conduct.go(Target(*point, None if yaw is None else theta_of(yaw)), speed))
+
+    def _destination(self, order: Order) -> tuple[float, float] | Denied | None:
+        return destination(order, self._standing().readings.base_in_map, self._earth)
 
     def _return(self, order: Order) -> Reply:
         return reply_to(self._conduct.go_home())
@@ -291,7 +304,14 @@ class Repertoire:
         return reply_to(objection or self._conduct.select(item))
 
     def _set_home(self, order: Order) -> Reply:
-        return Reply(Result.DENIED, sentence="Home is where the robot started.")
+        is_here, point = order.whole(1, otherwise=0), self._destination(order)
+        if is_here not in (0, 1):
+            return MALFORMED
+        if is_here or point is None:
+            return reply_to(self._home.set_here())
+        if isinstance(point, Denied):
+            return reply_to(point)
+        return reply_to(self._home.set_to(Target(*point, None)))
 
     # -- the game -----------------------------------------------------------------------------------------------------
 

@@ -129,6 +129,7 @@ class Telemetry:
         particulars: what never changes of it.
         identity: whose autopilot it says it has.
         earth: where its map lies.
+        home_position: makes HOME_POSITION in a tick.
         mission_current: makes MISSION_CURRENT.
     """
 
@@ -137,6 +138,7 @@ class Telemetry:
         particulars: Particulars,
         identity: Identity,
         earth: Earth,
+        home_position: Callable[[int], Message],
         mission_current: Callable[[], Message],
     ) -> None:
         self._identity = identity
@@ -160,6 +162,7 @@ class Telemetry:
             mav.MAVLINK_MSG_ID_NAV_CONTROLLER_OUTPUT: self._nav_controller_output,
             mav.MAVLINK_MSG_ID_POSITION_TARGET_LOCAL_NED: self._position_target_local_ned,
             mav.MAVLINK_MSG_ID_POSITION_TARGET_GLOBAL_INT: self._position_target_global_int,
+            mav.MAVLINK_MSG_ID_HOME_POSITION: lambda now: home_position(now.tick),
             mav.MAVLINK_MSG_ID_CURRENT_MODE: self._current_mode,
         }
 

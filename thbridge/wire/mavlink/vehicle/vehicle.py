@@ -20,6 +20,7 @@ from thbridge.wire.mavlink.vehicle.courtesies import Courtesies
 from thbridge.wire.mavlink.vehicle.earth import Earth
 from thbridge.wire.mavlink.vehicle.file_transfer import FileTransfer
 from thbridge.wire.mavlink.vehicle.hand import Hand
+from thbridge.wire.mavlink.vehicle.home import Home
 from thbridge.wire.mavlink.vehicle.metadata_files import MetadataFiles
 from thbridge.wire.mavlink.vehicle.mission_run import MissionRun
 from thbridge.wire.mavlink.vehicle.missions import Missions
@@ -68,19 +69,20 @@ class Vehicle:
         self._texts = Texts()
         announce, earth, identity = self._texts.say, Earth(options.origin), options.identity
         ardupilot = identity is Identity.ARDUPILOT
-        plan = MissionRun(helm, earth, announce, ardupilot)
         self._command = CommandOf(helm, options.lost_after)
-        hand = Hand(helm, identity)
-        self._conduct = Conduct(helm, hand, self._command, plan, options.failsafe, announce, self._readings)
+        home, hand = Home(helm, self._command, earth, announce, self._readings), Hand(helm, identity)
+        plan = MissionRun(helm, home, earth, announce, ardupilot)
+        self._conduct = Conduct(helm, hand, self._command, plan, home, options.failsafe, announce, self._readings)
         self._streams = Streams(default_streams(options.position_rate, identity), system)
         parameters = OwnParameters(system, helm, self._command, self._conduct)
         files = MetadataFiles(parameters)
-        particulars = Particulars(system, identity, earth, helm.home, files)
-        self._telemetry = Telemetry(particulars, identity, earth, plan.current)
+        particulars = Particulars(system, identity, earth, files)
+        self._telemetry = Telemetry(particulars, identity, earth, home.position, plan.current)
         repertoire = Repertoire(
             helm,
             self._conduct,
             self._command,
+            home,
             self._streams,
             self._telemetry,
             particulars,
@@ -89,6 +91,7 @@ class Vehicle:
             identity,
         )
         self._parts: tuple[Part, ...] = (
+            home,
             Commands(repertoire, self._command, self._conduct, announce),
             Controls(system, helm, self._conduct, self._command, repertoire, earth, announce),
             Missions(plan, announce),

@@ -27,6 +27,7 @@ class Anything(RuleBasedStateMachine):
         self.rig = Rig(failsafe=Failsafe.HOME)
         self.seen = 0
         self.commander = None
+        self.home = (1.0, 2.0)
         self.quiet = False
         self.heard = 0
 
@@ -62,6 +63,13 @@ class Anything(RuleBasedStateMachine):
         if result in (0, 5):
             assert station == self.commander
             self.quiet = False
+
+    @rule(station=STATIONS, x=COORDINATES, y=COORDINATES)
+    def set_home(self, station, x, y):
+        (result,) = self.rig.go(x, y, station, command=mav.MAV_CMD_DO_SET_HOME)
+        if result == ACCEPTED:
+            assert self.commander in (None, station)
+            self.home = (x, y)
 
     @rule(station=STATIONS, count=st.integers(0, 3))
     def upload(self, station, count):
@@ -120,7 +128,7 @@ class Anything(RuleBasedStateMachine):
         if self.quiet:
             assert moved == [], "who was stopped stays where it is"
         if self.commander is None and moved:
-            assert moved[-1][0:3] == ("go_to", 1.0, 2.0), "all but home"
+            assert moved[-1][0:3] == ("go_to", *self.home), "all but home"
 
     @invariant()
     def a_mission_runs_in_mode_auto_and_in_no_other(self):

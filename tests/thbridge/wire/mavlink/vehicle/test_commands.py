@@ -138,9 +138,15 @@ def test_local_frames_count_from_the_origin_or_from_the_robot(armed, frame, poin
     assert armed.robot.calls("go_to")[0][1:3] == point
 
 
-def test_a_place_that_is_not_given_is_where_the_robot_is(armed):
-    assert armed.int(REPOSITION, frame=0) == [ACCEPTED]
+@pytest.mark.parametrize("place", [{}, {"x": 0, "y": 0}, {"y": 97_000_000}], ids=["none", "zeros", "half"])
+def test_a_place_that_is_not_given_is_where_the_robot_is(armed, place):
+    assert armed.int(REPOSITION, frame=0, **place) == [ACCEPTED]
     assert armed.robot.calls("go_to") == [("go_to", 1.0, 2.0, None)]
+
+
+def test_a_place_beyond_a_pole_is_none(armed):
+    assert armed.int(REPOSITION, frame=0, x=910_000_000, y=0) == [DENIED]
+    assert "There is no such place on earth." in armed.texts()
 
 
 # -- unknown, malformed
@@ -444,9 +450,8 @@ def test_reposition_without_leave_to_change_the_mode_changes_none(armed):
     assert armed.status.mode == "MANUAL"
 
 
-@pytest.mark.parametrize("command", [mav.MAV_CMD_DO_SET_HOME, mav.MAV_CMD_PREFLIGHT_REBOOT_SHUTDOWN])
-def test_what_a_robot_in_a_game_does_not_do_is_denied_with_a_reason(armed, command):
-    assert armed.long(command, 1) == [DENIED]
+def test_what_a_robot_in_a_game_does_not_do_is_denied_with_a_reason(armed):
+    assert armed.long(mav.MAV_CMD_PREFLIGHT_REBOOT_SHUTDOWN, 1) == [DENIED]
     assert len(armed.texts()) == 2
 
 

@@ -7,7 +7,9 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
+from sim.geometry import Pose2
 from tests.thbridge.wire.mavlink.model_robot import ModelRobot
+from tests.thbridge.wire.mavlink.rig import home_of
 from thbridge.wire.mavlink.dialect import mav
 from thbridge.wire.mavlink.helm import Denied, Leg, LegState, Station
 from thbridge.wire.mavlink.options import Origin
@@ -41,10 +43,15 @@ class Tour:
         self.said = []
         self.tick = 0
         origin = Origin(52.0, 13.0, 34.0)
-        self.run = MissionRun(self.robot, Earth(origin), lambda _, sentence: self.told.append(sentence), ardupilot)
+        earth = Earth(origin)
+        self.home = home_of(self.robot, earth, self.announce)
+        self.run = MissionRun(self.robot, self.home, earth, self.announce, ardupilot)
         self.run.replace(tuple(items))
         if start:
             assert self.run.start() is None
+
+    def announce(self, severity, sentence):
+        self.told.append(sentence)
 
     def pass_(self, ticks=1):
         for _ in range(ticks):
@@ -148,6 +155,26 @@ def test_delays(command):
     assert tour.legs == []
     tour.pass_()
     assert tour.legs == [(1, 2)]
+
+
+def test_home_is_set_on_the_way():
+    set_home = mav.MAV_CMD_DO_SET_HOME
+    there = Item(set_home, NED, (0.0,) * 4, x=40_000, y=30_000)
+    tour = Tour(there, do(mav.MAV_CMD_NAV_RETURN_TO_LAUNCH), do(set_home, 1.0), do(mav.MAV_CMD_NAV_RETURN_TO_LAUNCH))
+    tour.arrive()
+    assert tour.legs == [(3, 4)]
+    tour.robot.readings = replace(tour.robot.readings, base_in_map=Pose2(5.0, 6.0, 0.5))
+    list(tour.home.step(tour.tick, tour.robot.readings))
+    tour.pass_(3)
+    assert tour.robot.asked[-1] == ("go_to", 5, 6, 0.5)
+    assert tour.reached == [0, 1, 2]
+
+
+def test_a_home_that_is_none_halts_the_mission():
+    tour = Tour(Item(mav.MAV_CMD_DO_SET_HOME, NED, (0.0,) * 4, x=990_000, y=0), go(1, 2))
+    tour.pass_(2)
+    assert (tour.legs, tour.state) == ([], PAUSED)
+    assert tour.told == ["Mission halted at item 0. There the map has nothing."]
 
 
 def test_returning_to_launch_is_going_home():

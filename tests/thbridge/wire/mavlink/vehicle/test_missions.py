@@ -9,7 +9,9 @@ from hypothesis import strategies as st
 
 from tests.thbridge.wire.mavlink.model_robot import ModelRobot
 from tests.thbridge.wire.mavlink.model_station import Air, ModelStation, waypoint
+from tests.thbridge.wire.mavlink.rig import home_of
 from thbridge.wire.mavlink.dialect import decoded, mav, payload_of
+from thbridge.wire.mavlink.helm import Target
 from thbridge.wire.mavlink.options import Origin
 from thbridge.wire.mavlink.vehicle.earth import Earth
 from thbridge.wire.mavlink.vehicle.mission_run import MissionRun
@@ -36,7 +38,9 @@ class Field:
     def __init__(self, stations=1, ardupilot=False, **air):
         self.robot = ModelRobot()
         self.told = []
-        self.run_of = MissionRun(self.robot, Earth(ORIGIN), self.announce, ardupilot)
+        earth = Earth(ORIGIN)
+        self.home = home_of(self.robot, earth, self.announce)
+        self.run_of = MissionRun(self.robot, self.home, earth, self.announce, ardupilot)
         self.missions = Missions(self.run_of, self.announce)
         attempts = air.pop("attempts", 1)
         self.stations = [ModelStation(255 - n, attempts=attempts) for n in range(stations)]
@@ -463,6 +467,18 @@ class TestArduPilot:
         assert home.x == pytest.approx(52.0, abs=1e-3)
         (refused,) = field.send(mav.MAVLink_mission_request_message(1, 1, 1))
         assert refused.type == mav.MAV_MISSION_INVALID_SEQUENCE
+
+    def test_it_moves_with_home_and_the_plan_is_the_same(self):
+        field = Field(ardupilot=True)
+        field.upload([waypoint(0, 0, frame=0), *places(2)])
+        before, plan = field.download()[0], field.run_of.plan_id
+        field.run_of.start()
+        field.air.run(3)
+        assert field.home.set_to(Target(1.0, 12.0, None)) is None
+        after = field.download()[0]
+        assert (after[8] - before[8], after[9]) == (pytest.approx(899, abs=2), before[9])  # 10 m north
+        field.upload([waypoint(0, 0, frame=0), *places(2)])
+        assert (field.run_of.plan_id, field.run_of.at, field.run_of.running) == (plan, 1, True)
 
     def test_home_alone_is_no_mission(self):
         field = Field(ardupilot=True)

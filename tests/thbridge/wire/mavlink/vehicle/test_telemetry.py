@@ -10,7 +10,7 @@ from hypothesis import strategies as st
 from sim.geometry import Pose2
 from sim.observations import Twist
 from tests.thbridge.wire.mavlink.model_robot import AT_REST, ModelRobot
-from tests.thbridge.wire.mavlink.rig import OPTIONS
+from tests.thbridge.wire.mavlink.rig import OPTIONS, home_of
 from thbridge.wire.mavlink.dialect import decoded, mav, payload_of
 from thbridge.wire.mavlink.helm import Leg, LegState
 from thbridge.wire.mavlink.modes import Mode
@@ -21,13 +21,14 @@ from thbridge.wire.mavlink.vehicle.particulars import Particulars
 from thbridge.wire.mavlink.vehicle.telemetry import Standing, Telemetry, default_streams
 
 EARTH = Earth(OPTIONS.origin)
-HOME = Pose2(1.0, 2.0, 0.5)
 GYRO_ACCEL_MAG_GPS = 0b100111
 
 
 def telemetry(identity=Identity.GENERIC):
-    particulars = Particulars(3, identity, EARTH, lambda: HOME, MetadataFiles(ModelRobot()))
-    return Telemetry(particulars, identity, EARTH, lambda: mav.MAVLink_mission_current_message(0))
+    home = home_of(ModelRobot(), EARTH, announce=None)
+    particulars = Particulars(3, identity, EARTH, MetadataFiles(ModelRobot()))
+    mission_current = mav.MAVLink_mission_current_message(0)
+    return Telemetry(particulars, identity, EARTH, home.position, lambda: mission_current)
 
 
 def standing(mode=Mode.HOLD, armed=False, tick=100, **readings):
@@ -135,12 +136,6 @@ def test_a_heartbeat_shows_identity_and_mode(identity, autopilot, numbers):
     rest = said(0, standing(), identity)
     assert not rest.base_mode & mav.MAV_MODE_FLAG_SAFETY_ARMED
     assert rest.system_status == mav.MAV_STATE_STANDBY
-
-
-def test_home_is_where_it_started():
-    home = said(242, standing())
-    assert (home.x, home.y) == (2.0, 1.0)
-    assert EARTH.point(Place(home.latitude, home.longitude)) == pytest.approx((1.0, 2.0), abs=0.01)
 
 
 def test_a_goal_is_told_while_there_is_one():
