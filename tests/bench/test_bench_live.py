@@ -17,7 +17,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from tests.peers.beside import free_port
+from tests.system.ports import free_port
 from thbridge.adapters.rosgraph import tcpros_server
 from thbridge.adapters.rosgraph.joining import Graph
 from thbridge.app import play

@@ -95,6 +95,13 @@ class Desktop:
         assert seen is not None
         return seen
 
+    def rested(self, name: str, role: str | None = None, seconds: float = 60.0) -> Seen:
+        """Wait for something of this name that stays where and as it is from one look to the next."""
+        before = self.found(name, role, seconds)
+        while (now := self.found(name, role, seconds)) != before:
+            before = now
+        return now
+
     def do(self, *words: str) -> str:
         """One command of xdotool; what it prints."""
         done = subprocess.run(["xdotool", *words], env=self.environment, capture_output=True, text=True, check=False)
@@ -141,12 +148,9 @@ class Desktop:
 def desktop(width: int = 1280, height: int = 860) -> Iterator[Desktop]:
     """A desktop, gone at the end with all that was started for it."""
     with ExitStack() as opened:
-        display = _asked_for(
-            opened, ["Xvfb", "-displayfd", "{}", "-screen", "0", f"{width}x{height}x24", "-nolisten", "tcp", "-noreset"]
-        )
         environment = {
             **{key: value for key, value in os.environ.items() if key not in ("QT_QPA_PLATFORM", "WAYLAND_DISPLAY")},
-            "DISPLAY": f":{display}",
+            "DISPLAY": opened.enter_context(x_server(width, height)),
             "PYTHONUNBUFFERED": "1",
             "QT_LINUX_ACCESSIBILITY_ALWAYS_ON": "1",
         }
@@ -163,6 +167,15 @@ def desktop(width: int = 1280, height: int = 860) -> Iterator[Desktop]:
         )
         opened.callback(_end, eyes)
         yield Desktop(environment, eyes)
+
+
+@contextmanager
+def x_server(width: int, height: int) -> Iterator[str]:
+    """An X server without a screen, which chooses its name itself: what DISPLAY has to be."""
+    screen = f"{width}x{height}x24"
+    with ExitStack() as opened:
+        command = ["Xvfb", "-displayfd", "{}", "-screen", "0", screen, "-nolisten", "tcp", "-noreset"]
+        yield f":{_asked_for(opened, command)}"
 
 
 def _asked_for(opened: ExitStack, command: list[str]) -> str:

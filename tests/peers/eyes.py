@@ -1,62 +1,167 @@
-"""What a screen reader sees of the desktop: run by Debian's Python, which has pyatspi.
+"""What a screen reader sees of the desktop: run by Debian's Python, which has AT-SPI's bus and names.
 
 Each line `look` at standard input is answered with one line of JSON: every accessible that shows on the screen.
+
+All that is asked of the things of one depth is asked at once, and answered by a program in one go. One question after
+the other, as screen readers ask, has to wait for its turn some hundred times on a busy machine: by then it is a look at
+many moments, and most of what happens has been missed.
 """
 
 import json
 import sys
+import time
 
-import pyatspi
+from gi.repository import Atspi, Gio, GLib
 
+PATIENCE = 10.0
+"""Seconds for which something that changes while it is looked at is looked at again."""
+TIMEOUT = 60_000
+"""Milliseconds that a program may take for an answer."""
 
-def seen(accessible, window, found):
-    """Take down an accessible and all in it."""
-    states = accessible.getState()
-    try:
-        box = accessible.queryComponent().getExtents(pyatspi.DESKTOP_COORDS)
-    except NotImplementedError:
-        box = None
-    role = accessible.getRoleName()
-    if role in ("frame", "window", "dialog"):
-        window = accessible.name
-    if box is not None and states.contains(pyatspi.STATE_SHOWING):
-        found.append(
-            {
-                "name": accessible.name,
-                "description": accessible.description,
-                "role": role,
-                "window": window,
-                "x": box.x,
-                "y": box.y,
-                "width": box.width,
-                "height": box.height,
-                "enabled": states.contains(pyatspi.STATE_ENABLED),
-                "focusable": states.contains(pyatspi.STATE_FOCUSABLE),
-                "focused": states.contains(pyatspi.STATE_FOCUSED),
-                "checked": states.contains(pyatspi.STATE_CHECKED),
-                "text": text_of(accessible),
-            }
-        )
-    for child in list(accessible):
-        if child is not None:
-            seen(child, window, found)
+DESKTOP = ("org.a11y.atspi.Registry", "/org/a11y/atspi/accessible/root")
+NOBODY = "/org/a11y/atspi/null"
+ACCESSIBLE, COMPONENT, TEXT = (f"org.a11y.atspi.{name}" for name in ("Accessible", "Component", "Text"))
+PROPERTIES = "org.freedesktop.DBus.Properties"
+LONGEST = 5000
+"""Letters of a text that are read."""
 
 
-def text_of(accessible):
-    """The text that can be read in it, if it has any."""
-    try:
-        text = accessible.queryText()
-    except NotImplementedError:
-        return ""
-    return text.getText(0, min(text.characterCount, 5000))
+def bus():
+    """The one on which programs speak of what they show."""
+    session = Gio.bus_get_sync(Gio.BusType.SESSION)
+    asked = ("org.a11y.Bus", "/org/a11y/bus", "org.a11y.Bus", "GetAddress", None, None)
+    (address,) = session.call_sync(*asked, Gio.DBusCallFlags.NONE, TIMEOUT, None).unpack()
+    kind = Gio.DBusConnectionFlags.AUTHENTICATION_CLIENT | Gio.DBusConnectionFlags.MESSAGE_BUS_CONNECTION
+    return Gio.DBusConnection.new_for_address_sync(address, kind)
 
 
-for _ in sys.stdin:
-    found = []
-    for application in pyatspi.Registry.getDesktop(0):
-        if application is not None:
-            try:
-                seen(application, "", found)
-            except Exception as error:  # it changed while we looked: the next look will do
-                print(f"{type(error).__name__}: {error}", file=sys.stderr)
-    print(json.dumps(found), flush=True)
+def together(connection, questions):
+    """The answers to questions, each of somebody, by an interface and a method, with arguments.
+
+    Raises:
+        GLib.Error: one of them is not there any more.
+    """
+    answers = [None] * len(questions)
+    loop, left, failed = GLib.MainLoop(), len(questions), []
+
+    def take(_, result, number):
+        nonlocal left
+        try:
+            answers[number] = connection.call_finish(result).unpack()
+        except GLib.Error as error:
+            failed.append(error)
+        left -= 1
+        if not left:
+            loop.quit()
+
+    for number, ((name, path), interface, method, arguments) in enumerate(questions):
+        asked = (name, path, interface, method, arguments, None, Gio.DBusCallFlags.NONE, TIMEOUT, None)
+        connection.call(*asked, take, number)
+    if questions:
+        loop.run()
+    if failed:
+        raise failed[0]
+    return answers
+
+
+def owned(interface, name):
+    """The question for a property."""
+    return PROPERTIES, "Get", GLib.Variant("(ss)", (interface, name))
+
+
+def level(connection, places, kinds):
+    """What is there to be known of these, and the places of what is in each.
+
+    Args:
+        connection: to the bus.
+        places: of things of one depth.
+        kinds: what is known for good, the interfaces and the role of each place.
+    """
+    new = [place for place in places if place not in kinds]
+    of_new = [(ACCESSIBLE, "GetInterfaces", None), (ACCESSIBLE, "GetRole", None)]
+    of_all = [
+        (ACCESSIBLE, "GetState", None), (ACCESSIBLE, "GetChildren", None), owned(ACCESSIBLE, "Name"),
+        owned(ACCESSIBLE, "Description"),
+    ]  # fmt: skip
+    asked = [(place, *question) for place in new for question in of_new]
+    asked += [(place, *question) for place in places for question in of_all]
+    told = iter(together(connection, asked))
+    for place in new:
+        (interfaces,), (role,) = (next(told) for _ in of_new)
+        kinds[place] = interfaces, Atspi.role_get_name(Atspi.Role(role))
+    known, inside = [], []
+    for place in places:
+        (states,), (children,), (name,), (description,) = (next(told) for _ in of_all)
+        bits = states[0] | states[1] << 32
+        interfaces, kind = kinds[place]
+        known.append({"interfaces": interfaces, "bits": bits, "role": kind, "name": name, "description": description})
+        # What does not show has nothing in it that does; a program as a whole neither shows nor hides.
+        is_open = kind == "application" or bits >> int(Atspi.StateType.SHOWING) & 1
+        inside.append([tuple(child) for child in children if is_open and child[1] != NOBODY])
+    boxed = [(place, one) for place, one in zip(places, known, strict=True) if COMPONENT in one["interfaces"]]
+    whole = GLib.Variant("(u)", (Atspi.CoordType.SCREEN,))
+    boxes = together(connection, [(place, COMPONENT, "GetExtents", whole) for place, _ in boxed])
+    for (_, one), (box,) in zip(boxed, boxes, strict=True):
+        one["box"] = box
+    written = [(place, one) for place, one in boxed if TEXT in one["interfaces"]]
+    counts = together(connection, [(place, *owned(TEXT, "CharacterCount")) for place, _ in written])
+    spans = [GLib.Variant("(ii)", (0, min(count, LONGEST))) for (count,) in counts]
+    texts = together(
+        connection, [(place, TEXT, "GetText", span) for (place, _), span in zip(written, spans, strict=True)]
+    )
+    for (_, one), (text,) in zip(written, texts, strict=True):
+        one["text"] = text
+    return known, inside
+
+
+def tree(connection, kinds):
+    """All things, each with those in it."""
+    ((applications,),) = together(connection, [(DESKTOP, ACCESSIBLE, "GetChildren", None)])
+    root = {"inside": []}
+    places, parents = [tuple(place) for place in applications], [root] * len(applications)
+    while places:
+        known, inside = level(connection, places, kinds)
+        for one, parent in zip(known, parents, strict=True):
+            one["inside"] = []
+            parent["inside"].append(one)
+        parents = [one for one, children in zip(known, inside, strict=True) for _ in children]
+        places = [child for children in inside for child in children]
+    return root["inside"]
+
+
+def seen(things, window=""):
+    """Those that show, from the front of the tree to its back."""
+    for one in things:
+        is_in = {name: bool(one["bits"] >> int(getattr(Atspi.StateType, name.upper())) & 1) for name in STATES}
+        within = one["name"] if one["role"] in ("frame", "window", "dialog") else window
+        if "box" in one and is_in.pop("showing"):
+            x, y, width, height = one["box"]
+            place = {"x": x, "y": y, "width": width, "height": height}
+            words = {name: one.get(name, "") for name in ("name", "description", "role", "text")}
+            yield {"window": within, **words, **place, **is_in}
+        yield from seen(one["inside"], within)
+
+
+STATES = ("showing", "enabled", "focusable", "focused", "checked")
+
+
+def look(connection, kinds):
+    """All that shows, from one look in which nothing went away."""
+    end = time.monotonic() + PATIENCE
+    while True:
+        try:
+            return list(seen(tree(connection, kinds)))
+        except GLib.Error as error:
+            if time.monotonic() > end:
+                raise
+            print(error.message, file=sys.stderr)
+            time.sleep(0.02)
+
+
+def main():
+    connection, kinds = bus(), {}
+    for _ in sys.stdin:
+        print(json.dumps(look(connection, kinds)), flush=True)
+
+
+main()

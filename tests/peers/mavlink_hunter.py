@@ -92,11 +92,15 @@ class Hunter:
             if time.monotonic() - self._beaten > 0.5:
                 self._beaten = time.monotonic()
                 self._master.mav.heartbeat_send(mav.MAV_TYPE_GCS, mav.MAV_AUTOPILOT_INVALID, 0, 0, 0)
-            while (told := self._master.recv_msg()) is not None:
-                self._take(told)
+            self._hear()
             for robot, deed in list(self._robots.items()):
                 if next(deed, _DONE) is _DONE:
                     del self._robots[robot]
+        self._hear()
+
+    def _hear(self) -> None:
+        while (told := self._master.recv_msg()) is not None:
+            self._take(told)
 
     def _take(self, told: Any) -> None:
         robot = told.get_srcSystem()

@@ -10,6 +10,7 @@ import pytest
 
 from sim.geometry import Pose2
 from sim.observations import TICKS_PER_SECOND
+from tests.system.ports import free_port
 from tests.system.programs import Program
 from thbridge.adapters.bag_reader import messages
 from thbridge.ros import unpack
@@ -40,9 +41,7 @@ def needs(client: str) -> pytest.MarkDecorator:
 
 
 def free_udp_port() -> int:
-    with socket.socket(socket.AF_INET, socket.SOCK_DGRAM) as probe:
-        probe.bind(("127.0.0.1", 0))
-        return int(probe.getsockname()[1])
+    return free_port(socket.SOCK_DGRAM)
 
 
 @contextmanager

@@ -5,17 +5,18 @@ import subprocess
 from collections.abc import Iterator
 from contextlib import contextmanager
 from dataclasses import dataclass
-from itertools import accumulate, groupby
+from itertools import accumulate, groupby, pairwise
 from pathlib import Path
 from typing import Any
 
 import pytest
 
-from tests.peers.beside import NEEDS_ROS, Ros, clean, free_port
+from tests.peers.beside import NEEDS_ROS, Ros, clean
 from tests.peers.desktop import Seen, desktop, needs_desktop
 from tests.peers.mavlink_hunter import OWN, Hunter
 from tests.peers.player import Player, Sight, on
 from tests.peers.rovers import free_udp_port
+from tests.system.ports import free_port
 from tests.system.programs import THBRIDGE, Program, until
 from thbridge.adapters.bag_reader import messages
 from thbridge.app.compose import read_setting
@@ -31,17 +32,20 @@ seed: 3
 server:
   port: 0
 game:
-  energy: 80
+  energy: 55
 mavlink:
   lost_after: 60
 """
-"""With so much energy a robot gets to three rooms."""
+"""With so much energy a robot gets to two rooms."""
 
-RATE = "6"
+RATE = "4"
 """Simulated seconds per second. The hunter goes by the clock, which is why it may be silent for so long."""
 
-WAYS = {1: (5, 2, 1, 3), 2: (4, 8, 7, 6)}
-"""Where robot 1 is led, and where robot 2's mission leads: neither gets to the last."""
+WAYS = {1: (5, 2, 6), 2: (4, 8, 1)}
+"""Where robot 1 is led, and where robot 2's mission leads: neither gets to the last.
+
+All of it is far from one another, so that nobody travels too shortly to be seen.
+"""
 
 GUESS = 1
 """The number of what robot 2 calls everything."""
@@ -94,7 +98,7 @@ class Followed:
 
 
 @pytest.fixture(scope="module")
-def followed(tmp_path_factory: pytest.TempPathFactory) -> Iterator[Followed]:
+def followed(tmp_path_factory: pytest.TempPathFactory) -> Followed:
     """One is led from room to room, the other has a mission."""
     folder = tmp_path_factory.mktemp("followed")
     with desktop() as screen, hunter(folder) as (station, options):
@@ -102,7 +106,7 @@ def followed(tmp_path_factory: pytest.TempPathFactory) -> Iterator[Followed]:
         try:
             player = Player(screen)
             screen.focus_window("Treasure hunt")
-            screen.click(screen.found("Start with"))
+            screen.click(screen.rested("Start with"))
             player.until("the game", lambda seen: seen.rooms)
             station.lead(1, WAYS[1])
             station.upload(2, WAYS[2], GUESS)
@@ -111,15 +115,26 @@ def followed(tmp_path_factory: pytest.TempPathFactory) -> Iterator[Followed]:
             screen.press("6")
             refused = player.look()
             sights = [commanded]
-            while not sights[-1].over:
+
+            def is_over() -> bool:
                 sights.append(player.look())
                 assert play.process.poll() is None, play.text
+                return sights[-1].over
+
+            screen.wait("the end of the game", is_over, 200.0)
+            # The look that found the end may have begun before it, and the station may not have heard of it yet.
+            sights.append(player.until("what the station knows", lambda seen: station.over and agree(seen, station)))
             screen.picture(folder / "over.png")
             screen.ask_to_close(screen.focus_window("Treasure hunt"))
             assert play.process.wait(60) == 0, play.text
-            yield Followed(folder, tuple(sights), refused, station.arrivals, station.score)
         finally:
             play.close()
+    return Followed(folder, tuple(sights), refused, station.arrivals, station.score)
+
+
+def agree(seen: Sight, station: Hunter) -> bool:
+    """Whether the window shows the score and the rooms that the station was told of."""
+    return seen.score == station.score and seen.visited == sorted(room for _, room in station.arrivals)
 
 
 def _commanded(card: Seen) -> bool:
@@ -147,7 +162,7 @@ def test_the_participant_sends_none_of_them_and_is_told_why(followed: Followed) 
 @needs_desktop
 def test_window_station_and_recording_agree(followed: Followed) -> None:
     hunt, end = hunt_of(followed.folder / "hunt.bag"), followed.sights[-1]
-    assert len(followed.arrivals) >= 5
+    assert len(followed.arrivals) >= 4
     assert list(hunt.order) == followed.arrivals
     assert sorted(room for _, room in followed.arrivals) == end.visited
     assert followed.score == hunt.score == end.score != 0
@@ -155,8 +170,11 @@ def test_window_station_and_recording_agree(followed: Followed) -> None:
     # What was too quick for the eye is not missed.
     scores = accumulate((moment.points for moment in moments if moment.points is not None), initial=0)
     assert all(score in scores for score, _ in groupby(sight.score for sight in followed.sights))
-    reached = [{room for _, room in hunt.order[:number]} for number in range(len(hunt.order) + 1)]
-    assert all(set(sight.visited) in reached for sight in followed.sights)
+    # A look takes a moment, in which more than one may be reached; what it misses came after all that was seen before.
+    order = [room for _, room in hunt.order]
+    for before, now in pairwise(followed.sights):
+        came, missed = ([order.index(room) for room in rooms] for rooms in (before.visited, {*order} - {*now.visited}))
+        assert max(came, default=-1) < min(missed, default=len(order))
 
 
 @needs_desktop

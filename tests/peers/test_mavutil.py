@@ -6,9 +6,9 @@ from collections.abc import Iterator
 import pytest
 from pymavlink import mavwp
 
-from tests.peers.beside import free_port
 from tests.peers.rovers import degrees, free_udp_port, metres, rovers
 from tests.peers.scripting import PATIENCE, Script, mav
+from tests.system.ports import free_port
 from tests.system.programs import Program, until
 
 PARAMETER = "SIM_ODOM_ALPHA1"

@@ -9,7 +9,6 @@ import json
 import os
 import shutil
 import signal
-import socket
 import subprocess
 import sys
 import time
@@ -23,6 +22,7 @@ import pytest
 import rosbag
 from rosbags.rosbag1 import Reader
 
+from tests.system.ports import free_port
 from tests.thbridge.ros.drive import MOUNT, SCAN_PERIOD, SESSION, arena, records, snapshots
 from thbridge.adapters.bag_parts import Splitting
 from thbridge.adapters.bag_reader import info, messages
@@ -375,9 +375,7 @@ def test_a_kill_between_index_and_header_is_recovered_by_rosbag(tmp_path: Path, 
 @pytest.fixture(scope="module")
 def master(tmp_path_factory: pytest.TempPathFactory) -> Iterator[str]:
     """A roscore of our own."""
-    with socket.socket() as probe:
-        probe.bind(("127.0.0.1", 0))
-        port = probe.getsockname()[1]
+    port = free_port()
     uri = f"http://127.0.0.1:{port}"
     environment = {**_environment(uri), "ROS_LOG_DIR": str(tmp_path_factory.mktemp("log"))}
     core = subprocess.Popen(

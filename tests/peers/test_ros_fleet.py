@@ -90,15 +90,18 @@ rospy.spin()
 """
 
 CLIENT = """
+import sys
 import actionlib, rospy
 from move_base_msgs.msg import MoveBaseAction, MoveBaseGoal
 rospy.init_node("rviz")
 client = actionlib.SimpleActionClient("/kobuki/move_base", MoveBaseAction)
-client.wait_for_server(rospy.Duration(30))
+client.wait_for_server(rospy.Duration(60))
+print("ready", flush=True)
+sys.stdin.readline()
 goal = MoveBaseGoal()
 goal.target_pose.header.frame_id = "map"
 goal.target_pose.pose.position.x, goal.target_pose.pose.orientation.w = 11.0, 1.0
-client.send_goal_and_wait(goal, rospy.Duration(30))
+client.send_goal_and_wait(goal, rospy.Duration(60))
 print(client.get_state())
 """
 
@@ -128,7 +131,7 @@ def ros(script: str, uri: str, folder: Path) -> Iterator[subprocess.Popen[str]]:
     process = subprocess.Popen(
         [PYTHON, "-c", script],
         env={**CLEAN, "ROS_MASTER_URI": uri, "ROS_IP": "127.0.0.1", "ROS_LOG_DIR": str(folder)},
-        stdout=subprocess.PIPE, stderr=subprocess.DEVNULL, text=True, start_new_session=True,
+        stdin=subprocess.PIPE, stdout=subprocess.PIPE, stderr=subprocess.DEVNULL, text=True, start_new_session=True,
     )  # fmt: skip
     try:
         yield process
@@ -136,8 +139,9 @@ def ros(script: str, uri: str, folder: Path) -> Iterator[subprocess.Popen[str]]:
         if process.poll() is None:
             os.killpg(process.pid, signal.SIGKILL)
             process.wait(10)
-        if process.stdout is not None:
-            process.stdout.close()
+        for stream in (process.stdin, process.stdout):
+            if stream is not None:
+                stream.close()
 
 
 class Ticks:
@@ -177,7 +181,7 @@ async def _drive(folder: Path, bag: Path) -> None:
         fleet = Fleet(Graph(master.uri), [RemoteRobot(0, named.names(1), CALLER, np.zeros((0, 2)))], recorder)
         assert isinstance(await fleet.start(), Started)
         ticks = Ticks(fleet, recorder)
-        there, far = Goal(1, Pose2(12.0, 1.0, 0.0)), Goal(2, Pose2(20.0, 0.0, 0.0))
+        there, far = Goal(1, Pose2(12.0, 1.0, 0.0)), Goal(2, Pose2(16.0, 0.0, 0.0))
         with ros(ROBOT, master.uri, folder) as robot:
             await ticks.there()
             await ticks.tick(Go(0, there))
@@ -198,9 +202,15 @@ async def _drive(folder: Path, bag: Path) -> None:
             for _ in range(60):
                 await ticks.tick()
             assert ticks.snapshot.robots[0].estimate.base_in_map.x > before + 0.1
-            await ticks.tick(Go(0, far))
-            await ticks.until_active()
             with ros(CLIENT, master.uri, folder) as client:
+                assert client.stdin is not None and client.stdout is not None
+                ready = asyncio.ensure_future(asyncio.to_thread(client.stdout.readline))
+                while not ready.done():
+                    await ticks.tick()
+                assert ready.result() == "ready\n"
+                await ticks.tick(Go(0, far))
+                await ticks.until_active()
+                print(file=client.stdin, flush=True)
                 assert await ticks.ended() == Cancelled(far)
                 assert (await ticks.tick()).goal == Goal(OTHERS, Pose2(11.0, 0.0, 0.0))
                 while (await ticks.tick()).goal is not None:

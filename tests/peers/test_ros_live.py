@@ -15,6 +15,7 @@ import pytest
 
 from tests.peers import live
 from tests.peers.beside import NEEDS_ROS, PATIENCE, Ros, session
+from tests.system.programs import until
 from thbridge.adapters.bag_reader import RawMessage, messages
 
 pytestmark = NEEDS_ROS
@@ -130,11 +131,13 @@ def test_an_action_client_drives_cancels_and_is_replaced(tmp_path: Path) -> None
 
 def test_rosbag_records_the_same_messages_live(tmp_path: Path) -> None:
     ours, theirs = tmp_path / "ours.bag", tmp_path / "theirs.bag"
-    with session(tmp_path, "--bag", str(ours)) as (ros, robots):
-        with ros.running("rosbag", "record", "-a", "-O", str(theirs), cwd=tmp_path) as recorder:
-            ros.says("rostopic", "echo", "-n", "600", "/robot1/odom/header/seq")  # Twelve seconds of the session.
+    with session(tmp_path, "--bag", str(ours), "--rate", "3") as (ros, robots):
+        record = ("rosbag", "record", "-a", "-O", str(theirs), "__name:=recorder")
+        with ros.running(*record, cwd=tmp_path) as recorder:
+            until("it to hear", lambda: "/recorder" in ros.says("rostopic", "info", "/robot1/odom"), [robots])
+            ros.says("rostopic", "echo", "-n", "300", "/robot1/odom/header/seq")
             os.killpg(recorder.pid, signal.SIGINT)
-            recorder.wait(30)
+            recorder.wait(90)
         robots.stop()
     heard, said = of_topics(theirs), of_topics(ours)
     assert {"/tf", "/robot1/scan", "/robot2/odom", "/robot1/move_base/status", "/map", "/tf_static"} <= heard.keys()

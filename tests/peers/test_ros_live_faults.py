@@ -15,7 +15,8 @@ from pathlib import Path
 import pytest
 
 from tests.peers import live
-from tests.peers.beside import NEEDS_ROS, PYTHON, Ros, free_port
+from tests.peers.beside import NEEDS_ROS, PATIENCE, PYTHON, Ros
+from tests.system.ports import free_port
 from tests.system.programs import THBRIDGE, Program, until
 from thbridge.adapters.bag_reader import messages
 from thbridge.wire.rosgraph.tcpros import encode_header
@@ -155,7 +156,7 @@ def test_whoever_stops_a_session_finds_the_graph_in_order(core: Core, tmp_path: 
         under_way(program)
         until("everything at the master", core.whole, [program])
         os.killpg(program.process.pid, number)
-        assert program.process.wait(30) == 1
+        assert program.process.wait(PATIENCE) == 1
         assert "complete" in program.text
         assert "Traceback" not in program.text
     assert core.nodes() == []
@@ -170,7 +171,7 @@ def test_rosnode_kill_ends_the_sitting_and_not_the_hunt(core: Core, tmp_path: Pa
         until("everything at the master", core.whole, [program])
         core.ros.says("rosnode", "kill", "/thbridge")
         until("the graph to be empty", lambda: "/thbridge" not in core.nodes(), [program])
-        assert "goes on without it" in program.text
+        until("the session to tell", lambda: "goes on without it" in program.text, [program])
         goes_on(program, tmp_path)
         assert core.nodes() == []
         ends_well(program, tmp_path)

@@ -4,6 +4,7 @@ Debian packages them, see the head of test_ros_bag_tools.py.
 """
 
 import os
+import re
 import shutil
 import signal
 import subprocess
@@ -33,6 +34,14 @@ rate = rospy.Rate(50)
 while not rospy.is_shutdown():
     publisher.publish(sys.argv[1])
     rate.sleep()
+"""
+
+LOGGER = """
+import rospy
+rospy.init_node("logger")
+while not rospy.is_shutdown():
+    rospy.logwarn("mind the gap")
+    rospy.sleep(0.2)
 """
 
 
@@ -98,7 +107,7 @@ class Graph:
         return node.split()[1]
 
 
-def eventually(condition: Callable[[], bool], what: str) -> None:
+def eventually(condition: Callable[[], object], what: str) -> None:
     end = time.monotonic() + PATIENCE
     while not condition():
         assert time.monotonic() < end, f"waited in vain for {what}"
@@ -124,7 +133,8 @@ def test_topics(graph):
         assert "/chat" in graph.says("rostopic", "list").splitlines()
         assert graph.says("rostopic", "type", "/chat") == "std_msgs/String\n"
         with graph.running("rostopic", "hz", "/chat") as hz:
-            eventually(lambda: "average rate: 5" in hz.text or "average rate: 49" in hz.text, "50 Hz")
+            # The talker's pace is its own, and a busy machine's.
+            eventually(lambda: re.search(r"average rate: [1-9].*\n.*window: \d\d", hz.text), "its rate")
 
 
 def test_parameters(graph):
@@ -181,11 +191,11 @@ def test_a_node_of_the_same_name_takes_over_and_its_subscribers_go_on(graph):
 def test_recording_and_playing(graph):
     """rosbag's record and play are C++ nodes."""
     with graph.talker("/tape"):
-        graph.says("rosbag", "record", "--duration=1", "-O", "tape.bag", "/tape")
+        graph.says("rosbag", "record", "--limit=20", "-O", "tape.bag", "/tape")
     assert "/tape" in graph.says("rosbag", "info", "tape.bag")
     with graph.running("rostopic", "echo", "-n", "3", "/tape") as echo:
         eventually(lambda: "/tape" in graph.says("rostopic", "list", "-s"), "the subscriber")
-        graph.says("rosbag", "play", "--quiet", "--delay=0.5", "tape.bag")
+        graph.says("rosbag", "play", "--quiet", "--wait-for-subscribers", "tape.bag")
         eventually(lambda: echo.text.count('data: "hello"') == 3, "three messages played")
 
 
@@ -206,8 +216,5 @@ def test_roswtf_finds_nothing_wrong_with_the_graph(graph):
 
 
 def test_what_nodes_log_is_said_again_on_one_topic(graph):
-    logging = "import rospy; rospy.init_node('logger'); rospy.sleep(1); rospy.logwarn('mind the gap'); rospy.sleep(1)"
-    with graph.running("rostopic", "echo", "/rosout_agg/msg") as echo:
-        eventually(lambda: "/rosout_agg" in graph.says("rostopic", "list", "-s"), "the subscriber")
-        graph.says(PYTHON, "-c", logging)
+    with graph.running("rostopic", "echo", "/rosout_agg/msg") as echo, graph.running(PYTHON, "-c", LOGGER):
         eventually(lambda: "mind the gap" in echo.text, "the warning")

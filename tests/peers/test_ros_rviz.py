@@ -1,6 +1,5 @@
 """rviz beside a hunt, with the configuration that we write for it, on a screen that nobody sees."""
 
-import os
 import shutil
 import subprocess
 from collections.abc import Iterator
@@ -13,7 +12,9 @@ import pytest
 from PIL import Image
 
 from sim.geometry import FloatArray
-from tests.peers.beside import Ros, free_port
+from tests.peers.beside import Ros
+from tests.peers.desktop import x_server
+from tests.system.ports import free_port
 from tests.system.programs import THBRIDGE, Program, until
 from thbridge.ros.rviz import COLOURS
 
@@ -49,8 +50,8 @@ class Sight:
         return int((np.abs(self.pixels - wanted).max(axis=2) <= NEAR).sum())
 
 
-def look(ros: Ros, display: str, picture: Path) -> FloatArray:
-    subprocess.run(["import", "-window", "root", str(picture)], env={**ros.environment, "DISPLAY": display}, check=True)
+def look(ros: Ros, picture: Path) -> FloatArray:
+    subprocess.run(["import", "-window", "root", str(picture)], env=ros.environment, check=True)
     with Image.open(picture) as image:
         return np.asarray(image.convert("RGB"), dtype=np.float64)
 
@@ -59,15 +60,14 @@ def look(ros: Ros, display: str, picture: Path) -> FloatArray:
 def sight(tmp_path_factory: pytest.TempPathFactory) -> Iterator[Sight]:
     folder = tmp_path_factory.mktemp("rviz")
     folder.chmod(0o700)
-    port, display, log = free_port(), f":{90 + os.getpid() % 900}", folder / "rviz.log"
+    port, log = free_port(), folder / "rviz.log"
     ros = Ros(port, folder)
-    ros.environment |= {"DISPLAY": display, "LIBGL_ALWAYS_SOFTWARE": "1"}
-    ros.environment |= {"HOME": str(folder), "XDG_RUNTIME_DIR": str(folder)}
+    ros.environment |= {"LIBGL_ALWAYS_SOFTWARE": "1", "HOME": str(folder), "XDG_RUNTIME_DIR": str(folder)}
     configuration = folder / "team.rviz"
     written = [*THBRIDGE, "ros", "rviz", "--robots", str(ROBOTS), "--to", str(configuration)]
     subprocess.run(written, check=True, capture_output=True)
     with ExitStack() as opened:
-        opened.enter_context(ros.running("Xvfb", display, "-screen", "0", "1300x940x24"))
+        ros.environment["DISPLAY"] = opened.enter_context(x_server(1300, 940))
         uri = f"http://127.0.0.1:{port}"
         played = ("play", "--headless", "--participant", "suggestion", "--no-report", "--port", "0")
         hunt = Program(folder, *played, "--robots", str(ROBOTS), "--ros", "--ros-master", uri, "--bag", "hunt.bag")
@@ -80,10 +80,10 @@ def sight(tmp_path_factory: pytest.TempPathFactory) -> Iterator[Sight]:
         seen: list[Sight] = []
 
         def is_drawn() -> bool:
-            seen[:] = [Sight(look(ros, display, folder / "rviz.png"), log.read_text(errors="replace"))]
+            seen[:] = [Sight(look(ros, folder / "rviz.png"), log.read_text(errors="replace"))]
             return all(seen[0].count(colour) > 300 for colour in plans)
 
-        until("both robots to be drawn", is_drawn, [hunt], 60.0)
+        until("both robots to be drawn", is_drawn, [hunt], 150.0)
         yield seen[0]
 
 

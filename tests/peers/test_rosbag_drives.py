@@ -3,8 +3,9 @@
 import subprocess
 from pathlib import Path
 
-from tests.peers.beside import NEEDS_ROS, Ros, free_port
+from tests.peers.beside import NEEDS_ROS, Ros
 from tests.peers.rovers import free_udp_port
+from tests.system.ports import free_port
 from tests.system.programs import THBRIDGE, Program, until
 from tests.thbridge.app.test_mavlink_replay import Tour, record
 from thbridge.adapters.bag_reader import messages

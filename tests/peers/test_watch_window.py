@@ -10,8 +10,8 @@ from pathlib import Path
 import pytest
 from PySide6.QtGui import QColor, QImage
 
-from tests.peers.beside import free_port
 from tests.peers.desktop import Desktop, Seen, desktop, needs_desktop
+from tests.system.ports import free_port
 from tests.system.programs import THBRIDGE
 from tests.ui.windows.researcher.hunts import record
 from thbridge.adapters.bag_reader import messages

@@ -73,17 +73,17 @@ def played(screen: Desktop, tmp_path: Path) -> Iterator[subprocess.Popen[bytes]]
 
 def play(player: Player, step: Callable[[Sight], None]) -> Sight:
     """Play until the game is over."""
-    seen = player.until("the game", lambda seen: seen.rooms)
+    player.until("the game", lambda seen: seen.rooms)
 
     def over() -> bool:
-        nonlocal seen
         seen = player.look()
         if not seen.over:
             step(seen)
         return seen.over
 
     player.screen.wait("the end of the game", over, 240.0)
-    return seen
+    # The look that found the end may have begun before it; the next sees all of it.
+    return player.look()
 
 
 def first_game(program: subprocess.Popen[bytes], folder: Path) -> list[Moment]:
@@ -96,9 +96,11 @@ def first_game(program: subprocess.Popen[bytes], folder: Path) -> list[Moment]:
 def test_a_whole_hunt_by_mouse(played: subprocess.Popen[bytes], screen: Desktop, tmp_path: Path) -> None:
     player = Mouse(screen, place_in_arena)
     screen.focus_window("Treasure hunt")
-    screen.click(screen.found("1 robot"))
-    screen.click(screen.found("2 robots"))
-    screen.click(screen.found("Start with 2 robots"))
+    screen.click(screen.rested("1 robot"))
+    screen.found("Start with 1 robot")
+    screen.click(screen.rested("2 robots"))
+    screen.found("Start with 2 robots")
+    screen.click(screen.rested("Start with 2 robots"))
     seen = play(player, player.step)
     assert player.on_map
     assert player.by_button
@@ -174,7 +176,7 @@ def test_six_robots_arrive_while_somebody_is_asked(screen: Desktop, tmp_path: Pa
     queued = 0
     try:
         screen.focus_window("Treasure hunt")
-        screen.click(screen.found("Start with 6 robots"))
+        screen.click(screen.rested("Start with 6 robots"))
 
         def step(seen: Sight) -> None:
             """Send everybody first, and only then look at what was found."""

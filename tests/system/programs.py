@@ -41,7 +41,7 @@ class Program:
 
     def stop(self) -> int:
         self.process.send_signal(signal.SIGTERM)
-        return self.process.wait(30)
+        return self.process.wait(90)
 
     def again(self) -> "Program":
         return Program(self.folder, *self.arguments, environment=self.environment)

@@ -1,22 +1,16 @@
 """From simulation to hardware: one process has robots on a ROS graph, the programs of the game command them there."""
 
 import json
-import socket
 from pathlib import Path
 
 import pytest
 
+from tests.system.ports import free_port
 from tests.system.programs import Program, journal, kinds, port_of, until
 from thbridge.adapters import bag_reader
 from thbridge.ros import names, types, unpack
 
 pytestmark = pytest.mark.slow
-
-
-def free_port() -> int:
-    with socket.socket() as probe:
-        probe.bind(("127.0.0.1", 0))
-        return int(probe.getsockname()[1])
 
 
 def test_a_whole_hunt_with_robots_of_another_process(tmp_path: Path):

@@ -12,6 +12,7 @@ import pytest
 from click.testing import Result
 from typer.testing import CliRunner
 
+from tests.system.ports import free_port
 from tests.system.programs import Program, until
 from tests.thbridge.app.test_mavlink_replay import Station, record
 from tests.thbridge.wire.mavlink.rig import OPTIONS, Game
@@ -87,21 +88,16 @@ class Fleet:
         await self._server.close()
 
 
-def free_address() -> Address:
-    with socket.socket(socket.AF_INET, socket.SOCK_DGRAM) as free:
-        free.bind(("127.0.0.1", 0))
-        return Address("127.0.0.1", free.getsockname()[1])
-
-
-@pytest.fixture(autouse=True)
+@pytest.fixture
 def impatient(monkeypatch: pytest.MonkeyPatch) -> None:
+    """For tests in which nobody answers: in all others a busy machine may take its time."""
     monkeypatch.setattr(trip, "DISCOVERY_SECONDS", 1.0)
     monkeypatch.setattr(ground_station, "TRIES", 2)
 
 
 @pytest.fixture
 def at() -> Address:
-    return free_address()
+    return Address("127.0.0.1", free_port(socket.SOCK_DGRAM))
 
 
 @pytest.fixture
@@ -170,6 +166,7 @@ def test_a_robot_that_does_not_want_to(at: Address, fleet: Fleet) -> None:
     assert told("goto", 1, 0, 0, "--at", at) == "Robot 1 has not enough energy.\n"
 
 
+@pytest.mark.usefixtures("impatient")
 def test_a_robot_that_is_not_there(at: Address, fleet: Fleet) -> None:
     assert "Robot 7 is not heard; those that are: 1, 2." in told("goto", 7, 0, 0, "--at", at)
 
@@ -251,11 +248,13 @@ def test_a_wrong_key(at: Address, signed: Fleet, key: Path) -> None:
     assert f"frames were refused, for they are not signed with the key of {key}." in " ".join(said.split())
 
 
+@pytest.mark.usefixtures("impatient")
 def test_a_key_that_is_missing(at: Address, signed: Fleet) -> None:
     said = told("goto", 1, 0, 0, "--at", at)
     assert "Robot 1 does not answer. If it wants signatures, give --signing-key." in said
 
 
+@pytest.mark.usefixtures("impatient")
 def test_a_key_that_robots_do_not_have(at: Address, fleet: Fleet, key: Path) -> None:
     assert "frames were refused" in told("goto", 1, 0, 0, "--at", at, "--signing-key", key)
 
