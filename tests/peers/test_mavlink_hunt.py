@@ -232,8 +232,7 @@ def test_rosbag_play_sends_robots_on_a_live_graph_to_the_same_rooms(followed: Fo
         ros.says("rostopic", "echo", "-n", "1", "/robot1/odom/header/seq")
         topics = ("/robot1/mavlink/to", "/robot2/mavlink/to")
         recorded = str(followed.folder / "hunt.bag")
-        # So long a subscriber may need to find the one who plays.
-        ros.says("rosbag", "play", "-q", "-d", "3", "-r", pace, recorded, "--topics", *topics)
+        ros.says("rosbag", "play", "-q", "--wait-for-subscribers", "-r", pace, recorded, "--topics", *topics)
         until("the game to be over", lambda: "The game is over" in play.text, [play], 30.0)
         assert play.process.wait(60) == 0
     finally:

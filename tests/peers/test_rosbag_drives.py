@@ -26,8 +26,7 @@ def test_rosbag_play_sets_robots_off(tmp_path: Path) -> None:
         until("the session to be on the graph", lambda: "this program is it" in play.text, [play])
         ros = Ros(port, tmp_path)
         ros.says("rostopic", "echo", "-n", "1", "/robot1/odom/header/seq")
-        # So long a subscriber may need to find the one who plays.
-        ros.says("rosbag", "play", "-q", "-d", "2", str(tmp_path / "was.bag"), "--topics", *TOPICS)
+        ros.says("rosbag", "play", "-q", "--wait-for-subscribers", str(tmp_path / "was.bag"), "--topics", *TOPICS)
         until("the robots to set out", lambda: all(f"for room {room}" in play.text for room in (4, 5)), [play])
         assert play.stop() == 1
     finally:

@@ -9,7 +9,7 @@ Program, until, kinds, journal = programs.Program, programs.until, programs.kind
 
 @pytest.fixture
 def hunt(tmp_path):
-    """Server, SimR, Hider and TabUI, by their names; robots run eight times as fast as in real time."""
+    """Server, SimR, Hider and TabUI, by their names; robots run sixteen times as fast as in real time."""
     running: dict[str, Program] = {}
     server = Program(tmp_path, "server", "--port", "0")
     running["server"] = server
@@ -18,7 +18,7 @@ def hunt(tmp_path):
         # Started again, the server must be found where it was.
         server.arguments = ("server", "--port", str(port))
         at = f"127.0.0.1:{port}"
-        running["simr"] = Program(tmp_path, "simr", "--server", at, "--rate", "8", "--seed", "5", "--bag", "hunt.bag")
+        running["simr"] = Program(tmp_path, "simr", "--server", at, "--rate", "16", "--seed", "5", "--bag", "hunt.bag")
         running["hider"] = Program(tmp_path, "hider", "--server", at, "--seed", "5")
         running["tabui"] = Program(tmp_path, "tabui", "--server", at, "--json")
         yield running
