@@ -9,6 +9,7 @@ from thbridge.hunt.rules import robot_name
 from thbridge.roles.view import (
     Agree,
     Answer,
+    AskBack,
     CallBack,
     Consent,
     DialogueView,
@@ -36,6 +37,7 @@ HELP = """\
   n 4 NAME   name the treasure in room 4 (the list: names)
   l 4        leave the treasure in room 4
   b 1        call robot 1 back
+  a 1        ask for robot 1, which somebody else commands, to be given back
   end        end the game
   names      which names treasures may have
   ?          how things stand"""
@@ -95,6 +97,8 @@ class Person:
                 self._wanted = (Leave(int(room)),)
             case ["b", robot] if _is_number(robot):
                 self._wanted = (CallBack(int(robot) - 1),)
+            case ["a", robot] if _is_number(robot):
+                self._wanted = (AskBack(int(robot) - 1),)
             case [robot, "?"] if _is_number(robot):
                 self._wanted = (Unsure(int(robot) - 1),)
             case [robot, room] if _is_number(robot) and _is_number(room):
@@ -175,6 +179,8 @@ def _robot_news(was: RobotView, now: RobotView) -> list[str]:
     if (now.commander, now.commander_name) != (was.commander, was.commander_name):
         other = now.other_commander
         told.append(f"{name} is commanded by {other} now." if other else f"{name} is yours again.")
+    if now.asked_back and not was.asked_back:
+        told.append(f"You have asked {now.other_commander} for {robot_name(now.robot)} back.")
     return told
 
 

@@ -9,6 +9,7 @@ from thbridge.hunt.costs import spoken_energy
 from thbridge.hunt.events import (
     Agreed,
     Arrived,
+    AskedBack,
     Commanded,
     Commander,
     Condition,
@@ -90,6 +91,8 @@ def _happened(event: Event) -> str:
         case Commanded(robot, by, name):
             who = name if by is Commander.RESEARCHER and name else commander_name(by, name)
             return f"{robot_name(robot).capitalize()} is commanded by {who} from now on."
+        case AskedBack(robot):
+            return f"The participant asks for {robot_name(robot)} back."
         case Sensed(room, colour, footprint):
             return f"Something {colour.lower()}, {footprint.lower()}, is in {room}."
         case Pictured(room, robot, image):

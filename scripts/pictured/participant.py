@@ -13,14 +13,16 @@ from pictured.shot import Shot, Story
 from sim.geometry import Pose2
 from sim.inputs import Carry, Localize
 from thbridge.app.config import ParticipantSection, ShowsSection, Study
-from thbridge.hunt.events import Commander, Condition
+from thbridge.hunt.events import Condition
 from thbridge.roles.notices import Whereabouts
+from thbridge.roles.requests import SendFor, TakeCommand
 from thbridge.roles.tabui import Seen
 from thbridge.roles.view import View
 from ui.games import PRACTICE
 from ui.model.lobby import Offer, Preparing
 from ui.model.participant import Participant
 from ui.model.screen import (
+    AskForRobot,
     ChooseRobot,
     ChooseRoom,
     ConsiderRoom,
@@ -274,15 +276,24 @@ def sure() -> Iterator[Shot]:
 
 
 def commanded() -> Iterator[Shot]:
-    """A ground station takes a robot that is under way."""
+    """A ground station takes a robot that is under way, is asked for it, and sends it on from what it found."""
     hunt = Hunt(Study())
+    window = window_on(hunt.model, lambda: hunt.now)
     for robot, room in ((1, 1), (0, 8)):
         hunt.do(ChooseRobot(robot))
         hunt.send(ChooseRoom(room))
     hunt.run(5.0)
-    station = {"commander": Commander.GROUND_STATION, "commander_name": "ground station 255"}
-    hunt.tell(lambda view: with_robot(view, 0, **station))
-    yield shot("commanded", window_on(hunt.model, lambda: hunt.now))
+    hunt.ask(TakeCommand(0, "ground station 255"))
+    hunt.run(0.2)
+    yield shot("commanded", window)
+    hunt.do(AskForRobot(0))
+    hunt.run(0.2)
+    yield shot("commanded-asked", window)
+    hunt.until(lambda screen: any(card.robot == 0 and "found" in card.state for card in screen.cards))
+    hunt.ask(SendFor(0, 7))
+    hunt.until(lambda screen: screen.cards[0].progress is not None)
+    hunt.run(2.0)
+    yield shot("commanded-sent-on", window)
 
 
 def crowd() -> Iterator[Shot]:
@@ -350,7 +361,15 @@ STORIES = (
         hunting,
     ),
     Story("How sure robots are", {"uncertainty": "A study that shows the belief and the truth"}, sure),
-    Story("Robots of others", {"commanded": "A ground station has taken robot 1, which is selected"}, commanded),
+    Story(
+        "Robots of others",
+        {
+            "commanded": "A ground station has taken robot 1, which is selected",
+            "commanded-asked": "The participant has asked for it back",
+            "commanded-sent-on": "The ground station has sent it on; what it found can still be named",
+        },
+        commanded,
+    ),
     Story("Many robots", {"six-robots": "Six robots and twelve rooms"}, crowd),
     Story("Leaving", {"leave": "The window is closed in the middle of a game"}, leaving),
 )

@@ -13,6 +13,7 @@ from thbridge.hunt.costs import CostMatrix
 from thbridge.hunt.events import (
     Agreed,
     Arrived,
+    AskedBack,
     Commanded,
     Commander,
     Condition,
@@ -94,6 +95,8 @@ def _encoded(event: Event) -> tuple[str, dict[str, Json]]:
             return "reported", {"robot": event.robot, "condition": event.condition.value}
         case Commanded():
             return "commanded", {"robot": event.robot, "by": event.by.value, "name": event.name}
+        case AskedBack():
+            return "asked-back", {"robot": event.robot}
         case Sensed():
             return "sensed", {"room": event.room.people, "colour": event.colour, "footprint": event.footprint}
         case Pictured():
@@ -162,6 +165,10 @@ def _commanded(fields: Fields) -> Event:
     return Commanded(fields.integer("robot"), Commander(fields.text("by")), fields.text("name"))
 
 
+def _asked_back(fields: Fields) -> Event:
+    return AskedBack(fields.integer("robot"))
+
+
 def _sensed(fields: Fields) -> Event:
     return Sensed(_room(fields), fields.text("colour"), fields.text("footprint"))
 
@@ -198,6 +205,7 @@ _DECODERS: dict[str, Callable[[Fields], Event]] = {
     "failed": _failed,
     "reported": _reported,
     "commanded": _commanded,
+    "asked-back": _asked_back,
     "sensed": _sensed,
     "pictured": _pictured,
     "identified": _identified,

@@ -147,6 +147,13 @@ class Commanded:
 
 
 @dataclass(frozen=True, slots=True)
+class AskedBack:
+    """The participant asks whoever commands a robot to give it back; that is theirs to do."""
+
+    robot: int
+
+
+@dataclass(frozen=True, slots=True)
 class Sensed:
     """What the robot in a room perceives of the treasure there."""
 
@@ -208,6 +215,7 @@ Event = (
     | Failed
     | Reported
     | Commanded
+    | AskedBack
     | Sensed
     | Pictured
     | Identified

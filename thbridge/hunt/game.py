@@ -18,6 +18,7 @@ from typing import assert_never
 from thbridge.hunt.events import (
     Agreed,
     Arrived,
+    AskedBack,
     Commanded,
     Commander,
     Condition,
@@ -57,6 +58,7 @@ class RobotState:
         condition: as last reported.
         holder: who commands it, or gets it back when a researcher who intervenes is done.
         intervention: the command of a researcher who intervenes just now, or None.
+        asked_back: how often the participant has asked whoever commands it now to give it back.
     """
 
     at: Room
@@ -66,6 +68,7 @@ class RobotState:
     condition: Condition = Condition.WELL
     holder: Command = Command()
     intervention: Command | None = None
+    asked_back: int = 0
 
     @property
     def command(self) -> Command:
@@ -93,7 +96,8 @@ class RoomState:
         image: file name of the picture taken, or None.
         points: what identifying won or cost, or None if nobody has.
         name: what it was identified as, or None if nobody has or only the points are known.
-        left: the participant gave the treasure up.
+        left: the treasure was given up.
+        finder: the robot that arrived there last, or None.
     """
 
     visited: bool = False
@@ -102,6 +106,7 @@ class RoomState:
     points: int | None = None
     name: str | None = None
     left: bool = False
+    finder: int | None = None
 
     @property
     def is_decided(self) -> bool:
@@ -157,6 +162,12 @@ class GameState:
             (number for number, robot in enumerate(self.robots) if robot.at == room and robot.bound_for is None), None
         )
 
+    def decider(self, room: Room) -> int | None:
+        """The robot by which the treasure of a room may be named, or None: that stands there, or found it and was sent
+        on before anybody had decided."""
+        stander, known = self.standing_in(room), self.room(room)
+        return known.finder if stander is None and known.sensed is not None and not known.is_decided else stander
+
     @property
     def free_rooms(self) -> tuple[Room, ...]:
         """Rooms that are neither visited nor reserved, in counting order: where a robot may be sent."""
@@ -209,7 +220,7 @@ def apply(state: GameState, event: Event) -> GameState:
         case Arrived():
             room = _room(state, event.room)
             state = _with_robot(state, event.robot, _standing(_robot(state, event.robot), event.room))
-            return _with_room(state, event.room, replace(room, visited=True))
+            return _with_room(state, event.room, replace(room, visited=True, finder=event.robot))
         case Failed():
             robot = _robot(state, event.robot)
             refund = min(event.refund, robot.paid)
@@ -223,10 +234,13 @@ def apply(state: GameState, event: Event) -> GameState:
             return _with_robot(
                 state,
                 event.robot,
-                replace(robot, intervention=command)
+                replace(robot, intervention=command, asked_back=0)
                 if event.by is Commander.RESEARCHER
-                else replace(robot, holder=command, intervention=None),
+                else replace(robot, holder=command, intervention=None, asked_back=0),
             )
+        case AskedBack():
+            robot = _robot(state, event.robot)
+            return _with_robot(state, event.robot, replace(robot, asked_back=robot.asked_back + 1))
         case Sensed():
             return _with_room(state, event.room, replace(_room(state, event.room), sensed=event))
         case Pictured():

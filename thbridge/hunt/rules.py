@@ -4,12 +4,14 @@ Nothing here changes the state; the caller applies the events (`game.apply`), jo
 """
 
 import math
+from collections.abc import Callable
 from enum import StrEnum
 
 from thbridge.hunt.costs import spoken_energy
 from thbridge.hunt.events import (
     Agreed,
     Arrived,
+    AskedBack,
     Commanded,
     Commander,
     Condition,
@@ -87,6 +89,16 @@ def intervene(state: GameState, robot: int, researcher: str | None) -> Ruling:
     return () if same else (_intervenes(robot, researcher),)
 
 
+def ask_back(state: GameState, robot: int) -> Ruling:
+    """The participant asks for a robot that somebody else commands; one of their own gives no new event."""
+    refused = _over(state)
+    if refused:
+        return refused
+    if not state.has_robot(robot):
+        return _no_robot(state, robot)
+    return () if state.robots[robot].command.by is Commander.PARTICIPANT else (AskedBack(robot),)
+
+
 def commanded_by_other(state: GameState, robot: int, asker: Commander) -> Refused | None:
     """Why this asker may not move a robot of the team, or None: somebody else commands it just now."""
     now = state.robots[robot].command
@@ -107,7 +119,10 @@ def commander_name(by: Commander, name: str) -> str:
 
 
 def move(state: GameState, robot: int, room: Room, asker: Commander = Commander.PARTICIPANT) -> Ruling:
-    """Send a robot to a room. It leaves behind whatever it had not decided about the treasure where it stands."""
+    """Send a robot to a room. What a participant had not decided about the treasure where it stands is left for good.
+
+    Whoever else sends it decides nothing in the participant's place: they may still name it (`GameState.decider`).
+    """
     refused = _over(state) or _unknown(state, robot, room) or commanded_by_other(state, robot, asker)
     if refused:
         return refused
@@ -129,8 +144,9 @@ def move(state: GameState, robot: int, room: Room, asker: Commander = Commander.
     if cost > mover.energy:
         return _too_dear(robot, f"the way to {room}", cost, mover.energy)
     left: tuple[Event, ...] = ()
-    if not mover.at.is_corridor and state.room(mover.at).sensed and not state.room(mover.at).is_decided:
-        left = (Left(mover.at),)
+    if asker is Commander.PARTICIPANT and not mover.at.is_corridor:
+        here = state.room(mover.at)
+        left = (Left(mover.at),) if here.sensed and not here.is_decided else ()
     return (*left, Departed(robot, room, cost))
 
 
@@ -232,7 +248,9 @@ def picture(state: GameState, room: Room, told: str | None = None) -> Ruling:
 
 
 def identify(state: GameState, room: Room, name: str, told: int | None = None) -> Ruling:
-    """Name the treasure where a robot stands, once per room: right wins its points, wrong costs `wrong_share` of them.
+    """Name the treasure of a room, once: right wins its points, wrong costs `wrong_share` of them.
+
+    It is named, and paid, by the robot that stands there, or found it and was sent on by a ground station.
 
     A lost share of points is rounded to the nearest whole number, half away from zero, because the wire carries whole
     points. Differs: the 2016 Hider took a name for right that merely contained the right one.
@@ -243,7 +261,7 @@ def identify(state: GameState, room: Room, name: str, told: int | None = None) -
         name: one of the treasures' names; case and blanks do not count.
         told: the points as another program's Hider told them; None takes the verdict from what this game hid.
     """
-    robot = _standing_robot(state, room)
+    robot = _present(state, room, state.decider)
     if isinstance(robot, Refused):
         return robot
     if state.room(room).is_decided:
@@ -289,15 +307,16 @@ def ending(state: GameState, *, wait_for_decisions: bool = True) -> tuple[Event,
 
     Args:
         state: the game.
-        wait_for_decisions: also wait while a robot stands by a treasure (sensed or about to be) that it could still
+        wait_for_decisions: also wait while there is a treasure (sensed or about to be) that a robot could still
             identify and that nobody has given up. Old participants never say that they give up, and without a Hider
             there is nothing to decide: then the caller stops waiting when it has waited enough. For a ground station
-            that commands such a robot the game waits in any case: it gives the robot back when it is done.
+            that commands a robot beside such a treasure the game waits in any case: it gives the robot back when it
+            is done.
     """
     if state.ended is not None or any(robot.bound_for is not None for robot in state.robots):
         return ()
-    undecided = [robot for robot in range(len(state.robots)) if _may_decide(state, robot)]
-    if any(wait_for_decisions or _is_held_by_station(state, robot) for robot in undecided):
+    undecided = [room for room in state.started.costs.rooms if _may_be_decided(state, room)]
+    if any(wait_for_decisions or _waits_for_station(state, room) for room in undecided):
         return ()
     if all(room.visited for room in state.rooms):
         return (Ended(EndReason.ALL_VISITED, state.score),)
@@ -323,26 +342,30 @@ def _intervenes(robot: int, researcher: str) -> Commanded:
     return Commanded(robot, Commander.RESEARCHER, researcher)
 
 
-def _may_decide(state: GameState, robot: int) -> bool:
-    stander = state.robots[robot]
-    return not (
-        stander.at.is_corridor
-        or state.room(stander.at).is_decided
-        or stander.is_silent
-        or stander.is_blocked
-        or stander.energy < state.started.identify_cost
-    )
+def _may_be_decided(state: GameState, room: Room) -> bool:
+    robot = state.decider(room)
+    if robot is None or state.room(room).is_decided:
+        return False
+    worker = state.robots[robot]
+    return not (worker.is_silent or worker.is_blocked or worker.energy < state.started.identify_cost)
 
 
-def _is_held_by_station(state: GameState, robot: int) -> bool:
-    return state.treasures is not None and state.robots[robot].holder.by is Commander.GROUND_STATION
+def _waits_for_station(state: GameState, room: Room) -> bool:
+    stander = state.standing_in(room)
+    held = stander is not None and state.robots[stander].holder.by is Commander.GROUND_STATION
+    return held and state.treasures is not None
 
 
 def _standing_robot(state: GameState, room: Room) -> int | Refused:
+    return _present(state, room, state.standing_in)
+
+
+def _present(state: GameState, room: Room, who: Callable[[Room], int | None]) -> int | Refused:
+    """The robot that does something in a room, if it answers."""
     refused = _over(state) or _no_room(state, room)
     if refused:
         return refused
-    robot = state.standing_in(room)
+    robot = who(room)
     if robot is None:
         return Refused(Reason.NOBODY_THERE, f"No robot stands in {room}.")
     return _silent(robot) if state.robots[robot].is_silent else robot

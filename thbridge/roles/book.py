@@ -5,10 +5,11 @@ from enum import StrEnum
 
 from thbridge.dialogue.engine import Engine
 from thbridge.hunt import game, rules
-from thbridge.hunt.events import Arrived, Departed, Event, Failed, Started
+from thbridge.hunt.events import Arrived, AskedBack, Commanded, Departed, Event, Failed, Started
 from thbridge.hunt.game import GameState
 from thbridge.hunt.outcomes import Refused
 from thbridge.roles.notices import Order
+from thbridge.roles.pleas import Pleas
 from thbridge.roles.reasons import CALLED_BACK
 from thbridge.roles.talks import Talks
 from thbridge.roles.view import RefusalView
@@ -38,6 +39,7 @@ class Book:
         self.last_game = last_game
         self.state: GameState | None = None
         self.talks = Talks(engine(last_game))
+        self.pleas = Pleas()
         self.refusal: RefusalView | None = None
         self._refusals = 0
         # The number of each robot's latest move in this game, and how many moves there were.
@@ -115,6 +117,7 @@ class Book:
             self.state = game.begin(event)
             self.last_game = event.game
             self.talks = Talks(self._engine(event.game), self.talks.puppets)
+            self.pleas.forget_all()
             self.refusal = None
             self._moves, self._ordered = [0] * event.robots, [0] * event.robots
             self._departures = 0
@@ -124,5 +127,9 @@ class Book:
         if isinstance(event, Departed):
             self._departures += 1
             self._moves[event.robot] = self._departures
+        if isinstance(event, AskedBack):
+            self.pleas.told(event.robot)
+        if isinstance(event, Commanded):
+            self.pleas.forget(event.robot)
         if isinstance(event, Arrived | Failed):
             self._recalled.discard(event.robot)

@@ -156,6 +156,8 @@ class Keeper:
 
     def step(self, tick: int, messages: Sequence[Message]) -> list[Message]:
         """One tick; see `Role`."""
+        if self._book.pleas.pass_time(tick):
+            self._heard_anything = True
         asked, self._asked = self._asked, []
         for request in asked:
             self._heard_anything = True
@@ -311,7 +313,14 @@ class Keeper:
             self._give_orders(state, with_poses=False)
         talks, refusal = self._book.talks, self._book.refusal
         self._said += self._audience.show(
-            view_of(state, talks, refusal, self._briefing, robots_ready=self._team is not None)
+            view_of(
+                state,
+                talks,
+                refusal,
+                self._briefing,
+                robots_ready=self._team is not None,
+                asked_back=self._book.pleas.fresh,
+            )
         )
 
     def _give_orders(self, state: GameState, *, with_poses: bool) -> None:

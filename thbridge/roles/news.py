@@ -2,6 +2,7 @@
 
 from collections.abc import Iterator
 
+from thbridge.hunt.events import Commander
 from thbridge.hunt.game import GameState, RoomState
 from thbridge.hunt.rooms import Room
 from thbridge.hunt.rules import robot_name
@@ -18,6 +19,14 @@ def news_of(robot: int, before: GameState | None, now: GameState) -> Iterator[st
         yield from _room_news(mover.at, before.room(mover.at), now.room(mover.at))
     if now.ended is not None and before.ended is None:
         yield f"The game is over. The score is {now.score}."
+
+
+def asked_of(robot: int, before: GameState | None, now: GameState) -> Iterator[str]:
+    """What the participant asks of the ground station in command of a robot, since the game was as `before`."""
+    if before is None or now.robots[robot].holder.by is not Commander.GROUND_STATION:
+        return
+    if now.robots[robot].asked_back > before.robots[robot].asked_back:
+        yield f"The participant asks for {robot_name(robot)} back."
 
 
 def _room_news(room: Room, was: RoomState, now: RoomState) -> Iterator[str]:

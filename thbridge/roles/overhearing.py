@@ -126,7 +126,7 @@ class Overhearing:
 
     def _agreed(self, ruling: rules.Ruling, state: GameState, room: Room, matter: Matter) -> rules.Ruling:
         """The ruling, if robot and participant agreed on it; the agreement is used up."""
-        robot = state.standing_in(room)
+        robot = state.decider(room)
         if isinstance(ruling, Refused) or robot is None:
             return ruling
         if not self._book.talks.agreed(robot, matter, room):

@@ -23,7 +23,7 @@ from thbridge.hunt.outcomes import Refused
 from thbridge.hunt.rooms import Room
 from thbridge.roles import reasons
 from thbridge.roles.controls import HAND_TICKS
-from thbridge.roles.news import news_of
+from thbridge.roles.news import asked_of, news_of
 from thbridge.roles.notices import RoomOutline
 from thbridge.roles.requests import (
     CallBackFor,
@@ -235,6 +235,7 @@ class Pilot:
     def follow(self, snapshot: TeamSnapshot, game: GameState | None) -> Readings:
         """A tick has passed: go on with what is under way, and read the robot's instruments."""
         news = () if game is None else tuple(news_of(self._robot, self._game, game))
+        asked = () if game is None else tuple(asked_of(self._robot, self._game, game))
         self._snapshot, self._game, self._given, self._sent = snapshot, game, None, False
         if game is not None:
             self._stopping = self._stopping and game.robots[self._robot].bound_for is not None
@@ -243,7 +244,7 @@ class Pilot:
             if self._trip is not None and self._trip.under_way:
                 trip = followed(self._trip, snapshot, game, self._robot)
                 self._trip = self._set_out(trip, game) if trip.stage is Stage.WAITING else trip
-        return self._readings(snapshot, game, news)
+        return replace(self._readings(snapshot, game), news=news, asked=asked)
 
     def _set_out(self, trip: Trip, state: GameState) -> Trip:
         """Ask for a trip, unless a move of the game has to end first.
@@ -269,7 +270,7 @@ class Pilot:
         self._sent = True
         return replace(trip, stage=Stage.ASKED)
 
-    def _readings(self, snapshot: TeamSnapshot, game: GameState | None, news: tuple[str, ...]) -> Readings:
+    def _readings(self, snapshot: TeamSnapshot, game: GameState | None) -> Readings:
         output = snapshot.robots[self._robot]
         robot = None if game is None else game.robots[self._robot]
         holder = Command() if robot is None else robot.holder
@@ -286,7 +287,6 @@ class Pilot:
             commander=holder.name if holder.by is Commander.GROUND_STATION else None,
             commanded_by=_words(Command() if robot is None else robot.command),
             leg=None if self._trip is None else self._trip.leg,
-            news=news,
         )
 
     # What holds

@@ -1,6 +1,7 @@
 """What of a game's state the participant gets to see."""
 
 import math
+from collections.abc import Collection
 
 from thbridge.hunt.costs import CostMatrix
 from thbridge.hunt.events import Commander
@@ -12,14 +13,20 @@ from thbridge.roles.view import RefusalView, RobotView, RoomView, Verdict, View
 
 
 def view_of(
-    state: GameState, talks: Talks, refusal: RefusalView | None, briefing: Briefing, *, robots_ready: bool
+    state: GameState,
+    talks: Talks,
+    refusal: RefusalView | None,
+    briefing: Briefing,
+    *,
+    robots_ready: bool,
+    asked_back: Collection[int] = (),
 ) -> View:
     """The participant's view; the treasures themselves are never looked at, only what was found out about them."""
     return View(
         game=state.started.game,
         ready=robots_ready,
         costs=plain_costs(state.started.costs),
-        robots=tuple(_robot(state, number) for number in range(len(state.robots))),
+        robots=tuple(_robot(state, number, number in asked_back) for number in range(len(state.robots))),
         rooms=tuple(_room(state, room) for room in state.started.costs.rooms),
         dialogues=talks.views(),
         consents=talks.consents,
@@ -39,7 +46,7 @@ def plain_costs(costs: CostMatrix) -> tuple[tuple[float | None, ...], ...]:
     return tuple(tuple(None if math.isinf(cost) else cost for cost in row) for row in costs.rows)
 
 
-def _robot(state: GameState, number: int) -> RobotView:
+def _robot(state: GameState, number: int, asked_back: bool) -> RobotView:
     robot = state.robots[number]
     moving_to = None if robot.bound_for is None else robot.bound_for.people
     command = robot.command
@@ -53,6 +60,7 @@ def _robot(state: GameState, number: int) -> RobotView:
         commander=command.by,
         # What programs of researchers are called is not for participants.
         commander_name=command.name if command.by is Commander.GROUND_STATION else "",
+        asked_back=asked_back,
     )
 
 
@@ -62,7 +70,7 @@ def _room(state: GameState, room: Room) -> RoomView:
     return RoomView(
         room=room.people,
         state="visited" if known.visited else "unvisited" if going is None else "reserved",
-        robot=state.standing_in(room) if going is None else going,
+        robot=state.decider(room) if going is None else going,
         colour=None if known.sensed is None else known.sensed.colour,
         footprint=None if known.sensed is None else known.sensed.footprint,
         picture=known.image,

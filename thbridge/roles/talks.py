@@ -233,5 +233,5 @@ def _still_open(state: GameState, robot: int, matter: Matter, room: Room) -> boo
         return False
     if matter == "select-room":
         return isinstance(rules.move(state, robot, room), tuple)
-    stands_there = state.standing_in(room) == robot and not state.robots[robot].is_silent
-    return stands_there and not state.room(room).is_decided
+    worker = state.decider(room) if matter == "take-treasure" else state.standing_in(room)
+    return worker == robot and not state.robots[robot].is_silent and not state.room(room).is_decided

@@ -29,6 +29,7 @@ class RobotView:
         condition: whether it answers, and knows where it is; a silent one does nothing until it answers again.
         commander: who commands it; while it is not the participant, it can be neither sent nor called back.
         commander_name: which ground station, for people; else empty.
+        asked_back: the participant has asked for it back just now, and can ask again once this is false.
     """
 
     robot: int
@@ -39,6 +40,7 @@ class RobotView:
     condition: Condition
     commander: Commander = Commander.PARTICIPANT
     commander_name: str = ""
+    asked_back: bool = False
 
     @property
     def other_commander(self) -> str:
@@ -63,12 +65,12 @@ class RoomView:
     Attributes:
         room: its number as people count, from 1.
         state: "reserved" while a robot is under way to it.
-        robot: the robot that visited it or is under way to it.
+        robot: the robot that is under way to it, stands there, or found what is undecided there.
         colour: of the treasure, once sensed.
         footprint: of the treasure, once sensed.
         picture: the file name of its picture, once taken.
         verdict: once identified.
-        left: the participant gave this treasure up.
+        left: this treasure was given up.
     """
 
     room: int
@@ -259,6 +261,13 @@ class CallBack:
 
 
 @dataclass(frozen=True, slots=True)
+class AskBack:
+    """Ask whoever commands a robot to give it back."""
+
+    robot: int
+
+
+@dataclass(frozen=True, slots=True)
 class Sense:
     """Ask what is in a room that a robot reached."""
 
@@ -322,6 +331,7 @@ Wish = (
     | Answer
     | SendRobot
     | CallBack
+    | AskBack
     | Sense
     | Discuss
     | TakePicture

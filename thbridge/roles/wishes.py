@@ -10,7 +10,7 @@ from thbridge.hunt.tour import suggest
 from thbridge.roles.book import Book, Reason
 from thbridge.roles.notices import heard
 from thbridge.roles.talks import MATTERS
-from thbridge.roles.view import Agree, Answer, CallBack, Discuss, GiveUp, Leave, Select, Unsure
+from thbridge.roles.view import Agree, Answer, AskBack, CallBack, Discuss, GiveUp, Leave, Select, Unsure
 from thbridge.wire.notice import Notice
 
 
@@ -42,6 +42,8 @@ def grant(book: Book, state: GameState, notice: Notice, *, awaits_treasures: boo
             book.take(GiveUp.__name__, rules.give_up(state))
     elif (back := heard(notice, CallBack)) is not None:
         _call_back(book, state, back.robot)
+    elif (plea := heard(notice, AskBack)) is not None and plea.robot not in book.pleas.fresh:
+        book.take(AskBack.__name__, rules.ask_back(state, plea.robot))
 
 
 def _call_back(book: Book, state: GameState, robot: int) -> None:
@@ -100,7 +102,7 @@ def _discuss(book: Book, state: GameState, discuss: Discuss) -> None:
     room = _room(discuss.room)
     scenario = Scenario.TAKE_PICTURE if discuss.matter == "take-picture" else Scenario.TAKE_TREASURE
     ruling: rules.Ruling
-    if not state.has_room(room) or state.standing_in(room) != discuss.robot:
+    if not state.has_room(room) or state.decider(room) != discuss.robot:
         ruling = Refused(rules.Reason.NOBODY_THERE, f"This robot does not stand in {room}.")
     elif scenario is Scenario.TAKE_PICTURE:
         ruling = rules.picture(state, room)

@@ -120,15 +120,15 @@ class Bot:
 
     def _for_robot(self, view: View, robot: RobotView, taken: set[int]) -> Iterator[Wish]:
         agreed = [consent for consent in view.consents if consent.robot == robot.robot]
-        if robot.blocked or robot.condition is Condition.SILENT or robot.moving_to is not None:
+        if robot.blocked or robot.condition is Condition.SILENT:
             return
         if robot.robot in view.thinking or any(dialogue.robot == robot.robot for dialogue in view.dialogues):
             return
-        room = view.room(robot.place) if robot.place > 0 else None
-        if room is not None and room.undecided and room.robot == robot.robot:
+        room = next((room for room in view.rooms if _waits_for(robot, room)), None)
+        if room is not None:
             yield self._treasure(view, robot, room, {consent.matter for consent in agreed if consent.room == room.room})
             return
-        if robot.other_commander:
+        if robot.moving_to is not None or robot.other_commander:
             return
         for consent in agreed:
             if consent.matter == "select-room":
@@ -177,7 +177,9 @@ class Bot:
                 if "take-treasure" in agreed
                 else Discuss(robot.robot, "take-treasure", room.room)
             )
-        if name is None and room.picture is None and robot.energy >= view.picture_cost + view.identify_cost:
+        beside = robot.place == room.room and robot.moving_to is None
+        can_look = beside and room.picture is None and robot.energy >= view.picture_cost + view.identify_cost
+        if name is None and can_look:
             return (
                 TakePicture(room.room) if "take-picture" in agreed else Discuss(robot.robot, "take-picture", room.room)
             )
@@ -193,3 +195,9 @@ class Bot:
             if kind.colour == room.colour and kind.footprint == room.footprint
         }
         return fitting.pop() if len(fitting) == 1 else None
+
+
+def _waits_for(robot: RobotView, room: RoomView) -> bool:
+    """Whether this robot has to look at what is in a room, or to name what it found there before it was sent on."""
+    beside = robot.place == room.room and robot.moving_to is None
+    return room.undecided and room.robot == robot.robot and (room.sensed or beside)

@@ -81,6 +81,13 @@ class StopRobot:
 
 
 @dataclass(frozen=True, slots=True)
+class AskForRobot:
+    """Ask for a robot that somebody else commands to be given back; None: the selected one."""
+
+    robot: int | None = None
+
+
+@dataclass(frozen=True, slots=True)
 class GiveAnswer:
     """Make a choice in the dialogue shown."""
 
@@ -119,9 +126,10 @@ class ShowNext:
 
 @dataclass(frozen=True, slots=True)
 class ShowWaiting:
-    """Show what waits for this robot."""
+    """Show what waits for this robot: what it found in this room, or without one whatever waits longest."""
 
     robot: int
+    room: int | None = None
 
 
 @dataclass(frozen=True, slots=True)
@@ -169,6 +177,7 @@ Act = (
     | FinishNumber
     | DontKnow
     | StopRobot
+    | AskForRobot
     | GiveAnswer
     | TakeThePicture
     | PickName
@@ -228,8 +237,9 @@ class RobotCard:
         progress: share of its way that is driven, 0 to 1; None at rest.
         waits: how many things wait for the participant because of it: an answer, a treasure.
         select: selects it.
-        stop: calls it back; None at rest.
-        commanded: who else commands it, "commanded by ground station 255"; empty where the participant does.
+        stop: calls it back; None at rest, and where somebody else commands it.
+        commander: who else commands it, "ground station 255"; empty where the participant does.
+        ask_back: asks them to give it back; None where the participant commands it, and once the game is over.
     """
 
     robot: int
@@ -246,7 +256,13 @@ class RobotCard:
     waits: int
     select: Action
     stop: Action | None
-    commanded: str = ""
+    commander: str = ""
+    ask_back: Action | None = None
+
+    @property
+    def commanded(self) -> str:
+        """Who else commands it, as a part of a sentence; empty where the participant does."""
+        return f"commanded by {self.commander}" if self.commander else ""
 
 
 @dataclass(frozen=True, slots=True)

@@ -10,6 +10,7 @@ from thbridge.hunt.costs import CostMatrix
 from thbridge.hunt.events import (
     Agreed,
     Arrived,
+    AskedBack,
     Commanded,
     Commander,
     Condition,
@@ -48,6 +49,7 @@ events = st.one_of(
     st.builds(Failed, robots, rooms, texts, numbers, rooms),
     st.builds(Reported, robots, st.sampled_from(Condition)),
     st.builds(Commanded, robots, st.sampled_from(Commander), texts),
+    st.builds(AskedBack, robots),
     st.builds(Sensed, rooms, texts, texts),
     st.builds(Pictured, rooms, robots, texts, numbers),
     st.builds(Identified, st.none() | rooms, st.none() | robots, st.none() | texts, st.integers(), numbers),

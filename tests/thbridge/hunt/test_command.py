@@ -6,7 +6,17 @@ from hypothesis import strategies as st
 
 from tests.thbridge.hunt.test_game import ROOM_1, ROOM_2, ROOM_4, after, in_room_4, new_game, small_game, visit
 from thbridge.hunt import rules
-from thbridge.hunt.events import Commanded, Commander, Departed, Ended, EndReason
+from thbridge.hunt.events import (
+    AskedBack,
+    Commanded,
+    Commander,
+    Condition,
+    Departed,
+    Ended,
+    EndReason,
+    Left,
+    Reported,
+)
 from thbridge.hunt.game import Command, apply
 from thbridge.hunt.outcomes import Refused
 from thbridge.hunt.rules import Reason
@@ -69,10 +79,74 @@ def test_what_a_machine_found_is_still_named_by_the_participant():
         assert isinstance(ruling, tuple)
 
 
-def test_who_moves_a_robot_on_leaves_behind_what_nobody_decided():
-    state = taken(in_room_4())
-    left, departed = rules.move(state, 0, ROOM_1, Commander.GROUND_STATION)
-    assert (left.room, departed.room) == (ROOM_4, ROOM_1)
+def sent_on(**options):
+    state = taken(in_room_4(**options))
+    return after(state, rules.move(state, 0, ROOM_1, Commander.GROUND_STATION))
+
+
+def test_only_a_participant_who_moves_a_robot_on_gives_up_what_is_not_decided():
+    left, departed = rules.move(in_room_4(), 0, ROOM_1)
+    assert (left, departed.room) == (Left(ROOM_4), ROOM_1)
+    (departed,) = rules.move(taken(in_room_4()), 0, ROOM_1, Commander.GROUND_STATION)
+    assert departed.room == ROOM_1
+
+
+def test_what_a_robot_was_sent_on_from_is_named_at_its_expense_and_not_pictured():
+    state = sent_on()
+    for there in (state, after(state, rules.arrive(state, 0, ROOM_1))):
+        (named,) = rules.identify(there, ROOM_4, "Orange Bottle")
+        assert (named.robot, named.points, named.cost) == (0, 10, 2.0)
+        energy = there.robots[0].energy
+        named = after(there, (named,))
+        assert (named.score, named.robots[0].energy) == (10, energy - 2.0)
+        assert named.decider(ROOM_4) is None
+        assert rules.picture(there, ROOM_4) == Refused(Reason.NOBODY_THERE, "No robot stands in room 4.")
+        assert rules.leave(there, ROOM_4) == (Left(ROOM_4),)
+
+
+def test_nobody_names_what_was_given_up_or_never_sensed_once_its_robot_is_gone():
+    state = after(in_room_4(), rules.move(in_room_4(), 0, ROOM_1))
+    assert state.decider(ROOM_4) is None
+    state = taken(visit(new_game(), 0, ROOM_4))
+    state = after(state, rules.move(state, 0, ROOM_1, Commander.GROUND_STATION))
+    assert state.decider(ROOM_4) is None
+
+
+def test_a_robot_that_does_not_answer_names_nothing_that_it_found():
+    state = apply(sent_on(), Reported(0, Condition.SILENT))
+    refused = rules.identify(state, ROOM_4, "Pink can")
+    assert isinstance(refused, Refused) and refused.reason is Reason.SILENT
+
+
+def test_a_robot_that_stops_at_once_stands_beside_its_find_as_before():
+    state = sent_on()
+    state = after(state, rules.fail(state, 0, "stopped", 0.0))
+    assert state.standing_in(ROOM_4) == state.decider(ROOM_4) == 0
+    assert isinstance(rules.picture(state, ROOM_4), tuple)
+
+
+@pytest.mark.parametrize(("identify_cost", "waits"), [(2.0, True), (95.0, False)])
+def test_the_end_waits_for_what_can_be_named_from_afar_if_anybody_is_there_to_do_it(identify_cost, waits):
+    state = small_game(identify_cost=identify_cost)
+    state = visit(state, 0, ROOM_1)
+    state = taken(after(state, rules.sense(state, ROOM_1)))
+    state = after(state, rules.move(state, 0, ROOM_2, Commander.GROUND_STATION))
+    state = after(state, rules.arrive(state, 0, ROOM_2))
+    state = after(state, rules.leave(state, ROOM_2))
+    assert bool(rules.ending(state)) != waits
+    assert rules.ending(state, wait_for_decisions=False)
+    assert rules.ending(after(state, rules.leave(state, ROOM_1)))
+
+
+def test_the_participant_asks_for_what_somebody_else_commands():
+    state = taken()
+    assert rules.ask_back(state, 0) == (AskedBack(0),)
+    state = after(after(state, rules.ask_back(state, 0)), rules.ask_back(state, 0))
+    assert state.robots[0].asked_back == 2
+    assert rules.ask_back(state, 1) == ()
+    assert taken(state, by=PARTICIPANT).robots[0].asked_back == 0
+    for refused in (rules.ask_back(state, 2), rules.ask_back(apply(state, Ended(EndReason.GIVEN_UP, 0)), 0)):
+        assert isinstance(refused, Refused)
 
 
 @pytest.mark.parametrize("holder", [STATION, PARTICIPANT])

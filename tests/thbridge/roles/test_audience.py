@@ -22,6 +22,7 @@ from thbridge.roles.tabui import RENEWAL, TabUI
 from thbridge.roles.view import (
     Agree,
     Answer,
+    AskBack,
     CallBack,
     Discuss,
     GiveUp,
@@ -166,6 +167,7 @@ EVERY_WISH = [
     Answer(1, 1, 0),
     SendRobot(0, 3),
     CallBack(0),
+    AskBack(0),
     Sense(3),
     Discuss(0, "take-picture", 3),
     TakePicture(3),

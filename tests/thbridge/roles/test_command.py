@@ -7,6 +7,7 @@ from tests.thbridge.roles.stage import Stage
 from tests.thbridge.roles.test_hunt import Script
 from thbridge.hunt.events import (
     Arrived,
+    AskedBack,
     Commanded,
     Commander,
     Departed,
@@ -32,9 +33,11 @@ from thbridge.roles.requests import (
 from thbridge.roles.tabui import TabUI
 from thbridge.roles.view import (
     Answer,
+    AskBack,
     CallBack,
     Discuss,
     GiveUp,
+    Identify,
     PlayAgain,
     Select,
     SendRobot,
@@ -255,7 +258,7 @@ def test_a_simulated_participant_waits_for_robots_that_others_command(strategy: 
 def test_programs_of_before_are_understood(play: Play) -> None:
     fields = msgspec.to_builtins(play.ask(TAKE))
     for robot in fields["robots"]:
-        del robot["commander"], robot["commander_name"]
+        del robot["commander"], robot["commander_name"], robot["asked_back"]
     view = View.from_json(fields)
     assert view is not None and view.robots[0].commander is Commander.PARTICIPANT
     status = msgspec.to_builtins(Status(1, (), (), ()))
@@ -264,3 +267,76 @@ def test_programs_of_before_are_understood(play: Play) -> None:
     orders = msgspec.to_builtins(Orders(1, (), (), (), None))
     del orders["taken"]
     assert heard(Notice(KEEPER, "SimR", "Orders", orders), Orders) == Orders(1, (), (), (), None)
+
+
+def test_a_robot_is_asked_for_at_once_and_again_after_ten_seconds(play: Play) -> None:
+    view = play.ask(TAKE)
+    assert not view.robots[0].asked_back
+    assert play.wish(AskBack(0)).robots[0].asked_back
+    assert play.wish(AskBack(0), ticks=480).robots[0].asked_back
+    assert play.events(AskedBack) == [AskedBack(0)]
+    play.stage.run(20)
+    assert not play.view.robots[0].asked_back
+    assert play.wish(AskBack(0)).robots[0].asked_back
+    assert play.events(AskedBack) == [AskedBack(0)] * 2 and play.view.refusal is None
+
+
+def test_who_takes_a_robot_next_is_asked_anew(play: Play) -> None:
+    play.ask(TAKE)
+    assert play.wish(AskBack(0)).robots[0].asked_back
+    assert not play.ask(TakeCommand(0, "ground station 7")).robots[0].asked_back
+    assert play.wish(AskBack(0)).robots[0].asked_back
+    assert not play.ask(ReleaseCommand(0)).robots[0].asked_back
+
+
+def test_a_researcher_is_asked_too_and_nobody_for_what_is_the_participants(play: Play) -> None:
+    play.wish(AskBack(0), AskBack(1), AskBack(9))
+    assert not play.events(AskedBack)
+    play.stage.puppets.researchers = ("/rviz", None)
+    play.stage.run(60)
+    assert play.wish(AskBack(0)).robots[0].asked_back
+    assert play.events(AskedBack) == [AskedBack(0)]
+
+
+def test_another_game_begins_with_nothing_asked_for(play: Play) -> None:
+    play.ask(TAKE)
+    play.wish(AskBack(0))
+    play.wish(GiveUp(1))
+    robot = play.wish(PlayAgain(1), ticks=10).robots[0]
+    assert (robot.commander, robot.asked_back) == (Commander.GROUND_STATION, False)
+
+
+def test_what_a_station_leaves_unnamed_the_participant_still_names(play: Play) -> None:
+    play.ask(TAKE, SendFor(0, 3), ticks=20)
+    view = play.ask(SendFor(0, 4), ticks=3)
+    assert view.robots[0].moving_to == 4 and not play.events(Left)
+    assert (view.room(3).robot, view.room(3).undecided) == (0, True)
+    refusal = play.wish(Discuss(0, "take-picture", 3)).refusal
+    assert refusal is not None and refusal.sentence == "No robot stands in room 3."
+    view = play.wish(Discuss(0, "take-treasure", 3))
+    while view.dialogues:
+        (dialogue,) = view.dialogues
+        view = play.wish(Answer(dialogue.dialogue, dialogue.turn, 0), ticks=4)
+    name = play.stage.session.game.treasure(Room(3)).name
+    assert play.wish(Identify(3, name)).room(3).verdict.points > 0
+    assert play.events(Identified)[0].robot == 0
+
+
+@pytest.mark.parametrize("strategy", BotStrategy)
+def test_a_simulated_participant_looks_after_what_stations_leave(strategy: BotStrategy) -> None:
+    stage = Stage(robots=2, strategy=strategy)
+    stage.run(5)
+    stage.session.ask("station", TAKE)
+    for room in (7, 8):
+        # The station moves on as soon as its robot is there, before anybody can have decided.
+        stage.session.ask("station", SendFor(0, room))
+        while Arrived(0, Room(room)) not in stage.log.events:
+            stage.run(1)
+            assert len(stage.moments) < 200, "the robot does not arrive"
+    stage.session.ask("station", ReleaseCommand(0))
+    stage.finish()
+    happened = stage.log.events
+    decided = [event for event in happened if isinstance(event, Identified | Left) and event.room == Room(7)]
+    assert happened.index(decided[0]) > next(at for at, event in enumerate(happened) if event == Arrived(0, Room(7)))
+    assert not any(isinstance(event, Pictured) and event.room == Room(7) for event in happened)
+    assert all(room.is_decided for room in stage.session.game.rooms if room.sensed)

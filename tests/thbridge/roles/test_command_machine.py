@@ -5,7 +5,7 @@ from hypothesis import strategies as st
 
 from tests.thbridge.roles.stage import Stage
 from tests.thbridge.roles.test_hunt import Script
-from thbridge.hunt.events import Commanded, Commander, Departed, Started
+from thbridge.hunt.events import AskedBack, Commanded, Commander, Departed, Started
 from thbridge.hunt.game import Command, apply, begin
 from thbridge.roles.requests import (
     CallBackFor,
@@ -17,7 +17,7 @@ from thbridge.roles.requests import (
     TakeCommand,
 )
 from thbridge.roles.tabui import TabUI
-from thbridge.roles.view import Answer, CallBack, Leave, Select, SendRobot, Unsure
+from thbridge.roles.view import Answer, AskBack, CallBack, Leave, Select, SendRobot, Unsure
 
 robots = st.integers(0, 1)
 rooms = st.integers(1, 8)
@@ -36,6 +36,7 @@ wishes = st.one_of(
     st.builds(Unsure, robots),
     st.just("agree"),
     st.builds(CallBack, robots),
+    st.builds(AskBack, robots),
     st.builds(Leave, rooms),
 )
 researchers = st.tuples(st.sampled_from([None, "/rviz"]), st.sampled_from([None, "/teleop"]))
@@ -89,6 +90,8 @@ def _judge(events, sent):
             assert by is not Commander.RESEARCHER
             assert by is Commander.PARTICIPANT or (event.robot, event.room.people) in sent
             assert event.cost <= state.robots[event.robot].energy
+        if isinstance(event, AskedBack):
+            assert state.robots[event.robot].command.by is not Commander.PARTICIPANT
         if isinstance(event, Commanded):
             now = state.robots[event.robot].command
             assert now != Command(event.by, event.name) or state.robots[event.robot].intervention is not None

@@ -25,7 +25,7 @@ from thbridge.roles.requests import GameRequest, Request, SetParameters
 from thbridge.roles.simr import SimR
 from thbridge.roles.speeds import Speeds
 from thbridge.roles.tabui import TabUI
-from thbridge.roles.view import Answer, Select, SendRobot, Wish
+from thbridge.roles.view import Answer, AskBack, Select, SendRobot, Wish
 from thbridge.ros.records import SimpleGoal
 from thbridge.wire.mavlink.helm import Denied, LegState, Readings, Refusal, Station
 from thbridge.wire.mavlink.helm import Setting as Parameter
@@ -391,6 +391,18 @@ def test_treasures_are_pictured_named_and_left_from_the_helm(taken: Flight) -> N
     assert len(taken.events(Pictured)) == 1
     assert taken.pilot.leave() == Denied("The treasure in room 3 has been decided already.")
     assert not taken.events(Left)
+
+
+def test_a_station_is_told_what_the_participant_asks_of_it_and_no_other_is(taken: Flight) -> None:
+    taken.pilots[1].take(STATION)
+    taken.run(2)
+    asked = []
+    taken.player.wish = (AskBack(0),)
+    taken.tabui.look_again()
+    for _ in range(10):
+        taken.run()
+        asked.append([readings.asked for readings in taken.readings])
+    assert [told for told in asked if any(told)] == [[("The participant asks for robot 1 back.",), ()]]
 
 
 def test_speed_is_limited_and_as_the_study_says_again(taken: Flight) -> None:

@@ -9,9 +9,22 @@ from tests.ui.model.test_participant_views import model_of, texts
 from tests.ui.model.views import asking, view, with_robot, with_room
 from thbridge.hunt.events import Commander, Departed, Identified
 from thbridge.roles.requests import ReleaseCommand, SendFor, TakeCommand
-from thbridge.roles.view import CallBack, Select, Unsure
+from thbridge.roles.view import AskBack, CallBack, Select, Unsure
+from ui.model.keys import act_for
 from ui.model.participant import Participant
-from ui.model.screen import ChooseRobot, ChooseRoom, DontKnow, LeaveIt, NameIt, PickName, StopRobot, TreasurePop
+from ui.model.playing.offers import offer
+from ui.model.screen import (
+    AskForRobot,
+    ChooseRobot,
+    ChooseRoom,
+    DontKnow,
+    LeaveIt,
+    NameIt,
+    PickName,
+    ShowWaiting,
+    StopRobot,
+    TreasurePop,
+)
 
 THEIRS = {"commander": Commander.GROUND_STATION, "commander_name": NAME}
 BACK = "You get it back when the ground station releases it."
@@ -78,10 +91,9 @@ def test_a_robot_of_others_is_not_stopped_here():
     model.do(StopRobot(0), 0.0)
     assert model.wishes() == (CallBack(0),)
     model.hear(with_robot(moving, 0, **THEIRS), 1.0)
-    stop = model.screen(1.0).cards[0].stop
-    assert (model.wishes(), stop.enabled, stop.hint) == ((), False, WHY)
-    model.do(StopRobot(0), 1.0)
-    assert model.wishes() == ()
+    assert (model.wishes(), model.screen(1.0).cards[0].stop) == ((), None)
+    model.do(StopRobot(), 1.0)
+    assert (model.wishes(), model.screen(1.0).banner.text) == ((), WHY)
 
 
 def test_what_others_robots_find_is_named_here():
@@ -115,4 +127,81 @@ def test_a_participant_without_any_robot_of_their_own_is_told_what_is_left_to_do
         seat.stage.session.ask("station", TakeCommand(robot, NAME))
     seat.run()
     seat.now += 10.0
-    assert seat.screen.banner.text == "Others command all robots just now. You name what they find."
+    assert (
+        seat.screen.banner.text
+        == "Others command all robots just now. You name what they find, and may ask for them back."
+    )
+
+
+def test_a_robot_of_others_is_asked_for_once_and_again_when_that_may_help():
+    theirs = with_robot(view(), 0, **THEIRS)
+    model = model_of(theirs)
+    screen = model.screen(0.0)
+    assert screen.cards[1].ask_back is None and act_for("B", screen) == AskForRobot()
+    ask = offer(screen, AskForRobot())
+    assert (ask.label, ask.key, ask.enabled) == ("Ask for it back", "B", True)
+    assert ask.hint == f"Ground station 255 commands robot 1. {BACK}"
+    model.do(AskForRobot(), 0.0)
+    ask = model.screen(0.0).cards[0].ask_back
+    assert (model.wishes(), ask.label, ask.enabled, ask.busy) == ((AskBack(0),), "Asked", False, True)
+    model.hear(with_robot(theirs, 0, asked_back=True), 0.1)
+    screen = model.screen(0.1)
+    ask = screen.cards[0].ask_back
+    assert (model.wishes(), ask.label, ask.enabled, ask.busy) == ((), "Asked", False, False)
+    assert screen.announcement == screen.banner.text == texts(screen)[-1] == f"You have asked {NAME} for robot 1 back."
+    model.do(AskForRobot(0), 0.1)
+    assert model.wishes() == () and "again in some seconds" in model.screen(0.1).banner.text
+    model.hear(theirs, 10.0)
+    assert model.screen(10.0).cards[0].ask_back.enabled
+
+
+def test_what_comes_back_meanwhile_is_asked_for_no_more():
+    model = model_of(with_robot(view(), 0, **THEIRS))
+    model.do(AskForRobot(0), 0.0)
+    model.hear(view(), 1.0)
+    screen = model.screen(1.0)
+    assert (model.wishes(), screen.cards[0].ask_back, screen.banner.text) == ((), None, "Robot 1 is yours again.")
+    model.do(AskForRobot(), 2.0)
+    assert (model.wishes(), model.screen(2.0).banner.text) == ((), "You command robot 1 yourself.")
+
+
+def test_who_cannot_end_the_game_is_told_whom_to_ask():
+    model = model_of(with_robot(view(), 0, moving_to=3, **THEIRS))
+    assert model.screen(0.0).end.hint == f"Robot 1 is still on its way. {WHY}"
+
+
+def test_what_a_station_leaves_unnamed_stays_on_the_table():
+    seat = Seat(robots=2)
+    seat.stage.session.ask("station", TAKE)
+    seat.stage.session.ask("station", SendFor(0, 3))
+    assert seat.run(30).pop.room == 3
+    seat.stage.session.ask("station", SendFor(0, 4))
+    screen = seat.run(6)
+    assert screen.banner.text == (
+        "Robot 1 was sent on, and what it found stays in room 3. You may still say what it is."
+    )
+    assert (screen.pop.room, screen.pop.title) == (3, "Robot 1 found something in room 3 and was sent on")
+    assert screen.pop.picture_note == "No picture was taken."
+    assert screen.pop.take_picture.hint == "Robot 1 is not in room 3 any more."
+    screen = seat.run(30)
+    assert screen.pop.room == 3 and [waiting.text for waiting in screen.waiting] == [
+        "Robot 1 is in room 4 and found something"
+    ]
+    assert seat.do(ShowWaiting(0, 4)).pop.room == 4
+    assert [waiting.text for waiting in seat.screen.waiting] == ["Robot 1 found something in room 3"]
+    assert seat.do(ShowWaiting(0, 3)).pop.room == 3
+    seat.press(PickName(seat.stage.session.game.treasures[2].name))
+    seat.do(NameIt())
+    agree(seat)
+    assert "is right" in seat.screen.pop.verdict
+    assert (events(seat, Identified)[0].robot, seat.screen.score) == (0, events(seat, Identified)[0].points)
+
+
+def test_what_nobody_can_pay_to_name_is_said_and_left():
+    found = with_room(with_robot(view(), 0, place=3, energy=0.5, **THEIRS), 3, state="visited", robot=0)
+    found = with_room(found, 3, colour="Pink", footprint="Small")
+    model = model_of(found)
+    model.hear(with_robot(found, 0, moving_to=2), 1.0)
+    screen = model.screen(1.0)
+    assert screen.banner.text.endswith("Naming it costs 1; robot 1 has 0.5 energy.")
+    assert not screen.pop.name_it.enabled and screen.pop.leave.enabled

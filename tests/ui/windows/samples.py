@@ -19,6 +19,7 @@ from ui.model.screen import (
     Action,
     AgreeToTakePart,
     AnotherGame,
+    AskForRobot,
     Banner,
     ChooseRobot,
     ChooseRoom,
@@ -112,6 +113,15 @@ def card(robot: int, *, selected: bool = False, state: str = "rest", cost: float
         select=Action(ChooseRobot(robot), f"Robot {robot + 1}", "", hint="Commands this robot."),
         stop=Action(StopRobot(robot), "Stop", "X" if selected else "", hint="Calls it back.") if moving else None,
     )
+
+
+def commanded(robot: int, *, selected: bool = False, asked: bool = False, state: str = "driving") -> RobotCard:
+    """One that a ground station commands."""
+    key = "B" if selected else ""
+    label = "Asked" if asked else "Ask for it back"
+    ask = Action(AskForRobot(robot), label, key, not asked, hint="The ground station commands it.")
+    shown = card(robot, selected=selected, state=state)
+    return replace(shown, stop=None, commander="ground station 255", ask_back=ask)
 
 
 def tile(number: int, rooms: int, *, considered: bool = False) -> RoomTile:
@@ -291,6 +301,9 @@ def states() -> Mapping[str, Screen]:
             banner=Banner("The connection to the game is lost for 12 s. It is tried again by itself.", "bad"),
         ),
         "refused": replace(usual, banner=Banner("Robot 1 has not enough energy for room 6.", "note"), typed="1"),
+        "commanded": replace(
+            usual, cards=(commanded(0, selected=True), commanded(1, state="lost"), commanded(2, asked=True), card(3))
+        ),
         "over": replace(usual, phase=Phase.OVER, ending=ENDING, cards=tuple(card(robot) for robot in range(3))),
         "six": replace(playing(6, 12, 5), waiting=waiting(5)),
     }

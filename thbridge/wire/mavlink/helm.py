@@ -111,6 +111,7 @@ class Readings:
         leg: where it was last told to go from here; None before the first.
         news: what has come up in this tick and people at ground stations should know: a room reached, what was found
             in it, what the game refused; sentences of at most some 100 characters.
+        asked: what in this tick the participant asks of the station in command, likewise.
     """
 
     base_in_map: Pose2
@@ -125,6 +126,7 @@ class Readings:
     commanded_by: str
     leg: Leg | None
     news: tuple[str, ...] = ()
+    asked: tuple[str, ...] = ()
 
 
 @dataclass(frozen=True, slots=True)

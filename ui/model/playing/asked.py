@@ -3,6 +3,7 @@
 from thbridge.roles.view import (
     Agree,
     Answer,
+    AskBack,
     CallBack,
     Discuss,
     GiveUp,
@@ -14,7 +15,7 @@ from thbridge.roles.view import (
     View,
     Wish,
 )
-from ui.model.playing.possible import standing_in, talks, why_not_command, why_not_go, why_not_work
+from ui.model.playing.possible import decider, standing_in, talks, why_not_command, why_not_go, why_not_work
 
 
 class Asked:
@@ -105,6 +106,8 @@ def _granted(wish: Wish, view: View, before: int | None) -> bool:
             return not any((talk.dialogue, talk.turn) == (dialogue, turn) for talk in view.dialogues)
         case CallBack(robot):
             return view.robots[robot].moving_to is None
+        case AskBack(robot):
+            return view.robots[robot].asked_back
         case Discuss(robot, matter, room):
             done = view.room(room).picture is not None if matter == "take-picture" else not view.room(room).undecided
             return done or (robot, matter, room) in talks(view)
@@ -129,7 +132,15 @@ def _moot(wish: Wish, view: View) -> str | None:
             return why_not_work(view, robot) or why_not_command(view, robot)
         case CallBack(robot):
             return why_not_command(view, robot)
-        case Discuss(robot, _, room) if standing_in(view, room) != robot:
+        case AskBack(robot):
+            # That it is theirs again they are told anyway.
+            return None if view.robots[robot].other_commander else ""
+        case Discuss(robot, matter, room) if robot != _worker(view, matter, room):
             return why_not_work(view, robot) or ""
         case _:
             return None
+
+
+def _worker(view: View, matter: str, room: int) -> int | None:
+    """The robot with which this can be talked over."""
+    return decider(view, room) if matter == "take-treasure" else standing_in(view, room)

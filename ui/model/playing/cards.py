@@ -4,12 +4,12 @@ from thbridge.hunt.costs import spoken_energy
 from thbridge.hunt.events import Condition
 from thbridge.hunt.rules import robot_name
 from thbridge.roles.notices import Motion
-from thbridge.roles.view import CallBack, RobotView
+from thbridge.roles.view import AskBack, CallBack, RobotView
 from ui.model.keys import key_of
 from ui.model.playing.possible import undecided_beside, why_not_command
 from ui.model.playing.state import Hunt, Memory
-from ui.model.playing.words import place_name, titled
-from ui.model.screen import Action, ChooseRobot, NextRobot, RobotCard, StopRobot
+from ui.model.playing.words import as_sentence, how_it_comes_back, place_name, titled
+from ui.model.screen import Action, AskForRobot, ChooseRobot, NextRobot, RobotCard, StopRobot
 
 
 def cards(memory: Memory, hunt: Hunt) -> tuple[RobotCard, ...]:
@@ -41,7 +41,6 @@ def _card(memory: Memory, hunt: Hunt, robot: RobotView) -> RobotCard:
     motion = memory.motion(number)
     place = place_name(robot.place)
     stranded = _is_stranded(hunt, robot)
-    other = robot.other_commander
     return RobotCard(
         robot=number,
         name=titled(number),
@@ -57,7 +56,8 @@ def _card(memory: Memory, hunt: Hunt, robot: RobotView) -> RobotCard:
         waits=sum(item.robot == number for item in hunt.popups.waiting),
         select=_select(memory, hunt, number),
         stop=_stop(hunt, robot, selected),
-        commanded=f"commanded by {other}" if other else "",
+        commander=robot.other_commander,
+        ask_back=_ask_back(hunt, robot, selected),
     )
 
 
@@ -73,13 +73,30 @@ def _select(memory: Memory, hunt: Hunt, robot: int) -> Action:
 
 
 def _stop(hunt: Hunt, robot: RobotView, selected: bool) -> Action | None:
-    if robot.moving_to is None:
+    if robot.moving_to is None or robot.other_commander:
         return None
     stopping = CallBack(robot.robot) in hunt.asked or robot.robot in hunt.reroutes
-    refused = why_not_command(hunt.view, robot.robot)
     hint = f"{titled(robot.robot)} is about to stop." if stopping else "The energy for the rest of the way comes back."
-    key, enabled = key_of(StopRobot()) if selected else "", refused is None and not stopping
-    return Action(StopRobot(robot.robot), "Stop", key, enabled, refused or hint, stopping)
+    return Action(StopRobot(robot.robot), "Stop", key_of(StopRobot()) if selected else "", not stopping, hint, stopping)
+
+
+def _ask_back(hunt: Hunt, robot: RobotView, selected: bool) -> Action | None:
+    if not robot.other_commander or hunt.view.over is not None:
+        return None
+    busy = AskBack(robot.robot) in hunt.asked
+    asked = robot.asked_back or busy
+    commander = as_sentence(f"{robot.other_commander} commands {robot_name(robot.robot)}")
+    hint = f"{commander} {how_it_comes_back(robot)}"
+    if asked:
+        hint += " You have asked for it, and can ask again in some seconds."
+    return Action(
+        AskForRobot(robot.robot),
+        "Asked" if asked else "Ask for it back",
+        key_of(AskForRobot()) if selected else "",
+        not asked,
+        hint,
+        busy,
+    )
 
 
 def _state(hunt: Hunt, robot: RobotView, motion: Motion) -> str:

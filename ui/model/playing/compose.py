@@ -8,6 +8,7 @@ from ui.model.playing.cards import cards
 from ui.model.playing.ending import ending
 from ui.model.playing.finds import PATIENCE, find
 from ui.model.playing.popups import Find, Item, Talk
+from ui.model.playing.possible import standing_in
 from ui.model.playing.questions import question
 from ui.model.playing.state import Hunt, Memory
 from ui.model.playing.talks import going, title
@@ -106,7 +107,7 @@ def _banner(memory: Memory, now: float) -> Banner | None:
     if view is not None and view.over is None and all(robot.condition is Condition.SILENT for robot in view.robots):
         return Banner("No robot answers. Wait for one to answer again, or end the game.", "bad")
     if view is not None and view.over is None and all(robot.other_commander for robot in view.robots):
-        return Banner("Others command all robots just now. You name what they find.", "note")
+        return Banner("Others command all robots just now. You name what they find, and may ask for them back.", "note")
     return None
 
 
@@ -151,10 +152,14 @@ def _waiting(hunt: Hunt) -> tuple[Waiting, ...]:
         Waiting(
             item.robot,
             _waits(hunt, item),
-            Action(ShowWaiting(item.robot), "Show", WAITING_KEY if item == first else "", hint=_waits(hunt, item)),
+            Action(_showing(item), "Show", WAITING_KEY if item == first else "", hint=_waits(hunt, item)),
         )
         for item in hunt.popups.waiting
     )
+
+
+def _showing(item: Item) -> ShowWaiting:
+    return ShowWaiting(item.robot, item.room) if isinstance(item, Find) else ShowWaiting(item.robot)
 
 
 def _waits(hunt: Hunt, item: Item) -> str:
@@ -168,4 +173,6 @@ def _waits(hunt: Hunt, item: Item) -> str:
     room = hunt.view.room(item.room)
     if room.verdict is not None:
         return f"Room {item.room}: {verdict_words(room.verdict.name, room.verdict.points)}"
+    if standing_in(hunt.view, item.room) is None:
+        return f"{name} found something in room {item.room}"
     return f"{name} is in room {item.room}" + (" and found something" if room.sensed else "")

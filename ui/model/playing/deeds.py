@@ -1,6 +1,19 @@
 """What the participant's acts do. Each is judged against what was on the screen when it was done."""
 
-from thbridge.roles.view import Agree, Answer, CallBack, Discuss, GiveUp, Leave, PlayAgain, Select, Unsure, View
+from thbridge.hunt.rules import robot_name
+from thbridge.roles.view import (
+    Agree,
+    Answer,
+    AskBack,
+    CallBack,
+    Discuss,
+    GiveUp,
+    Leave,
+    PlayAgain,
+    Select,
+    Unsure,
+    View,
+)
 from ui.model.playing.cards import described
 from ui.model.playing.hearing import is_open, note, settle
 from ui.model.playing.popups import Find, Talk
@@ -19,6 +32,7 @@ from ui.model.screen import (
     Act,
     AgreeToTakePart,
     AnotherGame,
+    AskForRobot,
     ChooseRobot,
     ChooseRoom,
     ConsiderRoom,
@@ -97,10 +111,12 @@ def _in_play(memory: Memory, hunt: Hunt, act: Act, now: float) -> None:
             _ask_advice(memory, hunt, now)
         case StopRobot(robot):
             _stop(memory, hunt, memory.selected if robot is None else robot, now)
+        case AskForRobot(robot):
+            _ask_back(memory, hunt, memory.selected if robot is None else robot, now)
         case ShowNext():
             _put_aside(memory, hunt)
-        case ShowWaiting(robot):
-            _show(hunt, robot)
+        case ShowWaiting(robot, room):
+            _show(hunt, robot, room)
         case EndGame():
             if not _refused(memory, why_not_end(hunt.view), now):
                 hunt.doubt = End()
@@ -251,6 +267,18 @@ def _stop(memory: Memory, hunt: Hunt, robot: int, now: float) -> None:
     hunt.asked.ask(CallBack(robot), hunt.view)
 
 
+def _ask_back(memory: Memory, hunt: Hunt, robot: int, now: float) -> None:
+    if not 0 <= robot < len(hunt.view.robots):
+        return
+    asked = hunt.view.robots[robot]
+    if not asked.other_commander:
+        note(memory, f"You command {robot_name(robot)} yourself.", now)
+    elif asked.asked_back:
+        note(memory, f"You have just asked for {robot_name(robot)}. You can ask again in some seconds.", now)
+    else:
+        hunt.asked.ask(AskBack(robot), hunt.view)
+
+
 def _stands(view: View, robot: int) -> str:
     return why_not_work(view, robot) or "This robot is not on its way."
 
@@ -267,8 +295,9 @@ def _put_aside(memory: Memory, hunt: Hunt) -> None:
         hunt.popups.put_aside()
 
 
-def _show(hunt: Hunt, robot: int) -> None:
-    item = next((item for item in hunt.popups.waiting if item.robot == robot), None)
+def _show(hunt: Hunt, robot: int, room: int | None) -> None:
+    of_robot = (item for item in hunt.popups.waiting if item.robot == robot)
+    item = next((item for item in of_robot if room is None or item == Find(robot, room)), None)
     if item is not None:
         hunt.popups.show(item)
 

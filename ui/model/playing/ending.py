@@ -26,7 +26,7 @@ def ending(hunt: Hunt) -> Ending:
         f"{visited} of {counted(len(view.rooms), 'room')} visited.",
         as_sentence(f"{counted(len(verdicts), 'treasure')} named{rightly}."),
     ]
-    left = [f"room {room.room}" for room in view.rooms if room.left]
+    left = [f"room {room.room}" for room in view.rooms if room.left or room.undecided]
     if left:
         lines.append(f"Left where it was: in {listed(left)}.")
     lines += [f"Room {room}: {verdict_words(verdict.name, verdict.points)}" for room, verdict in verdicts]

@@ -5,7 +5,7 @@ from thbridge.roles.view import Discuss, Leave, RoomView
 from ui.model.keys import key_of
 from ui.model.playing.pictures import Pictures
 from ui.model.playing.popups import Find
-from ui.model.playing.possible import why_not_name, why_not_picture, why_not_work
+from ui.model.playing.possible import standing_in, why_not_name, why_not_picture, why_not_work
 from ui.model.playing.state import Hunt
 from ui.model.playing.talks import talking
 from ui.model.playing.words import titled, verdict_words
@@ -29,7 +29,7 @@ def _treasure(hunt: Hunt, pictures: Pictures, item: Find, now: float) -> Treasur
     return TreasurePop(
         robot=item.robot,
         room=item.room,
-        title=_title(item, room),
+        title=_title(hunt, item, room),
         colour=room.colour or "",
         footprint=room.footprint or "",
         take_picture=_take_picture(hunt, item, room),
@@ -45,8 +45,10 @@ def _treasure(hunt: Hunt, pictures: Pictures, item: Find, now: float) -> Treasur
     )
 
 
-def _title(item: Find, room: RoomView) -> str:
+def _title(hunt: Hunt, item: Find, room: RoomView) -> str:
     name = titled(item.robot)
+    if standing_in(hunt.view, item.room) is None:
+        return f"{name} found something in room {item.room} and was sent on"
     if not room.undecided:
         return f"{name} in room {item.room}"
     return f"{name} found something in room {item.room}" if room.sensed else f"{name} looks around in room {item.room}"
@@ -54,7 +56,7 @@ def _title(item: Find, room: RoomView) -> str:
 
 def _picture_note(hunt: Hunt, room: RoomView, now: float) -> str:
     if room.picture is None:
-        return ""
+        return "" if standing_in(hunt.view, room.room) is not None or not room.undecided else "No picture was taken."
     if now < hunt.pictured.get(room.room, now) + PATIENCE:
         return "The picture is on its way."
     return f"The picture cannot be shown here. It is called {room.picture}."

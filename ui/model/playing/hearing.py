@@ -3,10 +3,31 @@
 from collections.abc import Iterator
 
 from thbridge.hunt.events import Condition
-from thbridge.roles.view import Answer, Discuss, Identify, RoomView, Select, SendRobot, Sense, TakePicture, View, Wish
+from thbridge.hunt.rules import robot_name
+from thbridge.roles.view import (
+    Answer,
+    Discuss,
+    Identify,
+    RobotView,
+    RoomView,
+    Select,
+    SendRobot,
+    Sense,
+    TakePicture,
+    View,
+    Wish,
+)
 from ui.model.playing.history import History
 from ui.model.playing.popups import Find, Item, Talk
-from ui.model.playing.possible import standing_in, talks, why_not_command, why_not_end, why_not_go
+from ui.model.playing.possible import (
+    decider,
+    standing_in,
+    talks,
+    why_not_command,
+    why_not_end,
+    why_not_go,
+    why_not_name,
+)
 from ui.model.playing.state import End, Hunt, Memory, MoveOn, Reroute
 from ui.model.playing.words import how_it_comes_back, place_name, titled
 
@@ -29,7 +50,7 @@ def hear_view(memory: Memory, view: View, now: float) -> None:
     before, hunt.view = hunt.view, view
     hunt.richest = max([hunt.richest, *(robot.energy for robot in view.robots)])
     memory.history.hear(before, view)
-    _hear_rooms(hunt, before, now)
+    _hear_rooms(memory, hunt, before, now)
     _hear_commanders(memory, hunt, before, now)
     _hear_refusal(memory, hunt, now)
     for reason in hunt.asked.hear(view):
@@ -108,20 +129,31 @@ def _goes_on(before: View, view: View) -> bool:
     )
 
 
-def _hear_rooms(hunt: Hunt, before: View, now: float) -> None:
+def _hear_rooms(memory: Memory, hunt: Hunt, before: View, now: float) -> None:
     for old, new in zip(before.rooms, hunt.view.rooms, strict=True):
         if new.picture is not None and old.picture is None:
             hunt.pictured[new.room] = now
         if new.verdict is not None and old.verdict is None:
             hunt.gained = new.verdict.points
-            stander = standing_in(hunt.view, new.room)
-            if stander is not None:
-                hunt.verdicts[new.room] = stander
+            worker = decider(before, new.room)
+            if worker is not None:
+                hunt.verdicts[new.room] = worker
+        finder = standing_in(before, new.room)
+        gone = standing_in(hunt.view, new.room) is None and decider(hunt.view, new.room) == finder
+        if finder is not None and gone and hunt.view.over is None:
+            yours = why_not_name(hunt.view, finder, new.room) or "You may still say what it is."
+            sentence = f"{titled(finder)} was sent on, and what it found stays in room {new.room}. {yours}"
+            _told(memory, sentence, hunt.view.robots[finder], now)
 
 
 def _hear_commanders(memory: Memory, hunt: Hunt, before: View, now: float) -> None:
-    """Tell that a robot is not the participant's any more, and what becomes of a talk on its way; or that it is."""
+    """Tell that a robot is not the participant's any more, and what becomes of a talk on its way; or that it is.
+
+    And that whoever commands it was asked for it.
+    """
     for was, robot in zip(before.robots, hunt.view.robots, strict=True):
+        if robot.asked_back and not was.asked_back:
+            _told(memory, f"You have asked {robot.other_commander} for {robot_name(robot.robot)} back.", robot, now)
         if (was.commander, was.commander_name) == (robot.commander, robot.commander_name):
             continue
         name, other = titled(robot.robot), robot.other_commander
@@ -131,8 +163,12 @@ def _hear_commanders(memory: Memory, hunt: Hunt, before: View, now: float) -> No
             sentence = f"{name} is commanded by {other} now. {how_it_comes_back(robot)}"
             if any((talking, matter) == (robot.robot, "select-room") for talking, matter, _ in talks(before)):
                 sentence += " Where it should go need not be talked over any more."
-        memory.history.happened(sentence, robot.robot)
-        memory.note = (sentence, now + NOTE)
+        _told(memory, sentence, robot, now)
+
+
+def _told(memory: Memory, sentence: str, robot: RobotView, now: float) -> None:
+    memory.history.happened(sentence, robot.robot)
+    memory.note = (sentence, now + NOTE)
 
 
 def _hear_refusal(memory: Memory, hunt: Hunt, now: float) -> None:
@@ -206,9 +242,9 @@ def _items(hunt: Hunt) -> Iterator[Item]:
         if hunt.talk(robot.robot) is not None or hunt.asked.going(robot.robot) is not None:
             yield Talk(robot.robot)
     for room in view.rooms:
-        stander = standing_in(view, room.room)
-        if room.undecided and stander is not None:
-            yield Find(stander, room.room)
+        worker = decider(view, room.room)
+        if room.undecided and worker is not None:
+            yield Find(worker, room.room)
         elif room.room in hunt.verdicts:
             yield Find(hunt.verdicts[room.room], room.room)
 

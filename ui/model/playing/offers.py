@@ -2,7 +2,7 @@
 
 from collections.abc import Iterator
 
-from ui.model.screen import Act, Action, DialoguePop, Phase, Screen, StopRobot, TreasurePop
+from ui.model.screen import Act, Action, AskForRobot, DialoguePop, Phase, Screen, ShowWaiting, StopRobot, TreasurePop
 
 
 def offers(screen: Screen) -> Iterator[Action]:
@@ -22,9 +22,16 @@ def offers(screen: Screen) -> Iterator[Action]:
 
 
 def offer(screen: Screen, act: Act) -> Action | None:
-    """What offers this act, if anything does; the key that stops a robot means the one commanded."""
+    """What offers this act, if anything does; the keys that stop a robot, or ask for it, mean the one selected.
+
+    What waits for a robot may be asked for without saying what.
+    """
     if act == StopRobot():
         return next((card.stop for card in screen.cards if card.selected), None)
+    if act == AskForRobot():
+        return next((card.ask_back for card in screen.cards if card.selected), None)
+    if isinstance(act, ShowWaiting) and act.room is None:
+        return next((waiting.show for waiting in screen.waiting if waiting.robot == act.robot), None)
     return next((action for action in offers(screen) if action.act == act), None)
 
 
@@ -39,6 +46,8 @@ def _playing(screen: Screen) -> Iterator[Action]:
         yield card.select
         if card.stop is not None:
             yield card.stop
+        if card.ask_back is not None:
+            yield card.ask_back
     yield from (tile.choose for tile in screen.tiles)
     yield from (waiting.show for waiting in screen.waiting)
     match screen.pop:

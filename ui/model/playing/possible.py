@@ -16,6 +16,12 @@ def standing_in(view: View, room: int) -> int | None:
     return next((robot.robot for robot in view.robots if robot.place == room and robot.moving_to is None), None)
 
 
+def decider(view: View, room: int) -> int | None:
+    """The robot by which what is in a room is named: that stands there, or found it and was sent on by others."""
+    stander, known = standing_in(view, room), view.room(room)
+    return known.robot if stander is None and known.undecided else stander
+
+
 def undecided_beside(view: View, robot: int) -> int | None:
     """The room in which this robot stands beside a treasure that nobody has decided on."""
     place = view.robots[robot].place
@@ -95,14 +101,14 @@ def why_not_ask(view: View, robot: int) -> str | None:
 
 def why_not_picture(view: View, robot: int, room: int) -> str | None:
     """Why a robot cannot take a picture of what is in the room where it stands, or None."""
-    return _why_not_pay(view, robot, room, "A picture", view.picture_cost)
+    return _why_not_pay(view, robot, room, standing_in(view, room), "A picture", view.picture_cost)
 
 
 def why_not_name(view: View, robot: int, room: int) -> str | None:
     """Why what is in the room where a robot stands cannot be named, or None."""
     if view.room(room).verdict is not None or view.room(room).left:
         return "This is decided."
-    return _why_not_pay(view, robot, room, "Naming it", view.identify_cost)
+    return _why_not_pay(view, robot, room, decider(view, room), "Naming it", view.identify_cost)
 
 
 def why_not_end(view: View) -> str | None:
@@ -110,7 +116,10 @@ def why_not_end(view: View) -> str | None:
     if view.over is not None:
         return "The game is over."
     moving = next((robot for robot in view.robots if robot.moving_to is not None), None)
-    return None if moving is None else f"{titled(moving.robot)} is still on its way. Stop it, or wait for it."
+    if moving is None:
+        return None
+    theirs = why_not_command(view, moving.robot)
+    return f"{titled(moving.robot)} is still on its way. {theirs or 'Stop it, or wait for it.'}"
 
 
 def paid(view: View, robot: RobotView) -> float:
@@ -128,11 +137,11 @@ def warning(view: View, robot: int, room: int) -> str:
     return "" if left > 0.0 and view.identify_cost <= left else "Enough to get there, not to name what is there."
 
 
-def _why_not_pay(view: View, robot: int, room: int, what: str, cost: float) -> str | None:
+def _why_not_pay(view: View, robot: int, room: int, worker: int | None, what: str, cost: float) -> str | None:
     refused = why_not_work(view, robot)
     if refused is not None:
         return refused
-    if standing_in(view, room) != robot:
+    if worker != robot:
         return f"{titled(robot)} is not in room {room} any more."
     energy = view.robots[robot].energy
     if cost > energy:

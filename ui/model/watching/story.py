@@ -28,6 +28,7 @@ IMPORTANT = frozenset(
         "arrived",
         "failed",
         "commanded",
+        "asked-back",
         "identified",
         "ended",
         "collision",

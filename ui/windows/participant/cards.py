@@ -5,7 +5,7 @@ from PySide6.QtGui import QColor, QFontMetricsF, QPainter, QPaintEvent, QPen, QR
 from PySide6.QtWidgets import QSizePolicy, QVBoxLayout, QWidget
 
 from thbridge.hunt.costs import spoken_energy
-from ui.model.screen import RobotCard
+from ui.model.screen import Action, RobotCard
 from ui.windows.look import GAP, RADIUS, colours, font
 from ui.windows.participant.buttons import ActionButton, AskingButton
 from ui.windows.participant.painting import Sign, box, chip, chip_size, elided, hatch, key_cap, key_size, ring, sign
@@ -16,39 +16,43 @@ EDGE = 6.0
 BAR = 7.0
 CLOSE, FAR = 3.0, 7.0
 """Between the bar and the lines."""
+BETWEEN = 3.0
+"""Between who else commands it and what it does."""
 
 
 class CardFace(AskingButton):
-    """All of a card but its stop button; pressing it selects the robot."""
+    """All of a card but its buttons; pressing it selects the robot."""
 
     def __init__(self, parent: QWidget) -> None:
         super().__init__(parent)
         self.setCheckable(True)
         self._card: RobotCard | None = None
-        self._stop_width = 0
+        self._button_width = 0
 
     def nextCheckState(self) -> None:
         """Whether it is checked follows from the game, not from being pressed."""
 
-    def show_card(self, card: RobotCard, stop_width: int) -> None:
-        """Show this robot, leaving so much room for the stop button."""
-        if (card, stop_width) == (self._card, self._stop_width):
+    def show_card(self, card: RobotCard, button_width: int) -> None:
+        """Show this robot, leaving so much room for the button: beside who else commands it, or what it does."""
+        if (card, button_width) == (self._card, self._button_width):
             return
-        self._card, self._stop_width = card, stop_width
+        if self._card is None or bool(self._card.commander) != bool(card.commander):
+            self.updateGeometry()
+        self._card, self._button_width = card, button_width
         self.setChecked(card.selected)
         self.take(card.select, spoken_card(card))
         self.update()
 
     def sizeHint(self) -> QSize:
-        """Two lines and the bar, comfortably."""
+        """The lines and the bar, comfortably."""
         return QSize(300, int(self._high(FAR)))
 
     def minimumSizeHint(self) -> QSize:
-        """Two lines and the bar, closely."""
+        """The lines and the bar, closely."""
         return QSize(220, int(self._high(CLOSE)))
 
     def paintEvent(self, _event: QPaintEvent) -> None:
-        """Draw the name and what energy it has; the bar; what it does and where; how far it is."""
+        """Draw name and energy; the bar; who else commands it; what it does and where; how far it is."""
         card = self._card
         if card is None:
             return
@@ -67,23 +71,33 @@ class CardFace(AskingButton):
         self._top_line(painter, card, left, right, middle)
         bar = QRectF(left, middle + self._line() / 2.0 + space, right - left, BAR)
         draw_energy(painter, bar, card)
-        line = QRectF(left, bar.bottom() + space, right - left - self._stop_width, self._line())
-        self._bottom_line(painter, card, line, QFontMetricsF(font("small")))
+        line = QRectF(left, bar.bottom() + space, right - left - self._button_width, self._line())
+        if card.commander:
+            _told(painter, line, "mast", worn.text, card.commander[:1].upper() + card.commander[1:])
+            line.translate(0.0, line.height() + BETWEEN)
+            line.setRight(right)
+        ink = worn.bad if card.trouble else worn.text
+        _told(painter, line, "trouble" if card.trouble else None, ink, card.state, card.place)
         if card.progress is not None:
             self._progress(painter, rect, card.progress, worn.robot(card.robot))
 
-    def stop_place(self, size: QSize) -> QRect:
-        """Where a stop button of this size lies: at the end of the last line."""
-        below = self.height() - EDGE - max(0.0, self.height() - self._high(CLOSE)) / 4.0 - self._line() - 1.0
-        return QRect(int(self.width() - PAD - size.width()), int(below), size.width(), size.height())
+    def button_place(self, size: QSize) -> QRect:
+        """Where a button of this size lies: at the end of the first line below the bar."""
+        above = EDGE + max(0.0, self.height() - self._high(CLOSE)) / 4.0 + self._line() + 1.0
+        if self._card is not None and self._card.commander:
+            above += self._line() + BETWEEN
+        return QRect(int(self.width() - PAD - size.width()), int(self.height() - above), size.width(), size.height())
 
     @staticmethod
     def _line() -> float:
-        """A line is as high as the stop button in it."""
+        """A line is as high as the button in it."""
         return key_size("X")[1] + 4.0
 
     def _high(self, space: float) -> float:
-        return 2.0 * (EDGE + space - CLOSE) + 2.0 * self._line() + BAR + 2.0 * space + 2.0
+        lines = 2.0 * self._line()
+        if self._card is not None and self._card.commander:
+            lines += self._line() + BETWEEN
+        return 2.0 * (EDGE + space - CLOSE) + lines + BAR + 2.0 * space + 2.0
 
     def _top_line(self, painter: QPainter, card: RobotCard, left: float, right: float, middle: float) -> None:
         worn = colours()
@@ -128,38 +142,6 @@ class CardFace(AskingButton):
         painter.drawText(pill.adjusted(side + 4, 0, 0, 0), Qt.AlignmentFlag.AlignVCenter, text)
 
     @staticmethod
-    def _bottom_line(painter: QPainter, card: RobotCard, line: QRectF, small: QFontMetricsF) -> None:
-        """What is wrong, or who else commands it, before what it does and where."""
-        worn = colours()
-        ink = worn.bad if card.trouble else worn.text
-        left = line.left()
-        marked: Sign | None = "trouble" if card.trouble else "mast" if card.commanded else None
-        if marked is not None:
-            side = small.height() * 0.9
-            sign(painter, QRectF(left, line.center().y() - side / 2, side, side), marked, ink)
-            left += side + GAP / 2.0
-        told, *rest = _parts(card)
-        face = font("small", bold=marked is not None)
-        shown = elided(told, line.right() - left, QFontMetricsF(face))
-        painter.setFont(face)
-        painter.setPen(QColor(ink))
-        painter.drawText(
-            QRectF(left, line.top(), line.right() - left, line.height()),
-            Qt.AlignmentFlag.AlignLeft | Qt.AlignmentFlag.AlignVCenter,
-            shown,
-        )
-        left += QFontMetricsF(face).horizontalAdvance(shown)
-        if shown == told and rest:
-            painter.setFont(font("small"))
-            painter.setPen(QColor(worn.muted))
-            space = QRectF(left, line.top(), line.right() - left, line.height())
-            painter.drawText(
-                space,
-                Qt.AlignmentFlag.AlignLeft | Qt.AlignmentFlag.AlignVCenter,
-                elided("".join(f" · {part}" for part in rest), space.width(), small),
-            )
-
-    @staticmethod
     def _progress(painter: QPainter, rect: QRectF, share: float, colour: str) -> None:
         """A thin line along the lower edge, which grows with the way driven."""
         y = rect.bottom() - 5.0
@@ -174,7 +156,7 @@ class CardFace(AskingButton):
 
 
 class Card(QWidget):
-    """A robot: its face, and a button that calls it back while it is under way.
+    """A robot: its face, and a button that calls it back while it is under way, or asks for it who else commands it.
 
     Attributes:
         asked: the `Act` of what was pressed.
@@ -186,8 +168,9 @@ class Card(QWidget):
         super().__init__(parent)
         self.face = CardFace(self)
         self.stop = ActionButton("small", parent=self)
-        self.face.asked.connect(self.asked)
-        self.stop.asked.connect(self.asked)
+        self.ask_back = ActionButton("small", parent=self)
+        for part in (self.face, self.stop, self.ask_back):
+            part.asked.connect(self.asked)
         self.setSizePolicy(QSizePolicy.Policy.Preferred, QSizePolicy.Policy.Preferred)
         self._card: RobotCard | None = None
 
@@ -197,14 +180,21 @@ class Card(QWidget):
             return
         self._card = card
         self.setAccessibleName(card.name)
-        if card.stop is not None:
-            self.stop.show_action(card.stop)
-            self.stop.setAccessibleName(f"{card.stop.label} {card.name}")
-        elif self.stop.hasFocus():
-            self.face.setFocus()
-        self.stop.setVisible(card.stop is not None)
-        self.face.show_card(card, self.stop.sizeHint().width() + GAP if card.stop is not None else 0)
+        wide = self._offer(self.stop, card.stop, f"Stop {card.name}")
+        wide += self._offer(self.ask_back, card.ask_back, f"Ask for {card.name} back")
+        self.face.show_card(card, wide)
+        self.setMaximumHeight(self.sizeHint().height())
         self._place()
+
+    def _offer(self, button: ActionButton, action: Action | None, spoken: str) -> int:
+        """Show what can be done by a button, or hide it; how much room it needs. There is never more than one."""
+        if action is not None:
+            button.show_action(action)
+            button.setAccessibleName(spoken if action.enabled else f"{spoken}, {action.label.lower()}")
+        elif button.hasFocus():
+            self.face.setFocus()
+        button.setVisible(action is not None)
+        return 0 if action is None else button.sizeHint().width() + GAP
 
     def sizeHint(self) -> QSize:
         """As its face."""
@@ -215,12 +205,13 @@ class Card(QWidget):
         return self.face.minimumSizeHint()
 
     def resizeEvent(self, _event: QResizeEvent) -> None:
-        """The stop button lies on the face, in its lower right corner."""
+        """The buttons lie on the face, at its right."""
         self._place()
 
     def _place(self) -> None:
         self.face.setGeometry(self.rect())
-        self.stop.setGeometry(self.face.stop_place(self.stop.sizeHint()))
+        for button in (self.stop, self.ask_back):
+            button.setGeometry(self.face.button_place(button.sizeHint()))
 
 
 class Cards(QWidget):
@@ -262,18 +253,31 @@ class Cards(QWidget):
 
     def _made(self) -> Card:
         card = Card(self)
-        card.setMaximumHeight(card.sizeHint().height())
         card.asked.connect(self.asked)
         card.face.focused.connect(lambda _face: self.reveal.emit(card))
         self._rows.addWidget(card)
         return card
 
 
-def _parts(card: RobotCard) -> list[str]:
-    """What the last line says, the most important part first: trouble, then who else commands it."""
-    commanded = card.commanded[:1].upper() + card.commanded[1:]
-    first = (card.state, commanded) if card.trouble else (commanded, card.state)
-    return [part for part in (*first, card.place) if part]
+def _told(painter: QPainter, line: QRectF, marked: Sign | None, ink: str, words: str, beside: str = "") -> None:
+    """A line of a card: a sign and the words it stands for, boldly, or without one plain words; what is beside them."""
+    small = QFontMetricsF(font("small"))
+    left, middle = line.left(), Qt.AlignmentFlag.AlignLeft | Qt.AlignmentFlag.AlignVCenter
+    if marked is not None:
+        side = small.height() * 0.9
+        sign(painter, QRectF(left, line.center().y() - side / 2, side, side), marked, ink)
+        left += side + GAP / 2.0
+    face = font("small", bold=marked is not None)
+    shown = elided(words, line.right() - left, QFontMetricsF(face))
+    painter.setFont(face)
+    painter.setPen(QColor(ink))
+    painter.drawText(QRectF(left, line.top(), line.right() - left, line.height()), middle, shown)
+    left += QFontMetricsF(face).horizontalAdvance(shown)
+    if shown == words and beside:
+        space = QRectF(left, line.top(), line.right() - left, line.height())
+        painter.setFont(font("small"))
+        painter.setPen(QColor(colours().muted))
+        painter.drawText(space, middle, elided(f" · {beside}", space.width(), small))
 
 
 def draw_energy(painter: QPainter, rect: QRectF, card: RobotCard) -> None:

@@ -9,7 +9,7 @@ from itertools import combinations
 
 import pytest
 from PySide6.QtCore import QEvent, QObject, QPoint, Qt
-from PySide6.QtGui import QAccessible
+from PySide6.QtGui import QAccessible, QFontMetricsF
 from PySide6.QtWidgets import QApplication, QLabel, QWidget
 from pytestqt.qtbot import QtBot
 
@@ -19,6 +19,7 @@ from ui.model.screen import (
     Act,
     AgreeToTakePart,
     AnotherGame,
+    AskForRobot,
     ChooseRobot,
     ChooseRoom,
     ConsiderRoom,
@@ -42,8 +43,10 @@ from ui.model.screen import (
     Told,
     TypeDigit,
 )
+from ui.windows.look import GAP, font
 from ui.windows.map import MapView
 from ui.windows.participant.buttons import ActionButton, AskingButton
+from ui.windows.participant.cards import EDGE, PAD, Card
 from ui.windows.participant.finding import Facts, Picture, Verdict
 from ui.windows.participant.pages import Keys
 from ui.windows.participant.panels import Bubble, Chip, Panel
@@ -71,6 +74,7 @@ CLICKS: list[tuple[str, Act]] = [
     ("playing", ChooseRoom(5)),
     ("playing", DontKnow()),
     ("playing", StopRobot(0)),
+    ("commanded", AskForRobot(1)),
     ("playing", EndGame()),
     ("playing", FollowRobot()),
     ("playing", FitMap()),
@@ -131,6 +135,7 @@ KEYS: list[tuple[str, str, Act]] = [
     ("playing", "5", TypeDigit(5)),
     ("playing", "D", DontKnow()),
     ("playing", "X", StopRobot()),
+    ("commanded", "B", AskForRobot()),
     ("playing", "E", EndGame()),
     ("playing", "F", FollowRobot()),
     ("playing", "M", FitMap()),
@@ -367,8 +372,33 @@ def _look_for_overlaps(window: QWidget, state: str) -> None:
 
 
 def _on_its_card(one: QWidget, other: QWidget) -> bool:
-    """The stop button lies on its card, where the card leaves room for it."""
+    """A card's button lies on it, where the card leaves room for it."""
     return "Card" in {type(one.parentWidget()).__name__, type(other.parentWidget()).__name__}
+
+
+@pytest.mark.parametrize("width", [220, 336])
+def test_who_commands_a_robot_is_read_beside_the_button_and_what_it_does_below(qtbot: QtBot, width: int) -> None:
+    card = Card()
+    qtbot.addWidget(card)
+    card.resize(width, card.sizeHint().height())
+    card.show_card(samples.commanded(2, selected=True))
+    card.resize(width, card.sizeHint().height())
+    button, small = card.ask_back.geometry(), QFontMetricsF(font("small", bold=True))
+    room = button.left() - PAD - 0.9 * small.height() - GAP / 2.0
+    assert width < 336 or room >= small.horizontalAdvance("Ground station 255")
+    plain = QFontMetricsF(font("small"))
+    assert plain.horizontalAdvance("travelling to room 4 · from room 1") <= width - 2.0 * PAD
+    assert button.bottom() + plain.height() <= card.height() - EDGE
+
+
+def test_a_robot_that_comes_back_has_a_lower_card_and_keeps_the_focus(opened: Open) -> None:
+    shown = opened(STATES["commanded"])
+    card = shown.window.column.cards.cards[0]
+    card.ask_back.setFocus()
+    high = card.maximumHeight()
+    shown.show(STATES["playing"])
+    assert card.maximumHeight() < high and not card.ask_back.isVisible() and card.stop.isVisible()
+    assert card.face.hasFocus()
 
 
 def test_six_robots_and_twelve_rooms_need_no_scrolling(opened: Open) -> None:

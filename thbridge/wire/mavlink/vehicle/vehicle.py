@@ -127,6 +127,8 @@ class Vehicle:
         self._conduct.step(tick, readings)
         for sentence in readings.news:
             self._texts.say(Severity.INFO, sentence)
+        for sentence in readings.asked:
+            self._texts.say(Severity.NOTICE, sentence)
         if not readings.answers:
             return
         yield from self._stream(tick)

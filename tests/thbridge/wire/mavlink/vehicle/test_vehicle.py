@@ -8,6 +8,7 @@ import pytest
 from tests.thbridge.wire.mavlink.rig import HERE, SECOND, Rig, messages
 from thbridge.wire.mavlink.dialect import decoded, mav, payload_of
 from thbridge.wire.mavlink.options import Identity
+from thbridge.wire.mavlink.vehicle.parts import Severity
 
 ONCE_A_SECOND = {
     "HEARTBEAT",
@@ -90,6 +91,13 @@ def test_news_of_the_game_are_told_to_people():
     rig.run(1)
     rig.robot.readings = replace(rig.robot.readings, news=())
     assert rig.texts() == ["Robot 3 has reached room 4."]
+
+
+def test_what_the_participant_asks_for_is_more_than_news():
+    rig = Rig()
+    rig.robot.readings = replace(rig.robot.readings, asked=("The participant asks for robot 3 back.",))
+    (told,) = [word.message for word in rig.run(1) if word.message.get_type() == "STATUSTEXT"]
+    assert (told.severity, told.text.rstrip("\0")) == (Severity.NOTICE, "The participant asks for robot 3 back.")
 
 
 def test_a_link_that_is_gone_takes_its_rates_along():
