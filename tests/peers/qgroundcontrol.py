@@ -6,12 +6,14 @@ Facts are from mavlink/qgroundcontrol, master of 2026: `InitialConnectStateMachi
 judge vehicles by, and it notes for each request how often it had to ask.
 """
 
+import json
 import math
 import struct
 from collections.abc import Callable, Iterable
 from dataclasses import dataclass, field
-from typing import Protocol
+from typing import Any, Protocol
 
+from tests.peers.qgroundcontrol_files import FileNotReadError, Files
 from thbridge.wire.mavlink.dialect import Message, mav, name_of
 
 SYSTEM, COMPONENT = 255, 190
@@ -26,6 +28,9 @@ FTP_TIMEOUT, FTP_TRIES = 1.0, 4
 
 COMPONENT_METADATA, COMPONENT_INFORMATION, PROTOCOL_VERSION, GIMBAL_MANAGER_INFORMATION = 397, 395, 300, 280
 """By number: pymavlink's dialect does not know all of them, and a vehicle need not either, as long as it says so."""
+
+TYPE_PARAMETER = 1
+"""Of COMP_METADATA_TYPE."""
 
 FTP_NAK, FTP_OPEN = 129, 4
 FTP_FILE_NOT_FOUND = 10
@@ -70,6 +75,8 @@ class Learned:
         modes: custom mode and name of each that was offered.
         parameters: by name.
         items: of each mission type that was read.
+        files: about the vehicle, by where they are.
+        meanings: of parameters, as the file about them has them, by name.
     """
 
     steps: list[Step] = field(default_factory=list)
@@ -77,6 +84,8 @@ class Learned:
     modes: dict[int, str] = field(default_factory=dict)
     parameters: dict[str, float] = field(default_factory=dict)
     items: dict[int, list[Message]] = field(default_factory=dict)
+    files: dict[str, bytes] = field(default_factory=dict)
+    meanings: dict[str, dict[str, Any]] = field(default_factory=dict)
 
 
 class QGroundControl:
@@ -98,6 +107,7 @@ class QGroundControl:
         self.armed = self.flying = False
         self.mode = -1
         self.kept: list[Message] = []
+        self.files = Files(self, system)
 
     def connect(self) -> Learned:
         """The whole sequence, from the first heartbeat to `initialConnectComplete`."""
@@ -144,8 +154,34 @@ class QGroundControl:
         self.learned.steps.append(Step("modes", 1, "the last one did not come"))
 
     def asks_for_metadata(self) -> None:
-        if self.request(COMPONENT_METADATA) is None:
-            self.request(COMPONENT_INFORMATION)
+        """The file that tells of all others, and that about parameters; both only if their checksums are told."""
+        if (told := self.request(COMPONENT_METADATA)) is not None:
+            uri = told.uri
+        elif (told := self.request(COMPONENT_INFORMATION)) is not None:
+            uri = told.general_metadata_uri
+        else:
+            return
+        general = self.reads_file(uri)
+        for about in () if general is None else general["metadataTypes"]:
+            if about["type"] == TYPE_PARAMETER and about["uri"] and "fileCrc" in about:
+                parameters = self.reads_file(about["uri"])
+                for each in () if parameters is None else parameters["parameters"]:
+                    self.learned.meanings[each["name"]] = each
+
+    def reads_file(self, uri: str) -> dict[str, Any] | None:
+        """A file of JSON, of the one version that is read; None: there is none, or it does not come."""
+        try:
+            content = self.files.download(uri)
+        except FileNotReadError as refused:
+            self.learned.steps.append(Step(f"file {uri}", 1, str(refused)))
+            return None
+        self.learned.steps.append(Step(f"file {uri}", 1, f"{len(content)} bytes"))
+        self.learned.files[uri] = content
+        read: dict[str, Any] = json.loads(content)
+        return read if read["version"] == 1 else None
+
+    def say(self, message: Message) -> None:
+        self.link.send(message)
 
     def asks_for_gimbals(self) -> None:
         self.request(GIMBAL_MANAGER_INFORMATION)

@@ -3,6 +3,7 @@
 The session runs in this process, and the ground station waits by its ticks: what took a second of silence would show.
 """
 
+import json
 import math
 import random
 from collections import deque
@@ -21,6 +22,7 @@ from thbridge.app.session import Session
 from thbridge.wire.mavlink.dialect import Message, crc_extra, decoded, mav, payload_of
 from thbridge.wire.mavlink.frames.frame import Frame
 from thbridge.wire.mavlink.hub import Sent
+from thbridge.wire.mavlink.vehicle.metadata_files import checksum
 from thbridge.wire.mavlink.vehicle.vehicle import Identity
 from thbridge.wire.router import Router
 
@@ -57,6 +59,7 @@ class Loopback:
     chance: random.Random = field(default_factory=lambda: random.Random(1))
     came: deque[Message] = field(default_factory=deque)
     sequence: int = 0
+    robot: int = ROBOT
 
     def __post_init__(self) -> None:
         self.number = self.session.open_link("loopback")
@@ -85,7 +88,7 @@ class Loopback:
 
     def _take(self, sent: Sequence[Sent]) -> None:
         for word in sent:
-            if word.link == self.number and word.frame.system == ROBOT and self.chance.random() >= self.loss:
+            if word.link == self.number and word.frame.system == self.robot and self.chance.random() >= self.loss:
                 message = decoded(word.frame.message_id, word.frame.payload)
                 assert message is not None
                 self.came.append(message)
@@ -121,6 +124,43 @@ def test_it_learns_modes_parameters_and_plans(identity: Identity) -> None:
     assert all(len(items) <= 1 for items in learned.items.values())  # there is no plan but, maybe, home
 
 
+@pytest.mark.parametrize("identity", IDENTITIES)
+def test_it_learns_what_every_parameter_means(identity: Identity) -> None:
+    station, learned = connected(identity)
+    assert learned.capabilities & mav.MAV_PROTOCOL_CAPABILITY_FTP
+    assert set(learned.meanings) == set(learned.parameters)
+    limit = learned.meanings["TP_MAX_VEL_X"]
+    assert (limit["units"], limit["group"], limit["type"]) == ("m/s", "base_local_planner", "Float")
+    assert limit["default"] == pytest.approx(learned.parameters["TP_MAX_VEL_X"])
+    told = station.request(397)
+    assert told is not None
+    assert told.file_crc == checksum(learned.files[told.uri])
+    (about,) = json.loads(learned.files[told.uri])["metadataTypes"]
+    assert about["fileCrc"] == checksum(learned.files[about["uri"]])
+
+
+def test_robots_with_the_same_parameters_have_files_that_are_kept_but_once() -> None:
+    kept = set()
+    for robot in (1, 2):
+        told = QGroundControl(Loopback(sitting(Identity.GENERIC), robot=robot), robot, ardupilot=False).request(397)
+        assert told is not None
+        kept.add((told.uri, told.file_crc))
+    assert len(kept) == 1
+
+
+def test_over_a_bad_link_files_arrive_whole_or_not_at_all() -> None:
+    """It opens a file once, so that of ten tries on a link that loses a tenth each way some fail."""
+    _, learned = connected(Identity.GENERIC)
+    for seed in range(10):
+        station = QGroundControl(Loopback(sitting(Identity.GENERIC), 0.1, random.Random(seed)), ROBOT, ardupilot=False)
+        station.asks_for_metadata()
+        assert station.learned.files.items() <= learned.files.items()
+        if station.learned.files == learned.files:
+            assert station.learned.meanings == learned.meanings
+            return
+    pytest.fail("no try succeeded")
+
+
 @pytest.mark.parametrize("kind", [mav.MAV_MISSION_TYPE_FENCE, mav.MAV_MISSION_TYPE_RALLY])
 @pytest.mark.parametrize("identity", IDENTITIES)
 def test_fence_and_rally_are_empty_for_a_station_that_missed_that_there_are_none(identity: Identity, kind: int) -> None:
@@ -136,6 +176,7 @@ def test_it_connects_though_a_third_of_all_frames_are_lost(identity: Identity) -
     got, count = next(step.answer for step in learned.steps if step.name == "parameters").split(" of ")
     assert int(got) > 0.9 * int(count)  # it gives each five tries
     assert mav.MAV_MISSION_TYPE_MISSION in learned.items
+    assert learned.files.items() <= connected(identity)[1].files.items()  # what came came whole
 
 
 def waypoint(seq: int, x: int, y: int) -> Message:
