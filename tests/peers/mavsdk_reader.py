@@ -1,8 +1,9 @@
 """A ground station of MAVSDK's that reads a robot's files and metadata, and prints what it got as JSON.
 
-Its standard input is one JSON object: `url` to listen at, the number of the `robot`, and a `folder` for files. The last
-line of its output is another: the files that were `listed`, each of them as it was `downloaded`, by bursts and without,
-whether checksums are `identical`, what may be `written`, and the `metadata` of parameters.
+Its standard input is one JSON object: `url` to listen at, the number of the `robot`, a `folder` for files, and whether
+to download them by `bursts`, once for each. The last line of its output is another: the files that were `listed`, each
+of them as it was `downloaded`, whether checksums are `identical`, what may be `written`, and the `metadata` of
+parameters.
 """
 
 import asyncio
@@ -47,7 +48,7 @@ async def plays(orders: dict[str, Any]) -> dict[str, Any]:
         listing = await files.list_directory("/")
         told["listed"] = {entry.name: entry.size_bytes for entry in listing.entries}
         for name in told["listed"]:
-            for by_bursts in (False, True):
+            for by_bursts in orders["bursts"]:
                 async for _ in files.download(name, str(folder), by_bursts):
                     pass
                 told["downloaded"].append((name, (folder / name).read_text()))

@@ -1,16 +1,19 @@
-"""Missions of real clients over links that lose thirty per cent of all datagrams, both ways: they arrive whole."""
+"""Missions and files of real clients over links that lose thirty per cent of all datagrams, both ways: whole."""
 
 import json
+import os
 import subprocess
 from collections.abc import Iterator
 from pathlib import Path
 
 import pytest
+from pymavlink.mavftp import MAVFTP
 
 from tests.peers.lossy import LossyLink, lossy_link
 from tests.peers.rovers import PEERS, free_udp_port, needs, rovers
 from tests.peers.scripting import Script, mav
 from tests.system.programs import Program, until
+from thbridge.wire.mavlink.vehicle.metadata_files import checksum
 
 LOSS = 0.3
 STATION = Path(__file__).with_name("mavsdk_uploader.py")
@@ -86,6 +89,22 @@ def test_a_script_s_mission_arrives(lossy: tuple[Program, int, int, tuple[LossyL
     assert all(link.lost.values()), "or the link was not bad"
 
 
+@pytest.mark.slow
+def test_a_script_s_files_arrive(lossy: tuple[Program, int, int, tuple[LossyLink, LossyLink]], tmp_path: Path) -> None:
+    _, port, _, _ = lossy
+    script = Script(f"udpin:127.0.0.1:{port}", 255)
+    assert script.master.wait_heartbeat(timeout=60) is not None
+    client = MAVFTP(script.master, target_system=1, target_component=1)
+    client.cmd_set(["burst_read_size", "239"])
+    for name in ("general.json", "parameters.json"):
+        while not (tmp_path / name).exists():
+            client.cmd_get([name, str(tmp_path / name)])
+            client.process_ftp_reply("OpenFileRO", timeout=PATIENCE)
+    script.master.close()
+    (about,) = json.loads((tmp_path / "general.json").read_bytes())["metadataTypes"]
+    assert about["fileCrc"] == checksum((tmp_path / "parameters.json").read_bytes())
+
+
 @needs("mavsdk")
 def test_mavsdk_s_mission_arrives(lossy: tuple[Program, int, int, tuple[LossyLink, LossyLink]]) -> None:
     play, _, port, (_, link) = lossy
@@ -98,3 +117,22 @@ def test_mavsdk_s_mission_arrives(lossy: tuple[Program, int, int, tuple[LossyLin
     told = json.loads(done.stdout.splitlines()[-1])
     assert [tuple(place) for place in told["read"]] == PLACES
     assert all(link.lost.values()), "or the link was not bad"
+
+
+@pytest.mark.slow
+@needs("mavsdk")
+def test_mavsdk_s_files_and_metadata_arrive(
+    lossy: tuple[Program, int, int, tuple[LossyLink, LossyLink]], tmp_path: Path
+) -> None:
+    play, _, port, _ = lossy
+    orders = {"url": f"udpin://127.0.0.1:{port}", "robot": 2, "folder": str(tmp_path), "bursts": [True]}
+    done = subprocess.run(
+        [PEERS / "mavsdk" / "bin" / "python", STATION.with_name("mavsdk_reader.py")],
+        input=json.dumps(orders), capture_output=True, text=True, timeout=PATIENCE, check=False,
+        env={**os.environ, "HOME": str(tmp_path), "XDG_CACHE_HOME": str(tmp_path / "cache")},
+    )  # fmt: skip
+    assert done.returncode == 0, done.stdout + done.stderr + play.text
+    told = json.loads(done.stdout.splitlines()[-1])
+    assert {name: len(content) for name, content in told["downloaded"]} == told["listed"]
+    assert told["identical"] == [True] * 2
+    assert told["metadata"] == json.loads(dict(told["downloaded"])["parameters.json"])

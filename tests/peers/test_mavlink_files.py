@@ -68,7 +68,7 @@ def test_pymavlink_gets_them_whole(files: dict[str, bytes]) -> None:
 def test_mavsdk_gets_them_and_the_metadata_by_itself(
     files: dict[str, bytes], play: Program, ports: tuple[int, int, int], tmp_path: Path
 ) -> None:
-    orders = {"url": f"udpin://127.0.0.1:{ports[1]}", "robot": 2, "folder": str(tmp_path)}
+    orders = {"url": f"udpin://127.0.0.1:{ports[1]}", "robot": 2, "folder": str(tmp_path), "bursts": [False, True]}
     done = subprocess.run(
         [PEERS / "mavsdk" / "bin" / "python", READER],
         input=json.dumps(orders), capture_output=True, text=True, timeout=PATIENCE, check=False,

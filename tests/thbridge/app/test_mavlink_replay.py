@@ -1,6 +1,7 @@
 """Recordings of hunts in which ground stations took part, run again: whole, or by their frames alone."""
 
 import asyncio
+import json
 import math
 import random
 from collections.abc import Callable
@@ -37,6 +38,9 @@ from thbridge.wire.mavlink.said import LinkId
 from thbridge.wire.router import Router
 
 STUDY = replace(Study(), seed=7, robots=2, mavlink=MavlinkSection(on=True))
+OPEN, BURST = 4, 15
+"""Of MAV_FTP_OPCODE."""
+
 TO = Topic("/robot1/mavlink/to", types.MAVLINK)
 
 
@@ -133,6 +137,25 @@ def test_a_home_that_was_set_is_set_again(tmp_path: Path):
     told = decoded(home.message_id, home.payload)
     assert (told.x, told.y) == pytest.approx((1.4, -2.7))
     equal(bag, 60)
+
+
+def test_a_file_that_a_station_read_is_read_again_bit_for_bit(tmp_path: Path):
+    bag = tmp_path / "hunt.bag"
+    name = b"/parameters.json"
+
+    def reading(tick: int, session: Session) -> None:
+        if tick == 10:
+            station = Station(session)
+            for sequence, opcode, size, data in ((1, OPEN, len(name), name), (3, BURST, 239, b"")):
+                asked = bytes((sequence, 0, 0, opcode, size, *[0] * 7)) + data
+                station.say(mav.MAVLink_file_transfer_protocol_message(0, 1, 1, list(asked.ljust(251, b"\0"))))
+
+    record(bag, 100, reading)
+    told = [unpack.mavlink(raw.data) for raw in messages(bag, ["/robot1/mavlink/from"])]
+    pieces = [frame.payload for frame in told if frame.message_id == mav.MAVLINK_MSG_ID_FILE_TRANSFER_PROTOCOL]
+    content = b"".join(piece.ljust(254, b"\0")[15 : 15 + piece[7]] for piece in pieces[1:])
+    assert {each["name"] for each in json.loads(content)["parameters"]} >= {each.name for each in PARAMETERS}
+    equal(bag, 100)
 
 
 def test_frames_say_nothing_to_robots_that_are_no_vehicles_any_more(tmp_path: Path):

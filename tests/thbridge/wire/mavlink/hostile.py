@@ -67,6 +67,9 @@ def orders(system):
     yield mav.MAVLink_param_set_message(system, 1, b"PARAM_03", 2.0, 9)
     yield mav.MAVLink_param_request_list_message(system, 1)
     yield mav.MAVLink_param_request_read_message(system, 1, b"PARAM_04", -1)
+    for opcode, name in ((1, b""), (3, b""), (4, b"parameters.json"), (5, b""), (14, b"general.json"), (15, b"")):
+        asked = bytes((0, 0, 0, opcode, len(name) or 80, *[0] * 7)) + name
+        yield mav.MAVLink_file_transfer_protocol_message(0, system, 1, list(asked.ljust(251, b"\0")))
     yield mav.MAVLink_change_operator_control_message(system, 0, 0, b"")
     yield mav.MAVLink_set_mode_message(system, 1, 15)
     yield mav.MAVLink_set_home_position_message(system, north, east, 0, 0, 0, 0, [1, 0, 0, 0], 0, 0, 0)
