@@ -8,8 +8,8 @@ from dataclasses import dataclass
 from enum import Enum, StrEnum
 from typing import Protocol
 
-from sim.geometry import Pose2
-from sim.observations import Twist
+from sim.geometry import IDENTITY, Pose2
+from sim.observations import STANDSTILL, Twist
 
 
 @dataclass(frozen=True, slots=True)
@@ -127,6 +127,22 @@ class Readings:
     leg: Leg | None
     news: tuple[str, ...] = ()
     asked: tuple[str, ...] = ()
+
+
+NOTHING_KNOWN = Readings(
+    base_in_map=IDENTITY,
+    twist=STANDSTILL,
+    goal_in_map=None,
+    energy=0.0,
+    capacity=0.0,
+    answers=False,
+    lost=False,
+    under_way=False,
+    commander=None,
+    commanded_by=PARTICIPANT,
+    leg=None,
+)
+"""Before the first tick."""
 
 
 @dataclass(frozen=True, slots=True)

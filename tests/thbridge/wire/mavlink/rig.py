@@ -143,7 +143,9 @@ class Rig:
 
 def home_of(robot, earth, announce):
     """The home of a robot alone."""
-    return Home(robot, CommandOf(robot, 5.0), earth, announce, robot.readings)
+    home = Home(robot, CommandOf(robot, 5.0), earth, announce)
+    list(home.step(0, robot.readings))
+    return home
 
 
 HEARTBEAT = mav.MAVLink_heartbeat_message(6, 8, 0, 0, 4, 3)

@@ -2,7 +2,7 @@
 
 from sim.observations import TICKS_PER_SECOND
 from thbridge.wire.mavlink.conventions import BY_OTHERS, BY_PARTICIPANT
-from thbridge.wire.mavlink.helm import PARTICIPANT, Denied, Helm, Readings, Refusal, Station
+from thbridge.wire.mavlink.helm import NOTHING_KNOWN, PARTICIPANT, Denied, Helm, Readings, Refusal, Station
 
 _AWAY = TICKS_PER_SECOND
 """Ticks of somebody else's command after which it counts as taken away. Before that it may be on its way: what a
@@ -27,7 +27,7 @@ class CommandOf:
         self._heard = 0
         self._away = 0
         self._tick = 0
-        self._readings: Readings | None = None
+        self._readings = NOTHING_KNOWN
 
     @property
     def station(self) -> Station | None:
@@ -39,7 +39,7 @@ class CommandOf:
         """Who commands, as one number: a station's system id, `BY_PARTICIPANT`, or `BY_OTHERS`."""
         if self._station is not None and not self.is_overruled:
             return self._station.system
-        return BY_PARTICIPANT if self._commanded_by() == PARTICIPANT else BY_OTHERS
+        return BY_PARTICIPANT if self._readings.commanded_by == PARTICIPANT else BY_OTHERS
 
     @property
     def is_lost(self) -> bool:
@@ -50,7 +50,7 @@ class CommandOf:
     def is_overruled(self) -> bool:
         """Somebody beside the game drives the robot for a while; it comes back to the station in command."""
         ours, readings = str(self._station), self._readings
-        if self._station is None or readings is None or readings.commander not in (None, ours):
+        if self._station is None or readings.commander not in (None, ours):
             return False
         return readings.commanded_by not in (PARTICIPANT, ours)
 
@@ -61,10 +61,10 @@ class CommandOf:
     def objection(self, station: Station) -> Denied | None:
         """Why this station may not move the robot; None when it may."""
         if self._station is None:
-            return Denied(f"Commanded by {self._commanded_by()}: arm the robot to take command.")
+            return Denied(f"Commanded by {self._readings.commanded_by}: arm the robot to take command.")
         reserved = self.reserved(station)
         if reserved is None and self.is_overruled:
-            return Denied(f"Commanded by {self._commanded_by()} just now.", Refusal.NOT_NOW)
+            return Denied(f"Commanded by {self._readings.commanded_by} just now.", Refusal.NOT_NOW)
         return reserved
 
     def reserved(self, station: Station) -> Denied | None:
@@ -106,6 +106,3 @@ class CommandOf:
             return False
         self._station = None
         return True
-
-    def _commanded_by(self) -> str:
-        return PARTICIPANT if self._readings is None else self._readings.commanded_by

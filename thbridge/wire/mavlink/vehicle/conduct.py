@@ -7,7 +7,7 @@ from dataclasses import dataclass
 
 from sim.observations import TICKS_PER_SECOND, Twist
 from thbridge.wire.mavlink.conventions import ARRIVED
-from thbridge.wire.mavlink.helm import Denied, Helm, Leg, LegState, Readings, Refusal, Station, Target
+from thbridge.wire.mavlink.helm import NOTHING_KNOWN, Denied, Helm, Leg, LegState, Readings, Refusal, Station, Target
 from thbridge.wire.mavlink.modes import Mode
 from thbridge.wire.mavlink.options import Failsafe
 from thbridge.wire.mavlink.vehicle.command_of import CommandOf
@@ -43,7 +43,6 @@ class Conduct:
         home: where it returns to.
         failsafe: what it does when the station that commands it is lost.
         announce: tells people.
-        readings: the robot as it is at first.
 
     Attributes:
         failsafe: as above; may be set anew.
@@ -58,7 +57,6 @@ class Conduct:
         home: Home,
         failsafe: Failsafe,
         announce: Announce,
-        readings: Readings,
     ) -> None:
         self._helm = helm
         self._command = command
@@ -67,7 +65,7 @@ class Conduct:
         self._hand = hand
         self.failsafe = failsafe
         self._announce = announce
-        self._readings = readings
+        self._readings = NOTHING_KNOWN
         self._tick = 0
         self._mode = Mode.HOLD
         self._target: Target | None = None

@@ -7,7 +7,7 @@ from typing import TypeAlias
 from sim.observations import Twist
 from thbridge.wire.mavlink.coordinates import GLOBAL, LOCAL, point_in_map, theta_of
 from thbridge.wire.mavlink.dialect import Message, mav
-from thbridge.wire.mavlink.helm import Denied, Helm, Readings, Station, Target
+from thbridge.wire.mavlink.helm import NOTHING_KNOWN, Denied, Helm, Readings, Station, Target
 from thbridge.wire.mavlink.modes import Mode
 from thbridge.wire.mavlink.said import LinkId, Said
 from thbridge.wire.mavlink.vehicle.command_of import CommandOf
@@ -77,7 +77,7 @@ class Controls:
         self._repertoire = repertoire
         self._earth = earth
         self._announce = announce
-        self._readings: Readings | None = None
+        self._readings = NOTHING_KNOWN
 
     def hear(self, link: LinkId, sender: Station, message: Message) -> Iterator[Said]:
         """A stick, a setpoint, or an old way to ask for a mode, a place or the command."""
@@ -147,7 +147,7 @@ class Controls:
     # -- setpoints ----------------------------------------------------------------------------------------------------
 
     def _setpoint(self, sender: Station, message: _Setpoint) -> Denied | None:
-        if self._readings is None or self._conduct.mode is not Mode.GUIDED:
+        if self._conduct.mode is not Mode.GUIDED:
             return None
         objection = self._command.objection(sender)
         if objection is not None:
@@ -171,7 +171,7 @@ class Controls:
             if message.coordinate_frame not in GLOBAL:
                 return None
             return self._earth.point(Place(message.lat_int, message.lon_int))
-        if self._readings is None or message.coordinate_frame not in LOCAL:
+        if message.coordinate_frame not in LOCAL:
             return None
         return point_in_map(message.coordinate_frame, message.x, message.y, self._readings.base_in_map)
 

@@ -9,7 +9,7 @@ from collections.abc import Iterator
 
 from thbridge.wire.mavlink.coordinates import quaternion
 from thbridge.wire.mavlink.dialect import Message, mav
-from thbridge.wire.mavlink.helm import Denied, Helm, Readings, Refusal, Station, Target
+from thbridge.wire.mavlink.helm import NOTHING_KNOWN, Denied, Helm, Readings, Refusal, Station, Target
 from thbridge.wire.mavlink.said import LinkId, Said
 from thbridge.wire.mavlink.vehicle.boot_time import microseconds
 from thbridge.wire.mavlink.vehicle.command_of import CommandOf
@@ -27,15 +27,14 @@ class Home:
         command: who is in command of it.
         earth: where its map lies.
         announce: tells people.
-        readings: the robot as it is at first.
     """
 
-    def __init__(self, helm: Helm, command: CommandOf, earth: Earth, announce: Announce, readings: Readings) -> None:
+    def __init__(self, helm: Helm, command: CommandOf, earth: Earth, announce: Announce) -> None:
         self._helm = helm
         self._command = command
         self._earth = earth
         self._announce = announce
-        self._readings = readings
+        self._readings = NOTHING_KNOWN
         start = helm.start()
         self._target = Target(start.x, start.y, start.theta)
         self._is_news = False

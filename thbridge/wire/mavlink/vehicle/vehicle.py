@@ -5,10 +5,8 @@ Source: the MAVLink developer guide, "Microservices".
 
 from collections.abc import Iterator
 
-from sim.geometry import IDENTITY
-from sim.observations import STANDSTILL
 from thbridge.wire.mavlink.dialect import Message, mav
-from thbridge.wire.mavlink.helm import PARTICIPANT, Helm, Readings, Station
+from thbridge.wire.mavlink.helm import NOTHING_KNOWN, Helm, Readings, Station
 from thbridge.wire.mavlink.modes import Mode
 from thbridge.wire.mavlink.options import Identity, VehicleOptions
 from thbridge.wire.mavlink.said import LinkId, Said, Status
@@ -33,21 +31,6 @@ from thbridge.wire.mavlink.vehicle.streams import Streams
 from thbridge.wire.mavlink.vehicle.telemetry import Standing, Telemetry, default_streams
 from thbridge.wire.mavlink.vehicle.texts import Texts
 
-_NOTHING_KNOWN = Readings(
-    base_in_map=IDENTITY,
-    twist=STANDSTILL,
-    goal_in_map=None,
-    energy=0.0,
-    capacity=0.0,
-    answers=False,
-    lost=False,
-    under_way=False,
-    commander=None,
-    commanded_by=PARTICIPANT,
-    leg=None,
-)
-"""Before the first tick."""
-
 
 class Vehicle:
     """One robot's voice in MAVLink.
@@ -64,15 +47,15 @@ class Vehicle:
     def __init__(self, system: int, helm: Helm, options: VehicleOptions) -> None:
         self.system = system
         self._tick = 0
-        self._readings = _NOTHING_KNOWN
+        self._readings = NOTHING_KNOWN
         self._shown = (Mode.HOLD, False)
         self._texts = Texts()
         announce, earth, identity = self._texts.say, Earth(options.origin), options.identity
         ardupilot = identity is Identity.ARDUPILOT
         self._command = CommandOf(helm, options.lost_after)
-        home, hand = Home(helm, self._command, earth, announce, self._readings), Hand(helm, identity)
+        home, hand = Home(helm, self._command, earth, announce), Hand(helm, identity)
         plan = MissionRun(helm, home, earth, announce, ardupilot)
-        self._conduct = Conduct(helm, hand, self._command, plan, home, options.failsafe, announce, self._readings)
+        self._conduct = Conduct(helm, hand, self._command, plan, home, options.failsafe, announce)
         self._streams = Streams(default_streams(options.position_rate, identity), system)
         parameters = OwnParameters(system, helm, self._command, self._conduct)
         files = MetadataFiles(parameters)
