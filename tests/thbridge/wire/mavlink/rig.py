@@ -8,7 +8,6 @@ from thbridge.wire.mavlink.dialect import decoded, mav, payload_of
 from thbridge.wire.mavlink.helm import LegState, Station
 from thbridge.wire.mavlink.options import Failsafe, Identity, Origin, VehicleOptions
 from thbridge.wire.mavlink.said import LinkId
-from thbridge.wire.mavlink.vehicle.command_of import CommandOf
 from thbridge.wire.mavlink.vehicle.home import Home
 from thbridge.wire.mavlink.vehicle.vehicle import Vehicle
 
@@ -141,9 +140,9 @@ class Rig:
         return texts
 
 
-def home_of(robot, earth, announce):
+def home_of(robot, earth):
     """The home of a robot alone."""
-    home = Home(robot, CommandOf(robot, 5.0), earth, announce)
+    home = Home(robot, earth)
     list(home.step(0, robot.readings))
     return home
 

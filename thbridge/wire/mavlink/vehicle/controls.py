@@ -1,4 +1,4 @@
-"""What drives a robot by other messages than commands: sticks, setpoints, and those of older ground stations."""
+"""What drives a robot without acknowledgement, many times a second: sticks and setpoints."""
 
 import math
 from collections.abc import Iterator
@@ -12,10 +12,9 @@ from thbridge.wire.mavlink.modes import Mode
 from thbridge.wire.mavlink.said import LinkId, Said
 from thbridge.wire.mavlink.vehicle.command_of import CommandOf
 from thbridge.wire.mavlink.vehicle.conduct import Conduct
-from thbridge.wire.mavlink.vehicle.earth import PER_DEGREE, Earth, Place
+from thbridge.wire.mavlink.vehicle.earth import Earth, Place
 from thbridge.wire.mavlink.vehicle.hand import Velocity
 from thbridge.wire.mavlink.vehicle.parts import Announce, Severity
-from thbridge.wire.mavlink.vehicle.repertoire import Repertoire
 
 _NO_AXIS = 0x7FFF
 """Of a stick that is not there."""
@@ -31,16 +30,9 @@ _IGNORE_VELOCITY = 0b11 << 3
 _IGNORE_YAW = 1 << 10
 _IGNORE_YAW_RATE = 1 << 11
 
-_GUIDED_ITEM = 2
-"""`current` of a mission item that is none, but where to go now."""
-
-_CONTROL_GRANTED, _CONTROL_ELSEWHERE = 0, 3
-_REQUEST_CONTROL = 0
-
 _Setpoint: TypeAlias = mav.MAVLink_set_position_target_local_ned_message | (
     mav.MAVLink_set_position_target_global_int_message
 )
-_Item: TypeAlias = mav.MAVLink_mission_item_int_message | mav.MAVLink_mission_item_message
 
 
 class Controls:
@@ -55,7 +47,6 @@ class Controls:
         helm: the robot.
         conduct: its modes.
         command: who is in command of it.
-        repertoire: knows the numbers of modes.
         earth: where its map lies.
         announce: tells people.
     """
@@ -66,7 +57,6 @@ class Controls:
         helm: Helm,
         conduct: Conduct,
         command: CommandOf,
-        repertoire: Repertoire,
         earth: Earth,
         announce: Announce,
     ) -> None:
@@ -74,13 +64,12 @@ class Controls:
         self._helm = helm
         self._conduct = conduct
         self._command = command
-        self._repertoire = repertoire
         self._earth = earth
         self._announce = announce
         self._readings = NOTHING_KNOWN
 
     def hear(self, link: LinkId, sender: Station, message: Message) -> Iterator[Said]:
-        """A stick, a setpoint, or an old way to ask for a mode, a place or the command."""
+        """A stick or a setpoint; nothing is answered."""
         match message:
             case mav.MAVLink_manual_control_message():
                 if message.target == self._system:
@@ -91,20 +80,7 @@ class Controls:
                 self._tell(self._setpoint(sender, message))
             case mav.MAVLink_set_position_target_global_int_message():
                 self._tell(self._setpoint(sender, message))
-            case mav.MAVLink_set_mode_message():
-                reply = self._repertoire.mode_reply(sender, message.base_mode, message.custom_mode, 0)
-                if reply.sentence:
-                    self._announce(Severity.WARNING, reply.sentence)
-                # As ArduPilot does, under the number of the message.
-                answer = mav.MAVLink_command_ack_message(
-                    mav.MAVLINK_MSG_ID_SET_MODE, reply.result, 0, 0, sender.system, sender.component
-                )
-                yield Said(answer, link)
-            case mav.MAVLink_mission_item_int_message() | mav.MAVLink_mission_item_message():
-                if message.current == _GUIDED_ITEM:
-                    yield self._guided_item(link, sender, message)
-            case mav.MAVLink_change_operator_control_message():
-                yield self._operator_control(link, sender, message)
+        return iter(())
 
     def step(self, tick: int, readings: Readings) -> Iterator[Said]:
         """Nothing is said unasked."""
@@ -187,37 +163,6 @@ class Controls:
             velocity = Velocity(frame, message.vx, message.vy, yaw_rate)
         is_one = velocity.frame in LOCAL and _all_finite(velocity.first, velocity.second, yaw_rate)
         return velocity if is_one else None
-
-    # -- older ways ---------------------------------------------------------------------------------------------------
-
-    def _guided_item(self, link: LinkId, sender: Station, item: _Item) -> Said:
-        """Go to the place of a mission item, as ground stations asked for before there was a command for it."""
-        denied = self._command.objection(sender)
-        if denied is None:
-            # In MISSION_ITEM, coordinates are degrees or metres; in the other, degrees times ten million.
-            scale = 1 if isinstance(item, mav.MAVLink_mission_item_int_message) else PER_DEGREE
-            if item.frame not in GLOBAL or not _all_finite(item.x, item.y):
-                denied = Denied("Only a latitude and a longitude can be gone to this way.")
-            else:
-                x, y = self._earth.point(Place(round(item.x * scale), round(item.y * scale)))
-                denied = self._conduct.go(Target(x, y, None))
-        self._tell(denied)
-        result = mav.MAV_MISSION_ACCEPTED if denied is None else mav.MAV_MISSION_DENIED
-        return Said(mav.MAVLink_mission_ack_message(sender.system, sender.component, result), link)
-
-    def _operator_control(
-        self, link: LinkId, sender: Station, message: mav.MAVLink_change_operator_control_message
-    ) -> Said:
-        """Take the command, or give it back: what arming and disarming do, but never by force."""
-        granted = _CONTROL_GRANTED
-        if message.control_request == _REQUEST_CONTROL:
-            denied = self._conduct.arm(sender, by_force=False)
-            self._tell(denied)
-            granted = _CONTROL_GRANTED if denied is None else _CONTROL_ELSEWHERE
-        elif self._command.station == sender:
-            self._conduct.disarm()
-        request = message.control_request
-        return Said(mav.MAVLink_change_operator_control_ack_message(sender.system, request, granted), link)
 
     def _tell(self, denied: Denied | None) -> None:
         if denied is not None:

@@ -12,9 +12,7 @@ from thbridge.wire.mavlink.dialect import Message, mav
 from thbridge.wire.mavlink.helm import NOTHING_KNOWN, Denied, Helm, Readings, Refusal, Station, Target
 from thbridge.wire.mavlink.said import LinkId, Said
 from thbridge.wire.mavlink.vehicle.boot_time import microseconds
-from thbridge.wire.mavlink.vehicle.command_of import CommandOf
 from thbridge.wire.mavlink.vehicle.earth import Earth, Place
-from thbridge.wire.mavlink.vehicle.parts import Announce, Severity
 
 _NO_HEADING = (math.nan,) * 4
 
@@ -24,16 +22,12 @@ class Home:
 
     Args:
         helm: the robot.
-        command: who is in command of it.
         earth: where its map lies.
-        announce: tells people.
     """
 
-    def __init__(self, helm: Helm, command: CommandOf, earth: Earth, announce: Announce) -> None:
+    def __init__(self, helm: Helm, earth: Earth) -> None:
         self._helm = helm
-        self._command = command
         self._earth = earth
-        self._announce = announce
         self._readings = NOTHING_KNOWN
         start = helm.start()
         self._target = Target(start.x, start.y, start.theta)
@@ -72,11 +66,7 @@ class Home:
         return mav.MAVLink_home_position_message(*where, list(heading), *approach, now)
 
     def hear(self, link: LinkId, sender: Station, message: Message) -> Iterator[Said]:
-        """Where home is to be, as stations said before there was a command for it; by latitude and longitude alone."""
-        if isinstance(message, mav.MAVLink_set_home_position_message):
-            denied = self._command.reserved(sender) or self._set_on_earth(Place(message.latitude, message.longitude))
-            if denied is not None:
-                self._announce(Severity.WARNING, denied.sentence)
+        """Nothing is heard: others say where it is to be."""
         return iter(())
 
     def step(self, tick: int, readings: Readings) -> Iterator[Said]:
@@ -88,6 +78,3 @@ class Home:
 
     def forget(self, link: LinkId) -> None:
         """Nothing is known of links."""
-
-    def _set_on_earth(self, place: Place) -> Denied | None:
-        return self.set_here() if place.is_none else self.set_to(Target(*self._earth.point(place), None))

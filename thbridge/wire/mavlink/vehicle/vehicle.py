@@ -22,6 +22,7 @@ from thbridge.wire.mavlink.vehicle.home import Home
 from thbridge.wire.mavlink.vehicle.metadata_files import MetadataFiles
 from thbridge.wire.mavlink.vehicle.mission_run import MissionRun
 from thbridge.wire.mavlink.vehicle.missions import Missions
+from thbridge.wire.mavlink.vehicle.older_ways import OlderWays
 from thbridge.wire.mavlink.vehicle.own_parameters import OwnParameters
 from thbridge.wire.mavlink.vehicle.parameter_protocol import Parameters
 from thbridge.wire.mavlink.vehicle.particulars import Particulars
@@ -53,7 +54,7 @@ class Vehicle:
         announce, earth, identity = self._texts.say, Earth(options.origin), options.identity
         ardupilot = identity is Identity.ARDUPILOT
         self._command = CommandOf(helm, options.lost_after)
-        home, hand = Home(helm, self._command, earth, announce), Hand(helm, identity)
+        home, hand = Home(helm, earth), Hand(helm, identity)
         plan = MissionRun(helm, home, earth, announce, ardupilot)
         self._conduct = Conduct(helm, hand, self._command, plan, home, options.failsafe, announce)
         self._streams = Streams(default_streams(options.position_rate, identity), system)
@@ -76,7 +77,8 @@ class Vehicle:
         self._parts: tuple[Part, ...] = (
             home,
             Commands(repertoire, self._command, self._conduct, announce),
-            Controls(system, helm, self._conduct, self._command, repertoire, earth, announce),
+            Controls(system, helm, self._conduct, self._command, earth, announce),
+            OlderWays(repertoire, self._conduct, self._command, home, earth, announce),
             Missions(plan, announce),
             Parameters(parameters, announce, ardupilot),
             FileTransfer(lambda: files.contents),

@@ -143,21 +143,6 @@ def test_anybody_may_stop_a_robot_of_the_participant_s(rig):
     assert rig.robot.asked == [("halt",)]
 
 
-def test_the_operator_s_control_is_the_command(rig):
-    def change(request, station=US):
-        (said,) = rig.hear(mav.MAVLink_change_operator_control_message(3, request, 0, b""), station)
-        rig.run(1)
-        return said.message.gcs_system_id, said.message.control_request, said.message.ack
-
-    assert change(0) == (255, 0, 0)
-    assert rig.go(1, 1) == [ACCEPTED]
-    assert change(0, THEM) == (245, 0, 3)
-    assert change(1, THEM) == (245, 1, 0)
-    assert rig.go(1, 1) == [ACCEPTED], "who is not in command has nothing to give back"
-    assert change(1) == (255, 1, 0)
-    assert rig.robot.calls("release")
-
-
 def test_a_command_that_was_taken_away_is_gone(armed):
     armed.go(5, 5)
     armed.robot.readings = replace(armed.robot.readings, commander=None, commanded_by="participant")
@@ -216,13 +201,6 @@ def test_a_mode_that_is_none_is_denied(armed):
     assert armed.mode(77) == [DENIED]
     assert armed.long(mav.MAV_CMD_DO_SET_MODE, 0, 4, 3) == [DENIED]
     assert armed.status.mode == "HOLD"
-
-
-def test_the_older_message_sets_modes_too(armed):
-    said = armed.hear(mav.MAVLink_set_mode_message(3, 1, 6 << 16))
-    assert acks(said, mav.MAVLINK_MSG_ID_SET_MODE) == [ACCEPTED]
-    assert armed.status.mode == "GUIDED"
-    assert acks(armed.hear(mav.MAVLink_set_mode_message(3, 1, 999)), mav.MAVLINK_MSG_ID_SET_MODE) == [DENIED]
 
 
 @pytest.mark.parametrize(("code", "name"), [(5, "RTL"), (6, None), (1, None)])

@@ -9,7 +9,7 @@ from hypothesis import strategies as st
 
 from sim.geometry import Pose2
 from sim.observations import STANDSTILL, Twist
-from tests.thbridge.wire.mavlink.rig import ACCEPTED, SECOND, THEM, US, Rig, messages
+from tests.thbridge.wire.mavlink.rig import ACCEPTED, SECOND, THEM, US, Rig
 from thbridge.wire.mavlink.dialect import mav
 from thbridge.wire.mavlink.options import Identity
 
@@ -256,28 +256,6 @@ def test_no_setpoint_asks_for_what_is_no_number(mask, frame, values, globally):
     for _, *numbers in rig.robot.calls("go_to"):
         assert all(number is None or math.isfinite(number) for number in numbers)
     assert all(math.isfinite(twist.linear) and math.isfinite(twist.angular) for twist in driven(rig))
-
-
-# -- where to go, by a mission item that is none
-
-
-def item(current, frame=6, x=524_000_000, y=97_000_000):
-    return mav.MAVLink_mission_item_int_message(3, 1, 0, frame, 16, current, 1, 0, 0, 0, 0, x, y, 0)
-
-
-def test_a_guided_item_is_gone_to(rig):
-    (ack,) = messages(rig.hear(item(current=2)))
-    assert (ack.get_type(), ack.type, ack.target_system) == ("MISSION_ACK", mav.MAV_MISSION_ACCEPTED, US.system)
-    old = mav.MAVLink_mission_item_message(3, 1, 0, 3, 16, 2, 1, 0, 0, 0, 0, 52.4, 9.7, 0)
-    assert messages(rig.hear(old))[0].type == mav.MAV_MISSION_ACCEPTED
-    assert rig.robot.calls("go_to")[0] == ("go_to", 0.0, 0.0, None)
-    assert len(rig.robot.calls("go_to")) == 2
-
-
-def test_a_guided_item_of_another_station_or_frame_is_denied(rig):
-    assert messages(rig.hear(item(current=2), THEM))[0].type == mav.MAV_MISSION_DENIED
-    assert messages(rig.hear(item(current=2, frame=1)))[0].type == mav.MAV_MISSION_DENIED
-    assert rig.robot.calls("go_to") == []
 
 
 def test_what_is_asked_by_setpoints_is_not_acknowledged(rig):

@@ -35,11 +35,6 @@ def on_earth(x, y):
     return place.latitude, place.longitude
 
 
-def old_message(latitude, longitude):
-    """SET_HOME_POSITION; everything but the place is of no account."""
-    return mav.MAVLink_set_home_position_message(3, latitude, longitude, 0, 7, 7, 7, [1, 0, 0, 0], 7, 7, 7)
-
-
 @pytest.fixture
 def away(rig):
     """It is not where it started."""
@@ -173,25 +168,3 @@ def test_a_lost_station_s_robot_goes_to_the_new_one():
     rig.int(SET_HOME, 0, frame=1, x=40_000, y=30_000)
     rig.run(300)
     assert rig.robot.calls("go_to") == [("go_to", 3.0, 4.0, None)]
-
-
-class TestMessageOfOld:
-    """SET_HOME_POSITION."""
-
-    def test_a_place(self, away):
-        assert away.hear(old_message(*on_earth(3.0, -4.0))) == []
-        assert told(away) == [pytest.approx((3.0, -4.0), abs=0.01)]
-
-    def test_zeros_are_where_the_robot_is(self, away):
-        away.hear(old_message(0, 0))
-        assert told(away) == [(5.0, 6.0)]
-
-    def test_what_is_no_home_is_told(self, away):
-        away.hear(old_message(*on_earth(99.0, 0.0)))
-        assert (told(away), away.texts()) == ([], ["There the map has nothing."])
-
-    def test_only_who_may(self, away):
-        away.arm(US)
-        away.hear(old_message(0, 0), THEM)
-        assert told(away) == []
-        assert "Commanded by ground station 255." in away.texts()

@@ -44,7 +44,7 @@ class Tour:
         self.tick = 0
         origin = Origin(52.0, 13.0, 34.0)
         earth = Earth(origin)
-        self.home = home_of(self.robot, earth, self.announce)
+        self.home = home_of(self.robot, earth)
         self.run = MissionRun(self.robot, self.home, earth, self.announce, ardupilot)
         self.run.replace(tuple(items))
         if start:

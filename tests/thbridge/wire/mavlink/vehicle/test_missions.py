@@ -39,7 +39,7 @@ class Field:
         self.robot = ModelRobot()
         self.told = []
         earth = Earth(ORIGIN)
-        self.home = home_of(self.robot, earth, self.announce)
+        self.home = home_of(self.robot, earth)
         self.run_of = MissionRun(self.robot, self.home, earth, self.announce, ardupilot)
         self.missions = Missions(self.run_of, self.announce)
         attempts = air.pop("attempts", 1)

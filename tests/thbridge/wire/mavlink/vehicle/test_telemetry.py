@@ -25,7 +25,7 @@ GYRO_ACCEL_MAG_GPS = 0b100111
 
 
 def telemetry(identity=Identity.GENERIC):
-    home = home_of(ModelRobot(), EARTH, announce=None)
+    home = home_of(ModelRobot(), EARTH)
     particulars = Particulars(3, identity, EARTH, MetadataFiles(ModelRobot()))
     mission_current = mav.MAVLink_mission_current_message(0)
     return Telemetry(particulars, identity, EARTH, home.position, lambda: mission_current)
