@@ -21,9 +21,9 @@ from thbridge.wire.mavlink.helm import Denied, LegState, Readings, Station
 from thbridge.wire.mavlink.said import LinkId, Said
 from thbridge.wire.mavlink.vehicle.command_of import CommandOf
 from thbridge.wire.mavlink.vehicle.conduct import Conduct
-from thbridge.wire.mavlink.vehicle.orders import MALFORMED, Order, Reply, Result, order_of, reply_to
+from thbridge.wire.mavlink.vehicle.orders import MALFORMED, Carrier, Order, Reply, Result, Who, order_of, reply_to
 from thbridge.wire.mavlink.vehicle.parts import Announce, Severity
-from thbridge.wire.mavlink.vehicle.repertoire import Carrier, Repertoire, Who
+from thbridge.wire.mavlink.vehicle.repertoire import Repertoire
 
 _REMEMBERED = 5 * TICKS_PER_SECOND
 """Ticks for which a repetition is known as one."""

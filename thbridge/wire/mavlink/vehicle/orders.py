@@ -1,8 +1,9 @@
-"""Commands as they come in, whichever message carries them, and what is answered."""
+"""Commands as they come in, whichever message carries them, who may give which, and what is answered."""
 
 import math
+from collections.abc import Callable
 from dataclasses import dataclass
-from enum import IntEnum
+from enum import Enum, IntEnum
 
 import numpy as np
 
@@ -81,6 +82,41 @@ class Reply:
     messages: tuple[Message, ...] = ()
     sentence: str = ""
     way: int | None = None
+
+
+class Carrier(Enum):
+    """Which messages may carry a command."""
+
+    LONG = "COMMAND_LONG"
+    INT = "COMMAND_INT"
+    BOTH = "both"
+
+
+class Who(Enum):
+    """Who may give a command."""
+
+    ANYBODY = "anybody"
+    NO_RIVAL = "anybody, unless another station is in command"
+    COMMANDER = "the station in command"
+
+
+@dataclass(frozen=True, slots=True)
+class Command:
+    """A command that the vehicle knows.
+
+    Attributes:
+        do: does it.
+        carrier: which messages may carry it.
+        frames: in which its place may be; empty where it has no place.
+        who: may give it.
+        once: each time it does something anew.
+    """
+
+    do: Callable[[Order], Reply]
+    carrier: Carrier = Carrier.BOTH
+    frames: frozenset[int] = frozenset()
+    who: Who = Who.ANYBODY
+    once: bool = False
 
 
 ACCEPTED = Reply(Result.ACCEPTED)

@@ -6,18 +6,14 @@ stations send it to continue too. To begin anew, item 0 is made the current one.
 """
 
 import math
-from collections.abc import Callable
-from dataclasses import dataclass
-from enum import Enum
+from collections.abc import Callable, Mapping
 
-from sim.observations import TICKS_PER_SECOND
-from thbridge.wire.mavlink.added import ProtocolVersion
+from sim.geometry import Pose2
 from thbridge.wire.mavlink.coordinates import GLOBAL, LOCAL, theta_of
 from thbridge.wire.mavlink.dialect import mav
 from thbridge.wire.mavlink.helm import Denied, Helm, Station, Target
 from thbridge.wire.mavlink.modes import Mode, mode_asked, mode_of_standard
 from thbridge.wire.mavlink.options import Identity
-from thbridge.wire.mavlink.vehicle.boot_time import MICROSECONDS_PER_TICK
 from thbridge.wire.mavlink.vehicle.command_of import CommandOf
 from thbridge.wire.mavlink.vehicle.conduct import Conduct
 from thbridge.wire.mavlink.vehicle.earth import Earth
@@ -25,58 +21,23 @@ from thbridge.wire.mavlink.vehicle.home import Home
 from thbridge.wire.mavlink.vehicle.orders import (
     ACCEPTED,
     MALFORMED,
+    Carrier,
+    Command,
     Order,
     Reply,
     Result,
+    Who,
     decimal_of,
     destination,
     reply_to,
 )
-from thbridge.wire.mavlink.vehicle.particulars import Particulars
-from thbridge.wire.mavlink.vehicle.streams import OFF, Streams, ticks_of
-from thbridge.wire.mavlink.vehicle.telemetry import Standing, Telemetry
 
 _FORCED = frozenset({21196, 2989})
 """What stands for "by force" in arming: the standard's number, and MAVProxy's."""
 
 _REPOSITION_CHANGES_MODE = 1
 _LARGEST_ID = 0xFFFF
-"""Of a message whose interval MESSAGE_INTERVAL can tell, and of an item."""
-
-
-class Carrier(Enum):
-    """Which messages may carry a command."""
-
-    LONG = "COMMAND_LONG"
-    INT = "COMMAND_INT"
-    BOTH = "both"
-
-
-class Who(Enum):
-    """Who may give a command."""
-
-    ANYBODY = "anybody"
-    NO_RIVAL = "anybody, unless another station is in command"
-    COMMANDER = "the station in command"
-
-
-@dataclass(frozen=True, slots=True)
-class Command:
-    """A command that the vehicle knows.
-
-    Attributes:
-        do: does it.
-        carrier: which messages may carry it.
-        frames: in which its place may be; empty where it has no place.
-        who: may give it.
-        once: each time it does something anew.
-    """
-
-    do: Callable[[Order], Reply]
-    carrier: Carrier = Carrier.BOTH
-    frames: frozenset[int] = frozenset()
-    who: Who = Who.ANYBODY
-    once: bool = False
+"""Of an item."""
 
 
 class Repertoire:
@@ -87,12 +48,10 @@ class Repertoire:
         conduct: its modes.
         command: who is in command of it.
         home: where it returns to.
-        streams: the rates of its messages.
-        telemetry: its messages.
-        particulars: what never changes of it.
-        standing: how it stands.
+        base_in_map: where it is.
         earth: where its map lies.
         identity: whose autopilot it says it has.
+        requests: commands that ask it for messages, by their numbers.
     """
 
     def __init__(
@@ -101,32 +60,22 @@ class Repertoire:
         conduct: Conduct,
         command: CommandOf,
         home: Home,
-        streams: Streams,
-        telemetry: Telemetry,
-        particulars: Particulars,
-        standing: Callable[[], Standing],
+        base_in_map: Callable[[], Pose2],
         earth: Earth,
         identity: Identity,
+        requests: Mapping[int, Command],
     ) -> None:
         self._helm = helm
         self._conduct = conduct
         self._command = command
         self._home = home
-        self._streams = streams
-        self._telemetry = telemetry
-        self._particulars = particulars
-        self._standing = standing
+        self._base_in_map = base_in_map
         self._earth = earth
         self._identity = identity
         places = GLOBAL | LOCAL
         by_commander = Who.COMMANDER
         self._known: dict[int, Command] = {
-            mav.MAV_CMD_SET_MESSAGE_INTERVAL: Command(self._set_message_interval),
-            mav.MAV_CMD_GET_MESSAGE_INTERVAL: Command(self._get_message_interval),
-            mav.MAV_CMD_REQUEST_MESSAGE: Command(self._request_message),
-            mav.MAV_CMD_REQUEST_PROTOCOL_VERSION: Command(self._one(ProtocolVersion.id)),
-            mav.MAV_CMD_REQUEST_AUTOPILOT_CAPABILITIES: Command(self._one(mav.MAVLINK_MSG_ID_AUTOPILOT_VERSION)),
-            mav.MAV_CMD_GET_HOME_POSITION: Command(self._one(mav.MAVLINK_MSG_ID_HOME_POSITION)),
+            **requests,
             mav.MAV_CMD_COMPONENT_ARM_DISARM: Command(self._arm_disarm),
             mav.MAV_CMD_RUN_PREARM_CHECKS: Command(lambda _: ACCEPTED),
             mav.MAV_CMD_DO_SET_MODE: Command(self._set_mode),
@@ -149,51 +98,6 @@ class Repertoire:
     def find(self, number: int) -> Command | None:
         """The command of this number, if it is known."""
         return self._known.get(number)
-
-    # -- messages -----------------------------------------------------------------------------------------------------
-
-    def _one(self, number: int) -> Callable[[Order], Reply]:
-        """Asks for one message, always the same."""
-        return lambda _: self._requested(number)
-
-    def _requested(self, number: int) -> Reply:
-        message = self._telemetry.message(number, self._standing())
-        return Reply(Result.TEMPORARILY_REJECTED) if message is None else Reply(Result.ACCEPTED, (message,))
-
-    def _request_message(self, order: Order) -> Reply:
-        number = order.whole(1)
-        if number is None:
-            return MALFORMED
-        if number == mav.MAVLINK_MSG_ID_AVAILABLE_MODES:
-            place = order.whole(2, otherwise=0)
-            if place is None or place > len(Mode):
-                return MALFORMED
-            places = range(1, len(Mode) + 1) if place == 0 else (place,)
-            return Reply(Result.ACCEPTED, tuple(self._particulars.available_mode(place) for place in places))
-        return self._requested(number) if number in self._streams else Reply(Result.UNSUPPORTED)
-
-    def _set_message_interval(self, order: Order) -> Reply:
-        number, microseconds = order.whole(1), order.given(2)
-        if number is None or microseconds is None or not (microseconds >= 0.0 or microseconds == -1.0):
-            return MALFORMED
-        if number not in self._streams:
-            return Reply(Result.UNSUPPORTED)
-        ticks = None if microseconds == 0.0 else OFF if microseconds < 0.0 else ticks_of(microseconds)
-        if number == mav.MAVLINK_MSG_ID_HEARTBEAT:
-            # Whether a vehicle is there is judged by its heartbeats: once a second for everybody.
-            return ACCEPTED if ticks in (None, TICKS_PER_SECOND) else MALFORMED
-        self._streams.change(order.link, number, ticks)
-        return ACCEPTED
-
-    def _get_message_interval(self, order: Order) -> Reply:
-        number = order.whole(1)
-        if number is None or number > _LARGEST_ID:
-            return MALFORMED
-        microseconds = 0
-        if number in self._streams:
-            ticks = self._streams.every(order.link, number)
-            microseconds = -1 if ticks == OFF else ticks * MICROSECONDS_PER_TICK
-        return Reply(Result.ACCEPTED, (mav.MAVLink_message_interval_message(number, microseconds),))
 
     # -- command and modes --------------------------------------------------------------------------------------------
 
@@ -266,7 +170,7 @@ class Repertoire:
         if isinstance(point, Denied):
             return reply_to(point)
         if point is None:
-            here = self._standing().readings.base_in_map
+            here = self._base_in_map()
             point = here.x, here.y
         if yaw == 0.0 and self._identity is Identity.ARDUPILOT:
             # To ArduPilot, stations say 0 for what they leave open; its own rovers never heed this parameter.
@@ -274,7 +178,7 @@ class Repertoire:
         return reply_to(self._conduct.go(Target(*point, None if yaw is None else theta_of(yaw)), speed))
 
     def _destination(self, order: Order) -> tuple[float, float] | Denied | None:
-        return destination(order, self._standing().readings.base_in_map, self._earth)
+        return destination(order, self._base_in_map(), self._earth)
 
     def _return(self, order: Order) -> Reply:
         return reply_to(self._conduct.go_home())

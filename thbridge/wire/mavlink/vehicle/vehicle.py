@@ -19,6 +19,7 @@ from thbridge.wire.mavlink.vehicle.earth import Earth
 from thbridge.wire.mavlink.vehicle.file_transfer import FileTransfer
 from thbridge.wire.mavlink.vehicle.hand import Hand
 from thbridge.wire.mavlink.vehicle.home import Home
+from thbridge.wire.mavlink.vehicle.message_requests import MessageRequests
 from thbridge.wire.mavlink.vehicle.metadata_files import MetadataFiles
 from thbridge.wire.mavlink.vehicle.mission_run import MissionRun
 from thbridge.wire.mavlink.vehicle.missions import Missions
@@ -62,17 +63,16 @@ class Vehicle:
         files = MetadataFiles(parameters)
         particulars = Particulars(system, identity, earth, files)
         self._telemetry = Telemetry(particulars, identity, earth, home.position, plan.current)
+        requests = MessageRequests(self._streams, self._telemetry, particulars, lambda: self._standing)
         repertoire = Repertoire(
             helm,
             self._conduct,
             self._command,
             home,
-            self._streams,
-            self._telemetry,
-            particulars,
-            lambda: self._standing,
+            lambda: self._readings.base_in_map,
             earth,
             identity,
+            requests.commands(),
         )
         self._parts: tuple[Part, ...] = (
             home,
