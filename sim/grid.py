@@ -24,6 +24,9 @@ FREE = 0
 OCCUPIED = 100
 UNKNOWN = -1
 
+ROOMY = 2.0
+"""Metres from the walls beyond which it makes no difference to a robot how far they are."""
+
 
 class GridFrame(NamedTuple):
     """Where a grid lies in the world, in the form that compiled kernels take.
@@ -210,4 +213,18 @@ def distance_field(grid: OccupancyGrid, max_distance: float) -> NDArray[np.float
         metres = np.asarray(distance_transform_edt(open_cells)) * grid.resolution
         field = np.minimum(metres, max_distance).astype(np.float32)
     field.setflags(write=False)
+    return field
+
+
+@lru_cache(maxsize=8)
+def clearance_field(grid: OccupancyGrid) -> NDArray[np.float32]:
+    """Metres from each cell's centre to the nearest side of an occupied cell, about; at most ROOMY.
+
+    Returns:
+        (rows, cols) float32, half a cell less than `distance_field`, and at least 0. All robots on a map share one;
+        nobody writes to it, and only for the sake of compiled kernels, which take others beside it, is it not sealed.
+    """
+    field: NDArray[np.float32] = np.maximum(
+        distance_field(grid, ROOMY) - np.float32(0.5 * grid.resolution), np.float32(0)
+    )
     return field

@@ -43,6 +43,7 @@ from sim.observations import Neighbour
 from sim.parameters import RobotParameters, WorldParameters
 from sim.parameters.reconfiguration import P, fixed_differences
 from sim.planning.path import Refused
+from sim.planning.wave import Workspace
 from sim.robot import Robot, RobotOutput
 from sim.sensors import Sensors, mount_of
 from sim.world import Misplaced, World, WorldState, with_charge, with_noise, with_thing, without_thing
@@ -153,11 +154,14 @@ class Team:
         self._said: list[RobotOutput | None] = [None] * len(robots)
         self._neighbours: tuple[Neighbour, ...] = ()
         footprint = np.array(world.footprint, dtype=np.float64)
+        # Robots plan one after the other: one room is enough, and stays in the processor's cache.
+        space = Workspace(*grid.cells.shape)
         self._robots: list[Robot] = []
         for number, parameters in enumerate(robots):
             localizer = self._localizer(number, parameters, grid, world, seed)
             localizer.start(starts[number], START_COVARIANCE)
-            self._robots.append(Robot(number, localizer, Navigator(parameters, footprint, grid, number), footprint))
+            navigator = Navigator(parameters, footprint, grid, number, space)
+            self._robots.append(Robot(number, localizer, navigator, footprint))
 
     def _localizer(
         self, number: int, parameters: RobotParameters, grid: OccupancyGrid, world: WorldParameters, seed: int

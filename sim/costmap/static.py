@@ -3,6 +3,8 @@
 Source: ros-planning/navigation, costmap_2d/plugins/static_layer.cpp.
 """
 
+from functools import lru_cache
+
 import numpy as np
 
 from sim.costmap.costs import FREE, LETHAL, UNKNOWN, Changes, Costs, Window
@@ -20,6 +22,14 @@ def interpretation(parameters: StaticParameters) -> Costs:
     return costs
 
 
+@lru_cache(maxsize=8)
+def _costs_of(parameters: StaticParameters, grid: OccupancyGrid) -> Costs:
+    """(rows, cols) of the map; read-only: all robots on a map share them."""
+    costs: Costs = interpretation(parameters)[grid.cells.view(np.uint8)]
+    costs.setflags(write=False)
+    return costs
+
+
 class StaticLayer:
     """The walls of a map; of what lies outside of it this layer says nothing.
 
@@ -29,7 +39,7 @@ class StaticLayer:
     """
 
     def __init__(self, parameters: StaticParameters, grid: OccupancyGrid) -> None:
-        self._costs: Costs = interpretation(parameters)[grid.cells.view(np.uint8)]
+        self._costs = _costs_of(parameters, grid)
         self._use_maximum = parameters.use_maximum
         self._changes = Changes()
         self._changes.add(Window(0, 0, grid.rows, grid.cols))

@@ -2,6 +2,7 @@
 
 import math
 from dataclasses import dataclass
+from functools import lru_cache
 
 import numpy as np
 from numpy.typing import NDArray
@@ -9,6 +10,16 @@ from numpy.typing import NDArray
 from sim.geometry import FloatArray
 from sim.grid import FREE, OCCUPIED, OccupancyGrid
 from sim.noise import Stream
+
+
+@lru_cache(maxsize=8)
+def _free_cells(grid: OccupancyGrid) -> NDArray[np.int64]:
+    """(n, 2) rows and columns, see `FreeSpace`; read-only: all robots on a map share them."""
+    candidates = (grid.cells == FREE, grid.cells != OCCUPIED)
+    free = next((cells for cells in candidates if cells.any()), np.ones_like(grid.cells, dtype=np.bool_))
+    cells: NDArray[np.int64] = np.argwhere(free)
+    cells.setflags(write=False)
+    return cells
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -26,10 +37,7 @@ class FreeSpace:
     @classmethod
     def of(cls, grid: OccupancyGrid) -> "FreeSpace":
         """The free cells of a map."""
-        for free in (grid.cells == FREE, grid.cells != OCCUPIED):
-            if free.any():
-                return cls(grid, np.argwhere(free))
-        return cls(grid, np.argwhere(np.ones_like(grid.cells, dtype=np.bool_)))
+        return cls(grid, _free_cells(grid))
 
     def draw(self, count: int, noise: Stream, tick: int) -> FloatArray:
         """(count, 3) poses in the middles of free cells, uniform over the map and all headings.

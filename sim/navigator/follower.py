@@ -21,7 +21,7 @@ from sim.grid import OccupancyGrid
 from sim.navigator.seeking import may_turn, seen_around
 from sim.observations import STANDSTILL, TICK, TICKS_PER_SECOND, Neighbour, Scan, Twist
 from sim.parameters import RobotParameters
-from sim.planning.itinerary import Itinerary, heard, reached, right_of_way
+from sim.planning.itinerary import Itinerary, bearing_on, heard, reached, right_of_way
 from sim.planning.path import headings
 from sim.planning.router import Router
 
@@ -281,15 +281,16 @@ class Follower:
         if self._at_end:
             return self._finish(tick, pose, twist, end_heading, around)
         last = _as_far_as(self._left, self._index, self._reach)
+        others = bearing_on(neighbours, way.points[self._index : last + 1], self._separation)
         allowed, barring, stands = right_of_way(
-            way.points, way.times, self._index, last, pose.x, pose.y, heard(neighbours), self._separation
+            way.points, way.times, self._index, last, pose.x, pose.y, heard(others), self._separation
         )
         self.others_bar = allowed < last
         path, slow_down, obstructed = self._stretch(pose, way, int(allowed), allowed < last)
         if path is None:
             self.waiting = allowed < last and not stands
             if barring >= 0 and not obstructed:
-                self.waits_for = neighbours[barring].robot
+                self.waits_for = others[barring].robot
             if self.waiting:
                 self.valid = tick
             else:

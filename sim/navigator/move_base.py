@@ -20,7 +20,7 @@ import numpy as np
 
 from sim.costmap.robots import meeting
 from sim.geometry import IDENTITY, FloatArray, Pose2
-from sim.grid import OccupancyGrid, distance_field
+from sim.grid import OccupancyGrid, clearance_field
 from sim.navigator.costmaps import Costmaps
 from sim.navigator.follower import NO_TIMES, NOWHERE, Follower
 from sim.navigator.goals import Arrived, Cancelled, Goal, NoPath, Result
@@ -36,6 +36,7 @@ from sim.planning.path import Refused, headings
 from sim.planning.planners import global_planner
 from sim.planning.potential_planner import PotentialPlanner
 from sim.planning.router import Blocked, Router
+from sim.planning.wave import Workspace
 
 RETRY = 0.5
 """Seconds between attempts to plan."""
@@ -60,10 +61,16 @@ class Navigator:
         footprint: (n, 2) corners of its body, base frame, metres.
         static: the map.
         robot: its index in the team.
+        space: room to plan in, which it may share with others: nothing is kept there between plans. None: of its own.
     """
 
     def __init__(
-        self, parameters: RobotParameters, footprint: FloatArray, static: OccupancyGrid, robot: int = 0
+        self,
+        parameters: RobotParameters,
+        footprint: FloatArray,
+        static: OccupancyGrid,
+        robot: int = 0,
+        space: Workspace | None = None,
     ) -> None:
         self._turned = Turned(static)
         static = self._turned.grid
@@ -71,19 +78,14 @@ class Navigator:
         self._parameters = parameters.move_base
         self._robot = robot
         self._costmaps = Costmaps(parameters, footprint, self._turned, robot)
-        # Half a cell less: from an occupied cell's centre to its side.
-        clearance = np.maximum(distance_field(static, 2.0) - np.float32(0.5 * static.resolution), np.float32(0))
+        self._space = space
         self._router = Router(
-            static,
-            clearance.astype(np.float64),
-            self._costmaps.whole,
-            parameters.global_costmap.inflation_layer,
-            _planner(parameters),
+            static, self._costmaps.whole, parameters.global_costmap.inflation_layer, self._planner(parameters)
         )
         self._follower = Follower(
             parameters,
             static,
-            clearance,
+            clearance_field(static),
             self._costmaps.around,
             self._costmaps.whole,
             self._router.separation_driven,
@@ -152,7 +154,7 @@ class Navigator:
         self._software, self._parameters = parameters, parameters.move_base
         self._costmaps.configure(parameters)
         if parameters.global_costmap != before.global_costmap or _plans_by(parameters) != _plans_by(before):
-            self._router.configure(parameters.global_costmap.inflation_layer, _planner(parameters))
+            self._router.configure(parameters.global_costmap.inflation_layer, self._planner(parameters))
         self._follower.configure(parameters, self._router.separation_driven)
         self._recovery.configure(self._parameters, self._costmaps.whole.circumscribed_radius)
         self._oscillation.configure(self._parameters.oscillation_timeout, self._parameters.oscillation_distance)
@@ -173,9 +175,13 @@ class Navigator:
         place = turned.pose(base_in_map)
         costs, frame = self._costmaps.whole.as_updated(place.x, place.y, self._silence.known(self._tick))
         adds = self._parameters.make_plan_add_unreachable_goal
-        planner = _planner(self._software)
+        planner = self._planner(self._software)
         poses = make_plan(planner, costs, frame, turned.pose(start), turned.pose(goal), tolerance, adds)
         return poses if isinstance(poses, Refused) else turned.poses(poses)
+
+    def _planner(self, parameters: RobotParameters) -> PotentialPlanner:
+        """The global planner that these parameters name."""
+        return global_planner(*_plans_by(parameters), self._space)
 
     def _end(self, result: Result) -> None:
         self._results.append(result)
@@ -477,11 +483,6 @@ class Navigator:
 def _plans_by(parameters: RobotParameters) -> tuple[str, NavfnParameters, GlobalPlannerParameters]:
     """All that a global planner is made from."""
     return parameters.move_base.base_global_planner, parameters.NavfnROS, parameters.GlobalPlanner
-
-
-def _planner(parameters: RobotParameters) -> PotentialPlanner:
-    """The global planner that these parameters name."""
-    return global_planner(*_plans_by(parameters))
 
 
 def _discs(neighbours: Sequence[Neighbour], laser: Pose2, reach: float) -> FloatArray:

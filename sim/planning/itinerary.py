@@ -80,6 +80,18 @@ def heard(neighbours: Sequence[Neighbour]) -> Others:
     return Others(np.concatenate(points), np.concatenate(times), starts)
 
 
+def bearing_on(neighbours: Sequence[Neighbour], points: FloatArray, separation: float) -> list[Neighbour]:
+    """Those neighbours that may come within `separation` metres of (m, 2) points: all but those that stand farther."""
+    # A hair more than that: nobody is left out because of rounding.
+    left, low = (points.min(axis=0) - separation - 1e-6).tolist()
+    right, high = (points.max(axis=0) + separation + 1e-6).tolist()
+    return [
+        other
+        for other in neighbours
+        if len(other.times) or (left <= other.base_in_map.x <= right and low <= other.base_in_map.y <= high)
+    ]
+
+
 def resting_left_out(neighbours: Sequence[Neighbour]) -> Others:
     """What those neighbours said that mean to move."""
     return heard([neighbour for neighbour in neighbours if len(neighbour.times)])

@@ -4,10 +4,14 @@ from sim.parameters import GlobalPlannerParameters, NavfnParameters
 from sim.planning.global_planner import GlobalPlanner
 from sim.planning.navfn import Navfn
 from sim.planning.potential_planner import PotentialPlanner
+from sim.planning.wave import Workspace
 
 
 def global_planner(
-    base_global_planner: str, navfn: NavfnParameters, global_planner: GlobalPlannerParameters
+    base_global_planner: str,
+    navfn: NavfnParameters,
+    global_planner: GlobalPlannerParameters,
+    space: Workspace | None = None,
 ) -> PotentialPlanner:
     """The planner of a name.
 
@@ -15,7 +19,8 @@ def global_planner(
         base_global_planner: move_base's parameter of this name.
         navfn: parameters if it is navfn.
         global_planner: parameters if it is global_planner.
+        space: see `PotentialPlanner`.
     """
     if base_global_planner == "global_planner/GlobalPlanner":
-        return PotentialPlanner(GlobalPlanner(global_planner))
-    return PotentialPlanner(Navfn(navfn))
+        return PotentialPlanner(GlobalPlanner(global_planner), space)
+    return PotentialPlanner(Navfn(navfn), space)

@@ -51,11 +51,13 @@ class PotentialPlanner:
 
     Args:
         method: how.
+        space: room to plan in, used where it fits the costmap; nothing is kept there between plans, so that planners
+            may share one. None: of its own.
     """
 
-    def __init__(self, method: Method) -> None:
+    def __init__(self, method: Method, space: Workspace | None = None) -> None:
         self._method = method
-        self._space = Workspace(0, 0)
+        self._space = space or Workspace(0, 0)
 
     def reached(self, costs: Costs, frame: CostFrame, start: Pose2) -> NDArray[np.bool_]:
         """(rows, cols) whether a path from a start may end in a cell; arguments as for `plan`."""

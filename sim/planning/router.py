@@ -3,19 +3,21 @@
 import math
 from collections.abc import Sequence
 from dataclasses import dataclass
+from functools import lru_cache
 
 import numpy as np
 from numba import njit
+from numpy.typing import NDArray
 
 from sim.costmap.costmap_2d import Costmap2D
 from sim.costmap.costs import LETHAL, CostFrame, Costs, cost_at
 from sim.geometry import FloatArray, Pose2
-from sim.grid import OccupancyGrid
+from sim.grid import OccupancyGrid, clearance_field
 from sim.observations import Neighbour
 from sim.parameters import InflationParameters
 from sim.planning.itinerary import SPACING, Itinerary, Others, clear, densified, executable, timed
 from sim.planning.path import Planner, Refused, thinned
-from sim.planning.safe_interval import BoolArray, refuge, roadmap, route
+from sim.planning.safe_interval import BoolArray, Roadmap, refuge, roadmap, route
 
 GAP = 0.16
 """Metres that two robots' circumscribed circles are apart in a plan."""
@@ -41,7 +43,6 @@ class Router:
 
     Args:
         static: the map.
-        clearance: (rows, cols) metres from each of its cells to the nearest wall.
         costmap: the robot's, over the whole map.
         inflation: its inflation layer's parameters.
         planner: finds paths for it when it is alone.
@@ -50,13 +51,11 @@ class Router:
     def __init__(
         self,
         static: OccupancyGrid,
-        clearance: FloatArray,
         costmap: Costmap2D,
         inflation: InflationParameters,
         planner: Planner,
     ) -> None:
         self._static = static
-        self._clearance = clearance
         self._frame = CostFrame(static.origin.x, static.origin.y, static.resolution)
         self.costmap = costmap
         self.configure(inflation, planner)
@@ -68,14 +67,13 @@ class Router:
             inflation: its inflation layer's parameters.
             planner: finds paths for the robot when it is alone.
         """
-        static, costmap = self._static, self.costmap
+        costmap = self.costmap
         self._planner = planner
         self._walls = costmap.unseen()
         circumscribed = costmap.circumscribed_radius
         self.separation = 2 * circumscribed + GAP
         self.separation_driven = 2 * circumscribed + GAP_DRIVEN
-        self._roadmap = roadmap(static, self._clearance, circumscribed + ROOM_TO_TURN)
-        self._cells = static.cells_of(self._roadmap.centres.reshape(-1, 2))
+        self._roadmap, self._cells = _coarse(self._static, circumscribed + ROOM_TO_TURN)
         self._too_near = cost_at(circumscribed, costmap.inscribed_radius, inflation.cost_scaling_factor)
 
     def see(self, neighbours: Sequence[Neighbour]) -> None:
@@ -163,6 +161,16 @@ class Router:
         walls = self.costmap.without_robots()
         near = walls[self._cells[:, 0], self._cells[:, 1]].reshape(self._roadmap.free.shape)
         return self._roadmap.free & (near <= self._too_near), walls
+
+
+@lru_cache(maxsize=8)
+def _coarse(static: OccupancyGrid, radius: float) -> tuple[Roadmap, NDArray[np.int64]]:
+    """The coarse grid for robots of a radius, metres, and (n, 2) the cells of the map in which its centres lie.
+
+    All robots of one size share them; nobody writes to them.
+    """
+    made = roadmap(static, clearance_field(static).astype(np.float64), radius)
+    return made, static.cells_of(made.centres.reshape(-1, 2))
 
 
 @njit(cache=True)

@@ -2,11 +2,14 @@ import math
 
 import numpy as np
 import pytest
+from hypothesis import given, settings
+from hypothesis import strategies as st
 
 from sim.geometry import Pose2
 from sim.observations import STANDSTILL, Neighbour
 from sim.planning.itinerary import (
     Itinerary,
+    bearing_on,
     clear,
     densified,
     executable,
@@ -55,6 +58,22 @@ def test_a_delay_of_the_first_does_not_change_the_order():
     assert allowed(second, [told(0, late)])[0] < 20
     gone = Itinerary(first.points[32:], first.times[32:])
     assert allowed(second, [told(0, gone)])[0] == 40
+
+
+@given(st.lists(st.tuples(st.floats(-3, 3), st.floats(-3, 3), st.booleans()), max_size=8))
+@settings(max_examples=60, deadline=None)
+def test_those_who_stand_far_from_a_way_do_not_bear_on_it(places):
+    mine = timed(line(-1, -1, 1, 0.5), 0.0)
+    others = [
+        told(k, timed(line(x, y, 0, 0), 0.0)) if moves else standing(k, x, y) for k, (x, y, moves) in enumerate(places)
+    ]
+    bearing = bearing_on(others, mine.points[3:31], NEAR)
+
+    def barred(by):
+        last, barring, stands = right_of_way(mine.points, mine.times, 3, 30, *mine.points[3], heard(by), NEAR)
+        return last, by[barring].robot if barring >= 0 else None, stands
+
+    assert barred(bearing) == barred(others)
 
 
 def test_it_is_told_who_bars_the_way():

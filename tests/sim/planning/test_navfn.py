@@ -208,6 +208,19 @@ def test_being_there_is_a_path_too():
     assert path.poses[-1, 2] == 2.0
 
 
+@pytest.mark.parametrize("shared", [False, True])
+def test_planners_that_share_their_room_plan_as_alone(shared):
+    space = Workspace(60, 80) if shared else None
+    one, other = (PotentialPlanner(Navfn(NavfnParameters(use_astar=astar)), space) for astar in (False, True))
+    walls = open_room()
+    walls[30, :70] = 254
+    alone = plan(walls, at(10, 10), at(50, 10))
+    for _ in range(2):
+        assert np.array_equal(one.plan(walls, FRAME, at(10, 10), at(50, 10)).poses, alone.poses)
+        assert not isinstance(other.plan(open_room(), FRAME, at(50, 5), at(5, 70)), Refused)
+        assert not isinstance(other.plan(open_room(20, 20), FRAME, at(5, 5), at(15, 15)), Refused)
+
+
 def test_a_planner_keeps_nothing_from_plan_to_plan():
     planner = PotentialPlanner(Navfn(NavfnParameters()))
     walls = open_room()
