@@ -13,6 +13,7 @@ from thbridge.adapters.addresses import address_in
 from thbridge.adapters.errors import BadFile
 from thbridge.adapters.map_files import read_grid
 from thbridge.adapters.mavlink_server import Ports
+from thbridge.adapters.mavlink_udp import target_in
 from thbridge.adapters.recordings import make_room, try_place
 from thbridge.adapters.rosgraph.joining import DEFAULT_URI, Graph, Master, is_master_uri
 from thbridge.adapters.signing_key import read_signing_key
@@ -83,7 +84,11 @@ MavlinkIdentity = Annotated[
 ]
 MavlinkUdp = Annotated[
     list[str] | None,
-    typer.Option("--udp", metavar="HOST:PORT", help="Where a ground station listens; may be given several times."),
+    typer.Option(
+        "--udp",
+        metavar="HOST:PORT",
+        help="Where a ground station listens, HOST:PORT/ROBOT for one robot alone; may be given several times.",
+    ),
 ]
 MavlinkUdpListen = Annotated[
     str | None,
@@ -194,10 +199,15 @@ def with_mavlink(
     tlog: bool | None = None,
 ) -> Study:
     """The study with what options say of MAVLink; None changes nothing."""
-    for option, texts in (("--udp", udp or ()), ("--udp-listen", (udp_listen,)), ("--tcp", (tcp,))):
-        for text in texts:
-            if text is not None and address_in(text) is None:
-                fail(BAD_INPUT, f"{option}: {text!r} is no address. Write HOST:PORT, such as 127.0.0.1:14550.")
+    for option, text in (("--udp-listen", udp_listen), ("--tcp", tcp)):
+        if text is not None and address_in(text) is None:
+            fail(BAD_INPUT, f"{option}: {text!r} is no address. Write HOST:PORT, such as 127.0.0.1:14550.")
+    for text in udp or ():
+        target = target_in(text)
+        if target is None:
+            fail(BAD_INPUT, f"--udp: {text!r} is no address. Write HOST:PORT, such as 127.0.0.1:14550.")
+        if target.robot is not None and target.robot >= study.robots:
+            fail(BAD_INPUT, f"--udp: {text!r}: there is no robot {target.robot + 1}. There are {study.robots}.")
     targets = None if udp is None else tuple(dict.fromkeys(udp))
     given = {"on": on, "identity": identity, "udp": targets, "udp_listen": udp_listen, "tcp": tcp, "tlog": tlog}
     changes = {key: value for key, value in given.items() if value is not None}

@@ -19,6 +19,7 @@ import pytest
 from tests.bench.halls import hall_for_fifty
 from thbridge.adapters.addresses import Address
 from thbridge.adapters.mavlink_server import Ports
+from thbridge.adapters.mavlink_udp import Target
 from thbridge.app import play
 from thbridge.app.compose import read_setting
 from thbridge.app.config import Study
@@ -82,7 +83,7 @@ def test_fifty_robots(vehicles: str, recorded: bool, tmp_path: Path) -> None:
     section = MavlinkSection(on=vehicles != "none")
     server = dataclasses.replace(Study().server, port=0)
     study = dataclasses.replace(Study(), map=f"{hall}/", robots=ROBOTS, server=server, mavlink=section)
-    ports = Ports((Address("127.0.0.1", port),), None, None) if section.on else None
+    ports = Ports((Target(Address("127.0.0.1", port)),), None, None) if section.on else None
     begun: tuple[float, float] | None = None
     ended = (0.0, 0.0)
 

@@ -1,9 +1,9 @@
 """A script for one robot as researchers write them with DroneKit, run by DroneKit's own Python.
 
-Its standard input is one JSON object: `url` to listen at, the number of the `robot`, whether it says that it is
+Its standard input is one JSON object: `url` to listen at, where one robot alone is heard, whether it says that it is
 `ardupilot`'s, the name of a `parameter` to set, and places as latitude and longitude: two to `drive` to, a `mission`,
-and one in a `room`, or none, before which it is driven by hand too. The last line of its output is another, what it
-saw.
+and one in a `room`, or none; before that it is driven by hand and sent home, too. The last line of its output is
+another, what it saw.
 """
 
 import json
@@ -16,7 +16,6 @@ import traceback
 from collections.abc import Callable, Sequence
 from typing import Any
 
-os.environ["MAVLINK20"] = "1"  # else DroneKit's commands name no vehicle
 from dronekit import Command, LocationGlobal, LocationGlobalRelative, Vehicle, connect
 from dronekit.mission import CommandInt
 from pymavlink import mavutil
@@ -29,17 +28,6 @@ STILL = 0.02
 
 Told = dict[str, Any]
 Place = Sequence[float]
-
-
-def only(robot: int) -> type[Vehicle]:
-    """A vehicle that hears nobody else: DroneKit takes all that it hears for one vehicle's."""
-
-    class Robot(Vehicle):
-        def notify_message_listeners(self, name: str, message: Any) -> None:
-            if message.get_srcSystem() == robot:
-                super().notify_message_listeners(name, message)
-
-    return Robot
 
 
 def metres(one: Any, other: Place) -> float:
@@ -66,10 +54,7 @@ class Rover:
     def __init__(self, orders: Told) -> None:
         # Of another autopilot's modes DroneKit never tells any.
         ready = True if orders["ardupilot"] else ["parameters", "gps_0", "armed", "attitude"]
-        self.vehicle = connect(
-            orders["url"], wait_ready=ready, timeout=PATIENCE, heartbeat_timeout=PATIENCE,
-            vehicle_class=only(orders["robot"]),
-        )  # fmt: skip
+        self.vehicle = connect(orders["url"], wait_ready=ready, timeout=PATIENCE, heartbeat_timeout=PATIENCE)
         self.notes = Notes()
         autopilot = logging.getLogger("autopilot")
         autopilot.setLevel(logging.DEBUG)
@@ -211,6 +196,16 @@ class Rover:
         self.waits("another", lambda: len(said) == 2)
         return list(said)
 
+    def returns(self, home: Place) -> Told:
+        """Home is set, read back, and returned to."""
+        vehicle = self.vehicle
+        vehicle.home_location = LocationGlobal(*home, vehicle.location.global_frame.alt)
+        vehicle.wait_for_mode("RTL", timeout=PATIENCE)
+        self.hears("Arrived.")
+        self.downloads()
+        at = vehicle.location.global_frame
+        return {"home": (vehicle.home_location.lat, vehicle.home_location.lon), "at": (at.lat, at.lon)}
+
     def goes_into(self, room: Place) -> Told:
         before = self.vehicle.battery.level
         self.vehicle.simple_goto(LocationGlobalRelative(*room, 0.0))
@@ -233,6 +228,7 @@ def plays(orders: Told) -> Told:
     told["parameters"] = rover.sets_parameters(orders["parameter"])
     if orders["room"]:
         told["hand"] = rover.is_driven_by_hand()
+        told["home"] = rover.returns(orders["mission"][0])
         told["room"] = rover.goes_into(orders["room"])
     rover.vehicle.disarm(timeout=PATIENCE)
     rover.vehicle.close()

@@ -41,14 +41,13 @@ def judged(folder: Path, identity: str, room: tuple[float, float] | None = None)
     port = free_udp_port()
     orders = {
         "url": f"udpin:127.0.0.1:{port}",
-        "robot": 1,
         "ardupilot": identity == "ardupilot",
         "parameter": "SIM_ODOM_ALPHA1",
         "drive": [degrees(*point) for point in DRIVE],
         "mission": [degrees(*point) for point in MISSION],
         "room": None if room is None else degrees(*room),
     }
-    with rovers(folder, (port,), "--identity", identity) as play:
+    with rovers(folder, (), "--udp", f"127.0.0.1:{port}/1", "--identity", identity) as play:
         done = subprocess.run(
             [PEERS / "dronekit" / "bin" / "python", SCRIPT],
             input=json.dumps(orders), capture_output=True, text=True, timeout=PATIENCE, check=False,
@@ -123,6 +122,13 @@ def test_parameters_are_listed_set_and_refused(ardupilot: Judged) -> None:
     assert (told["taken"], told["refused"], told["unknown"]) == (True, False, False)
     assert told["heard"] == [["SIM_ODOM_ALPHA1", 2 * told["before"]]]
     assert told["after"] == 2 * told["before"]
+
+
+@pytest.mark.slow
+def test_home_is_set_and_returned_to(at_length: Judged) -> None:
+    told = at_length.told["home"]
+    assert told["home"] == pytest.approx(degrees(*MISSION[0]), abs=2 * OF_A_FLOAT)
+    assert math.dist(metres(*told["at"]), metres(*told["home"])) < 0.35
 
 
 @pytest.mark.slow

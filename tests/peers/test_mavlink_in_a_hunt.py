@@ -50,19 +50,21 @@ def test_the_manuals_example_sends_a_robot_into_a_room(tmp_path: Path) -> None:
 
 
 @pytest.mark.parametrize(
-    ("client", "identity"),
+    ("client", "identity", "robots"),
     [
-        pytest.param("MAVSDK", "generic", marks=needs("mavsdk")),
-        pytest.param("DroneKit", "ardupilot", marks=needs("dronekit")),
+        pytest.param("MAVSDK", "generic", "", marks=needs("mavsdk")),
+        pytest.param("DroneKit", "ardupilot", "/1", marks=needs("dronekit")),
     ],
 )
 @pytest.mark.slow
-def test_the_manuals_example_brings_a_robot_into_a_room(client: str, identity: str, tmp_path: Path) -> None:
+def test_the_manuals_example_brings_a_robot_into_a_room(
+    client: str, identity: str, robots: str, tmp_path: Path
+) -> None:
     port = free_udp_port()
     latitude, longitude = degrees(-2.7, 1.4)  # here the map lies elsewhere than in the manual
     example = example_for(client, port).replace("51.5115126, -0.1160389", f"{latitude:.7f}, {longitude:.7f}")
     (tmp_path / "example.py").write_text(example)
-    with rovers(tmp_path, (port,), "--identity", identity) as play:
+    with rovers(tmp_path, (), "--udp", f"127.0.0.1:{port}{robots}", "--identity", identity) as play:
         command = [PEERS / client.lower() / "bin" / "python", "example.py"]
         done = subprocess.run(command, cwd=tmp_path, capture_output=True, text=True, timeout=120, check=False)
         assert done.returncode == 0, done.stdout + done.stderr

@@ -18,6 +18,7 @@ from tests.thbridge.app.test_mavlink_replay import Station, record
 from tests.thbridge.wire.mavlink.rig import OPTIONS, Game
 from thbridge.adapters.addresses import Address
 from thbridge.adapters.mavlink_server import MavlinkServer, Ports
+from thbridge.adapters.mavlink_udp import Target
 from thbridge.app.session import Session
 from thbridge.wire.mavlink.dialect import crc_extra, mav, payload_of
 from thbridge.wire.mavlink.frames.frame import Frame
@@ -39,7 +40,7 @@ class Fleet:
         self._hub = Hub([Vehicle(number, game, OPTIONS) for number, game in enumerate(self.games, 1)], 5.0)
         self._links = 0
         self.transmit = lambda sent: None
-        self._server = MavlinkServer(Ports((address,), Address("127.0.0.1", 0), key))
+        self._server = MavlinkServer(Ports((Target(address),), Address("127.0.0.1", 0), key))
         self._over = False
         self._stands = threading.Event()
         self._thread = threading.Thread(target=lambda: asyncio.run(self._run()))
@@ -53,10 +54,10 @@ class Fleet:
         self._over = True
         self._thread.join()
 
-    def open_link(self, name: str) -> LinkId:
+    def open_link(self, name: str, robot: int | None = None) -> LinkId:
         link = LinkId(self._links)
         self._links += 1
-        self._hub.open(link, name)
+        self._hub.open(link, name, robot)
         return link
 
     def report(self, link):

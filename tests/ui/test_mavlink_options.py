@@ -9,6 +9,7 @@ import typer
 from typer.testing import CliRunner
 
 from thbridge.adapters.addresses import Address
+from thbridge.adapters.mavlink_udp import Target
 from thbridge.app.config import Study
 from thbridge.app.mavlink import MavlinkSection
 from thbridge.wire.mavlink.options import Identity
@@ -33,6 +34,11 @@ def refusal(*arguments: str) -> str:
 @pytest.mark.parametrize("address", ["14550", "localhost:", ":14550", "localhost:0", "localhost:65536", "::1:14550"])
 def test_an_address_that_is_none(option: str, address: str) -> None:
     assert f"{option}: '{address}' is no address. Write HOST:PORT" in refusal("--mavlink", option, address)
+
+
+def test_a_target_of_a_robot_that_there_is_not() -> None:
+    said = refusal("--mavlink", "--robots", "3", "--udp", "h:1/4")
+    assert "--udp: 'h:1/4': there is no robot 4. There are 3." in said
 
 
 @pytest.mark.parametrize(
@@ -74,7 +80,7 @@ def test_options_win_over_the_study() -> None:
     )
     ports = ports_of(study, None, None)
     assert ports is not None
-    assert (ports.udp, ports.udp_listen) == ((Address("::1", 14550),), Address("::1", 14555))
+    assert (ports.udp, ports.udp_listen) == ((Target(Address("::1", 14550)),), Address("::1", 14555))
     assert (ports.tcp, ports.key) == (Address("0.0.0.0", 5760), None)
 
 

@@ -34,8 +34,8 @@ class Exchange(Protocol):
 
     transmit: Callable[[Sequence[Sent]], None]
 
-    def open_link(self, name: str) -> LinkId:
-        """From now on there is a link of this name."""
+    def open_link(self, name: str, robot: int | None = None) -> LinkId:
+        """From now on there is a link of this name, to this robot alone if one is given, from 0."""
 
     def close_link(self, link: LinkId) -> None:
         """It is gone."""
@@ -113,11 +113,11 @@ class Links:
         signing = None if self._key is None else Signing(self._key, self._met % 256, self._timestamps)
         return Channel(signing, datagrams=datagrams)
 
-    def open(self, name: str, channel: Channel, carrier: Carrier) -> LinkId | None:
-        """A new link; None as long as nothing is served."""
+    def open(self, name: str, channel: Channel, carrier: Carrier, robot: int | None = None) -> LinkId | None:
+        """A new link, to this robot alone if one is given, from 0; None as long as nothing is served."""
         if self._exchange is None:
             return None
-        link = self._exchange.open_link(name)
+        link = self._exchange.open_link(name, robot)
         self._links[link] = _Link(name, channel, carrier)
         return link
 

@@ -7,7 +7,7 @@ from dataclasses import dataclass
 from thbridge.adapters.addresses import Address
 from thbridge.adapters.mavlink_links import Exchange, Links
 from thbridge.adapters.mavlink_tcp import TcpPort, tcp_port
-from thbridge.adapters.mavlink_udp import UdpPort, udp_listener, udp_port
+from thbridge.adapters.mavlink_udp import Target, UdpPort, udp_listener, udp_port
 from thbridge.adapters.text_server import CannotListen
 from thbridge.wire.mavlink.frames.signing import SigningKey
 
@@ -25,7 +25,7 @@ class Ports:
         udp_listen: where to listen by UDP for those who speak first; None for nowhere.
     """
 
-    udp: tuple[Address, ...]
+    udp: tuple[Target, ...]
     tcp: Address | None
     key: SigningKey | None
     udp_listen: Address | None = None

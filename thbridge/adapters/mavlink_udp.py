@@ -7,9 +7,9 @@ import ipaddress
 import socket
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass
-from typing import cast
+from typing import NamedTuple, cast
 
-from thbridge.adapters.addresses import Address
+from thbridge.adapters.addresses import Address, address_in
 from thbridge.adapters.errors import reason_of
 from thbridge.adapters.mavlink_links import GARBAGE, Links
 from thbridge.adapters.text_server import CannotListen
@@ -37,6 +37,32 @@ BUFFER = 4 * 1024 * 1024
 
 SocketAddress = tuple[str, int] | tuple[str, int, int, int]
 """As sockets have it: of IPv4, or of IPv6."""
+
+
+class Target(NamedTuple):
+    """To whom a socket speaks from the start.
+
+    Attributes:
+        address: theirs.
+        robot: the only one that they find there, from 0; None: all robots.
+    """
+
+    address: Address
+    robot: int | None = None
+
+    def __str__(self) -> str:
+        return f"{self.address}" if self.robot is None else f"{self.address}/{self.robot + 1}"
+
+
+def target_in(text: str) -> Target | None:
+    """The target that HOST:PORT means, or HOST:PORT/ROBOT with a robot's number from 1. None: it means none."""
+    where, slash, number = text.partition("/")
+    address = address_in(where)
+    if address is None or not slash:
+        return None if address is None else Target(address)
+    if not (number.isascii() and number.isdecimal() and int(number) > 0):
+        return None
+    return Target(address, int(number) - 1)
 
 
 @dataclass(slots=True)
@@ -88,10 +114,14 @@ class UdpPort:
         links: where its frames come from and go to.
         own: bound, and not blocking.
         target: to whom it speaks from the start; None: to nobody before they speak to it.
+        robot: the only one that is found there, from 0; None: all robots.
     """
 
-    def __init__(self, links: Links, own: socket.socket, target: SocketAddress | None) -> None:
+    def __init__(
+        self, links: Links, own: socket.socket, target: SocketAddress | None, robot: int | None = None
+    ) -> None:
         self._links = links
+        self._robot = robot
         self._socket = own
         self._target = target
         self._peers: dict[SocketAddress, _Peer] = {}
@@ -170,23 +200,31 @@ class UdpPort:
 
     def _open(self, peer: _Peer, address: SocketAddress) -> None:
         if peer.link is None:
-            peer.link = self._links.open(_name(address), peer.channel, _Outlet(self._socket, address))
+            outlet = _Outlet(self._socket, address)
+            peer.link = self._links.open(_name(address), peer.channel, outlet, self._robot)
 
 
-async def udp_port(links: Links, target: Address) -> UdpPort | CannotListen:
+async def udp_port(links: Links, target: Target) -> UdpPort | CannotListen:
     """A socket for a target, on this machine alone if the target is on it; not in use yet."""
-    return await _port(links, target, lambda there, family: (_local(there[0], family), 0), speaks_first=True)
+    found = await _bound(target.address, lambda there, family: (_local(there[0], family), 0))
+    return found if isinstance(found, CannotListen) else UdpPort(links, found.socket, found.given, target.robot)
 
 
 async def udp_listener(links: Links, where: Address) -> UdpPort | CannotListen:
     """A socket at this address, for whoever speaks to it first; not in use yet."""
-    return await _port(links, where, lambda there, family: there, speaks_first=False)
+    found = await _bound(where, lambda there, family: there)
+    return found if isinstance(found, CannotListen) else UdpPort(links, found.socket, None)
 
 
-async def _port(
-    links: Links, given: Address, bound: Callable[[SocketAddress, int], SocketAddress], *, speaks_first: bool
-) -> UdpPort | CannotListen:
-    """A socket for a given address, bound to what `bound` makes of it and its family."""
+class _Bound(NamedTuple):
+    """A socket, and the address for which it was made."""
+
+    socket: socket.socket
+    given: SocketAddress
+
+
+async def _bound(given: Address, own_for: Callable[[SocketAddress, int], SocketAddress]) -> _Bound | CannotListen:
+    """A socket for a given address, bound to what `own_for` makes of it and its family."""
     try:
         found = await asyncio.get_running_loop().getaddrinfo(given.host, given.port, type=socket.SOCK_DGRAM)
         family, there = found[0][0], cast(SocketAddress, found[0][4])
@@ -196,7 +234,7 @@ async def _port(
             own.setsockopt(socket.SOL_SOCKET, socket.SO_BROADCAST, 1)
             own.setsockopt(socket.SOL_SOCKET, socket.SO_RCVBUF, BUFFER)
             own.setsockopt(socket.SOL_SOCKET, socket.SO_SNDBUF, BUFFER)
-            own.bind(bound(there, family))
+            own.bind(own_for(there, family))
         except OSError:
             own.close()
             raise
@@ -204,7 +242,7 @@ async def _port(
         return CannotListen(given.host, given.port, reason_of(error))
     except UnicodeError:
         return CannotListen(given.host, given.port, "that is not a host's name")
-    return UdpPort(links, own, there if speaks_first else None)
+    return _Bound(own, there)
 
 
 def _local(host: str, family: int) -> str:

@@ -294,7 +294,7 @@ def _contradictions(loaded: Loaded[Study]) -> Iterator[BadFile]:
         if least > most:
             yield loaded.fault("participant.robots", f"{least} is above {most}", "Write the smaller number first")
     yield from faults_of_fleet(loaded, study.fleet, study.robots)
-    yield from faults_of_mavlink(loaded, study.mavlink)
+    yield from faults_of_mavlink(loaded, study.mavlink, study.robots)
     yield from faults_of_things(loaded, study.things)
     yield from faults_of_mishaps(loaded, study.mishaps, study.robots)
     if not _surrounds_origin(study.world.footprint):

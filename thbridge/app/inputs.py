@@ -92,10 +92,17 @@ class Asked:
 
 @dataclass(frozen=True, slots=True)
 class LinkOpened:
-    """A link to the robots' vehicles was opened."""
+    """A link to the robots' vehicles was opened.
+
+    Attributes:
+        link: its number.
+        name: of the link.
+        robot: the only one that is to be found there, from 0; None: all are.
+    """
 
     link: LinkId
     name: str
+    robot: int | None = None
 
 
 @dataclass(frozen=True, slots=True)

@@ -8,6 +8,7 @@ from typing import TypeVar
 from sim.parameters import knob
 from thbridge.adapters.addresses import Address, address_in
 from thbridge.adapters.errors import BadFile
+from thbridge.adapters.mavlink_udp import Target, target_in
 from thbridge.adapters.yaml_files import Loaded
 from thbridge.wire.mavlink.options import (
     LONGEST_PATIENCE,
@@ -35,7 +36,8 @@ class MavlinkSection:
         Identity.GENERIC, "whose autopilot they say they have; ground stations offer more to those of ardupilot"
     )
     udp: tuple[str, ...] = knob(
-        ("127.0.0.1:14550", "127.0.0.1:14540"), "UDP addresses, HOST:PORT, at which ground stations and programs listen"
+        ("127.0.0.1:14550", "127.0.0.1:14540"),
+        "UDP addresses, HOST:PORT, at which ground stations and programs listen; HOST:PORT/ROBOT for one robot alone",
     )
     udp_listen: str | None = knob(
         None, "address, HOST:PORT, at which those find robots who speak first by UDP; null: none"
@@ -66,21 +68,24 @@ class MavlinkSection:
         return VehicleOptions(self.identity, Origin(*self.origin), self.lost_after, self.failsafe, self.position_rate)
 
     @property
-    def targets(self) -> tuple[Address, ...]:
+    def targets(self) -> tuple[Target, ...]:
         """Where frames go to by UDP."""
-        return tuple(address for address in map(address_in, self.udp) if address is not None)
+        return tuple(target for target in map(target_in, self.udp) if target is not None)
 
 
-def faults_of_mavlink(loaded: Loaded[S], section: MavlinkSection) -> Iterator[BadFile]:
-    """Addresses that are none, or twice the same, and an origin that is nowhere on earth."""
+def faults_of_mavlink(loaded: Loaded[S], section: MavlinkSection, robots: int) -> Iterator[BadFile]:
+    """Addresses that are none, or twice the same, of robots that there are not; an origin that is nowhere on earth."""
     taken: dict[Address, int] = {}
     for index, text in enumerate(section.udp):
         key = f"mavlink.udp[{index}]"
-        address = address_in(text)
-        if address is None:
-            yield loaded.fault(key, _no_address(text), "Write HOST:PORT, such as 127.0.0.1:14550")
-        elif taken.setdefault(address, index) != index:
-            yield loaded.fault(key, f"{text} stands in this list twice", "Write each address once")
+        target = target_in(text)
+        if target is None:
+            yield loaded.fault(key, _no_address(text), "Write HOST:PORT, such as 127.0.0.1:14550, or HOST:PORT/ROBOT")
+        elif taken.setdefault(target.address, index) != index:
+            yield loaded.fault(key, f"{target.address} stands in this list twice", "Write each address once")
+        elif target.robot is not None and target.robot >= robots:
+            problem = f"there is no robot {target.robot + 1}: the study has {robots}"
+            yield loaded.fault(key, problem, f"Write a number from 1 to {robots}, or raise robots")
     for name, listens, usual in (("udp_listen", section.udp_listen, 14555), ("tcp", section.tcp, 5760)):
         if listens is not None and address_in(listens) is None:
             remedy = f"Write HOST:PORT, such as 127.0.0.1:{usual}, or null"

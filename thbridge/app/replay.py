@@ -296,8 +296,8 @@ class _Together:
                 self._prompter.prompt(message)
             case Asked(sender, request):
                 session.ask(sender, request)
-            case LinkOpened(_, name) if session.has_vehicles:
-                session.open_link(name)
+            case LinkOpened(_, name, robot) if session.has_vehicles:
+                session.open_link(name, robot)
             case LinkClosed(link):
                 session.close_link(link)
             case Framed(link, _, frame, robot):

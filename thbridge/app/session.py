@@ -204,16 +204,20 @@ class Session:
         """The end: nothing comes in any more."""
         return self._router.stop()
 
-    def open_link(self, name: str) -> LinkId:
+    def open_link(self, name: str, robot: int | None = None) -> LinkId:
         """Somebody may speak to the robots' vehicles, on a link of this name.
+
+        Args:
+            name: of the link.
+            robot: the only one that is to be found there, from 0; None: all are.
 
         Raises:
             ValueError: the robots are no vehicles.
         """
         if self._vehicles is None:
             raise ValueError("the robots are no vehicles")
-        link = self._vehicles.open(name)
-        self._inputs.append(LinkOpened(link, name))
+        link = self._vehicles.open(name, robot)
+        self._inputs.append(LinkOpened(link, name, robot))
         return link
 
     def close_link(self, link: LinkId) -> None:

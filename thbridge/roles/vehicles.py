@@ -46,11 +46,11 @@ class Vehicles:
         """How each vehicle stands."""
         return tuple(vehicle.status for vehicle in self._hub.vehicles)
 
-    def open(self, name: str) -> LinkId:
-        """From now on there is a link of this name; its number was never another's."""
+    def open(self, name: str, robot: int | None) -> LinkId:
+        """From now on there is a link of this name; its number was never another's. See `Hub.open`."""
         link = LinkId(next(self._numbers))
         self._names[link] = name
-        self._hub.open(link, name)
+        self._hub.open(link, name, robot)
         return link
 
     def close(self, link: LinkId) -> None:

@@ -7,11 +7,14 @@ from collections.abc import AsyncIterator, Callable, Sequence
 from contextlib import asynccontextmanager
 
 import pytest
+from hypothesis import given
+from hypothesis import strategies as st
 
 from thbridge.adapters import mavlink_tcp, mavlink_udp
 from thbridge.adapters.addresses import Address
 from thbridge.adapters.mavlink_links import GARBAGE
 from thbridge.adapters.mavlink_server import MavlinkServer, Ports
+from thbridge.adapters.mavlink_udp import Target, target_in
 from thbridge.adapters.text_server import CannotListen
 from thbridge.wire.mavlink.dialect import crc_extra, mav, payload_of
 from thbridge.wire.mavlink.frames.frame import Frame
@@ -38,13 +41,14 @@ class Exchange:
 
     def __init__(self) -> None:
         self.names: dict[LinkId, str] = {}
+        self.robots: dict[str, int | None] = {}
         self.gone: list[str] = []
         self.heard: list[tuple[str, Frame]] = []
         self.transmit: Callable[[Sequence[Sent]], None] = lambda sent: None
 
-    def open_link(self, name: str) -> LinkId:
+    def open_link(self, name: str, robot: int | None = None) -> LinkId:
         link = LinkId(len(self.names) + len(self.gone))
-        self.names[link] = name
+        self.names[link], self.robots[name] = name, robot
         return link
 
     def close_link(self, link: LinkId) -> None:
@@ -95,9 +99,10 @@ def station():
 
 @asynccontextmanager
 async def served(
-    *udp: Address, tcp: Address | None = None, listen: Address | None = None
+    *udp: Address | Target, tcp: Address | None = None, listen: Address | None = None
 ) -> AsyncIterator[tuple[Exchange, list[str]]]:
-    server, exchange = MavlinkServer(Ports(udp, tcp, None, listen)), Exchange()
+    targets = tuple(there if isinstance(there, Target) else Target(there) for there in udp)
+    server, exchange = MavlinkServer(Ports(targets, tcp, None, listen)), Exchange()
     try:
         names = await server.open()
         assert not isinstance(names, CannotListen), names
@@ -123,6 +128,26 @@ def test_the_target_is_spoken_to_before_it_says_anything(station: Station) -> No
             assert data == HEARTBEAT.to_bytes()
 
     asyncio.run(whole())
+
+
+def test_a_target_of_one_robot_has_links_of_that_robot_alone(station: Station) -> None:
+    async def whole() -> None:
+        async with served(Target(station.address, 2)) as (exchange, names):
+            assert names == [f"udp {station.address}/3"]
+            assert exchange.robots == {f"udp {station.address}": 2}
+
+    asyncio.run(whole())
+
+
+@given(st.none() | st.integers(0, 249))
+def test_a_target_is_read_as_it_is_written(robot: int | None) -> None:
+    target = Target(Address("::1", 14550), robot)
+    assert target_in(str(target)) == target
+
+
+@pytest.mark.parametrize("text", ["h:1/0", "h:1/", "h:1/x", "h:1/-1", "h:1/1/1", "h/1", "/1"])
+def test_what_is_no_target(text: str) -> None:
+    assert target_in(text) is None
 
 
 def test_an_answer_comes_at_once_and_on_the_link_it_was_asked_on(station: Station) -> None:
@@ -372,7 +397,7 @@ def test_ipv6() -> None:
 @pytest.mark.parametrize("host", ["256.1.1.1", "no.such.host.invalid", "ä" * 80])
 def test_a_target_that_has_no_address_is_told_before_anything_starts(host: str) -> None:
     async def whole() -> None:
-        server = MavlinkServer(Ports((Address(host, 14550),), None, None))
+        server = MavlinkServer(Ports((Target(Address(host, 14550)),), None, None))
         why = await server.open()
         assert isinstance(why, CannotListen)
         assert host in str(why)

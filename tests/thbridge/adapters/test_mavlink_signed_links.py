@@ -27,7 +27,7 @@ class Exchange:
         self.transmit: Callable[[Sequence[Sent]], None] = lambda sent: None
         self._opened = 0
 
-    def open_link(self, name: str) -> LinkId:
+    def open_link(self, name: str, robot: int | None = None) -> LinkId:
         self._opened += 1
         return LinkId(self._opened)
 

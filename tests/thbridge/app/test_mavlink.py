@@ -8,6 +8,7 @@ from hypothesis import strategies as st
 
 from thbridge.adapters.addresses import Address, address_in
 from thbridge.adapters.errors import BadFiles
+from thbridge.adapters.mavlink_udp import Target
 from thbridge.app.config import Study, read_study_text
 from thbridge.app.mavlink import MavlinkSection
 from thbridge.app.study_text import resolved
@@ -27,7 +28,7 @@ def test_what_a_study_says_of_vehicles_is_read_and_written_again():
 mavlink:
   on: true
   identity: ardupilot
-  udp: ["[::1]:14550", ground.example:1]
+  udp: ["[::1]:14550", ground.example:1/2]
   tcp: 127.0.0.1:5760
   signing_key: keys/one.key
   origin: [-33.9, 18.4, 1080]
@@ -40,7 +41,7 @@ mavlink:
     section = study.mavlink
     assert section.on
     assert section.tlog
-    assert section.targets == (Address("::1", 14550), Address("ground.example", 1))
+    assert section.targets == (Target(Address("::1", 14550)), Target(Address("ground.example", 1), 1))
     assert section.options.identity is Identity.ARDUPILOT
     assert section.options.failsafe is Failsafe.HOME
     assert (section.options.origin.latitude, section.options.origin.altitude) == (-33.9, 1080.0)
@@ -52,7 +53,8 @@ mavlink:
     [
         ("{udp: [14550]}", "mavlink.udp[0]", "'14550' is no address"),
         ("{udp: ['127.0.0.1:0']}", "mavlink.udp[0]", "is no address"),
-        ("{udp: ['a:1', 'b:2', 'a:1']}", "mavlink.udp[2]", "a:1 stands in this list twice"),
+        ("{udp: ['a:1', 'b:2', 'a:1/1']}", "mavlink.udp[2]", "a:1 stands in this list twice"),
+        ("{udp: ['a:1/2', 'b:2/3']}", "mavlink.udp[1]", "there is no robot 3: the study has 2"),
         ("{tcp: '::1:5760'}", "mavlink.tcp", "is no address"),
         ("{origin: [90, 0, 0]}", "mavlink.origin", "90 degrees north is not within -85 to 85"),
         ("{origin: [0, 181, 0]}", "mavlink.origin", "181 degrees east is not within -180 to 180"),

@@ -47,11 +47,13 @@ TO = Topic("/robot1/mavlink/to", types.MAVLINK)
 class Station:
     """A ground station at a session, on a link of its own."""
 
-    def __init__(self, session: Session, name: str = "udp 127.0.0.1:14550", system: int = 255) -> None:
+    def __init__(
+        self, session: Session, name: str = "udp 127.0.0.1:14550", system: int = 255, robot: int | None = None
+    ) -> None:
         self._session = session
         self._system = system
         self._sequence = 0
-        self._link: LinkId = session.open_link(name)
+        self._link: LinkId = session.open_link(name, robot)
 
     def say(self, message: Message) -> None:
         seed = crc_extra(message.get_msgId())
@@ -105,7 +107,7 @@ def beating(stations: dict[str, Station]) -> Callable[[int, Session], None]:
         if tick == 10:
             stations["a"] = Station(session)
         if tick == 30:
-            stations["b"] = Station(session, "tcp [::1]:5760", 254)
+            stations["b"] = Station(session, "tcp [::1]:5760", 254, robot=1)
         if tick % 25 == 10:
             for station in stations.values():
                 station.beat()

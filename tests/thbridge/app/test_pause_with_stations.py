@@ -10,6 +10,7 @@ import pytest
 
 from thbridge.adapters.addresses import Address
 from thbridge.adapters.mavlink_server import Ports
+from thbridge.adapters.mavlink_udp import Target
 from thbridge.adapters.text_server import CannotListen, Listening
 from thbridge.adapters.watch_client import WatchClient
 from thbridge.app.compose import read_setting
@@ -45,7 +46,7 @@ class Afternoon:
         self._tasks: list[asyncio.Task[None]] = []
 
     async def pass_by(self) -> None:
-        ports = Ports((Address("127.0.0.1", self._station.getsockname()[1]),), None, None)
+        ports = Ports((Target(Address("127.0.0.1", self._station.getsockname()[1])),), None, None)
         watch = Watch("127.0.0.1", 0, None)
         options = PlayOptions(1.0, self.bag, OUTSIDE, "", 2.0, watch=watch, mavlink=ports)
         told = Hosts(lambda master: None, self._come)

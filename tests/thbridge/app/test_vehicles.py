@@ -57,6 +57,13 @@ def test_links_and_frames_are_inputs_of_the_next_tick(session: Session):
     assert session.step().inputs == ()
 
 
+def test_a_link_of_one_robot_is_recorded_as_such(session: Session):
+    link = session.open_link("a", 1)
+    (opened,) = session.step().inputs
+    assert opened == LinkOpened(link, "a", 1)
+    assert from_record(to_record(opened)) == opened
+
+
 def test_what_vehicles_drop_is_not_recorded(session: Session):
     link = session.open_link("a")
     ours, setup = replace(FRAME, system=1, component=1), mav.MAVLink_setup_signing_message(1, 1, list(range(32)), 5)

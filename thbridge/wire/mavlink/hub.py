@@ -65,10 +65,16 @@ class Hub:
         """In the team's order."""
         return self._vehicles
 
-    def open(self, link: LinkId, name: str) -> None:
-        """From now on there is this link; one of the same number is closed before."""
+    def open(self, link: LinkId, name: str, robot: int | None = None) -> None:
+        """From now on there is this link; one of the same number is closed before.
+
+        Args:
+            link: its number.
+            name: for people.
+            robot: the only vehicle that is to be found there, from 0; None: all are.
+        """
         self.close(link)
-        self._links[link] = Link(name, self._patience)
+        self._links[link] = Link(name, self._patience, robot)
 
     def close(self, link: LinkId) -> None:
         """A link is gone, and whoever was reached by it."""
@@ -118,7 +124,8 @@ class Hub:
         there.hear(sender, frame.sequence, self._tick)
         system, component = target_of(message)
         sent: list[Sent] = []
-        for number in self._meant(system, component) if robot is None else (robot,):
+        meant = self._meant(system, component) if robot is None else (robot,)
+        for number in filter(there.reaches, meant):
             self._traffic.append(Traffic(number, True, there.name, frame))
             sent += self._said(number, self._vehicles[number].hear(link, sender, message))
         if robot is None and (system not in self._by_system or component != COMPONENT):
@@ -177,18 +184,19 @@ class Hub:
         for word in said:
             message_id, payload = word.message.get_msgId(), payload_of(word.message)
             seed = crc_extra(message_id) or 0
-            for number, link in self._reached(word):
+            for number, link in self._reached(word, robot):
                 frame = Frame(system, COMPONENT, link.next_sequence(system), message_id, payload, seed)
                 self._traffic.append(Traffic(robot, False, link.name, frame))
                 sent.append(Sent(number, frame))
         return sent
 
-    def _reached(self, word: Said) -> list[tuple[LinkId, Link]]:
+    def _reached(self, word: Said, robot: int) -> list[tuple[LinkId, Link]]:
+        """The links on which a vehicle's word goes out."""
         if word.link is not None:
             there = self._links.get(word.link)
-            return [] if there is None else [(word.link, there)]
+            return [] if there is None or not there.reaches(robot) else [(word.link, there)]
         return [
             (number, link)
             for number, link in self._links.items()
-            if number not in word.besides and (word.to_sleepers or link.is_awake(self._tick))
+            if link.reaches(robot) and number not in word.besides and (word.to_sleepers or link.is_awake(self._tick))
         ]

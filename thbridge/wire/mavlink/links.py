@@ -63,12 +63,14 @@ class Link:
     Attributes:
         name: for people.
         patience: ticks for which somebody counts as heard.
+        robot: the only vehicle that is there, from 0; None: all are.
         sent: frames that went out.
         dropped: frames that went nowhere, by why.
     """
 
     name: str
     patience: int
+    robot: int | None = None
     sent: int = 0
     dropped: Counter[Drop] = field(default_factory=Counter)
     _received: int = 0
@@ -76,6 +78,10 @@ class Link:
     _tick: int | None = None
     _stations: dict[Station, _Heard] = field(default_factory=dict)
     _counts: dict[int, int] = field(default_factory=dict)
+
+    def reaches(self, robot: int) -> bool:
+        """Whether this vehicle is there."""
+        return self.robot in (None, robot)
 
     def has_room_for(self, station: Station, tick: int) -> bool:
         """Whether this sender is listened to; who has been silent for long makes room for another."""

@@ -97,6 +97,18 @@ def test_a_frame_for_one_robot_is_heard_by_it_alone_whatever_it_names(hub, vehic
     assert [len(vehicle.heard) for vehicle in vehicles] == [1, 1, 2]
 
 
+def test_on_a_link_of_one_robot_it_alone_hears_and_speaks(hub, vehicles):
+    hub.open(C, "c", robot=1)
+    assert hub.receive(C, frame_of(HEARTBEAT, 255)) == []
+    hub.receive(C, frame_of(command(1), 255, sequence=1))
+    assert [len(vehicle.heard) for vehicle in vehicles] == [0, 1, 0]
+    for vehicle in vehicles:
+        vehicle.says = [Said(HEARTBEAT, to_sleepers=True), Said(HEARTBEAT, C)]
+    sent = step(hub)
+    assert [one.frame.system for one in sent if one.link == C] == [2, 2]
+    assert [one.frame.system for one in sent if one.link == A] == [1, 2, 3]
+
+
 def test_an_answer_goes_to_the_link_its_question_came_from_also_when_another_has_the_same_station(hub):
     hub.receive(B, frame_of(HEARTBEAT, 255))
     hub.receive(A, frame_of(HEARTBEAT, 255))
