@@ -52,8 +52,9 @@ class Rover:
     """One robot, by what DroneKit offers for it."""
 
     def __init__(self, orders: Told) -> None:
-        # Of another autopilot's modes DroneKit never tells any.
-        ready = True if orders["ardupilot"] else ["parameters", "gps_0", "armed", "attitude"]
+        # Of another autopilot DroneKit never tells a mode, nor where home is as long as there is no mission.
+        self.ardupilot = orders["ardupilot"]
+        ready = True if self.ardupilot else ["parameters", "gps_0", "armed", "attitude"]
         self.vehicle = connect(orders["url"], wait_ready=ready, timeout=PATIENCE, heartbeat_timeout=PATIENCE)
         self.notes = Notes()
         autopilot = logging.getLogger("autopilot")
@@ -85,7 +86,8 @@ class Rover:
     def is_well(self) -> Told:
         vehicle = self.vehicle
         vehicle.wait_for_armable(timeout=PATIENCE)
-        self.downloads()
+        if self.ardupilot:
+            self.downloads()
         self.waits("its version", lambda: vehicle.version.raw_version is not None)
         home, at = vehicle.home_location, vehicle.location.global_frame
         return {
@@ -99,7 +101,7 @@ class Rover:
             "battery": vehicle.battery.level,
             "heading": vehicle.heading,
             "yaw": vehicle.attitude.yaw,
-            "home": (home.lat, home.lon, home.alt),
+            "home": (home.lat, home.lon, home.alt) if home else None,
             "at": (at.lat, at.lon, at.alt),
         }
 
@@ -126,7 +128,9 @@ class Rover:
         self.waits("to be on its way", lambda: vehicle.groundspeed > 0.3)
         self.reaches(there)
         seen["slow"] = len(seen["local"])
-        vehicle.simple_goto(LocationGlobal(*back, vehicle.home_location.alt), groundspeed=1.0)
+        home = vehicle.home_location
+        on_earth = LocationGlobal(*back, home.alt) if home else LocationGlobalRelative(*back, 0.0)
+        vehicle.simple_goto(on_earth, groundspeed=1.0)
         self.hears("Arrived.")
         self.reaches(back)
         return seen

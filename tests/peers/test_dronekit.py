@@ -150,7 +150,7 @@ def test_what_dronekit_did_is_done_again_by_a_replay_to_the_last_bit(at_length: 
 
 
 @pytest.mark.slow
-def test_of_other_autopilots_it_knows_all_but_the_modes(tmp_path: Path) -> None:
+def test_of_other_autopilots_it_knows_neither_modes_nor_home(tmp_path: Path) -> None:
     told = judged(tmp_path, "generic").told
     assert told["well"]["version"].startswith("UnknownAutoPilotRover-")
     assert told["well"]["fix"] == 3
