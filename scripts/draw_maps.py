@@ -421,6 +421,18 @@ def map_times(grid: OccupancyGrid, places: list[Pose2]) -> str:
     return "\n".join(lines) + "\n"
 
 
+def write(plan: Plan, folder: Path, resolution: float) -> None:
+    """Draw one map, write the files about it, and say what it is."""
+    write_grid(folder, draw(plan, resolution))
+    (folder / "rooms.yaml").write_text(rooms_yaml(plan), encoding="utf-8")
+    drawn = read_map(folder, FOOTPRINT)
+    if plan.estimate_costs:
+        places = [drawn.starts[0], *(room.goal for room in drawn.rooms)]
+        (folder / "mapTimes").write_text(map_times(drawn.grid, places), encoding="ascii")
+    size = f"{drawn.grid.cols} x {drawn.grid.rows} cells"
+    print(f"{folder}: {size}, {len(drawn.rooms)} rooms, {len(drawn.starts)} starts")
+
+
 def main() -> None:
     """Draw all maps."""
     parser = argparse.ArgumentParser(description="Draw the maps that come with the project.")
@@ -428,15 +440,7 @@ def main() -> None:
     parser.add_argument("--into", type=Path, default=Path("maps"), help="folder of the map folders")
     arguments = parser.parse_args()
     for plan in (ARENA8, WAREHOUSE12, OFFICE, PRACTICE):
-        folder = arguments.into / plan.name
-        write_grid(folder, draw(plan, arguments.resolution))
-        (folder / "rooms.yaml").write_text(rooms_yaml(plan), encoding="utf-8")
-        drawn = read_map(folder, FOOTPRINT)
-        if plan.estimate_costs:
-            places = [drawn.starts[0], *(room.goal for room in drawn.rooms)]
-            (folder / "mapTimes").write_text(map_times(drawn.grid, places), encoding="ascii")
-        size = f"{drawn.grid.cols} x {drawn.grid.rows} cells"
-        print(f"{folder}: {size}, {len(drawn.rooms)} rooms, {len(drawn.starts)} starts")
+        write(plan, arguments.into / plan.name, arguments.resolution)
 
 
 if __name__ == "__main__":

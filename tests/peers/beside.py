@@ -80,17 +80,14 @@ class Ros:
 
 @contextmanager
 def session(folder: Path, *arguments: str) -> Iterator[tuple[Ros, Program]]:
-    """A text server and the robots, on a graph of which they are the master; nobody plays."""
-    port, server_port = free_port(), free_port()
+    """The robots, on a graph of which they are the master; nobody plays, for there is no text server."""
+    port, nowhere = free_port(), f"127.0.0.1:{free_port()}"
     uri = f"http://127.0.0.1:{port}"
-    server = Program(folder, "server", "--port", str(server_port))
-    until("the server", lambda: "listening" in server.text, [server])
-    robots = Program(folder, "simr", "--server", f"127.0.0.1:{server_port}", "--ros", "--ros-master", uri, *arguments)
+    robots = Program(folder, "simr", "--server", nowhere, "--ros", "--ros-master", uri, *arguments)
     ros = Ros(port, folder)
     try:
         until("the session to be on the graph", lambda: "this program is it" in robots.text, [robots])
         ros.says("rostopic", "echo", "-n", "1", "/robot1/odom/header/seq")
         yield ros, robots
     finally:
-        for program in (robots, server):
-            program.close()
+        robots.close()

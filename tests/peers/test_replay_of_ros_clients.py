@@ -1,12 +1,10 @@
 """What ROS's own clients did to running robots is done again by a replay, to the last bit."""
 
-import json
-import subprocess
 from pathlib import Path
 
 from tests.peers import live
 from tests.peers.beside import NEEDS_ROS, session
-from tests.system.programs import THBRIDGE
+from tests.thbridge.app.test_replay import again
 from thbridge.app.inputs import Asked
 from thbridge.app.replay import ticks_of
 
@@ -29,8 +27,6 @@ def test_robots_do_again_what_they_did_for_ros_clients(tmp_path: Path) -> None:
         "CancelRequest",
     }
     assert asked == kinds
-    done = subprocess.run(
-        [*THBRIDGE, "replay", "live.bag", "--json"], cwd=tmp_path, capture_output=True, text=True, check=False
-    )
-    assert done.returncode == 0, done.stdout + done.stderr
-    assert json.loads(done.stdout)["equal"]
+    done = again(tmp_path / "live.bag")
+    assert done.finished
+    assert done.difference is None

@@ -1,13 +1,13 @@
 """`rosbag play` of what vehicles once heard drives the robots of a session that is on a ROS graph."""
 
-import subprocess
 from pathlib import Path
 
 from tests.peers.beside import NEEDS_ROS, Ros
 from tests.peers.rovers import free_udp_port
 from tests.system.ports import free_port
-from tests.system.programs import THBRIDGE, Program, until
+from tests.system.programs import Program, until
 from tests.thbridge.app.test_mavlink_replay import Tour, record
+from tests.thbridge.app.test_replay import again
 from thbridge.adapters.bag_reader import messages
 from thbridge.ros import unpack
 
@@ -39,7 +39,6 @@ def test_rosbag_play_sets_robots_off(tmp_path: Path) -> None:
         assert {frame.link for frame in now} == {"ros"}
         frames = [(frame.sequence, frame.message_id, frame.payload) for frame in now]
         assert frames == [(frame.sequence, frame.message_id, frame.payload) for frame in was]
-    done = subprocess.run(
-        [*THBRIDGE, "replay", "now.bag", "--json"], cwd=tmp_path, capture_output=True, text=True, check=False
-    )
-    assert done.returncode == 0, done.stdout + done.stderr
+    done = again(tmp_path / "now.bag")
+    assert done.finished
+    assert done.difference is None
