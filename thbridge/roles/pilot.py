@@ -38,7 +38,18 @@ from thbridge.roles.requests import (
 )
 from thbridge.roles.speeds import Speeds
 from thbridge.roles.trips import Stage, Trip, answers, followed
-from thbridge.wire.mavlink.helm import Denied, Description, Leg, LegState, Readings, Refusal, Setting, Settings, Station
+from thbridge.wire.mavlink.helm import (
+    Denied,
+    Description,
+    Leg,
+    LegState,
+    Readings,
+    Refusal,
+    Setting,
+    Settings,
+    Station,
+    Target,
+)
 
 
 @dataclass(frozen=True, slots=True)
@@ -120,17 +131,17 @@ class Pilot:
 
     # Driving
 
-    def go_to(self, x: float, y: float, heading: float | None) -> int | Denied:
+    def go_to(self, target: Target) -> int | Denied:
         """See `Helm`; the game's rules are asked at once, the navigator only when the robot sets out."""
-        if not all(map(math.isfinite, (x, y, 0.0 if heading is None else heading))):
+        if not all(map(math.isfinite, (target.x, target.y, target.heading or 0.0))):
             return Denied("That is no point of a map.")
         state = self._able()
         if isinstance(state, Denied):
             return state
-        robot, outline = state.robots[self._robot], self._premises.room_at(x, y)
+        robot, outline = state.robots[self._robot], self._premises.room_at(target.x, target.y)
         room = None if outline is None else Room.of_people(outline.room)
         if outline is None or room is None or (robot.bound_for is None and robot.at == room):
-            trip = self._trip_to(self._pose_at(x, y, heading), None)
+            trip = self._trip_to(self._pose_at(target), None)
         else:
             trip = self._trip_to(Pose2(*outline.goal), room)
             if robot.bound_for == room and not self._stopping:
@@ -319,9 +330,11 @@ class Pilot:
     def _trip_to(self, target: Pose2, room: Room | None) -> Trip:
         return Trip(Leg(self._legs + 1, LegState.UNDER_WAY, self._here().distance(target)), target, room)
 
-    def _pose_at(self, x: float, y: float, heading: float | None) -> Pose2:
-        here = self._here()
-        return Pose2(x, y, math.atan2(y - here.y, x - here.x) if heading is None else heading)
+    def _pose_at(self, target: Target) -> Pose2:
+        """Where any heading will do, the one in which the target lies from here."""
+        here, heading = self._here(), target.heading
+        ahead = math.atan2(target.y - here.y, target.x - here.x)
+        return Pose2(target.x, target.y, ahead if heading is None else heading)
 
     def _here(self) -> Pose2:
         return self._start if self._snapshot is None else self._snapshot.robots[self._robot].estimate.base_in_map

@@ -27,7 +27,7 @@ from thbridge.roles.speeds import Speeds
 from thbridge.roles.tabui import TabUI
 from thbridge.roles.view import Answer, AskBack, Select, SendRobot, Wish
 from thbridge.ros.records import SimpleGoal
-from thbridge.wire.mavlink.helm import Denied, LegState, Readings, Refusal, Station
+from thbridge.wire.mavlink.helm import Denied, LegState, Readings, Refusal, Station, Target
 from thbridge.wire.mavlink.helm import Setting as Parameter
 from thbridge.wire.router import Router
 
@@ -169,19 +169,19 @@ def test_taking_and_releasing_is_seen_with_the_next_tick(flight: Flight) -> None
 
 def test_only_who_commands_drives(flight: Flight) -> None:
     refused = Denied("Robot 1 is commanded by the participant just now.")
-    assert flight.pilot.go_to(*flight.goal_of(3), None) == refused
+    assert flight.pilot.go_to(Target(*flight.goal_of(3))) == refused
     assert flight.pilot.drive(Twist(0.1, 0.0)) == refused
     assert flight.pilot.photograph() == refused
     # What was asked for between two ticks holds already.
     flight.pilot.take(STATION)
-    assert isinstance(flight.pilot.go_to(*flight.goal_of(3), None), int)
+    assert isinstance(flight.pilot.go_to(Target(*flight.goal_of(3))), int)
     flight.pilot.release()
     assert flight.pilot.drive(Twist(0.1, 0.0)) == refused
 
 
 def test_a_point_in_a_room_is_a_move_of_the_game(taken: Flight) -> None:
     x, y = taken.goal_of(4)
-    number = taken.pilot.go_to(x + 0.1, y - 0.1, 1.0)
+    number = taken.pilot.go_to(Target(x + 0.1, y - 0.1, 1.0))
     readings = taken.run(3)
     assert readings.leg.number == number and readings.leg.state is UNDER_WAY and readings.leg.remaining > 0.5
     readings = taken.run(20)
@@ -195,24 +195,24 @@ def test_a_point_in_a_room_is_a_move_of_the_game(taken: Flight) -> None:
 
 
 def test_rules_answer_at_once(taken: Flight) -> None:
-    taken.pilot.go_to(*taken.goal_of(4), None)
+    taken.pilot.go_to(Target(*taken.goal_of(4)))
     taken.pilots[1].take(STATION)
     taken.run(2)
-    denied = taken.pilots[1].go_to(*taken.goal_of(4), None)
+    denied = taken.pilots[1].go_to(Target(*taken.goal_of(4)))
     assert denied == Denied("Robot 1 is already under way to room 4.")
     assert len(taken.events(Departed)) == 1
 
 
 def test_too_little_energy_is_said_at_once() -> None:
     taken = Flight(energy=15.0).taken()
-    denied = taken.pilot.go_to(*taken.goal_of(3), None)
+    denied = taken.pilot.go_to(Target(*taken.goal_of(3)))
     assert isinstance(denied, Denied) and "energy left, but the way to room 3 costs" in denied.sentence
     assert not taken.events(Departed)
 
 
 def test_a_point_outside_all_rooms_is_no_move_of_the_game(taken: Flight) -> None:
     home = taken.pilot.start()
-    number = taken.pilot.go_to(home.x + 0.6, home.y, 0.5)
+    number = taken.pilot.go_to(Target(home.x + 0.6, home.y, 0.5))
     readings = taken.until(ARRIVED)
     assert readings.leg.number == number
     assert readings.base_in_map.distance(Pose2(home.x + 0.6, home.y, 0.5)) < 0.35
@@ -221,7 +221,7 @@ def test_a_point_outside_all_rooms_is_no_move_of_the_game(taken: Flight) -> None
 
 
 def test_a_point_that_cannot_be_reached_fails_with_the_navigators_words(taken: Flight) -> None:
-    taken.pilot.go_to(500.0, 500.0, None)
+    taken.pilot.go_to(Target(500.0, 500.0))
     readings = taken.until(FAILED)
     assert readings.leg.reason == "The place where robot 1 should stand is not on the map."
 
@@ -233,19 +233,19 @@ def test_what_can_be_no_home_is_where_no_way_could_end(taken: Flight) -> None:
     wall = next(point for point in walls if taken.setting.premises().room_at(*point) is None)
     for point in (wall, (500.0, 500.0)):
         denied = taken.pilot.misplaced(*point)
-        taken.pilot.go_to(*point, None)
+        taken.pilot.go_to(Target(*point))
         assert denied == Denied(taken.until(FAILED).leg.reason)
 
 
 @pytest.mark.parametrize("point", [(float("nan"), 0.0), (0.0, float("inf"))])
 def test_no_point_at_all_is_refused(taken: Flight, point: tuple[float, float]) -> None:
-    assert isinstance(taken.pilot.go_to(*point, None), Denied)
+    assert isinstance(taken.pilot.go_to(Target(*point)), Denied)
 
 
 def test_a_move_under_way_is_called_back_before_the_next_and_gives_its_energy_back(taken: Flight) -> None:
-    first = taken.pilot.go_to(*taken.goal_of(4), None)
+    first = taken.pilot.go_to(Target(*taken.goal_of(4)))
     taken.run(60)
-    second = taken.pilot.go_to(*taken.goal_of(3), None)
+    second = taken.pilot.go_to(Target(*taken.goal_of(3)))
     assert second == first + 1
     readings = taken.until(ARRIVED)
     assert readings.leg.number == second
@@ -256,36 +256,36 @@ def test_a_move_under_way_is_called_back_before_the_next_and_gives_its_energy_ba
 
 def test_legs_asked_for_within_one_tick_leave_the_last_one(taken: Flight) -> None:
     home = taken.pilot.start()
-    taken.pilot.go_to(*taken.goal_of(4), None)
-    taken.pilot.go_to(home.x + 0.5, home.y, None)
-    last = taken.pilot.go_to(*taken.goal_of(3), None)
+    taken.pilot.go_to(Target(*taken.goal_of(4)))
+    taken.pilot.go_to(Target(home.x + 0.5, home.y))
+    last = taken.pilot.go_to(Target(*taken.goal_of(3)))
     readings = taken.until(ARRIVED)
     assert readings.leg.number == last and taken.events(Arrived) == [Arrived(0, Room(3))]
 
 
 def test_the_same_room_again_goes_on(taken: Flight) -> None:
-    taken.pilot.go_to(*taken.goal_of(3), None)
+    taken.pilot.go_to(Target(*taken.goal_of(3)))
     taken.run(30)
-    number = taken.pilot.go_to(*taken.goal_of(3), None)
+    number = taken.pilot.go_to(Target(*taken.goal_of(3)))
     assert taken.until(ARRIVED).leg.number == number
     assert len(taken.events(Departed)) == 1 and not taken.events(Failed)
 
 
 @pytest.mark.parametrize("ticks", [0, 1, 2, 3, 40])
 def test_halt_ends_whatever_is_under_way(taken: Flight, ticks: int) -> None:
-    number = taken.pilot.go_to(*taken.goal_of(4), None)
+    number = taken.pilot.go_to(Target(*taken.goal_of(4)))
     taken.run(ticks)
     taken.pilot.halt()
     readings = taken.run(10)
     assert (readings.leg.number, readings.leg.state, readings.leg.reason) == (number, FAILED, "It was stopped.")
     assert not readings.under_way and taken.session.game.robots[0].bound_for is None
-    again = taken.pilot.go_to(*taken.goal_of(3), None)
+    again = taken.pilot.go_to(Target(*taken.goal_of(3)))
     assert taken.until(ARRIVED).leg.number == again
 
 
 def test_anybody_at_the_helm_may_halt_what_the_participant_ordered(flight: Flight) -> None:
     flight.taken()
-    flight.pilot.go_to(*flight.goal_of(4), None)
+    flight.pilot.go_to(Target(*flight.goal_of(4)))
     flight.run(20)
     flight.pilot.release()
     flight.run(2)
@@ -295,17 +295,17 @@ def test_anybody_at_the_helm_may_halt_what_the_participant_ordered(flight: Fligh
 
 
 def test_a_robot_goes_on_when_it_is_given_back(taken: Flight) -> None:
-    taken.pilot.go_to(*taken.goal_of(3), None)
+    taken.pilot.go_to(Target(*taken.goal_of(3)))
     taken.run(5)
     taken.pilot.release()
     assert taken.until(ARRIVED).commanded_by == "participant"
 
 
 def test_a_way_home_outlives_the_command_of_a_station_that_was_lost(taken: Flight) -> None:
-    taken.pilot.go_to(*taken.goal_of(4), None)
+    taken.pilot.go_to(Target(*taken.goal_of(4)))
     taken.run(60)
     home = taken.pilot.start()
-    number = taken.pilot.go_to(home.x, home.y, home.theta)
+    number = taken.pilot.go_to(Target(home.x, home.y, home.theta))
     taken.pilot.release()
     readings = taken.until(ARRIVED)
     assert (readings.leg.number, readings.commanded_by) == (number, "participant")
@@ -315,7 +315,7 @@ def test_a_way_home_outlives_the_command_of_a_station_that_was_lost(taken: Fligh
 
 def test_a_way_home_ends_where_the_participant_sends_the_robot_elsewhere(taken: Flight) -> None:
     home = taken.pilot.start()
-    taken.pilot.go_to(home.x + 1.5, home.y, None)
+    taken.pilot.go_to(Target(home.x + 1.5, home.y))
     taken.pilot.release()
     taken.run(5)
     taken.send_as_participant(3)
@@ -324,7 +324,7 @@ def test_a_way_home_ends_where_the_participant_sends_the_robot_elsewhere(taken: 
 
 
 def test_hand_driving_needs_repeating_and_takes_the_place_of_a_leg(taken: Flight) -> None:
-    number = taken.pilot.go_to(*taken.goal_of(4), None)
+    number = taken.pilot.go_to(Target(*taken.goal_of(4)))
     taken.run(30)
     for _ in range(10):
         assert taken.pilot.drive(Twist(0.0, 0.5)) is None
@@ -344,12 +344,12 @@ def test_a_researcher_goes_before_and_is_named(taken: Flight) -> None:
     readings = taken.readings[0]
     # The station keeps the robot, and has it again when the researcher is done.
     assert (readings.commander, readings.commanded_by) == ("ground station 255", "researcher")
-    denied = taken.pilot.go_to(*taken.goal_of(3), None)
+    denied = taken.pilot.go_to(Target(*taken.goal_of(3)))
     assert denied == Denied("Robot 1 is commanded by a researcher just now.", Refusal.NOT_NOW)
     for _ in range(600):
         if taken.run().commanded_by != "researcher":
             break
-    assert isinstance(taken.pilot.go_to(*taken.goal_of(3), None), int)
+    assert isinstance(taken.pilot.go_to(Target(*taken.goal_of(3))), int)
     assert [(event.by, event.name) for event in taken.events(Commanded)][1:] == [
         (Commander.RESEARCHER, "/rviz"),
         (Commander.GROUND_STATION, "ground station 255"),
@@ -358,21 +358,21 @@ def test_a_researcher_goes_before_and_is_named(taken: Flight) -> None:
 
 def test_a_dead_robot_says_so_and_is_refused(taken: Flight) -> None:
     home = taken.pilot.start()
-    taken.pilot.go_to(home.x + 0.6, home.y, None)
+    taken.pilot.go_to(Target(home.x + 0.6, home.y))
     taken.run(5)
     taken.session.ask("researcher", Die(0))
     readings = taken.run(120)
     assert not readings.answers and not readings.under_way
     assert (readings.leg.state, readings.leg.reason) == (FAILED, "Robot 1 does not answer any more.")
     refused = Denied("Robot 1 does not answer any more.")
-    assert taken.pilot.go_to(*taken.goal_of(3), None) == refused
+    assert taken.pilot.go_to(Target(*taken.goal_of(3))) == refused
     assert taken.pilot.drive(Twist(0.1, 0.0)) == refused
     assert taken.pilot.take(STATION) == refused
 
 
 def test_treasures_are_pictured_named_and_left_from_the_helm(taken: Flight) -> None:
     assert taken.pilot.photograph() == Denied("The corridor is not a room of this game; it has 1 to 8.")
-    taken.pilot.go_to(*taken.goal_of(3), None)
+    taken.pilot.go_to(Target(*taken.goal_of(3)))
     taken.until(ARRIVED)
     taken.run(3)
     assert isinstance(taken.pilot.identify(0), Denied)
@@ -448,6 +448,6 @@ def test_real_robots_speeds_are_not_ours() -> None:
 
 def test_nothing_is_granted_before_there_is_a_game() -> None:
     pilot = Pilot(0, setting().premises(), Pose2(0.0, 0.0, 0.0), OF_OTHERS, Parameters(), lambda _: None)
-    for refused in (pilot.take(STATION), pilot.go_to(0.0, 0.0, None), pilot.drive(Twist(0.0, 0.0)), pilot.leave()):
+    for refused in (pilot.take(STATION), pilot.go_to(Target(0.0, 0.0)), pilot.drive(Twist(0.0, 0.0)), pilot.leave()):
         assert isinstance(refused, Denied) and refused.refusal is Refusal.NOT_NOW
     pilot.halt()

@@ -4,7 +4,7 @@ from tests.thbridge.roles.test_pilot import STATION, Flight
 from thbridge.hunt.events import Arrived, Identified
 from thbridge.roles.notices import Whereabouts
 from thbridge.roles.tabui import TabUI
-from thbridge.wire.mavlink.helm import LegState
+from thbridge.wire.mavlink.helm import LegState, Target
 from ui.model.participant import Participant
 from ui.model.screen import Phase
 
@@ -45,7 +45,7 @@ def test_the_window_follows_a_hunt_that_a_ground_station_steers():
             if not here.is_corridor and not flight.session.game.room(here).is_decided:
                 pilot.identify(names.index(flight.session.game.treasure(here).name) + 1)
             elif (room := next(rooms, None)) is not None:
-                assert isinstance(pilot.go_to(*flight.goal_of(room), None), int)
+                assert isinstance(pilot.go_to(Target(*flight.goal_of(room))), int)
         flight.run(3)
         if len(flight.moments) > 20_000:
             raise TimeoutError("the hunt does not end")

@@ -65,7 +65,7 @@ class Target:
 
     x: float
     y: float
-    heading: float | None
+    heading: float | None = None
 
 
 @dataclass(frozen=True, slots=True)
@@ -216,15 +216,10 @@ class Helm(Settings, Protocol):
     def release(self) -> None:
         """Give the command back to the participant; a leg under way goes on, unless it was halted before."""
 
-    def go_to(self, x: float, y: float, heading: float | None) -> int | Denied:
+    def go_to(self, target: Target) -> int | Denied:
         """Send the robot to a point of the map; another leg under way is given up for it.
 
         A point in a room is a move of the game, and ends at that room's own place.
-
-        Args:
-            x: metres east.
-            y: metres north.
-            heading: radians from east, anticlockwise; None: any.
 
         Returns:
             The number of the leg; `Readings.leg` tells how it ends.

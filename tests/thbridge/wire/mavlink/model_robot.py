@@ -55,8 +55,8 @@ class ModelRobot:
     def release(self):
         self._done("release")
 
-    def go_to(self, x, y, heading):
-        if self._done("go_to", round(x, 2), round(y, 2), heading):
+    def go_to(self, target):
+        if self._done("go_to", round(target.x, 2), round(target.y, 2), target.heading):
             return self.refusal
         leg = self.readings.leg
         number = 1 if leg is None else leg.number + 1

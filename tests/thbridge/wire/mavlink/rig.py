@@ -33,8 +33,8 @@ class Game(ModelRobot):
         super().release()
         self.readings = replace(self.readings, commander=None, commanded_by="participant")
 
-    def go_to(self, x, y, heading):
-        number = super().go_to(x, y, heading)
+    def go_to(self, target):
+        number = super().go_to(target)
         self.readings = replace(self.readings, under_way=self.refusal is None or self.readings.under_way)
         return number
 

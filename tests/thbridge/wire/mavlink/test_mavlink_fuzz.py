@@ -56,9 +56,9 @@ class Sailor:
     def release(self):
         self._commander = None
 
-    def go_to(self, x, y, heading):
-        assert math.isfinite(x) and math.isfinite(y)
-        assert heading is None or math.isfinite(heading)
+    def go_to(self, target):
+        assert math.isfinite(target.x) and math.isfinite(target.y)
+        assert target.heading is None or math.isfinite(target.heading)
         if self._chance.random() < 0.2:
             return Denied("there is a wall")
         number = 1 if self._leg is None else self._leg.number + 1

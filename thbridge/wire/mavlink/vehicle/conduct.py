@@ -269,7 +269,7 @@ class Conduct:
             self._announce(Severity.NOTICE, "Commanded by the participant again.")
 
     def _go(self, target: Target, mode: Mode) -> Denied | None:
-        number = self._helm.go_to(target.x, target.y, target.heading)
+        number = self._helm.go_to(target)
         if isinstance(number, Denied):
             return number
         self._leave()

@@ -230,14 +230,13 @@ class MissionRun:
         first, second, _, _ = item.params
         match item.command:
             case mav.MAV_CMD_NAV_WAYPOINT | mav.MAV_CMD_NAV_LOITER_TIME | mav.MAV_CMD_NAV_LOITER_UNLIM:
-                return self._leg_to(*self._point(item), self._heading(item)) if item.has_place else _stay(item, tick)
+                return self._leg_to(self._target(item)) if item.has_place else _stay(item, tick)
             case mav.MAV_CMD_NAV_RETURN_TO_LAUNCH:
-                home = self._home.target
-                return self._leg_to(home.x, home.y, home.heading)
+                return self._leg_to(self._home.target)
             case mav.MAV_CMD_DO_SET_HOME if item.is_here:
                 return self._home.set_here()
             case mav.MAV_CMD_DO_SET_HOME:
-                return self._home.set_to(Target(*self._point(item), None))
+                return self._home.set_to(Target(*self._point(item)))
             case mav.MAV_CMD_NAV_DELAY | mav.MAV_CMD_CONDITION_DELAY:
                 return _Waiting(tick + first * TICKS_PER_SECOND)
             case mav.MAV_CMD_DO_JUMP:
@@ -280,8 +279,8 @@ class MissionRun:
                 self._announce(Severity.NOTICE, f"Mission waits before item {self._at}, as its plan says.")
         yield Said(self.current())
 
-    def _leg_to(self, x: float, y: float, heading: float | None) -> _Driving | Denied:
-        number = self._helm.go_to(x, y, heading)
+    def _leg_to(self, target: Target) -> _Driving | Denied:
+        number = self._helm.go_to(target)
         if isinstance(number, Denied):
             return number
         self._leg = number
@@ -299,18 +298,17 @@ class MissionRun:
         self._jumps[self._at] += 1
         return _Jump(to)
 
+    def _target(self, item: Item) -> Target:
+        """Where an item leads, and which way the robot is to look there."""
+        yaw = item.params[3]
+        looks_anywhere = self._ardupilot or item.command == mav.MAV_CMD_NAV_LOITER_TIME or math.isnan(yaw)
+        return Target(*self._point(item), None if looks_anywhere else theta_of(math.radians(yaw)))
+
     def _point(self, item: Item) -> tuple[float, float]:
         """Where an item lies, metres east and north in the map."""
         if item.frame == mav.MAV_FRAME_LOCAL_NED:
             return item.y / PER_METRE, item.x / PER_METRE
         return self._earth.point(Place(item.x, item.y))
-
-    def _heading(self, item: Item) -> float | None:
-        """Which way the robot is to look there: radians from east, anticlockwise; None: any."""
-        yaw = item.params[3]
-        if self._ardupilot or item.command == mav.MAV_CMD_NAV_LOITER_TIME or math.isnan(yaw):
-            return None
-        return theta_of(math.radians(yaw))
 
 
 def _stay(item: Item, tick: int) -> _Waiting | None:

@@ -94,7 +94,7 @@ class OlderWays:
                 denied = Denied("Only a latitude and a longitude can be gone to this way.")
             else:
                 x, y = self._earth.point(Place(round(item.x * scale), round(item.y * scale)))
-                denied = self._conduct.go(Target(x, y, None))
+                denied = self._conduct.go(Target(x, y))
         self._tell(denied)
         result = mav.MAV_MISSION_ACCEPTED if denied is None else mav.MAV_MISSION_DENIED
         return mav.MAVLink_mission_ack_message(sender.system, sender.component, result)
@@ -104,7 +104,7 @@ class OlderWays:
         reserved = self._command.reserved(sender)
         if reserved is not None:
             return reserved
-        return self._home.set_here() if place.is_none else self._home.set_to(Target(*self._earth.point(place), None))
+        return self._home.set_here() if place.is_none else self._home.set_to(Target(*self._earth.point(place)))
 
     def _operator_control(self, sender: Station, message: mav.MAVLink_change_operator_control_message) -> Message:
         """Take the command, or give it back: what arming and disarming do, but never by force."""

@@ -215,7 +215,7 @@ class Repertoire:
             return reply_to(self._home.set_here())
         if isinstance(point, Denied):
             return reply_to(point)
-        return reply_to(self._home.set_to(Target(*point, None)))
+        return reply_to(self._home.set_to(Target(*point)))
 
     # -- the game -----------------------------------------------------------------------------------------------------
 

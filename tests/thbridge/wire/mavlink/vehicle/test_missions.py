@@ -474,7 +474,7 @@ class TestArduPilot:
         before, plan = field.download()[0], field.run_of.plan_id
         field.run_of.start()
         field.air.run(3)
-        assert field.home.set_to(Target(1.0, 12.0, None)) is None
+        assert field.home.set_to(Target(1.0, 12.0)) is None
         after = field.download()[0]
         assert (after[8] - before[8], after[9]) == (pytest.approx(899, abs=2), before[9])  # 10 m north
         field.upload([waypoint(0, 0, frame=0), *places(2)])
