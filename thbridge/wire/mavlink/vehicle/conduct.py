@@ -13,7 +13,7 @@ from thbridge.wire.mavlink.options import Failsafe
 from thbridge.wire.mavlink.vehicle.command_of import CommandOf
 from thbridge.wire.mavlink.vehicle.hand import Hand, Velocity
 from thbridge.wire.mavlink.vehicle.home import Home
-from thbridge.wire.mavlink.vehicle.parts import Announce, Plan, Severity
+from thbridge.wire.mavlink.vehicle.parts import Announce, Plan, Severity, tell_why_not
 
 _STOPPING = TICKS_PER_SECOND
 """Ticks after a halt in which a robot that still moves does so because it is stopping."""
@@ -109,7 +109,7 @@ class Conduct:
         self._announce(Severity.NOTICE, f"Commanded by {station}.")
         if before is None and self._mode is not Mode.HOLD:
             chosen, self._mode = self._mode, Mode.HOLD
-            self._tell(self.enter(chosen))
+            tell_why_not(self._announce, self.enter(chosen))
         return None
 
     def disarm(self) -> None:
@@ -258,7 +258,7 @@ class Conduct:
             self._carries_on = True
             return
         denied = self.go_home() if self.failsafe is Failsafe.HOME else None
-        self._tell(denied)
+        tell_why_not(self._announce, denied)
         if self.failsafe is Failsafe.STOP or denied is not None:
             self.stop()
         self._give_back()
@@ -304,10 +304,6 @@ class Conduct:
     def _forget_way(self) -> None:
         self._leg = self._target = self._paused = None
         self._hand.let_go()
-
-    def _tell(self, denied: Denied | None) -> None:
-        if denied is not None:
-            self._announce(Severity.WARNING, denied.sentence)
 
     def _tell_end(self, before: Leg | None, now: Leg | None) -> None:
         """Tell how a way ended that was under way before."""

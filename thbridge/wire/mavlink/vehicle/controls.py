@@ -14,7 +14,7 @@ from thbridge.wire.mavlink.vehicle.command_of import CommandOf
 from thbridge.wire.mavlink.vehicle.conduct import Conduct
 from thbridge.wire.mavlink.vehicle.earth import Earth, Place
 from thbridge.wire.mavlink.vehicle.hand import Velocity
-from thbridge.wire.mavlink.vehicle.parts import Announce, Severity
+from thbridge.wire.mavlink.vehicle.parts import Announce, tell_why_not
 
 _NO_AXIS = 0x7FFF
 """Of a stick that is not there."""
@@ -76,10 +76,11 @@ class Controls:
                     self._stick(sender, message)
             case mav.MAVLink_rc_channels_override_message():
                 self._radio(sender, message)
-            case mav.MAVLink_set_position_target_local_ned_message():
-                self._tell(self._setpoint(sender, message))
-            case mav.MAVLink_set_position_target_global_int_message():
-                self._tell(self._setpoint(sender, message))
+            case (
+                mav.MAVLink_set_position_target_local_ned_message()
+                | mav.MAVLink_set_position_target_global_int_message()
+            ):
+                tell_why_not(self._announce, self._setpoint(sender, message))
         return iter(())
 
     def step(self, tick: int, readings: Readings) -> Iterator[Said]:
@@ -118,7 +119,7 @@ class Controls:
             return
         fastest = self._helm.fastest()
         twist = Twist(forward * fastest.linear, -turn * fastest.angular)
-        self._tell(self._command.objection(sender) or self._conduct.drive(twist))
+        tell_why_not(self._announce, self._command.objection(sender) or self._conduct.drive(twist))
 
     # -- setpoints ----------------------------------------------------------------------------------------------------
 
@@ -163,10 +164,6 @@ class Controls:
             velocity = Velocity(frame, message.vx, message.vy, yaw_rate)
         is_one = velocity.frame in LOCAL and _all_finite(velocity.first, velocity.second, yaw_rate)
         return velocity if is_one else None
-
-    def _tell(self, denied: Denied | None) -> None:
-        if denied is not None:
-            self._announce(Severity.WARNING, denied.sentence)
 
 
 def _all_finite(*values: float) -> bool:

@@ -16,7 +16,7 @@ from thbridge.wire.mavlink.vehicle.command_of import CommandOf
 from thbridge.wire.mavlink.vehicle.conduct import Conduct
 from thbridge.wire.mavlink.vehicle.earth import PER_DEGREE, Earth, Place
 from thbridge.wire.mavlink.vehicle.home import Home
-from thbridge.wire.mavlink.vehicle.parts import Announce, Severity
+from thbridge.wire.mavlink.vehicle.parts import Announce, Severity, tell_why_not
 from thbridge.wire.mavlink.vehicle.repertoire import Repertoire
 
 _GUIDED_ITEM = 2
@@ -65,7 +65,7 @@ class OlderWays:
                 if message.current == _GUIDED_ITEM:
                     yield Said(self._guided_item(sender, message), link)
             case mav.MAVLink_set_home_position_message():
-                self._tell(self._set_home(sender, Place(message.latitude, message.longitude)))
+                tell_why_not(self._announce, self._set_home(sender, Place(message.latitude, message.longitude)))
             case mav.MAVLink_change_operator_control_message():
                 yield Said(self._operator_control(sender, message), link)
 
@@ -95,7 +95,7 @@ class OlderWays:
             else:
                 x, y = self._earth.point(Place(round(item.x * scale), round(item.y * scale)))
                 denied = self._conduct.go(Target(x, y))
-        self._tell(denied)
+        tell_why_not(self._announce, denied)
         result = mav.MAV_MISSION_ACCEPTED if denied is None else mav.MAV_MISSION_DENIED
         return mav.MAVLink_mission_ack_message(sender.system, sender.component, result)
 
@@ -111,12 +111,8 @@ class OlderWays:
         granted = _CONTROL_GRANTED
         if message.control_request == _REQUEST_CONTROL:
             denied = self._conduct.arm(sender, by_force=False)
-            self._tell(denied)
+            tell_why_not(self._announce, denied)
             granted = _CONTROL_GRANTED if denied is None else _CONTROL_ELSEWHERE
         elif self._command.station == sender:
             self._conduct.disarm()
         return mav.MAVLink_change_operator_control_ack_message(sender.system, message.control_request, granted)
-
-    def _tell(self, denied: Denied | None) -> None:
-        if denied is not None:
-            self._announce(Severity.WARNING, denied.sentence)

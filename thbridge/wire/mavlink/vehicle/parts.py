@@ -64,3 +64,9 @@ class Announce(Protocol):
 
     def __call__(self, severity: Severity, sentence: str) -> None:
         """Say a sentence as STATUSTEXT to all links, soon."""
+
+
+def tell_why_not(announce: Announce, denied: Denied | None) -> None:
+    """Warn people of what the robot does not do; of what it does, they see enough."""
+    if denied is not None:
+        announce(Severity.WARNING, denied.sentence)
