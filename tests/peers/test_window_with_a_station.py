@@ -61,6 +61,7 @@ def test_a_participant_asks_for_a_robot_names_what_it_left_and_has_it_back(
     screen.found("Start with 3 robots")
     screen.press("Return")
     player.until("the game", lambda seen: len(seen.robots) == 3)
+    assert station.master.wait_heartbeat(timeout=60) is not None
     station.follows(1)
     station.arms()
     player.until("the robot to be theirs", lambda seen: "commanded by ground station 255" in seen.robot(1))
@@ -92,7 +93,8 @@ def test_a_participant_asks_for_a_robot_names_what_it_left_and_has_it_back(
     screen.picture(tmp_path / "back.png")
     screen.press("Escape")
     player.until("no pop-up", lambda seen: seen.pop is None)
-    player.insist("its way to room 3", lambda: screen.press("3"), lambda seen: "room 3" in seen.robot(1))
+    player.insist("a talk", lambda: screen.press("3"), lambda seen: seen.answers)
+    player.insist("its way to room 3", lambda: screen.press("Return"), lambda seen: "to room 3" in seen.robot(1))
     screen.picture(tmp_path / "sent.png")
     screen.ask_to_close(screen.focus_window("Treasure hunt"))
     screen.click(screen.found("Leave the game"))

@@ -34,7 +34,7 @@ WHY = f"Robot 1 is commanded by {NAME}. {BACK}"
 def test_card_map_and_buttons_say_who_commands_and_that_it_comes_back():
     screen = model_of(with_robot(view(), 0, **THEIRS)).screen(0.0)
     card = screen.cards[0]
-    assert (card.commanded, card.select.hint) == (f"commanded by {NAME}", WHY)
+    assert (card.commanded, card.select.hint, card.state) == (f"commanded by {NAME}", WHY, "at rest")
     for action in (screen.dont_know, *(tile.choose for tile in screen.tiles)):
         assert (action.enabled, action.hint) == (False, WHY)
     assert screen.cards[1].commanded == ""
@@ -193,7 +193,7 @@ def test_what_a_station_leaves_unnamed_stays_on_the_table():
     seat.press(PickName(seat.stage.session.game.treasures[2].name))
     seat.do(NameIt())
     agree(seat)
-    assert "is right" in seat.screen.pop.verdict
+    assert "is right" in seat.screen.pop.verdict and seat.screen.pop.title == "What robot 1 found in room 3"
     assert (events(seat, Identified)[0].robot, seat.screen.score) == (0, events(seat, Identified)[0].points)
 
 

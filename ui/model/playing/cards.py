@@ -146,7 +146,7 @@ def _resting(hunt: Hunt, robot: RobotView) -> str:
     room = undecided_beside(hunt.view, number)
     if room is not None:
         return "found something" if hunt.view.room(room).sensed else "looking at what is here"
-    return "ready"
+    return "at rest" if robot.other_commander else "ready"
 
 
 def _is_stranded(hunt: Hunt, robot: RobotView) -> bool:

@@ -1,6 +1,7 @@
 """The pop-up of what a robot found, and what can be done with it."""
 
 from thbridge.hunt.costs import spoken_energy
+from thbridge.hunt.rules import robot_name
 from thbridge.roles.view import Discuss, Leave, RoomView
 from ui.model.keys import key_of
 from ui.model.playing.pictures import Pictures
@@ -47,10 +48,11 @@ def _treasure(hunt: Hunt, pictures: Pictures, item: Find, now: float) -> Treasur
 
 def _title(hunt: Hunt, item: Find, room: RoomView) -> str:
     name = titled(item.robot)
-    if standing_in(hunt.view, item.room) is None:
-        return f"{name} found something in room {item.room} and was sent on"
+    gone = standing_in(hunt.view, item.room) is None
     if not room.undecided:
-        return f"{name} in room {item.room}"
+        return f"What {robot_name(item.robot)} found in room {item.room}" if gone else f"{name} in room {item.room}"
+    if gone:
+        return f"{name} found something in room {item.room} and was sent on"
     return f"{name} found something in room {item.room}" if room.sensed else f"{name} looks around in room {item.room}"
 
 

@@ -39,6 +39,9 @@ IMPORTANT = frozenset(
 )
 """Events that get a mark on the timeline."""
 
+_IN_WORDS = {"asked-back": "the participant asks for it"}
+"""What events say of which nothing but the robot is told."""
+
 
 def tells(topic: str, msgtype: str) -> bool:
     """Whether the messages of a topic are entries."""
@@ -121,7 +124,7 @@ class Story:
                 fields = _fields(event.json)
                 self._follow(stamp, event, fields)
                 who = "" if event.robot is None else robot_name(event.robot)
-                text = _told(fields)
+                text = _told(fields) or _IN_WORDS.get(event.kind, "")
                 return Entry(stamp, "event", event.kind, who, event.robot, event.room, text, event.kind in IMPORTANT)
             case types.UTTERANCE:
                 spoken = unpack.utterance(said.data)

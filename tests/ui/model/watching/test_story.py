@@ -44,6 +44,13 @@ def test_an_event_is_told_with_who_where_and_what() -> None:
     assert entry.important
 
 
+def test_that_the_participant_asks_for_a_robot_is_said_in_words() -> None:
+    story = Story()
+    story.take(event(7, "asked-back", 1))
+    (entry,) = story.entries("event")
+    assert (entry.who, entry.text, entry.important) == ("robot 2", "the participant asks for it", True)
+
+
 def test_who_commands_a_robot_at_a_time() -> None:
     story = Story()
     for said in (
