@@ -46,7 +46,7 @@ from ui.model.screen import (
 from ui.windows.look import GAP, font
 from ui.windows.map import MapView
 from ui.windows.participant.buttons import ActionButton, AskingButton
-from ui.windows.participant.cards import EDGE, PAD, Card
+from ui.windows.participant.cards import EDGE, PAD
 from ui.windows.participant.finding import Facts, Picture, Verdict
 from ui.windows.participant.pages import Keys
 from ui.windows.participant.panels import Bubble, Chip, Panel
@@ -376,19 +376,16 @@ def _on_its_card(one: QWidget, other: QWidget) -> bool:
     return "Card" in {type(one.parentWidget()).__name__, type(other.parentWidget()).__name__}
 
 
-@pytest.mark.parametrize("width", [220, 336])
-def test_who_commands_a_robot_is_read_beside_the_button_and_what_it_does_below(qtbot: QtBot, width: int) -> None:
-    card = Card()
-    qtbot.addWidget(card)
-    card.resize(width, card.sizeHint().height())
-    card.show_card(samples.commanded(2, selected=True))
-    card.resize(width, card.sizeHint().height())
-    button, small = card.ask_back.geometry(), QFontMetricsF(font("small", bold=True))
-    room = button.left() - PAD - 0.9 * small.height() - GAP / 2.0
-    assert width < 336 or room >= small.horizontalAdvance("Ground station 255")
-    plain = QFontMetricsF(font("small"))
-    assert plain.horizontalAdvance("travelling to room 4 · from room 1") <= width - 2.0 * PAD
-    assert button.bottom() + plain.height() <= card.height() - EDGE
+def test_who_commands_a_robot_is_read_beside_the_button_and_what_it_does_below(opened: Open) -> None:
+    shown = opened(STATES["commanded"])
+    shown.window.resize(shown.window.minimumSize())
+    QApplication.processEvents()
+    bold, plain = QFontMetricsF(font("small", bold=True)), QFontMetricsF(font("small"))
+    for card in shown.window.column.cards.cards[:3]:
+        button = card.ask_back.geometry()
+        assert button.left() - PAD - bold.height() - GAP >= bold.horizontalAdvance("Ground station 255")
+        assert plain.horizontalAdvance("travelling to room 4 · from the corridor") <= card.width() - 2.0 * PAD
+        assert button.bottom() + plain.height() <= card.height() - EDGE
 
 
 def test_a_robot_that_comes_back_has_a_lower_card_and_keeps_the_focus(opened: Open) -> None:
