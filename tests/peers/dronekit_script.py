@@ -2,8 +2,8 @@
 
 Its standard input is one JSON object: `url` to listen at, where one robot alone is heard, whether it says that it is
 `ardupilot`'s, the name of a `parameter` to set, and places as latitude and longitude: two to `drive` to, a `mission`,
-and one in a `room`, or none; before that it is driven by hand and sent home, too. The last line of its output is
-another, what it saw.
+and one in a `room`, or none. Where there is a room, it is driven by hand, sent home, and connected to again, too. The
+last line of its output is another object, what it saw.
 """
 
 import json
@@ -236,9 +236,10 @@ def plays(orders: Told) -> Told:
         told["room"] = rover.goes_into(orders["room"])
     rover.vehicle.disarm(timeout=PATIENCE)
     rover.vehicle.close()
-    again = Rover(orders)
-    told["again"] = again.vehicle.armed
-    again.vehicle.close()
+    if orders["room"]:
+        again = Rover(orders)
+        told["again"] = again.vehicle.armed
+        again.vehicle.close()
     return told
 
 
