@@ -281,7 +281,8 @@ class Follower:
         if self._at_end:
             return self._finish(tick, pose, twist, end_heading, around)
         last = _as_far_as(self._left, self._index, self._reach)
-        others = bearing_on(neighbours, way.points[self._index : last + 1], self._separation)
+        x, y, _ = self._poses[self._index].tolist()
+        others = bearing_on(neighbours, x, y, self._reach + self._separation)
         allowed, barring, stands = right_of_way(
             way.points, way.times, self._index, last, pose.x, pose.y, heard(others), self._separation
         )

@@ -12,8 +12,10 @@ from operator import attrgetter
 from typing import NamedTuple
 
 import numpy as np
+from numba import njit
+from numpy.typing import NDArray
 
-from sim.geometry import Pose2
+from sim.geometry import FloatArray, Pose2
 from sim.observations import STANDSTILL, TICKS_PER_SECOND, Neighbour, Scan
 
 MEMORY = 20.0
@@ -23,6 +25,17 @@ HEART = 0.15
 
 
 _ROBOT = attrgetter("robot")
+
+
+@njit(cache=True)
+def _looks_through(angles: FloatArray, ranges: NDArray[np.float32], bearing: float, away: float) -> bool:
+    """Whether any of (m,) beams, radians, reaches beyond the heart of a body so many metres away."""
+    beyond = np.float32(away + HEART)
+    for i in range(angles.shape[0]):
+        off = abs((angles[i] - bearing + math.pi) % math.tau - math.pi)
+        if off < 0.5 and off * away < HEART and ranges[i] > beyond:
+            return True
+    return False
 
 
 class _Silent(NamedTuple):
@@ -74,9 +87,7 @@ class Silence:
             place = silent.moving.base_in_map
             away = math.hypot(place.x - laser_in_map.x, place.y - laser_in_map.y)
             bearing = math.atan2(place.y - laser_in_map.y, place.x - laser_in_map.x) - laser_in_map.theta
-            off = np.abs(np.remainder(angles - bearing + math.pi, math.tau) - math.pi)
-            through = (off * away < HEART) & (off < 0.5) & (scan.ranges > away + HEART)
-            if away > HEART and through.any():
+            if away > HEART and _looks_through(angles, scan.ranges, bearing, away):
                 del self._silent[robot]
 
     def known(self, tick: int) -> Sequence[Neighbour]:

@@ -80,15 +80,14 @@ def heard(neighbours: Sequence[Neighbour]) -> Others:
     return Others(np.concatenate(points), np.concatenate(times), starts)
 
 
-def bearing_on(neighbours: Sequence[Neighbour], points: FloatArray, separation: float) -> list[Neighbour]:
-    """Those neighbours that may come within `separation` metres of (m, 2) points: all but those that stand farther."""
+def bearing_on(neighbours: Sequence[Neighbour], x: float, y: float, distance: float) -> list[Neighbour]:
+    """Those neighbours that may come within `distance` metres of a place: all but those that stand farther away."""
     # A hair more than that: nobody is left out because of rounding.
-    left, low = (points.min(axis=0) - separation - 1e-6).tolist()
-    right, high = (points.max(axis=0) + separation + 1e-6).tolist()
+    reach = distance + 1e-6
     return [
         other
         for other in neighbours
-        if len(other.times) or (left <= other.base_in_map.x <= right and low <= other.base_in_map.y <= high)
+        if len(other.times) or (abs(other.base_in_map.x - x) < reach and abs(other.base_in_map.y - y) < reach)
     ]
 
 

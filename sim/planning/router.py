@@ -69,6 +69,8 @@ class Router:
         """
         costmap = self.costmap
         self._planner = planner
+        self._asked: tuple[Pose2, Pose2] | None = None
+        self._answer: Blocked | Refused | None = None
         self._walls = costmap.unseen()
         circumscribed = costmap.circumscribed_radius
         self.separation = 2 * circumscribed + GAP
@@ -102,10 +104,22 @@ class Router:
             among = densified(among)
             if self._executable(among, others):
                 return among
-        alone = self._planner.plan(walls, self._frame, start, goal)
-        if isinstance(alone, Refused):
-            return self._why(alone, start, goal)
-        return Blocked(thinned(alone.poses[:, :2], SPACING))
+        alone = self._alone(walls, start, goal)
+        return self._why(alone, start, goal) if isinstance(alone, Refused) else alone
+
+    def _alone(self, walls: Costs, start: Pose2, goal: Pose2) -> Blocked | Refused:
+        """The way that there would be without the other robots.
+
+        Whoever waits for others asks for the same way again and again: it is planned once.
+        """
+        asked = (start, goal)
+        if walls is self._walls and asked == self._asked and self._answer is not None:
+            return self._answer
+        path = self._planner.plan(walls, self._frame, start, goal)
+        answer = path if isinstance(path, Refused) else Blocked(thinned(path.poses[:, :2], SPACING))
+        if walls is self._walls:
+            self._asked, self._answer = asked, answer
+        return answer
 
     def _why(self, refused: Refused, start: Pose2, goal: Pose2) -> Refused:
         """The refusal itself, unless it is for obstacles seen: the map alone would have a way."""

@@ -62,12 +62,12 @@ def test_a_delay_of_the_first_does_not_change_the_order():
 
 @given(st.lists(st.tuples(st.floats(-3, 3), st.floats(-3, 3), st.booleans()), max_size=8))
 @settings(max_examples=60, deadline=None)
-def test_those_who_stand_far_from_a_way_do_not_bear_on_it(places):
+def test_those_who_stand_far_from_a_place_do_not_bear_on_the_way_ahead(places):
     mine = timed(line(-1, -1, 1, 0.5), 0.0)
     others = [
         told(k, timed(line(x, y, 0, 0), 0.0)) if moves else standing(k, x, y) for k, (x, y, moves) in enumerate(places)
     ]
-    bearing = bearing_on(others, mine.points[3:31], NEAR)
+    bearing = bearing_on(others, *mine.points[3], math.dist(mine.points[3], mine.points[30]) + NEAR)
 
     def barred(by):
         last, barring, stands = right_of_way(mine.points, mine.times, 3, 30, *mine.points[3], heard(by), NEAR)
