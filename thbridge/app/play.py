@@ -171,7 +171,9 @@ async def play(
         if has_vehicles and options.graph is not None:
             graph_link = session.open_link(GRAPH_LINK)
         if links is not None:
-            await links.serve(session)
+            stations_server, reached_by = links
+            await stations_server.serve(session)
+            told.linked(reached_by)
             await opened.enter_async_context(kept_alive(session, pacer))
         ending = Ending(options.max_seconds, options.left)
 
@@ -191,15 +193,20 @@ async def play(
     return outcome
 
 
-async def _links(ports: Ports | None, opened: AsyncExitStack, told: Hosts) -> MavlinkServer | None:
-    """Whoever speaks to ground stations, with all ports taken; None where nobody does, or not all are free."""
+async def _links(ports: Ports | None, opened: AsyncExitStack, told: Hosts) -> tuple[MavlinkServer, list[str]] | None:
+    """Whoever will speak to ground stations, with all ports taken, and what these find it by; None: nobody will.
+
+    Where not all ports can be had it is told which.
+    """
     if ports is None:
         return None
     links = MavlinkServer(ports)
     opened.push_async_callback(links.close)
     names = await links.open()
-    told.linked(names)
-    return None if isinstance(names, CannotListen) else links
+    if isinstance(names, CannotListen):
+        told.linked(names)
+        return None
+    return links, names
 
 
 class NoLog:
