@@ -1,4 +1,4 @@
-"""How a mission comes to a robot and is read back: the mission protocol, without sockets and clocks.
+"""How a mission comes to a robot: the mission protocol, without sockets and clocks; `mission_downloads` reads it back.
 
 Source: the MAVLink developer guide, "Mission Protocol".
 Differs: a partial list may be written, as ArduPilot's may, but becomes the plan only when it is complete.
@@ -12,8 +12,9 @@ from sim.observations import TICKS_PER_SECOND
 from thbridge.wire.mavlink.dialect import Message, mav
 from thbridge.wire.mavlink.helm import Denied, Readings, Refusal, Station
 from thbridge.wire.mavlink.said import LinkId, Said
-from thbridge.wire.mavlink.vehicle.mission_ids import MissionAck, MissionCount
-from thbridge.wire.mavlink.vehicle.mission_items import Item, Unfit, item_of, message_of, old_message_of, unfit
+from thbridge.wire.mavlink.vehicle.mission_downloads import MissionDownloads
+from thbridge.wire.mavlink.vehicle.mission_items import Item, Unfit, item_of, unfit
+from thbridge.wire.mavlink.vehicle.mission_peer import EMPTY_TYPES, MISSION, Peer
 from thbridge.wire.mavlink.vehicle.mission_run import MissionRun
 from thbridge.wire.mavlink.vehicle.parts import Announce, Severity
 
@@ -29,26 +30,10 @@ RETRIES = 5
 TRIES_OF_NEW_FORM = 4
 """How often the first item is asked for as MISSION_ITEM_INT, before it is asked for in the form of old."""
 
-DOWNLOAD_PATIENCE = (RETRIES + 1) * 3 * TICKS_PER_SECOND // 2
-"""Ticks after which whoever reads a plan has gone: all tries of 1500 ms."""
-
 _ItemMessage = mav.MAVLink_mission_item_message | mav.MAVLink_mission_item_int_message
-_RequestMessage = mav.MAVLink_mission_request_message | mav.MAVLink_mission_request_int_message
 
 _GUIDED = (2, 3)
 """As an item's `current`: it belongs to no mission, but is a place to go to at once, or an altitude."""
-
-_MISSION = mav.MAV_MISSION_TYPE_MISSION
-
-_EMPTY_TYPES = frozenset((mav.MAV_MISSION_TYPE_FENCE, mav.MAV_MISSION_TYPE_RALLY))
-"""Of these a robot has none, and takes none."""
-
-
-class _Peer(NamedTuple):
-    """Whoever takes part in a transfer; stations on different links may well have the same ids."""
-
-    link: LinkId
-    station: Station
 
 
 @dataclass(slots=True)
@@ -66,7 +51,7 @@ class _Upload:
         items: what has come, in order.
     """
 
-    peer: _Peer
+    peer: Peer
     kept_before: tuple[Item, ...]
     kept_after: tuple[Item, ...]
     count: int
@@ -89,16 +74,8 @@ class _Upload:
 class _Completed(NamedTuple):
     """The upload that was completed last; its last item comes again if the acknowledgement got lost."""
 
-    peer: _Peer
+    peer: Peer
     last: int
-
-
-@dataclass(slots=True)
-class _Download:
-    """Somebody who reads the plan, which stays for them as it was when they began."""
-
-    plan: tuple[Item, ...]
-    asked: int
 
 
 class Missions:
@@ -113,13 +90,13 @@ class Missions:
         self._run = run
         self._announce = announce
         self._upload: _Upload | None = None
-        self._downloads: dict[_Peer, _Download] = {}
+        self._downloads = MissionDownloads(run)
         self._completed: _Completed | None = None
         self._tick = 0
 
     def hear(self, link: LinkId, sender: Station, message: Message) -> Iterator[Said]:
         """What is answered; nothing to a message that is not of this protocol."""
-        peer = _Peer(link, sender)
+        peer = Peer(link, sender)
         match message:
             case mav.MAVLink_mission_count_message():
                 yield from self._hear_count(peer, message.count, message.mission_type)
@@ -130,11 +107,12 @@ class Missions:
                 if message.current not in _GUIDED:
                     yield from self._hear_item(peer, message)
             case mav.MAVLink_mission_request_list_message():
-                yield from self._hear_request_list(peer, message.mission_type)
+                self._completed = None
+                yield self._downloads.begin(peer, message.mission_type)
             case mav.MAVLink_mission_request_int_message() | mav.MAVLink_mission_request_message():
-                yield from self._hear_request(peer, message)
+                yield self._downloads.item(peer, message)
             case mav.MAVLink_mission_request_partial_list_message():
-                yield _ack(peer, mav.MAV_MISSION_UNSUPPORTED, message.mission_type)
+                yield peer.ack(mav.MAV_MISSION_UNSUPPORTED, message.mission_type)
             case mav.MAVLink_mission_clear_all_message():
                 yield from self._hear_clear(peer, message.mission_type)
             case mav.MAVLink_mission_set_current_message():
@@ -145,7 +123,8 @@ class Missions:
     def step(self, tick: int, readings: Readings) -> Iterator[Said]:
         """A tick has passed; an item that has not come is asked for again, and the mission goes on."""
         self._tick = tick
-        yield from self._transferred(tick)
+        self._downloads.step(tick)
+        yield from self._uploaded(tick)
         yield from self._run.step(tick, readings)
 
     def forget(self, link: LinkId) -> None:
@@ -154,18 +133,15 @@ class Missions:
             self._upload = None
         if self._completed is not None and self._completed.peer.link == link:
             self._completed = None
-        self._downloads = {peer: there for peer, there in self._downloads.items() if peer.link != link}
+        self._downloads.forget(link)
 
-    def _transferred(self, tick: int) -> Iterator[Said]:
-        for peer, download in list(self._downloads.items()):
-            if tick - download.asked > DOWNLOAD_PATIENCE:
-                del self._downloads[peer]
+    def _uploaded(self, tick: int) -> Iterator[Said]:
         upload = self._upload
         if upload is None or tick - upload.asked < ITEM_PATIENCE:
             return
         if upload.retries == RETRIES:
             self._upload = None
-            yield _ack(upload.peer, mav.MAV_MISSION_OPERATION_CANCELLED)
+            yield upload.peer.ack(mav.MAV_MISSION_OPERATION_CANCELLED)
             return
         upload.retries += 1
         if not upload.items:
@@ -173,43 +149,43 @@ class Missions:
             upload.old_form = upload.retries >= TRIES_OF_NEW_FORM
         yield self._asked(upload)
 
-    def _hear_count(self, peer: _Peer, count: int, mission_type: int) -> Iterator[Said]:
-        if mission_type in _EMPTY_TYPES and count == 0:
-            yield _ack(peer, mav.MAV_MISSION_ACCEPTED, mission_type)
-        elif mission_type != _MISSION:
-            yield _ack(peer, mav.MAV_MISSION_UNSUPPORTED, mission_type)
+    def _hear_count(self, peer: Peer, count: int, mission_type: int) -> Iterator[Said]:
+        if mission_type in EMPTY_TYPES and count == 0:
+            yield peer.ack(mav.MAV_MISSION_ACCEPTED, mission_type)
+        elif mission_type != MISSION:
+            yield peer.ack(mav.MAV_MISSION_UNSUPPORTED, mission_type)
         elif (denied := self._denied(peer)) is not None:
             yield from self._refused(peer, denied)
         elif count > LONGEST:
             self._upload = None
-            yield _ack(peer, mav.MAV_MISSION_NO_SPACE)
+            yield peer.ack(mav.MAV_MISSION_NO_SPACE)
         elif count == 0:
             yield from self._complete(peer, ())
         else:
             yield self._begun(_Upload(peer, (), (), count, self._tick))
 
-    def _hear_partial(self, peer: _Peer, first: int, last: int, mission_type: int) -> Iterator[Said]:
+    def _hear_partial(self, peer: Peer, first: int, last: int, mission_type: int) -> Iterator[Said]:
         plan = self._run.plan
         # -1 is the end of the list; and a station may name an item more than there are.
         last = len(plan) - 1 if last == -1 else min(last, len(plan) - 1)
-        if mission_type != _MISSION:
-            yield _ack(peer, mav.MAV_MISSION_UNSUPPORTED, mission_type)
+        if mission_type != MISSION:
+            yield peer.ack(mav.MAV_MISSION_UNSUPPORTED, mission_type)
         elif (denied := self._denied(peer)) is not None:
             yield from self._refused(peer, denied)
         elif not 0 <= first <= last:
-            yield _ack(peer, mav.MAV_MISSION_INVALID_SEQUENCE)
+            yield peer.ack(mav.MAV_MISSION_INVALID_SEQUENCE)
         else:
             count = last - first + 1
             yield self._begun(_Upload(peer, plan[:first], plan[last + 1 :], count, self._tick))
 
-    def _hear_item(self, peer: _Peer, message: _ItemMessage) -> Iterator[Said]:
+    def _hear_item(self, peer: Peer, message: _ItemMessage) -> Iterator[Said]:
         upload = self._upload
-        if message.mission_type != _MISSION:
-            yield _ack(peer, mav.MAV_MISSION_UNSUPPORTED, message.mission_type)
+        if message.mission_type != MISSION:
+            yield peer.ack(mav.MAV_MISSION_UNSUPPORTED, message.mission_type)
         elif upload is None:
             yield from self._late_item(peer, message.seq)
         elif upload.peer != peer:
-            yield _ack(peer, mav.MAV_MISSION_DENIED)
+            yield peer.ack(mav.MAV_MISSION_DENIED)
         elif message.seq > upload.next:
             yield self._asked(upload)
         elif message.seq == upload.next:
@@ -218,18 +194,18 @@ class Missions:
             # One that is there already: the station has not heard what it is asked for, but it lives.
             upload.retries = 0
 
-    def _late_item(self, peer: _Peer, seq: int) -> Iterator[Said]:
+    def _late_item(self, peer: Peer, seq: int) -> Iterator[Said]:
         """An item while none is waited for."""
         if self._completed is None or self._completed.peer != peer:
-            yield _ack(peer, mav.MAV_MISSION_ERROR)
+            yield peer.ack(mav.MAV_MISSION_ERROR)
         elif self._completed.last == seq:
-            yield _ack(peer, mav.MAV_MISSION_ACCEPTED, plan=self._run.plan_id)
+            yield peer.ack(mav.MAV_MISSION_ACCEPTED, plan=self._run.plan_id)
 
     def _next_item(self, upload: _Upload, message: _ItemMessage) -> Iterator[Said]:
         item = self._admitted(message, upload.size)
         if isinstance(item, Unfit):
             self._upload = None
-            yield _ack(upload.peer, item.result)
+            yield upload.peer.ack(item.result)
             self._announce(Severity.WARNING, f"Mission refused: in item {message.seq}, {item.sentence}.")
             return
         upload.items.append(item)
@@ -248,54 +224,26 @@ class Missions:
             return item
         return unfit(item, size) or item
 
-    def _hear_request_list(self, peer: _Peer, mission_type: int) -> Iterator[Said]:
-        self._completed = None
-        if mission_type in _EMPTY_TYPES:
-            yield _count(peer, 0, mission_type)
-        elif mission_type != _MISSION:
-            yield _ack(peer, mav.MAV_MISSION_UNSUPPORTED, mission_type)
-        else:
-            self._downloads[peer] = _Download(self._run.readable, self._tick)
-            yield _count(peer, len(self._run.plan), mission_type, self._run.plan_id)
-
-    def _hear_request(self, peer: _Peer, message: _RequestMessage) -> Iterator[Said]:
-        if message.mission_type not in (_MISSION, *_EMPTY_TYPES):
-            yield _ack(peer, mav.MAV_MISSION_UNSUPPORTED, message.mission_type)
-            return
-        download = self._downloads.get(peer)
-        if download is not None:
-            download.asked = self._tick
-        plan = self._run.readable if download is None else download.plan
-        seq = message.seq
-        if message.mission_type in _EMPTY_TYPES or seq >= len(plan):
-            yield _ack(peer, mav.MAV_MISSION_INVALID_SEQUENCE, message.mission_type)
-            return
-        current = seq == self._run.at
-        if isinstance(message, mav.MAVLink_mission_request_int_message):
-            yield Said(message_of(plan[seq], seq, current, peer.station), peer.link)
-        else:
-            yield Said(old_message_of(plan[seq], seq, current, peer.station), peer.link)
-
-    def _hear_clear(self, peer: _Peer, mission_type: int) -> Iterator[Said]:
-        if mission_type in _EMPTY_TYPES:
-            yield _ack(peer, mav.MAV_MISSION_ACCEPTED, mission_type)
-        elif mission_type not in (_MISSION, mav.MAV_MISSION_TYPE_ALL):
-            yield _ack(peer, mav.MAV_MISSION_UNSUPPORTED, mission_type)
+    def _hear_clear(self, peer: Peer, mission_type: int) -> Iterator[Said]:
+        if mission_type in EMPTY_TYPES:
+            yield peer.ack(mav.MAV_MISSION_ACCEPTED, mission_type)
+        elif mission_type not in (MISSION, mav.MAV_MISSION_TYPE_ALL):
+            yield peer.ack(mav.MAV_MISSION_UNSUPPORTED, mission_type)
         elif (denied := self._denied(peer)) is not None:
             yield from self._refused(peer, denied, mission_type)
         else:
             yield from self._complete(peer, (), mission_type)
 
-    def _hear_set_current(self, peer: _Peer, seq: int) -> Iterator[Said]:
+    def _hear_set_current(self, peer: Peer, seq: int) -> Iterator[Said]:
         denied = self._run.denied(peer.station) or self._run.select(seq)
         if denied is None:
             yield Said(self._run.current())
         else:
             self._announce(Severity.WARNING, f"Mission item not set. {denied.sentence}")
 
-    def _hear_ack(self, peer: _Peer, result: int) -> Iterator[Said]:
+    def _hear_ack(self, peer: Peer, result: int) -> Iterator[Said]:
         """The station says that it has all it asked for, or that it gives up."""
-        self._downloads.pop(peer, None)
+        self._downloads.end(peer)
         upload = self._upload
         if upload is None or upload.peer != peer or result == mav.MAV_MISSION_ACCEPTED:
             return
@@ -306,18 +254,18 @@ class Missions:
         else:
             self._upload = None
 
-    def _denied(self, peer: _Peer) -> Denied | None:
+    def _denied(self, peer: Peer) -> Denied | None:
         """Why this station may not change the plan now."""
         if self._upload is not None and self._upload.peer != peer:
             return Denied(f"A mission of {self._upload.peer.station} is coming in.", Refusal.NOT_NOW)
         return self._run.denied(peer.station)
 
-    def _refused(self, peer: _Peer, denied: Denied, mission_type: int = _MISSION) -> Iterator[Said]:
+    def _refused(self, peer: Peer, denied: Denied, mission_type: int = MISSION) -> Iterator[Said]:
         """The plan is not changed; an upload of the same station that was under way is given up."""
         if self._upload is not None and self._upload.peer == peer:
             self._upload = None
         self._announce(Severity.WARNING, f"Mission refused. {denied.sentence}")
-        yield _ack(peer, mav.MAV_MISSION_DENIED, mission_type)
+        yield peer.ack(mav.MAV_MISSION_DENIED, mission_type)
 
     def _begun(self, upload: _Upload) -> Said:
         """The upload is under way; one of the same station that was is given up."""
@@ -328,24 +276,12 @@ class Missions:
         """The next item is asked for."""
         upload.asked = self._tick
         request = mav.MAVLink_mission_request_message if upload.old_form else mav.MAVLink_mission_request_int_message
-        return Said(request(*_target(upload.peer), upload.next, _MISSION), upload.peer.link)
+        return Said(request(*upload.peer.target, upload.next, MISSION), upload.peer.link)
 
-    def _complete(self, peer: _Peer, plan: tuple[Item, ...], mission_type: int = _MISSION) -> Iterator[Said]:
+    def _complete(self, peer: Peer, plan: tuple[Item, ...], mission_type: int = MISSION) -> Iterator[Said]:
         """The robot has a new plan."""
         self._upload, self._completed = None, None
-        self._downloads.pop(peer, None)
+        self._downloads.end(peer)
         self._run.replace(plan)
-        yield _ack(peer, mav.MAV_MISSION_ACCEPTED, mission_type, self._run.plan_id)
+        yield peer.ack(mav.MAV_MISSION_ACCEPTED, mission_type, self._run.plan_id)
         yield Said(self._run.current())
-
-
-def _ack(peer: _Peer, result: int, mission_type: int = _MISSION, plan: int = 0) -> Said:
-    return Said(MissionAck(*_target(peer), result, mission_type, plan), peer.link)
-
-
-def _count(peer: _Peer, count: int, mission_type: int, plan: int = 0) -> Said:
-    return Said(MissionCount(*_target(peer), count, mission_type, plan), peer.link)
-
-
-def _target(peer: _Peer) -> tuple[int, int]:
-    return peer.station.system, peer.station.component

@@ -14,8 +14,9 @@ from thbridge.wire.mavlink.dialect import decoded, mav, payload_of
 from thbridge.wire.mavlink.helm import Target
 from thbridge.wire.mavlink.options import Origin
 from thbridge.wire.mavlink.vehicle.earth import Earth
+from thbridge.wire.mavlink.vehicle.mission_downloads import DOWNLOAD_PATIENCE
 from thbridge.wire.mavlink.vehicle.mission_run import MissionRun
-from thbridge.wire.mavlink.vehicle.missions import DOWNLOAD_PATIENCE, ITEM_PATIENCE, LONGEST, RETRIES, Missions
+from thbridge.wire.mavlink.vehicle.missions import ITEM_PATIENCE, LONGEST, RETRIES, Missions
 
 ACCEPTED = mav.MAV_MISSION_ACCEPTED
 FENCE, RALLY, ALL = mav.MAV_MISSION_TYPE_FENCE, mav.MAV_MISSION_TYPE_RALLY, mav.MAV_MISSION_TYPE_ALL
