@@ -244,7 +244,9 @@ class Conduct:
 
     def _step_failsafe(self) -> None:
         if self._command.is_overruled:
-            # Whoever drives it just now is no concern of a station that is gone.
+            # Whoever drives it just now is no concern of a station that is gone, and nothing is left to go on with.
+            self._leave()
+            self._mode = Mode.HOLD
             self._give_back()
             return
         if self._carries_on:

@@ -493,6 +493,18 @@ def test_a_lost_station_does_not_stop_what_a_researcher_does(armed):
     assert armed.robot.calls("release") == [("release",)]
 
 
+def test_nor_does_its_mission_go_on_behind_a_researcher_s_back(armed):
+    plan(armed, 1)
+    armed.mode(*AUTO)
+    armed.run(1)
+    armed.robot.readings = replace(armed.robot.readings, commanded_by="researcher", under_way=True)
+    lost(armed)
+    ask = mav.MAVLink_command_long_message(3, 1, 512, 0, mav.MAVLINK_MSG_ID_MISSION_CURRENT, 0, 0, 0, 0, 0, 0)
+    (current,) = messages(armed.hear(ask), "MISSION_CURRENT")
+    assert current.mission_state == mav.MISSION_STATE_PAUSED
+    assert armed.robot.calls("halt") == []
+
+
 def test_the_link_that_was_closed_does_not_matter(armed):
     armed.vehicle.forget(HERE)
     armed.run(3 * SECOND, beating=[US])
