@@ -28,7 +28,7 @@ from thbridge.wire.mavlink.frames.frame import Frame
 from thbridge.wire.mavlink.frames.framer import frames_of
 
 BEATS = 2
-PATIENCE = 60
+PATIENCE = 300
 STUDY = replace(Study(), server=replace(Study().server, port=0), mavlink=MavlinkSection(on=True))
 OUTSIDE = frozenset({"TabUI"})
 
