@@ -27,6 +27,7 @@ from thbridge.roles.view import (
     View,
     Wish,
 )
+from ui.model.playing.words import seen_words
 from ui.story import CONDITIONS
 
 HELP = """\
@@ -186,15 +187,18 @@ def _robot_news(was: RobotView, now: RobotView) -> list[str]:
 
 def _room_news(old: RoomView, new: RoomView) -> list[str]:
     told = []
-    if new.sensed and not old.sensed and new.colour is not None and new.footprint is not None:
-        told.append(
-            f"Room {new.room}: something {new.colour.lower()}, {new.footprint.lower()}. n {new.room} NAME names it."
-        )
+    if new.sensed and not old.sensed:
+        told.append(_found(new))
     if new.picture is not None and old.picture is None:
         told.append(f"Room {new.room}: the picture is {new.picture}")
     if new.verdict is not None and old.verdict is None:
         told.append(f"Room {new.room}: {new.verdict.name}, {new.verdict.points:+d} points.")
     return told
+
+
+def _found(room: RoomView) -> str:
+    seen = seen_words(room.colour or "", room.footprint or "")
+    return f"Room {room.room}: {seen}. n {room.room} NAME names it."
 
 
 def _asked(dialogue: DialogueView) -> str:
@@ -215,6 +219,7 @@ def _standing(view: View) -> list[str]:
             told.append(f"  {name} {CONDITIONS[robot.condition]}")
         if other := robot.other_commander:
             told.append(f"  {name} is commanded by {other}.")
+    told += [f"  {_found(room)}" for room in view.rooms if room.sensed and room.undecided]
     free = [str(room.room) for room in view.rooms if room.state == "unvisited"]
     told.append(f"  Rooms not visited: {' '.join(free) or 'none'}. Score {view.score}.")
     told += [f"  {_asked(dialogue)}" for dialogue in view.dialogues]

@@ -5,7 +5,7 @@ import pytest
 from tests.thbridge.roles.stage import Stage
 from thbridge.hunt.events import Agreed, Condition, Departed, Hidden, Identified
 from thbridge.roles.briefing import Briefing
-from thbridge.roles.requests import ReleaseCommand, TakeCommand
+from thbridge.roles.requests import ReleaseCommand, SendFor, TakeCommand
 from thbridge.roles.tabui import TabUI
 from ui.person import Person
 
@@ -108,3 +108,16 @@ def test_a_person_is_asked_to_take_part_before_anything_else():
     assert seat.type("agree")[0] == "Game 1. Type ? to see how things stand, h for help."
     assert Agreed() in seat.stage.log.events
     assert seat.type("1 3") == ["Robot 1: It will cost me 17 to go to room 3   [c Continue, s Stop]"]
+
+
+def test_a_person_asks_for_a_robot_and_names_what_a_station_left(seat):
+    for request in (TakeCommand(0, "ground station 255"), SendFor(0, 3)):
+        seat.stage.session.ask("station", request)
+    seat.stage.run(20)
+    assert seat.type("a 1") == ["You have asked ground station 255 for robot 1 back."]
+    seat.stage.session.ask("station", SendFor(0, 4))
+    seat.stage.run(3)
+    assert any(line.startswith("  Room 3: something") for line in seat.type("?", 2))
+    treasure = next(event for event in seat.stage.log.events if isinstance(event, Hidden)).treasures[2]
+    assert f"Room 3: {treasure.name}, {treasure.points:+d} points." in seat.type(f"n 3 {treasure.name}")
+    assert not any(line.startswith("  Room 3") for line in seat.type("?"))

@@ -9,7 +9,7 @@ from tests.ui.model.test_participant_views import model_of, texts
 from tests.ui.model.views import asking, view, with_robot, with_room
 from thbridge.hunt.events import Commander, Departed, Identified
 from thbridge.roles.requests import ReleaseCommand, SendFor, TakeCommand
-from thbridge.roles.view import AskBack, CallBack, Select, Unsure
+from thbridge.roles.view import AskBack, CallBack, Select, Unsure, Verdict
 from ui.model.keys import act_for
 from ui.model.participant import Participant
 from ui.model.playing.offers import offer
@@ -205,3 +205,10 @@ def test_what_nobody_can_pay_to_name_is_said_and_left():
     screen = model.screen(1.0)
     assert screen.banner.text.endswith("Naming it costs 1; robot 1 has 0.5 energy.")
     assert not screen.pop.name_it.enabled and screen.pop.leave.enabled
+
+
+def test_a_verdict_is_shown_although_nothing_was_heard_since_before_the_robot_came():
+    model = model_of(with_room(with_robot(view(), 0, moving_to=3), 3, state="reserved", robot=0))
+    found = with_room(with_robot(view(), 0, place=3), 3, state="visited", robot=0, colour="Pink", footprint="Small")
+    model.hear(with_room(found, 3, verdict=Verdict("Pink can", 30)), 1.0)
+    assert model.screen(1.0).pop.points == 30

@@ -16,6 +16,7 @@ from ui.model.keys import act_for
 from ui.model.participant import Participant
 from ui.model.playing.offers import offers
 from ui.model.screen import (
+    AskForRobot,
     ChooseRobot,
     ChooseRoom,
     ConsiderRoom,
@@ -48,6 +49,7 @@ ACTS = st.one_of(
     st.builds(ChooseRoom, st.integers(-1, 9)),
     st.builds(TypeDigit, st.integers(0, 9)),
     st.builds(StopRobot, st.one_of(st.none(), st.integers(-1, 3))),
+    st.builds(AskForRobot, st.one_of(st.none(), st.integers(-1, 3))),
     st.builds(GiveAnswer, st.integers(-1, 2)),
     st.builds(PickName, st.one_of(st.none(), st.sampled_from(("Orange Bottle", "Pink can", "nothing")))),
     st.builds(ShowWaiting, st.integers(0, 3)),

@@ -135,7 +135,8 @@ def _hear_rooms(memory: Memory, hunt: Hunt, before: View, now: float) -> None:
             hunt.pictured[new.room] = now
         if new.verdict is not None and old.verdict is None:
             hunt.gained = new.verdict.points
-            worker = decider(before, new.room)
+            stander = standing_in(hunt.view, new.room)
+            worker = decider(before, new.room) if stander is None else stander
             if worker is not None:
                 hunt.verdicts[new.room] = worker
         finder = standing_in(before, new.room)

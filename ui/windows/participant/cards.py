@@ -190,7 +190,7 @@ class Card(QWidget):
         """Show what can be done by a button, or hide it; how much room it needs. There is never more than one."""
         if action is not None:
             button.show_action(action)
-            button.setAccessibleName(spoken if action.enabled else f"{spoken}, {action.label.lower()}")
+            button.setAccessibleName(spoken if action.enabled else f"{spoken}, asked for")
         elif button.hasFocus():
             self.face.setFocus()
         button.setVisible(action is not None)

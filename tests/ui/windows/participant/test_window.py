@@ -383,6 +383,8 @@ def test_who_commands_a_robot_is_read_beside_the_button_and_what_it_does_below(o
     bold, plain = QFontMetricsF(font("small", bold=True)), QFontMetricsF(font("small"))
     for card in shown.window.column.cards.cards[:3]:
         button = card.ask_back.geometry()
+        state = "" if card.ask_back.face.enabled else ", asked for"
+        assert card.ask_back.accessibleName() == f"Ask for {card.accessibleName()} back{state}"
         assert button.left() - PAD - bold.height() - GAP >= bold.horizontalAdvance("Ground station 255")
         assert plain.horizontalAdvance("travelling to room 4 · from the corridor") <= card.width() - 2.0 * PAD
         assert button.bottom() + plain.height() <= card.height() - EDGE
