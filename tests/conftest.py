@@ -21,6 +21,14 @@ settings.load_profile("untimed")
 ROOT = Path(__file__).parents[1]
 
 
+def pytest_configure(config: pytest.Config) -> None:
+    """Share files out as they are collected: first those that wait for other programs, last the many quick ones.
+
+    Else files of one long test come last of all, and one core waits for the other.
+    """
+    config.option.loadscopereorder = False
+
+
 def pytest_sessionstart(session: pytest.Session) -> None:
     """Before processes share all tests in a fresh checkout, let a short hunt compile what robots compute with.
 

@@ -18,6 +18,8 @@ import pytest
 
 DEBIAN_PYTHON = "/usr/bin/python3"
 LAUNCHER = Path("/usr/libexec/at-spi-bus-launcher")
+PATIENCE = 120.0
+"""Seconds; others may want the machine, too."""
 
 
 def _missing() -> str | None:
@@ -79,7 +81,7 @@ class Desktop:
             None,
         )
 
-    def wait(self, what: str, condition: Callable[[], object], seconds: float = 60.0) -> None:
+    def wait(self, what: str, condition: Callable[[], object], seconds: float = PATIENCE) -> None:
         """Look until it is so; else tell what shows."""
         end = time.monotonic() + seconds
         while not condition():
@@ -88,14 +90,14 @@ class Desktop:
                 raise TimeoutError(f"waited {seconds} s for {what}; there is\n{shown}")
             time.sleep(0.1)
 
-    def found(self, name: str, role: str | None = None, seconds: float = 60.0) -> Seen:
+    def found(self, name: str, role: str | None = None, seconds: float = PATIENCE) -> Seen:
         """Wait for something of this name."""
         self.wait(name, lambda: self.find(name, role) is not None, seconds)
         seen = self.find(name, role)
         assert seen is not None
         return seen
 
-    def rested(self, name: str, role: str | None = None, seconds: float = 60.0) -> Seen:
+    def rested(self, name: str, role: str | None = None, seconds: float = PATIENCE) -> Seen:
         """Wait for something of this name that stays where and as it is from one look to the next."""
         before = self.found(name, role, seconds)
         while (now := self.found(name, role, seconds)) != before:
@@ -107,7 +109,7 @@ class Desktop:
         done = subprocess.run(["xdotool", *words], env=self.environment, capture_output=True, text=True, check=False)
         return done.stdout.strip()
 
-    def focus_window(self, title: str, seconds: float = 60.0) -> str:
+    def focus_window(self, title: str, seconds: float = PATIENCE) -> str:
         """Wait for a window whose title begins so; keys go there from now on, for there is no window manager."""
         window = ""
 

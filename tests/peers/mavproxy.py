@@ -11,7 +11,7 @@ from typing import Self
 from tests.peers.rovers import PEERS
 
 MODULES = "link,param,wp,mode,cmdlong,arm,log,signing,misc"
-PATIENCE = 60.0
+PATIENCE = 120.0
 
 
 class MavProxy:

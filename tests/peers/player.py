@@ -5,11 +5,8 @@ from collections.abc import Callable
 from dataclasses import dataclass
 from pathlib import Path
 
-from tests.peers.desktop import Desktop, Seen
+from tests.peers.desktop import PATIENCE, Desktop, Seen
 from tests.system.programs import Program
-
-PATIENCE = 120.0
-"""Seconds; others may want the machine, too."""
 
 TREASURES = {
     ("Orange", "Round and Large"): "Orange Bottle",

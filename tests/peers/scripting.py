@@ -11,7 +11,7 @@ from pymavlink import mavutil
 
 mav = mavutil.mavlink
 
-PATIENCE = 60.0
+PATIENCE = 120.0
 
 
 class Script:

@@ -16,7 +16,7 @@ from thbridge.wire.router import Router
 from thbridge.wire.text import Message, parse_line
 
 SOURCES = sorted((Path(__file__).parent / "java").glob("*.java"))
-PATIENCE = 60  # seconds until a hunt that hangs gives up
+PATIENCE = 120  # seconds until a hunt that hangs gives up
 TREASURES = ["3:Orange:Round and Large:10:Orange Bottle:rsz_t1.jpg", "5:Blue:Square:20:Blue Bottle:rsz_t2.jpg"]
 
 SimR = Callable[[Listening], AbstractAsyncContextManager[None]]

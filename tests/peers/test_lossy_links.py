@@ -81,7 +81,7 @@ def item(script: Script, seq: int) -> tuple[int, int]:
 def test_a_script_s_mission_arrives(lossy: tuple[Program, int, int, tuple[LossyLink, LossyLink]]) -> None:
     _, port, _, (link, _) = lossy
     script = Script(f"udpin:127.0.0.1:{port}", 255)
-    assert script.master.wait_heartbeat(timeout=60) is not None
+    assert script.master.wait_heartbeat(timeout=PATIENCE) is not None
     script.follows(1)
     uploaded(script)
     assert [item(script, seq) for seq in range(len(PLACES))] == PLACES
@@ -93,7 +93,7 @@ def test_a_script_s_mission_arrives(lossy: tuple[Program, int, int, tuple[LossyL
 def test_a_script_s_files_arrive(lossy: tuple[Program, int, int, tuple[LossyLink, LossyLink]], tmp_path: Path) -> None:
     _, port, _, _ = lossy
     script = Script(f"udpin:127.0.0.1:{port}", 255)
-    assert script.master.wait_heartbeat(timeout=60) is not None
+    assert script.master.wait_heartbeat(timeout=PATIENCE) is not None
     client = MAVFTP(script.master, target_system=1, target_component=1)
     client.cmd_set(["burst_read_size", "239"])
     for name in ("general.json", "parameters.json"):

@@ -23,7 +23,7 @@ pytestmark = pytest.mark.skipif(
     any(shutil.which(tool) is None for tool in TOOLS),
     reason=f"not installed: {', '.join(TOOLS)} (see the head of test_ros_bag_tools.py)",
 )
-PATIENCE = 60.0
+PATIENCE = 120.0
 
 NAMED_TALKER = """
 import rospy, sys

@@ -31,7 +31,7 @@ pytestmark = pytest.mark.skipif(
 
 needs_rosbag = pytest.mark.skipif(shutil.which("rosbag") is None, reason="not installed: rosbag")
 
-PATIENCE = 60.0
+PATIENCE = 120.0
 STRING = ("std_msgs/String", "992ce8a1687cec8c8bd883ec73ca41d1", "string data\n")
 TRIGGER = (
     "std_srvs/Trigger",

@@ -13,7 +13,7 @@ from ruamel.yaml import YAML
 
 from tests.peers.beside import NEEDS_ROS, PYTHON, Ros, session
 
-PATIENCE = 60.0
+PATIENCE = 120.0
 DYNPARAM = Path("/usr/lib/dynamic_reconfigure/dynparam")
 
 pytestmark = [

@@ -11,7 +11,7 @@ import numpy as np
 import pytest
 from PIL import Image
 
-from tests.peers.desktop import Desktop, Seen, desktop, needs_desktop
+from tests.peers.desktop import PATIENCE, Desktop, Seen, desktop, needs_desktop
 from tests.system.ports import free_port
 from tests.system.programs import THBRIDGE
 from tests.ui.windows.researcher.hunts import record
@@ -20,8 +20,6 @@ from thbridge.ros import names, unpack
 
 pytestmark = needs_desktop
 
-PATIENCE = 120.0
-"""Seconds; others may want the machine, too."""
 STUDY = "map: arena8\ntemplates: original-2016\nrobots: 2\nseed: 5\nserver:\n  port: 0\n"
 BESIDE = 1250
 """Pixels from the left at which the researcher's window stands."""

@@ -50,7 +50,7 @@ def test_a_hunt_survives_the_death_of_each_program(hunt, tmp_path):
         until(f"the hunt to go on without the first {name}", lambda n=arrivals: count("arrived") > n, everyone())
 
     until("the end of the hunt", lambda: "ended" in kinds(tmp_path), everyone())
-    assert hunt["tabui"].process.wait(30) == 0
+    assert hunt["tabui"].process.wait(90) == 0
     ended = journal(tmp_path)[-1]
     assert ended["event"] == "ended"
     assert f'"score": {ended["score"]}' in hunt["tabui"].text

@@ -47,7 +47,7 @@ class Fleet:
 
     def __enter__(self) -> "Fleet":
         self._thread.start()
-        assert self._stands.wait(20)
+        assert self._stands.wait(60)
         return self
 
     def __exit__(self, *_: object) -> None:

@@ -27,7 +27,7 @@ SERVICES = (
     "move_base/clear_costmaps",
     "move_base/make_plan",
 )
-SECONDS = 20
+SECONDS = 10
 CORRIDOR = (2.0, 0.0)
 NOTHING_TURNED = bytes(5 * 4)
 """A dynamic_reconfigure/Config: five empty lists."""
