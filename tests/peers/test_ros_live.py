@@ -102,15 +102,13 @@ def test_somebody_tells_a_robot_where_it_is(beside: Ros) -> None:
 
 
 def test_somebody_drives_by_hand_and_the_robot_stops_by_itself(beside: Ros) -> None:
-    start = float(beside.says("rostopic", "echo", "-n", "1", "/robot2/odom/pose/pose/orientation/z").split()[0])
+    def tells(field: str) -> float:
+        return float(beside.says("rostopic", "echo", "-n", "1", f"/robot2/odom/{field}").split()[0])
+
+    start = tells("pose/pose/orientation/z")
     beside.says("rostopic", "pub", "--once", "/robot2/cmd_vel", "geometry_msgs/Twist", "{angular: {z: 1.0}}")
-    end = time.monotonic() + PATIENCE
-    turned = start
-    while abs(turned - start) < 0.05 and time.monotonic() < end:
-        turned = float(beside.says("rostopic", "echo", "-n", "1", "/robot2/odom/pose/pose/orientation/z").split()[0])
-    assert abs(turned - start) >= 0.05
-    still = float(beside.says("rostopic", "echo", "-n", "1", "/robot2/odom/twist/twist/angular/z").split()[0])
-    assert abs(still) < 0.1
+    until("it to turn", lambda: abs(tells("pose/pose/orientation/z") - start) >= 0.05, [])
+    until("it to stand", lambda: abs(tells("twist/twist/angular/z")) < 0.1, [])
 
 
 def test_an_action_client_drives_cancels_and_is_replaced(tmp_path: Path) -> None:
