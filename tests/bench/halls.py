@@ -4,6 +4,10 @@ import re
 import shutil
 from pathlib import Path
 
+import numpy as np
+
+from sim.geometry import Pose2
+from sim.grid import OccupancyGrid, distance_field
 from thbridge.adapters.resources import shipped
 
 
@@ -17,3 +21,15 @@ def hall_for_fifty(folder: Path) -> Path:
     text = rooms.read_text().replace("\n  rows:", f"\n  rows:{rows}")
     rooms.write_text(re.sub(r"spacing: .*", "spacing: 0.8", text))
     return hall
+
+
+def free_places(grid: OccupancyGrid, spacing: float) -> list[Pose2]:
+    """Places on a lattice, metres, at which robots may stand and turn, in an order that mixes them."""
+    room = distance_field(grid, 2.0)
+    places = [
+        Pose2(float(x), float(y), 0.0)
+        for y in np.arange(grid.origin.y + 0.5, grid.origin.y + grid.rows * grid.resolution, spacing)
+        for x in np.arange(grid.origin.x + 0.5, grid.origin.x + grid.cols * grid.resolution, spacing)
+        if grid.contains(*grid.cell_of(x, y)) and room[grid.cell_of(x, y)] > 0.45
+    ]
+    return [places[index] for index in np.random.default_rng(0).permutation(len(places))]
