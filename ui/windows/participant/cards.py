@@ -74,7 +74,7 @@ class CardFace(AskingButton):
         line = QRectF(left, bar.bottom() + space, right - left - self._button_width, self._line())
         if card.commander:
             _told(painter, line, "mast", worn.text, card.commander[:1].upper() + card.commander[1:])
-            line.translate(0.0, line.height() + BETWEEN)
+            line.translate(0.0, self.commander_high())
             line.setRight(right)
         ink = worn.bad if card.trouble else worn.text
         _told(painter, line, "trouble" if card.trouble else None, ink, card.state, card.place)
@@ -85,8 +85,13 @@ class CardFace(AskingButton):
         """Where a button of this size lies: at the end of the first line below the bar."""
         above = EDGE + max(0.0, self.height() - self._high(CLOSE)) / 4.0 + self._line() + 1.0
         if self._card is not None and self._card.commander:
-            above += self._line() + BETWEEN
+            above += self.commander_high()
         return QRect(int(self.width() - PAD - size.width()), int(self.height() - above), size.width(), size.height())
+
+    @classmethod
+    def commander_high(cls) -> int:
+        """By how much a card is higher that tells who else commands its robot."""
+        return round(cls._line() + BETWEEN)
 
     @staticmethod
     def _line() -> float:
@@ -96,7 +101,7 @@ class CardFace(AskingButton):
     def _high(self, space: float) -> float:
         lines = 2.0 * self._line()
         if self._card is not None and self._card.commander:
-            lines += self._line() + BETWEEN
+            lines += self.commander_high()
         return 2.0 * (EDGE + space - CLOSE) + lines + BAR + 2.0 * space + 2.0
 
     def _top_line(self, painter: QPainter, card: RobotCard, left: float, right: float, middle: float) -> None:
@@ -231,7 +236,16 @@ class Cards(QWidget):
         self._rows.setContentsMargins(0, 0, 0, 0)
         self._rows.setSpacing(GAP - 2)
         self._shown: tuple[RobotCard, ...] = ()
+        self._others_command = False
         self.cards: list[Card] = []
+
+    def height_to_come(self) -> int:
+        """By how much the cards may yet grow: once somebody else has commanded a robot, each robot may be taken.
+
+        Whoever keeps this free below them keeps what is there where it is, under the pointer perhaps.
+        """
+        own = sum(not card.commander for card in self._shown) if self._others_command else 0
+        return own * CardFace.commander_high()
 
     def show_cards(self, cards: tuple[RobotCard, ...]) -> None:
         """Show these; nothing is done when they are shown already."""
@@ -239,6 +253,7 @@ class Cards(QWidget):
             return
         selected = [card.robot for card in self._shown if card.selected]
         self._shown = cards
+        self._others_command |= any(card.commander for card in cards)
         while len(self.cards) < len(cards):
             self.cards.append(self._made())
         while len(self.cards) > len(cards):

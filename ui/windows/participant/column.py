@@ -61,13 +61,15 @@ class Column(QWidget):
         below = button + hint + 2 * (GAP - 2)
         room = high - below - _SECTION
         least, most = self.cards.minimumSizeHint().height(), self.cards.sizeHint().height()
-        tiles = self.tiles.fit(wide, room - most)
+        to_come = self.cards.height_to_come()
+        tiles = self.tiles.fit(wide, room - most - to_come)
         if least + tiles > room:
             # Neither fits whole: each keeps at least two fifths, and what one does not need goes to the other.
             tiles = min(tiles, max(room - least, int(0.4 * room)))
         cards = min(most, room - tiles)
+        to_come = min(to_come, room - tiles - cards)
         self.card_area.setGeometry(0, 0, wide, cards)
-        self.rooms.setGeometry(0, cards + _SECTION, wide, tiles + below)
+        self.rooms.setGeometry(0, cards + to_come + _SECTION, wide, tiles + below)
         self.tile_area.setGeometry(0, 0, wide, tiles)
         self.dont_know.setGeometry(0, tiles + GAP - 2, wide, button)
         self.hint.setGeometry(0, tiles + button + 2 * (GAP - 2), wide, hint)

@@ -400,6 +400,20 @@ def test_a_robot_that_comes_back_has_a_lower_card_and_keeps_the_focus(opened: Op
     assert card.face.hasFocus()
 
 
+def test_rooms_stay_where_they_are_whoever_takes_and_gives_back_robots(opened: Open) -> None:
+    taken = STATES["commanded"]
+    given_back = replace(taken, cards=tuple(replace(card, commander="", ask_back=None) for card in taken.cards))
+    shown = opened(taken)
+    for _ in range(2):
+        places = []
+        for screen in (taken, given_back, replace(taken, cards=(*taken.cards[:1], *given_back.cards[1:]))):
+            shown.show(screen)
+            QApplication.processEvents()
+            places.append(shown.window.column.rooms.geometry())
+        assert len(set(places)) == 1
+        shown.window.resize(shown.window.minimumSize())
+
+
 def test_six_robots_and_twelve_rooms_need_no_scrolling(opened: Open) -> None:
     window = opened(STATES["six"]).window
     for area in (window.column.card_area, window.column.tile_area):
