@@ -76,13 +76,13 @@ def twist_towards(
     """How a robot, which cannot move sideways, follows a velocity in a frame of `LOCAL`.
 
     Along its own axes it takes what is forward, and the rate of turn; along the map's it turns to where the velocity
-    points and drives the faster, the better it points there.
+    points and drives the faster, the better it points there; without a velocity it turns at the rate given.
     """
     if frame in _BODY:
         return bounded(Twist(first, -yaw_rate), fastest)
     speed = math.hypot(first, second)
     if speed == 0.0:
-        return Twist(0.0, 0.0)
+        return bounded(Twist(0.0, -yaw_rate), fastest)
     error = wrap_angle(math.atan2(first, second) - base_in_map.theta)
     return bounded(Twist(speed * max(0.0, math.cos(error)), _TURN_RATE * error), fastest)
 

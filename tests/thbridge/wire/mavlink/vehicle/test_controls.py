@@ -209,6 +209,14 @@ def test_a_rate_alone_turns_on_the_spot(rig):
     assert (twist.linear, twist.angular) == (0.0, pytest.approx(0.4))
 
 
+def test_a_rate_beside_a_velocity_of_nothing_turns_on_the_spot_in_any_frame(rig):
+    # As mavros says what is published on setpoint_velocity/cmd_vel: by default along the map's axes.
+    rig.mode(*GUIDED)
+    setpoint(rig, VELOCITY_RATE, rate=-0.4)
+    (twist,) = driven(rig)
+    assert (twist.linear, twist.angular) == (0.0, pytest.approx(0.4))
+
+
 def test_a_velocity_in_the_map_s_frame_turns_the_robot_to_it(rig):
     rig.mode(*GUIDED)
     # The model looks east; north is to its left.
