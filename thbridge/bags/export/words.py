@@ -74,7 +74,7 @@ WORDS: Mapping[str, Mapping[str, Word]] = {
         "connected": Word("", "its software answers"),
         "armed": Word("", "its motors obey"),
         "guided": Word("", "it goes where it is told"),
-        "manual_input": Word("", "it is driven by hand"),
+        "manual_input": Word("", "it goes as a hand drives it"),
         "mode": Word("", "name of its mode"),
         "system_status": Word("", "code of MAV_STATE"),
     },

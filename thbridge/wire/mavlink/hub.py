@@ -71,7 +71,8 @@ class Hub:
         Args:
             link: its number.
             name: for people.
-            robot: the only vehicle that is to be found there, from 0; None: all are.
+            robot: the only vehicle that is to be found there, from 0, and no station from elsewhere either: programs
+                that know one vehicle may take a station's words for the vehicle's. None: all are.
         """
         self.close(link)
         self._links[link] = Link(name, self._patience, robot)
@@ -128,7 +129,8 @@ class Hub:
         for number in filter(there.reaches, meant):
             self._traffic.append(Traffic(number, True, there.name, frame))
             sent += self._said(number, self._vehicles[number].hear(link, sender, message))
-        if robot is None and (system not in self._by_system or component != COMPONENT):
+        is_shared = robot is None and there.robot is None
+        if is_shared and (system not in self._by_system or component != COMPONENT):
             for other in self._beyond(link, sender, system, component):
                 self._links[other].sent += 1
                 sent.append(Sent(other, frame))
@@ -174,6 +176,7 @@ class Hub:
             number
             for number, link in self._links.items()
             if number != origin
+            and link.robot is None
             and not link.has(sender, self._tick)
             and (link.is_awake(self._tick) if system == EVERYBODY else link.leads_to(system, wanted, self._tick))
         ]

@@ -36,7 +36,7 @@ class Status:
         connected: its software answers: mavros hears its heartbeat.
         armed: its motors obey.
         guided: it goes where it is told.
-        manual_input: it is driven by hand.
+        manual_input: it goes as a hand drives it.
         mode: its mode's name.
         system_status: a code of MAV_STATE.
     """

@@ -109,6 +109,16 @@ def test_on_a_link_of_one_robot_it_alone_hears_and_speaks(hub, vehicles):
     assert [one.frame.system for one in sent if one.link == A] == [1, 2, 3]
 
 
+def test_on_a_link_of_one_robot_stations_and_those_elsewhere_hear_nothing_of_each_other(hub):
+    # mavros takes whatever answers its TIMESYNC for its vehicle's clock, also another mavros.
+    hub.open(C, "c", robot=1)
+    timesync = mav.MAVLink_timesync_message(0, 5)
+    for link, system in ((A, 255), (C, 254), (A, 255)):
+        assert hub.receive(link, frame_of(timesync, system)) == []
+    assert hub.receive(A, frame_of(command(254, 190), 255)) == []
+    assert hub.receive(C, frame_of(command(255, 190), 254)) == []
+
+
 def test_an_answer_goes_to_the_link_its_question_came_from_also_when_another_has_the_same_station(hub):
     hub.receive(B, frame_of(HEARTBEAT, 255))
     hub.receive(A, frame_of(HEARTBEAT, 255))

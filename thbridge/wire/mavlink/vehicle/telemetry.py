@@ -60,7 +60,6 @@ class Standing:
         readings: of its robot.
         mode: as it is shown.
         armed: a station may move it, or it moves.
-        by_hand: it is driven by hand.
         commander: who commands it, see `CommandOf.number`.
     """
 
@@ -68,7 +67,6 @@ class Standing:
     readings: Readings
     mode: Mode
     armed: bool
-    by_hand: bool
     commander: int
 
     @property

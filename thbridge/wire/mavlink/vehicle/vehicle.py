@@ -30,7 +30,7 @@ from thbridge.wire.mavlink.vehicle.particulars import Particulars
 from thbridge.wire.mavlink.vehicle.parts import Part, Severity
 from thbridge.wire.mavlink.vehicle.repertoire import Repertoire
 from thbridge.wire.mavlink.vehicle.streams import Streams
-from thbridge.wire.mavlink.vehicle.telemetry import Standing, Telemetry, default_streams
+from thbridge.wire.mavlink.vehicle.telemetry import Standing, Telemetry, base_mode, default_streams
 from thbridge.wire.mavlink.vehicle.texts import Texts
 
 
@@ -89,11 +89,12 @@ class Vehicle:
     def status(self) -> Status:
         """How it stands."""
         now = self._standing
+        bits = base_mode(now)
         return Status(
             connected=self._readings.answers,
-            armed=now.armed,
-            guided=now.mode in (Mode.GUIDED, Mode.AUTO, Mode.RETURN),
-            manual_input=now.by_hand,
+            armed=bool(bits & mav.MAV_MODE_FLAG_SAFETY_ARMED),
+            guided=bool(bits & mav.MAV_MODE_FLAG_GUIDED_ENABLED),
+            manual_input=bool(bits & mav.MAV_MODE_FLAG_MANUAL_INPUT_ENABLED),
             mode=now.mode.value,
             system_status=now.system_status,
         )
@@ -135,9 +136,7 @@ class Vehicle:
     @property
     def _standing(self) -> Standing:
         conduct = self._conduct
-        return Standing(
-            self._tick, self._readings, conduct.mode, conduct.armed, conduct.is_by_hand, self._command.number
-        )
+        return Standing(self._tick, self._readings, conduct.mode, conduct.armed, self._command.number)
 
     def _stream(self, tick: int) -> Iterator[Said]:
         """The messages whose time has come, and a heartbeat at once when it shows something new."""

@@ -50,7 +50,6 @@ def test_a_stick_drives_in_mode_manual(rig):
     rig.mode(*MANUAL)
     stick(rig, x=500, r=250)
     assert driven(rig) == [Twist(0.5, -0.25)], "to the right is clockwise"
-    assert rig.status.manual_input
 
 
 @pytest.mark.parametrize("mode", [(4, 3), GUIDED])
@@ -86,7 +85,6 @@ def test_a_stick_that_falls_silent_stops_the_robot_within_half_a_second(rig):
     drives = len(driven(rig))
     rig.run(SECOND)
     assert len(driven(rig)) == drives
-    assert not rig.status.manual_input
 
 
 def test_an_axis_that_is_not_there(rig):

@@ -32,7 +32,7 @@ def telemetry(identity=Identity.GENERIC):
 
 
 def standing(mode=Mode.HOLD, armed=False, tick=100, **readings):
-    return Standing(tick, replace(AT_REST, **readings), mode, armed, by_hand=False, commander=0)
+    return Standing(tick, replace(AT_REST, **readings), mode, armed, commander=0)
 
 
 def said(number, now, identity=Identity.GENERIC):

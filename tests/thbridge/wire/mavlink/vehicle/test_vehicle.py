@@ -85,6 +85,26 @@ def test_status_says_whether_mavros_would_hear_it():
     assert not rig.status.connected
 
 
+@pytest.mark.parametrize(
+    ("mode", "guided", "manual"),
+    [((4, 3), False, False), ((6, 0), True, False), ((4, 5), True, False), ((1, 0), False, True)],
+)
+def test_status_says_what_mavros_makes_of_a_heartbeat(mode, guided, manual):
+    rig = Rig()
+    rig.arm()
+    rig.mode(*mode)
+    *_, beat = messages(rig.run(SECOND), "HEARTBEAT")
+    flags = (
+        mav.MAV_MODE_FLAG_SAFETY_ARMED,
+        mav.MAV_MODE_FLAG_GUIDED_ENABLED,
+        mav.MAV_MODE_FLAG_MANUAL_INPUT_ENABLED,
+    )
+    assert [bool(beat.base_mode & flag) for flag in flags] == [True, guided, manual]
+    status = rig.status
+    assert (status.armed, status.guided, status.manual_input) == (True, guided, manual)
+    assert status.system_status == beat.system_status
+
+
 def test_news_of_the_game_are_told_to_people():
     rig = Rig()
     rig.robot.readings = replace(rig.robot.readings, news=("Robot 3 has reached room 4.",))
