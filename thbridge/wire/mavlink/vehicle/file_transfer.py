@@ -82,6 +82,11 @@ class _Request:
         """The file or directory that is meant, from the root."""
         return self.data[: self.size].partition(b"\0")[0].decode("utf-8", errors="replace").strip("/")
 
+    @property
+    def wanted(self) -> int:
+        """Bytes of a piece; a size of zero leaves it to us: so mavros reads, and so ArduPilot takes bursts."""
+        return self.size or _MOST_DATA
+
 
 @dataclass(frozen=True, slots=True)
 class _Refused:
@@ -264,9 +269,7 @@ class FileTransfer:
         session = self._used(client, request)
         if session is None:
             return _NO_SESSION
-        if request.size == 0:
-            return _WRONG_SIZE
-        return session.content[request.offset : request.offset + request.size] or _END
+        return session.content[request.offset : request.offset + request.wanted] or _END
 
     def _begin(self, requester: _Requester, client: _Client, request: _Request) -> bytes | None:
         """Begin a burst, in place of one that there was in this session; its pieces come with the next ticks."""
@@ -276,9 +279,7 @@ class FileTransfer:
         self._bursts.pop((requester, request.session), None)
         if request.offset >= len(session.content):
             return _answer(request, _END)
-        # A size of zero leaves it to us, as with ArduPilot.
-        size = request.size or _MOST_DATA
-        self._bursts[requester, request.session] = _Burst(session, request.offset, size, request.sequence)
+        self._bursts[requester, request.session] = _Burst(session, request.offset, request.wanted, request.sequence)
         return None
 
     def _used(self, client: _Client, request: _Request) -> _Session | None:
