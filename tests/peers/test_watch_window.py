@@ -139,7 +139,7 @@ def test_what_a_researcher_does_to_a_session_is_in_its_record(screen: Desktop, t
         watch.named("Asked for; an obstacle", "status bar")
 
         watch.press("Delete")
-        screen.click(screen.found("Kill it", "push button", PATIENCE))
+        screen.click(screen.rested("Kill it", "push button"))
         watch.named("robot 2\n! software stopped", "table cell")
         watch.press("r")
         screen.wait("robot 2 to live", lambda: not any("! software" in one.name for one in watch.things), PATIENCE)

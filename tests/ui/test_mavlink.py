@@ -128,7 +128,7 @@ def refusal(*arguments: object) -> str:
 @pytest.mark.parametrize("by", ["udp", "tcp"])
 def test_status_tells_who_is_there(by: str, at: Address, fleet: Fleet) -> None:
     where = at if by == "udp" else f"tcp:127.0.0.1:{fleet.tcp}"
-    done = mavlink("status", where, "--seconds", 0.9, "--json")
+    done = mavlink("status", where, "--seconds", 2.5, "--json")
     assert done.exit_code == 0, done.output
     robots = json.loads(done.stdout)["robots"]
     assert [robot["robot"] for robot in robots] == [1, 2]
@@ -140,7 +140,7 @@ def test_status_tells_who_is_there(by: str, at: Address, fleet: Fleet) -> None:
 
 
 def test_status_for_people(at: Address, fleet: Fleet) -> None:
-    done = mavlink("status", at, "--seconds", 1.0)
+    done = mavlink("status", at, "--seconds", 2.0)
     assert done.exit_code == 0
     assert "participant" in done.stdout
 
@@ -196,7 +196,7 @@ def test_a_robot_that_waits_to_be_spoken_to(at: Address) -> None:
         robot.bind((at.host, at.port))
         thread = threading.Thread(target=answer)
         thread.start()
-        done = mavlink("status", at, "--seconds", 0.3, "--json")
+        done = mavlink("status", at, "--seconds", 1.0, "--json")
         thread.join()
     (told,) = json.loads(done.stdout)["robots"]
     assert (told["robot"], told["commander"], told["x"]) == (5, None, None)
