@@ -38,7 +38,7 @@ def files(play: Program, ports: tuple[int, int, int], tmp_path_factory: pytest.T
     """Robot 1's, as pymavlink reads them."""
     folder = tmp_path_factory.mktemp("mavftp")
     script = Script(f"udpin:127.0.0.1:{ports[0]}", 255)
-    assert script.master.wait_heartbeat(timeout=60) is not None
+    assert script.master.wait_heartbeat(timeout=PATIENCE) is not None
     client = MAVFTP(script.master, target_system=1, target_component=1)
     told = client.cmd_list(["/"])
     assert told.error_code == FtpError.Success

@@ -61,7 +61,7 @@ def test_a_participant_asks_for_a_robot_names_what_it_left_and_has_it_back(
     screen.found("Start with 3 robots")
     screen.press("Return")
     player.until("the game", lambda seen: len(seen.robots) == 3)
-    assert station.master.wait_heartbeat(timeout=60) is not None
+    assert station.master.wait_heartbeat(timeout=240) is not None
     station.follows(1)
     station.arms()
     player.until("the robot to be theirs", lambda seen: "commanded by ground station 255" in seen.robot(1))
