@@ -34,7 +34,9 @@ def _pass() -> None:
 
 
 async def run_ticks(tick: Callable[[], bool], pacer: Pacer) -> Run:
-    """Run ticks until one returns False, or until Ctrl-C or SIGTERM, which end the loop between two ticks.
+    """Run ticks until one returns False, or until Ctrl-C or SIGTERM, after which one more comes.
+
+    That last one takes in what came since the one before it: in a pause that may be much, and worth a recording.
 
     Args:
         tick: one tick; whether another one is to follow.
@@ -42,8 +44,9 @@ async def run_ticks(tick: Callable[[], bool], pacer: Pacer) -> Run:
     """
     started = time.monotonic()
     with stopping(pacer.resume) as stopped, _standing_spared(), _short_turns():
-        finished = False
-        while not finished and not stopped.is_set():
+        finished = is_last = False
+        while not finished and not is_last:
+            is_last = stopped.is_set()
             finished = not tick()
             await pacer.wait()
     return Run(finished, time.monotonic() - started)

@@ -136,6 +136,18 @@ def test_a_paused_program_can_be_stopped():
     assert not driven(drive)[0].finished
 
 
+def test_what_came_in_during_a_pause_is_taken_by_a_last_tick():
+    before = 0
+
+    async def drive(loop: Loop) -> None:
+        nonlocal before
+        loop.pacer.pause()
+        before = await loop.rest()
+        os.kill(os.getpid(), signal.SIGTERM)
+
+    assert driven(drive)[1].ticks == before + 1
+
+
 def waited(clock: list[float], pacer: Pacer, ticks: int) -> None:
     async def wait() -> None:
         for _ in range(ticks):

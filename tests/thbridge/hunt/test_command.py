@@ -145,6 +145,7 @@ def test_the_participant_asks_for_what_somebody_else_commands():
     assert state.robots[0].asked_back == 2
     assert rules.ask_back(state, 1) == ()
     assert taken(state, by=PARTICIPANT).robots[0].asked_back == 0
+    assert rules.ask_back(after(state, rules.intervene(state, 1, "/rviz")), 1) == (AskedBack(1),)
     for refused in (rules.ask_back(state, 2), rules.ask_back(apply(state, Ended(EndReason.GIVEN_UP, 0)), 0)):
         assert isinstance(refused, Refused)
 

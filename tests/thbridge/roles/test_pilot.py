@@ -17,9 +17,23 @@ from tests.thbridge.roles.test_hunt import Script
 from thbridge.app.compose import Setting, read_setting
 from thbridge.app.config import Study
 from thbridge.app.session import Moment, Session
-from thbridge.hunt.events import Arrived, Commanded, Commander, Departed, Failed, Identified, Left, Pictured
+from thbridge.hunt.costs import CostMatrix
+from thbridge.hunt.events import (
+    Arrived,
+    AskedBack,
+    Commanded,
+    Commander,
+    Departed,
+    Failed,
+    Identified,
+    Left,
+    Pictured,
+    Started,
+)
+from thbridge.hunt.game import GameState, apply, begin
 from thbridge.hunt.rooms import Room
 from thbridge.roles.controls import HAND_TICKS
+from thbridge.roles.news import asked_of
 from thbridge.roles.pilot import Pilot
 from thbridge.roles.requests import GameRequest, Request, SetParameters
 from thbridge.roles.simr import SimR
@@ -403,6 +417,18 @@ def test_a_station_is_told_what_the_participant_asks_of_it_and_no_other_is(taken
         taken.run()
         asked.append([readings.asked for readings in taken.readings])
     assert [told for told in asked if any(told)] == [[("The participant asks for robot 1 back.",), ()]]
+
+
+def test_what_a_participant_asks_of_a_researcher_alone_is_told_to_no_station() -> None:
+    def asks(state: GameState) -> list[str]:
+        return [*asked_of(0, state, apply(state, AskedBack(0)))]
+
+    costs = CostMatrix(((0.0, 1.0), (1.0, 0.0)))
+    state = begin(Started(1, 1, 1, 10.0, 1.0, 1.0, 1.0, costs))
+    researcher = Commanded(0, Commander.RESEARCHER, "/rviz")
+    assert asks(apply(state, researcher)) == []
+    station = Commanded(0, Commander.GROUND_STATION, "ground station 255")
+    assert asks(apply(apply(state, station), researcher)) == ["The participant asks for robot 1 back."]
 
 
 def test_speed_is_limited_and_as_the_study_says_again(taken: Flight) -> None:

@@ -408,10 +408,16 @@ def test_what_is_not_streamed_has_no_interval(rig):
     assert interval.interval_us == 0
 
 
+def test_no_interval_but_minus_one_is_negative(rig):
+    assert rig.long(INTERVAL, ATTITUDE, -2) == [DENIED]
+    assert rig.long(INTERVAL, ATTITUDE, -0.5) == [DENIED]
+
+
 def test_heartbeats_keep_their_second(rig):
     assert rig.long(INTERVAL, 0, -1) == [DENIED]
     assert rig.long(INTERVAL, 0, 100_000) == [DENIED]
     assert rig.long(INTERVAL, 0, 1_000_000) == [ACCEPTED]
+    assert rig.long(INTERVAL, 0, 0) == [ACCEPTED], "as it is at first"
     assert len(messages(rig.run(10 * SECOND), "HEARTBEAT")) == 10
 
 

@@ -148,6 +148,13 @@ def test_a_directory_is_listed_with_sizes_from_an_offset_on(bench):
     assert told.error == NOT_FOUND
 
 
+def test_a_list_that_just_goes_in_comes_whole(bench):
+    around = len(b"F\t1\0")
+    bench.server = FileTransfer(lambda: {"a" * 100: b"x", "b" * (MOST - 100 - 2 * around): b"x"})
+    (told,) = bench.asks(1, LIST, b"/")
+    assert (told.size, told.data.count(b"\0")) == (MOST, 2)
+
+
 def test_a_long_list_comes_in_parts(bench):
     many = {f"{number:030}": b"x" for number in range(20)}
     bench.server = FileTransfer(lambda: many)
@@ -233,6 +240,27 @@ def test_a_repetition_is_known_though_another_session_was_asked_about_between(be
     assert again.session == first.session == 200
 
 
+@pytest.mark.parametrize("sequence", [0xFFFE, 0xFFFF])
+def test_answers_count_up_beyond_the_largest_number(bench, sequence):
+    session = bench.opens(sequence=sequence)
+    (told,) = bench.asks(sequence, READ, session=session, size=1)
+    assert told.sequence == sequence + 1 & 0xFFFF
+
+
+def test_what_was_open_before_a_reset_is_opened_anew(bench):
+    for _ in range(2):
+        session = bench.opens(sequence=1, session=7)
+        (told,) = bench.asks(2, READ, session=session, size=1)
+        assert told.opcode == ACK
+        bench.asks(3, TERMINATE, session=session)
+        session = bench.opens(sequence=4, session=7)
+        bench.asks(5, RESET, session=200)
+        assert bench.opens(sequence=4, session=7) == session
+        (told,) = bench.asks(6, READ, session=session, size=1)
+        assert told.opcode == ACK
+        bench.asks(7, RESET, session=200)
+
+
 def test_who_begins_anew_gets_a_session_that_is_open(bench):
     for _ in range(2):
         session = bench.opens(sequence=0)
@@ -256,6 +284,17 @@ def test_sessions_are_few_and_those_left_behind_make_room(bench):
     bench.asks(25, RESET)
     (told,) = bench.asks(27, READ, session=held[0], size=1)
     assert told.error == NO_SESSION
+
+
+def test_a_file_on_its_way_is_not_left_behind(bench):
+    slow = bench.opens()
+    for sequence in range(3, 17, 2):
+        bench.opens(sequence=sequence)
+    bench.asks(17, BURST, session=slow, size=1)
+    pieces = bench.hears(11 * SECOND)
+    assert bench.opens(sequence=19) != slow
+    pieces += bench.hears(40 * SECOND)
+    assert b"".join(piece.data for piece in pieces) == LONG
 
 
 def test_bursts_of_several_sessions_do_not_disturb_each_other(bench):
@@ -290,6 +329,25 @@ def test_who_was_not_heard_for_the_longest_time_is_forgotten_for_new_ones(bench)
     assert bench.hears(1) == []
     (told,) = bench.asks(5, READ, session=session, size=1)
     assert told.error == NO_SESSION
+
+
+def test_as_long_as_there_is_room_for_all_nobody_is_forgotten(bench):
+    stations = [type(US)(system, 1) for system in range(1, 33)]
+    sessions = [bench.opens(station=station) for station in stations]
+    for sequence in (3, 5):
+        answers = [
+            bench.asks(sequence, READ, session=session, size=1, station=station)[0].opcode
+            for session, station in zip(sessions, stations, strict=True)
+        ]
+        assert answers == [ACK] * 32
+
+
+def test_of_too_many_who_was_heard_lately_is_kept(bench):
+    session = bench.opens()
+    for system in range(1, 40):
+        bench.opens(station=type(US)(system, 1))
+        (told,) = bench.asks(2 * system + 1, READ, session=session, size=1)
+        assert told.opcode == ACK
 
 
 REQUESTS = st.one_of(

@@ -60,7 +60,7 @@ def home(rig):
 
 def test_at_first_it_is_where_the_robot_started(away):
     _, told = messages(away.hear(mav.MAVLink_command_long_message(3, 1, 512, 0, 242, 0, 0, 0, 0, 0, 0)))
-    assert (told.x, told.y, told.altitude) == (2.0, 1.0, 55_000)
+    assert (told.x, told.y, told.altitude, told.time_usec) == (2.0, 1.0, 55_000, away.tick * 20_000)
     assert EARTH.point(Place(told.latitude, told.longitude)) == pytest.approx((1.0, 2.0), abs=0.01)
     east = math.pi / 2  # from north
     assert (told.q[0], told.q[3]) == pytest.approx((math.cos(east / 2), math.sin(east / 2)))

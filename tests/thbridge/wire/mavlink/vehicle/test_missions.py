@@ -239,6 +239,16 @@ def test_who_has_said_nothing_for_long_reads_the_plan_anew(field):
     assert field.send(mav.MAVLink_mission_request_int_message(1, 1, 0))[0].get_type() == "MISSION_ACK"
 
 
+def test_who_reads_slowly_reads_the_plan_as_it_was(field):
+    field.upload(places(3))
+    field.send(mav.MAVLink_mission_request_list_message(1, 1, 0))
+    field.run_of.replace(())
+    for seq in range(3):
+        field.air.run(DOWNLOAD_PATIENCE - 2)
+        (item,) = field.send(mav.MAVLink_mission_request_int_message(1, 1, seq))
+        assert (item.get_type(), item.seq) == ("MISSION_ITEM_INT", seq)
+
+
 def test_an_empty_plan_clears(field):
     field.upload(places(2))
     assert field.upload([]) == ACCEPTED
@@ -260,6 +270,9 @@ class TestFenceAndRally:
     def test_there_is_none_to_be_read(self, field, kind):
         answer = field.send(mav.MAVLink_mission_request_list_message(1, 1, kind))
         assert [(message.count, message.mission_type) for message in answer] == [(0, kind)]
+        field.upload(places(1))
+        answer = field.send(mav.MAVLink_mission_request_int_message(1, 1, 0, kind))
+        assert [message.type for message in answer] == [mav.MAV_MISSION_INVALID_SEQUENCE]
 
     def test_none_is_taken_but_an_empty_one(self, field, kind):
         assert field.send(count_message(0, kind))[0].type == ACCEPTED
@@ -424,6 +437,15 @@ class TestTwoStations:
         field.send(count_message(2), field.stations[0])
         field.missions.forget(0)
         assert field.upload(places(1), field.stations[1]) == ACCEPTED
+
+    def test_who_reads_on_a_link_goes_on_when_another_one_is_gone(self):
+        field = Field(stations=2)
+        field.upload(places(1))
+        field.send(mav.MAVLink_mission_request_list_message(1, 1, 0))
+        field.run_of.replace(())
+        field.missions.forget(1)
+        (item,) = field.send(mav.MAVLink_mission_request_int_message(1, 1, 0))
+        assert item.get_type() == "MISSION_ITEM_INT"
 
 
 class TestPartOfAPlan:

@@ -26,6 +26,8 @@ def test_the_older_message_sets_modes_too(armed):
     assert acks(said, mav.MAVLINK_MSG_ID_SET_MODE) == [ACCEPTED]
     assert armed.status.mode == "GUIDED"
     assert acks(armed.hear(mav.MAVLink_set_mode_message(3, 1, 999)), mav.MAVLINK_MSG_ID_SET_MODE) == [DENIED]
+    assert acks(armed.hear(mav.MAVLink_set_mode_message(3, 1, 4 << 16 | 4 << 24)), mav.MAVLINK_MSG_ID_SET_MODE) != [0]
+    assert "There is no mission." in armed.texts()
 
 
 def item(current, frame=6, x=524_000_000, y=97_000_000):
@@ -37,13 +39,23 @@ def test_a_guided_item_is_gone_to(armed):
     assert (ack.get_type(), ack.type, ack.target_system) == ("MISSION_ACK", mav.MAV_MISSION_ACCEPTED, US.system)
     old = mav.MAVLink_mission_item_message(3, 1, 0, 3, 16, 2, 1, 0, 0, 0, 0, 52.4, 9.7, 0)
     assert messages(armed.hear(old))[0].type == mav.MAV_MISSION_ACCEPTED
-    assert armed.robot.calls("go_to")[0] == ("go_to", 0.0, 0.0, None)
-    assert len(armed.robot.calls("go_to")) == 2
+    first, second = armed.robot.calls("go_to")
+    assert first == ("go_to", 0.0, 0.0, None)
+    assert second[1:3] == pytest.approx((0.0, 0.0), abs=0.4), "as good as 32-bit floats are"
 
 
 def test_a_guided_item_of_another_station_or_frame_is_denied(armed):
     assert messages(armed.hear(item(current=2), THEM))[0].type == mav.MAV_MISSION_DENIED
+    assert "Commanded by ground station 255." in armed.texts()
     assert messages(armed.hear(item(current=2, frame=1)))[0].type == mav.MAV_MISSION_DENIED
+    assert "Only a latitude and a longitude can be gone to this way." in armed.texts()
+    assert armed.robot.calls("go_to") == []
+
+
+@pytest.mark.parametrize("bad", [float("nan"), float("inf")])
+def test_a_guided_item_at_no_place_is_denied(armed, bad):
+    old = mav.MAVLink_mission_item_message(3, 1, 0, 3, 16, 2, 1, 0, 0, 0, 0, 52.4, bad, 0)
+    assert messages(armed.hear(old))[0].type == mav.MAV_MISSION_DENIED
     assert armed.robot.calls("go_to") == []
 
 
@@ -56,6 +68,7 @@ def test_the_operator_s_control_is_the_command(rig):
     assert change(0) == (255, 0, 0)
     assert rig.go(1, 1) == [ACCEPTED]
     assert change(0, THEM) == (245, 0, 3)
+    assert "Commanded by ground station 255." in rig.texts()
     assert change(1, THEM) == (245, 1, 0)
     assert rig.go(1, 1) == [ACCEPTED], "who is not in command has nothing to give back"
     assert change(1) == (255, 1, 0)
