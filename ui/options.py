@@ -9,7 +9,7 @@ from typing import Annotated
 import typer
 
 from sim import is_compiled
-from thbridge.adapters.addresses import address_in
+from thbridge.adapters.addresses import Address, address_in
 from thbridge.adapters.errors import BadFile
 from thbridge.adapters.map_files import read_grid
 from thbridge.adapters.mavlink_server import Ports
@@ -202,13 +202,20 @@ def with_mavlink(
     for option, text in (("--udp-listen", udp_listen), ("--tcp", tcp)):
         if text is not None and address_in(text) is None:
             fail(BAD_INPUT, f"{option}: {text!r} is no address. Write HOST:PORT, such as 127.0.0.1:14550.")
-    for text in udp or ():
+    targets = None if udp is None else tuple(dict.fromkeys(udp))
+    taken: set[Address] = set()
+    for text in targets or ():
         target = target_in(text)
         if target is None:
-            fail(BAD_INPUT, f"--udp: {text!r} is no address. Write HOST:PORT, such as 127.0.0.1:14550.")
+            fail(
+                BAD_INPUT,
+                f"--udp: {text!r} is no address. Write HOST:PORT, such as 127.0.0.1:14550, or HOST:PORT/ROBOT.",
+            )
         if target.robot is not None and target.robot >= study.robots:
             fail(BAD_INPUT, f"--udp: {text!r}: there is no robot {target.robot + 1}. There are {study.robots}.")
-    targets = None if udp is None else tuple(dict.fromkeys(udp))
+        if target.address in taken:
+            fail(BAD_INPUT, f"--udp: {target.address} is there for other robots already. Give {text!r} another port.")
+        taken.add(target.address)
     given = {"on": on, "identity": identity, "udp": targets, "udp_listen": udp_listen, "tcp": tcp, "tlog": tlog}
     changes = {key: value for key, value in given.items() if value is not None}
     section = dataclasses.replace(study.mavlink, **changes)  # type: ignore[arg-type]  # the options have their types

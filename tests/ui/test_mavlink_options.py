@@ -41,6 +41,12 @@ def test_a_target_of_a_robot_that_there_is_not() -> None:
     assert "--udp: 'h:1/4': there is no robot 4. There are 3." in said
 
 
+@pytest.mark.parametrize("other", ["h:1", "h:1/2"])
+def test_an_address_for_one_robot_and_for_others(other: str) -> None:
+    said = refusal("--mavlink", "--robots", "3", "--udp", "h:1/1", "--udp", other)
+    assert f"--udp: h:1 is there for other robots already. Give '{other}' another port." in said
+
+
 @pytest.mark.parametrize(
     ("option", "value"),
     [

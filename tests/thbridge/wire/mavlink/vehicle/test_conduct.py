@@ -428,6 +428,7 @@ def test_or_it_stops_when_it_cannot_go_home():
     rig.robot.refusal = Denied("No energy.")
     lost(rig)
     assert rig.robot.asked[-2:] == [("halt",), ("release",)]
+    assert rig.texts()[-3:-1] == ["Ground station 255 is lost: the robot goes home.", "No energy."]
 
 
 def test_or_it_carries_on_until_its_mission_is_over():
