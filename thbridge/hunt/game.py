@@ -164,9 +164,12 @@ class GameState:
 
     def decider(self, room: Room) -> int | None:
         """The robot by which the treasure of a room may be named, or None: that stands there, or found it and was sent
-        on before anybody had decided."""
-        stander, known = self.standing_in(room), self.room(room)
-        return known.finder if stander is None and known.sensed is not None and not known.is_decided else stander
+        on before anybody had decided. In a room that there is not, nobody stands."""
+        stander = self.standing_in(room)
+        if stander is not None or not self.has_room(room):
+            return stander
+        known = self.room(room)
+        return known.finder if known.sensed is not None and not known.is_decided else None
 
     @property
     def free_rooms(self) -> tuple[Room, ...]:

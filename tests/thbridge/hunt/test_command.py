@@ -19,6 +19,7 @@ from thbridge.hunt.events import (
 )
 from thbridge.hunt.game import Command, apply
 from thbridge.hunt.outcomes import Refused
+from thbridge.hunt.rooms import Room
 from thbridge.hunt.rules import Reason
 
 STATION = Command(Commander.GROUND_STATION, "ground station 255")
@@ -110,6 +111,12 @@ def test_nobody_names_what_was_given_up_or_never_sensed_once_its_robot_is_gone()
     state = taken(visit(new_game(), 0, ROOM_4))
     state = after(state, rules.move(state, 0, ROOM_1, Commander.GROUND_STATION))
     assert state.decider(ROOM_4) is None
+
+
+def test_nobody_names_anything_in_a_room_that_there_is_not():
+    assert sent_on().decider(Room(9)) is None
+    # In the corridor robots stand, but nothing lies there.
+    assert new_game().decider(Room(0)) == new_game().standing_in(Room(0))
 
 
 def test_a_robot_that_does_not_answer_names_nothing_that_it_found():

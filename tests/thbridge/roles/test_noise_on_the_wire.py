@@ -4,7 +4,7 @@ from dataclasses import replace
 from pathlib import Path
 
 import pytest
-from hypothesis import HealthCheck, given, settings
+from hypothesis import HealthCheck, example, given, settings
 from hypothesis import strategies as st
 
 from tests.thbridge.roles.stage import Stage, templates
@@ -18,7 +18,7 @@ from thbridge.roles.tabui import Seen, TabUI
 from thbridge.study.bots import BotStrategy
 from thbridge.wire import legacy
 from thbridge.wire.notice import notice
-from thbridge.wire.text import Message
+from thbridge.wire.text import Command, Message
 
 small = st.integers(-2, 10)
 number = st.one_of(small, st.integers(), st.floats(allow_nan=False, allow_infinity=False))
@@ -107,6 +107,7 @@ class Forgetful:
 
 @settings(max_examples=40, deadline=None, suppress_health_check=[HealthCheck.too_slow])
 @given(st.lists(st.one_of(junk(), typed), max_size=20))
+@example([Message(Command.FOUND, legacy.TABUI, legacy.HIDER, ("8,thing",))])
 def test_the_keeper_and_its_neighbours(said):
     briefing = Briefing(names=("Blue Bottle",), pictures={"x.jpg": bytes(50_000), "rsz_t1.jpg": b"1"}, consent="Yes?")
     bot = build_bot(templates(), BotStrategy.SUGGESTION, 7)
