@@ -95,6 +95,7 @@ well_formed = st.one_of(
     st.builds(view.Discuss, small, st.sampled_from(["take-picture", "take-treasure"]), small),
     st.builds(view.Leave, small),
     st.builds(view.CallBack, small),
+    st.builds(view.AskBack, small),
     st.builds(view.PlayAgain, small),
 )
 typed = st.builds(tell, names, names, well_formed)
