@@ -59,7 +59,6 @@ class VehicleParameter:
         knob = self.knob
         path = knob.path if knob.path.startswith(WORLD) else f"robot.{knob.path}"
         may_be_none = NoneType in knob.types
-        minimum = knob.minimum
         return Description(
             self.name,
             knob.help,
@@ -68,7 +67,7 @@ class VehicleParameter:
             GROUPS[group_of(self.name)],
             knob.unit,
             self.told(default),
-            min(minimum, 0.0) if may_be_none and minimum is not None else minimum,
+            knob.minimum,
             knob.maximum,
             float not in knob.types,
             ("off", "on") if bool in knob.types else knob.choices,
