@@ -255,6 +255,8 @@ class Keys(Player):
             return "l"
         if sight.pop is not None:
             return None
+        if sight.waiting:
+            return "w"
         selected = next(card for card in sight.robots if ", selected" in card.name)
         if ", ready" in selected.name and sight.free:
             return str(sight.free[-1])
