@@ -2,9 +2,11 @@
 
 Source: the MAVLink developer guide, "File Transfer Protocol (FTP)".
 Differs: sessions belong to who opened them, so that nobody closes or reads another's, and have the number that their
-requester proposes, where it is free: MAVProxy tells its transfers apart by that. What is asked of all vehicles at once
-is passed over: a file is one vehicle's, and a burst of each of them a flood. The last piece of a file ends its burst;
-there is no EOF after it, which MAVSDK would take for a failure when it misses that piece.
+requester proposes: MAVProxy tells its transfers apart by that, and MAVSDK heeds no other number. Who proposes one that
+is open gets it where that file was read to its end, is the same or was left, since the word that closes a session may
+be lost; else there is no room. What is asked of all vehicles at once is passed over: a file is one vehicle's, and a
+burst of each of them a flood. The last piece of a file ends its burst; there is no EOF after it, which MAVSDK would
+take for a failure when it misses that piece.
 """
 
 from collections.abc import Callable, Iterator, Mapping
@@ -97,10 +99,17 @@ class _Refused:
 
 @dataclass(slots=True)
 class _Session:
-    """An open file, and the tick in which it was last used."""
+    """An open file.
+
+    Attributes:
+        content: of the file.
+        used: the tick in which it was last used.
+        is_read: its last byte has been sent.
+    """
 
     content: bytes
     used: int
+    is_read: bool = False
 
 
 @dataclass(slots=True)
@@ -224,7 +233,7 @@ class FileTransfer:
             case mav.MAV_FTP_OPCODE_LISTDIRECTORY:
                 return _answer(request, self._listed(request))
             case mav.MAV_FTP_OPCODE_OPENFILERO:
-                return self._open(client, request)
+                return self._open(requester, client, request)
             case mav.MAV_FTP_OPCODE_READFILE:
                 return _answer(request, self._read(client, request))
             case mav.MAV_FTP_OPCODE_BURSTREADFILE:
@@ -234,20 +243,26 @@ class FileTransfer:
                 return _answer(request, _NOT_FOUND if content is None else checksum(content).to_bytes(4, "little"))
         return _answer(request, _PROTECTED if request.opcode in _WRITING else _UNKNOWN)
 
-    def _open(self, client: _Client, request: _Request) -> bytes:
+    def _open(self, requester: _Requester, client: _Client, request: _Request) -> bytes:
         content = self._files().get(request.path)
         if content is None:
             return _answer(request, _NOT_FOUND)
         sessions = client.sessions
-        if len(sessions) >= _MOST_SESSIONS:
-            idle = next((number for number, open_ in sessions.items() if self._tick - open_.used >= _IDLE), None)
+        before = sessions.get(request.session)
+        if before is not None and not (before.is_read or before.content == content or self._is_idle(before)):
+            return _answer(request, _NO_ROOM)
+        if before is None and len(sessions) >= _MOST_SESSIONS:
+            idle = next((number for number, open_ in sessions.items() if self._is_idle(open_)), None)
             if idle is None:
                 return _answer(request, _NO_ROOM)
-            del sessions[idle]
+            self._close(requester, client, idle)
             client.answered.clear()
-        number = next(number for number in (request.session, *range(_MOST_SESSIONS)) if number not in sessions)
-        sessions[number] = _Session(content, self._tick)
-        return _answer(request, len(content).to_bytes(4, "little"), session=number)
+        self._close(requester, client, request.session)
+        sessions[request.session] = _Session(content, self._tick)
+        return _answer(request, len(content).to_bytes(4, "little"))
+
+    def _is_idle(self, session: _Session) -> bool:
+        return self._tick - session.used >= _IDLE
 
     def _close(self, requester: _Requester, client: _Client, number: int) -> bytes | _Refused:
         self._bursts.pop((requester, number), None)
@@ -269,7 +284,9 @@ class FileTransfer:
         session = self._used(client, request)
         if session is None:
             return _NO_SESSION
-        return session.content[request.offset : request.offset + request.wanted] or _END
+        piece = session.content[request.offset : request.offset + request.wanted]
+        session.is_read |= request.offset + len(piece) >= len(session.content)
+        return piece or _END
 
     def _begin(self, requester: _Requester, client: _Client, request: _Request) -> bytes | None:
         """Begin a burst, in place of one that there was in this session; its pieces come with the next ticks."""
@@ -295,6 +312,7 @@ class FileTransfer:
         burst.session.used = self._tick
         burst.sequence = burst.sequence + 1 & 0xFFFF
         burst.offset += len(data)
+        burst.session.is_read |= burst.offset >= len(content)
         head = _HEAD.pack(
             burst.sequence,
             number,
@@ -321,7 +339,7 @@ def _request_of(payload: bytes) -> _Request:
     return _Request(sequence, session, opcode, size, offset, payload[_HEAD.size :])
 
 
-def _answer(request: _Request, outcome: bytes | _Refused, session: int | None = None) -> bytes:
+def _answer(request: _Request, outcome: bytes | _Refused) -> bytes:
     """The payload of an answer."""
     if isinstance(outcome, _Refused):
         opcode, data = mav.MAV_FTP_OPCODE_NAK, bytes((outcome.error,))
@@ -329,7 +347,7 @@ def _answer(request: _Request, outcome: bytes | _Refused, session: int | None = 
         opcode, data = mav.MAV_FTP_OPCODE_ACK, outcome
     head = _HEAD.pack(
         request.sequence + 1 & 0xFFFF,
-        request.session if session is None else session,
+        request.session,
         opcode,
         len(data),
         request.opcode,
