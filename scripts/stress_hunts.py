@@ -8,6 +8,7 @@ robots collided, a hunt did not end, or a goal was given up.
 import argparse
 import math
 import os
+import re
 import sys
 import time
 from collections import Counter
@@ -148,17 +149,26 @@ def told(robots: int, outcomes: Sequence[Outcome]) -> str:
     )
 
 
+def batches(words: str) -> list[tuple[int, int]]:
+    """How many robots, and how many hunts of so many, from "3x100,8x20". Raises ArgumentTypeError."""
+    found = [re.fullmatch(r"([1-9]\d*)x([1-9]\d*)", word) for word in words.split(",")]
+    read = [(int(each[1]), int(each[2])) for each in found if each is not None]
+    if len(read) < len(found):
+        raise argparse.ArgumentTypeError(f"{words!r} is not like 3x100,8x20: ROBOTSxHUNTS, with commas between")
+    return read
+
+
 def main() -> int:
     """Play them all."""
     parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
-    parser.add_argument("--hunts", default="2x100,4x100,8x100,16x20", help="ROBOTSxHUNTS, with commas between")
+    usual, shape = "2x100,4x100,8x100,16x20", "ROBOTSxHUNTS, with commas between"
+    parser.add_argument("--hunts", type=batches, default=usual, help=shape)
     parser.add_argument("--first-seed", type=int, default=1)
     parser.add_argument("--jobs", type=int, default=os.cpu_count() or 1)
     options = parser.parse_args()
     well = True
     with ProcessPoolExecutor(options.jobs, mp_context=get_context("spawn")) as pool:
-        for words in options.hunts.split(","):
-            robots, count = (int(number) for number in words.split("x"))
+        for robots, count in options.hunts:
             # A small map has no room for so many to start.
             places = MAPS if robots <= 10 else MAPS[1:]
             hunts = [Hunt(places[n % len(places)], robots, options.first_seed + n) for n in range(count)]
