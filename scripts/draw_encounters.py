@@ -13,11 +13,11 @@ from pathlib import Path
 import matplotlib as mpl
 import numpy as np
 
-from sim.geometry import FloatArray, Pose2
-from sim.grid import FREE, OCCUPIED, OccupancyGrid
-from sim.navigator import Arrived, Goal, NoPath
-from sim.observations import TICK
+from sim.common.geometry import FloatArray, Pose2
+from sim.common.grid import FREE, OCCUPIED, OccupancyGrid
+from sim.common.observations import TICK
 from sim.parameters import RobotParameters, WorldParameters
+from sim.robot.navigator import Arrived, Goal, NoPath
 from sim.team import Die, Go, Team, TeamInput
 
 mpl.use("Agg")

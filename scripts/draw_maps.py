@@ -25,10 +25,10 @@ from scipy.ndimage import distance_transform_edt
 from scipy.sparse import coo_array
 from scipy.sparse.csgraph import dijkstra
 
-from sim.geometry import Pose2, wrap_angle
-from sim.grid import FREE, OCCUPIED, OccupancyGrid
-from thbridge.adapters.map_files import FOOTPRINT, read_map, write_grid
-from thbridge.adapters.yaml_tree import quoted
+from sim.common.geometry import Pose2, wrap_angle
+from sim.common.grid import FREE, OCCUPIED, OccupancyGrid
+from thbridge.files.map_files import FOOTPRINT, read_map, write_grid
+from thbridge.files.yaml.tree import quoted
 
 Point = tuple[float, float]
 Segment = tuple[float, float, float, float]

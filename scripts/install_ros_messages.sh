@@ -13,8 +13,8 @@ if [ ! -f $generator ]; then
 fi
 version=$(/usr/bin/python3 -c 'import sys; print("python%d.%d" % sys.version_info[:2])')
 stamp=$prefix/lib/$version/dist-packages/thbridge_msgs/made_from
-wanted=$(cat "scripts/$(basename "$0")" thbridge/ros/types.py thbridge/ros/ros_texts.py \
-    thbridge/adapters/ros_package.py $generator | sha256sum)
+wanted=$(cat "scripts/$(basename "$0")" thbridge/ros/messages/types.py thbridge/ros/messages/definition_texts.py \
+    thbridge/files/ros/package.py $generator | sha256sum)
 if [ "$(cat "$stamp" 2>/dev/null)" = "$wanted" ]; then
     exit 0
 fi

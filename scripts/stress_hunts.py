@@ -18,16 +18,16 @@ from dataclasses import dataclass, replace
 from multiprocessing import get_context
 from pathlib import Path
 
-from sim.geometry import Pose2
-from sim.navigator import Arrived, NoPath
-from sim.observations import TICK, TICKS_PER_SECOND
+from sim.common.geometry import Pose2
+from sim.common.observations import TICK, TICKS_PER_SECOND
+from sim.robot.navigator import Arrived, NoPath
 from sim.team import TeamSnapshot
 from thbridge.app.compose import build_bot, read_setting
-from thbridge.app.config import Study
-from thbridge.app.session import Session
+from thbridge.app.session.session import Session
 from thbridge.hunt.events import Event
+from thbridge.roles.bots import BotStrategy
 from thbridge.roles.tabui import TabUI
-from thbridge.study.bots import BotStrategy
+from thbridge.study.study_file import Study
 from thbridge.wire.router import Router
 
 MAPS = ("arena8", "warehouse12")

@@ -10,10 +10,10 @@ from pathlib import Path
 from types import NoneType
 
 from sim.parameters import RobotParameters, WorldParameters
-from thbridge.adapters.declarations import allowed
-from thbridge.roles.parameter_names import GROUPS, group_of
-from thbridge.roles.requests import Tuning
-from thbridge.roles.vehicle_parameters import PARAMETERS, VehicleParameter, values_of
+from thbridge.files.yaml.declarations import allowed
+from thbridge.roles.robot_requests import Tuning
+from thbridge.roles.vehicles.parameter_names import GROUPS, group_of
+from thbridge.roles.vehicles.parameters import PARAMETERS, VehicleParameter, values_of
 
 ROOT = Path(__file__).parents[1]
 

@@ -13,7 +13,7 @@ from typing import get_args, get_type_hints
 
 from sim.parameters import RobotParameters
 from sim.parameters.reconfiguration import is_live
-from thbridge.adapters.declarations import allowed, ros_only_of, sections_named_in
+from thbridge.files.yaml.declarations import allowed, ros_only_of, sections_named_in
 
 ROOT = Path(__file__).parents[1]
 

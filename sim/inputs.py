@@ -6,11 +6,11 @@ to its software.
 
 from dataclasses import dataclass
 
-from sim.geometry import FloatArray, Pose2
-from sim.navigator import Goal
-from sim.observations import Twist
+from sim.common.geometry import FloatArray, Pose2
+from sim.common.observations import Twist
 from sim.parameters import RobotParameters, WorldParameters
-from sim.things import Thing
+from sim.robot.navigator import Goal
+from sim.world.things import Thing
 
 
 @dataclass(frozen=True, slots=True)

@@ -12,8 +12,9 @@ from operator import attrgetter
 
 import numpy as np
 
-from sim.geometry import FloatArray, Pose2
-from sim.grid import OccupancyGrid
+from sim.common.geometry import FloatArray, Pose2
+from sim.common.grid import OccupancyGrid
+from sim.common.observations import Neighbour
 from sim.inputs import (
     Carry,
     ClearCostmaps,
@@ -34,19 +35,18 @@ from sim.inputs import (
     TeamInput,
     Timed,
 )
-from sim.localization.amcl import Amcl
-from sim.localization.ekf import Ekf
-from sim.localization.estimate import Localizer
-from sim.localization.truth import Truth
-from sim.navigator import Navigator
-from sim.observations import Neighbour
 from sim.parameters import RobotParameters, WorldParameters
 from sim.parameters.reconfiguration import P, fixed_differences
-from sim.planning.path import Refused
-from sim.planning.wave import Workspace
-from sim.robot import Robot, RobotOutput
-from sim.sensors import Sensors, mount_of
-from sim.world import Misplaced, World, WorldState, with_charge, with_noise, with_thing, without_thing
+from sim.robot.localization.amcl import Amcl
+from sim.robot.localization.ekf import Ekf
+from sim.robot.localization.estimate import Localizer
+from sim.robot.localization.truth import Truth
+from sim.robot.navigator import Navigator
+from sim.robot.planning.path import Refused
+from sim.robot.planning.wave import Workspace
+from sim.robot.software import Robot, RobotOutput
+from sim.world.physics import Misplaced, World, WorldState, with_charge, with_noise, with_thing, without_thing
+from sim.world.sensors import Sensors, mount_of
 
 __all__ = [
     "START_COVARIANCE",

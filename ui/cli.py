@@ -5,15 +5,16 @@ import logging
 import typer
 from rich.logging import RichHandler
 
-from ui.commands import bag, files, programs
+from ui.commands import files, programs
+from ui.commands.bag import bag
+from ui.commands.bag.export import bag_export
+from ui.commands.bag.plot import bag_plot
 from ui.commands.drive import GoalWithYaw, drive
-from ui.commands.export import bag_export
 from ui.commands.localize import localize_command
 from ui.commands.mavlink import mavlink_app
 from ui.commands.measure import maps_measure
 from ui.commands.plan import plan
 from ui.commands.play import play
-from ui.commands.plot import bag_plot
 from ui.commands.replay import replay_command
 from ui.commands.ros import ros_app
 from ui.commands.scan import scan

@@ -6,13 +6,13 @@ import secrets
 from dataclasses import dataclass
 from pathlib import Path
 
-from thbridge.adapters.text_server import CannotListen, Listening
 from thbridge.app import play as hunt
 from thbridge.app.compose import Setting
-from thbridge.app.config import Study, of_size
 from thbridge.app.listeners import Hosts
 from thbridge.app.play import Outcome, PlayOptions, Unfinished
-from thbridge.app.session import Moment
+from thbridge.app.session.session import Moment
+from thbridge.sockets.text_server import CannotListen, Listening
+from thbridge.study.study_file import Study, of_size
 from ui.front import WINDOW, Front
 from ui.hosting import Game, Visit, host
 from ui.model.lobby import Offer

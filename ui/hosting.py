@@ -4,7 +4,7 @@ import asyncio
 from collections.abc import Awaitable, Callable
 
 from sim import is_compiled
-from thbridge.adapters.text_server import Listening
+from thbridge.sockets.text_server import Listening
 from ui.front import Front
 from ui.model.lobby import Back, Begin, Join, Leave, Offer, Practise, Preparing
 

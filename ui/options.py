@@ -9,21 +9,21 @@ from typing import Annotated
 import typer
 
 from sim import is_compiled
-from thbridge.adapters.addresses import Address, address_in
-from thbridge.adapters.errors import BadFile
-from thbridge.adapters.map_files import read_grid
-from thbridge.adapters.mavlink_server import Ports
-from thbridge.adapters.mavlink_udp import target_in
-from thbridge.adapters.recordings import make_room, try_place
-from thbridge.adapters.rosgraph.joining import DEFAULT_URI, Graph, Master, is_master_uri
-from thbridge.adapters.signing_key import read_signing_key
-from thbridge.adapters.text_server import DEFAULT_HOST, DEFAULT_PORT, CannotListen, Listening
-from thbridge.adapters.watch_server import DEFAULT_PORT as WATCH_PORT
-from thbridge.adapters.yaml_tree import read_text
 from thbridge.app.compose import Setting, read_setting
-from thbridge.app.config import Study, load_study
 from thbridge.app.listeners import Hosts, Watch
-from thbridge.study.bots import BotStrategy
+from thbridge.files.errors import BadFile
+from thbridge.files.map_files import read_grid
+from thbridge.files.signing_key import read_signing_key
+from thbridge.files.yaml.tree import read_text
+from thbridge.recording.recordings import make_room, try_place
+from thbridge.roles.bots import BotStrategy
+from thbridge.sockets.addresses import Address, address_in
+from thbridge.sockets.mavlink.server import Ports
+from thbridge.sockets.mavlink.udp import target_in
+from thbridge.sockets.rosgraph.joining import DEFAULT_URI, Graph, Master, is_master_uri
+from thbridge.sockets.text_server import DEFAULT_HOST, DEFAULT_PORT, CannotListen, Listening
+from thbridge.sockets.watch_server import DEFAULT_PORT as WATCH_PORT
+from thbridge.study.study_file import Study, load_study
 from thbridge.wire.mavlink.options import Identity
 from ui.terminal import BAD_INPUT, bad_input, fail, note
 
@@ -307,7 +307,7 @@ def write_report(bag: Path, page: Path, map_yaml: Path | None = None) -> None:
         BadFile: the bag or the map cannot be read, or the page not be written.
     """
     # Half a second of imports that no other command needs.
-    from thbridge.bags.report.page import build_report  # noqa: PLC0415
+    from thbridge.analysis.report.page import build_report  # noqa: PLC0415
 
     if page.exists() and bag.exists() and page.samefile(bag):
         raise BadFile(page, None, None, "this is the bag itself", "choose another file by --to")

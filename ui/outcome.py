@@ -4,9 +4,9 @@ from pathlib import Path
 
 from rich.table import Table
 
-from thbridge.adapters.recordings import parts_of
 from thbridge.app.compose import Setting
 from thbridge.app.play import Outcome
+from thbridge.recording.recordings import parts_of
 from ui.terminal import out
 
 

@@ -6,10 +6,10 @@ from collections.abc import Callable, Coroutine
 from dataclasses import dataclass
 from typing import TypeVar
 
-from thbridge.adapters.template_files import TemplateSet
 from thbridge.app.compose import build_bot
+from thbridge.files.template_files import TemplateSet
+from thbridge.roles.bots import BotStrategy
 from thbridge.roles.tabui import TabUI
-from thbridge.study.bots import BotStrategy
 from ui.options import Who
 from ui.person import Person
 from ui.terminal import BAD_INPUT, FAILED, bad_input, fail, out

@@ -2,8 +2,8 @@
 
 from collections.abc import Iterator
 
-from sim.observations import TICK
-from thbridge.app.session import Moment
+from sim.common.observations import TICK
+from thbridge.app.session.session import Moment
 from thbridge.dialogue.moves import Author, Speaker, Utterance
 from thbridge.hunt.costs import spoken_energy
 from thbridge.hunt.events import (

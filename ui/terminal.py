@@ -8,7 +8,7 @@ from typing import NoReturn
 import typer
 from rich.console import Console
 
-from thbridge.adapters.errors import BadFile
+from thbridge.files.errors import BadFile
 
 FAILED = 1
 BAD_INPUT = 2

@@ -4,14 +4,14 @@ from collections.abc import Callable, Sequence
 from dataclasses import replace
 from pathlib import Path
 
-from sim.observations import TICK
+from sim.common.observations import TICK
 from thbridge.app.compose import read_setting
-from thbridge.app.config import Study
 from thbridge.app.play import NoLog
-from thbridge.app.session import Session
-from thbridge.roles.requests import Request
+from thbridge.app.session.session import Session
+from thbridge.roles.robot_requests import Request
 from thbridge.roles.tabui import Seen, TabUI
 from thbridge.roles.view import View, Wish
+from thbridge.study.study_file import Study
 from thbridge.wire.router import Router
 from ui.model.participant import Participant
 from ui.model.playing.offers import offer

@@ -10,14 +10,14 @@ from PySide6.QtWidgets import QApplication, QMessageBox
 
 from pictured.hunt import Hunt, with_robot
 from pictured.shot import Shot, Story
-from sim.geometry import Pose2
+from sim.common.geometry import Pose2
 from sim.inputs import Carry, Localize
-from thbridge.app.config import ParticipantSection, ShowsSection, Study
 from thbridge.hunt.events import Condition
 from thbridge.roles.notices import Whereabouts
-from thbridge.roles.requests import SendFor, TakeCommand
+from thbridge.roles.robot_requests import SendFor, TakeCommand
 from thbridge.roles.tabui import Seen
 from thbridge.roles.view import View
+from thbridge.study.study_file import ParticipantSection, ShowsSection, Study
 from ui.games import PRACTICE
 from ui.model.lobby import Offer, Preparing
 from ui.model.participant import Participant
@@ -42,7 +42,7 @@ from ui.model.theme import LIGHT
 from ui.windows.link import Heard, Joined, Link
 from ui.windows.look import Appearance
 from ui.windows.participant import ParticipantWindow
-from ui.windows.table import Game, Table
+from ui.windows.participant_program import Game, Table
 
 SIZE = (1200, 800)
 

@@ -8,26 +8,26 @@ from pathlib import Path
 from PySide6.QtWidgets import QApplication, QDialog, QDockWidget, QMessageBox
 
 from pictured.shot import Shot, Story
-from sim.geometry import Pose2
+from sim.common.geometry import Pose2
 from sim.inputs import Carry, Die, PutThing
-from thbridge.adapters.watch_client import Connected, WatchClient, WatchEvent
-from thbridge.app.broadcast import Broadcast, Listener
 from thbridge.app.compose import build_bot, read_setting
-from thbridge.app.config import Study
 from thbridge.app.play import PLAY, NoLog
-from thbridge.app.recording import BagWitness
-from thbridge.app.session import Session
-from thbridge.roles.requests import AdviseFor, Puppeteer, Request
+from thbridge.app.session.broadcast import Broadcast, Listener
+from thbridge.app.session.recording import BagWitness
+from thbridge.app.session.session import Session
+from thbridge.roles.robot_requests import AdviseFor, Puppeteer, Request
 from thbridge.roles.tabui import TabUI
 from thbridge.ros.topics import Message
+from thbridge.sockets.watch_client import Connected, WatchClient, WatchEvent
+from thbridge.study.study_file import Study
 from thbridge.wire import legacy
 from thbridge.wire.router import Router
 from thbridge.wire.watching import STATUS, Said, Status
 from ui.model.theme import LIGHT
 from ui.model.watching.tools import obstacle
-from ui.windows.researcher import session
-from ui.windows.researcher.displays import Display
-from ui.windows.researcher.recording import Opening, Recording
+from ui.windows.researcher.docks.displays import Display
+from ui.windows.researcher.feeds import session
+from ui.windows.researcher.feeds.recording import Opening, Recording
 from ui.windows.researcher.window import ResearcherWindow
 
 STUDY = replace(Study(), seed=7, robots=3)

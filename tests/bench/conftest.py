@@ -5,8 +5,8 @@ from pathlib import Path
 
 import pytest
 
-from thbridge.adapters.map_files import Map, read_map
-from thbridge.adapters.resources import shipped
+from thbridge.files.map_files import Map, read_map
+from thbridge.files.resources import shipped
 
 
 @pytest.fixture(scope="session")

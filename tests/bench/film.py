@@ -4,14 +4,14 @@ from collections.abc import Sequence
 from dataclasses import dataclass, replace
 from pathlib import Path
 
-from sim.observations import TICK, TICKS_PER_SECOND
+from sim.common.observations import TICK, TICKS_PER_SECOND
 from thbridge.app.compose import read_setting
-from thbridge.app.config import ParticipantSection, ShowsSection, Study
 from thbridge.app.play import NoLog
-from thbridge.app.session import Session
+from thbridge.app.session.session import Session
 from thbridge.roles.notices import House
 from thbridge.roles.tabui import Seen, TabUI
 from thbridge.roles.view import View, Wish
+from thbridge.study.study_file import ParticipantSection, ShowsSection, Study
 from thbridge.wire.router import Router
 from ui.model.keys import act_for
 from ui.model.participant import Participant

@@ -6,9 +6,9 @@ from pathlib import Path
 
 import numpy as np
 
-from sim.geometry import Pose2
-from sim.grid import OccupancyGrid, distance_field
-from thbridge.adapters.resources import shipped
+from sim.common.geometry import Pose2
+from sim.common.grid import OccupancyGrid, distance_field
+from thbridge.files.resources import shipped
 
 
 def hall_for_fifty(folder: Path) -> Path:

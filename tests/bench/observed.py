@@ -12,7 +12,7 @@ from collections.abc import Iterable
 from pathlib import Path
 from typing import TextIO
 
-from sim.geometry import Pose2
+from sim.common.geometry import Pose2
 from sim.team import Team
 
 
@@ -53,8 +53,8 @@ def observe_window(path: Path) -> None:
     from tests.bench.film import key_for  # noqa: PLC0415
     from ui.model.keys import act_for  # noqa: PLC0415
     from ui.windows.map import MapView  # noqa: PLC0415
-    from ui.windows.participant.start import StartPage  # noqa: PLC0415
-    from ui.windows.table import Table  # noqa: PLC0415
+    from ui.windows.participant.pages.start import StartPage  # noqa: PLC0415
+    from ui.windows.participant_program import Table  # noqa: PLC0415
 
     file = path.open("a", buffering=1)
     beats = path.with_name("beats").open("a", buffering=1)

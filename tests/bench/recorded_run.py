@@ -6,14 +6,14 @@ from pathlib import Path
 
 import numpy as np
 
-from sim.geometry import FloatArray
-from sim.navigator import Goal
-from sim.noise import Stream
-from sim.observations import Imu, LaserMount, Odometry, Scan
+from sim.common.geometry import FloatArray
+from sim.common.noise import Stream
+from sim.common.observations import Imu, LaserMount, Odometry, Scan
 from sim.parameters import LaserParameters, OdometryNoise, RobotParameters, WorldParameters
-from sim.sensors import mount_of
+from sim.robot.navigator import Goal
 from sim.team import Go, Team
-from thbridge.adapters.map_files import Map
+from sim.world.sensors import mount_of
+from thbridge.files.map_files import Map
 
 DEGRADED = WorldParameters(
     odometry=OdometryNoise(linear_scale=1.05, angular_scale=1.10),

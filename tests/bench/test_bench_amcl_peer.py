@@ -12,12 +12,12 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from sim.geometry import FloatArray, Pose2
-from sim.localization.amcl import Amcl
+from sim.common.geometry import FloatArray, Pose2
 from sim.parameters import AmclParameters
+from sim.robot.localization.amcl import Amcl
 from tests.bench.recorded_run import Run, kidnapped, part, tour, write_for_peer
-from thbridge.adapters.map_files import Map, read_map
-from thbridge.adapters.resources import shipped
+from thbridge.files.map_files import Map, read_map
+from thbridge.files.resources import shipped
 
 pytestmark = pytest.mark.bench
 

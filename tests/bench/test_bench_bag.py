@@ -13,18 +13,18 @@ import pytest
 from rosbags.rosbag1 import Writer
 from rosbags.typesys.msg import normalize_msgtype
 
-from sim.sensors import mount_of
 from sim.team import TeamSnapshot
+from sim.world.sensors import mount_of
 from tests.bench.test_bench_session import drive
 from tests.thbridge.ros.drive import SESSION
-from thbridge.adapters.bag_records import Compression
-from thbridge.adapters.bag_writer import BagWriter
-from thbridge.adapters.ros_definitions import Definitions
-from thbridge.app.broadcast import Broadcast
 from thbridge.app.compose import Setting, read_setting
-from thbridge.app.config import Study
+from thbridge.app.session.broadcast import Broadcast
+from thbridge.files.ros.definitions import Definitions
+from thbridge.recording.bag.records import Compression
+from thbridge.recording.bag.writer import BagWriter
+from thbridge.ros.messages.types import typestore
 from thbridge.ros.publisher import Message, Publisher, Topic
-from thbridge.ros.types import typestore
+from thbridge.study.study_file import Study
 
 pytestmark = pytest.mark.bench
 

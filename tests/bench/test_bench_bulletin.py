@@ -6,13 +6,13 @@ from pathlib import Path
 
 import pytest
 
+from sim.common.observations import TICKS_PER_SECOND
 from sim.inputs import Go
-from sim.navigator import Goal
-from sim.observations import TICKS_PER_SECOND
+from sim.robot.navigator import Goal
 from thbridge.app.compose import read_setting
-from thbridge.app.config import Study
 from thbridge.hunt.events import Condition
-from thbridge.roles.bulletin import Bulletin, Shows
+from thbridge.roles.simr.pose_telemetry import Bulletin, Shows
+from thbridge.study.study_file import Study
 
 pytestmark = pytest.mark.bench
 

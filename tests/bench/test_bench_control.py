@@ -13,12 +13,9 @@ from statistics import median
 import numpy as np
 import pytest
 
-from sim.control.braking import surroundings
-from sim.control.choice import local_planner
-from sim.costmap.costmap_2d import Costmap2D
-from sim.geometry import FloatArray, Pose2
-from sim.grid import distance_field
-from sim.observations import Twist
+from sim.common.geometry import FloatArray, Pose2
+from sim.common.grid import distance_field
+from sim.common.observations import Twist
 from sim.parameters import (
     DwaPlannerParameters,
     NavfnParameters,
@@ -26,10 +23,13 @@ from sim.parameters import (
     TrajectoryPlannerParameters,
     WorldParameters,
 )
-from sim.planning.navfn import Navfn
-from sim.planning.path import Path as Plan
-from sim.planning.potential_planner import PotentialPlanner
-from thbridge.adapters.map_files import read_map
+from sim.robot.control.braking import surroundings
+from sim.robot.control.choice import local_planner
+from sim.robot.costmap.costmap_2d import Costmap2D
+from sim.robot.planning.navfn import Navfn
+from sim.robot.planning.path import Path as Plan
+from sim.robot.planning.potential_planner import PotentialPlanner
+from thbridge.files.map_files import read_map
 
 pytestmark = pytest.mark.bench
 

@@ -6,13 +6,10 @@ from collections.abc import Callable
 import numpy as np
 import pytest
 
-from sim.costmap.costmap_2d import Costmap2D
-from sim.costmap.costs import Window
-from sim.costmap.inflation import InflationLayer
-from sim.costmap.static import StaticLayer
-from sim.geometry import Pose2
-from sim.grid import OccupancyGrid
-from sim.observations import STANDSTILL, LaserMount, Neighbour, Scan
+from sim.common.geometry import Pose2
+from sim.common.grid import OccupancyGrid
+from sim.common.observations import STANDSTILL, LaserMount, Neighbour, Scan
+from sim.common.raycast import Raycaster
 from sim.parameters import (
     GlobalCostmapParameters,
     InflationParameters,
@@ -22,7 +19,10 @@ from sim.parameters import (
     StaticParameters,
     WorldParameters,
 )
-from sim.raycast import Raycaster
+from sim.robot.costmap.costmap_2d import Costmap2D
+from sim.robot.costmap.costs import Window
+from sim.robot.costmap.inflation import InflationLayer
+from sim.robot.costmap.static import StaticLayer
 
 pytestmark = pytest.mark.bench
 

@@ -8,12 +8,12 @@ import pytest
 from rosbags.rosbag1 import Reader
 
 from tests.thbridge.ros.drive import MOUNT, SCAN_PERIOD, SESSION, arena, records, snapshots
-from thbridge.adapters.bag_writer import BagWriter
-from thbridge.adapters.ros_definitions import Definitions
-from thbridge.adapters.table_files import TableFormat
-from thbridge.bags.export.folder import export_bag
+from thbridge.analysis.export.folder import export_bag
+from thbridge.files.ros.definitions import Definitions
+from thbridge.files.table_files import TableFormat
+from thbridge.recording.bag.writer import BagWriter
+from thbridge.ros.messages.types import typestore
 from thbridge.ros.publisher import Message, Publisher
-from thbridge.ros.types import typestore
 
 pytestmark = pytest.mark.bench
 

@@ -14,9 +14,9 @@ import time
 
 import pytest
 
-from thbridge.adapters.rosgraph.http_client import XmlRpcClient
-from thbridge.adapters.rosgraph.node import RosNode, Started
-from thbridge.adapters.rosgraph.publications import Publication
+from thbridge.sockets.rosgraph.http_client import XmlRpcClient
+from thbridge.sockets.rosgraph.node import RosNode, Started
+from thbridge.sockets.rosgraph.publications import Publication
 from thbridge.wire.rosgraph.tcpros import encode_header
 
 pytestmark = [
@@ -40,7 +40,7 @@ TYPE = ("std_msgs/String", "992ce8a1687cec8c8bd883ec73ca41d1")
 
 LISTENERS = """
 import asyncio, sys
-from thbridge.adapters.rosgraph.node import RosNode
+from thbridge.sockets.rosgraph.node import RosNode
 
 async def main():
     master, topics, count = sys.argv[1], sys.argv[2].split(","), 0

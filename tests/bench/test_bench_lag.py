@@ -10,7 +10,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from sim.geometry import FloatArray
+from sim.common.geometry import FloatArray
 from tests.peers.desktop import desktop, needs_desktop
 
 pytestmark = [pytest.mark.bench, needs_desktop]

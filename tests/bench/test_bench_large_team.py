@@ -13,12 +13,12 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from sim.observations import TICKS_PER_SECOND
+from sim.common.observations import TICKS_PER_SECOND
 from sim.team import Team
 from tests.bench.halls import free_places
 from tests.bench.test_bench_session import Errands, drive
 from thbridge.app.compose import read_setting
-from thbridge.app.config import Study
+from thbridge.study.study_file import Study
 
 pytestmark = pytest.mark.bench
 

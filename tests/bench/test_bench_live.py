@@ -18,14 +18,14 @@ import numpy as np
 import pytest
 
 from tests.system.ports import free_port
-from thbridge.adapters.rosgraph import tcpros_server
-from thbridge.adapters.rosgraph.joining import Graph
 from thbridge.app import play
 from thbridge.app.compose import build_bot, read_setting
-from thbridge.app.config import Study
 from thbridge.app.play import PlayOptions, Unfinished
 from thbridge.roles.tabui import TabUI
 from thbridge.ros.topics import CLOCK
+from thbridge.sockets.rosgraph import tcpros_server
+from thbridge.sockets.rosgraph.joining import Graph
+from thbridge.study.study_file import Study
 
 pytestmark = pytest.mark.bench
 
@@ -37,7 +37,7 @@ SEND_BUFFER = 16384
 
 LISTEN = """
 import asyncio, json, sys, time
-from thbridge.adapters.rosgraph.node import RosNode
+from thbridge.sockets.rosgraph.node import RosNode
 
 async def main():
     master, number, first, last = sys.argv[1], int(sys.argv[2]), float(sys.argv[3]), float(sys.argv[4])
@@ -74,7 +74,7 @@ asyncio.run(main())
 
 STALL = """
 import asyncio, json, socket, sys
-from thbridge.adapters.rosgraph.http_client import CallFailed, XmlRpcClient
+from thbridge.sockets.rosgraph.http_client import CallFailed, XmlRpcClient
 from thbridge.wire.rosgraph.tcpros import encode_header
 
 async def main():

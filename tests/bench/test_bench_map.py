@@ -11,7 +11,7 @@ from PySide6.QtCore import Qt
 from pytestqt.qtbot import QtBot
 
 from tests.ui.windows.map.houses import busy_robots, house_of, rooms_of
-from thbridge.adapters.map_files import Map
+from thbridge.files.map_files import Map
 from thbridge.roles.notices import Ways, Whereabouts
 from ui.model.motion import Motions
 from ui.model.scene import RobotMark

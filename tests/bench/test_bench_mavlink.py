@@ -17,15 +17,15 @@ import numpy as np
 import pytest
 
 from tests.bench.halls import hall_for_fifty
-from thbridge.adapters.addresses import Address
-from thbridge.adapters.mavlink_server import Ports
-from thbridge.adapters.mavlink_udp import Target
 from thbridge.app import play
 from thbridge.app.compose import read_setting
-from thbridge.app.config import Study
-from thbridge.app.mavlink import MavlinkSection
 from thbridge.app.play import PlayOptions, Unfinished
-from thbridge.app.session import Moment
+from thbridge.app.session.session import Moment
+from thbridge.sockets.addresses import Address
+from thbridge.sockets.mavlink.server import Ports
+from thbridge.sockets.mavlink.udp import Target
+from thbridge.study.mavlink import MavlinkSection
+from thbridge.study.study_file import Study
 
 pytestmark = pytest.mark.bench
 
@@ -35,8 +35,8 @@ SECONDS = 26.0
 
 STATION = """
 import asyncio, json, sys, time
-from thbridge.adapters.addresses import Address
-from thbridge.adapters.mavlink_client import linked
+from thbridge.sockets.addresses import Address
+from thbridge.sockets.mavlink.client import linked
 from thbridge.wire.mavlink.dialect import mav
 from thbridge.wire.mavlink.station.ground_station import Acked, Unanswered
 

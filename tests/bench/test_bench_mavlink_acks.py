@@ -19,8 +19,8 @@ import pytest
 from tests.bench.halls import hall_for_fifty
 from tests.peers.rovers import free_udp_port
 from tests.system.programs import Program, until
-from thbridge.adapters.addresses import Address
-from thbridge.adapters.mavlink_client import StationLink, linked
+from thbridge.sockets.addresses import Address
+from thbridge.sockets.mavlink.client import StationLink, linked
 from thbridge.wire.mavlink.dialect import mav
 from thbridge.wire.mavlink.station.ground_station import Acked, Order, Unanswered
 

@@ -5,15 +5,15 @@ import time
 
 import pytest
 
-from sim.geometry import Pose2
-from sim.observations import TICKS_PER_SECOND, Twist
+from sim.common.geometry import Pose2
+from sim.common.observations import TICKS_PER_SECOND, Twist
 from thbridge.wire.mavlink.dialect import crc_extra, mav, payload_of
 from thbridge.wire.mavlink.frames.frame import Frame
 from thbridge.wire.mavlink.frames.framer import Framer
 from thbridge.wire.mavlink.frames.signing import Signing, SigningKey, Timestamps
-from thbridge.wire.mavlink.helm import Readings
 from thbridge.wire.mavlink.hub import Hub
-from thbridge.wire.mavlink.said import LinkId, Said
+from thbridge.wire.mavlink.outgoing import LinkId, Said
+from thbridge.wire.mavlink.vehicle_interface import Readings
 
 pytestmark = pytest.mark.bench
 

@@ -12,15 +12,15 @@ import numpy as np
 import pytest
 from numpy.typing import NDArray
 
-from sim.costmap.costs import CostFrame, Costs, Window
-from sim.costmap.inflation import InflationLayer
-from sim.costmap.static import interpretation
-from sim.geometry import Pose2
+from sim.common.geometry import Pose2
 from sim.parameters import InflationParameters, NavfnParameters, StaticParameters
-from sim.planning.navfn import Navfn
-from sim.planning.path import Path as Way
-from sim.planning.potential_planner import PotentialPlanner
-from sim.planning.wave import Workspace, prepare
+from sim.robot.costmap.costs import CostFrame, Costs, Window
+from sim.robot.costmap.inflation import InflationLayer
+from sim.robot.costmap.static import interpretation
+from sim.robot.planning.navfn import Navfn
+from sim.robot.planning.path import Path as Way
+from sim.robot.planning.potential_planner import PotentialPlanner
+from sim.robot.planning.wave import Workspace, prepare
 
 pytestmark = pytest.mark.bench
 

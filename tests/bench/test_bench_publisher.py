@@ -6,7 +6,7 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from sim.observations import TICKS_PER_SECOND
+from sim.common.observations import TICKS_PER_SECOND
 from sim.team import TeamSnapshot
 from tests.thbridge.ros.drive import MOUNT, SCAN_PERIOD, records, snapshots
 from thbridge.ros.publisher import Publisher

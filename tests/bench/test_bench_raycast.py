@@ -5,9 +5,9 @@ import time
 import numpy as np
 import pytest
 
-from sim.geometry import Pose2
-from sim.grid import Cells, OccupancyGrid
-from sim.raycast import Raycaster
+from sim.common.geometry import Pose2
+from sim.common.grid import Cells, OccupancyGrid
+from sim.common.raycast import Raycaster
 
 pytestmark = pytest.mark.bench
 

@@ -10,23 +10,23 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from sim.costmap.costmap_2d import Costmap2D
-from sim.geometry import Pose2
-from sim.grid import OccupancyGrid
-from sim.localization.amcl import Amcl
-from sim.navigator.follower import Follower
-from sim.navigator.goals import Goal
-from sim.navigator.move_base import Navigator
-from sim.noise import Stream
-from sim.observations import TICKS_PER_SECOND
+from sim.common.geometry import Pose2
+from sim.common.grid import OccupancyGrid
+from sim.common.noise import Stream
+from sim.common.observations import TICKS_PER_SECOND
 from sim.parameters import LaserParameters, RobotParameters, WorldParameters
-from sim.planning.router import Router
-from sim.sensors import Sensors
+from sim.robot.costmap.costmap_2d import Costmap2D
+from sim.robot.localization.amcl import Amcl
+from sim.robot.navigator.follower import Follower
+from sim.robot.navigator.goals import Goal
+from sim.robot.navigator.move_base import Navigator
+from sim.robot.planning.router import Router
 from sim.team import Go, Team, TeamInput, TeamSnapshot
-from sim.world import World
-from thbridge.app.broadcast import Broadcast
+from sim.world.physics import World
+from sim.world.sensors import Sensors
 from thbridge.app.compose import read_setting
-from thbridge.app.config import Study
+from thbridge.app.session.broadcast import Broadcast
+from thbridge.study.study_file import Study
 
 pytestmark = pytest.mark.bench
 

@@ -7,13 +7,13 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from sim.geometry import FloatArray
-from sim.grid import OccupancyGrid
+from sim.common.geometry import FloatArray
+from sim.common.grid import OccupancyGrid
+from sim.common.raycast import Raycaster
 from sim.parameters import WorldParameters
-from sim.raycast import Raycaster
-from sim.sensors import Sensors
-from sim.world import World, WorldState
-from thbridge.adapters.map_files import Map, read_map
+from sim.world.physics import World, WorldState
+from sim.world.sensors import Sensors
+from thbridge.files.map_files import Map, read_map
 
 pytestmark = pytest.mark.bench
 

@@ -7,11 +7,11 @@ from itertools import pairwise
 import numpy as np
 import pytest
 
-from sim.geometry import Pose2
-from sim.grid import OccupancyGrid
-from sim.navigator import Arrived, Goal
-from sim.observations import TICK
+from sim.common.geometry import Pose2
+from sim.common.grid import OccupancyGrid
+from sim.common.observations import TICK
 from sim.parameters import DwaPlannerParameters, RobotParameters, TrajectoryPlannerParameters, WorldParameters
+from sim.robot.navigator import Arrived, Goal
 from sim.team import Go, Team
 from thbridge.offline.drive import Errand, Outcome, drive
 

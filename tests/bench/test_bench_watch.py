@@ -14,15 +14,15 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from thbridge.adapters.text_server import CannotListen, Listening
-from thbridge.adapters.watch_server import WatchServer
 from thbridge.app import play
 from thbridge.app.compose import build_bot, read_setting
-from thbridge.app.config import Study
 from thbridge.app.listeners import Hosts, Watch
 from thbridge.app.play import PlayOptions, Unfinished
 from thbridge.roles.tabui import TabUI
 from thbridge.ros.topics import Message
+from thbridge.sockets.text_server import CannotListen, Listening
+from thbridge.sockets.watch_server import WatchServer
+from thbridge.study.study_file import Study
 
 pytestmark = pytest.mark.bench
 

@@ -10,7 +10,7 @@ from pytestqt.qtbot import QtBot
 
 from tests.ui.windows.researcher.hunts import record
 from ui.model.theme import LIGHT
-from ui.windows.researcher.recording import Opening, Recording
+from ui.windows.researcher.feeds.recording import Opening, Recording
 from ui.windows.researcher.window import ResearcherWindow
 
 pytestmark = pytest.mark.bench

@@ -9,9 +9,9 @@ import numpy as np
 import pytest
 
 from tests.thbridge.ros.drive import MOUNT, SCAN_PERIOD, SESSION, arena, records, snapshots
-from thbridge.adapters.bag_file import BagFile
-from thbridge.adapters.bag_records import Connection
-from thbridge.ros import types
+from thbridge.recording.bag.bag_file import BagFile
+from thbridge.recording.bag.records import Connection
+from thbridge.ros.messages import types
 from thbridge.ros.publisher import Message, Publisher
 from thbridge.wire.watching import Said
 from ui.model.watching.live import LiveSource

@@ -22,13 +22,13 @@ from pytestqt.qtbot import QtBot
 from tests.bench.film import Film, Shown, shoot
 from tests.peers.desktop import desktop, needs_desktop
 from tests.ui.windows.researcher.hunts import door
-from thbridge.adapters.watch_client import WatchClient
+from thbridge.sockets.watch_client import WatchClient
 from ui.model.screen import Screen
 from ui.model.theme import LIGHT
 from ui.windows import look
 from ui.windows.participant import ParticipantWindow
 from ui.windows.participant.cards import Card
-from ui.windows.researcher.session import Connection, Session
+from ui.windows.researcher.feeds.session import Connection, Session
 from ui.windows.researcher.window import ResearcherWindow
 
 pytestmark = pytest.mark.bench

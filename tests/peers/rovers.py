@@ -8,13 +8,13 @@ from pathlib import Path
 
 import pytest
 
-from sim.geometry import Pose2
-from sim.observations import TICKS_PER_SECOND
+from sim.common.geometry import Pose2
+from sim.common.observations import TICKS_PER_SECOND
 from tests.system.ports import free_port
 from tests.system.programs import Program
-from thbridge.adapters.bag_reader import messages
-from thbridge.ros import unpack
-from thbridge.ros.stamps import START_NS, TICK_NS
+from thbridge.recording.bag.reader import messages
+from thbridge.ros.messages import unpack
+from thbridge.ros.messages.stamps import START_NS, TICK_NS
 
 PEERS = Path(__file__).parents[2] / ".peers"
 ROBOTS = 3

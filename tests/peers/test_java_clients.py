@@ -10,7 +10,7 @@ from pathlib import Path
 
 import pytest
 
-from thbridge.adapters.text_server import Listening, TextServer
+from thbridge.sockets.text_server import Listening, TextServer
 from thbridge.wire import legacy
 from thbridge.wire.router import Router
 from thbridge.wire.text import Message, parse_line

@@ -8,7 +8,7 @@ from pathlib import Path
 import pytest
 
 from tests.system import programs
-from thbridge.adapters.bag_reader import messages
+from thbridge.recording.bag.reader import messages
 
 SOURCES = sorted((Path(__file__).parent / "java").glob("*.java"))
 

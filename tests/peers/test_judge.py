@@ -8,8 +8,8 @@ from pathlib import Path
 
 import pytest
 
-from sim.geometry import IDENTITY
-from tests.thbridge.bags.planting import (
+from sim.common.geometry import IDENTITY
+from tests.thbridge.analysis.planting import (
     SCAN_LINE,
     START,
     STATIC_LINE,
@@ -22,11 +22,11 @@ from tests.thbridge.bags.planting import (
     write,
 )
 from tests.thbridge.offline.foreign import transform
-from thbridge.adapters.bag_records import Compression
-from thbridge.adapters.bag_scan import scan
-from thbridge.bags.check import Judgement, Severity, judge
-from thbridge.bags.cut import Piece, cut
-from thbridge.ros.types import plain_definition
+from thbridge.analysis.check import Judgement, Severity, judge
+from thbridge.analysis.cut import Piece, cut
+from thbridge.recording.bag.records import Compression
+from thbridge.recording.bag.scan import scan
+from thbridge.ros.messages.types import plain_definition
 
 PYTHON = "/usr/bin/python3"
 needs_ros = pytest.mark.skipif(shutil.which("rosbag") is None, reason="not installed: python3-rosbag")

@@ -13,7 +13,7 @@ from tests.peers.lossy import LossyLink, lossy_link
 from tests.peers.rovers import PEERS, free_udp_port, needs, rovers
 from tests.peers.scripting import Script, mav
 from tests.system.programs import Program, until
-from thbridge.wire.mavlink.vehicle.metadata_files import checksum
+from thbridge.wire.mavlink.vehicle.component_files.metadata_files import checksum
 
 LOSS = 0.3
 STATION = Path(__file__).with_name("mavsdk_uploader.py")

@@ -14,8 +14,8 @@ from tests.peers.mavproxy import MavProxy
 from tests.peers.rovers import PEERS, free_udp_port, needs, rovers
 from tests.peers.scripting import Script
 from tests.system.programs import Program
-from thbridge.roles.vehicle_parameters import PARAMETERS
-from thbridge.wire.mavlink.vehicle.metadata_files import checksum
+from thbridge.roles.vehicles.parameters import PARAMETERS
+from thbridge.wire.mavlink.vehicle.component_files.metadata_files import checksum
 
 READER = Path(__file__).with_name("mavsdk_reader.py")
 PATIENCE = 120.0

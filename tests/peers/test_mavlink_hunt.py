@@ -18,11 +18,11 @@ from tests.peers.player import Player, Sight, on
 from tests.peers.rovers import free_udp_port
 from tests.system.ports import free_port
 from tests.system.programs import THBRIDGE, Program, until
-from thbridge.adapters.bag_reader import messages
+from thbridge.analysis.report.gathering import read_report
 from thbridge.app.compose import read_setting
-from thbridge.app.config import read_study
-from thbridge.app.mavlink_replay import hunt_of
-from thbridge.bags.report.gathering import read_report
+from thbridge.app.replay.mavlink_replay import hunt_of
+from thbridge.recording.bag.reader import messages
+from thbridge.study.study_file import read_study
 
 STUDY = """\
 map: arena8

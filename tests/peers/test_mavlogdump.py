@@ -4,8 +4,8 @@ import subprocess
 import sys
 from pathlib import Path
 
-from thbridge.adapters.tlog_file import TlogFile
-from thbridge.ros.stamps import stamp_ns
+from thbridge.recording.tlog import TlogFile
+from thbridge.ros.messages.stamps import stamp_ns
 from thbridge.wire.mavlink.dialect import crc_extra, mav, payload_of
 from thbridge.wire.mavlink.frames.frame import Frame
 from thbridge.wire.mavlink.hub import Traffic

@@ -13,16 +13,16 @@ from pathlib import Path
 
 import pytest
 
-from sim.observations import TICKS_PER_SECOND
+from sim.common.observations import TICKS_PER_SECOND
 from tests.peers.qgroundcontrol import COMPONENT, SYSTEM, Learned, QGroundControl, Step
 from thbridge.app.compose import read_setting
-from thbridge.app.config import Study
 from thbridge.app.play import NoLog
-from thbridge.app.session import Session
+from thbridge.app.session.session import Session
+from thbridge.study.study_file import Study
 from thbridge.wire.mavlink.dialect import Message, crc_extra, decoded, mav, payload_of
 from thbridge.wire.mavlink.frames.frame import Frame
 from thbridge.wire.mavlink.hub import Sent
-from thbridge.wire.mavlink.vehicle.metadata_files import checksum
+from thbridge.wire.mavlink.vehicle.component_files.metadata_files import checksum
 from thbridge.wire.mavlink.vehicle.vehicle import Identity
 from thbridge.wire.router import Router
 

@@ -4,9 +4,9 @@ from pathlib import Path
 
 from tests.peers import live
 from tests.peers.beside import NEEDS_ROS, session
-from tests.thbridge.app.test_replay import again
-from thbridge.app.inputs import Asked
-from thbridge.app.replay import ticks_of
+from tests.thbridge.app.replay.test_replay import again
+from thbridge.app.replay.replay import ticks_of
+from thbridge.app.session.inputs import Asked
 
 pytestmark = NEEDS_ROS
 

@@ -13,13 +13,13 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from sim.geometry import Pose2
+from sim.common.geometry import Pose2
+from sim.common.observations import STANDSTILL
 from sim.inputs import Go
-from sim.navigator import Arrived, Cancelled, Goal, Navigation, NoPath, Result
-from sim.observations import STANDSTILL
+from sim.robot.navigator import Arrived, Cancelled, Goal, Navigation, NoPath, Result
 from thbridge.ros.actionlib import STATUS_PERIOD, ActionRequest, Ended, MoveBaseServer, StatusList
-from thbridge.ros.records import CancelRequest, GoalRequest
-from thbridge.ros.stamps import stamp_ns
+from thbridge.ros.messages.records import CancelRequest, GoalRequest
+from thbridge.ros.messages.stamps import stamp_ns
 
 PYTHON = "/usr/bin/python3"
 needs_actionlib = pytest.mark.skipif(

@@ -24,18 +24,18 @@ from rosbags.rosbag1 import Reader
 
 from tests.system.ports import free_port
 from tests.thbridge.ros.drive import MOUNT, SCAN_PERIOD, SESSION, arena, records, snapshots
-from thbridge.adapters.bag_parts import Splitting
-from thbridge.adapters.bag_reader import info, messages
-from thbridge.adapters.bag_records import Compression
-from thbridge.adapters.bag_repair import reindex
-from thbridge.adapters.bag_writer import WHOLE, BagWriter
-from thbridge.adapters.recordings import parts_of
-from thbridge.adapters.ros_definitions import Definitions
-from thbridge.adapters.worker import Inline
-from thbridge.app.broadcast import Broadcast
+from thbridge.app.session.broadcast import Broadcast
+from thbridge.files.ros.definitions import Definitions
+from thbridge.recording.bag.parts import Splitting
+from thbridge.recording.bag.reader import info, messages
+from thbridge.recording.bag.records import Compression
+from thbridge.recording.bag.repair import reindex
+from thbridge.recording.bag.worker import Inline
+from thbridge.recording.bag.writer import WHOLE, BagWriter
+from thbridge.recording.recordings import parts_of
+from thbridge.ros.messages.records import MavlinkFrame, VehicleFrame, VehicleState
+from thbridge.ros.messages.types import MARKER_ARRAY, MAVROS_TYPES, OWN_TYPES, STANDARD_TYPES
 from thbridge.ros.publisher import Message, Publisher, Topic
-from thbridge.ros.records import MavlinkFrame, VehicleFrame, VehicleState
-from thbridge.ros.types import MARKER_ARRAY, MAVROS_TYPES, OWN_TYPES, STANDARD_TYPES
 
 PYTHON = "/usr/bin/python3"
 TOOLS = ("rosbag", "rostopic", "roscore")
@@ -301,8 +301,8 @@ WRITE = """
 import sys
 from pathlib import Path
 from tests.thbridge.ros.drive import MOUNT, SCAN_PERIOD, SESSION, arena, snapshots
-from thbridge.adapters.bag_writer import BagWriter
-from thbridge.app.broadcast import Broadcast
+from thbridge.recording.bag.writer import BagWriter
+from thbridge.app.session.broadcast import Broadcast
 from thbridge.ros.publisher import Publisher
 
 writer = BagWriter(Path(sys.argv[1]))

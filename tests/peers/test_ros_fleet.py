@@ -16,21 +16,21 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from sim.geometry import Pose2
+from sim.common.geometry import Pose2
+from sim.common.observations import Twist
 from sim.inputs import Drive, Go, Halt
-from sim.navigator import Arrived, Cancelled, Goal, NoPath
-from sim.observations import Twist
-from thbridge.adapters.bag_writer import BagWriter
-from thbridge.adapters.fleet_recorder import FleetRecorder
-from thbridge.adapters.rosgraph.fleet import CALLER, Fleet
-from thbridge.adapters.rosgraph.joining import Graph
-from thbridge.adapters.rosgraph.master_server import MasterServer
-from thbridge.adapters.rosgraph.node import Started
-from thbridge.adapters.text_server import Listening
-from thbridge.app.fleet import RobotNames
-from thbridge.ros.records import Session
+from sim.robot.navigator import Arrived, Cancelled, Goal, NoPath
+from thbridge.recording.bag.writer import BagWriter
+from thbridge.recording.real_robots import FleetRecorder
+from thbridge.ros.messages.records import Session
 from thbridge.ros.remote import RemoteRobot
 from thbridge.ros.remote.goals import OTHERS
+from thbridge.sockets.rosgraph.fleet import CALLER, Fleet
+from thbridge.sockets.rosgraph.joining import Graph
+from thbridge.sockets.rosgraph.master_server import MasterServer
+from thbridge.sockets.rosgraph.node import Started
+from thbridge.sockets.text_server import Listening
+from thbridge.study.real_robots import RobotNames
 
 PYTHON = "/usr/bin/python3"
 HIDDEN = ("PYTHONPATH", "PYTHONHOME", "VIRTUAL_ENV")

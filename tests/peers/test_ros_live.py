@@ -16,7 +16,7 @@ import pytest
 from tests.peers import live
 from tests.peers.beside import NEEDS_ROS, PATIENCE, Ros, session
 from tests.system.programs import until
-from thbridge.adapters.bag_reader import RawMessage, messages
+from thbridge.recording.bag.reader import RawMessage, messages
 
 pytestmark = NEEDS_ROS
 

@@ -18,7 +18,7 @@ from tests.peers import live
 from tests.peers.beside import NEEDS_ROS, PATIENCE, PYTHON, Ros
 from tests.system.ports import free_port
 from tests.system.programs import THBRIDGE, Program, until
-from thbridge.adapters.bag_reader import messages
+from thbridge.recording.bag.reader import messages
 from thbridge.wire.rosgraph.tcpros import encode_header
 
 pytestmark = NEEDS_ROS

@@ -15,9 +15,9 @@ from contextlib import asynccontextmanager
 import pytest
 
 from tests.system.ports import free_port
-from thbridge.adapters.bag_reader import messages
-from thbridge.adapters.rosgraph.http_client import CallFailed, XmlRpcClient
-from thbridge.adapters.rosgraph.node import RosNode, Started
+from thbridge.recording.bag.reader import messages
+from thbridge.sockets.rosgraph.http_client import CallFailed, XmlRpcClient
+from thbridge.sockets.rosgraph.node import RosNode, Started
 from thbridge.wire.rosgraph.links import ServiceFailed
 from thbridge.wire.rosgraph.tcpros import encode_header
 from thbridge.wire.rosgraph.xmlrpc import Response

@@ -11,7 +11,7 @@ import numpy as np
 import pytest
 from PIL import Image
 
-from sim.geometry import FloatArray
+from sim.common.geometry import FloatArray
 from tests.peers.beside import Ros
 from tests.peers.desktop import x_server
 from tests.system.ports import free_port

@@ -10,14 +10,14 @@ from pathlib import Path
 import pytest
 
 from tests.peers.beside import NEEDS_ROS, PYTHON, clean
-from thbridge.adapters.bag_reader import info
-from thbridge.adapters.bag_repair import reindex
-from thbridge.adapters.text_server import CannotListen, Listening
 from thbridge.app.compose import build_bot, read_setting
-from thbridge.app.config import Study
 from thbridge.app.listeners import Hosts, Watch
 from thbridge.app.play import PlayOptions, Unfinished, play
+from thbridge.recording.bag.reader import info
+from thbridge.recording.bag.repair import reindex
 from thbridge.roles.tabui import TabUI
+from thbridge.sockets.text_server import CannotListen, Listening
+from thbridge.study.study_file import Study
 
 STUDY = dataclasses.replace(Study(), seed=7, server=dataclasses.replace(Study().server, port=0))
 

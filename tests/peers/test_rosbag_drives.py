@@ -6,10 +6,10 @@ from tests.peers.beside import NEEDS_ROS, Ros
 from tests.peers.rovers import free_udp_port
 from tests.system.ports import free_port
 from tests.system.programs import Program, until
-from tests.thbridge.app.test_mavlink_replay import Tour, record
-from tests.thbridge.app.test_replay import again
-from thbridge.adapters.bag_reader import messages
-from thbridge.ros import unpack
+from tests.thbridge.app.replay.test_mavlink_replay import Tour, record
+from tests.thbridge.app.replay.test_replay import again
+from thbridge.recording.bag.reader import messages
+from thbridge.ros.messages import unpack
 
 pytestmark = NEEDS_ROS
 

@@ -15,8 +15,9 @@ from tests.peers.desktop import PATIENCE, Desktop, Seen, desktop, needs_desktop
 from tests.system.ports import free_port
 from tests.system.programs import THBRIDGE
 from tests.ui.windows.researcher.hunts import record
-from thbridge.adapters.bag_reader import messages
-from thbridge.ros import names, unpack
+from thbridge.recording.bag.reader import messages
+from thbridge.ros import names
+from thbridge.ros.messages import unpack
 
 pytestmark = needs_desktop
 

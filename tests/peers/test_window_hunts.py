@@ -12,9 +12,9 @@ import pytest
 from tests.peers.desktop import Desktop, Seen, desktop, needs_desktop
 from tests.peers.player import Keys, Mouse, Player, Sight, on
 from tests.system.programs import THBRIDGE
-from thbridge.adapters.bag_reader import messages
-from thbridge.bags.report.gathering import read_report
-from thbridge.bags.report.values import Moment
+from thbridge.analysis.report.gathering import read_report
+from thbridge.analysis.report.values import Moment
+from thbridge.recording.bag.reader import messages
 
 pytestmark = needs_desktop
 

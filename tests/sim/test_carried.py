@@ -5,11 +5,11 @@ from pathlib import Path
 
 import pytest
 
-from sim.geometry import Pose2
-from sim.navigator import Arrived, Goal
+from sim.common.geometry import Pose2
 from sim.parameters import RobotParameters, WorldParameters
+from sim.robot.navigator import Arrived, Goal
 from sim.team import Carry, Go, Team
-from thbridge.adapters.map_files import read_map
+from thbridge.files.map_files import read_map
 
 MAPS = Path(__file__).parents[2] / "maps"
 SECOND = 50

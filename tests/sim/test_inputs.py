@@ -6,11 +6,11 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from sim.costmap.costs import LETHAL
-from sim.geometry import Pose2
-from sim.navigator import Arrived, Cancelled, Goal
-from sim.observations import TICK, Twist
+from sim.common.geometry import Pose2
+from sim.common.observations import TICK, Twist
 from sim.parameters import RobotParameters, WorldParameters
+from sim.robot.costmap.costs import LETHAL
+from sim.robot.navigator import Arrived, Cancelled, Goal
 from sim.team import (
     START_COVARIANCE,
     Carry,
@@ -26,8 +26,8 @@ from sim.team import (
     Revive,
     Team,
 )
-from sim.things import Thing
-from thbridge.adapters.map_files import read_map
+from sim.world.things import Thing
+from thbridge.files.map_files import read_map
 
 ARENA = read_map(Path(__file__).parents[2] / "maps" / "arena8")
 SECOND = 50

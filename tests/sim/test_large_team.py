@@ -3,10 +3,10 @@
 import tracemalloc
 from pathlib import Path
 
-from sim.navigator import Goal
 from sim.parameters import RobotParameters, WorldParameters
+from sim.robot.navigator import Goal
 from sim.team import Go, Team
-from thbridge.adapters.map_files import read_map
+from thbridge.files.map_files import read_map
 
 MAPS = Path(__file__).parents[2] / "maps"
 

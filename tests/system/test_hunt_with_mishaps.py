@@ -5,8 +5,8 @@ import json
 import pytest
 
 from tests.system.test_play import messages, play
-from thbridge.adapters.bag_reader import messages as recorded
-from thbridge.bags.report.gathering import read_report
+from thbridge.analysis.report.gathering import read_report
+from thbridge.recording.bag.reader import messages as recorded
 
 STUDY = """\
 robots: 3

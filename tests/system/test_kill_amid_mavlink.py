@@ -5,10 +5,10 @@ import time
 from pathlib import Path
 
 from tests.system.programs import Program, until
-from thbridge.adapters.bag_reader import messages
-from thbridge.adapters.bag_repair import reindex
-from thbridge.app.mavros import frame_in
-from thbridge.ros import unpack
+from thbridge.app.session.mavros import frame_in
+from thbridge.recording.bag.reader import messages
+from thbridge.recording.bag.repair import reindex
+from thbridge.ros.messages import unpack
 from thbridge.wire.mavlink.dialect import crc_extra, mav, payload_of
 from thbridge.wire.mavlink.frames.frame import Frame
 from thbridge.wire.mavlink.frames.framer import Framer

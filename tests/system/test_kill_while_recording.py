@@ -16,13 +16,13 @@ from pathlib import Path
 
 import pytest
 
-from thbridge.adapters.bag_reader import messages
-from thbridge.adapters.bag_repair import reindex
-from thbridge.adapters.recordings import ACTIVE, parts_of
+from thbridge.recording.bag.reader import messages
+from thbridge.recording.bag.repair import reindex
+from thbridge.recording.recordings import ACTIVE, parts_of
 
 SPIED_PLAY = """
 import os, struct, sys, time
-from thbridge.app.broadcast import Broadcast
+from thbridge.app.session.broadcast import Broadcast
 from ui.cli import main
 
 log = os.open("ticks", os.O_WRONLY | os.O_CREAT | os.O_APPEND)

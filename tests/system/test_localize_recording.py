@@ -4,9 +4,9 @@ import json
 from pathlib import Path
 
 from tests.system.test_play import thbridge
-from thbridge.adapters.bag_reader import messages
-from thbridge.adapters.map_files import read_map
-from thbridge.ros import unpack
+from thbridge.files.map_files import read_map
+from thbridge.recording.bag.reader import messages
+from thbridge.ros.messages import unpack
 
 ARENA = Path(__file__).parents[2] / "maps" / "arena8"
 

@@ -7,8 +7,9 @@ import pytest
 
 from tests.system.ports import free_port
 from tests.system.programs import Program, journal, kinds, port_of, until
-from thbridge.adapters import bag_reader
-from thbridge.ros import names, types, unpack
+from thbridge.recording.bag import reader as bag_reader
+from thbridge.ros import names
+from thbridge.ros.messages import types, unpack
 
 pytestmark = pytest.mark.slow
 

@@ -10,10 +10,10 @@ ROOT = Path(__file__).parents[2]
 LOAD = """
 from pathlib import Path
 import thbridge
-from thbridge.adapters.map_files import read_map
-from thbridge.adapters.resources import shipped
+from thbridge.files.map_files import read_map
+from thbridge.files.resources import shipped
 print(Path(thbridge.__file__).parent)
-print(Path(thbridge.__file__).with_name("bags").joinpath("report", "page.html").is_file())
+print(Path(thbridge.__file__).with_name("analysis").joinpath("report", "page.html").is_file())
 print(len(read_map(shipped().find("maps", "arena8", Path())).rooms), *shipped().names("templates"))
 """
 

@@ -10,10 +10,10 @@ import pytest
 from click.testing import Result
 from typer.testing import CliRunner
 
-from thbridge.adapters.bag_writer import BagWriter
-from thbridge.adapters.ros_definitions import Definitions
-from thbridge.app.config import read_study
+from thbridge.files.ros.definitions import Definitions
+from thbridge.recording.bag.writer import BagWriter
 from thbridge.ros.publisher import Message, Topic
+from thbridge.study.study_file import read_study
 from ui.cli import app
 
 ROOT = Path(__file__).parents[2]

@@ -4,7 +4,7 @@ import asyncio
 import sys
 from pathlib import Path
 
-from thbridge.adapters.text_server import Listening
+from thbridge.sockets.text_server import Listening
 from ui.front import Front
 from ui.hosting import Visit, host
 from ui.model.lobby import Offer

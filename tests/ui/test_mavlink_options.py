@@ -8,10 +8,10 @@ import pytest
 import typer
 from typer.testing import CliRunner
 
-from thbridge.adapters.addresses import Address
-from thbridge.adapters.mavlink_udp import Target
-from thbridge.app.config import Study
-from thbridge.app.mavlink import MavlinkSection
+from thbridge.sockets.addresses import Address
+from thbridge.sockets.mavlink.udp import Target
+from thbridge.study.mavlink import MavlinkSection
+from thbridge.study.study_file import Study
 from thbridge.wire.mavlink.options import Identity
 from ui.cli import app
 from ui.options import ports_of, with_mavlink

@@ -4,8 +4,8 @@ import pytest
 
 from tests.thbridge.roles.stage import Stage
 from thbridge.hunt.events import Agreed, Condition, Departed, Hidden, Identified
-from thbridge.roles.briefing import Briefing
-from thbridge.roles.requests import ReleaseCommand, SendFor, TakeCommand
+from thbridge.roles.keeper.briefing import Briefing
+from thbridge.roles.robot_requests import ReleaseCommand, SendFor, TakeCommand
 from thbridge.roles.tabui import TabUI
 from ui.person import Person
 

@@ -1,7 +1,7 @@
 """A hunt told in sentences."""
 
 from tests.thbridge.roles.test_command import TAKE, Play
-from thbridge.roles.requests import ReleaseCommand
+from thbridge.roles.robot_requests import ReleaseCommand
 from ui.story import tell
 
 

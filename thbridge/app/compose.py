@@ -8,49 +8,49 @@ from platform import python_version
 
 import numpy as np
 
-from sim import noise
-from sim.costmap.footprint import radii
-from sim.floor import Floor
-from sim.geometry import Pose2
+from sim.common import noise
+from sim.common.geometry import Pose2
+from sim.common.observations import TICKS_PER_SECOND
+from sim.common.traversability import Floor
 from sim.inputs import Go, Timed
-from sim.navigator import Goal
-from sim.observations import TICKS_PER_SECOND
-from sim.sensors import mount_of
+from sim.robot.costmap.footprint import radii
+from sim.robot.navigator import Goal
 from sim.team import Team
-from thbridge.adapters.bag_writer import BagWriter
-from thbridge.adapters.errors import BadFile, BadFiles
-from thbridge.adapters.map_files import Map, read_map
-from thbridge.adapters.resources import Resources, shipped
-from thbridge.adapters.template_files import MAP_TIMES, TemplateSet, read_map_times, read_template_set
-from thbridge.adapters.yaml_tree import read_text
-from thbridge.app.config import Study
-from thbridge.app.live import Facts
-from thbridge.app.study_text import resolved
-from thbridge.app.things import schedule_of
+from sim.world.sensors import mount_of
+from thbridge.app.rosgraph.live import Facts
 from thbridge.dialogue.engine import Engine
 from thbridge.dialogue.protocols import TemplateProtocol
 from thbridge.dialogue.strategies import TemplateStrategy
 from thbridge.dialogue.templates import TemplatePhrasing
+from thbridge.files.errors import BadFile, BadFiles
+from thbridge.files.map_files import Map, read_map
+from thbridge.files.resources import Resources, shipped
+from thbridge.files.template_files import MAP_TIMES, TemplateSet, read_map_times, read_template_set
+from thbridge.files.yaml.tree import read_text
 from thbridge.hunt.costs import CostMatrix
 from thbridge.hunt.events import Event
-from thbridge.roles.briefing import Briefing
-from thbridge.roles.bulletin import Shows
+from thbridge.recording.bag.writer import BagWriter
+from thbridge.roles.bots import Bot, BotStrategy, Knowledge
 from thbridge.roles.hider import Hider
-from thbridge.roles.house import house_of
-from thbridge.roles.keeper import GameRules, Keeper
+from thbridge.roles.keeper.briefing import Briefing
+from thbridge.roles.keeper.disclosure import plain_costs
+from thbridge.roles.keeper.floor_plan import house_of
+from thbridge.roles.keeper.keeper import GameRules, Keeper
 from thbridge.roles.notices import House, RoomOutline
-from thbridge.roles.pilot import Pilot, Premises
-from thbridge.roles.robots import Robots
-from thbridge.roles.showing import plain_costs
-from thbridge.roles.simr import SILENCE, Field, SimR
-from thbridge.roles.speeds import Speeds
-from thbridge.roles.vehicle_parameters import VehicleParameters
-from thbridge.roles.vehicles import Ask, Vehicles
+from thbridge.roles.simr.pose_telemetry import Shows
+from thbridge.roles.simr.simr import SILENCE, Field, SimR
+from thbridge.roles.simr.team import Robots
+from thbridge.roles.vehicles.parameters import VehicleParameters
+from thbridge.roles.vehicles.pilot import Pilot, Premises
+from thbridge.roles.vehicles.speed_limit import Speeds
+from thbridge.roles.vehicles.vehicles import Ask, Vehicles
+from thbridge.ros.messages.records import Session as SessionRecord
 from thbridge.ros.names import CALLER
 from thbridge.ros.parameters import tree_of
 from thbridge.ros.publisher import Planners, Publisher
-from thbridge.ros.records import Session as SessionRecord
-from thbridge.study.bots import Bot, BotStrategy, Knowledge
+from thbridge.study.study_file import Study
+from thbridge.study.text import resolved
+from thbridge.study.things import schedule_of
 
 LARGEST_CONSENT = 8000
 """Bytes of the text that participants agree to; it must fit into a line with all the rest of a view."""

@@ -7,16 +7,16 @@ from pathlib import Path
 from typing import Protocol
 
 from sim.team import Team
-from thbridge.adapters.pacer import Pacer
-from thbridge.adapters.rosgraph.joining import Graph, Master
-from thbridge.adapters.text_server import CannotListen, Listening
-from thbridge.adapters.watch_server import WatchServer
-from thbridge.app.broadcast import Listener
 from thbridge.app.compose import Setting
-from thbridge.app.live import LiveGraph, on_graph
-from thbridge.app.watching import Desk
-from thbridge.roles.requests import Request
+from thbridge.app.rosgraph.live import LiveGraph, on_graph
+from thbridge.app.session.broadcast import Listener
+from thbridge.app.session.watching import Desk
+from thbridge.roles.robot_requests import Request
 from thbridge.ros.publisher import Publisher
+from thbridge.sockets.rosgraph.joining import Graph, Master
+from thbridge.sockets.text_server import CannotListen, Listening
+from thbridge.sockets.watch_server import WatchServer
+from thbridge.timing.pacer import Pacer
 from thbridge.wire.mavlink.frames.frame import Frame
 
 

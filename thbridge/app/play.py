@@ -5,27 +5,27 @@ from contextlib import AsyncExitStack, closing
 from dataclasses import dataclass
 from pathlib import Path
 
-from sim.observations import TICK, TICKS_PER_SECOND
-from thbridge.adapters.keeping_alive import kept_alive
-from thbridge.adapters.ledger import Ledger
-from thbridge.adapters.loop import run_ticks
-from thbridge.adapters.mavlink_server import MavlinkServer, Ports
-from thbridge.adapters.pacer import Pacer
-from thbridge.adapters.recordings import journal_of, tlog_of
-from thbridge.adapters.rosgraph.joining import Graph
-from thbridge.adapters.text_server import CannotListen, Listening, TextServer
-from thbridge.adapters.tlog_file import TlogFile
-from thbridge.app.broadcast import Broadcast
+from sim.common.observations import TICK, TICKS_PER_SECOND
 from thbridge.app.compose import Setting
 from thbridge.app.listeners import NOBODY_TOLD, Hosts, Watch, listeners
-from thbridge.app.recording import BagWitness, TlogWitness
-from thbridge.app.session import EventLog, Moment, Session, Witness
+from thbridge.app.session.broadcast import Broadcast
+from thbridge.app.session.recording import BagWitness, TlogWitness
+from thbridge.app.session.session import EventLog, Moment, Session, Witness
 from thbridge.hunt.game import GameState
-from thbridge.roles.requests import Request
+from thbridge.recording.journals import Ledger
+from thbridge.recording.recordings import journal_of, tlog_of
+from thbridge.recording.tlog import TlogFile
+from thbridge.roles.robot_requests import Request
 from thbridge.roles.role import Role
-from thbridge.roles.simr import SimR
+from thbridge.roles.simr.simr import SimR
 from thbridge.roles.tabui import TabUI
 from thbridge.ros.names import GRAPH_LINK
+from thbridge.sockets.mavlink.server import MavlinkServer, Ports
+from thbridge.sockets.rosgraph.joining import Graph
+from thbridge.sockets.text_server import CannotListen, Listening, TextServer
+from thbridge.timing.keepalive import kept_alive
+from thbridge.timing.loop import run_ticks
+from thbridge.timing.pacer import Pacer
 from thbridge.wire import legacy
 from thbridge.wire.mavlink.frames.frame import Frame
 from thbridge.wire.router import Router

@@ -7,24 +7,24 @@ from itertools import count
 from pathlib import Path
 from typing import Protocol
 
-from thbridge.adapters.ledger import Ledger
-from thbridge.adapters.loop import run_ticks
-from thbridge.adapters.pacer import Pacer
-from thbridge.adapters.rosgraph.joining import Graph
-from thbridge.adapters.text_client import LossReason, Lost, TextClient
-from thbridge.adapters.text_server import CannotListen, Listening, TextServer
-from thbridge.app.broadcast import Broadcast
 from thbridge.app.compose import Setting
 from thbridge.app.listeners import NOBODY_TOLD, Hosts, Watch, listeners
-from thbridge.app.outpost import Outpost
-from thbridge.app.recording import BagWitness
-from thbridge.app.session import Session
+from thbridge.app.session.broadcast import Broadcast
+from thbridge.app.session.recording import BagWitness
+from thbridge.app.session.remote_robots import Outpost
+from thbridge.app.session.session import Session
+from thbridge.recording.journals import Ledger
 from thbridge.roles.hider import Hider
-from thbridge.roles.keeper import Keeper
-from thbridge.roles.requests import Request
+from thbridge.roles.keeper.keeper import Keeper
+from thbridge.roles.robot_requests import Request
 from thbridge.roles.role import Role
 from thbridge.roles.tabui import TabUI
 from thbridge.roles.view import View
+from thbridge.sockets.rosgraph.joining import Graph
+from thbridge.sockets.text_client import LossReason, Lost, TextClient
+from thbridge.sockets.text_server import CannotListen, Listening, TextServer
+from thbridge.timing.loop import run_ticks
+from thbridge.timing.pacer import Pacer
 from thbridge.wire.client import Registered
 from thbridge.wire.router import Router
 from thbridge.wire.text import Message

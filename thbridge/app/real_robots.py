@@ -5,20 +5,20 @@ from contextlib import AsyncExitStack
 
 import numpy as np
 
-from sim.observations import TICKS_PER_SECOND
-from thbridge.adapters.fleet_recorder import FleetRecorder
-from thbridge.adapters.loop import run_ticks
-from thbridge.adapters.pacer import Pacer
-from thbridge.adapters.rosgraph.fleet import CALLER, Fleet
-from thbridge.adapters.rosgraph.joining import Graph
-from thbridge.adapters.text_client import Lost, TextClient
-from thbridge.adapters.text_server import CannotListen
+from sim.common.observations import TICKS_PER_SECOND
 from thbridge.app.compose import Setting
-from thbridge.app.outpost import Outpost
 from thbridge.app.programs import SIMR, SimrOptions, take_part
-from thbridge.app.recording import BagWitness
+from thbridge.app.session.recording import BagWitness
+from thbridge.app.session.remote_robots import Outpost
+from thbridge.recording.real_robots import FleetRecorder
 from thbridge.ros.remote import RemoteRobot
 from thbridge.ros.topics import Message
+from thbridge.sockets.rosgraph.fleet import CALLER, Fleet
+from thbridge.sockets.rosgraph.joining import Graph
+from thbridge.sockets.text_client import Lost, TextClient
+from thbridge.sockets.text_server import CannotListen
+from thbridge.timing.loop import run_ticks
+from thbridge.timing.pacer import Pacer
 from thbridge.wire import legacy
 from thbridge.wire.rosgraph.links import Topic
 

@@ -1,0 +1,1 @@
+"""Dialogues between robots and a person, sans-IO: templates, turns, strategies."""

@@ -5,7 +5,7 @@ import re
 from collections.abc import Mapping
 from dataclasses import dataclass
 
-from sim.noise import Stream
+from sim.common.noise import Stream
 from thbridge.dialogue.moves import Ask, Continue, Dialogue, Move, Scenario, Stop, Topic
 from thbridge.hunt.costs import spoken_energy
 

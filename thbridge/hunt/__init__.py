@@ -1,0 +1,1 @@
+"""The game as values: rooms, treasures, costs, events, the state folded from them, and the rules."""

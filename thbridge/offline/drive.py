@@ -7,13 +7,13 @@ from dataclasses import dataclass
 import numpy as np
 from scipy.spatial import cKDTree
 
-from sim.geometry import FloatArray, Pose2
-from sim.grid import OCCUPIED, OccupancyGrid
-from sim.navigator import Arrived, Goal, NoPath
-from sim.observations import TICK
+from sim.common.geometry import FloatArray, Pose2
+from sim.common.grid import OCCUPIED, OccupancyGrid
+from sim.common.observations import TICK
 from sim.parameters import RobotParameters, WorldParameters
+from sim.robot.navigator import Arrived, Goal, NoPath
 from sim.team import Go, Team
-from sim.world import Misplaced, World
+from sim.world.physics import Misplaced, World
 
 
 @dataclass(frozen=True, slots=True)

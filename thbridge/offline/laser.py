@@ -6,9 +6,9 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from sim.observations import LaserMount, Scan
+from sim.common.observations import LaserMount, Scan
 from thbridge.ros.frames import PlanarMount
-from thbridge.ros.unpack import LaserScan
+from thbridge.ros.messages.unpack import LaserScan
 
 FAR = 30.0
 """Taken for the range of a laser whose driver does not say one, metres."""

@@ -5,11 +5,11 @@ from collections.abc import Callable, Iterable, Mapping
 from dataclasses import dataclass
 from enum import StrEnum
 
-from sim.geometry import FloatArray, Pose2
-from sim.localization.amcl import Amcl
-from sim.localization.estimate import Estimate, Localizer
-from sim.observations import STANDSTILL, Imu, Odometry, Scan
+from sim.common.geometry import FloatArray, Pose2
+from sim.common.observations import STANDSTILL, Imu, Odometry, Scan
 from sim.parameters import AmclParameters
+from sim.robot.localization.amcl import Amcl
+from sim.robot.localization.estimate import Estimate, Localizer
 from thbridge.hunt.outcomes import Refused
 from thbridge.offline.laser import Laser, usable
 from thbridge.offline.odometry import CLOCK_SET_BACK_NS, OdometryTrack

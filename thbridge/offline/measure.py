@@ -5,12 +5,12 @@ from collections.abc import Iterable, Iterator
 from dataclasses import dataclass
 from statistics import fmean, stdev
 
-from sim import noise
-from sim.navigator import Arrived, Goal, NoPath
-from sim.observations import TICK
+from sim.common import noise
+from sim.common.observations import TICK
 from sim.parameters import RobotParameters, WorldParameters
+from sim.robot.navigator import Arrived, Goal, NoPath
 from sim.team import Go, Team
-from thbridge.adapters.map_files import Map
+from thbridge.files.map_files import Map
 from thbridge.hunt.rooms import Room
 
 LIMIT = 3600.0

@@ -1,7 +1,7 @@
 """What noise does: where wheels say that a robot went, where a particle filter believes it may be, what a laser sees.
 
-The models are those of the simulation: the wheels' of `sim.world`, amcl's of `sim.localization.motion`, the laser's of
-`sim.sensors`. Seeds are fixed, so that two drawings differ by what was changed and by nothing else.
+The models are those of the simulation: the wheels' of `sim.world.physics`, amcl's of
+`sim.robot.localization.motion`, the laser's of `sim.world.sensors`. Seeds are fixed, so that two drawings differ by what was changed and by nothing else.
 """
 
 import math
@@ -12,15 +12,15 @@ from typing import Literal
 import numpy as np
 from numba import njit
 
-from sim.geometry import FloatArray, Pose2
-from sim.grid import FREE, OCCUPIED, OccupancyGrid
-from sim.localization.motion import Alphas, MotionModel
-from sim.noise import Stream, key, normals
-from sim.observations import TICK, Scan
+from sim.common.geometry import FloatArray, Pose2
+from sim.common.grid import FREE, OCCUPIED, OccupancyGrid
+from sim.common.noise import Stream, key, normals
+from sim.common.observations import TICK, Scan
 from sim.parameters import AmclParameters, OdometryNoise, WorldParameters
-from sim.sensor_noise import Wheels, measured_by, wheels_of
-from sim.sensors import Sensors
-from sim.world import Misplaced, World
+from sim.robot.localization.motion import Alphas, MotionModel
+from sim.world.physics import Misplaced, World
+from sim.world.sensor_noise import Wheels, measured_by, wheels_of
+from sim.world.sensors import Sensors
 
 PATHS = 200
 """Paths in a fan."""

@@ -8,7 +8,7 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from sim.geometry import FloatArray, Pose2, wrap_angle
+from sim.common.geometry import FloatArray, Pose2, wrap_angle
 
 CLOCK_SET_BACK_NS = 1_000_000_000
 """Stamps that go back farther than this were not reordered under way: the clock was set back."""

@@ -6,16 +6,16 @@ from typing import Literal
 
 import numpy as np
 
-from sim.costmap.costs import CostFrame, Costs, Window
-from sim.costmap.footprint import pad, radii
-from sim.costmap.inflation import InflationLayer
-from sim.costmap.static import StaticLayer
-from sim.geometry import FloatArray, Pose2
-from sim.grid import OccupancyGrid
+from sim.common.geometry import FloatArray, Pose2
+from sim.common.grid import OccupancyGrid
 from sim.parameters import InflationParameters, NavfnParameters, RobotParameters, StaticParameters, WorldParameters
-from sim.planning.navfn import Navfn
-from sim.planning.path import Path, RefusalCode
-from sim.planning.potential_planner import PotentialPlanner
+from sim.robot.costmap.costs import CostFrame, Costs, Window
+from sim.robot.costmap.footprint import pad, radii
+from sim.robot.costmap.inflation import InflationLayer
+from sim.robot.costmap.static import StaticLayer
+from sim.robot.planning.navfn import Navfn
+from sim.robot.planning.path import Path, RefusalCode
+from sim.robot.planning.potential_planner import PotentialPlanner
 
 _COSTMAP = RobotParameters().global_costmap
 RADIUS, _ = radii(pad(np.array(WorldParameters().footprint), _COSTMAP.footprint_padding))

@@ -7,16 +7,16 @@ from itertools import pairwise
 from pathlib import Path
 from typing import TypeVar
 
-from sim.geometry import Pose2
-from thbridge.adapters.bag_reader import RawMessage, TopicInfo, info, messages
-from thbridge.adapters.errors import BadFile
+from sim.common.geometry import Pose2
+from thbridge.files.errors import BadFile
 from thbridge.offline.laser import Laser, usable
 from thbridge.offline.odometry import OdometryTrack, Step
-from thbridge.ros import unpack
+from thbridge.recording.bag.reader import RawMessage, TopicInfo, info, messages
 from thbridge.ros.frames import FrameTree, PlanarMount, frame_name
+from thbridge.ros.messages import unpack
+from thbridge.ros.messages.types import LASER_SCAN, ODOMETRY, TFMESSAGE
+from thbridge.ros.messages.unpack import LaserScan
 from thbridge.ros.robots import ODOM_FRAME, is_odom_frame, is_truth, namespace_of, owner_of, usual_first
-from thbridge.ros.types import LASER_SCAN, ODOMETRY, TFMESSAGE
-from thbridge.ros.unpack import LaserScan
 
 T = TypeVar("T")
 

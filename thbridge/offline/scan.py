@@ -4,9 +4,9 @@ import math
 
 import numpy as np
 
-from sim.geometry import FloatArray
-from sim.grid import OccupancyGrid
-from sim.raycast import Raycaster
+from sim.common.geometry import FloatArray
+from sim.common.grid import OccupancyGrid
+from sim.common.raycast import Raycaster
 
 
 def beam_angles(beams: int, angle_min: float, angle_max: float | None) -> FloatArray:

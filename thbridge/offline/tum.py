@@ -2,7 +2,7 @@
 
 import math
 
-from sim.geometry import Pose2
+from sim.common.geometry import Pose2
 
 
 def tum_line(stamp_ns: int, pose: Pose2) -> str:

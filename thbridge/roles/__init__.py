@@ -1,1 +1,1 @@
-"""The programs of the game as pure cores: lines in, lines out, one step a tick."""
+"""The programs of the game as pure cores, and their vocabulary: lines in, lines out, one step a tick."""

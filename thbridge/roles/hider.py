@@ -3,8 +3,8 @@
 from collections.abc import Sequence
 from dataclasses import dataclass
 
-from sim.noise import Stream
-from sim.observations import TICKS_PER_SECOND
+from sim.common.noise import Stream
+from sim.common.observations import TICKS_PER_SECOND
 from thbridge.hunt.treasures import TreasureKind, hide, same_name
 from thbridge.roles.notices import KEEPER, HidePlease, HiderReady, HideTreasures, Reply, heard, tell
 from thbridge.wire import legacy

@@ -5,7 +5,7 @@ from typing import Protocol
 
 import msgspec
 
-from sim.observations import TICKS_PER_SECOND
+from sim.common.observations import TICKS_PER_SECOND
 from thbridge.hunt.rooms import Room
 from thbridge.roles.notices import KEEPER, House, ParticipantReady, Picture, Subscribe, Ways, Whereabouts, heard, tell
 from thbridge.roles.view import Identify, SendRobot, Sense, TakePicture, View, Wish

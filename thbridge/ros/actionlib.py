@@ -17,14 +17,14 @@ from collections.abc import Iterable
 from dataclasses import dataclass
 from typing import TypeAlias, assert_never
 
-from sim.geometry import Pose2
+from sim.common.geometry import Pose2
+from sim.common.observations import TICKS_PER_SECOND
 from sim.inputs import Go, Halt
-from sim.navigator import Arrived, Cancelled, Goal, Navigation, NoPath, Result
-from sim.observations import TICKS_PER_SECOND
-from thbridge.ros.goals import ENDED, GoalId, GoalStatus, Status
+from sim.robot.navigator import Arrived, Cancelled, Goal, Navigation, NoPath, Result
+from thbridge.ros.messages.goal_status import ENDED, GoalId, GoalStatus, Status
+from thbridge.ros.messages.records import CancelRequest, GoalRequest, SimpleGoal
+from thbridge.ros.messages.stamps import stamp_ns
 from thbridge.ros.names import RobotNames
-from thbridge.ros.records import CancelRequest, GoalRequest, SimpleGoal
-from thbridge.ros.stamps import stamp_ns
 
 STATUS_PERIOD = TICKS_PER_SECOND // 5
 """Ticks from one word about all goals to the next, besides those when something changes: actionlib_status_frequency."""

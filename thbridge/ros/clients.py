@@ -8,10 +8,10 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from sim.geometry import FloatArray, Pose2
-from sim.observations import Twist
-from thbridge.ros.cursor import FLOAT32, Cursor
+from sim.common.geometry import FloatArray, Pose2
+from sim.common.observations import Twist
 from thbridge.ros.frames import frame_name
+from thbridge.ros.messages.cursor import FLOAT32, Cursor
 from thbridge.ros.names import MAP_FRAME
 
 _GOAL_ID_LENGTH = 512

@@ -5,8 +5,8 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from sim.geometry import FloatArray, Pose2, wrap_angle
-from thbridge.ros.unpack import SpatialTransform
+from sim.common.geometry import FloatArray, Pose2, wrap_angle
+from thbridge.ros.messages.unpack import SpatialTransform
 
 
 def frame_name(name: str) -> str:

@@ -6,15 +6,15 @@ from typing import assert_never
 
 import numpy as np
 
-from sim.geometry import FloatArray, Pose2
-from sim.navigator import Navigation
-from sim.observations import STANDSTILL, TICKS_PER_SECOND, Twist
-from sim.robot import RobotOutput
-from thbridge.ros import pack
+from sim.common.geometry import FloatArray, Pose2
+from sim.common.observations import STANDSTILL, TICKS_PER_SECOND, Twist
+from sim.robot.navigator import Navigation
+from sim.robot.software import RobotOutput
 from thbridge.ros.actionlib import ActionRequest, Ended, Feedback, GoalSet, MoveBaseServer, Said, StatusList
-from thbridge.ros.goals import GoalId
+from thbridge.ros.messages import pack
+from thbridge.ros.messages.goal_status import GoalId
+from thbridge.ros.messages.records import CancelRequest, GoalRequest, SimpleGoal
 from thbridge.ros.names import MAP_FRAME, RobotNames
-from thbridge.ros.records import CancelRequest, GoalRequest, SimpleGoal
 from thbridge.ros.topics import Message, Planners, RobotTopics, Topic
 
 COMMAND_PERIOD = 5

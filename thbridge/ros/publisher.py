@@ -4,17 +4,16 @@ from collections import defaultdict
 from collections.abc import Iterable, Iterator, Sequence
 from typing import assert_never
 
-from sim.bodies import NO_POLYGONS, apart
-from sim.geometry import Pose2
-from sim.grid import OccupancyGrid
-from sim.observations import TICKS_PER_SECOND, LaserMount, Twist
+from sim.common.geometry import Pose2
+from sim.common.grid import OccupancyGrid
+from sim.common.observations import TICKS_PER_SECOND, LaserMount, Twist
+from sim.common.polygons import NO_POLYGONS, apart
 from sim.team import TeamSnapshot
-from thbridge.ros import pack
 from thbridge.ros.actionlib import ActionRequest
-from thbridge.ros.names import GRAPH_LINK, MAP_FRAME, RobotNames
-from thbridge.ros.one_robot import RobotPublisher
-from thbridge.ros.pack import Transform
-from thbridge.ros.records import (
+from thbridge.ros.diagnostics import RobotWatch
+from thbridge.ros.messages import pack
+from thbridge.ros.messages.pack import Transform
+from thbridge.ros.messages.records import (
     CancelRequest,
     GameEvent,
     GoalRequest,
@@ -34,7 +33,9 @@ from thbridge.ros.records import (
     VehicleState,
     VelocityCommand,
 )
-from thbridge.ros.stamps import stamp_ns
+from thbridge.ros.messages.stamps import stamp_ns
+from thbridge.ros.names import GRAPH_LINK, MAP_FRAME, RobotNames
+from thbridge.ros.one_robot import RobotPublisher
 from thbridge.ros.topics import (
     CLOCK,
     DIAGNOSTICS,
@@ -58,7 +59,6 @@ from thbridge.ros.topics import (
     Topic,
     VehicleTopics,
 )
-from thbridge.ros.watch import RobotWatch
 
 __all__ = ["Message", "Planners", "Publisher", "Topic", "clock_message", "messages_of"]
 

@@ -20,9 +20,9 @@ from typing import Literal, cast, get_args
 
 from sim.parameters import LiveKnob, RobotParameters, live_knobs
 from thbridge.ros.clients import Refused
-from thbridge.ros.cursor import INT32, UINT8, Cursor
+from thbridge.ros.messages.cursor import INT32, UINT8, Cursor
+from thbridge.ros.messages.pack.fields import UINT32, string
 from thbridge.ros.names import RobotNames
-from thbridge.ros.pack.fields import UINT32, string
 from thbridge.ros.parameters import name_of, value_at
 
 Kind = Literal["bool", "int", "str", "double"]

@@ -9,8 +9,8 @@ from typing import TypeAlias
 
 from ruamel.yaml import YAML
 
-from sim.geometry import Pose2
-from sim.grid import OccupancyGrid
+from sim.common.geometry import Pose2
+from sim.common.grid import OccupancyGrid
 from sim.parameters import RobotParameters
 from thbridge.ros import names
 from thbridge.ros.names import MAP_FRAME, RobotNames

@@ -4,7 +4,8 @@ from dataclasses import dataclass
 from typing import NamedTuple
 
 from sim.parameters import RobotParameters
-from thbridge.ros import names, types
+from thbridge.ros import names
+from thbridge.ros.messages import types
 from thbridge.ros.names import RobotNames
 
 

@@ -1,1 +1,1 @@
-"""The study around the game: simulated participants and reports."""
+"""The study file: everything an admin can set, its sections, its text, and changes to it."""

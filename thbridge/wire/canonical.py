@@ -12,7 +12,7 @@ from dataclasses import dataclass
 from enum import Enum, StrEnum
 from typing import TypeAlias
 
-from sim.geometry import wrap_angle
+from sim.common.geometry import wrap_angle
 from thbridge.wire import legacy
 from thbridge.wire.text import Command, Message, Unreadable, tokens
 

@@ -11,14 +11,14 @@ import numpy as np
 import typer
 from typer.core import TyperCommand
 
-from sim.floor import Polygon, area, crosses_itself, inside
-from sim.geometry import Pose2
+from sim.common.geometry import Pose2
+from sim.common.traversability import Polygon, area, crosses_itself, inside
 from sim.parameters import RobotParameters, WorldParameters, knob
-from sim.world import Misplaced
-from thbridge.adapters.map_files import read_grid
-from thbridge.adapters.ros_yaml import read_ros_parameters
-from thbridge.adapters.yaml_files import load_tree
-from thbridge.adapters.yaml_tree import Section, parse, read_text
+from sim.world.physics import Misplaced
+from thbridge.files.map_files import read_grid
+from thbridge.files.ros.parameters import read_ros_parameters
+from thbridge.files.yaml.load import load_tree
+from thbridge.files.yaml.tree import Section, parse, read_text
 from thbridge.offline.drive import Errand, Outcome
 from thbridge.offline.drive import drive as driven
 from ui.options import AsJson, announce_compiling

@@ -6,14 +6,14 @@ from typing import Annotated
 
 import typer
 
-from thbridge.adapters.map_files import check_map
-from thbridge.adapters.resources import shipped
-from thbridge.adapters.template_files import read_map_times
-from thbridge.app.study_text import commented_study
+from thbridge.files.map_files import check_map
+from thbridge.files.resources import shipped
+from thbridge.files.template_files import read_map_times
 from thbridge.hunt.costs import CostMatrix
 from thbridge.hunt.outcomes import Refused
 from thbridge.hunt.rooms import Room
 from thbridge.hunt.tour import best_tour
+from thbridge.study.text import commented_study
 from ui.options import AsJson, setting_of, study_of, write_report
 from ui.terminal import BAD_INPUT, FAILED, bad_input, fail, note, out, print_json
 

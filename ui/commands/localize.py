@@ -9,13 +9,13 @@ import numpy as np
 import typer
 from rich.progress import BarColumn, Progress, TextColumn, TimeRemainingColumn
 
-from sim.geometry import Pose2, wrap_angle
-from sim.grid import OccupancyGrid
-from sim.localization.amcl import Amcl
+from sim.common.geometry import Pose2, wrap_angle
+from sim.common.grid import OccupancyGrid
 from sim.parameters import AmclParameters, RobotParameters
-from thbridge.adapters.errors import BadFile
-from thbridge.adapters.map_files import read_grid
-from thbridge.adapters.ros_yaml import read_ros_parameters
+from sim.robot.localization.amcl import Amcl
+from thbridge.files.errors import BadFile
+from thbridge.files.map_files import read_grid
+from thbridge.files.ros.parameters import read_ros_parameters
 from thbridge.hunt.outcomes import Refused
 from thbridge.offline.localize import Localized, localize, warm_up
 from thbridge.offline.recording import Recording, open_recording

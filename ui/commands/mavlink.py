@@ -11,16 +11,16 @@ from typing import Annotated, NoReturn, TypeVar
 import typer
 from rich.table import Table
 
-from thbridge.adapters.addresses import Address, address_in
-from thbridge.adapters.loop import stopping
-from thbridge.adapters.mavlink_client import StationLink, Unreachable, linked
-from thbridge.adapters.signing_key import read_signing_key
 from thbridge.app.compose import Setting, read_setting
-from thbridge.app.config import read_study_text
-from thbridge.app.mavlink_replay import FramesOptions, FramesReplayed, Hunt, has_session, replay_frames
-from thbridge.app.replay import session_of
-from thbridge.app.session import Moment
-from thbridge.app.what_if import changed
+from thbridge.app.replay.mavlink_replay import FramesOptions, FramesReplayed, Hunt, has_session, replay_frames
+from thbridge.app.replay.replay import session_of
+from thbridge.app.session.session import Moment
+from thbridge.files.signing_key import read_signing_key
+from thbridge.sockets.addresses import Address, address_in
+from thbridge.sockets.mavlink.client import StationLink, Unreachable, linked
+from thbridge.study.overrides import changed
+from thbridge.study.study_file import read_study_text
+from thbridge.timing.loop import stopping
 from thbridge.wire.mavlink import conventions
 from thbridge.wire.mavlink.frames.signing import SigningKey
 from thbridge.wire.mavlink.modes import mode_shown

@@ -13,7 +13,7 @@ import typer
 from rich.progress import BarColumn, MofNCompleteColumn, Progress, TextColumn, TimeRemainingColumn
 from rich.table import Table
 
-from thbridge.adapters.template_files import map_times
+from thbridge.files.template_files import map_times
 from thbridge.hunt.rooms import Room
 from thbridge.offline.measure import Course, Driven, Times, by_pair, drive, trips
 from ui.options import AsJson, announce_compiling, setting_of, study_of

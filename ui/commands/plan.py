@@ -11,9 +11,9 @@ import numpy as np
 import typer
 from rich.table import Table
 
-from sim.geometry import FloatArray
-from thbridge.adapters.csv_files import read_columns
-from thbridge.adapters.map_files import read_grid
+from sim.common.geometry import FloatArray
+from thbridge.files.csv_files import read_columns
+from thbridge.files.map_files import read_grid
 from thbridge.offline.plan import INFLATION, RADIUS, Answer
 from thbridge.offline.plan import plan as planned
 from ui.options import AsJson, announce_compiling

@@ -6,11 +6,11 @@ from typing import Annotated
 
 import typer
 
-from thbridge.adapters.text_server import CannotListen, Listening
 from thbridge.app import play as hunt
-from thbridge.app.fleet import RobotsFrom
 from thbridge.app.play import PlayOptions, Unfinished
-from thbridge.app.session import Moment
+from thbridge.app.session.session import Moment
+from thbridge.sockets.text_server import CannotListen, Listening
+from thbridge.study.real_robots import RobotsFrom
 from thbridge.wire import legacy
 from ui.display import no_window
 from ui.games import Games, offer_of, play_in_window

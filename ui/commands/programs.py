@@ -8,18 +8,18 @@ from typing import Annotated
 
 import typer
 
-from thbridge.adapters.ledger import Ledger
-from thbridge.adapters.resources import shipped
-from thbridge.adapters.template_files import TemplateSet, read_template_set
-from thbridge.adapters.text_client import Lost
-from thbridge.adapters.text_server import CannotListen, Listening
 from thbridge.app import programs
 from thbridge.app.compose import build_hider
-from thbridge.app.config import Study
-from thbridge.app.fleet import RobotsFrom
 from thbridge.app.programs import SimrOptions
 from thbridge.app.real_robots import simr_with_real_robots
+from thbridge.files.resources import shipped
+from thbridge.files.template_files import TemplateSet, read_template_set
+from thbridge.recording.journals import Ledger
 from thbridge.roles.view import View
+from thbridge.sockets.text_client import Lost
+from thbridge.sockets.text_server import CannotListen, Listening
+from thbridge.study.real_robots import RobotsFrom
+from thbridge.study.study_file import Study
 from ui.display import no_window
 from ui.options import (
     ADDRESS,
@@ -160,14 +160,14 @@ def tabui(
 ) -> None:
     """Take part (TabUI) at a text server: in a window where there is a display, else with a simulated participant."""
     if hosted:
-        from ui.windows.table import play_hosted  # noqa: PLC0415 - Qt, only when a window opens
+        from ui.windows.participant_program import play_hosted  # noqa: PLC0415 - Qt, only when a window opens
 
         raise typer.Exit(play_hosted(look.value))
     host, port = _address(server)
     if participant is None and templates is None and seed is None and not as_json:
         why = no_window()
         if why is None:
-            from ui.windows.table import play_at  # noqa: PLC0415 - Qt, only when a window opens
+            from ui.windows.participant_program import play_at  # noqa: PLC0415 - Qt, only when a window opens
 
             raise typer.Exit(play_at(host, port, _token(), look.value))
         note(f"{why} A simulated participant plays.")

@@ -9,17 +9,17 @@ from typing import Annotated
 import typer
 from rich.table import Table
 
-from thbridge.adapters.bag_reader import info, messages
+from thbridge.analysis.comparison import RobotFigures, RunFigures, figures_of
+from thbridge.analysis.report.gathering import read_report
 from thbridge.app.compose import read_setting, versions
-from thbridge.app.config import read_study_text
-from thbridge.app.replay import Difference, Replayed, ReplayOptions, replay, session_of
-from thbridge.app.session import Moment
-from thbridge.app.what_if import Change, changed
-from thbridge.bags.comparison import RobotFigures, RunFigures, figures_of
-from thbridge.bags.report.gathering import read_report
+from thbridge.app.replay.replay import Difference, Replayed, ReplayOptions, replay, session_of
+from thbridge.app.session.session import Moment
+from thbridge.recording.bag.reader import info, messages
+from thbridge.roles.bots import BotStrategy
+from thbridge.ros.messages.records import Session
 from thbridge.ros.names import INPUTS
-from thbridge.ros.records import Session
-from thbridge.study.bots import BotStrategy
+from thbridge.study.overrides import Change, changed
+from thbridge.study.study_file import read_study_text
 from ui.options import AsJson, announce_compiling, make_copy_ready
 from ui.seats import run
 from ui.story import print_story

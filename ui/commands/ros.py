@@ -6,10 +6,10 @@ from typing import Annotated
 
 import typer
 
-from thbridge.adapters.ros_package import write_packages
-from thbridge.adapters.rosgraph import master_server
-from thbridge.adapters.text_server import CannotListen, Listening
+from thbridge.files.ros.package import write_packages
 from thbridge.ros.rviz import configuration
+from thbridge.sockets.rosgraph import master_server
+from thbridge.sockets.text_server import CannotListen, Listening
 from ui.options import MapName, Robots, StudyFile, setting_of, study_of
 from ui.terminal import BAD_INPUT, bad_input, fail, note
 

@@ -7,9 +7,9 @@ from typing import Annotated
 import numpy as np
 import typer
 
-from sim.geometry import FloatArray
-from thbridge.adapters.csv_files import read_columns
-from thbridge.adapters.map_files import read_grid
+from sim.common.geometry import FloatArray
+from thbridge.files.csv_files import read_columns
+from thbridge.files.map_files import read_grid
 from thbridge.offline.scan import beam_angles
 from thbridge.offline.scan import scan as scan_map
 from ui.options import AsJson

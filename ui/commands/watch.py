@@ -6,7 +6,7 @@ from typing import Annotated
 
 import typer
 
-from thbridge.adapters.watch_client import WatchClient
+from thbridge.sockets.watch_client import WatchClient
 from ui.display import no_window
 from ui.options import Look, LookOption, key_in
 from ui.terminal import BAD_INPUT, fail
@@ -46,7 +46,7 @@ def watch(
 def _watch_session(host: str, port: int, key: str | None, look: Look) -> None:
     _need_window()
     # Seconds of imports that no other command needs.
-    from ui.windows.researcher.session import Connection, Session  # noqa: PLC0415
+    from ui.windows.researcher.feeds.session import Connection, Session  # noqa: PLC0415
     from ui.windows.researcher.show import show  # noqa: PLC0415
 
     address = f"{host}:{port}"
@@ -54,7 +54,7 @@ def _watch_session(host: str, port: int, key: str | None, look: Look) -> None:
 
 
 def _watch_recording(path: Path, look: Look) -> None:
-    from ui.windows.researcher.recording import Opening, Recording  # noqa: PLC0415
+    from ui.windows.researcher.feeds.recording import Opening, Recording  # noqa: PLC0415
 
     opening = Opening(path)
     if opening.wait(PATIENCE) and opening.fault is not None:

@@ -12,7 +12,7 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from sim.geometry import FloatArray, Pose2, wrap_angle
+from sim.common.geometry import FloatArray, Pose2, wrap_angle
 from thbridge.roles.notices import Ellipse, Ways, Whereabouts
 from ui.model.playback import PlaybackClock
 from ui.model.trails import Trail, WayAhead

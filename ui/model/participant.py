@@ -11,7 +11,7 @@ from ui.model.playing.deeds import do
 from ui.model.playing.hearing import hear_view, wishes
 from ui.model.playing.marks import Outlines
 from ui.model.playing.offers import offer
-from ui.model.playing.popups import Find, Talk
+from ui.model.playing.queue import Find, Talk
 from ui.model.playing.state import Drawn, Memory
 from ui.model.scene import RobotMark, RoomMark
 from ui.model.screen import Act, RoomTile, Screen

@@ -3,7 +3,7 @@
 from dataclasses import dataclass
 from typing import Literal
 
-from sim.geometry import FloatArray, Pose2
+from sim.common.geometry import FloatArray, Pose2
 
 RoomState = Literal["unvisited", "reserved", "visited"]
 

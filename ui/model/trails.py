@@ -5,7 +5,7 @@ from collections import deque
 
 import numpy as np
 
-from sim.geometry import FloatArray
+from sim.common.geometry import FloatArray
 
 TRAIL_STEP = 0.12
 """Metres between two points of a trail."""

@@ -4,14 +4,15 @@ from bisect import bisect_right
 from collections.abc import Callable, Collection, Generator, Iterator, Mapping, Sequence
 from pathlib import Path
 
-from thbridge.adapters.bag_index import BagIndex, Place, open_index
-from thbridge.adapters.bag_reader import RawMessage
-from thbridge.adapters.map_files import MapRoom
-from thbridge.ros import names, types, unpack
-from thbridge.ros.records import Session
+from thbridge.files.map_files import MapRoom
+from thbridge.recording.bag.index import BagIndex, Place, open_index
+from thbridge.recording.bag.reader import RawMessage
+from thbridge.ros import names
+from thbridge.ros.messages import types, unpack
+from thbridge.ros.messages.records import Session
 from ui.model.watching.cast import Introductions
 from ui.model.watching.frames import HORIZON_NS, children_of
-from ui.model.watching.said import TF_TYPES, Said
+from ui.model.watching.received import TF_TYPES, Said
 from ui.model.watching.scene import Scene, Shown
 from ui.model.watching.scenes import Scenes, Watched
 from ui.model.watching.series import Series

@@ -2,11 +2,11 @@
 
 from pathlib import Path
 
-from thbridge.adapters.errors import BadFile
-from thbridge.adapters.map_files import MapRoom, read_map
-from thbridge.adapters.resources import shipped
-from thbridge.app.config import read_study_text
-from thbridge.ros.records import Session
+from thbridge.files.errors import BadFile
+from thbridge.files.map_files import MapRoom, read_map
+from thbridge.files.resources import shipped
+from thbridge.ros.messages.records import Session
+from thbridge.study.study_file import read_study_text
 
 
 def rooms_of(session: Session, path: Path) -> tuple[MapRoom, ...]:

@@ -11,12 +11,12 @@ from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 from typing import TypeAlias
 
-from sim.observations import TICK
-from thbridge.adapters.text_client import LossReason, Lost, Patience, TextClient
+from sim.common.observations import TICK
 from thbridge.app.programs import converse
 from thbridge.roles.notices import House, Picture, Ways, Whereabouts
 from thbridge.roles.tabui import TabUI
 from thbridge.roles.view import View, Wish
+from thbridge.sockets.text_client import LossReason, Lost, Patience, TextClient
 from thbridge.wire.text import Message
 
 LISTENS = 0.005

@@ -5,8 +5,8 @@ import pytest
 
 from sim.team import Team
 from thbridge.app.compose import REHEARSERS, Setting, read_setting
-from thbridge.app.config import ParticipantSection, ShowsSection, Study
 from thbridge.roles.notices import Subscribe, tell
+from thbridge.study.study_file import ParticipantSection, ShowsSection, Study
 
 
 @pytest.mark.parametrize("name", ["arena8", "office", "warehouse12"])

@@ -6,17 +6,7 @@ from hypothesis import strategies as st
 
 from tests.thbridge.hunt.test_game import ROOM_1, ROOM_2, ROOM_4, after, in_room_4, new_game, small_game, visit
 from thbridge.hunt import rules
-from thbridge.hunt.events import (
-    AskedBack,
-    Commanded,
-    Commander,
-    Condition,
-    Departed,
-    Ended,
-    EndReason,
-    Left,
-    Reported,
-)
+from thbridge.hunt.events import AskedBack, Commanded, Commander, Condition, Departed, Ended, EndReason, Left, Reported
 from thbridge.hunt.game import Command, apply
 from thbridge.hunt.outcomes import Refused
 from thbridge.hunt.rooms import Room

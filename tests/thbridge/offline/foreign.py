@@ -8,11 +8,11 @@ import numpy as np
 from rosbags.rosbag1 import Writer
 from rosbags.typesys import get_types_from_msg
 
-from sim.geometry import IDENTITY, FloatArray, Pose2
-from sim.grid import OccupancyGrid
-from sim.raycast import Raycaster
-from thbridge.adapters.map_files import write_grid
-from thbridge.ros.types import typestore
+from sim.common.geometry import IDENTITY, FloatArray, Pose2
+from sim.common.grid import OccupancyGrid
+from sim.common.raycast import Raycaster
+from thbridge.files.map_files import write_grid
+from thbridge.ros.messages.types import typestore
 
 STORE = typestore()
 STORE.register(get_types_from_msg("geometry_msgs/TransformStamped[] transforms", "tf/msg/tfMessage"))

@@ -4,12 +4,12 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from sim.control.braking import gap, placed
-from sim.geometry import Pose2
-from sim.grid import OccupancyGrid
+from sim.common.geometry import Pose2
+from sim.common.grid import OccupancyGrid
 from sim.parameters import RobotParameters, WorldParameters
-from sim.world import Misplaced
-from thbridge.adapters.map_files import read_map
+from sim.robot.control.braking import gap, placed
+from sim.world.physics import Misplaced
+from thbridge.files.map_files import read_map
 from thbridge.offline.drive import Errand, Outcome, _to_squares, drive
 
 OFFICE = read_map(Path(__file__).parents[3] / "maps" / "office")

@@ -4,10 +4,10 @@ import math
 import numpy as np
 import pytest
 
-from sim.geometry import Pose2
+from sim.common.geometry import Pose2
 from thbridge.offline.laser import FAR, Laser, usable
 from thbridge.ros.frames import PlanarMount
-from thbridge.ros.unpack import LaserScan
+from thbridge.ros.messages.unpack import LaserScan
 
 SEAT = PlanarMount(Pose2(0.1, 0.2, 0.3), upside_down=False, tilt=0.0)
 

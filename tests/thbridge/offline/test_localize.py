@@ -11,11 +11,11 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 from rosbags.rosbag1 import Writer
 
-from sim.geometry import IDENTITY, Pose2
-from sim.localization.amcl import Amcl
+from sim.common.geometry import IDENTITY, Pose2
 from sim.parameters import AmclParameters
+from sim.robot.localization.amcl import Amcl
 from tests.thbridge.offline.foreign import FIRST, PERIOD_NS, START_NS, Robot, room, write
-from thbridge.adapters.errors import BadFile
+from thbridge.files.errors import BadFile
 from thbridge.hunt.outcomes import Refused
 from thbridge.offline.localize import Localized, Skip, localize, warm_up
 from thbridge.offline.recording import Recording, open_recording

@@ -5,9 +5,9 @@ import pytest
 from scipy.stats import spearmanr
 
 from sim.parameters import RobotParameters, WorldParameters
-from thbridge.adapters.map_files import read_map
-from thbridge.adapters.resources import shipped
-from thbridge.adapters.template_files import read_map_times
+from thbridge.files.map_files import read_map
+from thbridge.files.resources import shipped
+from thbridge.files.template_files import read_map_times
 from thbridge.hunt.rooms import Room
 from thbridge.offline.measure import Course, Driven, Trip, by_pair, drive, trips
 

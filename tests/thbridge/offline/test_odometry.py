@@ -4,7 +4,7 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from sim.geometry import Pose2
+from sim.common.geometry import Pose2
 from thbridge.offline.odometry import LONGEST_GAP_NS, REACH_NS, OdometryTrack, Step
 
 SECOND = 1_000_000_000

@@ -5,24 +5,24 @@ from dataclasses import replace
 from functools import cache
 from pathlib import Path
 
-from thbridge.adapters.resources import shipped
-from thbridge.adapters.template_files import TemplateSet, read_template_set
 from thbridge.app.compose import build_bot, build_hider
-from thbridge.app.session import Moment, Session
+from thbridge.app.session.session import Moment, Session
 from thbridge.dialogue.engine import Engine
 from thbridge.dialogue.protocols import TemplateProtocol
 from thbridge.dialogue.strategies import TemplateStrategy
 from thbridge.dialogue.templates import TemplatePhrasing
+from thbridge.files.resources import shipped
+from thbridge.files.template_files import TemplateSet, read_template_set
 from thbridge.hunt.events import Condition, Event
 from thbridge.hunt.rooms import Room
 from thbridge.hunt.treasures import TreasureKind
-from thbridge.roles.briefing import Briefing
-from thbridge.roles.keeper import GameRules, Keeper
+from thbridge.roles.bots import BotStrategy
+from thbridge.roles.keeper.briefing import Briefing
+from thbridge.roles.keeper.disclosure import plain_costs
+from thbridge.roles.keeper.keeper import GameRules, Keeper
 from thbridge.roles.notices import KEEPER, MoveResult, Order, Orders, RobotsReady, Status, Unfit, heard, tell
 from thbridge.roles.role import Role
-from thbridge.roles.showing import plain_costs
 from thbridge.roles.tabui import TabUI
-from thbridge.study.bots import BotStrategy
 from thbridge.wire import legacy
 from thbridge.wire.notice import Notice, parse_notice
 from thbridge.wire.router import Router

@@ -19,8 +19,9 @@ from thbridge.hunt.events import (
     Sensed,
 )
 from thbridge.hunt.rooms import CORRIDOR, Room
+from thbridge.roles.bots import BotStrategy
 from thbridge.roles.notices import KEEPER, Orders, Status, heard
-from thbridge.roles.requests import (
+from thbridge.roles.robot_requests import (
     CallBackFor,
     CommandRequest,
     IdentifyFor,
@@ -46,7 +47,6 @@ from thbridge.roles.view import (
     View,
     Wish,
 )
-from thbridge.study.bots import BotStrategy
 from thbridge.wire.notice import Notice
 
 NAME = "ground station 255"

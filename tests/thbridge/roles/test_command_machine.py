@@ -7,7 +7,7 @@ from tests.thbridge.roles.stage import Stage
 from tests.thbridge.roles.test_hunt import Script
 from thbridge.hunt.events import AskedBack, Commanded, Commander, Departed, Started
 from thbridge.hunt.game import Command, apply, begin
-from thbridge.roles.requests import (
+from thbridge.roles.robot_requests import (
     CallBackFor,
     IdentifyFor,
     LeaveFor,

@@ -21,7 +21,8 @@ from thbridge.hunt.events import (
     Started,
 )
 from thbridge.hunt.game import fold
-from thbridge.roles.keeper import Keeper
+from thbridge.roles.bots import BotStrategy
+from thbridge.roles.keeper.keeper import Keeper
 from thbridge.roles.tabui import TabUI
 from thbridge.roles.view import (
     Answer,
@@ -39,7 +40,6 @@ from thbridge.roles.view import (
     View,
     Wish,
 )
-from thbridge.study.bots import BotStrategy
 from thbridge.wire import legacy
 
 Stage = stage.Stage

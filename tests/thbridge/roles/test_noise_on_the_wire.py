@@ -9,13 +9,13 @@ from hypothesis import strategies as st
 
 from tests.thbridge.roles.stage import Stage, templates
 from thbridge.app.compose import build_bot, read_setting
-from thbridge.app.config import Study
 from thbridge.hunt.game import fold
 from thbridge.roles import notices, view
-from thbridge.roles.briefing import Briefing
+from thbridge.roles.bots import BotStrategy
+from thbridge.roles.keeper.briefing import Briefing
 from thbridge.roles.notices import KEEPER, tell
 from thbridge.roles.tabui import Seen, TabUI
-from thbridge.study.bots import BotStrategy
+from thbridge.study.study_file import Study
 from thbridge.wire import legacy
 from thbridge.wire.notice import notice
 from thbridge.wire.text import Command, Message

@@ -5,27 +5,27 @@ from collections.abc import Iterator
 
 import numpy as np
 
-from sim.geometry import FloatArray, Pose2
-from sim.grid import OccupancyGrid
-from sim.localization.estimate import Estimate
-from sim.navigator import Arrived, Goal, Navigation, NoPath
-from sim.observations import (
-    STANDSTILL,
-    Battery,
-    Imu,
-    LaserMount,
-    Neighbour,
-    Observations,
-    Odometry,
-    Scan,
-    Twist,
-)
+from sim.common.geometry import FloatArray, Pose2
+from sim.common.grid import OccupancyGrid
+from sim.common.observations import STANDSTILL, Battery, Imu, LaserMount, Neighbour, Observations, Odometry, Scan, Twist
 from sim.parameters import WorldParameters
-from sim.robot import RobotOutput
-from sim.sensor_noise import SensorNoise
+from sim.robot.localization.estimate import Estimate
+from sim.robot.navigator import Arrived, Goal, Navigation, NoPath
+from sim.robot.software import RobotOutput
 from sim.team import TeamSnapshot
-from sim.world import WorldState
-from thbridge.ros.records import GameEvent, InitialPose, Input, Record, Score, SendRobots, Session, Success, Utterance
+from sim.world.physics import WorldState
+from sim.world.sensor_noise import SensorNoise
+from thbridge.ros.messages.records import (
+    GameEvent,
+    InitialPose,
+    Input,
+    Record,
+    Score,
+    SendRobots,
+    Session,
+    Success,
+    Utterance,
+)
 
 MOUNT = LaserMount(Pose2(0.1, 0.0, 0.0), -2.0, 4.0 / 180, 181, 0.05, 8.0)
 SCAN_PERIOD = 0.1

@@ -5,13 +5,13 @@ from collections.abc import Sequence
 import numpy as np
 import pytest
 
-from sim.geometry import Pose2
+from sim.common.geometry import Pose2
+from sim.common.observations import STANDSTILL
 from sim.inputs import Go, Halt
-from sim.navigator import Arrived, Cancelled, Goal, Navigation, NoPath, Result
-from sim.observations import STANDSTILL
+from sim.robot.navigator import Arrived, Cancelled, Goal, Navigation, NoPath, Result
 from thbridge.ros.actionlib import LISTED, ActionRequest, Ended, Feedback, GoalSet, MoveBaseServer, Said, StatusList
-from thbridge.ros.goals import Status
-from thbridge.ros.records import CancelRequest, GoalRequest, SimpleGoal
+from thbridge.ros.messages.goal_status import Status
+from thbridge.ros.messages.records import CancelRequest, GoalRequest, SimpleGoal
 
 HERE = Pose2(1.0, 2.0, 0.5)
 SECOND = 1_000_000_000

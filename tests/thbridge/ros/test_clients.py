@@ -6,11 +6,11 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from sim.geometry import Pose2
-from sim.observations import Twist
+from sim.common.geometry import Pose2
+from sim.common.observations import Twist
 from thbridge.ros import clients
 from thbridge.ros.clients import ActionCancel, ActionGoal, PlanQuestion, PoseEstimate, Refused
-from thbridge.ros.types import typestore
+from thbridge.ros.messages.types import typestore
 
 STORE = typestore()
 

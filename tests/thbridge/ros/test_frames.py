@@ -5,9 +5,9 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from sim.geometry import Pose2
+from sim.common.geometry import Pose2
 from thbridge.ros.frames import FrameTree, PlanarMount
-from thbridge.ros.unpack import SpatialTransform
+from thbridge.ros.messages.unpack import SpatialTransform
 
 ANGLES = st.floats(-math.pi, math.pi, exclude_max=True)
 POSES = st.builds(Pose2, st.floats(-5, 5), st.floats(-5, 5), ANGLES)

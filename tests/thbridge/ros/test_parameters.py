@@ -1,6 +1,6 @@
-from thbridge.app.config import Study
 from thbridge.ros.names import RobotNames
 from thbridge.ros.parameters import leaves, name_of, path_of, robot_tree, tree_of, value_at
+from thbridge.study.study_file import Study
 
 ROBOT = RobotNames.of(0)
 

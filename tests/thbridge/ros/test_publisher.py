@@ -5,20 +5,20 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from sim.costmap.view import CostmapView
-from sim.geometry import Pose2
-from sim.navigator import Cancelled, Goal
-from sim.observations import Battery, Twist
+from sim.common.geometry import Pose2
+from sim.common.observations import Battery, Twist
 from sim.parameters import RobotParameters
+from sim.robot.costmap.view import CostmapView
+from sim.robot.navigator import Cancelled, Goal
 from sim.team import TeamSnapshot
-from sim.things import Presence, Thing, polygons_of
+from sim.world.things import Presence, Thing, polygons_of
 from tests.thbridge.ros.drive import LEG, MOUNT, SCAN_PERIOD, SESSION, arena, records, snapshots
-from thbridge.ros import types, unpack
-from thbridge.ros.goals import Status
+from thbridge.ros.messages import types, unpack
+from thbridge.ros.messages.goal_status import Status
+from thbridge.ros.messages.records import CancelRequest, GoalRequest, SimpleGoal, VelocityCommand
+from thbridge.ros.messages.types import plain_definition, typestore
 from thbridge.ros.names import RobotNames
 from thbridge.ros.publisher import Message, Planners, Publisher, Topic, clock_message
-from thbridge.ros.records import CancelRequest, GoalRequest, SimpleGoal, VelocityCommand
-from thbridge.ros.types import plain_definition, typestore
 
 
 def published(robots: int, ticks: int) -> list[Message]:

@@ -11,9 +11,10 @@ from hypothesis import strategies as st
 from rosbags.typesys.msg import normalize_msgtype
 
 from sim.parameters import RobotParameters, reconfigurable
-from thbridge.roles.requests import with_values
-from thbridge.ros import reconfigure, types
+from thbridge.roles.robot_requests import with_values
+from thbridge.ros import reconfigure
 from thbridge.ros.clients import Refused
+from thbridge.ros.messages import types
 from thbridge.ros.names import RobotNames
 from thbridge.ros.reconfigure import Section, Value
 

@@ -4,14 +4,14 @@ from pathlib import Path
 import numpy as np
 from ruamel.yaml import YAML
 
-from sim.geometry import IDENTITY
-from sim.grid import OccupancyGrid
+from sim.common.geometry import IDENTITY
+from sim.common.grid import OccupancyGrid
 from sim.parameters import RobotParameters
 from sim.parameters.move_base import MoveBaseParameters
-from thbridge.adapters.map_files import read_map
-from thbridge.adapters.resources import shipped
-from thbridge.app.config import Study
+from thbridge.files.map_files import read_map
+from thbridge.files.resources import shipped
 from thbridge.ros.rviz import configuration
+from thbridge.study.study_file import Study
 
 ROOT = Path(__file__).parents[3]
 

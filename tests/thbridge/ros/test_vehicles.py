@@ -6,9 +6,9 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from thbridge.ros import pack, types, unpack
-from thbridge.ros.records import MavlinkFrame, VehicleState
-from thbridge.ros.stamps import stamp_ns
+from thbridge.ros.messages import pack, types, unpack
+from thbridge.ros.messages.records import MavlinkFrame, VehicleState
+from thbridge.ros.messages.stamps import stamp_ns
 
 BYTES = st.integers(0, 255)
 FRAMES = st.builds(

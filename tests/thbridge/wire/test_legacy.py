@@ -4,18 +4,7 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from thbridge.wire.legacy import (
-    Arrived,
-    AskTreasure,
-    FoundTreasure,
-    Goto,
-    Identify,
-    Image,
-    Legacy,
-    Score,
-    Snap,
-    decode,
-)
+from thbridge.wire.legacy import Arrived, AskTreasure, FoundTreasure, Goto, Identify, Image, Legacy, Score, Snap, decode
 from thbridge.wire.text import Message, Unreadable, parse_line, tokens
 
 LINES: list[tuple[Legacy, str]] = [

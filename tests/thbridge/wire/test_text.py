@@ -6,16 +6,7 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from thbridge.wire.text import (
-    ROUTED,
-    LineSplitter,
-    Message,
-    Overlong,
-    Unreadable,
-    encode_line,
-    parse_line,
-    tokens,
-)
+from thbridge.wire.text import ROUTED, LineSplitter, Message, Overlong, Unreadable, encode_line, parse_line, tokens
 
 WORDS = st.text(st.characters(exclude_characters=" \t\n\r\x0b\x0c", codec="utf-8"), min_size=1, max_size=8)
 MESSAGES = st.builds(Message, st.sampled_from(sorted(ROUTED)), WORDS, WORDS, st.lists(WORDS, max_size=5).map(tuple))

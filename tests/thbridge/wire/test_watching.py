@@ -5,7 +5,7 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from thbridge.adapters.bag_records import (
+from thbridge.recording.bag.records import (
     MAGIC,
     U32,
     Compression,

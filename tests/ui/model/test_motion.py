@@ -9,7 +9,7 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from sim.geometry import wrap_angle
+from sim.common.geometry import wrap_angle
 from thbridge.roles.notices import Ellipse, Ways, Whereabouts
 from ui.model.motion import KEPT, Motions
 from ui.model.trails import TRAIL_POINTS

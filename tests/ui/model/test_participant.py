@@ -7,8 +7,8 @@ import pytest
 from tests.thbridge.roles.stage import RULES
 from tests.ui.model.seat import Seat
 from thbridge.hunt.events import Condition, Departed, Failed, Identified, Left, Pictured
-from thbridge.roles.briefing import Briefing
-from thbridge.roles.requests import AdviseFor, Puppeteer, SpeakFor
+from thbridge.roles.keeper.briefing import Briefing
+from thbridge.roles.robot_requests import AdviseFor, Puppeteer, SpeakFor
 from ui.model.participant import Participant
 from ui.model.screen import (
     AgreeToTakePart,

@@ -1,10 +1,10 @@
 """A whole hunt steered by a ground station, while the participant's window follows it."""
 
-from tests.thbridge.roles.test_pilot import STATION, Flight
+from tests.thbridge.roles.vehicles.test_pilot import STATION, Flight
 from thbridge.hunt.events import Arrived, Identified
 from thbridge.roles.notices import Whereabouts
 from thbridge.roles.tabui import TabUI
-from thbridge.wire.mavlink.helm import LegState, Target
+from thbridge.wire.mavlink.vehicle_interface import LegState, Target
 from ui.model.participant import Participant
 from ui.model.screen import Phase
 

@@ -8,7 +8,7 @@ from tests.ui.model.test_participant import agree, events, go
 from tests.ui.model.test_participant_views import model_of, texts
 from tests.ui.model.views import asking, view, with_robot, with_room
 from thbridge.hunt.events import Commander, Departed, Identified
-from thbridge.roles.requests import ReleaseCommand, SendFor, TakeCommand
+from thbridge.roles.robot_requests import ReleaseCommand, SendFor, TakeCommand
 from thbridge.roles.view import AskBack, CallBack, Select, Unsure, Verdict
 from ui.model.keys import act_for
 from ui.model.participant import Participant

@@ -6,11 +6,11 @@ from pathlib import Path
 import pytest
 
 from thbridge.app.compose import read_setting
-from thbridge.app.config import Study
 from thbridge.app.play import NoLog
-from thbridge.app.session import Session
+from thbridge.app.session.session import Session
 from thbridge.roles.tabui import TabUI
 from thbridge.roles.view import View
+from thbridge.study.study_file import Study
 from thbridge.wire.router import Router
 from ui.model.keys import act_for
 from ui.model.participant import Participant

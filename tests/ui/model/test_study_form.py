@@ -6,11 +6,11 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from thbridge.adapters.yaml_tree import parse
-from thbridge.app.config import Study, load_study_tree, study_before
-from thbridge.app.noise import NoisePreset, preset, value_at, view_of, with_value
-from thbridge.app.study_text import as_yaml, commented_study
+from thbridge.files.yaml.tree import parse
 from thbridge.hunt.outcomes import Refused
+from thbridge.study.noise import NoisePreset, preset, value_at, view_of, with_value
+from thbridge.study.study_file import Study, load_study_tree, study_before
+from thbridge.study.text import as_yaml, commented_study
 from ui.model.study_form.draft import HEADER, Draft, History, draft_of, found
 from ui.model.study_form.form import Field, Kind, form_of, hint_of, said_of, typed
 from ui.model.study_form.noise import noise_said, preview_of

@@ -4,17 +4,17 @@ from pathlib import Path
 
 import pytest
 
-from sim.geometry import Pose2
+from sim.common.geometry import Pose2
 from sim.team import Carry, Die, PutThing, Revive
-from thbridge.adapters.bag_records import Compression
-from thbridge.app.broadcast import Broadcast
 from thbridge.app.compose import build_bot, read_setting
-from thbridge.app.config import RecordingSection, Study
 from thbridge.app.play import PLAY, NoLog
-from thbridge.app.recording import BagWitness
-from thbridge.app.session import Session
-from thbridge.roles.requests import Request
+from thbridge.app.session.broadcast import Broadcast
+from thbridge.app.session.recording import BagWitness
+from thbridge.app.session.session import Session
+from thbridge.recording.bag.records import Compression
+from thbridge.roles.robot_requests import Request
 from thbridge.roles.tabui import TabUI
+from thbridge.study.study_file import RecordingSection, Study
 from thbridge.wire import legacy
 from thbridge.wire.router import Router
 from ui.model.watching.tools import obstacle

@@ -7,12 +7,12 @@ import numpy as np
 import pytest
 from rosbags.rosbag1 import Writer
 
-from sim.grid import OccupancyGrid
+from sim.common.grid import OccupancyGrid
 from tests.thbridge.offline.foreign import Robot, write
 from tests.ui.sources.conftest import TICKS
-from thbridge.adapters import bag_reader
-from thbridge.adapters.errors import BadFile
-from thbridge.bags.report.gathering import read_report
+from thbridge.analysis.report.gathering import read_report
+from thbridge.files.errors import BadFile
+from thbridge.recording.bag import reader as bag_reader
 from ui.model.watching.live import LiveSource
 from ui.model.watching.scene import RobotScene, Scene, Shown
 from ui.sources.bag import TICK_NS, BagSource, open_bag

@@ -3,7 +3,7 @@ from pathlib import Path
 from tests.ui.sources.conftest import STUDY, record
 from tests.ui.sources.test_bag_source import scanned
 from thbridge.hunt.outcomes import Refused
-from thbridge.roles.requests import Puppeteer, Request
+from thbridge.roles.robot_requests import Puppeteer, Request
 from ui.model.watching.scene import Scene, Shown
 from ui.model.watching.tools import Tools
 

@@ -9,8 +9,8 @@ from pathlib import Path
 
 import numpy as np
 
-from sim.geometry import Pose2
-from thbridge.adapters.map_files import read_map
+from sim.common.geometry import Pose2
+from thbridge.files.map_files import read_map
 from thbridge.roles.notices import House, RoomOutline
 from ui.model.keys import help_lines
 from ui.model.scene import RobotMark, RoomMark

@@ -9,8 +9,8 @@ from tests.ui.windows import samples
 from tests.ui.windows.participant.conftest import Opened, opened
 from tests.ui.windows.participant.test_window import STATES, Open
 from tests.ui.windows.walking import against_the_eye, nameless, stops
-from ui.windows.participant.focus import reachable
-from ui.windows.participant.start import StartPage
+from ui.windows.participant.pages.start import StartPage
+from ui.windows.participant.widgets.focus import reachable
 
 __all__ = ["opened"]
 

@@ -7,7 +7,7 @@ from PySide6.QtCore import QPoint, Qt
 from PySide6.QtGui import QAccessible
 from PySide6.QtWidgets import QAbstractScrollArea, QWidget
 
-from ui.windows.participant.buttons import AskingButton
+from ui.windows.participant.widgets.buttons import AskingButton
 
 
 def stops(inside: QWidget) -> list[QWidget]:

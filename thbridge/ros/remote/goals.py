@@ -11,10 +11,10 @@ too, are cancelled until the server lets go of them.
 from collections.abc import Sequence
 from dataclasses import dataclass
 
-from sim.geometry import Pose2
-from sim.navigator import Arrived, Cancelled, Goal, NoPath, Result
-from sim.navigator.goals import NoPathReason
-from thbridge.ros.goals import ENDED, GoalId, GoalStatus, Status
+from sim.common.geometry import Pose2
+from sim.robot.navigator import Arrived, Cancelled, Goal, NoPath, Result
+from sim.robot.navigator.goals import NoPathReason
+from thbridge.ros.messages.goal_status import ENDED, GoalId, GoalStatus, Status
 from thbridge.ros.remote.pose import SILENCE_NS
 
 UNLISTED_NS = 2_000_000_000

@@ -10,14 +10,14 @@ from collections.abc import Iterable
 
 import numpy as np
 
-from sim.geometry import FloatArray, Pose2
-from sim.localization.estimate import Estimate
-from sim.observations import STANDSTILL, Twist
+from sim.common.geometry import FloatArray, Pose2
+from sim.common.observations import STANDSTILL, Twist
+from sim.robot.localization.estimate import Estimate
 from thbridge.ros.clients import Refused
 from thbridge.ros.frames import frame_name
-from thbridge.ros.pack import Transform
+from thbridge.ros.messages.pack import Transform
+from thbridge.ros.messages.unpack import Odometry, PoseInFrame
 from thbridge.ros.remote.names import RemoteNames
-from thbridge.ros.unpack import Odometry, PoseInFrame
 
 SILENCE_NS = 5_000_000_000
 """What is taken for silence, unless somebody says otherwise."""

@@ -11,19 +11,20 @@ from typing import assert_never
 
 import numpy as np
 
-from sim.geometry import FloatArray, Pose2
+from sim.common.geometry import FloatArray, Pose2
+from sim.common.observations import STANDSTILL, Battery, Imu, LaserMount, Neighbour, Observations, Odometry, Scan, Twist
 from sim.inputs import Drive, Go, Halt, Localize
-from sim.navigator import Navigation
-from sim.observations import STANDSTILL, Battery, Imu, LaserMount, Neighbour, Observations, Odometry, Scan, Twist
-from sim.robot import RobotOutput
-from thbridge.ros import clients, names, pack, types, unpack
+from sim.robot.navigator import Navigation
+from sim.robot.software import RobotOutput
+from thbridge.ros import clients, names
 from thbridge.ros.clients import Refused
 from thbridge.ros.frames import FrameTree, PlanarMount, frame_name
-from thbridge.ros.goals import GoalId
+from thbridge.ros.messages import pack, types, unpack
+from thbridge.ros.messages.goal_status import GoalId
+from thbridge.ros.messages.stamps import START_NS, TICK_NS
 from thbridge.ros.remote.goals import CancelGoal, MoveBaseClient, SetGoal
 from thbridge.ros.remote.names import RemoteNames
 from thbridge.ros.remote.pose import SILENCE_NS, RemotePose
-from thbridge.ros.stamps import START_NS, TICK_NS
 from thbridge.ros.topics import Message, Topic
 
 RemoteInput = Go | Halt | Drive | Localize

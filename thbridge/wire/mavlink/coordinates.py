@@ -6,8 +6,8 @@ north, clockwise. Heights are of no account: all robots stand on one floor.
 
 import math
 
-from sim.geometry import Pose2, wrap_angle
-from sim.observations import Twist
+from sim.common.geometry import Pose2, wrap_angle
+from sim.common.observations import Twist
 from thbridge.wire.mavlink.dialect import mav
 
 GLOBAL = frozenset(

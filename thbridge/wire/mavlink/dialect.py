@@ -8,7 +8,7 @@ from typing import cast
 from pymavlink.dialects.v20 import all as mav
 from pymavlink.dialects.v20.all import MAVLink_message as Message
 
-from thbridge.wire.mavlink.added import ADDED
+from thbridge.wire.mavlink.extra_messages import ADDED
 
 __all__ = [
     "EVERYBODY",

@@ -10,13 +10,13 @@ Source: the MAVLink developer guide, "Routing".
 from collections.abc import Iterable, Sequence
 from dataclasses import dataclass
 
-from sim.observations import TICKS_PER_SECOND
+from sim.common.observations import TICKS_PER_SECOND
 from thbridge.wire.mavlink.dialect import EVERYBODY, SECRETS, crc_extra, decoded, payload_of, target_of
 from thbridge.wire.mavlink.frames.frame import Frame
-from thbridge.wire.mavlink.helm import Readings, Station
 from thbridge.wire.mavlink.links import Drop, Link, LinkReport
-from thbridge.wire.mavlink.said import COMPONENT, LinkId, Said
+from thbridge.wire.mavlink.outgoing import COMPONENT, LinkId, Said
 from thbridge.wire.mavlink.vehicle.vehicle import Vehicle
+from thbridge.wire.mavlink.vehicle_interface import Readings, Station
 
 
 @dataclass(frozen=True, slots=True)

@@ -6,7 +6,7 @@ from dataclasses import dataclass, field
 from enum import StrEnum
 
 from thbridge.wire.mavlink.frames.frame import missing_between
-from thbridge.wire.mavlink.helm import Station
+from thbridge.wire.mavlink.vehicle_interface import Station
 
 MOST_STATIONS = 16
 """Senders that are listened to on one link: whoever makes up more is not heard."""

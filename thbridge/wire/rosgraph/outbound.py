@@ -20,15 +20,7 @@ from thbridge.wire.rosgraph.links import (
     quoted,
     take_header,
 )
-from thbridge.wire.rosgraph.tcpros import (
-    BODY_LIMIT,
-    Fields,
-    FrameBuffer,
-    Malformed,
-    Overlong,
-    encode_header,
-    frame,
-)
+from thbridge.wire.rosgraph.tcpros import BODY_LIMIT, Fields, FrameBuffer, Malformed, Overlong, encode_header, frame
 
 
 class _Phase(Enum):

@@ -5,13 +5,13 @@ from thbridge.hunt.rules import robot_name
 from thbridge.roles.view import Agree
 from ui.model.keys import HELP, help_lines, key_of
 from ui.model.playing.cards import cards
-from ui.model.playing.ending import ending
-from ui.model.playing.finds import PATIENCE, find
-from ui.model.playing.popups import Find, Item, Talk
+from ui.model.playing.popups.ending import ending
+from ui.model.playing.popups.finds import PATIENCE, find
+from ui.model.playing.popups.questions import question
+from ui.model.playing.popups.talks import going, title
 from ui.model.playing.possible import standing_in
-from ui.model.playing.questions import question
+from ui.model.playing.queue import Find, Item, Talk
 from ui.model.playing.state import Hunt, Memory
-from ui.model.playing.talks import going, title
 from ui.model.playing.tiles import dont_know, end, tiles
 from ui.model.playing.words import titled, verdict_words
 from ui.model.screen import (

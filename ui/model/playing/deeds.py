@@ -16,7 +16,6 @@ from thbridge.roles.view import (
 )
 from ui.model.playing.cards import described
 from ui.model.playing.hearing import is_open, note, settle
-from ui.model.playing.popups import Find, Talk
 from ui.model.playing.possible import (
     undecided_beside,
     why_not_ask,
@@ -27,6 +26,7 @@ from ui.model.playing.possible import (
     why_not_picture,
     why_not_work,
 )
+from ui.model.playing.queue import Find, Talk
 from ui.model.playing.state import Doubt, End, Hunt, Memory, MoveOn, Reroute
 from ui.model.screen import (
     Act,

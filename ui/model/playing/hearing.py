@@ -18,7 +18,6 @@ from thbridge.roles.view import (
     Wish,
 )
 from ui.model.playing.history import History
-from ui.model.playing.popups import Find, Item, Talk
 from ui.model.playing.possible import (
     decider,
     standing_in,
@@ -28,6 +27,7 @@ from ui.model.playing.possible import (
     why_not_go,
     why_not_name,
 )
+from ui.model.playing.queue import Find, Item, Talk
 from ui.model.playing.state import End, Hunt, Memory, MoveOn, Reroute
 from ui.model.playing.words import how_it_comes_back, place_name, titled
 

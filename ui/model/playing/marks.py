@@ -2,7 +2,7 @@
 
 import numpy as np
 
-from sim.geometry import FloatArray
+from sim.common.geometry import FloatArray
 from thbridge.roles.notices import House
 from thbridge.roles.view import View
 from ui.model.motion import Moving

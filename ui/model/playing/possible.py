@@ -1,7 +1,7 @@
 """What the rules allow, as far as a view shows it, and else why not, in words for a hint.
 
-The game's own rules (`thbridge.hunt.rules`, `thbridge.roles.wishes`) decide; these tell the same beforehand, so that
-nothing is offered which would be refused.
+The game's own rules (`thbridge.hunt.rules`, `thbridge.roles.keeper.participant_requests`) decide; these tell the same
+beforehand, so that nothing is offered which would be refused.
 """
 
 from thbridge.hunt.costs import spoken_energy

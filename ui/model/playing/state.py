@@ -9,7 +9,7 @@ from ui.model.playing.asked import Asked
 from ui.model.playing.connection import Connection
 from ui.model.playing.history import History
 from ui.model.playing.pictures import Pictures
-from ui.model.playing.popups import Find, Item, Popups, Talk
+from ui.model.playing.queue import Find, Item, Popups, Talk
 
 
 @dataclass(frozen=True, slots=True)

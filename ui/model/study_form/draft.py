@@ -6,14 +6,14 @@ from collections.abc import Mapping
 from dataclasses import dataclass
 from pathlib import Path
 
-from thbridge.adapters.errors import BadFile, BadFiles
-from thbridge.adapters.yaml_edit import with_value, without
-from thbridge.adapters.yaml_places import node_at, steps_of
-from thbridge.adapters.yaml_tree import Node, Section, parse
 from thbridge.app.compose import read_setting
-from thbridge.app.config import Study, StudyFile, load_study_tree, study_before
-from thbridge.app.noise import HOMES
+from thbridge.files.errors import BadFile, BadFiles
+from thbridge.files.yaml.edit import with_value, without
+from thbridge.files.yaml.places import node_at, steps_of
+from thbridge.files.yaml.tree import Node, Section, parse
 from thbridge.hunt.outcomes import Refused
+from thbridge.study.noise import HOMES
+from thbridge.study.study_file import Study, StudyFile, load_study_tree, study_before
 from ui.model.study_form.form import Field, Group, Repeats, form_of, typed
 
 HEADER = "# A study. Every key may be left out; what is not written here is as by default.\n"

@@ -10,7 +10,8 @@ from pathlib import Path
 from types import NoneType, UnionType
 from typing import TYPE_CHECKING, Union, cast, get_args, get_origin, get_type_hints
 
-from thbridge.adapters.declarations import (
+from thbridge.files.errors import BadFile
+from thbridge.files.yaml.declarations import (
     Metadata,
     allowed,
     bounds,
@@ -19,13 +20,12 @@ from thbridge.adapters.declarations import (
     renamed_of,
     sections_named_in,
 )
-from thbridge.adapters.errors import BadFile
-from thbridge.adapters.yaml_edit import in_brackets
-from thbridge.adapters.yaml_places import node_at, source_of, steps_of
-from thbridge.adapters.yaml_tree import Listing, Node, Scalar, Section, parse, quoted
-from thbridge.app.config import StudyFile
-from thbridge.app.noise import HOMES
-from thbridge.app.study_text import SHOWN_ELSEWHERE, as_yaml, is_plain_word
+from thbridge.files.yaml.edit import in_brackets
+from thbridge.files.yaml.places import node_at, source_of, steps_of
+from thbridge.files.yaml.tree import Listing, Node, Scalar, Section, parse, quoted
+from thbridge.study.noise import HOMES
+from thbridge.study.study_file import StudyFile
+from thbridge.study.text import SHOWN_ELSEWHERE, as_yaml, is_plain_word
 
 if TYPE_CHECKING:
     from _typeshed import DataclassInstance

@@ -3,9 +3,9 @@
 from collections.abc import Iterable, Mapping
 from dataclasses import dataclass
 
-from thbridge.app.config import Study
-from thbridge.app.noise import HOMES, NoisePreset, NoiseSection, applied, preset, view_of, with_value
 from thbridge.offline.noise import Fan, RoomScan, believed_fan, covered, room_scan, wheels_fan
+from thbridge.study.noise import HOMES, NoisePreset, NoiseSection, applied, preset, view_of, with_value
+from thbridge.study.study_file import Study
 from ui.model.study_form.form import Field, Kind, said_of
 
 _ALMOST_NONE = 1e-3

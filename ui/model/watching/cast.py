@@ -4,10 +4,10 @@ import re
 from collections.abc import Callable, Collection, Mapping
 from dataclasses import dataclass, field
 
-from thbridge.bags.report.tracks import BATTERIES, ESTIMATES, NO_ESTIMATES
+from thbridge.analysis.report.tracks import BATTERIES, ESTIMATES, NO_ESTIMATES
 from thbridge.hunt.rules import robot_name
-from thbridge.ros import types, unpack
 from thbridge.ros.frames import frame_name
+from thbridge.ros.messages import types, unpack
 from thbridge.ros.robots import (
     ODOM_FRAME,
     by_number,
@@ -21,7 +21,7 @@ from thbridge.ros.robots import (
     usual_first,
 )
 from ui.model.watching.frames import namespace_of_tf
-from ui.model.watching.said import TF_TYPES, Said
+from ui.model.watching.received import TF_TYPES, Said
 
 _ONLY_ROBOTS = frozenset({types.BATTERY_STATE, types.MOVE_BASE_GOAL, types.MOVE_BASE_RESULT})
 _OURS = re.compile(r"robot([1-9][0-9]*)")

@@ -4,7 +4,7 @@ import math
 
 import numpy as np
 
-from sim.geometry import FloatArray
+from sim.common.geometry import FloatArray
 
 MOST = 20_000
 """Samples that a curve keeps: half an hour of ten a second as they were, then the older half ever thinner."""

@@ -3,7 +3,7 @@
 from collections.abc import Callable
 from typing import Generic, TypeVar
 
-from ui.model.watching.said import Said
+from ui.model.watching.received import Said
 
 T = TypeVar("T")
 

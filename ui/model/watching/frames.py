@@ -5,12 +5,12 @@ from struct import Struct
 
 import numpy as np
 
-from sim.geometry import FloatArray, Pose2
-from thbridge.ros import unpack
+from sim.common.geometry import FloatArray, Pose2
 from thbridge.ros.frames import PlanarMount, frame_name, matrix
+from thbridge.ros.messages import unpack
+from thbridge.ros.messages.unpack import SpatialTransform
 from thbridge.ros.robots import is_map_frame, is_odom_frame
-from thbridge.ros.unpack import SpatialTransform
-from ui.model.watching.said import Said
+from ui.model.watching.received import Said
 
 HORIZON_NS = 10_000_000_000
 """What was said longer ago than this of a frame that moves does not hold any more; tf2 forgets it, too."""

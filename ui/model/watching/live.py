@@ -6,13 +6,14 @@ from collections import deque
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field
 
-from thbridge.adapters.map_files import MapRoom
-from thbridge.ros import names, unpack
-from thbridge.ros.records import Session
+from thbridge.files.map_files import MapRoom
+from thbridge.ros import names
+from thbridge.ros.messages import unpack
+from thbridge.ros.messages.records import Session
 from ui.model.watching.cast import Introductions
 from ui.model.watching.decoded import Decoded
 from ui.model.watching.frames import HORIZON_NS, children_of
-from ui.model.watching.said import TF_TYPES, Said
+from ui.model.watching.received import TF_TYPES, Said
 from ui.model.watching.scene import Scene, Shown
 from ui.model.watching.scenes import Scenes, Watched
 from ui.model.watching.series import Series

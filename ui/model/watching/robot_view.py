@@ -7,19 +7,19 @@ from typing import TypeVar
 
 import numpy as np
 
-from sim.geometry import FloatArray, Pose2, wrap_angle
-from sim.grid import OccupancyGrid
-from thbridge.bags.report.tracks import deviations
-from thbridge.ros import types, unpack
-from thbridge.ros.goals import ENDED, GoalStatus
-from thbridge.ros.pack import Diagnosis, DiagnosticLevel
+from sim.common.geometry import FloatArray, Pose2, wrap_angle
+from sim.common.grid import OccupancyGrid
+from thbridge.analysis.report.tracks import deviations
+from thbridge.ros.messages import types, unpack
+from thbridge.ros.messages.goal_status import ENDED, GoalStatus
+from thbridge.ros.messages.pack import Diagnosis, DiagnosticLevel
+from thbridge.ros.messages.unpack import Charge, GoalEnd, GoalStart, LaserScan, Odometry, PoseInFrame
 from thbridge.ros.robots import is_map_frame
-from thbridge.ros.unpack import Charge, GoalEnd, GoalStart, LaserScan, Odometry, PoseInFrame
 from ui.model.scene import EllipseMark
 from ui.model.watching.cast import Member
 from ui.model.watching.decoded import Decoded
 from ui.model.watching.frames import Frames
-from ui.model.watching.said import Levels, Said
+from ui.model.watching.received import Levels, Said
 from ui.model.watching.scene import NO_POINTS, NO_POSES, RobotScene, Shown
 from ui.model.watching.series import Series
 

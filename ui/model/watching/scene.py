@@ -8,8 +8,8 @@ from typing import Literal
 
 import numpy as np
 
-from sim.geometry import FloatArray, Pose2
-from sim.grid import OccupancyGrid
+from sim.common.geometry import FloatArray, Pose2
+from sim.common.grid import OccupancyGrid
 from ui.model.scene import EllipseMark, RoomMark
 
 NO_POINTS: FloatArray = np.empty((0, 2))

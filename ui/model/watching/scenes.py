@@ -6,19 +6,20 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from sim.geometry import FloatArray
-from sim.grid import OccupancyGrid
-from thbridge.adapters.map_files import MapRoom
-from thbridge.ros import names, types, unpack
-from thbridge.ros.pack import Diagnosis
-from thbridge.ros.records import Score
+from sim.common.geometry import FloatArray
+from sim.common.grid import OccupancyGrid
+from thbridge.files.map_files import MapRoom
+from thbridge.ros import names
+from thbridge.ros.messages import types, unpack
+from thbridge.ros.messages.pack import Diagnosis
+from thbridge.ros.messages.records import Score
 from thbridge.ros.robots import usual_first
 from ui.model.scene import RoomMark
 from ui.model.watching.cast import Member
 from ui.model.watching.decoded import Decoded
 from ui.model.watching.frames import Frames
+from ui.model.watching.received import Levels, Said
 from ui.model.watching.robot_view import Moment, RobotView, Unpacked
-from ui.model.watching.said import Levels, Said
 from ui.model.watching.scene import GameScene, Scene, Shown, ThingScene, Wizard
 from ui.model.watching.series import Series
 from ui.model.watching.story import RoomNews, Story

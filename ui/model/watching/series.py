@@ -4,14 +4,14 @@ import math
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass, field
 
-from sim.geometry import Pose2, wrap_angle
-from thbridge.bags.report.tracks import deviations
-from thbridge.ros import types, unpack
+from sim.common.geometry import Pose2, wrap_angle
+from thbridge.analysis.report.tracks import deviations
+from thbridge.ros.messages import types, unpack
 from thbridge.ros.robots import is_map_frame
 from ui.model.watching.cast import Member
 from ui.model.watching.curves import Curve
 from ui.model.watching.frames import Frames, children_of, namespace_of_tf
-from ui.model.watching.said import TF_TYPES, Said
+from ui.model.watching.received import TF_TYPES, Said
 
 PERIOD = 0.1
 """Seconds from one sample to the next, at least."""

@@ -8,10 +8,11 @@ from typing import TypeGuard, get_args
 
 from thbridge.hunt.events import Commander
 from thbridge.hunt.rules import robot_name
-from thbridge.ros import names, types, unpack
-from thbridge.ros.records import GameEvent, LogLevel
+from thbridge.ros import names
+from thbridge.ros.messages import types, unpack
+from thbridge.ros.messages.records import GameEvent, LogLevel
 from ui.model.scene import RoomState
-from ui.model.watching.said import Said
+from ui.model.watching.received import Said
 from ui.model.watching.scene import Entry, EntryKind
 
 MOST = 50_000

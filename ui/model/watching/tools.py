@@ -8,13 +8,13 @@ from typing import Literal
 
 import numpy as np
 
-from sim.floor import inside
-from sim.geometry import Pose2
+from sim.common.geometry import Pose2
+from sim.common.traversability import inside
 from sim.team import Carry, ClearCostmaps, Die, PutThing, RemoveThing, Revive
-from sim.things import Thing
+from sim.world.things import Thing
 from thbridge.hunt.outcomes import Refused
-from thbridge.roles.requests import AdviseFor, Puppeteer, Request, SpeakFor, WizardRequest
-from thbridge.ros.records import InitialPose, SimpleGoal
+from thbridge.roles.robot_requests import AdviseFor, Puppeteer, Request, SpeakFor, WizardRequest
+from thbridge.ros.messages.records import InitialPose, SimpleGoal
 from ui.model.watching.scene import PendingTurn, RobotScene, Scene
 
 SENDER = "watch"

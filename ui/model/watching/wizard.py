@@ -2,7 +2,7 @@
 
 import msgspec
 
-from thbridge.ros import unpack
+from thbridge.ros.messages import unpack
 from ui.model.watching.scene import Wizard
 
 

@@ -7,7 +7,7 @@ import numpy as np
 from PySide6.QtCore import QPointF, QRectF, Qt
 from PySide6.QtGui import QColor, QFont, QFontMetricsF, QPainter, QPen, QPixmap, QPolygonF
 
-from sim.geometry import FloatArray
+from sim.common.geometry import FloatArray
 from ui.model.theme import Palette
 
 HEIGHT = 20.0

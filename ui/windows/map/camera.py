@@ -3,7 +3,7 @@
 import math
 from dataclasses import dataclass, replace
 
-from sim.geometry import FloatArray
+from sim.common.geometry import FloatArray
 
 CLOSEST = 400.0
 """Most pixels a metre."""

@@ -4,7 +4,7 @@ from collections.abc import Sequence
 
 import numpy as np
 
-from sim.geometry import Pose2
+from sim.common.geometry import Pose2
 from ui.model.scene import RobotMark, RoomMark
 
 SEEN = 0.1

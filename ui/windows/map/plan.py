@@ -8,8 +8,8 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from sim.floor import inside
-from sim.geometry import FloatArray, Pose2
+from sim.common.geometry import FloatArray, Pose2
+from sim.common.traversability import inside
 from thbridge.roles.notices import House
 
 FREE, WALL, UNKNOWN = 0, 1, 2

@@ -7,7 +7,7 @@ from PySide6.QtCore import QLineF
 from PySide6.QtGui import QPolygonF
 from shiboken6 import Shiboken
 
-from sim.geometry import FloatArray
+from sim.common.geometry import FloatArray
 
 
 def polygon(points: FloatArray) -> QPolygonF:

@@ -8,7 +8,7 @@ import numpy as np
 from PySide6.QtCore import QLineF, QPointF, Qt
 from PySide6.QtGui import QColor, QFont, QPainter, QPen, QPolygonF, QTransform
 
-from sim.geometry import FloatArray, Pose2
+from sim.common.geometry import FloatArray, Pose2
 from ui.model.scene import EllipseMark, RobotMark
 from ui.model.theme import Palette
 from ui.windows.map.badges import Anchor, Badges, Lettering, placed

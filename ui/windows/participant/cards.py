@@ -7,8 +7,19 @@ from PySide6.QtWidgets import QSizePolicy, QVBoxLayout, QWidget
 from thbridge.hunt.costs import spoken_energy
 from ui.model.screen import Action, RobotCard
 from ui.windows.look import GAP, RADIUS, colours, font
-from ui.windows.participant.buttons import ActionButton, AskingButton
-from ui.windows.participant.painting import Sign, box, chip, chip_size, elided, hatch, key_cap, key_size, ring, sign
+from ui.windows.participant.widgets.buttons import ActionButton, AskingButton
+from ui.windows.participant.widgets.painting import (
+    Sign,
+    box,
+    chip,
+    chip_size,
+    elided,
+    hatch,
+    key_cap,
+    key_size,
+    ring,
+    sign,
+)
 
 PAD = 1.25 * GAP
 EDGE = 6.0

@@ -6,10 +6,10 @@ from PySide6.QtWidgets import QFrame, QScrollArea, QWidget
 
 from ui.windows import look
 from ui.windows.look import GAP
-from ui.windows.participant.buttons import ActionButton
 from ui.windows.participant.cards import Cards
-from ui.windows.participant.focus import region
 from ui.windows.participant.tiles import Tiles
+from ui.windows.participant.widgets.buttons import ActionButton
+from ui.windows.participant.widgets.focus import region
 
 _SECTION = int(1.5 * GAP)
 """Between robots and rooms."""

@@ -11,8 +11,8 @@ from PySide6.QtWidgets import (
 
 from ui.windows.look import GAP
 from ui.windows.map import MapView
-from ui.windows.participant.panels import Panel
 from ui.windows.participant.top import BannerLine
+from ui.windows.participant.widgets.panels import Panel
 
 WIDEST = 620
 """Of a panel, logical pixels."""

@@ -7,8 +7,8 @@ from PySide6.QtWidgets import QSizePolicy, QWidget
 from thbridge.hunt.costs import spoken_energy
 from ui.model.screen import ConsiderRoom, RoomTile
 from ui.windows.look import GAP, RADIUS, colours, font
-from ui.windows.participant.buttons import AskingButton
-from ui.windows.participant.painting import Sign, box, chip, chip_size, elided, ring, sign
+from ui.windows.participant.widgets.buttons import AskingButton
+from ui.windows.participant.widgets.painting import Sign, box, chip, chip_size, elided, ring, sign
 
 SIGNS: dict[str, Sign] = {"unvisited": "open", "reserved": "way", "visited": "tick"}
 STATES: dict[str, str] = {"unvisited": "not visited yet", "reserved": "a robot is under way", "visited": "visited"}

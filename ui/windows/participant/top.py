@@ -7,10 +7,10 @@ from PySide6.QtWidgets import QHBoxLayout, QWidget
 from ui.model.screen import Action, Banner
 from ui.windows import look
 from ui.windows.look import GAP, RADIUS, colours, font
-from ui.windows.participant.buttons import ActionButton, ActionRow
-from ui.windows.participant.painting import box, sign
-from ui.windows.participant.panels import set_text
 from ui.windows.participant.score import Score
+from ui.windows.participant.widgets.buttons import ActionButton, ActionRow
+from ui.windows.participant.widgets.painting import box, sign
+from ui.windows.participant.widgets.panels import set_text
 
 
 class TopStrip(QWidget):

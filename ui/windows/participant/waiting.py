@@ -7,9 +7,9 @@ from PySide6.QtWidgets import QFrame, QHBoxLayout, QScrollArea, QSizePolicy, QWi
 from ui.model.screen import Waiting
 from ui.windows import look
 from ui.windows.look import GAP, RADIUS, colours, font
-from ui.windows.participant.buttons import ActionButton, AskingButton, Face
-from ui.windows.participant.painting import box, chip, chip_size, key_cap, key_size, ring
-from ui.windows.participant.panels import set_text
+from ui.windows.participant.widgets.buttons import ActionButton, AskingButton, Face
+from ui.windows.participant.widgets.painting import box, chip, chip_size, key_cap, key_size, ring
+from ui.windows.participant.widgets.panels import set_text
 
 
 class WaitingChip(AskingButton):

@@ -39,17 +39,17 @@ from ui.model.screen import (
 from ui.model.theme import Palette
 from ui.windows.look import GAP
 from ui.windows.map import MapView
-from ui.windows.participant import focus
 from ui.windows.participant.column import Column
-from ui.windows.participant.dialogue import DialoguePanel
 from ui.windows.participant.history import History
 from ui.windows.participant.keyboard import Keyboard
-from ui.windows.participant.pages import Connecting, ConsentPage, EndingPanel, HelpSheet, QuestionPanel
-from ui.windows.participant.panels import Panel, Veil, set_text
+from ui.windows.participant.pages.pages import Connecting, ConsentPage, EndingPanel, HelpSheet, QuestionPanel
+from ui.windows.participant.popups.dialogue import DialoguePanel
+from ui.windows.participant.popups.treasure import TreasurePanel
 from ui.windows.participant.stage import Stage
 from ui.windows.participant.top import TopStrip
-from ui.windows.participant.treasure import TreasurePanel
 from ui.windows.participant.waiting import WaitingStrip
+from ui.windows.participant.widgets import focus
+from ui.windows.participant.widgets.panels import Panel, Veil, set_text
 
 FRAME = 16
 """Milliseconds between two looks at the model."""

@@ -4,9 +4,9 @@ from collections.abc import Iterator
 
 from ui.model.watching.scene import Entry, EntryKind
 from ui.windows.researcher.deck import Deck
-from ui.windows.researcher.feed import Feed
-from ui.windows.researcher.log import Log, Row
-from ui.windows.researcher.transport import Mark
+from ui.windows.researcher.docks.log import Log, Row
+from ui.windows.researcher.docks.transport import Mark
+from ui.windows.researcher.feeds.feed import Feed
 
 PORTION = 2000
 """Rows that a list takes at once."""

@@ -24,14 +24,14 @@ from PySide6.QtWidgets import (
 from ui.model.theme import Palette
 from ui.model.watching.tools import Shape
 from ui.windows.controls import Choices
-from ui.windows.researcher.displays import SWITCHES, Displays
+from ui.windows.researcher.docks.displays import SWITCHES, Displays
+from ui.windows.researcher.docks.log import Log
+from ui.windows.researcher.docks.plots import Plots
+from ui.windows.researcher.docks.team import Team
+from ui.windows.researcher.docks.transport import Transport
+from ui.windows.researcher.docks.wizard import WizardDock
 from ui.windows.researcher.keys import KeySheet
-from ui.windows.researcher.log import Log
-from ui.windows.researcher.plots import Plots
-from ui.windows.researcher.team import Team
-from ui.windows.researcher.tools import TOOLS, Tool
-from ui.windows.researcher.transport import Transport
-from ui.windows.researcher.wizard import WizardDock
+from ui.windows.researcher.map.tools import TOOLS, Tool
 
 LEFT, RIGHT, BOTTOM = (
     Qt.DockWidgetArea.LeftDockWidgetArea,

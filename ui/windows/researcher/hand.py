@@ -7,16 +7,16 @@ from functools import partial
 from PySide6.QtCore import Qt
 from PySide6.QtWidgets import QMessageBox
 
-from sim.geometry import FloatArray, Pose2
+from sim.common.geometry import FloatArray, Pose2
 from thbridge.hunt.outcomes import Refused
 from thbridge.hunt.rules import robot_name
 from ui.model.watching.scene import PendingTurn, RobotScene, Scene
 from ui.model.watching.tools import Tools, aimed
 from ui.windows.map import MapView
 from ui.windows.researcher.deck import Deck
-from ui.windows.researcher.feed import Feed, Wish
-from ui.windows.researcher.preview import Preview
-from ui.windows.researcher.tools import TOOLS, Gesture, Tool
+from ui.windows.researcher.feeds.feed import Feed, Wish
+from ui.windows.researcher.map.preview import Preview
+from ui.windows.researcher.map.tools import TOOLS, Gesture, Tool
 
 REACH, GRIP = 0.4, 24.0
 """Metres, or pixels where those are more, from its middle at which a robot is taken hold of."""

@@ -3,8 +3,8 @@
 from PySide6.QtWidgets import QDialog, QDialogButtonBox, QGridLayout, QHBoxLayout, QLabel, QVBoxLayout, QWidget
 
 from ui.windows.look import font
-from ui.windows.researcher.displays import SWITCHES
-from ui.windows.researcher.tools import TOOLS
+from ui.windows.researcher.docks.displays import SWITCHES
+from ui.windows.researcher.map.tools import TOOLS
 
 Keys = tuple[tuple[str, str], ...]
 

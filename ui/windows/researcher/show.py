@@ -6,7 +6,7 @@ import time
 from PySide6.QtWidgets import QApplication
 
 from ui.windows.look import Appearance, Choice
-from ui.windows.researcher.feed import Feed
+from ui.windows.researcher.feeds.feed import Feed
 from ui.windows.researcher.window import ResearcherWindow
 
 

@@ -7,9 +7,9 @@ import numpy as np
 from PySide6.QtCore import Qt, QTimer
 from PySide6.QtGui import QCloseEvent
 
-from sim.geometry import FloatArray
+from sim.common.geometry import FloatArray
 from thbridge.hunt.rules import robot_name
-from thbridge.roles.house import house_of
+from thbridge.roles.keeper.floor_plan import house_of
 from ui.model.scene import RobotMark
 from ui.model.theme import Palette
 from ui.model.watching.scene import RobotScene, Scene, Shown
@@ -17,14 +17,14 @@ from ui.model.watching.series import RobotSeries
 from ui.windows.map import MapView
 from ui.windows.researcher.chronicle import Chronicle
 from ui.windows.researcher.deck import Deck
-from ui.windows.researcher.displays import Display
-from ui.windows.researcher.feed import Feed
+from ui.windows.researcher.docks.displays import Display
+from ui.windows.researcher.docks.plots import BAND, PANELS, Curves
+from ui.windows.researcher.docks.team import RobotRow
+from ui.windows.researcher.docks.transport import SPEEDS
+from ui.windows.researcher.feeds.feed import Feed
 from ui.windows.researcher.hand import Hand
-from ui.windows.researcher.overlays import Overlays, drawn
-from ui.windows.researcher.plots import BAND, PANELS, Curves
-from ui.windows.researcher.sign import Sign
-from ui.windows.researcher.team import RobotRow
-from ui.windows.researcher.transport import SPEEDS
+from ui.windows.researcher.map.overlays import Overlays, drawn
+from ui.windows.researcher.map.sign import Sign
 
 FRAME = 33
 """Milliseconds from one picture of the map to the next."""

@@ -6,8 +6,8 @@ from pathlib import Path
 
 from PySide6.QtWidgets import QApplication
 
-from thbridge.app.config import Study
-from thbridge.app.noise import NoiseSection
+from thbridge.study.noise import NoiseSection
+from thbridge.study.study_file import Study
 from ui.model.study_form.noise import preview_of
 from ui.windows.look import Appearance, Choice
 from ui.windows.study.window import StudyWindow

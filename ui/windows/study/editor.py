@@ -6,8 +6,8 @@ from pathlib import Path
 
 from PySide6.QtCore import QFileSystemWatcher, QObject, QTimer, Signal, Slot
 
-from thbridge.adapters.edited_file import OnDisk, read_edited, write_edited
-from thbridge.adapters.errors import BadFile
+from thbridge.files.edited_file import OnDisk, read_edited, write_edited
+from thbridge.files.errors import BadFile
 from thbridge.hunt.outcomes import Refused
 from ui.model.study_form.draft import HEADER, Draft, History, draft_of
 from ui.windows.study.background import Background

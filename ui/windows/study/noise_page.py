@@ -6,7 +6,7 @@ from PySide6.QtCore import QSize, Qt, Slot
 from PySide6.QtGui import QImage
 from PySide6.QtWidgets import QGridLayout, QScrollArea, QVBoxLayout, QWidget
 
-from thbridge.app.config import Study
+from thbridge.study.study_file import Study
 from ui.model.study_form.draft import Draft
 from ui.model.study_form.noise import Preview, extent_of, noise_said, preview_of
 from ui.windows.look import GAP, colours, label, panel

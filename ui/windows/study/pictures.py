@@ -10,7 +10,7 @@ from PySide6.QtCore import QPointF, QRectF, QSize, Qt
 from PySide6.QtGui import QColor, QImage, QPainter, QPaintEvent, QPen, QPolygonF, QResizeEvent
 from PySide6.QtWidgets import QSizePolicy, QWidget
 
-from sim.geometry import FloatArray
+from sim.common.geometry import FloatArray
 from thbridge.offline.noise import Fan, RoomScan
 from ui.model.study_form.noise import Preview
 from ui.model.theme import Palette

@@ -6,7 +6,7 @@ from PySide6.QtCore import QSignalBlocker, Qt, Signal
 from PySide6.QtGui import QFocusEvent, QWheelEvent
 from PySide6.QtWidgets import QBoxLayout, QHBoxLayout, QLineEdit, QPushButton, QSlider, QVBoxLayout, QWidget
 
-from thbridge.adapters.errors import BadFile
+from thbridge.files.errors import BadFile
 from ui.model.study_form.form import Field, Kind, hint_of, said_of
 from ui.windows.controls import Choices
 from ui.windows.look import GAP, font, label

@@ -2,9 +2,9 @@
 
 import pytest
 
-from sim.geometry import Pose2
-from sim.navigator import Arrived, Cancelled, Goal, NoPath
-from thbridge.ros.goals import GoalId, GoalStatus, Status
+from sim.common.geometry import Pose2
+from sim.robot.navigator import Arrived, Cancelled, Goal, NoPath
+from thbridge.ros.messages.goal_status import GoalId, GoalStatus, Status
 from thbridge.ros.remote.goals import (
     AGAIN_NS,
     HINDSIGHT_NS,

@@ -7,13 +7,13 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from sim.geometry import Pose2
-from sim.observations import Twist
+from sim.common.geometry import Pose2
+from sim.common.observations import Twist
 from thbridge.ros.clients import Refused
-from thbridge.ros.pack import Transform
+from thbridge.ros.messages.pack import Transform
+from thbridge.ros.messages.unpack import Odometry, PoseInFrame
 from thbridge.ros.remote.names import RemoteNames
 from thbridge.ros.remote.pose import BLIND_WAY, SILENCE_NS, RemotePose
-from thbridge.ros.unpack import Odometry, PoseInFrame
 
 SECOND = 1_000_000_000
 NAMES = RemoteNames("map", "odom", "base", *(f"/{name}" for name in "abcdefgh"))

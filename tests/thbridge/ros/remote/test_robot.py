@@ -5,18 +5,19 @@ import math
 import numpy as np
 import pytest
 
-from sim.geometry import Pose2
+from sim.common.geometry import Pose2
+from sim.common.observations import STANDSTILL, Battery, LaserMount, Scan, Twist
 from sim.inputs import Drive, Go, Halt, Localize
-from sim.navigator import Arrived, Goal
-from sim.observations import STANDSTILL, Battery, LaserMount, Scan, Twist
-from thbridge.app.fleet import RobotNames
-from thbridge.ros import names, pack, unpack
+from sim.robot.navigator import Arrived, Goal
+from thbridge.ros import names
 from thbridge.ros.clients import Refused
-from thbridge.ros.goals import GoalId, GoalStatus, Status
-from thbridge.ros.pack import Transform
+from thbridge.ros.messages import pack, unpack
+from thbridge.ros.messages.goal_status import GoalId, GoalStatus, Status
+from thbridge.ros.messages.pack import Transform
+from thbridge.ros.messages.stamps import stamp_ns
 from thbridge.ros.remote import RemoteRobot
 from thbridge.ros.remote.robot import missing_of, tick_of
-from thbridge.ros.stamps import stamp_ns
+from thbridge.study.real_robots import RobotNames
 
 NAMED = RobotNames().names(2)
 FOOTPRINT = np.array([[0.2, 0.2], [-0.2, 0.2], [-0.2, -0.2], [0.2, -0.2]])

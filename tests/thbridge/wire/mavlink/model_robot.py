@@ -2,9 +2,9 @@
 
 from dataclasses import dataclass, field, replace
 
-from sim.geometry import Pose2
-from sim.observations import Twist
-from thbridge.wire.mavlink.helm import Denied, Description, Leg, LegState, Readings, Setting
+from sim.common.geometry import Pose2
+from sim.common.observations import Twist
+from thbridge.wire.mavlink.vehicle_interface import Denied, Description, Leg, LegState, Readings, Setting
 
 AT_REST = Readings(
     base_in_map=Pose2(1.0, 2.0, 0.0),

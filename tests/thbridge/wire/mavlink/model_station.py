@@ -8,7 +8,7 @@ import random
 from collections import deque
 
 from thbridge.wire.mavlink.dialect import decoded, mav, payload_of
-from thbridge.wire.mavlink.helm import Station
+from thbridge.wire.mavlink.vehicle_interface import Station
 
 ITEM, OTHER = 13, 75
 """Ticks until something is asked for again."""

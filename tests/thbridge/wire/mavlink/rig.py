@@ -5,11 +5,11 @@ from dataclasses import replace
 
 from tests.thbridge.wire.mavlink.model_robot import ModelRobot
 from thbridge.wire.mavlink.dialect import decoded, mav, payload_of
-from thbridge.wire.mavlink.helm import LegState, Station
 from thbridge.wire.mavlink.options import Failsafe, Identity, Origin, VehicleOptions
-from thbridge.wire.mavlink.said import LinkId
-from thbridge.wire.mavlink.vehicle.home import Home
+from thbridge.wire.mavlink.outgoing import LinkId
+from thbridge.wire.mavlink.vehicle.mode.home import Home
 from thbridge.wire.mavlink.vehicle.vehicle import Vehicle
+from thbridge.wire.mavlink.vehicle_interface import LegState, Station
 
 OPTIONS = VehicleOptions(Identity.GENERIC, Origin(52.4, 9.7, 55.0), 5.0, Failsafe.STOP, 5.0)
 HERE, THERE = LinkId(0), LinkId(1)

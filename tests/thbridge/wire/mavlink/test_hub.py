@@ -4,14 +4,14 @@ from itertools import pairwise
 
 import pytest
 
-from sim.geometry import Pose2
-from sim.observations import TICKS_PER_SECOND, Twist
+from sim.common.geometry import Pose2
+from sim.common.observations import TICKS_PER_SECOND, Twist
 from thbridge.wire.mavlink.dialect import crc_extra, mav, payload_of
 from thbridge.wire.mavlink.frames.frame import Frame, missing_between
-from thbridge.wire.mavlink.helm import Readings, Station
 from thbridge.wire.mavlink.hub import Hub
 from thbridge.wire.mavlink.links import MOST_STATIONS, Drop
-from thbridge.wire.mavlink.said import LinkId, Said
+from thbridge.wire.mavlink.outgoing import LinkId, Said
+from thbridge.wire.mavlink.vehicle_interface import Readings, Station
 
 A, B, C = LinkId(0), LinkId(1), LinkId(2)
 PATIENCE = 5.0

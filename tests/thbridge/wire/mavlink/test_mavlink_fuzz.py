@@ -10,18 +10,18 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from sim.geometry import Pose2
-from sim.observations import TICKS_PER_SECOND, Twist
+from sim.common.geometry import Pose2
+from sim.common.observations import TICKS_PER_SECOND, Twist
 from tests.thbridge.wire.mavlink.hostile import Foe
 from tests.thbridge.wire.mavlink.speech import frames
 from thbridge.wire.mavlink.dialect import crc_extra, mav, payload_of
 from thbridge.wire.mavlink.frames.frame import LARGEST, Frame
 from thbridge.wire.mavlink.frames.framer import Framer, frame_of
-from thbridge.wire.mavlink.helm import Denied, Description, Leg, LegState, Readings, Setting
 from thbridge.wire.mavlink.hub import Hub
 from thbridge.wire.mavlink.options import Failsafe, Identity, Origin, VehicleOptions
-from thbridge.wire.mavlink.said import LinkId
+from thbridge.wire.mavlink.outgoing import LinkId
 from thbridge.wire.mavlink.vehicle.vehicle import Vehicle
+from thbridge.wire.mavlink.vehicle_interface import Denied, Description, Leg, LegState, Readings, Setting
 
 ROBOTS = 3
 SYSTEMS = range(1, ROBOTS + 1)

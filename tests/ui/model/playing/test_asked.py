@@ -3,18 +3,7 @@ from dataclasses import replace
 import pytest
 
 from tests.ui.model.views import asking, refusal, view, with_robot, with_room
-from thbridge.roles.view import (
-    Agree,
-    Answer,
-    CallBack,
-    Consent,
-    Discuss,
-    GiveUp,
-    Leave,
-    PlayAgain,
-    Select,
-    Unsure,
-)
+from thbridge.roles.view import Agree, Answer, CallBack, Consent, Discuss, GiveUp, Leave, PlayAgain, Select, Unsure
 from ui.model.playing.asked import Asked
 
 STANDING = with_room(with_robot(view(), 0, place=3), 3, state="visited", robot=0, colour="Pink", footprint="Square")

@@ -2,10 +2,10 @@
 
 from dataclasses import dataclass
 
-from sim.geometry import Pose2
-from sim.observations import Twist
-from thbridge.ros import pack, types
-from thbridge.ros.pack import Transform
+from sim.common.geometry import Pose2
+from sim.common.observations import Twist
+from thbridge.ros.messages import pack, types
+from thbridge.ros.messages.pack import Transform
 
 SECOND = 1_000_000_000
 

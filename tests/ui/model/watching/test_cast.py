@@ -1,6 +1,6 @@
-from sim.geometry import Pose2
+from sim.common.geometry import Pose2
 from tests.ui.model.watching.hear import Heard, odometry, tf
-from thbridge.ros import types
+from thbridge.ros.messages import types
 from thbridge.ros.names import RobotNames
 from thbridge.ros.topics import Planners, RobotTopics
 from ui.model.watching.cast import Introductions

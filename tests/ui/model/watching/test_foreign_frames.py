@@ -5,10 +5,10 @@ import math
 import numpy as np
 import pytest
 
-from sim.geometry import Pose2
-from sim.grid import OccupancyGrid
+from sim.common.geometry import Pose2
+from sim.common.grid import OccupancyGrid
 from tests.ui.model.watching.hear import Heard, odometry, tf
-from thbridge.ros import pack, types
+from thbridge.ros.messages import pack, types
 from ui.model.watching.live import LiveSource
 from ui.model.watching.scene import RobotScene, Shown
 

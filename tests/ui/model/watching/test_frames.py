@@ -2,7 +2,7 @@ import math
 
 import pytest
 
-from sim.geometry import Pose2
+from sim.common.geometry import Pose2
 from tests.ui.model.watching.hear import tf
 from ui.model.watching.frames import Frames, children_of
 

@@ -2,7 +2,7 @@ import math
 
 import pytest
 
-from sim.geometry import Pose2
+from sim.common.geometry import Pose2
 from tests.thbridge.ros.drive import MOUNT, SCAN_PERIOD, SESSION, arena, records, snapshots
 from tests.ui.model.watching.hear import SECOND, Heard, odometry, tf
 from thbridge.ros.publisher import Message, Publisher

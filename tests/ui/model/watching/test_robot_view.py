@@ -5,7 +5,7 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from thbridge.ros.unpack import LaserScan
+from thbridge.ros.messages.unpack import LaserScan
 from ui.model.watching.robot_view import CHI_SQUARE_95, ellipse_of, end_points, thinned
 
 SIZES = st.floats(0.01, 10.0)

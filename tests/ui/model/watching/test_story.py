@@ -1,8 +1,9 @@
 import json
 
 from tests.ui.model.watching.hear import Heard
-from thbridge.ros import names, pack, types
-from thbridge.ros.records import GameEvent, LogLevel, LogLine
+from thbridge.ros import names
+from thbridge.ros.messages import pack, types
+from thbridge.ros.messages.records import GameEvent, LogLevel, LogLine
 from ui.model.watching.story import MOST, RoomNews, Story
 
 

@@ -5,13 +5,13 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from sim.floor import inside
-from sim.geometry import Pose2
-from sim.grid import OccupancyGrid
+from sim.common.geometry import Pose2
+from sim.common.grid import OccupancyGrid
+from sim.common.traversability import inside
 from sim.team import Carry, ClearCostmaps, Die, PutThing, RemoveThing, Revive
 from thbridge.hunt.outcomes import Refused
-from thbridge.roles.requests import AdviseFor, Puppeteer, Request, SpeakFor, WizardRequest
-from thbridge.ros.records import InitialPose, SimpleGoal
+from thbridge.roles.robot_requests import AdviseFor, Puppeteer, Request, SpeakFor, WizardRequest
+from thbridge.ros.messages.records import InitialPose, SimpleGoal
 from ui.model.watching.scene import PendingAdvice, PendingTurn, RobotScene, Scene, ThingScene, Wizard
 from ui.model.watching.tools import LEAST_SIZE, MOST_SIZE, Reason, Tools, aimed, obstacle
 

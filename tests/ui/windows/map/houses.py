@@ -6,11 +6,11 @@ from pathlib import Path
 
 import numpy as np
 
-from sim.geometry import Pose2
-from sim.grid import FREE, OCCUPIED
+from sim.common.geometry import Pose2
+from sim.common.grid import FREE, OCCUPIED
 from sim.parameters import WorldParameters
-from thbridge.adapters.map_files import Map, read_map
-from thbridge.adapters.resources import shipped
+from thbridge.files.map_files import Map, read_map
+from thbridge.files.resources import shipped
 from thbridge.roles.notices import House, RoomOutline
 from ui.model.scene import EllipseMark, RobotMark, RoomMark
 

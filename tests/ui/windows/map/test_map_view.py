@@ -11,7 +11,7 @@ from PySide6.QtWidgets import QApplication, QWidget
 from pytestqt.qtbot import QtBot
 
 from tests.ui.windows.map.houses import busy_robots, house_of, robot_at, rooms_of, shipped_map
-from thbridge.adapters.map_files import Map
+from thbridge.files.map_files import Map
 from ui.model.theme import DARK, LIGHT
 from ui.windows.map import MapView
 from ui.windows.map.layers import Arrows, Costs, Lines, Points

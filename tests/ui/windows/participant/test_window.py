@@ -45,13 +45,13 @@ from ui.model.screen import (
 )
 from ui.windows.look import GAP, font
 from ui.windows.map import MapView
-from ui.windows.participant.buttons import ActionButton, AskingButton
 from ui.windows.participant.cards import EDGE, PAD
-from ui.windows.participant.finding import Facts, Picture, Verdict
-from ui.windows.participant.pages import Keys
-from ui.windows.participant.panels import Bubble, Chip, Panel
+from ui.windows.participant.pages.pages import Keys
+from ui.windows.participant.popups.finding import Facts, Picture, Verdict
 from ui.windows.participant.score import Score
 from ui.windows.participant.top import BannerLine
+from ui.windows.participant.widgets.buttons import ActionButton, AskingButton
+from ui.windows.participant.widgets.panels import Bubble, Chip, Panel
 
 Open = Callable[..., Opened]
 STATES = samples.states()

@@ -10,9 +10,9 @@ from contextlib import contextmanager
 from pathlib import Path
 
 from thbridge.app.compose import build_bot, read_setting
-from thbridge.app.config import Study
 from thbridge.app.play import PlayOptions, Unfinished, play
 from thbridge.roles.tabui import TabUI
+from thbridge.study.study_file import Study
 
 
 def record(bag: Path, robots: int = 3, seconds: float = 15.0) -> Path:

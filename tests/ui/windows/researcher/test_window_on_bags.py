@@ -14,10 +14,10 @@ from pytestqt.qtbot import QtBot
 from tests.ui.windows.researcher.hunts import record
 from tests.ui.windows.walking import against_the_eye, nameless, stops
 from ui.model.theme import DARK, LIGHT
-from ui.windows.researcher.displays import SWITCHES, Display
-from ui.windows.researcher.plots import PANELS
-from ui.windows.researcher.recording import Opening, Recording
-from ui.windows.researcher.tools import Tool
+from ui.windows.researcher.docks.displays import SWITCHES, Display
+from ui.windows.researcher.docks.plots import PANELS
+from ui.windows.researcher.feeds.recording import Opening, Recording
+from ui.windows.researcher.map.tools import Tool
 from ui.windows.researcher.window import ResearcherWindow
 
 

@@ -10,13 +10,13 @@ from PySide6.QtTest import QTest
 from PySide6.QtWidgets import QApplication, QCheckBox, QLineEdit, QMessageBox, QPushButton
 from pytestqt.qtbot import QtBot
 
-from sim.geometry import Pose2
+from sim.common.geometry import Pose2
 from tests.ui.windows.researcher.hunts import door
-from thbridge.adapters.watch_client import WatchClient
+from thbridge.sockets.watch_client import WatchClient
 from ui.model.theme import LIGHT
 from ui.model.watching.scene import RobotScene
-from ui.windows.researcher.session import Connection, Session
-from ui.windows.researcher.tools import Tool
+from ui.windows.researcher.feeds.session import Connection, Session
+from ui.windows.researcher.map.tools import Tool
 from ui.windows.researcher.window import ResearcherWindow
 
 PATIENCE = 60_000

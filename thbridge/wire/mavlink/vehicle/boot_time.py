@@ -1,6 +1,6 @@
 """How messages count simulated time since the session began, which a vehicle has for its time since boot."""
 
-from sim.observations import TICKS_PER_SECOND
+from sim.common.observations import TICKS_PER_SECOND
 
 MICROSECONDS_PER_TICK = 1_000_000 // TICKS_PER_SECOND
 

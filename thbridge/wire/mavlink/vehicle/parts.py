@@ -5,8 +5,8 @@ from enum import IntEnum
 from typing import Protocol
 
 from thbridge.wire.mavlink.dialect import Message, mav
-from thbridge.wire.mavlink.helm import Denied, Readings, Station
-from thbridge.wire.mavlink.said import LinkId, Said
+from thbridge.wire.mavlink.outgoing import LinkId, Said
+from thbridge.wire.mavlink.vehicle_interface import Denied, Readings, Station
 
 
 class Part(Protocol):

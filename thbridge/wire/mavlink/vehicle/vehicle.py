@@ -6,32 +6,32 @@ Source: the MAVLink developer guide, "Microservices".
 from collections.abc import Iterator
 
 from thbridge.wire.mavlink.dialect import Message, mav
-from thbridge.wire.mavlink.helm import NOTHING_KNOWN, Helm, Readings, Station
 from thbridge.wire.mavlink.modes import Mode
 from thbridge.wire.mavlink.options import Identity, VehicleOptions
-from thbridge.wire.mavlink.said import LinkId, Said, Status
-from thbridge.wire.mavlink.vehicle.command_of import CommandOf
-from thbridge.wire.mavlink.vehicle.commands import Commands
-from thbridge.wire.mavlink.vehicle.conduct import Conduct
-from thbridge.wire.mavlink.vehicle.controls import Controls
-from thbridge.wire.mavlink.vehicle.courtesies import Courtesies
-from thbridge.wire.mavlink.vehicle.earth import Earth
-from thbridge.wire.mavlink.vehicle.file_transfer import FileTransfer
-from thbridge.wire.mavlink.vehicle.hand import Hand
-from thbridge.wire.mavlink.vehicle.home import Home
-from thbridge.wire.mavlink.vehicle.message_requests import MessageRequests
-from thbridge.wire.mavlink.vehicle.metadata_files import MetadataFiles
-from thbridge.wire.mavlink.vehicle.mission_run import MissionRun
-from thbridge.wire.mavlink.vehicle.missions import Missions
-from thbridge.wire.mavlink.vehicle.older_ways import OlderWays
-from thbridge.wire.mavlink.vehicle.own_parameters import OwnParameters
-from thbridge.wire.mavlink.vehicle.parameter_protocol import Parameters
-from thbridge.wire.mavlink.vehicle.particulars import Particulars
+from thbridge.wire.mavlink.outgoing import LinkId, Said, Status
+from thbridge.wire.mavlink.vehicle.command.deprecated_messages import OlderWays
+from thbridge.wire.mavlink.vehicle.command.message_requests import MessageRequests
+from thbridge.wire.mavlink.vehicle.command.protocol import Commands
+from thbridge.wire.mavlink.vehicle.command.table import Repertoire
+from thbridge.wire.mavlink.vehicle.component_files.file_transfer import FileTransfer
+from thbridge.wire.mavlink.vehicle.component_files.metadata_files import MetadataFiles
+from thbridge.wire.mavlink.vehicle.geodesy import Earth
+from thbridge.wire.mavlink.vehicle.mission.protocol import Missions
+from thbridge.wire.mavlink.vehicle.mission.run import MissionRun
+from thbridge.wire.mavlink.vehicle.mode.home import Home
+from thbridge.wire.mavlink.vehicle.mode.manual_control import Hand
+from thbridge.wire.mavlink.vehicle.mode.operator_control import CommandOf
+from thbridge.wire.mavlink.vehicle.mode.setpoints import Controls
+from thbridge.wire.mavlink.vehicle.mode.state_machine import Conduct
+from thbridge.wire.mavlink.vehicle.parameter.own_parameters import OwnParameters
+from thbridge.wire.mavlink.vehicle.parameter.protocol import Parameters
 from thbridge.wire.mavlink.vehicle.parts import Part, Severity
-from thbridge.wire.mavlink.vehicle.repertoire import Repertoire
-from thbridge.wire.mavlink.vehicle.streams import Streams
-from thbridge.wire.mavlink.vehicle.telemetry import Standing, Telemetry, base_mode, default_streams
-from thbridge.wire.mavlink.vehicle.texts import Texts
+from thbridge.wire.mavlink.vehicle.ping_timesync import Courtesies
+from thbridge.wire.mavlink.vehicle.telemetry.capabilities import Particulars
+from thbridge.wire.mavlink.vehicle.telemetry.status_texts import Texts
+from thbridge.wire.mavlink.vehicle.telemetry.streams import Streams
+from thbridge.wire.mavlink.vehicle.telemetry.telemetry import Standing, Telemetry, base_mode, default_streams
+from thbridge.wire.mavlink.vehicle_interface import NOTHING_KNOWN, Helm, Readings, Station
 
 
 class Vehicle:

@@ -6,12 +6,12 @@ from hypothesis import settings
 from hypothesis import strategies as st
 from hypothesis.stateful import RuleBasedStateMachine, invariant, precondition, rule
 
-from sim.observations import STANDSTILL
+from sim.common.observations import STANDSTILL
 from tests.thbridge.wire.mavlink.model_station import waypoint
 from tests.thbridge.wire.mavlink.rig import ACCEPTED, HEARTBEAT, SECOND, THEM, US, Rig, messages
 from thbridge.wire.mavlink.dialect import mav
-from thbridge.wire.mavlink.helm import LegState
 from thbridge.wire.mavlink.options import Failsafe
+from thbridge.wire.mavlink.vehicle_interface import LegState
 
 STATIONS = st.sampled_from([US, THEM])
 MODES = st.sampled_from([(4, 3), (6, 0), (4, 4), (4, 5), (1, 0)])

@@ -9,7 +9,7 @@ from tests.thbridge.wire.mavlink.rig import HEARTBEAT, OPTIONS, Game
 from thbridge.wire.mavlink.dialect import crc_extra, decoded, mav, payload_of
 from thbridge.wire.mavlink.frames.frame import Frame
 from thbridge.wire.mavlink.hub import Hub
-from thbridge.wire.mavlink.said import LinkId, Said
+from thbridge.wire.mavlink.outgoing import LinkId, Said
 from thbridge.wire.mavlink.vehicle.vehicle import Vehicle
 
 NAN = float("nan")

@@ -1,0 +1,230 @@
+"""Occupancy grids: what a map's cells mean, where they lie in the world, how far each is from a wall.
+
+Grids are (rows, cols) with row 0 and column 0 at the map's origin, as nav_msgs/OccupancyGrid has them.
+"""
+
+import math
+from dataclasses import dataclass
+from functools import lru_cache
+from typing import Literal, NamedTuple
+
+import numpy as np
+from numba import njit
+from numpy.typing import NDArray
+from scipy.ndimage import distance_transform_edt
+
+from sim.common.geometry import FloatArray, Pose2
+
+Cells = NDArray[np.int8]
+"""(rows, cols): 0 free, 100 occupied, all else unknown or undecided."""
+
+MapMode = Literal["trinary", "scale", "raw"]
+
+FREE = 0
+OCCUPIED = 100
+UNKNOWN = -1
+
+ROOMY = 2.0
+"""Metres from the walls beyond which it makes no difference to a robot how far they are."""
+
+
+class GridFrame(NamedTuple):
+    """Where a grid lies in the world, in the form that compiled kernels take.
+
+    Attributes:
+        x: origin of the grid (outer corner of cell (0, 0)) in the map frame, metres.
+        y: the same.
+        cos: cosine of the origin's yaw.
+        sin: sine of the origin's yaw.
+        resolution: side of a cell, metres.
+    """
+
+    x: float
+    y: float
+    cos: float
+    sin: float
+    resolution: float
+
+
+@njit(cache=True)
+def cell_of(frame: GridFrame, x: float, y: float) -> tuple[int, int]:
+    """(row, col) of the cell that holds a world point; outside the grid it may be negative or too large."""
+    dx = x - frame.x
+    dy = y - frame.y
+    col = math.floor((frame.cos * dx + frame.sin * dy) / frame.resolution)
+    row = math.floor((frame.cos * dy - frame.sin * dx) / frame.resolution)
+    return int(row), int(col)
+
+
+@njit(cache=True)
+def centre_of(frame: GridFrame, row: int, col: int) -> tuple[float, float]:
+    """World point (x, y), metres, of a cell's centre."""
+    along = (col + 0.5) * frame.resolution
+    across = (row + 0.5) * frame.resolution
+    return frame.x + frame.cos * along - frame.sin * across, frame.y + frame.sin * along + frame.cos * across
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class OccupancyGrid:
+    """A map: cells, their size, and the pose of the grid's corner in the map frame.
+
+    Attributes:
+        cells: (rows, cols) int8; 0 free, 100 occupied, -1 unknown. Values between come from maps read in `scale` or
+            `raw` mode; localisation and planning count only exact 0 as free and exact 100 as occupied. Read-only.
+        resolution: side of a cell, metres.
+        origin: pose of the outer corner of cell (0, 0) in the map frame.
+    """
+
+    cells: Cells
+    resolution: float
+    origin: Pose2
+
+    def __post_init__(self) -> None:
+        """Own the cells: a caller's later writing must not change a map in use.
+
+        Raises:
+            ValueError: the cells are not a two-dimensional non-empty array, or the resolution is not positive.
+        """
+        if self.cells.ndim != 2 or self.cells.size == 0:
+            raise ValueError(f"cells must be (rows, cols) and not empty, not of shape {self.cells.shape}")
+        if not (self.resolution > 0 and math.isfinite(self.resolution)):
+            raise ValueError(f"resolution must be positive, not {self.resolution}")
+        cells = np.array(self.cells, dtype=np.int8, order="C")
+        cells.setflags(write=False)
+        object.__setattr__(self, "cells", cells)
+
+    def __eq__(self, other: object) -> bool:
+        """Same place, same size, same cells."""
+        if not isinstance(other, OccupancyGrid):
+            return NotImplemented
+        return (
+            self.resolution == other.resolution
+            and self.origin == other.origin
+            and np.array_equal(self.cells, other.cells)
+        )
+
+    def __hash__(self) -> int:
+        """Agrees with equality."""
+        return hash((self.resolution, self.origin, self.cells.tobytes()))
+
+    @property
+    def rows(self) -> int:
+        """Cells along the grid's own y axis (ROS: height)."""
+        return int(self.cells.shape[0])
+
+    @property
+    def cols(self) -> int:
+        """Cells along the grid's own x axis (ROS: width)."""
+        return int(self.cells.shape[1])
+
+    @property
+    def frame(self) -> GridFrame:
+        """Where the grid lies, for compiled kernels."""
+        yaw = self.origin.theta
+        return GridFrame(self.origin.x, self.origin.y, math.cos(yaw), math.sin(yaw), self.resolution)
+
+    def cell_of(self, x: float, y: float) -> tuple[int, int]:
+        """(row, col) of the cell that holds a world point; not necessarily inside the grid."""
+        row, col = cell_of(self.frame, x, y)
+        return row, col
+
+    def centre_of(self, row: int, col: int) -> tuple[float, float]:
+        """World point of a cell's centre, metres."""
+        x, y = centre_of(self.frame, row, col)
+        return x, y
+
+    def contains(self, row: int, col: int) -> bool:
+        """Whether there is such a cell."""
+        return 0 <= row < self.rows and 0 <= col < self.cols
+
+    def value_at(self, x: float, y: float) -> int:
+        """The cell's value at a world point; unknown outside the grid."""
+        row, col = self.cell_of(x, y)
+        return int(self.cells[row, col]) if self.contains(row, col) else UNKNOWN
+
+    def cells_of(self, points: FloatArray) -> NDArray[np.int64]:
+        """(n, 2) rows and columns of (n, 2) world points; not necessarily inside the grid."""
+        in_grid = self.origin.inverse().transform(points)
+        return np.floor(in_grid[:, ::-1] / self.resolution).astype(np.int64)
+
+    def centres_of(self, cells: NDArray[np.int64]) -> FloatArray:
+        """(n, 2) world points of the centres of (n, 2) rows and columns."""
+        centres = cells[:, ::-1].astype(np.float64) + 0.5
+        return self.origin.transform(centres * self.resolution)
+
+
+def interpret_image(
+    pixels: NDArray[np.uint8], negate: bool, occupied_thresh: float, free_thresh: float, mode: MapMode = "trinary"
+) -> Cells:
+    """Cells of a map image, exactly as ROS reads it.
+
+    Dark is occupied: `occ = (255 - mean) / 255` (with `negate`: `mean / 255`) above `occupied_thresh` is occupied,
+    below `free_thresh` free. Between the two, `trinary` says unknown and `scale` 1..99 in proportion. `raw` takes the
+    mean itself, as a signed byte.
+
+    Args:
+        pixels: (rows, cols) grey, or (rows, cols, channels) RGB or RGBA; row 0 is the top of the picture.
+        negate: bright is occupied.
+        occupied_thresh: 0..1.
+        free_thresh: 0..1, less than `occupied_thresh`.
+        mode: map.yaml's `mode`.
+
+    Returns:
+        (rows, cols), row 0 at the bottom of the picture.
+
+    Source: ros-planning/navigation, map_server/src/image_loader.cpp; its particulars are kept: an alpha channel is
+        averaged with the colours in `trinary` mode and left out of the mean in the others, and in `scale` mode the
+        last of several channels (blue, when there is no alpha) being 0 makes a cell unknown.
+    """
+    planes = pixels[:, :, np.newaxis] if pixels.ndim == 2 else pixels
+    channels = planes.shape[2]
+    averaged = 3 if channels == 4 and mode != "trinary" else channels
+    mean = planes[:, :, :averaged].sum(axis=2, dtype=np.int64) / averaged
+    if negate:
+        mean = 255 - mean
+    if mode == "raw":
+        return np.ascontiguousarray(mean.astype(np.uint8).view(np.int8)[::-1])
+    occ = (255 - mean) / 255.0
+    cells = np.full(occ.shape, UNKNOWN, dtype=np.int8)
+    if mode == "scale":
+        ratio = (occ - free_thresh) / (occupied_thresh - free_thresh)
+        between = (occ >= free_thresh) & (occ <= occupied_thresh)
+        if channels > 1:
+            between &= planes[:, :, -1] >= 1
+        cells[between] = (1 + 98 * ratio[between]).astype(np.int8)
+    cells[occ < free_thresh] = FREE
+    cells[occ > occupied_thresh] = OCCUPIED
+    return np.ascontiguousarray(cells[::-1])
+
+
+@lru_cache(maxsize=8)
+def distance_field(grid: OccupancyGrid, max_distance: float) -> NDArray[np.float32]:
+    """Metres from each cell's centre to the centre of the nearest occupied cell, capped.
+
+    Exact Euclidean distance, where ROS's likelihood field and inflation propagate it approximately.
+
+    Returns:
+        (rows, cols) float32 in [0, max_distance]; `max_distance` everywhere when no cell is occupied. Read-only: a map
+        never changes, and all robots on it share one field.
+    """
+    open_cells = grid.cells != OCCUPIED
+    field = np.full(grid.cells.shape, max_distance, dtype=np.float32)
+    if not open_cells.all():
+        metres = np.asarray(distance_transform_edt(open_cells)) * grid.resolution
+        field = np.minimum(metres, max_distance).astype(np.float32)
+    field.setflags(write=False)
+    return field
+
+
+@lru_cache(maxsize=8)
+def clearance_field(grid: OccupancyGrid) -> NDArray[np.float32]:
+    """Metres from each cell's centre to the nearest side of an occupied cell, about; at most ROOMY.
+
+    Returns:
+        (rows, cols) float32, half a cell less than `distance_field`, and at least 0. All robots on a map share one;
+        nobody writes to it, and only for the sake of compiled kernels, which take others beside it, is it not sealed.
+    """
+    field: NDArray[np.float32] = np.maximum(
+        distance_field(grid, ROOMY) - np.float32(0.5 * grid.resolution), np.float32(0)
+    )
+    return field

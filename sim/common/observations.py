@@ -1,0 +1,133 @@
+"""What sensors say and motors are told: all that the world and a robot's own software share.
+
+Everything is stamped with a tick: the count of physics steps since the session began, `TICK` seconds each.
+"""
+
+from dataclasses import dataclass
+from typing import NamedTuple
+
+import numpy as np
+from numpy.typing import NDArray
+
+from sim.common.geometry import FloatArray, Pose2
+
+TICKS_PER_SECOND = 50
+TICK = 1.0 / TICKS_PER_SECOND
+"""Seconds of one physics step; odometry is sensed at every one."""
+
+
+@dataclass(frozen=True, slots=True)
+class Twist:
+    """A velocity of the base, in its own frame: metres per second forward, radians per second anti-clockwise."""
+
+    linear: float
+    angular: float
+
+
+STANDSTILL = Twist(0.0, 0.0)
+
+
+@dataclass(frozen=True, slots=True)
+class Odometry:
+    """What the wheels say: the pose since the start in the drifting frame `odom`, and the measured velocity."""
+
+    tick: int
+    base_in_odom: Pose2
+    twist: Twist
+
+
+@dataclass(frozen=True, slots=True)
+class Imu:
+    """What the gyroscope says: the rate of turn, radians per second."""
+
+    tick: int
+    angular_velocity: float
+
+
+@dataclass(frozen=True, slots=True)
+class LaserMount:
+    """A planar laser: where it sits on the base and which beams it sends.
+
+    Beam i looks along `angle_min + i * angle_increment` in the laser's frame. Ranges in metres.
+    """
+
+    laser_in_base: Pose2
+    angle_min: float
+    angle_increment: float
+    beams: int
+    range_min: float
+    range_max: float
+
+    def angles(self) -> FloatArray:
+        """(beams,) radians in the laser's frame."""
+        return self.angle_min + self.angle_increment * np.arange(self.beams, dtype=np.float64)
+
+
+@dataclass(frozen=True, slots=True)
+class Scan:
+    """One sweep of the laser.
+
+    Attributes:
+        ranges: (beams,) float32 metres; +inf where nothing was hit within range_max (REP 117), NaN where the beam
+            was lost.
+    """
+
+    tick: int
+    mount: LaserMount
+    ranges: NDArray[np.float32]
+
+
+@dataclass(frozen=True, slots=True)
+class Battery:
+    """The energy left, in the game's units; a robot starts with `capacity`."""
+
+    tick: int
+    charge: float
+    capacity: float
+
+
+class Claim(NamedTuple):
+    """Whose wish it is that others clear the way; the lesser one counts more.
+
+    Attributes:
+        since: tick at which that robot took up its goal: who has waited longer is served first, so nobody starves.
+        robot: its index.
+    """
+
+    since: int
+    robot: int
+
+
+@dataclass(frozen=True, slots=True)
+class Neighbour:
+    """What a robot tells the others about itself: heard one tick later.
+
+    Attributes:
+        robot: its index in the team.
+        base_in_map: where it believes it is.
+        twist: how it moves.
+        footprint: (n, 2) corners in its base frame, metres.
+        path: (m, 2) map points it is heading along, its own place first; empty when it stands.
+        times: (m,) when it means to be there: the order in which robots pass a place (`sim.robot.planning.itinerary`).
+            Empty beside a path that is only wished for: others stand in the way and are asked to clear it.
+        claim: beside a path that is only wished for, in whose name.
+    """
+
+    robot: int
+    base_in_map: Pose2
+    twist: Twist
+    footprint: FloatArray
+    path: FloatArray
+    times: FloatArray
+    claim: Claim | None = None
+
+
+@dataclass(frozen=True, slots=True)
+class Observations:
+    """Everything one robot perceives in one tick; None where a sensor is not due."""
+
+    tick: int
+    odometry: Odometry
+    imu: Imu
+    scan: Scan | None
+    battery: Battery

@@ -1,0 +1,192 @@
+"""Bodies among walls: polygons, whether they overlap one another or occupied cells, and how near they come."""
+
+import math
+from collections.abc import Sequence
+from typing import NamedTuple
+
+import numpy as np
+from numba import njit
+from numpy.typing import NDArray
+from scipy.ndimage import distance_transform_cdt
+
+from sim.common.geometry import FloatArray
+from sim.common.grid import OCCUPIED, GridFrame, OccupancyGrid
+
+_HALF_DIAGONAL = math.sqrt(0.5)
+
+
+class Polygons(NamedTuple):
+    """Polygons side by side, in the form that kernels take.
+
+    Attributes:
+        corners: (v, 2) of all of them, metres.
+        ends: (p + 1,) int64; polygon i has the corners from ends[i] up to ends[i + 1].
+        circles: (p, 3) x, y and radius of a circle around each.
+    """
+
+    corners: FloatArray
+    ends: NDArray[np.int64]
+    circles: FloatArray
+
+
+def side_by_side(polygons: Sequence[FloatArray]) -> Polygons:
+    """Make polygons, (v, 2) each, ready for kernels; the arrays are read-only."""
+    corners = np.concatenate([np.empty((0, 2)), *polygons])
+    ends = np.cumsum([0, *(len(polygon) for polygon in polygons)], dtype=np.int64)
+    circles = np.empty((len(polygons), 3))
+    for circle, polygon in zip(circles, polygons, strict=True):
+        circle[:2] = polygon.mean(axis=0)
+        circle[2] = np.hypot(*(polygon - circle[:2]).T).max()
+    for array in (corners, ends, circles):
+        array.flags.writeable = False
+    return Polygons(corners, ends, circles)
+
+
+def apart(polygons: Polygons) -> list[FloatArray]:
+    """The corners of each, (v, 2)."""
+    return np.split(polygons.corners, polygons.ends[1:-1]) if len(polygons.circles) else []
+
+
+NO_POLYGONS = side_by_side([])
+
+Clearance = NDArray[np.uint8]
+"""(rows, cols): how many king's moves from each cell to the nearest occupied one, 0 if itself, at most 255."""
+
+_CLEARANCE_LIMIT = 255
+
+
+def clearance_of(grid: OccupancyGrid) -> Clearance:
+    """The free square around every cell: all cells nearer (in king's moves) than this are not occupied."""
+    open_cells = grid.cells != OCCUPIED
+    if open_cells.all():
+        return np.full(grid.cells.shape, _CLEARANCE_LIMIT, dtype=np.uint8)
+    moves = np.asarray(distance_transform_cdt(open_cells, metric="chessboard"))
+    return np.minimum(moves, _CLEARANCE_LIMIT).astype(np.uint8)
+
+
+@njit(cache=True)
+def clearance_at(clearance: Clearance, row: int, col: int) -> int:
+    """The clearance of a cell that may lie outside the grid: there, the king's moves to the grid's nearest cell."""
+    rows: int = clearance.shape[0]
+    cols: int = clearance.shape[1]
+    if 0 <= row < rows and 0 <= col < cols:
+        return int(clearance[row, col])
+    return max(-row, row - rows + 1, -col, col - cols + 1)
+
+
+@njit(cache=True)
+def _inside(x: float, y: float, polygon: FloatArray) -> bool:
+    """Whether a point lies in a polygon (even-odd rule)."""
+    inside = False
+    last = polygon.shape[0] - 1
+    for k in range(polygon.shape[0]):
+        if (polygon[k, 1] > y) != (polygon[last, 1] > y):
+            share = (y - polygon[k, 1]) / (polygon[last, 1] - polygon[k, 1])
+            if x < polygon[k, 0] + share * (polygon[last, 0] - polygon[k, 0]):
+                inside = not inside
+        last = k
+    return inside
+
+
+@njit(cache=True)
+def _point_to_edge(x: float, y: float, ax: float, ay: float, bx: float, by: float) -> float:
+    """Squared distance from a point to the line segment a-b."""
+    ex = bx - ax
+    ey = by - ay
+    length = ex * ex + ey * ey
+    share = 0.0
+    if length > 0.0:
+        share = min(1.0, max(0.0, ((x - ax) * ex + (y - ay) * ey) / length))
+    dx = x - ax - share * ex
+    dy = y - ay - share * ey
+    return dx * dx + dy * dy
+
+
+@njit(cache=True)
+def _near_point(x: float, y: float, polygon: FloatArray, margin: float) -> bool:
+    """Whether a point lies in a polygon or within `margin` of it."""
+    last = polygon.shape[0] - 1
+    for k in range(polygon.shape[0]):
+        edge = _point_to_edge(x, y, polygon[last, 0], polygon[last, 1], polygon[k, 0], polygon[k, 1])
+        if edge <= margin * margin:
+            return True
+        last = k
+    return _inside(x, y, polygon)
+
+
+@njit(cache=True)
+def _side(ax: float, ay: float, bx: float, by: float, x: float, y: float) -> float:
+    """Positive where the point lies left of a-b."""
+    return (bx - ax) * (y - ay) - (by - ay) * (x - ax)
+
+
+@njit(cache=True)
+def near(a: FloatArray, b: FloatArray, margin: float) -> bool:
+    """Whether two polygons, (v, 2) and (w, 2), overlap or come within `margin` of each other."""
+    limit = margin * margin
+    i = a.shape[0] - 1
+    for k in range(a.shape[0]):
+        ax, ay, bx, by = a[i, 0], a[i, 1], a[k, 0], a[k, 1]
+        j = b.shape[0] - 1
+        for m in range(b.shape[0]):
+            cx, cy, dx, dy = b[j, 0], b[j, 1], b[m, 0], b[m, 1]
+            apart_cd = (_side(ax, ay, bx, by, cx, cy) > 0.0) != (_side(ax, ay, bx, by, dx, dy) > 0.0)
+            apart_ab = (_side(cx, cy, dx, dy, ax, ay) > 0.0) != (_side(cx, cy, dx, dy, bx, by) > 0.0)
+            if apart_cd and apart_ab:
+                return True
+            # Edges that do not cross are nearest at an end of one of them; every corner ends some edge.
+            if _point_to_edge(bx, by, cx, cy, dx, dy) <= limit or _point_to_edge(dx, dy, ax, ay, bx, by) <= limit:
+                return True
+            j = m
+        i = k
+    return _inside(a[0, 0], a[0, 1], b) or _inside(b[0, 0], b[0, 1], a)
+
+
+@njit(cache=True)
+def placed_at(footprint: FloatArray, x: float, y: float, theta: float) -> FloatArray:
+    """(v, 2) corners of a body at a pose, map frame."""
+    c = math.cos(theta)
+    s = math.sin(theta)
+    corners = np.empty_like(footprint)
+    for k in range(footprint.shape[0]):
+        corners[k, 0] = x + c * footprint[k, 0] - s * footprint[k, 1]
+        corners[k, 1] = y + s * footprint[k, 0] + c * footprint[k, 1]
+    return corners
+
+
+@njit(cache=True)
+def near_wall(corners: FloatArray, clearance: Clearance, frame: GridFrame, margin: float) -> bool:
+    """Whether a body overlaps an occupied cell, edges and inside alike, or comes within `margin` metres of one."""
+    body = np.empty_like(corners)  # in cells: columns, rows
+    for k in range(corners.shape[0]):
+        dx = corners[k, 0] - frame.x
+        dy = corners[k, 1] - frame.y
+        body[k, 0] = (frame.cos * dx + frame.sin * dy) / frame.resolution
+        body[k, 1] = (frame.cos * dy - frame.sin * dx) / frame.resolution
+    margin /= frame.resolution
+    first_col = max(0, math.floor(body[:, 0].min() - margin))
+    last_col = min(clearance.shape[1] - 1, math.floor(body[:, 0].max() + margin))
+    first_row = max(0, math.floor(body[:, 1].min() - margin))
+    last_row = min(clearance.shape[0] - 1, math.floor(body[:, 1].max() + margin))
+    cell = np.empty((4, 2))
+    for row in range(first_row, last_row + 1):
+        for col in range(first_col, last_col + 1):
+            if clearance[row, col] > 0 or not _near_point(col + 0.5, row + 0.5, body, margin + _HALF_DIAGONAL):
+                continue
+            cell[0, 0], cell[0, 1] = col, row
+            cell[1, 0], cell[1, 1] = col + 1, row
+            cell[2, 0], cell[2, 1] = col + 1, row + 1
+            cell[3, 0], cell[3, 1] = col, row + 1
+            if near(body, cell, margin):
+                return True
+    return False
+
+
+@njit(cache=True)
+def is_clear_of_walls(x: float, y: float, distance: float, clearance: Clearance, frame: GridFrame) -> bool:
+    """Whether surely no occupied cell lies within `distance` of a point; cheap, and False when in doubt."""
+    dx = x - frame.x
+    dy = y - frame.y
+    col = math.floor((frame.cos * dx + frame.sin * dy) / frame.resolution)
+    row = math.floor((frame.cos * dy - frame.sin * dx) / frame.resolution)
+    return (clearance_at(clearance, row, col) - 1) * frame.resolution > distance

@@ -1,0 +1,328 @@
+"""Beams through an occupancy grid and against other robots' bodies: exact ranges, no sampling.
+
+Only occupied cells (100) stop a beam. Unknown cells and everything outside the grid let it pass: nobody knows of
+anything there, and inventing walls would make a simulated laser mark obstacles that no map shows. A beam that starts
+in an occupied cell has range 0.
+"""
+
+import math
+from dataclasses import dataclass
+from functools import lru_cache
+from typing import NamedTuple
+
+import numpy as np
+from numba import njit
+from numpy.typing import NDArray
+
+from sim.common.geometry import FloatArray
+from sim.common.grid import OCCUPIED, Cells, GridFrame, OccupancyGrid
+
+FreeSquares = NDArray[np.uint8]
+"""(4, rows, cols): sides, in cells, of the largest square without an occupied cell that has this cell for a corner and
+extends towards 0: lower columns and rows, 1: higher columns and lower rows, 2: lower columns and higher rows, 3: higher
+columns and rows. 0 where the cell itself is occupied; at most 255. Outside the grid all is free."""
+
+_LARGEST_SQUARE = 255
+
+
+@njit(cache=True)
+def _free_squares(cells: Cells) -> FreeSquares:
+    rows, cols = cells.shape
+    squares = np.empty((4, rows, cols), dtype=np.uint8)
+    for quadrant in range(4):
+        col_step = 1 if quadrant & 1 else -1
+        row_step = 1 if quadrant & 2 else -1
+        for i in range(rows):
+            row = rows - 1 - i if row_step > 0 else i
+            next_row = row + row_step
+            for j in range(cols):
+                col = cols - 1 - j if col_step > 0 else j
+                next_col = col + col_step
+                if cells[row, col] == OCCUPIED:
+                    squares[quadrant, row, col] = 0
+                    continue
+                # A square is one cell larger than the smallest of the three that it is made of.
+                smallest = _LARGEST_SQUARE - 1
+                if i > 0:
+                    smallest = min(smallest, squares[quadrant, next_row, col])
+                if j > 0:
+                    smallest = min(smallest, squares[quadrant, row, next_col])
+                if i > 0 and j > 0:
+                    smallest = min(smallest, squares[quadrant, next_row, next_col])
+                squares[quadrant, row, col] = smallest + 1
+    return squares
+
+
+@lru_cache(maxsize=8)
+def free_squares_of(grid: OccupancyGrid) -> FreeSquares:
+    """How far a beam may go in one stride from every cell, for each quadrant that it may head for.
+
+    Read-only: a map never changes, and all who cast beams through it share one table.
+    """
+    squares: FreeSquares = _free_squares(grid.cells)
+    squares.setflags(write=False)
+    return squares
+
+
+@njit(cache=True)
+def _line_after(
+    start: int, step: int, origin: float, speed: float, pace: float, distance: float, inclusive: bool, hair: float
+) -> int:
+    """The row (or column) that a beam is in after `distance`, having been in `start` before.
+
+    Where the beam is within a hair of a line, the line counts as crossed by comparing the very expression that `_cast`
+    strides by. So rounding can never send a beam that strides through other cells than one that goes step by step.
+    """
+    reached = origin + speed * distance
+    line = math.floor(reached)
+    if hair < reached - line < 1.0 - hair:
+        return line
+    ahead = 1 if step > 0 else 0
+    behind = 1 - ahead
+    while True:
+        crossed = (line + ahead - origin) * pace
+        if crossed < distance or (inclusive and crossed == distance):
+            line += step
+        else:
+            break
+    while line != start:
+        crossed = (line + behind - origin) * pace
+        if crossed < distance or (inclusive and crossed == distance):
+            break
+        line -= step
+    return line
+
+
+@njit(cache=True)
+def _cast(
+    squares: FreeSquares, col_start: float, row_start: float, col_speed: float, row_speed: float, limit: float
+) -> float:
+    """Metres along one beam to the first occupied cell; inf if there is none nearer than `limit`.
+
+    Args:
+        squares: of the grid; all ones on free cells would give the same range, slower.
+        col_start: where the beam starts, along the columns, in cells.
+        row_start: the same along the rows.
+        col_speed: cells per metre of beam along the columns.
+        row_speed: the same along the rows.
+        limit: metres, finite.
+
+    Source: Amanatides and Woo, A fast voxel traversal algorithm for ray tracing (1987).
+    Differs: crosses a whole free square at a time; each crossing is computed from the start, not accumulated.
+    """
+    rows = squares.shape[1]
+    cols = squares.shape[2]
+    # A beam along a grid line must still have a finite pace across it, or 0 * inf would be met on the line itself.
+    if col_speed == 0.0:
+        col_speed = 1e-300
+    if row_speed == 0.0:
+        row_speed = 1e-300
+    col_pace = 1.0 / col_speed
+    row_pace = 1.0 / row_speed
+    col_step = 1 if col_speed > 0.0 else -1
+    row_step = 1 if row_speed > 0.0 else -1
+    # Ahead of the lower edge of a cell is 1 where the beam leaves it by the upper one; behind is the other edge.
+    col_behind = 0 if col_speed > 0.0 else 1
+    row_behind = 0 if row_speed > 0.0 else 1
+    # Rounding moves a beam by some 1e-16 of the numbers it is computed from.
+    hair = 1e-13 * (abs(col_start) + abs(row_start) + rows + cols)
+    # The grid is convex: who leaves it does not come back. So no stride below ends outside of it.
+    leaves_cols = ((cols if col_step > 0 else 0) - col_start) * col_pace
+    leaves_rows = ((rows if row_step > 0 else 0) - row_start) * row_pace
+    limit = min(limit, leaves_cols, leaves_rows)
+    col = math.floor(col_start)
+    row = math.floor(row_start)
+    distance = 0.0
+    if not (0 <= col_start < cols and 0 <= row_start < rows):
+        enters_cols = ((0 if col_step > 0 else cols) - col_start) * col_pace
+        enters_rows = ((0 if row_step > 0 else rows) - row_start) * row_pace
+        distance = max(enters_cols, enters_rows)
+        if not 0.0 <= distance < limit:
+            return math.inf
+        if enters_cols >= enters_rows:
+            row = _line_after(row, row_step, row_start, row_speed, row_pace, distance, True, hair)
+            col = 0 if col_step > 0 else cols - 1
+        else:
+            col = _line_after(col, col_step, col_start, col_speed, col_pace, distance, False, hair)
+            row = 0 if row_step > 0 else rows - 1
+    quadrant = squares[(1 - col_behind) + 2 * (1 - row_behind)]
+    free = int(quadrant[np.uintp(row), np.uintp(col)])
+    while free > 0:
+        # Where the beam leaves the free square by a column and by a row.
+        next_col = col + col_step * free
+        next_row = row + row_step * free
+        col_exit = (next_col + col_behind - col_start) * col_pace
+        row_exit = (next_row + row_behind - row_start) * row_pace
+        if col_exit < row_exit:
+            distance = col_exit
+            if not distance < limit:
+                return math.inf
+            row = _line_after(row, row_step, row_start, row_speed, row_pace, distance, True, hair)
+            col = next_col
+        else:
+            distance = row_exit
+            if not distance < limit:
+                return math.inf
+            col = _line_after(col, col_step, col_start, col_speed, col_pace, distance, False, hair)
+            row = next_row
+        free = int(quadrant[np.uintp(row), np.uintp(col)])
+    return distance
+
+
+@njit(cache=True)
+def cast_beams(
+    squares: FreeSquares, frame: GridFrame, poses: FloatArray, directions: FloatArray, max_range: float, out: FloatArray
+) -> None:
+    """Fill `out`, (n, m), with the ranges of m beams from each of n sensors.
+
+    Args:
+        squares: of the grid.
+        frame: the grid's.
+        poses: (n, 3) of the sensors in the map frame.
+        directions: (m, 2) cosine and sine of the beams' angles in the sensor's frame.
+        max_range: metres, finite; what is farther away has range inf.
+        out: (n, m) metres.
+    """
+    # What is just as far as max_range is still seen.
+    limit = np.nextafter(max_range, np.inf)
+    for i in range(poses.shape[0]):
+        dx = poses[i, 0] - frame.x
+        dy = poses[i, 1] - frame.y
+        col_start = (frame.cos * dx + frame.sin * dy) / frame.resolution
+        row_start = (frame.cos * dy - frame.sin * dx) / frame.resolution
+        c = math.cos(poses[i, 2])
+        s = math.sin(poses[i, 2])
+        # The sensor's axes, in cells per metre along the grid's.
+        ahead_cols = (frame.cos * c + frame.sin * s) / frame.resolution
+        ahead_rows = (frame.cos * s - frame.sin * c) / frame.resolution
+        for j in range(directions.shape[0]):
+            cos = directions[j, 0]
+            sin = directions[j, 1]
+            out[i, j] = _cast(
+                squares,
+                col_start,
+                row_start,
+                ahead_cols * cos - ahead_rows * sin,
+                ahead_rows * cos + ahead_cols * sin,
+                limit,
+            )
+
+
+@njit(cache=True)
+def shorten_by_polygon(polygon: FloatArray, directions: FloatArray, max_range: float, ranges: FloatArray) -> None:
+    """Shorten those of a sensor's ranges that a polygon cuts off.
+
+    Args:
+        polygon: (v, 2) corners in the sensor's frame, either way round, convex or not.
+        directions: (m, 2) cosine and sine of the beams' angles in the sensor's frame.
+        max_range: what is farther away is not seen.
+        ranges: (m,) metres, changed in place. A sensor inside the polygon sees its outline from within.
+    """
+    corners = polygon.shape[0]
+    centre_x = polygon[:, 0].mean()
+    centre_y = polygon[:, 1].mean()
+    radius = 0.0
+    for k in range(corners):
+        radius = max(radius, math.hypot(polygon[k, 0] - centre_x, polygon[k, 1] - centre_y))
+    if math.hypot(centre_x, centre_y) > max_range + radius:
+        return
+    for j in range(directions.shape[0]):
+        c = directions[j, 0]
+        s = directions[j, 1]
+        if abs(c * centre_y - s * centre_x) > radius or c * centre_x + s * centre_y < -radius:
+            continue
+        last_along = c * polygon[corners - 1, 0] + s * polygon[corners - 1, 1]
+        last_across = c * polygon[corners - 1, 1] - s * polygon[corners - 1, 0]
+        for k in range(corners):
+            along = c * polygon[k, 0] + s * polygon[k, 1]
+            across = c * polygon[k, 1] - s * polygon[k, 0]
+            # A corner on the beam belongs to one side, so that no beam slips between two edges.
+            if (across > 0.0) != (last_across > 0.0):
+                hit = along + (last_along - along) * across / (across - last_across)
+                if 0.0 <= hit <= max_range and hit < ranges[j]:
+                    ranges[j] = hit
+            last_along = along
+            last_across = across
+
+
+class Fan(NamedTuple):
+    """Beams that are spread evenly, in the form that compiled kernels take.
+
+    Attributes:
+        angle_min: of the first, radians in the sensor's frame.
+        angle_increment: from one to the next, more than 0.
+        directions: (m, 2) cosine and sine of their angles.
+    """
+
+    angle_min: float
+    angle_increment: float
+    directions: FloatArray
+
+
+@njit(cache=True)
+def shorten_fan_by_polygon(polygon: FloatArray, fan: Fan, max_range: float, ranges: FloatArray) -> None:
+    """The same as `shorten_by_polygon`, for which only those beams are looked at that may meet the polygon."""
+    beams = fan.directions.shape[0]
+    centre_x = polygon[:, 0].mean()
+    centre_y = polygon[:, 1].mean()
+    radius = 0.0
+    for k in range(polygon.shape[0]):
+        radius = max(radius, math.hypot(polygon[k, 0] - centre_x, polygon[k, 1] - centre_y))
+    away = math.hypot(centre_x, centre_y)
+    # From nearer by, beams that lead away from its centre may meet it too.
+    if away < 2.0 * radius:
+        shorten_by_polygon(polygon, fan.directions, max_range, ranges)
+        return
+    half = math.asin(radius / away)
+    begin = (math.atan2(centre_y, centre_x) - half - fan.angle_min) / fan.angle_increment
+    end = begin + 2.0 * half / fan.angle_increment
+    turn = math.tau / fan.angle_increment
+    for turns in (-1, 0, 1):
+        # One beam more on either side: no rounding leaves one out.
+        first = max(0, math.floor(begin + turns * turn) - 1)
+        last = min(beams, math.ceil(end + turns * turn) + 2)
+        if first < last:
+            shorten_by_polygon(polygon, fan.directions[first:last], max_range, ranges[first:last])
+
+
+def directions_of(angles: FloatArray) -> FloatArray:
+    """(m, 2) cosine and sine of (m,) angles, the form in which kernels take beams."""
+    return np.column_stack((np.cos(angles), np.sin(angles)))
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Raycaster:
+    """A grid made ready for beams.
+
+    Attributes:
+        squares: (4, rows, cols) for the kernels of this module.
+        frame: where the grid lies, for the same.
+    """
+
+    squares: FreeSquares
+    frame: GridFrame
+
+    @classmethod
+    def of(cls, grid: OccupancyGrid) -> "Raycaster":
+        """Make a grid ready, once."""
+        return cls(free_squares_of(grid), grid.frame)
+
+    def ranges(self, poses: FloatArray, angles: FloatArray, max_range: float) -> FloatArray:
+        """Metres to the first occupied cell along every beam; inf where there is none within `max_range`.
+
+        Args:
+            poses: (n, 3) of the sensors in the map frame.
+            angles: (m,) radians in the sensor's frame.
+            max_range: metres.
+
+        Returns:
+            (n, m).
+
+        Raises:
+            ValueError: `max_range` is not finite.
+        """
+        if not math.isfinite(max_range):
+            raise ValueError(f"max_range must be finite, not {max_range}")
+        out = np.empty((poses.shape[0], angles.shape[0]))
+        cast_beams(self.squares, self.frame, poses, directions_of(angles), max_range, out)
+        return out

@@ -1,0 +1,1 @@
+"""One robot's own software, from sensor messages to motor commands; it never sees the truth."""

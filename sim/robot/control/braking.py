@@ -1,0 +1,348 @@
+"""What a robot may do and still stop in time.
+
+A command is safe when the robot, having obeyed it until the next command and then braked as hard as it can, has come
+nowhere too near to a wall or to where its neighbours can be when they brake. Walls must stay WALL_MARGIN away. Of the
+gap to a neighbour, less NEIGHBOUR_MARGIN, a robot may use up one half: the other may just now be deciding to use the
+other half. Where less than the margin is left (an estimate jumped, somebody was put there), it may not become less.
+So standing still is safe whenever the last command was. Turning in place moves a robot's corners so little from one
+command to the next that it may use all of a gap but TURNING_MARGIN.
+"""
+
+import math
+from collections.abc import Sequence
+from typing import NamedTuple
+
+import numpy as np
+from numba import njit
+from numpy.typing import NDArray
+
+from sim.common.geometry import FloatArray, Pose2
+from sim.common.observations import Neighbour
+from sim.robot.costmap.costs import LETHAL, CostFrame, Costs
+from sim.robot.costmap.footprint import circumscribed_radius
+
+WALL_MARGIN = 0.08
+"""Metres: about the largest error of localisation."""
+NEIGHBOUR_MARGIN = 0.14
+"""Metres: two robots err."""
+TURNING_MARGIN = 0.08
+LATENCY = 0.02
+"""Seconds from a decision to the moment it acts."""
+NEARBY = 1.5
+"""Metres from a robot within which it looks out for obstacles that its laser has seen."""
+EARSHOT = 2.0
+"""Metres between footprints beyond which a neighbour does not matter."""
+
+
+class Surroundings(NamedTuple):
+    """What may be bumped into, in the form that compiled kernels take.
+
+    Attributes:
+        clearance: (rows, cols) metres from each cell of the map to the nearest wall.
+        frame: where these cells lie.
+        bodies: (k, n, 2) outlines in the map: each neighbour where it is, and where it can be until it stands.
+        gaps: (k,) metres left to each before the robot moves.
+    """
+
+    clearance: NDArray[np.float32]
+    frame: CostFrame
+    bodies: FloatArray
+    gaps: FloatArray
+
+
+@njit(cache=True)
+def _to_segment(px: float, py: float, ax: float, ay: float, bx: float, by: float) -> float:
+    """Squared distance of a point from a segment."""
+    dx, dy = bx - ax, by - ay
+    length = dx * dx + dy * dy
+    share = ((px - ax) * dx + (py - ay) * dy) / length if length > 0.0 else 0.0
+    share = min(1.0, max(0.0, share))
+    ex, ey = px - ax - share * dx, py - ay - share * dy
+    return ex * ex + ey * ey
+
+
+@njit(cache=True)
+def _inside(x: float, y: float, polygon: FloatArray) -> bool:
+    """Whether a point lies in a polygon (even-odd rule)."""
+    inside = False
+    j = polygon.shape[0] - 1
+    for i in range(polygon.shape[0]):
+        if (polygon[i, 1] > y) != (polygon[j, 1] > y):
+            slope = (polygon[j, 0] - polygon[i, 0]) / (polygon[j, 1] - polygon[i, 1])
+            if x < slope * (y - polygon[i, 1]) + polygon[i, 0]:
+                inside = not inside
+        j = i
+    return inside
+
+
+@njit(cache=True)
+def gap(a: FloatArray, b: FloatArray) -> float:
+    """Metres between two polygons; 0 when they touch or overlap.
+
+    Args:
+        a: (n, 2) corners in order.
+        b: (m, 2) corners in order.
+    """
+    if _inside(a[0, 0], a[0, 1], b) or _inside(b[0, 0], b[0, 1], a):
+        return 0.0
+    nearest = np.inf
+    i_last = a.shape[0] - 1
+    for i in range(a.shape[0]):
+        j_last = b.shape[0] - 1
+        ax, ay, bx, by = a[i_last, 0], a[i_last, 1], a[i, 0], a[i, 1]
+        for j in range(b.shape[0]):
+            cx, cy, dx, dy = b[j_last, 0], b[j_last, 1], b[j, 0], b[j, 1]
+            side_c = (bx - ax) * (cy - ay) - (by - ay) * (cx - ax)
+            side_d = (bx - ax) * (dy - ay) - (by - ay) * (dx - ax)
+            side_a = (dx - cx) * (ay - cy) - (dy - cy) * (ax - cx)
+            side_b = (dx - cx) * (by - cy) - (dy - cy) * (bx - cx)
+            if side_c * side_d < 0.0 and side_a * side_b < 0.0:
+                return 0.0
+            nearest = min(nearest, _to_segment(bx, by, cx, cy, dx, dy), _to_segment(dx, dy, ax, ay, bx, by))
+            j_last = j
+        i_last = i
+    return math.sqrt(nearest)
+
+
+@njit(cache=True)
+def placed(polygon: FloatArray, x: float, y: float, theta: float) -> FloatArray:
+    """(n, 2) corners of a polygon in the map when its frame is at (x, y, theta)."""
+    c, s = math.cos(theta), math.sin(theta)
+    out = np.empty_like(polygon)
+    for i in range(polygon.shape[0]):
+        out[i, 0] = x + c * polygon[i, 0] - s * polygon[i, 1]
+        out[i, 1] = y + s * polygon[i, 0] + c * polygon[i, 1]
+    return out
+
+
+@njit(cache=True)
+def _toward(speed: float, wanted: float, step: float) -> float:
+    """The speed after a change of at most `step` toward the wanted one."""
+    return min(speed + step, wanted) if wanted > speed else max(speed - step, wanted)
+
+
+@njit(cache=True)
+def stopping(
+    x: float, y: float, theta: float, v: float, w: float, wanted_v: float, wanted_w: float, hold: float,
+    acc_lim_x: float, acc_lim_theta: float,
+) -> FloatArray:  # fmt: skip
+    """(k, 3) poses of a robot that obeys a command for `hold` seconds and then brakes, until it stands."""
+    dt = 0.04
+    poses = np.empty((200, 3))
+    n = 0
+    time = 0.0
+    while n < 200:
+        braking = time >= hold
+        v = _toward(v, 0.0 if braking else wanted_v, acc_lim_x * dt)
+        w = _toward(w, 0.0 if braking else wanted_w, acc_lim_theta * dt)
+        if braking and v == 0.0 and w == 0.0 and n > 0:
+            break
+        x += v * math.cos(theta + 0.5 * w * dt) * dt
+        y += v * math.sin(theta + 0.5 * w * dt) * dt
+        theta += w * dt
+        poses[n, 0], poses[n, 1], poses[n, 2] = x, y, theta
+        n += 1
+        time += dt
+    return poses[:n]
+
+
+@njit(cache=True)
+def wall_clearance(
+    clearance: NDArray[np.float32], frame: CostFrame, outline: FloatArray, x: float, y: float, theta: float
+) -> float:
+    """Metres from a robot's outline to the nearest wall; 0 outside the map.
+
+    Args:
+        clearance: see Surroundings.
+        frame: see Surroundings.
+        outline: (m, 2) points along the outline, base frame.
+        x: of the base in the map; so y and theta.
+    """
+    c, s = math.cos(theta), math.sin(theta)
+    rows, cols = clearance.shape
+    least = np.inf
+    for i in range(outline.shape[0]):
+        px = x + c * outline[i, 0] - s * outline[i, 1]
+        py = y + s * outline[i, 0] + c * outline[i, 1]
+        # Between four cell centres, so that a step along a wall does not seem one toward it.
+        across, along = (py - frame.y) / frame.resolution - 0.5, (px - frame.x) / frame.resolution - 0.5
+        row, col = math.floor(across), math.floor(along)
+        if row < 0 or col < 0 or row >= rows - 1 or col >= cols - 1:
+            return 0.0
+        up, right = across - row, along - col
+        low = (1.0 - right) * clearance[row, col] + right * clearance[row, col + 1]
+        high = (1.0 - right) * clearance[row + 1, col] + right * clearance[row + 1, col + 1]
+        least = min(least, (1.0 - up) * low + up * high)
+    return least
+
+
+@njit(cache=True)
+def beside_obstacles(
+    clearance: NDArray[np.float32], marks: Costs, frame: CostFrame, x: float, y: float
+) -> tuple[NDArray[np.float32], CostFrame]:
+    """The clearance around a robot, with the obstacles that its laser has seen for walls.
+
+    Args:
+        clearance: (rows, cols) metres to the nearest wall.
+        marks: (rows, cols) LETHAL where an obstacle was seen.
+        frame: where these cells lie.
+        x: of the robot in the map; so y.
+
+    Returns:
+        A window of the clearance, exact up to WALL_MARGIN, and where it lies.
+    """
+    cells = math.ceil(NEARBY / frame.resolution)
+    row, col = math.floor((y - frame.y) / frame.resolution), math.floor((x - frame.x) / frame.resolution)
+    low, left = max(0, row - cells), max(0, col - cells)
+    high, right = min(clearance.shape[0], row + cells + 1), min(clearance.shape[1], col + cells + 1)
+    near = clearance[low:high, left:right].copy()
+    span = math.ceil(WALL_MARGIN / frame.resolution) + 1
+    for r in range(low, high):
+        for c in range(left, right):
+            if marks[r, c] != LETHAL:
+                continue
+            for i in range(max(low, r - span), min(high, r + span + 1)):
+                for j in range(max(left, c - span), min(right, c + span + 1)):
+                    away = np.float32(max(0.0, (math.hypot(i - r, j - c) - 0.5) * frame.resolution))
+                    near[i - low, j - left] = min(near[i - low, j - left], away)
+    return near, CostFrame(frame.x + left * frame.resolution, frame.y + low * frame.resolution, frame.resolution)
+
+
+@njit(cache=True)
+def _bodies(states: FloatArray, footprints: FloatArray, acc_lim_x: float, hold: float) -> FloatArray:
+    """(3 k, n, 2) outlines of k robots: where they are, and halfway and all the way to where they can stop.
+
+    Args:
+        states: (k, 5) x, y, theta and the linear and angular velocity of each.
+        footprints: (k, n, 2).
+        acc_lim_x: how hard everybody can brake, m/s^2.
+        hold: seconds from one command to the next, latency included.
+    """
+    out = np.empty((3 * states.shape[0], footprints.shape[1], 2))
+    for k in range(states.shape[0]):
+        x, y, theta, v, w = states[k]
+        coast = hold + abs(v) / (2.0 * acc_lim_x)
+        for part in range(3):
+            time = 0.5 * part * coast
+            turned = theta + w * time
+            middle = theta + 0.5 * w * time
+            out[3 * k + part] = placed(
+                footprints[k], x + v * time * math.cos(middle), y + v * time * math.sin(middle), turned
+            )
+    return out
+
+
+@njit(cache=True)
+def _gaps(body: FloatArray, bodies: FloatArray) -> FloatArray:
+    """(k,) metres from one polygon to each of k others; to those of one robot, the least of the three."""
+    out = np.empty(bodies.shape[0])
+    for k in range(0, bodies.shape[0], 3):
+        least = min(gap(body, bodies[k]), gap(body, bodies[k + 1]), gap(body, bodies[k + 2]))
+        out[k : k + 3] = least
+    return out
+
+
+def surroundings(
+    clearance: NDArray[np.float32],
+    frame: CostFrame,
+    footprint: FloatArray,
+    pose: Pose2,
+    neighbours: Sequence[Neighbour],
+    acc_lim_x: float,
+    hold: float,
+) -> Surroundings:
+    """What a robot at a pose must look out for.
+
+    Args:
+        clearance: (rows, cols) metres to the nearest wall.
+        frame: where these cells lie.
+        footprint: (n, 2) of the robot, padded.
+        pose: of its base in the map.
+        neighbours: the other robots; those far off are left out.
+        acc_lim_x: how hard everybody can brake, m/s^2.
+        hold: seconds from one command to the next, latency included.
+    """
+    x, y, theta = pose.x, pose.y, pose.theta
+    reach = EARSHOT + 2.0 * circumscribed_radius(footprint)
+    near = [
+        other for other in neighbours if abs(other.base_in_map.x - x) < reach and abs(other.base_in_map.y - y) < reach
+    ]
+    if not near:
+        return Surroundings(clearance, frame, np.empty((0, len(footprint), 2)), np.empty(0))
+    states = np.array(
+        [
+            (
+                other.base_in_map.x,
+                other.base_in_map.y,
+                other.base_in_map.theta,
+                other.twist.linear,
+                other.twist.angular,
+            )
+            for other in near
+        ]
+    )
+    footprints = np.array([_fitted(other.footprint, len(footprint)) for other in near])
+    bodies = _bodies(states, footprints, acc_lim_x, hold)
+    return Surroundings(clearance, frame, bodies, _gaps(placed(footprint, x, y, theta), bodies))
+
+
+def _fitted(footprint: FloatArray, corners: int) -> FloatArray:
+    """The footprint with as many corners as asked: the last one repeated, or the box around it."""
+    missing = corners - len(footprint)
+    if missing == 0:
+        return footprint
+    if missing > 0:
+        return np.vstack([footprint, np.repeat(footprint[-1:], missing, axis=0)])
+    (x0, y0), (x1, y1) = footprint.min(axis=0), footprint.max(axis=0)
+    return _fitted(np.array([[x0, y0], [x1, y0], [x1, y1], [x0, y1]])[:corners], corners)
+
+
+@njit(cache=True)
+def safe(
+    around: Surroundings, footprint: FloatArray, outline: FloatArray, x: float, y: float, theta: float, v: float,
+    w: float, wanted_v: float, wanted_w: float, hold: float, acc_lim_x: float, acc_lim_theta: float,
+) -> bool:  # fmt: skip
+    """Whether a command leaves room to stop.
+
+    Args:
+        around: the surroundings at this pose.
+        footprint: (n, 2) of the robot, padded.
+        outline: (m, 2) points along it.
+        x: of the base in the map; so y and theta.
+        v: how fast it drives; so w, its rate of turn.
+        wanted_v: the command; so wanted_w.
+        hold: seconds from one command to the next, latency included.
+        acc_lim_x: how hard it can brake, m/s^2; acc_lim_theta in turning, rad/s^2.
+    """
+    room = wall_clearance(around.clearance, around.frame, outline, x, y, theta)
+    # A hair less is allowed, or a robot close by a wall could not even drive along it.
+    room = max(min(WALL_MARGIN, room) - 0.003, min(0.03, room))
+    poses = stopping(x, y, theta, v, w, wanted_v, wanted_w, hold, acc_lim_x, acc_lim_theta)
+    radius = 0.0
+    for i in range(footprint.shape[0]):
+        radius = max(radius, math.hypot(footprint[i, 0], footprint[i, 1]))
+    for k in range(poses.shape[0]):
+        px, py, turned = poses[k]
+        if wall_clearance(around.clearance, around.frame, outline, px, py, turned) < room:
+            return False
+    turning = wanted_v == 0.0 and abs(v) < 0.05
+    for j in range(around.bodies.shape[0]):
+        present = around.gaps[j]
+        if turning:
+            needed = min(TURNING_MARGIN, present - 1e-3)
+        elif present > NEIGHBOUR_MARGIN:
+            needed = 0.5 * (present + NEIGHBOUR_MARGIN)
+        else:
+            needed = present - 1e-3
+        body = around.bodies[j]
+        for k in range(poses.shape[0]):
+            px, py, turned = poses[k]
+            # The outline is within its radius of the base: far corners settle most cases.
+            closest = np.inf
+            for i in range(body.shape[0]):
+                closest = min(closest, _to_segment(px, py, body[i - 1, 0], body[i - 1, 1], body[i, 0], body[i, 1]))
+            if math.sqrt(closest) - radius >= needed:
+                continue
+            if gap(placed(footprint, px, py, turned), body) < needed:
+                return False
+    return True

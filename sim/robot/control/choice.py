@@ -1,0 +1,24 @@
+"""Which local planner a robot drives by."""
+
+from sim.common.geometry import FloatArray
+from sim.parameters import RobotParameters
+from sim.robot.control.dwa import DwaPlanner
+from sim.robot.control.local_planner import LocalPlanner
+from sim.robot.control.trajectory_rollout import TrajectoryPlanner
+
+
+def local_planner(
+    parameters: RobotParameters, footprint: FloatArray, shape: tuple[int, int], period: float
+) -> LocalPlanner:
+    """The one that `move_base: base_local_planner` names.
+
+    Args:
+        parameters: of the robot's software.
+        footprint: (n, 2) padded corners, base frame.
+        shape: rows and columns of the local costmap.
+        period: seconds from one command to the next.
+    """
+    inflation = parameters.local_costmap.inflation_layer
+    if parameters.move_base.base_local_planner == "dwa_local_planner/DWAPlannerROS":
+        return DwaPlanner(parameters.DWAPlannerROS, footprint, inflation, shape, period)
+    return TrajectoryPlanner(parameters.TrajectoryPlannerROS, footprint, inflation, shape, period)

@@ -1,0 +1,309 @@
+"""The dynamic window approach: of the commands that the next period can reach, the one that leads best.
+
+Source: ros-planning/navigation, dwa_local_planner/src/dwa_planner.cpp; base_local_planner/src/
+simple_trajectory_generator.cpp, simple_scored_sampling_planner.cpp and the cost functions; Fox, Burgard, Thrun, The
+Dynamic Window Approach to Collision Avoidance (1997).
+Differs: as `sim.robot.control.trajectory_rollout` does; and without the standing robot's first choice of turning in
+place, which ROS makes wherever obstacle costs outweigh the way (see `PATIENCE` in `sim.robot.control.local_planner`).
+"""
+
+import math
+from typing import NamedTuple
+
+import numpy as np
+from numba import njit
+
+from sim.common.geometry import FloatArray
+from sim.parameters import DwaPlannerParameters, InflationParameters
+from sim.robot.control.braking import Surroundings
+from sim.robot.control.local_planner import Limits, SampledPlanner
+from sim.robot.control.map_grid import Grids, cells_along, grids, index_of, spread, survey
+from sim.robot.control.rollout import Body, Motion, attempt, best_safe, candidates, surely_free
+from sim.robot.costmap.costs import CostFrame, Costs
+
+EPSILON = 1e-4
+"""By how much a speed may miss its bounds."""
+ESCAPE_VEL = -0.1
+"""Metres a second backwards, when nothing else is left, and how far; ROS's planner leaves that to move_base."""
+ESCAPE_DIST = 0.12
+
+
+class _Samples(NamedTuple):
+    """Which commands are tried, and how far.
+
+    Attributes:
+        v: (k,) m/s; w (m,) rad/s.
+        least_v: a command slower than both least_v and least_w is not tried.
+        only_v: the sign that v must have, or 0; only_w that of w.
+        at_once: whether a command's speed is reached in the first instant.
+        sim_time: as in DwaPlannerParameters, and so on.
+    """
+
+    v: FloatArray
+    w: FloatArray
+    least_v: float
+    least_w: float
+    only_v: float
+    only_w: float
+    at_once: bool
+    sim_time: float
+    granularity: float
+    angular_granularity: float
+
+
+class _Critics(NamedTuple):
+    """How a trajectory is scored.
+
+    Attributes:
+        path: per cell off the path, of the body; alignment of the nose.
+        goal: per cell left, of both.
+        obstacles: per cost.
+        sum_scores: whether the costs along the trajectory add up.
+        twirling: per rad/s.
+        nose: metres that the nose is forward of the centre.
+        scaling_speed: m/s above which the footprint grows, up to 1 + max_scaling_factor times at max_vel_trans.
+    """
+
+    path: float
+    alignment: float
+    goal: float
+    obstacles: float
+    sum_scores: bool
+    twirling: float
+    nose: float
+    scaling_speed: float
+    max_scaling_factor: float
+    max_vel_trans: float
+
+
+@njit(cache=True)
+def _growth(v: float, critics: _Critics) -> float:
+    """How many times its size the footprint is looked at."""
+    above = abs(v) - critics.scaling_speed
+    span = critics.max_vel_trans - critics.scaling_speed
+    return 1.0 + critics.max_scaling_factor * above / span if above > 0.0 and span > 0.0 else 1.0
+
+
+@njit(cache=True)
+def _steps(v: float, w: float, samples: _Samples) -> int:
+    """How many poses of a rollout are looked at."""
+    way, turn = abs(v) * samples.sim_time, abs(w) * samples.sim_time
+    return max(1, math.ceil(max(way / samples.granularity, turn / samples.angular_granularity)))
+
+
+@njit(cache=True)
+def _best(
+    costs: Costs, frame: CostFrame, grid: Grids, path: FloatArray, around: Surroundings, body: Body, now: Motion,
+    samples: _Samples, critics: _Critics,
+) -> tuple[float, float, bool]:  # fmt: skip
+    """The best safe command (v, w), and whether there is one."""
+    rows, cols = costs.shape
+    total = samples.v.shape[0] * samples.w.shape[0]
+    out = candidates(total)
+    # The cells of the body at the end, and then those of the nose.
+    cells = np.empty(2 * total, dtype=np.int32)
+    n = 0
+    for v in samples.v:
+        growth = _growth(v, critics)
+        free = surely_free(body, growth)
+        for w in samples.w:
+            if abs(v) + EPSILON < samples.least_v and abs(w) + EPSILON < samples.least_w:
+                continue
+            if v * samples.only_v < 0.0 or w * samples.only_w < 0.0:
+                continue
+            steps = _steps(v, w, samples)
+            begin = Motion(now.x, now.y, now.theta, v, w) if samples.at_once else now
+            tried = attempt(costs, frame, begin, v, w, body, samples.sim_time, steps, steps - 1, free)
+            if not tried.legal:
+                continue
+            nose_x = tried.x + critics.nose * math.cos(tried.theta)
+            nose_y = tried.y + critics.nose * math.sin(tried.theta)
+            nose = index_of(costs, frame, nose_x, nose_y)
+            if nose < 0:
+                continue
+            out.commands[n, 0], out.commands[n, 1] = v, w
+            cells[2 * n], cells[2 * n + 1] = index_of(costs, frame, tried.x, tried.y), nose
+            cost = tried.total if critics.sum_scores else tried.worst
+            out.scores[n] = critics.obstacles * cost + critics.twirling * abs(w)
+            out.steps[n] = steps
+            out.growth[n] = growth
+            out.doubtful[n] = tried.doubtful
+            n += 1
+    if n > 0:
+        survey(costs, frame, now.x, now.y, body.inscribed, grid.terrain)
+        along = cells_along(costs, frame, path)
+        last = path[path.shape[0] - 1]
+        spread(grid, cols, along, cells[: 2 * n], grid.path)
+        spread(grid, cols, along[along.shape[0] - 1 :], cells[: 2 * n : 2], grid.goal)
+        # The nose's goal lies as far beyond the path's end as the nose is forward of the centre.
+        bearing = math.atan2(last[1] - now.y, last[0] - now.x)
+        ahead = np.empty((1, 2))
+        ahead[0, 0] = last[0] + critics.nose * math.cos(bearing)
+        ahead[0, 1] = last[1] + critics.nose * math.sin(bearing)
+        beyond = cells_along(costs, frame, ahead)
+        spread(
+            grid, cols, beyond if beyond.shape[0] > 0 else along[along.shape[0] - 1 :], cells[1 : 2 * n : 2], grid.nose
+        )
+    # As in ROS a nose that has no way is as far off as there are cells.
+    lost = rows * cols
+    for i in range(n):
+        end, nose = cells[2 * i], cells[2 * i + 1]
+        if grid.path[end] < 0 or grid.goal[end] < 0:
+            out.scores[i] = np.inf
+            continue
+        off = grid.path[nose] if grid.path[nose] >= 0 else lost
+        left = grid.nose[nose] if grid.nose[nose] >= 0 else lost
+        out.scores[i] += critics.path * grid.path[end] + critics.alignment * off
+        out.scores[i] += critics.goal * (grid.goal[end] + left)
+    v, w, found = best_safe(costs, frame, out, n, around, body, now, samples.sim_time, samples.at_once)
+    return v, w, found
+
+
+def _spaced(low: float, high: float, samples: int) -> FloatArray:
+    """(k,) speeds from low to high, evenly; zero is put in where they pass it."""
+    if low >= high:
+        return np.array([high])
+    speeds = np.linspace(low, high, max(2, samples))
+    return np.insert(speeds, np.searchsorted(speeds, 0.0), 0.0) if low < 0.0 < high and 0.0 not in speeds else speeds
+
+
+class _Oscillation:
+    """Which way a robot may not go again, having just come that way (oscillation_cost_function.cpp).
+
+    Args:
+        reset_dist: metres after which it may.
+        reset_angle: or radians.
+    """
+
+    def __init__(self, reset_dist: float, reset_angle: float) -> None:
+        self._reset_dist = reset_dist
+        self._reset_angle = reset_angle
+        self._last = [0.0, 0.0]
+        self._only = [0.0, 0.0]
+        self._since = Motion(0.0, 0.0, 0.0, 0.0, 0.0)
+
+    @property
+    def only_v(self) -> float:
+        """The sign that v must have; 0 for either."""
+        return self._only[0]
+
+    @property
+    def only_w(self) -> float:
+        """The sign that w must have; 0 for either."""
+        return self._only[1]
+
+    def took(self, now: Motion, v: float, w: float, least_v: float) -> None:
+        """The robot was given this command."""
+        for axis, speed in enumerate((v, w if abs(v) <= least_v else 0.0)):
+            sign = math.copysign(1.0, speed) if speed else 0.0
+            if sign and sign == -self._last[axis]:
+                self._only[axis] = sign
+                self._since = now
+            self._last[axis] = sign or self._last[axis]
+        moved = math.hypot(now.x - self._since.x, now.y - self._since.y)
+        turned = abs(math.remainder(now.theta - self._since.theta, math.tau))
+        if any(self._only) and (moved > self._reset_dist or turned > self._reset_angle):
+            self._last, self._only = [0.0, 0.0], [0.0, 0.0]
+
+
+class DwaPlanner(SampledPlanner):
+    """The dynamic window approach for one robot.
+
+    Args:
+        parameters: dwa_local_planner's.
+        footprint: (n, 2) padded corners, base frame.
+        inflation: of the costmap.
+        shape: rows and columns of the local costmap.
+        period: seconds from one command to the next.
+    """
+
+    def __init__(
+        self,
+        parameters: DwaPlannerParameters,
+        footprint: FloatArray,
+        inflation: InflationParameters,
+        shape: tuple[int, int],
+        period: float,
+    ) -> None:
+        self._parameters = parameters
+        self._grids = grids(*shape)
+        limits = Limits(
+            acc_lim_x=parameters.acc_lim_x,
+            acc_lim_theta=parameters.acc_lim_theta,
+            max_vel_theta=parameters.max_vel_theta,
+            min_in_place_vel_theta=parameters.min_vel_theta,
+            escape_vel=ESCAPE_VEL,
+            escape_reset_dist=ESCAPE_DIST,
+            escape_reset_theta=math.pi / 2,
+            heading_lookahead=parameters.forward_point_distance,
+            oscillation_reset_dist=parameters.oscillation_reset_dist,
+            sim_time=parameters.sim_time,
+            sim_granularity=parameters.sim_granularity,
+            xy_goal_tolerance=parameters.xy_goal_tolerance,
+            yaw_goal_tolerance=parameters.yaw_goal_tolerance,
+            latch_xy_goal_tolerance=parameters.latch_xy_goal_tolerance,
+            trans_stopped_vel=parameters.trans_stopped_vel,
+            theta_stopped_vel=parameters.theta_stopped_vel,
+        )
+        super().__init__(limits, footprint, inflation, period)
+
+    def reset(self) -> None:
+        """Forget the path that was followed."""
+        super().reset()
+        wanted = self._parameters
+        self._oscillation = _Oscillation(wanted.oscillation_reset_dist, wanted.oscillation_reset_angle)
+
+    def _search(
+        self,
+        now: Motion,
+        costs: Costs,
+        frame: CostFrame,
+        path: FloatArray,
+        greatest_v: float,
+        around: Surroundings,
+        impatient: bool,
+    ) -> tuple[float, float, bool]:
+        wanted = self._parameters
+        samples = self._samples(now, greatest_v, impatient)
+        left = math.hypot(path[-1, 0] - now.x, path[-1, 1] - now.y)
+        near = left * left <= wanted.forward_point_distance**2 * wanted.cheat_factor
+        critics = _Critics(
+            wanted.path_distance_bias * frame.resolution,
+            0.0 if near else wanted.path_distance_bias * frame.resolution,
+            wanted.goal_distance_bias * frame.resolution,
+            0.0 if impatient else wanted.occdist_scale,
+            wanted.sum_scores,
+            wanted.twirling_scale,
+            wanted.forward_point_distance,
+            wanted.scaling_speed,
+            wanted.max_scaling_factor,
+            wanted.max_vel_trans,
+        )
+        v, w, found = _best(costs, frame, self._grids, path, around, self._body, now, samples, critics)
+        if found:
+            self._oscillation.took(now, v, w, wanted.min_vel_trans)
+        return v, w, found
+
+    def _samples(self, now: Motion, greatest_v: float, impatient: bool) -> _Samples:
+        wanted = self._parameters
+        reach = self._body.period if wanted.use_dwa else wanted.sim_time
+        fastest = min(wanted.max_vel_x, wanted.max_vel_trans, max(greatest_v, wanted.min_vel_trans))
+        highest_v = min(fastest, max(now.v, 0.0) + wanted.acc_lim_x * reach)
+        lowest_v = min(highest_v, max(wanted.min_vel_x, -wanted.max_vel_trans, now.v - wanted.acc_lim_x * reach))
+        return _Samples(
+            _spaced(lowest_v, highest_v, wanted.vx_samples),
+            _spaced(
+                max(-wanted.max_vel_theta, now.w - wanted.acc_lim_theta * reach),
+                min(wanted.max_vel_theta, now.w + wanted.acc_lim_theta * reach),
+                wanted.vth_samples,
+            ),
+            wanted.min_vel_trans,
+            # Slower than any rate: nothing is tried that stays where it is.
+            math.inf if impatient else wanted.min_vel_theta,
+            self._oscillation.only_v,
+            self._oscillation.only_w,
+            wanted.use_dwa,
+            wanted.sim_time,
+            wanted.sim_granularity,
+            wanted.angular_sim_granularity,
+        )

@@ -1,0 +1,159 @@
+"""How far each cell of the local costmap is from the path, or from a point of it, along free cells.
+
+Grids are flat with a rim of one cell that nothing enters, so that no step need look where the costmap ends.
+
+Source: ros-planning/navigation, base_local_planner/src/map_grid.cpp.
+Differs: spreads only until all cells that somebody will look at are reached; the counts there are the same.
+"""
+
+import math
+from typing import NamedTuple
+
+import numpy as np
+from numba import njit
+from numpy.typing import NDArray
+
+from sim.common.geometry import FloatArray
+from sim.robot.costmap.costs import CostFrame, Costs
+
+Steps = NDArray[np.int32]
+"""Steps to a side neighbour; negative where there is no way, or where nobody asked."""
+
+OPEN = -1
+CLOSED = -2
+
+
+class Grids(NamedTuple):
+    """Room to work in, for a costmap of (rows, cols).
+
+    Attributes:
+        terrain: ((rows + 2) * (cols + 2),) OPEN or CLOSED.
+        path: the same size, steps from the path.
+        goal: steps from where the path ends.
+        nose: steps from where a robot's nose shall end.
+        queue: the same size.
+        wanted: the same size, whether somebody will look at a cell; False between calls.
+    """
+
+    terrain: Steps
+    path: Steps
+    goal: Steps
+    nose: Steps
+    queue: Steps
+    wanted: NDArray[np.bool_]
+
+
+def grids(rows: int, cols: int) -> Grids:
+    """Room for a costmap of this size."""
+    size = (rows + 2) * (cols + 2)
+    terrain, path, goal, nose, queue = (np.empty(size, dtype=np.int32) for _ in range(5))
+    return Grids(terrain, path, goal, nose, queue, np.zeros(size, dtype=np.bool_))
+
+
+@njit(cache=True)
+def index_of(costs: Costs, frame: CostFrame, x: float, y: float) -> int:
+    """The flat index of the cell at a map point; -1 off the costmap."""
+    rows, cols = costs.shape
+    row = math.floor((y - frame.y) / frame.resolution)
+    col = math.floor((x - frame.x) / frame.resolution)
+    if row < 0 or col < 0 or row >= rows or col >= cols:
+        return -1
+    index: int = (row + 1) * (cols + 2) + col + 1
+    return index
+
+
+@njit(cache=True)
+def survey(costs: Costs, frame: CostFrame, x: float, y: float, own_radius: float, terrain: Steps) -> None:
+    """Close the cells of cost 253 and more, except those under the robot itself.
+
+    Args:
+        costs: (rows, cols).
+        frame: where they lie.
+        x: of the robot; so y.
+        own_radius: metres around the robot that are its own.
+        terrain: overwritten with the result.
+    """
+    rows, cols = costs.shape
+    terrain[:] = CLOSED
+    for r in range(rows):
+        base = (r + 1) * (cols + 2) + 1
+        for c in range(cols):
+            if costs[r, c] < 253:
+                terrain[base + c] = OPEN
+    own_row, own_col = (y - frame.y) / frame.resolution, (x - frame.x) / frame.resolution
+    own = own_radius / frame.resolution
+    for r in range(max(0, math.floor(own_row - own)), min(rows, math.ceil(own_row + own))):
+        for c in range(max(0, math.floor(own_col - own)), min(cols, math.ceil(own_col + own))):
+            if (r + 0.5 - own_row) ** 2 + (c + 0.5 - own_col) ** 2 <= own * own:
+                terrain[(r + 1) * (cols + 2) + c + 1] = OPEN
+
+
+@njit(cache=True)
+def cells_along(costs: Costs, frame: CostFrame, path: FloatArray) -> Steps:
+    """The flat indices of the cells along (m, 2) map points, a cell apart or less; those off the costmap are left out.
+
+    The first point may stand more than once; a cell too.
+    """
+    room = 1
+    for i in range(1, path.shape[0]):
+        room += math.ceil(math.hypot(path[i, 0] - path[i - 1, 0], path[i, 1] - path[i - 1, 1]) / frame.resolution) + 1
+    out = np.empty(room, dtype=np.int32)
+    n = 0
+    for i in range(path.shape[0]):
+        before = max(0, i - 1)
+        dx, dy = path[i, 0] - path[before, 0], path[i, 1] - path[before, 1]
+        pieces = max(1, math.ceil(math.hypot(dx, dy) / frame.resolution))
+        for piece in range(1, pieces + 1):
+            share = piece / pieces
+            index = index_of(costs, frame, path[before, 0] + share * dx, path[before, 1] + share * dy)
+            if index >= 0:
+                out[n] = index
+                n += 1
+    return out[:n]
+
+
+@njit(cache=True)
+def spread(grid: Grids, cols: int, seeds: Steps, looked_at: Steps, steps: Steps) -> None:
+    """Count the steps from the nearest seed.
+
+    Args:
+        grid: its terrain must have been surveyed.
+        cols: of the costmap.
+        seeds: flat indices.
+        looked_at: flat indices of the cells whose count is wanted; negative ones are left out. Empty: all.
+        steps: of the grid, overwritten with the result.
+    """
+    steps[:] = grid.terrain
+    wanted, queue = grid.wanted, grid.queue
+    left = 0
+    for i in range(looked_at.shape[0]):
+        cell = looked_at[i]
+        if cell >= 0 and not wanted[cell] and steps[cell] == OPEN:
+            wanted[cell] = True
+            left += 1
+    if looked_at.shape[0] == 0:
+        left = steps.shape[0]
+    end = 0
+    for i in range(seeds.shape[0]):
+        cell = seeds[i]
+        if steps[cell] < 0:
+            steps[cell] = 0
+            queue[end] = cell
+            end += 1
+            if wanted[cell]:
+                left -= 1
+    begin = 0
+    while begin < end and left > 0:
+        cell = queue[begin]
+        begin += 1
+        following = steps[cell] + 1
+        for side in (cell - 1, cell + 1, cell - cols - 2, cell + cols + 2):
+            if steps[side] == OPEN:
+                steps[side] = following
+                queue[end] = side
+                end += 1
+                if wanted[side]:
+                    left -= 1
+    for i in range(looked_at.shape[0]):
+        if looked_at[i] >= 0:
+            wanted[looked_at[i]] = False

@@ -1,0 +1,274 @@
+"""Where a command leads: the poses it passes, what they cost, whether the outline is free there."""
+
+import math
+from typing import NamedTuple
+
+import numpy as np
+from numba import njit
+from numpy.typing import NDArray
+
+from sim.common.geometry import FloatArray
+from sim.robot.control.braking import Surroundings, safe
+from sim.robot.costmap.costs import INSCRIBED, CostFrame, Costs, cost_at
+from sim.robot.costmap.footprint import footprint_cost
+
+COMFORT = 0.1
+"""Metres that a trajectory keeps from obstacles where it can: a robot too near a corner cannot turn."""
+
+
+class Motion(NamedTuple):
+    """Where a robot is in the map and how it moves: metres, radians, m/s, rad/s."""
+
+    x: float
+    y: float
+    theta: float
+    v: float
+    w: float
+
+
+class Body(NamedTuple):
+    """What a planner knows of the robot, in the form that compiled kernels take.
+
+    Attributes:
+        footprint: (n, 2) padded corners, base frame.
+        roomy: the same with COMFORT around it.
+        outline: (m, 2) points along it.
+        inscribed: its radius, metres; so circumscribed.
+        cost_scaling_factor: of the costmap's inflation; so inflation_radius.
+        acc_lim_x: how hard the robot can accelerate and brake, m/s^2; acc_lim_theta in turning, rad/s^2.
+        period: seconds from one command to the next.
+        hold: the same, latency included.
+    """
+
+    footprint: FloatArray
+    roomy: FloatArray
+    outline: FloatArray
+    inscribed: float
+    circumscribed: float
+    cost_scaling_factor: float
+    inflation_radius: float
+    acc_lim_x: float
+    acc_lim_theta: float
+    period: float
+    hold: float
+
+
+class Trial(NamedTuple):
+    """What comes of a command.
+
+    Attributes:
+        legal: whether the centre stays on the costmap and off obstacles.
+        worst: the greatest cost under the centre, and their sum.
+        total: see worst.
+        doubtful: whether the outline may touch something, and must be looked at.
+        x: the pose that is scored; so y and theta.
+    """
+
+    legal: bool
+    worst: float
+    total: float
+    doubtful: bool
+    x: float
+    y: float
+    theta: float
+
+
+@njit(cache=True)
+def surely_free(body: Body, scale: float) -> int:
+    """The cost under the centre below which a footprint grown by `scale` and COMFORT touches nothing as it turns."""
+    radius = body.circumscribed * scale + 1.5 * COMFORT
+    if radius >= body.inflation_radius:
+        return 0
+    return int(cost_at(radius, body.inscribed, body.cost_scaling_factor))
+
+
+@njit(cache=True)
+def rollout(now: Motion, wanted_v: float, wanted_w: float, body: Body, sim_time: float, steps: int) -> FloatArray:
+    """(steps, 3) poses that a command leads through, the present one first."""
+    out = np.empty((steps, 3))
+    dt = sim_time / steps
+    step_v, step_w = body.acc_lim_x * dt, body.acc_lim_theta * dt
+    x, y, theta, v, w = now
+    cos, sin = math.cos(theta), math.sin(theta)
+    turn_cos, turn_sin, turning = 1.0, 0.0, 0.0
+    for i in range(steps):
+        out[i, 0], out[i, 1], out[i, 2] = x, y, theta
+        v = min(v + step_v, wanted_v) if wanted_v > v else max(v - step_v, wanted_v)
+        w = min(w + step_w, wanted_w) if wanted_w > w else max(w - step_w, wanted_w)
+        x += v * cos * dt
+        y += v * sin * dt
+        theta += w * dt
+        if w * dt != turning:
+            turning = w * dt
+            turn_cos, turn_sin = math.cos(turning), math.sin(turning)
+        cos, sin = cos * turn_cos - sin * turn_sin, sin * turn_cos + cos * turn_sin
+    return out
+
+
+@njit(cache=True)
+def attempt(
+    costs: Costs, frame: CostFrame, now: Motion, wanted_v: float, wanted_w: float, body: Body, sim_time: float,
+    steps: int, scored: int, free: int,
+) -> Trial:  # fmt: skip
+    """Follow a command step by step as `rollout` does, and look at the costs under the centre.
+
+    Args:
+        costs: (rows, cols) the local costmap.
+        frame: where it lies.
+        now: where the robot is.
+        wanted_v: the command; so wanted_w.
+        body: of the robot.
+        sim_time: seconds.
+        steps: how many poses.
+        scored: index of the one to score.
+        free: see `surely_free`.
+    """
+    rows, cols = costs.shape
+    dt = sim_time / steps
+    step_v, step_w = body.acc_lim_x * dt, body.acc_lim_theta * dt
+    x, y, theta, v, w = now
+    cos, sin = math.cos(theta), math.sin(theta)
+    turn_cos, turn_sin, turning = 1.0, 0.0, 0.0
+    per_cell = 1.0 / frame.resolution
+    worst, total, doubtful = 0.0, 0.0, False
+    scored_x, scored_y, scored_theta = x, y, theta
+    for i in range(steps):
+        row, col = math.floor((y - frame.y) * per_cell), math.floor((x - frame.x) * per_cell)
+        if row < 0 or col < 0 or row >= rows or col >= cols:
+            return Trial(False, worst, total, doubtful, x, y, theta)
+        cost = costs[row, col]
+        # Where the robot stands already, nothing can be done about it.
+        if i > 0 and cost >= free:
+            if cost >= INSCRIBED:
+                return Trial(False, worst, total, doubtful, x, y, theta)
+            doubtful = True
+        worst = max(worst, float(cost))
+        total += cost
+        if i == scored:
+            scored_x, scored_y, scored_theta = x, y, theta
+        v = min(v + step_v, wanted_v) if wanted_v > v else max(v - step_v, wanted_v)
+        w = min(w + step_w, wanted_w) if wanted_w > w else max(w - step_w, wanted_w)
+        x += v * cos * dt
+        y += v * sin * dt
+        theta += w * dt
+        if w * dt != turning:
+            turning = w * dt
+            turn_cos, turn_sin = math.cos(turning), math.sin(turning)
+        cos, sin = cos * turn_cos - sin * turn_sin, sin * turn_cos + cos * turn_sin
+    return Trial(True, worst, total, doubtful, scored_x, scored_y, scored_theta)
+
+
+@njit(cache=True)
+def outline_free(costs: Costs, frame: CostFrame, footprint: FloatArray, poses: FloatArray, free: int) -> bool:
+    """Whether a footprint touches nothing along (k, 3) poses on the costmap, the first left out; `free` as above."""
+    for i in range(1, poses.shape[0]):
+        x, y, theta = poses[i]
+        row, col = math.floor((y - frame.y) / frame.resolution), math.floor((x - frame.x) / frame.resolution)
+        if costs[row, col] >= free and footprint_cost(costs, frame, footprint, x, y, theta) < 0.0:
+            return False
+    return True
+
+
+@njit(cache=True)
+def comfortable(costs: Costs, frame: CostFrame, body: Body, poses: FloatArray, free: int) -> bool:
+    """The same for the footprint with COMFORT around it; where that would leave the costmap, it is not looked at."""
+    rows, cols = costs.shape
+    rim = (body.circumscribed + 1.5 * COMFORT) / frame.resolution + 1.0
+    for i in range(1, poses.shape[0]):
+        x, y, theta = poses[i]
+        across, along = (y - frame.y) / frame.resolution, (x - frame.x) / frame.resolution
+        if across < rim or along < rim or across > rows - rim or along > cols - rim:
+            continue
+        cost = costs[math.floor(across), math.floor(along)]
+        if cost >= free and footprint_cost(costs, frame, body.roomy, x, y, theta) < 0.0:
+            return False
+    return True
+
+
+@njit(cache=True)
+def command_safe(around: Surroundings, body: Body, now: Motion, wanted_v: float, wanted_w: float) -> bool:
+    """Whether a command leaves room to stop (`sim.robot.control.braking.safe`)."""
+    result: bool = safe(
+        around, body.footprint, body.outline, now.x, now.y, now.theta, now.v, now.w, wanted_v, wanted_w, body.hold,
+        body.acc_lim_x, body.acc_lim_theta,
+    )  # fmt: skip
+    return result
+
+
+class Candidates(NamedTuple):
+    """Commands that were tried, n of them in the first places of each array.
+
+    Attributes:
+        commands: (m, 2) m/s and rad/s.
+        scores: (m,) the lower the better; infinite where a command leads nowhere.
+        steps: (m,) poses of each one's rollout.
+        growth: (m,) how many times its size the footprint must be free along it.
+        doubtful: (m,) whether the outline may touch something.
+    """
+
+    commands: FloatArray
+    scores: FloatArray
+    steps: NDArray[np.int64]
+    growth: FloatArray
+    doubtful: NDArray[np.bool_]
+
+
+@njit(cache=True)
+def candidates(room: int) -> Candidates:
+    """Room for so many commands."""
+    return Candidates(
+        np.empty((room, 2)),
+        np.empty(room),
+        np.empty(room, dtype=np.int64),
+        np.ones(room),
+        np.empty(room, dtype=np.bool_),
+    )
+
+
+@njit(cache=True)
+def best_safe(
+    costs: Costs, frame: CostFrame, tried: Candidates, n: int, around: Surroundings, body: Body, now: Motion,
+    sim_time: float, at_once: bool,
+) -> tuple[float, float, bool]:  # fmt: skip
+    """The best of n commands that is free and safe (v, w), and whether there is one.
+
+    What is dear to check is checked from the best on. A command that comes nearer to something than COMFORT is taken
+    only if nothing else is left, or if the robot is there already.
+
+    Args:
+        costs: (rows, cols) the local costmap.
+        frame: where it lies.
+        tried: the commands; their scores are used up.
+        n: how many.
+        around: what may be bumped into.
+        body: of the robot.
+        now: where the robot is.
+        sim_time: seconds rolled out.
+        at_once: whether a command's speed is reached in the first instant.
+    """
+    second_best = -1
+    crowded = footprint_cost(costs, frame, body.roomy, now.x, now.y, now.theta) < 0.0
+    for _ in range(n):
+        best = 0
+        for i in range(1, n):
+            if tried.scores[i] < tried.scores[best]:
+                best = i
+        if tried.scores[best] == np.inf:
+            break
+        tried.scores[best] = np.inf
+        v, w = tried.commands[best]
+        near = False
+        if tried.doubtful[best]:
+            begin = Motion(now.x, now.y, now.theta, v, w) if at_once else now
+            poses = rollout(begin, v, w, body, sim_time, tried.steps[best])
+            free = surely_free(body, tried.growth[best])
+            if not outline_free(costs, frame, tried.growth[best] * body.footprint, poses, free):
+                continue
+            near = not crowded and not comfortable(costs, frame, body, poses, free)
+        if (not near or second_best < 0) and command_safe(around, body, now, v, w):
+            if not near:
+                return v, w, True
+            second_best = best
+    if second_best >= 0:
+        return tried.commands[second_best, 0], tried.commands[second_best, 1], True
+    return 0.0, 0.0, False

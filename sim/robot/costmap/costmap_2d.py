@@ -1,0 +1,224 @@
+"""One costmap of one robot, put together from its parameters.
+
+Source: ros-planning/navigation, costmap_2d/src/costmap_2d_ros.cpp.
+"""
+
+from collections.abc import Sequence
+from dataclasses import replace
+from typing import NamedTuple
+
+import numpy as np
+
+from sim.common.geometry import FloatArray, Pose2
+from sim.common.grid import OccupancyGrid
+from sim.common.observations import TICKS_PER_SECOND, Neighbour, Scan
+from sim.parameters import CostmapParameters, LocalCostmapParameters
+from sim.robot.costmap.costs import CostFrame, Costs, Window
+from sim.robot.costmap.footprint import of_radius, pad, radii
+from sim.robot.costmap.inflation import InflationLayer
+from sim.robot.costmap.layered import Layer, LayeredCostmap
+from sim.robot.costmap.obstacle import ObstacleLayer
+from sim.robot.costmap.robots import RobotsLayer
+from sim.robot.costmap.static import StaticLayer
+
+
+class Look(NamedTuple):
+    """A scan, and what must be known to make use of it.
+
+    Attributes:
+        base_in_map: where the robot was when it scanned.
+        scan: the readings.
+        discs: (n, 3) x, y and radius of the other robots, metres.
+    """
+
+    base_in_map: Pose2
+    scan: Scan
+    discs: FloatArray
+
+
+class Costmap2D:
+    """A costmap with the layers static, obstacle, robots and inflation, in this order, as far as they are enabled.
+
+    Args:
+        parameters: costmap_2d's; those of a local costmap make one that moves along with the robot.
+        body: (n, 2) corners of the robot's true body, base frame, metres; they count where the parameters give none.
+        grid: the map on whose cells it lies; its origin must not be turned.
+
+    Attributes:
+        footprint: (n, 2) padded corners, base frame, metres.
+        inscribed_radius: of the padded footprint, metres.
+        circumscribed_radius: the same.
+    """
+
+    def __init__(self, parameters: CostmapParameters, body: FloatArray, grid: OccupancyGrid) -> None:
+        self._grid = grid
+        self._body = body
+        self._robots = RobotsLayer(parameters.robots_layer, grid)
+        self._cleared = 0
+        self._build(parameters)
+
+    def _build(self, parameters: CostmapParameters) -> None:
+        """Put the costmap together; only the robots' layer stays what it was."""
+        grid = self._grid
+        self._parameters = parameters
+        self.footprint = pad(_corners(parameters, self._body), parameters.footprint_padding)
+        self.inscribed_radius, self.circumscribed_radius = radii(self.footprint)
+        self._shape: tuple[int, int] | None = None
+        if isinstance(parameters, LocalCostmapParameters):
+            # As much more than a whole number of cells as reals err is no cell.
+            self._shape = (
+                int(parameters.height / grid.resolution + 1e-9),
+                int(parameters.width / grid.resolution + 1e-9),
+            )
+        self._obstacles = ObstacleLayer(
+            parameters.obstacle_layer,
+            grid,
+            self.footprint,
+            parameters.track_unknown_space,
+            self._shape,
+            explained_by_walls=parameters.static_layer.enabled,
+        )
+        self._clear_ticks = round(TICKS_PER_SECOND / parameters.update_frequency)
+        static = StaticLayer(parameters.static_layer, grid)
+        inflation = InflationLayer(parameters.inflation_layer, grid.resolution, self.inscribed_radius)
+        layers: tuple[tuple[Layer, bool], ...] = (
+            (static, parameters.static_layer.enabled),
+            (self._obstacles, parameters.obstacle_layer.enabled),
+            (self._robots, parameters.robots_layer.enabled),
+            (inflation, parameters.inflation_layer.enabled),
+        )
+        self._layers = [layer for layer, enabled in layers if enabled]
+        self._layered = self._empty(self._layers)
+
+    def _empty(self, layers: Sequence[Layer]) -> LayeredCostmap:
+        """A costmap of this one's size, of which nothing is written yet."""
+        return LayeredCostmap(self._grid, layers, self._shape, self._parameters.track_unknown_space)
+
+    def configure(self, parameters: CostmapParameters) -> None:
+        """Go on with these parameters, having seen what was seen; the costs are up to date at once."""
+        if replace(parameters, publish_frequency=self._parameters.publish_frequency) == self._parameters:
+            return
+        seen, window = self._obstacles, self._layered.window
+        middle = (window.row + window.row_end) // 2, (window.col + window.col_end) // 2
+        self._build(parameters)
+        if self._shape is not None:
+            rows, cols = self._shape
+            self._layered.origin = (middle[0] - rows // 2, middle[1] - cols // 2)
+            self._obstacles.roll(self._layered.origin)
+        self._obstacles.take_over(seen)
+        self._layered.write((self._layered.window,))
+
+    @property
+    def costs(self) -> Costs:
+        """(rows, cols) as of the last update."""
+        return self._layered.costs
+
+    @property
+    def frame(self) -> CostFrame:
+        """Where the costs lie."""
+        return self._layered.frame
+
+    @property
+    def marks(self) -> Costs:
+        """(rows, cols) what the laser has seen: LETHAL where something stands."""
+        return self._obstacles.marks
+
+    def observe(self, base_in_map: Pose2, scan: Scan, discs: FloatArray) -> None:
+        """Take in a scan: it marks at once, and clears as often as the costmap is to be updated.
+
+        Args:
+            base_in_map: where the robot was when it scanned.
+            scan: the readings.
+            discs: (n, 3) x, y and radius of the other robots, metres.
+        """
+        self._roll(base_in_map.x, base_in_map.y)
+        clears = not 0 < scan.tick - self._cleared < self._clear_ticks
+        if clears:
+            self._cleared = scan.tick
+        self._obstacles.observe(base_in_map, scan, discs, clears)
+
+    @property
+    def explains_within(self) -> float:
+        """Metres from the laser beyond which no disc explains a reading that would mark."""
+        return self._obstacles.explains_within
+
+    def see(self, neighbours: Sequence[Neighbour]) -> None:
+        """Take in what the others said last."""
+        self._robots.see(neighbours)
+
+    def clear(self) -> None:
+        """Forget what the laser has seen (move_base's clear_costmap_recovery)."""
+        self._obstacles.clear()
+
+    def clear_outside(self, x: float, y: float, side: float) -> None:
+        """Forget what the laser has seen outside a square of this side around a map point."""
+        self._obstacles.clear_outside(x, y, side)
+
+    @property
+    def any_marks(self) -> bool:
+        """Whether the laser has seen anything that stands."""
+        return self._obstacles.any_marks
+
+    def update(self, x: float, y: float) -> tuple[Window, ...]:
+        """Bring the costs up to date for a robot at this map point.
+
+        Returns:
+            The cells that were written, in cells of the static map; windows may overlap.
+        """
+        self._roll(x, y)
+        return self._layered.update()
+
+    def without_robots(self) -> Costs:
+        """(rows, cols) what the costs would be if the other robots were not there."""
+        return self._composed([layer for layer in self._layers if layer is not self._robots])
+
+    def unseen(self) -> Costs:
+        """(rows, cols) what the costs would be if moreover the laser had seen nothing."""
+        blank = self._obstacles.copied()
+        blank.clear()
+        layers = [blank if layer is self._obstacles else layer for layer in self._layers]
+        return self._composed([layer for layer in layers if layer is not self._robots])
+
+    def _composed(self, layers: Sequence[Layer]) -> Costs:
+        composed = self._empty(layers)
+        composed.origin = self._layered.origin
+        composed.write((composed.window,))
+        return composed.costs
+
+    def as_updated(
+        self, x: float, y: float, neighbours: Sequence[Neighbour], unseen: Look | None = None
+    ) -> tuple[Costs, CostFrame]:
+        """What the costs would be, and where they would lie, after an update now; nothing of the costmap changes.
+
+        Args:
+            x: where the robot is, map point; so y.
+            neighbours: the other robots.
+            unseen: a scan that the update would take in.
+
+        Returns:
+            (rows, cols) and its frame.
+        """
+        robots = RobotsLayer(self._parameters.robots_layer, self._grid)
+        obstacles = self._obstacles.copied()
+        instead: dict[Layer, Layer] = {self._robots: robots, self._obstacles: obstacles}
+        layers = [instead.get(layer, layer) for layer in self._layers]
+        updated = self._empty(layers)
+        updated.roll(x, y)
+        robots.see(neighbours if self._shape is None else robots.reaching(updated.window, neighbours))
+        obstacles.roll(updated.origin)
+        if unseen is not None:
+            obstacles.observe(*unseen)
+        updated.write((updated.window,))
+        return updated.costs, updated.frame
+
+    def _roll(self, x: float, y: float) -> None:
+        self._layered.roll(x, y)
+        self._obstacles.roll(self._layered.origin)
+
+
+def _corners(parameters: CostmapParameters, body: FloatArray) -> FloatArray:
+    if parameters.footprint:
+        return np.array(parameters.footprint)
+    if parameters.robot_radius is not None:
+        return of_radius(parameters.robot_radius)
+    return body

@@ -1,0 +1,129 @@
+"""The layer of prudence: costs that fall with the distance from the nearest obstacle.
+
+Source: ros-planning/navigation, costmap_2d/plugins/inflation_layer.cpp; Felzenszwalb, Huttenlocher, Distance Transforms
+of Sampled Functions (2012), for taking columns first and rows then.
+Differs: distances are exact, from cell centre to cell centre, where ROS hands the nearest obstacle from cell to cell
+and now and then misses a nearer one.
+"""
+
+import math
+
+import numpy as np
+from numba import njit
+from numpy.typing import NDArray
+
+from sim.parameters import InflationParameters
+from sim.robot.costmap.costs import Costs, Window, cost_at
+
+FAR = np.float32(1e9)
+"""Squared distance, in cells, to an obstacle that is not there."""
+
+
+@njit(cache=True)
+def _columns_away(costs: Costs, row: int, row_end: int, left: int, right: int, reach: int) -> NDArray[np.float32]:
+    """(row_end - row, right - left) squared distance of each cell to the nearest lethal one of its own column."""
+    away = np.empty((row_end - row, right - left), np.float32)
+    last = np.full(right - left, np.float32(1e4))
+    for r in range(max(0, row - reach), row_end):
+        line = costs[r, left:right]
+        for c in range(right - left):
+            last[c] = np.float32(0) if line[c] == 254 else last[c] + np.float32(1)
+        if r >= row:
+            away[r - row, :] = last
+    last[:] = np.float32(1e4)
+    for r in range(min(costs.shape[0], row_end + reach) - 1, row - 1, -1):
+        line = costs[r, left:right]
+        for c in range(right - left):
+            last[c] = np.float32(0) if line[c] == 254 else last[c] + np.float32(1)
+        if r < row_end:
+            nearest = away[r - row]
+            for c in range(right - left):
+                least = last[c] if last[c] < nearest[c] else nearest[c]
+                nearest[c] = least * least
+    return away
+
+
+@njit(cache=True)
+def _inflate(
+    costs: Costs, table: Costs, inflate_unknown: bool, row: int, col: int, row_end: int, col_end: int
+) -> None:  # fmt: skip
+    """Raise every cell of a window to the cost that the lethal cell nearest to it asks for.
+
+    Args:
+        costs: (rows, cols).
+        table: (k * k + 1,) the cost at each squared distance in cells, k the reach.
+        inflate_unknown: whether unknown cells take any cost, not only that of the inscribed radius.
+        row: where the window begins; so col, row_end and col_end. Within `costs`.
+    """
+    reach = int(math.sqrt(table.shape[0] - 1))
+    farthest = np.float32(table.shape[0])
+    left, right = max(0, col - reach), min(costs.shape[1], col_end + reach)
+    away = _columns_away(costs, row, row_end, left, right, reach)
+    width = col_end - col
+    line = np.full(width + 2 * reach, FAR)
+    best = np.empty(width, np.float32)
+    for r in range(row, row_end):
+        line[left - (col - reach) : right - (col - reach)] = away[r - row]
+        if line.min() >= farthest:
+            continue
+        best[:] = line[reach : reach + width]
+        for step in range(1, reach + 1):
+            squared = np.float32(step * step)
+            before, behind = line[reach - step : reach - step + width], line[reach + step : reach + step + width]
+            for c in range(width):
+                nearer = before[c] if before[c] < behind[c] else behind[c]
+                nearer += squared
+                best[c] = nearer if nearer < best[c] else best[c]
+        target = costs[r, col:col_end]
+        for c in range(width):
+            if best[c] < farthest:
+                cost = table[int(best[c])]
+                old = target[c]
+                if old == 255:
+                    if cost >= 253 or (inflate_unknown and cost > 0):
+                        target[c] = cost
+                elif cost > old:
+                    target[c] = cost
+
+
+class InflationLayer:
+    """Costs around every lethal cell; always the last layer.
+
+    Args:
+        parameters: costmap_2d's.
+        resolution: side of a cell, metres.
+        inscribed_radius: of the padded footprint, metres.
+    """
+
+    def __init__(self, parameters: InflationParameters, resolution: float, inscribed_radius: float) -> None:
+        # Whole cells, rounded up: the last of them may lie a little farther away than the radius.
+        self._reach = math.ceil(parameters.inflation_radius / resolution)
+        self._inflate_unknown = parameters.inflate_unknown
+        distances = np.sqrt(np.arange(self._reach**2 + 1)) * resolution
+        self._table: Costs = np.array(
+            [cost_at(distance, inscribed_radius, parameters.cost_scaling_factor) for distance in distances],
+            dtype=np.uint8,
+        )
+
+    def bounds(self) -> tuple[Window, ...]:
+        """Nothing of its own."""
+        return ()
+
+    def reach(self) -> int:
+        """The inflation radius, in cells."""
+        return self._reach
+
+    def write(self, costs: Costs, origin: tuple[int, int], window: Window) -> None:
+        """Raise the costs around lethal cells in and near the window; unknown cells mostly stay unknown."""
+        if self._reach == 0:
+            return
+        row, col = origin
+        _inflate(
+            costs,
+            self._table,
+            self._inflate_unknown,
+            window.row - row,
+            window.col - col,
+            window.row_end - row,
+            window.col_end - col,
+        )

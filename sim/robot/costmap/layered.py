@@ -1,0 +1,153 @@
+"""A costmap made of layers, brought up to date in two passes over what changed.
+
+First every layer says where it has changed (the bounds), then every layer writes its costs there, in order. So a
+costmap in which nothing moves costs nothing, however large.
+
+Source: ros-planning/navigation, costmap_2d/src/layered_costmap.cpp.
+Differs: changes that lie apart stay apart, where ROS draws one rectangle around all of them; ten robots all over a map
+are ten small windows.
+"""
+
+from collections.abc import Sequence
+from typing import Protocol
+
+import numpy as np
+from numba import njit
+from numpy.typing import NDArray
+
+from sim.common.grid import OccupancyGrid
+from sim.robot.costmap.costs import FREE, UNKNOWN, CostFrame, Costs, Window
+
+
+class Layer(Protocol):
+    """One kind of knowledge about costs. Windows are in cells of the static map, also outside of it."""
+
+    def bounds(self) -> tuple[Window, ...]:
+        """Where its costs differ from the last time it was asked."""
+
+    def reach(self) -> int:
+        """How many cells beyond a change its costs may change too."""
+
+    def write(self, costs: Costs, origin: tuple[int, int], window: Window) -> None:
+        """Write its costs into a window; twice the same leaves what once leaves.
+
+        Args:
+            costs: (rows, cols) of the whole costmap, with what the layers before this one wrote.
+            origin: row and column of the costmap's cell (0, 0) in the static map.
+            window: in cells of the static map, within the costmap.
+        """
+
+
+@njit(cache=True)
+def _cells(window: NDArray[np.int64], reach: int) -> int:
+    """How many cells a window holds with a rim of so many."""
+    return int((window[2] - window[0] + 2 * reach) * (window[3] - window[1] + 2 * reach))
+
+
+@njit(cache=True)
+def _apart(changes: NDArray[np.int64], reach: int, bounds: NDArray[np.int64]) -> NDArray[np.int64]:
+    """Changed windows with all that they reach, those joined that are cheaper to write as one.
+
+    Args:
+        changes: (n, 4) row, col, row_end, col_end of each.
+        reach: cells by which a change reaches beyond itself.
+        bounds: (4,) the window outside of which nothing counts.
+
+    Returns:
+        (m, 4), none empty.
+    """
+    apart = np.empty_like(changes)
+    count = 0
+    for i in range(changes.shape[0]):
+        if changes[i, 2] <= changes[i, 0] or changes[i, 3] <= changes[i, 1]:
+            continue
+        window = np.empty(4, np.int64)
+        window[:2] = np.maximum(changes[i, :2] - reach, bounds[:2])
+        window[2:] = np.minimum(changes[i, 2:] + reach, bounds[2:])
+        if window[2] <= window[0] or window[3] <= window[1]:
+            continue
+        k = 0
+        while k < count:
+            union = np.concatenate((np.minimum(window[:2], apart[k, :2]), np.maximum(window[2:], apart[k, 2:])))
+            # Around every window the costs are read as far as they reach.
+            if _cells(union, reach) <= _cells(window, reach) + _cells(apart[k], reach):
+                apart[k : count - 1] = apart[k + 1 : count].copy()
+                count -= 1
+                window, k = union, 0
+            else:
+                k += 1
+        apart[count] = window
+        count += 1
+    return apart[:count]
+
+
+class LayeredCostmap:
+    """Costs on the cells of a map, or on a rectangle of them that moves along with the robot.
+
+    Args:
+        grid: the map whose cells are used; its origin must not be turned.
+        layers: in the order in which they write.
+        shape: rows and columns of a rolling window; None covers the map.
+        track_unknown_space: whether cells of which no layer says anything are unknown, else free.
+    """
+
+    def __init__(
+        self,
+        grid: OccupancyGrid,
+        layers: Sequence[Layer],
+        shape: tuple[int, int] | None = None,
+        track_unknown_space: bool = False,
+    ) -> None:
+        self._corner = (grid.origin.x, grid.origin.y)
+        self._resolution = grid.resolution
+        self._layers = tuple(layers)
+        self._rolling = shape is not None
+        self._reach = max((layer.reach() for layer in self._layers), default=0)
+        self._default = UNKNOWN if track_unknown_space else FREE
+        self.origin = (0, 0)
+        self.costs: Costs = np.full(shape or grid.cells.shape, self._default, dtype=np.uint8)
+
+    @property
+    def frame(self) -> CostFrame:
+        """Where the costmap lies."""
+        row, col = self.origin
+        x, y = self._corner
+        return CostFrame(x + col * self._resolution, y + row * self._resolution, self._resolution)
+
+    @property
+    def window(self) -> Window:
+        """The cells of the static map that it lies on."""
+        row, col = self.origin
+        return Window(row, col, row + self.costs.shape[0], col + self.costs.shape[1])
+
+    def roll(self, x: float, y: float) -> None:
+        """Move a rolling window by whole cells until its middle is at this map point; `update` writes the costs."""
+        if self._rolling:
+            rows, cols = self.costs.shape
+            self.origin = (
+                round((y - self._corner[1]) / self._resolution) - rows // 2,
+                round((x - self._corner[0]) / self._resolution) - cols // 2,
+            )
+
+    def update(self) -> tuple[Window, ...]:
+        """Bring the costs up to date: of a rolling costmap all of them, else what changed.
+
+        Returns:
+            The cells that were written, in cells of the static map; windows may overlap.
+        """
+        changes = [window for layer in self._layers for window in layer.bounds()]
+        windows: tuple[Window, ...] = (self.window,)
+        if not self._rolling:
+            apart = _apart(np.array(changes, np.int64).reshape(-1, 4), self._reach, np.array(self.window))
+            windows = tuple(Window(*window) for window in apart.tolist())
+        self.write(windows)
+        return windows
+
+    def write(self, windows: Sequence[Window]) -> None:
+        """Write the costs of these windows anew, each within the costmap; what layers tell as changed stays so."""
+        for window in windows:
+            window.of(self.costs, self.origin)[:] = self._default
+        # Layer by layer: what a layer reads around one window must be written in the others already.
+        for layer in self._layers:
+            for window in windows:
+                layer.write(self.costs, self.origin, window)

@@ -1,0 +1,123 @@
+"""Cells along lines and inside polygons, as costmap_2d counts them.
+
+Source: ros-planning/navigation, costmap_2d/include/costmap_2d/costmap_2d.h (raytraceLine) and src/costmap_2d.cpp
+(convexFillCells).
+"""
+
+import math
+
+import numpy as np
+from numba import njit
+from numpy.typing import NDArray
+
+from sim.common.geometry import FloatArray
+from sim.robot.costmap.costs import Costs
+
+
+@njit(cache=True)
+def line(row: int, col: int, row_end: int, col_end: int, longest: int) -> NDArray[np.int64]:
+    """(n, 2) rows and columns from one cell toward another, both included (Bresenham).
+
+    Args:
+        row: of the first cell; so col.
+        row_end: of the last; so col_end.
+        longest: cells of distance after which the line is cut.
+    """
+    dr, dc = abs(row_end - row), abs(col_end - col)
+    step_r = 1 if row_end > row else -1
+    step_c = 1 if col_end > col else -1
+    distance = math.hypot(dr, dc)
+    scale = 1.0 if distance == 0.0 else min(1.0, longest / distance)
+    along, across = max(dr, dc), min(dr, dc)
+    steps = int(scale * along)
+    cells = np.empty((steps + 1, 2), np.int64)
+    error = along // 2
+    for i in range(steps):
+        cells[i, 0], cells[i, 1] = row, col
+        error += across
+        sideways = error >= along
+        if sideways:
+            error -= along
+        if dc >= dr or sideways:
+            col += step_c
+        if dc < dr or sideways:
+            row += step_r
+    cells[steps, 0], cells[steps, 1] = row, col
+    return cells
+
+
+@njit(cache=True)
+def clear_line(
+    costs: Costs, row: int, col: int, row_end: int, col_end: int, longest: int, changed: NDArray[np.int64]
+) -> None:  # fmt: skip
+    """Make free the cells that `line` lists, all of them on the costmap, in half the time.
+
+    Args:
+        costs: (rows, cols), contiguous.
+        row: see `line`, as the other arguments.
+        changed: (4,) the window that is grown by the cells that change.
+    """
+    width = costs.shape[1]
+    flat = costs.reshape(costs.size)
+    dr, dc = abs(row_end - row), abs(col_end - col)
+    step_r = width if row_end > row else -width
+    step_c = 1 if col_end > col else -1
+    distance = math.hypot(dr, dc)
+    scale = 1.0 if distance == 0.0 else min(1.0, longest / distance)
+    along, across = max(dr, dc), min(dr, dc)
+    onward, sideways = (step_c, step_r) if dc >= dr else (step_r, step_c)
+    error = along // 2
+    cell = row * width + col
+    for _ in range(int(scale * along) + 1):
+        if flat[cell] != 0:
+            flat[cell] = 0
+            include(changed, cell // width, cell % width)
+        cell += onward
+        error += across
+        if error >= along:
+            error -= along
+            cell += sideways
+
+
+@njit(cache=True)
+def include(changed: NDArray[np.int64], row: int, col: int) -> None:
+    """Grow a (4,) window - row, col, row_end, col_end - by a cell."""
+    changed[0], changed[1] = min(changed[0], row), min(changed[1], col)
+    changed[2], changed[3] = max(changed[2], row + 1), max(changed[3], col + 1)
+
+
+@njit(cache=True)
+def fill_convex(costs: Costs, corners: FloatArray, cost: int) -> bool:
+    """Give the cells of a convex polygon, its outline included, this cost; those off the costmap are left out.
+
+    Args:
+        costs: (rows, cols).
+        corners: (n, 2) column and row, in cells, n at least 3.
+        cost: 0..255.
+
+    Returns:
+        Whether any of them had another.
+    """
+    rows, cols = costs.shape
+    changes = False
+    first = math.floor(corners[:, 0].min())
+    lows = np.full(math.floor(corners[:, 0].max()) - first + 1, np.iinfo(np.int64).max)
+    highs = np.full(lows.shape[0], np.iinfo(np.int64).min)
+    n = corners.shape[0]
+    for i in range(n):
+        k = (i + 1) % n
+        side = line(
+            math.floor(corners[i, 1]),
+            math.floor(corners[i, 0]),
+            math.floor(corners[k, 1]),
+            math.floor(corners[k, 0]),
+            np.iinfo(np.int64).max,
+        )
+        for j in range(side.shape[0]):
+            c = side[j, 1] - first
+            lows[c], highs[c] = min(lows[c], side[j, 0]), max(highs[c], side[j, 0])
+    for c in range(max(first, 0), min(first + lows.shape[0], cols)):
+        for r in range(max(lows[c - first], 0), min(highs[c - first] + 1, rows)):
+            changes = changes or costs[r, c] != cost
+            costs[r, c] = cost
+    return changes

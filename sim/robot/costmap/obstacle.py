@@ -1,0 +1,405 @@
+"""The layer of what the laser sees: readings mark obstacles, and clear the space before them.
+
+Source: ros-planning/navigation, costmap_2d/plugins/obstacle_layer.cpp.
+Differs: `explained_distance` keeps readings that the map or another robot explains from marking, else every error of
+localisation would thicken the walls and every passing robot would leave a trail; `clear_between_beams` clears what
+nothing else could, cells that lie between two beams far out; a beam that hit nothing never marks; a scan
+marks at once, where ROS keeps the last one for the next update.
+"""
+
+import copy
+import math
+from typing import NamedTuple
+
+import numpy as np
+from numba import njit
+from numpy.typing import NDArray
+
+from sim.common.geometry import FloatArray, Pose2
+from sim.common.grid import OccupancyGrid, distance_field
+from sim.common.observations import Scan
+from sim.parameters import ObservationSource, ObstacleParameters
+from sim.robot.costmap.costs import FREE, LETHAL, UNKNOWN, Changes, CostFrame, Costs, Window
+from sim.robot.costmap.footprint import in_cells
+from sim.robot.costmap.lines import clear_line, fill_convex, include
+
+OVERWRITE = 0
+MAXIMUM = 1
+
+
+class Sweep(NamedTuple):
+    """A scan as the kernels take it: the laser's pose in the map, and where each of its beams leads and ends.
+
+    Attributes:
+        x: of the laser in the map, metres; so y, and theta in radians.
+        angle_min: of the first beam, in the laser's frame.
+        angle_increment: from one beam to the next.
+        ranges: (beams,) metres; NaN where nothing is known, +inf where nothing was hit.
+        rays: (beams, 2) cosine and sine of its direction in the map.
+    """
+
+    x: float
+    y: float
+    theta: float
+    angle_min: float
+    angle_increment: float
+    ranges: FloatArray
+    rays: FloatArray
+
+
+class Explanation(NamedTuple):
+    """What is known to stand around, near which readings do not mark.
+
+    Attributes:
+        distance: metres within which they are explained.
+        wall_distance: (rows, cols) of the static map, metres to its nearest wall.
+        row: of the marks' cell (0, 0) in the static map; so col.
+        discs: (n, 3) x, y and radius of the other robots, metres.
+    """
+
+    distance: float
+    wall_distance: NDArray[np.float32]
+    row: int
+    col: int
+    discs: FloatArray
+
+
+@njit(cache=True)
+def _sweep(
+    x: float, y: float, theta: float, angle_min: float, angle_increment: float, ranges: NDArray[np.float32],
+    range_min: float, range_max: float,
+) -> Sweep:  # fmt: skip
+    """A scan from the pose (x, y, theta) of the laser in the map."""
+    readings, rays = np.empty(ranges.shape[0]), np.empty((ranges.shape[0], 2))
+    for i in range(ranges.shape[0]):
+        reading = float(ranges[i])
+        # The others are no readings: laser_geometry leaves them out as well.
+        valid = range_min <= reading < range_max or reading == np.inf
+        readings[i] = reading if valid else np.nan
+        angle = theta + angle_min + i * angle_increment
+        rays[i, 0], rays[i, 1] = math.cos(angle), math.sin(angle)
+    return Sweep(x, y, theta, angle_min, angle_increment, readings, rays)
+
+
+@njit(cache=True)
+def _clear_along_beams(
+    marks: Costs, frame: CostFrame, sweep: Sweep, farthest: float, raytrace_range: float, changed: NDArray[np.int64]
+) -> None:
+    """Clear the cells from the laser to where each beam ends, no farther than raytrace_range.
+
+    Args:
+        marks: (rows, cols).
+        frame: where they lie.
+        sweep: the scan.
+        farthest: metres for which beams stand that hit nothing; 0 leaves them out.
+        raytrace_range: metres.
+        changed: (4,) the window that is grown by the cells that change.
+    """
+    rows, cols = marks.shape
+    size = frame.resolution
+    row, col = math.floor((sweep.y - frame.y) / size), math.floor((sweep.x - frame.x) / size)
+    if row < 0 or col < 0 or row >= rows or col >= cols:
+        return
+    longest = math.ceil(raytrace_range / size)
+    right, top = frame.x + cols * size, frame.y + rows * size
+    for i in range(sweep.ranges.shape[0]):
+        reading = sweep.ranges[i] if sweep.ranges[i] != np.inf else farthest
+        if not reading > 0.0:
+            continue
+        a, b = reading * sweep.rays[i, 0], reading * sweep.rays[i, 1]
+        x, y = sweep.x + a, sweep.y + b
+        # Beams that leave the costmap end at its rim.
+        if x < frame.x:
+            x, y = frame.x, sweep.y + b * (frame.x - sweep.x) / a
+        if y < frame.y:
+            x, y = sweep.x + a * (frame.y - sweep.y) / b, frame.y
+        if x > right:
+            x, y = right - 0.001, sweep.y + b * (right - sweep.x) / a
+        if y > top:
+            x, y = sweep.x + a * (top - sweep.y) / b, top - 0.001
+        row_end, col_end = math.floor((y - frame.y) / size), math.floor((x - frame.x) / size)
+        if row_end < 0 or col_end < 0 or row_end >= rows or col_end >= cols:
+            continue
+        clear_line(marks, row, col, row_end, col_end, longest, changed)
+
+
+@njit(cache=True)
+def _clear_between_beams(
+    marks: Costs, frame: CostFrame, sweep: Sweep, farthest: float, raytrace_range: float, changed: NDArray[np.int64]
+) -> None:
+    """Clear lethal cells that two neighbouring beams both see past. Arguments as for `_clear_along_beams`."""
+    rows, cols = marks.shape
+    size = frame.resolution
+    beams = sweep.ranges.shape[0]
+    reach = math.ceil(raytrace_range / size)
+    row, col = math.floor((sweep.y - frame.y) / size), math.floor((sweep.x - frame.x) / size)
+    for r in range(max(0, row - reach), min(rows, row + reach + 1)):
+        for c in range(max(0, col - reach), min(cols, col + reach + 1)):
+            if marks[r, c] != 254:
+                continue
+            dx, dy = frame.x + (c + 0.5) * size - sweep.x, frame.y + (r + 0.5) * size - sweep.y
+            distance = math.hypot(dx, dy)
+            if distance > raytrace_range:
+                continue
+            ahead = (math.atan2(dy, dx) - sweep.theta - sweep.angle_min) / sweep.angle_increment
+            whole_turn = math.tau / abs(sweep.angle_increment)
+            ahead -= math.floor(ahead / whole_turn) * whole_turn
+            before = int(ahead)
+            behind = before + 1
+            if behind == beams and beams >= whole_turn - 0.5:
+                behind = 0
+            if behind >= beams:
+                continue
+            one = sweep.ranges[before] if sweep.ranges[before] != np.inf else farthest
+            other = sweep.ranges[behind] if sweep.ranges[behind] != np.inf else farthest
+            if one > distance + size and other > distance + size:
+                marks[r, c] = 0
+                include(changed, r, c)
+
+
+@njit(cache=True)
+def _mark(
+    marks: Costs, frame: CostFrame, sweep: Sweep, obstacle_range: float, known: Explanation, changed: NDArray[np.int64]
+) -> bool:
+    """Make the cells lethal in which beams end nearer than obstacle_range, where nothing known explains it.
+
+    Returns:
+        Whether there were any that were not.
+    """
+    rows, cols = marks.shape
+    marked = False
+    for i in range(sweep.ranges.shape[0]):
+        reading = sweep.ranges[i]
+        if not reading < obstacle_range:
+            continue
+        x, y = sweep.x + reading * sweep.rays[i, 0], sweep.y + reading * sweep.rays[i, 1]
+        row, col = math.floor((y - frame.y) / frame.resolution), math.floor((x - frame.x) / frame.resolution)
+        if row < 0 or col < 0 or row >= rows or col >= cols or marks[row, col] == 254:
+            continue
+        if known.distance > 0.0:
+            r, c = row + known.row, col + known.col
+            in_map = r >= 0 and c >= 0 and r < known.wall_distance.shape[0] and c < known.wall_distance.shape[1]
+            explained = in_map and known.wall_distance[r, c] <= known.distance
+            k = 0
+            while not explained and k < known.discs.shape[0]:
+                reach = known.discs[k, 2] + known.distance
+                dx, dy = x - known.discs[k, 0], y - known.discs[k, 1]
+                explained = abs(dx) <= reach and abs(dy) <= reach and math.hypot(dx, dy) <= reach
+                k += 1
+            if explained:
+                continue
+        marks[row, col] = 254
+        marked = True
+        include(changed, row, col)
+    return marked
+
+
+@njit(cache=True)
+def _clear_footprint(
+    marks: Costs, frame: CostFrame, footprint: FloatArray, x: float, y: float, theta: float, changed: NDArray[np.int64]
+) -> None:  # fmt: skip
+    """Clear the robot's own place: (n, 2) corners in the base frame, whose pose in the map is (x, y, theta)."""
+    corners = in_cells(footprint, frame, x, y, theta)
+    left, right = math.floor(corners[:, 0].min()), math.floor(corners[:, 0].max())
+    low, high = math.floor(corners[:, 1].min()), math.floor(corners[:, 1].max())
+    # As in ROS: a footprint that is not wholly on the costmap clears nothing.
+    if low < 0 or left < 0 or high >= marks.shape[0] or right >= marks.shape[1]:
+        return
+    if fill_convex(marks, corners, 0):
+        include(changed, low, left)
+        include(changed, high, right)
+
+
+@njit(cache=True)
+def _combine(
+    costs: Costs, row: int, col: int, marks: Costs, first: int, left: int, rows: int, cols: int, overwrite: bool
+) -> None:  # fmt: skip
+    """Write a rectangle of marks, from (first, left) on, over costs from (row, col) on, or raise the costs to them."""
+    for r in range(rows):
+        source, target = marks[first + r, left : left + cols], costs[row + r, col : col + cols]
+        for c in range(cols):
+            raises = target[c] == 255 or target[c] < source[c]
+            if source[c] != 255 and (overwrite or raises):
+                target[c] = source[c]
+
+
+class ObstacleLayer:
+    """What the laser has seen.
+
+    Args:
+        parameters: costmap_2d's.
+        grid: the map on whose cells it marks.
+        footprint: (n, 2) padded corners of the robot, base frame: its own place is free.
+        track_unknown_space: of the costmap, which counts where the layer's own is not given.
+        shape: rows and columns of a rolling costmap; None covers the map.
+        explained_by_walls: whether the costmap shows the map's walls, so that readings near them are no news.
+    """
+
+    def __init__(
+        self,
+        parameters: ObstacleParameters,
+        grid: OccupancyGrid,
+        footprint: FloatArray,
+        track_unknown_space: bool = False,
+        shape: tuple[int, int] | None = None,
+        explained_by_walls: bool = True,
+    ) -> None:
+        self._parameters = parameters
+        self._grid = grid
+        self._footprint = footprint
+        distance = parameters.explained_distance
+        if distance > 0.0 and explained_by_walls:
+            self._wall_distance = distance_field(grid, 2 * distance)
+        else:
+            self._wall_distance = np.empty((0, 0), np.float32)
+        own = parameters.track_unknown_space
+        self._default = UNKNOWN if (track_unknown_space if own is None else own) else FREE
+        self._marks: Costs = np.full(shape or grid.cells.shape, self._default, dtype=np.uint8)
+        self._origin = (0, 0)
+        self._changes = Changes()
+        self._may_stand = False
+
+    @property
+    def marks(self) -> Costs:
+        """(rows, cols): LETHAL where something stands, FREE where nothing does, UNKNOWN where that is not known."""
+        return self._marks
+
+    @property
+    def any_marks(self) -> bool:
+        """Whether anything stands."""
+        # Nothing but a mark makes it true; that the last one is cleared is found out here.
+        self._may_stand = self._may_stand and bool((self._marks == LETHAL).any())
+        return self._may_stand
+
+    @property
+    def window(self) -> Window:
+        """The cells of the static map that the marks lie on."""
+        row, col = self._origin
+        return Window(row, col, row + self._marks.shape[0], col + self._marks.shape[1])
+
+    @property
+    def explains_within(self) -> float:
+        """Metres from the laser beyond which no disc explains a reading that would mark."""
+        marking = (self._obstacle_range(source) for source in self._parameters.observation_sources if source.marking)
+        return max(marking, default=0.0) + self._parameters.explained_distance
+
+    def roll(self, origin: tuple[int, int]) -> None:
+        """Move along with a rolling costmap, to begin at this cell of the static map; what leaves is forgotten."""
+        if origin == self._origin:
+            return
+        moved: Costs = np.full_like(self._marks, self._default)
+        row, col = origin
+        kept = self.window.clipped(Window(row, col, row + moved.shape[0], col + moved.shape[1]))
+        if not kept.empty:
+            kept.of(moved, origin)[:] = kept.of(self._marks, self._origin)
+        self._marks, self._origin = moved, origin
+
+    def observe(self, base_in_map: Pose2, scan: Scan, discs: FloatArray, clears: bool = True) -> None:
+        """Take in a scan: every source clears, then every source marks, then the robot's own place is cleared.
+
+        Args:
+            base_in_map: where the robot was when it scanned.
+            scan: the readings.
+            discs: (n, 3) x, y, radius of the other robots.
+            clears: whether the space before the readings is cleared, which takes longest.
+        """
+        row, col = self._origin
+        size = self._grid.resolution
+        frame = CostFrame(self._grid.origin.x + col * size, self._grid.origin.y + row * size, size)
+        mount = scan.mount
+        laser = base_in_map.compose(mount.laser_in_base)
+        sweep = _sweep(
+            laser.x,
+            laser.y,
+            laser.theta,
+            mount.angle_min,
+            mount.angle_increment,
+            scan.ranges,
+            mount.range_min,
+            mount.range_max,
+        )
+        known = Explanation(self._parameters.explained_distance, self._wall_distance, row, col, discs)
+        changed = np.array([*self._marks.shape, -1, -1], dtype=np.int64)
+        for source in self._parameters.observation_sources:
+            if source.clearing and clears:
+                farthest = mount.range_max if source.inf_is_valid else 0.0
+                reach = self._raytrace_range(source)
+                _clear_along_beams(self._marks, frame, sweep, farthest, reach, changed)
+                if self._parameters.clear_between_beams and self.any_marks:
+                    _clear_between_beams(self._marks, frame, sweep, farthest, reach, changed)
+        for source in self._parameters.observation_sources:
+            if source.marking:
+                marked = _mark(self._marks, frame, sweep, self._obstacle_range(source), known, changed)
+                self._may_stand = self._may_stand or bool(marked)
+        if self._parameters.footprint_clearing_enabled:
+            place = base_in_map
+            _clear_footprint(self._marks, frame, self._footprint, place.x, place.y, place.theta, changed)
+        if changed[2] > changed[0]:
+            first, left, end, right = changed.tolist()
+            self._changes.add(Window(first + row, left + col, end + row, right + col))
+
+    def _obstacle_range(self, source: ObservationSource) -> float:
+        return self._parameters.obstacle_range if source.obstacle_range is None else source.obstacle_range
+
+    def _raytrace_range(self, source: ObservationSource) -> float:
+        return self._parameters.raytrace_range if source.raytrace_range is None else source.raytrace_range
+
+    def copied(self) -> "ObstacleLayer":
+        """A layer that has seen the same, and goes its own way from now on."""
+        other = copy.copy(self)
+        other._marks, other._changes = self._marks.copy(), Changes()
+        return other
+
+    def take_over(self, other: "ObstacleLayer") -> None:
+        """Have seen what another layer has seen, as far as both lie on the same cells."""
+        common = self.window.clipped(other.window)
+        if not common.empty:
+            common.of(self._marks, self._origin)[:] = common.of(other._marks, other._origin)
+            self._may_stand = other._may_stand
+
+    def clear(self) -> None:
+        """Forget everything seen (move_base's clear_costmap_recovery)."""
+        self._marks[:] = self._default
+        self._changes.add(self.window)
+
+    def clear_outside(self, x: float, y: float, side: float) -> None:
+        """Forget what was seen outside a square of this side around a map point (clear_costmap_recovery)."""
+        low, high = (
+            math.floor((y - self._grid.origin.y + half) / self._grid.resolution) for half in (-side / 2, side / 2)
+        )
+        left, right = (
+            math.floor((x - self._grid.origin.x + half) / self._grid.resolution) for half in (-side / 2, side / 2)
+        )
+        inside = Window(low, left, high + 1, right + 1).clipped(self.window)
+        kept = None if inside.empty else inside.of(self._marks, self._origin).copy()
+        self.clear()
+        if kept is not None:
+            inside.of(self._marks, self._origin)[:] = kept
+
+    def bounds(self) -> tuple[Window, ...]:
+        """What was marked or cleared since the last time."""
+        return self._changes.take()
+
+    def reach(self) -> int:
+        """None."""
+        return 0
+
+    def write(self, costs: Costs, origin: tuple[int, int], window: Window) -> None:
+        """Combine what was seen with what the layers before say, by `combination_method`."""
+        inside = window.clipped(self.window)
+        if inside.empty:
+            return
+        method = self._parameters.combination_method
+        if method not in (OVERWRITE, MAXIMUM):
+            return
+        _combine(
+            costs,
+            inside.row - origin[0],
+            inside.col - origin[1],
+            self._marks,
+            inside.row - self._origin[0],
+            inside.col - self._origin[1],
+            inside.row_end - inside.row,
+            inside.col_end - inside.col,
+            method == OVERWRITE,
+        )

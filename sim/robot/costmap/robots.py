@@ -1,0 +1,203 @@
+"""The layer of the other robots (the GridLayer of the 2016 study): where they say they stand, and their paths."""
+
+import math
+from collections.abc import Sequence
+from dataclasses import dataclass
+
+import numpy as np
+from numba import njit
+
+from sim.common.geometry import FloatArray
+from sim.common.grid import OccupancyGrid
+from sim.common.observations import Neighbour
+from sim.parameters import RobotsParameters
+from sim.robot.costmap.costs import UNKNOWN, Changes, CostFrame, Costs, Window
+from sim.robot.costmap.footprint import circumscribed_radius, in_cells
+from sim.robot.costmap.lines import line
+
+STIR = 0.05
+"""Metres (and 0.1 rad for each) below which a change of pose is not worth an update."""
+
+
+_NO_PATH: FloatArray = np.empty((0, 2))
+
+
+@njit(cache=True)
+def _fill(costs: Costs, corners: FloatArray, row: int, col: int, row_end: int, col_end: int) -> None:
+    """Make the cells of a window lethal whose centre lies in a polygon (even-odd rule).
+
+    Args:
+        corners: (n, 2) column and row, in cells of `costs`.
+    """
+    n = corners.shape[0]
+    for r in range(max(row, math.floor(corners[:, 1].min())), min(row_end, int(corners[:, 1].max()) + 1)):
+        for c in range(max(col, math.floor(corners[:, 0].min())), min(col_end, int(corners[:, 0].max()) + 1)):
+            x, y = c + 0.5, r + 0.5
+            inside = False
+            k = n - 1
+            for i in range(n):
+                if (corners[i, 1] > y) != (corners[k, 1] > y):
+                    crossing = (corners[k, 0] - corners[i, 0]) * (y - corners[i, 1])
+                    if x < crossing / (corners[k, 1] - corners[i, 1]) + corners[i, 0]:
+                        inside = not inside
+                k = i
+            if inside:
+                costs[r, c] = 254
+
+
+@njit(cache=True)
+def _around(points: FloatArray) -> tuple[int, int, int, int]:
+    """The window around (n, 2) columns and rows."""
+    low, high = points[:, 1].min(), points[:, 1].max()
+    left, right = points[:, 0].min(), points[:, 0].max()
+    return math.floor(low), math.floor(left), math.floor(high) + 1, math.floor(right) + 1
+
+
+@njit(cache=True)
+def _outline(
+    footprint: FloatArray, frame: CostFrame, x: float, y: float, theta: float
+) -> tuple[FloatArray, tuple[int, int, int, int]]:
+    """(n, 2) columns and rows of a footprint's corners when its base is at (x, y, theta), and the window around."""
+    corners = in_cells(footprint, frame, x, y, theta)
+    return corners, _around(corners)
+
+
+def meeting(
+    neighbours: Sequence[Neighbour], left: float, low: float, right: float, high: float
+) -> list[tuple[Neighbour, float]]:
+    """The neighbours of which something may lie in a rectangle of the map, with their circumscribed radii, metres."""
+    met: list[tuple[Neighbour, float]] = []
+    footprint: FloatArray | None = None
+    radius = reach = 0.0
+    for other in neighbours:
+        if other.footprint is not footprint:
+            # Mostly one and the same for all.
+            footprint = other.footprint
+            radius = circumscribed_radius(footprint)
+            # A hair more than that: nobody is left out because of rounding.
+            reach = radius + 1e-6
+        pose = other.base_in_map
+        if left - reach < pose.x < right + reach and low - reach < pose.y < high + reach:
+            met.append((other, radius))
+    return met
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class _Seen:
+    """One robot as it was heard: its pose; corners and path, as columns and rows in the map; the window around both."""
+
+    x: float
+    y: float
+    theta: float
+    corners: FloatArray
+    path: FloatArray
+    window: Window
+
+
+class RobotsLayer:
+    """The footprints of the other robots, and the first part of their paths.
+
+    Args:
+        parameters: which of them count, and how.
+        grid: the map.
+    """
+
+    def __init__(self, parameters: RobotsParameters, grid: OccupancyGrid) -> None:
+        self._parameters = parameters
+        self._frame = CostFrame(grid.origin.x, grid.origin.y, grid.resolution)
+        self._seen: dict[int, _Seen] = {}
+        self._changes = Changes()
+
+    def see(self, neighbours: Sequence[Neighbour]) -> None:
+        """Take in what the others said last; those not among them are gone."""
+        heard = set()
+        for neighbour in neighbours:
+            if not self._parameters.under_way and len(neighbour.times):
+                continue
+            heard.add(neighbour.robot)
+            seen = self._seen.get(neighbour.robot)
+            if seen is not None and self._stirs_not(seen, neighbour):
+                continue
+            self._forget(neighbour.robot)
+            self._seen[neighbour.robot] = seen = self._drawn(neighbour)
+            self._changes.add(seen.window)
+        for robot in [robot for robot in self._seen if robot not in heard]:
+            self._forget(robot)
+
+    def reaching(self, window: Window, neighbours: Sequence[Neighbour]) -> Sequence[Neighbour]:
+        """Those that may write into a window of the map's cells."""
+        if self._parameters.path_length > 0.0:
+            # How far a path leads from the body is not for us to know.
+            return neighbours
+        frame = self._frame
+        left, right = frame.x + window.col * frame.resolution, frame.x + window.col_end * frame.resolution
+        low, high = frame.y + window.row * frame.resolution, frame.y + window.row_end * frame.resolution
+        return [other for other, _ in meeting(neighbours, left, low, right, high)]
+
+    def _stirs_not(self, seen: _Seen, neighbour: Neighbour) -> bool:
+        pose = neighbour.base_in_map
+        moved = math.hypot(pose.x - seen.x, pose.y - seen.y)
+        turned = abs(math.remainder(pose.theta - seen.theta, math.tau))
+        same_path = self._parameters.path_length == 0.0 or np.array_equal(seen.path, self._path_ahead(neighbour))
+        return moved < STIR and turned < 2 * STIR and same_path
+
+    def _path_ahead(self, neighbour: Neighbour) -> FloatArray:
+        """(m, 2) column and row of the first points of a path, which ends at its greatest length."""
+        if self._parameters.path_length == 0.0 or len(neighbour.path) < 2:
+            return _NO_PATH
+        path = neighbour.path[:, :2]
+        lengths = np.append(0.0, np.cumsum(np.hypot(*np.diff(path, axis=0).T)))
+        end = min(self._parameters.path_length, lengths[-1])
+        last = [np.interp(end, lengths, path[:, axis]) for axis in (0, 1)]
+        points = np.vstack([path[lengths < end], last])
+        cells: FloatArray = (points - (self._frame.x, self._frame.y)) / self._frame.resolution
+        return cells
+
+    def _drawn(self, neighbour: Neighbour) -> _Seen:
+        pose = neighbour.base_in_map
+        corners, around = _outline(neighbour.footprint, self._frame, pose.x, pose.y, pose.theta)
+        window = Window(*around)
+        path = self._path_ahead(neighbour)
+        if len(path):
+            window = window.union(Window(*_around(path)))
+        return _Seen(pose.x, pose.y, pose.theta, corners, path, window)
+
+    def _forget(self, robot: int) -> None:
+        if robot in self._seen:
+            self._changes.add(self._seen.pop(robot).window)
+
+    def bounds(self) -> tuple[Window, ...]:
+        """Where robots came or went."""
+        return self._changes.take()
+
+    def reach(self) -> int:
+        """None."""
+        return 0
+
+    def write(self, costs: Costs, origin: tuple[int, int], window: Window) -> None:
+        """Lethal under every footprint; along paths at least `path_cost`."""
+        row, col = origin
+        shift = np.array([col, row])
+        near = [seen for seen in self._seen.values() if seen.window.meets(window)]
+        for seen in near:
+            self._write_path(costs, origin, window, seen.path)
+        for seen in near:
+            _fill(
+                costs,
+                seen.corners - shift,
+                window.row - row,
+                window.col - col,
+                window.row_end - row,
+                window.col_end - col,
+            )
+
+    def _write_path(self, costs: Costs, origin: tuple[int, int], window: Window, path: FloatArray) -> None:
+        if len(path) == 0:
+            return
+        cells = np.floor(path[:, ::-1]).astype(np.int64)
+        for (row, col), (row_end, col_end) in zip(cells[:-1].tolist(), cells[1:].tolist(), strict=True):
+            along = line(row, col, row_end, col_end, abs(row_end - row) + abs(col_end - col))
+            inside = (along >= window[:2]) & (along < window[2:])
+            along = along[inside.all(axis=1)] - origin
+            old = costs[along[:, 0], along[:, 1]]
+            costs[along[:, 0], along[:, 1]] = np.where(old == UNKNOWN, old, np.maximum(old, self._parameters.path_cost))

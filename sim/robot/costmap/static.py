@@ -1,0 +1,66 @@
+"""The layer of the walls: the map as it was given.
+
+Source: ros-planning/navigation, costmap_2d/plugins/static_layer.cpp.
+"""
+
+from functools import lru_cache
+
+import numpy as np
+
+from sim.common.grid import OccupancyGrid
+from sim.parameters import StaticParameters
+from sim.robot.costmap.costs import FREE, LETHAL, UNKNOWN, Changes, Costs, Window
+
+
+def interpretation(parameters: StaticParameters) -> Costs:
+    """(256,) the cost of each value of an occupancy grid, taken as an unsigned byte as ROS takes it (-1 is 255)."""
+    values = np.arange(256)
+    lethal = parameters.lethal_cost_threshold
+    scaled = values / max(lethal, 1) * LETHAL
+    costs = np.where(values >= lethal, LETHAL, FREE if parameters.trinary_costmap else scaled).astype(np.uint8)
+    costs[parameters.unknown_cost_value % 256] = UNKNOWN if parameters.track_unknown_space else FREE
+    return costs
+
+
+@lru_cache(maxsize=8)
+def _costs_of(parameters: StaticParameters, grid: OccupancyGrid) -> Costs:
+    """(rows, cols) of the map; read-only: all robots on a map share them."""
+    costs: Costs = interpretation(parameters)[grid.cells.view(np.uint8)]
+    costs.setflags(write=False)
+    return costs
+
+
+class StaticLayer:
+    """The walls of a map; of what lies outside of it this layer says nothing.
+
+    Args:
+        parameters: costmap_2d's.
+        grid: the map.
+    """
+
+    def __init__(self, parameters: StaticParameters, grid: OccupancyGrid) -> None:
+        self._costs = _costs_of(parameters, grid)
+        self._use_maximum = parameters.use_maximum
+        self._changes = Changes()
+        self._changes.add(Window(0, 0, grid.rows, grid.cols))
+
+    def bounds(self) -> tuple[Window, ...]:
+        """The whole map once, then nothing."""
+        return self._changes.take()
+
+    def reach(self) -> int:
+        """None."""
+        return 0
+
+    def write(self, costs: Costs, origin: tuple[int, int], window: Window) -> None:
+        """The map's costs where there is map; with use_maximum they only raise what other layers wrote."""
+        known = window.clipped(Window(0, 0, *self._costs.shape))
+        if known.empty:
+            return
+        source = known.of(self._costs)
+        target = known.of(costs, origin)
+        if self._use_maximum:
+            raised = (source != UNKNOWN) & ((target == UNKNOWN) | (source > target))
+            target[raised] = source[raised]
+        else:
+            target[:] = source

@@ -1,0 +1,25 @@
+"""A costmap as others may see it."""
+
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+from sim.common.geometry import Pose2
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class CostmapView:
+    """The costs of a grid at one moment.
+
+    Attributes:
+        tick: when.
+        origin: pose of the grid's first corner, map frame.
+        resolution: metres of a cell's side.
+        costs: (rows, cols) uint8, read-only: 0 free, 253 inscribed, 254 lethal, 255 unknown; row 0 is lowest.
+    """
+
+    tick: int
+    origin: Pose2
+    resolution: float
+    costs: NDArray[np.uint8]

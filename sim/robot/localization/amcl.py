@@ -1,0 +1,400 @@
+"""Adaptive Monte Carlo localisation: ROS's amcl as a function of values.
+
+Source: Thrun, Burgard, Fox, Probabilistic Robotics (2005), table 8.3, sized by KLD sampling (Fox 2003); amcl_node.cpp
+and pf.c of ros-planning/navigation for when and in which order. Where this differs from amcl the docstrings say so.
+"""
+
+import math
+from dataclasses import dataclass, replace
+
+import numpy as np
+
+from sim.common.geometry import FloatArray, Pose2, wrap_angle
+from sim.common.grid import OccupancyGrid
+from sim.common.noise import Stream
+from sim.common.observations import Imu, LaserMount, Odometry, Scan
+from sim.parameters import AmclParameters, RobotParameters
+from sim.robot.localization.beam import BeamModel
+from sim.robot.localization.clusters import Bins, Summary, bin_particles, summarise
+from sim.robot.localization.estimate import Estimate, Start, read_only
+from sim.robot.localization.free_space import FreeSpace
+from sim.robot.localization.likelihood_field import Beams, LikelihoodField
+from sim.robot.localization.motion import Alphas, MotionModel
+from sim.robot.localization.recovery import Recovery
+from sim.robot.localization.resampling import adaptive, systematic, tempered
+
+CANDIDATES = 20
+"""Places looked at for each particle drawn anew."""
+LEAST_CANDIDATES = 50_000
+"""However few particles: so that one lies near enough to the right place in a map of some hundred square metres."""
+MOST_CANDIDATES = 400_000
+"""However many particles: a quarter of a second's work with 60 beams."""
+
+FITTING = 0.01
+"""Share of the candidates that must remain effective when newcomers are drawn by how well a scan fits."""
+SPACING = (0.05, 0.05, 0.05)
+"""Metres, metres, radians by which newcomers at one place differ."""
+
+CONVERGED = 0.5
+"""Metres from the mean, along either axis, within which all particles must lie for beams to be skipped (pf.c)."""
+
+EFFECTIVE = 0.1
+"""Share of equal particles that every scan must leave effective, see `tempered`."""
+
+JITTER = (0.01, 0.01, 0.01)
+"""Metres, metres, radians by which heirs of one particle differ: a robot that turns on the spot gives wheels no reason
+for spreading them, and they would all become one.
+
+Source: Musso, Oudjane and Le Gland, Improving regularised particle filters (2001).
+"""
+
+SURE = 0.8
+"""Share of the weight that the heaviest cluster must hold for a lost robot to be found."""
+
+SETTLED = 5
+"""Scans in a row that must say so."""
+
+SCATTERED = 0.5
+"""Share of the particles that are drawn from all over the map when a robot turns out to be lost; the others stay, for
+it may be wrong in that."""
+SEARCHING = 0.2
+"""The same every time that particles are drawn until it is found."""
+
+RETRY = 25
+"""Ticks until a robot whose scans are not explained weighs the next one even if it stands: lost robots do."""
+
+
+NEVER_LOST = Recovery()
+"""What a filter begins with."""
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Belief:
+    """All that the filter remembers between two ticks.
+
+    Attributes:
+        particles: (n, 3) poses in the map at the last update; read-only.
+        weights: (n,) their weights, summing to 1; read-only.
+        tick: of the last update.
+        base_in_odom: the odometry then.
+        odom_in_map: the correction found then.
+        covariance: (3, 3) of the pose found then; read-only.
+        updates: scans weighed since the start.
+        recovery: how well the map explained them.
+        lost: the verdict, see `Estimate`.
+        settled: scans in a row that found a lost robot.
+        anywhere: whether the particles lie all over the map, and no scan has been weighed.
+        requested: whether the next scan is weighed in any case.
+    """
+
+    particles: FloatArray
+    weights: FloatArray
+    tick: int
+    base_in_odom: Pose2
+    odom_in_map: Pose2
+    covariance: FloatArray
+    updates: int = 0
+    recovery: Recovery = NEVER_LOST
+    lost: bool = False
+    settled: int = 0
+    anywhere: bool = False
+    requested: bool = False
+
+
+@dataclass(frozen=True, slots=True)
+class Anywhere:
+    """What a filter remembers that was told to forget where it was, and has seen no tick since."""
+
+
+AmclState = Start | Anywhere | Belief
+
+
+def saved(parameters: AmclParameters, estimate: Estimate) -> AmclParameters:
+    """Parameters with which a new filter begins where this estimate ends: what amcl leaves on the parameter server."""
+    pose, variances = estimate.base_in_map, np.diag(estimate.covariance)
+    return replace(
+        parameters,
+        initial_pose_x=pose.x,
+        initial_pose_y=pose.y,
+        initial_pose_a=pose.theta,
+        initial_cov_xx=float(variances[0]),
+        initial_cov_yy=float(variances[1]),
+        initial_cov_aa=float(variances[2]),
+    )
+
+
+class Amcl:
+    """A particle filter over (x, y, theta) that weighs scans against the map; see `Localizer`.
+
+    Before the first `start` it believes to be where its parameters say, as amcl does: at the map's origin by default.
+    """
+
+    def __init__(
+        self, parameters: AmclParameters, grid: OccupancyGrid, mount: LaserMount, seed: int, robot: str
+    ) -> None:
+        """A filter for one robot.
+
+        Args:
+            parameters: its knobs.
+            grid: the static map.
+            mount: the laser whose scans `update` will bring.
+            seed: the session's.
+            robot: its name, e.g. "robot1": no two robots draw the same noise.
+        """
+        self._grid = grid
+        self._mount = mount
+        self._use(parameters)
+        self._free_space = FreeSpace.of(grid)
+        # Walls may lie anywhere in their cells: an error that all particles share, and none can show.
+        self._unknowable = np.diag((1.0, 1.0, 0.0)) * grid.resolution**2 / 12.0
+        self._start_noise = Stream.named(seed, robot, "amcl", "start")
+        self._motion_noise = Stream.named(seed, robot, "amcl", "motion")
+        self._resampling_noise = Stream.named(seed, robot, "amcl", "resampling")
+        self._jitter_noise = Stream.named(seed, robot, "amcl", "jitter")
+        self._recovery_noise = Stream.named(seed, robot, "amcl", "recovery")
+        pose = Pose2(parameters.initial_pose_x, parameters.initial_pose_y, wrap_angle(parameters.initial_pose_a))
+        variances = (parameters.initial_cov_xx, parameters.initial_cov_yy, parameters.initial_cov_aa)
+        self._state: AmclState = Start(pose, read_only(np.diag(variances)))
+
+    def _use(self, parameters: AmclParameters) -> None:
+        """Make the models that these parameters ask for."""
+        self._parameters = parameters
+        self._beams = Beams.of(
+            self._mount, parameters.laser_max_beams, parameters.laser_max_range, parameters.laser_min_range
+        )
+        self._field = LikelihoodField.of(
+            self._grid,
+            self._beams,
+            parameters.laser_z_hit,
+            parameters.laser_z_rand,
+            parameters.laser_sigma_hit,
+            parameters.laser_likelihood_max_dist,
+        )
+        self._beam_model = BeamModel.of(self._grid, self._beams, parameters)
+        alphas = Alphas(
+            parameters.odom_alpha1,
+            parameters.odom_alpha2,
+            parameters.odom_alpha3,
+            parameters.odom_alpha4,
+            parameters.odom_alpha5,
+        )
+        self._motion = MotionModel(parameters.odom_model_type, alphas)
+
+    @property
+    def state(self) -> AmclState:
+        """Everything the next estimate depends on, besides what `update` will be told."""
+        return self._state
+
+    def restore(self, state: AmclState) -> None:
+        """Go on from a state that `state` once gave."""
+        self._state = state
+
+    def start(self, base_in_map: Pose2, covariance: FloatArray) -> None:
+        """Begin anew around this pose, at the next tick; the first scan from then on is weighed at once."""
+        self._state = Start(base_in_map, read_only(covariance.copy()))
+
+    def globalize(self) -> None:
+        """Begin anew with no idea, at the next tick: uniform over the free cells and all headings."""
+        self._state = Anywhere()
+
+    def request_update(self) -> None:
+        """Weigh the next scan even if the robot has not moved; the first scan after a start is weighed anyway."""
+        if isinstance(self._state, Belief):
+            self._state = replace(self._state, requested=True)
+
+    def configure(self, parameters: RobotParameters) -> None:
+        """Go on with these parameters; a smaller cloud is drawn with the next generation.
+
+        Differs: amcl draws its particles anew, around the pose that it last told.
+        """
+        if parameters.amcl != self._parameters:
+            self._use(parameters.amcl)
+
+    def update(self, odometry: Odometry, imu: Imu, scan: Scan | None) -> Estimate:
+        """Take in one tick; a scan is weighed when the robot has moved enough since the last one that was."""
+        belief = self._state
+        if isinstance(belief, Start):
+            belief = self._state = self._scatter(belief, odometry)
+        elif isinstance(belief, Anywhere):
+            belief = self._state = self._scatter_everywhere(odometry)
+        updated = scan is not None and self._due(belief, odometry)
+        if scan is not None and updated:
+            belief = self._state = self._weigh(belief, odometry, scan)
+        return Estimate(
+            tick=odometry.tick,
+            base_in_map=belief.odom_in_map.compose(odometry.base_in_odom),
+            odom_in_map=belief.odom_in_map,
+            covariance=belief.covariance,
+            particles=belief.particles,
+            updated=updated,
+            lost=belief.lost,
+        )
+
+    def _due(self, belief: Belief, odometry: Odometry) -> bool:
+        """Whether the robot moved enough along either axis of the odom frame, or turned enough (amcl_node.cpp)."""
+        before, now, limit = belief.base_in_odom, odometry.base_in_odom, self._parameters.update_min_d
+        return (
+            belief.updates == 0
+            or belief.requested
+            or abs(now.x - before.x) > limit
+            or abs(now.y - before.y) > limit
+            or abs(wrap_angle(now.theta - before.theta)) > self._parameters.update_min_a
+            or ((belief.lost or belief.recovery.doubtful) and odometry.tick - belief.tick >= RETRY)
+        )
+
+    def _scatter(self, start: Start, odometry: Odometry) -> Belief:
+        """As many particles as allowed, drawn around the start."""
+        n = self._parameters.max_particles
+        values, vectors = np.linalg.eigh(start.covariance)
+        # A covariance may be singular (a heading known exactly), which Cholesky's factors do not bear.
+        root = vectors * np.sqrt(np.maximum(values, 0.0))
+        noise = self._start_noise.normals(odometry.tick, 3 * n).reshape(n, 3)
+        particles = start.base_in_map.array() + noise @ root.T
+        particles[:, 2] = (particles[:, 2] + math.pi) % (2.0 * math.pi) - math.pi
+        return Belief(
+            particles=read_only(particles),
+            weights=read_only(np.full(n, 1.0 / n)),
+            tick=odometry.tick,
+            base_in_odom=odometry.base_in_odom,
+            odom_in_map=start.base_in_map.compose(odometry.base_in_odom.inverse()),
+            covariance=start.covariance,
+        )
+
+    def _scatter_everywhere(self, odometry: Odometry) -> Belief:
+        """As many particles as allowed, drawn over the whole map; its middle stands for a pose until a scan comes."""
+        n = self._parameters.max_particles
+        particles = self._free_space.draw(n, self._recovery_noise, odometry.tick)
+        mean = Pose2(*particles.mean(axis=0).tolist())
+        return Belief(
+            particles=read_only(particles),
+            weights=read_only(np.full(n, 1.0 / n)),
+            tick=odometry.tick,
+            base_in_odom=odometry.base_in_odom,
+            odom_in_map=mean.compose(odometry.base_in_odom.inverse()),
+            covariance=read_only(np.cov(particles.T, bias=True)),
+            lost=True,
+            anywhere=True,
+        )
+
+    def _weigh(self, belief: Belief, odometry: Odometry, scan: Scan) -> Belief:
+        """One turn of the filter: move, weigh, report, and every so often resample.
+
+        Raises:
+            ValueError: the scan has another number of beams than the laser that the filter was made for.
+        """
+        if len(scan.ranges) != self._beams.mount.beams:
+            raise ValueError(f"a scan of {len(scan.ranges)} beams from a laser of {self._beams.mount.beams}")
+        parameters = self._parameters
+        points, ranges = self._beams.end_points(scan), self._beams.ranges(scan)
+        if belief.anywhere and len(points):
+            # What an even sample of the map this size would miss is found by one many times larger.
+            particles = self._newcomers(parameters.max_particles, points, odometry.tick)
+            weights: FloatArray = np.full(len(particles), 1.0 / len(particles))
+        else:
+            # The first scan may come ticks after the start; whatever was driven until then counts all the same.
+            noise = self._motion_noise.normals(odometry.tick, 3 * len(belief.particles))
+            particles = self._motion.move(belief.particles, belief.base_in_odom, odometry.base_in_odom, noise)
+            weights = belief.weights * tempered(self._log_likelihood(particles, points, ranges), EFFECTIVE)
+            total = weights.sum()
+            weights = weights / total if total > 0.0 else belief.weights
+
+        bins = bin_particles(particles)
+        summary = summarise(particles, weights, bins)
+        recovery = belief.recovery
+        agreement = self._beam_model.agreement(summary.mean, ranges)
+        if agreement is not None and belief.lost:
+            recovery = recovery.searching(agreement)
+        elif agreement is not None:
+            recovery = recovery.after(agreement, parameters.recovery_alpha_slow, parameters.recovery_alpha_fast)
+        settled = belief.settled + 1 if recovery.explained and self._sure(summary) else 0
+        lost = settled < SETTLED if belief.lost else recovery.lost
+        newcomers = self._share_of_newcomers(lost, belief.lost)
+        updates = belief.updates + 1
+        due = updates % parameters.resample_interval == 0 and not (
+            parameters.selective_resampling and newcomers == 0.0 and 2.0 / np.sum(weights**2) > len(weights)
+        )
+        if due or newcomers == SCATTERED:
+            particles = self._resample(particles, weights, bins, newcomers, points, odometry.tick)
+            weights = np.full(len(particles), 1.0 / len(particles))
+        return Belief(
+            particles=read_only(particles),
+            weights=read_only(weights),
+            tick=odometry.tick,
+            base_in_odom=odometry.base_in_odom,
+            odom_in_map=summary.mean.compose(odometry.base_in_odom.inverse()),
+            covariance=read_only(summary.covariance + self._unknowable),
+            updates=updates,
+            recovery=recovery,
+            lost=lost,
+            settled=settled,
+            anywhere=belief.anywhere and not len(points),
+        )
+
+    def _sure(self, summary: Summary) -> bool:
+        """Whether nearly all particles agree on one place."""
+        parameters = self._parameters
+        levels = (parameters.std_warn_level_x, parameters.std_warn_level_y, parameters.std_warn_level_yaw)
+        return summary.weight >= SURE and bool((np.sqrt(summary.variances) <= levels).all())
+
+    def _share_of_newcomers(self, lost: bool, was_lost: bool) -> float:
+        """Of the next generation, 0..1, how many are to come from all over the map."""
+        never = self._parameters.recovery_alpha_slow == 0.0 and self._parameters.recovery_alpha_fast == 0.0
+        if never or not lost:
+            return 0.0
+        return SEARCHING if was_lost else SCATTERED
+
+    def _log_likelihood(self, particles: FloatArray, points: FloatArray, ranges: FloatArray) -> FloatArray:
+        """(n,) how well a scan fits from each particle, by the model that the parameters name."""
+        parameters = self._parameters
+        if parameters.laser_model_type == "beam":
+            return self._beam_model.log_likelihood(particles, ranges)
+        skips = parameters.laser_model_type == "likelihood_field_prob" and parameters.do_beamskip
+        if skips and np.ptp(particles[:, :2], axis=0).max() <= 2.0 * CONVERGED:
+            points = self._field.explained(
+                particles,
+                points,
+                parameters.beam_skip_distance,
+                parameters.beam_skip_threshold,
+                parameters.beam_skip_error_threshold,
+            )
+        return self._field.log_likelihood(particles, points)
+
+    def _resample(
+        self, particles: FloatArray, weights: FloatArray, bins: Bins, share: float, points: FloatArray, tick: int
+    ) -> FloatArray:
+        """The next generation: heirs of the present one and a share of newcomers from all over the map."""
+        parameters = self._parameters
+        heirs_offset, newcomers = self._resampling_noise.uniforms(tick, 2)
+        # Newcomers lie in so many bins that KLD sampling would ask for the greatest number of particles anyway.
+        count = int(share * parameters.max_particles + newcomers) if len(points) else 0
+        if count == 0:
+            heirs = adaptive(
+                weights,
+                bins.of_particle,
+                heirs_offset,
+                parameters.kld_err,
+                parameters.kld_z,
+                parameters.min_particles,
+                parameters.max_particles,
+            )
+            return self._jittered(particles[heirs], tick)
+        heirs = systematic(weights, parameters.max_particles - count, heirs_offset)
+        return np.concatenate((self._jittered(particles[heirs], tick), self._newcomers(count, points, tick)))
+
+    def _jittered(self, particles: FloatArray, tick: int, spread: tuple[float, float, float] = JITTER) -> FloatArray:
+        """(n, 3) particles, each a little off, so that no two are the same."""
+        noise = self._jitter_noise.normals(tick, 3 * len(particles)).reshape(-1, 3)
+        return particles + noise * spread
+
+    def _newcomers(self, count: int, points: FloatArray, tick: int) -> FloatArray:
+        """(count, 3) places from all over the map where a scan fits, drawn in proportion to how well.
+
+        Source: Lenser and Veloso, Sensor resetting localization for poorly modelled mobile robots (2000). Differs:
+            amcl draws blindly; such places hardly ever lie near enough to the truth to survive.
+        """
+        places = max(LEAST_CANDIDATES, min(count * CANDIDATES, MOST_CANDIDATES))
+        candidates = self._free_space.draw(places, self._recovery_noise, tick)
+        fit = self._field.log_likelihood(candidates, points)
+        offset = self._resampling_noise.uniforms(tick, 3)[2]
+        chosen: FloatArray = candidates[systematic(tempered(fit, FITTING), count, offset)]
+        return self._jittered(chosen, tick + 1, SPACING)

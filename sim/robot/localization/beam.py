@@ -1,0 +1,123 @@
+"""How well a scan fits the map along its beams: the beam model, and how much of a scan a place explains."""
+
+import math
+from dataclasses import dataclass
+
+import numpy as np
+from numba import njit
+
+from sim.common.geometry import FloatArray, Pose2
+from sim.common.grid import OccupancyGrid
+from sim.common.raycast import Raycaster, cast_beams
+from sim.parameters import AmclParameters
+from sim.robot.localization.likelihood_field import Beams
+
+_TOLERANCE = 0.3
+"""Metres by which a reading may miss the wall that the map shows and count as explained: errors of pose and map."""
+
+_CUT_SHORT = 0.1
+"""What a reading counts that something unmapped may have cut short, beside one that went through a wall."""
+
+_TURNS = np.array([-0.02, 0.0, 0.02])
+"""Radians by which the heading may be wrong: how far a beam that grazes a wall goes then is no evidence."""
+
+
+@njit(cache=True)
+def _sums(
+    expected: FloatArray,
+    ranges: FloatArray,
+    range_max: float,
+    z_hit: float,
+    z_short: float,
+    z_max: float,
+    z_rand: float,
+    sigma_hit: float,
+    lambda_short: float,
+) -> FloatArray:
+    """(n,) sums over m readings of their log probability, where (n, m) ranges are expected."""
+    out = np.zeros(expected.shape[0])
+    for j in range(ranges.size):
+        measured = ranges[j]
+        if math.isnan(measured):
+            continue
+        short = z_short * lambda_short * math.exp(-lambda_short * measured)
+        random = z_max if measured >= range_max else z_rand / range_max
+        for i in range(expected.shape[0]):
+            error = measured - min(expected[i, j], range_max)
+            p = z_hit * math.exp(-error * error / (2.0 * sigma_hit * sigma_hit)) + random
+            if error < 0.0:
+                p += short
+            out[i] += math.log(max(p, 1e-300))
+    return out
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class BeamModel:
+    """What each beam of a scan should have met.
+
+    Attributes:
+        raycaster: of the map.
+        beams: those that are weighed.
+        parameters: the mixture: laser_z_*, laser_sigma_hit, laser_lambda_short.
+    """
+
+    raycaster: Raycaster
+    beams: Beams
+    parameters: AmclParameters
+
+    @classmethod
+    def of(cls, grid: OccupancyGrid, beams: Beams, parameters: AmclParameters) -> "BeamModel":
+        """The model on a map."""
+        return cls(Raycaster.of(grid), beams, parameters)
+
+    def expected(self, particles: FloatArray) -> FloatArray:
+        """(n, m) metres that the beams should measure from (n, 3) base poses in the map; inf beyond `range_max`."""
+        laser = self.beams.mount.laser_in_base
+        c, s = np.cos(particles[:, 2]), np.sin(particles[:, 2])
+        poses = particles.copy()
+        poses[:, 0] += c * laser.x - s * laser.y
+        poses[:, 1] += s * laser.x + c * laser.y
+        out = np.empty((len(particles), len(self.beams.indices)))
+        # The beams' directions are those in the base frame.
+        cast_beams(
+            self.raycaster.squares, self.raycaster.frame, poses, self.beams.directions, self.beams.range_max, out
+        )
+        return out
+
+    def log_likelihood(self, particles: FloatArray, ranges: FloatArray) -> FloatArray:
+        """(n,) log likelihood of (m,) ranges (see `Beams.ranges`) from each of (n, 3) base poses in the map.
+
+        Source: Probabilistic Robotics, table 6.1, with amcl's factors (a good reading's density is not normalised);
+            exact ranges. Differs: sums of logarithms, where amcl adds cubes; a beam that saw nothing counts as the
+            greatest range and not as impossible; too short readings are left out.
+        """
+        p = self.parameters
+        sums: FloatArray = _sums(
+            self.expected(particles),
+            ranges,
+            self.beams.range_max,
+            p.laser_z_hit,
+            p.laser_z_short,
+            p.laser_z_max,
+            p.laser_z_rand,
+            p.laser_sigma_hit,
+            p.laser_lambda_short,
+        )
+        return sums
+
+    def agreement(self, base_in_map: Pose2, ranges: FloatArray) -> float | None:
+        """How well the map explains (m,) ranges from one place, 0..1; None where no beam says anything.
+
+        The share of readings that end where the map has a wall. A reading cut short speaks a tenth as loud against the
+        place as one that went through a wall: other robots do the one, nothing does the other.
+        """
+        told = ranges < self.beams.range_max
+        if not told.any():
+            return None
+        poses = np.tile(base_in_map.array(), (len(_TURNS), 1))
+        poses[:, 2] += _TURNS
+        expected = np.minimum(self.expected(poses)[:, told], self.beams.range_max)
+        short = np.count_nonzero(ranges[told] < expected.min(axis=0) - _TOLERANCE)
+        through = np.count_nonzero(ranges[told] > expected.max(axis=0) + _TOLERANCE)
+        hits = np.count_nonzero(told) - short - through
+        return float(hits / (hits + _CUT_SHORT * short + through))

@@ -1,0 +1,191 @@
+"""Particles in bins, bins in clusters, and what a cloud of particles says as one pose.
+
+The bins are amcl's: 0.5 m by 0.5 m by 10 degrees. They measure how spread the cloud is (KLD sampling) and tell
+hypotheses apart: bins that touch, if only by a corner, are one cluster.
+
+Source: pf_kdtree.c. Differs: the bins of -180 and +180 degrees touch; in amcl a cloud that looks west falls apart.
+"""
+
+import math
+from typing import NamedTuple
+
+import numpy as np
+from numba import njit
+from numpy.typing import NDArray
+
+from sim.common.geometry import FloatArray, Pose2, wrap_angle
+
+SIDE = 0.5
+"""Metres: a bin's sides."""
+SECTORS = 36
+"""Bins around the circle."""
+
+_EMPTY = -1
+_HALF = 1 << 24
+
+
+class Bins(NamedTuple):
+    """The occupied bins of a cloud.
+
+    Attributes:
+        of_particle: (n,) the bin of each particle, numbered from 0 in order of first sight.
+        corners: (k, 3) each bin's place on the lattice: along x, along y, around.
+        slots: a hash table from packed lattice places to bins, -1 where empty.
+    """
+
+    of_particle: NDArray[np.int64]
+    corners: NDArray[np.int64]
+    slots: NDArray[np.int64]
+
+
+class Summary(NamedTuple):
+    """A cloud as one pose.
+
+    Attributes:
+        mean: weighted mean of the heaviest cluster, in the map.
+        covariance: (3, 3) spread of the whole cloud about it: m^2, m rad, rad^2.
+        weight: the heaviest cluster's share of the weight.
+        variances: (3,) of the heaviest cluster alone, about its mean: m^2, m^2, rad^2.
+    """
+
+    mean: Pose2
+    covariance: FloatArray
+    weight: float
+    variances: FloatArray
+
+
+@njit(cache=True)
+def _slot(slots: NDArray[np.int64], corners: NDArray[np.int64], col: int, row: int, sector: int) -> int:
+    """Where the bin with this lattice place is in the table, or the empty slot where it would go."""
+    mask = slots.size - 1
+    packed = ((col + _HALF) * (2 * _HALF) + row + _HALF) * SECTORS + sector
+    slot = (packed * 0x9E3779B97F4A7C1 >> 17) & mask
+    while True:
+        found = slots[slot]
+        if found == _EMPTY or (corners[found, 0] == col and corners[found, 1] == row and corners[found, 2] == sector):
+            return slot
+        slot = (slot + 1) & mask
+
+
+@njit(cache=True)
+def _bin(particles: FloatArray) -> tuple[NDArray[np.int64], NDArray[np.int64], NDArray[np.int64]]:
+    n = particles.shape[0]
+    capacity = 16
+    while capacity < 2 * n:
+        capacity *= 2
+    slots = np.full(capacity, _EMPTY, dtype=np.int64)
+    corners = np.empty((n, 3), dtype=np.int64)
+    of_particle = np.empty(n, dtype=np.int64)
+    count = 0
+    for i in range(n):
+        col = math.floor(particles[i, 0] / SIDE)
+        row = math.floor(particles[i, 1] / SIDE)
+        sector = math.floor(particles[i, 2] * (SECTORS / (2.0 * math.pi))) % SECTORS
+        slot = _slot(slots, corners, col, row, sector)
+        if slots[slot] == _EMPTY:
+            slots[slot] = count
+            corners[count, 0], corners[count, 1], corners[count, 2] = col, row, sector
+            count += 1
+        of_particle[i] = slots[slot]
+    return of_particle, corners[:count], slots
+
+
+def bin_particles(particles: FloatArray) -> Bins:
+    """The bins that (n, 3) poses lie in."""
+    return Bins(*_bin(particles))
+
+
+@njit(cache=True)
+def _cluster(corners: NDArray[np.int64], slots: NDArray[np.int64]) -> NDArray[np.int64]:
+    count = corners.shape[0]
+    labels = np.full(count, _EMPTY, dtype=np.int64)
+    waiting = np.empty(count, dtype=np.int64)
+    clusters = 0
+    for seed in range(count):
+        if labels[seed] != _EMPTY:
+            continue
+        labels[seed] = clusters
+        waiting[0] = seed
+        size = 1
+        while size > 0:
+            size -= 1
+            here = waiting[size]
+            for offset in range(27):
+                slot = _slot(
+                    slots,
+                    corners,
+                    corners[here, 0] + offset // 9 - 1,
+                    corners[here, 1] + offset // 3 % 3 - 1,
+                    (corners[here, 2] + offset % 3 - 1) % SECTORS,
+                )
+                neighbour = slots[slot]
+                if neighbour != _EMPTY and labels[neighbour] == _EMPTY:
+                    labels[neighbour] = clusters
+                    waiting[size] = neighbour
+                    size += 1
+        clusters += 1
+    return labels
+
+
+def cluster_bins(bins: Bins) -> NDArray[np.int64]:
+    """(k,) the cluster of each bin, numbered from 0: connected components of touching bins."""
+    labels: NDArray[np.int64] = _cluster(bins.corners, bins.slots)
+    return labels
+
+
+@njit(cache=True)
+def _summarise(
+    particles: FloatArray, weights: FloatArray, of_particle: NDArray[np.int64], labels: NDArray[np.int64]
+) -> tuple[float, float, float, FloatArray, float, FloatArray]:
+    mass = np.zeros(labels.max() + 1)
+    total = 0.0
+    for i in range(weights.size):
+        mass[labels[of_particle[i]]] += weights[i]
+        total += weights[i]
+    heaviest = np.argmax(mass)
+    x, y, c, s = 0.0, 0.0, 0.0, 0.0
+    for i in range(weights.size):
+        if labels[of_particle[i]] == heaviest:
+            x += weights[i] * particles[i, 0]
+            y += weights[i] * particles[i, 1]
+            c += weights[i] * math.cos(particles[i, 2])
+            s += weights[i] * math.sin(particles[i, 2])
+    x /= mass[heaviest]
+    y /= mass[heaviest]
+    theta = wrap_angle(math.atan2(s, c))
+    covariance = np.zeros((3, 3))
+    variances = np.zeros(3)
+    for i in range(weights.size):
+        dx, dy = particles[i, 0] - x, particles[i, 1] - y
+        dtheta = wrap_angle(particles[i, 2] - theta)
+        weight = weights[i] / total
+        covariance[0, 0] += weight * dx * dx
+        covariance[0, 1] += weight * dx * dy
+        covariance[0, 2] += weight * dx * dtheta
+        covariance[1, 1] += weight * dy * dy
+        covariance[1, 2] += weight * dy * dtheta
+        covariance[2, 2] += weight * dtheta * dtheta
+        if labels[of_particle[i]] == heaviest:
+            variances[0] += weight * dx * dx
+            variances[1] += weight * dy * dy
+            variances[2] += weight * dtheta * dtheta
+    covariance[1, 0] = covariance[0, 1]
+    covariance[2, 0] = covariance[0, 2]
+    covariance[2, 1] = covariance[1, 2]
+    share = mass[heaviest] / total
+    return x, y, theta, covariance, share, variances / share
+
+
+def summarise(particles: FloatArray, weights: FloatArray, bins: Bins) -> Summary:
+    """The mean of the heaviest cluster, and how far the whole cloud spreads about it.
+
+    Args:
+        particles: (n, 3) poses in the map, n > 0.
+        weights: (n,) not all 0.
+        bins: the bins of these particles.
+
+    Source: pf_cluster_stats. Differs: the spread is about the reported pose (amcl: about the mean of all clusters),
+        and holds the correlations of heading with place, which amcl leaves 0.
+    """
+    x, y, theta, covariance, weight, variances = _summarise(particles, weights, bins.of_particle, cluster_bins(bins))
+    return Summary(Pose2(x, y, theta), covariance, weight, variances)

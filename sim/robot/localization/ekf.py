@@ -1,0 +1,352 @@
+"""An extended Kalman filter over (x, y, theta): wheels and gyroscope, corrected by scans matched to the map.
+
+Source: Thrun, Burgard, Fox, Probabilistic Robotics (2005), table 7.2, with odometry for control (section 5.4) and a
+matched pose for measurement; the algebra is filterpy's.
+"""
+
+import math
+from dataclasses import dataclass, replace
+
+import numpy as np
+
+from sim.common.geometry import FloatArray, Pose2, wrap_angle
+from sim.common.grid import OccupancyGrid
+from sim.common.observations import TICK, Imu, LaserMount, Odometry, Scan
+from sim.parameters import EkfParameters, RobotParameters
+from sim.robot.localization.estimate import Estimate, Start, read_only
+from sim.robot.localization.likelihood_field import Beams
+from sim.robot.localization.scan_matching import GOOD, SPACING, Match, ScanMatcher
+
+PREDICTION_INTERVAL = 5
+"""Ticks between predictions where no scan asks for one; in between, odometry alone carries the estimate on."""
+
+GATE = 16.27
+"""Greatest squared Mahalanobis distance of a match that is believed: chi-square with 3 degrees of freedom, 0.999."""
+
+_LEAST_INFORMATION = np.diag((1.0, 1.0, 4.0))
+"""Keeps a match's covariance finite where a corridor leaves a direction open: one metre, half a radian."""
+
+_SHARED = 1.0
+"""Part of a match's covariance that is common to all near by: they share walls, clutter, and so their errors."""
+
+_LEAST_SHARE = 0.4
+"""Of a scan's points, how many must lie on the map's walls; a scan from elsewhere hardly ever gets as far."""
+
+_LEARNING = 0.1
+"""How fast innovations that are greater or smaller than they should be change what is believed of the motion."""
+
+_WILDEST = 100.0
+"""Greatest factor by which the motion's noise may turn out to be more than the parameters say; the least is 1."""
+
+_DOUBTING = 1.5
+"""What a match that is too far off to be believed, though it fits, makes of the covariance: either may be wrong."""
+
+_PATIENCE = 20
+"""Scans refused one after another until the filter holds itself for lost: two seconds of a common laser."""
+
+_LEVER = 3.0
+"""Metres: how far a wall is, typically, when a doubt of heading is to be told as one of place."""
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class EkfBelief:
+    """A Gaussian over poses, as of the last prediction.
+
+    Attributes:
+        tick: of that prediction.
+        base_in_map: the mean.
+        covariance: (3, 3) about it, but for `shared`; read-only.
+        shared: (3, 3) of the error that all matches near by have in common, which no number of them averages out;
+            read-only.
+        base_in_odom: the odometry then.
+        odom_in_map: the correction that makes the two poses agree.
+        matched: the odometry when a scan was last weighed in; None before the first.
+        wildness: the factor by which the motion's variances have turned out to be more than the parameters say.
+        refused: scans that could not be believed since the last one that was.
+        poor: scans in a row that fitted badly, believed or not.
+    """
+
+    tick: int
+    base_in_map: Pose2
+    covariance: FloatArray
+    shared: FloatArray
+    base_in_odom: Pose2
+    odom_in_map: Pose2
+    matched: Pose2 | None
+    wildness: float
+    refused: int
+    poor: int
+
+    @property
+    def lost(self) -> bool:
+        """Whether scans have not fitted for so long that the pose cannot be relied on."""
+        return self.refused >= _PATIENCE
+
+
+@dataclass(frozen=True, slots=True)
+class EkfState:
+    """All that the filter remembers between two ticks.
+
+    Attributes:
+        belief: where it believes to be.
+        turned: radians that the gyroscope has counted since the last prediction.
+        asked: whether the next scan is to be matched wherever the robot is.
+        forgotten: whether it was told to forget where it is, and has neither found nor been told it since.
+    """
+
+    belief: Start | EkfBelief
+    turned: float
+    asked: bool
+    forgotten: bool
+
+
+def _anywhere(grid: OccupancyGrid) -> FloatArray:
+    """(3, 3) covariance of a pose that may be anywhere on the map: uniform over its extent and all headings."""
+    rows, cols = grid.cells.shape
+    spread = (rows**2 + cols**2) * grid.resolution**2 / 12.0
+    return np.diag((spread, spread, math.pi**2 / 3.0))
+
+
+_NOTHING = read_only(np.zeros((3, 3)))
+
+
+def _direct(_: FloatArray) -> FloatArray:
+    """The measurement's Jacobian: a match measures the pose itself."""
+    return np.eye(3)
+
+
+def _covariance(match: Match) -> FloatArray:
+    """(3, 3) how far a match may be off; read-only."""
+    covariance = np.linalg.inv(match.information + _LEAST_INFORMATION).astype(np.float64, copy=False)
+    return read_only(covariance)
+
+
+def _itself(mean: FloatArray) -> FloatArray:
+    return mean
+
+
+def _residual(measured: FloatArray, predicted: FloatArray) -> FloatArray:
+    difference: FloatArray = measured - predicted
+    difference[2] = wrap_angle(difference[2])
+    return difference
+
+
+class Ekf:
+    """One Gaussian hypothesis, cheap and smooth. See `Localizer`.
+
+    Where scans do not fit for some seconds it holds itself for lost, and looks for the one place where they do: near by
+    first, then all over the map; it looks as well where they fit badly for long, since another place may fit better. It
+    says that it is found only when a scan from another spot agrees. On a map that looks the same from two places it
+    stays lost, since one Gaussian cannot wait and see as particles do.
+
+    Before the first `start` it believes to be at the map's origin.
+    """
+
+    def __init__(self, parameters: EkfParameters, grid: OccupancyGrid, mount: LaserMount) -> None:
+        """A filter for one robot, on its static map, for the laser whose scans `update` will bring."""
+        # Its import takes 0.7 s, which only those who choose this localiser should wait for.
+        from filterpy.kalman import ExtendedKalmanFilter  # noqa: PLC0415
+
+        self._mount = mount
+        self._use(parameters)
+        self._matcher = ScanMatcher.of(grid)
+        self._algebra = ExtendedKalmanFilter(dim_x=3, dim_z=3)
+        self._algebra.B = np.eye(3)
+        variances = (parameters.initial_cov_xx, parameters.initial_cov_yy, parameters.initial_cov_aa)
+        self._belief: Start | EkfBelief = Start(Pose2(0.0, 0.0, 0.0), read_only(np.diag(variances)))
+        self._turned = 0.0
+        self._asked = False
+        self._forgotten = False
+        self._anywhere = read_only(_anywhere(grid))
+        self._particles = np.empty((0, 3))
+
+    def _use(self, parameters: EkfParameters) -> None:
+        self._parameters = parameters
+        self._beams = Beams.of(self._mount, parameters.laser_max_beams, parameters.laser_max_range)
+
+    @property
+    def state(self) -> EkfState:
+        """Everything the next estimate depends on, besides what `update` will be told."""
+        return EkfState(self._belief, self._turned, self._asked, self._forgotten)
+
+    def restore(self, state: EkfState) -> None:
+        """Go on from a state that `state` once gave."""
+        self._belief, self._turned = state.belief, state.turned
+        self._asked, self._forgotten = state.asked, state.forgotten
+
+    def start(self, base_in_map: Pose2, covariance: FloatArray) -> None:
+        """Begin anew around this pose, at the next tick; the first scan from then on is weighed at once."""
+        self._belief, self._turned = Start(base_in_map, read_only(covariance.copy())), 0.0
+        self._forgotten = False
+
+    def globalize(self) -> None:
+        """Forget where the robot was: lost, with a covariance as wide as the map, until it is found or told a pose."""
+        self._forgotten = True
+
+    def request_update(self) -> None:
+        """Match the next scan even if the robot has not moved."""
+        self._asked = True
+
+    def configure(self, parameters: RobotParameters) -> None:
+        """Go on with these parameters, believing what it believed."""
+        if parameters.ekf != self._parameters:
+            self._use(parameters.ekf)
+
+    def update(self, odometry: Odometry, imu: Imu, scan: Scan | None) -> Estimate:
+        """Take in one tick; a scan is matched when the robot has moved enough since the last one that was."""
+        belief = self._belief
+        if isinstance(belief, Start):
+            odom_in_map = belief.base_in_map.compose(odometry.base_in_odom.inverse())
+            belief = EkfBelief(
+                tick=odometry.tick,
+                base_in_map=belief.base_in_map,
+                covariance=belief.covariance,
+                shared=_NOTHING,
+                base_in_odom=odometry.base_in_odom,
+                odom_in_map=odom_in_map,
+                matched=None,
+                wildness=1.0,
+                refused=0,
+                poor=0,
+            )
+        else:
+            self._turned += imu.angular_velocity * TICK
+            if scan is not None or odometry.tick - belief.tick >= PREDICTION_INTERVAL:
+                belief = self._predict(belief, odometry)
+                self._turned = 0.0
+        updated = False
+        if scan is not None and self._parameters.vo_used and (self._forgotten or self._asked or self._due(belief)):
+            self._asked = False
+            if not self._forgotten:
+                belief, updated = self._correct(belief, scan)
+            if self._forgotten or (belief.lost and belief.refused % _PATIENCE == 0) or belief.poor >= _PATIENCE:
+                belief = self._search(belief, scan)
+        self._belief = belief
+        return Estimate(
+            tick=odometry.tick,
+            base_in_map=belief.odom_in_map.compose(odometry.base_in_odom),
+            odom_in_map=belief.odom_in_map,
+            covariance=self._anywhere if self._forgotten else read_only(belief.covariance + belief.shared),
+            particles=self._particles,
+            updated=updated,
+            lost=self._forgotten or belief.lost,
+        )
+
+    def _due(self, belief: EkfBelief) -> bool:
+        """Whether the robot moved enough since the last match, by amcl's rule."""
+        if belief.matched is None:
+            return True
+        here, there, limit = belief.base_in_odom, belief.matched, self._parameters.update_min_d
+        return (
+            abs(here.x - there.x) > limit
+            or abs(here.y - there.y) > limit
+            or abs(wrap_angle(here.theta - there.theta)) > self._parameters.update_min_a
+        )
+
+    def _predict(self, belief: EkfBelief, odometry: Odometry) -> EkfBelief:
+        """Carry mean and covariance on by what wheels and gyroscope say of the ticks since the last prediction."""
+        parameters, algebra = self._parameters, self._algebra
+        moved = belief.base_in_odom.between(odometry.base_in_odom)
+        distance = math.hypot(moved.x, moved.y)
+        wheels_variance = parameters.odom_alpha1 * moved.theta**2 + parameters.odom_alpha2 * distance**2
+        gyro_variance = (odometry.tick - belief.tick) * (parameters.gyro_noise * TICK) ** 2
+        # Wheels that stand still are certain of it, and then the gyroscope's noise has no say.
+        listening = parameters.imu_used and wheels_variance > 0.0
+        trust = wheels_variance / (wheels_variance + gyro_variance) if listening else 0.0
+        correction = trust * wrap_angle(self._turned - moved.theta)
+        turn_variance = (1.0 - trust) * wheels_variance
+        drive_variance = parameters.odom_alpha3 * distance**2 + parameters.odom_alpha4 * moved.theta**2
+
+        here = belief.base_in_map
+        # The chord of an arc points half of the turn aside; so does a correction of the turn.
+        c, s = math.cos(here.theta + correction / 2.0), math.sin(here.theta + correction / 2.0)
+        dx, dy = c * moved.x - s * moved.y, s * moved.x + c * moved.y
+        bearing = math.atan2(dy, dx)
+        to_noise = np.array(((math.cos(bearing), -dy / 2.0), (math.sin(bearing), dx / 2.0), (0.0, 1.0)))
+        algebra.x, algebra.P = here.array(), belief.covariance
+        algebra.F = np.array(((1.0, 0.0, -dy), (0.0, 1.0, dx), (0.0, 0.0, 1.0)))
+        algebra.Q = belief.wildness * to_noise @ np.diag((drive_variance, turn_variance)) @ to_noise.T
+        after = np.array((here.x + dx, here.y + dy, here.theta + moved.theta + correction))
+        # filterpy predicts F x + B u; the motion is not linear, so u makes up for what F x lacks.
+        algebra.predict(u=after - algebra.F @ algebra.x)
+        mean, covariance = self._result()
+        return replace(
+            belief,
+            tick=odometry.tick,
+            base_in_map=mean,
+            covariance=covariance,
+            base_in_odom=odometry.base_in_odom,
+            odom_in_map=mean.compose(odometry.base_in_odom.inverse()),
+        )
+
+    def _correct(self, belief: EkfBelief, scan: Scan) -> tuple[EkfBelief, bool]:
+        """Weigh in the pose that the scan speaks for, if it can be believed; and whether it could.
+
+        How far innovations are from what they should be teaches how wild the motion is: a factor of its variances,
+        in which the parameters keep their proportions. A match too far off is not believed, but where scan after scan
+        fits as well and says the same, it is the covariance that gives way.
+
+        Source: Mehra, On the identification of variances and adaptive Kalman filtering (1970), for learning the
+            motion's noise from innovations; here as a running mean of its logarithm, which cannot become negative.
+        """
+        points = self._beams.end_points(scan)
+        doubt = belief.covariance + belief.shared
+        error = 2.0 * math.sqrt(max(doubt[0, 0], doubt[1, 1]) + _LEVER**2 * doubt[2, 2])
+        match = self._matcher.match(belief.base_in_map, points, error)
+        if match is None:
+            return belief, False
+        belief = replace(belief, poor=belief.poor + 1 if match.share < GOOD else 0)
+        if match.share < _LEAST_SHARE:
+            return replace(belief, refused=belief.refused + 1), False
+        noise = _covariance(match)
+        measured = match.base_in_map.array()
+        innovation = _residual(measured, belief.base_in_map.array())
+        surprise = float(innovation @ np.linalg.solve(belief.covariance + noise, innovation))
+        lesson = _LEARNING * (min(surprise, GATE) / 3.0 - 1.0)
+        wildness = min(max(belief.wildness * math.exp(lesson), 1.0), _WILDEST)
+        if surprise > GATE:
+            doubting = read_only(_DOUBTING * belief.covariance)
+            return replace(belief, covariance=doubting, wildness=wildness, refused=belief.refused + 1), False
+        algebra = self._algebra
+        algebra.x, algebra.P = belief.base_in_map.array(), belief.covariance
+        algebra.update(measured, _direct, _itself, R=noise, residual=_residual)
+        mean, covariance = self._result()
+        return (
+            replace(
+                belief,
+                base_in_map=mean,
+                covariance=covariance,
+                shared=read_only(_SHARED * noise),
+                odom_in_map=mean.compose(belief.base_in_odom.inverse()),
+                matched=belief.base_in_odom,
+                wildness=wildness,
+                refused=0,
+            ),
+            True,
+        )
+
+    def _search(self, belief: EkfBelief, scan: Scan) -> EkfBelief:
+        """Begin anew where the scan fits, if that is one place only; lost, until the next match agrees."""
+        near = None if self._forgotten else belief.base_in_map
+        found = self._matcher.search(self._beams.end_points(scan), near)
+        belief = replace(belief, poor=0)
+        if found is None:
+            return belief
+        if near is not None and not belief.lost and near.distance(found.base_in_map) < SPACING:
+            return belief
+        self._forgotten = False
+        return replace(
+            belief,
+            base_in_map=found.base_in_map,
+            covariance=_covariance(found),
+            odom_in_map=found.base_in_map.compose(belief.base_in_odom.inverse()),
+            matched=belief.base_in_odom,
+            wildness=1.0,
+            refused=_PATIENCE,
+        )
+
+    def _result(self) -> tuple[Pose2, FloatArray]:
+        """Mean and covariance that the algebra has come to."""
+        x, y, theta = (float(value) for value in self._algebra.x)
+        covariance: FloatArray = (self._algebra.P + self._algebra.P.T) / 2.0
+        return Pose2(x, y, wrap_angle(theta)), read_only(covariance)

@@ -1,0 +1,69 @@
+"""What every localiser gives, and how it is asked."""
+
+from dataclasses import dataclass
+from typing import Protocol
+
+from sim.common.geometry import FloatArray, Pose2
+from sim.common.observations import Imu, Odometry, Scan
+from sim.parameters import RobotParameters
+
+
+@dataclass(frozen=True, slots=True)
+class Estimate:
+    """A localiser's word on where the robot is.
+
+    Attributes:
+        tick: when it holds.
+        base_in_map: the robot's pose: the last correction, carried on by odometry.
+        odom_in_map: the correction itself, what tf publishes as map -> odom.
+        covariance: (3, 3) of x, y, theta in the map frame; m^2, m rad, rad^2.
+        particles: (n, 3) poses in the map; (0, 3) where the localiser has none.
+        updated: whether a scan (or whatever it corrects by) was weighed in this tick.
+        lost: whether the localiser itself holds that the pose cannot be relied on.
+    """
+
+    tick: int
+    base_in_map: Pose2
+    odom_in_map: Pose2
+    covariance: FloatArray
+    particles: FloatArray
+    updated: bool
+    lost: bool = False
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Start:
+    """What a localiser remembers that was told where it is, and has seen no tick since.
+
+    Attributes:
+        base_in_map: the pose.
+        covariance: (3, 3) how sure; m^2, m rad, rad^2.
+    """
+
+    base_in_map: Pose2
+    covariance: FloatArray
+
+
+def read_only(array: FloatArray) -> FloatArray:
+    """The array itself, now safe to hand out: nobody can write to it."""
+    array.setflags(write=False)
+    return array
+
+
+class Localizer(Protocol):
+    """One robot's localisation; it never sees the truth."""
+
+    def start(self, base_in_map: Pose2, covariance: FloatArray) -> None:
+        """Begin anew around this pose (ROS: initialpose); `covariance` is (3, 3)."""
+
+    def globalize(self) -> None:
+        """Forget where the robot was: it may be anywhere (ROS: global_localization)."""
+
+    def request_update(self) -> None:
+        """Weigh the next scan even if the robot has not moved (ROS: request_nomotion_update)."""
+
+    def configure(self, parameters: RobotParameters) -> None:
+        """Go on with these parameters, believing what it believed (ROS: dynamic_reconfigure)."""
+
+    def update(self, odometry: Odometry, imu: Imu, scan: Scan | None) -> Estimate:
+        """Take in one tick; a scan where the laser was due."""

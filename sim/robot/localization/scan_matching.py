@@ -1,0 +1,231 @@
+"""Where a scan fits the map best, near a guess: what the Kalman filter takes for a measurement of the pose."""
+
+import math
+from dataclasses import dataclass, replace
+from typing import NamedTuple
+
+import numpy as np
+from numba import njit
+
+from sim.common.geometry import FloatArray, Pose2, wrap_angle
+from sim.common.grid import FREE, OCCUPIED, GridFrame, OccupancyGrid, distance_field
+
+REACH = 1.0
+"""Metres: farther from any wall the field is flat and points pull nowhere."""
+
+_FINEST, _COARSEST = 0.15, 0.6
+"""Metres: points this far from a surface begin to count as something that the map does not show."""
+_SEARCHED = 0.3
+"""Metres: the same when places all over the map are compared, of which none is quite right."""
+SPACING, _HEADINGS = 0.4, 16
+"""Metres between the places, and how many headings at each, that a search begins with."""
+_REFINED = 40
+"""How many of them, the best, are looked at closely."""
+_FEWEST = 20
+"""Points that a search must have; it compares places by as many."""
+GOOD, _MARGIN = 0.8, 0.1
+"""Share of the points on walls that a pose must reach to be found, and by how much it must be better than others."""
+NEAR = 1.5
+"""Metres: where a robot that has lost its way is looked for first."""
+INDEPENDENT_BEAMS = 6
+"""Points that together tell as much as all of them do: neighbours lie on the same wall and share the map's errors."""
+_STEPS = 4
+"""Gauss-Newton steps at each width, from coarse to fine."""
+_DAMPING = 1e-3
+"""Part of the information's mean that is added to its diagonal, so that a corridor's free direction is left alone."""
+
+
+class Match(NamedTuple):
+    """A pose that a scan speaks for.
+
+    Attributes:
+        base_in_map: the pose.
+        information: (3, 3) inverse covariance of it; singular along a direction the scan does not fix.
+        share: of the points, how many lie on the map's surfaces there; 0 to 1.
+    """
+
+    base_in_map: Pose2
+    information: FloatArray
+    share: float
+
+
+def signed_distance(grid: OccupancyGrid, max_distance: float) -> FloatArray:
+    """Metres from each cell's centre to the nearest surface of a wall, negative inside walls.
+
+    A laser sees surfaces: a field that is 0 throughout the walls would let beams sink into them for free.
+
+    Returns:
+        (rows, cols) float64 in [-max_distance, max_distance].
+    """
+    half = grid.resolution / 2.0
+    inverse = replace(grid, cells=np.where(grid.cells == OCCUPIED, FREE, OCCUPIED))
+    outside = distance_field(grid, max_distance + half).astype(np.float64) - half
+    inside = distance_field(inverse, max_distance + half).astype(np.float64) - half
+    distances: FloatArray = np.where(grid.cells == OCCUPIED, -inside, outside)
+    return distances
+
+
+@njit(cache=True)
+def _interpolate(field: FloatArray, along: float, across: float) -> tuple[float, float, float]:
+    """Value and slope per cell (columns, rows) between the four centres around a point given in cells.
+
+    Beyond the outermost centres the field is flat: slope 0.
+    """
+    left, below = along - 0.5, across - 0.5
+    col, row = math.floor(left), math.floor(below)
+    if col < 0 or row < 0 or col + 1 >= field.shape[1] or row + 1 >= field.shape[0]:
+        return REACH, 0.0, 0.0
+    u, v = left - col, below - row
+    f00, f01 = field[row, col], field[row, col + 1]
+    f10, f11 = field[row + 1, col], field[row + 1, col + 1]
+    value = (1.0 - v) * ((1.0 - u) * f00 + u * f01) + v * ((1.0 - u) * f10 + u * f11)
+    return value, (1.0 - v) * (f01 - f00) + v * (f11 - f10), (1.0 - u) * (f10 - f00) + u * (f11 - f01)
+
+
+@njit(cache=True)
+def _normal_equations(
+    field: FloatArray, frame: GridFrame, x: float, y: float, theta: float, points: FloatArray, width: float
+) -> tuple[FloatArray, FloatArray, float, float]:
+    """Gauss-Newton's matrix and right side, the weighted mean square of the distances, and the points' mean weight."""
+    matrix = np.zeros((3, 3))
+    right = np.zeros(3)
+    squares, weights = 0.0, 0.0
+    c, s = math.cos(theta), math.sin(theta)
+    slopes = np.empty(3)
+    for j in range(points.shape[0]):
+        px = c * points[j, 0] - s * points[j, 1]
+        py = s * points[j, 0] + c * points[j, 1]
+        dx, dy = x + px - frame.x, y + py - frame.y
+        along = (frame.cos * dx + frame.sin * dy) / frame.resolution
+        across = (frame.cos * dy - frame.sin * dx) / frame.resolution
+        distance, by_col, by_row = _interpolate(field, along, across)
+        slopes[0] = (frame.cos * by_col - frame.sin * by_row) / frame.resolution
+        slopes[1] = (frame.sin * by_col + frame.cos * by_row) / frame.resolution
+        slopes[2] = slopes[1] * px - slopes[0] * py
+        # Geman and McClure's weight: what is far from every wall is another robot, and must not pull.
+        weight = 1.0 / (1.0 + (distance / width) ** 2) ** 2
+        weights += weight
+        squares += weight * distance * distance
+        for a in range(3):
+            right[a] -= weight * slopes[a] * distance
+            for b in range(3):
+                matrix[a, b] += weight * slopes[a] * slopes[b]
+    return matrix, right, squares / weights, weights / points.shape[0]
+
+
+@njit(cache=True)
+def _match(
+    field: FloatArray, frame: GridFrame, x: float, y: float, theta: float, points: FloatArray, width: float
+) -> tuple[float, float, float, FloatArray, float]:
+    while True:
+        for _ in range(_STEPS):
+            matrix, right, _, _ = _normal_equations(field, frame, x, y, theta, points, width)
+            damping = _DAMPING * (matrix[0, 0] + matrix[1, 1] + matrix[2, 2]) / 3.0 + 1e-9
+            for a in range(3):
+                matrix[a, a] += damping
+            step = np.linalg.solve(matrix, right)
+            x += step[0]
+            y += step[1]
+            theta += step[2]
+        if width <= _FINEST:
+            break
+        width = max(width / 2.0, _FINEST)
+    matrix, _, variance, share = _normal_equations(field, frame, x, y, theta, points, width)
+    # A wall may lie anywhere in its cell.
+    variance = max(variance, frame.resolution**2 / 12.0)
+    independent = min(1.0, INDEPENDENT_BEAMS / points.shape[0])
+    return x, y, wrap_angle(theta), matrix * (independent / variance), share
+
+
+@njit(cache=True)
+def _shares(field: FloatArray, frame: GridFrame, poses: FloatArray, points: FloatArray) -> FloatArray:
+    """(n,) mean weights of the points, at the coarsest width, seen from each pose."""
+    shares = np.empty(poses.shape[0])
+    for i in range(poses.shape[0]):
+        c, s = math.cos(poses[i, 2]), math.sin(poses[i, 2])
+        total = 0.0
+        for j in range(points.shape[0]):
+            dx = poses[i, 0] + c * points[j, 0] - s * points[j, 1] - frame.x
+            dy = poses[i, 1] + s * points[j, 0] + c * points[j, 1] - frame.y
+            along = (frame.cos * dx + frame.sin * dy) / frame.resolution
+            across = (frame.cos * dy - frame.sin * dx) / frame.resolution
+            distance, _, _ = _interpolate(field, along, across)
+            total += 1.0 / (1.0 + (distance / _SEARCHED) ** 2) ** 2
+        shares[i] = total / points.shape[0]
+    return shares
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class ScanMatcher:
+    """A map made ready for matching.
+
+    Attributes:
+        field: (rows, cols) metres to the nearest surface, negative inside walls; see `signed_distance`.
+        frame: where it lies.
+        free: (n, 3) poses in free cells, so dense that a match from one of them finds any pose of a robot.
+    """
+
+    field: FloatArray
+    frame: GridFrame
+    free: FloatArray
+
+    @classmethod
+    def of(cls, grid: OccupancyGrid) -> "ScanMatcher":
+        """Make a map ready, once."""
+        step = max(1, round(SPACING / grid.resolution))
+        cells = np.argwhere(grid.cells[::step, ::step] == FREE) * step
+        headings = np.arange(_HEADINGS) * (2.0 * math.pi / _HEADINGS) - math.pi
+        places = np.repeat(grid.centres_of(cells), _HEADINGS, axis=0)
+        free = np.column_stack((places, np.tile(headings, len(cells))))
+        return cls(signed_distance(grid, REACH), grid.frame, free)
+
+    def search(self, points: FloatArray, near: Pose2 | None = None) -> Match | None:
+        """The one pose from which the points lie on the map's walls, anywhere, or first within `NEAR` of a pose.
+
+        Returns:
+            None where no pose fits, or where another one fits nearly as well: a map that looks the same from two
+            places does not tell them apart.
+        """
+        if near is not None:
+            there = np.hypot(self.free[:, 0] - near.x, self.free[:, 1] - near.y) < NEAR
+            found = self._only(points, self.free[there])
+            if found is not None:
+                return found
+        return self._only(points, self.free)
+
+    def _only(self, points: FloatArray, poses: FloatArray) -> Match | None:
+        if len(points) < _FEWEST or len(poses) == 0:
+            return None
+        shares = _shares(self.field, self.frame, poses, points[:: max(1, len(points) // _FEWEST)])
+        guesses = poses[np.argsort(-shares, kind="stable")[:_REFINED]]
+        matches = [self.match(Pose2(x, y, theta), points, _COARSEST) for x, y, theta in guesses.tolist()]
+        best, *others = sorted((match for match in matches if match), key=lambda match: -match.share)
+        here = best.base_in_map
+        for other in others:
+            there = other.base_in_map
+            apart = here.distance(there) > SPACING or abs(wrap_angle(here.theta - there.theta)) > SPACING
+            if apart and other.share > best.share - _MARGIN:
+                return None
+        return best if best.share >= GOOD else None
+
+    def match(self, guess: Pose2, points: FloatArray, error: float) -> Match | None:
+        """The pose near `guess` from which the points lie on the map's walls.
+
+        Args:
+            guess: base in map, within some decimetres of the truth.
+            points: (m, 2) end points of the beams in the base frame.
+            error: metres by which the guess may put a point wrong; the larger, the more the points of other robots
+                pull as well.
+
+        Returns:
+            The match; its information takes the noise from the distances that remain, and weakens it by the beams'
+            dependence on one another. None with less than three points, which cannot fix a pose.
+
+        Source: Kohlbrecher et al., A flexible and scalable SLAM system (2011), section IV: Gauss-Newton on an
+            interpolated grid. Differs: least squares of distances to surfaces, weighed against outliers.
+        """
+        if len(points) < 3:
+            return None
+        width = max(_FINEST, min(error, _COARSEST))
+        x, y, theta, information, share = _match(self.field, self.frame, guess.x, guess.y, guess.theta, points, width)
+        return Match(Pose2(x, y, theta), information, share)

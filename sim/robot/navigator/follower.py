@@ -1,0 +1,397 @@
+"""Following an itinerary: from where the robot is to the next command.
+
+The path ahead goes to the local planner as far as the right of way and the obstacles seen allow.
+"""
+
+import math
+from collections.abc import Sequence
+from dataclasses import replace
+
+import numpy as np
+from numba import njit
+from numpy.typing import NDArray
+
+from sim.common.geometry import IDENTITY, FloatArray, Pose2, wrap_angle
+from sim.common.grid import OccupancyGrid
+from sim.common.observations import STANDSTILL, TICK, TICKS_PER_SECOND, Neighbour, Scan, Twist
+from sim.parameters import RobotParameters
+from sim.robot.control.braking import LATENCY, Surroundings, beside_obstacles, surroundings
+from sim.robot.control.choice import local_planner
+from sim.robot.control.local_planner import Drive, LocalPlanner
+from sim.robot.costmap.costmap_2d import Costmap2D, Look
+from sim.robot.costmap.costs import INSCRIBED, CostFrame, Costs
+from sim.robot.navigator.scan_obstacles import may_turn, seen_around
+from sim.robot.planning.itinerary import Itinerary, bearing_on, heard, reached, right_of_way
+from sim.robot.planning.path import headings
+from sim.robot.planning.router import Router
+
+LOOK_AHEAD = 1.75
+"""Metres of path given to the local planner at most."""
+RIM = 0.25
+"""Metres from it to the local costmap's rim, toward which the robot drives until the next update."""
+HALT = 0.12
+"""Metres before a point that may not be passed at which a robot waits."""
+TURNS_BACK = 0.06
+"""Metres that a way comes nearer again before it counts as turning back."""
+YIELD_TIME = 0.5
+"""Seconds from such a point, at least, from which a robot slows down."""
+STUCK = 2.0
+"""Seconds that a robot may be held up, other than by right of way, before it plans anew."""
+QUEUE = 20.0
+"""Seconds that it may be held up by right of way before it plans anew."""
+
+SEEKING = 0.5
+"""Radians ahead to which a robot turns that looks for its place: so many a second."""
+CREEPING = 0.1
+"""Metres a second at which it drives on where it cannot turn."""
+
+NOWHERE: FloatArray = np.empty((0, 3))
+NO_TIMES: FloatArray = np.empty(0)
+
+
+class Follower:
+    """Follows one itinerary after the other.
+
+    Args:
+        parameters: of this robot's software.
+        static: the map.
+        clearance: (rows, cols) metres from each of its cells to the nearest wall.
+        costmap: the local one.
+        seen: the costmap of the whole map, for what the laser has seen; others bring it up to date.
+        separation: metres between robots' centres by right of way.
+        robot: its index in the team.
+
+    Attributes:
+        control_ticks: from one command to the next.
+        valid: the last tick with a valid command, or with a good reason to wait.
+        way: the itinerary; None without one.
+        arrived: whether the robot stands at its end.
+        waiting: whether it waits for its right of way.
+        waits_for: the robot before whose itinerary or body it stands.
+        others_bar: whether others keep it from going farther.
+        local_plan: (k, 3) map poses the last command would lead through.
+        unseen: the last scan, until the costmap has taken it in.
+        ahead: (m, 3) poses still to be passed, the (m,) times told with them, and how many metres they are.
+    """
+
+    def __init__(
+        self,
+        parameters: RobotParameters,
+        static: OccupancyGrid,
+        clearance: NDArray[np.float32],
+        costmap: Costmap2D,
+        seen: Costmap2D,
+        separation: float,
+        robot: int,
+    ) -> None:
+        self._costmap = costmap
+        self._clearance = clearance
+        self._seen = seen
+        self._frame = CostFrame(static.origin.x, static.origin.y, static.resolution)
+        self._robot = robot
+        self._use(parameters, separation)
+        self._planner = self._chosen_planner(parameters)
+        self.unseen: Look | None = None
+        self.valid = 0
+        self.drop()
+
+    def _use(self, parameters: RobotParameters, separation: float) -> None:
+        self._parameters, self._separation = parameters, separation
+        costmap, local = self._costmap, parameters.local_costmap
+        self._width = max(local.width, local.height)
+        self._reach = min(LOOK_AHEAD, min(costmap.costs.shape) / 2 * costmap.frame.resolution - RIM)
+        self.control_ticks = max(1, round(TICKS_PER_SECOND / parameters.move_base.controller_frequency))
+        self._costmap_ticks = max(1, round(TICKS_PER_SECOND / local.update_frequency))
+        self._hold = self.control_ticks * TICK + LATENCY
+
+    def _chosen_planner(self, parameters: RobotParameters) -> LocalPlanner:
+        costmap = self._costmap
+        return local_planner(parameters, costmap.footprint, costmap.costs.shape, self.control_ticks * TICK)
+
+    def configure(self, parameters: RobotParameters, separation: float) -> None:
+        """Go on along the way with these parameters; the costmap has been told already.
+
+        A planner that they change begins as with a new way: whether it was turning, say, is forgotten.
+
+        Args:
+            parameters: of this robot's software.
+            separation: metres between robots' centres by right of way.
+        """
+        before = self._parameters
+        self._use(parameters, separation)
+        if _made_from(parameters) != _made_from(before):
+            self._planner = self._chosen_planner(parameters)
+
+    def restart(self, tick: int) -> None:
+        """Begin with another goal."""
+        self.valid = tick
+
+    def drop(self) -> None:
+        """Stand, and follow nothing."""
+        self.way: Itinerary | None = None
+        self.arrived = False
+        self.waiting = False
+        self.waits_for: int | None = None
+        self.others_bar = False
+        self.local_plan = NOWHERE
+        self.ahead = (NOWHERE, NO_TIMES, 0.0)
+        self._poses = NOWHERE
+        self._left = NO_TIMES
+        self._index = 0
+        self._turns_at_end = False
+        self._at_end = False
+        self._escaping_from: Pose2 | None = None
+
+    def follow(self, tick: int, way: Itinerary, heading: float, turns_at_end: bool) -> None:
+        """Follow an itinerary from now on.
+
+        Args:
+            tick: which one.
+            way: the itinerary; its first point is where the robot is.
+            heading: to be told as that of its last point.
+            turns_at_end: whether the robot has to turn to it there.
+        """
+        self.drop()
+        self.way = way
+        self._poses = headings(way.points, heading)
+        steps = np.hypot(*np.diff(way.points, axis=0).T)
+        self._left = np.append(np.cumsum(steps[::-1])[::-1], 0.0)
+        self._turns_at_end = turns_at_end
+        self._pass(way, 0)
+        self._progress, self._free = tick, tick - 1
+        self._planner.reset()
+
+    def _pass(self, way: Itinerary, index: int) -> None:
+        """Have reached this point of the way."""
+        self._index = index
+        self.ahead = (self._poses[index:], way.times[index:], float(self._left[index]))
+
+    @property
+    def time(self) -> float:
+        """The time of the point of the way that has been reached."""
+        return float(self.way.times[self._index]) if self.way is not None else -math.inf
+
+    @property
+    def remaining(self) -> float:
+        """Metres of the way that are left."""
+        return self.ahead[2]
+
+    def held_up(self, tick: int) -> bool:
+        """Whether the way has led on no more for too long."""
+        patience = STUCK if self._progress <= self._free else QUEUE
+        return tick - self._progress > patience * TICKS_PER_SECOND
+
+    def obstructed(self, router: Router) -> bool:
+        """Whether an obstacle seen lies on the way ahead."""
+        return router.obstructed(self.ahead[0][:, :2])
+
+    def step(self, tick: int, pose: Pose2, twist: Twist, neighbours: Sequence[Neighbour]) -> Twist:
+        """The command that leads on; `arrived` and `waiting` tell how things stand.
+
+        Args:
+            tick: which one; a command is due.
+            pose: where the robot believes it is.
+            twist: how it moves.
+            neighbours: what the others said last.
+        """
+        self.local_plan, self.waiting, self.waits_for = NOWHERE, False, None
+        way = self.way
+        if way is None:
+            return STANDSTILL
+        if (tick - self._robot) % self._costmap_ticks < self.control_ticks or self._progress == tick:
+            self._update_costmap(pose, neighbours)
+        index = int(reached(way.points, self._index, pose.x, pose.y))
+        if index > self._index:
+            self._pass(way, index)
+            self._progress = tick
+        drive = self._drive(tick, pose, twist, way, neighbours)
+        if drive is None:
+            return STANDSTILL
+        if not drive.stuck:
+            self.valid = tick
+        self.local_plan = drive.local_plan
+        return drive.command
+
+    def look(self, pose: Pose2, scan: Scan, discs: FloatArray) -> None:
+        """Keep a scan for the costmap's next update; as in ROS, the last one before it counts.
+
+        Args:
+            pose: where the robot scanned.
+            scan: the readings.
+            discs: (n, 3) x, y and radius of the other robots, metres.
+        """
+        self.unseen = Look(pose, scan, discs)
+
+    def look_around(self, pose: Pose2, twist: Twist, neighbours: Sequence[Neighbour]) -> Drive:
+        """Turn in place (rotate_recovery)."""
+        return self._planner.turn(pose, twist, pose.theta + 0.5 * math.pi, self._around(pose, neighbours))
+
+    def seek(self, twist: Twist, scan: Scan) -> Twist:
+        """Turn slowly to see more, where there is no room for it drive on slowly, where there is none either stand.
+
+        Whoever does not know where it is may trust its laser, and no map.
+
+        Args:
+            twist: how the robot moves.
+            scan: the latest.
+        """
+        around = seen_around(scan, len(self._costmap.footprint))
+        if may_turn(scan, self._costmap.circumscribed_radius):
+            drive = self._planner.turn(IDENTITY, twist, SEEKING, around)
+            if not drive.stuck:
+                return drive.command
+        ahead = Twist(CREEPING, 0.0)
+        return ahead if self._planner.safe(IDENTITY, twist, ahead, around) else STANDSTILL
+
+    def _update_costmap(self, pose: Pose2, neighbours: Sequence[Neighbour]) -> None:
+        if self.unseen is not None:
+            self._costmap.observe(*self.unseen)
+            self.unseen = None
+        reach = self._width
+        self._costmap.see(
+            [
+                other
+                for other in neighbours
+                if abs(other.base_in_map.x - pose.x) < reach and abs(other.base_in_map.y - pose.y) < reach
+            ]
+        )
+        self._costmap.update(pose.x, pose.y)
+
+    def _around(self, pose: Pose2, neighbours: Sequence[Neighbour]) -> Surroundings:
+        clearance, frame = self._clearance, self._frame
+        if self._seen.any_marks:
+            clearance, frame = beside_obstacles(clearance, self._seen.marks, frame, pose.x, pose.y)
+        return surroundings(
+            clearance, frame, self._costmap.footprint, pose, neighbours, self._planner.limits.acc_lim_x, self._hold
+        )
+
+    def _drive(
+        self, tick: int, pose: Pose2, twist: Twist, way: Itinerary, neighbours: Sequence[Neighbour]
+    ) -> Drive | None:
+        limits = self._planner.limits
+        around = self._around(pose, neighbours)
+        end_x, end_y, end_heading = self._poses[-1].tolist()
+        off = math.hypot(end_x - pose.x, end_y - pose.y)
+        if self._left[self._index] < 3 * limits.xy_goal_tolerance and off <= limits.xy_goal_tolerance:
+            self._at_end = True
+        elif not limits.latch_xy_goal_tolerance:
+            self._at_end = False
+        if self._escaping_from is not None:
+            return self._escape(self._escaping_from, pose, twist, around)
+        if self._at_end:
+            return self._finish(tick, pose, twist, end_heading, around)
+        last = _as_far_as(self._left, self._index, self._reach)
+        x, y, _ = self._poses[self._index].tolist()
+        others = bearing_on(neighbours, x, y, self._reach + self._separation)
+        allowed, barring, stands = right_of_way(
+            way.points, way.times, self._index, last, pose.x, pose.y, heard(others), self._separation
+        )
+        self.others_bar = allowed < last
+        path, slow_down, obstructed = self._stretch(pose, way, int(allowed), allowed < last)
+        if path is None:
+            self.waiting = allowed < last and not stands
+            if barring >= 0 and not obstructed:
+                self.waits_for = others[barring].robot
+            if self.waiting:
+                self.valid = tick
+            else:
+                self._free = tick
+            return None
+        drive = self._planner.follow(pose, twist, self._costmap.costs, self._costmap.frame, path, slow_down, around)
+        if drive.stuck:
+            self._free = tick
+            self._escaping_from = pose
+            return self._escape(pose, pose, twist, around)
+        if drive.command.linear == 0.0 and drive.command.angular != 0.0:
+            # Turning to the way is progress that no point of the way shows.
+            self._progress = tick
+        return drive
+
+    def _escape(self, begun: Pose2, pose: Pose2, twist: Twist, around: Surroundings) -> Drive:
+        """Get a little off the place where no command led on, then turn to the way."""
+        drive = self._planner.escape(pose, twist, around)
+        limits = self._planner.limits
+        turned = abs(wrap_angle(pose.theta - begun.theta))
+        if drive.stuck or begun.distance(pose) > limits.escape_reset_dist or turned > limits.escape_reset_theta:
+            self._escaping_from = None
+            self._planner.turn_first()
+        return drive
+
+    def _finish(self, tick: int, pose: Pose2, twist: Twist, heading: float, around: Surroundings) -> Drive | None:
+        """At the end of the way: stop, turn to its heading if need be, be there."""
+        limits = self._planner.limits
+        standing = abs(twist.linear) < limits.trans_stopped_vel and abs(twist.angular) < limits.theta_stopped_vel
+        off = abs(wrap_angle(heading - pose.theta))
+        if not self._turns_at_end or off <= limits.yaw_goal_tolerance:
+            self.arrived = standing
+            return None
+        self._progress = tick
+        return self._planner.turn(pose, twist, heading, around)
+
+    def _stretch(
+        self, pose: Pose2, way: Itinerary, allowed: int, yields: bool
+    ) -> tuple[FloatArray | None, float, bool]:
+        """The part of the way to drive along now, None where the robot has to wait.
+
+        With it go how early to slow down, and whether it is an obstacle that ends it.
+        """
+        points = way.points[self._index : allowed + 1]
+        count, stopped, turns = _drivable(points, self._costmap.costs, self._costmap.frame, pose.x, pose.y)
+        points = points[:count]
+        yields = stopped or (yields and not turns)
+        if len(points) == 0 or (yields and math.hypot(points[-1, 0] - pose.x, points[-1, 1] - pose.y) < HALT):
+            return None, 0.0, stopped
+        ends = not yields and self._index + len(points) == len(way.points)
+        slow_down = self._planner.limits.sim_time if ends else YIELD_TIME if yields else 0.1
+        return points, slow_down, stopped
+
+
+def _made_from(parameters: RobotParameters) -> tuple[object, ...]:
+    """All that a local planner depends on."""
+    return (
+        parameters.move_base.base_local_planner,
+        parameters.move_base.controller_frequency,
+        parameters.TrajectoryPlannerROS,
+        parameters.DWAPlannerROS,
+        replace(parameters.local_costmap, publish_frequency=0.0),
+    )
+
+
+@njit(cache=True)
+def _as_far_as(left: FloatArray, index: int, reach: float) -> int:
+    """The last point of a way within `reach` metres along it from point `index`; (m,) metres are left at each."""
+    last = index
+    while last + 1 < left.shape[0] and left[index] - left[last + 1] <= reach:
+        last += 1
+    return last
+
+
+@njit(cache=True)
+def _drivable(points: FloatArray, costs: Costs, frame: CostFrame, x: float, y: float) -> tuple[int, bool, bool]:
+    """How many of (m, 2) points a robot at (x, y) may be led along at once.
+
+    Where the way turns back, to a place to wait and on again, it first leads to the turning point; and it ends before
+    the first point, HALT away or more, that lies in an obstacle's inscribed radius or off the costmap.
+
+    Returns:
+        How many; whether an obstacle ends them; whether a turning point does.
+    """
+    farthest = 0.0
+    end, turns = points.shape[0], False
+    top = 0
+    for i in range(points.shape[0]):
+        away = math.hypot(points[i, 0] - x, points[i, 1] - y)
+        if away > farthest or i == 0:
+            farthest, top = away, i
+        if away < farthest - TURNS_BACK:
+            end, turns = top + 1, True
+            break
+    for i in range(end):
+        row = math.floor((points[i, 1] - frame.y) / frame.resolution)
+        col = math.floor((points[i, 0] - frame.x) / frame.resolution)
+        inside = row >= 0 and col >= 0 and row < costs.shape[0] and col < costs.shape[1]
+        if inside and costs[row, col] < INSCRIBED:
+            continue
+        if math.hypot(points[i, 0] - x, points[i, 1] - y) > HALT:
+            return i, True, turns
+    return end, False, turns

@@ -1,0 +1,57 @@
+"""What a navigator is asked for, and how that ends."""
+
+from dataclasses import dataclass
+from typing import Literal
+
+from sim.common.geometry import Pose2
+from sim.robot.planning.path import RefusalCode
+
+NoPathReason = (
+    RefusalCode | Literal["blocked_by_obstacle", "stuck", "lost"] | Literal["gave_up", "called_off", "unanswered"]
+)
+"""Why a goal was given up. The last three are of navigators that are not ours: one gave up for reasons of its own,
+somebody else withdrew the goal, one did not answer."""
+
+
+@dataclass(frozen=True, slots=True)
+class Goal:
+    """A pose to drive to.
+
+    Attributes:
+        id: the caller's number; comes back with the result.
+        base_in_map: where the base shall end.
+    """
+
+    id: int
+    base_in_map: Pose2
+
+
+@dataclass(frozen=True, slots=True)
+class Arrived:
+    """The base stands at the goal, within the goal tolerances."""
+
+    goal: Goal
+
+
+@dataclass(frozen=True, slots=True)
+class NoPath:
+    """The goal was given up.
+
+    Attributes:
+        reason: the cause as a code, stable for programs.
+        sentence: the cause for people.
+    """
+
+    goal: Goal
+    reason: NoPathReason
+    sentence: str
+
+
+@dataclass(frozen=True, slots=True)
+class Cancelled:
+    """The goal was withdrawn, or another took its place."""
+
+    goal: Goal
+
+
+Result = Arrived | NoPath | Cancelled

@@ -1,0 +1,51 @@
+"""Maps whose origin is turned: a robot plans on them in the grid's own frame.
+
+Cells are squares along the axes of that frame, so everything behind the navigator's boundary works in it; only here
+poses are changed on their way in and out. Where the origin is not turned, nothing is changed at all.
+"""
+
+from collections.abc import Sequence
+from dataclasses import replace
+
+from sim.common.geometry import IDENTITY, FloatArray, Pose2
+from sim.common.grid import OccupancyGrid
+from sim.common.observations import Neighbour
+
+
+class Turned:
+    """Changes poses from the map's frame to one along whose axes its cells lie, and back.
+
+    Args:
+        static: the map.
+
+    Attributes:
+        grid: the same cells in that frame.
+    """
+
+    def __init__(self, static: OccupancyGrid) -> None:
+        self._turned = static.origin.theta != 0.0
+        self._grid_in_map = static.origin
+        self._map_in_grid = static.origin.inverse()
+        self.grid = OccupancyGrid(static.cells, static.resolution, IDENTITY) if self._turned else static
+
+    def pose(self, in_map: Pose2) -> Pose2:
+        """A pose on its way in."""
+        return self._map_in_grid.compose(in_map) if self._turned else in_map
+
+    def neighbours(self, in_map: Sequence[Neighbour]) -> Sequence[Neighbour]:
+        """What others say, on its way in."""
+        if not self._turned:
+            return in_map
+        return [
+            replace(other, base_in_map=self.pose(other.base_in_map), path=self._map_in_grid.transform(other.path))
+            for other in in_map
+        ]
+
+    def poses(self, in_grid: FloatArray) -> FloatArray:
+        """(m, 3) poses on their way out."""
+        if not self._turned:
+            return in_grid
+        out = in_grid.copy()
+        out[:, :2] = self._grid_in_map.transform(in_grid[:, :2])
+        out[:, 2] += self._grid_in_map.theta
+        return out

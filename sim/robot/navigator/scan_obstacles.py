@@ -1,0 +1,63 @@
+"""What a robot may bump into that does not know where it is: nothing but what its laser sees now, in the base frame."""
+
+import math
+
+import numpy as np
+from scipy.ndimage import distance_transform_edt
+
+from sim.common.geometry import FloatArray
+from sim.common.observations import Scan
+from sim.robot.control.braking import WALL_MARGIN, Surroundings
+from sim.robot.costmap.costs import CostFrame
+
+_REACH = 1.2
+"""Metres from the base that are looked at: turning in place and a slow step forward need no more."""
+_RESOLUTION = 0.025
+_NO_BODIES = np.empty((0, 0, 2))
+
+
+def _end_points(scan: Scan) -> FloatArray:
+    """(beams, 2) where beams ended, base frame; those that met nothing end at the laser's greatest range."""
+    mount, ranges = scan.mount, scan.ranges.astype(np.float64)
+    ranges = np.where(ranges < mount.range_max, ranges, mount.range_max)
+    angles = mount.angles()
+    in_laser = ranges[:, np.newaxis] * np.stack((np.cos(angles), np.sin(angles)), axis=1)
+    points: FloatArray = mount.laser_in_base.transform(in_laser)
+    return points
+
+
+def seen_around(scan: Scan, corners: int) -> Surroundings:
+    """What a scan shows near the robot, as if its base stood at the origin.
+
+    Args:
+        scan: the latest.
+        corners: of the robot's footprint.
+    """
+    cells = math.ceil(_REACH / _RESOLUTION)
+    at = np.floor(_end_points(scan) / _RESOLUTION).astype(np.int64) + cells
+    near = at[((at >= 0) & (at < 2 * cells)).all(axis=1)]
+    free = np.ones((2 * cells, 2 * cells), dtype=np.bool_)
+    free[near[:, 1], near[:, 0]] = False
+    if len(near) == 0:
+        clearance = np.full(free.shape, _REACH, dtype=np.float32)
+    else:
+        clearance = np.asarray(distance_transform_edt(free) * _RESOLUTION, dtype=np.float32)
+    frame = CostFrame(-cells * _RESOLUTION, -cells * _RESOLUTION, _RESOLUTION)
+    return Surroundings(clearance, frame, _NO_BODIES.reshape(0, corners, 2), np.empty(0))
+
+
+def may_turn(scan: Scan, radius: float) -> bool:
+    """Whether the part of the surroundings that the laser does not see leaves room to turn in.
+
+    A straight wall behind the robot reaches out to both sides, where the outermost beams end on it.
+
+    Args:
+        scan: the latest.
+        radius: of the robot's circumscribed circle, metres.
+    """
+    points = _end_points(scan)
+    first, last = points[0], points[-1]
+    along = last - first
+    length = float(along @ along)
+    share = min(1.0, max(0.0, float(-first @ along) / length)) if length > 0.0 else 0.0
+    return math.hypot(*(first + share * along)) > radius + WALL_MARGIN

@@ -1,0 +1,98 @@
+"""A way through the map, or why there is none."""
+
+from dataclasses import dataclass
+from typing import Literal, Protocol
+
+import numpy as np
+from numba import njit
+
+from sim.common.geometry import FloatArray, Pose2
+from sim.robot.costmap.costs import CostFrame, Costs
+
+RefusalCode = Literal[
+    "goal_occupied",
+    "goal_outside",
+    "start_occupied",
+    "start_outside",
+    "no_way",
+    "robots_in_the_way",
+    "blocked_by_obstacle",
+]
+
+_SENTENCES: dict[RefusalCode, str] = {
+    "goal_outside": "the goal is outside the map",
+    "start_outside": "the robot is outside the map",
+    "goal_occupied": "the goal is inside a wall or too near to one",
+    "start_occupied": "the robot stands inside an obstacle",
+    "no_way": "there is no way from here to the goal",
+    "robots_in_the_way": "other robots stand in the way",
+}
+
+
+@dataclass(frozen=True, slots=True)
+class Path:
+    """Poses from start to goal.
+
+    Attributes:
+        poses: (m, 3) in the map, metres and radians; each heads for the next, the last has the goal's own heading.
+    """
+
+    poses: FloatArray
+
+    @property
+    def length(self) -> float:
+        """Metres."""
+        return float(np.hypot(*np.diff(self.poses[:, :2], axis=0).T).sum())
+
+
+@dataclass(frozen=True, slots=True)
+class Refused:
+    """There is no path.
+
+    Attributes:
+        code: the cause, stable for programs.
+        sentence: the cause for people.
+    """
+
+    code: RefusalCode
+    sentence: str
+
+
+def refused(code: RefusalCode) -> Refused:
+    """The refusal with its sentence."""
+    return Refused(code, _SENTENCES[code])
+
+
+class Planner(Protocol):
+    """What finds paths over a costmap."""
+
+    def plan(self, costs: Costs, frame: CostFrame, start: Pose2, goal: Pose2) -> Path | Refused:
+        """A path between two poses.
+
+        Args:
+            costs: (rows, cols); left as they are.
+            frame: where they lie.
+            start: where the base is, in the costmap's frame.
+            goal: where it shall end.
+        """
+
+
+def headings(points: FloatArray, last: float) -> FloatArray:
+    """(m, 3) poses on (m, 2) points: each heads for the next, the last has the heading given."""
+    steps = np.diff(points, axis=0)
+    return np.column_stack([points, np.append(np.arctan2(steps[:, 1], steps[:, 0]), last)])
+
+
+@njit(cache=True)
+def thinned(points: FloatArray, spacing: float) -> FloatArray:
+    """(k, 2) of (m, 2) points: both ends, and those at least `spacing` metres apart."""
+    kept = np.empty((points.shape[0] + 1, 2))
+    kept[0] = points[0]
+    count = 1
+    for i in range(1, points.shape[0] - 1):
+        dx, dy = points[i, 0] - kept[count - 1, 0], points[i, 1] - kept[count - 1, 1]
+        if dx * dx + dy * dy >= spacing * spacing:
+            kept[count] = points[i]
+            count += 1
+    kept[count] = points[-1]
+    return kept[: count + 1].copy()

@@ -1,0 +1,26 @@
+"""The global planners that move_base may be told to use."""
+
+from sim.parameters import GlobalPlannerParameters, NavfnParameters
+from sim.robot.planning.global_planner import GlobalPlanner
+from sim.robot.planning.navfn import Navfn
+from sim.robot.planning.potential_planner import PotentialPlanner
+from sim.robot.planning.wave import Workspace
+
+
+def global_planner(
+    base_global_planner: str,
+    navfn: NavfnParameters,
+    global_planner: GlobalPlannerParameters,
+    space: Workspace | None = None,
+) -> PotentialPlanner:
+    """The planner of a name.
+
+    Args:
+        base_global_planner: move_base's parameter of this name.
+        navfn: parameters if it is navfn.
+        global_planner: parameters if it is global_planner.
+        space: see `PotentialPlanner`.
+    """
+    if base_global_planner == "global_planner/GlobalPlanner":
+        return PotentialPlanner(GlobalPlanner(global_planner), space)
+    return PotentialPlanner(Navfn(navfn), space)

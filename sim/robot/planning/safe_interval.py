@@ -1,0 +1,369 @@
+"""Safe interval path planning: the quickest way among robots whose itineraries are known.
+
+Space is a coarse grid, time at each cell a list of intervals in which nobody else comes near. A state is a cell and
+one of its intervals, and only the earliest arrival counts, so waiting costs no states.
+
+Source: Phillips, Likhachev, SIPP: Safe Interval Path Planning for Dynamic Environments (ICRA 2011).
+"""
+
+import heapq
+import math
+from dataclasses import dataclass
+
+import numpy as np
+from numba import njit
+from numpy.typing import NDArray
+
+from sim.common.geometry import FloatArray
+from sim.common.grid import OccupancyGrid
+from sim.robot.planning.itinerary import NEAR_START, SPEED, Itinerary, Others
+
+CELL = 0.2
+"""Side of a coarse cell, metres, at most."""
+BIN = 0.5
+"""Seconds by which intervals are counted."""
+BINS = 240
+"""How far ahead itineraries are looked at: two minutes."""
+
+BoolArray = NDArray[np.bool_]
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Roadmap:
+    """The coarse grid.
+
+    Attributes:
+        centres: (rows, cols, 2) map point of each cell: its middle, or where it has most room when that is too tight.
+        free: (rows, cols) whether a robot can stand and turn there without touching a wall.
+        corner: (2,) map coordinates of the outer corner of cell (0, 0).
+        side: of a cell, metres.
+    """
+
+    centres: FloatArray
+    free: BoolArray
+    corner: FloatArray
+    side: float
+
+
+def roadmap(grid: OccupancyGrid, clearance: FloatArray, radius: float) -> Roadmap:
+    """Lay a coarse grid over a map.
+
+    Args:
+        grid: the map.
+        clearance: (rows, cols) of the map: metres to the nearest obstacle or unknown cell.
+        radius: of the robot however it is turned, metres.
+    """
+    stride = max(1, int(CELL / grid.resolution + 1e-9))
+    rows, cols = grid.rows // stride, grid.cols // stride
+    whole = clearance[: rows * stride, : cols * stride]
+    blocks = whole.reshape(rows, stride, cols, stride).swapaxes(1, 2).reshape(rows, cols, stride * stride)
+    middle = (stride // 2) * stride + stride // 2
+    roomiest = np.where(blocks[:, :, middle] >= radius, middle, blocks.argmax(axis=2))
+    row, col = np.divmod(roomiest, stride)
+    x = (np.arange(cols) * stride + col + 0.5) * grid.resolution + grid.origin.x
+    y = (np.arange(rows)[:, np.newaxis] * stride + row + 0.5) * grid.resolution + grid.origin.y
+    corner = np.array([grid.origin.x, grid.origin.y])
+    return Roadmap(np.stack([x, y], axis=2), blocks.max(axis=2) >= radius, corner, stride * grid.resolution)
+
+
+@njit(cache=True)
+def _shade(
+    busy: BoolArray, free: BoolArray, centres: FloatArray, corner: FloatArray, side: float, x: float, y: float,
+    radius: float, start_x: float, start_y: float, present: float, first: int, last: int,
+) -> None:  # fmt: skip
+    """Mark the free cells around a robot at (x, y) busy from bin `first` to bin `last`."""
+    rows, cols, bins = busy.shape
+    first, last = max(first, 0), min(last, bins - 1)
+    if last < first:
+        return
+    col, row = (x - corner[0]) / side, (y - corner[1]) / side
+    span = radius / side + 1.0
+    for r in range(max(0, int(row - span)), min(rows, int(row + span) + 1)):
+        for c in range(max(0, int(col - span)), min(cols, int(col + span) + 1)):
+            cx, cy = centres[r, c, 0], centres[r, c, 1]
+            if not free[r, c] or abs(cx - x) >= radius or abs(cy - y) >= radius:
+                continue
+            distance = math.hypot(cx - x, cy - y)
+            if distance >= radius:
+                continue
+            needed = radius
+            off = math.hypot(cx - start_x, cy - start_y)
+            if off < side:
+                # The cell that the start is rounded to may seem nearer than the robot is; no other may be.
+                needed = min(radius, present - (0.75 * side if off < 0.71 * side else 0.02))
+            if distance < needed:
+                for b in range(first, last + 1):
+                    busy[r, c, b] = True
+
+
+@njit(cache=True)
+def _traffic(
+    free: BoolArray, centres: FloatArray, corner: FloatArray, side: float, others: Others, start: FloatArray,
+    time: float, separation: float, bins: int, bin_length: float,
+) -> BoolArray:  # fmt: skip
+    """(rows, cols, bins) whether another robot comes near a free cell within a span of time."""
+    rows, cols = free.shape
+    busy = np.zeros((rows, cols, bins), np.bool_)
+    for k in range(others.starts.shape[0] - 1):
+        begin, end = others.starts[k], others.starts[k + 1]
+        # What the separation is already, near the start.
+        now_x, now_y = others.points[begin, 0], others.points[begin, 1]
+        present = math.hypot(now_x - start[0], now_y - start[1])
+        first = math.floor((others.times[begin] - time) / bin_length) if others.times[begin] > -math.inf else 0
+        _shade(busy, free, centres, corner, side, now_x, now_y, separation, start[0], start[1], present, 0, first)
+        for i in range(begin, end):
+            x, y = others.points[i, 0], others.points[i, 1]
+            first = 0 if others.times[i] == -math.inf else math.floor((others.times[i] - time) / bin_length)
+            last = bins - 1 if i == end - 1 else math.floor((others.times[i + 1] - time) / bin_length)
+            _shade(busy, free, centres, corner, side, x, y, separation, start[0], start[1], present, first, last)
+            if i > begin:
+                first = math.floor((others.times[i - 1] - time) / bin_length)
+                last = math.floor((others.times[i] - time) / bin_length)
+                if last - first == 1:
+                    _shade(
+                        busy, free, centres, corner, side, x, y, separation, start[0], start[1], present, first, last
+                    )
+    return busy
+
+
+@njit(cache=True)
+def _distances(free: BoolArray, targets: BoolArray, side: float) -> FloatArray:
+    """(rows, cols) metres to the nearest target through free cells; inf where there is no way."""
+    rows, cols = free.shape
+    field = np.full((rows, cols), np.inf)
+    for r in range(rows):
+        for c in range(cols):
+            if targets[r, c] and free[r, c]:
+                field[r, c] = 0.0
+    diagonal = math.sqrt(2.0) * side
+    changed = True
+    forward = True
+    while changed:
+        changed = False
+        for i in range(rows):
+            r = i if forward else rows - 1 - i
+            for j in range(cols):
+                c = j if forward else cols - 1 - j
+                if not free[r, c]:
+                    continue
+                best = field[r, c]
+                for dr in (-1, 0, 1):
+                    for dc in (-1, 0, 1):
+                        nr, nc = r + dr, c + dc
+                        if (dr == 0 and dc == 0) or not (0 <= nr < rows and 0 <= nc < cols) or not free[nr, nc]:
+                            continue
+                        step = side if dr == 0 or dc == 0 else diagonal
+                        best = min(best, field[nr, nc] + step)
+                if best < field[r, c] - 1e-9:
+                    field[r, c] = best
+                    changed = True
+        forward = not forward
+    return field
+
+
+@njit(cache=True)
+def _search(
+    free: BoolArray, busy: BoolArray, targets: BoolArray, centres: FloatArray, side: float, start_row: int,
+    start_col: int, bin_length: float, speed: float,
+) -> FloatArray:  # fmt: skip
+    """(m, 3) x, y and seconds from now of the quickest way to a target where one may stay; (0, 3): there is none."""
+    rows, cols, bins = busy.shape
+    to_go = _distances(free, targets, side)
+    if to_go[start_row, start_col] == np.inf:
+        return np.empty((0, 3))
+    # Number the safe intervals of every cell.
+    first = np.zeros(rows * cols + 1, np.int64)
+    for cell in range(rows * cols):
+        r, c = cell // cols, cell % cols
+        count = 0
+        if free[r, c]:
+            before = True
+            for b in range(bins):
+                if before and not busy[r, c, b]:
+                    count += 1
+                before = busy[r, c, b]
+        first[cell + 1] = first[cell] + count
+    total = first[rows * cols]
+    opens, closes = np.empty(total), np.empty(total)
+    for cell in range(rows * cols):
+        if first[cell + 1] == first[cell]:
+            continue
+        r, c = cell // cols, cell % cols
+        k = first[cell] - 1
+        before = True
+        for b in range(bins):
+            now = busy[r, c, b]
+            if before and not now:
+                k += 1
+                opens[k], closes[k] = b * bin_length, np.inf
+            elif now and not before:
+                closes[k] = b * bin_length
+            before = now
+    start_cell = start_row * cols + start_col
+    if first[start_cell + 1] == first[start_cell] or opens[first[start_cell]] > 0.0:
+        return np.empty((0, 3))
+    arrival = np.full(total, np.inf)
+    parent = np.full(total, -1, np.int64)
+    cell_of = np.empty(total, np.int64)
+    done = np.zeros(total, np.bool_)
+    root = first[start_cell]
+    arrival[root] = 0.0
+    cell_of[root] = start_cell
+    queue = [(to_go[start_row, start_col] / speed, root)]
+    found = -1
+    while len(queue) > 0:
+        _, state = heapq.heappop(queue)
+        if done[state]:
+            continue
+        done[state] = True
+        cell = cell_of[state]
+        r, c = cell // cols, cell % cols
+        if targets[r, c] and closes[state] == np.inf:
+            found = state
+            break
+        time = arrival[state]
+        for dr in (-1, 0, 1):
+            for dc in (-1, 0, 1):
+                nr, nc = r + dr, c + dc
+                if (dr == 0 and dc == 0) or not (0 <= nr < rows and 0 <= nc < cols) or not free[nr, nc]:
+                    continue
+                if dr != 0 and dc != 0 and not (free[r, nc] and free[nr, c]):
+                    continue
+                length = math.hypot(centres[nr, nc, 0] - centres[r, c, 0], centres[nr, nc, 1] - centres[r, c, 1])
+                takes = length / speed
+                target = nr * cols + nc
+                for k in range(first[target], first[target + 1]):
+                    # Both cells must be clear of others while the robot is between them.
+                    arrives = max(time, opens[k]) + takes
+                    if arrives > closes[state]:
+                        break
+                    if arrives > closes[k] or arrives >= arrival[k] - 1e-9:
+                        continue
+                    arrival[k] = arrives
+                    parent[k] = state
+                    cell_of[k] = target
+                    heapq.heappush(queue, (arrives + to_go[nr, nc] / speed, k))
+    if found < 0:
+        return np.empty((0, 3))
+    way = np.empty((2 * total, 3))
+    n = 0
+    state = found
+    while state >= 0:
+        r, c = cell_of[state] // cols, cell_of[state] % cols
+        if n > 0:
+            x, y = way[n - 1, 0], way[n - 1, 1]
+            leaves = way[n - 1, 2] - math.hypot(x - centres[r, c, 0], y - centres[r, c, 1]) / speed
+            if leaves > arrival[state] + 1e-6:
+                way[n] = centres[r, c, 0], centres[r, c, 1], leaves
+                n += 1
+        way[n] = centres[r, c, 0], centres[r, c, 1], arrival[state]
+        n += 1
+        state = parent[state]
+    return way[:n][::-1].copy()
+
+
+@njit(cache=True)
+def _off_path(
+    free: BoolArray, centres: FloatArray, corner: FloatArray, side: float, path: FloatArray, distance: float
+) -> BoolArray:  # fmt: skip
+    """(rows, cols) the free cells that are so many metres or more from each of (m, 2) points."""
+    off = free.copy()
+    rows, cols = free.shape
+    span = distance / side + 1.0
+    for i in range(path.shape[0]):
+        x, y = path[i, 0], path[i, 1]
+        col, row = (x - corner[0]) / side, (y - corner[1]) / side
+        for r in range(max(0, int(row - span)), min(rows, int(row + span) + 1)):
+            for c in range(max(0, int(col - span)), min(cols, int(col + span) + 1)):
+                if math.hypot(centres[r, c, 0] - x, centres[r, c, 1] - y) < distance:
+                    off[r, c] = False
+    return off
+
+
+def _nearest(chart: Roadmap, free: BoolArray, x: float, y: float, reach: float) -> tuple[int, int] | None:
+    """The free cell whose centre is nearest to a map point, within `reach` metres."""
+    place = np.array([x, y]) - chart.corner
+    if (place < -reach).any() or (place > chart.side * np.array(free.shape[::-1]) + reach).any():
+        # So far off that its cell might have no number.
+        return None
+    col, row = (place / chart.side).astype(np.int64)
+    span = math.ceil(reach / chart.side)
+    rows, cols = slice(max(0, row - span), row + span + 1), slice(max(0, col - span), col + span + 1)
+    distances = np.where(
+        free[rows, cols], np.hypot(chart.centres[rows, cols, 0] - x, chart.centres[rows, cols, 1] - y), np.inf
+    )
+    if distances.size == 0 or distances.min() > reach:
+        return None
+    best_row, best_col = np.unravel_index(int(distances.argmin()), distances.shape)
+    return int(best_row) + rows.start, int(best_col) + cols.start
+
+
+def route(
+    chart: Roadmap, free: BoolArray, start: FloatArray, goal: FloatArray, time: float, others: Others, separation: float
+) -> Itinerary | None:
+    """The quickest itinerary to a goal, where the robot may then stay, clear of all others.
+
+    Args:
+        chart: the coarse grid.
+        free: (rows, cols) which of its cells may be used.
+        start: (2,) map point.
+        goal: (2,) map point.
+        time: from which the itinerary is numbered.
+        others: the other robots'.
+        separation: metres from centre to centre.
+
+    Returns:
+        None when there is none within the time looked ahead.
+    """
+    cell = _nearest(chart, free, goal[0], goal[1], 2 * chart.side)
+    if cell is None:
+        return None
+    targets = np.zeros(free.shape, dtype=np.bool_)
+    targets[cell] = True
+    way = _way(chart, free, start, targets, time, others, separation)
+    if way is None:
+        return None
+    points = np.vstack([way.points, goal])
+    last = float(np.hypot(*(goal - way.points[-1]))) / SPEED
+    return Itinerary(points, np.append(way.times, way.times[-1] + last))
+
+
+def refuge(
+    chart: Roadmap, free: BoolArray, start: FloatArray, wish: FloatArray, time: float, others: Others, separation: float
+) -> Itinerary | None:
+    """The quickest itinerary to a place off a path that another robot wishes to take.
+
+    Args:
+        chart: see `route`, as the other arguments.
+        free: (rows, cols).
+        start: (2,) map point.
+        wish: (m, 2) map points of that path.
+        time: from which the itinerary is numbered.
+        others: the other robots'.
+        separation: metres from centre to centre, also from that path.
+    """
+    # Not just off it: the other one plans between rounded places too.
+    targets = _off_path(free, chart.centres, chart.corner, chart.side, wish, separation + chart.side)
+    return _way(chart, free, start, targets, time, others, separation)
+
+
+def _way(
+    chart: Roadmap,
+    free: BoolArray,
+    start: FloatArray,
+    targets: BoolArray,
+    time: float,
+    others: Others,
+    separation: float,
+) -> Itinerary | None:
+    cell = _nearest(chart, free, start[0], start[1], NEAR_START)
+    if cell is None:
+        return None
+    busy = _traffic(free, chart.centres, chart.corner, chart.side, others, start, time, separation, BINS, BIN)
+    way = _search(free, busy, targets, chart.centres, chart.side, *cell, BIN, SPEED)
+    if len(way) < 2:
+        return None
+    # The first cell's centre is but the start, rounded: a robot that has to wait there stays where it is.
+    points = way[:, :2].copy()
+    points[(points == points[0]).all(axis=1)] = start
+    return Itinerary(points, time + way[:, 2])

@@ -1,0 +1,331 @@
+"""Potentials that spread over a costmap like a wave, and paths that run down them: what navfn and global_planner share.
+
+Cells are numbered row by row. Positions are (x, y) in cells, whole numbers at cell centres. Costs of passage are at
+least 1, and BLOCKED where there is none; the rim of the map has none.
+
+Source: ros-planning/navigation, navfn/src/navfn.cpp; global_planner/src/dijkstra.cpp and gradient_path.cpp.
+Differs: there is no limit to the cells in wait, to the cycles, or to a path's length, at which ROS gives up or leaves
+cells out; a path never squeezes between two blocked cells that meet at a corner; and where the slope leads nowhere it
+goes from cell to cell until it is lower than ever, so that a way that there is, is found.
+"""
+
+import math
+
+import numpy as np
+from numba import njit
+from numpy.typing import NDArray
+
+from sim.robot.costmap.costs import Costs
+
+Potential = NDArray[np.float32]
+"""(rows * cols,) cost of the cheapest way from the robot; UNREACHED where the wave did not come."""
+CellCosts = NDArray[np.float32]
+Cells = NDArray[np.uint32]
+Points = NDArray[np.float32]
+
+BLOCKED = np.float32(np.inf)
+UNREACHED = np.float32(1.0e10)
+PATIENCE = 8
+"""Steps that a path may take down the slope without coming lower than before."""
+
+
+class Workspace:
+    """Arrays for one size of map, used anew for every plan.
+
+    Attributes:
+        shape: rows and columns.
+        costs: (rows * cols,) what it costs to pass a cell.
+        potential: (rows * cols,).
+        waiting: (rows * cols,) whether a cell waits to be looked at; all False between plans.
+        queues: (3, rows * cols) cells that wait.
+    """
+
+    def __init__(self, rows: int, cols: int) -> None:
+        self.shape = (rows, cols)
+        self.costs = np.empty(rows * cols, np.float32)
+        self.potential = np.empty(rows * cols, np.float32)
+        self.waiting = np.zeros(rows * cols, np.bool_)
+        self.queues = np.empty((3, rows * cols), np.uint32)
+
+
+@njit(cache=True)
+def prepare(costs: Costs, table: CellCosts, passage: CellCosts, potential: Potential) -> None:
+    """Translate costs, close the rim, and take the potential away.
+
+    Args:
+        costs: (rows, cols).
+        table: (256,) what it costs to pass a cell of each cost.
+        passage: (rows * cols,) to write to.
+        potential: (rows * cols,) to write to.
+    """
+    rows, cols = costs.shape
+    for r in range(rows):
+        line = costs[r]
+        begin = r * cols
+        for c in range(cols):
+            passage[begin + c] = table[line[c]]
+        passage[begin] = passage[begin + cols - 1] = BLOCKED
+    passage[:cols] = BLOCKED
+    passage[-cols:] = BLOCKED
+    potential[:] = UNREACHED
+
+
+@njit(cache=True)
+def wave_value(
+    left: np.float32, right: np.float32, below: np.float32, above: np.float32, cost: np.float32, quadratic: bool
+) -> np.float32:
+    """What a cell's potential is by its four neighbours'."""
+    across = left if left < right else right
+    along = below if below < above else above
+    gap = across - along
+    lowest = along
+    if gap < 0:
+        gap, lowest = -gap, across
+    if gap >= cost or not quadratic:
+        return np.float32(lowest + cost)
+    # A plane wave between the two lower neighbours, as navfn's quadratic approximates it.
+    d = gap / cost
+    return np.float32(lowest + cost * np.float32(-0.2301 * d * d + 0.5307 * d + 0.7040))
+
+
+@njit(cache=True)
+def value_of(potential: Potential, cell: int, cols: int, cost: np.float32, quadratic: bool) -> np.float32:
+    """The same, of a cell that is not on the rim."""
+    left, right = potential[cell - 1], potential[cell + 1]
+    return np.float32(wave_value(left, right, potential[cell - cols], potential[cell + cols], cost, quadratic))
+
+
+@njit(cache=True)
+def _push(queues: Cells, queue: int, length: int, waiting: NDArray[np.bool_], cell: np.uint64) -> int:
+    """Put a cell into one of the queues unless it waits already; how long that queue is then."""
+    if waiting[cell]:
+        return length
+    waiting[cell] = True
+    queues[queue, length] = cell
+    return length + 1
+
+
+@njit(cache=True)
+def spread(
+    potential: Potential,
+    costs: CellCosts,
+    waiting: NDArray[np.bool_],
+    queues: Cells,
+    cols: int,
+    seeds: Cells,
+    target: int,
+    attraction: float,
+    threshold: float,
+    increment: float,
+    quadratic: bool,
+) -> None:
+    """Spread the wave, cheap cells first, until it reaches the target or ends.
+
+    Args:
+        potential: (rows * cols,) set at the seeds, UNREACHED elsewhere.
+        costs: (rows * cols,) what it costs to pass.
+        waiting: (rows * cols,) all False; again so at the end.
+        queues: (3, rows * cols) room for cells that wait.
+        cols: of the map.
+        seeds: cells whose neighbours are first.
+        target: the cell at which to stop; -1 for the whole map.
+        attraction: cost per cell of the straight way to the target, which A* adds in choosing what comes first; or 0.
+        threshold: cells of at most this cost are first ...
+        increment: ... then those of so much more, and so on.
+        quadratic: whether the wave runs in all directions alike, or along rows and columns.
+    """
+    current, following, later = 0, 1, 2
+    n_current = n_following = n_later = 0
+    limit = np.float32(threshold)
+    target_row, target_col = target // cols, target % cols
+    for seed in seeds:
+        for step in (1, -1, -cols, cols):
+            first = np.int64(seed) + step
+            inside = 0 <= first < costs.size
+            if inside and costs[first] < BLOCKED and not waiting[first] and potential[first] == UNREACHED:
+                queues[current, n_current] = first
+                n_current += 1
+                waiting[first] = True
+    # Unsigned, for which numba need not look out for indices that count from the end.
+    one, width = np.uint64(1), np.uint64(cols)
+    while n_current > 0:
+        for i in range(n_current):
+            waiting[queues[current, i]] = False
+        for i in range(n_current):
+            cell = np.uint64(queues[current, i])
+            left, right = potential[cell - one], potential[cell + one]
+            below, above = potential[cell - width], potential[cell + width]
+            value = wave_value(left, right, below, above, costs[cell], quadratic)
+            if value >= potential[cell]:
+                continue
+            potential[cell] = value
+            rank = value
+            if attraction > 0.0:
+                row, col = cell // width, cell % width
+                away = math.hypot(float(col) - target_col, float(row) - target_row)
+                rank += np.float32(np.float32(away) * attraction)
+            # navfn's A* also asks a neighbour to be worse by this rank: cells once reached are seldom looked at again.
+            near = rank < limit
+            queue, n = (following, n_following) if near else (later, n_later)
+            if left > rank + np.float32(0.707106781 * costs[cell - one]):
+                n = _push(queues, queue, n, waiting, cell - one)
+            if right > rank + np.float32(0.707106781 * costs[cell + one]):
+                n = _push(queues, queue, n, waiting, cell + one)
+            if below > rank + np.float32(0.707106781 * costs[cell - width]):
+                n = _push(queues, queue, n, waiting, cell - width)
+            if above > rank + np.float32(0.707106781 * costs[cell + width]):
+                n = _push(queues, queue, n, waiting, cell + width)
+            if near:
+                n_following = n
+            else:
+                n_later = n
+        current, following = following, current
+        n_current, n_following = n_following, 0
+        if n_current == 0:
+            # This level of priority is done: the cells that were put off are next.
+            limit += np.float32(increment)
+            current, later = later, current
+            n_current, n_later = n_later, 0
+        if target >= 0 and potential[target] < UNREACHED:
+            break
+    for i in range(n_current):
+        waiting[queues[current, i]] = False
+    for i in range(n_later):
+        waiting[queues[later, i]] = False
+
+
+@njit(cache=True)
+def _slope(potential: Potential, cell: int, cols: int) -> tuple[np.float32, np.float32]:
+    """Unit vector (x, y) of the steepest descent at a cell; (0, 0) when it is level."""
+    here = potential[cell]
+    dx = dy = np.float32(0.0)
+    left, right, below, above = potential[cell - 1], potential[cell + 1], potential[cell - cols], potential[cell + cols]
+    if left < UNREACHED:
+        dx += left - here
+    if right < UNREACHED:
+        dx += here - right
+    if below < UNREACHED:
+        dy += below - here
+    if above < UNREACHED:
+        dy += here - above
+    norm = np.float32(math.hypot(dx, dy))
+    if norm == 0.0:
+        return dx, dy
+    norm = np.float32(1.0 / norm)
+    return norm * dx, norm * dy
+
+
+@njit(cache=True)
+def _mixed(a: np.float32, b: np.float32, share: np.float32) -> np.float32:
+    return np.float32((1.0 - share) * a + share * b)
+
+
+@njit(cache=True)
+def _lowest_beside(potential: Potential, cell: int, cols: int) -> tuple[int, bool]:
+    """The lowest of a cell and its eight neighbours, and whether the wave reached all of them.
+
+    Neighbours across a corner do not count when the cells on both sides of the corner were not reached.
+    """
+    lowest, value, inside = cell, potential[cell], True
+    for up in (-cols, 0, cols):
+        for aside in (-1, 0, 1):
+            neighbour = cell + up + aside
+            inside = inside and potential[neighbour] < UNREACHED
+            squeezed = (
+                up != 0
+                and aside != 0
+                and potential[cell + up] >= UNREACHED
+                and potential[cell + aside] >= UNREACHED
+            )  # fmt: skip
+            if potential[neighbour] < value and not squeezed:
+                lowest, value = neighbour, potential[neighbour]
+    return lowest, inside
+
+
+@njit(cache=True)
+def descend(potential: Potential, cols: int, x: float, y: float, end_x: float, end_y: float) -> Points:
+    """Follow the slope from a place that the wave reached to where it came from, in steps of half a cell.
+
+    Args:
+        potential: (rows * cols,).
+        cols: of the map.
+        x: where to begin; its nearest cell was reached.
+        y: the same.
+        end_x: where the wave began.
+        end_y: the same.
+
+    Returns:
+        (m, 2) positions, from (x, y) to the end.
+    """
+    path = np.empty((256, 2), np.float32)
+    col, row = round(x), round(y)
+    cell = row * cols + col
+    dx, dy = np.float32(x - col), np.float32(y - row)
+    best, since_best, afoot = potential[cell], 0, False
+    n = 0
+    while True:
+        here_x, here_y = np.float32(cell % cols + dx), np.float32(cell // cols + dy)
+        if n + 1 >= path.shape[0]:
+            longer = np.empty((2 * path.shape[0], 2), np.float32)
+            longer[:n] = path[:n]
+            path = longer
+        if abs(here_x - end_x) <= 0.5 and abs(here_y - end_y) <= 0.5:
+            break
+        path[n, 0], path[n, 1] = here_x, here_y
+        n += 1
+        if potential[cell] < best:
+            best, since_best, afoot = potential[cell], 0, False
+        else:
+            since_best += 1
+            # Going round in circles: down from cell to cell until lower than ever.
+            afoot = afoot or since_best > PATIENCE
+        lowest, inside = _lowest_beside(potential, cell, cols)
+        swings = n > 2 and path[n - 1, 0] == path[n - 3, 0] and path[n - 1, 1] == path[n - 3, 1]
+        step_x = step_y = np.float32(0.0)
+        if inside and not swings and not afoot:
+            ax, ay = _slope(potential, cell, cols)
+            bx, by = _slope(potential, cell + 1, cols)
+            cx, cy = _slope(potential, cell + cols, cols)
+            ex, ey = _slope(potential, cell + cols + 1, cols)
+            step_x = _mixed(_mixed(ax, bx, dx), _mixed(cx, ex, dx), dy)
+            step_y = _mixed(_mixed(ay, by, dx), _mixed(cy, ey, dx), dy)
+        if step_x == 0.0 and step_y == 0.0:
+            if lowest == cell:
+                # The bottom: one of the cells in which the wave began.
+                break
+            cell = lowest
+            dx = dy = np.float32(0.0)
+            continue
+        scale = np.float32(0.5 / math.hypot(step_x, step_y))
+        dx += step_x * scale
+        dy += step_y * scale
+        if dx > 1.0:
+            cell += 1
+            dx -= np.float32(1.0)
+        if dx < -1.0:
+            cell -= 1
+            dx += np.float32(1.0)
+        if dy > 1.0:
+            cell += cols
+            dy -= np.float32(1.0)
+        if dy < -1.0:
+            cell -= cols
+            dy += np.float32(1.0)
+    path[n, 0], path[n, 1] = end_x, end_y
+    return path[: n + 1]
+
+
+@njit(cache=True)
+def climb_down(potential: Potential, cols: int, x: float, y: float, end_x: float, end_y: float) -> Points:
+    """The same from cell to cell: each the lowest of the eight around the one before."""
+    path = [(np.float32(x), np.float32(y))]
+    cell = round(y) * cols + round(x)
+    end = round(end_y) * cols + round(end_x)
+    while cell != end:
+        lowest, _ = _lowest_beside(potential, cell, cols)
+        if lowest == cell:
+            break
+        cell = lowest
+        path.append((np.float32(cell % cols), np.float32(cell // cols)))
+    path.append((np.float32(end_x), np.float32(end_y)))
+    return np.array(path)

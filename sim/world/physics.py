@@ -1,0 +1,416 @@
+"""The physics: differential-drive robots that move, touch walls and one another, and count their wheels' turns.
+
+A tick is one call of one compiled kernel for all robots. Robots move one after the other in the team's order, each
+against the bodies of the others as they then stand, so that no two ever overlap and none waits for another.
+"""
+
+import math
+from collections.abc import Sequence
+from dataclasses import dataclass, replace
+from functools import lru_cache
+from typing import Literal, NamedTuple
+
+import numpy as np
+from numba import njit
+from numpy.typing import NDArray
+
+from sim.common.geometry import FloatArray, Pose2, wrap_angle
+from sim.common.grid import GridFrame, OccupancyGrid
+from sim.common.noise import key, normals
+from sim.common.observations import TICK
+from sim.common.polygons import (
+    NO_POLYGONS,
+    Clearance,
+    Polygons,
+    clearance_of,
+    is_clear_of_walls,
+    near,
+    near_wall,
+    placed_at,
+)
+from sim.parameters import WorldParameters
+from sim.world.sensor_noise import SensorNoise, Wheels, measured_by
+from sim.world.things import Presence, Robots, Thing, after_a_tick, polygons_of
+
+BoolArray = NDArray[np.bool_]
+IntArray = NDArray[np.int64]
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class WorldState:
+    """The truth about n robots at one tick; its arrays are read-only.
+
+    Attributes:
+        tick: physics steps since the session began.
+        poses: (n, 3) x, y, theta of every base in the map frame, theta in [-pi, pi).
+        twists: (n, 2) true velocities of the last tick, base frame: m/s forward, rad/s anti-clockwise.
+        odom_poses: (n, 3) where the wheels say the bases are, in each robot's own frame odom (its start).
+        odom_twists: (n, 2) the velocities that the wheels measured in the last tick.
+        charge: (n,) energy left, in the game's units.
+        contact: (n,) bool, stopped by a wall, another robot or a thing, and not yet away from it.
+        collisions: (n,) int64, how often contact began.
+        noise: how the sensors err.
+        things: in the way, and those that wait to appear.
+        bodies: of the things that are there, map frame.
+    """
+
+    tick: int
+    poses: FloatArray
+    twists: FloatArray
+    odom_poses: FloatArray
+    odom_twists: FloatArray
+    charge: FloatArray
+    contact: BoolArray
+    collisions: IntArray
+    noise: SensorNoise
+    things: tuple[Presence, ...] = ()
+    bodies: Polygons = NO_POLYGONS
+
+    def __post_init__(self) -> None:
+        """Seal the arrays: a recorded tick stays what it was."""
+        self.poses.flags.writeable = False
+        self.twists.flags.writeable = False
+        self.odom_poses.flags.writeable = False
+        self.odom_twists.flags.writeable = False
+        self.charge.flags.writeable = False
+        self.contact.flags.writeable = False
+        self.collisions.flags.writeable = False
+
+
+@dataclass(frozen=True, slots=True)
+class Misplaced:
+    """Why a robot cannot be put where it was wanted.
+
+    Attributes:
+        robot: its index in the team.
+        reason: "wall", "robot", "thing" (its body would overlap one), or "outside" (of the map).
+        sentence: the same for people, with robots and coordinates named.
+    """
+
+    robot: int
+    reason: Literal["wall", "robot", "thing", "outside"]
+    sentence: str
+
+
+class _Body(NamedTuple):
+    """What the kernel knows of a robot besides its corners.
+
+    Attributes:
+        radius: of the circle around the base that holds all corners, metres.
+        reach: the farthest any corner gets in one tick, metres.
+        max_vel_x: as in WorldParameters, and so on.
+    """
+
+    radius: float
+    reach: float
+    max_vel_x: float
+    max_vel_theta: float
+    acc_lim_x: float
+    acc_lim_theta: float
+
+
+@njit(cache=True)
+def _touches(
+    robot: int,
+    poses: FloatArray,
+    footprint: FloatArray,
+    radius: float,
+    clearance: Clearance,
+    frame: GridFrame,
+    bodies: Polygons,
+    margin: float,
+    touched: BoolArray,
+) -> tuple[bool, bool, bool]:
+    """What a robot's body overlaps or comes within `margin` metres of: walls? other robots? things?
+
+    Args:
+        robot: its index.
+        poses: (n, 3) of all robots, its own included, map frame.
+        footprint: (v, 2) corners, the same for all.
+        radius: of the circle around the base that holds them.
+        clearance: of the grid.
+        frame: the grid's.
+        bodies: of things, map frame.
+        margin: metres; 0 asks for overlap.
+        touched: (n,) set to True for every robot that is touched.
+    """
+    x, y, theta = poses[robot]
+    wall = False
+    other = False
+    thing = False
+    if not is_clear_of_walls(x, y, radius + margin, clearance, frame):
+        wall = near_wall(placed_at(footprint, x, y, theta), clearance, frame, margin)
+    for j in range(poses.shape[0]):
+        if j == robot or math.hypot(poses[j, 0] - x, poses[j, 1] - y) > 2.0 * radius + margin:
+            continue
+        body = placed_at(footprint, poses[j, 0], poses[j, 1], poses[j, 2])
+        if near(placed_at(footprint, x, y, theta), body, margin):
+            touched[j] = True
+            other = True
+    for k in range(bodies.circles.shape[0]):
+        distance = math.hypot(bodies.circles[k, 0] - x, bodies.circles[k, 1] - y)
+        if thing or distance > radius + bodies.circles[k, 2] + margin:
+            continue
+        body = bodies.corners[bodies.ends[k] : bodies.ends[k + 1]]
+        thing = near(placed_at(footprint, x, y, theta), body, margin)
+    return wall, other, thing
+
+
+@njit(cache=True)
+def _towards(value: float, target: float, limit: float, change: float) -> float:
+    """`value` moved towards the target by at most `change`, the target having been clipped to +-limit."""
+    target = min(limit, max(-limit, target))
+    return min(value + change, max(value - change, target))
+
+
+@njit(cache=True)
+def _chord(linear: float, angular: float, time: float) -> tuple[float, float]:
+    """Signed length of the chord of an arc, and half the angle turned: the chord's own angle to the start's heading."""
+    half = 0.5 * angular * time
+    # Below this angle sin(half) / half is 1 to the last bit.
+    shrink = math.sin(half) / half if abs(half) > 1e-9 else 1.0
+    return linear * time * shrink, half
+
+
+@njit(cache=True)
+def _step(
+    tick: int,
+    poses_before: FloatArray,
+    twists_before: FloatArray,
+    odom_before: FloatArray,
+    contact_before: BoolArray,
+    collisions_before: IntArray,
+    commands: FloatArray,
+    keys: NDArray[np.uint64],
+    wheels: FloatArray,
+    footprint: FloatArray,
+    body: _Body,
+    clearance: Clearance,
+    frame: GridFrame,
+    bodies: Polygons,
+) -> tuple[FloatArray, FloatArray, FloatArray, FloatArray, BoolArray, IntArray]:
+    """One tick for all robots; see WorldState and SensorNoise for the arrays, World.step for what happens."""
+    n = poses_before.shape[0]
+    poses = poses_before.copy()
+    twists = np.empty((n, 2))
+    odom = odom_before.copy()
+    odom_twists = np.zeros((n, 2))
+    contact = np.zeros(n, dtype=np.bool_)
+    collisions = collisions_before.copy()
+    draws = np.empty(3)
+    for i in range(n):
+        linear = _towards(twists_before[i, 0], commands[i, 0], body.max_vel_x, body.acc_lim_x * TICK)
+        angular = _towards(twists_before[i, 1], commands[i, 1], body.max_vel_theta, body.acc_lim_theta * TICK)
+        twists[i, 0] = linear
+        twists[i, 1] = angular
+        if linear == 0.0 and angular == 0.0:
+            continue
+        x, y, theta = poses[i, 0], poses[i, 1], poses[i, 2]
+        # No corner may pass over a cell between two looks.
+        travel = (abs(linear) + abs(angular) * body.radius) * TICK
+        looks = max(1, math.ceil(travel / frame.resolution))
+        blocked = False
+        for look in range(1, looks + 1):
+            chord, half = _chord(linear, angular, TICK * look / looks)
+            poses[i, 0] = x + chord * math.cos(theta + half)
+            poses[i, 1] = y + chord * math.sin(theta + half)
+            poses[i, 2] = wrap_angle(theta + 2.0 * half)
+            wall, other, thing = _touches(i, poses, footprint, body.radius, clearance, frame, bodies, 0.0, contact)
+            if wall or other or thing:
+                blocked = True
+                break
+        if blocked:
+            poses[i, 0], poses[i, 1], poses[i, 2] = x, y, theta
+            twists[i, 0] = 0.0
+            twists[i, 1] = 0.0
+            contact[i] = True
+            continue
+        chord, half = _chord(linear, angular, TICK)
+        normals(keys[i], tick, draws)
+        w = wheels[i]
+        first_turn, measured_chord, second_turn = measured_by(
+            Wheels(w[0], w[1], w[2], w[3], w[4], w[5]), chord, half, draws
+        )
+        odom[i, 0] += measured_chord * math.cos(odom[i, 2] + first_turn)
+        odom[i, 1] += measured_chord * math.sin(odom[i, 2] + first_turn)
+        odom[i, 2] = wrap_angle(odom[i, 2] + first_turn + second_turn)
+        odom_twists[i, 0] = measured_chord / TICK
+        odom_twists[i, 1] = (first_turn + second_turn) / TICK
+    ignored = np.empty(n, dtype=np.bool_)
+    for i in range(n):
+        # A robot is refused up to one tick's travel from what is in its way. It keeps in contact until it is farther
+        # than that: to creep nearer and be refused again is not another collision.
+        if contact_before[i] and not contact[i]:
+            wall, other, thing = _touches(
+                i, poses, footprint, body.radius, clearance, frame, bodies, body.reach, ignored
+            )
+            contact[i] = wall or other or thing
+        if contact[i] and not contact_before[i]:
+            collisions[i] += 1
+    return poses, twists, odom, odom_twists, contact, collisions
+
+
+@lru_cache(maxsize=64)
+def _odometry_keys(seed: int, robots: int) -> NDArray[np.uint64]:
+    """(robots,) keys of the wheels' noise."""
+    return np.array([key(seed, f"robot{i + 1}", "odometry") for i in range(robots)], dtype=np.uint64)
+
+
+def with_charge(state: WorldState, robot: int, charge: float) -> WorldState:
+    """The same world, but for the energy left to one robot (index in the team)."""
+    charges = state.charge.copy()
+    charges[robot] = charge
+    return replace(state, charge=charges)
+
+
+def with_noise(state: WorldState, robots: Sequence[WorldParameters]) -> WorldState:
+    """The same world, but for how sensors err: as the parameters of each robot say."""
+    return replace(state, noise=SensorNoise.of(robots))
+
+
+def with_thing(state: WorldState, thing: Thing) -> WorldState:
+    """The same world with a thing that appears as soon as its place is free; one of the same name vanishes."""
+    kept = without_thing(state, thing.name)
+    return replace(kept, things=(*kept.things, Presence(thing)))
+
+
+def without_thing(state: WorldState, name: str) -> WorldState:
+    """The same world without the thing of this name."""
+    things = tuple(presence for presence in state.things if presence.thing.name != name)
+    return replace(state, things=things, bodies=polygons_of(things))
+
+
+class World:
+    """The physics of n robots among the walls of one map.
+
+    Only occupied cells (100) are walls; unknown cells and the outside of the map are empty, as for the laser.
+    """
+
+    def __init__(self, grid: OccupancyGrid, parameters: WorldParameters, seed: int, charge: float) -> None:
+        """Build a world; `charge` is the energy every robot starts with.
+
+        Raises:
+            ValueError: the footprint has fewer than three corners.
+        """
+        if len(parameters.footprint) < 3:
+            raise ValueError(f"footprint needs at least three corners, not {len(parameters.footprint)}")
+        self._grid = grid
+        self._parameters = parameters
+        self._seed = seed
+        self._charge = charge
+        self._clearance = clearance_of(grid)
+        self._frame = grid.frame
+        self._footprint = np.array(parameters.footprint, dtype=np.float64)
+        radius = float(np.hypot(self._footprint[:, 0], self._footprint[:, 1]).max())
+        self._body = _Body(
+            radius=radius,
+            reach=(parameters.max_vel_x + parameters.max_vel_theta * radius) * TICK,
+            max_vel_x=parameters.max_vel_x,
+            max_vel_theta=parameters.max_vel_theta,
+            acc_lim_x=parameters.acc_lim_x,
+            acc_lim_theta=parameters.acc_lim_theta,
+        )
+
+    def start(self, poses: Sequence[Pose2]) -> WorldState | Misplaced:
+        """Tick 0: all robots at rest at these poses (map frame), odometry at zero; or which of them cannot be there."""
+        n = len(poses)
+        placed = np.empty((n, 3))
+        for robot, pose in enumerate(poses):
+            placed[robot] = pose.x, pose.y, wrap_angle(pose.theta)
+            obstacle = self._obstacle(robot, placed[: robot + 1], NO_POLYGONS)
+            if obstacle is not None:
+                return obstacle
+        return WorldState(
+            tick=0,
+            poses=placed,
+            twists=np.zeros((n, 2)),
+            odom_poses=np.zeros((n, 3)),
+            odom_twists=np.zeros((n, 2)),
+            charge=np.full(n, self._charge, dtype=np.float64),
+            contact=np.zeros(n, dtype=np.bool_),
+            collisions=np.zeros(n, dtype=np.int64),
+            noise=SensorNoise.of([self._parameters] * n),
+        )
+
+    def place(self, state: WorldState, robot: int, pose: Pose2) -> WorldState | Misplaced:
+        """The same world with one robot (index) lifted to another pose, at rest; its wheels have felt nothing."""
+        poses = state.poses.copy()
+        poses[robot] = pose.x, pose.y, wrap_angle(pose.theta)
+        obstacle = self._obstacle(robot, poses, state.bodies)
+        if obstacle is not None:
+            return obstacle
+        twists = state.twists.copy()
+        odom_twists = state.odom_twists.copy()
+        contact = state.contact.copy()
+        twists[robot] = 0.0
+        odom_twists[robot] = 0.0
+        contact[robot] = False
+        return replace(state, poses=poses, twists=twists, odom_twists=odom_twists, contact=contact)
+
+    def step(self, state: WorldState, commands: FloatArray) -> WorldState:
+        """One tick later: the things move, then the robots.
+
+        Each robot's velocity goes towards its command as far as the motors' speed and acceleration allow, and moves it
+        along an exact arc. One whose body would touch a wall or another body anywhere along it stays where it was and
+        loses its velocity; both touching robots are then in contact. Odometry errs by Probabilistic Robotics, table
+        5.6, with numbers keyed by (seed, robot, tick).
+
+        Args:
+            state: now.
+            commands: (n, 2) wanted velocities, base frame: m/s forward, rad/s anti-clockwise.
+
+        Raises:
+            ValueError: not one finite command for every robot.
+        """
+        n = state.poses.shape[0]
+        if commands.shape != (n, 2):
+            raise ValueError(f"{n} robots need commands of shape ({n}, 2), not {commands.shape}")
+        if not np.isfinite(commands).all():
+            raise ValueError(f"commands must be finite numbers, not {commands.tolist()}")
+        tick = state.tick + 1
+        things, bodies = self._move_things(state)
+        poses, twists, odom_poses, odom_twists, contact, collisions = _step(
+            tick,
+            state.poses,
+            state.twists,
+            state.odom_poses,
+            state.contact,
+            state.collisions,
+            np.ascontiguousarray(commands, dtype=np.float64),
+            _odometry_keys(self._seed, n),
+            state.noise.wheels,
+            self._footprint,
+            self._body,
+            self._clearance,
+            self._frame,
+            bodies,
+        )
+        return WorldState(
+            tick, poses, twists, odom_poses, odom_twists, state.charge, contact, collisions, state.noise, things, bodies
+        )
+
+    def _move_things(self, state: WorldState) -> tuple[tuple[Presence, ...], Polygons]:
+        if not state.things:
+            return state.things, state.bodies
+        robots = Robots(state.poses, state.twists, self._footprint, self._body.radius)
+        things = after_a_tick(state.things, robots)
+        still = all(after is before for after, before in zip(things, state.things, strict=True))
+        return things, state.bodies if still else polygons_of(things)
+
+    def _obstacle(self, robot: int, poses: FloatArray, bodies: Polygons) -> Misplaced | None:
+        """Why this robot's body cannot be where (n, 3) `poses` has it, among the bodies of things; None if it can."""
+        x, y = float(poses[robot, 0]), float(poses[robot, 1])
+        where = f"robot {robot + 1} cannot be at ({x:.2f}, {y:.2f})"
+        if not self._grid.contains(*self._grid.cell_of(x, y)):
+            return Misplaced(robot, "outside", f"{where}: that is outside the map")
+        touched = np.zeros(poses.shape[0], dtype=np.bool_)
+        wall, other, thing = _touches(
+            robot, poses, self._footprint, self._body.radius, self._clearance, self._frame, bodies, 0.0, touched
+        )
+        if wall:
+            return Misplaced(robot, "wall", f"{where}: its body would be in a wall")
+        if other:
+            return Misplaced(robot, "robot", f"{where}: robot {int(np.argmax(touched)) + 1} stands there")
+        if thing:
+            return Misplaced(robot, "thing", f"{where}: something stands there")
+        return None

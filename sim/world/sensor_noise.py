@@ -1,0 +1,84 @@
+"""How the sensors of every robot err: the true magnitudes, which may change while robots run.
+
+They are factors of keyed noise (`sim.common.noise`), so that a change of one robot's changes no number that another
+draws.
+"""
+
+import math
+from collections.abc import Sequence
+from dataclasses import dataclass
+from typing import NamedTuple
+
+import numpy as np
+from numba import njit
+
+from sim.common.geometry import FloatArray
+from sim.parameters import OdometryNoise, WorldParameters
+
+
+class Wheels(NamedTuple):
+    """How the wheels err, as in OdometryNoise."""
+
+    alpha1: float
+    alpha2: float
+    alpha3: float
+    alpha4: float
+    linear_scale: float
+    angular_scale: float
+
+
+def wheels_of(noise: OdometryNoise) -> Wheels:
+    """The same noise in the form that compiled kernels take."""
+    return Wheels(noise.alpha1, noise.alpha2, noise.alpha3, noise.alpha4, noise.linear_scale, noise.angular_scale)
+
+
+@njit(cache=True)
+def measured_by(wheels: Wheels, chord: float, half: float, draws: FloatArray) -> tuple[float, float, float]:
+    """What wheels make of one tick's arc: the turn before its chord, the chord's length, the turn after it.
+
+    Args:
+        wheels: how they err.
+        chord: signed length of the chord that was really driven, metres.
+        half: the chord's angle to the heading before it, half of what was turned, radians.
+        draws: (3,) standard normals.
+
+    Source: Probabilistic Robotics, table 5.6, around the increment that really happened.
+    """
+    turn_noise = math.sqrt(wheels.alpha1 * half * half + wheels.alpha2 * chord * chord)
+    chord_noise = math.sqrt(wheels.alpha3 * chord * chord + 2.0 * wheels.alpha4 * half * half)
+    first_turn = wheels.angular_scale * (half + turn_noise * draws[0])
+    measured_chord = wheels.linear_scale * (chord + chord_noise * draws[1])
+    second_turn = wheels.angular_scale * (half + turn_noise * draws[2])
+    return first_turn, measured_chord, second_turn
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class SensorNoise:
+    """How the sensors of n robots err; its arrays are read-only.
+
+    Attributes:
+        wheels: (n, 6) each row the numbers of a `Wheels`.
+        laser: (n, 3) standard deviation and bias of ranges, metres; share of beams that are lost.
+        gyro: (n,) standard deviation of the measured rate of turn, rad/s.
+    """
+
+    wheels: FloatArray
+    laser: FloatArray
+    gyro: FloatArray
+
+    def __post_init__(self) -> None:
+        """Seal the arrays."""
+        self.wheels.flags.writeable = False
+        self.laser.flags.writeable = False
+        self.gyro.flags.writeable = False
+
+    @classmethod
+    def of(cls, robots: Sequence[WorldParameters]) -> "SensorNoise":
+        """That of a team, of whose robots each has parameters of its own."""
+        wheels = [wheels_of(robot.odometry) for robot in robots]
+        lasers = [(robot.laser.range_noise, robot.laser.range_bias, robot.laser.dropout) for robot in robots]
+        return cls(
+            np.array(wheels, dtype=np.float64).reshape(-1, 6),
+            np.array(lasers, dtype=np.float64).reshape(-1, 3),
+            np.array([robot.gyro_noise for robot in robots], dtype=np.float64),
+        )

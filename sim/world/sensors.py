@@ -1,0 +1,206 @@
+"""What a robot perceives of the world: wheels, gyroscope, laser and battery, each with its own keyed noise."""
+
+import math
+from functools import lru_cache
+from typing import NamedTuple
+
+import numpy as np
+from numba import njit
+from numpy.typing import NDArray
+
+from sim.common.geometry import FloatArray, Pose2
+from sim.common.grid import GridFrame, OccupancyGrid
+from sim.common.noise import key, normals, uniforms
+from sim.common.observations import TICKS_PER_SECOND, Battery, Imu, LaserMount, Observations, Odometry, Scan, Twist
+from sim.common.polygons import Polygons
+from sim.common.raycast import Fan, FreeSquares, cast_beams, directions_of, free_squares_of, shorten_fan_by_polygon
+from sim.parameters import LaserParameters, WorldParameters
+from sim.world.physics import WorldState
+
+
+@njit(cache=True)
+def _sweep(
+    robot: int,
+    poses: FloatArray,
+    laser_x: float,
+    fan: Fan,
+    range_max: float,
+    footprint: FloatArray,
+    radius: float,
+    squares: FreeSquares,
+    frame: GridFrame,
+    bodies: Polygons,
+) -> FloatArray:
+    """(m,) true ranges of one robot's laser: to walls, all other robots and things; inf beyond range_max.
+
+    `radius`, metres, is that of a circle around the base that holds the (v, 2) corners of the footprint.
+    """
+    theta = poses[robot, 2]
+    laser = np.empty((1, 3))
+    laser[0, 0] = poses[robot, 0] + laser_x * math.cos(theta)
+    laser[0, 1] = poses[robot, 1] + laser_x * math.sin(theta)
+    laser[0, 2] = theta
+    ranges = np.empty((1, fan.directions.shape[0]))
+    cast_beams(squares, frame, laser, fan.directions, range_max, ranges)
+    farthest = range_max + 2.0 * radius
+    body = np.empty_like(footprint)
+    for j in range(poses.shape[0]):
+        if j == robot:
+            continue
+        dx = poses[j, 0] - laser[0, 0]
+        dy = poses[j, 1] - laser[0, 1]
+        if abs(dx) > farthest or abs(dy) > farthest:
+            continue
+        x = dx * math.cos(theta) + dy * math.sin(theta)
+        y = dy * math.cos(theta) - dx * math.sin(theta)
+        c = math.cos(poses[j, 2] - theta)
+        s = math.sin(poses[j, 2] - theta)
+        for k in range(footprint.shape[0]):
+            body[k, 0] = x + c * footprint[k, 0] - s * footprint[k, 1]
+            body[k, 1] = y + s * footprint[k, 0] + c * footprint[k, 1]
+        shorten_fan_by_polygon(body, fan, range_max, ranges[0])
+    for k in range(bodies.circles.shape[0]):
+        seen = bodies.corners[bodies.ends[k] : bodies.ends[k + 1]].copy()
+        for corner in seen:
+            dx = corner[0] - laser[0, 0]
+            dy = corner[1] - laser[0, 1]
+            corner[0] = dx * math.cos(theta) + dy * math.sin(theta)
+            corner[1] = dy * math.cos(theta) - dx * math.sin(theta)
+        shorten_fan_by_polygon(seen, fan, range_max, ranges[0])
+    sweep: FloatArray = ranges[0]
+    return sweep
+
+
+@njit(cache=True)
+def _measured(
+    true_ranges: FloatArray,
+    tick: int,
+    range_key: np.uint64,
+    dropout_key: np.uint64,
+    range_noise: float,
+    range_bias: float,
+    dropout: float,
+    range_min: float,
+    range_max: float,
+) -> NDArray[np.float32]:
+    """(m,) ranges as the laser reports them; see `Sensors`."""
+    errors = np.empty(true_ranges.size)
+    chances = np.empty(true_ranges.size)
+    normals(range_key, tick, errors)
+    uniforms(dropout_key, tick, chances)
+    ranges = np.empty(true_ranges.size, dtype=np.float32)
+    for j in range(true_ranges.size):
+        reading = max(range_min, true_ranges[j] + range_bias + range_noise * errors[j])
+        if chances[j] < dropout:
+            reading = math.nan
+        elif reading > range_max:
+            reading = math.inf
+        ranges[j] = reading
+    return ranges
+
+
+class _Keys(NamedTuple):
+    """One robot's streams of noise."""
+
+    gyro: np.uint64
+    ranges: np.uint64
+    dropouts: np.uint64
+
+
+@lru_cache(maxsize=1024)
+def _keys(seed: int, robot: int) -> _Keys:
+    """The streams of the robot with this index."""
+    name = f"robot{robot + 1}"
+    return _Keys(key(seed, name, "gyro"), key(seed, name, "laser"), key(seed, name, "laser", "dropout"))
+
+
+def mount_of(parameters: LaserParameters) -> LaserMount:
+    """The laser as its scans describe it: beams spread evenly and symmetrically about straight ahead."""
+    return LaserMount(
+        laser_in_base=Pose2(parameters.x, 0.0, 0.0),
+        angle_min=-0.5 * parameters.field_of_view,
+        angle_increment=parameters.field_of_view / (parameters.beams - 1),
+        beams=parameters.beams,
+        range_min=parameters.range_min,
+        range_max=parameters.range_max,
+    )
+
+
+class Sensors:
+    """The sensors of every robot in one map; all of them read the same WorldState, and err as it says.
+
+    Wheels and gyroscope report every tick. The laser reports `rate` times a second, at another tick for each of
+    neighbouring robots, so that their work spreads over time. It sees walls, the bodies of the other robots and of
+    things, never its own. A range is the true range plus a bias and normal noise; nearer than range_min it is
+    range_min, beyond range_max it is +inf, and a lost beam is NaN.
+    """
+
+    def __init__(self, grid: OccupancyGrid, parameters: WorldParameters, seed: int, capacity: float) -> None:
+        """Mount the sensors; `capacity` is the charge of a full battery, in the game's units.
+
+        Raises:
+            ValueError: the laser's rate does not divide the ticks of a second, or its limits are the wrong way round.
+        """
+        laser = parameters.laser
+        if TICKS_PER_SECOND % laser.rate != 0:
+            raise ValueError(f"laser.rate must divide {TICKS_PER_SECOND}, which {laser.rate} does not")
+        if not laser.range_min < laser.range_max:
+            raise ValueError(
+                f"laser.range_min must be less than laser.range_max, not {laser.range_min} and {laser.range_max}"
+            )
+        self.mount = mount_of(laser)
+        self._laser = laser
+        self._seed = seed
+        self._capacity = capacity
+        self._period = TICKS_PER_SECOND // laser.rate
+        self._fan = Fan(self.mount.angle_min, self.mount.angle_increment, directions_of(self.mount.angles()))
+        self._footprint = np.array(parameters.footprint, dtype=np.float64)
+        self._radius = float(np.hypot(*self._footprint.T).max())
+        self._squares = free_squares_of(grid)
+        self._frame = grid.frame
+
+    def sense(self, state: WorldState, robot: int) -> Observations:
+        """Everything robot (index in the team) perceives in this tick."""
+        tick = state.tick
+        x, y, theta = state.odom_poses[robot].tolist()
+        linear, angular = state.odom_twists[robot].tolist()
+        keys = _keys(self._seed, robot)
+        error = np.empty(1)
+        normals(keys.gyro, tick, error)
+        return Observations(
+            tick=tick,
+            odometry=Odometry(tick, Pose2(x, y, theta), Twist(linear, angular)),
+            imu=Imu(tick, float(state.twists[robot, 1] + state.noise.gyro[robot] * error[0])),
+            scan=self._scan(state, robot, keys) if (tick + robot) % self._period == 0 else None,
+            battery=Battery(tick, float(state.charge[robot]), self._capacity),
+        )
+
+    def _scan(self, state: WorldState, robot: int, keys: _Keys) -> Scan:
+        """One sweep, taken in no time at all."""
+        laser = self._laser
+        true_ranges = _sweep(
+            robot,
+            state.poses,
+            laser.x,
+            self._fan,
+            laser.range_max,
+            self._footprint,
+            self._radius,
+            self._squares,
+            self._frame,
+            state.bodies,
+        )
+        range_noise, range_bias, dropout = state.noise.laser[robot].tolist()
+        ranges = _measured(
+            true_ranges,
+            state.tick,
+            keys.ranges,
+            keys.dropouts,
+            range_noise,
+            range_bias,
+            dropout,
+            laser.range_min,
+            laser.range_max,
+        )
+        ranges.flags.writeable = False
+        return Scan(state.tick, self.mount, ranges)

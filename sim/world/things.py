@@ -1,0 +1,195 @@
+"""Things in the way: bodies that no map shows, which appear, stand or walk, and vanish.
+
+A thing never comes upon a robot. It appears when its place is free, and who walks stops before a robot: how near,
+depends on the robot's speed. So whatever touches is the robot's doing.
+"""
+
+import math
+from collections.abc import Sequence
+from dataclasses import dataclass, replace
+from functools import cached_property
+
+import numpy as np
+from numba import njit
+
+from sim.common.geometry import FloatArray, Pose2
+from sim.common.observations import TICK, TICKS_PER_SECOND
+from sim.common.polygons import NO_POLYGONS, Polygons, near, placed_at, side_by_side
+
+RESPECT = 0.3
+"""Metres that things leave between themselves and a robot."""
+WARNING = 1.0
+"""Seconds of a robot's way that they leave besides, so that it can see and brake."""
+PATIENCE = 5 * TICKS_PER_SECOND
+"""Ticks that somebody who walks waits behind a robot before turning back."""
+
+
+@dataclass(frozen=True)
+class Thing:
+    """A body, and where it means to go.
+
+    Attributes:
+        name: what people call it; a world holds one of a name.
+        footprint: corners in its own frame, metres, in turn around it.
+        base_in_map: where it appears.
+        path: points of the map that it walks to from there, one after the other, facing along; empty when it stays.
+        speed: at which it walks, m/s.
+        back_and_forth: whether it turns back at the end of the path, rather than stay there.
+    """
+
+    name: str
+    footprint: tuple[tuple[float, float], ...]
+    base_in_map: Pose2
+    path: tuple[tuple[float, float], ...] = ()
+    speed: float = 0.0
+    back_and_forth: bool = False
+
+    def __post_init__(self) -> None:
+        """Refuse what has no body or cannot walk.
+
+        Raises:
+            ValueError: fewer than three corners, or two points of its way that are one.
+        """
+        if len(self.footprint) < 3:
+            raise ValueError(f"the footprint of {self.name} needs at least three corners, not {len(self.footprint)}")
+        if (np.diff(self._miles) == 0.0).any():
+            raise ValueError(f"the path of {self.name} has a point twice in a row")
+
+    @cached_property
+    def corners(self) -> FloatArray:
+        """(v, 2) the footprint, for kernels."""
+        return np.array(self.footprint, dtype=np.float64)
+
+    @cached_property
+    def _points(self) -> FloatArray:
+        """(m, 2) of its way, the start first."""
+        return np.array([(self.base_in_map.x, self.base_in_map.y), *self.path])
+
+    @cached_property
+    def _miles(self) -> FloatArray:
+        """(m,) metres from the start to each point."""
+        return np.concatenate(([0.0], np.cumsum(np.hypot(*np.diff(self._points, axis=0).T))))
+
+    @property
+    def length(self) -> float:
+        """Metres of its way."""
+        return float(self._miles[-1])
+
+    def pose_after(self, walked: float) -> Pose2:
+        """Where it is after so many metres of its way."""
+        if self.length == 0.0:
+            return self.base_in_map
+        leg = min(int(np.searchsorted(self._miles, walked, side="right")), len(self._miles) - 1)
+        (x0, y0), (x1, y1) = self._points[leg - 1 : leg + 1].tolist()
+        share = (walked - float(self._miles[leg - 1])) / math.hypot(x1 - x0, y1 - y0)
+        return Pose2(x0 + share * (x1 - x0), y0 + share * (y1 - y0), math.atan2(y1 - y0, x1 - x0))
+
+
+@dataclass(frozen=True, slots=True)
+class Presence:
+    """A thing as it is in one tick.
+
+    Attributes:
+        thing: which.
+        appeared: whether it is there; else it waits until its place is free.
+        walked: metres of its way that it is along.
+        onward: whether it walks along its way, or back.
+        held_up: ticks for which a robot has been in its way.
+    """
+
+    thing: Thing
+    appeared: bool = False
+    walked: float = 0.0
+    onward: bool = True
+    held_up: int = 0
+
+    def pose(self) -> Pose2:
+        """Where it is."""
+        return self.thing.pose_after(self.walked)
+
+
+@njit(cache=True)
+def _comes_upon(
+    corners: FloatArray,
+    here: tuple[float, float, float],
+    before: tuple[float, float],
+    poses: FloatArray,
+    twists: FloatArray,
+    footprint: FloatArray,
+    radius: float,
+) -> bool:
+    """Whether a body that moves to `here` from the point `before` comes too near to a robot that it nears."""
+    body = placed_at(corners, here[0], here[1], here[2])
+    reach = 0.0
+    for k in range(corners.shape[0]):
+        reach = max(reach, math.hypot(corners[k, 0], corners[k, 1]))
+    for j in range(poses.shape[0]):
+        margin = RESPECT + WARNING * abs(twists[j, 0])
+        distance = math.hypot(poses[j, 0] - here[0], poses[j, 1] - here[1])
+        if distance > reach + radius + margin:
+            continue
+        if distance >= math.hypot(poses[j, 0] - before[0], poses[j, 1] - before[1]):
+            continue
+        if near(body, placed_at(footprint, poses[j, 0], poses[j, 1], poses[j, 2]), margin):
+            return True
+    return False
+
+
+@dataclass(frozen=True, slots=True)
+class Robots:
+    """The robots as things mind them.
+
+    Attributes:
+        poses: (n, 3) map frame.
+        twists: (n, 2) m/s and rad/s.
+        footprint: (v, 2) corners of each.
+        radius: of the circle around the base that holds them.
+    """
+
+    poses: FloatArray
+    twists: FloatArray
+    footprint: FloatArray
+    radius: float
+
+    def are_met(self, thing: Thing, here: Pose2, before: tuple[float, float]) -> bool:
+        """Whether a thing that comes from `before` would come upon one of them here."""
+        met: bool = _comes_upon(
+            thing.corners, (here.x, here.y, here.theta), before, self.poses, self.twists, self.footprint, self.radius
+        )
+        return met
+
+
+FROM_NOWHERE = (math.inf, math.inf)
+"""Where a thing comes from that appears: nearer than this is everywhere."""
+
+
+def after_a_tick(presences: Sequence[Presence], robots: Robots) -> tuple[Presence, ...]:
+    """The things one tick later; those that neither came nor walked are the very same values."""
+    return tuple(_after_a_tick(presence, robots) for presence in presences)
+
+
+def _after_a_tick(presence: Presence, robots: Robots) -> Presence:
+    thing = presence.thing
+    here = presence.pose()
+    if not presence.appeared:
+        return presence if robots.are_met(thing, here, FROM_NOWHERE) else replace(presence, appeared=True)
+    end = thing.length if presence.onward else 0.0
+    if presence.walked == end:
+        if presence.onward and not (thing.back_and_forth and thing.length > 0.0):
+            return presence
+        return replace(presence, onward=not presence.onward)
+    step = thing.speed * TICK
+    walked = min(end, presence.walked + step) if presence.onward else max(end, presence.walked - step)
+    if not robots.are_met(thing, thing.pose_after(walked), (here.x, here.y)):
+        return replace(presence, walked=walked, held_up=0)
+    if presence.held_up < PATIENCE:
+        return replace(presence, held_up=presence.held_up + 1)
+    return replace(presence, onward=not presence.onward, held_up=0)
+
+
+def polygons_of(presences: Sequence[Presence]) -> Polygons:
+    """The bodies of the things that are there, map frame."""
+    there = [presence for presence in presences if presence.appeared]
+    if not there:
+        return NO_POLYGONS
+    return side_by_side([presence.pose().transform(presence.thing.corners) for presence in there])

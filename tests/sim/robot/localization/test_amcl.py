@@ -1,0 +1,276 @@
+import math
+from dataclasses import replace
+
+import numpy as np
+import pytest
+
+from sim.common.geometry import Pose2
+from sim.common.observations import STANDSTILL, Imu, Odometry, Scan
+from sim.parameters import RobotParameters
+from sim.robot.localization.amcl import Amcl, Belief, saved
+
+PARAMETERS = RobotParameters().amcl
+VAGUE = np.diag((0.25, 0.25, 0.07))
+SURE = np.diag((0.01, 0.01, 0.003))
+
+
+def amcl_of(drive, parameters=PARAMETERS, seed=1, robot="robot1", covariance=VAGUE):
+    amcl = Amcl(parameters, drive.grid, drive.mount, seed, robot)
+    amcl.start(drive.start, covariance)
+    return amcl
+
+
+def run(localizer, moments):
+    return [localizer.update(moment.odometry, moment.imu, moment.scan) for moment in moments]
+
+
+def same(one, other):
+    return (
+        one.tick == other.tick
+        and one.base_in_map == other.base_in_map
+        and one.odom_in_map == other.odom_in_map
+        and one.covariance.tobytes() == other.covariance.tobytes()
+        and one.particles.tobytes() == other.particles.tobytes()
+        and one.updated == other.updated
+    )
+
+
+def errors_of(drive, estimates):
+    return np.array([m.truth.distance(e.base_in_map) for m, e in zip(drive.moments, estimates, strict=True)])
+
+
+def coverage_of(drive, estimates):
+    inside = []
+    for moment, estimate in zip(drive.moments, estimates, strict=True):
+        away = moment.truth.array()[:2] - estimate.base_in_map.array()[:2]
+        inside.append(away @ np.linalg.solve(estimate.covariance[:2, :2], away) < 5.99)
+    return np.mean(inside)
+
+
+def test_before_the_first_scan_it_believes_what_it_was_told(drive):
+    tour = drive(seconds=2)
+    amcl = amcl_of(tour)
+    first = tour.moments[0]
+    estimate = amcl.update(first.odometry, first.imu, None)
+    assert estimate.base_in_map.array() == pytest.approx(tour.start.array())
+    assert (estimate.covariance == VAGUE).all()
+    assert estimate.particles.shape == (PARAMETERS.max_particles, 3)
+    assert not estimate.updated
+
+
+def test_the_first_particles_scatter_as_told(drive):
+    tour = drive(seconds=2)
+    covariance = np.array([[0.2, 0.05, 0.0], [0.05, 0.1, 0.01], [0.0, 0.01, 0.02]])
+    amcl = amcl_of(tour, replace(PARAMETERS, max_particles=20000), covariance=covariance)
+    particles = amcl.update(tour.moments[0].odometry, tour.moments[0].imu, None).particles.copy()
+    particles[:, 2] = np.remainder(particles[:, 2] - tour.start.theta + math.pi, 2 * math.pi) - math.pi
+    assert particles.mean(axis=0) == pytest.approx((tour.start.x, tour.start.y, 0.0), abs=0.02)
+    assert np.cov(particles.T) == pytest.approx(covariance, abs=0.01)
+
+
+def test_without_a_start_it_believes_to_be_at_the_origin(drive):
+    tour = drive(seconds=2)
+    amcl = Amcl(PARAMETERS, tour.grid, tour.mount, 1, "robot1")
+    estimate = amcl.update(tour.moments[0].odometry, tour.moments[0].imu, None)
+    assert estimate.base_in_map.array() == pytest.approx((0, 0, 0))
+    assert estimate.covariance[2, 2] == PARAMETERS.initial_cov_aa
+
+
+def test_a_standing_robot_weighs_one_scan(drive):
+    tour = drive(seconds=2)
+    amcl = amcl_of(tour)
+    scan = tour.moments[0].scan
+    odometry = tour.moments[0].odometry
+    updates = [
+        amcl.update(replace(odometry, tick=tick), Imu(tick, 0.0), replace(scan, tick=tick)).updated
+        for tick in range(0, 50, 5)
+    ]
+    assert updates == [True] + [False] * 9
+
+
+@pytest.mark.parametrize(
+    ("moved", "due"),
+    [
+        (Pose2(0.19, 0.19, 0.0), False),  # each axis for itself, whatever the distance
+        (Pose2(0.21, 0.0, 0.0), True),
+        (Pose2(0.0, -0.21, 0.0), True),
+        (Pose2(0.0, 0.0, 0.52), False),
+        (Pose2(0.0, 0.0, -0.53), True),
+    ],
+)
+def test_a_scan_is_weighed_after_enough_movement(drive, moved, due):
+    tour = drive(seconds=2)
+    amcl = amcl_of(tour)
+    scan = tour.moments[0].scan
+    amcl.update(Odometry(0, Pose2(0, 0, 0), STANDSTILL), Imu(0, 0.0), scan)
+    assert not amcl.update(Odometry(1, moved, STANDSTILL), Imu(1, 0.0), None).updated
+    assert amcl.update(Odometry(5, moved, STANDSTILL), Imu(5, 0.0), replace(scan, tick=5)).updated == due
+
+
+def test_between_updates_odometry_carries_the_estimate_on(drive):
+    tour = drive(seconds=10)
+    previous = None
+    for moment, estimate in zip(tour, run(amcl_of(tour), tour), strict=True):
+        carried = estimate.odom_in_map.compose(moment.odometry.base_in_odom)
+        assert estimate.base_in_map == carried
+        if previous is not None and not estimate.updated:
+            assert estimate.odom_in_map == previous.odom_in_map
+        previous = estimate
+
+
+def test_the_same_again_bit_for_bit(drive):
+    tour = drive(seconds=20)
+    pairs = zip(run(amcl_of(tour), tour), run(amcl_of(tour), tour), strict=True)
+    assert all(same(one, other) for one, other in pairs)
+
+
+def test_a_state_is_a_new_beginning(drive):
+    tour = drive(seconds=20)
+    amcl = amcl_of(tour)
+    run(amcl, tour.moments[:500])
+    state = amcl.state
+    expected = run(amcl, tour.moments[500:])
+    other = Amcl(PARAMETERS, tour.grid, tour.mount, 1, "robot1")
+    other.restore(state)
+    assert all(same(one, two) for one, two in zip(expected, run(other, tour.moments[500:]), strict=True))
+
+
+def test_no_two_robots_and_no_two_seeds_draw_alike(drive):
+    tour = drive(seconds=2)
+    clouds = [
+        run(amcl_of(tour, seed=seed, robot=robot), tour)[-1].particles.tobytes()
+        for seed, robot in ((1, "robot1"), (1, "robot2"), (2, "robot1"))
+    ]
+    assert len(set(clouds)) == 3
+
+
+def test_what_it_gives_away_cannot_be_written(drive):
+    tour = drive(seconds=2)
+    for estimate in run(amcl_of(tour), tour):
+        assert not estimate.particles.flags.writeable
+        assert not estimate.covariance.flags.writeable
+
+
+@pytest.mark.parametrize(
+    ("noise", "others", "mean", "worst"), [(1.0, 0, 0.035, 0.15), (5.0, 0, 0.06, 0.25), (1.0, 5, 0.05, 0.2)]
+)
+@pytest.mark.parametrize("seed", [1, 2])
+def test_it_tracks_through_the_arena(drive, seed, noise, others, mean, worst):
+    tour = drive(seed=seed, noise=noise, others=others)
+    estimates = run(amcl_of(tour, seed=seed), tour)
+    errors = errors_of(tour, estimates)
+    assert errors.mean() < mean
+    assert errors.max() < worst
+    assert coverage_of(tour, estimates) > 0.9
+    assert not any(estimate.lost for estimate in estimates)
+
+
+def test_a_sure_filter_gets_by_with_few_particles(drive):
+    tour = drive()
+    sizes = [len(estimate.particles) for estimate in run(amcl_of(tour), tour)]
+    assert sizes[0] == PARAMETERS.max_particles
+    assert np.mean(sizes[500:]) < 300
+
+
+def test_it_begins_anew_where_it_is_told(drive):
+    tour = drive(seconds=30)
+    amcl = amcl_of(tour)
+    run(amcl, tour.moments[:500])
+    amcl.start(Pose2(9.0, 5.0, 1.0), SURE)
+    estimate = amcl.update(tour.moments[500].odometry, tour.moments[500].imu, None)
+    assert estimate.base_in_map.array() == pytest.approx((9.0, 5.0, 1.0))
+    amcl.start(tour.moments[501].truth, SURE)
+    estimates = run(amcl, tour.moments[501:])
+    assert max(m.truth.distance(e.base_in_map) for m, e in zip(tour.moments[501:], estimates, strict=True)) < 0.2
+
+
+def test_a_blind_scan_changes_no_weights(drive):
+    tour = drive(seconds=2)
+    amcl = amcl_of(tour)
+    blind = Scan(0, tour.mount, np.full(tour.mount.beams, np.nan, dtype=np.float32))
+    estimate = amcl.update(tour.moments[0].odometry, tour.moments[0].imu, blind)
+    state = amcl.state
+    assert isinstance(state, Belief)
+    assert np.ptp(state.weights) < 1e-12
+    assert state.recovery.count == 0
+    assert estimate.base_in_map.distance(tour.start) < 0.1
+
+
+def kidnapped(tour, when, until):
+    """The robot is lifted from its place at one moment to its place at a later one; its wheels do not notice."""
+    before = tour.moments[when - 1].odometry.base_in_odom
+    lifted = tour.moments[until].odometry.base_in_odom
+    for moment in tour.moments[until:]:
+        wheels = before.compose(lifted.between(moment.odometry.base_in_odom))
+        yield replace(moment, odometry=replace(moment.odometry, base_in_odom=wheels))
+
+
+def test_a_robot_carried_off_notices_and_mostly_finds_back(drive):
+    # Rooms are alike, so some filters settle in a twin of the right place that explains four fifths of every scan.
+    tour = drive(seconds=120, furnished=True)
+    found = 0
+    for seed in range(1, 7):
+        amcl = amcl_of(tour, seed=seed)
+        run(amcl, tour.moments[:750])
+        moments = list(kidnapped(tour, 750, 2000))
+        estimates = run(amcl, moments)
+        errors = [
+            moment.truth.distance(estimate.base_in_map) for moment, estimate in zip(moments, estimates, strict=True)
+        ]
+        assert errors[0] > 1.0
+        noticed = next(estimate for estimate in estimates if estimate.lost)
+        assert noticed.tick - moments[0].odometry.tick < 300
+        assert max(len(estimate.particles) for estimate in estimates) == PARAMETERS.max_particles
+        found += not estimates[-1].lost and np.median(errors[-500:]) < 0.1
+    assert found >= 5
+
+
+def test_with_both_decays_zero_no_particles_are_scattered(drive):
+    tour = drive(seconds=120, furnished=True)
+    amcl = amcl_of(tour, replace(PARAMETERS, recovery_alpha_slow=0.0, recovery_alpha_fast=0.0))
+    run(amcl, tour.moments[:750])
+    run(amcl, kidnapped(tour, 750, 2000))
+    state = amcl.state
+    assert isinstance(state, Belief)
+    assert len(state.particles) < 200
+
+
+@pytest.mark.parametrize("model", ["likelihood_field_prob", "beam"])
+def test_every_sensor_model_tracks(drive, model):
+    tour = drive(seconds=30)
+    parameters = replace(PARAMETERS, laser_model_type=model, do_beamskip=True, selective_resampling=True)
+    estimates = run(amcl_of(tour, parameters), tour)
+    assert errors_of(tour, estimates)[250:].max() < 0.25
+    assert not any(estimate.lost for estimate in estimates)
+
+
+def test_a_robot_that_may_be_anywhere_is_lost_until_it_is_sure_and_can_be_found(drive):
+    # Turned by half a circle the arena is much the same, so that some filters settle in the twin of the right place.
+    tour = drive(seconds=60, furnished=True)
+    found = 0
+    for seed in range(1, 7):
+        amcl = Amcl(replace(PARAMETERS, max_particles=5000), tour.grid, tour.mount, seed, "robot1")
+        amcl.globalize()
+        estimates = run(amcl, tour)
+        assert estimates[0].lost
+        found += not estimates[-1].lost and tour.moments[-1].truth.distance(estimates[-1].base_in_map) < 0.5
+    assert found >= 5
+
+
+def test_a_standing_robot_looks_when_asked(drive):
+    tour = drive(seconds=2)
+    amcl = amcl_of(tour)
+    first = tour.moments[0]
+    amcl.update(first.odometry, first.imu, first.scan)
+    amcl.request_update()
+    assert amcl.update(first.odometry, first.imu, first.scan).updated
+    assert not amcl.update(first.odometry, first.imu, first.scan).updated
+
+
+def test_a_saved_pose_is_where_the_next_filter_begins(drive):
+    tour = drive(seconds=10)
+    last = run(amcl_of(tour), tour)[-1]
+    amcl = Amcl(saved(PARAMETERS, last), tour.grid, tour.mount, 1, "robot1")
+    first = amcl.update(tour.moments[-1].odometry, tour.moments[-1].imu, None)
+    assert first.base_in_map.array() == pytest.approx(last.base_in_map.array())
+    assert np.diag(first.covariance) == pytest.approx(np.diag(last.covariance))

@@ -1,0 +1,73 @@
+"""Each fault is planted into a bag that is clean without it: rules of `times`."""
+
+from dataclasses import replace
+from pathlib import Path
+
+from tests.thbridge.analysis.planting import (
+    SCAN_LINE,
+    START,
+    STEP,
+    Entry,
+    clean,
+    found,
+    grid,
+    judged,
+    odom_message,
+    rules,
+    scan_message,
+)
+from thbridge.analysis.check import Severity, Tool
+
+
+def test_messages_out_of_order_within_a_chunk(tmp_path: Path) -> None:
+    planted = clean()
+    planted.entries[40] = replace(planted.entries[40], ns=planted.entries[40].ns - 2 * STEP)
+    finding = found(judged(tmp_path, planted), "back-in-time")
+    assert (finding.count, finding.first_ns) == (1, planted.entries[40].ns)
+    assert "0.200 s" in finding.what
+
+
+def test_stamp_of_zero(tmp_path: Path) -> None:
+    planted = clean()
+    planted.entries.insert(0, Entry(SCAN_LINE, 0, scan_message(START)))
+    finding = found(judged(tmp_path, planted), "stamp-zero")
+    assert (finding.topic, finding.count, finding.first_ns) == ("/scan", 1, 0)
+    assert Tool.ROSBAG in finding.tools
+
+
+def test_headers_far_from_the_recording(tmp_path: Path) -> None:
+    planted = clean()
+    planted.entries[-1] = replace(planted.entries[-1], message=scan_message(START + 30 * 1_000_000_000))
+    finding = found(judged(tmp_path, planted), "header-far")
+    assert (finding.topic, finding.count) == ("/scan", 1)
+    assert "27.1 s after" in finding.what
+
+
+def test_old_headers_of_what_is_latched_are_in_order(tmp_path: Path) -> None:
+    planted = clean()
+    planted.entries[0] = replace(planted.entries[0], message=grid(START - 60 * 1_000_000_000))
+    assert "header-far" not in rules(judged(tmp_path, planted))
+
+
+def test_odometry_that_is_not_stamped(tmp_path: Path) -> None:
+    planted = clean()
+    planted.entries = [
+        replace(entry, message=odom_message(0)) if entry.line.topic == "/odom" else entry for entry in planted.entries
+    ]
+    finding = found(judged(tmp_path, planted), "header-zero")
+    assert (finding.tools, finding.count) == ((Tool.EVO,), 30)
+
+
+def test_headers_that_go_back(tmp_path: Path) -> None:
+    planted = clean()
+    last = planted.of("/odom")[-1]
+    planted.entries[planted.entries.index(last)] = replace(last, message=odom_message(START))
+    assert found(judged(tmp_path, planted), "header-back").tools == (Tool.EVO,)
+
+
+def test_headers_that_repeat(tmp_path: Path) -> None:
+    planted = clean()
+    last = planted.of("/odom")[-1]
+    planted.entries[planted.entries.index(last)] = replace(last, message=odom_message(last.ns - STEP))
+    finding = found(judged(tmp_path, planted), "header-repeated")
+    assert (finding.severity, finding.count, finding.tools) == (Severity.WARNING, 1, (Tool.EVO,))

@@ -1,0 +1,96 @@
+import re
+from html.parser import HTMLParser
+from pathlib import Path
+from xml.etree import ElementTree
+
+import pytest
+
+from tests.thbridge.ros.drive import MOUNT, SCAN_PERIOD, SESSION, arena, records, snapshots
+from thbridge.analysis.report.page import build_report
+from thbridge.app.session.broadcast import Broadcast
+from thbridge.files.errors import BadFile
+from thbridge.files.ros.definitions import Definitions
+from thbridge.recording.bag.writer import BagWriter
+from thbridge.ros.publisher import Message, Publisher, Topic
+
+
+@pytest.fixture(scope="module")
+def bag(tmp_path_factory: pytest.TempPathFactory) -> Path:
+    path = tmp_path_factory.mktemp("report") / "a <b>.bag"
+    with BagWriter(path, Definitions(())) as writer:
+        recorder = Broadcast(Publisher(2, MOUNT, SCAN_PERIOD), SESSION, arena(), [writer])
+        for snapshot in snapshots(2, 300):
+            recorder.record(snapshot, records(snapshot.tick))
+    return path
+
+
+@pytest.fixture(scope="module")
+def page(bag: Path) -> str:
+    return build_report(bag)
+
+
+class Outside(HTMLParser):
+    """Collects whatever a page would load from elsewhere."""
+
+    def __init__(self) -> None:
+        super().__init__()
+        self.loads: list[str] = []
+
+    def handle_starttag(self, tag: str, attrs: list[tuple[str, str | None]]) -> None:
+        self.loads += [
+            value
+            for name, value in attrs
+            if name in ("src", "href", "xlink:href") and value and not value.startswith(("#", "data:"))
+        ]
+        if tag in ("script", "link", "iframe"):
+            self.loads.append(tag)
+
+
+def test_the_page_needs_nothing_but_itself(page: str) -> None:
+    outside = Outside()
+    outside.feed(page)
+    assert outside.loads == []
+    assert "@import" not in page
+
+
+def test_every_figure_is_there_and_well_formed(page: str) -> None:
+    drawn = re.findall(r"<svg.*?</svg>", page, re.DOTALL)
+    titles = re.findall(r"<h2>(.*?)</h2>", page)
+    assert titles == ["Robots", "Score", "Paths", "Localisation error", "Energy", "Timeline", "What happened"]
+    assert len(drawn) == 4
+    for svg in drawn:
+        ElementTree.fromstring(svg)
+
+
+def test_names_within_the_figures_do_not_clash(page: str) -> None:
+    named: dict[str, str] = {}
+    for svg in re.findall(r"<svg.*?</svg>", page, re.DOTALL):
+        for element in re.findall(r'<(?:clipPath|path|image) id="([^"]+)"', svg):
+            assert named.setdefault(element, svg) is svg
+
+
+def test_words_of_people_are_text_and_nothing_else(page: str) -> None:
+    assert "Blue &lt;Bottle&gt;" in page
+    assert "a &lt;b&gt;.bag" in page
+    assert "Müller&#39;s £ study" in page
+
+
+def test_the_same_bag_gives_the_same_page(bag: Path, page: str) -> None:
+    assert build_report(bag) == page
+
+
+def test_a_foreign_bag_says_what_is_missing(tmp_path: Path) -> None:
+    path = tmp_path / "foreign.bag"
+    with BagWriter(path, Definitions(())) as writer:
+        writer.write(Message(Topic("/chatter", "std_msgs/String"), 1, b"\x02\x00\x00\x00hi"))
+    page = build_report(path)
+    assert "Not in this bag" in page
+    assert "There is no map" in page
+    assert "<svg" not in page
+
+
+def test_a_damaged_bag_is_refused(tmp_path: Path, bag: Path) -> None:
+    path = tmp_path / "cut.bag"
+    path.write_bytes(bag.read_bytes()[:-100])
+    with pytest.raises(BadFile, match="reindex"):
+        build_report(path)

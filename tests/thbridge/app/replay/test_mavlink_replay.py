@@ -1,0 +1,338 @@
+"""Recordings of hunts in which ground stations took part, run again: whole, or by their frames alone."""
+
+import asyncio
+import json
+import math
+import random
+from collections.abc import Callable
+from dataclasses import replace
+from pathlib import Path
+
+import pytest
+
+from tests.thbridge.app.replay.test_replay import again, equal
+from tests.thbridge.wire.mavlink.hostile import Foe
+from thbridge.app.compose import read_setting
+from thbridge.app.play import PLAY, NoLog
+from thbridge.app.replay.mavlink_replay import FramesOptions, FramesReplayed, has_session, replay_frames
+from thbridge.app.session.broadcast import Broadcast
+from thbridge.app.session.recording import BagWitness
+from thbridge.app.session.session import Session
+from thbridge.files.errors import BadFile
+from thbridge.recording.bag.reader import messages
+from thbridge.recording.bag.writer import BagWriter
+from thbridge.roles.tabui import Seen, TabUI
+from thbridge.roles.vehicles.parameters import PARAMETERS
+from thbridge.roles.view import View, Wish
+from thbridge.ros import names
+from thbridge.ros.messages import types, unpack
+from thbridge.ros.topics import Message as RosMessage
+from thbridge.ros.topics import Topic
+from thbridge.study.mavlink import MavlinkSection
+from thbridge.study.overrides import Change
+from thbridge.study.study_file import Study
+from thbridge.wire import legacy
+from thbridge.wire.mavlink.dialect import Message, crc_extra, decoded, mav, payload_of
+from thbridge.wire.mavlink.frames.frame import Frame
+from thbridge.wire.mavlink.frames.framer import Framer
+from thbridge.wire.mavlink.outgoing import LinkId
+from thbridge.wire.router import Router
+
+STUDY = replace(Study(), seed=7, robots=2, mavlink=MavlinkSection(on=True))
+OPEN, BURST = 4, 15
+"""Of MAV_FTP_OPCODE."""
+
+TO = Topic("/robot1/mavlink/to", types.MAVLINK)
+
+
+class Station:
+    """A ground station at a session, on a link of its own."""
+
+    def __init__(
+        self, session: Session, name: str = "udp 127.0.0.1:14550", system: int = 255, robot: int | None = None
+    ) -> None:
+        self._session = session
+        self._system = system
+        self._sequence = 0
+        self._link: LinkId = session.open_link(name, robot)
+
+    def say(self, message: Message) -> None:
+        seed = crc_extra(message.get_msgId())
+        assert seed is not None
+        frame = Frame(self._system, 190, self._sequence, message.get_msgId(), payload_of(message), seed)
+        self._sequence = (self._sequence + 1) % 256
+        self._session.transmit(self._session.receive_frame(self._link, frame))
+
+    def beat(self) -> None:
+        self.say(mav.MAVLink_heartbeat_message(mav.MAV_TYPE_GCS, mav.MAV_AUTOPILOT_INVALID, 0, 0, 0, 3))
+
+    def leave(self) -> None:
+        self._session.close_link(self._link)
+
+
+class Follower:
+    """A participant who follows the hunt, and wishes nothing."""
+
+    def wishes(self, view: View) -> tuple[Wish, ...]:
+        return ()
+
+    def saw(self, level: Seen) -> None:
+        pass
+
+
+def record(
+    bag: Path, ticks: int, doing: Callable[[int, Session], None], study: Study = STUDY, follower: Follower | None = None
+) -> None:
+    """A hunt that nobody plays, and something that is done from outside before each tick."""
+    setting = read_setting(study, Path())
+    simr = setting.simr()
+    with setting.writer(bag) as writer:
+        window = None if follower is None else TabUI(follower, follower)
+        roles_within = [legacy.SIMR, legacy.HIDER, *([] if window is None else [window.name])]
+        opening = setting.record(PLAY, roles_within, "" if window is None else "person")
+        witness = BagWitness(Broadcast(setting.publisher(), opening, setting.place.grid, [writer]))
+        roles = [simr, setting.hider()]
+        session = Session(Router(), setting.keeper(), roles, NoLog(), [witness], window, setting.vehicles(simr))
+        for tick in range(ticks):
+            doing(tick, session)
+            session.step()
+
+
+def by_frames(bag: Path, study: Study = STUDY, to: Path | None = None) -> FramesReplayed:
+    setting = read_setting(study, Path())
+    return asyncio.run(replay_frames(bag, setting, FramesOptions(to=to), lambda moment: None))
+
+
+def beating(stations: dict[str, Station]) -> Callable[[int, Session], None]:
+    def beat(tick: int, session: Session) -> None:
+        if tick == 10:
+            stations["a"] = Station(session)
+        if tick == 30:
+            stations["b"] = Station(session, "tcp [::1]:5760", 254, robot=1)
+        if tick % 25 == 10:
+            for station in stations.values():
+                station.beat()
+        if tick == 90:
+            stations.pop("b").leave()
+
+    return beat
+
+
+def test_links_and_frames_are_replayed_bit_for_bit(tmp_path: Path):
+    bag = tmp_path / "hunt.bag"
+    record(bag, 120, beating({}))
+    equal(bag, 120)
+
+
+def test_a_home_that_was_set_is_set_again(tmp_path: Path):
+    bag = tmp_path / "hunt.bag"
+    stations: dict[str, Station] = {}
+    place = (0, 0, 0, 0, 14_000, -27_000, 0)  # north and east, units of 0.1 mm
+
+    def set_home(tick: int, session: Session) -> None:
+        beating(stations)(tick, session)
+        if tick == 20:
+            stations["a"].say(mav.MAVLink_command_int_message(1, 1, 1, mav.MAV_CMD_DO_SET_HOME, 0, 0, *place))
+
+    record(bag, 60, set_home)
+    frames = [unpack.mavlink(message.data) for message in messages(bag, ["/robot1/mavlink/from"])]
+    (home,) = [frame for frame in frames if frame.message_id == mav.MAVLINK_MSG_ID_HOME_POSITION]
+    told = decoded(home.message_id, home.payload)
+    assert (told.x, told.y) == pytest.approx((1.4, -2.7))
+    equal(bag, 60)
+
+
+def test_a_file_that_a_station_read_is_read_again_bit_for_bit(tmp_path: Path):
+    bag = tmp_path / "hunt.bag"
+    name = b"/parameters.json"
+
+    def reading(tick: int, session: Session) -> None:
+        if tick == 10:
+            station = Station(session)
+            for sequence, opcode, size, data in ((1, OPEN, len(name), name), (3, BURST, 239, b"")):
+                asked = bytes((sequence, 0, 0, opcode, size, *[0] * 7)) + data
+                station.say(mav.MAVLink_file_transfer_protocol_message(0, 1, 1, list(asked.ljust(251, b"\0"))))
+
+    record(bag, 100, reading)
+    told = [unpack.mavlink(raw.data) for raw in messages(bag, ["/robot1/mavlink/from"])]
+    pieces = [frame.payload for frame in told if frame.message_id == mav.MAVLINK_MSG_ID_FILE_TRANSFER_PROTOCOL]
+    content = b"".join(piece.ljust(254, b"\0")[15 : 15 + piece[7]] for piece in pieces[1:])
+    assert {each["name"] for each in json.loads(content)["parameters"]} >= {each.name for each in PARAMETERS}
+    equal(bag, 100)
+
+
+def test_frames_say_nothing_to_robots_that_are_no_vehicles_any_more(tmp_path: Path):
+    bag = tmp_path / "hunt.bag"
+    record(bag, 120, beating({}))
+    done = again(bag, Change("mavlink.on", "false"), to_the_end=True)
+    assert done.difference is not None
+    assert done.ticks == 120
+
+
+def test_frames_alone_are_heard_by_the_same_robots_in_the_same_ticks_on_links_of_the_same_names(tmp_path: Path):
+    bag, fresh = tmp_path / "hunt.bag", tmp_path / "fresh.bag"
+    record(bag, 120, beating({}))
+    done = by_frames(bag, to=fresh)
+    topics = ["/robot1/mavlink/to", "/robot2/mavlink/to"]
+    was, now = list(messages(bag, topics)), list(messages(fresh, topics))
+    assert now == was
+    assert (done.frames, done.unusable, done.ticks, done.finished) == (len(was), 0, 120, True)
+    assert done.parted is None
+    assert again(fresh).difference is None
+
+
+def test_robots_that_the_study_has_not_hear_nothing(tmp_path: Path):
+    bag = tmp_path / "hunt.bag"
+    record(bag, 120, beating({}))
+    done = by_frames(bag, replace(STUDY, robots=1))
+    assert done.unusable == len(list(messages(bag, ["/robot2/mavlink/to"]))) > 0
+
+
+def test_a_bag_of_strangers_drives_robots_whose_study_has_no_vehicles(tmp_path: Path):
+    bag, ours = tmp_path / "mavros.bag", tmp_path / "hunt.bag"
+    record(ours, 120, beating({}))
+    started = 1_600_000_000_000_000_000
+    with BagWriter(bag) as writer:
+        for number, message in enumerate(messages(ours, [TO.name])):
+            stamp = started + number * 500_000_000
+            truth = Topic("/robot1/base_pose_ground_truth", types.ODOMETRY)
+            writer.take(number, [RosMessage(TO._replace(name="/mavlink/to"), stamp, message.data)])
+            writer.take(number, [RosMessage(truth, stamp, b"of another simulator")])
+    assert has_session(ours)
+    assert not has_session(bag)
+    done = by_frames(bag, replace(Study(), robots=1))
+    assert (done.recorded, done.parted, done.unusable) == (None, None, 0)
+    assert done.frames == number + 1
+    assert done.ticks == 50 + 25 * number
+
+
+def test_of_a_bag_that_was_cut_to_its_frames_nothing_is_claimed(tmp_path: Path):
+    ours, cut = tmp_path / "hunt.bag", tmp_path / "cut.bag"
+    record(ours, 120, beating({}))
+    with BagWriter(cut) as writer:
+        for number, message in enumerate(messages(ours, [names.SESSION, TO.name])):
+            topic = Topic(message.topic, types.SESSION if message.topic == names.SESSION else TO.msgtype)
+            writer.take(number, [RosMessage(topic, message.stamp_ns, message.data)])
+    done = by_frames(cut)
+    assert (done.recorded, done.compared, done.parted) == (None, 0, None)
+    assert not done.same
+    assert by_frames(ours).compared > 0
+
+
+def test_a_bag_without_frames_is_refused_with_what_to_do(tmp_path: Path):
+    bag = tmp_path / "hunt.bag"
+    record(bag, 3, lambda tick, session: None, replace(STUDY, mavlink=MavlinkSection()))
+    with pytest.raises(BadFile, match="it has no topic /robot1/mavlink/to of type mavros_msgs/Mavlink"):
+        by_frames(bag)
+
+
+class Tour:
+    """A ground station that arms the robots and sends each from room to room, where it takes a picture and says that
+    what is there is the first treasure of all."""
+
+    def __init__(self, rooms: dict[int, list[int]], study: Study = STUDY) -> None:
+        self._left = rooms
+        self._goals = [room.goal for room in read_setting(study, Path()).place.rooms]
+        self._arrived = dict.fromkeys(rooms, 0)
+        self._bound = dict.fromkeys(rooms, 0)
+
+    def __call__(self, tick: int, session: Session) -> None:
+        if tick == 20:
+            self._station = Station(session)
+        if tick >= 20 and tick % 50 == 20:
+            self._station.beat()
+        if tick == 30:
+            for robot in self._left:
+                self._order(robot, mav.MAV_CMD_COMPONENT_ARM_DISARM, 1)
+        if tick < 50 or session.game is None:
+            return
+        for robot in self._left:
+            state = session.game.robots[robot - 1]
+            if state.bound_for is not None or state.at.people != self._bound[robot]:
+                self._arrived[robot] = tick
+            elif self._bound[robot] == 0 or tick - self._arrived[robot] == 30:
+                self._send_on(robot)
+            elif tick - self._arrived[robot] == 10:
+                self._order(robot, mav.MAV_CMD_IMAGE_START_CAPTURE, 0, 0, 1)
+            elif tick - self._arrived[robot] == 20:
+                self._order(robot, mav.MAV_CMD_USER_1, 1)
+
+    def _order(self, robot: int, command: int, *values: float) -> None:
+        filled = (*values, *[0.0] * (7 - len(values)))
+        self._station.say(mav.MAVLink_command_long_message(robot, 1, command, 0, *filled))
+
+    def _send_on(self, robot: int) -> None:
+        if not self._left[robot]:
+            return
+        self._bound[robot] = self._left[robot].pop(0)
+        goal = self._goals[self._bound[robot] - 1]
+        local, reposition = mav.MAV_FRAME_LOCAL_NED, mav.MAV_CMD_DO_REPOSITION
+        north, east = round(goal.y * 1e4), round(goal.x * 1e4)
+        order = (robot, 1, local, reposition, 0, 0, -1.0, 1.0, 0.0, math.nan, north, east, 0.0)
+        self._station.say(mav.MAVLink_command_int_message(*order))
+
+
+def events(bag: Path) -> list[str]:
+    return [unpack.game_event(message.data).kind for message in messages(bag, [names.GAME_EVENTS])]
+
+
+def test_a_hunt_that_ground_stations_drove_and_a_window_followed_is_driven_again_by_its_frames_alone(tmp_path: Path):
+    bag = tmp_path / "hunt.bag"
+    record(bag, 950, Tour({1: [5, 2], 2: [4, 8]}), follower=Follower())
+    assert {"commanded", "arrived", "sensed", "pictured", "identified"} <= set(events(bag))
+    done = by_frames(bag)
+    assert done.recorded is not None
+    assert [arrival.room for arrival in done.recorded.arrivals] == [5, 4]
+    assert done.recorded.score != 0
+    assert done.replayed == done.recorded
+    assert done.same
+    assert done.parted is None
+    equal(bag, 950)
+
+
+class Storm:
+    """Somebody who says all that should not be said, on several links."""
+
+    def __init__(self, seed: int) -> None:
+        self._chance = random.Random(seed)
+        self._foe = Foe(self._chance, range(1, STUDY.robots + 1), [parameter.name for parameter in PARAMETERS])
+        self._framer = Framer()
+
+    def __call__(self, tick: int, session: Session) -> None:
+        if tick % 40 == 10:
+            if tick > 10:
+                session.close_link(self._link)
+            self._link = session.open_link(f"tcp {tick}")
+        for _ in range(10 if tick > 10 else 0):
+            for found in self._framer.receive_data(self._foe.says()):
+                if isinstance(found, Frame):
+                    session.transmit(session.receive_frame(self._link, found))
+
+
+@pytest.mark.parametrize("ticks", [150, pytest.param(1500, marks=pytest.mark.slow)])
+def test_a_storm_of_frames_does_the_same_again(tmp_path: Path, ticks: int):
+    bag = tmp_path / "hunt.bag"
+    record(bag, ticks, Storm(3))
+    equal(bag, ticks)
+    done = by_frames(bag)
+    assert done.frames > ticks
+    assert (done.replayed, done.parted) == (done.recorded, None)
+
+
+@pytest.mark.slow
+def test_a_whole_hunt_by_ground_stations_comes_out_the_same_and_with_another_seed_it_goes_other_ways(tmp_path: Path):
+    bag = tmp_path / "hunt.bag"
+    study = replace(STUDY, map="practice", templates="practice")
+    rooms = len(read_setting(study, Path()).place.rooms)
+    numbers = [*range(1, rooms + 1)]
+    tour = Tour({1: numbers[: rooms // 2], 2: numbers[rooms // 2 :]}, study)
+    record(bag, 6000, tour, study, Follower())
+    assert events(bag)[-1] == "ended"
+    done = by_frames(bag, study)
+    assert done.recorded is not None
+    assert sorted(arrival.room for arrival in done.recorded.arrivals) == numbers
+    assert (done.replayed, done.parted) == (done.recorded, None)
+    other = by_frames(bag, replace(study, seed=8))
+    assert other.parted is not None
+    assert other.frames == done.frames
+    equal(bag, 6000)

@@ -1,0 +1,503 @@
+import asyncio
+import dataclasses
+import json
+from collections.abc import Callable, Iterator, Mapping, Sequence
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+from sim.common.geometry import Pose2
+from sim.common.observations import Twist
+from sim.parameters import WorldParameters
+from sim.team import (
+    Carry,
+    ClearCostmaps,
+    Die,
+    Disturb,
+    Drive,
+    Globalize,
+    Localize,
+    PutThing,
+    RemoveThing,
+    RequestUpdate,
+    Revive,
+)
+from sim.world.things import Thing
+from thbridge.app.compose import Setting, build_bot, read_setting
+from thbridge.app.listeners import Hosts, Watch
+from thbridge.app.play import PLAY, NoLog, PlayOptions, Unfinished, play
+from thbridge.app.programs import SIMR
+from thbridge.app.replay.replay import Replayed, ReplayOptions, replay, session_of, ticks_of
+from thbridge.app.session.broadcast import Broadcast
+from thbridge.app.session.inputs import Advanced, Asked, Backlogged, Closed, Input, Opened, Received, Said
+from thbridge.app.session.recording import BagWitness
+from thbridge.app.session.remote_robots import Outpost
+from thbridge.app.session.session import Moment, Session
+from thbridge.app.session.watching import request_line
+from thbridge.files.errors import BadFile
+from thbridge.recording.bag.reader import messages
+from thbridge.recording.bag.records import Compression
+from thbridge.recording.bag.repair import reindex
+from thbridge.recording.bag.writer import BagWriter
+from thbridge.roles.bots import BotStrategy
+from thbridge.roles.notices import KEEPER, Order, Orders, Subscribe, tell
+from thbridge.roles.robot_requests import (
+    AdviseFor,
+    PaceRequest,
+    Pause,
+    Puppeteer,
+    Request,
+    Resume,
+    SetParameters,
+    SpeakFor,
+    Step,
+)
+from thbridge.roles.tabui import TabUI
+from thbridge.ros import names
+from thbridge.ros.messages import unpack
+from thbridge.ros.messages.records import CancelRequest, GoalRequest, InitialPose, SimpleGoal, VelocityCommand
+from thbridge.ros.messages.stamps import START_NS, TICK_NS
+from thbridge.ros.publisher import Message, Topic
+from thbridge.sockets.text_client import TextClient
+from thbridge.sockets.text_server import CannotListen, Listening
+from thbridge.sockets.watch_client import WatchClient
+from thbridge.study.overrides import Change, changed
+from thbridge.study.study_file import RecordingSection, Study, read_study_text
+from thbridge.wire import legacy, text, watching
+from thbridge.wire.client import Registered
+from thbridge.wire.router import ConnectionId, Forwarded, Output, Router, Send
+
+STUDY = dataclasses.replace(Study(), seed=7, server=dataclasses.replace(Study().server, port=0))
+
+
+def setting_of(study: Study) -> Setting:
+    return read_setting(study, Path())
+
+
+def bot_of(setting: Setting) -> TabUI:
+    return TabUI(build_bot(setting.templates, setting.study.participant.strategy, setting.study.seed))
+
+
+def record(bag: Path, study: Study, seconds: float) -> None:
+    """A hunt with a simulated participant, given up after some time."""
+    setting = setting_of(study)
+    options = PlayOptions(0.0, bag, frozenset(), "suggestion", seconds)
+    with pytest.raises(Unfinished):
+        asyncio.run(play(setting, bot_of(setting), options, lambda where: None, lambda moment: None))
+
+
+def watched(bag: Path, study: Study, seconds: float, plan: Sequence[tuple[int, Request | PaceRequest]]) -> list[type]:
+    """A hunt as `record` makes it, with a researcher who asks for something whenever so many ticks have passed; what
+    was recorded of that."""
+    setting, waiting, clients = setting_of(study), list(plan), list[WatchClient]()
+    running: list[asyncio.Task[None]] = []
+
+    def come(where: Listening | CannotListen) -> None:
+        assert isinstance(where, Listening)
+        clients.append(WatchClient(where.host, where.port))
+        running.extend((asyncio.ensure_future(clients[0].run()), asyncio.ensure_future(look())))
+
+    async def look() -> None:
+        tick = 0
+        while waiting:
+            for event in clients[0].take():
+                if isinstance(event, watching.Said) and event.topic == names.TF:
+                    tick = (event.stamp_ns - START_NS) // TICK_NS
+            while waiting and tick >= waiting[0][0]:
+                assert clients[0].send(request_line("researcher", waiting.pop(0)[1]))
+            await asyncio.sleep(0)
+
+    async def whole() -> None:
+        options = PlayOptions(20.0, bag, frozenset(), "suggestion", seconds, watch=Watch("127.0.0.1", 0, None))
+        told = Hosts(lambda master: None, come)
+        try:
+            await play(setting, bot_of(setting), options, lambda where: None, lambda moment: None, told)
+        finally:
+            for task in running:
+                task.cancel()
+
+    with pytest.raises(Unfinished):
+        asyncio.run(whole())
+    assert not waiting
+    return [type(item.request) for item in inputs(bag) if isinstance(item, Asked) and item.sender == "researcher"]
+
+
+def act(bag: Path, study: Study, ticks: int, doing: Callable[[int, Session], None]) -> None:
+    """A hunt with a simulated participant, and something that is done from outside before each tick."""
+    setting = setting_of(study)
+    roles = [setting.simr(), setting.hider()]
+    session_record = setting.record(PLAY, [legacy.SIMR, legacy.HIDER, legacy.TABUI], "suggestion")
+    with setting.writer(bag) as writer:
+        witness = BagWitness(Broadcast(setting.publisher(), session_record, setting.place.grid, [writer]))
+        session = Session(Router(), setting.keeper(), roles, NoLog(), [witness], bot_of(setting))
+        for tick in range(ticks):
+            doing(tick, session)
+            session.step()
+
+
+def again(bag: Path, *changes: Change, to: Path | None = None, to_the_end: bool = False) -> Replayed:
+    study = changed(read_study_text(bag, session_of(bag).study), [], changes)
+    return asyncio.run(replay(bag, setting_of(study), ReplayOptions(0.0, 0.0, to, to_the_end), lambda moment: None))
+
+
+def equal(bag: Path, ticks: int) -> None:
+    done = again(bag)
+    assert done.difference is None
+    assert (done.cut_off, done.finished, done.ticks) == (False, True, ticks)
+    assert done.messages == len(list(messages(bag))) - 1
+
+
+def subscription(name: str) -> bytes:
+    return (tell(name, legacy.SIMR, Subscribe()).line() + "\n").encode()
+
+
+def inputs(bag: Path) -> Iterator[Input]:
+    for tick in ticks_of(bag):
+        yield from tick.inputs
+
+
+@pytest.fixture(scope="module")
+def hunt(tmp_path_factory: pytest.TempPathFactory) -> Path:
+    bag = tmp_path_factory.mktemp("hunt") / "hunt.bag"
+    record(bag, STUDY, 16.0)
+    return bag
+
+
+class TestSame:
+    def test_a_hunt_is_the_same_again_to_the_last_bit(self, hunt: Path, tmp_path: Path) -> None:
+        equal(hunt, 16 * 50)
+        again(hunt, to=tmp_path / "again.bag")
+        assert list(messages(tmp_path / "again.bag")) == list(messages(hunt))
+
+    def test_what_a_researcher_did_at_the_watch_door_is_done_again(self, tmp_path: Path) -> None:
+        crate = Thing("crate", ((0.3, 0.3), (-0.3, 0.3), (-0.3, -0.3), (0.3, -0.3)), Pose2(0.0, 0.5, 0.2))
+        plan: list[tuple[int, Request | PaceRequest]] = [
+            (40, Pause()),
+            (40, SetParameters(0, (("amcl.recovery_alpha_fast", 0.1),))),
+            (40, Carry(0, Pose2(1.0, 0.0, 0.0))),
+            (40, Step(30)),
+            (60, PutThing(crate)),
+            (70, Resume()),
+            (120, Die(1)),
+            (180, Revive(1)),
+            (190, SimpleGoal(1, Pose2(2.0, 0.0, 0.0), 0)),
+        ]
+        bag = tmp_path / "hunt.bag"
+        asked = watched(bag, STUDY, 8.0, plan)
+        assert asked == [type(request) for _, request in plan if not isinstance(request, Pause | Resume | Step)]
+        equal(bag, 8 * 50)
+
+    def test_sensors_that_get_worse_midway_do_so_again(self, tmp_path: Path) -> None:
+        worse = (("world.laser.range_noise", 0.4), ("world.odometry.angular_scale", 1.3), ("amcl.laser_sigma_hit", 0.4))
+
+        def disturb(tick: int, session: Session) -> None:
+            if tick == 80:
+                session.ask("window", SetParameters(0, worse))
+            if tick == 120:
+                session.ask("window", SetParameters(1, (("world.laser.dropout", 1.0),)))
+            if tick == 160:
+                session.ask("window", Disturb(1, WorldParameters()))
+
+        act(tmp_path / "plain.bag", STUDY, 200, lambda tick, session: None)
+        act(tmp_path / "worse.bag", STUDY, 200, disturb)
+        equal(tmp_path / "worse.bag", 200)
+        scans = [names.RobotNames.of(robot).topic("scan") for robot in range(2)]
+        plain, worse_ones = (
+            [[message.data for message in messages(tmp_path / name, [scan])] for scan in scans]
+            for name in ("plain.bag", "worse.bag")
+        )
+        assert plain[0][:15] == worse_ones[0][:15]
+        assert all(before != after for before, after in zip(plain[0][17:], worse_ones[0][17:], strict=True))
+        assert plain[1] != worse_ones[1]
+
+    def test_what_a_wizard_said_is_said_again(self, tmp_path: Path) -> None:
+        def conjure(tick: int, session: Session) -> None:
+            if tick == 1:
+                session.ask("wizard", Puppeteer(0, on=True))
+            if tick == 60:
+                session.ask("wizard", AdviseFor(0, 5))
+                session.ask("wizard", SpeakFor(1, 0, 0, "This is for a later turn, or none."))
+            if tick == 80:
+                session.ask("wizard", Puppeteer(0, on=False))
+            for number in (1, 2):
+                if tick == 70:
+                    session.ask("wizard", SpeakFor(number, 0, 0, "Room 5, shall I?"))
+
+        bag = tmp_path / "hunt.bag"
+        act(bag, STUDY, 200, conjure)
+        equal(bag, 200)
+        said = [unpack.utterance(message.data) for message in messages(bag, [names.UTTERANCES])]
+        ours = [(said.author, said.text) for said in said if said.robot == 0 and said.author != "person"]
+        assert ours[0] == ("wizard", "Room 5, shall I?")
+        assert {author for author, _ in ours[1:]} == {"robot"}
+        held = [json.loads(unpack.string(message.data)) for message in messages(bag, [names.WIZARD])]
+        assert held[0]["puppets"] == [0]
+        assert held[-1] == {"puppets": [], "turns": [], "advice": []}
+        assert any(level["advice"] for level in held)
+        assert any(level["turns"] for level in held)
+
+    def test_packed_and_split_recordings_are_read_as_one(self, tmp_path: Path) -> None:
+        bag = tmp_path / "hunt.bag"
+        recording = RecordingSection(Compression.LZ4, split_duration=2.0)
+        record(bag, dataclasses.replace(STUDY, recording=recording), 5.0)
+        assert (tmp_path / "hunt_1.bag").exists()
+        equal(bag, 5 * 50)
+
+    def test_things_in_the_way_and_what_befalls_robots(self, tmp_path: Path) -> None:
+        study = read_study_text(
+            Path("study.yaml"),
+            "robots: 3\nthings:\n  - {name: visitor, shape: person, path: [[0, 2], [6, 2]], back_and_forth: true}\n"
+            "mishaps:\n  - {robot: 2, what: dies, time: 4}\n  - {robot: 2, what: revives, time: 8}\n"
+            "  - {robot: 3, what: carried, time: 6, to: [0, 4, 1]}\n",
+        )
+        record(tmp_path / "hunt.bag", dataclasses.replace(study, server=STUDY.server), 10.0)
+        equal(tmp_path / "hunt.bag", 10 * 50)
+
+    def test_all_that_can_be_asked_of_robots(self, tmp_path: Path) -> None:
+        here = Pose2(1.0, 0.1 + 0.2, -0.0)
+        crate = Thing("crate", ((0.1, 0.1), (-0.1, 0.1), (0.0, -0.1)), Pose2(3.0, 1.0, 0.0))
+        asked: Mapping[int, Sequence[Request]] = {
+            50: [Drive(0, Twist(0.3, 0.1), 40), Localize(1, here, np.diag([0.1, 0.1, 0.2]))],
+            120: [Globalize(0), RequestUpdate(1), ClearCostmaps(1)],
+            150: [PutThing(crate), Die(1)],
+            200: [Revive(1), GoalRequest(1, "rviz-1", 4_000_000_000, Pose2(-2.0, 0.0, 1.0), 10**6)],
+            230: [SimpleGoal(1, Pose2(2.0, 0.0, 1.0), 10**6 + 1), VelocityCommand(0, Twist(0.2, -0.4))],
+            260: [CancelRequest(1, "", 0), InitialPose(0, here, np.eye(3) / 7)],
+            290: [SetParameters(0, (("amcl.max_particles", 333), ("amcl.laser_z_rand", 0.3)))],
+            300: [GoalRequest(0, "", 0, None, 10**6 + 2, "no frame"), RemoveThing("crate")],
+            305: [Carry(1, Pose2(0.0, 4.0, 1.0))],
+            310: [GoalRequest(7, "nobody", 0, here, 10**6 + 3)],
+        }
+
+        def doing(tick: int, session: Session) -> None:
+            for request in asked.get(tick, ()):
+                session.ask("/rviz", request)
+
+        act(tmp_path / "asked.bag", STUDY, 400, doing)
+        taken = [item.request for item in inputs(tmp_path / "asked.bag") if isinstance(item, Asked)]
+        assert len(taken) == sum(len(requests) for requests in asked.values())
+        equal(tmp_path / "asked.bag", 400)
+
+    def test_connections_of_every_kind_of_misbehaviour(self, tmp_path: Path) -> None:
+        def doing(tick: int, session: Session) -> None:
+            def send(connection: int, data: bytes) -> None:
+                session.perform(session.receive_data(ConnectionId(connection), data, tick * 0.1))
+
+            match tick:
+                case 5:
+                    session.connect(0.3)
+                    session.connect(0.1 + 0.2)
+                    send(1, b"%%setid Noise extended a\n%%goto Noise SimR 0 5\r\n%%pi")
+                    send(2, b"\xff\x00 \r\n%%setid SimR\n")
+                case 9:
+                    send(1, b"ng\n%%error Noise Game thbridge {\n")
+                    send(2, b"%%ping\n")
+                case 20:
+                    session.perform(session.report_backlog(ConnectionId(1), 1000))
+                    session.perform(session.report_backlog(ConnectionId(1), 2**30))
+                    session.perform(session.eof(ConnectionId(1)))
+                case 30:
+                    session.connect(3.0)
+                    send(3, b"%%setid Noise\n%%where Noise SimR 0\n")
+                case 200 | 400:
+                    session.perform(session.advance(tick * 0.1))
+                case 420:
+                    session.connect(42.0)
+                    session.perform(session.eof(ConnectionId(4)))
+
+        act(tmp_path / "noise.bag", STUDY, 450, doing)
+        kinds = {type(item) for item in inputs(tmp_path / "noise.bag")}
+        assert kinds == {Opened, Received, Backlogged, Advanced, Closed, Said}
+        equal(tmp_path / "noise.bag", 450)
+
+    def test_a_reader_that_lags_behind_while_it_is_sent_something(self, tmp_path: Path) -> None:
+        def doing(tick: int, session: Session) -> None:
+            def perform(outputs: Sequence[Output]) -> None:
+                for output in outputs:
+                    if isinstance(output, Forwarded):
+                        session.hear(output)
+                    if isinstance(output, Send) and tick > 30:
+                        perform(session.report_backlog(output.connection, 2**30))
+
+            session.perform = perform
+            if tick == 5:
+                session.connect(0.0)
+                perform(session.receive_data(ConnectionId(1), b"%%setid Deaf extended\n", 0.0))
+                perform(session.receive_data(ConnectionId(1), subscription("Deaf"), 0.0))
+
+        act(tmp_path / "deaf.bag", STUDY, 100, doing)
+        assert [type(item) for item in inputs(tmp_path / "deaf.bag") if isinstance(item, Backlogged)] == [Backlogged]
+        equal(tmp_path / "deaf.bag", 100)
+
+    def test_robots_by_themselves(self, tmp_path: Path) -> None:
+        setting = setting_of(STUDY)
+        simr = setting.simr()
+        record = setting.record(SIMR, [simr.name], "")
+        with setting.writer(tmp_path / "simr.bag") as writer:
+            said = Broadcast(setting.publisher(), record, setting.place.grid, [writer])
+            outpost = Outpost(simr, [BagWitness(said)])
+            for tick in range(400):
+                if tick in {3, 200}:
+                    outpost.connected()
+                if tick == 10:
+                    outpost.hear(tell(KEEPER, legacy.SIMR, Orders(1, (Order(1, 2), None), (90.0, 80.0), (0, 0), None)))
+                if tick == 100:
+                    outpost.hear(legacy.Goto(1, 3).message())
+                    outpost.ask("/teleop", VelocityCommand(0, Twist(0.1, 0.0)))
+                outpost.step()
+        equal(tmp_path / "simr.bag", 400)
+
+    def test_a_program_from_outside_that_comes_goes_and_comes_again(self, tmp_path: Path) -> None:
+        setting = setting_of(STUDY)
+        where: list[Listening] = []
+
+        async def outside() -> None:
+            while not where:
+                await asyncio.sleep(0.01)
+            for token, turns in (("first", 40), ("second", 1000)):
+                role = bot_of(setting)
+                client = TextClient(role.name, token, where[0].host, where[0].port)
+                async with client.running():
+                    for tick in range(turns):
+                        heard = []
+                        for event in client.take():
+                            if isinstance(event, Registered):
+                                role.connected()
+                            elif isinstance(event, text.Message):
+                                heard.append(event)
+                        for message in role.step(tick, heard):
+                            client.send(message)
+                        await asyncio.sleep(0.01)
+
+        async def both() -> None:
+            participant = asyncio.create_task(outside())
+            options = PlayOptions(20.0, tmp_path / "hunt.bag", frozenset({legacy.TABUI}), "person", 30.0)
+            try:
+                await play(setting, bot_of(setting), options, where.append, lambda moment: None)
+            finally:
+                participant.cancel()
+
+        with pytest.raises(Unfinished):
+            asyncio.run(both())
+        assert session_of(tmp_path / "hunt.bag").participant == ""
+        opened = [item for item in inputs(tmp_path / "hunt.bag") if isinstance(item, Opened)]
+        assert len(opened) == 2
+        equal(tmp_path / "hunt.bag", 30 * 50)
+
+
+class TestDifferent:
+    def test_another_seed_is_found_where_it_first_shows(self, hunt: Path) -> None:
+        difference = again(hunt, Change("seed", "8")).difference
+        assert difference is not None
+        assert (difference.topic, difference.topic_number, difference.seconds) == ("/hunt/events", 1, 0.04)
+        (field,) = difference.fields
+        assert '"seed":7' in field.was
+        assert '"seed":8' in field.now
+
+    def test_one_parameter_of_one_robot_is_found(self, hunt: Path) -> None:
+        done = again(hunt, Change("robot.amcl.max_particles", "300"))
+        assert done.difference is not None
+        assert done.ticks < 250
+
+    def test_a_larger_team_says_more(self, hunt: Path) -> None:
+        difference = again(hunt, Change("robots", "3")).difference
+        assert difference is not None
+        assert difference.topic == "/tf_static"
+
+    def test_a_smaller_team_forgets_what_is_asked_of_robots_that_it_has_not(self, tmp_path: Path) -> None:
+        def doing(tick: int, session: Session) -> None:
+            if tick == 10:
+                session.ask("/rviz", SimpleGoal(1, Pose2(0.0, 0.0, 0.0), 10**6))
+                session.ask("/rviz", InitialPose(1, Pose2(0.0, 0.0, 0.0), np.eye(3)))
+
+        act(tmp_path / "a.bag", STUDY, 50, doing)
+        assert again(tmp_path / "a.bag", Change("robots", "1"), to_the_end=True).ticks == 50
+
+    @pytest.mark.parametrize("forged", ["missing", "new", "changed", "moved"])
+    def test_a_message_that_was_tampered_with_is_named(self, hunt: Path, tmp_path: Path, forged: str) -> None:
+        victim = 2000
+        with BagWriter(tmp_path / "forged.bag") as writer:
+            for number, message in enumerate(messages(hunt)):
+                topic = Topic(message.topic, message.msgtype)
+                data = message.data
+                if number == victim:
+                    if forged == "missing":
+                        continue
+                    if forged == "moved":
+                        topic = Topic("/elsewhere", message.msgtype)
+                    if forged == "changed":
+                        data = data[:-1] + bytes([data[-1] ^ 1])
+                    if forged == "new":
+                        writer.write(Message(topic, message.stamp_ns, data))
+                writer.write(Message(topic, message.stamp_ns, data))
+        difference = again(tmp_path / "forged.bag").difference
+        assert difference is not None
+        assert difference.number == victim + (forged == "new")
+        assert difference.seconds == pytest.approx(again_seconds(hunt, victim))
+
+    def test_one_that_was_cut_off_is_the_same_up_to_its_end(self, hunt: Path, tmp_path: Path) -> None:
+        whole = hunt.read_bytes()
+        for share in (0.3, 0.61, 0.9):
+            cut = tmp_path / f"cut{share}.bag"
+            cut.write_bytes(whole[: int(share * len(whole))])
+            reindex(cut)
+            done = again(cut)
+            assert done.difference is None
+            assert done.finished
+            assert 0 < done.messages == len(list(messages(cut))) - 1
+
+
+def again_seconds(bag: Path, number: int) -> float:
+    return (list(messages(bag))[number].stamp_ns - 10**9) / 1e9
+
+
+def test_it_tells_what_happens_from_the_time_asked_for(hunt: Path) -> None:
+    told: list[Moment] = []
+    setting = setting_of(read_study_text(hunt, session_of(hunt).study))
+    asyncio.run(replay(hunt, setting, ReplayOptions(0.0, 12.0, None, False), told.append))
+    assert [moment.tick for moment in told] == list(range(600, 800))
+
+
+def test_a_participant_who_plays_anew_makes_the_best_of_a_changed_study(hunt: Path, tmp_path: Path) -> None:
+    setting = setting_of(read_study_text(hunt, session_of(hunt).study))
+    options = ReplayOptions(0.0, 0.0, tmp_path / "again.bag", True, BotStrategy.SUGGESTION)
+    assert asyncio.run(replay(hunt, setting, options, lambda moment: None)).difference is None
+    options = dataclasses.replace(options, to=tmp_path / "other.bag", participant=BotStrategy.NEAREST)
+    assert asyncio.run(replay(hunt, setting, options, lambda moment: None)).difference is not None
+    assert session_of(tmp_path / "other.bag").participant == "nearest"
+    assert again(tmp_path / "other.bag").difference is None
+
+
+def test_bags_that_are_not_ours_are_refused(tmp_path: Path) -> None:
+    with BagWriter(tmp_path / "foreign.bag") as writer:
+        writer.write(Message(Topic("/chatter", "std_msgs/String"), 10**9, b"\0\0\0\0"))
+    with pytest.raises(BadFile, match="no session of ours"):
+        session_of(tmp_path / "foreign.bag")
+
+
+def test_an_input_of_another_release_is_refused(hunt: Path, tmp_path: Path) -> None:
+    with BagWriter(tmp_path / "other.bag") as writer:
+        for message in messages(hunt):
+            data = message.data.replace(b"said", b"sung") if message.topic == names.INPUTS else message.data
+            writer.write(Message(Topic(message.topic, message.msgtype), message.stamp_ns, data))
+    with pytest.raises(BadFile, match="no input is of the kind 'sung'"):
+        again(tmp_path / "other.bag")
+
+
+@pytest.mark.slow
+def test_ten_minutes_of_three_robots_are_the_same_again(tmp_path: Path) -> None:
+    rooms = [room.goal for room in setting_of(dataclasses.replace(STUDY, map="office")).place.rooms]
+
+    def doing(tick: int, session: Session) -> None:
+        # A hunt that is over leaves robots standing; then, and before, somebody else sends them about.
+        if tick % 800 == 799:
+            number = tick // 800
+            goal = rooms[number * 5 % len(rooms)]
+            session.ask("/tour", GoalRequest(number % 3, f"tour-{number}", 0, goal, 10**6 + number))
+
+    act(tmp_path / "long.bag", dataclasses.replace(STUDY, map="office", robots=3), 30_000, doing)
+    equal(tmp_path / "long.bag", 30_000)
+    difference = again(tmp_path / "long.bag", Change("seed", "8")).difference
+    assert difference is not None
+    assert difference.seconds < 1.0

@@ -1,0 +1,136 @@
+"""A session's doors to a ROS graph without the graph: a node that only remembers what it is to do."""
+
+import asyncio
+import inspect
+from collections.abc import Awaitable, Callable
+from pathlib import Path
+
+import pytest
+
+from sim.team import TeamSnapshot
+from tests.thbridge.ros.test_clients import STORE, header, packed, pose
+from thbridge.app.compose import Setting
+from thbridge.app.play import PLAY, NoLog
+from thbridge.app.rosgraph import live
+from thbridge.app.rosgraph.live import LiveGraph
+from thbridge.app.session.broadcast import Broadcast
+from thbridge.app.session.inputs import Asked
+from thbridge.app.session.recording import BagWitness
+from thbridge.app.session.session import Moment, Session
+from thbridge.roles.robot_requests import Request
+from thbridge.ros.names import GRAPH_LINK
+from thbridge.sockets.rosgraph.joining import Graph
+from thbridge.wire import legacy
+from thbridge.wire.mavlink.frames.frame import Frame
+from thbridge.wire.mavlink.outgoing import LinkId
+from thbridge.wire.rosgraph.links import ServiceFailed
+from thbridge.wire.rosgraph.xmlrpc import XmlRpcValue
+from thbridge.wire.router import Router
+
+Answer = bytes | ServiceFailed
+
+
+class Silence:
+    """A publication that nobody subscribes to."""
+
+    dropped = 0
+
+    def publish(self, data: bytes) -> None:
+        """Nobody hears it."""
+
+
+class Doors:
+    """Stands in for `RosNode`."""
+
+    def __init__(self, *_: object, **__: object) -> None:
+        self.heard: dict[str, Callable[[bytes, str], None]] = {}
+        self.services: dict[str, Callable[[bytes], Answer | Awaitable[Answer]]] = {}
+        self.parameters: dict[str, Callable[[str, XmlRpcValue], None]] = {}
+        self.declared: dict[str, XmlRpcValue] = {}
+
+    def advertise(self, *_: object, **__: object) -> Silence:
+        return Silence()
+
+    def subscribe(self, topic: str, kind: str, md5: str, heard: Callable[[bytes, str], None]) -> None:
+        self.heard[topic] = heard
+
+    def serve(self, service: str, kind: str, md5: str, request: str, response: str, handler: object) -> None:
+        assert callable(handler)
+        self.services[service] = handler
+
+    def subscribe_param(self, key: str, changed: Callable[[str, XmlRpcValue], None]) -> None:
+        self.parameters[key] = changed
+
+    def declare_param(self, key: str, value: XmlRpcValue) -> None:
+        self.declared[key] = value
+
+
+class Visited:
+    """A hunt that nobody plays, on a graph whose clients knock by hand."""
+
+    def __init__(self, setting: Setting, bag: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+        made: list[Doors] = []
+
+        def doors(*_: object, **__: object) -> Doors:
+            made.append(Doors())
+            return made[0]
+
+        monkeypatch.setattr(live, "RosNode", doors)
+        team, publisher = setting.team(), setting.publisher()
+        simr = setting.simr(team)
+        graph = LiveGraph(Graph(), setting.facts(publisher), team, self.ask, self._hear)
+        self.doors = made[0]
+        self.writer = setting.writer(bag)
+        record = setting.record(PLAY, [legacy.SIMR, legacy.HIDER], "")
+        witness = BagWitness(Broadcast(publisher, record, setting.place.grid, [graph, self.writer]))
+        roles, vehicles = [simr, setting.hider()], setting.vehicles(simr)
+        self._session = Session(Router(), setting.keeper(), roles, NoLog(), [witness], vehicles=vehicles)
+        self._link = self._session.open_link(GRAPH_LINK) if setting.study.mavlink.on else LinkId(0)
+
+    def ask(self, sender: str, request: Request) -> None:
+        self._session.ask(sender, request)
+
+    def _hear(self, robot: int, frame: Frame) -> None:
+        self._session.transmit(self._session.receive_frame(self._link, frame, robot))
+
+    def say(self, topic: str, data: bytes, caller: str = "/client") -> None:
+        self.doors.heard[topic](data, caller)
+
+    def call(self, service: str, request: bytes = b"") -> Answer:
+        async def answered() -> Answer:
+            answer = self.doors.services[service](request)
+            return await answer if inspect.isawaitable(answer) else answer
+
+        return asyncio.run(answered())
+
+    def set_parameter(self, key: str, value: XmlRpcValue) -> None:
+        for below, changed in self.doors.parameters.items():
+            if key.startswith(below):
+                changed(key, value)
+
+    def step(self) -> Moment:
+        return self._session.step()
+
+    def robots(self) -> TeamSnapshot:
+        snapshot = self.step().snapshot
+        assert snapshot is not None
+        return snapshot
+
+
+def asked(moment: Moment) -> list[Request]:
+    return [item.request for item in moment.inputs if isinstance(item, Asked)]
+
+
+def goal_id(name: str, seconds: int = 0) -> object:
+    return STORE.types["actionlib_msgs/msg/GoalID"](STORE.types["builtin_interfaces/msg/Time"](seconds, 0), name)
+
+
+def goal(x: float, y: float, name: str = "", seconds: int = 0) -> bytes:
+    target = STORE.types["geometry_msgs/msg/PoseStamped"](header(), pose(x, y, 0.0))
+    wanted = STORE.types["move_base_msgs/msg/MoveBaseGoal"](target)
+    kind = "move_base_msgs/msg/MoveBaseActionGoal"
+    return packed(kind, header=header(), goal_id=goal_id(name, seconds), goal=wanted)
+
+
+def cancel(name: str = "", seconds: int = 0) -> bytes:
+    return bytes(STORE.serialize_ros1(goal_id(name, seconds), "actionlib_msgs/msg/GoalID"))

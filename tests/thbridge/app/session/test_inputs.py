@@ -1,0 +1,117 @@
+import json
+import math
+from dataclasses import fields, is_dataclass
+from typing import get_args
+
+import numpy as np
+import pytest
+from hypothesis import given
+from hypothesis import strategies as st
+
+from sim.common.geometry import Pose2
+from sim.parameters import RobotParameters
+from sim.world.things import Thing
+from thbridge.app.session.inputs import (
+    Advanced,
+    Asked,
+    Backlogged,
+    Closed,
+    Framed,
+    Heard,
+    Input,
+    KeptAlive,
+    LinkClosed,
+    LinkOpened,
+    Opened,
+    Received,
+    Registered,
+    Said,
+    from_record,
+    to_record,
+)
+from thbridge.roles.robot_requests import Request
+from thbridge.ros.messages import pack, unpack
+from thbridge.ros.messages.records import Input as InputRecord
+from thbridge.wire.mavlink.frames.frame import Frame
+from thbridge.wire.text import Message, tokens
+
+FLOATS = st.floats()
+WORDS = st.text(min_size=1, max_size=20).filter(lambda text: tokens(text) == [text])
+MESSAGES = st.builds(Message, WORDS, WORDS, WORDS, st.lists(WORDS, max_size=4).map(tuple))
+NUMBERS = st.integers(1, 2**40)
+st.register_type_strategy(Pose2, st.builds(Pose2, FLOATS, FLOATS, FLOATS))
+THINGS = st.builds(
+    Thing,
+    st.text(),
+    st.lists(st.tuples(FLOATS, FLOATS), min_size=3, max_size=5).map(tuple),
+    st.builds(Pose2, st.just(0.0), st.just(0.0), FLOATS),
+    st.sampled_from([(), ((1.0, 2.0),), ((0.1, 0.2), (1e300, -1e-300))]),
+    FLOATS,
+    st.booleans(),
+)
+st.register_type_strategy(Thing, THINGS)
+st.register_type_strategy(RobotParameters, st.just(RobotParameters(localization="ekf")))
+st.register_type_strategy(
+    np.ndarray, st.lists(FLOATS, min_size=9, max_size=9).map(lambda values: np.array(values).reshape(3, 3))
+)
+REQUESTS = st.one_of(*(st.from_type(kind) for kind in get_args(Request)))
+BYTES = st.integers(0, 255)
+FRAMES = st.builds(Frame, BYTES, BYTES, BYTES, st.integers(0, 2**24 - 1), st.binary(min_size=1, max_size=255), BYTES)
+STRATEGIES = {
+    Opened: st.builds(Opened, NUMBERS, FLOATS),
+    Received: st.builds(Received, NUMBERS, WORDS, st.binary(max_size=100), FLOATS),
+    Closed: st.builds(Closed, NUMBERS, WORDS),
+    Backlogged: st.builds(Backlogged, NUMBERS, WORDS, NUMBERS),
+    Advanced: st.builds(Advanced, FLOATS),
+    Said: st.builds(Said, MESSAGES),
+    Registered: st.just(Registered()),
+    Heard: st.builds(Heard, MESSAGES),
+    Asked: st.builds(Asked, st.text(), REQUESTS),
+    LinkOpened: st.builds(LinkOpened, NUMBERS, WORDS),
+    LinkClosed: st.builds(LinkClosed, NUMBERS, WORDS),
+    KeptAlive: st.just(KeptAlive()),
+    Framed: st.builds(Framed, NUMBERS, WORDS, FRAMES, st.none() | st.integers(0, 249)),
+}
+INPUTS = st.one_of(*(STRATEGIES[kind] for kind in get_args(Input)))
+
+
+def bits(value: object) -> object:
+    """A value such that equal means equal to the last bit, NaN and the sign of zero included."""
+    match value:
+        case float():
+            return "nan" if math.isnan(value) else value.hex()
+        case np.ndarray():
+            return bits(value.tolist())
+        case tuple() | list():
+            return [bits(item) for item in value]
+    if is_dataclass(value):
+        return type(value), [bits(getattr(value, field.name)) for field in fields(value)]
+    return type(value), value
+
+
+@given(INPUTS)
+def test_any_input_comes_out_of_a_bag_as_it_went_in(item: Input) -> None:
+    record = unpack.outside_input(pack.outside_input(7, to_record(item)))
+    assert bits(from_record(record)) == bits(item)
+
+
+def test_people_can_read_what_came_in() -> None:
+    record = to_record(Received(3, "TabUI", b"%%goto TabUI SimR 0 4 \r\n", 12.5))
+    assert (record.kind, record.sender, record.line) == ("received", "TabUI", "%%goto TabUI SimR 0 4 ")
+    assert json.loads(record.json)["now"] == 12.5
+
+
+@pytest.mark.parametrize(
+    "record",
+    [
+        InputRecord("sung", "TabUI", "", "{}"),
+        InputRecord("said", "TabUI", "", "{"),
+        InputRecord("said", "TabUI", "", "{}"),
+        InputRecord("opened", "", "", '{"connection":"one","now":0.0}'),
+        InputRecord("asked", "", "", '{"sender":"x","request":"Dance","fields":{}}'),
+        InputRecord("asked", "", "", '{"sender":"x","request":"Halt","fields":{"robot":"one"}}'),
+    ],
+)
+def test_what_no_release_wrote_is_refused(record: InputRecord) -> None:
+    with pytest.raises(ValueError):
+        from_record(record)

@@ -1,0 +1,97 @@
+"""A researcher pauses a session while a ground station listens: it goes on hearing that the robots are there."""
+
+import asyncio
+import socket
+from collections import Counter
+from dataclasses import replace
+from pathlib import Path
+
+import pytest
+
+from thbridge.app.compose import read_setting
+from thbridge.app.listeners import Hosts, Watch
+from thbridge.app.play import PlayOptions, Unfinished, play
+from thbridge.app.replay.replay import ReplayOptions, replay, ticks_of
+from thbridge.app.session.inputs import KeptAlive
+from thbridge.app.session.session import Moment
+from thbridge.app.session.watching import request_line
+from thbridge.roles.robot_requests import PaceRequest, Pause, Resume
+from thbridge.sockets.addresses import Address
+from thbridge.sockets.mavlink.server import Ports
+from thbridge.sockets.mavlink.udp import Target
+from thbridge.sockets.text_server import CannotListen, Listening
+from thbridge.sockets.watch_client import WatchClient
+from thbridge.study.mavlink import MavlinkSection
+from thbridge.study.study_file import Study
+from thbridge.wire.mavlink.dialect import mav
+from thbridge.wire.mavlink.frames.frame import Frame
+from thbridge.wire.mavlink.frames.framer import frames_of
+
+BEATS = 2
+PATIENCE = 300
+STUDY = replace(Study(), server=replace(Study().server, port=0), mavlink=MavlinkSection(on=True))
+OUTSIDE = frozenset({"TabUI"})
+
+
+class Afternoon:
+    """A hunt that nobody plays, a station that says nothing, and a researcher who pauses while it listens."""
+
+    def __init__(self, bag: Path) -> None:
+        self.bag = bag
+        self.tick = 0
+        self._station = socket.socket(socket.AF_INET, socket.SOCK_DGRAM)
+        self._station.bind(("127.0.0.1", 0))
+        self._station.setblocking(False)
+        self._client: WatchClient | None = None
+        self._tasks: list[asyncio.Task[None]] = []
+
+    async def pass_by(self) -> None:
+        ports = Ports((Target(Address("127.0.0.1", self._station.getsockname()[1])),), None, None)
+        watch = Watch("127.0.0.1", 0, None)
+        options = PlayOptions(1.0, self.bag, OUTSIDE, "", 2.0, watch=watch, mavlink=ports)
+        told = Hosts(lambda master: None, self._come)
+        with self._station, pytest.raises(Unfinished):
+            async with asyncio.timeout(PATIENCE):
+                await play(read_setting(STUDY, Path()), None, options, lambda where: None, self._passed, told)
+        for task in self._tasks:
+            task.cancel()
+
+    def _passed(self, moment: Moment) -> None:
+        self.tick = moment.tick
+
+    def _come(self, where: Listening | CannotListen) -> None:
+        assert isinstance(where, Listening)
+        self._client = WatchClient(where.host, where.port)
+        self._tasks += [asyncio.ensure_future(self._client.run()), asyncio.ensure_future(self._pause())]
+
+    async def _pause(self) -> None:
+        await self._heard_in_one_tick(0)
+        await self._wish(Pause())
+        await self._heard_in_one_tick(BEATS)
+        await self._wish(Resume())
+
+    async def _wish(self, request: PaceRequest) -> None:
+        while self._client is None or not self._client.send(request_line("researcher", request)):
+            await asyncio.sleep(0)
+
+    async def _heard_in_one_tick(self, beats: int) -> None:
+        """Listen until every robot has said so many heartbeats in a row without a tick between them."""
+        heard, tick = Counter[int](), self.tick
+        while min(heard[1], heard[2]) < beats or not heard:
+            data = await asyncio.get_running_loop().sock_recv(self._station, 65535)
+            if tick != self.tick:
+                heard, tick = Counter(), self.tick
+            for frame in frames_of(data):
+                if isinstance(frame, Frame) and frame.message_id == mav.MAVLINK_MSG_ID_HEARTBEAT:
+                    heard[frame.system] += 1
+
+
+def test_heartbeats_go_on_in_a_pause_and_are_said_again_in_a_replay(tmp_path: Path) -> None:
+    afternoon = Afternoon(tmp_path / "hunt.bag")
+    asyncio.run(afternoon.pass_by())
+    recorded = [item for tick in ticks_of(afternoon.bag) for item in tick.inputs]
+    assert recorded.count(KeptAlive()) >= BEATS
+    done = asyncio.run(
+        replay(afternoon.bag, read_setting(STUDY, Path()), ReplayOptions(0.0, 0.0, None, False), lambda moment: None)
+    )
+    assert (done.difference, done.ticks) == (None, 100)

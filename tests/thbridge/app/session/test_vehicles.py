@@ -1,0 +1,213 @@
+"""Vehicles inside a session: what ground stations say is an input, and what vehicles do for it comes with the ticks."""
+
+from collections import defaultdict
+from collections.abc import Sequence
+from dataclasses import replace
+from pathlib import Path
+
+import pytest
+
+from sim.common.observations import TICKS_PER_SECOND
+from sim.inputs import Die
+from tests.thbridge.app.session.test_recording import Tape
+from tests.thbridge.ros.drive import snapshots
+from thbridge.app.compose import read_setting
+from thbridge.app.play import PLAY, NoLog
+from thbridge.app.session.broadcast import Broadcast
+from thbridge.app.session.inputs import Framed, KeptAlive, LinkClosed, LinkOpened, from_record, to_record
+from thbridge.app.session.recording import BagWitness, TlogWitness
+from thbridge.app.session.session import Moment, Session
+from thbridge.recording.tlog import TlogFile
+from thbridge.roles.keeper.wizard import Held
+from thbridge.ros.messages import unpack
+from thbridge.ros.messages.stamps import stamp_ns
+from thbridge.ros.publisher import Message
+from thbridge.study.mavlink import MavlinkSection
+from thbridge.study.study_file import Study
+from thbridge.wire.mavlink.dialect import crc_extra, mav, payload_of
+from thbridge.wire.mavlink.frames.frame import Frame
+from thbridge.wire.mavlink.hub import Sent
+from thbridge.wire.mavlink.outgoing import Status
+from thbridge.wire.router import Router
+
+WITH_VEHICLES = replace(Study(), mavlink=MavlinkSection(on=True))
+HEARTBEAT = mav.MAVLink_heartbeat_message(mav.MAV_TYPE_GCS, mav.MAV_AUTOPILOT_INVALID, 0, 0, 0, 3)
+FRAME = Frame(255, 190, 7, HEARTBEAT.id, payload_of(HEARTBEAT), crc_extra(HEARTBEAT.id) or 0)
+
+
+@pytest.fixture
+def session() -> Session:
+    setting = read_setting(WITH_VEHICLES, Path())
+    simr = setting.simr()
+    return Session(Router(), setting.keeper(), [simr], NoLog(), vehicles=setting.vehicles(simr))
+
+
+def steps(session: Session, ticks: int) -> list[Moment]:
+    return [session.step() for _ in range(ticks)]
+
+
+def test_links_and_frames_are_inputs_of_the_next_tick(session: Session):
+    link = session.open_link("a")
+    session.receive_frame(link, FRAME, 1)
+    session.close_link(link)
+    session.close_link(link)
+    inputs = session.step().inputs
+    assert inputs == (LinkOpened(link, "a"), Framed(link, "a", FRAME, 1), LinkClosed(link, "a"))
+    assert tuple(from_record(to_record(item)) for item in inputs) == inputs
+    assert session.step().inputs == ()
+
+
+def test_a_link_of_one_robot_is_recorded_as_such(session: Session):
+    link = session.open_link("a", 1)
+    (opened,) = session.step().inputs
+    assert opened == LinkOpened(link, "a", 1)
+    assert from_record(to_record(opened)) == opened
+
+
+def test_what_vehicles_drop_is_not_recorded(session: Session):
+    link = session.open_link("a")
+    ours, setup = replace(FRAME, system=1, component=1), mav.MAVLink_setup_signing_message(1, 1, list(range(32)), 5)
+    secret = replace(FRAME, message_id=setup.id, payload=payload_of(setup), seed=setup.crc_extra)
+    session.step()
+    for frame in (ours, secret):
+        assert session.why_not(link, frame) is not None
+        assert session.receive_frame(link, frame) == []
+    moment = session.step()
+    assert moment.inputs == ()
+    assert not any(traffic.heard for traffic in moment.traffic)
+
+
+def test_people_read_in_the_bag_what_came(session: Session):
+    link = session.open_link("udp 127.0.0.1:14550")
+    session.receive_frame(link, FRAME)
+    told = [to_record(item) for item in session.step().inputs]
+    assert [(record.sender, record.line) for record in told] == [
+        ("udp 127.0.0.1:14550", "a link is opened"),
+        ("udp 127.0.0.1:14550", "HEARTBEAT of 255/190"),
+    ]
+
+
+def test_what_a_vehicle_hears_and_says_is_told_with_the_tick_it_acts_in(session: Session):
+    session.step()
+    link = session.open_link("a")
+    session.receive_frame(link, FRAME)
+    heard = [traffic for traffic in session.step().traffic if traffic.heard]
+    assert [(traffic.robot, traffic.link, traffic.frame) for traffic in heard] == [(0, "a", FRAME), (1, "a", FRAME)]
+    assert not any(traffic.heard for traffic in session.step().traffic)
+
+
+def test_heartbeats_go_out_on_every_link_once_a_second_and_are_told(session: Session):
+    transmitted: list[Sent] = []
+    session.transmit = transmitted.extend
+    links = [session.open_link("a"), session.open_link("b")]
+    moments = steps(session, TICKS_PER_SECOND)
+    beats = [sent for sent in transmitted if sent.frame.message_id == HEARTBEAT.id]
+    assert sorted((sent.link, sent.frame.system) for sent in beats) == [(link, n) for link in links for n in (1, 2)]
+    assert [sent.frame for sent in transmitted] == [item.frame for moment in moments for item in moment.traffic]
+    assert len(moments[-1].vehicles) == 2
+
+
+def test_frames_of_links_or_for_robots_that_there_are_not_change_nothing(session: Session):
+    link = session.open_link("a")
+    session.close_link(link)
+    session.step()
+    assert session.receive_frame(link, FRAME) == []
+    assert session.step().inputs == ()
+    link = session.open_link("a")
+    assert session.receive_frame(link, FRAME, 2) == []
+    assert not any(traffic.heard for traffic in session.step().traffic)
+
+
+def test_what_vehicles_hear_and_say_goes_to_the_topics_of_mavros(session: Session):
+    messages: list[Message] = []
+    setting = read_setting(WITH_VEHICLES, Path())
+
+    class Ear:
+        def take(self, tick: int, said: Sequence[Message]) -> None:
+            messages.extend(said)
+
+    publisher = setting.publisher()
+    ear = BagWitness(Broadcast(publisher, setting.record(PLAY, [], ""), setting.place.grid, [Ear()]))
+    session.step()
+    link, graph = session.open_link("a"), session.open_link("ros")
+    session.receive_frame(link, FRAME, 1)
+    session.receive_frame(graph, FRAME, 0)
+    moments = steps(session, 2 * TICKS_PER_SECOND)
+    for moment in moments:
+        ear.saw(moment)
+    by_topic = defaultdict(list)
+    for message in messages:
+        by_topic[message.topic.name].append(message)
+    (first,), (second,) = by_topic["/robot1/mavlink/to"], by_topic["/robot2/mavlink/to"]
+    assert first.heard  # A client of the graph said it there already.
+    assert not second.heard
+    assert unpack.mavlink(second.data).link == "a"
+    assert unpack.mavlink(second.data).checksum == FRAME.checksum
+    said = [unpack.mavlink(message.data) for message in by_topic["/robot2/mavlink/from"]]
+    frames = [item.frame for moment in moments for item in moment.traffic if item.robot == 1 and not item.heard]
+    assert [(frame.sequence, frame.payload) for frame in said] == [(frame.sequence, frame.payload) for frame in frames]
+    assert len(by_topic["/robot1/mavros/state"]) >= 2
+    announced = {topic.name for topic in publisher.topics}
+    assert set(by_topic) <= announced
+
+
+def test_states_are_said_when_they_change_and_every_second():
+    tape = Tape()
+    witness = BagWitness(tape)
+    rest, armed = Status(True, False, False, False, "HOLD", 4), Status(True, True, True, False, "GUIDED", 4)
+    (snapshot,) = snapshots(2, 1)
+    for tick in range(1, 102):
+        states = (rest, armed) if tick > 30 else (rest, rest)
+        witness.saw(Moment(tick, (), snapshot, (), (), (), Held(), None, (), states))
+    assert [record.robot for record in tape.records] == [0, 1, 1, 0, 1, 0, 1]
+    assert tape.records[2].mode == "GUIDED"
+
+
+def test_a_telemetry_log_has_all_traffic_with_the_stamps_of_the_bag(tmp_path: Path):
+    setting = read_setting(WITH_VEHICLES, Path())
+    simr = setting.simr()
+    log = tmp_path / "hunt.tlog"
+    with TlogFile(log) as file:
+        witnesses = [TlogWitness(file)]
+        session = Session(Router(), setting.keeper(), [simr], NoLog(), witnesses, vehicles=setting.vehicles(simr))
+        session.step()
+        session.receive_frame(session.open_link("a"), FRAME)
+        moment = session.step()
+    assert moment.snapshot is not None
+    first = (stamp_ns(moment.snapshot.tick) // 1000).to_bytes(8, "big") + FRAME.to_bytes()
+    assert log.read_bytes().startswith(first)
+
+
+def test_where_robots_are_no_vehicles_there_is_no_link():
+    setting = read_setting(Study(), Path())
+    simr = setting.simr()
+    session = Session(Router(), setting.keeper(), [simr], NoLog(), vehicles=setting.vehicles(simr))
+    with pytest.raises(ValueError, match="no vehicles"):
+        session.open_link("a")
+
+
+def test_between_two_ticks_that_are_long_apart_vehicles_say_that_they_are_there(session: Session):
+    transmitted: list[Sent] = []
+    link = session.open_link("a")
+    steps(session, 60)
+    session.transmit = transmitted.extend
+    session.keep_alive()
+    session.keep_alive()
+    assert [(sent.link, sent.frame.system) for sent in transmitted] == [(link, 1), (link, 2)] * 2
+    assert {sent.frame.message_id for sent in transmitted} == {HEARTBEAT.id}
+    said = [sent.frame for sent in transmitted]
+    moment = session.step()
+    assert moment.inputs == (KeptAlive(), KeptAlive())
+    assert [traffic.frame for traffic in moment.traffic][:4] == said
+    sequences = [traffic.frame.sequence for traffic in moment.traffic if traffic.robot == 0]
+    assert sequences == list(range(sequences[0], sequences[0] + len(sequences)))
+
+
+def test_a_robot_that_does_not_answer_says_nothing_between_ticks_either(session: Session):
+    session.open_link("a")
+    session.ask("researcher", Die(0))
+    steps(session, TICKS_PER_SECOND + 5)
+    transmitted: list[Sent] = []
+    session.transmit = transmitted.extend
+    session.keep_alive()
+    assert [sent.frame.system for sent in transmitted] == [2]

@@ -1,0 +1,291 @@
+"""Files as users of ROS have them."""
+
+import dataclasses
+import math
+from pathlib import Path
+
+import pytest
+from hypothesis import given
+from hypothesis import strategies as st
+
+from sim.parameters import RobotParameters
+from thbridge.files.errors import BadFile, BadFiles
+from thbridge.files.ros.parameters import RosParameters, read_ros_parameters
+
+START = RobotParameters()
+
+
+def read(folder: Path, *texts: str, start: RobotParameters = START) -> RosParameters:
+    paths = [folder / f"{index}.yaml" for index in range(len(texts))]
+    for path, text in zip(paths, texts, strict=True):
+        path.write_text(text, encoding="utf-8")
+    return read_ros_parameters(paths, start)
+
+
+def fault(folder: Path, *texts: str) -> str:
+    with pytest.raises(BadFile) as found:
+        read(folder, *texts)
+    return str(found.value).replace(str(folder), "")
+
+
+@pytest.mark.parametrize(
+    "text",
+    [
+        "max_particles: 700\nupdate_min_d: 0.5\n",
+        "amcl:\n  max_particles: 700\n  update_min_d: 0.5\n",
+        "/amcl: {max_particles: 700, update_min_d: 0.5}\n",
+        "amcl/max_particles: 700\namcl/update_min_d: 0.5\n",
+    ],
+)
+def test_a_file_for_a_node_or_for_the_root(tmp_path: Path, text: str) -> None:
+    wanted = dataclasses.replace(START.amcl, max_particles=700, update_min_d=0.5)
+    assert read(tmp_path, text).value == dataclasses.replace(START, amcl=wanted)
+
+
+def test_move_base_with_all_that_lives_in_it(tmp_path: Path) -> None:
+    text = """
+        move_base:
+          controller_frequency: 5
+          NavfnROS: {allow_unknown: false}
+          local_costmap:
+            width: 6.0
+        """
+    value = read(tmp_path, text).value
+    assert value.move_base.controller_frequency == 5.0
+    assert value.NavfnROS.allow_unknown is False
+    assert value.local_costmap.width == 6.0
+
+
+def test_costmap_parameters_that_stand_alone_are_for_both_costmaps(tmp_path: Path) -> None:
+    common = "robot_radius: 0.2\ninflation_radius: 0.7\n"
+    value = read(tmp_path, common, "local_costmap: {inflation_radius: 0.3}\n").value
+    assert value.global_costmap.robot_radius == value.local_costmap.robot_radius == 0.2
+    assert value.global_costmap.inflation_layer.inflation_radius == 0.7
+    assert value.local_costmap.inflation_layer.inflation_radius == 0.3
+
+
+def test_the_last_file_holds_and_what_none_says_stays(tmp_path: Path) -> None:
+    start = dataclasses.replace(START, amcl=dataclasses.replace(START.amcl, kld_err=0.02, update_min_d=0.9))
+    value = read(tmp_path, "update_min_d: 0.3\nkld_z: 0.9", "update_min_d: 0.4", start=start).value
+    assert (value.amcl.kld_err, value.amcl.kld_z, value.amcl.update_min_d) == (0.02, 0.9, 0.4)
+
+
+def test_a_mixed_file(tmp_path: Path) -> None:
+    """Names that several nodes know go where most of the others belong."""
+    text = """
+        controller_frequency: 5.0
+        planner_patience: 3.0
+        TrajectoryPlannerROS:
+          max_vel_x: 0.8
+        footprint_padding: 0.05
+        """
+    value = read(tmp_path, text).value
+    assert (value.move_base.controller_frequency, value.move_base.planner_patience) == (5.0, 3.0)
+    assert value.TrajectoryPlannerROS.max_vel_x == 0.8
+    assert value.global_costmap.footprint_padding == 0.05
+
+
+OLD_FORM = """
+obstacle_range: 2.0
+raytrace_range: 4.0
+footprint: [[0.3, 0.2], [-0.3, 0.2], [-0.3, -0.2], [0.3, -0.2]]
+inflation_radius: 0.6
+observation_sources: front bump
+front: {sensor_frame: laser, data_type: LaserScan, topic: front/scan, marking: true, clearing: true}
+bump: {data_type: PointCloud2, topic: bumper, marking: true, clearing: false}
+"""
+
+
+def test_a_costmap_in_the_old_form(tmp_path: Path) -> None:
+    read_now = read(tmp_path, OLD_FORM)
+    costmap = read_now.value.global_costmap
+    assert costmap == dataclasses.replace(
+        START.global_costmap,
+        footprint=costmap.footprint,
+        obstacle_layer=costmap.obstacle_layer,
+        inflation_layer=costmap.inflation_layer,
+    )
+    assert costmap.footprint[0] == (0.3, 0.2)
+    assert (costmap.obstacle_layer.obstacle_range, costmap.obstacle_layer.raytrace_range) == (2.0, 4.0)
+    assert [source.name for source in costmap.obstacle_layer.observation_sources] == ["front", "bump"]
+    assert costmap.inflation_layer.inflation_radius == 0.6
+    assert any("front/scan" in notice or "topic" in notice for notice in read_now.notices)
+
+
+NEW_FORM = """
+plugins:
+- {name: walls, type: "costmap_2d::StaticLayer"}
+- {name: seen, type: "costmap_2d::VoxelLayer"}
+- {name: softened, type: "costmap_2d::InflationLayer"}
+- {name: people, type: "social_navigation_layers::ProxemicLayer"}
+walls: {map_topic: /map}
+seen:
+  observation_sources: laser
+  laser: {data_type: LaserScan, topic: scan, clearing: true}
+softened:
+  inflation_radius: 0.4
+people: {cutoff: 10.0}
+"""
+
+
+def test_layers_of_any_name(tmp_path: Path) -> None:
+    read_now = read(tmp_path, NEW_FORM)
+    costmap = read_now.value.local_costmap
+    assert costmap.static_layer.enabled
+    assert costmap.inflation_layer.inflation_radius == 0.4
+    assert [source.clearing for source in costmap.obstacle_layer.observation_sources] == [True]
+    assert any("people" in notice for notice in read_now.notices)
+
+
+def test_layers_named_in_another_file(tmp_path: Path) -> None:
+    """Where the list comes in a later file, as in costmap_common and then local_costmap."""
+    common = "seen: {raytrace_range: 4.0}\nsoftened: {inflation_radius: 0.4}\nfootprint_padding: 0.02\n"
+    value = read(tmp_path, common, "local_costmap:\n" + "".join(f"  {line}\n" for line in NEW_FORM.splitlines())).value
+    assert value.global_costmap.obstacle_layer.raytrace_range == 4.0
+    assert value.global_costmap.inflation_layer.inflation_radius == 0.4
+
+
+def test_layers_that_the_list_leaves_out_do_not_count(tmp_path: Path) -> None:
+    text = "local_costmap:\n  plugins:\n  - {name: obstacle_layer, type: 'costmap_2d::ObstacleLayer'}\n"
+    value = read(tmp_path, text).value
+    layers = value.local_costmap
+    enabled = (layers.static_layer.enabled, layers.obstacle_layer.enabled, layers.inflation_layer.enabled)
+    assert enabled == (False, True, False)
+    assert value.global_costmap == START.global_costmap
+
+
+def test_two_layers_of_a_kind_are_one(tmp_path: Path) -> None:
+    text = """
+        local_costmap:
+          laser_layer: {observation_sources: scan, scan: {topic: scan}}
+          voxel_layer: {observation_sources: depth, depth: {topic: points}}
+        """
+    read_now = read(tmp_path, text)
+    sources = read_now.value.local_costmap.obstacle_layer.observation_sources
+    assert [source.name for source in sources] == ["scan", "depth"]
+    assert any("voxel_layer" in notice for notice in read_now.notices)
+
+
+@pytest.mark.parametrize(
+    ("written", "value"),
+    [
+        ("!degrees 90", math.pi / 2),
+        ("!degrees '90'", math.pi / 2),
+        ("deg(45.0)", math.pi / 4),
+        ("rad(pi/3)", math.pi / 3),
+        ("!radians 2*pi/4", math.pi / 2),
+        ("1", 1.0),
+        ("1.", 1.0),
+        ("5e-1", 0.5),
+    ],
+)
+def test_numbers_as_ros_writes_them(tmp_path: Path, written: str, value: float) -> None:
+    assert read(tmp_path, f"amcl: {{update_min_a: {written}}}").value.amcl.update_min_a == pytest.approx(value)
+
+
+@given(st.integers(1, 100_000))
+def test_a_real_number_without_fraction_is_whole(tmp_path_factory: pytest.TempPathFactory, number: int) -> None:
+    folder = tmp_path_factory.mktemp("ros")
+    assert read(folder, f"amcl: {{max_particles: {number}.0}}").value.amcl.max_particles == number
+
+
+@pytest.mark.parametrize(("word", "value"), [("yes", True), ("On", True), ("FALSE", False), ("no", False)])
+def test_truth_as_yaml_of_old_writes_it(tmp_path: Path, word: str, value: bool) -> None:
+    assert read(tmp_path, f"NavfnROS: {{allow_unknown: {word}}}").value.NavfnROS.allow_unknown is value
+
+
+def test_anchors_aliases_and_merge_keys(tmp_path: Path) -> None:
+    text = """
+        global_costmap: &shared
+          footprint_padding: &padding 0.03
+          inflation_layer: {inflation_radius: 0.9}
+        local_costmap:
+          <<: *shared
+          inflation_layer: {cost_scaling_factor: 3.0}
+        TrajectoryPlannerROS: {xy_goal_tolerance: *padding}
+        """
+    value = read(tmp_path, text).value
+    assert value.local_costmap.footprint_padding == value.global_costmap.footprint_padding == 0.03
+    assert value.local_costmap.inflation_layer.cost_scaling_factor == 3.0
+    assert value.local_costmap.inflation_layer.inflation_radius == START.local_costmap.inflation_layer.inflation_radius
+    assert value.TrajectoryPlannerROS.xy_goal_tolerance == 0.03
+
+
+def test_aliases_of_aliases_come_to_an_end(tmp_path: Path) -> None:
+    levels = "".join(f"l{i}: &l{i} [{', '.join([f'*l{i - 1}'] * 9)}]\n" for i in range(1, 12))
+    assert "by aliases" in fault(tmp_path, f"l0: &l0 [1, 2]\n{levels}")
+
+
+def test_an_alias_within_its_own_anchor(tmp_path: Path) -> None:
+    assert "/0.yaml, line 1, a: an alias (*) of nothing" in fault(tmp_path, "amcl: &a {kld_err: *a}")
+
+
+def test_a_name_that_stands_twice_has_its_last_value(tmp_path: Path) -> None:
+    read_now = read(tmp_path, "kld_err: 0.1\nkld_z: 0.9\nkld_err: 0.2\n")
+    assert read_now.value.amcl.kld_err == 0.2
+    assert any("line 3: kld_err stands twice" in notice for notice in read_now.notices)
+
+
+def test_names_that_ros_does_not_read_either(tmp_path: Path) -> None:
+    (notice,) = read(tmp_path, "move_base: {recovery_behaviour_enabled: true}").notices
+    assert "recovery_behavior_enabled" in notice
+
+
+@pytest.mark.parametrize(
+    ("text", "told"),
+    [
+        ("min_particles: 100\nmax_particels: 500\n", "/0.yaml, line 2, amcl.max_particels: unknown key. The nearest"),
+        ("max_particels: 500\n", "The nearest right name is max_particles"),
+        ("amcl:\n  kld_err: high\n", "/0.yaml, line 2, amcl.kld_err: 'high' is not a number"),
+        ("amcl: {kld_err: '0.1'}\n", "in quotes is text, not a number"),
+        ("NavfnROS: {allow_unknown: 1}\n", "neither true nor false"),
+        ("robot_descriptoin: {a: 1}\n", "/0.yaml, line 1, robot_descriptoin: unknown key"),
+        ("- a\n- b\n", "no section of 'name: value' lines"),
+        ("amcl: {kld_err: !thing 3}\n", "a tag (!)"),
+        ("amcl: {update_min_a: deg(x)}\n", "'x' is no angle"),
+        ("amcl: {update_min_a: rad(1/0)}\n", "is no angle"),
+        ("amcl: {<<: 3}\n", "no section to merge"),
+        ("amcl:\n  ros__parameters: {max_beams: 3}\n", "line 2, ros__parameters: this is a file of ROS 2"),
+    ],
+)
+def test_a_fault_is_told_with_its_place(tmp_path: Path, text: str, told: str) -> None:
+    assert told in fault(tmp_path, text)
+
+
+def test_faults_of_all_files_are_told_at_once_and_each_once(tmp_path: Path) -> None:
+    with pytest.raises(BadFiles) as found:
+        read(tmp_path, "footprint_paddin: 0.1\nrobot_radius: 1.0\n", "amcl: {kld_er: 0.1}")
+    assert [(fault.path.name, fault.line) for fault in found.value.faults] == [("0.yaml", 1), ("1.yaml", 1)]
+
+
+def test_recovery_behaviours_of_any_name(tmp_path: Path) -> None:
+    text = """
+        recovery_behaviors:
+        - {name: reset_far, type: clear_costmap_recovery/ClearCostmapRecovery}
+        - {name: turn, type: rotate_recovery/RotateRecovery}
+        - {name: reset_close, type: clear_costmap_recovery/ClearCostmapRecovery}
+        - {name: back_up, type: back_up_recovery/BackUpRecovery}
+        reset_far: {reset_distance: 2.0, layer_names: [obstacle_layer]}
+        reset_close: {reset_distance: 0.0}
+        back_up: {backup_distance: 0.3}
+        """
+    read_now = read(tmp_path, text)
+    behaviours = [behaviour.name for behaviour in read_now.value.move_base.recovery_behaviors]
+    assert behaviours == ["conservative_reset", "rotate_recovery", "aggressive_reset"]
+    assert read_now.value.move_base.conservative_reset_dist == 2.0
+    assert [word for word in ("back_up", "layer_names", "reset_close") if word in " ".join(read_now.notices)] == [
+        "back_up",
+        "layer_names",
+        "reset_close",
+    ]
+
+
+def test_settings_of_the_usual_behaviours(tmp_path: Path) -> None:
+    text = "move_base:\n  conservative_reset: {reset_distance: 1.5}\n  aggressive_reset: {reset_distance: 0.5}\n"
+    assert read(tmp_path, text).value.move_base.conservative_reset_dist == 1.5
+
+
+def test_a_recovery_behaviour_without_a_type_must_be_ours(tmp_path: Path) -> None:
+    assert "'dance' is no choice here" in fault(
+        tmp_path, "recovery_behaviors: [{name: dance}]\nplanner_patience: 3.0\n"
+    )

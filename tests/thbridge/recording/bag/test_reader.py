@@ -1,0 +1,105 @@
+from pathlib import Path
+
+import pytest
+from rosbags.rosbag1 import Writer
+from rosbags.typesys import Stores, get_typestore
+
+from thbridge.files.errors import BadFile
+from thbridge.files.ros.definitions import Definitions
+from thbridge.recording.bag.bag_file import BagFile
+from thbridge.recording.bag.reader import BagInfo, TopicInfo, info, messages
+from thbridge.recording.bag.records import Compression
+from thbridge.recording.bag.writer import BagWriter
+from thbridge.ros.publisher import Message, Topic
+
+PLAIN = Definitions(())
+CHATTER = Topic("/chatter", "std_msgs/String")
+MAP = Topic("/news", "std_msgs/String", latched=True)
+HELLO = b"\x05\x00\x00\x00hello"
+
+
+def bag(path: Path) -> Path:
+    with BagWriter(path, PLAIN) as writer:
+        writer.write(Message(MAP, 1_000_000_000, HELLO))
+        for second in range(1, 4):
+            writer.write(Message(CHATTER, second * 1_000_000_000, HELLO))
+    return path
+
+
+def test_info(tmp_path: Path) -> None:
+    path = bag(tmp_path / "a.bag")
+    assert info(path) == BagInfo(
+        path,
+        path.stat().st_size,
+        1_000_000_000,
+        3_000_000_000,
+        2.0,
+        4,
+        (TopicInfo("/chatter", "std_msgs/String", 3, False), TopicInfo("/news", "std_msgs/String", 1, True)),
+    )
+
+
+def test_a_bag_of_stock_rosbags_is_read(tmp_path: Path) -> None:
+    path = tmp_path / "foreign.bag"
+    with Writer(path) as writer:
+        connection = writer.add_connection(
+            "/chatter", "std_msgs/msg/String", typestore=get_typestore(Stores.ROS1_NOETIC)
+        )
+        writer.write(connection, 7, HELLO)
+    (read,) = messages(path)
+    assert (read.topic, read.msgtype, read.stamp_ns, read.data) == ("/chatter", "std_msgs/String", 7, HELLO)
+
+
+@pytest.mark.parametrize("keep", [4117, 4200, -1, -60])
+def test_a_damaged_bag_is_refused_with_the_remedy(tmp_path: Path, keep: int) -> None:
+    path = bag(tmp_path / "a.bag")
+    path.write_bytes(path.read_bytes()[:keep])
+    with pytest.raises(BadFile, match="thbridge bag reindex"):
+        info(path)
+
+
+def test_a_bag_whose_chunk_is_garbled_is_refused_with_the_remedy(tmp_path: Path) -> None:
+    path = bag(tmp_path / "a.bag")
+    data = bytearray(path.read_bytes())
+    at = data.index(b"op=\x02")
+    data[at : at + 40] = b"\xff" * 40
+    path.write_bytes(data)
+    with pytest.raises(BadFile, match="thbridge bag reindex"):
+        list(messages(path))
+
+
+@pytest.mark.parametrize("content", [b"", b"hello, I am a text\n", b"\x89PNG\r\n\x1a\n" * 900])
+def test_what_is_not_a_bag_is_refused(tmp_path: Path, content: bytes) -> None:
+    path = tmp_path / "a.bag"
+    path.write_bytes(content)
+    with pytest.raises(BadFile, match="not a ROS 1 bag"):
+        info(path)
+
+
+def test_a_bag_of_an_older_format_is_refused(tmp_path: Path) -> None:
+    path = tmp_path / "a.bag"
+    path.write_bytes(b"#ROSBAG V1.2\n" + b"\0" * 5000)
+    with pytest.raises(BadFile, match="version"):
+        info(path)
+
+
+def test_no_file_is_refused(tmp_path: Path) -> None:
+    with pytest.raises(BadFile, match="no such file"):
+        info(tmp_path / "a.bag")
+    with pytest.raises(BadFile):
+        info(tmp_path)
+
+
+def test_a_packed_chunk_that_is_garbled_is_refused_with_the_remedy(tmp_path: Path) -> None:
+    bag = BagFile(tmp_path / "a.bag", Compression.LZ4)
+    line = bag.connect("/chatter", "std_msgs/String", "992ce8a1687cec8c8bd883ec73ca41d1", "string data\n", None, None)
+    for second in range(50):
+        bag.write(line, second, HELLO)
+    bag.close()
+    path = tmp_path / "a.bag"
+    data = bytearray(path.read_bytes())
+    at = data.index(b"hello")
+    data[at] ^= 0xFF
+    path.write_bytes(data)
+    with pytest.raises(BadFile, match="thbridge bag reindex"):
+        list(messages(path))

@@ -1,0 +1,176 @@
+import signal
+import subprocess
+import sys
+from pathlib import Path
+
+import pytest
+from hypothesis import HealthCheck, given, settings
+from hypothesis import strategies as st
+from rosbags.rosbag1 import Writer
+from rosbags.typesys import Stores, get_typestore
+
+from thbridge.files.errors import BadFile
+from thbridge.files.ros.definitions import Definitions
+from thbridge.recording.bag.reader import info, messages
+from thbridge.recording.bag.repair import reindex
+from thbridge.recording.bag.writer import BagWriter
+from thbridge.ros.publisher import Message, Topic
+
+PLAIN = Definitions(())
+TOPICS = [Topic("/chatter", "std_msgs/String"), Topic("/news", "std_msgs/String", latched=True)]
+TICK_NS = 20_000_000
+
+
+def said(count: int) -> list[Message]:
+    texts = (f"message {number}".encode() * 20 for number in range(count))
+    return [
+        Message(TOPICS[number % 2], 1_000_000_000 + number * TICK_NS, len(text).to_bytes(4, "little") + text)
+        for number, text in enumerate(texts)
+    ]
+
+
+def bag(path: Path, count: int = 300) -> bytes:
+    with BagWriter(path, PLAIN) as writer:
+        for message in said(count):
+            writer.write(message)
+    return path.read_bytes()
+
+
+def read(path: Path) -> list[tuple[str, int, bytes]]:
+    return [(message.topic, message.stamp_ns, message.data) for message in messages(path)]
+
+
+def expected(count: int) -> list[tuple[str, int, bytes]]:
+    return [(message.topic.name, message.stamp_ns, message.data) for message in said(count)]
+
+
+def test_a_bag_with_no_index_is_recovered_whole_and_kept_beside(tmp_path: Path) -> None:
+    whole = bag(tmp_path / "a.bag")
+    index = int.from_bytes(whole[whole.index(b"index_pos=") + 10 :][:8], "little")
+    cut = whole[:index]
+    (tmp_path / "a.bag").write_bytes(cut)
+    repaired = reindex(tmp_path / "a.bag")
+    assert (repaired.path, repaired.backup) == (tmp_path / "a.bag", tmp_path / "a.orig.bag")
+    assert (repaired.messages, repaired.lost_bytes) == (300, 0)
+    assert repaired.end_ns == said(300)[-1].stamp_ns
+    assert repaired.backup.read_bytes() == cut
+    assert read(repaired.path) == expected(300)
+
+
+def test_a_recording_that_was_killed_gets_its_name(tmp_path: Path) -> None:
+    whole = bag(tmp_path / "a.bag")
+    (tmp_path / "a.bag").unlink()
+    (tmp_path / "a.bag.active").write_bytes(whole[:30_000])
+    repaired = reindex(tmp_path / "a.bag.active")
+    assert repaired.path == tmp_path / "a.bag"
+    assert sorted(path.name for path in tmp_path.iterdir()) == ["a.bag", "a.orig.bag"]
+    assert info(repaired.path).messages == repaired.messages > 50
+
+
+@settings(suppress_health_check=[HealthCheck.function_scoped_fixture], max_examples=40, deadline=None)
+@given(st.data())
+def test_wherever_it_is_cut_every_complete_message_before_is_there(tmp_path: Path, data: st.DataObject) -> None:
+    path = tmp_path / "a.bag"
+    for file in tmp_path.iterdir():
+        file.unlink()
+    whole = bag(path, 120)
+    keep = data.draw(st.integers(4117, len(whole)))
+    path.write_bytes(whole[:keep])
+    complete = sum(whole.index(message.data) + len(message.data) <= keep for message in said(120))
+    repaired = reindex(path)
+    assert read(repaired.path) == expected(complete)
+
+
+def test_bytes_of_zero_behind_the_end_are_no_harm(tmp_path: Path) -> None:
+    path = tmp_path / "a.bag"
+    whole = bag(path)
+    path.write_bytes(whole[:20_000] + bytes(8192))
+    assert reindex(path).lost_bytes > 8000  # the message that the cut goes through reads as ending in zeros
+    assert info(path).messages > 20
+
+
+def test_a_healthy_bag_comes_back_with_the_same_messages(tmp_path: Path) -> None:
+    bag(tmp_path / "a.bag")
+    assert reindex(tmp_path / "a.bag").lost_bytes == 0
+    assert read(tmp_path / "a.bag") == expected(300)
+
+
+@pytest.mark.parametrize("compression", [None, Writer.CompressionFormat.BZ2, Writer.CompressionFormat.LZ4])
+def test_a_foreign_bag_is_recovered(tmp_path: Path, compression: Writer.CompressionFormat | None) -> None:
+    path = tmp_path / "a.bag"
+    writer = Writer(path)
+    if compression is not None:
+        writer.set_compression(compression)
+    writer.chunk_threshold = 1000
+    store = get_typestore(Stores.ROS1_NOETIC)
+    with writer:
+        first = writer.add_connection("/chatter", "std_msgs/msg/String", typestore=store)
+        second = writer.add_connection("/chatter", "std_msgs/msg/String", typestore=store, callerid="/other")
+        for message in said(100):
+            writer.write(first if message.topic is TOPICS[0] else second, message.stamp_ns, message.data)
+    whole = path.read_bytes()
+    path.write_bytes(whole[: len(whole) // 2])
+    repaired = reindex(path)
+    assert 20 < repaired.messages < 100
+    assert [item[2] for item in read(path)] == [item[2] for item in expected(repaired.messages)]
+
+
+def test_files_in_the_way_are_not_overwritten(tmp_path: Path) -> None:
+    whole = bag(tmp_path / "a.bag")
+    (tmp_path / "a.orig.bag").write_bytes(b"dear")
+    with pytest.raises(BadFile, match="in the way"):
+        reindex(tmp_path / "a.bag")
+    assert (tmp_path / "a.bag").read_bytes() == whole
+    (tmp_path / "a.orig.bag").unlink()
+    (tmp_path / "a.bag.active").write_bytes(whole)
+    with pytest.raises(BadFile, match="in the way"):
+        reindex(tmp_path / "a.bag.active")
+
+
+def test_what_is_not_a_bag_is_refused(tmp_path: Path) -> None:
+    path = tmp_path / "a.bag"
+    path.write_bytes(b"no bag")
+    with pytest.raises(BadFile, match="not a ROS 1 bag"):
+        reindex(path)
+
+
+WRITE = """
+import sys
+import time
+from pathlib import Path
+from thbridge.recording.bag.writer import BagWriter
+from thbridge.files.ros.definitions import Definitions
+from thbridge.ros.publisher import Message, Topic
+
+topic = Topic("/chatter", "std_msgs/String")
+writer = BagWriter(Path(sys.argv[1]), Definitions(()))
+number = 0
+while True:
+    text = b"%08d" % number + b"x" * 200
+    stamp = 1_000_000_000 + number * 2_000_000
+    writer.write(Message(topic, stamp, len(text).to_bytes(4, "little") + text))
+    writer.sync_if_due()
+    number += 1
+    sys.stdout.write(f"{time.monotonic()} {stamp}\\n")
+    sys.stdout.flush()
+"""
+"""Writes 500 messages a simulated second as fast as it can and says after each what it wrote, and when."""
+
+
+@pytest.mark.parametrize("kill_after", [3_777, 12_001, 20_250])
+def test_killed_at_any_moment_at_most_the_last_second_is_lost(tmp_path: Path, kill_after: int) -> None:
+    path = tmp_path / "a.bag"
+    process = subprocess.Popen([sys.executable, "-c", WRITE, str(path)], stdout=subprocess.PIPE)
+    assert process.stdout is not None
+    lines = [line for _, line in zip(range(kill_after), process.stdout, strict=False)]
+    process.send_signal(signal.SIGKILL)
+    lines += [line for line in process.stdout if line.endswith(b"\n")]  # what it wrote before its end
+    process.wait()
+    process.stdout.close()
+    said = [(float(second), int(stamp)) for second, stamp in (line.split() for line in lines)]
+    repaired = reindex(tmp_path / "a.bag.active")
+    assert repaired.end_ns is not None
+    kept = next(second for second, stamp in said if stamp == repaired.end_ns)
+    assert said[-1][0] - kept <= 1.0
+    stamps = [message.stamp_ns for message in messages(path)]
+    assert stamps == list(range(1_000_000_000, repaired.end_ns + 1, 2_000_000))

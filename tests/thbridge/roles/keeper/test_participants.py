@@ -1,0 +1,301 @@
+"""What participants' programs are told, and when: the house, pictures, names, the consent they are asked for."""
+
+import base64
+from dataclasses import replace
+from itertools import pairwise
+from pathlib import Path
+
+import pytest
+
+from tests.thbridge.roles import stage
+from tests.thbridge.roles.test_hunt import Script, go
+from thbridge.app.compose import read_setting
+from thbridge.hunt.events import Agreed, Departed, Hidden, Identified, Pictured, Sensed
+from thbridge.hunt.rooms import Room
+from thbridge.hunt.treasures import TreasureKind
+from thbridge.roles.bots import BotStrategy
+from thbridge.roles.keeper.briefing import Briefing
+from thbridge.roles.keeper.keeper import Keeper
+from thbridge.roles.keeper.participants import PIECE, PIECE_PERIOD, Audience
+from thbridge.roles.notices import KEEPER, House, Picture, Subscribe, Ways, Whereabouts, heard, tell
+from thbridge.roles.tabui import RENEWAL, TabUI
+from thbridge.roles.view import (
+    Agree,
+    Answer,
+    AskBack,
+    CallBack,
+    Discuss,
+    GiveUp,
+    Identify,
+    Leave,
+    PlayAgain,
+    Select,
+    SendRobot,
+    Sense,
+    TakePicture,
+    Unsure,
+    View,
+    Wish,
+)
+from thbridge.study.study_file import Study
+from thbridge.wire import legacy
+from thbridge.wire.notice import parse_notice
+
+Stage = stage.Stage
+HOUSE = House("stage", 0.05, (0.0, 0.0, 0.0), 1, 1, "eJxjAAAAAQAB", (), ())
+CONSENT = "We record what you do."
+
+
+class Eyes:
+    """An onlooker that remembers."""
+
+    def __init__(self) -> None:
+        self.seen = []
+
+    def saw(self, level) -> None:
+        self.seen.append(level)
+
+    def of(self, kind: type) -> list:
+        return [level for level in self.seen if isinstance(level, kind)]
+
+
+class Played:
+    """A stage whose player wishes what the test says, and whose onlooker remembers."""
+
+    def __init__(self, briefing: Briefing) -> None:
+        self.player, self.eyes = Script(), Eyes()
+        self.tabui = TabUI(self.player, self.eyes)
+        self.stage = Stage(participant=self.tabui, briefing=briefing)
+        self.stage.run(5)
+
+    def say(self, *wishes: Wish, ticks: int = 8) -> View:
+        self.player.wish = wishes
+        self.tabui.look_again()
+        self.stage.run(ticks)
+        return self.tabui.view
+
+    def go(self, robot: int, room: int) -> View:
+        return go(self, robot, room)
+
+    def picture(self, robot: int, room: int) -> View:
+        self.go(robot, room)
+        self.say(Sense(room))
+        self.say(Discuss(robot, "take-picture", room))
+        return self.say(TakePicture(room))
+
+
+def images(size: int) -> dict[str, bytes]:
+    """A different file for each treasure of the set."""
+    names = [kind.image for kind in stage.templates().kinds]
+    return {name: bytes([number]) * size for number, name in enumerate(names)}
+
+
+def joined(pieces: list[Picture]) -> bytes:
+    return b"".join(base64.b64decode(piece.data) for piece in pieces)
+
+
+def test_the_house_is_told_when_somebody_joins_and_when_they_join_again():
+    played = Played(Briefing(HOUSE))
+    assert played.eyes.of(House) == [HOUSE]
+    played.tabui.connected()
+    played.stage.run(3)
+    assert played.eyes.of(House) == [HOUSE, HOUSE]
+
+
+def test_a_house_that_the_robots_are_not_in_is_kept():
+    audience = Audience(KEEPER, Briefing(HOUSE))
+    assert [len(audience.join("TabUI", robots_on)) for robots_on in (None, "stage", "elsewhere")] == [1, 1, 0]
+
+
+def test_a_picture_is_told_once_it_is_taken():
+    files = images(2 * PIECE + 7)
+    played = Played(Briefing(HOUSE, pictures=files))
+    played.go(0, 3)
+    assert played.eyes.of(Picture) == []
+    view = played.picture(0, 3)
+    played.stage.run(4 * PIECE_PERIOD)
+    pieces = played.eyes.of(Picture)
+    assert [(piece.game, piece.room, piece.piece, piece.pieces) for piece in pieces] == [
+        (1, 3, 0, 3),
+        (1, 3, 1, 3),
+        (1, 3, 2, 3),
+    ]
+    assert joined(pieces) == files[view.room(3).picture]
+    assert all(len(piece.data) <= 40_000 for piece in pieces)
+
+
+def test_who_comes_back_is_told_all_pictures_again_from_the_first_piece():
+    played = Played(Briefing(HOUSE, pictures=images(2 * PIECE)))
+    played.picture(0, 3)
+    played.stage.run(2 * PIECE_PERIOD)
+    played.eyes.seen.clear()
+    played.tabui.connected()
+    played.stage.run(4 * PIECE_PERIOD)
+    assert [(piece.room, piece.piece) for piece in played.eyes.of(Picture)] == [(3, 0), (3, 1)]
+
+
+def test_a_picture_that_nobody_has_is_told_by_its_name_alone():
+    played = Played(Briefing(HOUSE))
+    assert played.picture(0, 3).room(3).picture is not None
+    played.stage.run(50)
+    assert played.eyes.of(Picture) == []
+
+
+def test_a_large_picture_leaves_slow_readers_time():
+    audience = Audience(KEEPER, Briefing(pictures={"a.jpg": bytes(10 * PIECE)}))
+    played = Played(Briefing(HOUSE))
+    view = played.tabui.view
+    audience.join("TabUI", None)
+    audience.show(replace(view, rooms=(replace(view.rooms[0], picture="a.jpg"), *view.rooms[1:])))
+    told = [tick for tick in range(100) for _ in audience.pieces(tick)]
+    assert len(told) == 10
+    assert {b - a for a, b in pairwise(told)} == {PIECE_PERIOD}
+
+
+def test_names_are_told_once_a_treasure_was_sensed():
+    played = Played(Briefing(names=("Blue Bottle", "Pink can")))
+    assert played.go(0, 3).names == ()
+    assert played.say(Sense(3)).names == ("Blue Bottle", "Pink can")
+
+
+# --- consent
+
+
+EVERY_WISH = [
+    Select(0, 3),
+    Unsure(0),
+    Answer(1, 1, 0),
+    SendRobot(0, 3),
+    CallBack(0),
+    AskBack(0),
+    Sense(3),
+    Discuss(0, "take-picture", 3),
+    TakePicture(3),
+    Identify(3, "moon"),
+    Leave(3),
+    GiveUp(1),
+    PlayAgain(1),
+]
+
+
+def test_before_agreeing_nothing_else_is_granted():
+    played = Played(Briefing(consent=CONSENT))
+    assert {type(wish) for wish in EVERY_WISH} | {Agree} == set(Wish.__args__)
+    for number, wish in enumerate(EVERY_WISH, start=1):
+        view = played.say(wish)
+        assert (view.consent, view.over, view.dialogues) == (CONSENT, None, ())
+        assert (view.refusal.number, view.refusal.wish) == (number, type(wish).__name__)
+        assert (view.refusal.reason, view.refusal.sentence) == ("not-agreed", "You have not agreed to take part yet.")
+    assert [type(event).__name__ for event in played.stage.log.events] == ["Started", "Hidden"]
+
+
+def test_who_has_agreed_plays_as_others_do():
+    played = Played(Briefing(consent=CONSENT))
+    assert played.say(Agree()).consent is None
+    assert played.say(Agree()).refusal is None
+    assert played.go(0, 3).room(3).state == "visited"
+    assert played.stage.log.events.count(Agreed()) == 1
+
+
+def test_agreement_holds_for_later_games_and_their_journals_say_so():
+    played = Played(Briefing(consent=CONSENT))
+    played.say(Agree())
+    played.say(GiveUp(1))
+    view = played.say(PlayAgain(1))
+    assert (view.game, view.consent) == (2, None)
+    events = played.stage.log.events
+    second = [event for event in events[events.index(Agreed()) + 1 :] if not isinstance(event, Hidden)]
+    assert [type(event).__name__ for event in second] == ["Ended", "Started", "Agreed"]
+
+
+def test_agreement_outlives_the_server():
+    played = Played(Briefing(consent=CONSENT))
+    played.say(Agree())
+    again = Keeper(stage.RULES, lambda game: stage.engine(stage.templates()), tuple(played.stage.log.events))
+    assert again.state.agreed
+
+
+@pytest.mark.parametrize("strategy", BotStrategy)
+def test_simulated_participants_agree(strategy):
+    played = Stage(strategy=strategy, briefing=Briefing(consent=CONSENT))
+    played.finish()
+    assert played.session.game.agreed
+    assert any(isinstance(event, Departed) for event in played.log.events)
+
+
+def test_programs_of_2016_cannot_be_asked_and_are_not():
+    played = Played(Briefing(consent=CONSENT))
+    played.stage.keeper._audience._members.clear()
+    played.say(SendRobot(0, 3), ticks=20)
+    assert played.stage.session.game.room(Room(3)).visited
+
+
+# --- who watches
+
+
+def test_only_who_watches_asks_where_the_robots_are():
+    def subscriptions(onlooker) -> list[int]:
+        tabui = TabUI(Script(), onlooker)
+        assert tabui.step(0, []) == []
+        tabui.connected()
+        ticks = range(1, 2 * RENEWAL)
+        said = [(tick, message) for tick in ticks for message in tabui.step(tick, [])]
+        return [tick for tick, message in said if heard(parse_notice(message), Subscribe) is not None]
+
+    assert subscriptions(None) == []
+    assert subscriptions(Eyes()) == [1, 1 + RENEWAL]
+
+
+def test_who_watches_sees_all_that_is_told_in_its_order():
+    eyes = Eyes()
+    tabui = TabUI(Script(), eyes)
+    levels = [
+        HOUSE,
+        Whereabouts(1, ((0.0, 0.0, 0.0),)),
+        Ways(1, (((0.0, 0.0), (1.0, 0.0)),)),
+        Picture(1, 3, 0, 1, ""),
+        Whereabouts(2, ((0.0, 0.0, 0.0),)),
+    ]
+    tabui.step(0, [tell(KEEPER, legacy.TABUI, level) for level in levels])
+    assert eyes.seen == levels
+
+
+# --- what is not told
+
+
+def hidden_kinds() -> list[TreasureKind]:
+    """Words that occur nowhere else; two and two look alike, so that pictures are taken."""
+    return [TreasureKind(f"colour{n // 2}q", f"print{n // 2}q", 10, f"name{n}q", f"file{n}q.jpg") for n in range(8)]
+
+
+@pytest.mark.parametrize("strategy", BotStrategy)
+@pytest.mark.parametrize("seed", range(4))
+def test_nothing_of_a_treasure_is_told_before_the_game_reveals_it(strategy, seed):
+    kinds = hidden_kinds()
+    files = {kind.image: f"bytes of {kind.name}".encode() for kind in kinds}
+    house = read_setting(Study(), Path()).house()
+    briefing = Briefing(house, tuple(kind.name for kind in kinds), files, CONSENT)
+    played = Stage(robots=2, strategy=strategy, seed=seed, briefing=briefing, kinds=kinds)
+    played.finish()
+    secrets = {word for kind in kinds for word in (kind.colour, kind.footprint, kind.name, kind.image)}
+    secrets |= {base64.b64encode(data).decode() for data in files.values()}
+    names = ",".join(f'"{kind.name}"' for kind in kinds)
+    revealed: set[str] = set()
+    pictures = 0
+    for moment in played.moments:
+        for line in (item.message.line() for item in moment.forwarded if item.message.receiver == legacy.TABUI):
+            # Once a treasure was sensed the whole list is told, in the same order whatever lies where.
+            told = line.replace(f'"names":[{names}]', "") if revealed else line
+            assert {word for word in secrets if word in told} <= revealed
+        # What is decided in a tick is told in the next.
+        for event in moment.events:
+            match event:
+                case Sensed(_, colour, footprint):
+                    revealed |= {colour, footprint}
+                case Pictured(_, _, image):
+                    revealed |= {image, base64.b64encode(files[image]).decode()}
+                    pictures += 1
+                case Identified(name=name):
+                    revealed.add(name)
+    assert pictures > 0
+    assert len(revealed) > 8

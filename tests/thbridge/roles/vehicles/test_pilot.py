@@ -1,0 +1,479 @@
+"""At the helm of real (simulated) robots in a real game: what becomes of what a ground station asks."""
+
+from dataclasses import replace
+from functools import cache
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+from sim.common.geometry import Pose2
+from sim.common.grid import OCCUPIED
+from sim.common.observations import Twist
+from sim.inputs import Die
+from sim.parameters import RobotParameters
+from tests.thbridge.roles.stage import Log
+from tests.thbridge.roles.test_hunt import Script
+from thbridge.app.compose import Setting, read_setting
+from thbridge.app.session.session import Moment, Session
+from thbridge.hunt.costs import CostMatrix
+from thbridge.hunt.events import (
+    Arrived,
+    AskedBack,
+    Commanded,
+    Commander,
+    Departed,
+    Failed,
+    Identified,
+    Left,
+    Pictured,
+    Started,
+)
+from thbridge.hunt.game import GameState, apply, begin
+from thbridge.hunt.rooms import Room
+from thbridge.roles.robot_requests import GameRequest, Request, SetParameters
+from thbridge.roles.simr.controls import HAND_TICKS
+from thbridge.roles.simr.simr import SimR
+from thbridge.roles.tabui import TabUI
+from thbridge.roles.vehicles.pilot import Pilot
+from thbridge.roles.vehicles.speed_limit import Speeds
+from thbridge.roles.vehicles.station_texts import asked_of
+from thbridge.roles.view import Answer, AskBack, Select, SendRobot, Wish
+from thbridge.ros.messages.records import SimpleGoal
+from thbridge.study.study_file import Study
+from thbridge.wire.mavlink.vehicle_interface import Denied, LegState, Readings, Refusal, Station, Target
+from thbridge.wire.mavlink.vehicle_interface import Setting as Parameter
+from thbridge.wire.router import Router
+
+STATION = Station(255, 190)
+UNDER_WAY, ARRIVED, FAILED = LegState.UNDER_WAY, LegState.ARRIVED, LegState.FAILED
+
+
+class Parameters:
+    """One parameter, as a pilot passes it on."""
+
+    def settings(self):
+        return [Parameter("ONE", 1.0)]
+
+    def setting(self, name):
+        return Parameter(name, 1.0) if name == "ONE" else None
+
+    def change(self, name, value):
+        return Parameter(name, value)
+
+
+class RealRobots:
+    """Their software is not ours to change."""
+
+    def tuning(self, robot):
+        return None
+
+    def ask(self, request):
+        """Nobody does it."""
+
+
+OF_OTHERS = Speeds(0, RobotParameters(), RealRobots())
+
+
+@cache
+def setting(energy: float = 100.0) -> Setting:
+    study = Study(robots=2)
+    software = replace(study.robot, localization="truth")
+    return read_setting(replace(study, robot=software, game=replace(study.game, energy=energy)), Path())
+
+
+class Flight:
+    """A session with a silent participant and a pilot at each robot's helm."""
+
+    def __init__(self, energy: float = 100.0, participant: TabUI | None = None) -> None:
+        made = setting(energy)
+        self.setting = made
+        self.log = Log()
+        self.player = Script()
+        self.simr: SimR = made.simr()
+        self.keeper = made.keeper()
+        self.tabui = participant or TabUI(self.player)
+        self.session = Session(Router(), self.keeper, [self.simr, made.hider(), self.tabui], self.log)
+        self.asked: list[Request] = []
+        premises = made.premises()
+        software = made.study.software(1)
+        self.pilots = [
+            Pilot(robot, premises, made.place.starts[robot], Speeds(robot, software, self.simr), Parameters(), self.ask)
+            for robot in range(2)
+        ]
+        self.pilot = self.pilots[0]
+        self.readings: list[Readings] = []
+        self.moments: list[Moment] = []
+        self.news: list[str] = []
+        self.run(10)
+
+    def ask(self, request: Request) -> None:
+        self.asked.append(request)
+        if isinstance(request, GameRequest):
+            self.keeper.ask(request)
+        else:
+            self.simr.ask(request)
+
+    def run(self, ticks: int = 1) -> Readings:
+        for _ in range(ticks):
+            moment = self.session.step()
+            self.moments.append(moment)
+            self.readings = [pilot.follow(moment.snapshot, moment.game) for pilot in self.pilots]
+            self.news += self.readings[0].news
+        return self.readings[0]
+
+    def until(self, state: LegState, ticks: int = 4000) -> Readings:
+        for _ in range(ticks):
+            if self.run().leg.state is state:
+                return self.readings[0]
+        raise TimeoutError(f"the leg is {self.readings[0].leg}")
+
+    def taken(self) -> "Flight":
+        assert self.pilot.take(STATION) is None
+        self.run()
+        return self
+
+    def send_as_participant(self, room: int) -> None:
+        self._wish(Select(0, room))
+        while not self.tabui.view.consents:
+            (dialogue,) = self.tabui.view.dialogues
+            self._wish(Answer(dialogue.dialogue, dialogue.turn, 0))
+        self._wish(SendRobot(0, room))
+
+    def _wish(self, wish: Wish) -> None:
+        self.player.wish = (wish,)
+        self.tabui.look_again()
+        self.run(6)
+        self.player.wish = ()
+
+    def goal_of(self, room: int) -> tuple[float, float]:
+        goal = self.setting.place.rooms[room - 1].goal
+        return goal.x, goal.y
+
+    def events(self, *kinds: type) -> list:
+        return [event for event in self.log.events if isinstance(event, kinds)]
+
+
+@pytest.fixture
+def flight() -> Flight:
+    return Flight()
+
+
+@pytest.fixture
+def taken(flight: Flight) -> Flight:
+    return flight.taken()
+
+
+def test_readings_before_anybody_has_come(flight: Flight) -> None:
+    readings = flight.run()
+    assert readings.answers and not readings.lost and not readings.under_way
+    assert (readings.commander, readings.commanded_by, readings.leg) == (None, "participant", None)
+    assert (readings.energy, readings.capacity) == (100.0, 100.0)
+    assert readings.base_in_map.distance(flight.pilot.start()) < 0.01
+
+
+def test_taking_and_releasing_is_seen_with_the_next_tick(flight: Flight) -> None:
+    flight.pilot.take(STATION)
+    readings = flight.run()
+    assert (readings.commander, readings.commanded_by) == ("ground station 255", "ground station 255")
+    flight.pilot.release()
+    readings = flight.run()
+    assert (readings.commander, readings.commanded_by) == (None, "participant")
+
+
+def test_only_who_commands_drives(flight: Flight) -> None:
+    refused = Denied("Robot 1 is commanded by the participant just now.")
+    assert flight.pilot.go_to(Target(*flight.goal_of(3))) == refused
+    assert flight.pilot.drive(Twist(0.1, 0.0)) == refused
+    assert flight.pilot.photograph() == refused
+    # What was asked for between two ticks holds already.
+    flight.pilot.take(STATION)
+    assert isinstance(flight.pilot.go_to(Target(*flight.goal_of(3))), int)
+    flight.pilot.release()
+    assert flight.pilot.drive(Twist(0.1, 0.0)) == refused
+
+
+def test_a_point_in_a_room_is_a_move_of_the_game(taken: Flight) -> None:
+    x, y = taken.goal_of(4)
+    number = taken.pilot.go_to(Target(x + 0.1, y - 0.1, 1.0))
+    readings = taken.run(3)
+    assert readings.leg.number == number and readings.leg.state is UNDER_WAY and readings.leg.remaining > 0.5
+    readings = taken.run(20)
+    assert readings.under_way and readings.goal_in_map.distance(taken.setting.place.rooms[3].goal) < 1e-9
+    assert readings.energy == 100.0 - taken.events(Departed)[0].cost
+    readings = taken.until(ARRIVED)
+    assert readings.leg.number == number and readings.leg.remaining == 0.0
+    assert taken.events(Departed, Arrived)[1] == Arrived(0, Room(4))
+    taken.run(3)
+    assert taken.session.game.room(Room(4)).sensed is not None
+
+
+def test_rules_answer_at_once(taken: Flight) -> None:
+    taken.pilot.go_to(Target(*taken.goal_of(4)))
+    taken.pilots[1].take(STATION)
+    taken.run(2)
+    denied = taken.pilots[1].go_to(Target(*taken.goal_of(4)))
+    assert denied == Denied("Robot 1 is already under way to room 4.")
+    assert len(taken.events(Departed)) == 1
+
+
+def test_too_little_energy_is_said_at_once() -> None:
+    taken = Flight(energy=15.0).taken()
+    denied = taken.pilot.go_to(Target(*taken.goal_of(3)))
+    assert isinstance(denied, Denied) and "energy left, but the way to room 3 costs" in denied.sentence
+    assert not taken.events(Departed)
+
+
+def test_a_point_outside_all_rooms_is_no_move_of_the_game(taken: Flight) -> None:
+    home = taken.pilot.start()
+    number = taken.pilot.go_to(Target(home.x + 0.6, home.y, 0.5))
+    readings = taken.until(ARRIVED)
+    assert readings.leg.number == number
+    assert readings.base_in_map.distance(Pose2(home.x + 0.6, home.y, 0.5)) < 0.35
+    assert readings.energy == 100.0 and not taken.events(Departed)
+    assert [event.by for event in taken.events(Commanded)] == [Commander.GROUND_STATION]
+
+
+def test_a_point_that_cannot_be_reached_fails_with_the_navigators_words(taken: Flight) -> None:
+    taken.pilot.go_to(Target(500.0, 500.0))
+    readings = taken.until(FAILED)
+    assert readings.leg.reason == "The place where robot 1 should stand is not on the map."
+
+
+def test_what_can_be_no_home_is_where_no_way_could_end(taken: Flight) -> None:
+    start, (x, y), grid = taken.pilot.start(), taken.goal_of(4), taken.setting.place.grid
+    assert taken.pilot.misplaced(start.x, start.y) is None and taken.pilot.misplaced(x, y) is None
+    walls = (grid.centre_of(int(row), int(col)) for row, col in np.argwhere(grid.cells == OCCUPIED))
+    wall = next(point for point in walls if taken.setting.premises().room_at(*point) is None)
+    for point in (wall, (500.0, 500.0)):
+        denied = taken.pilot.misplaced(*point)
+        taken.pilot.go_to(Target(*point))
+        assert denied == Denied(taken.until(FAILED).leg.reason)
+
+
+@pytest.mark.parametrize("point", [(float("nan"), 0.0), (0.0, float("inf"))])
+def test_no_point_at_all_is_refused(taken: Flight, point: tuple[float, float]) -> None:
+    assert isinstance(taken.pilot.go_to(Target(*point)), Denied)
+
+
+def test_a_move_under_way_is_called_back_before_the_next_and_gives_its_energy_back(taken: Flight) -> None:
+    first = taken.pilot.go_to(Target(*taken.goal_of(4)))
+    taken.run(60)
+    second = taken.pilot.go_to(Target(*taken.goal_of(3)))
+    assert second == first + 1
+    readings = taken.until(ARRIVED)
+    assert readings.leg.number == second
+    happened = taken.events(Departed, Failed, Arrived)
+    assert [type(event) for event in happened] == [Departed, Failed, Departed, Arrived]
+    assert happened[1].refund > 0.0 and happened[3].room == Room(3)
+
+
+def test_legs_asked_for_within_one_tick_leave_the_last_one(taken: Flight) -> None:
+    home = taken.pilot.start()
+    taken.pilot.go_to(Target(*taken.goal_of(4)))
+    taken.pilot.go_to(Target(home.x + 0.5, home.y))
+    last = taken.pilot.go_to(Target(*taken.goal_of(3)))
+    readings = taken.until(ARRIVED)
+    assert readings.leg.number == last and taken.events(Arrived) == [Arrived(0, Room(3))]
+
+
+def test_the_same_room_again_goes_on(taken: Flight) -> None:
+    taken.pilot.go_to(Target(*taken.goal_of(3)))
+    taken.run(30)
+    number = taken.pilot.go_to(Target(*taken.goal_of(3)))
+    assert taken.until(ARRIVED).leg.number == number
+    assert len(taken.events(Departed)) == 1 and not taken.events(Failed)
+
+
+@pytest.mark.parametrize("ticks", [0, 1, 2, 3, 40])
+def test_halt_ends_whatever_is_under_way(taken: Flight, ticks: int) -> None:
+    number = taken.pilot.go_to(Target(*taken.goal_of(4)))
+    taken.run(ticks)
+    taken.pilot.halt()
+    readings = taken.run(10)
+    assert (readings.leg.number, readings.leg.state, readings.leg.reason) == (number, FAILED, "It was stopped.")
+    assert not readings.under_way and taken.session.game.robots[0].bound_for is None
+    again = taken.pilot.go_to(Target(*taken.goal_of(3)))
+    assert taken.until(ARRIVED).leg.number == again
+
+
+def test_anybody_at_the_helm_may_halt_what_the_participant_ordered(flight: Flight) -> None:
+    flight.taken()
+    flight.pilot.go_to(Target(*flight.goal_of(4)))
+    flight.run(20)
+    flight.pilot.release()
+    flight.run(2)
+    flight.pilot.halt()
+    flight.run(10)
+    assert [event.room for event in flight.events(Failed)] == [Room(4)]
+
+
+def test_a_robot_goes_on_when_it_is_given_back(taken: Flight) -> None:
+    taken.pilot.go_to(Target(*taken.goal_of(3)))
+    taken.run(5)
+    taken.pilot.release()
+    assert taken.until(ARRIVED).commanded_by == "participant"
+
+
+def test_a_way_home_outlives_the_command_of_a_station_that_was_lost(taken: Flight) -> None:
+    taken.pilot.go_to(Target(*taken.goal_of(4)))
+    taken.run(60)
+    home = taken.pilot.start()
+    number = taken.pilot.go_to(Target(home.x, home.y, home.theta))
+    taken.pilot.release()
+    readings = taken.until(ARRIVED)
+    assert (readings.leg.number, readings.commanded_by) == (number, "participant")
+    assert readings.base_in_map.distance(home) < 0.35
+    assert [event.room for event in taken.events(Failed)] == [Room(4)]
+
+
+def test_a_way_home_ends_where_the_participant_sends_the_robot_elsewhere(taken: Flight) -> None:
+    home = taken.pilot.start()
+    taken.pilot.go_to(Target(home.x + 1.5, home.y))
+    taken.pilot.release()
+    taken.run(5)
+    taken.send_as_participant(3)
+    readings = taken.run(5)
+    assert (readings.leg.state, readings.leg.reason) == (FAILED, "It was sent elsewhere, or stopped.")
+
+
+def test_hand_driving_needs_repeating_and_takes_the_place_of_a_leg(taken: Flight) -> None:
+    number = taken.pilot.go_to(Target(*taken.goal_of(4)))
+    taken.run(30)
+    for _ in range(10):
+        assert taken.pilot.drive(Twist(0.0, 0.5)) is None
+        readings = taken.run(5)
+    assert (readings.leg.number, readings.leg.state) == (number, FAILED)
+    assert taken.session.game.robots[0].bound_for is None
+    assert readings.twist.angular > 0.3
+    taken.run(HAND_TICKS + 20)
+    assert abs(taken.readings[0].twist.angular) < 0.1
+    assert taken.readings[0].commanded_by == "ground station 255"
+
+
+def test_a_researcher_goes_before_and_is_named(taken: Flight) -> None:
+    home = taken.pilot.start()
+    taken.session.ask("/rviz", SimpleGoal(0, Pose2(home.x, home.y, home.theta + 2.0), 1_000_000_000))
+    taken.run(3)
+    readings = taken.readings[0]
+    # The station keeps the robot, and has it again when the researcher is done.
+    assert (readings.commander, readings.commanded_by) == ("ground station 255", "researcher")
+    denied = taken.pilot.go_to(Target(*taken.goal_of(3)))
+    assert denied == Denied("Robot 1 is commanded by a researcher just now.", Refusal.NOT_NOW)
+    for _ in range(600):
+        if taken.run().commanded_by != "researcher":
+            break
+    assert isinstance(taken.pilot.go_to(Target(*taken.goal_of(3))), int)
+    assert [(event.by, event.name) for event in taken.events(Commanded)][1:] == [
+        (Commander.RESEARCHER, "/rviz"),
+        (Commander.GROUND_STATION, "ground station 255"),
+    ]
+
+
+def test_a_dead_robot_says_so_and_is_refused(taken: Flight) -> None:
+    home = taken.pilot.start()
+    taken.pilot.go_to(Target(home.x + 0.6, home.y))
+    taken.run(5)
+    taken.session.ask("researcher", Die(0))
+    readings = taken.run(120)
+    assert not readings.answers and not readings.under_way
+    assert (readings.leg.state, readings.leg.reason) == (FAILED, "Robot 1 does not answer any more.")
+    refused = Denied("Robot 1 does not answer any more.")
+    assert taken.pilot.go_to(Target(*taken.goal_of(3))) == refused
+    assert taken.pilot.drive(Twist(0.1, 0.0)) == refused
+    assert taken.pilot.take(STATION) == refused
+
+
+def test_treasures_are_pictured_named_and_left_from_the_helm(taken: Flight) -> None:
+    assert taken.pilot.photograph() == Denied("The corridor is not a room of this game; it has 1 to 8.")
+    taken.pilot.go_to(Target(*taken.goal_of(3)))
+    taken.until(ARRIVED)
+    taken.run(3)
+    assert isinstance(taken.pilot.identify(0), Denied)
+    assert taken.pilot.photograph() is None
+    names = taken.setting.briefing().names
+    treasure = taken.session.game.treasure(Room(3))
+    assert taken.pilot.identify(names.index(treasure.name) + 1) is None
+    taken.run(3)
+    assert [event.points for event in taken.events(Identified)] == [treasure.points]
+    assert taken.news == [
+        "Robot 1 is in room 3.",
+        f"Room 3: something {treasure.colour.lower()}, {treasure.footprint.lower()}.",
+        f"Room 3: a picture was taken, {treasure.image}.",
+        f"Room 3: {treasure.name}, {treasure.points:+d} points.",
+    ]
+    assert len(taken.events(Pictured)) == 1
+    assert taken.pilot.leave() == Denied("The treasure in room 3 has been decided already.")
+    assert not taken.events(Left)
+
+
+def test_a_station_is_told_what_the_participant_asks_of_it_and_no_other_is(taken: Flight) -> None:
+    taken.pilots[1].take(STATION)
+    taken.run(2)
+    asked = []
+    taken.player.wish = (AskBack(0),)
+    taken.tabui.look_again()
+    for _ in range(10):
+        taken.run()
+        asked.append([readings.asked for readings in taken.readings])
+    assert [told for told in asked if any(told)] == [[("The participant asks for robot 1 back.",), ()]]
+
+
+def test_what_a_participant_asks_of_a_researcher_alone_is_told_to_no_station() -> None:
+    def asks(state: GameState) -> list[str]:
+        return [*asked_of(0, state, apply(state, AskedBack(0)))]
+
+    costs = CostMatrix(((0.0, 1.0), (1.0, 0.0)))
+    state = begin(Started(1, 1, 1, 10.0, 1.0, 1.0, 1.0, costs))
+    researcher = Commanded(0, Commander.RESEARCHER, "/rviz")
+    assert asks(apply(state, researcher)) == []
+    station = Commanded(0, Commander.GROUND_STATION, "ground station 255")
+    assert asks(apply(apply(state, station), researcher)) == ["The participant asks for robot 1 back."]
+
+
+def test_speed_is_limited_and_as_the_study_says_again(taken: Flight) -> None:
+    assert taken.pilot.limit_speed(0.2) is None
+    assert taken.asked[-1] == SetParameters(0, (("TrajectoryPlannerROS.max_vel_x", 0.2),))
+    taken.pilot.limit_speed(50.0)
+    assert taken.asked[-1] == SetParameters(0, (("TrajectoryPlannerROS.max_vel_x", 1.0),))
+    taken.pilot.limit_speed(-1.0)
+    assert taken.asked[-1] == SetParameters(0, (("TrajectoryPlannerROS.max_vel_x", 1.0),))
+    count = len(taken.asked)
+    assert isinstance(taken.pilot.limit_speed(0.01), Denied)
+    assert isinstance(taken.pilot.limit_speed(float("nan")), Denied)
+    assert len(taken.asked) == count
+
+
+def test_a_limit_holds_for_hand_driving_too(taken: Flight) -> None:
+    taken.pilot.limit_speed(0.2)
+    for _ in range(4):
+        taken.pilot.drive(Twist(0.9, 0.0))
+        taken.run(10)
+    assert 0.15 < taken.readings[0].twist.linear < 0.25
+
+
+def test_who_changes_the_local_planner_by_a_parameter_has_the_other_ones_speed_limited(taken: Flight) -> None:
+    taken.simr.ask(SetParameters(0, (("move_base.base_local_planner", "dwa_local_planner/DWAPlannerROS"),)))
+    assert taken.pilot.limit_speed(0.2) is None
+    assert taken.asked[-1] == SetParameters(0, (("DWAPlannerROS.max_vel_x", 0.2), ("DWAPlannerROS.max_vel_trans", 0.2)))
+    taken.run(2)
+    assert taken.pilot.fastest().linear == 0.2
+
+
+def test_who_changes_a_speed_by_a_parameter_finds_it_changed(taken: Flight) -> None:
+    taken.simr.ask(SetParameters(0, (("TrajectoryPlannerROS.max_vel_x", 0.4),)))
+    assert taken.pilot.fastest().linear == 0.4
+
+
+def test_real_robots_speeds_are_not_ours() -> None:
+    flight = Flight()
+    pilot = Pilot(0, setting().premises(), Pose2(0.0, 0.0, 0.0), OF_OTHERS, Parameters(), flight.ask)
+    denied = pilot.limit_speed(0.5)
+    assert isinstance(denied, Denied) and denied.refusal is Refusal.UNSUPPORTED
+
+
+def test_nothing_is_granted_before_there_is_a_game() -> None:
+    pilot = Pilot(0, setting().premises(), Pose2(0.0, 0.0, 0.0), OF_OTHERS, Parameters(), lambda _: None)
+    for refused in (pilot.take(STATION), pilot.go_to(Target(0.0, 0.0)), pilot.drive(Twist(0.0, 0.0)), pilot.leave()):
+        assert isinstance(refused, Denied) and refused.refusal is Refusal.NOT_NOW
+    pilot.halt()

@@ -1,0 +1,130 @@
+"""Links with a key, without sockets: who is heard, and what goes out."""
+
+from collections.abc import Callable, Sequence
+
+import pytest
+from pymavlink.dialects.v20 import all as mav
+
+from thbridge.sockets.mavlink.links import Links
+from thbridge.wire.mavlink.dialect import payload_of
+from thbridge.wire.mavlink.frames.channel import Channel
+from thbridge.wire.mavlink.frames.frame import Frame
+from thbridge.wire.mavlink.frames.signing import EPOCH, Reason, SigningKey
+from thbridge.wire.mavlink.hub import Sent
+from thbridge.wire.mavlink.links import Drop, LinkReport
+from thbridge.wire.mavlink.outgoing import LinkId
+
+KEY = SigningKey(bytes(range(32)))
+NOW = 1_763_000_000.0
+PING = mav.MAVLink_ping_message(7, 1, 1, 1)
+
+
+class Exchange:
+    """Notes what it hears, and gives it back."""
+
+    def __init__(self) -> None:
+        self.heard: list[Frame] = []
+        self.transmit: Callable[[Sequence[Sent]], None] = lambda sent: None
+        self._opened = 0
+
+    def open_link(self, name: str, robot: int | None = None) -> LinkId:
+        self._opened += 1
+        return LinkId(self._opened)
+
+    def close_link(self, link: LinkId) -> None:
+        """As sessions do."""
+
+    def report(self, link: LinkId) -> LinkReport | None:
+        return None
+
+    def why_not(self, link: LinkId, frame: Frame) -> Drop | None:
+        return None
+
+    def receive_frame(self, link: LinkId, frame: Frame) -> Sequence[Sent]:
+        self.heard.append(frame)
+        return [Sent(link, Frame(1, 1, 0, 4, payload_of(PING), PING.crc_extra))]
+
+
+class Peer:
+    """Somebody on a link; `received` is what came to them."""
+
+    def __init__(self, links: Links, name: str) -> None:
+        self.received: list[bytes] = []
+        self._links, self._name = links, name
+        self._channel: Channel = links.channel(datagrams=True)
+        self._link = links.open(name, self._channel, self)
+
+    def carry(self, frames: Sequence[bytes]) -> int:
+        self.received += frames
+        return 0
+
+    def says(self, data: bytes) -> None:
+        frames = self._links.frames_in(self._name, self._channel, data)
+        if self._link is not None:
+            self._links.receive(self._link, frames)
+
+
+@pytest.fixture
+def exchange() -> Exchange:
+    return Exchange()
+
+
+@pytest.fixture
+def links(exchange: Exchange) -> Links:
+    made = Links(KEY, clock=lambda: NOW)
+    made.serve(exchange)
+    return made
+
+
+def pymavlink(key: SigningKey | None = KEY, late: float = 0.0) -> mav.MAVLink:
+    peer = mav.MAVLink(None, 255, 190)
+    if key is not None:
+        peer.signing.secret_key = key.secret
+        peer.signing.sign_outgoing = True
+        peer.signing.timestamp = int((NOW - late - EPOCH) * 100_000)
+    return peer
+
+
+def test_who_has_the_key_is_heard_and_can_verify_the_answer(links: Links, exchange: Exchange) -> None:
+    peer, theirs = Peer(links, "a"), pymavlink()
+    peer.says(PING.pack(theirs))
+    assert [frame.signature for frame in exchange.heard] == [b""]
+    (answer,) = peer.received
+    assert theirs.decode(bytearray(answer)).get_signed()
+
+
+@pytest.mark.parametrize(
+    ("theirs", "reason"),
+    [
+        (pymavlink(None), Reason.UNSIGNED),
+        (pymavlink(SigningKey(bytes(32))), Reason.WRONG),
+        (pymavlink(late=61), Reason.OLD),
+    ],
+)
+def test_who_has_not_is_told_once_in_the_log_and_nothing_on_the_link(
+    links: Links, exchange: Exchange, caplog: pytest.LogCaptureFixture, theirs: mav.MAVLink, reason: Reason
+) -> None:
+    peer = Peer(links, "a")
+    for _ in range(3):
+        peer.says(PING.pack(theirs))
+    assert exchange.heard == peer.received == []
+    assert [record.message for record in caplog.records] == [f"MAVLink: a: thrown away: {reason}"]
+
+
+def test_what_was_listened_to_on_one_link_counts_on_no_other(links: Links, exchange: Exchange) -> None:
+    said = PING.pack(pymavlink())
+    Peer(links, "a").says(said)
+    thief = Peer(links, "b")
+    thief.says(said)
+    assert len(exchange.heard) == 1
+    assert thief.received == []
+
+
+def test_links_sign_as_links_of_their_own_and_never_twice_at_the_same_time(links: Links) -> None:
+    peers = [Peer(links, name) for name in "ab"]
+    theirs = pymavlink()
+    for peer in peers:
+        peer.says(PING.pack(theirs))
+    signatures = [peer.received[0][-13:] for peer in peers]
+    assert len({signature[0] for signature in signatures}) == 2
+    assert len({signature[1:7] for signature in signatures}) == 2

@@ -1,0 +1,77 @@
+"""The section `fleet`: names of real robots, and what cannot be one."""
+
+from dataclasses import replace
+from pathlib import Path
+
+import pytest
+
+from thbridge.files.errors import BadFile, BadFiles
+from thbridge.study.real_robots import RobotsFrom
+from thbridge.study.study_file import Study, read_study_text
+from thbridge.study.text import resolved
+
+FILE = Path("study.yaml")
+
+
+def test_by_default_names_are_those_of_our_own_robots():
+    study = Study(robots=2)
+    assert study.robots_from is RobotsFrom.SIM
+    second = study.fleet.names(2)[1]
+    assert (second.odom, second.action("goal"), second.odom_frame) == (
+        "/robot2/odom",
+        "/robot2/move_base/goal",
+        "robot2/odom",
+    )
+
+
+def test_other_robots_need_other_names_only():
+    text = """
+robots: 3
+robots_from: ros
+fleet:
+  robot: {namespace: "tb3_{n}", odom_frame: "/tb3_{n}/odom", scan: base_scan, amcl_pose: "/loc/{n}/pose"}
+  each:
+    3: {namespace: /kobuki, recorded: [bumper]}
+"""
+    study = read_study_text(FILE, text)
+    assert study.robots_from is RobotsFrom.ROS
+    first, _, third = study.fleet.names(3)
+    assert (first.odom, first.scan, first.amcl_pose) == ("/tb3_1/odom", "/tb3_1/base_scan", "/loc/1/pose")
+    assert (third.scan, third.odom_frame, third.recorded) == ("/kobuki/base_scan", "tb3_3/odom", ("/kobuki/bumper",))
+    assert read_study_text(FILE, resolved(study)) == study
+
+
+def test_a_robot_may_be_alone_on_its_graph():
+    text = 'robots: 1\nfleet: {robot: {namespace: "", odom_frame: odom}}'
+    (only,) = read_study_text(FILE, text).fleet.names(1)
+    assert (only.odom, only.move_base) == ("/odom", "/move_base")
+
+
+@pytest.mark.parametrize(
+    ("fleet", "key", "problem"),
+    [
+        ("{robot: {scan: 'la ser'}}", "fleet.robot.scan", "cannot be the name of a topic"),
+        ("{robot: {scan: '{number}/scan'}}", "fleet.robot.scan", "cannot be the name of a topic"),
+        ("{robot: {map_frame: ''}}", "fleet.robot.map_frame", "cannot be the name of a frame"),
+        ("{each: {2: {move_base: '4move'}}}", "fleet.each.2.move_base", "cannot be the name of a topic"),
+        (
+            "{robot: {namespace: /robot}}",
+            "fleet.robot.odom",
+            "/robot/odom would be odom of robot 1 and odom of robot 2",
+        ),
+        ("{each: {2: {odom_frame: robot1/odom}}}", "fleet.each.2.odom_frame", "of robot 1 and odom_frame of robot 2"),
+        ("{robot: {plan: odom}}", "fleet.robot.plan", "would be odom of robot 1 and plan of robot 1"),
+    ],
+)
+def test_what_cannot_be_a_name_is_told_with_line_and_remedy(fleet, key, problem):
+    with pytest.raises(BadFile) as caught:
+        read_study_text(FILE, f"robots: 2\nfleet: {fleet}")
+    fault = caught.value.faults[0] if isinstance(caught.value, BadFiles) else caught.value
+    assert (fault.key, fault.line) == (key, 2)
+    assert problem in fault.problem
+    assert fault.remedy
+
+
+def test_the_standard_names_survive_the_study_in_a_bag():
+    study = replace(Study(), robots_from=RobotsFrom.ROS)
+    assert read_study_text(FILE, resolved(study)) == study

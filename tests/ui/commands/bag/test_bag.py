@@ -1,0 +1,115 @@
+"""`thbridge bag` as people and scripts meet it."""
+
+import json
+from pathlib import Path
+
+import pytest
+from typer.testing import CliRunner
+
+from tests.thbridge.analysis.planting import clean, content, write
+from ui.cli import app
+
+RUN = CliRunner()
+
+
+@pytest.fixture
+def bag(tmp_path: Path) -> Path:
+    return write(tmp_path / "a.bag", clean())
+
+
+@pytest.fixture
+def bad(tmp_path: Path) -> Path:
+    planted = clean()
+    planted.drop("/tf_static")
+    return write(tmp_path / "bad.bag", planted)
+
+
+def test_check_of_a_clean_bag(bag: Path) -> None:
+    done = RUN.invoke(app, ["bag", "check", str(bag)])
+    assert done.exit_code == 0
+    assert done.stdout.count("takes it\n") == 5
+
+
+def test_check_says_what_where_and_what_to_do(bad: Path) -> None:
+    done = RUN.invoke(app, ["bag", "check", str(bad)])
+    assert done.exit_code == 1
+    assert "error for rviz, Foxglove: /scan: nothing joins its frame 'laser' to 'map'" in done.stdout
+    assert "(first at 0.000 s; 30 messages)" in done.stdout
+    assert "rviz        stumbles" in done.stdout
+
+
+def test_check_for_scripts(bad: Path) -> None:
+    done = RUN.invoke(app, ["bag", "check", str(bad), "--json"])
+    assert done.exit_code == 1
+    told = json.loads(done.stdout)
+    assert told["ok"] is False
+    assert told["tools"]["rviz"] == "error"
+    assert told["tools"]["evo"] == "ok"
+    (finding,) = told["findings"]
+    assert (finding["rule"], finding["topic"], finding["messages"]) == ("tf-missing", "/scan", 30)
+
+
+@pytest.mark.parametrize("what", [b"", b"this is a text\n", b"#ROSBAG V1.2\n", None])
+def test_what_is_not_a_bag(tmp_path: Path, what: bytes | None) -> None:
+    path = tmp_path / "a.bag"
+    if what is not None:
+        path.write_bytes(what)
+    done = RUN.invoke(app, ["bag", "check", str(path)])
+    assert done.exit_code == 2
+    assert str(path) in done.stderr
+
+
+def test_check_of_a_damaged_bag(tmp_path: Path) -> None:
+    path = tmp_path / "a.bag"
+    path.write_bytes(content(clean())[:9000])
+    done = RUN.invoke(app, ["bag", "check", str(path)])
+    assert done.exit_code == 1
+    assert "thbridge bag reindex" in done.stdout
+
+
+def test_check_of_a_split_recording_tells_which_part(tmp_path: Path, bag: Path, bad: Path) -> None:
+    bag.rename(tmp_path / "hunt_0.bag")
+    bad.rename(tmp_path / "hunt_1.bag")
+    done = RUN.invoke(app, ["bag", "check", str(tmp_path / "hunt.bag"), "--json"])
+    assert done.exit_code == 1
+    told = json.loads(done.stdout)
+    assert told["messages"] == 92 + 91
+    assert [finding["file"] for finding in told["findings"]] == [str(tmp_path / "hunt_1.bag")]
+
+
+def test_info_names_all_topics_in_full(bag: Path) -> None:
+    done = RUN.invoke(app, ["bag", "info", str(bag)])
+    assert done.exit_code == 0
+    assert "2.9 s, 92 messages" in done.stdout
+    (odometry,) = [line.split() for line in done.stdout.splitlines() if line.startswith("/odom ")]
+    assert odometry[:6] == ["/odom", "30", "10.0", "0.0", "2.9", "nav_msgs/Odometry"]
+
+
+def test_info_for_scripts(bag: Path) -> None:
+    told = json.loads(RUN.invoke(app, ["bag", "info", str(bag), "--json"]).stdout)
+    assert (told["messages"], told["parts"][0]["messages"], told["session"]) == (92, 92, None)
+    assert {topic["name"] for topic in told["topics"]} == {"/map", "/odom", "/scan", "/tf", "/tf_static"}
+
+
+def test_cut(bag: Path) -> None:
+    options = ["--from", "1", "--until", "2", "--topics", "/scan,/map", "--compression", "lz4"]
+    done = RUN.invoke(app, ["bag", "cut", str(bag), *options])
+    assert done.exit_code == 0
+    assert "12 messages into" in done.stdout
+    told = json.loads(RUN.invoke(app, ["bag", "info", str(bag.with_name("a-cut.bag")), "--json"]).stdout)
+    assert (told["messages"], told["compression"]) == (12, "lz4")
+    again = RUN.invoke(app, ["bag", "cut", str(bag), *options])
+    assert again.exit_code == 2
+    assert "--overwrite" in again.stderr
+
+
+def test_cut_refuses_what_is_not_there(bag: Path) -> None:
+    done = RUN.invoke(app, ["bag", "cut", str(bag), "--topics", "/nothing"])
+    assert done.exit_code == 2
+    assert "there is no topic /nothing" in done.stderr
+
+
+def test_to_mcap(bag: Path) -> None:
+    done = RUN.invoke(app, ["bag", "to-mcap", str(bag), "--compression", "none", "--json"])
+    assert json.loads(done.stdout)["messages"] == 92
+    assert bag.with_suffix(".mcap").read_bytes().startswith(b"\x89MCAP")

@@ -1,0 +1,96 @@
+"""`thbridge localize` as people and programs call it."""
+
+import json
+from pathlib import Path
+
+import pytest
+from typer.testing import CliRunner, Result
+
+from sim.common.geometry import Pose2
+from tests.thbridge.offline.foreign import FIRST, PERIOD_NS, START_NS, Robot, write, write_map
+from ui.cli import app
+
+ORIGIN = Pose2(-3.0, 4.0, 0.5)
+START = ORIGIN.compose(FIRST)
+
+
+@pytest.fixture(scope="module")
+def folder(tmp_path_factory: pytest.TempPathFactory) -> Path:
+    folder = tmp_path_factory.mktemp("localize")
+    write(folder / "a.bag", Robot(), seconds=4.0)
+    write_map(folder, ORIGIN)
+    return folder
+
+
+def run(folder: Path, *options: str) -> Result:
+    return CliRunner().invoke(app, ["localize", str(folder / "a.bag"), "--map", str(folder / "map.yaml"), *options])
+
+
+def start() -> list[str]:
+    return ["--initial-pose", str(START.x), str(START.y), str(START.theta)]
+
+
+def test_json(folder: Path) -> None:
+    done = run(folder, *start(), "--json")
+    assert done.exit_code == 0, done.output
+    told = json.loads(done.stdout)
+    assert told["updates"] > 5
+    assert told["cpu_seconds"] > 0
+    assert len(told["final_pose"]) == 3
+    assert [len(row) for row in told["covariance"]] == [3, 3, 3]
+    assert told["lost"] is False
+    assert told["laser_pose"] == pytest.approx([0.2, 0.05, 0.0])
+
+
+def test_the_trajectory_has_a_line_for_each_update(folder: Path, tmp_path: Path) -> None:
+    truth = write(tmp_path / "again.bag", Robot(), seconds=4.0)
+    done = run(folder, *start(), "--json", "--out", str(tmp_path / "est.tum"))
+    rows = [line.split() for line in (tmp_path / "est.tum").read_text().splitlines()]
+    assert len(rows) == json.loads(done.stdout)["updates"]
+    for stamp, *pose in rows:
+        seconds, nanoseconds = stamp.split(".")
+        index = (int(seconds) * 1_000_000_000 + int(nanoseconds) - START_NS) / PERIOD_NS
+        x, y, z, qx, qy, qz, qw = map(float, pose)
+        assert index == int(index)
+        assert (z, qx, qy) == (0, 0, 0)
+        assert qz * qz + qw * qw == pytest.approx(1)
+        assert ORIGIN.compose(truth[int(index)]).distance(Pose2(x, y, 0.0)) < 0.3
+
+
+def test_anywhere(folder: Path) -> None:
+    done = run(folder, "--global")
+    assert done.exit_code == 0, done.output
+    assert "updates from 41 scans" in " ".join(done.stdout.split())
+
+
+@pytest.mark.parametrize(
+    ("options", "told"),
+    [
+        ([], "--initial-pose X Y YAW or --global"),
+        (["--global", "--initial-pose", "0", "0", "0"], "--initial-pose X Y YAW or --global"),
+        (["--initial-pose", "nan", "0", "0"], "three finite numbers"),
+        (["--global", "--scan-topic", "/base_scan"], "LaserScan is on /scan"),
+        (["--global", "--out", "/nowhere/at/all.tum"], "--out"),
+    ],
+)
+def test_bad_input_is_told_and_ends_with_2(folder: Path, options: list[str], told: str) -> None:
+    done = run(folder, *options)
+    assert done.exit_code == 2
+    assert told in done.stderr
+
+
+def test_parameters_of_a_real_robot(folder: Path, tmp_path: Path) -> None:
+    """The filter does as they say: with update_min_d at half a metre it is updated half as often."""
+    sparse = tmp_path / "amcl.yaml"
+    sparse.write_text("update_min_d: 0.5\nmin_particles: 200\n")
+    often = json.loads(run(folder, *start(), "--json").stdout)["updates"]
+    seldom = json.loads(run(folder, *start(), "--json", "--params", str(sparse)).stdout)["updates"]
+    assert 1 < seldom < 0.7 * often
+
+
+def test_a_wrong_parameter_is_told_with_its_place(folder: Path, tmp_path: Path) -> None:
+    wrong = tmp_path / "amcl.yaml"
+    wrong.write_text("max_particles: 900\nupdate_min_dd: 0.5\n")
+    done = run(folder, *start(), "--params", str(wrong))
+    assert done.exit_code == 2
+    assert "line 2, amcl.update_min_dd: unknown key. The nearest right name is update_min_d" in done.stderr

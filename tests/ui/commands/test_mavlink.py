@@ -1,0 +1,330 @@
+"""`thbridge mavlink` from the user's seat, with robots at the other end of real sockets, on a thread of their own."""
+
+import asyncio
+import json
+import math
+import socket
+import threading
+from collections.abc import Iterator
+from pathlib import Path
+
+import pytest
+from click.testing import Result
+from typer.testing import CliRunner
+
+from tests.system.ports import free_port
+from tests.system.programs import Program, until
+from tests.thbridge.app.replay.test_mavlink_replay import Station, record
+from tests.thbridge.wire.mavlink.rig import OPTIONS, Game
+from thbridge.app.session.session import Session
+from thbridge.sockets.addresses import Address
+from thbridge.sockets.mavlink.server import MavlinkServer, Ports
+from thbridge.sockets.mavlink.udp import Target
+from thbridge.wire.mavlink.dialect import crc_extra, mav, payload_of
+from thbridge.wire.mavlink.frames.frame import Frame
+from thbridge.wire.mavlink.frames.signing import SigningKey, key_in
+from thbridge.wire.mavlink.hub import Hub, Sent
+from thbridge.wire.mavlink.outgoing import LinkId
+from thbridge.wire.mavlink.station import ground_station, trip
+from thbridge.wire.mavlink.vehicle.vehicle import Vehicle
+from thbridge.wire.mavlink.vehicle_interface import Denied
+from ui.cli import app
+
+
+class Fleet:
+    """Two robots that speak to an address, and listen by TCP; they arrive as soon as they are sent."""
+
+    def __init__(self, address: Address, key: SigningKey | None) -> None:
+        self.games = [Game(), Game()]
+        self.tcp = 0
+        self._hub = Hub([Vehicle(number, game, OPTIONS) for number, game in enumerate(self.games, 1)], 5.0)
+        self._links = 0
+        self.transmit = lambda sent: None
+        self._server = MavlinkServer(Ports((Target(address),), Address("127.0.0.1", 0), key))
+        self._over = False
+        self._stands = threading.Event()
+        self._thread = threading.Thread(target=lambda: asyncio.run(self._run()))
+
+    def __enter__(self) -> "Fleet":
+        self._thread.start()
+        assert self._stands.wait(60)
+        return self
+
+    def __exit__(self, *_: object) -> None:
+        self._over = True
+        self._thread.join()
+
+    def open_link(self, name: str, robot: int | None = None) -> LinkId:
+        link = LinkId(self._links)
+        self._links += 1
+        self._hub.open(link, name, robot)
+        return link
+
+    def report(self, link):
+        return self._hub.report(link)
+
+    def why_not(self, link, frame):
+        return self._hub.why_not(link, frame)
+
+    def close_link(self, link: LinkId) -> None:
+        self._hub.close(link)
+
+    def receive_frame(self, link, frame) -> list[Sent]:
+        return self._hub.receive(link, frame)
+
+    async def _run(self) -> None:
+        names = await self._server.open()
+        assert isinstance(names, list)
+        self.tcp = int(names[1].rpartition(":")[2])
+        await self._server.serve(self)
+        self._stands.set()
+        tick = 0
+        while not self._over:
+            self.transmit(self._hub.step(tick, [game.readings for game in self.games]))
+            for game in self.games:
+                if game.readings.under_way and tick % 10 == 0:
+                    game.arrive()
+            tick += 1
+            await asyncio.sleep(0.01)
+        await self._server.close()
+
+
+@pytest.fixture
+def impatient(monkeypatch: pytest.MonkeyPatch) -> None:
+    """For tests in which nobody answers: in all others a busy machine may take its time."""
+    monkeypatch.setattr(trip, "DISCOVERY_SECONDS", 1.0)
+    monkeypatch.setattr(ground_station, "TRIES", 2)
+
+
+@pytest.fixture
+def at() -> Address:
+    return Address("127.0.0.1", free_port(socket.SOCK_DGRAM))
+
+
+@pytest.fixture
+def fleet(at: Address) -> Iterator[Fleet]:
+    with Fleet(at, None) as fleet:
+        yield fleet
+
+
+def mavlink(*arguments: object) -> Result:
+    return CliRunner().invoke(app, ["mavlink", *[str(argument) for argument in arguments]])
+
+
+def told(*arguments: object) -> str:
+    """The message of a command that cannot do what it is told."""
+    done = mavlink(*arguments)
+    assert done.exit_code == 1, (done.output, done.exception)
+    assert done.stdout == ""
+    return done.stderr
+
+
+def refusal(*arguments: object) -> str:
+    done = mavlink(*arguments)
+    assert done.exit_code == 2, (done.output, done.exception)
+    return done.stderr
+
+
+@pytest.mark.parametrize("by", ["udp", "tcp"])
+def test_status_tells_who_is_there(by: str, at: Address, fleet: Fleet) -> None:
+    where = at if by == "udp" else f"tcp:127.0.0.1:{fleet.tcp}"
+    done = mavlink("status", where, "--seconds", 2.5, "--json")
+    assert done.exit_code == 0, done.output
+    robots = json.loads(done.stdout)["robots"]
+    assert [robot["robot"] for robot in robots] == [1, 2]
+    for robot in robots:
+        assert (robot["mode"], robot["armed"], robot["commander"]) == ("HOLD", False, "participant")
+        assert (robot["x"], robot["y"], robot["energy"], robot["lost"]) == (1.0, 2.0, 1.0, 0)
+        assert robot["latitude"] == pytest.approx(52.4, abs=0.001)
+        assert robot["frames_per_second"] > 5
+
+
+def test_status_for_people(at: Address, fleet: Fleet) -> None:
+    done = mavlink("status", at, "--seconds", 2.0)
+    assert done.exit_code == 0
+    assert "participant" in done.stdout
+
+
+def test_goto_takes_command_waits_and_gives_it_back(at: Address, fleet: Fleet) -> None:
+    done = mavlink("goto", 2, -1.5, 3, "--at", at, "--heading", 90)
+    assert done.exit_code == 0, done.output
+    assert done.stdout == "Robot 2 is at 1.00 2.00.\n"
+    names = [call[0] for call in fleet.games[1].asked]
+    assert names.index("take") < names.index("go_to") < names.index("release")
+    (went,) = fleet.games[1].calls("go_to")
+    assert went[:3] == ("go_to", -1.5, 3.0)
+    assert went[3] == pytest.approx(1.5707963, abs=1e-4)
+    assert fleet.games[0].asked == []
+
+
+def test_goto_may_keep_the_command(at: Address, fleet: Fleet) -> None:
+    assert mavlink("goto", 1, 3, 3, "--at", f"tcp:127.0.0.1:{fleet.tcp}", "--keep").exit_code == 0
+    assert fleet.games[0].calls("release") == []
+
+
+def test_a_robot_that_does_not_want_to(at: Address, fleet: Fleet) -> None:
+    fleet.games[0].refusal = Denied("Robot 1 has not enough energy.")
+    assert told("goto", 1, 0, 0, "--at", at) == "Robot 1 has not enough energy.\n"
+
+
+@pytest.mark.usefixtures("impatient")
+def test_a_robot_that_is_not_there(at: Address, fleet: Fleet) -> None:
+    assert "Robot 7 is not heard; those that are: 1, 2." in told("goto", 7, 0, 0, "--at", at)
+
+
+def test_nobody_there(at: Address) -> None:
+    assert f"{at}: nobody speaks MAVLink there. Start `thbridge play --mavlink`" in told("status", at, "--seconds", 0.2)
+
+
+def test_an_address_that_another_program_has(at: Address) -> None:
+    with socket.socket(socket.AF_INET, socket.SOCK_DGRAM) as other:
+        other.bind((at.host, at.port))
+        said = told("status", at, "--seconds", 0.2)
+    assert f"{at}: another program has this address, or another machine, and no robot answers." in said
+
+
+def test_a_robot_that_waits_to_be_spoken_to(at: Address) -> None:
+    """As behind a router: its address is taken, so it is spoken to."""
+    beat = mav.MAVLink_heartbeat_message(mav.MAV_TYPE_GROUND_ROVER, 0, 1, 0, 4, 3)
+    frame = Frame(5, 1, 0, beat.get_msgId(), payload_of(beat), crc_extra(beat.get_msgId()) or 0)
+
+    def answer() -> None:
+        _, asker = robot.recvfrom(1024)
+        robot.sendto(frame.to_bytes(), asker)
+
+    with socket.socket(socket.AF_INET, socket.SOCK_DGRAM) as robot:
+        robot.bind((at.host, at.port))
+        thread = threading.Thread(target=answer)
+        thread.start()
+        done = mavlink("status", at, "--seconds", 1.0, "--json")
+        thread.join()
+    (told,) = json.loads(done.stdout)["robots"]
+    assert (told["robot"], told["commander"], told["x"]) == (5, None, None)
+
+
+def test_a_connection_that_nobody_takes(at: Address) -> None:
+    assert "Connection refused. Start robots there" in told("status", f"tcp:{at}")
+
+
+def test_a_host_that_there_is_not() -> None:
+    assert "no.such.host.invalid:14550" in told("status", "no.such.host.invalid:14550")
+
+
+@pytest.mark.parametrize("text", ["here", "127.0.0.1", "tcp:5760", "127.0.0.1:0", "::1:14550"])
+def test_an_address_that_is_none(text: str) -> None:
+    assert f"HOST:PORT: '{text}' is no address. Write HOST:PORT" in refusal("status", text)
+    assert f"--at: '{text}' is no address" in refusal("goto", 1, 0, 0, "--at", text)
+
+
+@pytest.mark.parametrize("point", [("nan", "0"), ("0", "inf"), ("1e9", "0")])
+def test_a_point_that_is_none(point: tuple[str, str]) -> None:
+    assert "is not within 100,000" in refusal("goto", 1, *point)
+
+
+# Keys
+
+
+@pytest.fixture
+def key(tmp_path: Path) -> Path:
+    path = tmp_path / "key"
+    path.write_text("a passphrase\n")
+    return path
+
+
+@pytest.fixture
+def signed(at: Address) -> Iterator[Fleet]:
+    secret = key_in(b"a passphrase\n")
+    assert isinstance(secret, SigningKey)
+    with Fleet(at, secret) as fleet:
+        yield fleet
+
+
+def test_a_key_opens(at: Address, signed: Fleet, key: Path) -> None:
+    assert mavlink("goto", 1, 0, 0, "--at", at, "--signing-key", key).exit_code == 0
+
+
+def test_a_wrong_key(at: Address, signed: Fleet, key: Path) -> None:
+    key.write_text("another\n")
+    said = told("status", at, "--signing-key", key, "--seconds", 0.9)
+    assert f"frames were refused, for they are not signed with the key of {key}." in " ".join(said.split())
+
+
+@pytest.mark.usefixtures("impatient")
+def test_a_key_that_is_missing(at: Address, signed: Fleet) -> None:
+    said = told("goto", 1, 0, 0, "--at", at)
+    assert "Robot 1 does not answer. If it wants signatures, give --signing-key." in said
+
+
+@pytest.mark.usefixtures("impatient")
+def test_a_key_that_robots_do_not_have(at: Address, fleet: Fleet, key: Path) -> None:
+    assert "frames were refused" in told("goto", 1, 0, 0, "--at", at, "--signing-key", key)
+
+
+def test_a_key_file_that_is_not_there(at: Address) -> None:
+    assert "the signing key cannot be read" in refusal("status", at, "--signing-key", "nowhere")
+
+
+# Recordings
+
+
+def test_a_recording_that_is_none(tmp_path: Path) -> None:
+    assert "no such file" in refusal("replay", tmp_path / "none.bag")
+
+
+@pytest.fixture(scope="module")
+def recorded(tmp_path_factory: pytest.TempPathFactory) -> Path:
+    """A moment of a hunt in which a ground station takes command."""
+    bag = tmp_path_factory.mktemp("recorded") / "hunt.bag"
+
+    def take(tick: int, session: Session) -> None:
+        if tick == 20:
+            station = Station(session)
+            station.beat()
+            arm = mav.MAV_CMD_COMPONENT_ARM_DISARM
+            station.say(mav.MAVLink_command_long_message(1, 1, arm, 0, 1, 0, 0, 0, 0, 0, 0))
+
+    record(bag, 60, take)
+    return bag
+
+
+def test_a_recordings_frames_drive_a_fresh_hunt(recorded: Path, tmp_path: Path) -> None:
+    kept = tmp_path / "again.bag"
+    done = mavlink("replay", recorded, "--to", kept, "--json")
+    assert done.exit_code == 0, done.output
+    told = json.loads(done.stdout)
+    assert (told["frames"], told["ticks"], told["same"], told["parted"], told["bag"]) == (3, 60, True, None, str(kept))
+    assert kept.exists()
+
+
+def test_a_replay_for_people(recorded: Path) -> None:
+    done = mavlink("replay", recorded, "--with", "seed=2")
+    assert done.exit_code == 0, done.output
+    assert "Robot 1 is commanded by ground station 255 from now on." in done.stdout
+
+
+def test_a_replay_in_two_studies(recorded: Path, tmp_path: Path) -> None:
+    said = refusal("replay", recorded, "--study", tmp_path / "s.yaml", "--with", "seed=2")
+    assert "--with: it changes the recording's study; --study gives another." in said
+
+
+def test_a_replay_onto_itself(recorded: Path) -> None:
+    assert "is the recording itself" in refusal("replay", recorded, "--to", recorded)
+
+
+@pytest.mark.slow
+def test_a_hunt_in_a_process_of_its_own(at: Address, tmp_path: Path) -> None:
+    """From `play` to `status`, `goto` and `replay`, as an admin types them."""
+    options = ["--mavlink", "--headless", "--outside", "TabUI", "--no-report", "--port", "0", "--bag", "a.bag"]
+    play = Program(tmp_path, "play", *options, "--udp", str(at))
+    try:
+        until("treasures are hidden", lambda: "treasures are hidden" in play.text, [play])
+        assert mavlink("goto", 1, -2.7, 1.4, "--at", at).exit_code == 0
+        robots = json.loads(mavlink("status", at, "--json").stdout)["robots"]
+        assert math.dist((robots[0]["x"], robots[0]["y"]), (-2.735, 1.442)) < 0.5
+        assert all(robot["lost"] == 0 for robot in robots)
+        play.stop()
+    finally:
+        play.close()
+    told = json.loads(mavlink("replay", tmp_path / "a.bag", "--json").stdout)
+    assert told["same"]
+    assert told["recorded"]["arrivals"][0]["room"] == 2

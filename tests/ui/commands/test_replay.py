@@ -1,0 +1,115 @@
+"""`thbridge replay` from the user's seat."""
+
+import json
+from pathlib import Path
+
+import pytest
+from click.testing import Result
+from typer.testing import CliRunner
+
+from tests.ui.test_cli import write_bag
+from thbridge.recording.bag.reader import messages
+from thbridge.recording.bag.writer import BagWriter
+from thbridge.ros.publisher import Message, Topic
+from ui.cli import app
+
+
+def thbridge(*arguments: str | Path) -> Result:
+    return CliRunner().invoke(app, [str(argument) for argument in arguments])
+
+
+@pytest.fixture(scope="module")
+def hunt(tmp_path_factory: pytest.TempPathFactory) -> Path:
+    bag = tmp_path_factory.mktemp("hunt") / "hunt.bag"
+    done = thbridge("play", "--json", "--port", "0", "--seed", "7", "--max-seconds", "18", "--bag", bag)
+    assert done.exit_code == 1  # not over yet
+    return bag
+
+
+@pytest.fixture(autouse=True)
+def folder(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Path:
+    monkeypatch.chdir(tmp_path)
+    return tmp_path
+
+
+def test_the_same_again(hunt: Path) -> None:
+    done = thbridge("replay", hunt, "--to", "again.bag", "--json")
+    assert done.exit_code == 0, done.output
+    told = json.loads(done.stdout)
+    assert (told["equal"], told["first_difference"], told["ticks"], told["bag"]) == (True, None, 900, "again.bag")
+    assert Path("again.bag").read_bytes() == hunt.read_bytes()
+    assert "recorded" not in told
+
+
+def test_for_people_it_tells_the_hunt_from_a_time_on(hunt: Path) -> None:
+    done = thbridge("replay", hunt, "--from", "14")
+    assert done.exit_code == 0
+    assert "Game 1 begins" not in done.stdout
+    assert "is in room" in done.stdout
+    assert "the same, bit for bit" in done.stdout
+
+
+def test_a_difference_is_told_and_ends_with_1(hunt: Path) -> None:
+    recorded = list(messages(hunt))
+    victim = next(n for n, m in enumerate(recorded) if n > 1500 and m.topic.endswith("/odom"))
+    with BagWriter(Path("forged.bag")) as writer:
+        for number, message in enumerate(recorded):
+            data = message.data[:-8] + bytes(8) if number == victim else message.data
+            writer.write(Message(Topic(message.topic, message.msgtype), message.stamp_ns, data))
+    done = thbridge("replay", "forged.bag")
+    assert done.exit_code == 1
+    assert f"The first difference: message {victim}," in done.stdout.replace("\n", " ")
+    assert "twist.covariance[35]" in done.stdout
+
+
+def test_what_if_compares_both_runs(hunt: Path) -> None:
+    done = thbridge("replay", hunt, "--with", "seed=8", "--with", "robot.amcl.max_particles=300", "--json")
+    assert done.exit_code == 0, done.output
+    told = json.loads(done.stdout)
+    assert told["first_difference"]["topic"] == "/hunt/events"
+    for run in ("recorded", "replayed"):
+        assert [robot["name"] for robot in told[run]["robots"]] == ["robot1", "robot2"]
+        assert all(robot["error_mean"] > 0.0 for robot in told[run]["robots"])
+    assert told["recorded"] != told["replayed"]
+    assert not list(Path().iterdir())
+
+
+def test_what_if_for_people_is_a_table(hunt: Path) -> None:
+    Path("other.yaml").write_text("noise: {preset: bad wheels}\n")
+    done = thbridge("replay", hunt, "--with", "other.yaml", "--participant", "nearest")
+    assert done.exit_code == 0, done.output
+    assert "What became of it" in done.stdout
+    assert "robot2: energy left" in done.stdout
+
+
+@pytest.mark.parametrize(
+    ("arguments", "told"),
+    [
+        (["--with", "seed"], "'seed' is neither KEY=VALUE nor a study file"),
+        (["--with", "sed=3"], "sed: unknown key. The nearest right name is seed"),
+        (["--with", "robots=50"], "there are start poses for"),
+        (["--with", "map=./nowhere"], "nowhere"),
+        (["--with", "none.yaml"], "none.yaml"),
+        (["--to", "bag"], "--to: bag is not the name of a bag"),
+    ],
+)
+def test_bad_input_is_refused(hunt: Path, arguments: list[str], told: str) -> None:
+    done = thbridge("replay", hunt, *arguments)
+    assert done.exit_code == 2
+    assert told in done.stderr.replace("\n", " ")
+    assert done.stdout == ""
+
+
+def test_a_recording_is_not_replayed_onto_itself(hunt: Path) -> None:
+    before = hunt.read_bytes()
+    assert thbridge("replay", hunt, "--to", hunt).exit_code == 2
+    assert hunt.read_bytes() == before
+
+
+def test_foreign_and_broken_bags_are_refused(folder: Path) -> None:
+    write_bag(folder / "foreign.bag")
+    (folder / "broken.bag").write_bytes(b"#ROSBAG V2.0\nnonsense")
+    for name in ("foreign.bag", "broken.bag", "missing.bag"):
+        done = thbridge("replay", name)
+        assert done.exit_code == 2
+        assert name in done.stderr

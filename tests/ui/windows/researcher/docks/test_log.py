@@ -1,0 +1,118 @@
+"""Lists keep up with the time, hold what they can, and find words."""
+
+import time
+
+import pytest
+from PySide6.QtCore import Qt
+from PySide6.QtGui import QGuiApplication
+from PySide6.QtTest import QTest
+from PySide6.QtWidgets import QLineEdit, QTableView
+from pytestqt.qtbot import QtBot
+
+from ui.model.theme import DARK, LIGHT
+from ui.windows.researcher.docks.log import CAPACITY, Log, LogModel, Row
+
+
+def rows(first: int, count: int) -> list[Row]:
+    return [Row(float(n), (f"who {n}", f"sentence {n % 7}"), n % 3) for n in range(first, first + count)]
+
+
+@pytest.fixture
+def log(qtbot: QtBot) -> Log:
+    made = Log("Dialogue", ("Who", "What"), LIGHT)
+    qtbot.addWidget(made)
+    made.resize(500, 300)
+    made.show()
+    return made
+
+
+def test_rows_show_time_and_cells(log: Log) -> None:
+    log.extend(rows(0, 3))
+    assert log.model.index(2, 0).data() == "2.00"
+    assert log.model.index(2, 2).data() == "sentence 2"
+
+
+def test_the_oldest_go_when_it_is_full(log: Log) -> None:
+    log.extend(rows(0, CAPACITY))
+    log.extend(rows(CAPACITY, 5))
+    assert log.model.size <= CAPACITY
+    assert log.model.row(log.model.rowCount() - 1).time == CAPACITY + 4
+    log.model.set_filter(f"{CAPACITY + 4}")
+    assert [log.model.row(n).time for n in range(log.model.rowCount())] == [CAPACITY + 4]
+
+
+def test_more_than_it_holds_at_once_leaves_the_newest(log: Log) -> None:
+    log.extend(rows(0, CAPACITY + 100))
+    assert log.model.size <= CAPACITY
+    assert log.model.row(log.model.rowCount() - 1).time == CAPACITY + 99
+
+
+def test_all_words_of_the_filter_are_wanted_in_any_order_and_case(log: Log) -> None:
+    log.extend(rows(0, 20))
+    QTest.keyClicks(log.findChild(QLineEdit), "Sentence WHO 3")
+    assert [log.model.row(n).time for n in range(log.model.rowCount())] == [3.0, 10.0, 13.0, 17.0]
+    log.extend(rows(31, 1))
+    assert log.model.rowCount() == 5
+
+
+def test_what_is_still_to_come_is_dimmed(qtbot: QtBot) -> None:
+    model = LogModel(("Who", "What"), LIGHT)
+    model.extend(rows(0, 10))
+    model.show_time(4.5)
+    colours = [model.index(n, 2).data(Qt.ItemDataRole.ForegroundRole) for n in range(10)]
+    assert colours[:5] == [None] * 5
+    assert all(colour.name() == LIGHT.muted for colour in colours[5:])
+    model.set_palette(DARK)
+    assert model.index(9, 2).data(Qt.ItemDataRole.ForegroundRole).name() == DARK.muted
+
+
+def test_it_keeps_to_the_time_until_somebody_scrolls_up_and_again_when_they_come_back(log: Log, qtbot: QtBot) -> None:
+    log.extend(rows(0, 500))
+    bar = log.table.verticalScrollBar()
+    bottom = bar.value()
+    assert bottom == bar.maximum()
+    bar.setValue(0)
+    log.extend(rows(500, 10))
+    assert bar.value() == 0
+    qtbot.waitUntil(lambda: bar.maximum() > bottom)
+    bar.setValue(bar.maximum())
+    log.extend(rows(510, 10))
+    assert bar.value() == bar.maximum()
+
+
+def test_it_goes_to_the_moment_shown(log: Log) -> None:
+    log.extend(rows(0, 500))
+    log.show_time(250.0)
+    place = log.table.visualRect(log.model.index(250, 0))
+    assert log.table.viewport().rect().contains(place)
+
+
+def test_rows_are_copied_as_a_table(log: Log) -> None:
+    log.extend(rows(0, 3))
+    log.table.selectAll()
+    log.table.setFocus()
+    QTest.keySequence(log.table, "Ctrl+C")
+    assert QGuiApplication.clipboard().text().splitlines()[1] == "1.000\twho 1\tsentence 1"
+
+
+def test_enter_on_a_row_asks_for_its_moment(log: Log, qtbot: QtBot) -> None:
+    log.extend(rows(0, 30))
+    log.table.setFocus()
+    log.table.setCurrentIndex(log.model.index(7, 0))
+    with qtbot.waitSignal(log.chosen) as asked:
+        QTest.keyClick(log.table, Qt.Key.Key_Return)
+    assert asked.args == [7.0]
+
+
+@pytest.mark.bench
+def test_bench_a_full_list(log: Log) -> None:
+    log.extend(rows(0, CAPACITY - 1))
+    for what, act in (
+        ("one more row", lambda: log.extend(rows(CAPACITY, 1))),
+        ("filter", lambda: log.findChild(QLineEdit).setText("sentence 3")),
+        ("full", lambda: log.extend(rows(CAPACITY + 1, 10))),
+    ):
+        start = time.perf_counter()
+        act()
+        log.findChild(QTableView).grab()
+        print(f"{what}: {1000.0 * (time.perf_counter() - start):.1f} ms")

@@ -1,0 +1,273 @@
+"""Rules about coordinate frames: names, the tree that tf makes, and what hangs on it.
+
+Source: geometry2, tf2/buffer_core.cpp (what setTransform ignores, what lookups raise).
+"""
+
+from collections.abc import Iterator
+from dataclasses import dataclass
+
+from thbridge.analysis.check.finding import TF_TYPES, Finding, Heard, Listener, Severity, Structure, Tally, Tool
+from thbridge.recording.bag.scan import Source
+from thbridge.ros.frames import frame_name
+
+SHOWN = (Tool.RVIZ, Tool.FOXGLOVE)
+FIXED_FRAMES = ("map", "world", "odom")
+"""What tools take for the frame that stands still, in this order."""
+SHOWN_TYPES = frozenset(
+    {"visualization_msgs/Marker"}
+    | {f"nav_msgs/{name}" for name in ("GridCells", "OccupancyGrid", "Odometry", "Path")}
+    | {f"sensor_msgs/{name}" for name in ("LaserScan", "PointCloud", "PointCloud2", "Range")}
+    | {
+        f"geometry_msgs/{name}"
+        for name in ("PointStamped", "PolygonStamped", "PoseArray", "PoseStamped", "PoseWithCovarianceStamped")
+    }
+)
+"""Messages that are shown at a place in space."""
+FRAMELESS_TYPES = frozenset({"mavros_msgs/Mavlink"})
+"""Messages whose headers name something else than a frame, as a MAVLink link."""
+LATE_NS = 1_000_000_000
+"""So long a start without transforms is usual."""
+
+
+class SlashedFrames:
+    """tf2 looks up no name that begins with a slash; in transforms it drops the slash, as Foxglove does everywhere."""
+
+    def __init__(self) -> None:
+        self._slashed: Tally[tuple[str, str]] = Tally()
+        self._tf: set[str] = set()
+
+    def listen(self, source: Source) -> Listener | None:
+        """Every topic that has frames."""
+        topic = source.topic
+        if source.msgtype in FRAMELESS_TYPES:
+            return None
+        if source.msgtype in TF_TYPES:
+            self._tf.add(topic)
+
+        def hear(heard: Heard) -> None:
+            for _, frame in heard.reading.headers:
+                if frame.startswith("/"):
+                    self._slashed.add((topic, frame), heard.stamp_ns)
+            for frame in heard.reading.children:
+                if frame.startswith("/"):
+                    self._slashed.add((topic, frame), heard.stamp_ns)
+
+        return hear
+
+    def findings(self, bag: Structure) -> Iterator[Finding]:
+        """One for each topic and frame."""
+        for (topic, frame), first, count in self._slashed.items():
+            if topic in self._tf:
+                severity, tools, harm = Severity.WARNING, (Tool.EVO,), "evo knows it by this name only"
+            else:
+                severity, tools, harm = Severity.ERROR, (Tool.RVIZ,), "tf2 refuses such names, and rviz shows nothing"
+            what = f"the frame {frame!r} begins with a slash: {harm}"
+            remedy = f"call it {frame_name(frame)!r}"
+            yield Finding("frame-slash", severity, tools, topic, what, remedy, first, count)
+
+
+@dataclass(slots=True)
+class _Edge:
+    """A child hangs on a parent: since when, and said where."""
+
+    topic: str
+    first_ns: int
+    static: bool
+    heard_ns: int
+
+
+@dataclass(slots=True)
+class _Use:
+    """A topic speaks of a frame: in how many messages, and the first of them."""
+
+    heard_ns: int
+    stamp_ns: int
+    shown: bool
+    count: int = 0
+
+
+class Tree:
+    """The tree of frames: whole, without loops, in time."""
+
+    def __init__(self) -> None:
+        self._edges: dict[str, dict[str, _Edge]] = {}
+        self._above: dict[str, str] = {}
+        self._switches: Tally[str] = Tally()
+        self._bad: Tally[tuple[str, str]] = Tally()
+        self._uses: dict[tuple[str, str], _Use] = {}
+        self._unnamed: Tally[str] = Tally()
+
+    def listen(self, source: Source) -> Listener | None:
+        """Transforms, and every topic that has frames."""
+        if source.msgtype in FRAMELESS_TYPES:
+            return None
+        return self._transforms(source) if source.msgtype in TF_TYPES else self._users(source)
+
+    def _transforms(self, source: Source) -> Listener:
+        topic, static = source.topic, source.topic.endswith("tf_static")
+
+        def hear(heard: Heard) -> None:
+            for (stamp_ns, parent), child in zip(heard.reading.headers, heard.reading.children, strict=False):
+                above, below = frame_name(parent), frame_name(child)
+                if not above or not below or above == below:
+                    self._bad.add((topic, f"{parent!r} -> {child!r}"), heard.stamp_ns)
+                    continue
+                parents = self._edges.setdefault(below, {})
+                edge = parents.get(above)
+                if edge is None:
+                    parents[above] = _Edge(topic, stamp_ns, static, heard.stamp_ns)
+                elif stamp_ns < edge.first_ns:
+                    edge.first_ns = stamp_ns
+                if self._above.get(below, above) != above:
+                    self._switches.add(below, heard.stamp_ns)
+                self._above[below] = above
+
+        return hear
+
+    def _users(self, source: Source) -> Listener:
+        topic = source.topic
+        shown = source.msgtype in SHOWN_TYPES
+
+        def hear(heard: Heard) -> None:
+            headers = heard.reading.headers
+            if not headers:
+                return
+            if shown and not headers[0][1]:
+                self._unnamed.add(topic, heard.stamp_ns)
+            for stamp_ns, frame in headers if len(headers) < 3 else set(headers):
+                if not frame:
+                    continue
+                use = self._uses.get((topic, frame))
+                if use is None:
+                    use = self._uses[(topic, frame)] = _Use(heard.stamp_ns, stamp_ns or heard.stamp_ns, shown)
+                use.count += 1
+
+        return hear
+
+    def findings(self, bag: Structure) -> Iterator[Finding]:
+        """What is wrong with the tree, and what does not hang on it."""
+        for (topic, edge), first, count in self._bad.items():
+            what = f"a transform {edge} is ignored: two different names are needed"
+            yield Finding("tf-names", Severity.ERROR, SHOWN, topic, what, "name both frames", first, count)
+        for topic, first, count in self._unnamed.items():
+            what = "the header names no frame: nobody knows where to show it"
+            remedy = "let the driver fill in frame_id"
+            yield Finding("frame-empty", Severity.ERROR, SHOWN, topic, what, remedy, first, count)
+        yield from self._two_parents()
+        looped = self._loop()
+        if looped is not None:
+            yield looped
+        else:
+            yield from self._hanging()
+
+    def _two_parents(self) -> Iterator[Finding]:
+        switches = {child: count for child, _, count in self._switches.items()}
+        for child, parents in self._edges.items():
+            if len(parents) < 2:
+                continue
+            names = " and ".join(repr(name) for name in parents)
+            last = max(parents.values(), key=lambda edge: edge.heard_ns)
+            mixed = len({edge.static for edge in parents.values()}) > 1
+            # Once may be meant: a thing that is handed over.
+            severity = Severity.ERROR if mixed or switches.get(child, 0) > 1 else Severity.WARNING
+            what = f"the frame {child!r} hangs on {names} by turns: the tree breaks at each change"
+            remedy = "let one publisher say where it is, on one parent"
+            first, count = last.heard_ns, switches.get(child, 0)
+            yield Finding("tf-two-parents", severity, SHOWN, last.topic, what, remedy, first, count)
+
+    def _loop(self) -> Finding | None:
+        for start in self._edges:
+            chain = [start]
+            while (above := self._above.get(chain[-1])) is not None:
+                if above in chain:
+                    ring = [*chain[chain.index(above) :], above]
+                    edge = self._edges[chain[-1]][above]
+                    what = f"transforms go round: {' -> '.join(ring)}"
+                    remedy = "take one of them out"
+                    return Finding("tf-loop", Severity.ERROR, SHOWN, edge.topic, what, remedy, edge.heard_ns)
+                chain.append(above)
+        return None
+
+    def _root(self, frame: str) -> str:
+        while frame in self._above:
+            frame = self._above[frame]
+        return frame
+
+    def _since_ns(self, frame: str) -> int:
+        """From when on the frame is joined to its root."""
+        since = 0
+        while frame in self._above:
+            since = max(since, self._edges[frame][self._above[frame]].first_ns)
+            frame = self._above[frame]
+        return since
+
+    def _fixed(self) -> str | None:
+        used = {frame_name(frame) for _, frame in self._uses}
+        known = used | set(self._above) | set(self._above.values())
+        for name in FIXED_FRAMES:
+            if name in known:
+                return self._root(name)
+        roots = [self._root(frame) for frame in known]
+        return max(sorted(set(roots)), key=roots.count) if roots else None
+
+    def _hanging(self) -> Iterator[Finding]:
+        fixed = self._fixed()
+        if not self._edges:
+            yield from self._no_tree()
+            return
+        for (topic, name), use in self._uses.items():
+            frame = frame_name(name)
+            if self._root(frame) != fixed:
+                what = f"nothing joins its frame {frame!r} to {fixed!r}"
+                if self._root(frame) != frame:
+                    what += f", it hangs on {self._root(frame)!r}"
+                remedy = "record /tf and /tf_static with it, base to sensor included"
+                severity = Severity.ERROR if use.shown else Severity.WARNING
+                yield Finding("tf-missing", severity, SHOWN, topic, what, remedy, use.heard_ns, use.count)
+            elif (late := self._since_ns(frame) - use.stamp_ns) > 0:
+                severity = Severity.WARNING if late > LATE_NS else Severity.NOTE
+                what = f"its first message is {late / 1e9:.3f} s older than the first transforms of {frame!r}"
+                remedy = "begin to record transforms before the sensors"
+                yield Finding("tf-late", severity, SHOWN, topic, what, remedy, use.heard_ns, 1)
+
+    def _no_tree(self) -> Iterator[Finding]:
+        shown = {frame_name(frame): use for (_, frame), use in self._uses.items() if use.shown}
+        if len(shown) > 1:
+            what = f"there are no transforms in the bag, and its messages are in frames {', '.join(sorted(shown))}"
+            first = min(use.heard_ns for use in shown.values())
+            yield Finding("tf-missing", Severity.ERROR, SHOWN, None, what, "record /tf and /tf_static with it", first)
+
+
+class StaticWhole:
+    """Whoever listens late hears the last message of /tf_static alone: all frames must be in it."""
+
+    def __init__(self) -> None:
+        self._said: dict[int, set[str]] = {}
+        self._last: dict[int, tuple[int, set[str]]] = {}
+
+    def listen(self, source: Source) -> Listener | None:
+        """The topics of static transforms."""
+        if source.msgtype not in TF_TYPES or not source.topic.endswith("tf_static"):
+            return None
+        said = self._said.setdefault(source.number, set())
+
+        def hear(heard: Heard) -> None:
+            children = set(heard.reading.children)
+            said.update(children)
+            self._last[source.number] = (heard.stamp_ns, children)
+
+        return hear
+
+    def findings(self, bag: Structure) -> Iterator[Finding]:
+        """One for each publisher."""
+        for number, (stamp_ns, last) in self._last.items():
+            lacking = sorted(self._said[number] - last)
+            if lacking:
+                what = f"its last message lacks {', '.join(lacking)}, and replaces the one that had them"
+                remedy = "say all static transforms in one message"
+                tools = (Tool.ROSBAG, Tool.RVIZ)
+                topic = bag.sources[number].topic
+                yield Finding("static-partial", Severity.ERROR, tools, topic, what, remedy, stamp_ns, 1)
+
+
+RULES = (SlashedFrames, Tree, StaticWhole)

@@ -1,0 +1,141 @@
+"""Hears a bag out and gives the judgement."""
+
+from collections.abc import Iterable
+from contextlib import suppress
+from dataclasses import dataclass
+
+from thbridge.analysis.check import connections, contents, frames, structure, times
+from thbridge.analysis.check.finding import Finding, Heard, KnownChunk, MessageRule, Severity, Structure, Tool
+from thbridge.analysis.check.reading import Layout, Reading, Unreadable
+from thbridge.recording.bag.scan import Chunk, ChunkIndex, FileHeader, MessageIndex, Record, Said, Source, Tear
+
+_ORDER = tuple(Severity)
+
+
+@dataclass(frozen=True, slots=True)
+class Judgement:
+    """What the tools will make of a bag.
+
+    Attributes:
+        findings: worst first.
+        messages: how many were heard.
+        seconds: from the first to the last.
+        start_ns: stamp of the first; None when there are none.
+    """
+
+    findings: tuple[Finding, ...]
+    messages: int
+    seconds: float
+    start_ns: int | None
+
+    def worst(self, tool: Tool) -> Severity | None:
+        """The worst that a tool will meet; None for nothing."""
+        mine = {finding.severity for finding in self.findings if tool in finding.tools}
+        return next((severity for severity in _ORDER if severity in mine), None)
+
+    @property
+    def ok(self) -> bool:
+        """Whether every tool takes the bag."""
+        return all(finding.severity is not Severity.ERROR for finding in self.findings)
+
+
+def judge(records: Iterable[Record]) -> Judgement:
+    """Judge a bag by its records, as `bag_scan.scan` reads them."""
+    hearing = _Hearing()
+    for record in records:
+        hearing.take(record)
+    bag = hearing.structure()
+    findings = [finding for rule in (*structure.RULES, *connections.RULES) for finding in rule(bag)]
+    for message_rule in hearing.rules:
+        findings.extend(message_rule.findings(bag))
+    findings.sort(key=lambda finding: (_ORDER.index(finding.severity), finding.topic or "", finding.rule))
+    return Judgement(tuple(findings), sum(bag.counts.values()), bag.seconds, bag.start_ns)
+
+
+class _Line:
+    """One connection: reads its messages and passes them to whoever listens."""
+
+    def __init__(self, source: Source, rules: Iterable[MessageRule]) -> None:
+        self._listeners = [hear for rule in rules if (hear := rule.listen(source)) is not None]
+        self._layout: Layout | None = None
+        with suppress(ValueError):  # a rule about connections says why
+            self._layout = Layout(source.msgtype, source.definition, contents.numbers_of(source.msgtype))
+
+    def hear(self, said: Said) -> None:
+        try:
+            heard = Heard(said.stamp_ns, Reading() if self._layout is None else self._layout.read(said.data))
+        except Unreadable as fault:
+            heard = Heard(said.stamp_ns, Reading(), str(fault))
+        for hear in self._listeners:
+            hear(heard)
+
+
+class _Hearing:
+    """Collects what rules need from the records in the file's order."""
+
+    def __init__(self) -> None:
+        rules = (*times.RULES, *frames.RULES, *contents.RULES)
+        self.rules: tuple[MessageRule, ...] = tuple(rule() for rule in rules)
+        self._header: FileHeader | None = None
+        self._sources: dict[int, Source] = {}
+        self._lines: dict[int, _Line] = {}
+        self._counts: dict[int, int] = {}
+        self._chunks: list[KnownChunk] = []
+        self._index: list[ChunkIndex] = []
+        self._indexed_sources: set[int] = set()
+        self._tears: list[Tear] = []
+
+    def take(self, record: Record) -> None:
+        """The next record."""
+        match record:
+            case Said():
+                self._said(record)
+            case MessageIndex(number, count):
+                self._indexed_sources.clear()
+                if self._chunks:
+                    indexed = self._chunks[-1].indexed
+                    indexed[number] = indexed.get(number, 0) + count
+            case Source(number):
+                if number not in self._sources:
+                    self._sources[number] = record
+                    self._lines[number] = _Line(record, self.rules)
+                # Those that come after the last chunk and its places are the index's.
+                self._indexed_sources.add(number)
+            case Chunk():
+                self._chunks.append(KnownChunk(record, {}, {}))
+                self._indexed_sources.clear()
+            case ChunkIndex():
+                self._index.append(record)
+            case FileHeader():
+                self._header = record
+            case Tear():
+                self._tears.append(record)
+
+    def _said(self, said: Said) -> None:
+        self._counts[said.number] = self._counts.get(said.number, 0) + 1
+        if self._chunks:
+            known = self._chunks[-1]
+            known.counts[said.number] = known.counts.get(said.number, 0) + 1
+            if known.start_ns is None or said.stamp_ns < known.start_ns:
+                known.start_ns = said.stamp_ns
+            if known.end_ns is None or said.stamp_ns > known.end_ns:
+                known.end_ns = said.stamp_ns
+        line = self._lines.get(said.number)
+        if line is not None:
+            line.hear(said)
+
+    def structure(self) -> Structure:
+        """All that was collected."""
+        starts = [known.start_ns for known in self._chunks if known.start_ns is not None]
+        ends = [known.end_ns for known in self._chunks if known.end_ns is not None]
+        return Structure(
+            self._header,
+            self._sources,
+            self._counts,
+            tuple(self._chunks),
+            tuple(self._index),
+            len(self._indexed_sources),
+            tuple(self._tears),
+            min(starts, default=None),
+            max(ends, default=None),
+        )

@@ -1,0 +1,155 @@
+"""Rules about stamps: of the recording, and in the messages."""
+
+from collections.abc import Iterator
+
+from thbridge.analysis.check.finding import STAMPED_POSES, Finding, Heard, Listener, Severity, Structure, Tally, Tool
+from thbridge.analysis.check.structure import CUT
+from thbridge.recording.bag.scan import Source
+
+TF_CACHE = 10.0
+"""Seconds that tf2 remembers (tf2, buffer_core.h, DEFAULT_CACHE_TIME)."""
+
+
+class StampZero:
+    """`rosbag play` drops messages whose stamp is zero."""
+
+    def __init__(self) -> None:
+        self._zero: Tally[str] = Tally()
+
+    def listen(self, source: Source) -> Listener:
+        """Every topic."""
+        topic = source.topic
+
+        def hear(heard: Heard) -> None:
+            if heard.stamp_ns == 0:
+                self._zero.add(topic, 0)
+
+        return hear
+
+    def findings(self, bag: Structure) -> Iterator[Finding]:
+        """One for each topic."""
+        for topic, first, count in self._zero.items():
+            what = "messages are stamped 0, and `rosbag play` drops them"
+            remedy = "start the clock above zero"
+            yield Finding("stamp-zero", Severity.ERROR, (Tool.ROSBAG, Tool.RVIZ), topic, what, remedy, first, count)
+
+
+class BackInTime:
+    """Who reads a bag in the file's order meets the past after the future."""
+
+    def __init__(self) -> None:
+        self._latest_ns = 0
+        self._first_ns: int | None = None
+        self._count = 0
+        self._worst_ns = 0
+
+    def listen(self, source: Source) -> Listener:
+        """Every topic, all with one clock."""
+        return self._hear
+
+    def _hear(self, heard: Heard) -> None:
+        back = self._latest_ns - heard.stamp_ns
+        if back <= 0:
+            self._latest_ns = heard.stamp_ns
+            return
+        self._count += 1
+        self._worst_ns = max(self._worst_ns, back)
+        if self._first_ns is None:
+            self._first_ns = heard.stamp_ns
+
+    def findings(self, bag: Structure) -> Iterator[Finding]:
+        """One for the bag."""
+        if self._count:
+            what = f"messages are out of the order of time, by up to {self._worst_ns / 1e9:.3f} s"
+            tools = (Tool.ROSBAG, Tool.PLOTJUGGLER)
+            yield Finding("back-in-time", Severity.WARNING, tools, None, what, CUT, self._first_ns, self._count)
+
+
+class HeaderFar:
+    """Tools place a message by its header at one time and show it at another.
+
+    What is latched may be old when a recording begins, and is left out.
+    """
+
+    def __init__(self) -> None:
+        self._far: Tally[str] = Tally()
+        self._worst_ns: dict[str, int] = {}
+
+    def listen(self, source: Source) -> Listener | None:
+        """Every topic that is not latched."""
+        if source.latched:
+            return None
+        topic = source.topic
+
+        def hear(heard: Heard) -> None:
+            headers = heard.reading.headers
+            if not headers or headers[0][0] == 0:
+                return
+            off = headers[0][0] - heard.stamp_ns
+            if abs(off) > TF_CACHE * 1e9:
+                self._far.add(topic, heard.stamp_ns)
+                self._worst_ns[topic] = max(self._worst_ns.get(topic, 0), off, key=abs)
+
+        return hear
+
+    def findings(self, bag: Structure) -> Iterator[Finding]:
+        """One for each topic."""
+        for topic, first, count in self._far.items():
+            off = self._worst_ns[topic] / 1e9
+            what = (
+                f"headers are up to {abs(off):.1f} s {'after' if off > 0 else 'before'} the time of recording, "
+                f"more than the {TF_CACHE:.0f} s that tf2 remembers"
+            )
+            remedy = "record with one clock: `use_sim_time` for the recorder too where the robots have it"
+            tools = (Tool.RVIZ, Tool.FOXGLOVE, Tool.PLOTJUGGLER)
+            yield Finding("header-far", Severity.WARNING, tools, topic, what, remedy, first, count)
+
+
+class Trajectories:
+    """evo takes the headers' stamps, which must rise."""
+
+    def __init__(self) -> None:
+        self._zero: Tally[str] = Tally()
+        self._back: Tally[str] = Tally()
+        self._again: Tally[str] = Tally()
+        self._latest_ns: dict[str, int] = {}
+
+    def listen(self, source: Source) -> Listener | None:
+        """What evo reads."""
+        if source.msgtype not in STAMPED_POSES:
+            return None
+        topic = source.topic
+
+        def hear(heard: Heard) -> None:
+            if not heard.reading.headers:
+                return
+            stamp_ns, _ = heard.reading.headers[0]
+            if stamp_ns == 0:
+                self._zero.add(topic, heard.stamp_ns)
+            elif stamp_ns < self._latest_ns.get(topic, 0):
+                self._back.add(topic, heard.stamp_ns)
+            elif stamp_ns == self._latest_ns.get(topic):
+                self._again.add(topic, heard.stamp_ns)
+            else:
+                self._latest_ns[topic] = stamp_ns
+
+        return hear
+
+    def findings(self, bag: Structure) -> Iterator[Finding]:
+        """One for each topic and fault."""
+        tools = (Tool.EVO,)
+        for topic, first, count in self._zero.items():
+            what = "headers are stamped 0: evo has no time for them"
+            remedy = "let the driver stamp its messages"
+            yield Finding("header-zero", Severity.ERROR, tools, topic, what, remedy, first, count)
+        for topic, first, count in self._back.items():
+            what = "stamps of headers go back: evo's check fails, and its association is wrong"
+            remedy = "let one publisher speak on the topic, with one clock"
+            yield Finding("header-back", Severity.ERROR, tools, topic, what, remedy, first, count)
+        for topic, first, count in self._again.items():
+            what = "headers repeat the stamp before them: evo computes no speeds"
+            remedy = "leave out what is said twice"
+            yield Finding("header-repeated", Severity.WARNING, tools, topic, what, remedy, first, count)
+
+
+RULES = (StampZero, BackInTime, HeaderFar, Trajectories)

@@ -1,0 +1,275 @@
+"""A record's columns: their names, what they mean, and their values out of gathered rows.
+
+Names are what is left of `pose.pose.position.x` without the words that only wrap, and with the unit: `x_m`. Where two
+would be the same, both keep every word.
+"""
+
+from collections import Counter
+from collections.abc import Callable, Iterable, Iterator
+from dataclasses import dataclass
+from itertools import groupby
+from typing import TypeAlias, assert_never
+
+import numpy as np
+from numpy.typing import NDArray
+
+from thbridge.analysis.export import words
+from thbridge.analysis.export.gathering import Rows
+from thbridge.analysis.export.layout import (
+    BYTES,
+    DURATION,
+    TEXT,
+    TIME,
+    Array,
+    Items,
+    Leaf,
+    Numbers,
+    Part,
+    Path,
+    Record,
+    Run,
+    Step,
+    Text,
+    Texts,
+)
+
+WRAPPERS = frozenset(
+    {"header", "pose", "position", "orientation", "twist", "transform", "translation", "rotation", "point", "vector"}
+)
+"""Fields that say nothing that the ones within them do not."""
+AXES = ("x", "y", "z", "roll", "pitch", "yaw")
+"""In the order of ROS's covariances."""
+MOST_COLUMNS = 64
+"""Arrays of fixed size get a column for each element up to here, one column of lists beyond."""
+
+_COVARIANCES = {"geometry_msgs/PoseWithCovariance": False, "geometry_msgs/TwistWithCovariance": True}
+"""Types with a covariance of 6 x 6, and whether it is one of speeds."""
+_QUATERNION = "geometry_msgs/Quaternion"
+_HEADER_FRAME = Step("std_msgs/Header", "frame_id")
+_CHILD_FRAME = Step("nav_msgs/Odometry", "child_frame_id")
+_SPATIAL = frozenset(
+    {"geometry_msgs/Point", "geometry_msgs/Point32", "geometry_msgs/Vector3", "geometry_msgs/Pose2D", _QUATERNION}
+    | set(_COVARIANCES)
+)
+_OF_CHILD = Step("nav_msgs/Odometry", "twist")
+"""The one field of common types that is not in its header's frame but in the child's."""
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Lists:
+    """A column of arrays: how long each is, and what is in all of them, one behind the other."""
+
+    lengths: NDArray[np.int64]
+    elements: "Array | list[str]"
+
+
+Values: TypeAlias = "Array | list[str] | list[str | None] | list[bytes] | Lists"
+
+
+@dataclass(frozen=True, slots=True)
+class Column:
+    """A column of a table.
+
+    Attributes:
+        name: unique in its table.
+        kind: "float64", "string", "float32[]", "bytes", ...
+        unit: "m", or "" where it has none or nobody knows.
+        meaning: for people; "" where nobody knows.
+        frame_column: of the same table or of the one it belongs to, that names the frame its values are in; or "".
+    """
+
+    name: str
+    kind: str
+    unit: str = ""
+    meaning: str = ""
+    frame_column: str = ""
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Field:
+    """A column, and how to take its values out of rows."""
+
+    column: Column
+    values: Callable[[Rows], Values]
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class _Draft:
+    """A field that has no name yet.
+
+    Attributes:
+        path: down to the value.
+        ending: words that end its name in place of the path's last one; () leaves it.
+        kind: of its values.
+        unit: of them.
+        meaning: of them.
+        values: takes them out of rows.
+    """
+
+    path: Path
+    ending: tuple[str, ...]
+    kind: str
+    unit: str
+    meaning: str
+    values: Callable[[Rows], Values]
+
+    def name(self, whole: bool) -> str:
+        """Its name, with or without the words that only wrap."""
+        own = self.ending or (self.path[-1].field,)
+        wraps = [step.field for step in self.path[:-1] if whole or step.field not in WRAPPERS]
+        if self.ending and self.ending[0] in {"cov", "std"}:
+            wraps = [step.field for step in self.path[:-1]]
+        # status.status is said once.
+        parts = [word for word, _ in groupby([*wraps, own[0]])] + list(own[1:])
+        suffix = words.suffix_of(self.unit)
+        return "_".join([*parts, suffix] if suffix and self.ending[:1] != ("cov",) else parts)
+
+
+def fields_of(record: Record, reserved: Iterable[str], outer_frame: str = "") -> tuple[Field, ...]:
+    """The columns of a record; arrays of messages in it are tables of their own.
+
+    Args:
+        record: laid out.
+        reserved: names that are taken.
+        outer_frame: the frame's column of the table it belongs to.
+    """
+    drafts = [draft for index, part in enumerate(record.parts) for draft in _drafts(index, part)]
+    count = Counter(draft.name(whole=False) for draft in drafts)
+    taken = set(reserved)
+    names = []
+    for draft in drafts:
+        name = draft.name(whole=False)
+        if count[name] > 1 or name in taken:
+            name = draft.name(whole=True)
+        while name in taken:
+            name += "_"
+        taken.add(name)
+        names.append(name)
+    frames: dict[tuple[Path, bool], str] = {}
+    for draft, name in zip(drafts, names, strict=True):
+        if draft.path[-1:] == (_HEADER_FRAME,):
+            frames[draft.path[:-2], False] = name
+        elif draft.path[-1:] == (_CHILD_FRAME,):
+            frames[draft.path[:-1], True] = name
+    return tuple(
+        Field(
+            Column(name, draft.kind, draft.unit, draft.meaning, _frame_column(draft.path, frames, outer_frame)),
+            draft.values,
+        )
+        for draft, name in zip(drafts, names, strict=True)
+    )
+
+
+def _frame_column(path: Path, frames: dict[tuple[Path, bool], str], outer: str) -> str:
+    """The column that names the frame of a value, for values that are somewhere."""
+    if not any(step.msgtype in _SPATIAL for step in path):
+        return ""
+    of_child = _OF_CHILD in path
+    for length in range(len(path) - 1, -1, -1):
+        if name := frames.get((path[:length], of_child)):
+            return name
+    return outer
+
+
+def _drafts(index: int, part: Part) -> Iterator[_Draft]:
+    """The columns of the part at an index."""
+    match part:
+        case Run(leaves):
+            for position, leaf in enumerate(leaves):
+                yield from _of_leaf(index, part, position, leaf)
+                if leaf.path and leaf.path[-1] == Step(_QUATERNION, "w"):
+                    yield _yaw(index, part, position)
+        case Text(path):
+            yield _plain(path, TEXT, lambda rows: rows.texts(index))
+        case Numbers(path, "uint8"):
+            yield _plain(path, BYTES, lambda rows: rows.blobs(index))
+        case Numbers(path, kind):
+            yield _plain(path, f"{kind}[]", lambda rows: Lists(rows.lengths(index), rows.numbers(index, part)))
+        case Texts(path, _):
+            yield _plain(path, "string[]", lambda rows: Lists(rows.lengths(index), rows.texts(index)))
+        case Items():
+            return
+        case _:
+            assert_never(part)
+
+
+def _plain(path: Path, kind: str, values: Callable[[Rows], Values], ending: tuple[str, ...] = ()) -> _Draft:
+    return _Draft(path, ending, kind, words.unit_of(path), words.meaning_of(path), values)
+
+
+def _of_leaf(index: int, run: Run, position: int, leaf: Leaf) -> Iterator[_Draft]:
+    name = str(position)
+
+    def whole(rows: Rows) -> Array:
+        return np.ascontiguousarray(rows.run(index, run)[name])
+
+    if leaf.kind in {TIME, DURATION}:
+        meaning = words.meaning_of(leaf.path)
+        yield _Draft(leaf.path, (), "int64", "ns", meaning, lambda rows: _nanoseconds(rows.run(index, run)[name]))
+    elif leaf.count is None:
+        axis = leaf.path[-1]
+        ending = (f"q{axis.field}",) if axis.msgtype == _QUATERNION else ()
+        yield _plain(leaf.path, leaf.kind, whole, ending)
+    elif leaf.path[-1].msgtype in _COVARIANCES and leaf.path[-1].field == "covariance":
+        yield from _covariance(leaf, whole)
+    elif leaf.count <= MOST_COLUMNS:
+        for element in range(leaf.count):
+            yield _plain(leaf.path, leaf.kind, _element(whole, element), (leaf.path[-1].field, str(element)))
+    else:
+        size = leaf.count
+        yield _plain(
+            leaf.path,
+            f"{leaf.kind}[]",
+            lambda rows: Lists(np.full(rows.count, size, dtype=np.int64), whole(rows).reshape(-1)),
+        )
+
+
+def _element(whole: Callable[[Rows], Array], element: int) -> Callable[[Rows], Values]:
+    return lambda rows: np.ascontiguousarray(whole(rows)[:, element])
+
+
+def _covariance(leaf: Leaf, whole: Callable[[Rows], Array]) -> Iterator[_Draft]:
+    """Standard deviations in the plane, then all 36."""
+    units = words.axis_units(_COVARIANCES[leaf.path[-1].msgtype])
+    for axis in (0, 1, 5):
+        meaning = f"standard deviation of {AXES[axis]}"
+        yield _Draft(leaf.path, ("std", AXES[axis]), "float64", units[axis], meaning, _deviation(whole, axis))
+    for row in range(6):
+        for column in range(6):
+            unit = f"{units[row]} {units[column]}" if row != column else _squared(units[row])
+            meaning = f"covariance of {AXES[row]} and {AXES[column]}"
+            ending = ("cov", AXES[row], AXES[column])
+            yield _Draft(leaf.path, ending, "float64", unit, meaning, _element(whole, 6 * row + column))
+
+
+def _squared(unit: str) -> str:
+    return "/".join(f"{part}2" for part in unit.split("/"))
+
+
+def _deviation(whole: Callable[[Rows], Array], axis: int) -> Callable[[Rows], Values]:
+    def values(rows: Rows) -> Values:
+        variances = whole(rows)[:, 7 * axis].astype(np.float64)
+        # Some drivers mark what they do not know by -1.
+        return np.sqrt(np.where(variances >= 0.0, variances, np.nan))
+
+    return values
+
+
+def _yaw(index: int, run: Run, position: int) -> _Draft:
+    """The yaw of the quaternion whose w is at a position."""
+
+    def values(rows: Rows) -> Values:
+        table = rows.run(index, run)
+        x, y, z, w = (table[str(position - 3 + axis)] for axis in range(4))
+        yaw: NDArray[np.float64] = np.arctan2(2.0 * (w * z + x * y), 1.0 - 2.0 * (y * y + z * z))
+        return yaw
+
+    path = run.leaves[position].path
+    meaning = ": ".join(filter(None, (words.meaning_of(path[:-1]), "heading, counterclockwise from x")))
+    return _Draft(path, ("yaw",), "float64", "rad", meaning, values)
+
+
+def _nanoseconds(moments: NDArray[np.void]) -> NDArray[np.int64]:
+    seconds: NDArray[np.int64] = moments["sec"].astype(np.int64)
+    nanoseconds: NDArray[np.int64] = moments["nsec"].astype(np.int64)
+    return seconds * 1_000_000_000 + nanoseconds

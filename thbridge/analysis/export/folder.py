@@ -1,0 +1,67 @@
+"""A bag as a folder of tables."""
+
+from collections.abc import Collection, Iterator
+from pathlib import Path
+
+from thbridge.analysis.export.dictionary import dictionary_csv, readme, session_json
+from thbridge.analysis.export.exporting import Exported, export
+from thbridge.files.errors import BadFile, reason_of
+from thbridge.files.table_files import TableFiles, TableFormat
+from thbridge.recording.bag.reader import info, recorded
+from thbridge.recording.bag.records import Connection
+
+
+def export_bag(
+    bag: Path,
+    folder: Path,
+    formats: Collection[TableFormat],
+    topics: Collection[str] | None = None,
+    start: float = 0.0,
+    until: float | None = None,
+) -> Exported:
+    """Write the tables of a recording, its data dictionary, a README and its session.json.
+
+    Args:
+        bag: the bag, or the name of a split recording.
+        folder: where; made if it is missing.
+        formats: of the tables.
+        topics: those wanted; None for all.
+        start: seconds after the recording's beginning.
+        until: likewise; None for its end.
+
+    Raises:
+        BadFile: the bag cannot be read, or the folder holds something or cannot be written.
+    """
+    found = info(bag)
+    first_ns = found.start_ns or 0
+
+    def wanted() -> Iterator[tuple[Connection, int, bytes]]:
+        for publisher, stamp_ns, data in recorded(bag, topics):
+            seconds = (stamp_ns - first_ns) / 1e9
+            if start <= seconds and (until is None or seconds <= until):
+                yield publisher, stamp_ns, data
+
+    exported = Exported()
+    try:
+        folder.mkdir(parents=True, exist_ok=True)
+        if next(folder.iterdir(), None) is not None:
+            raise BadFile(
+                folder, None, None, "there is something in this folder", "choose a new or an empty one by --to"
+            )
+        files = TableFiles(folder, formats)
+        try:
+            for piece in export(wanted(), first_ns, exported):
+                files.write(piece.table.name, piece.table.columns, piece.values)
+        finally:
+            files.close()
+        for name, text in (
+            ("dictionary.csv", dictionary_csv(exported)),
+            ("session.json", session_json(exported, bag.name, first_ns, found.duration)),
+            ("README.md", readme(exported, bag.name, first_ns, found.duration)),
+        ):
+            (folder / name).write_text(text, encoding="utf-8")
+    except OSError as error:
+        raise BadFile(
+            folder, None, None, f"it cannot be written ({reason_of(error)})", "choose another folder by --to"
+        ) from None
+    return exported

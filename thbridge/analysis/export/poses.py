@@ -1,0 +1,104 @@
+"""All robots' poses in one table: true, estimated and by odometry, at common times.
+
+Poses are held until the end of the recording, 32 bytes each: only then is it known which topic is the truth, which an
+estimate.
+"""
+
+import numpy as np
+
+from sim.common.geometry import FloatArray
+from thbridge.analysis.export.columns import Column, Values
+from thbridge.analysis.export.tables import SECONDS, Piece, Table
+from thbridge.analysis.report.paths import at_times, wrapped
+from thbridge.analysis.report.tracks import Heard, Poses
+from thbridge.analysis.report.values import Track
+from thbridge.ros.messages.types import ODOMETRY, POSE_STAMPED, POSE_WITH_COVARIANCE
+from thbridge.ros.robots import is_map_frame, is_odom_frame
+
+NAME = "poses"
+_TRANSFORM = "geometry_msgs/TransformStamped"
+_KINDS = (
+    ("true", "true pose"),
+    ("estimated", "pose that the robot believed in"),
+    ("odometry", "pose by odometry alone"),
+)
+_COLUMNS = (
+    Column("robot", "string", "", "name of the robot"),
+    SECONDS,
+    *(
+        Column(f"{kind}_{value}_{unit}", "float64", unit, f"{meaning}: {value}; nan: not known then")
+        for kind, meaning in _KINDS
+        for value, unit in (("x", "m"), ("y", "m"), ("yaw", "rad"))
+    ),
+    Column("error_m", "float64", "m", "distance of the estimated from the true pose"),
+    Column("error_yaw_rad", "float64", "rad", "angle from the true to the estimated heading"),
+)
+TABLE = Table(
+    NAME, "poses of all topics", "", "true, estimated and odometry poses of all robots at common times", _COLUMNS
+)
+
+
+class PosesTable:
+    """Watches pieces of other tables go by, and makes of their poses one of its own."""
+
+    def __init__(self) -> None:
+        self._heard = Heard()
+
+    def see(self, piece: Piece) -> None:
+        """Keep the poses in a piece, if there are any."""
+        table = piece.table
+        if table.msgtype not in {ODOMETRY, POSE_WITH_COVARIANCE, POSE_STAMPED, _TRANSFORM} or not piece.rows:
+            return
+        named = {column.name: values for column, values in zip(table.columns, piece.values, strict=True)}
+        if "recorded_ns" not in named:  # within messages, as the poses of a path are
+            return
+        rows = np.column_stack([np.asarray(named[name]) for name in ("t_s", "x_m", "y_m", "yaw_rad")])
+        frames, children = _texts(named["frame_id"]), _texts(named.get("child_frame_id", []))
+        if table.msgtype == _TRANSFORM:
+            self._see_frames(table.source.partition(":")[0], frames, children, rows)
+        elif table.msgtype == ODOMETRY:
+            poses = self._heard.odometry.setdefault(table.source, Poses(frames[0], children[0]))
+            poses.rows.frombytes(rows.tobytes())
+        else:
+            poses = self._heard.poses.setdefault(table.source, Poses(frames[0], ""))
+            poses.rows.frombytes(rows.tobytes())
+
+    def _see_frames(self, topic: str, parents: list[str], children: list[str], rows: FloatArray) -> None:
+        said = np.array([f"{parent}\n{child}" for parent, child in zip(parents, children, strict=True)])
+        for pair in dict.fromkeys(said.tolist()):
+            parent, child = (frame.lstrip("/") for frame in pair.split("\n"))
+            if is_map_frame(parent) or is_odom_frame(parent):
+                key = (topic.strip("/").rpartition("/")[0], parent, child)
+                edge = self._heard.edges.setdefault(key, Poses(parent, child))
+                edge.rows.frombytes(rows[said == pair].tobytes())
+
+    def pieces(self) -> list[Piece]:
+        """The table: one robot's rows after the other's; none where nobody's pose was heard."""
+        return [piece for track in self._heard.tracks(0.0) if (piece := _piece(track)).rows]
+
+
+def _texts(values: Values) -> list[str]:
+    return [str(value) for value in values] if isinstance(values, list) else []
+
+
+def _piece(track: Track) -> Piece:
+    paths = (track.truth, track.estimate, track.odometry)
+    # Odometry has no gaps; where there is none, whatever is said most often.
+    times = (track.odometry if len(track.odometry) else max(paths, key=len))[:, 0]
+    true, estimated, counted = (at_times(path, times) for path in paths)
+    values: tuple[Values, ...] = (
+        [track.name] * len(times),
+        times,
+        *(np.ascontiguousarray(poses[:, column]) for poses in (true, estimated, counted) for column in range(3)),
+        np.hypot(estimated[:, 0] - true[:, 0], estimated[:, 1] - true[:, 1]),
+        wrapped(estimated[:, 2] - true[:, 2]),
+    )
+    return Piece(TABLE, len(times), values)
+
+
+FRAMES = {
+    (NAME, column.name): "map" if column.name.startswith(("true", "estimated")) else "that of its odometry"
+    for column in _COLUMNS
+    if column.name.startswith(("true", "estimated", "odometry"))
+}
+"""What the dictionary says of frames."""

@@ -1,0 +1,253 @@
+"""A topic's tables: one row a message, and a table of its own for each array of messages within them."""
+
+import json
+from collections.abc import Iterator, Mapping
+from dataclasses import dataclass, field
+
+import numpy as np
+from numpy.typing import NDArray
+
+from thbridge.analysis.export import words
+from thbridge.analysis.export.columns import Column, Field, Values, fields_of
+from thbridge.analysis.export.gathering import Rows
+from thbridge.analysis.export.layout import Items, Record
+from thbridge.ros.messages.types import GAME_EVENT
+
+SECONDS = Column("t_s", "float64", "s", "since the beginning of the recording, when the message was recorded")
+RECORDED = Column("recorded_ns", "int64", "ns", "when the message was recorded; in ours, simulated time")
+INDEX = Column("index", "int64", "", "place in its array, from 0")
+EVENT = "event_"
+"""What columns out of an event's JSON begin with."""
+HAS_COLUMNS = frozenset({"v", "event", "robot", "room"})
+"""What of the JSON needs no column: it has one that counts as ROS does, or says nothing of the event."""
+MOST_FRAMES = 3
+"""Frames that a table's dictionary names; where there are more, it names the column that says them."""
+
+
+@dataclass(frozen=True, slots=True)
+class Table:
+    """A table.
+
+    Attributes:
+        name: of its file, without suffix.
+        source: the topic, and the field where it is about an array within its messages.
+        msgtype: what a row is.
+        meaning: for people; "" where nobody knows.
+        columns: in order.
+    """
+
+    name: str
+    source: str
+    msgtype: str
+    meaning: str
+    columns: tuple[Column, ...]
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Piece:
+    """Some rows of a table.
+
+    Attributes:
+        table: which.
+        rows: how many.
+        values: of its columns in their order.
+    """
+
+    table: Table
+    rows: int
+    values: tuple[Values, ...]
+
+
+class TopicTables:
+    """Gathers the messages of a topic that are of one type.
+
+    Args:
+        name: of the first table; those of arrays within it are called NAME.FIELD.
+        topic: with its leading slash.
+        record: the type.
+        start_ns: beginning of the recording.
+    """
+
+    def __init__(self, name: str, topic: str, record: Record, start_ns: int) -> None:
+        self._rows = Rows(record)
+        self._stamps: list[int] = []
+        self._start_ns = start_ns
+        self._open_ended = record.msgtype == GAME_EVENT
+        self._top = _Shape(name, topic, words.topic_meaning(topic), record, top=True)
+
+    @property
+    def size(self) -> int:
+        """Bytes gathered; 0 where they must wait for the end of the recording."""
+        return 0 if self._open_ended else self._rows.size
+
+    def add(self, stamp_ns: int, data: bytes) -> None:
+        """Gather a message. Raises ValueError: it is none of this type."""
+        self._rows.add(data)
+        self._stamps.append(stamp_ns)
+
+    def take(self) -> Iterator[Piece]:
+        """The rows gathered so far, which are forgotten then."""
+        stamps = np.array(self._stamps, dtype=np.int64)
+        seconds = (stamps - self._start_ns) / 1e9
+        for piece in self._top.pieces(self._rows, seconds, (stamps,)):
+            yield _with_events(piece) if self._open_ended else piece
+        self._rows.clear()
+        self._stamps = []
+
+    def frames(self) -> Mapping[tuple[str, str], str]:
+        """By name of table and column: the frame of its values, as far as it was said."""
+        return dict(self._top.frames({}))
+
+
+@dataclass(slots=True, eq=False)
+class _Shape:
+    """A record's table, or none where the record is nothing but one array, whose elements then are the rows.
+
+    Attributes:
+        name: of the table.
+        source: of the table.
+        meaning: of the table.
+        record: what a row is.
+        top: whether it is the message itself or stands for it.
+        outer: the column of the table above that names the frame.
+        done: rows that have been taken before.
+    """
+
+    name: str
+    source: str
+    meaning: str
+    record: Record
+    top: bool
+    outer: str = ""
+    done: int = 0
+    fields: tuple[Field, ...] = field(init=False)
+    inner: tuple[tuple[Items, "_Shape"], ...] = field(init=False)
+    said: dict[str, set[str]] = field(init=False, default_factory=dict)
+
+    def __post_init__(self) -> None:
+        self.fields = fields_of(self.record, {"t_s", "recorded_ns", "row", "index"}, self.outer)
+        own_frame = next((f.column.name for f in self.fields if f.column.name == "frame_id"), self.outer)
+        self.inner = tuple((items, self._within(items, own_frame)) for items in self.record.items())
+
+    def _within(self, items: Items, own_frame: str) -> "_Shape":
+        path = ".".join(step.field for step in items.path)
+        meaning = words.meaning_of(items.path)
+        if self._only_array:
+            return _Shape(self.name, f"{self.source}: {path}", self.meaning or meaning, items.record, True, own_frame)
+        name, source = f"{self.name}.{path}", f"{self.source}: {path}"
+        return _Shape(name, source, meaning or self.meaning, items.record, False, own_frame)
+
+    @property
+    def _only_array(self) -> bool:
+        return not self.fields and len(self.record.items()) == 1
+
+    def pieces(
+        self,
+        rows: Rows,
+        seconds: NDArray[np.float64],
+        recorded: tuple[NDArray[np.int64], ...],
+        keys: "_Keys | None" = None,
+    ) -> Iterator[Piece]:
+        """The tables' values; `seconds` and `recorded` are those of each row, `keys` say what each belongs to."""
+        if not self._only_array:
+            yield self._own(rows, seconds, recorded, keys)
+        for index, items, within in rows.items():
+            shape = next(shape for known, shape in self.inner if known is items)
+            lengths = rows.lengths(index)
+            below = _Keys.of(lengths, self.done)
+            stamps = tuple(np.repeat(stamp, lengths) for stamp in recorded if shape.top)
+            yield from shape.pieces(within, np.repeat(seconds, lengths), stamps, below)
+        self.done += rows.count
+
+    def _own(
+        self, rows: Rows, seconds: NDArray[np.float64], recorded: tuple[NDArray[np.int64], ...], keys: "_Keys | None"
+    ) -> Piece:
+        columns: list[Column] = [SECONDS]
+        values: list[Values] = [seconds]
+        if recorded:
+            columns.append(RECORDED)
+            values.append(recorded[0])
+        if keys is not None:
+            what = "number of the message, from 0" if self.top else f"row of {self.name.rpartition('.')[0]}, from 0"
+            columns += [Column("row", "int64", "", what), INDEX]
+            values += [keys.row, keys.index]
+        own: list[Values] = []
+        for each in self.fields:
+            taken = each.values(rows)
+            if isinstance(taken, list) and each.column.name.endswith("frame_id"):
+                self._see(each.column.name, taken)
+            own.append(taken)
+        table = Table(
+            self.name,
+            self.source,
+            self.record.msgtype,
+            self.meaning,
+            (*columns, *(each.column for each in self.fields)),
+        )
+        return Piece(table, rows.count, (*values, *own))
+
+    def _see(self, column: str, frames: list[str] | list[str | None] | list[bytes]) -> None:
+        self.said.setdefault(column, set()).update(str(frame) for frame in frames)
+
+    def frames(self, above: Mapping[str, set[str]]) -> Iterator[tuple[tuple[str, str], str]]:
+        """As `TopicTables.frames`; `above`: the frames that the table above said, by column."""
+        said = {**above, **self.said}
+        for each in self.fields:
+            if (source := each.column.frame_column) and (found := said.get(source)):
+                few = len(found) <= MOST_FRAMES
+                yield (self.name, each.column.name), " or ".join(sorted(found)) if few else f"see {source}"
+        for _, shape in self.inner:
+            yield from shape.frames(said)
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class _Keys:
+    """What elements of arrays belong to: the row of the table above, and the place in its array."""
+
+    row: NDArray[np.int64]
+    index: NDArray[np.int64]
+
+    @classmethod
+    def of(cls, lengths: NDArray[np.int64], done: int) -> "_Keys":
+        starts = np.cumsum(lengths) - lengths
+        row = np.repeat(np.arange(len(lengths), dtype=np.int64), lengths)
+        return cls(row + done, np.arange(int(lengths.sum()), dtype=np.int64) - np.repeat(starts, lengths))
+
+
+def _with_events(piece: Piece) -> Piece:
+    """Events with the plain values of their JSON as columns, in the order of their first appearance."""
+    table = piece.table
+    texts = next(v for column, v in zip(table.columns, piece.values, strict=True) if column.name == "json")
+    told = [_object(text) for text in texts] if isinstance(texts, list) else []
+    names = dict.fromkeys(
+        name for each in told for name, value in each.items() if _is_plain(value) and name not in HAS_COLUMNS
+    )
+    added: list[Column] = []
+    found: list[Values] = []
+    for name in names:
+        plain = [each.get(name) for each in told]
+        kind, converted = _column([value if _is_plain(value) else None for value in plain])
+        added.append(Column(f"{EVENT}{name}", kind, "", f"{name.replace('_', ' ')}, of the events that have it"))
+        found.append(converted)
+    wide = Table(table.name, table.source, table.msgtype, table.meaning, (*table.columns, *added))
+    return Piece(wide, piece.rows, (*piece.values, *found))
+
+
+def _object(text: object) -> dict[str, object]:
+    try:
+        read = json.loads(str(text))
+    except ValueError:
+        return {}
+    return read if isinstance(read, dict) else {}
+
+
+def _is_plain(value: object) -> bool:
+    return isinstance(value, str | int | float)
+
+
+def _column(values: list[object]) -> tuple[str, Values]:
+    """Numbers where all are, else texts; what an event lacks is NaN, or nothing."""
+    if all(value is None or (isinstance(value, int | float) and not isinstance(value, bool)) for value in values):
+        numbers = [np.nan if value is None else float(str(value)) for value in values]
+        return "float64", np.array(numbers, dtype=np.float64)
+    return "string", [None if value is None else str(value) for value in values]

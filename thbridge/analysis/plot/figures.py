@@ -1,0 +1,244 @@
+"""One figure for each question that one asks of a recording."""
+
+from collections.abc import Callable, Mapping, Sequence
+from enum import StrEnum
+
+import numpy as np
+from matplotlib.axes import Axes
+from matplotlib.figure import Figure
+from matplotlib.lines import Line2D
+from matplotlib.patches import Patch
+from matplotlib.ticker import FuncFormatter, LogLocator, MultipleLocator, NullFormatter
+
+from sim.common.geometry import FloatArray
+from thbridge.analysis.plot.look import FAINT, INK, Look, clock, colour, label_above, robot_handles
+from thbridge.analysis.plot.paths import paths
+from thbridge.analysis.plot.thinning import changes, peaks
+from thbridge.analysis.report.values import Leg, Moment, Report
+from thbridge.hunt.outcomes import Refused
+
+SIGMAS = 2.0
+"""Standard deviations within a band: 95 of 100 errors, if the localiser is honest and they are normal."""
+_OUTCOME_ALPHA = {"arrived": 0.9, "no path": 0.3, "cancelled": 0.3}
+_BAND_ALPHA = 0.2
+_CLOCK_STEPS = (1.0, 2.0, 5.0, 10.0, 15.0, 30.0, 60.0, 120.0, 300.0, 600.0, 900.0, 1800.0, 3600.0, 7200.0)
+"""Seconds between labels of the time."""
+
+
+class What(StrEnum):
+    """Figures there are."""
+
+    PATHS = "paths"
+    ERROR = "error"
+    COVARIANCE = "covariance"
+    ENERGY = "energy"
+    VELOCITY = "velocity"
+    TIMELINE = "timeline"
+
+
+def draw(what: What, report: Report, look: Look) -> Figure | Refused:
+    """A figure, or what the recording lacks for it."""
+    with look.style():
+        drawn = _FIGURES[what](report, look)
+    return Refused("nothing-to-plot", f"There is nothing to plot: {_MISSING[what]}.") if drawn is None else drawn
+
+
+def error(report: Report, look: Look) -> Figure | None:
+    """How far the belief was from the truth, over what the localiser admits; a row a robot."""
+    shown = [(index, track) for index, track in enumerate(report.tracks) if len(track.errors)]
+    if not shown:
+        return None
+    figure, rows = _panels(look, len(shown), ("position error, cm", "heading error, °"))
+    for (index, track), panels in zip(shown, rows, strict=True):
+        for axes, column, scale, least in zip(panels, (1, 2), (100.0, 180.0 / np.pi), (1.0, 0.5), strict=True):
+            curve = peaks(track.errors[:, (0, column)])
+            axes.plot(curve[:, 0], scale * curve[:, 1], color=colour(index))
+            if len(track.deviations):
+                admitted = _until(track.deviations, track.errors[-1, 0])
+                band = SIGMAS * scale * admitted[:, column]
+                axes.fill_between(
+                    admitted[:, 0], band, step="post", color=colour(index), alpha=_BAND_ALPHA, lw=0, zorder=1
+                )
+            # From zero, and not so fine that rounding looks like an error.
+            axes.set_ylim(0.0, max(least, axes.get_ylim()[1]))
+    _time_below(rows, report.duration, look)
+    handles: list[object] = robot_handles(report.tracks, [index for index, _ in shown])
+    if any(len(track.deviations) for _, track in shown):
+        handles.append(Patch(color=FAINT, alpha=2 * _BAND_ALPHA, lw=0, label=f"{SIGMAS:g}σ admitted"))
+    label_above(rows[0][0], handles, 3 if look.narrow else 10)
+    return figure
+
+
+def covariance(report: Report, look: Look) -> Figure | None:
+    """The standard deviations that the localiser admits."""
+    shown = [(index, track) for index, track in enumerate(report.tracks) if len(track.deviations)]
+    if not shown:
+        return None
+    figure, rows = _panels(look, 1, ("position σ, cm", "heading σ, °"))
+    for index, track in shown:
+        admitted = _until(track.deviations, track.estimate[-1, 0] if len(track.estimate) else report.duration)
+        for axes, column, scale in zip(rows[0], (1, 2), (100.0, 180.0 / np.pi), strict=True):
+            axes.step(admitted[:, 0], scale * admitted[:, column], where="post", color=colour(index))
+    for axes in rows[0]:
+        # A robot that looks for itself admits metres, one that follows itself centimetres.
+        axes.set_yscale("log", nonpositive="mask")
+        axes.yaxis.set_major_locator(LogLocator(subs=(1.0, 2.0, 5.0)))
+        axes.yaxis.set_major_formatter(FuncFormatter(lambda value, _: f"{value:g}"))
+        axes.yaxis.set_minor_formatter(NullFormatter())
+    _time_below(rows, report.duration, look)
+    label_above(rows[0][0], robot_handles(report.tracks, [index for index, _ in shown]), 3 if look.narrow else 10)
+    return figure
+
+
+def energy(report: Report, look: Look) -> Figure | None:
+    """What each robot had left."""
+    shown = [index for index, track in enumerate(report.tracks) if len(track.energy)]
+    if not shown:
+        return None
+    figure, ((axes,),) = look.figure((0.6 if look.narrow else 0.3) * look.width)
+    for index in shown:
+        left = changes(report.tracks[index].energy)
+        axes.step(left[:, 0], left[:, 1], where="post", color=colour(index), lw=1.5 * look.line)
+    axes.axhline(0.0, color=FAINT, lw=0.8)
+    axes.set_ylabel("energy left")
+    _time_below([[axes]], report.duration, look)
+    label_above(axes, robot_handles(report.tracks, shown), 3 if look.narrow else 10)
+    return figure
+
+
+def velocity(report: Report, look: Look) -> Figure | None:
+    """Speeds by odometry beneath those commanded; a row a robot."""
+    shown = [(index, track) for index, track in enumerate(report.tracks) if len(track.speeds) or len(track.commands)]
+    if not shown:
+        return None
+    figure, rows = _panels(look, len(shown), ("speed, m/s", "turning, rad/s"))
+    for (index, track), panels in zip(shown, rows, strict=True):
+        for axes, column in zip(panels, (1, 2), strict=True):
+            if len(track.speeds):
+                measured = track.speeds
+                axes.plot(measured[:, 0], measured[:, column], color=colour(index), alpha=0.55, lw=0.7 * look.line)
+            if len(track.commands):
+                told = track.commands
+                axes.step(told[:, 0], told[:, column], where="post", color=INK, lw=0.7 * look.line)
+    _time_below(rows, report.duration, look)
+    commanded = [Line2D([], [], color=INK, lw=look.line, label="commanded")]
+    label_above(rows[0][0], [*robot_handles(report.tracks, [index for index, _ in shown]), *commanded], 4)
+    return figure
+
+
+def timeline(report: Report, look: Look) -> Figure | None:
+    """Goals under way with their rooms, events of the game, and the talk."""
+    if not report.moments and not any(track.legs for track in report.tracks):
+        return None
+    names = [track.name for track in report.tracks]
+    talk = [moment for moment in report.moments if moment.kind == "said"]
+    events = [moment for moment in report.moments if moment.kind != "said"]
+    labels = [*names, *(["game"] if any(e.who not in names for e in events) else []), *(["talk"] if talk else [])]
+    line = 3.0 * look.font / 72.0
+    figure, ((axes,),) = look.figure(4.5 * look.font / 72.0 + line * max(len(labels), 2))
+    for index, track in enumerate(report.tracks):
+        _draw_legs(axes, index, track.legs, events, track.name, report.duration, look)
+    for event in events:
+        row = names.index(event.who) if event.who in names else len(names)
+        axes.plot(event.time, row, "D", ms=0.45 * look.font, color=INK, mec="white", mew=0.5, zorder=3)
+    if talk:
+        axes.vlines([said.time for said in talk], len(labels) - 1.3, len(labels) - 0.7, color="#52606d", lw=look.line)
+    axes.set_yticks(range(len(labels)), labels)
+    axes.set_ylim(len(labels) - 0.4, -0.6)
+    axes.grid(visible=False, axis="y")
+    axes.tick_params(axis="y", length=0)
+    axes.yaxis.set_minor_locator(MultipleLocator(1.0))
+    label_above(
+        axes,
+        [
+            *([Patch(color=colour(0), lw=0, label="to a room, reached")] if any(t.legs for t in report.tracks) else []),
+            *([Patch(color=colour(0), alpha=0.3, lw=0, label="not reached")] if _failed(report) else []),
+            *([Line2D([], [], color=INK, marker="D", ms=0.45 * look.font, lw=0, label="event")] if events else []),
+            *([Line2D([], [], color="#52606d", marker="|", ms=look.font, lw=0, label="said")] if talk else []),
+        ],
+        2 if look.narrow else 4,
+    )
+    _time_below([[axes]], report.duration, look)
+    return figure
+
+
+_FIGURES: Mapping[What, Callable[[Report, Look], Figure | None]] = {
+    What.PATHS: paths,
+    What.ERROR: error,
+    What.COVARIANCE: covariance,
+    What.ENERGY: energy,
+    What.VELOCITY: velocity,
+    What.TIMELINE: timeline,
+}
+_MISSING: Mapping[What, str] = {
+    What.PATHS: "the bag has neither a map nor poses of a robot",
+    What.ERROR: "there is no robot whose true and estimated paths are both in the bag",
+    What.COVARIANCE: "there is no amcl_pose, nor another pose on the map with a covariance",
+    What.ENERGY: "there is no topic of type sensor_msgs/BatteryState",
+    What.VELOCITY: "there is neither odometry nor a topic cmd_vel",
+    What.TIMELINE: "there are no goals of move_base, no events of a game, and no talk",
+}
+
+
+def _failed(report: Report) -> bool:
+    return any(leg.outcome in {"no path", "cancelled"} for track in report.tracks for leg in track.legs)
+
+
+def _panels(look: Look, robots: int, labels: tuple[str, str]) -> tuple[Figure, list[list[Axes]]]:
+    """For each robot a pair of panels: side by side, or one below the other where that is too narrow."""
+    height = 3.0 * look.font / 72.0
+    if not look.narrow:
+        figure, rows = look.figure(height + robots * max(1.1, 0.19 * look.width), robots, 2)
+        pairs = rows
+    else:
+        figure, rows = look.figure(height + 2 * robots * 0.85, 2 * robots)
+        pairs = [[rows[2 * robot][0], rows[2 * robot + 1][0]] for robot in range(robots)]
+    for pair in pairs:
+        for axes, label in zip(pair, labels, strict=True):
+            axes.set_ylabel(label.replace(" ", "\n", 1) if look.narrow else label)
+    figure.align_ylabels()
+    return figure, pairs
+
+
+def _time_below(rows: Sequence[Sequence[Axes]], duration: float, look: Look) -> None:
+    """Minutes and seconds along the lowest panels."""
+    for axes in (axes for row in rows for axes in row):
+        axes.set_xlim(0.0, max(duration, 1e-3))
+        axes.xaxis.set_major_locator(MultipleLocator(_tick(duration, 5 if look.narrow else 7)))
+        axes.xaxis.set_major_formatter(FuncFormatter(lambda seconds, _: clock(seconds)))
+    for axes in rows[-1] if not look.narrow else rows[-1][-1:]:
+        axes.set_xlabel("time, min:s")
+
+
+def _tick(duration: float, most: int) -> float:
+    """Seconds from one label of the time to the next, round as clocks are."""
+    return next((step for step in _CLOCK_STEPS if duration / step <= most), duration / most)
+
+
+def _until(series: FloatArray, end: float) -> FloatArray:
+    """A series of steps whose last value lasts until the end."""
+    return np.vstack((series, [[end, *series[-1, 1:]]]))
+
+
+def _draw_legs(
+    axes: Axes, row: int, legs: Sequence[Leg], events: Sequence[Moment], name: str, duration: float, look: Look
+) -> None:
+    for leg in legs:
+        alpha = _OUTCOME_ALPHA.get(leg.outcome, 0.6)
+        axes.barh(
+            row, leg.end - leg.start, left=leg.start, height=0.46, color=colour(row), alpha=alpha, ec="white", lw=0.8
+        )
+        room = next(
+            (e.room for e in events if e.who == name and e.kind == "departed" and abs(e.time - leg.start) < 1.0), None
+        )
+        # Only where the number fits into its bar.
+        if room is not None and leg.end - leg.start > duration * look.font / 72.0 / look.width:
+            middle = 0.5 * (leg.start + leg.end)
+            axes.annotate(
+                str(room),
+                (middle, row),
+                color="white" if alpha > 0.7 else INK,
+                fontsize=look.font - 1,
+                ha="center",
+                va="center_baseline",
+            )

@@ -1,0 +1,121 @@
+"""Where robots went, on the map."""
+
+from collections.abc import Sequence
+
+import matplotlib as mpl
+import numpy as np
+from matplotlib.axes import Axes
+from matplotlib.colors import ListedColormap
+from matplotlib.figure import Figure
+from matplotlib.lines import Line2D
+from matplotlib.ticker import MaxNLocator
+
+from sim.common.geometry import FloatArray
+from sim.common.grid import OCCUPIED, UNKNOWN, OccupancyGrid
+from thbridge.analysis.plot.look import FAINT, INK, Look, colour, label_above, robot_handles
+from thbridge.analysis.plot.thinning import simplified
+from thbridge.analysis.report.values import Report
+
+_THING = "#f0b429"
+
+
+def paths(report: Report, look: Look) -> Figure | None:
+    """The map with things and ways: broad the true ones, narrow those believed.
+
+    Where no pose on the map is known, the ways by odometry, without the map: they begin wherever the wheels began to
+    count.
+    """
+    placed = any(len(track.truth) or len(track.estimate) for track in report.tracks)
+    counted = not placed and any(len(track.odometry) for track in report.tracks)
+    grid = None if counted else report.grid
+    ways = [(track.odometry,) if counted else (track.truth, track.estimate) for track in report.tracks]
+    seen = [path[:, 1:3] for way in ways for path in way if len(path)]
+    if not seen and grid is None:
+        return None
+    left, right, bottom, top = _extent(grid, seen)
+    # A legend of robots needs a line, the axes' labels another.
+    height = look.width * (top - bottom) / (right - left) + 6.0 * look.font / 72.0
+    figure, ((axes,),) = look.figure(min(max(height, 0.3 * look.width), 1.4 * look.width))
+    axes.grid(visible=False)
+    if grid is not None:
+        _draw_grid(axes, grid)
+    for thing in () if counted else report.things:
+        axes.fill(thing.outline[:, 0], thing.outline[:, 1], fc=_THING, ec=INK, lw=0.6, alpha=0.8, zorder=1)
+        walk = simplified(thing.path)
+        axes.plot(walk[:, 0], walk[:, 1], ":", color=INK, lw=0.8, zorder=1)
+        axes.annotate(thing.name, thing.outline[:, :2].max(axis=0), color=INK, fontsize=look.font - 2, zorder=4)
+    styles = (
+        (("odometry", look.line, 1.0, "--"),)
+        if counted
+        else (("true", 4.0 * look.line, 0.35, "-"), ("estimated", look.line, 1.0, "-"))
+    )
+    mark = 0.75 * look.font
+    for index, way in enumerate(ways):
+        tint = colour(index)
+        for path, (_, width, alpha, line) in zip(way, styles, strict=True):
+            points = simplified(path[:, 1:3])
+            axes.plot(
+                points[:, 0], points[:, 1], line, color=tint, lw=width, alpha=alpha, solid_capstyle="round", zorder=2
+            )
+        best = next((path for path in way if len(path)), None)
+        if best is not None:
+            axes.plot(*best[0, 1:3], "o", ms=mark, mfc="white", mec=tint, mew=1.2, zorder=3)
+            axes.plot(*best[-1, 1:3], "o", ms=mark, color=tint, mec="white", zorder=3)
+    axes.set_aspect("equal")
+    axes.set_xlim(left, right)
+    axes.set_ylim(bottom, top)
+    for axis in (axes.xaxis, axes.yaxis):
+        axis.set_major_locator(MaxNLocator(5 if look.narrow else 9, integer=True))
+    axes.set_xlabel("x, m")
+    axes.set_ylabel("y, m")
+    kinds = [
+        Line2D([], [], color=FAINT, lw=width, alpha=max(alpha, 0.6), label=name, ls=line)
+        for kind, (name, width, alpha, line) in enumerate(styles)
+        if any(len(way[kind]) for way in ways)
+    ]
+    label_above(axes, [*robot_handles(report.tracks), *kinds], 3 if look.narrow else 8)
+    return figure
+
+
+def _extent(grid: OccupancyGrid | None, seen: Sequence[FloatArray]) -> tuple[float, float, float, float]:
+    """Left, right, bottom, top of what is to be seen: the known part of the map, and the ways."""
+    known = [] if grid is None else [_corners(grid)]
+    points = np.vstack([*known, *seen])
+    low, high = points.min(axis=0), points.max(axis=0)
+    # The map's own edge is its margin; a path needs one, however short it is.
+    margin = 0.0 if known else 0.5 + 0.05 * float((high - low).max())
+    return (
+        float(low[0]) - margin,
+        float(high[0]) + margin,
+        float(low[1]) - margin,
+        float(high[1]) + margin,
+    )
+
+
+def _corners(grid: OccupancyGrid) -> FloatArray:
+    """Of the part that is known: mapping programs put much unknown ground around it."""
+    rows, cols = (np.flatnonzero((grid.cells != UNKNOWN).any(axis=axis)) for axis in (1, 0))
+    if not len(rows):
+        rows, cols = np.arange(grid.rows), np.arange(grid.cols)
+    left, right, bottom, top = cols[0], cols[-1] + 1, rows[0], rows[-1] + 1
+    unit = np.array([[left, bottom], [right, bottom], [right, top], [left, top]], dtype=np.float64)
+    return grid.origin.transform(unit * grid.resolution)
+
+
+def _draw_grid(axes: Axes, grid: OccupancyGrid) -> None:
+    """Walls dark, free space white, the rest grey; turned with the map's origin."""
+    kinds = np.full(grid.cells.shape, 1, dtype=np.uint8)
+    kinds[grid.cells == 0] = 0
+    kinds[grid.cells == OCCUPIED] = 2
+    image = axes.imshow(
+        kinds,
+        cmap=ListedColormap(["#ffffff", "#e4e7eb", "#52606d"]),
+        vmin=0,
+        vmax=2,
+        origin="lower",
+        interpolation="nearest",
+        extent=(0.0, grid.cols * grid.resolution, 0.0, grid.rows * grid.resolution),
+        zorder=0,
+    )
+    turned = mpl.transforms.Affine2D().rotate(grid.origin.theta).translate(grid.origin.x, grid.origin.y)
+    image.set_transform(turned + axes.transData)

@@ -1,0 +1,38 @@
+"""Curves with no more points than can be seen."""
+
+import numpy as np
+
+from sim.common.geometry import FloatArray
+
+POINTS = 700
+"""Points a curve is drawn with; files would grow with the session otherwise."""
+
+
+def simplified(line: FloatArray) -> FloatArray:
+    """A path with a point at least every few centimetres only."""
+    if len(line) < 3:
+        return line
+    along = np.concatenate(([0.0], np.cumsum(np.hypot(*np.diff(line, axis=0).T))))
+    step = max(0.03, along[-1] / (4 * POINTS))
+    _, first = np.unique((along / step).astype(np.int64), return_index=True)
+    kept: FloatArray = line[np.append(first, len(line) - 1)]
+    return kept
+
+
+def peaks(series: FloatArray) -> FloatArray:
+    """(k, 2) of a (n, 2) time series: the greatest value of each of at most `POINTS` spans."""
+    size = -(-len(series) // POINTS)
+    if size <= 1:
+        return series
+    starts = range(0, len(series), size)
+    greatest = [start + int(np.argmax(series[start : start + size, 1])) for start in starts]
+    return series[greatest]
+
+
+def changes(series: FloatArray) -> FloatArray:
+    """A (n, 2) time series without samples that repeat the value before; first and last stay."""
+    if len(series) < 3:
+        return series
+    kept = np.concatenate(([True], np.diff(series[:, 1]) != 0.0))
+    kept[-1] = True
+    return series[kept]

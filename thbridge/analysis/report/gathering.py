@@ -1,0 +1,268 @@
+"""What a bag tells about a session: where the robots were and believed to be, their energy, the game and the talk.
+
+Made from the messages alone, so it works on foreign bags as far as their topics go, and says what is missing. Times
+are seconds since the bag's first message.
+"""
+
+import json
+import math
+from collections import defaultdict
+from collections.abc import Callable, Iterable
+from functools import partial
+from typing import Protocol, TypeGuard
+
+import numpy as np
+
+from sim.common.geometry import FloatArray
+from sim.common.grid import OccupancyGrid
+from thbridge.analysis.report.tracks import Heard, Poses, deviations
+from thbridge.analysis.report.values import Leg, Moment, Report, Thing, Track
+from thbridge.ros.frames import frame_name
+from thbridge.ros.messages import types, unpack
+from thbridge.ros.messages.goal_status import Status
+from thbridge.ros.messages.records import GameEvent, Score, Session, Utterance
+from thbridge.ros.messages.unpack import PoseInFrame
+from thbridge.ros.names import MAP, THINGS
+from thbridge.ros.robots import is_map_frame, is_odom_frame, usual_first
+
+OUTCOMES: dict[int, str] = {Status.SUCCEEDED: "arrived", Status.ABORTED: "no path", Status.PREEMPTED: "cancelled"}
+
+_TF_OLD = "tf/tfMessage"
+"""tf's name for the message, before tf2; the same fields."""
+
+
+class Recorded(Protocol):
+    """A message of a bag."""
+
+    @property
+    def topic(self) -> str:
+        """Its topic, with a leading slash."""
+
+    @property
+    def msgtype(self) -> str:
+        """Its type, for example "nav_msgs/Odometry"."""
+
+    @property
+    def md5(self) -> str:
+        """The sum over the type's fields."""
+
+    @property
+    def stamp_ns(self) -> int:
+        """When it was recorded, nanoseconds."""
+
+    @property
+    def data(self) -> bytes:
+        """Its bytes."""
+
+
+def read_report(messages: Iterable[Recorded], grid: OccupancyGrid | None = None) -> Report:
+    """The report of a bag's messages, oldest first; what cannot be read is left out and told.
+
+    Args:
+        messages: of the bag.
+        grid: the map, in place of the bag's own.
+    """
+    gathered = _Gathered()
+    for message in messages:
+        gathered.take(message)
+    return gathered.report(grid)
+
+
+class _Gathered:
+    """Messages sorted by what they are about."""
+
+    def __init__(self) -> None:
+        self._first_ns: int | None = None
+        self._last_ns = 0
+        self._heard = Heard()
+        self._session: Session | None = None
+        self._grids: dict[str, OccupancyGrid] = {}
+        self._score: Score | None = None
+        self._moments: list[Moment] = []
+        self._inputs = 0
+        self._outlines: defaultdict[str, list[FloatArray]] = defaultdict(list)
+        self._unread: dict[str, str] = {}
+        self._takers: dict[str, Callable[[float, str, bytes], None]] = {
+            types.ODOMETRY: self._odometry,
+            types.TFMESSAGE: self._transforms,
+            types.POSE_WITH_COVARIANCE: self._pose_with_covariance,
+            types.POSE_STAMPED: self._pose,
+            types.TWIST: self._command,
+            types.BATTERY_STATE: self._battery,
+            types.MOVE_BASE_GOAL: self._goal,
+            types.MOVE_BASE_RESULT: self._result,
+            types.OCCUPANCY_GRID: self._map,
+            types.SESSION: self._take_session,
+            types.SCORE: self._take_score,
+            types.MARKER_ARRAY: self._things,
+            types.GAME_EVENT: self._event,
+            types.UTTERANCE: self._utterance,
+            types.INPUT: self._input,
+        }
+
+    def take(self, message: Recorded) -> None:
+        if self._first_ns is None:
+            self._first_ns = message.stamp_ns
+        self._last_ns = max(self._last_ns, message.stamp_ns)
+        msgtype = types.TFMESSAGE if message.msgtype == _TF_OLD else message.msgtype
+        taker = self._takers.get(msgtype)
+        if taker is None:
+            return
+        if message.md5 != types.plain_definition(msgtype).md5:
+            self._unread[message.topic] = f"{message.topic} holds another release's {message.msgtype}"
+            return
+        try:
+            taker((message.stamp_ns - self._first_ns) / 1e9, message.topic, message.data)
+        except ValueError as error:
+            self._unread[message.topic] = f"{message.topic} holds a message that cannot be read: {error}"
+
+    def report(self, grid: OccupancyGrid | None) -> Report:
+        duration = 0.0 if self._first_ns is None else (self._last_ns - self._first_ns) / 1e9
+        tracks = self._heard.tracks(duration)
+        grid = grid or next((self._grids[name] for name in usual_first(self._grids, (MAP.strip("/"),))), None)
+        return Report(
+            duration,
+            self._session,
+            grid,
+            tracks,
+            tuple(_thing(name, outlines) for name, outlines in self._outlines.items()),
+            tuple(self._moments),
+            self._score,
+            self._inputs,
+            (*self._unread.values(), *self._absent(tracks, grid)),
+        )
+
+    def _absent(self, tracks: tuple[Track, ...], grid: OccupancyGrid | None) -> Iterable[str]:
+        if grid is None:
+            yield "There is no map: nobody published /map (nav_msgs/OccupancyGrid)."
+        if not tracks:
+            yield "There are no robots: no topic of type nav_msgs/Odometry, no odom frame in /tf."
+        without = partial(_names_without, tracks)
+        if names := without(lambda track: track.truth):
+            yield f"No true path of {names}: no topic base_pose_ground_truth, nor any that is called the truth."
+        if names := without(lambda track: track.estimate):
+            yield f"No estimated path of {names}: neither map -> odom in /tf nor a topic amcl_pose."
+        if names := without(lambda track: track.energy):
+            yield f"No energy of {names}: no topic of type sensor_msgs/BatteryState."
+        if not self._moments:
+            yield "No events and no talk: neither /hunt/events nor /dialogue/utterances."
+        if self._score is None:
+            yield "No score: nobody published /hunt/score."
+
+    def _odometry(self, time: float, topic: str, data: bytes) -> None:
+        said = unpack.odometry(data)
+        poses = self._heard.odometry.setdefault(topic, Poses(said.frame, said.child_frame))
+        poses.add(time, said.pose)
+        poses.speeds.extend((time, said.twist.linear, said.twist.angular))
+
+    def _transforms(self, time: float, topic: str, data: bytes) -> None:
+        for _, (parent, child, pose) in unpack.transforms(data):
+            if is_map_frame(parent) or is_odom_frame(parent):
+                key = (topic.strip("/").rpartition("/")[0], frame_name(parent), frame_name(child))
+                self._heard.edges.setdefault(key, Poses(key[1], key[2])).add(time, pose)
+
+    def _pose_with_covariance(self, time: float, topic: str, data: bytes) -> None:
+        self._add_pose(time, topic, unpack.pose_with_covariance(data))
+
+    def _pose(self, time: float, topic: str, data: bytes) -> None:
+        self._add_pose(time, topic, unpack.pose_stamped(data))
+
+    def _add_pose(self, time: float, topic: str, said: PoseInFrame) -> None:
+        poses = self._heard.poses.setdefault(topic, Poses(said.frame, ""))
+        poses.add(time, said.pose)
+        if (row := deviations(time, said.covariance)) is not None:
+            poses.deviations.extend(row)
+
+    def _command(self, time: float, topic: str, data: bytes) -> None:
+        said = unpack.twist(data)
+        self._heard.commands[topic].extend((time, said.linear, said.angular))
+
+    def _battery(self, time: float, topic: str, data: bytes) -> None:
+        said = unpack.battery_state(data)
+        left = said.charge if math.isfinite(said.charge) else 100.0 * said.percentage
+        if math.isfinite(left):
+            self._heard.energy[topic].extend((time, left))
+
+    def _goal(self, time: float, topic: str, data: bytes) -> None:
+        self._heard.goals[_action(topic)][unpack.move_base_goal(data).goal_id] = time
+
+    def _result(self, time: float, topic: str, data: bytes) -> None:
+        said = unpack.move_base_result(data)
+        start = self._heard.goals[_action(topic)].pop(said.goal_id, None)
+        if start is not None:
+            outcome = OUTCOMES.get(said.status, f"status {said.status}")
+            self._heard.legs[_action(topic)].append(Leg(start, time, outcome, said.text))
+
+    def _map(self, time: float, topic: str, data: bytes) -> None:
+        if "costmap" not in topic:
+            self._grids[topic] = unpack.occupancy_grid(data)
+
+    def _things(self, time: float, topic: str, data: bytes) -> None:
+        if topic == THINGS:
+            for name, outline in unpack.outlines(data):
+                self._outlines[name].append(outline)
+
+    def _take_session(self, time: float, topic: str, data: bytes) -> None:
+        self._session = unpack.session(data)
+
+    def _take_score(self, time: float, topic: str, data: bytes) -> None:
+        self._score = unpack.score(data)
+
+    def _event(self, time: float, topic: str, data: bytes) -> None:
+        event = unpack.game_event(data)
+        who = "" if event.robot is None else f"robot{event.robot + 1}"
+        text, points = _told(event)
+        self._moments.append(Moment(time, event.kind, who, event.room, text, points))
+
+    def _utterance(self, time: float, topic: str, data: bytes) -> None:
+        said: Utterance = unpack.utterance(data)
+        who = f"robot{said.robot + 1}" if said.speaker == "robot" else f"participant to robot{said.robot + 1}"
+        who += " (by a wizard)" if said.author == "wizard" else ""
+        self._moments.append(Moment(time, "said", who, said.room, said.text or said.move))
+
+    def _input(self, time: float, topic: str, data: bytes) -> None:
+        self._inputs += unpack.outside_input(data).kind in {"said", "received", "asked"}
+
+
+def _action(topic: str) -> str:
+    """The action that a topic of goals or results belongs to, with a slash at its end."""
+    return topic.rpartition("/")[0] + "/"
+
+
+def _names_without(tracks: tuple[Track, ...], part: Callable[[Track], FloatArray]) -> str:
+    return ", ".join(track.name for track in tracks if not len(part(track)))
+
+
+def _thing(name: str, outlines: list[FloatArray]) -> Thing:
+    middles = np.array([outline[:-1].mean(axis=0) for outline in outlines])
+    moved = np.hypot(*np.diff(middles, axis=0).T) > 0.0
+    return Thing(name, outlines[0], middles[np.concatenate(([True], moved))])
+
+
+def _told(event: GameEvent) -> tuple[str, int | None]:
+    """An event for people, from the plain values in its JSON, and its points."""
+    try:
+        fields = json.loads(event.json)
+    except ValueError:
+        return event.json, None
+    if not isinstance(fields, dict):
+        return event.json, None
+    told = (
+        f"{name.replace('_', ' ')} {_plain(value)}"
+        for name, value in fields.items()
+        if name not in _SAID_ELSEWHERE and _is_plain(value)
+    )
+    points = fields.get("points")
+    return ", ".join(told), points if isinstance(points, int) else None
+
+
+def _is_plain(value: object) -> TypeGuard[str | int | float]:
+    return isinstance(value, str | int | float) and not isinstance(value, bool) and value != ""
+
+
+def _plain(value: str | int | float) -> str:
+    """A value within a list: sentences without their stop, numbers without digits that nobody reads."""
+    return value.rstrip(".") if isinstance(value, str) else f"{value:g}"
+
+
+_SAID_ELSEWHERE = frozenset({"v", "event", "robot", "room", "points"})

@@ -1,0 +1,122 @@
+"""A session's report as one HTML page that needs nothing but itself: figures are drawn into it as SVG."""
+
+from collections.abc import Callable
+from pathlib import Path
+
+import numpy as np
+from jinja2 import Environment, StrictUndefined
+from markupsafe import Markup
+from matplotlib.figure import Figure
+
+from sim.common.geometry import FloatArray
+from sim.common.grid import OccupancyGrid
+from thbridge.analysis.plot.figures import energy, error, timeline
+from thbridge.analysis.plot.look import PAGE, Kind, Look, clock, colour
+from thbridge.analysis.plot.paths import paths
+from thbridge.analysis.report.gathering import read_report
+from thbridge.analysis.report.values import Report, Track
+from thbridge.recording.bag.reader import messages
+
+
+def build_report(bag: Path, grid: OccupancyGrid | None = None) -> str:
+    """The report of a bag as HTML; the same bag gives the same page.
+
+    Args:
+        bag: ours, or another robot's.
+        grid: the map, in place of the bag's own.
+
+    Raises:
+        BadFile: the bag cannot be read; says what to do.
+    """
+    return render(read_report(messages(bag), grid), bag.name)
+
+
+def render(report: Report, name: str) -> str:
+    """A report as HTML.
+
+    Args:
+        report: what to show.
+        name: of the bag, for the title.
+    """
+    with PAGE.style():
+        drawn = [(title, caption, make(report, PAGE)) for title, caption, make in _FIGURES]
+    figures = [(title, caption, figure) for title, caption, figure in drawn if figure is not None]
+    environment = Environment(autoescape=True, undefined=StrictUndefined, trim_blocks=True, lstrip_blocks=True)
+    template = environment.from_string(Path(__file__).with_name("page.html").read_text(encoding="utf-8"))
+    return template.render(
+        name=name,
+        report=report,
+        figures=[
+            {"title": title, "caption": caption, "svg": _svg(figure, title)} for title, caption, figure in figures
+        ],
+        summary=_summary(report),
+        robots=[_robot_row(index, track) for index, track in enumerate(report.tracks)],
+        points=[moment for moment in report.moments if moment.points is not None],
+        clock=clock,
+    )
+
+
+_FIGURES: tuple[tuple[str, str, Callable[[Report, Look], Figure | None]], ...] = (
+    (
+        "Paths",
+        "Broad: where the robot was. Narrow: where it believed itself to be. A ring marks the start, a dot the end. "
+        "Yellow: things in the way, where they were first; dotted: where they walked.",
+        paths,
+    ),
+    (
+        "Localisation error",
+        "Distance and angle between where a robot was and where it believed itself to be. Shaded: two standard "
+        "deviations of what its localiser admits.",
+        error,
+    ),
+    ("Energy", "What each robot had left.", energy),
+    (
+        "Timeline",
+        "Bars: under way to a goal, with the room's number; pale ones did not get there. Diamonds: events of the game. "
+        "Strokes below: what was said.",
+        timeline,
+    ),
+)
+
+
+def _summary(report: Report) -> list[tuple[str, str]]:
+    """The figures at the top: label and value."""
+    cards = [("Duration", f"{clock(report.duration)} min"), ("Robots", str(len(report.tracks)))]
+    if report.tracks:
+        cards.append(("Driven", f"{sum(track.distance for track in report.tracks):.1f} m"))
+    if report.score is not None:
+        cards.append(("Score", f"{report.score.score}"))
+        cards.append(("Rooms visited", f"{report.score.visited} of {report.score.rooms}"))
+    errors = [track.errors[:, 1] for track in report.tracks if len(track.errors)]
+    if errors:
+        cards.append(("Localisation RMSE", f"{100 * _rms(np.concatenate(errors)):.1f} cm"))
+    if report.inputs:
+        cards.append(("Inputs", str(report.inputs)))
+    return cards
+
+
+def _rms(values: FloatArray) -> float:
+    return float(np.sqrt(np.mean(values**2)))
+
+
+def _robot_row(index: int, track: Track) -> dict[str, str]:
+    unknown = "–"
+    errors, energy = track.errors, track.energy
+    arrived = sum(leg.outcome == "arrived" for leg in track.legs)
+    return {
+        "name": track.name,
+        "colour": colour(index),
+        "distance": f"{track.distance:.1f}",
+        "goals": f"{arrived} of {len(track.legs)}" if track.legs else unknown,
+        "rmse": f"{100 * _rms(errors[:, 1]):.1f}" if len(errors) else unknown,
+        "worst": f"{100 * errors[:, 1].max():.1f}" if len(errors) else unknown,
+        "turn": f"{np.degrees(_rms(errors[:, 2])):.2f}" if len(errors) else unknown,
+        "energy": f"{energy[0, 1]:.0f} → {energy[-1, 1]:.0f}" if len(energy) else unknown,
+    }
+
+
+def _svg(figure: Figure, salt: str) -> Markup:
+    """The figure as an element for the page; `salt` keeps the names in it apart from those of other figures."""
+    drawn = PAGE.rendered(figure, Kind.SVG, salt, transparent=True).decode()
+    # Matplotlib made it and it escapes the words in it.
+    return Markup(drawn[drawn.index("<svg") :])

@@ -1,0 +1,224 @@
+"""Robots out of what was heard of them: which topic is whose, and which are truth, odometry, estimate."""
+
+from array import array
+from collections import defaultdict
+from collections.abc import Callable, Iterable, Mapping
+from dataclasses import dataclass, field
+
+import numpy as np
+
+from sim.common.geometry import FloatArray, Pose2
+from thbridge.analysis.report.paths import corrected, distance, errors, table
+from thbridge.analysis.report.values import Leg, Track
+from thbridge.ros.frames import frame_name
+from thbridge.ros.robots import (
+    ODOM_FRAME,
+    by_number,
+    is_map_frame,
+    is_odom_frame,
+    is_truth,
+    last_word,
+    owner_of,
+    owner_of_edge,
+    prefix_of,
+    robots_among,
+    usual_first,
+)
+
+UNDER_WAY = "under way"
+BATTERIES = ("battery", "battery_state")
+COMMANDS = ("cmd_vel",)
+ESTIMATES = ("amcl_pose", "robot_pose", "slam_out_pose", "tracked_pose")
+NO_ESTIMATES = ("initialpose", "goal", "current_goal", "target")
+"""Poses on the map that somebody wants, or says."""
+BASES = ("base_footprint", "base_link")
+
+
+def numbers() -> "array[float]":
+    """Room for rows of numbers, one behind the other: hours of them fit."""
+    return array("d")
+
+
+@dataclass(slots=True)
+class Poses:
+    """Poses of one topic or transform.
+
+    Attributes:
+        frame: that they are in.
+        child: whose they are; "" where nobody says.
+        rows: time, x, y, theta, again and again.
+        speeds: time, m/s, rad/s, likewise.
+        deviations: time, standard deviations of position and heading, likewise.
+    """
+
+    frame: str
+    child: str
+    rows: "array[float]" = field(default_factory=numbers)
+    speeds: "array[float]" = field(default_factory=numbers)
+    deviations: "array[float]" = field(default_factory=numbers)
+
+    def add(self, time: float, pose: Pose2) -> None:
+        """Append a pose."""
+        self.rows.extend((time, pose.x, pose.y, pose.theta))
+
+
+@dataclass(slots=True)
+class Heard:
+    """What was heard of robots, by topic.
+
+    Attributes:
+        odometry: of type nav_msgs/Odometry.
+        poses: of types geometry_msgs/PoseWithCovarianceStamped and PoseStamped.
+        edges: of tf, by the namespace of its topic, parent and child; those only whose parent is a map or odometry.
+        energy: time, what is left.
+        commands: time, m/s, rad/s.
+        goals: by topic: name of the goal, when it was set; those under way.
+        legs: by topic: goals that ended.
+    """
+
+    odometry: dict[str, Poses] = field(default_factory=dict)
+    poses: dict[str, Poses] = field(default_factory=dict)
+    edges: dict[tuple[str, str, str], Poses] = field(default_factory=dict)
+    energy: "defaultdict[str, array[float]]" = field(default_factory=lambda: defaultdict(numbers))
+    commands: "defaultdict[str, array[float]]" = field(default_factory=lambda: defaultdict(numbers))
+    goals: defaultdict[str, dict[str, float]] = field(default_factory=lambda: defaultdict(dict))
+    legs: defaultdict[str, list[Leg]] = field(default_factory=lambda: defaultdict(list))
+
+    def tracks(self, duration: float) -> tuple[Track, ...]:
+        """One for each robot, in the order of their numbers."""
+        robots = self._robots()
+        return tuple(self._track(robot, robots, duration) for robot in sorted(robots, key=by_number))
+
+    def _robots(self) -> frozenset[str]:
+        """Prefixes of frames and namespaces that are robots; "" is one without."""
+        odometry = {topic: poses.child for topic, poses in self.odometry.items()}
+        edges = (key for key, poses in self.edges.items() if is_odom_frame(poses.frame))
+        return robots_among(odometry, edges, (*self.energy, *self.goals, *self.legs, *_estimates(self.poses)))
+
+    def _track(self, robot: str, robots: frozenset[str], duration: float) -> Track:
+        sources = _Sources(self, robot, robots)
+        truth, odometry = sources.truth(), sources.odometry()
+        estimate = sources.estimate(odometry)
+        true_path, driven = table(truth.rows, 4), table(odometry.rows, 4)
+        legs = [leg for topic in sources.own(self.legs) for leg in self.legs[topic]]
+        legs += [
+            Leg(start, duration, UNDER_WAY, "")
+            for topic in sources.own(self.goals)
+            for start in self.goals[topic].values()
+        ]
+        return Track(
+            name=robot or "robot",
+            truth=true_path,
+            estimate=estimate,
+            errors=errors(estimate, true_path),
+            energy=table(_first(self.energy, sources.own(self.energy), BATTERIES), 2),
+            legs=tuple(sorted(legs, key=lambda leg: leg.start)),
+            distance=distance(next((path for path in (true_path, estimate, driven) if len(path)), true_path)),
+            odometry=driven,
+            speeds=table(odometry.speeds, 3),
+            commands=table(_first(self.commands, sources.own(self.commands), COMMANDS), 3),
+            deviations=table(sources.admitted(), 3),
+            sources=tuple(sources.told),
+        )
+
+
+class _Sources:
+    """Which of the topics and transforms heard are one robot's truth, odometry and estimate.
+
+    Attributes:
+        told: what was taken, for people.
+    """
+
+    def __init__(self, heard: Heard, robot: str, robots: frozenset[str]) -> None:
+        self.told: list[str] = []
+        self._robot, self._robots = robot, robots
+        self._odometry = self._own_poses(heard.odometry)
+        self._poses = self._own_poses(heard.poses)
+        self._edges = {
+            f"tf {poses.frame} -> {poses.child}": poses
+            for key, poses in heard.edges.items()
+            if owner_of_edge(key) == robot or len(robots) == 1
+        }
+
+    def own(self, topics: Iterable[str]) -> list[str]:
+        """Those of the robot's namespace."""
+        return [topic for topic in topics if owner_of(topic, self._robots) == self._robot]
+
+    def truth(self) -> Poses:
+        """Where it was, without rows where nobody says."""
+
+        def known(topic: str, _: Poses) -> bool:
+            return is_truth(topic)
+
+        truth = self._take("truth", (_chosen(self._odometry, known), ()), (_chosen(self._poses, known), ()))
+        if truth.frame and not is_map_frame(truth.frame):
+            self.told.append(f"the truth is in the frame {frame_name(truth.frame)}, and is taken as places on the map")
+        return truth
+
+    def odometry(self) -> Poses:
+        """What its wheels counted, likewise."""
+        topics = _chosen(self._odometry, lambda topic, said: not is_truth(topic) and not is_map_frame(said.frame))
+        edges = _chosen(self._edges, lambda _, said: is_odom_frame(said.frame))
+        return self._take("odometry", (topics, (ODOM_FRAME,)), (edges, ()))
+
+    def estimate(self, odometry: Poses) -> FloatArray:
+        """(n, 4) time, x, y, theta: where it believed itself to be; the correction of its odometry before all."""
+        corrections = _chosen(
+            self._edges,
+            lambda _, said: is_map_frame(said.frame) and frame_name(said.child) == frame_name(odometry.frame),
+        )
+        if odometry.rows and corrections:
+            return corrected(table(odometry.rows, 4), table(self._take("estimate", (corrections, ())).rows, 4))
+        fused = _chosen(self._odometry, lambda topic, said: not is_truth(topic) and is_map_frame(said.frame))
+        direct = _chosen(self._edges, lambda _, said: is_map_frame(said.frame) and last_word(said.child) in BASES)
+        found = self._take("estimate", (_estimates(self._poses), ESTIMATES), (fused, ()), (direct, ()))
+        return table(found.rows, 4)
+
+    def admitted(self) -> "array[float]":
+        """Rows of what its localiser admits; see `Poses.deviations`."""
+        names = usual_first(_estimates(self._poses), ESTIMATES)
+        return self._poses[names[0]].deviations if names else numbers()
+
+    def _own_poses(self, heard: Mapping[str, Poses]) -> dict[str, Poses]:
+        """By the prefix of the frame, if that is a robot's, else by the namespace."""
+        named = self._robots - {""}
+        return {
+            topic: poses
+            for topic, poses in heard.items()
+            if (prefix if (prefix := prefix_of(poses.child)) in named else owner_of(topic, self._robots)) == self._robot
+        }
+
+    def _take(self, what: str, *choices: tuple[Mapping[str, Poses], tuple[str, ...]]) -> Poses:
+        """Of the first choice that there is the usual one; none is poses without rows."""
+        for candidates, usual in choices:
+            if names := usual_first(candidates, usual):
+                others = f"; there is also {', '.join(names[1:])}" if len(names) > 1 else ""
+                self.told.append(f"{what} from {names[0]}{others}")
+                return candidates[names[0]]
+        return Poses("", "")
+
+
+def _first(heard: Mapping[str, "array[float]"], topics: Iterable[str], usual: tuple[str, ...]) -> "array[float]":
+    """The rows of the usual topic; none where there is no topic."""
+    names = usual_first(topics, usual)
+    return heard[names[0]] if names else numbers()
+
+
+def _chosen(heard: Mapping[str, Poses], wanted: Callable[[str, Poses], bool]) -> dict[str, Poses]:
+    return {name: poses for name, poses in heard.items() if wanted(name, poses)}
+
+
+def _estimates(poses: Mapping[str, Poses]) -> dict[str, Poses]:
+    """Poses on the map that may be a localiser's."""
+    return _chosen(
+        poses,
+        lambda topic, said: is_map_frame(said.frame) and not is_truth(topic) and last_word(topic) not in NO_ESTIMATES,
+    )
+
+
+def deviations(time: float, covariance: FloatArray) -> tuple[float, float, float] | None:
+    """A row of `Poses.deviations`; None where the covariance says nothing."""
+    position, heading = covariance[0, 0] + covariance[1, 1], covariance[2, 2]
+    if not (position >= 0.0 and heading >= 0.0):
+        return None
+    return time, float(np.sqrt(position)), float(np.sqrt(heading))

@@ -1,0 +1,192 @@
+"""Sums up what a recording holds: per topic how much, how often, by whom, and where it falls silent."""
+
+from collections.abc import Iterable, Sequence
+from dataclasses import dataclass
+from itertools import groupby
+from pathlib import Path
+
+import numpy as np
+from numpy.typing import NDArray
+
+from thbridge.recording.bag.contents import BagContents, Indexed, contents
+from thbridge.recording.bag.reader import messages
+from thbridge.recording.recordings import parts_of
+from thbridge.ros.messages import unpack
+from thbridge.ros.messages.types import SESSION
+
+GAP_PERIODS = 5.0
+GAP_NS = 1_000_000_000
+"""A topic has a gap where it is silent for more than so many of its median periods, and for a second at least."""
+REGULAR = 10
+REGULAR_SHARE = 0.5
+"""Only topics of so many messages have gaps at all, and only if at their median period they fill so much of the time:
+what is said in bursts is silent between them."""
+
+
+@dataclass(frozen=True, slots=True)
+class Gap:
+    """A silence of a topic that speaks regularly.
+
+    Attributes:
+        start_ns: stamp of the last message before it.
+        seconds: how long.
+    """
+
+    start_ns: int
+    seconds: float
+
+
+@dataclass(frozen=True, slots=True)
+class TopicSummary:
+    """One topic.
+
+    Attributes:
+        name: with its leading slash.
+        msgtype: of its messages; several, with commas between, where publishers disagreed.
+        md5: of the type or types, likewise.
+        messages: how many.
+        latched: whether a publisher latched it.
+        callers: its publishers.
+        hertz: one over the median period; None where there is none.
+        start_ns: stamp of its first message, or None.
+        end_ns: stamp of its last one.
+        gaps: longest first, ten at most.
+    """
+
+    name: str
+    msgtype: str
+    md5: str
+    messages: int
+    latched: bool
+    callers: tuple[str, ...]
+    hertz: float | None
+    start_ns: int | None
+    end_ns: int | None
+    gaps: tuple[Gap, ...]
+
+
+@dataclass(frozen=True, slots=True)
+class Part:
+    """One file of a recording."""
+
+    path: Path
+    size: int
+    messages: int
+
+
+@dataclass(frozen=True, slots=True)
+class SessionSummary:
+    """What it takes to run a session of ours again.
+
+    Attributes:
+        seed: of every chance.
+        versions: of programs and libraries.
+        study: the resolved study file, YAML.
+    """
+
+    seed: int
+    versions: dict[str, str]
+    study: str
+
+
+@dataclass(frozen=True, slots=True)
+class Summary:
+    """What a recording holds.
+
+    Attributes:
+        path: as it was named.
+        parts: its files.
+        size: bytes of all.
+        compression: of its chunks; several, with commas between.
+        start_ns: stamp of the first message, nanoseconds; None when there is none.
+        end_ns: stamp of the last one.
+        duration: seconds between them.
+        messages: how many, repetitions at the beginning of parts included.
+        topics: by name.
+        session: None unless it is a recording of ours.
+    """
+
+    path: Path
+    parts: tuple[Part, ...]
+    size: int
+    compression: str
+    start_ns: int | None
+    end_ns: int | None
+    duration: float
+    messages: int
+    topics: tuple[TopicSummary, ...]
+    session: SessionSummary | None
+
+
+def summarise(bag: Path) -> Summary:
+    """Sum up a recording by its index.
+
+    Args:
+        bag: a bag, or the name of a split recording.
+
+    Raises:
+        BadFile: there is no such file, it is not a ROS 1 bag, or it is cut off or damaged.
+    """
+    files = [contents(part) for part in parts_of(bag)]
+    publishers = sorted((who for file in files for who in file.publishers), key=lambda who: who.topic)
+    topics = tuple(_topic(name, list(group)) for name, group in groupby(publishers, key=lambda who: who.topic))
+    starts = [topic.start_ns for topic in topics if topic.start_ns is not None]
+    ends = [topic.end_ns for topic in topics if topic.end_ns is not None]
+    return Summary(
+        path=bag,
+        parts=tuple(Part(file.path, file.size, _count(file)) for file in files),
+        size=sum(file.size for file in files),
+        compression=_joined(name for file in files for name in file.compressions),
+        start_ns=min(starts, default=None),
+        end_ns=max(ends, default=None),
+        duration=(max(ends) - min(starts)) / 1e9 if starts else 0.0,
+        messages=sum(topic.messages for topic in topics),
+        topics=topics,
+        session=_session(bag, topics),
+    )
+
+
+def _count(file: BagContents) -> int:
+    return sum(who.stamps_ns.size for who in file.publishers)
+
+
+def _joined(words: Iterable[str]) -> str:
+    return ", ".join(sorted(set(words)))
+
+
+def _topic(name: str, publishers: Sequence[Indexed]) -> TopicSummary:
+    stamps = np.sort(np.concatenate([who.stamps_ns for who in publishers]))
+    periods = np.diff(stamps)
+    median = float(np.median(periods)) if periods.size else 0.0
+    return TopicSummary(
+        name=name,
+        msgtype=_joined(who.msgtype for who in publishers),
+        md5=_joined(who.md5 for who in publishers),
+        messages=stamps.size,
+        latched=any(who.latched for who in publishers),
+        callers=tuple(sorted({who.caller for who in publishers if who.caller is not None})),
+        hertz=1e9 / median if median > 0.0 else None,
+        start_ns=int(stamps[0]) if stamps.size else None,
+        end_ns=int(stamps[-1]) if stamps.size else None,
+        gaps=_gaps(stamps, periods, median),
+    )
+
+
+def _gaps(stamps: NDArray[np.int64], periods: NDArray[np.int64], median: float) -> tuple[Gap, ...]:
+    if stamps.size < REGULAR or median * stamps.size < REGULAR_SHARE * float(stamps[-1] - stamps[0]):
+        return ()
+    (places,) = np.nonzero(periods > max(GAP_PERIODS * median, GAP_NS))
+    longest = sorted(places.tolist(), key=lambda place: -int(periods[place]))[:10]
+    return tuple(Gap(int(stamps[place]), int(periods[place]) / 1e9) for place in longest)
+
+
+def _session(bag: Path, topics: Sequence[TopicSummary]) -> SessionSummary | None:
+    names = {topic.name for topic in topics if topic.msgtype == SESSION}
+    first = next(iter(messages(bag, names)), None) if names else None
+    if first is None:
+        return None
+    try:
+        session = unpack.session(first.data)
+    except ValueError:
+        return None  # of a release with other fields
+    return SessionSummary(session.seed, session.versions, session.study)

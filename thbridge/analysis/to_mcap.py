@@ -1,0 +1,115 @@
+"""Converts a recording to MCAP, the format that Foxglove prefers.
+
+Source: mcap.dev, the profile `ros1` and the registry of encodings; `mcap convert` adds md5sum to a channel's metadata.
+"""
+
+from dataclasses import dataclass
+from pathlib import Path
+from typing import IO
+
+from mcap.well_known import MessageEncoding, Profile, SchemaEncoding
+from mcap.writer import CompressionType, Writer
+
+from thbridge.files.new_file import new_file
+from thbridge.recording.bag.reader import recorded
+from thbridge.recording.bag.records import Connection
+from thbridge.ros.messages import unpack
+from thbridge.ros.messages.types import SESSION
+
+COMPRESSIONS = {"zstd": CompressionType.ZSTD, "lz4": CompressionType.LZ4, "none": CompressionType.NONE}
+METADATA = "thbridge:session"
+STUDY = "study.yaml"
+
+
+@dataclass(frozen=True, slots=True)
+class Converted:
+    """What was converted.
+
+    Attributes:
+        path: the MCAP file.
+        messages: how many.
+        channels: how many publishers.
+        session: whether our session was in it.
+    """
+
+    path: Path
+    messages: int
+    channels: int
+    session: bool
+
+
+def to_mcap(bag: Path, out: Path, compression: str = "zstd", overwrite: bool = False) -> Converted:
+    """Write a recording as an MCAP file: the same bytes of each message, with definitions and publishers.
+
+    A session of ours is beside that the attachment `study.yaml` and the metadata `thbridge:session`, with its seed and
+    the versions.
+
+    Args:
+        bag: the recording, or the name of a split one.
+        out: the new file.
+        compression: "zstd", "lz4" or "none".
+        overwrite: whether a file of that name may go.
+
+    Raises:
+        BadFile: the bag cannot be read, or the file not be written.
+        KeyError: there is no such compression.
+    """
+    with new_file(out, bag, overwrite) as path, path.open("wb") as file:
+        conversion = _Conversion(file, COMPRESSIONS[compression])
+        for publisher, stamp_ns, data in recorded(bag):
+            conversion.add(publisher, stamp_ns, data)
+        conversion.finish()
+    return Converted(out, conversion.messages, conversion.channels, conversion.session)
+
+
+class _Conversion:
+    """An MCAP file being written."""
+
+    def __init__(self, file: IO[bytes], compression: CompressionType) -> None:
+        self.messages = 0
+        self.session = False
+        self._writer = Writer(file, compression=compression)
+        self._writer.start(Profile.ROS1, "thbridge")
+        self._schemas: dict[tuple[str, str], int] = {}
+        self._channels: dict[Connection, int] = {}
+        self._sequences: dict[int, int] = {}
+
+    @property
+    def channels(self) -> int:
+        """How many there are so far."""
+        return len(self._channels)
+
+    def add(self, publisher: Connection, stamp_ns: int, data: bytes) -> None:
+        channel = self._channels.get(publisher)
+        if channel is None:
+            channel = self._channels[publisher] = self._channel(publisher)
+        sequence = self._sequences[channel] = self._sequences.get(channel, 0) + 1
+        # A bag knows one time of a message: when it was recorded.
+        self._writer.add_message(channel, stamp_ns, data, publish_time=stamp_ns, sequence=sequence)
+        self.messages += 1
+        if publisher.msgtype == SESSION and not self.session:
+            self._keep_session(stamp_ns, data)
+
+    def finish(self) -> None:
+        self._writer.finish()  # type: ignore[no-untyped-call]  # mcap has no annotation there
+
+    def _channel(self, publisher: Connection) -> int:
+        kind = (publisher.msgtype, publisher.definition)
+        if kind not in self._schemas:
+            text = publisher.definition.encode()
+            self._schemas[kind] = self._writer.register_schema(publisher.msgtype, SchemaEncoding.ROS1, text)
+        metadata = {"md5sum": publisher.md5}
+        if publisher.caller is not None:
+            metadata["callerid"] = publisher.caller
+        if publisher.latching is not None:
+            metadata["latching"] = "true" if publisher.latching else "false"
+        return self._writer.register_channel(publisher.topic, MessageEncoding.ROS1, self._schemas[kind], metadata)
+
+    def _keep_session(self, stamp_ns: int, data: bytes) -> None:
+        try:
+            session = unpack.session(data)
+        except ValueError:
+            return  # of a release with other fields; the message itself is kept
+        self._writer.add_attachment(stamp_ns, stamp_ns, STUDY, "application/yaml", session.study.encode())
+        self._writer.add_metadata(METADATA, {"seed": str(session.seed), **session.versions})
+        self.session = True

@@ -1,0 +1,310 @@
+"""Frames alone: a fresh session hears what a recording's vehicles were told, and nothing else from outside.
+
+Any bag with topics `/robotN/mavlink/to` will do, also one that mavros' users made. Each frame is heard by the robot on
+whose topic it stands, in the tick in which it was recorded.
+"""
+
+import dataclasses
+import re
+from collections.abc import Callable, Iterator, Sequence
+from contextlib import ExitStack
+from dataclasses import dataclass
+from pathlib import Path
+
+from sim.common.observations import TICK, TICKS_PER_SECOND
+from thbridge.app.compose import Setting
+from thbridge.app.play import PLAY, NoLog
+from thbridge.app.session.broadcast import Broadcast, Listener
+from thbridge.app.session.mavros import frame_in
+from thbridge.app.session.recording import BagWitness
+from thbridge.app.session.session import Moment, Session
+from thbridge.files.errors import BadFile
+from thbridge.hunt.events import Arrived
+from thbridge.recording.bag import reader as bag_reader
+from thbridge.recording.bag.reader import BagInfo
+from thbridge.ros import names
+from thbridge.ros.messages import types, unpack
+from thbridge.ros.messages.records import GameEvent
+from thbridge.ros.messages.stamps import START_NS, TICK_NS
+from thbridge.ros.names import RobotNames
+from thbridge.ros.publisher import Message
+from thbridge.ros.topics import VehicleTopics
+from thbridge.timing.loop import run_ticks
+from thbridge.timing.pacer import Pacer
+from thbridge.wire.mavlink.outgoing import LinkId
+from thbridge.wire.router import Router
+
+_TOPIC = re.compile(r"(?:/robot([1-9]\d{0,2}))?/mavlink/to")
+_LEAD = 1_000_000_000
+"""Nanoseconds for the game to begin in, before a bag of others does."""
+
+
+@dataclass(frozen=True, slots=True)
+class FramesOptions:
+    """How frames are given to a fresh session.
+
+    Attributes:
+        rate: simulated seconds per second; 0 as fast as it can.
+        to: where to keep the new recording; None for nowhere.
+        longer: seconds to go on after the end of the recording.
+    """
+
+    rate: float = 0.0
+    to: Path | None = None
+    longer: float = 0.0
+
+
+@dataclass(frozen=True, slots=True)
+class Arrival:
+    """A robot reached a room.
+
+    Attributes:
+        robot: its number, from 1.
+        room: its number as people say it.
+        seconds: session time.
+    """
+
+    robot: int
+    room: int
+    seconds: float
+
+
+@dataclass(frozen=True, slots=True)
+class Hunt:
+    """What became of a game.
+
+    Attributes:
+        arrivals: in order.
+        score: points; 0 before anything was scored.
+    """
+
+    arrivals: tuple[Arrival, ...]
+    score: int
+
+    @property
+    def order(self) -> tuple[tuple[int, int], ...]:
+        """Which robot reached which room, in order."""
+        return tuple((arrival.robot, arrival.room) for arrival in self.arrivals)
+
+
+@dataclass(frozen=True, slots=True)
+class FramesReplayed:
+    """What came of it.
+
+    Attributes:
+        frames: how many were given to vehicles.
+        unusable: messages that held no frame, or were for a robot that there is not.
+        ticks: how many were run.
+        recorded: the hunt of the recording; None where that has none.
+        replayed: the hunt of the fresh session.
+        compared: how many times it was seen whether a robot is where it was in the recording.
+        parted: seconds at which a robot first was not there, to the last bit; None when that never was so.
+        finished: the end was reached; or else somebody stopped it.
+        wall_seconds: real time it took.
+    """
+
+    frames: int
+    unusable: int
+    ticks: int
+    recorded: Hunt | None
+    replayed: Hunt
+    compared: int
+    parted: float | None
+    finished: bool
+    wall_seconds: float
+
+    @property
+    def same(self) -> bool:
+        """Whether rooms were reached in the recorded order, with the recorded score."""
+        was, now = self.recorded, self.replayed
+        return was is not None and (was.order, was.score) == (now.order, now.score)
+
+
+def has_session(path: Path) -> bool:
+    """Whether a bag tells its study. Raises BadFile when it cannot be read."""
+    return _is_ours(bag_reader.info(path))
+
+
+def _is_ours(info: BagInfo) -> bool:
+    return any(topic.name == names.SESSION for topic in info.topics)
+
+
+def _tells_hunt(info: BagInfo) -> bool:
+    """Whether a bag is ours, and what became of the game was not cut out of it."""
+    return _is_ours(info) and any(topic.name == names.GAME_EVENTS for topic in info.topics)
+
+
+def hunt_of(path: Path) -> Hunt:
+    """What became of a recorded game. Raises BadFile."""
+    arrivals: list[Arrival] = []
+    score = 0
+    for message in bag_reader.messages(path, [names.GAME_EVENTS, names.SCORE]):
+        try:
+            if message.topic == names.SCORE:
+                score = unpack.score(message.data).score
+            else:
+                arrivals += _arrival(unpack.game_event(message.data), message.stamp_ns)
+        except ValueError as error:
+            raise BadFile(path, None, message.topic, str(error), "name another recording") from None
+    return Hunt(tuple(arrivals), score)
+
+
+def _arrival(event: GameEvent, stamp_ns: int) -> Iterator[Arrival]:
+    if event.kind == Arrived.__name__.lower() and event.robot is not None and event.room is not None:
+        yield Arrival(event.robot + 1, event.room, _seconds(stamp_ns))
+
+
+async def replay_frames(
+    path: Path, setting: Setting, options: FramesOptions, progress: Callable[[Moment], None]
+) -> FramesReplayed:
+    """Give the frames of a recording to a fresh session.
+
+    Args:
+        path: the bag.
+        setting: the study; the robots are vehicles in it, whatever it says.
+        options: how.
+        progress: told of every tick.
+
+    Raises:
+        BadFile: the bag cannot be read or has no frames, or the new one cannot be written (as `BagNotWritten`).
+    """
+    setting = _with_vehicles(setting)
+    info = bag_reader.info(path)
+    heard = _Heard(path, info)
+    last_tick = heard.tick_at(info.end_ns or 0) + round(options.longer * TICKS_PER_SECOND)
+    recorded = hunt_of(path) if _tells_hunt(info) else None
+    # Other programs' robots may have a truth of their own, which is none here.
+    ways, hunt = _Ways(path, setting.study.robots if _is_ours(info) else 0), _HuntWitness()
+    with ExitStack() as opened:
+        listening: list[Listener] = [ways]
+        if options.to is not None:
+            listening.append(opened.enter_context(setting.writer(options.to)))
+        simr, hider = setting.simr(), setting.hider()
+        record = setting.record(PLAY, [simr.name, hider.name], "")
+        witness = BagWitness(Broadcast(setting.publisher(), record, setting.place.grid, listening))
+        vehicles = setting.vehicles(simr)
+        session = Session(Router(), setting.keeper(), [simr, hider], NoLog(), [witness, hunt], None, vehicles)
+
+        def tick() -> bool:
+            heard.give(session, setting.study.robots)
+            progress(session.step())
+            return session.tick < last_tick
+
+        run = await run_ticks(tick, Pacer(options.rate))
+    return FramesReplayed(
+        frames=heard.given,
+        unusable=heard.unusable,
+        ticks=session.tick,
+        recorded=recorded,
+        replayed=Hunt(tuple(hunt.arrivals), hunt.score),
+        compared=ways.compared,
+        parted=ways.parted,
+        finished=run.finished,
+        wall_seconds=run.seconds,
+    )
+
+
+def _with_vehicles(setting: Setting) -> Setting:
+    study = setting.study
+    mavlink = dataclasses.replace(study.mavlink, on=True)
+    return dataclasses.replace(setting, study=dataclasses.replace(study, mavlink=mavlink))
+
+
+class _Heard:
+    """The frames of a recording, which vehicles hear again.
+
+    Attributes:
+        given: how many were.
+        unusable: messages that held no frame, or were for a robot that there is not.
+    """
+
+    def __init__(self, path: Path, info: BagInfo) -> None:
+        robots = {topic.name: _robot_of(topic.name) for topic in info.topics if topic.msgtype == types.MAVLINK}
+        self._robots = {name: robot for name, robot in robots.items() if robot is not None}
+        if not self._robots:
+            problem = f"it has no topic {VehicleTopics.of(RobotNames.of(0)).heard.name} of type {types.MAVLINK}"
+            raise BadFile(path, None, None, problem, "name a recording of robots that were MAVLink vehicles")
+        self.given = self.unusable = 0
+        self._start_ns = START_NS if _is_ours(info) else (info.start_ns or 0) - _LEAD
+        self._messages = bag_reader.messages(path, self._robots.keys())
+        self._next = next(self._messages, None)
+        self._links: dict[str, LinkId] = {}
+
+    def tick_at(self, stamp_ns: int) -> int:
+        """The tick that was recorded with this stamp."""
+        return (stamp_ns - self._start_ns) // TICK_NS
+
+    def give(self, session: Session, robots: int) -> None:
+        """What was heard up to the tick that comes; of a team of this size."""
+        while self._next is not None and self.tick_at(self._next.stamp_ns) <= session.tick + 1:
+            message, self._next = self._next, next(self._messages, None)
+            robot = self._robots[message.topic]
+            try:
+                heard = unpack.mavlink(message.data)
+                frame = frame_in(heard)
+            except ValueError:
+                self.unusable += 1
+                continue
+            if robot >= robots:
+                self.unusable += 1
+                continue
+            self.given += 1
+            if heard.link not in self._links:
+                self._links[heard.link] = session.open_link(heard.link)
+            session.transmit(session.receive_frame(self._links[heard.link], frame, robot))
+
+
+def _robot_of(topic: str) -> int | None:
+    """The robot that hears what is said on a topic, from 0; None: the topic is another. Without a number it is 0."""
+    match = _TOPIC.fullmatch(topic)
+    return None if match is None else int(match[1] or 1) - 1
+
+
+class _Ways:
+    """Holds where robots truly are against a recording.
+
+    Attributes:
+        compared: how often it did.
+        parted: session time at which one first was elsewhere, seconds.
+    """
+
+    def __init__(self, path: Path, robots: int) -> None:
+        self.compared = 0
+        self.parted: float | None = None
+        self._topics = {RobotNames.of(robot).topic("base_pose_ground_truth") for robot in range(robots)}
+        self._recorded = bag_reader.messages(path, self._topics)
+
+    def take(self, tick: int, messages: Sequence[Message]) -> None:
+        """See `Listener`."""
+        if self.parted is not None:
+            return
+        for message in messages:
+            if message.topic.name not in self._topics:
+                continue
+            was = next(self._recorded, None)
+            if was is None:
+                return
+            self.compared += 1
+            if (was.topic, was.stamp_ns, was.data) != (message.topic.name, message.stamp_ns, message.data):
+                self.parted = _seconds(message.stamp_ns)
+                return
+
+
+class _HuntWitness:
+    """Takes down what becomes of a game."""
+
+    def __init__(self) -> None:
+        self.arrivals: list[Arrival] = []
+        self.score = 0
+
+    def saw(self, moment: Moment) -> None:
+        """See `Witness`."""
+        for event in moment.events:
+            if isinstance(event, Arrived) and moment.snapshot is not None:
+                seconds = moment.snapshot.tick * TICK
+                self.arrivals.append(Arrival(event.robot + 1, event.room.people, round(seconds, 2)))
+        self.score = 0 if moment.game is None else moment.game.score
+
+
+def _seconds(stamp_ns: int) -> float:
+    return (stamp_ns - START_NS) / 1e9

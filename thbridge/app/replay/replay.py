@@ -1,0 +1,416 @@
+"""Replay: a fresh session is given what came from outside in a recorded one, and must say what that one said.
+
+A recording is read a tick at a time. The inputs of the tick go in by the same doors as when they were recorded, and
+each message that the fresh session says is held against the recorded one, bit for bit. The session's own record is
+left out: it tells which versions of the programs ran, and those of today may be others.
+"""
+
+from collections import Counter
+from collections.abc import Callable, Iterator, Sequence
+from contextlib import ExitStack
+from dataclasses import dataclass
+from itertools import groupby, zip_longest
+from pathlib import Path
+from typing import Protocol
+
+from sim.common.observations import TICK, TICKS_PER_SECOND
+from thbridge.app.compose import Setting, build_bot
+from thbridge.app.play import PLAY, NoLog
+from thbridge.app.programs import SIMR
+from thbridge.app.session.broadcast import Broadcast
+from thbridge.app.session.inputs import (
+    Advanced,
+    Asked,
+    Backlogged,
+    Closed,
+    Framed,
+    Heard,
+    Input,
+    KeptAlive,
+    LinkClosed,
+    LinkOpened,
+    Opened,
+    Received,
+    Registered,
+    Said,
+    from_record,
+)
+from thbridge.app.session.recording import BagWitness
+from thbridge.app.session.remote_robots import Outpost
+from thbridge.app.session.session import Moment, Session, Witness
+from thbridge.files.errors import BadFile
+from thbridge.recording.bag import reader as bag_reader
+from thbridge.recording.bag.reader import RawMessage
+from thbridge.roles.bots import BotStrategy
+from thbridge.roles.role import Role
+from thbridge.roles.tabui import TabUI
+from thbridge.ros import names
+from thbridge.ros.messages import types, unpack
+from thbridge.ros.messages.differences import FieldDifference, differences
+from thbridge.ros.messages.records import Session as SessionRecord
+from thbridge.ros.messages.stamps import START_NS, TICK_NS
+from thbridge.ros.publisher import Message
+from thbridge.study.real_robots import RobotsFrom
+from thbridge.study.study_file import read_study_text
+from thbridge.timing.loop import run_ticks
+from thbridge.timing.pacer import Pacer
+from thbridge.wire import legacy, text
+from thbridge.wire.router import Router
+
+
+@dataclass(frozen=True, slots=True)
+class Difference:
+    """The first message in which a replay is not its recording.
+
+    Attributes:
+        number: of the message among all that were compared, from 1.
+        topic: of the recorded message; where there is none, of the one that was said instead.
+        topic_number: which message of that topic it is, from 1.
+        seconds: session time at which it was recorded or said.
+        what: one sentence.
+        fields: what it was and what it is, where both are messages of one type.
+    """
+
+    number: int
+    topic: str
+    topic_number: int
+    seconds: float
+    what: str
+    fields: tuple[FieldDifference, ...]
+
+
+@dataclass(frozen=True, slots=True)
+class Replayed:
+    """How a replay went.
+
+    Attributes:
+        ticks: how many were run.
+        messages: how many were found equal.
+        difference: the first, or None when all were equal.
+        cut_off: the recording ends amid a tick; all that it has of it is equal.
+        finished: the recording's end was reached, or a difference; or else somebody stopped the replay.
+        wall_seconds: real time it took.
+    """
+
+    ticks: int
+    messages: int
+    difference: Difference | None
+    cut_off: bool
+    finished: bool
+    wall_seconds: float
+
+
+@dataclass(frozen=True, slots=True)
+class ReplayOptions:
+    """How a recording is run again.
+
+    Attributes:
+        rate: simulated seconds per second; 0 as fast as it can.
+        start: session time up to which it runs as fast as it can anyway, seconds.
+        to: where to keep the new recording; None for nowhere.
+        to_the_end: go on after a difference.
+        participant: lets a simulated participant play anew, where one played or a person did; None: what the recorded
+            participant said is said again, whether or not it still fits.
+    """
+
+    rate: float
+    start: float
+    to: Path | None
+    to_the_end: bool
+    participant: BotStrategy | None = None
+
+
+@dataclass(frozen=True, slots=True)
+class Tick:
+    """One tick of a recording: what came from outside, and all that was said."""
+
+    number: int
+    inputs: tuple[Input, ...]
+    messages: tuple[RawMessage, ...]
+
+
+def session_of(path: Path) -> SessionRecord:
+    """What a recording says of its session.
+
+    Raises:
+        BadFile: it cannot be read, it is not one of ours, or it is of a release that recorded less.
+    """
+    first = next(bag_reader.messages(path, [names.SESSION]), None)
+    if first is None:
+        problem = f"this bag has no session of ours: no topic {names.SESSION}"
+        raise BadFile(path, None, None, problem, "name a bag that `thbridge play` or `thbridge simr` recorded")
+    if first.md5 != types.plain_definition(types.SESSION).md5:
+        problem = "another release of this program recorded it, so the same inputs would not do the same"
+        raise BadFile(path, None, names.SESSION, problem, "replay it with that release")
+    try:
+        record = unpack.session(first.data)
+    except ValueError as error:
+        raise BadFile(path, None, names.SESSION, str(error), "name another recording") from None
+    if record.program not in {PLAY, SIMR}:
+        raise BadFile(path, None, names.SESSION, f"no program is called {record.program!r}", "name another recording")
+    if read_study_text(path, record.study).robots_from is RobotsFrom.ROS:
+        problem = "its robots were real, and nobody can run them again"
+        raise BadFile(path, None, names.SESSION, problem, "look at it by `thbridge report` or `thbridge bag plot`")
+    return record
+
+
+def ticks_of(path: Path) -> Iterator[Tick]:
+    """A recording, tick by tick. Raises BadFile."""
+    for stamp_ns, messages in groupby(bag_reader.messages(path), key=lambda message: message.stamp_ns):
+        said = tuple(message for message in messages if message.topic != names.SESSION)
+        inputs = tuple(_input(path, message) for message in said if message.topic == names.INPUTS)
+        yield Tick((stamp_ns - START_NS) // TICK_NS, inputs, said)
+
+
+def _input(path: Path, message: RawMessage) -> Input:
+    try:
+        return from_record(unpack.outside_input(message.data))
+    except ValueError as error:
+        raise BadFile(path, None, names.INPUTS, str(error), "replay it with the release that recorded it") from None
+
+
+class Stage(Protocol):
+    """A session that is run again."""
+
+    @property
+    def tick(self) -> int:
+        """The number of the next tick."""
+
+    def take(self, item: Input) -> None:
+        """Take an input as it came in then."""
+
+    def step(self) -> None:
+        """One tick."""
+
+
+async def replay(path: Path, setting: Setting, options: ReplayOptions, progress: Callable[[Moment], None]) -> Replayed:
+    """Run a recording again.
+
+    Args:
+        path: the bag.
+        setting: the study to run it with; the recorded one, or a changed one.
+        options: how.
+        progress: told of every tick from the start that `options` names.
+
+    Raises:
+        BadFile: the bag cannot be read, or the new one not be written (as `BagNotWritten`).
+    """
+    record = session_of(path)
+    fresh = setting.record(record.program, record.roles, options.participant or record.participant)
+    tape = _Tape()
+    with ExitStack() as opened:
+        kept = [] if options.to is None else [opened.enter_context(setting.writer(options.to))]
+        broadcast = Broadcast(setting.publisher(), fresh, setting.place.grid, [tape, *kept])
+        stage = _stage(setting, record, options.participant, [BagWitness(broadcast), _Teller(progress, options.start)])
+        comparison = Comparison()
+        recorded = ticks_of(path)
+        over = False
+
+        def tick() -> bool:
+            nonlocal over
+            was = next(recorded, None)
+            if was is None:
+                over = True
+                return False
+            if was.number > 0:  # The opening, of tick 0, comes before all steps.
+                for item in was.inputs:
+                    stage.take(item)
+                stage.step()
+            comparison.compare(was.messages, tape.unwind())
+            over = comparison.difference is not None and not options.to_the_end
+            return not over
+
+        def hurried_tick() -> bool:
+            return tick() and stage.tick < options.start * TICKS_PER_SECOND
+
+        run = hurried = await run_ticks(hurried_tick, Pacer(0.0))
+        if hurried.finished and not over:
+            run = await run_ticks(tick, Pacer(options.rate))
+    wall = hurried.seconds if run is hurried else hurried.seconds + run.seconds
+    return Replayed(stage.tick, comparison.messages, comparison.difference, comparison.cut_off, run.finished, wall)
+
+
+def _stage(
+    setting: Setting, record: SessionRecord, participant: BotStrategy | None, witnesses: Sequence[Witness]
+) -> Stage:
+    """The programs that ran inside the recorded session; lines of its participant are inputs."""
+    simr = setting.simr()
+    if record.program == SIMR:
+        return _Alone(Outpost(simr, witnesses))
+    roles: list[Role] = [simr]
+    if legacy.HIDER in record.roles:
+        roles.append(setting.hider())
+    prompter = _Prompter() if legacy.TABUI in record.roles and participant is None else None
+    player: Role | None = prompter
+    if participant is not None:
+        player = TabUI(build_bot(setting.templates, participant, setting.study.seed))
+    vehicles = setting.vehicles(simr)
+    return _Together(Session(Router(), setting.keeper(), roles, NoLog(), witnesses, player, vehicles), prompter)
+
+
+class _Prompter:
+    """The participant of a replay: says what the recorded one said."""
+
+    name = legacy.TABUI
+
+    def __init__(self) -> None:
+        self._lines: list[text.Message] = []
+
+    def connected(self) -> None:
+        """The recorded participant introduced itself, which is one of the lines."""
+
+    def prompt(self, line: text.Message) -> None:
+        """Say this with the next step."""
+        self._lines.append(line)
+
+    def step(self, tick: int, messages: Sequence[text.Message]) -> list[text.Message]:
+        """See `Role`."""
+        said, self._lines = self._lines, []
+        return said
+
+
+class _Together:
+    """A session of `thbridge play`."""
+
+    def __init__(self, session: Session, prompter: _Prompter | None) -> None:
+        self._session = session
+        self._prompter = prompter
+
+    @property
+    def tick(self) -> int:
+        return self._session.tick
+
+    def take(self, item: Input) -> None:
+        session = self._session
+        match item:
+            case Opened(_, now):
+                session.connect(now)
+            case Received(connection, _, data, now):
+                session.perform(session.receive_data(connection, data, now))
+            case Closed(connection):
+                session.perform(session.eof(connection))
+            case Backlogged(connection, _, size):
+                session.perform(session.report_backlog(connection, size))
+            case Advanced(now):
+                session.perform(session.advance(now))
+            case Said(message) if self._prompter is not None:
+                self._prompter.prompt(message)
+            case Asked(sender, request):
+                session.ask(sender, request)
+            case LinkOpened(_, name, robot) if session.has_vehicles:
+                session.open_link(name, robot)
+            case LinkClosed(link):
+                session.close_link(link)
+            case Framed(link, _, frame, robot):
+                session.transmit(session.receive_frame(link, frame, robot))
+            case KeptAlive():
+                session.keep_alive()
+
+    def step(self) -> None:
+        self._session.step()
+
+
+class _Alone:
+    """A session of `thbridge simr`."""
+
+    def __init__(self, outpost: Outpost) -> None:
+        self._outpost = outpost
+
+    @property
+    def tick(self) -> int:
+        return self._outpost.tick
+
+    def take(self, item: Input) -> None:
+        match item:
+            case Registered():
+                self._outpost.connected()
+            case Heard(message):
+                self._outpost.hear(message)
+            case Asked(sender, request):
+                self._outpost.ask(sender, request)
+
+    def step(self) -> None:
+        self._outpost.step()
+
+
+class _Teller:
+    """Passes moments on, from some time on."""
+
+    def __init__(self, progress: Callable[[Moment], None], start: float) -> None:
+        self._progress = progress
+        self._start = start
+
+    def saw(self, moment: Moment) -> None:
+        if moment.tick * TICK >= self._start:
+            self._progress(moment)
+
+
+class _Tape:
+    """Holds what was said since somebody asked."""
+
+    def __init__(self) -> None:
+        self._messages: list[Message] = []
+
+    def take(self, tick: int, messages: Sequence[Message]) -> None:
+        self._messages += messages
+
+    def unwind(self) -> list[Message]:
+        """What was said since the last call, but for the session's own record."""
+        messages, self._messages = self._messages, []
+        return [message for message in messages if message.topic.name != names.SESSION]
+
+
+class Comparison:
+    """Holds a replay against its recording, tick by tick.
+
+    Attributes:
+        messages: how many were found equal.
+        difference: the first; None as long as all are equal.
+    """
+
+    def __init__(self) -> None:
+        self.messages = 0
+        self.difference: Difference | None = None
+        self._of_topic: Counter[str] = Counter()
+        self._missing: Difference | None = None
+
+    @property
+    def cut_off(self) -> bool:
+        """Whether the recording ends amid its last tick, as that of a program that was killed does."""
+        return self._missing is not None
+
+    def compare(self, was: Sequence[RawMessage], now: Sequence[Message]) -> None:
+        """Compare all that was said in the next tick."""
+        if self.difference is not None:
+            return
+        if self._missing is not None:  # and the recording goes on
+            self.difference, self._missing = self._missing, None
+            return
+        for before, after in zip_longest(was, now):
+            if before is None:
+                self._missing = self._difference(after.topic.name, after.stamp_ns, "it is new, nothing was recorded")
+                return
+            self.difference = self._compared(before, after)
+            if self.difference is not None:
+                return
+            self.messages += 1
+            self._of_topic[before.topic] += 1
+
+    def _compared(self, was: RawMessage, now: Message | None) -> Difference | None:
+        if now is None:
+            return self._difference(was.topic, was.stamp_ns, "it was recorded, and is not said any more")
+        topic, stamp_ns, data, _ = now
+        if topic.name != was.topic:
+            return self._difference(was.topic, was.stamp_ns, f"in its place there is one on {topic.name}")
+        if stamp_ns != was.stamp_ns:
+            return self._difference(was.topic, was.stamp_ns, f"it is said {(stamp_ns - was.stamp_ns) / 1e9:+g} s later")
+        if data == was.data:
+            return None
+        if topic.msgtype != was.msgtype or types.plain_definition(topic.msgtype).md5 != was.md5:
+            return self._difference(was.topic, was.stamp_ns, f"it was a {was.msgtype} of another release")
+        fields = differences(topic.msgtype, was.data, data)
+        return self._difference(was.topic, was.stamp_ns, "its content is another", fields)
+
+    def _difference(self, topic: str, stamp_ns: int, what: str, fields: tuple[FieldDifference, ...] = ()) -> Difference:
+        seconds = (stamp_ns - START_NS) / 1e9
+        return Difference(self.messages + 1, topic, self._of_topic[topic] + 1, seconds, what, fields)

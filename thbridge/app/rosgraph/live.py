@@ -1,0 +1,287 @@
+"""A session on a ROS graph: says there all that a bag would hold, and passes on what clients ask of the robots.
+
+Nothing that a client does acts at once: it becomes a request that the session takes between two ticks and records.
+Questions (the map, a plan) are answered at once and change nothing.
+"""
+
+import logging
+from collections.abc import AsyncIterator, Callable, Iterable, Sequence
+from contextlib import asynccontextmanager
+from dataclasses import dataclass
+from functools import partial
+from itertools import count
+from typing import Protocol
+
+import numpy as np
+
+from sim.common.geometry import FloatArray, Pose2
+from sim.common.grid import OccupancyGrid
+from sim.inputs import ClearCostmaps, Globalize, Localize, RequestUpdate
+from sim.parameters import RobotParameters
+from sim.robot.planning.path import Refused as NoPlan
+from thbridge.app.rosgraph.live_parameters import LiveParameters, sendable
+from thbridge.app.rosgraph.rate_limiter import Door
+from thbridge.app.rosgraph.typed_node import TypedNode
+from thbridge.app.session.mavros import frame_in
+from thbridge.files.ros.definitions import Definitions
+from thbridge.roles.robot_requests import Request
+from thbridge.ros import clients, names
+from thbridge.ros.clients import Refused
+from thbridge.ros.messages import pack, types, unpack
+from thbridge.ros.messages.records import CancelRequest, GoalRequest, InitialPose, SimpleGoal, VelocityCommand
+from thbridge.ros.messages.stamps import stamp_ns
+from thbridge.ros.names import CALLER, MAP_FRAME, RobotNames
+from thbridge.ros.parameters import Tree
+from thbridge.ros.topics import CLOCK, Message, Topic, VehicleTopics
+from thbridge.sockets.rosgraph.connections import Complaints
+from thbridge.sockets.rosgraph.joining import Graph, Master, master_of
+from thbridge.sockets.rosgraph.node import RosNode, Started
+from thbridge.sockets.rosgraph.turns import Turns
+from thbridge.sockets.text_server import CannotListen
+from thbridge.wire.mavlink.frames.frame import Frame
+from thbridge.wire.rosgraph.links import ServiceFailed
+
+_log = logging.getLogger(__name__)
+
+NO_POSES: FloatArray = np.empty((0, 3))
+
+FIRST_GOAL = 1_000_000_000
+"""Number of the first goal of a client; those of the game are far below."""
+
+
+class Simulated(Protocol):
+    """A team of ours, as a graph looks at it; see `sim.team.Team`."""
+
+    @property
+    def parameters(self) -> tuple[RobotParameters, ...]:
+        """Of each robot's software, as they are now."""
+
+    def make_plan(self, robot: int, start: Pose2 | None, goal: Pose2, tolerance: float) -> FloatArray | NoPlan:
+        """Answer a question; nothing that follows changes by it."""
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Facts:
+    """What a graph is told of a team.
+
+    Attributes:
+        topics: all that will be said.
+        grid: the map.
+        rest: of the study, as parameters.
+    """
+
+    topics: Sequence[Topic]
+    grid: OccupancyGrid
+    rest: Tree
+
+
+class LiveGraph:
+    """One node that stands for all of ROS's: map_server, amcl, move_base, the robots' drivers.
+
+    Args:
+        graph: where.
+        facts: about the team.
+        team: its robots.
+        ask: takes what clients want of the robots, with the client's name.
+        hear: takes MAVLink frames for one robot; None where robots are no vehicles.
+    """
+
+    def __init__(
+        self,
+        graph: Graph,
+        facts: Facts,
+        team: Simulated,
+        ask: Callable[[str, Request], None],
+        hear: Callable[[int, Frame], None] | None = None,
+    ) -> None:
+        node = RosNode(CALLER, graph.master_uri, graph.host, on_shutdown=self._told_to_go)
+        self._node = TypedNode(node, Definitions())
+        self._facts = facts
+        self._team = team
+        self._ask = ask
+        self._robots = [RobotNames.of(robot) for robot in range(len(team.parameters))]
+        self._goals = count(FIRST_GOAL)
+        self._door = Door()
+        self._turns = Turns()
+        self._complaints = Complaints(_log)
+        self._tick = 0
+        self._publications = {
+            topic.name: self._node.advertise(topic.name, topic.msgtype, topic.latched)
+            for topic in (CLOCK, *facts.topics)
+        }
+        self._offer_map()
+        for robot, named in enumerate(self._robots):
+            self._listen_to_clients(robot, named)
+            if hear is not None:
+                self._listen_to_stations(robot, hear)
+            self._offer_services(robot, named)
+        node.declare_param(names.USE_SIM_TIME, True)
+        node.declare_param(CALLER, sendable(facts.rest))
+        self._parameters = LiveParameters(self._node, team.parameters, self._door, ask)
+
+    async def start(self) -> Started | CannotListen:
+        """Join the graph; its master need not be there yet."""
+        return await self._node.ros.start()
+
+    async def stop(self) -> None:
+        """Leave the graph."""
+        await self._node.ros.stop()
+
+    def _told_to_go(self, reason: str) -> None:
+        # The hunt is the participant's, and nobody on the graph may end it.
+        _log.warning("the session leaves the ROS graph (%s) and goes on without it", reason)
+        self._node.ros.leave()
+
+    @property
+    def dropped(self) -> int:
+        """Messages that slow subscribers did not get."""
+        return sum(publication.dropped for publication in self._publications.values())
+
+    def take(self, tick: int, messages: Iterable[Message]) -> None:
+        """Say what is said in one tick, the time first."""
+        self._tick = tick
+        self._door.tick()
+        self._parameters.follow(self._team.parameters)
+        self._publications[CLOCK.name].publish(pack.clock(tick))
+        for message in messages:
+            if not message.heard:
+                self._publications[message.topic.name].publish(message.data)
+
+    # What clients want
+
+    def _listen_to_clients(self, robot: int, named: RobotNames) -> None:
+        for topic, msgtype, heard in (
+            ("initialpose", types.POSE_WITH_COVARIANCE, self._pose_heard),
+            ("cmd_vel", types.TWIST, self._velocity_heard),
+            ("move_base_simple/goal", types.POSE_STAMPED, self._simple_goal_heard),
+            ("move_base/goal", types.MOVE_BASE_GOAL, self._goal_heard),
+            ("move_base/cancel", types.GOAL_ID, self._cancel_heard),
+        ):
+            name = named.topic(topic)
+            self._node.subscribe(name, msgtype, partial(self._heard, name, partial(heard, robot)))
+
+    def _heard(self, topic: str, read: Callable[[bytes], Request | Refused], data: bytes, caller: str) -> None:
+        if caller == CALLER:
+            return  # The game's own goals and commands are on the same topics.
+        if not self._door.admits(topic, caller):
+            return
+        request = read(data)
+        if isinstance(request, Refused):
+            self._complaints.tell(f"{topic}: what {caller} said is of no use: {request.sentence}")
+        else:
+            self._ask(caller, request)
+
+    def _listen_to_stations(self, robot: int, hear: Callable[[int, Frame], None]) -> None:
+        topic = VehicleTopics.of(self._robots[robot]).heard
+        heard = partial(self._frame_heard, topic.name, partial(hear, robot))
+        self._node.subscribe(topic.name, topic.msgtype, heard)
+
+    def _frame_heard(self, topic: str, hear: Callable[[Frame], None], data: bytes, caller: str) -> None:
+        if caller == CALLER or not self._door.admits(topic, caller):
+            return
+        try:
+            frame = frame_in(unpack.mavlink(data))
+        except ValueError as error:
+            self._complaints.tell(f"{topic}: what {caller} said is of no use: {error}")
+        else:
+            hear(frame)
+
+    def _pose_heard(self, robot: int, data: bytes) -> Request | Refused:
+        found = clients.pose_estimate(data)
+        return found if isinstance(found, Refused) else InitialPose(robot, found.base_in_map, found.covariance)
+
+    def _velocity_heard(self, robot: int, data: bytes) -> Request | Refused:
+        found = clients.velocity(data)
+        return found if isinstance(found, Refused) else VelocityCommand(robot, found)
+
+    def _simple_goal_heard(self, robot: int, data: bytes) -> Request | Refused:
+        found = clients.goal_pose(data)
+        return found if isinstance(found, Refused) else SimpleGoal(robot, found, next(self._goals))
+
+    def _goal_heard(self, robot: int, data: bytes) -> Request | Refused:
+        found = clients.action_goal(data)
+        if isinstance(found, Refused):
+            return found
+        number, stamp = next(self._goals), self._not_ahead(found.stamp_ns)
+        if isinstance(found.pose, Refused):  # Its client waits for an answer, and gets one.
+            return GoalRequest(robot, found.goal_id, stamp, None, number, found.pose.sentence)
+        return GoalRequest(robot, found.goal_id, stamp, found.pose, number)
+
+    def _cancel_heard(self, robot: int, data: bytes) -> Request | Refused:
+        found = clients.action_cancel(data)
+        if isinstance(found, Refused):
+            return found
+        return CancelRequest(robot, found.goal_id, self._not_ahead(found.stamp_ns))
+
+    def _not_ahead(self, stamp: int) -> int:
+        """A client's time, or now if its clock is ahead, as that of one without /use_sim_time is.
+
+        The newest goal wins: in ROS such a client shuts out all others until its time has come.
+        """
+        return min(stamp, stamp_ns(self._tick))
+
+    # Services
+
+    def _offer_map(self) -> None:
+        whole = pack.occupancy_grid(0, MAP_FRAME, self._facts.grid)
+        self._node.serve(names.STATIC_MAP, types.GET_MAP, lambda request: whole)
+
+    def _offer_services(self, robot: int, named: RobotNames) -> None:
+        for service, request in (
+            ("global_localization", Globalize(robot)),
+            ("request_nomotion_update", RequestUpdate(robot)),
+            ("move_base/clear_costmaps", ClearCostmaps(robot)),
+        ):
+            name = named.topic(service)
+            self._node.serve(name, types.EMPTY, partial(self._pass_on, name, request))
+        self._node.serve(named.topic("set_pose"), types.SET_POSE, partial(self._set_pose, robot))
+        for service in ("move_base/make_plan", "move_base/NavfnROS/make_plan"):
+            self._node.serve(named.topic(service), types.GET_PLAN, self._turns.of(partial(self._make_plan, robot)))
+
+    def _pass_on(self, service: str, request: Request, data: bytes) -> bytes:
+        if self._door.is_first(service):
+            self._ask(service, request)
+        return b""
+
+    def _set_pose(self, robot: int, data: bytes) -> bytes | ServiceFailed:
+        service = self._robots[robot].topic("set_pose")
+        if not self._door.admits(service, "clients"):
+            return ServiceFailed("it is asked too often")
+        found = clients.pose_estimate(data)
+        if isinstance(found, Refused):
+            return ServiceFailed(found.sentence)
+        self._ask(service, Localize(robot, found.base_in_map, found.covariance))
+        return b""
+
+    def _make_plan(self, robot: int, data: bytes) -> bytes | ServiceFailed:
+        question = clients.plan_question(data)
+        if isinstance(question, Refused):
+            return ServiceFailed(question.sentence)
+        plan = self._team.make_plan(robot, question.start, question.goal, question.tolerance)
+        if isinstance(plan, NoPlan):
+            # move_base, too, answers with an empty plan; why, only its log says.
+            _log.info("%s: no plan: %s", self._robots[robot].topic("move_base/make_plan"), plan.sentence)
+            return pack.path(self._tick, MAP_FRAME, NO_POSES)
+        return pack.path(self._tick, MAP_FRAME, plan)
+
+
+@asynccontextmanager
+async def on_graph(
+    live: LiveGraph, graph: Graph, joined: Callable[[Master | CannotListen], None]
+) -> AsyncIterator[None]:
+    """While it lasts the session is on the graph.
+
+    Args:
+        live: the session's node.
+        graph: where.
+        joined: told who is the master, or why we cannot be, or cannot be called; it may raise.
+    """
+    async with master_of(graph) as master:
+        joined(master)
+        where = await live.start()
+        if isinstance(where, CannotListen):
+            joined(where)
+        try:
+            yield
+        finally:
+            await live.stop()

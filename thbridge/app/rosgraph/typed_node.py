@@ -1,0 +1,37 @@
+"""A node's topics and services by the names of their types alone."""
+
+from collections.abc import Callable
+from dataclasses import dataclass
+
+from thbridge.files.ros.definitions import Definitions
+from thbridge.ros.messages.types import service_type
+from thbridge.sockets.rosgraph.node import RosNode
+from thbridge.sockets.rosgraph.publications import Publication
+from thbridge.sockets.rosgraph.tcpros_server import Handler
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class TypedNode:
+    """A node together with what ROS knows of its types.
+
+    Attributes:
+        ros: the node.
+        definitions: of message types.
+    """
+
+    ros: RosNode
+    definitions: Definitions
+
+    def advertise(self, topic: str, msgtype: str, latched: bool = False) -> Publication:
+        """Publish a topic; see `RosNode.advertise`."""
+        definition = self.definitions.of(msgtype)
+        return self.ros.advertise(topic, msgtype, definition.md5, definition.text, latched)
+
+    def subscribe(self, topic: str, msgtype: str, heard: Callable[[bytes, str], None]) -> None:
+        """Subscribe to a topic; see `RosNode.subscribe`."""
+        self.ros.subscribe(topic, msgtype, self.definitions.of(msgtype).md5, heard)
+
+    def serve(self, service: str, kind: str, handler: Handler) -> None:
+        """Serve a service; see `RosNode.serve`."""
+        known = service_type(kind)
+        self.ros.serve(service, kind, known.md5, known.request, known.response, handler)

@@ -1,0 +1,42 @@
+"""What a session says, said to everybody who listens: a bag, a ROS graph."""
+
+from collections.abc import Iterable, Sequence
+from typing import Protocol
+
+from sim.common.grid import OccupancyGrid
+from sim.team import TeamSnapshot
+from thbridge.ros.messages.records import Record, Session
+from thbridge.ros.publisher import Message, Publisher
+
+
+class Listener(Protocol):
+    """Whoever takes the messages of a session."""
+
+    def take(self, tick: int, messages: Sequence[Message]) -> None:
+        """Take all that is said in one tick; ticks come in order. May raise; the session then ends."""
+
+
+class Broadcast:
+    """Turns ticks into messages, once for all listeners: what is live and what is recorded are the same.
+
+    Args:
+        publisher: of the team.
+        session: what it takes to run this session again; said first.
+        grid: the map.
+        listeners: hear the opening at once.
+    """
+
+    def __init__(
+        self, publisher: Publisher, session: Session, grid: OccupancyGrid, listeners: Iterable[Listener]
+    ) -> None:
+        self._publisher = publisher
+        self._listeners = tuple(listeners)
+        self._say(0, publisher.opening(0, session, grid))
+
+    def record(self, snapshot: TeamSnapshot, records: Iterable[Record] = ()) -> None:
+        """Say one tick. Ticks come in order, from 0 on. Raises what a listener raises."""
+        self._say(snapshot.tick, self._publisher.tick(snapshot, records))
+
+    def _say(self, tick: int, messages: Sequence[Message]) -> None:
+        for listener in self._listeners:
+            listener.take(tick, messages)

@@ -1,0 +1,65 @@
+"""MAVLink's frames, and how vehicles stand, in the words of mavros: to its messages and back."""
+
+from thbridge.ros.messages.records import MavlinkFrame, VehicleFrame, VehicleState
+from thbridge.wire.mavlink.dialect import crc_extra
+from thbridge.wire.mavlink.frames.frame import V1, V2, Frame
+from thbridge.wire.mavlink.hub import Traffic
+from thbridge.wire.mavlink.outgoing import Status
+
+
+def frame_record(traffic: Traffic) -> VehicleFrame:
+    """What a vehicle heard or said, for its topic."""
+    frame = traffic.frame
+    told = MavlinkFrame(
+        link=traffic.link,
+        magic=frame.version,
+        incompat_flags=frame.incompat_flags,
+        compat_flags=frame.compat_flags,
+        sequence=frame.sequence,
+        system=frame.system,
+        component=frame.component,
+        message_id=frame.message_id,
+        checksum=frame.checksum,
+        payload=frame.payload,
+    )
+    return VehicleFrame(traffic.robot, traffic.heard, told)
+
+
+def state_record(robot: int, status: Status) -> VehicleState:
+    """How a vehicle stands, for its topic."""
+    return VehicleState(
+        robot=robot,
+        connected=status.connected,
+        armed=status.armed,
+        guided=status.guided,
+        manual_input=status.manual_input,
+        mode=status.mode,
+        system_status=status.system_status,
+    )
+
+
+def frame_in(told: MavlinkFrame) -> Frame:
+    """The frame that a message holds, without its signature.
+
+    Raises:
+        ValueError: it is none, or one of a message that nobody here knows.
+    """
+    if told.magic not in {V1, V2}:
+        raise ValueError(f"no frame begins with {told.magic}")
+    seed = crc_extra(told.message_id)
+    if seed is None:
+        raise ValueError(f"there is no message {told.message_id}")
+    frame = Frame(
+        system=told.system,
+        component=told.component,
+        sequence=told.sequence,
+        message_id=told.message_id,
+        payload=told.payload,
+        seed=seed,
+        version=told.magic,
+        incompat_flags=told.incompat_flags,
+        compat_flags=told.compat_flags,
+    )
+    if frame.checksum != told.checksum:
+        raise ValueError(f"its checksum is {told.checksum}, and should be {frame.checksum}")
+    return frame.unsigned()

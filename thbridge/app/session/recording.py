@@ -1,0 +1,192 @@
+"""From what happened in a session to what goes into its bag."""
+
+import json
+from collections.abc import Iterator
+from typing import Protocol
+
+import numpy as np
+
+from sim.common.geometry import FloatArray
+from sim.common.observations import TICKS_PER_SECOND
+from sim.team import TeamSnapshot
+from thbridge.app.session.inputs import Asked, to_record
+from thbridge.app.session.mavros import frame_record, state_record
+from thbridge.app.session.session import Moment
+from thbridge.dialogue import moves
+from thbridge.hunt import events
+from thbridge.hunt.codec import to_json
+from thbridge.hunt.game import GameState
+from thbridge.hunt.rooms import Room
+from thbridge.recording.tlog import TlogFile
+from thbridge.roles.keeper.dialogues import MATTERS
+from thbridge.roles.keeper.wizard import Held
+from thbridge.ros.messages.records import (
+    GameEvent,
+    GraphRequest,
+    HeldTurns,
+    Record,
+    Score,
+    SendRobots,
+    Success,
+    Utterance,
+)
+from thbridge.ros.messages.stamps import stamp_ns
+from thbridge.wire import legacy
+from thbridge.wire.mavlink.outgoing import Status
+from thbridge.wire.router import Forwarded
+
+JUMP = 0.2
+"""Metres in one tick that no robot drives: it was put there."""
+
+STATE_PERIOD = TICKS_PER_SECOND
+"""Ticks after which the state of a vehicle is said again when it has not changed."""
+
+
+class Speaker(Protocol):
+    """Says ticks to whoever listens; see `Broadcast`."""
+
+    def record(self, snapshot: TeamSnapshot, records: tuple[Record, ...]) -> None:
+        """Say one tick."""
+
+
+class BagWitness:
+    """Takes down every tick of a session that has robots.
+
+    Args:
+        speaker: says them.
+    """
+
+    def __init__(self, speaker: Speaker) -> None:
+        self._speaker = speaker
+        self._score: Score | None = None
+        self._held = Held()
+        self._collisions: tuple[int, ...] = ()
+        self._things: tuple[str, ...] = ()
+        self._dead: frozenset[int] = frozenset()
+        self._places: FloatArray | None = None
+        self._vehicles: tuple[Status, ...] = ()
+
+    def saw(self, moment: Moment) -> None:
+        """Write down one tick; raises what the speaker raises."""
+        if moment.snapshot is not None:
+            self._speaker.record(moment.snapshot, tuple(self._records(moment)))
+
+    def _records(self, moment: Moment) -> Iterator[Record]:
+        for item in moment.inputs:
+            yield to_record(item)
+            if isinstance(item, Asked) and isinstance(item.request, GraphRequest):
+                yield from self._asked(moment, item.request)
+        for forwarded in moment.forwarded:
+            yield from _lines(forwarded)
+        for event in moment.events:
+            yield _event(event)
+        for utterance in moment.utterances:
+            yield _utterance(utterance)
+        if moment.held != self._held:
+            self._held = moment.held
+            yield HeldTurns(moment.held.json())
+        if moment.snapshot is not None and moment.snapshot.world is not None:
+            yield from self._touches(moment.snapshot)
+            yield from self._incidents(moment.snapshot)
+        yield from map(frame_record, moment.traffic)
+        yield from self._states(moment)
+        score = None if moment.game is None else _score(moment.game)
+        if score is not None and score != self._score:
+            self._score = score
+            yield score
+
+    def _asked(self, moment: Moment, request: GraphRequest) -> Iterator[Record]:
+        """What a ROS client said, if there is such a robot."""
+        if moment.snapshot is not None and request.robot < len(moment.snapshot.robots):
+            yield request
+
+    def _states(self, moment: Moment) -> Iterator[Record]:
+        """How vehicles stand, of those for which it has changed, and now and then of all."""
+        before, self._vehicles = self._vehicles, moment.vehicles
+        for robot, status in enumerate(moment.vehicles):
+            if moment.tick % STATE_PERIOD == 0 or not before or status != before[robot]:
+                yield state_record(robot, status)
+
+    def _touches(self, snapshot: TeamSnapshot) -> Iterator[GameEvent]:
+        """A robot that has begun to touch a wall or another robot."""
+        counts = tuple(snapshot.truth.collisions.tolist())
+        before, self._collisions = self._collisions, counts
+        for robot, count in enumerate(counts):
+            if count > (before[robot] if before else 0):
+                text = json.dumps({"event": "collision", "robot": robot, "count": count})
+                yield GameEvent("collision", robot, None, text)
+
+    def _incidents(self, snapshot: TeamSnapshot) -> Iterator[GameEvent]:
+        """Things that came or went, robots that died, revived or were put elsewhere."""
+        things = tuple(presence.thing.name for presence in snapshot.truth.things if presence.appeared)
+        before, self._things = self._things, things
+        for kind, names, others in (("appeared", things, before), ("vanished", before, things)):
+            for name in names:
+                if name not in others:
+                    yield GameEvent(kind, None, None, json.dumps({"event": kind, "thing": name}))
+        dead, self._dead = self._dead, snapshot.dead
+        for kind, robots in (("died", self._dead - dead), ("revived", dead - self._dead)):
+            for robot in sorted(robots):
+                yield _befell(kind, robot)
+        places = snapshot.truth.poses[:, :2]
+        if self._places is not None:
+            for robot in np.flatnonzero(np.hypot(*(places - self._places).T) > JUMP).tolist():
+                yield _befell("carried", robot)
+        self._places = places.copy()
+
+
+class TlogWitness:
+    """Takes down what vehicles hear and say.
+
+    Args:
+        tlog: somebody else closes it.
+    """
+
+    def __init__(self, tlog: TlogFile) -> None:
+        self._tlog = tlog
+
+    def saw(self, moment: Moment) -> None:
+        """Write down one tick. Raises BadFile when it cannot be written."""
+        if moment.snapshot is not None and moment.traffic:
+            self._tlog.record(stamp_ns(moment.snapshot.tick), moment.traffic)
+
+
+def _befell(kind: str, robot: int) -> GameEvent:
+    return GameEvent(kind, robot, None, json.dumps({"event": kind, "robot": robot}))
+
+
+def _lines(forwarded: Forwarded) -> Iterator[Record]:
+    message = forwarded.message
+    match legacy.decode(message):
+        case legacy.Goto() if message.receiver == legacy.SIMR:
+            yield SendRobots(message.line())
+        case legacy.Arrived() if message.sender == legacy.SIMR:
+            yield Success(message.line())
+
+
+def _event(event: events.Event) -> GameEvent:
+    robot: int | None = getattr(event, "robot", None)
+    room: Room | None = getattr(event, "room", None)
+    return GameEvent(type(event).__name__.lower(), robot, None if room is None else room.people, to_json(event))
+
+
+def _utterance(said: moves.Utterance) -> Utterance:
+    return Utterance(
+        dialogue=said.dialogue,
+        speaker="robot" if said.speaker is moves.Speaker.ROBOT else "human",
+        robot=said.topic.robot,
+        room=said.topic.room.people,
+        scenario=MATTERS[said.topic.scenario],
+        text=said.text,
+        author=said.author,
+        move=type(said.move).__name__.lower(),
+    )
+
+
+def _score(game: GameState) -> Score:
+    return Score(
+        score=game.score,
+        visited=sum(room.visited for room in game.rooms),
+        rooms=len(game.rooms),
+        energy=tuple(robot.energy for robot in game.robots),
+    )

@@ -1,1 +1,0 @@
-"""Work on recordings, ours and foreign ones: judge, export, plot, convert, cut, compare."""

@@ -1,6 +1,0 @@
-"""Judges a bag: will rosbag, rviz, Foxglove, PlotJuggler and evo take it, and why not."""
-
-from thbridge.bags.check.finding import Finding, Severity, Tool
-from thbridge.bags.check.judge import Judgement, judge
-
-__all__ = ["Finding", "Judgement", "Severity", "Tool", "judge"]

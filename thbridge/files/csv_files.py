@@ -1,0 +1,75 @@
+"""Tables of numbers that people or other programs write: CSV files with a header."""
+
+import csv
+import math
+from collections.abc import Sequence
+from pathlib import Path
+
+import numpy as np
+
+from sim.common.geometry import FloatArray
+from thbridge.files.errors import BadFile, BadFiles
+from thbridge.files.yaml.tree import read_text
+
+LARGEST_TABLE = 1 << 26
+"""Bytes; about a million rows."""
+MOST_FAULTS = 10
+"""A table of the wrong kind is at fault in every row; nobody needs to be told more often than this."""
+
+
+def read_columns(path: Path, columns: Sequence[str]) -> FloatArray:
+    """The rows of a CSV file whose header names just these columns, in any order; empty lines are passed over.
+
+    Returns:
+        (rows, columns) finite numbers, the columns in the order asked for; at least one row.
+
+    Raises:
+        BadFile: it cannot be read or has another header; or as BadFiles, its first faults at once.
+    """
+    wanted = ",".join(columns)
+    text = read_text(path, LARGEST_TABLE)
+    reader = csv.reader(text.splitlines(), strict=True)
+    header: list[str] = []
+    rows: list[list[float]] = []
+    faults: list[BadFile] = []
+    try:
+        for cells in reader:
+            if not any(cell.strip() for cell in cells):
+                continue
+            if not header:
+                header = [cell.strip() for cell in cells]
+                if sorted(header) != sorted(columns):
+                    problem = f"the header is {','.join(header)!r}"
+                    raise BadFile(path, reader.line_num, None, problem, f"write {wanted} in the first line")
+                continue
+            row = _numbers(path, reader.line_num, header, cells)
+            if isinstance(row, BadFile):
+                faults.append(row)
+            else:
+                rows.append(row)
+            if len(faults) == MOST_FAULTS:
+                break
+    except csv.Error as error:
+        raise BadFile(path, reader.line_num, None, f"not CSV: {error}", "write numbers with commas between") from None
+    if faults:
+        raise BadFiles(tuple(faults))
+    if not rows:
+        remedy = f"write {wanted} in the first line and a row of numbers in each line after it"
+        raise BadFile(path, None, None, "there is no row of numbers", remedy)
+    return np.array(rows)[:, [header.index(column) for column in columns]]
+
+
+def _numbers(path: Path, line: int, header: Sequence[str], cells: Sequence[str]) -> list[float] | BadFile:
+    if len(cells) != len(header):
+        problem = f"{len(cells)} values where the header has {len(header)}"
+        return BadFile(path, line, None, problem, f"write {len(header)} numbers with commas between")
+    numbers = []
+    for column, cell in zip(header, cells, strict=True):
+        try:
+            number = float(cell)
+        except ValueError:
+            return BadFile(path, line, column, f"{cell.strip()!r} is not a number", "write a number, such as 1.5")
+        if not math.isfinite(number):
+            return BadFile(path, line, column, f"{cell.strip()} is not a finite number", "write a number, such as 1.5")
+        numbers.append(number)
+    return numbers

@@ -1,0 +1,78 @@
+"""A text file that a program and people edit side by side: read to the byte, written whole or not at all."""
+
+import os
+import tempfile
+from contextlib import suppress
+from dataclasses import dataclass
+from pathlib import Path
+
+from thbridge.files.errors import BadFile, reason_of
+from thbridge.files.yaml.tree import read_text
+
+_MARK = "\ufeff"
+
+
+@dataclass(frozen=True, slots=True)
+class OnDisk:
+    """A text as it is on disk.
+
+    Attributes:
+        text: what it says, with the ends of lines that it has; empty when there is no file.
+        exists: whether there is a file.
+        marked: whether it begins with a byte order mark.
+    """
+
+    text: str
+    exists: bool
+    marked: bool = False
+
+
+def read_edited(path: Path) -> OnDisk:
+    """The file as it is now.
+
+    Raises:
+        BadFile: it cannot be read, or is not UTF-8.
+    """
+    if not path.exists():
+        if not path.parent.is_dir():
+            raise BadFile(path, None, None, f"there is no folder {path.parent}", "Make it, or choose another name")
+        return OnDisk("", exists=False)
+    text = read_text(path)
+    try:
+        with path.open("rb") as file:
+            marked = file.read(3) == _MARK.encode()
+    except OSError:
+        marked = False
+    return OnDisk(text, exists=True, marked=marked)
+
+
+def write_edited(path: Path, text: str, marked: bool) -> OnDisk:
+    """Put a text in the file's place at once; a link stays a link, and permissions stay what they are.
+
+    Raises:
+        BadFile: it cannot be written. The file is as it was.
+    """
+    target = path.resolve()
+    part = ""
+    try:
+        handle, part = tempfile.mkstemp(prefix=f".{target.name}.", dir=target.parent)
+        with os.fdopen(handle, "wb") as file:
+            file.write(((_MARK if marked else "") + text).encode())
+            file.flush()
+            os.fsync(file.fileno())
+        # What mkstemp makes is for its owner alone.
+        Path(part).chmod(target.stat().st_mode & 0o7777 if target.exists() else 0o666 & ~_umask())
+        Path(part).replace(target)
+    except (OSError, UnicodeEncodeError) as error:
+        if part:
+            with suppress(OSError):
+                Path(part).unlink()
+        reason = reason_of(error) if isinstance(error, OSError) else "it has signs that are no text"
+        raise BadFile(path, None, None, f"it cannot be written ({reason})", "Check the folder and the disk") from None
+    return OnDisk(text, exists=True, marked=marked)
+
+
+def _umask() -> int:
+    mask = os.umask(0)
+    os.umask(mask)
+    return mask

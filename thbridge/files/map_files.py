@@ -1,0 +1,429 @@
+"""Map folders: `map.yaml` and its image as map_server reads them, and `rooms.yaml` with rooms and start poses.
+
+A folder is checked as a whole: a map that loads is one on which every robot can stand at its start, drive to every
+room's goal, and turn there.
+"""
+
+import math
+from collections.abc import Callable, Iterator
+from dataclasses import dataclass, field
+from pathlib import Path
+from typing import Literal, TypeVar
+
+import numpy as np
+
+from sim.common.geometry import Pose2, wrap_angle
+from sim.common.grid import FREE, OCCUPIED, UNKNOWN, MapMode, OccupancyGrid, interpret_image
+from sim.common.traversability import Floor, Polygon, area, crosses_itself, inside
+from sim.parameters import WorldParameters
+from sim.robot.costmap.footprint import radii
+from thbridge.files.errors import BadFile, BadFiles
+from thbridge.files.image_files import read_image
+from thbridge.files.template_files import MAP_TIMES, read_map_times
+from thbridge.files.yaml.load import Loaded, load
+from thbridge.files.yaml.tree import quoted
+from thbridge.hunt.rooms import Room
+
+T = TypeVar("T")
+
+FOOTPRINT: Polygon = WorldParameters().footprint
+"""Corners of the robot of the 2016 study, metres."""
+
+GREY_OF_CELL = {FREE: 254, OCCUPIED: 0, UNKNOWN: 205}
+"""The shades that map_saver writes."""
+OCCUPIED_THRESH = 0.65
+FREE_THRESH = 0.196
+
+LEAST_FLOOR = 0.01
+"""A region with less floor than this is a mistake, square metres."""
+MOST_STARTS = 1000
+"""A row with more start poses than this is a mistake."""
+
+
+@dataclass(frozen=True, slots=True)
+class MapRoom:
+    """A room of a map.
+
+    Attributes:
+        room: its number.
+        name: what people call it.
+        region: corners of its floor in the map frame, metres; never itself crossing, inside the map.
+        goal: where a robot goes that is sent there, map frame.
+    """
+
+    room: Room
+    name: str
+    region: Polygon
+    goal: Pose2
+
+    def holds(self, x: float, y: float) -> bool:
+        """Whether a point of the map frame lies in the room."""
+        return bool(inside(self.region, np.array([x]), np.array([y]))[0])
+
+
+@dataclass(frozen=True, slots=True)
+class Map:
+    """A map that was checked.
+
+    Attributes:
+        name: the folder's.
+        grid: the cells.
+        rooms: in the order of their numbers, 1, 2, ...; at least one.
+        starts: where robot 1, 2, ... starts, map frame; as many as there is room for, at least one.
+        costs: the map's own cost file `mapTimes`, which wins over that of a set of templates; None when it has none.
+    """
+
+    name: str
+    grid: OccupancyGrid
+    rooms: tuple[MapRoom, ...]
+    starts: tuple[Pose2, ...]
+    costs: Path | None
+
+    def room_at(self, x: float, y: float) -> Room | None:
+        """The room that holds a point of the map frame; None in a corridor."""
+        return next((entry.room for entry in self.rooms if entry.holds(x, y)), None)
+
+
+@dataclass(frozen=True, slots=True)
+class Finding:
+    """What a check of a map found: an error keeps the map from loading, a warning does not."""
+
+    severity: Literal["error", "warning"]
+    fault: BadFile
+
+
+def read_map(folder: Path, footprint: Polygon = FOOTPRINT) -> Map:
+    """Read a map folder and make sure that a team can play on it.
+
+    Args:
+        folder: holds `map.yaml`, its image, `rooms.yaml` and perhaps `mapTimes`.
+        footprint: corners of a robot in its own frame, metres.
+
+    Raises:
+        BadFile: what is wrong, every fault at once (as BadFiles) where the faults do not hide each other.
+    """
+    drawn, findings = _examine(folder, footprint)
+    faults = tuple(finding.fault for finding in findings if finding.severity == "error")
+    if drawn is None or faults:
+        raise BadFiles(faults)
+    return drawn
+
+
+def check_map(folder: Path, footprint: Polygon = FOOTPRINT) -> list[Finding]:
+    """Everything that is wrong or odd about a map folder; empty when all is well. Arguments as `read_map`."""
+    return _examine(folder, footprint)[1]
+
+
+# The files ------------------------------------------------------------------------------------------------------------
+
+
+@dataclass(frozen=True, slots=True)
+class _MapYaml:
+    image: str
+    resolution: float = field(metadata={"unit": "m", "minimum": 0.001, "maximum": 10})
+    origin: tuple[float, float, float]
+    negate: int = field(metadata={"minimum": 0, "maximum": 1})
+    occupied_thresh: float = field(metadata={"minimum": 0, "maximum": 1})
+    free_thresh: float = field(metadata={"minimum": 0, "maximum": 1})
+    mode: MapMode = "trinary"
+
+
+@dataclass(frozen=True, slots=True)
+class _RoomEntry:
+    number: int = field(metadata={"minimum": 1, "maximum": 999})
+    name: str
+    region: tuple[tuple[float, float], ...]
+    goal: tuple[float, float, float]
+
+
+@dataclass(frozen=True, slots=True)
+class _StartsEntry:
+    poses: tuple[tuple[float, float, float], ...]
+    rows: tuple[tuple[tuple[float, float], tuple[float, float]], ...] = ()
+    spacing: float = field(default=1.0, metadata={"unit": "m", "minimum": 0.1, "maximum": 100})
+    yaw: float = 0.0
+
+
+@dataclass(frozen=True, slots=True)
+class _RoomsYaml:
+    rooms: tuple[_RoomEntry, ...]
+    starts: _StartsEntry
+
+
+def read_grid(map_yaml: Path) -> OccupancyGrid:
+    """The grid that map_server would serve for this `map.yaml`.
+
+    Raises:
+        BadFile: the file or its image is missing or says what it must not.
+    """
+    loaded = load(map_yaml, _MapYaml)
+    entry = loaded.value
+    if entry.free_thresh >= entry.occupied_thresh:
+        problem = f"{entry.free_thresh} is not below occupied_thresh {entry.occupied_thresh}"
+        raise loaded.fault("free_thresh", problem, "Lower it; map_saver writes 0.196 and 0.65")
+    image = map_yaml.parent / entry.image
+    if not image.is_file():
+        remedy = "Name the image, beside map.yaml or with its full path"
+        raise loaded.fault("image", f"there is no file {image}", remedy)
+    pixels = read_image(image)
+    cells = interpret_image(pixels, entry.negate == 1, entry.occupied_thresh, entry.free_thresh, entry.mode)
+    return OccupancyGrid(cells, entry.resolution, _pose(*entry.origin))
+
+
+def _pose(x: float, y: float, yaw: float) -> Pose2:
+    # Wrapping rounds; an angle that needs none stays as it was written.
+    return Pose2(x, y, yaw if -math.pi <= yaw < math.pi else wrap_angle(yaw))
+
+
+def write_grid(folder: Path, grid: OccupancyGrid) -> None:
+    """Write `map.yaml` and `map.pgm` as map_saver does; the folder is made when it is missing.
+
+    Raises:
+        ValueError: cells other than free, occupied and unknown, which these files cannot say.
+    """
+    shades = np.full(256, 1, dtype=np.uint8)
+    for cell, grey in GREY_OF_CELL.items():
+        shades[cell % 256] = grey
+    pixels = shades[grid.cells.view(np.uint8)][::-1]
+    if (pixels == 1).any():
+        raise ValueError("only cells 0, 100 and -1 can be written")
+    folder.mkdir(parents=True, exist_ok=True)
+    header = f"P5\n{grid.cols} {grid.rows}\n255\n".encode("ascii")
+    (folder / "map.pgm").write_bytes(header + pixels.tobytes())
+    (folder / "map.yaml").write_text(
+        "image: map.pgm\n"
+        f"resolution: {grid.resolution!r}\n"
+        f"origin: [{grid.origin.x!r}, {grid.origin.y!r}, {grid.origin.theta!r}]\n"
+        "negate: 0\n"
+        f"occupied_thresh: {OCCUPIED_THRESH}\n"
+        f"free_thresh: {FREE_THRESH}\n",
+        encoding="utf-8",
+    )
+
+
+def write_map(folder: Path, drawn: Map) -> None:
+    """Write `map.yaml`, `map.pgm` and `rooms.yaml`, from which `read_map` makes an equal map (under the folder's name).
+
+    Raises:
+        ValueError: as `write_grid`.
+    """
+    write_grid(folder, drawn.grid)
+    lines = ["rooms:"]
+    for entry in drawn.rooms:
+        corners = ", ".join(f"[{x!r}, {y!r}]" for x, y in entry.region)
+        lines += [
+            f"  - number: {entry.room.people}",
+            f"    name: {quoted(entry.name)}",
+            f"    region: [{corners}]",
+            f"    goal: [{entry.goal.x!r}, {entry.goal.y!r}, {entry.goal.theta!r}]",
+        ]
+    lines += ["starts:", "  poses:"]
+    lines += [f"    - [{start.x!r}, {start.y!r}, {start.theta!r}]" for start in drawn.starts]
+    (folder / "rooms.yaml").write_text("\n".join(lines) + "\n", encoding="utf-8")
+
+
+# The checks -----------------------------------------------------------------------------------------------------------
+
+
+def _examine(folder: Path, footprint: Polygon) -> tuple[Map | None, list[Finding]]:
+    if not folder.is_dir():
+        remedy = "Name a folder that holds map.yaml and rooms.yaml"
+        return None, [Finding("error", BadFile(folder, None, None, "there is no such folder", remedy))]
+    findings: list[Finding] = []
+    grid = _attempt(lambda: read_grid(folder / "map.yaml"), findings)
+    loaded = _attempt(lambda: load(folder / "rooms.yaml", _RoomsYaml), findings)
+    if loaded is None:
+        return None, findings
+    findings.extend(Finding("error", fault) for fault in _faults_of_rooms(loaded))
+    if grid is None or findings:
+        return None, findings
+    costs = folder / MAP_TIMES
+    drawn = Map(
+        name=folder.resolve().name,
+        grid=grid,
+        rooms=tuple(sorted((_room(entry) for entry in loaded.value.rooms), key=lambda entry: entry.room)),
+        starts=tuple(start for _, start in _starts(loaded.value.starts)),
+        costs=costs if costs.is_file() else None,
+    )
+    findings.extend(_findings_of_costs(drawn))
+    findings.extend(_findings_on_floor(loaded, drawn, footprint))
+    return drawn, findings
+
+
+def _attempt(read: Callable[[], T], findings: list[Finding]) -> T | None:
+    try:
+        return read()
+    except BadFiles as error:
+        findings.extend(Finding("error", fault) for fault in error.faults)
+    except BadFile as error:
+        findings.append(Finding("error", error))
+    return None
+
+
+def _findings_of_costs(drawn: Map) -> Iterator[Finding]:
+    if drawn.costs is None:
+        return
+    findings: list[Finding] = []
+    path = drawn.costs
+    matrix = _attempt(lambda: read_map_times(path), findings)
+    yield from findings
+    if matrix is not None and len(matrix.rooms) != len(drawn.rooms):
+        problem = f"costs for {len(matrix.rooms)} rooms, but rooms.yaml has {len(drawn.rooms)}"
+        remedy = "Write one row and one column for the corridor and for every room"
+        yield Finding("error", BadFile(path, 1, None, problem, remedy))
+
+
+def _room(entry: _RoomEntry) -> MapRoom:
+    region: Polygon = entry.region
+    if len(region) == 2:
+        (x0, y0), (x1, y1) = region
+        region = ((x0, y0), (x1, y0), (x1, y1), (x0, y1))
+    return MapRoom(Room.of_people(entry.number), entry.name, region, _pose(*entry.goal))
+
+
+def _starts(entry: _StartsEntry) -> Iterator[tuple[str, Pose2]]:
+    """Key path and pose of every start: the poses first, then row by row from its first end."""
+    for index, (x, y, yaw) in enumerate(entry.poses):
+        yield f"starts.poses[{index}]", _pose(x, y, yaw)
+    for index, ((x0, y0), (x1, y1)) in enumerate(entry.rows):
+        length = math.hypot(x1 - x0, y1 - y0)
+        for step in range(math.floor(length / entry.spacing + 1e-9) + 1):
+            share = step * entry.spacing / length if length else 0.0
+            yield f"starts.rows[{index}]", Pose2(x0 + share * (x1 - x0), y0 + share * (y1 - y0), wrap_angle(entry.yaw))
+
+
+def _faults_of_rooms(loaded: Loaded[_RoomsYaml]) -> Iterator[BadFile]:
+    """What can be seen without the grid: numbers, names, shapes."""
+    rooms = loaded.value.rooms
+    if not rooms:
+        yield loaded.fault("rooms", "there is no room", "Add at least one")
+    by_number: dict[int, int] = {}
+    by_name: dict[str, int] = {}
+    for index, entry in enumerate(rooms):
+        key = f"rooms[{index}]"
+        line = loaded.lines[key]
+        if entry.number in by_number:
+            problem = f"room {entry.number} stands twice, first in line {by_number[entry.number]}"
+            yield loaded.fault(f"{key}.number", problem, "Give every room its own number")
+        if entry.name in by_name:
+            problem = f"{entry.name!r} is also the name of the room in line {by_name[entry.name]}"
+            yield loaded.fault(f"{key}.name", problem, "Give every room its own name")
+        by_number.setdefault(entry.number, line)
+        by_name.setdefault(entry.name, line)
+        room = _room(entry)
+        if len(entry.region) < 2 or area(room.region) < LEAST_FLOOR:
+            remedy = "Write two opposite corners of a box, or three or more in turn"
+            yield loaded.fault(f"{key}.region", "these corners enclose no floor", remedy)
+        elif crosses_itself(room.region):
+            remedy = "Write the corners in turn around the room"
+            yield loaded.fault(f"{key}.region", "its sides cross each other", remedy)
+        elif not room.holds(room.goal.x, room.goal.y):
+            problem = f"({room.goal.x:g}, {room.goal.y:g}) is not in the room's region"
+            yield loaded.fault(f"{key}.goal", problem, "Move the goal into the region, or mend the region")
+    gaps = sorted(set(range(1, len(by_number) + 1)) - set(by_number))
+    if gaps:
+        problem = f"no room has the number {gaps[0]}, but there is a room {max(by_number)}"
+        yield loaded.fault("rooms", problem, f"Number the {len(by_number)} rooms 1 to {len(by_number)}")
+    starts = loaded.value.starts
+    for index, (first, last) in enumerate(starts.rows):
+        if math.dist(first, last) > MOST_STARTS * starts.spacing:
+            problem = f"more than {MOST_STARTS} starts in a row"
+            yield loaded.fault(f"starts.rows[{index}]", problem, "Shorten the row, or widen starts.spacing")
+    if not starts.poses and not starts.rows:
+        yield loaded.fault("starts", "there is no start pose", "Add at least one to starts.poses")
+
+
+@dataclass(frozen=True, slots=True)
+class _Place:
+    """Where a robot must be able to stand: a goal or a start, and the key it is written under."""
+
+    key: str
+    pose: Pose2
+    what: str
+
+
+def _findings_on_floor(loaded: Loaded[_RoomsYaml], drawn: Map, footprint: Polygon) -> Iterator[Finding]:
+    """What only the grid can tell: walls in the way, rooms that overlap, robots that block each other."""
+    keys = {entry.number: f"rooms[{index}]" for index, entry in enumerate(loaded.value.rooms)}
+    goals = [_Place(f"{keys[room.room.people]}.goal", room.goal, str(room.room)) for room in drawn.rooms]
+    starts = [
+        _Place(key, pose, f"the start of robot {number}")
+        for number, (key, pose) in enumerate(_starts(loaded.value.starts), start=1)
+    ]
+    floor = Floor.of(drawn.grid, *radii(np.array(footprint)))
+    yield from _findings_of_regions(loaded, drawn, floor, keys)
+    narrow = [*_too_narrow(loaded, floor, goals + starts), *_too_close(loaded, floor, starts)]
+    yield from narrow
+    for start in starts:
+        room = drawn.room_at(start.pose.x, start.pose.y)
+        if room is not None:
+            fault = loaded.fault(start.key, f"{start.what} is in {room}", "Start robots in a corridor")
+            yield Finding("warning", fault)
+    if not narrow:
+        yield from _findings_of_ways(loaded, floor, goals, starts)
+
+
+def _too_narrow(loaded: Loaded[_RoomsYaml], floor: Floor, places: list[_Place]) -> Iterator[Finding]:
+    for place in places:
+        clearance = floor.clearance_at(place.pose)
+        if clearance <= floor.circumscribed:
+            problem = (
+                f"at ({place.pose.x:g}, {place.pose.y:g}) the nearest cell that is not free is {clearance:.2f} m away; "
+                f"a robot needs more than {floor.circumscribed:.2f} m to turn"
+            )
+            yield Finding("error", loaded.fault(place.key, problem, "Move it away from the wall"))
+
+
+def _too_close(loaded: Loaded[_RoomsYaml], floor: Floor, starts: list[_Place]) -> Iterator[Finding]:
+    for second, start in enumerate(starts):
+        for other in starts[:second]:
+            distance = start.pose.distance(other.pose)
+            if distance <= 2 * floor.circumscribed:
+                problem = (
+                    f"{start.what} is {distance:.2f} m from {other.what}; "
+                    f"they need more than {2 * floor.circumscribed:.2f} m"
+                )
+                yield Finding("error", loaded.fault(start.key, problem, "Move one of the two, or widen starts.spacing"))
+
+
+def _findings_of_regions(
+    loaded: Loaded[_RoomsYaml], drawn: Map, floor: Floor, keys: dict[int, str]
+) -> Iterator[Finding]:
+    grid = drawn.grid
+    slack = grid.resolution / 2
+    width, height = grid.cols * grid.resolution, grid.rows * grid.resolution
+    owner = np.zeros(grid.cells.shape, dtype=np.int64)
+    for entry in drawn.rooms:
+        key = f"{keys[entry.room.people]}.region"
+        corners = grid.origin.inverse().transform(np.array(entry.region))
+        outside = (corners < -slack).any(axis=1) | (corners > np.array([width, height]) + slack).any(axis=1)
+        if outside.any():
+            x, y = entry.region[int(outside.argmax())]
+            problem = f"its corner ({x:g}, {y:g}) is outside the map, which is {width:g} m x {height:g} m"
+            yield Finding("error", loaded.fault(key, problem, "Mend the region, or the map's origin or resolution"))
+        held = inside(entry.region, floor.x, floor.y)
+        shared = owner[held & (owner > 0)]
+        if shared.size:
+            problem = f"it overlaps the region of room {shared[0]} by {shared.size * grid.resolution**2:.2f} m^2"
+            yield Finding("error", loaded.fault(key, problem, "Draw the regions apart"))
+        owner[held] = entry.room.people
+
+
+def _findings_of_ways(
+    loaded: Loaded[_RoomsYaml], floor: Floor, goals: list[_Place], starts: list[_Place]
+) -> Iterator[Finding]:
+    obstructed = [floor.obstructed_by(start.pose) for start in starts]
+    reach = floor.reachable(starts[0].pose, np.zeros_like(obstructed[0]))
+    cut_off = [place for place in goals + starts if not reach[floor.grid.cell_of(place.pose.x, place.pose.y)]]
+    for place in cut_off:
+        problem = f"no way {2 * floor.inscribed:g} m wide leads from {starts[0].what} to {place.what}"
+        yield Finding("error", loaded.fault(place.key, problem, "Widen a door, or move it"))
+    if cut_off:
+        return
+    crowd = np.sum(obstructed, axis=0)
+    for start, own in zip(starts, obstructed, strict=True):
+        reach = floor.reachable(start.pose, crowd > own)
+        blocked = [goal.what for goal in goals if not reach[floor.grid.cell_of(goal.pose.x, goal.pose.y)]]
+        if blocked:
+            problem = f"with {len(starts)} robots at their starts no way leads from {start.what} to {blocked[0]}"
+            yield Finding("warning", loaded.fault(start.key, problem, "Leave a lane free between the starts"))

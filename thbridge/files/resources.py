@@ -1,0 +1,68 @@
+"""Finds maps and template sets, by path or by name, from whatever folder a program is started in."""
+
+import difflib
+from collections.abc import Mapping
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Literal
+
+from thbridge.files.errors import BadFile
+
+Kind = Literal["maps", "templates"]
+
+PACKAGE = Path(__file__).resolve().parent.parent
+"""The folder of the package thbridge, in a wheel or in a checkout."""
+
+_MARKS: Mapping[Kind, str] = {"maps": "map.yaml", "templates": "DialogueText"}
+"""The file by which a folder of each kind is known."""
+_WORDS: Mapping[Kind, str] = {"maps": "map", "templates": "set of templates"}
+
+
+@dataclass(frozen=True, slots=True)
+class Resources:
+    """Where maps and templates lie.
+
+    Attributes:
+        root: the folder that holds `maps/` and `templates/`.
+    """
+
+    root: Path
+
+    def names(self, kind: Kind) -> tuple[str, ...]:
+        """What comes with the project, in alphabetical order."""
+        return tuple(sorted(mark.parent.name for mark in (self.root / kind).glob(f"*/{_MARKS[kind]}")))
+
+    def find(self, kind: Kind, wanted: str, beside: Path) -> Path:
+        """The folder of a map or a set of templates.
+
+        Args:
+            kind: which.
+            wanted: a name, or a path: it has a slash in it.
+            beside: the folder that a path which is not absolute starts from: that of the study file, or the current.
+
+        Raises:
+            BadFile: there is no such folder.
+        """
+        mark, word = _MARKS[kind], _WORDS[kind]
+        if "/" in wanted or "\\" in wanted:
+            folder = beside / Path(wanted).expanduser()
+            if (folder / mark).is_file():
+                return folder
+            problem = f"there is no {mark} in this folder"
+            raise BadFile(folder, None, None, problem, f"Give the path of a {word}, or one of: {self._listed(kind)}")
+        names = self.names(kind)
+        if wanted in names:
+            return self.root / kind / wanted
+        near = difflib.get_close_matches(wanted, names, n=1)
+        remedy = f"The nearest name is {near[0]}" if near else f"The names are: {self._listed(kind)}"
+        remedy += f"; a path of your own needs a slash, as in ./{wanted or 'folder'}"
+        raise BadFile(self.root / kind, None, wanted or None, f"there is no {word} of this name", remedy)
+
+    def _listed(self, kind: Kind) -> str:
+        return ", ".join(self.names(kind)) or "none"
+
+
+def shipped() -> Resources:
+    """What the wheel carries, or, in a checkout, what lies beside the packages."""
+    data = PACKAGE / "data"
+    return Resources(data if data.is_dir() else PACKAGE.parent)

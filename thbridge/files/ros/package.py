@@ -1,0 +1,79 @@
+"""Message types that an installed ROS does not know, as ROS packages, for tools that know types only from packages."""
+
+from collections.abc import Mapping
+from dataclasses import dataclass
+from pathlib import Path
+
+from thbridge.files.errors import BadFile
+from thbridge.files.ros.definitions import ROS_SHARES
+from thbridge.ros.messages.definition_texts import ROS_TEXTS
+from thbridge.ros.messages.types import MAVROS_TYPES, OWN_TEXTS
+
+_PACKAGE_XML = """\
+<?xml version="1.0"?>
+<package format="2">
+  <name>{name}</name>
+  <version>0.1.0</version>
+  <description>{description}</description>
+  <maintainer email="maintainers@thbridge.invalid">thbridge</maintainer>
+  <license>Proprietary</license>
+  <buildtool_depend>catkin</buildtool_depend>
+  <build_depend>message_generation</build_depend>
+  <depend>std_msgs</depend>
+  <exec_depend>message_runtime</exec_depend>
+</package>
+"""
+
+_CMAKE = """\
+cmake_minimum_required(VERSION 3.0.2)
+project({name})
+find_package(catkin REQUIRED COMPONENTS message_generation std_msgs)
+add_message_files(DIRECTORY msg)
+generate_messages(DEPENDENCIES std_msgs)
+catkin_package(CATKIN_DEPENDS message_runtime std_msgs)
+"""
+
+
+@dataclass(frozen=True, slots=True)
+class _Package:
+    name: str
+    description: str
+    texts: Mapping[str, str]
+
+
+_OWN = _Package("thbridge_msgs", "Messages of the treasure hunt: session, game events, score, talk, inputs", OWN_TEXTS)
+_MAVROS = _Package(
+    "mavros_msgs",
+    "Those two messages of mavros that thbridge records, for a ROS without mavros",
+    {msgtype: ROS_TEXTS[msgtype] for msgtype in MAVROS_TYPES},
+)
+
+
+def write_packages(folder: Path) -> tuple[Path, ...]:
+    """Write the catkin package `thbridge_msgs` into a folder, and `mavros_msgs` where ROS has none, over older ones.
+
+    Returns:
+        The packages' folders.
+
+    Raises:
+        BadFile: one cannot be written.
+    """
+    has_mavros = any((share / _MAVROS.name).is_dir() for share in ROS_SHARES)
+    return tuple(_written(package, folder) for package in (_OWN, *(() if has_mavros else (_MAVROS,))))
+
+
+def _written(package: _Package, parent: Path) -> Path:
+    folder = parent / package.name
+    files = {
+        "package.xml": _PACKAGE_XML.format(name=package.name, description=package.description),
+        "CMakeLists.txt": _CMAKE.format(name=package.name),
+        **{f"msg/{msgtype.partition('/')[2]}.msg": text for msgtype, text in package.texts.items()},
+    }
+    try:
+        (folder / "msg").mkdir(parents=True, exist_ok=True)
+        for name, text in files.items():
+            (folder / name).write_text(text, encoding="utf-8")
+    except OSError as error:
+        problem = f"it cannot be written ({error.strerror})"
+        raise BadFile(folder, None, None, problem, "name a folder that may be written to") from error
+    return folder

@@ -1,0 +1,298 @@
+"""Parameters as users of ROS have them: the YAML files of a navigation stack, as they are.
+
+A file may be written for a node's own namespace (`min_particles: 500`), for the root (`amcl: {min_particles: 500}`), or
+for move_base with all that lives in it; costmap parameters that stand alone are for both costmaps. Layers may have any
+name. What ROS's loader makes of a word, this one does: `yes` is true, `!degrees 90` and `deg(90)` are angles.
+"""
+
+import dataclasses
+import difflib
+from collections.abc import Iterator, Mapping, Sequence
+from dataclasses import dataclass
+from pathlib import Path
+from typing import TYPE_CHECKING, Never, TypeVar, cast, get_type_hints
+
+from sim.parameters import RobotParameters
+from thbridge.files.errors import BadFile, BadFiles
+from thbridge.files.ros.recoveries import behaviour_names, with_our_behaviours
+from thbridge.files.ros.words import Cleaner, Entry
+from thbridge.files.yaml.load import load_tree
+from thbridge.files.yaml.tree import Listing, Node, Scalar, Section, parse, read_text
+
+if TYPE_CHECKING:
+    from _typeshed import DataclassInstance
+
+T = TypeVar("T")
+
+COSTMAPS = ("global_costmap", "local_costmap")
+SECTIONS: Mapping[str, type] = {
+    name: hint
+    for name, hint in cast(Mapping[str, type], get_type_hints(RobotParameters)).items()
+    if dataclasses.is_dataclass(hint)
+}
+"""The parts of a robot's software, each a namespace in ROS."""
+
+LAYERS = {
+    "static_layer": ("static",),
+    "obstacle_layer": ("obstacle", "voxel", "laser", "scan"),
+    "inflation_layer": ("inflat",),
+}
+"""Layers of a costmap, and by which part of a plugin's type or of its name they are known."""
+
+_PERIOD = "the time between commands: here it is always as move_base's controller_frequency says"
+_UNREAD = "ROS does not read it there; probably meant is "
+WITHOUT_EFFECT: Mapping[str, Mapping[str, str]] = {
+    "move_base": {"recovery_behaviour_enabled": f"{_UNREAD}recovery_behavior_enabled"},
+    "TrajectoryPlannerROS": {"acc_lim_th": f"{_UNREAD}acc_lim_theta", "controller_frequency": _PERIOD},
+    "DWAPlannerROS": {
+        "acc_lim_th": f"{_UNREAD}acc_lim_theta",
+        "max_vel_rot": f"{_UNREAD}max_vel_theta",
+        "min_vel_rot": f"{_UNREAD}min_vel_theta",
+        "vtheta_samples": f"{_UNREAD}vth_samples",
+        "sim_period": _PERIOD,
+        "controller_frequency": _PERIOD,
+    },
+    "GlobalPlanner": {"planner_costmap_publish_frequency": "ROS no longer reads it"},
+    "global_costmap": {"meter_scoring": f"{_UNREAD}TrajectoryPlannerROS's"},
+    "local_costmap": {"meter_scoring": f"{_UNREAD}TrajectoryPlannerROS's"},
+}
+"""Names that files of well-known robots have where no package declares them, with what they do or were meant for."""
+
+
+@dataclass(frozen=True, slots=True)
+class RosParameters:
+    """What some files of ROS say.
+
+    Attributes:
+        value: of the robot they were applied to.
+        notices: sentences about what was accepted and changes nothing, or was read in a certain way.
+    """
+
+    value: RobotParameters
+    notices: tuple[str, ...]
+
+
+def read_ros_parameters(paths: Sequence[Path], start: RobotParameters) -> RosParameters:
+    """Apply files of ROS, one after the other; the last word holds, as on the parameter server.
+
+    Args:
+        paths: the files, in the order in which a launch file loads them.
+        start: what they leave out stays as it is here.
+
+    Raises:
+        BadFiles: every fault of all files; or one BadFile when one cannot be read at all.
+    """
+    notices: list[str] = []
+    trees = [(path, Cleaner(path, notices).section(parse(path, read_text(path), ros=True))) for path in paths]
+    layers = {name: layer for _, tree in trees for name, layer in _layers_listed(tree).items()}
+    faults: list[BadFile] = []
+    value = start
+    listed: dict[str, set[str]] = {}
+    for path, tree in trees:
+        router = _Router(path, layers, notices)
+        shaped = router.shaped(tree)
+        listed |= router.listed
+        try:
+            loaded = load_tree(path, shaped, RobotParameters, value)
+        except BadFiles as found:
+            faults.extend(found.faults)
+            continue
+        value = loaded.value
+        notices.extend(loaded.notices)
+    if faults:
+        raise BadFiles(tuple(_once(faults)))
+    return RosParameters(_with_layers(value, listed), tuple(_once(notices)))
+
+
+def _once(told: Sequence[T]) -> list[T]:
+    """Without what is told again of the second costmap."""
+    return list({str(thing).replace(COSTMAPS[1], COSTMAPS[0]): thing for thing in reversed(told)}.values())[::-1]
+
+
+@dataclass(slots=True)
+class _Router:
+    """Brings one file into the shape of `RobotParameters`.
+
+    Attributes:
+        layers: which of our layers the layers named in `plugins`, of any file, are.
+        listed: our layers that a costmap of this file has, where it says so.
+    """
+
+    path: Path
+    layers: Mapping[str, str]
+    notices: list[str]
+    listed: dict[str, set[str]] = dataclasses.field(default_factory=dict)
+
+    def shaped(self, tree: Section) -> Section:
+        parts: dict[str, list[Entry]] = {}
+        whole: list[Entry] = []
+        flat: list[Entry] = []
+        for key, child in _hoisted(tree):
+            if key.text not in SECTIONS:
+                flat.append((key, child))
+            elif isinstance(child, Section):
+                parts.setdefault(key.text, []).extend(child.entries)
+            else:
+                whole.append((key, child))
+        homes = self.homes(flat)
+        # A section that nobody knows is told as such.
+        whole += homes.pop("", [])
+        for section, entries in homes.items():
+            parts.setdefault(section, []).extend(entries)
+        for section, entries in parts.items():
+            kept = list(self.with_effect(section, entries))
+            shaped = self.costmap(section, kept) if section in COSTMAPS else kept
+            if section == "move_base":
+                shaped = with_our_behaviours(kept, str(self.path), self.notices)
+            line = shaped[0][0].line if shaped else tree.line
+            whole.append((Scalar(section, plain=True, line=line), Section(line, shaped)))
+        return Section(tree.line, whole)
+
+    def homes(self, flat: list[Entry]) -> dict[str, list[Entry]]:
+        """Parameters that stand alone, by the section that most of them belong to or else another that knows them.
+
+        Sections that none knows stand under an empty name.
+        """
+        homes: dict[str, list[Entry]] = {}
+        known = {section: self.names_of(section, flat) for section in SECTIONS}
+        scores = {section: sum(_likeness(key.text, names) for key, _ in flat) for section, names in known.items()}
+        ranked = sorted(SECTIONS, key=lambda section: -scores[section])
+        for key, child in flat:
+            home = next((section for section in ranked if key.text in known[section]), None)
+            if home is None and isinstance(child, Section):
+                homes.setdefault("", []).append((key, child))
+                continue
+            home = home or ranked[0]
+            for section in COSTMAPS if home in COSTMAPS else (home,):
+                homes.setdefault(section, []).append((key, child))
+        return homes
+
+    def names_of(self, section: str, flat: list[Entry]) -> set[str]:
+        into = SECTIONS[section]
+        names = {field.name for field in dataclasses.fields(into)} | set(WITHOUT_EFFECT.get(section, {}))
+        for table in ("ros_only", "renamed", "passed_on"):
+            names |= set(cast(Mapping[str, str], getattr(into, table, {})))
+        if section == "move_base":
+            names |= behaviour_names(flat)
+        if section in COSTMAPS:
+            names |= {"plugins"}
+            for key, child in flat:
+                if key.text == "observation_sources" and isinstance(child, Scalar):
+                    names |= set(child.text.split())
+                if isinstance(child, Section) and self.layer_of(key.text) is not None:
+                    names.add(key.text)
+        return names
+
+    def with_effect(self, section: str, entries: list[Entry]) -> Iterator[Entry]:
+        """Without the names in `WITHOUT_EFFECT`; each is told."""
+        for key, child in entries:
+            meaning = WITHOUT_EFFECT.get(section, {}).get(key.text)
+            if meaning is None:
+                yield key, child
+            else:
+                told = f"{section}.{key.text} has no effect here: {meaning}"
+                self.notices.append(f"{self.path}, line {key.line}: {told}")
+
+    def layer_of(self, name: str) -> str | None:
+        return self.layers[name] if name in self.layers else _layer_like(name)
+
+    def costmap(self, section: str, entries: list[Entry]) -> list[Entry]:
+        """A costmap with its layers under our names, and without `plugins`."""
+        sources = {
+            word
+            for key, child in entries
+            if key.text == "observation_sources" and isinstance(child, Scalar)
+            for word in child.text.split()
+        }
+        shaped: list[Entry] = []
+        layers: dict[str, list[Entry]] = {}
+        for key, child in entries:
+            layer = self.layer_of(key.text) if isinstance(child, Section) and key.text not in sources else None
+            if key.text == "plugins":
+                self.listed[section] = set(_plugins(child).values())
+            elif layer == "":
+                told = f"{section}.{key.text} has no effect here: there is no such kind of layer"
+                self.notices.append(f"{self.path}, line {key.line}: {told}")
+            elif layer is None or not isinstance(child, Section):
+                shaped.append((key, child))
+            elif layer in layers:
+                layers[layer] = _joined(layers[layer], child.entries)
+                told = f"{section}.{key.text} is taken into the one {layer} that there is here"
+                self.notices.append(f"{self.path}, line {key.line}: {told}")
+            else:
+                layers[layer] = child.entries
+        for layer, inner in layers.items():
+            line = inner[0][0].line if inner else shaped[0][0].line if shaped else 1
+            shaped.append((Scalar(layer, plain=True, line=line), Section(line, inner)))
+        return shaped
+
+
+def _hoisted(tree: Section) -> Iterator[Entry]:
+    """The entries of a file, those of move_base's namespace that are sections of their own beside it."""
+    for key, child in tree.entries:
+        if key.text == "move_base" and isinstance(child, Section):
+            own = [entry for entry in child.entries if entry[0].text not in SECTIONS]
+            yield from (entry for entry in child.entries if entry[0].text in SECTIONS)
+            yield key, Section(child.line, own)
+        else:
+            yield key, child
+
+
+def _likeness(name: str, names: set[str]) -> float:
+    if name in names:
+        return 1.0
+    return 0.5 if difflib.get_close_matches(name, names, n=1, cutoff=0.8) else 0.0
+
+
+def _layer_like(text: str) -> str | None:
+    return next((layer for layer, words in LAYERS.items() if any(word in text.lower() for word in words)), None)
+
+
+def _layers_listed(node: Node) -> Mapping[str, str]:
+    """Of every `plugins` in a tree: the layer that each name is; empty where it is none of ours."""
+    found: dict[str, str] = {}
+    if isinstance(node, Section):
+        for key, child in node.entries:
+            found |= _plugins(child) if key.text == "plugins" else _layers_listed(child)
+    return found
+
+
+def _plugins(node: Node) -> Mapping[str, str]:
+    """Name of each layer in a list of {name, type}, and which layer of ours its type is; empty for none."""
+    found = {}
+    for item in node.items if isinstance(node, Listing) else []:
+        entries = item.entries if isinstance(item, Section) else []
+        words = {key.text: child.text for key, child in entries if isinstance(child, Scalar)}
+        if "name" in words and "type" in words:
+            found[words["name"]] = _layer_like(words["type"].rpartition("::")[2]) or ""
+    return found
+
+
+def _joined(first: list[Entry], second: list[Entry]) -> list[Entry]:
+    """Two layers of one kind as one: the sources of both, else the first one's word."""
+    names = {key.text for key, _ in first}
+    joined = list(first)
+    for key, child in second:
+        if key.text not in names:
+            joined.append((key, child))
+        elif key.text == "observation_sources" and isinstance(child, Scalar):
+            joined = [
+                (own, dataclasses.replace(text, text=f"{text.text} {child.text}"))
+                if own.text == key.text and isinstance(text, Scalar)
+                else (own, text)
+                for own, text in joined
+            ]
+    return joined
+
+
+def _with_layers(value: RobotParameters, listed: Mapping[str, set[str]]) -> RobotParameters:
+    """Layers that a costmap's `plugins` leaves out do not count in it."""
+    for section, layers in listed.items():
+        costmap = cast("DataclassInstance", getattr(value, section))
+        off = {layer: _replaced(getattr(costmap, layer), {"enabled": False}) for layer in LAYERS if layer not in layers}
+        value = cast(RobotParameters, _replaced(value, {section: _replaced(costmap, off)}))
+    return value
+
+
+def _replaced(section: "DataclassInstance", changes: Mapping[str, object]) -> "DataclassInstance":
+    return dataclasses.replace(section, **cast(Mapping[str, Never], changes))

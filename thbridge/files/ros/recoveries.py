@@ -1,0 +1,92 @@
+"""Recovery behaviours as files of ROS have them: of any name, with a plugin's type and a section of settings each."""
+
+from thbridge.files.ros.words import Entry
+from thbridge.files.yaml.tree import Listing, Node, Scalar, Section
+
+CONSERVATIVE, AGGRESSIVE, ROTATE = "conservative_reset", "aggressive_reset", "rotate_recovery"
+USUAL = {CONSERVATIVE, AGGRESSIVE, ROTATE, "move_slow_and_clear"}
+"""Names that settings of behaviours stand under in files that do not list any."""
+
+
+def behaviour_names(entries: list[Entry]) -> set[str]:
+    """Under which names a file may have settings of recovery behaviours."""
+    lists = [child for key, child in entries if key.text == "recovery_behaviors"]
+    return USUAL | {name for child in lists for name, _ in _behaviours(child)}
+
+
+def with_our_behaviours(entries: list[Entry], where: str, notices: list[str]) -> list[Entry]:
+    """move_base's parameters, the recovery behaviours among them under the names that they have here.
+
+    Args:
+        entries: what stands in the section.
+        where: the file, for notices.
+        notices: gets a sentence for whatever has no effect.
+    """
+    names = behaviour_names(entries)
+    ours = {CONSERVATIVE: CONSERVATIVE}
+    for key, child in entries:
+        if key.text == "recovery_behaviors":
+            ours |= _named_here(child)
+    written = {key.text for key, _ in entries}
+    shaped: list[Entry] = []
+    for key, child in entries:
+        if key.text == "recovery_behaviors" and isinstance(child, Listing):
+            shaped.append((key, _listed(child, ours, where, notices)))
+        elif key.text in names and isinstance(child, Section):
+            for name, value in child.entries:
+                if ours.get(key.text) == CONSERVATIVE and name.text == "reset_distance":
+                    # Beside a list of one's own, ROS does not look at conservative_reset_dist.
+                    if "conservative_reset_dist" not in written:
+                        shaped.append((Scalar("conservative_reset_dist", plain=True, line=name.line), value))
+                    continue
+                told = f"move_base.{key.text}.{name.text} has no effect here: the behaviours do as they do by default"
+                notices.append(f"{where}, line {name.line}: {told}")
+        else:
+            shaped.append((key, child))
+    return shaped
+
+
+def _behaviours(node: Node) -> list[tuple[str, str]]:
+    """Name and type of each entry of recovery_behaviors."""
+    found = []
+    for item in node.items if isinstance(node, Listing) else []:
+        entries = item.entries if isinstance(item, Section) else []
+        words = {key.text: child.text for key, child in entries if isinstance(child, Scalar)}
+        if "name" in words:
+            found.append((words["name"], words.get("type", "")))
+    return found
+
+
+def _named_here(node: Node) -> dict[str, str]:
+    """What each behaviour of a list is called here; empty for one that there is not."""
+    names: dict[str, str] = {}
+    for name, kind in _behaviours(node):
+        if name in {CONSERVATIVE, AGGRESSIVE, ROTATE}:
+            names[name] = name
+        elif kind.endswith("RotateRecovery"):
+            names[name] = ROTATE
+        elif kind.endswith("ClearCostmapRecovery"):
+            # The first to clear spares what is near, those after it clear more.
+            names[name] = AGGRESSIVE if CONSERVATIVE in names.values() else CONSERVATIVE
+        elif kind:
+            names[name] = ""
+    return names
+
+
+def _listed(node: Listing, ours: dict[str, str], where: str, notices: list[str]) -> Listing:
+    items: list[Node] = []
+    for item in node.items:
+        entries = item.entries if isinstance(item, Section) else []
+        name = next((child for key, child in entries if key.text == "name" and isinstance(child, Scalar)), None)
+        here = None if name is None else ours.get(name.text)
+        if name is None or here is None:
+            items.append(item)
+        elif here:
+            key = Scalar("name", plain=True, line=name.line)
+            items.append(Section(item.line, [(key, Scalar(here, plain=True, line=name.line))]))
+            if here != name.text:
+                notices.append(f"{where}, line {name.line}: recovery behaviour {name.text} is taken as {here}")
+        else:
+            told = f"recovery behaviour {name.text} has no effect here: there is none of its type"
+            notices.append(f"{where}, line {name.line}: {told}")
+    return Listing(node.line, items)

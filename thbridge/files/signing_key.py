@@ -1,0 +1,26 @@
+"""The file that holds the key with which MAVLink frames are signed."""
+
+from pathlib import Path
+
+from thbridge.files.errors import BadFile, reason_of
+from thbridge.wire.mavlink.frames.signing import NoKey, SigningKey, key_in
+
+_REMEDY = "put a passphrase, 32 bytes or 64 hexadecimal digits there"
+_LARGEST = 4096
+
+
+def read_signing_key(path: Path) -> SigningKey:
+    """The key in a file, see `key_in`.
+
+    Raises:
+        BadFile: it cannot be read, or there is no key in it.
+    """
+    try:
+        with path.open("rb") as file:
+            content = file.read(_LARGEST)
+    except OSError as error:
+        raise BadFile(path, None, None, f"the signing key cannot be read ({reason_of(error)})", _REMEDY) from None
+    key = key_in(content)
+    if isinstance(key, NoKey):
+        raise BadFile(path, None, None, f"there is no signing key in it: {key.problem}", _REMEDY)
+    return key

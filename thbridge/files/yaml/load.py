@@ -1,0 +1,375 @@
+"""YAML files that people write, read into dataclasses, with every fault of a file told at once.
+
+A file is read twice over: `parse` turns its text into a tree in which each node knows its line, `load` turns that
+tree into a dataclass. Plain words are read by the type that the dataclass wants at that place, not by YAML's guesses:
+`no` is text where text is wanted, `1e3` is a number where a number is wanted, and neither is ever the other.
+"""
+
+import dataclasses
+import difflib
+import math
+import re
+import types
+from collections.abc import Iterator, Mapping
+from dataclasses import dataclass
+from pathlib import Path
+from typing import TYPE_CHECKING, Generic, Literal, TypeVar, Union, cast, get_args, get_origin, get_type_hints
+
+from thbridge.files.errors import BadFile, BadFiles
+from thbridge.files.yaml.declarations import (
+    Metadata,
+    bounds,
+    choices_of,
+    keys_of,
+    model_of,
+    paths,
+    renamed_of,
+    required,
+    ros_only_of,
+    sections_named_in,
+    wanted,
+)
+from thbridge.files.yaml.tree import Listing, Node, Scalar, Section, at_line, parse, read_text
+
+if TYPE_CHECKING:
+    from _typeshed import DataclassInstance
+
+T = TypeVar("T")
+
+
+@dataclass(frozen=True, slots=True)
+class Loaded(Generic[T]):
+    """What a file said, and where it said it.
+
+    Attributes:
+        path: the file.
+        value: the dataclass.
+        lines: line of each key and item that stands in the file, by its path (`robot.amcl.kld_err`, `rooms[2].goal`).
+        notices: sentences about keys that are right but change nothing here.
+    """
+
+    path: Path
+    value: T
+    lines: Mapping[str, int]
+    notices: tuple[str, ...] = ()
+
+    def fault(self, key: str, problem: str, remedy: str) -> BadFile:
+        """A fault of the value at this key path, found after loading; told at the nearest line that was written."""
+        written = key
+        while written and written not in self.lines:
+            written = written[: max(written.rfind("."), written.rfind("["), 0)]
+        return BadFile(self.path, self.lines.get(written), key, problem, remedy)
+
+
+def load(path: Path, into: type[T]) -> Loaded[T]:
+    """Read a YAML file into a dataclass whose fields are declared with `sim.parameters.knob` or plain.
+
+    A section whose field has a section for its default takes what the file leaves out from there. The names in a
+    class's `ros_only` are accepted, with a notice; those in its `renamed` stand for their present names.
+
+    Fields may be bool, int, float, str, Literal, StrEnum, Path, tuples, dataclasses, and any of these or None. A field
+    without a default must be in the file. A section that stands empty keeps its defaults. A field may also be a mapping
+    from numbers counted from 1 to dataclasses; where its metadata have `like`, each of them takes what it leaves out
+    from the field of that name.
+
+    Raises:
+        BadFiles: with every fault of the file; or one BadFile when it cannot be read at all.
+    """
+    return load_text(path, read_text(path), into)
+
+
+def load_text(path: Path, text: str, into: type[T]) -> Loaded[T]:
+    """As `load`, of a text that is at hand; `path` is what faults are told under."""
+    return load_tree(path, parse(path, text), into)
+
+
+def load_tree(path: Path, tree: Node, into: type[T], defaults: T | None = None) -> Loaded[T]:
+    """As `load`, of what `parse` gave; what the file leaves out is taken from `defaults`, if there are any."""
+    reader = _Reader(path, into)
+    value = reader.section(tree, into, "", cast("DataclassInstance | None", defaults))
+    if reader.faults:
+        raise BadFiles(tuple(sorted(reader.faults, key=lambda fault: fault.line or 0)))
+    return Loaded(path, cast(T, value), reader.lines, tuple(reader.notices))
+
+
+class _Wrong:
+    """Stands for a value that could not be read; the fault is in the reader's list."""
+
+
+_WRONG = _Wrong()
+_WHOLE = re.compile(r"[-+]?\d{1,4000}")
+_NUMBER = re.compile(r"[-+]?(\d+(\.\d*)?|\.\d+)([eE][-+]?\d{1,4})?")
+_LEADING_ZERO = re.compile(r"[-+]?0\d+")
+_COUNTED = re.compile(r"[1-9]\d{0,8}")
+_NOT_FINITE = re.compile(r"[-+]?\.?(inf|infinity|nan)", re.IGNORECASE)
+_WORDS_FOR_TRUTH = {"yes", "no", "on", "off", "y", "n"}
+
+
+@dataclass(slots=True)
+class _Reader:
+    path: Path
+    root: type
+    faults: list[BadFile] = dataclasses.field(default_factory=list)
+    lines: dict[str, int] = dataclasses.field(default_factory=dict)
+    notices: list[str] = dataclasses.field(default_factory=list)
+
+    def wrong(self, line: int, key: str, problem: str, remedy: str) -> _Wrong:
+        self.faults.append(BadFile(self.path, line, key or None, problem, remedy))
+        return _WRONG
+
+    def value(self, node: Node, hint: object, metadata: Metadata, key: str) -> object:
+        origin, arguments = get_origin(hint), get_args(hint)
+        if origin in {Union, types.UnionType}:
+            if isinstance(node, Scalar) and node.absent:
+                return None
+            (hint,) = (argument for argument in arguments if argument is not types.NoneType)
+            return self.value(node, hint, metadata, key)
+        if origin is tuple:
+            return self.listing(node, arguments, metadata, key)
+        if isinstance(hint, type) and dataclasses.is_dataclass(hint):
+            return self.section(node, hint, key)
+        if not isinstance(node, Scalar):
+            what = "a list" if isinstance(node, Listing) else "a section"
+            return self.wrong(node.line, key, f"{what} stands where one value is needed", wanted(hint, metadata))
+        if node.absent and hint is not bool:
+            return self.wrong(node.line, key, "no value", f"{wanted(hint, metadata)}, or delete the line")
+        if hint is bool:
+            return self.truth(node, key)
+        if hint is int or hint is float:
+            return self.number(node, hint, metadata, key)
+        choices = choices_of(hint, metadata)
+        if choices and node.text not in choices:
+            return self.wrong(node.line, key, f"{node.text!r} is no choice here", wanted(hint, metadata))
+        if isinstance(hint, type) and issubclass(hint, (str, Path)):
+            return hint(node.text)
+        if get_origin(hint) is Literal:
+            return node.text
+        raise TypeError(f"{key}: files cannot hold a {hint!r}")
+
+    def truth(self, node: Scalar, key: str) -> bool | _Wrong:
+        word = node.text.lower()
+        if word in {"true", "false"} and node.plain:
+            return word == "true"
+        if word in _WORDS_FOR_TRUTH:
+            problem = f"{node.text!r} is a word, not a truth value"
+        else:
+            problem = f"{node.text!r} is neither true nor false" if node.text else "no value"
+        return self.wrong(node.line, key, problem, "Write true or false, without quotes")
+
+    def number(self, node: Scalar, kind: object, metadata: Metadata, key: str) -> float | _Wrong:
+        text, remedy = node.text, wanted(kind, metadata)
+        if not node.plain:
+            return self.wrong(node.line, key, f"{text!r} in quotes is text, not a number", "Take the quotes away")
+        if _NOT_FINITE.fullmatch(text):
+            return self.wrong(node.line, key, f"{text} is not a finite number", remedy)
+        if _LEADING_ZERO.fullmatch(text):
+            return self.wrong(
+                node.line, key, f"{text} begins with 0 and reads as octal to some", "Take the leading 0 away"
+            )
+        if kind is int and not _WHOLE.fullmatch(text):
+            what = "not a whole number" if _NUMBER.fullmatch(text) else "not a number"
+            return self.wrong(node.line, key, f"{text!r} is {what}", remedy)
+        if not _NUMBER.fullmatch(text):
+            return self.wrong(node.line, key, f"{text!r} is not a number", remedy)
+        number = int(text) if kind is int else float(text)
+        minimum, maximum = bounds(metadata)
+        if not minimum <= number <= maximum or not math.isfinite(number):
+            return self.wrong(node.line, key, f"{text} is out of range", remedy)
+        return number
+
+    def listing(self, node: Node, arguments: tuple[object, ...], metadata: Metadata, key: str) -> object:
+        if isinstance(node, Scalar) and not node.plain and node.text.lstrip().startswith("["):
+            # ROS's parameters hold lists of lists as text.
+            node = self.listing_in_text(node)
+        if not isinstance(node, Listing):
+            return self.wrong(node.line, key, "a list is needed", "Write [..., ...], or one line '- ...' for each item")
+        if arguments[-1] is Ellipsis:
+            hints = (arguments[0],) * len(node.items)
+        elif len(node.items) == len(arguments):
+            hints = arguments
+        else:
+            return self.wrong(
+                node.line,
+                key,
+                f"{len(node.items)} values where {len(arguments)} are needed",
+                f"Write {len(arguments)} values between [ and ]",
+            )
+        values = []
+        for index, (item, hint) in enumerate(zip(node.items, hints, strict=True)):
+            place = f"{key}[{index}]"
+            self.lines[place] = item.line
+            values.append(self.value(item, hint, metadata, place))
+        return _WRONG if _WRONG in values else tuple(values)
+
+    def listing_in_text(self, node: Scalar) -> Node:
+        try:
+            return at_line(parse(self.path, node.text), node.line)
+        except BadFile:
+            return node
+
+    def renamed(self, node: Section, into: type, key: str) -> Iterator[tuple[Scalar, Node]]:
+        """The entries of a section under their present names; an old name beside the present one is left out."""
+        written = {name.text for name, _ in node.entries}
+        for name, child in node.entries:
+            present = renamed_of(into).get(name.text)
+            if present is None:
+                yield name, child
+            elif present not in written:
+                yield dataclasses.replace(name, text=present), child
+            else:
+                place = f"{key}.{name.text}" if key else name.text
+                told = f"{place} has no effect here: it is an old name of {present}, which stands there, too"
+                self.notices.append(f"{self.path}, line {name.line}: {told}")
+
+    def section(self, node: Node, into: type, key: str, defaults: "DataclassInstance | None" = None) -> object:
+        if isinstance(node, Scalar) and node.absent:
+            node = Section(node.line, [])
+        if not isinstance(node, Section):
+            return self.wrong(node.line, key, "a section of 'key: value' lines is needed", keys_of(into))
+        node = _handed_down(node, into)
+        hints = cast(Mapping[str, object], get_type_hints(into))
+        known = {knob.name: knob for knob in dataclasses.fields(into)}
+        listed = sections_named_in(into)
+        named = _named(node, into, defaults)
+        values: dict[str, object] = {}
+        first_lines: dict[str, int] = {}
+        # What is like another field can only be read after it.
+        for name, child in sorted(
+            self.renamed(node, into, key), key=lambda entry: model_of(known.get(entry[0].text)) is not None
+        ):
+            place = f"{key}.{name.text}" if key else name.text
+            if name.text in first_lines:
+                self.wrong(
+                    name.line, place, f"stands twice, first in line {first_lines[name.text]}", "Keep one of the two"
+                )
+                continue
+            first_lines[name.text] = name.line
+            if name.text in ros_only_of(into):
+                meaning = ros_only_of(into)[name.text]
+                self.notices.append(f"{self.path}, line {name.line}: {place} has no effect here: {meaning}")
+                continue
+            if (listed and name.text == listed) or name.text in named:
+                self.lines[place] = name.line
+                continue
+            if name.text not in known:
+                self.unknown(name, place, into)
+                continue
+            self.lines[place] = name.line
+            knob, hint = known[name.text], hints[name.text]
+            if get_origin(hint) is Mapping:
+                model = model_of(knob) or ""
+                like = values.get(model, cast(object, getattr(defaults, model, None)))
+                values[name.text] = self.numbered(child, get_args(hint)[1], place, like)
+            else:
+                own = knob.default if defaults is None else cast(object, getattr(defaults, knob.name))
+                values[name.text] = self.field(child, hint, knob, place, own)
+        if listed and (listed in first_lines or any(name in first_lines for name in named)):
+            values[listed] = self.named_sections(node, listed, named, get_args(hints[listed])[0], key)
+        missing = [knob for knob in known.values() if required(knob) and knob.name not in first_lines]
+        for knob in missing:
+            remedy = f"Add the line '{knob.name}: ...'. {wanted(hints[knob.name], knob.metadata)} there"
+            self.wrong(node.line, f"{key}.{knob.name}" if key else knob.name, "missing", remedy)
+        if missing or _WRONG in values.values():
+            return _WRONG
+        return cast(object, into(**values) if defaults is None else dataclasses.replace(defaults, **values))
+
+    def named_sections(
+        self, node: Section, listed: str, named: Mapping[str, "DataclassInstance | None"], into: type, key: str
+    ) -> object:
+        """The sections whose names a text lists, or that are there by default; one that is not written is as it was."""
+        written = {name.text: child for name, child in node.entries}
+        names = written.get(listed)
+        place = f"{key}.{listed}" if key else listed
+        if names is not None and not isinstance(names, Scalar):
+            return self.wrong(names.line, place, "no text", "Write names with blanks between")
+        values = []
+        for name, default in named.items():
+            child = written.get(name, Section(node.line, []))
+            value = self.section(child, into, f"{key}.{name}" if key else name, default)
+            values.append(
+                value if value is _WRONG else dataclasses.replace(cast("DataclassInstance", value), name=name)
+            )
+        return _WRONG if _WRONG in values else tuple(values)
+
+    def field(self, node: Node, hint: object, knob: "dataclasses.Field[object]", place: str, default: object) -> object:
+        if dataclasses.is_dataclass(default) and not isinstance(default, type):
+            return self.section(node, type(default), place, default)
+        return self.value(node, hint, knob.metadata, place)
+
+    def numbered(self, node: Node, into: type, key: str, like: object) -> object:
+        if isinstance(node, Scalar) and node.absent:
+            return {}
+        if not isinstance(node, Section):
+            return self.wrong(node.line, key, "a section is needed", f"Write 'NUMBER: {{...}}' lines. {keys_of(into)}")
+        values: dict[int, object] = {}
+        for name, child in node.entries:
+            place = f"{key}.{name.text}"
+            if not _COUNTED.fullmatch(name.text):
+                self.wrong(name.line, place, f"{name.text!r} is no number here", "Write a whole number, at least 1")
+                values[0] = _WRONG
+            elif int(name.text) in values:
+                first = self.lines[place]
+                self.wrong(name.line, place, f"stands twice, first in line {first}", "Keep one of the two")
+            else:
+                self.lines[place] = name.line
+                # Where the section it is like is wrong, that has been told; this one is read for its own faults.
+                defaults = cast("DataclassInstance", like) if isinstance(like, into) else None
+                values[int(name.text)] = self.section(child, into, place, defaults)
+        return _WRONG if _WRONG in values.values() else values
+
+    def unknown(self, name: Scalar, place: str, into: type) -> None:
+        names = [knob.name for knob in dataclasses.fields(into)]
+        nearest = difflib.get_close_matches(name.text, names, n=1)
+        elsewhere = [path for path in paths(self.root) if path.rpartition(".")[2] == name.text]
+        if nearest:
+            remedy = f"The nearest right name is {nearest[0]}"
+        elif elsewhere:
+            remedy = f"It belongs at {' or '.join(elsewhere)}"
+        else:
+            remedy = keys_of(into)
+        self.wrong(name.line, place, "unknown key", remedy)
+
+
+def _words(node: Section, key: str) -> list[str]:
+    """The words of the text that a section has under this key."""
+    texts = [child.text for name, child in node.entries if name.text == key and isinstance(child, Scalar)]
+    return [word for text in texts for word in text.split()]
+
+
+def _named(node: Section, into: type, defaults: "DataclassInstance | None") -> Mapping[str, "DataclassInstance | None"]:
+    """The names of a section's further sections, with their defaults where the names themselves are by default."""
+    listed = sections_named_in(into)
+    if any(name.text == listed for name, _ in node.entries):
+        return dict.fromkeys(_words(node, listed))
+    sections = cast(tuple["DataclassInstance", ...], getattr(defaults, listed, ()))
+    return {cast(str, getattr(section, "name")): section for section in sections}  # noqa: B009 - any class of them
+
+
+def _handed_down(node: Section, into: type) -> Section:
+    """The section with those entries standing in its parts that ROS hands down to them, in place of the parts' own."""
+    passed_on = cast(Mapping[str, str], getattr(into, "passed_on", {}))
+    parts: dict[str, list[tuple[Scalar, Node]]] = {}
+    gone: set[str] = set()
+    for key, child in node.entries:
+        if key.text not in passed_on:
+            continue
+        part, _, name = passed_on[key.text].partition(".")
+        entries = parts.setdefault(part, [])
+        entries.append((Scalar(name, plain=True, line=key.line), child))
+        if name == sections_named_in(cast(type, get_type_hints(into)[part])):
+            named = _words(node, key.text)
+            entries.extend(entry for entry in node.entries if entry[0].text in named)
+            gone.update(named)
+        if key.text not in {knob.name for knob in dataclasses.fields(into)}:
+            gone.add(key.text)
+    result = [entry for entry in node.entries if entry[0].text not in gone | set(parts)]
+    for part, entries in parts.items():
+        for key, own in [entry for entry in node.entries if entry[0].text == part]:
+            handed = {entry[0].text for entry in entries}
+            if isinstance(own, Section):
+                entries.extend(entry for entry in own.entries if entry[0].text not in handed)
+            elif not (isinstance(own, Scalar) and own.absent):
+                result.append((key, own))
+        line = entries[0][0].line
+        result.append((Scalar(part, plain=True, line=line), Section(line, entries)))
+    return Section(node.line, result)

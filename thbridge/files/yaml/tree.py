@@ -1,0 +1,236 @@
+"""YAML as it was written: a tree in which each node knows its line, before anybody asks what the words mean."""
+
+import dataclasses
+from dataclasses import dataclass, field
+from pathlib import Path
+
+from ruamel.yaml import YAML
+from ruamel.yaml.error import MarkedYAMLError, YAMLError
+from ruamel.yaml.events import (
+    AliasEvent,
+    DocumentStartEvent,
+    MappingEndEvent,
+    MappingStartEvent,
+    NodeEvent,
+    ScalarEvent,
+    SequenceEndEvent,
+    SequenceStartEvent,
+)
+from ruamel.yaml.reader import ReaderError
+
+from thbridge.files.errors import BadFile
+
+LARGEST_FILE = 1 << 20
+"""Bytes; a file that people write is some thousand."""
+DEEPEST = 32
+"""Levels of nesting."""
+LARGEST_TREE = 100_000
+"""Values that a file may have once its aliases are followed."""
+
+
+@dataclass(frozen=True, slots=True)
+class Scalar:
+    """A word, number or text; `plain` when it stands without quotes, `tag` what stands before it (`!degrees`).
+
+    `start` and `end` are where it lies in the text, with its quotes; one that was left out lies nowhere.
+    """
+
+    text: str
+    plain: bool
+    line: int
+    tag: str | None = None
+    start: int = field(default=0, compare=False)
+    end: int = field(default=0, compare=False)
+
+    @property
+    def absent(self) -> bool:
+        """Whether nothing was written, or a word for nothing."""
+        return self.plain and self.text in {"", "~", "null", "Null", "NULL"}
+
+
+@dataclass(frozen=True, slots=True)
+class Listing:
+    """A sequence; `start` is where it begins in the text, `flow` whether it stands in brackets there."""
+
+    line: int
+    items: list["Node"]
+    start: int = field(default=0, compare=False)
+    flow: bool = field(default=False, compare=False)
+
+
+@dataclass(frozen=True, slots=True)
+class Section:
+    """A mapping, as written: a key may stand twice. `start` and `flow` as of a Listing."""
+
+    line: int
+    entries: list[tuple[Scalar, "Node"]]
+    start: int = field(default=0, compare=False)
+    flow: bool = field(default=False, compare=False)
+
+
+Node = Scalar | Listing | Section
+
+
+def read_text(path: Path, largest: int = LARGEST_FILE) -> str:
+    """The text of a file that people write.
+
+    Raises:
+        BadFile: it is missing, not a file, larger than `largest` bytes, or not UTF-8.
+    """
+    try:
+        with path.open("rb") as file:
+            data = file.read(largest + 1)
+    except FileNotFoundError:
+        raise BadFile(path, None, None, "there is no such file", "Check the name and the folder") from None
+    except OSError as error:
+        raise BadFile(path, None, None, f"it cannot be read ({error.strerror})", "Check that it is a file") from None
+    if len(data) > largest:
+        raise BadFile(path, None, None, f"larger than {largest} bytes", "Check that it is the right file")
+    try:
+        return data.decode("utf-8-sig")
+    except UnicodeDecodeError as error:
+        line = data.count(b"\n", 0, error.start) + 1
+        problem = f"byte 0x{data[error.start]:02x} is not UTF-8"
+        raise BadFile(path, line, None, problem, "Save the file with the encoding UTF-8") from None
+
+
+def parse(path: Path, text: str, ros: bool = False) -> Node:
+    """The tree of one YAML document; an empty text is an empty section.
+
+    Args:
+        path: the file, for faults.
+        text: what it says.
+        ros: accept what files written for ROS may have: aliases, each as the tree of its anchor, and tags of scalars.
+
+    Raises:
+        BadFile: it is not YAML, or uses what a plain list of settings does not need: anchors, tags, several documents.
+    """
+    _refuse_tabs(path, text)
+    root: list[Node] = []
+    stack: list[Listing | Section] = []
+    pending_keys: list[Scalar | None] = []
+    anchors = _Anchors(path)
+    documents = 0
+    try:
+        # Without plug-ins, which are looked for on disk.
+        for event in YAML(typ="safe", pure=True, plug_ins=[]).parse(text):
+            if isinstance(event, DocumentStartEvent):
+                documents += 1
+                if documents > 1:
+                    line = event.start_mark.line + 1
+                    raise BadFile(path, line, "---", "a second document begins", "Keep one document in a file")
+            elif isinstance(event, (MappingEndEvent, SequenceEndEvent)):
+                anchors.close(stack.pop())
+                pending_keys.pop()
+            elif isinstance(event, NodeEvent):
+                alias = ros and isinstance(event, AliasEvent)
+                node = anchors.node_of(event) if alias else _node(path, event, ros)
+                if not alias:
+                    anchors.open(event, node)
+                if not stack:
+                    root.append(node)
+                elif isinstance(stack[-1], Listing):
+                    stack[-1].items.append(node)
+                elif (key := pending_keys[-1]) is not None:
+                    # A value that was left out is marked where the next key begins, which is not where to mend it.
+                    if isinstance(node, Scalar) and node.absent:
+                        node = dataclasses.replace(node, line=key.line)
+                    stack[-1].entries.append((key, node))
+                    pending_keys[-1] = None
+                elif isinstance(node, Scalar):
+                    pending_keys[-1] = node
+                else:
+                    raise BadFile(path, node.line, None, "a list or section stands as a key", "Write a word as the key")
+                if not isinstance(node, Scalar) and not alias:
+                    stack.append(node)
+                    pending_keys.append(None)
+                if len(stack) > DEEPEST:
+                    raise BadFile(path, node.line, None, f"nested deeper than {DEEPEST}", "Take brackets away")
+    except MarkedYAMLError as error:
+        mark = error.problem_mark or error.context_mark
+        told = " ".join(part for part in (error.context, error.problem) if part)
+        remedy = "Check the indentation, the colons and the brackets here and in the line before"
+        raise BadFile(path, None if mark is None else mark.line + 1, None, f"not YAML: {told}", remedy) from None
+    except ReaderError as error:
+        line = text.count("\n", 0, error.position) + 1
+        raise BadFile(path, line, None, "an invisible control character", "Delete it") from None
+    except YAMLError as error:
+        raise BadFile(path, None, None, f"not YAML: {error}", "Check the file") from None
+    return root[0] if root else Section(1, [])
+
+
+def at_line(node: Node, line: int) -> Node:
+    """The same tree, all of it at one line."""
+    match node:
+        case Listing(_, items):
+            return Listing(line, [at_line(item, line) for item in items])
+        case Section(_, entries):
+            return Section(line, [(_moved(key, line), at_line(child, line)) for key, child in entries])
+        case Scalar():
+            return _moved(node, line)
+
+
+def _moved(scalar: Scalar, line: int) -> Scalar:
+    return dataclasses.replace(scalar, line=line)
+
+
+def _refuse_tabs(path: Path, text: str) -> None:
+    for number, line in enumerate(text.split("\n"), start=1):
+        if "\t" in line[: len(line) - len(line.lstrip())]:
+            raise BadFile(path, number, None, "a tab in the indentation", "Indent with blanks")
+
+
+class _Anchors:
+    """The anchors of a document, and how large it has become by their aliases."""
+
+    def __init__(self, path: Path) -> None:
+        self._path = path
+        self._nodes: dict[str, tuple[Node, int]] = {}
+        self._open: list[tuple[Node, str | None, int]] = []
+        self._count = 0
+
+    def open(self, event: NodeEvent, node: Node) -> None:
+        """A node begins; a scalar is also complete."""
+        self._count += 1
+        self._open.append((node, None if event.anchor is None else str(event.anchor), self._count))
+        if isinstance(node, Scalar):
+            self.close(node)
+
+    def close(self, node: Node) -> None:
+        """The node that was opened last is complete."""
+        _, anchor, before = self._open.pop()
+        if anchor is not None:
+            self._nodes[anchor] = node, self._count - before + 1
+
+    def node_of(self, event: NodeEvent) -> Node:
+        """The node that an alias stands for. Raises BadFile: there is none, or too many of them."""
+        line, name = event.start_mark.line + 1, str(event.anchor)
+        if name not in self._nodes:
+            raise BadFile(self._path, line, name, "an alias (*) of nothing before it", "Write the value out")
+        node, size = self._nodes[name]
+        self._count += size
+        if self._count > LARGEST_TREE:
+            raise BadFile(self._path, line, name, f"more than {LARGEST_TREE} values by aliases (*)", "Write less")
+        return node
+
+
+def _node(path: Path, event: NodeEvent, ros: bool) -> Node:
+    line = event.start_mark.line + 1
+    if not ros and (isinstance(event, AliasEvent) or event.anchor is not None):
+        raise BadFile(path, line, str(event.anchor), "an anchor or alias (& or *)", "Write the value out, or quote it")
+    if not isinstance(event, (ScalarEvent, MappingStartEvent, SequenceStartEvent)):
+        raise TypeError(f"an event of YAML that is no node: {event!r}")
+    if event.tag is not None and not (ros and isinstance(event, ScalarEvent)):
+        raise BadFile(path, line, str(event.tag), "a tag (!)", "Write the plain value, or quote it")
+    start = event.start_mark.index
+    if isinstance(event, ScalarEvent):
+        tag = None if event.tag is None else str(event.tag)
+        return Scalar(event.value, event.style is None, line, tag, start, event.end_mark.index)
+    flow = bool(event.flow_style)
+    return Section(line, [], start, flow) if isinstance(event, MappingStartEvent) else Listing(line, [], start, flow)
+
+
+def quoted(text: str) -> str:
+    """A text in double quotes, so that it is read back as it is."""
+    escaped = text.replace("\\", "\\\\").replace('"', '\\"')
+    return '"' + "".join(sign if sign.isprintable() else f"\\U{ord(sign):08x}" for sign in escaped) + '"'

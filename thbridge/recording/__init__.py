@@ -1,0 +1,1 @@
+"""All that makes, reads and mends the record of a session: bags, journals, telemetry logs."""

@@ -1,0 +1,333 @@
+"""Any message of a recording without reading those before it.
+
+Opening reads what the end of each file says of its chunks. What is in a chunk is looked up when somebody wants to know,
+and forgotten when much else was looked up since; so neither time nor memory grows with messages that nobody looks at.
+"""
+
+from bisect import bisect_right
+from collections import OrderedDict
+from collections.abc import Collection, Generator, Iterable, Iterator
+from dataclasses import dataclass
+from itertools import accumulate
+from pathlib import Path
+from typing import BinaryIO, NamedTuple
+
+import numpy as np
+from numpy.typing import NDArray
+from rosbags.rosbag1.reader import Header, RecordType, normalize, read_bytes, read_uint32
+
+from thbridge.files.errors import BadFile
+from thbridge.recording.bag.chunk_reader import Chunk, ChunkReader
+from thbridge.recording.bag.reader import MAGIC, VERSION, RawMessage, check_is_bag, damage_told
+from thbridge.recording.recordings import ACTIVE, active_of, parts_of
+
+STEP = 64
+"""Chunks after which opening a bag pauses: some milliseconds."""
+CHUNKS_KEPT = 2048
+"""Chunks whose index is remembered."""
+
+
+@dataclass(frozen=True, slots=True)
+class Publisher:
+    """One publisher of one topic in one file.
+
+    Attributes:
+        file: number of the file among the recording's parts.
+        number: what the file calls it.
+        topic: its name.
+        msgtype: for example "nav_msgs/Odometry".
+        md5: of the type.
+    """
+
+    file: int
+    number: int
+    topic: str
+    msgtype: str
+    md5: str
+
+
+class Place(NamedTuple):
+    """Where a message is; places are ordered by time, those of one time as they were recorded.
+
+    Attributes:
+        stamp_ns: when it was recorded.
+        file: number of the file.
+        position: of its chunk in the file.
+        offset: of its record in the unpacked chunk.
+        chunk: number of the chunk in the index.
+        publisher: who said it.
+    """
+
+    stamp_ns: int
+    file: int
+    position: int
+    offset: int
+    chunk: int
+    publisher: Publisher
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class _Where:
+    """The chunks that hold messages of one topic: numbers, first stamps, and last stamps in each or any before it."""
+
+    chunks: list[int]
+    starts: list[int]
+    reach: list[int]
+
+    @classmethod
+    def of(cls, chunks: list[int], all_chunks: list[Chunk]) -> "_Where":
+        ends = accumulate((all_chunks[chunk].end_ns for chunk in chunks), max)
+        return cls(chunks, [all_chunks[chunk].start_ns for chunk in chunks], list(ends))
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class _Entries:
+    """Messages of one publisher in one chunk: (n,) stamps, rising, and (n,) offsets in the unpacked chunk."""
+
+    publisher: Publisher
+    stamps_ns: NDArray[np.int64]
+    offsets: NDArray[np.int64]
+
+    @classmethod
+    def of(cls, publisher: Publisher, data: bytes) -> "_Entries":
+        """From the data of an index record."""
+        table = np.frombuffer(data, dtype="<u4").reshape(-1, 3).astype(np.int64)
+        stamps, offsets = table[:, 0] * 1_000_000_000 + table[:, 1], table[:, 2]
+        if (np.diff(stamps) <= 0).any():
+            order = np.lexsort((offsets, stamps))
+            stamps, offsets = stamps[order], offsets[order]
+        return cls(publisher, stamps, offsets)
+
+
+class BagIndex:
+    """A recording that was opened by `open_index`; for one thread.
+
+    All methods that look for messages or read them raise BadFile where the file is damaged, or gone.
+
+    Attributes:
+        path: as it was named.
+        start_ns: stamp of the first message; 0 when there is none.
+        end_ns: stamp of the last one.
+    """
+
+    def __init__(
+        self,
+        path: Path,
+        parts: tuple[Path, ...],
+        files: list[BinaryIO],
+        publishers: list[Publisher],
+        chunks: list[Chunk],
+    ) -> None:
+        self.path = path
+        self._parts, self._reader = parts, ChunkReader(parts, files)
+        self._publishers = {(each.file, each.number): each for each in publishers}
+        self._of_topic: dict[str, set[tuple[int, int]]] = {}
+        for each in publishers:
+            self._of_topic.setdefault(each.topic, set()).add((each.file, each.number))
+        self._chunks = sorted(chunks, key=lambda chunk: (chunk.start_ns, chunk.file, chunk.position))
+        self.start_ns = self._chunks[0].start_ns if chunks else 0
+        self.end_ns = max((chunk.end_ns for chunk in chunks), default=0)
+        self._where: dict[str, _Where] = {}
+        self._speaking: dict[tuple[int, int], list[int]] = {}
+        for index, chunk in enumerate(self._chunks):
+            for number in chunk.counts:
+                self._speaking.setdefault((chunk.file, number), []).append(index)
+        self._inner: OrderedDict[int, dict[int, bytes | _Entries]] = OrderedDict()
+
+    @property
+    def publishers(self) -> tuple[Publisher, ...]:
+        """All of them, in the order of the files."""
+        return tuple(self._publishers.values())
+
+    @property
+    def chunks(self) -> int:
+        """How many chunks there are."""
+        return len(self._chunks)
+
+    def close(self) -> None:
+        """Close the files."""
+        self._reader.close()
+
+    def last(self, topic: str, at_ns: int) -> Place | None:
+        """Where the last message of a topic up to a time is, that time included."""
+        best: Place | None = None
+        where = self._whereabouts(topic)
+        for turn in range(bisect_right(where.starts, at_ns) - 1, -1, -1):
+            if best is not None and where.reach[turn] < best.stamp_ns:
+                break
+            index = where.chunks[turn]
+            for entries in self._entries_of(index, topic):
+                row = int(np.searchsorted(entries.stamps_ns, at_ns, side="right")) - 1
+                if row >= 0:
+                    found = self._place(index, entries, row)
+                    best = found if best is None else max(best, found)
+        return best
+
+    def next(self, topic: str, after_ns: int) -> Place | None:
+        """Where the first message of a topic later than a time is."""
+        best: Place | None = None
+        where = self._whereabouts(topic)
+        for turn in range(bisect_right(where.reach, after_ns), len(where.chunks)):
+            if best is not None and where.starts[turn] > best.stamp_ns:
+                break
+            index = where.chunks[turn]
+            for entries in self._entries_of(index, topic):
+                row = int(np.searchsorted(entries.stamps_ns, after_ns, side="right"))
+                if row < len(entries.stamps_ns):
+                    found = self._place(index, entries, row)
+                    best = found if best is None else min(best, found)
+        return best
+
+    def chunks_back(self, topic: str, at_ns: int, until_ns: int) -> Iterator[int]:
+        """The chunks that may hold messages of a topic from a time back until another, both included; last first."""
+        where = self._whereabouts(topic)
+        for turn in range(bisect_right(where.starts, at_ns) - 1, -1, -1):
+            if where.reach[turn] < until_ns:
+                return
+            yield where.chunks[turn]
+
+    def places(self, topic: str, chunk: int) -> list[Place]:
+        """Where in a chunk the messages of a topic are, in order of time."""
+        return sorted(place for entries in self._entries_of(chunk, topic) for place in self._places(chunk, entries))
+
+    def walk(self, topics: Collection[str]) -> Iterator[list[Place]]:
+        """Where all messages of these topics are, in order of time; a list for each chunk, so that one can pause."""
+        wanted = frozenset[tuple[int, int]]().union(*(self._of_topic.get(topic, set()) for topic in topics))
+        pending: list[Place] = []
+        for index, chunk in enumerate(self._chunks):
+            numbers = [number for number in chunk.counts if (chunk.file, number) in wanted]
+            if numbers:
+                for entries in self._entries(index, numbers):
+                    pending.extend(self._places(index, entries))
+            # What begins later cannot come before what is earlier than that.
+            horizon = self._chunks[index + 1].start_ns if index + 1 < len(self._chunks) else None
+            pending.sort()
+            ready = pending if horizon is None else [place for place in pending if place.stamp_ns < horizon]
+            pending = pending[len(ready) :]
+            yield ready
+
+    def read(self, place: Place) -> RawMessage:
+        """The message at a place."""
+        publisher, data = place.publisher, self._reader.message(self._chunks[place.chunk], place.offset)
+        return RawMessage(publisher.topic, publisher.msgtype, publisher.md5, place.stamp_ns, data)
+
+    def _place(self, index: int, entries: _Entries, row: int) -> Place:
+        chunk = self._chunks[index]
+        stamp_ns, offset = int(entries.stamps_ns[row]), int(entries.offsets[row])
+        return Place(stamp_ns, chunk.file, chunk.position, offset, index, entries.publisher)
+
+    def _places(self, index: int, entries: _Entries) -> Iterator[Place]:
+        chunk, publisher = self._chunks[index], entries.publisher
+        for stamp_ns, offset in zip(entries.stamps_ns.tolist(), entries.offsets.tolist(), strict=True):
+            yield Place(stamp_ns, chunk.file, chunk.position, offset, index, publisher)
+
+    def _whereabouts(self, topic: str) -> _Where:
+        known = self._where.get(topic)
+        if known is None:
+            speaking = (self._speaking.get(who, ()) for who in self._of_topic.get(topic, ()))
+            chunks = sorted(set[int]().union(*speaking))
+            known = self._where[topic] = _Where.of(chunks, self._chunks)
+        return known
+
+    def _entries_of(self, index: int, topic: str) -> list[_Entries]:
+        file = self._chunks[index].file
+        return self._entries(index, (number for said_in, number in self._of_topic[topic] if said_in == file))
+
+    def _entries(self, index: int, numbers: Iterable[int]) -> list[_Entries]:
+        """What these publishers of its file say in a chunk."""
+        inner, file = self._inside(index), self._chunks[index].file
+        found = []
+        for number in numbers:
+            entries = inner.get(number)
+            if isinstance(entries, bytes):
+                with damage_told(self._parts[file]):
+                    entries = inner[number] = _Entries.of(self._publishers[file, number], entries)
+            if entries is not None:
+                found.append(entries)
+        return found
+
+    def _inside(self, index: int) -> dict[int, bytes | _Entries]:
+        """The index of a chunk by number of publisher; taken apart when somebody looks."""
+        known = self._inner.get(index)
+        if known is None:
+            known = self._inner[index] = {**self._reader.index_of(self._chunks[index])}
+            if len(self._inner) > CHUNKS_KEPT:
+                self._inner.popitem(last=False)
+        else:
+            self._inner.move_to_end(index)
+        return known
+
+
+def open_index(path: Path) -> Generator[float, None, BagIndex]:
+    """Open a recording in pieces of some milliseconds, between which it tells which share of the work is done.
+
+    Args:
+        path: a bag, or the name of a split recording.
+
+    Returns:
+        The index; whoever opened it closes it.
+
+    Raises:
+        BadFile: there is no such file, it is not a ROS 1 bag, its writer has not closed it, or it is damaged.
+    """
+    parts = parts_of(path)
+    if parts == (path,) and not path.exists() and active_of(path).exists():
+        raise _unfinished(active_of(path))
+    files: list[BinaryIO] = []
+    publishers: list[Publisher] = []
+    chunks: list[Chunk] = []
+    try:
+        for number, part in enumerate(parts):
+            check_is_bag(part)
+            with damage_told(part):
+                files.append(part.open("rb"))
+                for share in _read_end(files[-1], number, part, publishers, chunks):
+                    yield (number + share) / len(parts)
+    except BaseException:
+        for file in files:
+            file.close()
+        raise
+    return BagIndex(path, parts, files, publishers, chunks)
+
+
+def _read_end(
+    file: BinaryIO, number: int, part: Path, publishers: list[Publisher], chunks: list[Chunk]
+) -> Iterator[float]:
+    """Add what the end of a file says of its publishers and chunks; tells which share is read."""
+    file.seek(len(MAGIC) + len(VERSION))
+    head = Header.read(file, RecordType.BAGHEADER)
+    position, count = head.get_uint64("index_pos"), head.get_uint32("chunk_count")
+    if head.get("encryptor"):
+        raise BadFile(part, None, None, "the bag is encrypted", "decrypt it with the program that encrypted it")
+    if position == 0:
+        raise _unfinished(part)
+    file.seek(position)
+    for _ in range(head.get_uint32("conn_count")):
+        outer = Header.read(file, RecordType.CONNECTION)
+        inner = Header.read(file)  # the record's data has the form of a head
+        publishers.append(
+            Publisher(
+                number,
+                outer.get_uint32("conn"),
+                normalize(outer.get_string("topic")),
+                inner.get_string("type"),
+                inner.get_string("md5sum"),
+            )
+        )
+    for index in range(count):
+        info = Header.read(file, RecordType.CHUNK_INFO)
+        table = np.frombuffer(read_bytes(file, read_uint32(file)), dtype="<u4").reshape(-1, 2)
+        counts = {publisher: messages for publisher, messages in table.tolist() if messages}
+        if counts:
+            times = info.get_time("start_time"), info.get_time("end_time")
+            chunks.append(Chunk(number, info.get_uint64("chunk_pos"), *times, counts))
+        if index % STEP == STEP - 1:
+            yield index / count
+
+
+def _unfinished(path: Path) -> BadFile:
+    if path.name.endswith(ACTIVE):
+        problem = "the bag is still being written, or its writer was killed"
+        remedy = f"wait until its session has ended, or else run `thbridge bag reindex {path}`"
+        return BadFile(path, None, None, problem, remedy)
+    return BadFile(path, None, None, "the bag was cut off: it has no index", f"run `thbridge bag reindex {path}`")

@@ -1,0 +1,169 @@
+"""The files that a recording becomes: one, or several where it is split."""
+
+import os
+from dataclasses import dataclass
+from pathlib import Path
+
+from thbridge.recording.bag.bag_file import ChunkFile
+from thbridge.recording.bag.chunks import Chunk, Chunks
+from thbridge.recording.bag.records import Compression, Connection
+from thbridge.recording.bag.worker import Lane
+from thbridge.recording.recordings import ACTIVE, active_of, part_of
+
+
+@dataclass(frozen=True, slots=True)
+class Splitting:
+    """When a recording goes on in another file.
+
+    Attributes:
+        size: bytes beyond which a file ends, with the chunk and with all that has the same stamp; None for any size.
+            What a file begins with, because files before it said so, does not count: it alone may be larger.
+        duration_ns: recorded time that a file spans at most; None for any.
+    """
+
+    size: int | None = None
+    duration_ns: int | None = None
+
+    @property
+    def wanted(self) -> bool:
+        """Whether there are several files at all, or could be."""
+        return self.size is not None or self.duration_ns is not None
+
+
+@dataclass(frozen=True, slots=True)
+class Piece:
+    """A chunk with what it takes to begin a file with it.
+
+    Attributes:
+        chunk: the chunk.
+        latched: the last message of every latched topic before it.
+        period: which stretch of the splitting's duration it is in, from 0.
+    """
+
+    chunk: Chunk
+    latched: tuple[tuple[Connection, bytes], ...]
+    period: int
+
+
+class Parts:
+    """Writes chunks into a bag, or into one bag after another.
+
+    A further file begins with the latched messages so far, at the stamp of its first message. One thread at a time.
+
+    Args:
+        path: of the bag; parts are named after it.
+        compression: of the chunks.
+        splitting: when a file is full.
+        syncing: where files are forced onto the disk.
+
+    Raises:
+        OSError: the first file cannot be created.
+    """
+
+    def __init__(self, path: Path, compression: Compression, splitting: Splitting, syncing: Lane) -> None:
+        self._path = path
+        self._compression = compression
+        self._splitting = splitting
+        self._syncing = syncing
+        self._number = self._period = 0
+        self._repeated = 0
+        self._full = False
+        self._end_ns = 0
+        self._open: list[ChunkFile] = []
+        self._file = self._begin(0)
+
+    @property
+    def unfinished(self) -> Path | None:
+        """The first file that has not got its name yet."""
+        return self._open[0].path if self._open else None
+
+    @property
+    def last(self) -> Path:
+        """The name of the last bag."""
+        return _finished(self._file)
+
+    def append(self, piece: Piece) -> None:
+        """Add a chunk. Raises OSError; then everything before it is kept."""
+        self._turn_to(piece)
+        self._file.append(piece.chunk)
+        said = self._file.size - self._repeated
+        self._full = self._splitting.size is not None and said > self._splitting.size
+        self._end_ns = piece.chunk.end_ns
+
+    def preview(self, piece: Piece) -> None:
+        """Bring a chunk that is still growing onto the disk, with all before it. Raises OSError."""
+        self._turn_to(piece)
+        self._file.preview(piece.chunk)
+        self.sync()
+
+    def sync(self) -> None:
+        """Force everything onto the disk, unless that is being done."""
+        if not self._syncing.behind():
+            self._syncing.give(self._file.sync)
+
+    def finish(self) -> None:
+        """Complete the file, and give it its name once it is on the disk. Raises OSError."""
+        file = self._file
+        file.finish()
+        self._syncing.give(lambda: self._settle(file))
+
+    def salvage(self) -> None:
+        """After an error, complete what can be completed, at once. Raises OSError; this can be tried again."""
+        for file in tuple(self._open):
+            file.finish()
+            self._settle(file)
+
+    def abandon(self) -> None:
+        """Close all files as they are."""
+        for file in self._open:
+            file.close()
+
+    def _turn_to(self, piece: Piece) -> None:
+        """Go on in another file where a chunk does not belong into this one."""
+        # What was said at one stamp stays together, and keeps its order.
+        if not (self._full and piece.chunk.start_ns > self._end_ns) and piece.period == self._period:
+            return
+        self.finish()
+        self._file = self._begin(self._number + 1)
+        self._number, self._period, self._full = self._number + 1, piece.period, False
+        opening = Chunks()
+        for connection, data in piece.latched:
+            opening.add(connection, piece.chunk.start_ns, data)
+        if opening.size:
+            self._file.append(opening.take())
+        self._repeated = self._file.size
+
+    def _begin(self, number: int) -> ChunkFile:
+        path = part_of(self._path, number) if self._splitting.wanted else self._path
+        _refuse_taken(path)
+        file = ChunkFile(active_of(path), self._compression)
+        self._open.append(file)
+        return file
+
+    def _settle(self, file: ChunkFile) -> None:
+        """Give a complete file its name."""
+        file.sync()
+        name = _finished(file)
+        _refuse_taken(name)
+        file.path.replace(name)
+        _sync_folder(name.parent)
+        self._open.remove(file)
+        file.close()
+
+
+def _finished(file: ChunkFile) -> Path:
+    return file.path.with_name(file.path.name.removesuffix(ACTIVE))
+
+
+def _refuse_taken(path: Path) -> None:
+    if path.exists():
+        raise FileExistsError(f"{path} has appeared meanwhile")
+
+
+def _sync_folder(folder: Path) -> None:
+    """Force a folder's names onto the disk."""
+    handle = os.open(folder, os.O_RDONLY)
+    try:
+        os.fsync(handle)
+    finally:
+        os.close(handle)

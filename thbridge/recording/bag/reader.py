@@ -1,0 +1,253 @@
+"""Reads ROS 1 bags, ours and foreign ones; refuses damaged ones with what to do about them."""
+
+import struct
+from collections.abc import Collection, Iterator
+from contextlib import contextmanager
+from dataclasses import dataclass
+from pathlib import Path
+
+from rosbags.interfaces import Connection as ConnectionInIndex
+from rosbags.rosbag1 import Reader, ReaderError
+from rosbags.rosbag1.reader import IndexData
+from rosbags.typesys.msg import denormalize_msgtype
+
+from thbridge.files.errors import BadFile
+from thbridge.recording.bag.records import Connection
+from thbridge.recording.recordings import parts_of
+
+MAGIC = b"#ROSBAG V"
+VERSION = b"2.0\n"
+
+_STUMBLES = (
+    ReaderError,
+    AssertionError,
+    struct.error,
+    ValueError,
+    LookupError,
+    EOFError,
+    OSError,
+    MemoryError,
+    RuntimeError,
+)
+"""rosbags answers damage with whatever its parser and its decompressors stumble over, assertions among it."""
+
+
+@dataclass(frozen=True, slots=True)
+class TopicInfo:
+    """One topic of a bag.
+
+    Attributes:
+        name: with its leading slash.
+        msgtype: of its messages, "nav_msgs/Odometry"; several, with commas between, where publishers disagreed.
+        messages: how many.
+        latched: whether a publisher latched it.
+    """
+
+    name: str
+    msgtype: str
+    messages: int
+    latched: bool
+
+
+@dataclass(frozen=True, slots=True)
+class BagInfo:
+    """What a bag holds.
+
+    Attributes:
+        path: the file.
+        size: bytes.
+        start_ns: stamp of the first message, nanoseconds; None when there is none.
+        end_ns: stamp of the last one.
+        duration: seconds between them, 0 when there is none.
+        messages: how many.
+        topics: by name.
+    """
+
+    path: Path
+    size: int
+    start_ns: int | None
+    end_ns: int | None
+    duration: float
+    messages: int
+    topics: tuple[TopicInfo, ...]
+
+
+@dataclass(frozen=True, slots=True)
+class RawMessage:
+    """One message as the bag holds it.
+
+    Attributes:
+        topic: its name.
+        msgtype: for example "nav_msgs/Odometry".
+        md5: of its type; says which release's fields `data` has.
+        stamp_ns: when it was recorded.
+        data: its bytes.
+    """
+
+    topic: str
+    msgtype: str
+    md5: str
+    stamp_ns: int
+    data: bytes
+
+
+def info(path: Path) -> BagInfo:
+    """What a recording holds, from its index; of a split one, what all parts hold together.
+
+    The latched messages that each part begins with are counted in each.
+
+    Raises:
+        BadFile: there is no such file, it is not a ROS 1 bag, or it is cut off or damaged.
+    """
+    parts = [_info_of(part) for part in parts_of(path)]
+    topics: dict[str, TopicInfo] = {}
+    for topic in (topic for part in parts for topic in part.topics):
+        before = topics.get(topic.name)
+        topics[topic.name] = topic if before is None else _together(before, topic)
+    starts = [part.start_ns for part in parts if part.start_ns is not None]
+    ends = [part.end_ns for part in parts if part.end_ns is not None]
+    return BagInfo(
+        path=path,
+        size=sum(part.size for part in parts),
+        start_ns=min(starts, default=None),
+        end_ns=max(ends, default=None),
+        duration=(max(ends) - min(starts)) / 1e9 if starts else 0.0,
+        messages=sum(part.messages for part in parts),
+        topics=tuple(topic for _, topic in sorted(topics.items())),
+    )
+
+
+def _info_of(path: Path) -> BagInfo:
+    with opened(path) as reader:
+        topics = tuple(
+            TopicInfo(
+                name,
+                ", ".join(sorted({denormalize_msgtype(connection.msgtype) for connection in topic.connections})),
+                topic.msgcount,
+                any(_latched(connection.ext) for connection in topic.connections),
+            )
+            for name, topic in sorted(reader.topics.items())
+        )
+        messages = sum(topic.messages for topic in topics)
+        start, end = (reader.start_time, reader.end_time - 1) if messages else (None, None)
+        duration = (end - start) / 1e9 if start is not None and end is not None else 0.0
+        return BagInfo(path, path.stat().st_size, start, end, duration, messages, topics)
+
+
+def _together(one: TopicInfo, other: TopicInfo) -> TopicInfo:
+    types = {*one.msgtype.split(", "), *other.msgtype.split(", ")}
+    return TopicInfo(one.name, ", ".join(sorted(types)), one.messages + other.messages, one.latched or other.latched)
+
+
+def messages(path: Path, topics: Collection[str] | None = None) -> Iterator[RawMessage]:
+    """Every message, oldest first; see `recorded` for the arguments, the parts of a recording, and what is raised."""
+    for connection, stamp_ns, data in recorded(path, topics):
+        yield RawMessage(connection.topic, connection.msgtype, connection.md5, stamp_ns, data)
+
+
+def recorded(path: Path, topics: Collection[str] | None = None) -> Iterator[tuple[Connection, int, bytes]]:
+    """Every message, oldest first: its publisher, when it was recorded (nanoseconds), and its bytes.
+
+    Those of one stamp come in the order in which they were recorded.
+
+    The parts of a split recording are read as one: the latched messages that a part begins with, because it may be
+    played by itself, are left out where they only repeat what the part before it said. A publisher that is in several
+    parts is one.
+
+    Args:
+        path: the bag, or the name of a split recording.
+        topics: names of those wanted; None for all. What holds none of them is not unpacked.
+
+    Raises:
+        BadFile: there is no such file, it is not a ROS 1 bag, or it is cut off or damaged.
+    """
+    latched: dict[str, bytes] = {}
+    known: dict[tuple[str | bool | None, ...], Connection] = {}
+    for part in parts_of(path):
+        with opened(part) as reader:
+            repeatable, start_ns = dict(latched), reader.start_time
+            wanted = [connection for connection in reader.connections if topics is None or connection.topic in topics]
+            publishers = {connection.id: _publisher(connection, known) for connection in wanted}
+            _order(reader)
+            # To the reader an empty list means every topic.
+            for connection, stamp, data in reader.messages(wanted) if wanted else ():
+                data = bytes(data)  # noqa: PLW2901
+                if stamp == start_ns and repeatable.pop(connection.topic, None) == data:
+                    continue
+                publisher = publishers[connection.id]
+                if publisher.latching:
+                    latched[connection.topic] = data
+                yield publisher, stamp, data
+
+
+def _publisher(said: ConnectionInIndex, known: dict[tuple[str | bool | None, ...], Connection]) -> Connection:
+    caller = getattr(said.ext, "callerid", None)
+    latching = None if getattr(said.ext, "latching", None) is None else _latched(said.ext)
+    topic, msgtype, md5, definition = said.topic, denormalize_msgtype(said.msgtype), said.digest, said.msgdef.data
+    key = (topic, msgtype, md5, definition, caller, latching)
+    return known.setdefault(key, Connection(len(known), topic, msgtype, md5, definition, caller, latching))
+
+
+class _Place(IndexData):
+    """Where a message stands; ordered by time, then by place."""
+
+    __lt__, __eq__, __hash__ = tuple.__lt__, tuple.__eq__, tuple.__hash__
+
+
+def _order(reader: Reader) -> None:
+    """Let a reader go by places, too: rosbags compares times alone, so topics of one stamp would change places."""
+    for number, entries in reader.indexes.items():
+        reader.indexes[number] = sorted(_Place(*entry) for entry in entries)
+
+
+def check_is_bag(path: Path) -> None:
+    """Pass if a file begins like a ROS 1 bag.
+
+    Raises:
+        BadFile: it does not, or cannot be read.
+    """
+    try:
+        with path.open("rb") as file:
+            head = file.read(len(MAGIC) + len(VERSION))
+    except OSError as error:
+        raise BadFile(
+            path, None, None, (error.strerror or str(error)).lower(), "name a bag that can be read"
+        ) from error
+    if not head.startswith(MAGIC):
+        raise BadFile(path, None, None, "this is not a ROS 1 bag", "name a file that rosbag or thbridge recorded")
+    if head != MAGIC + VERSION:
+        raise BadFile(
+            path, None, None, "this bag has another version than 2.0", "convert it with `rosbag fix` of its own ROS"
+        )
+
+
+def _latched(ext: object) -> bool:
+    return getattr(ext, "latching", None) == 1
+
+
+@contextmanager
+def opened(path: Path) -> Iterator[Reader]:
+    """rosbags' reader of one file, in whose block damage is told in our words. Raises BadFile."""
+    check_is_bag(path)
+    reader = Reader(path)
+    try:
+        with damage_told(path):
+            reader.open()
+            yield reader
+    finally:
+        if reader.bio is not None:
+            reader.close()
+
+
+@contextmanager
+def damage_told(path: Path) -> Iterator[None]:
+    """A block in which what parser and decompressors stumble over is told in our words. Raises BadFile."""
+    try:
+        yield
+    except _STUMBLES as error:
+        raise damaged(path) from error
+
+
+def damaged(path: Path) -> BadFile:
+    """What is said of a file that cannot be read on."""
+    return BadFile(path, None, None, "the bag was cut off or is damaged", f"run `thbridge bag reindex {path}`")

@@ -1,0 +1,176 @@
+"""Gives a bag without an index one: recovers what a killed recording had on the disk."""
+
+import struct
+from collections.abc import Iterator
+from dataclasses import dataclass
+from io import SEEK_CUR, SEEK_END, BytesIO
+from pathlib import Path
+from typing import BinaryIO
+
+from rosbags.rosbag1.reader import Header, ReaderError, RecordType, decompressors, read_bytes, read_uint32
+
+from thbridge.files.errors import BadFile
+from thbridge.recording.bag.bag_file import BagFile
+from thbridge.recording.bag.reader import check_is_bag
+from thbridge.recording.bag.records import MAGIC, Compression, Connection
+from thbridge.recording.recordings import ACTIVE
+
+_TORN = (ReaderError, struct.error, ValueError, LookupError, EOFError, OSError, RuntimeError, MemoryError)
+"""What reading beyond a tear may answer; decompressors add their own words."""
+
+
+@dataclass(frozen=True, slots=True)
+class Reindexed:
+    """What a repair recovered.
+
+    Attributes:
+        path: the repaired bag.
+        backup: the bag as it was.
+        messages: how many were recovered.
+        end_ns: stamp of the last of them; None when there are none.
+        lost_bytes: bytes that could not be read.
+    """
+
+    path: Path
+    backup: Path
+    messages: int
+    end_ns: int | None
+    lost_bytes: int
+
+
+@dataclass(frozen=True, slots=True)
+class _Said:
+    """A message record."""
+
+    number: int
+    stamp_ns: int
+    data: bytes
+
+
+def reindex(path: Path) -> Reindexed:
+    """Write a bag's readable messages into a new bag of its name and keep the old one beside it.
+
+    `NAME.bag` and `NAME.bag.active` give `NAME.bag`, and the old file becomes `NAME.orig.bag`. Every complete message
+    is recovered, those of a torn chunk too unless it is compressed. Nothing is touched until the new bag is complete.
+
+    Raises:
+        BadFile: it is not a ROS 1 bag, a file is in the way, or the disk is full.
+    """
+    check_is_bag(path)
+    repaired = path.with_name(path.name.removesuffix(ACTIVE))
+    backup = repaired.with_name(f"{repaired.stem}.orig{repaired.suffix}")
+    fresh = repaired.with_name(repaired.name + ".reindexing")
+    for taken in {backup, repaired} - {path}:
+        if taken.exists():
+            raise BadFile(taken, None, None, "this file is in the way of the repair", "move it elsewhere first")
+    try:
+        fresh.unlink(missing_ok=True)
+        messages, end_ns, lost = _copy(path, fresh)
+        path.replace(backup)
+        fresh.replace(repaired)
+    except OSError as error:
+        fresh.unlink(missing_ok=True)
+        reason = (error.strerror or str(error)).lower()
+        raise BadFile(path, None, None, f"it cannot be repaired here: {reason}", "make room beside it") from error
+    return Reindexed(repaired, backup, messages, end_ns, lost)
+
+
+def _copy(path: Path, fresh: Path) -> tuple[int, int | None, int]:
+    """Number of messages copied, the last stamp, and the bytes left over."""
+    count, end_ns = 0, None
+    connections: dict[int, Connection] = {}
+    with path.open("rb") as source:
+        scan = _Scan(source)
+        target = BagFile(fresh, scan.compression())
+        for record in scan.records():
+            match record:
+                case Connection(number):
+                    connections.setdefault(number, record)
+                case _Said(number, stamp_ns, data):
+                    if number in connections:
+                        target.write(connections[number], stamp_ns, data)
+                        count += 1
+                        end_ns = stamp_ns if end_ns is None else max(end_ns, stamp_ns)
+    target.close()
+    return count, end_ns, scan.lost
+
+
+class _Scan:
+    """Reads a bag from front to back without its index.
+
+    Attributes:
+        lost: bytes that could not be read so far.
+    """
+
+    def __init__(self, source: BinaryIO) -> None:
+        self._source = source
+        self.lost = 0
+
+    def compression(self) -> Compression:
+        """Of the first chunk."""
+        try:
+            self._source.seek(len(MAGIC))
+            for _ in range(2):
+                header = Header.read(self._source)
+                if header.get_uint8("op") == RecordType.CHUNK:
+                    return Compression(header.get_string("compression"))
+                self._source.seek(read_uint32(self._source), SEEK_CUR)
+        except _TORN:
+            pass
+        return Compression.NONE
+
+    def records(self) -> Iterator[Connection | _Said]:
+        """Connections and messages in the file's order, up to the end or the first unreadable record."""
+        end = self._source.seek(0, SEEK_END)
+        at = self._source.seek(len(MAGIC))
+        while at < end:
+            try:
+                header = Header.read(self._source)
+                kind = header.get_uint8("op")
+                size = read_uint32(self._source)
+                data = self._source.read(size)
+                inner = self._inside(header, data) if kind == RecordType.CHUNK else None
+            except _TORN:
+                self.lost += end - at
+                return
+            if inner is not None:
+                yield from self._chunk(inner)
+            elif len(data) < size:
+                self.lost += end - at
+            at = self._source.tell()
+
+    def _inside(self, header: Header, data: bytes) -> BytesIO:
+        return BytesIO(decompressors[header.get_string("compression")](data))
+
+    def _chunk(self, inner: BytesIO) -> Iterator[Connection | _Said]:
+        end = len(inner.getbuffer())
+        at = 0
+        while at < end:
+            try:
+                record = _inner_record(inner)
+            except _TORN:
+                self.lost += end - at
+                return
+            yield record
+            at = inner.tell()
+
+
+def _inner_record(source: BinaryIO) -> Connection | _Said:
+    header = Header.read(source)
+    kind = header.get_uint8("op")
+    if kind == RecordType.MSGDATA:
+        data = read_bytes(source, read_uint32(source))
+        return _Said(header.get_uint32("conn"), header.get_time("time"), data)
+    if kind != RecordType.CONNECTION:
+        raise ReaderError(f"no record of kind {kind} belongs into a chunk")
+    number, topic = header.get_uint32("conn"), header.get_string("topic")
+    said = Header.read(source)
+    return Connection(
+        number,
+        topic,
+        said.get_string("type"),
+        said.get_string("md5sum"),
+        said.get_string("message_definition"),
+        said.get_string("callerid") if "callerid" in said else None,
+        said["latching"] == b"1" if said.get("latching") else None,
+    )

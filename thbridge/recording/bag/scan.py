@@ -1,0 +1,353 @@
+"""Reads a ROS 1 bag from front to back without trusting its index: every record that can be read, and where one cannot.
+
+Source: the bag format 2.0 of ROS 1 (rosbag, bag.py and bag.cpp).
+"""
+
+import bz2
+import struct
+from collections.abc import Iterator
+from dataclasses import dataclass
+from io import SEEK_END
+from pathlib import Path
+from struct import Struct
+from typing import BinaryIO
+
+import lz4.frame
+from rosbags.rosbag1.reader import RecordType
+
+from thbridge.recording.bag.reader import MAGIC, VERSION, check_is_bag
+
+_UINT32 = Struct("<I")
+_UINT64 = Struct("<Q")
+_TIME = Struct("<II")
+_PAIR = Struct("<II")
+_LZ4_FLAGS = 4
+"""Where in an LZ4 frame its FLG is, behind the magic number."""
+_MESSAGE_HEADER = 38
+"""The usual head of a message record: the fields op, conn and time, each with its length before it."""
+_OP_CONN_TIME = Struct("<II3sBI5sII5sII")
+_CONN_OP_TIME = Struct("<II5sII3sBI5sII")
+"""rosbags writes these fields in the first order, ROS 1 in the second; any other is read field by field."""
+
+
+@dataclass(frozen=True, slots=True)
+class FileHeader:
+    """The first record.
+
+    Attributes:
+        index_pos: where the index begins; 0 while there is none.
+        connections: how many the index has.
+        chunks: how many.
+        length: bytes of header and padding, without their two length words; ROS 1 makes it 4096.
+        encryptor: empty unless the bag is encrypted.
+    """
+
+    index_pos: int
+    connections: int
+    chunks: int
+    length: int
+    encryptor: str
+
+
+@dataclass(frozen=True, slots=True)
+class Source:
+    """A connection record: one publisher of one topic.
+
+    Attributes:
+        number: what message records call it.
+        topic: its name.
+        msgtype: for example "nav_msgs/Odometry".
+        md5: of the type's fields.
+        definition: text of the type and of all types within it.
+        caller: the node, or None when nobody wrote it down.
+        latching: as it is written, rightly "0" or "1"; None when it is not.
+    """
+
+    number: int
+    topic: str
+    msgtype: str
+    md5: str
+    definition: str
+    caller: str | None
+    latching: str | None
+
+    @property
+    def latched(self) -> bool:
+        """Whether ROS would play it as latched."""
+        return self.latching == "1"
+
+
+@dataclass(frozen=True, slots=True)
+class Chunk:
+    """A chunk begins; connections and messages in it follow.
+
+    Attributes:
+        position: of its record in the file.
+        compression: its name.
+        size: bytes it takes in the file.
+        unpacked: bytes of its records.
+        lz4_flags: the byte FLG of an LZ4 frame; None for other compressions.
+    """
+
+    position: int
+    compression: str
+    size: int
+    unpacked: int
+    lz4_flags: int | None
+
+
+@dataclass(frozen=True, slots=True)
+class Said:
+    """A message record.
+
+    Attributes:
+        number: of its connection.
+        stamp_ns: when it was recorded.
+        data: its bytes.
+    """
+
+    number: int
+    stamp_ns: int
+    data: bytes
+
+
+@dataclass(frozen=True, slots=True)
+class ChunkIndex:
+    """What the index says of a chunk: its place, first and last stamp, and number of messages by connection."""
+
+    position: int
+    start_ns: int
+    end_ns: int
+    counts: dict[int, int]
+
+
+@dataclass(frozen=True, slots=True)
+class MessageIndex:
+    """After its chunk: where the messages of one connection lie in it.
+
+    Attributes:
+        number: of the connection.
+        count: how many messages.
+    """
+
+    number: int
+    count: int
+
+
+@dataclass(frozen=True, slots=True)
+class Tear:
+    """Bytes that cannot be read.
+
+    Attributes:
+        position: where in the file; for a chunk's inside, of the chunk.
+        lost: how many bytes, packed or unpacked.
+        problem: as a clause.
+    """
+
+    position: int
+    lost: int
+    problem: str
+
+
+Record = FileHeader | Source | Chunk | Said | MessageIndex | ChunkIndex | Tear
+
+
+class _Torn(Exception):  # noqa: N818 - it is no error of the program
+    """Here the file cannot be read."""
+
+
+def scan(path: Path) -> Iterator[Record]:
+    """Every record in the file's order, damage among them as `Tear`.
+
+    A chunk that is cut off is read as far as it goes, unless it is compressed.
+
+    Raises:
+        BadFile: there is no such file, or it does not begin like a bag.
+    """
+    check_is_bag(path)
+    with path.open("rb") as file:
+        end = file.seek(0, SEEK_END)
+        at = file.seek(len(MAGIC + VERSION))
+        while at < end:
+            try:
+                fields = _fields(_read(file, end))
+                size = _uint32(_exactly(file, 4, end))
+                left = end - file.tell()
+                data = file.read(min(size, left))
+                yield from _outer(at, fields, data, size)
+            except _Torn as torn:
+                yield Tear(at, end - at, str(torn))
+                return
+            if size > left:
+                yield Tear(at, left, f"the file ends {size - left} bytes too early")
+                return
+            at = file.tell()
+
+
+def _outer(at: int, fields: dict[bytes, bytes], data: bytes, size: int) -> Iterator[Record]:
+    match _kind(fields):
+        case RecordType.BAGHEADER:
+            encryptor = fields.get(b"encryptor", b"").decode(errors="replace")
+            # Each field has its own length before it.
+            length = sum(len(name) + len(value) + 5 for name, value in fields.items()) + size
+            yield FileHeader(
+                _unpack(_UINT64, fields, b"index_pos"),
+                _unpack(_UINT32, fields, b"conn_count"),
+                _unpack(_UINT32, fields, b"chunk_count"),
+                length,
+                encryptor,
+            )
+        case RecordType.CHUNK:
+            compression = _word(fields, b"compression")
+            unpacked = _unpack(_UINT32, fields, b"size")
+            flags = data[_LZ4_FLAGS] if compression == "lz4" and len(data) > _LZ4_FLAGS else None
+            yield Chunk(at, compression, size, unpacked, flags)
+            yield from _chunk(at, compression, data, unpacked)
+        case RecordType.CHUNK_INFO:
+            start, end = _time(fields, b"start_time"), _time(fields, b"end_time")
+            counts = dict(_PAIR.iter_unpack(data[: len(data) // 8 * 8]))
+            yield ChunkIndex(_unpack(_UINT64, fields, b"chunk_pos"), start, end, counts)
+        case RecordType.CONNECTION:
+            yield _source(fields, data)
+        case RecordType.MSGDATA:
+            yield Said(_unpack(_UINT32, fields, b"conn"), _time(fields, b"time"), data)
+        case RecordType.IDXDATA:
+            yield MessageIndex(_unpack(_UINT32, fields, b"conn"), _unpack(_UINT32, fields, b"count"))
+        case kind:
+            raise _Torn(f"there is no kind of record {kind}")
+
+
+def _chunk(at: int, compression: str, packed: bytes, size: int) -> Iterator[Record]:
+    try:
+        data = _unpacked(compression, packed, size)
+    except (OSError, RuntimeError, EOFError, ValueError, MemoryError) as error:
+        yield Tear(at, len(packed), f"a chunk cannot be unpacked ({error})")
+        return
+    place = 0
+    try:
+        while place < len(data):
+            usual = _usual_message(data, place)
+            if usual is not None:
+                said, place = usual
+                yield said
+                continue
+            head, after = _sized(data, place)
+            body, place_after = _sized(data, after)
+            fields = _fields(head)
+            match _kind(fields):
+                case RecordType.MSGDATA:
+                    yield Said(_unpack(_UINT32, fields, b"conn"), _time(fields, b"time"), body)
+                case RecordType.CONNECTION:
+                    yield _source(fields, body)
+                case kind:
+                    raise _Torn(f"no record of kind {kind} belongs into a chunk")
+            place = place_after
+    except _Torn as torn:
+        yield Tear(at, len(data) - place, str(torn))
+
+
+def _usual_message(data: bytes, at: int) -> tuple[Said, int] | None:
+    """A message whose head has one of the usual forms, and where it ends."""
+    start = at + 4 + _MESSAGE_HEADER + 4
+    if start > len(data) or data[at] != _MESSAGE_HEADER:
+        return None
+    head, _, name, kind, _, conn, number, _, time, seconds, nanoseconds = _OP_CONN_TIME.unpack_from(data, at)
+    if name != b"op=":
+        head, _, conn, number, _, name, kind, _, time, seconds, nanoseconds = _CONN_OP_TIME.unpack_from(data, at)
+    if (head, name, kind, conn, time) != (_MESSAGE_HEADER, b"op=", RecordType.MSGDATA, b"conn=", b"time="):
+        return None
+    end = start + _UINT32.unpack_from(data, start - 4)[0]
+    if end > len(data):
+        return None
+    return Said(number, seconds * 1_000_000_000 + nanoseconds, data[start:end]), end
+
+
+def _unpacked(compression: str, packed: bytes, size: int) -> bytes:
+    """At most as much as the chunk says it holds: a forged one must not fill the memory."""
+    match compression:
+        case "none":
+            return packed
+        case "bz2":
+            return bz2.BZ2Decompressor().decompress(packed, max_length=size)
+        case "lz4":
+            return bytes(lz4.frame.LZ4FrameDecompressor().decompress(packed, max_length=size))
+        case other:
+            raise ValueError(f"compression {other!r} is not known")
+
+
+def _source(fields: dict[bytes, bytes], data: bytes) -> Source:
+    said = _fields(data)
+    return Source(
+        _unpack(_UINT32, fields, b"conn"),
+        _word(fields, b"topic"),
+        _word(said, b"type"),
+        _word(said, b"md5sum"),
+        _word(said, b"message_definition"),
+        _word(said, b"callerid") if b"callerid" in said else None,
+        _word(said, b"latching") if b"latching" in said else None,
+    )
+
+
+def _exactly(file: BinaryIO, count: int, end: int) -> bytes:
+    if file.tell() + count > end:
+        raise _Torn("the file ends in the middle of a record")
+    return file.read(count)
+
+
+def _read(file: BinaryIO, end: int) -> bytes:
+    return _exactly(file, _uint32(_exactly(file, 4, end)), end)
+
+
+def _uint32(data: bytes) -> int:
+    return int(_UINT32.unpack(data)[0])
+
+
+def _sized(data: bytes, at: int) -> tuple[bytes, int]:
+    """Bytes with their length before them, and where they end."""
+    if at + 4 > len(data):
+        raise _Torn("a chunk ends in the middle of a record")
+    start = at + 4
+    end = start + _UINT32.unpack_from(data, at)[0]
+    if end > len(data):
+        raise _Torn("a record is longer than its chunk")
+    return data[start:end], end
+
+
+def _fields(header: bytes) -> dict[bytes, bytes]:
+    fields = {}
+    at = 0
+    while at < len(header):
+        field, at = _sized(header, at)
+        name, equals, value = field.partition(b"=")
+        if not equals:
+            raise _Torn("a field of a record's head has no value")
+        fields[name] = value
+    return fields
+
+
+def _kind(fields: dict[bytes, bytes]) -> int:
+    kind = fields.get(b"op", b"")
+    if len(kind) != 1:
+        raise _Torn("a record does not say what kind it is")
+    return kind[0]
+
+
+def _unpack(form: Struct, fields: dict[bytes, bytes], name: bytes) -> int:
+    try:
+        return int(form.unpack(fields[name])[0])
+    except (KeyError, struct.error):
+        raise _Torn(f"a record lacks its field {name.decode()}") from None
+
+
+def _time(fields: dict[bytes, bytes], name: bytes) -> int:
+    try:
+        seconds, nanoseconds = _TIME.unpack(fields[name])
+    except (KeyError, struct.error):
+        raise _Torn(f"a record lacks its field {name.decode()}") from None
+    return int(seconds) * 1_000_000_000 + int(nanoseconds)
+
+
+def _word(fields: dict[bytes, bytes], name: bytes) -> str:
+    if name not in fields:
+        raise _Torn(f"a record lacks its field {name.decode()}")
+    return fields[name].decode(errors="replace")

@@ -1,0 +1,92 @@
+"""Messages as a bag that is said rather than written: each reader gets chunks of its own, of the same records."""
+
+from collections import defaultdict
+from collections.abc import Sequence
+
+from thbridge.files.ros.definitions import Definitions
+from thbridge.recording.bag.records import (
+    MAGIC,
+    U32,
+    Compression,
+    Connection,
+    bag_header,
+    chunk_record,
+    connection_record,
+    index_record,
+    message_head,
+    time_bytes,
+    time_in,
+)
+from thbridge.ros.names import CALLER
+from thbridge.ros.topics import Message, Topic
+
+BEGINNING = MAGIC + bag_header(0, 0, 0)
+"""What every reader gets first."""
+
+
+class BagStream:
+    """The records of messages, the same for all readers.
+
+    Args:
+        definitions: of message types.
+
+    Attributes:
+        connections: by number, in the order in which topics were first said.
+    """
+
+    def __init__(self, definitions: Definitions) -> None:
+        self.connections: list[Connection] = []
+        self._definitions = definitions
+        self._of_topic: dict[Topic, tuple[Connection, bytes]] = {}
+        self._stamp_ns = -1
+        self._time = b""
+
+    def record(self, message: Message) -> tuple[Connection, bytes]:
+        """A message's record, and the connection that it belongs to."""
+        topic, stamp_ns, data, _ = message
+        connection, head = self._of_topic.get(topic) or self._connect(topic)
+        if stamp_ns != self._stamp_ns:
+            self._stamp_ns, self._time = stamp_ns, time_bytes(stamp_ns)
+        return connection, b"".join((head, self._time, U32.pack(len(data)), data))
+
+    def _connect(self, topic: Topic) -> tuple[Connection, bytes]:
+        definition = self._definitions.of(topic.msgtype)
+        number = len(self.connections)
+        connection = Connection(
+            number, topic.name, topic.msgtype, definition.md5, definition.text, CALLER, topic.latched
+        )
+        self.connections.append(connection)
+        self._of_topic[topic] = connection, message_head(connection)
+        return self._of_topic[topic]
+
+
+class ChunkMaker:
+    """Makes the chunks of one reader, and knows what it has been told.
+
+    Args:
+        stream: of which it reads.
+    """
+
+    def __init__(self, stream: BagStream) -> None:
+        self._stream = stream
+        self._announced: set[int] = set()
+
+    def chunk(self, records: Sequence[tuple[int, bytes]]) -> bytes:
+        """Messages' records, by number of their connection, as a chunk; what is new to the reader is explained in it.
+
+        Its index follows, because rosbag's `reindex` wants something after every chunk.
+        """
+        connections = self._stream.connections
+        pieces: list[bytes] = []
+        entries: defaultdict[int, list[bytes]] = defaultdict(list)
+        at = 0
+        for number, record in records:
+            if number not in self._announced:
+                self._announced.add(number)
+                pieces.append(connection_record(connections[number]))
+                at += len(pieces[-1])
+            entries[number] += (time_in(record), U32.pack(at))
+            pieces.append(record)
+            at += len(record)
+        indices = [index_record(connections[number], b"".join(entry)) for number, entry in entries.items()]
+        return b"".join((chunk_record(b"".join(pieces), Compression.NONE), *indices))

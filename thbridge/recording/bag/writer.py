@@ -1,0 +1,314 @@
+"""Records a session: killed at any moment, a recording loses no more than its last second."""
+
+import time
+from collections.abc import Callable, Iterable
+from dataclasses import dataclass
+from pathlib import Path
+from types import TracebackType
+from typing import Self
+
+from thbridge.files.errors import BadFile
+from thbridge.files.ros.definitions import Definitions
+from thbridge.recording.bag.chunks import Chunk, Chunks
+from thbridge.recording.bag.parts import Parts, Piece, Splitting
+from thbridge.recording.bag.records import Compression, Connection
+from thbridge.recording.bag.worker import Lane, Worker
+from thbridge.recording.recordings import active_of, part_of, parts_of
+from thbridge.ros.names import CALLER
+from thbridge.ros.publisher import Message, Topic
+
+SYNC_SECONDS = 0.5
+"""Wall time after which everything said so far is forced onto the disk: at most a second is lost, with half of it for a
+busy machine."""
+
+BEHIND_SECONDS = 10.0
+"""A disk that is so far behind ends the recording."""
+
+WAITING_BYTES = 2 * 2**20
+"""Beyond so many bytes that wait for the disk, the session waits too: what bz2 packs in a tenth of a second."""
+
+LAST_SECONDS = 60.0
+"""How long the end of a recording waits for the disk."""
+
+ALMOST_ALL = "it holds all but the last second"
+
+WHOLE = Splitting()
+
+
+class BagNotWritten(BadFile):
+    """A recording could not begin or go on; the message says what is kept, and where."""
+
+    def __init__(self, path: Path, problem: str, remedy: str) -> None:
+        super().__init__(path, None, None, problem, remedy)
+
+    def __reduce__(self) -> tuple[type["BagNotWritten"], tuple[Path, str, str]]:  # type: ignore[override]  # fewer parts
+        return (type(self), (self.path, self.problem, self.remedy))
+
+
+@dataclass(frozen=True, slots=True)
+class Heard:
+    """What another node says of a topic of its own, exactly so.
+
+    Attributes:
+        name: of the topic.
+        msgtype: for example "nav_msgs/Odometry".
+        md5: of the type.
+        definition: of the type, with those that it is made of.
+        caller: the node.
+        latched: whether late listeners get the last message.
+    """
+
+    name: str
+    msgtype: str
+    md5: str
+    definition: str
+    caller: str
+    latched: bool
+
+
+class BagWriter:
+    """Writes messages into `PATH.active` and, closed, leaves them in `PATH`, or `NAME_0.bag`, `NAME_1.bag`, ...
+
+    Use it as a context manager: however its block is left, the bag is complete. Equal messages give equal bytes.
+    Packing and writing are done by threads, so a disk that is slow for a while delays nobody.
+
+    Args:
+        path: of the finished bag, customarily `*.bag`.
+        definitions: of message types; None takes them from an installed ROS, where there is one.
+        clock: seconds that never go back; says when to force the file onto the disk.
+        compression: of the bag's chunks.
+        splitting: when to go on in another file.
+        lane: makes the threads, given a name for each.
+        caller: the node that says what is written.
+
+    Raises:
+        BagNotWritten: there is such a bag, or the folder cannot be written to.
+    """
+
+    def __init__(
+        self,
+        path: Path,
+        definitions: Definitions | None = None,
+        clock: Callable[[], float] = time.monotonic,
+        compression: Compression = Compression.NONE,
+        splitting: Splitting = WHOLE,
+        lane: Callable[[str], Lane] = Worker,
+        caller: str = CALLER,
+    ) -> None:
+        self.path = path
+        self._caller = caller
+        self._definitions = definitions or Definitions()
+        self._clock = clock
+        self._splitting = splitting
+        self._connections: dict[Topic | Heard, Connection] = {}
+        self._latched: dict[Connection, bytes] = {}
+        self._latched_before: tuple[tuple[Connection, bytes], ...] = ()
+        self._chunks = Chunks()
+        self._first_ns: int | None = None
+        self._stamp_ns = -1
+        self._period = 0
+        self._open = True
+        _refuse_taken(path)
+        self._syncing = lane("bag sync")
+        self._writing = lane("bag writer")
+        try:
+            self._parts = Parts(path, compression, splitting, self._syncing)
+        except OSError as error:
+            self._end_lanes()
+            raise BagNotWritten(path, _reason(error), "name a folder that exists and may be written to") from error
+        self._synced = clock()
+
+    def write(self, message: Message) -> None:
+        """Write one message; its topic is registered with its first.
+
+        Raises:
+            BagNotWritten: the disk is full, gone or too slow; the bag is closed, and what it held is kept.
+            ValueError: the message is older than the last one, or the bag is closed.
+        """
+        topic, stamp_ns, data, _ = message
+        self._add(topic, stamp_ns, data)
+
+    def write_heard(self, source: Heard, stamp_ns: int, data: bytes) -> None:
+        """Write one message of somebody else's; raises as `write` does."""
+        self._add(source, stamp_ns, data)
+
+    def _add(self, topic: Topic | Heard, stamp_ns: int, data: bytes) -> None:
+        if stamp_ns != self._stamp_ns or not self._open:
+            self._turn_to(stamp_ns)
+        if not self._chunks.takes(stamp_ns):
+            self._hand_over()
+        connection = self._connections.get(topic) or self._connect(topic)
+        self._chunks.add(connection, stamp_ns, data)
+        if topic.latched:
+            self._latched[connection] = data
+
+    def take(self, tick: int, messages: Iterable[Message]) -> None:
+        """Write what is said in a tick, and see that all is safe once a second; raises as `write` does."""
+        for message in messages:
+            self.write(message)
+        self.sync_if_due()
+
+    def sync_if_due(self) -> None:
+        """Force everything onto the disk if `SYNC_SECONDS` have passed; to be called much more often.
+
+        Raises:
+            BagNotWritten: as `write` does.
+        """
+        if not self._open:
+            return
+        self._check()
+        if self._clock() - self._synced < SYNC_SECONDS:
+            return
+        if self._chunks.size:
+            piece = self._piece(self._chunks.so_far())
+            self._writing.give(lambda: self._parts.preview(piece))
+        else:
+            self._writing.give(self._parts.sync)
+        self._synced = self._clock()
+        self._check()
+
+    def close(self) -> None:
+        """Complete the bag and give it its name; closing again does nothing.
+
+        Raises:
+            BagNotWritten: the disk is full or gone.
+        """
+        if not self._open:
+            return
+        in_time = self._complete()
+        self._check_failures()
+        if not in_time:
+            raise self._stuck()
+        self._open = False
+        self._end_lanes()
+
+    def __enter__(self) -> Self:
+        return self
+
+    def __exit__(
+        self, kind: type[BaseException] | None, error: BaseException | None, traceback: TracebackType | None
+    ) -> None:
+        self.close()
+
+    def _turn_to(self, stamp_ns: int) -> None:
+        """Go on to another stamp."""
+        if not self._open:
+            raise ValueError(f"{self.path} is closed")
+        if self._first_ns is None:
+            self._first_ns = stamp_ns
+        elif stamp_ns < self._stamp_ns:
+            raise ValueError(f"a message at {stamp_ns} ns after one at {self._stamp_ns} ns")
+        self._stamp_ns = stamp_ns
+        period = (stamp_ns - self._first_ns) // self._splitting.duration_ns if self._splitting.duration_ns else 0
+        if self._chunks.size and period != self._period:
+            self._hand_over()
+        self._period = period
+
+    def _connect(self, topic: Topic | Heard) -> Connection:
+        number = len(self._connections)
+        if isinstance(topic, Heard):
+            connection = Connection(
+                number, topic.name, topic.msgtype, topic.md5, topic.definition, topic.caller, topic.latched
+            )
+        else:
+            definition = self._definitions.of(topic.msgtype)
+            connection = Connection(
+                number, topic.name, topic.msgtype, definition.md5, definition.text, self._caller, topic.latched
+            )
+        self._connections[topic] = connection
+        return connection
+
+    def _hand_over(self) -> None:
+        """Give the chunk away, and go on only if the disk does."""
+        self._give_chunk()
+        # A session at full speed waits here for the disk; one that keeps to the clock never has so much.
+        self._writing.wait(WAITING_BYTES, BEHIND_SECONDS)
+        self._check()
+
+    def _give_chunk(self) -> None:
+        if self._chunks.size:
+            piece = self._piece(self._chunks.take())
+            self._latched_before = tuple(self._latched.items()) if self._splitting.wanted else ()
+            self._writing.give(lambda: self._parts.append(piece), len(piece.chunk.data))
+
+    def _piece(self, chunk: Chunk) -> Piece:
+        return Piece(chunk, self._latched_before, self._period)
+
+    def _complete(self) -> bool:
+        """Have everything written; whether that was done, or failed, in time."""
+        self._give_chunk()
+        self._writing.give(self._parts.finish)
+        return self._writing.wait(0, LAST_SECONDS) and self._syncing.wait(0, LAST_SECONDS)
+
+    def _check(self) -> None:
+        """Go on only if the disk does."""
+        self._check_failures()
+        behind = max(self._writing.behind(), self._syncing.behind())
+        if behind > BEHIND_SECONDS:
+            in_time = self._complete()
+            self._check_failures()
+            if not in_time:
+                raise self._stuck()
+            self._open = False
+            self._end_lanes()
+            problem = f"the disk is too slow: it was {behind:.0f} s behind"
+            raise BagNotWritten(self._parts.last, problem, "it holds everything up to here; record onto a faster disk")
+
+    def _check_failures(self) -> None:
+        for lane in (self._writing, self._syncing):
+            if lane.failure is not None:
+                raise self._saved(lane.failure)
+
+    def _saved(self, failure: Exception) -> Exception:
+        """Save what can be saved, and put it into words."""
+        self._give_chunk()  # the file may well be whole, and only its folder gone or its name taken
+        in_time = self._writing.wait(0, LAST_SECONDS)
+        self._open = False
+        self._end_lanes()
+        if not (in_time and self._syncing.wait(0, LAST_SECONDS)):
+            return self._stuck()
+        if not isinstance(failure, OSError):
+            self._parts.abandon()
+            return failure
+        try:
+            self._parts.salvage()
+        except OSError:
+            self._parts.abandon()
+            return self._left(_reason(failure), f"{ALMOST_ALL}: make room, then")
+        return BagNotWritten(self._parts.last, _reason(failure), f"{ALMOST_ALL}; make room before recording again")
+
+    def _stuck(self) -> BagNotWritten:
+        """The disk takes nothing any more; its threads are left to themselves."""
+        self._open = False
+        self._end_lanes()
+        problem = f"the disk does not answer, not even within {LAST_SECONDS:.0f} s"
+        return self._left(problem, "it holds what reached the disk: when that works again,")
+
+    def _left(self, problem: str, remedy: str) -> BagNotWritten:
+        """What to do about a file that could not be completed."""
+        active = self._parts.unfinished
+        if active is None or not active.exists():
+            return BagNotWritten(self.path, problem, "record again, into a folder that stays")
+        return BagNotWritten(active, problem, f"{remedy} run `thbridge bag reindex {active}`")
+
+    def _end_lanes(self) -> None:
+        self._writing.end()
+        self._syncing.end()
+
+
+def _refuse_taken(path: Path) -> None:
+    """Pass if there is no recording of this name."""
+    finished = [file for file in parts_of(path) if file.exists()]
+    active = [file for file in (active_of(path), active_of(part_of(path, 0))) if file.exists()]
+    if finished:
+        raise BagNotWritten(finished[0], "there is such a file already", "choose another name, or move it elsewhere")
+    if active:
+        raise BagNotWritten(
+            active[0],
+            "a recording of this name is being written, or was cut off",
+            f"save it with `thbridge bag reindex {active[0]}`, or choose another name",
+        )
+
+
+def _reason(error: OSError) -> str:
+    return (error.strerror or str(error)).lower()

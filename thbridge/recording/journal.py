@@ -1,0 +1,206 @@
+"""The journal: one file per game, one event a line, on the disk before anybody hears of it.
+
+A game that was cut off by a crash or a power failure is given back by reading its journal; the line that was being
+written at that moment may be torn and is then dropped. Damage anywhere else is not guessed away.
+"""
+
+import fcntl
+import os
+import re
+from collections.abc import Sequence
+from dataclasses import dataclass
+from pathlib import Path
+from typing import IO, Self
+
+from thbridge.files.errors import BadFile
+from thbridge.hunt.codec import from_json, to_json
+from thbridge.hunt.events import Event, Started
+from thbridge.hunt.game import GameState, apply, begin
+from thbridge.recording.append import append_whole
+
+_NAME = re.compile(r"game-(\d+)\.jsonl")
+
+
+@dataclass(frozen=True, slots=True)
+class Recovered:
+    """What a journal says.
+
+    Attributes:
+        started: how the game began.
+        events: what followed, in order.
+        state: all of that folded.
+        size: bytes of the file that are whole lines.
+        torn: the piece of a line that was being written when the writer died, or None; it is not in `events`.
+    """
+
+    started: Started
+    events: tuple[Event, ...]
+    state: GameState
+    size: int
+    torn: bytes | None
+
+
+def journal_path(folder: Path, game: int) -> Path:
+    """Where the journal of a game lies."""
+    return folder / f"game-{game:04d}.jsonl"
+
+
+def next_game(folder: Path) -> int:
+    """One more than the highest number of a game in this folder; 1 if there is none, or no folder."""
+    numbers = [int(found.group(1)) for path in folder.glob("game-*.jsonl") if (found := _NAME.fullmatch(path.name))]
+    return max(numbers, default=0) + 1
+
+
+def read_journal(path: Path) -> Recovered:
+    """Read a journal, also one that is still being written.
+
+    Raises:
+        BadFile: it cannot be read, it does not begin with the start of a game, or a line other than a torn last one is
+            not an event of this game.
+    """
+    try:
+        content = path.read_bytes()
+    except OSError as error:
+        raise BadFile(path, None, None, f"cannot be read ({error.strerror})", "name the journal of a game") from None
+    whole, newline, torn = content.rpartition(b"\n")
+    lines = whole.split(b"\n") if newline else []
+    started: Started | None = None
+    state: GameState | None = None
+    events: list[Event] = []
+    for number, line in enumerate(lines, start=1):
+        try:
+            event = from_json(line.decode())
+            if state is None:
+                if not isinstance(event, Started):
+                    raise ValueError("the journal does not begin with the start of a game")
+                started, state = event, begin(event)
+                continue
+            if isinstance(event, Started):
+                raise ValueError("a second game starts in the journal of the first")
+            state = apply(state, event)
+        except ValueError as error:
+            raise BadFile(path, number, None, str(error), _remedy(number)) from None
+        events.append(event)
+    if started is None or state is None:
+        raise BadFile(path, None, None, "no game has started in it", "remove the file; nothing is lost")
+    return Recovered(started, tuple(events), state, len(whole) + 1, torn or None)
+
+
+class Journal:
+    """Appends events to the journal of one game. Holds the file open and locked; close it, or use it in `with`."""
+
+    def __init__(self, path: Path, file: IO[bytes]) -> None:
+        self.path = path
+        self._file = file
+
+    @classmethod
+    def start(cls, folder: Path, started: Started) -> Self:
+        """Begin the journal of a new game, in a folder that is made if need be.
+
+        Raises:
+            BadFile: there is a journal of this number already, or it cannot be written.
+        """
+        path = journal_path(folder, started.game)
+        try:
+            folder.mkdir(parents=True, exist_ok=True)
+            file = path.open("xb", buffering=0)
+        except FileExistsError:
+            raise BadFile(
+                path, None, None, "the journal of this game exists already", "start the game with the next number"
+            ) from None
+        except OSError as error:
+            raise _not_writable(path, error) from None
+        journal = cls(path, file)
+        try:
+            journal._lock()
+            journal.append((started,))
+            # The file's name is in the folder, which has to reach the disk as well.
+            _sync_folder(folder)
+        except BaseException:
+            # A journal without its start would stand in the way of the next game.
+            journal.close()
+            path.unlink()
+            raise
+        return journal
+
+    @classmethod
+    def resume(cls, path: Path) -> tuple[Self, Recovered]:
+        """Go on with the journal of a game that was cut off: recover it, cut a torn last line off, append from there.
+
+        Raises:
+            BadFile: as `read_journal`; or another program is writing it.
+        """
+        try:
+            file = path.open("r+b", buffering=0)
+        except OSError as error:
+            raise _not_writable(path, error) from None
+        journal = cls(path, file)
+        try:
+            journal._lock()
+            recovered = read_journal(path)
+            file.truncate(recovered.size)
+            file.seek(recovered.size)
+            os.fsync(file.fileno())
+        except BaseException:
+            file.close()
+            raise
+        return journal, recovered
+
+    def append(self, events: Sequence[Event]) -> None:
+        """Write events, in order; they are on the disk when this returns.
+
+        Raises:
+            BadFile: the disk is full or gone. What was written of them is then cut off again as far as possible.
+        """
+        lines = "".join(to_json(event) + "\n" for event in events).encode()
+        try:
+            append_whole(self._file, lines, synced=True)
+        except OSError as error:
+            raise _not_writable(self.path, error) from None
+
+    def close(self) -> None:
+        """Release the file and its lock. Closing twice does nothing."""
+        self._file.close()
+
+    def __enter__(self) -> Self:
+        return self
+
+    def __exit__(self, *_: object) -> None:
+        self.close()
+
+    def _lock(self) -> None:
+        try:
+            fcntl.flock(self._file.fileno(), fcntl.LOCK_EX | fcntl.LOCK_NB)
+        except OSError:
+            self._file.close()
+            raise BadFile(
+                self.path,
+                None,
+                None,
+                "another program is writing this journal",
+                "stop the other server, or start a new game",
+            ) from None
+
+
+def _sync_folder(folder: Path) -> None:
+    descriptor = os.open(folder, os.O_RDONLY)
+    try:
+        os.fsync(descriptor)
+    finally:
+        os.close(descriptor)
+
+
+def _not_writable(path: Path, error: OSError) -> BadFile:
+    return BadFile(
+        path,
+        None,
+        None,
+        f"cannot be written ({error.strerror})",
+        "choose a folder you may write to, with room on its disk",
+    )
+
+
+def _remedy(line: int) -> str:
+    if line == 1:
+        return "restore the file from a copy, or start a new game"
+    return f"restore the file from a copy, or keep its first {line - 1} lines and lose what came after"

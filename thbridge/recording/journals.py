@@ -1,0 +1,81 @@
+"""The journals of all games of one keeper: one folder, one file a game, the last of which may be going on."""
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+from pathlib import Path
+
+from thbridge.files.errors import BadFile
+from thbridge.hunt.events import Event, Started
+from thbridge.recording.journal import Journal, journal_path, next_game
+
+
+@dataclass(frozen=True, slots=True)
+class Unfinished:
+    """A game that was cut off.
+
+    Attributes:
+        history: its events, oldest first, `Started` among them.
+        torn: whether the last one was half written and is lost.
+    """
+
+    history: tuple[Event, ...]
+    torn: bool
+
+
+class Ledger:
+    """Writes what the keeper decides; holds one journal open at a time.
+
+    Args:
+        folder: where the journals lie; made if need be.
+
+    Raises:
+        BadFile: there can be no such folder.
+    """
+
+    def __init__(self, folder: Path) -> None:
+        self.folder = folder
+        self._journal: Journal | None = None
+        try:
+            folder.mkdir(parents=True, exist_ok=True)
+        except OSError as error:
+            problem = f"there can be no journals here ({error.strerror})"
+            raise BadFile(folder, None, None, problem, "choose another folder") from None
+
+    @property
+    def last_game(self) -> int:
+        """The highest number of a game so far, 0 when there is none."""
+        return next_game(self.folder) - 1
+
+    def resume(self) -> Unfinished | None:
+        """Go on with the last game, if it did not end; None when there is nothing to go on with.
+
+        Raises:
+            BadFile: its journal cannot be read, or another program is writing it.
+        """
+        if self.last_game == 0:
+            return None
+        journal, recovered = Journal.resume(journal_path(self.folder, self.last_game))
+        if recovered.state.ended is not None:
+            journal.close()
+            return None
+        self._journal = journal
+        return Unfinished((recovered.started, *recovered.events), recovered.torn is not None)
+
+    def append(self, events: Sequence[Event]) -> None:
+        """Put events on the disk, in order; a `Started` begins the next journal.
+
+        Raises:
+            BadFile: that cannot be done.
+        """
+        for event in events:
+            if isinstance(event, Started):
+                self.close()
+                self._journal = Journal.start(self.folder, event)
+            elif self._journal is not None:
+                self._journal.append((event,))
+
+    def close(self) -> None:
+        """Close the journal that is open."""
+        if self._journal is not None:
+            self._journal.close()
+            self._journal = None

@@ -1,0 +1,78 @@
+"""Records robots that are not simulated: their own messages as they came, and what our program says.
+
+What robots say is not made up again from what we understood of it: a bag holds their bytes, types and names.
+"""
+
+from collections.abc import Iterable
+from typing import NamedTuple
+
+from sim.team import TeamSnapshot
+from thbridge.recording.bag.writer import BagWriter, Heard
+from thbridge.ros.messages import pack
+from thbridge.ros.messages.records import Input, Record, Session
+from thbridge.ros.messages.stamps import stamp_ns
+from thbridge.ros.publisher import messages_of
+from thbridge.ros.remote.robot import tick_of
+from thbridge.ros.topics import INPUTS, SESSION, Message
+from thbridge.wire.rosgraph import links
+
+
+class _Came(NamedTuple):
+    source: Heard
+    stamp_ns: int
+    data: bytes
+
+
+class FleetRecorder:
+    """Writes a bag of a `Fleet`; an `Ear` of it, and a recorder of the session's ticks.
+
+    Args:
+        writer: an empty bag; somebody else closes it.
+        session: is its first record.
+    """
+
+    def __init__(self, writer: BagWriter, session: Session) -> None:
+        self._writer = writer
+        self._session: Session | None = session
+        self._waiting: list[_Came | Message] = []
+        self._last_ns = 0
+
+    def heard(self, topic: links.Topic, publisher: str, stamp_ns: int, data: bytes) -> None:
+        """Keep a message until it is written."""
+        source = Heard(topic.name, topic.type, topic.md5, topic.definition, publisher, topic.latched)
+        self._waiting.append(_Came(source, stamp_ns, data))
+
+    def said(self, message: Message) -> None:
+        """Keep a message until it is written."""
+        self._waiting.append(message)
+
+    def record(self, snapshot: TeamSnapshot, records: Iterable[Record]) -> None:
+        """Write what has come and gone, then what else there is to tell of a tick. Raises BagNotWritten."""
+        records = tuple(records)
+        self.flush()
+        at, tick = stamp_ns(snapshot.tick), snapshot.tick
+        for record in records:
+            if isinstance(record, Input):
+                self._write(Message(INPUTS, at, pack.outside_input(tick, record)))
+        for record in records:
+            for message in messages_of(at, tick, record):
+                self._write(message)
+        self._writer.sync_if_due()
+
+    def flush(self) -> None:
+        """Write what has come and gone so far. Raises BagNotWritten."""
+        waiting, self._waiting = self._waiting, []
+        for item in waiting:
+            self._write(item)
+        self._writer.sync_if_due()
+
+    def _write(self, item: _Came | Message) -> None:
+        if self._session is not None:
+            session, self._session = self._session, None
+            self._write(Message(SESSION, item.stamp_ns, pack.session(tick_of(item.stamp_ns), session)))
+        # A tick begins up to 20 ms before what is heard in it.
+        self._last_ns = max(self._last_ns, item.stamp_ns)
+        if isinstance(item, _Came):
+            self._writer.write_heard(item.source, self._last_ns, item.data)
+        else:
+            self._writer.write(item._replace(stamp_ns=self._last_ns))

@@ -1,0 +1,203 @@
+"""Simulated participants: they decide from the view alone, as a person in front of the window would."""
+
+from collections import Counter
+from collections.abc import Iterator, Mapping, Sequence
+from dataclasses import dataclass
+from enum import StrEnum
+
+from sim.common.noise import Stream
+from thbridge.hunt.events import Condition
+from thbridge.hunt.treasures import TreasureKind
+from thbridge.roles.view import (
+    Agree,
+    Answer,
+    Consent,
+    DialogueView,
+    Discuss,
+    GiveUp,
+    Identify,
+    Leave,
+    RobotView,
+    RoomView,
+    Select,
+    SendRobot,
+    Sense,
+    TakePicture,
+    Unsure,
+    View,
+    Wish,
+)
+
+DOUBT = 0.1
+"""How often the `random` participant says Stop."""
+ATTEMPTS = 3
+"""How often a robot is sent to a room that it does not reach."""
+
+
+class BotStrategy(StrEnum):
+    """How a simulated participant chooses rooms.
+
+    `suggestion` takes the robot's advice, `nearest` the room that costs the robot least, `random` any room; the last
+    one also breaks off one dialogue in ten.
+    """
+
+    SUGGESTION = "suggestion"
+    NEAREST = "nearest"
+    RANDOM = "random"
+
+
+@dataclass(frozen=True, slots=True)
+class Knowledge:
+    """What the participant knows of the world: which treasures there are and what a picture of each shows.
+
+    Attributes:
+        kinds: of the participant's treasure list.
+        shown_by: the name of what a person sees on the picture of this file name.
+    """
+
+    kinds: tuple[TreasureKind, ...]
+    shown_by: Mapping[str, str]
+
+
+class Bot:
+    """A simulated participant; a player for TabUI.
+
+    It plays each robot on its own: looks at what a robot found before that robot goes on, names a treasure whose colour
+    and footprint leave no choice, takes a picture where they do and the energy suffices, and gives it up otherwise. Of
+    robots that somebody else commands it only looks after what they found, and waits. A room that a robot did not reach
+    is left for last, whatever the strategy, and after three times for good; a robot that is lost is sent once, for it
+    looks for its place under way. When nothing is left that it wants of any robot, it gives the game up.
+
+    Args:
+        strategy: how it chooses rooms.
+        knowledge: what it knows of treasures.
+        seed: of its chance; only `random` has any.
+    """
+
+    def __init__(self, strategy: BotStrategy, knowledge: Knowledge, seed: int) -> None:
+        self._strategy = strategy
+        self._knowledge = knowledge
+        self._choices = Stream.named(seed, "participant", "choices")
+        self._doubts = Stream.named(seed, "participant", "doubts")
+        self._stopped: set[int] = set()
+        self._bound: dict[int, int] = {}
+        self._missed: Counter[tuple[int, int]] = Counter()
+        self._astray: set[int] = set()
+
+    def wishes(self, view: View) -> Sequence[Wish]:
+        """What it wants next; see `Player`."""
+        if view.over is not None:
+            return ()
+        if view.consent is not None:
+            return (Agree(),)
+        self._watch(view)
+        wishes: list[Wish] = [self._answer(dialogue) for dialogue in view.dialogues if dialogue.choices]
+        talks: Sequence[DialogueView | Consent] = (*view.dialogues, *view.consents)
+        taken = {talk.room for talk in talks if talk.matter == "select-room"}
+        for robot in view.robots:
+            for wish in self._for_robot(view, robot, taken):
+                wishes.append(wish)
+                if isinstance(wish, Select):
+                    taken.add(wish.room)
+        busy = any(robot.moving_to is not None or robot.other_commander for robot in view.robots)
+        waits = view.dialogues or view.thinking or busy
+        if not wishes and view.robots and not waits:
+            return (GiveUp(view.game),)
+        return wishes
+
+    def _watch(self, view: View) -> None:
+        """Remember which robot set out for which room and did not get there, and which is still lost after that."""
+        for robot in view.robots:
+            if robot.condition is not Condition.LOST:
+                self._astray.discard(robot.robot)
+            bound = self._bound.pop(robot.robot, robot.moving_to)
+            if bound is not None and bound != robot.moving_to and view.room(bound).state == "unvisited":
+                self._missed[robot.robot, bound] += 1
+                if robot.condition is Condition.LOST:
+                    self._astray.add(robot.robot)
+            if robot.moving_to is not None:
+                self._bound[robot.robot] = robot.moving_to
+
+    def _for_robot(self, view: View, robot: RobotView, taken: set[int]) -> Iterator[Wish]:
+        agreed = [consent for consent in view.consents if consent.robot == robot.robot]
+        if robot.blocked or robot.condition is Condition.SILENT:
+            return
+        if robot.robot in view.thinking or any(dialogue.robot == robot.robot for dialogue in view.dialogues):
+            return
+        room = next((room for room in view.rooms if _waits_for(robot, room)), None)
+        if room is not None:
+            yield self._treasure(view, robot, room, {consent.matter for consent in agreed if consent.room == room.room})
+            return
+        if robot.moving_to is not None or robot.other_commander:
+            return
+        for consent in agreed:
+            if consent.matter == "select-room":
+                yield SendRobot(robot.robot, consent.room)
+                return
+        if robot.robot in self._astray:
+            return
+        rooms = self._affordable(view, robot, taken)
+        fresh = [room for room in rooms if not self._missed[robot.robot, room]]
+        open_to_it = fresh or [room for room in rooms if self._missed[robot.robot, room] < ATTEMPTS]
+        if not open_to_it:
+            return
+        if self._strategy is BotStrategy.SUGGESTION and fresh == rooms:
+            yield Unsure(robot.robot)
+        else:
+            # The robot would suggest the room that it missed, again and again.
+            yield Select(robot.robot, self._choice(view, robot, open_to_it))
+
+    def _affordable(self, view: View, robot: RobotView, taken: set[int]) -> list[int]:
+        row = view.costs[robot.place]
+        rooms = [room.room for room in view.rooms if room.state == "unvisited" and room.room not in taken]
+        return [room for room in rooms if (cost := row[room]) is not None and cost <= robot.energy]
+
+    def _choice(self, view: View, robot: RobotView, rooms: Sequence[int]) -> int:
+        if self._strategy is BotStrategy.RANDOM:
+            # The same choice while nothing happened to this robot, another one after each dialogue broken off.
+            turn = (len(self._stopped) * len(view.costs) + robot.place) * len(view.robots) + robot.robot
+            return rooms[int(self._choices.uniforms(turn, 1)[0] * len(rooms))]
+        costs = view.costs[robot.place]
+        return min(rooms, key=lambda room: (costs[room] or 0.0, room))
+
+    def _answer(self, dialogue: DialogueView) -> Wish:
+        doubts = self._strategy is BotStrategy.RANDOM and dialogue.matter == "select-room"
+        if doubts and self._doubts.uniforms(dialogue.dialogue, 1)[0] < DOUBT:
+            self._stopped.add(dialogue.dialogue)
+            return Answer(dialogue.dialogue, dialogue.turn, len(dialogue.choices) - 1)
+        return Answer(dialogue.dialogue, dialogue.turn, 0)
+
+    def _treasure(self, view: View, robot: RobotView, room: RoomView, agreed: set[str]) -> Wish:
+        if not room.sensed:
+            return Sense(room.room)
+        name = self._name(room)
+        if name is not None and robot.energy >= view.identify_cost:
+            return (
+                Identify(room.room, name)
+                if "take-treasure" in agreed
+                else Discuss(robot.robot, "take-treasure", room.room)
+            )
+        beside = robot.place == room.room and robot.moving_to is None
+        can_look = beside and room.picture is None and robot.energy >= view.picture_cost + view.identify_cost
+        if name is None and can_look:
+            return (
+                TakePicture(room.room) if "take-picture" in agreed else Discuss(robot.robot, "take-picture", room.room)
+            )
+        return Leave(room.room)
+
+    def _name(self, room: RoomView) -> str | None:
+        """What it takes the treasure for, or None while that is open."""
+        if room.picture is not None:
+            return self._knowledge.shown_by.get(room.picture)
+        fitting = {
+            kind.name
+            for kind in self._knowledge.kinds
+            if kind.colour == room.colour and kind.footprint == room.footprint
+        }
+        return fitting.pop() if len(fitting) == 1 else None
+
+
+def _waits_for(robot: RobotView, room: RoomView) -> bool:
+    """Whether this robot has to look at what is in a room, or to name what it found there before it was sent on."""
+    beside = robot.place == room.room and robot.moving_to is None
+    return room.undecided and room.robot == robot.robot and (room.sensed or beside)

@@ -1,0 +1,79 @@
+"""What of a game's state the participant gets to see."""
+
+import math
+from collections.abc import Collection
+
+from thbridge.hunt.costs import CostMatrix
+from thbridge.hunt.events import Commander
+from thbridge.hunt.game import GameState
+from thbridge.hunt.rooms import Room
+from thbridge.roles.keeper.briefing import Briefing
+from thbridge.roles.keeper.dialogues import Talks
+from thbridge.roles.view import RefusalView, RobotView, RoomView, Verdict, View
+
+
+def view_of(
+    state: GameState,
+    talks: Talks,
+    refusal: RefusalView | None,
+    briefing: Briefing,
+    *,
+    robots_ready: bool,
+    asked_back: Collection[int] = (),
+) -> View:
+    """The participant's view; the treasures themselves are never looked at, only what was found out about them."""
+    return View(
+        game=state.started.game,
+        ready=robots_ready,
+        costs=plain_costs(state.started.costs),
+        robots=tuple(_robot(state, number, number in asked_back) for number in range(len(state.robots))),
+        rooms=tuple(_room(state, room) for room in state.started.costs.rooms),
+        dialogues=talks.views(),
+        consents=talks.consents,
+        score=state.score,
+        over=None if state.ended is None else state.ended.reason.value,
+        picture_cost=state.started.picture_cost,
+        identify_cost=state.started.identify_cost,
+        refusal=refusal,
+        names=briefing.names if any(room.sensed is not None for room in state.rooms) else (),
+        consent=None if state.agreed else briefing.consent,
+        thinking=talks.asked_for_advice,
+    )
+
+
+def plain_costs(costs: CostMatrix) -> tuple[tuple[float | None, ...], ...]:
+    """A cost matrix as JSON can hold it: None where there is no move."""
+    return tuple(tuple(None if math.isinf(cost) else cost for cost in row) for row in costs.rows)
+
+
+def _robot(state: GameState, number: int, asked_back: bool) -> RobotView:
+    robot = state.robots[number]
+    moving_to = None if robot.bound_for is None else robot.bound_for.people
+    command = robot.command
+    return RobotView(
+        robot=number,
+        place=robot.at.people,
+        moving_to=moving_to,
+        energy=robot.energy,
+        blocked=robot.is_blocked,
+        condition=robot.condition,
+        commander=command.by,
+        # What programs of researchers are called is not for participants.
+        commander_name=command.name if command.by is Commander.GROUND_STATION else "",
+        asked_back=asked_back,
+    )
+
+
+def _room(state: GameState, room: Room) -> RoomView:
+    known = state.room(room)
+    going = state.reserved_by(room)
+    return RoomView(
+        room=room.people,
+        state="visited" if known.visited else "unvisited" if going is None else "reserved",
+        robot=state.decider(room) if going is None else going,
+        colour=None if known.sensed is None else known.sensed.colour,
+        footprint=None if known.sensed is None else known.sensed.footprint,
+        picture=known.image,
+        verdict=None if known.points is None else Verdict(known.name or "", known.points),
+        left=known.left,
+    )

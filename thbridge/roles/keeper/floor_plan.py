@@ -1,0 +1,80 @@
+"""The house of a game, small enough for one line of the wire, and back again."""
+
+import base64
+import binascii
+import zlib
+from collections.abc import Sequence
+
+import numpy as np
+from numpy.typing import NDArray
+
+from sim.common.geometry import Pose2
+from sim.common.grid import FREE, OCCUPIED, Cells, OccupancyGrid
+from thbridge.roles.notices import House, RoomOutline
+
+MOST_PACKED = 40_000
+"""Characters of packed cells beyond which a map is thinned."""
+MOST_CELLS = 64_000_000
+"""More than any map has; a number beyond it is a mistake."""
+
+_OF_CODE: Cells = np.array([FREE, OCCUPIED, -1], dtype=np.int8)
+"""What the codes 0, 1 and 2 of `House.cells` are in an occupancy grid."""
+
+
+def house_of(
+    name: str, grid: OccupancyGrid, rooms: Sequence[RoomOutline], footprint: tuple[tuple[float, float], ...]
+) -> House:
+    """The house that this map shows.
+
+    A map that does not pack into one line is thinned: two by two cells become one, as often as need be. Of them a wall
+    wins, then free floor.
+
+    Args:
+        name: of the map.
+        grid: its cells.
+        rooms: room 1 first.
+        footprint: corners of a robot's body, its own frame, metres.
+    """
+    codes: NDArray[np.uint8] = np.full(grid.cells.shape, 2, dtype=np.uint8)
+    codes[grid.cells == FREE] = 0
+    codes[grid.cells == OCCUPIED] = 1
+    resolution = grid.resolution
+    while len(packed := _packed(codes)) > MOST_PACKED:
+        codes, resolution = _halved(codes), 2.0 * resolution
+    height, width = codes.shape
+    x, y, theta = grid.origin.array().tolist()
+    return House(name, resolution, (x, y, theta), width, height, packed, tuple(rooms), footprint)
+
+
+def grid_of(house: House) -> OccupancyGrid:
+    """The map in a house.
+
+    Raises:
+        ValueError: its cells are not what it says they are.
+    """
+    count = house.width * house.height
+    if min(house.width, house.height) < 1 or count > MOST_CELLS or not house.resolution > 0.0:
+        raise ValueError(f"no map has {house.width} x {house.height} cells of {house.resolution} m")
+    unpacking = zlib.decompressobj()
+    try:
+        # One byte more than there may be, so that too many are noticed without unpacking them all.
+        data = unpacking.decompress(base64.b64decode(house.cells, validate=True), count + 1)
+    except (binascii.Error, zlib.error) as error:
+        raise ValueError(f"the cells cannot be unpacked: {error}") from None
+    codes = np.frombuffer(data, dtype=np.uint8)
+    if len(codes) != count or codes.max() >= len(_OF_CODE):
+        raise ValueError("the cells are not as many, or not of the kinds, that there should be")
+    return OccupancyGrid(_OF_CODE[codes.reshape(house.height, house.width)], house.resolution, Pose2(*house.origin))
+
+
+def _packed(codes: NDArray[np.uint8]) -> str:
+    return base64.b64encode(zlib.compress(codes.tobytes(), 9)).decode("ascii")
+
+
+def _halved(codes: NDArray[np.uint8]) -> NDArray[np.uint8]:
+    """Two by two cells in one; what lies beyond the last row or column is unknown."""
+    rows, cols = codes.shape
+    even = np.pad(codes, ((0, rows % 2), (0, cols % 2)), constant_values=2)
+    blocks = even.reshape(even.shape[0] // 2, 2, even.shape[1] // 2, 2)
+    wall, free = (blocks == 1).any(axis=(1, 3)), (blocks == 0).any(axis=(1, 3))
+    return np.where(wall, 1, np.where(free, 0, 2)).astype(np.uint8)

@@ -1,0 +1,355 @@
+"""The keeper of the game: the one authority for what is hidden, visited, spent and scored.
+
+It lives beside the router, hears every line that is forwarded (a *tap*), and is asked things by notices. What it
+decides becomes events; the caller must write them to the journal before it passes on the messages of the same step.
+"""
+
+import math
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass, replace
+from typing import get_args
+
+from thbridge.dialogue.engine import Engine
+from thbridge.dialogue.moves import Utterance
+from thbridge.hunt import rules
+from thbridge.hunt.costs import CostMatrix
+from thbridge.hunt.events import Agreed, Commander, Event, Hidden, Started
+from thbridge.hunt.game import GameState
+from thbridge.hunt.outcomes import Refused
+from thbridge.roles.keeper.briefing import Briefing
+from thbridge.roles.keeper.disclosure import view_of
+from thbridge.roles.keeper.legacy_lines import Overhearing, wish_in
+from thbridge.roles.keeper.open_game import Book, Reason
+from thbridge.roles.keeper.participant_requests import grant
+from thbridge.roles.keeper.participants import Audience
+from thbridge.roles.keeper.station_requests import give_back, handed_on, look_around, serve
+from thbridge.roles.keeper.wizard import Held, held_in, obey
+from thbridge.roles.notices import (
+    KEEPER,
+    HidePlease,
+    HiderReady,
+    HideTreasures,
+    Level,
+    Orders,
+    ParticipantReady,
+    Reply,
+    RobotsReady,
+    Status,
+    Unfit,
+    heard,
+    tell,
+)
+from thbridge.roles.robot_requests import CommandRequest, GameRequest
+from thbridge.roles.view import Agree, PlayAgain, SendRobot, Wish
+from thbridge.wire import legacy
+from thbridge.wire.notice import Notice, is_notice, parse_notice
+from thbridge.wire.router import Forwarded
+from thbridge.wire.text import Message
+
+MOST_ROBOTS = 250
+"""In a team: MAVLink numbers vehicles up to there, and leaves the numbers above to ground stations."""
+
+_BEFORE_AGREEING = Refused(Reason.NOT_AGREED, "You have not agreed to take part yet.")
+_AFTER_AGREEING = {wish.__name__ for wish in get_args(Wish)} - {Agree.__name__}
+
+
+@dataclass(frozen=True, slots=True)
+class GameRules:
+    """What a study decides about the game.
+
+    Attributes:
+        seed: what the game's chance is keyed by; recorded.
+        energy: of each robot at the start.
+        picture_cost: energy of taking a picture.
+        identify_cost: energy of naming a treasure.
+        wrong_share: share of a treasure's points that a wrong name costs.
+    """
+
+    seed: int
+    energy: float
+    picture_cost: float
+    identify_cost: float
+    wrong_share: float
+
+
+@dataclass(frozen=True, slots=True)
+class Decided:
+    """What one step of the keeper brought about, in order; and what waits for whoever speaks in robots' place."""
+
+    events: tuple[Event, ...]
+    utterances: tuple[Utterance, ...]
+    held: Held
+
+
+class Keeper:
+    """The game's authority; see the module's description.
+
+    Args:
+        rules: of the game.
+        engine: how robots and the participant talk, given the game's number.
+        history: the events of the game under way, oldest first, as the journal has them; empty for none.
+        last_game: the number of the last game there ever was; the next one gets the number after it.
+        briefing: what participants are given beside the state of the game.
+    """
+
+    name = KEEPER
+
+    def __init__(
+        self,
+        rules: GameRules,
+        engine: Callable[[int], Engine],
+        history: Sequence[Event] = (),
+        last_game: int = 0,
+        briefing: Briefing | None = None,
+    ) -> None:
+        self._rules = rules
+        self._briefing = briefing or Briefing()
+        self._book = Book(engine, last_game)
+        self._book.read(history)
+        give_back(self._book)
+        self._overhearing = Overhearing(self._book)
+        # Who is there, and what they were told last.
+        self._team: RobotsReady | None = None
+        self._hider_ready = False
+        self._audience = Audience(KEEPER, self._briefing)
+        self._poses: tuple[tuple[float, float, float], ...] | None = None
+        self._ordered: Orders | None = None
+        # Of the step under way, and of the last one.
+        self._heard_anything = False
+        self._asked: list[GameRequest] = []
+        self._said: list[Message] = []
+        self._decided = Decided((), (), Held())
+
+    @property
+    def state(self) -> GameState | None:
+        """The game under way or just over; None before the first."""
+        return self._book.state
+
+    @property
+    def decided(self) -> Decided:
+        """Events and utterances of the last step; the events belong in the journal before anything else is done."""
+        return self._decided
+
+    def connected(self) -> None:
+        """Nobody needs to be told: the others introduce themselves to the keeper."""
+
+    def tap(self, forwarded: Sequence[Forwarded]) -> None:
+        """Hear what was forwarded since the last step; call it right before `step`."""
+        for item in forwarded:
+            if is_notice(item.message):
+                continue
+            self._heard_anything = True
+            if self.state is not None:
+                # The programs of 2016 hold their dialogues themselves, where nobody can hear them.
+                ours = item.sender_extended and item.message.sender in self._audience
+                wish = wish_in(item.message)
+                if ours and wish is not None and self._must_agree(self.state):
+                    self._book.refuse(wish, _BEFORE_AGREEING)
+                    continue
+                reply = self._overhearing.hear(self.state, item.message, needs_consent=ours)
+                if reply is not None:
+                    self._tell(legacy.HIDER, Reply(reply.command, reply.text))
+
+    def ask(self, request: GameRequest) -> None:
+        """Do this with the next step, before what is said to the keeper then."""
+        self._asked.append(request)
+
+    def step(self, tick: int, messages: Sequence[Message]) -> list[Message]:
+        """One tick; see `Role`."""
+        if self._book.pleas.pass_time(tick):
+            self._heard_anything = True
+        asked, self._asked = self._asked, []
+        for request in asked:
+            self._heard_anything = True
+            if not isinstance(request, CommandRequest):
+                obey(self._book, self.state, request)
+            elif self.state is not None:
+                serve(self._book, self.state, request, awaits_treasures=self._awaits_treasures(self.state))
+        for message in messages:
+            value = parse_notice(message)
+            if isinstance(value, Notice):
+                self._heard_anything = True
+                self._heed(value)
+        held = self._decided.held
+        # Whatever changes does so because of something heard; most ticks are silent.
+        if self._heard_anything:
+            self._heard_anything = False
+            if self.state is not None:
+                look_around(self._book, self.state)
+            self._see_to_end()
+            self._tell_levels()
+            held = held_in(self._book, self.state)
+        self._said += self._audience.pieces(tick)
+        self._decided = Decided(self._book.take_events(), tuple(self._book.talks.take_utterances()), held)
+        said, self._said = self._said, []
+        return said
+
+    # What our own programs say
+
+    def _heed(self, notice: Notice) -> None:
+        if (robots := heard(notice, RobotsReady)) is not None:
+            self._robots(notice.sender, robots)
+        elif (status := heard(notice, Status)) is not None:
+            self._status(status)
+        elif heard(notice, HiderReady) is not None:
+            self._hider_ready = True
+            self._ask_to_hide()
+        elif (hidden := heard(notice, HideTreasures)) is not None:
+            self._hide(hidden)
+        elif heard(notice, ParticipantReady) is not None:
+            self._said += self._audience.join(notice.sender, None if self._team is None else self._team.map)
+        elif self.state is not None and notice.kind in _AFTER_AGREEING and self._must_agree(self.state):
+            self._book.refuse(notice.kind, _BEFORE_AGREEING)
+        elif (again := heard(notice, PlayAgain)) is not None:
+            self._play_again(again.game)
+        elif self.state is not None:
+            grant(self._book, self.state, notice, awaits_treasures=self._awaits_treasures(self.state))
+
+    def _awaits_treasures(self, state: GameState) -> bool:
+        """Whether Hider is about to hide them."""
+        return self._hider_ready and state.treasures is None
+
+    def _must_agree(self, state: GameState) -> bool:
+        """Whether the participant has to agree to take part before anything else."""
+        return self._briefing.consent is not None and not state.agreed
+
+    def _robots(self, sender: str, robots: RobotsReady) -> None:
+        state = self.state
+        costs = costs_of(robots.costs)
+        if isinstance(costs, Refused):
+            self._tell(sender, Unfit(costs.sentence))
+        elif not 0 < robots.robots <= MOST_ROBOTS:
+            self._tell(sender, Unfit(f"A team has 1 to {MOST_ROBOTS} robots, not {robots.robots}."))
+        elif state is None:
+            self._team = robots
+            self._start(robots.robots, costs)
+        elif state.ended is not None:
+            self._team = robots
+        elif len(state.robots) != robots.robots or state.started.costs != costs:
+            self._tell(sender, Unfit(_unfit(state, robots)))
+        else:
+            self._team = robots
+            self._give_orders(state, with_poses=True)
+
+    def _start(self, robots: int, costs: CostMatrix) -> None:
+        chosen = self._rules
+        started = Started(
+            seed=chosen.seed,
+            game=self._book.last_game + 1,
+            robots=robots,
+            energy=chosen.energy,
+            picture_cost=chosen.picture_cost,
+            identify_cost=chosen.identify_cost,
+            wrong_share=chosen.wrong_share,
+            costs=costs,
+        )
+        # Whoever agreed, and whoever commands a robot, goes on doing so.
+        former = self.state
+        agreed = (Agreed(),) if former is not None and former.agreed else ()
+        kept = () if former is None else handed_on(former, robots)
+        self._book.happen((started, *agreed, *kept))
+        self._poses = None
+        self._ask_to_hide()
+
+    def _play_again(self, finished: int) -> None:
+        state = self.state
+        if state is None or state.ended is None or state.started.game != finished or self._team is None:
+            return
+        costs = costs_of(self._team.costs)
+        if isinstance(costs, CostMatrix):
+            self._start(self._team.robots, costs)
+
+    def _ask_to_hide(self) -> None:
+        state = self.state
+        if self._hider_ready and state is not None and state.treasures is None and state.ended is None:
+            self._tell(legacy.HIDER, HidePlease(state.started.game, len(state.rooms)))
+
+    def _hide(self, hidden: HideTreasures) -> None:
+        state = self.state
+        fresh = state is not None and state.treasures is None and state.started.game == hidden.game
+        if state is not None and fresh and len(hidden.treasures) == len(state.rooms):
+            self._book.happen((Hidden(hidden.treasures),))
+
+    def _status(self, status: Status) -> None:
+        state = self.state
+        if state is None or status.game != state.started.game or state.ended is not None:
+            return
+        if {len(status.poses), len(status.results), len(status.conditions)} != {len(state.robots)}:
+            return
+        self._poses = status.poses
+        for robot, result in enumerate(status.results):
+            if result is None or self.state is None or not self._book.is_under(robot, result.move):
+                continue
+            bound_for = self.state.robots[robot].bound_for
+            if result.arrived and bound_for is not None:
+                self._book.take("Arrived", rules.arrive(self.state, robot, bound_for))
+            else:
+                recalled = self._book.is_recalled(robot)
+                self._book.take("Failed", rules.fail(self.state, robot, result.sentence, result.share))
+                if not recalled:
+                    self._book.refuse(SendRobot.__name__, Refused(Reason.NO_PATH, result.sentence))
+        for robot, condition in enumerate(status.conditions):
+            if self.state is not None:
+                self._book.take("Reported", rules.report(self.state, robot, condition))
+        for robot, researcher in enumerate(status.researchers):
+            if self.state is not None:
+                self._book.take("Commanded", rules.intervene(self.state, robot, researcher))
+
+    def _see_to_end(self) -> None:
+        """Programs of 2016 never say that they give a treasure up, so nobody waits for them to."""
+        if self.state is not None:
+            self._book.happen(rules.ending(self.state, wait_for_decisions=not self._audience.is_empty))
+
+    # What the keeper says
+
+    def _tell(self, receiver: str, value: Level) -> None:
+        self._said.append(tell(self.name, receiver, value))
+
+    def _tell_levels(self) -> None:
+        state = self.state
+        if state is None:
+            return
+        if self._team is not None:
+            self._give_orders(state, with_poses=False)
+        talks, refusal = self._book.talks, self._book.refusal
+        self._said += self._audience.show(
+            view_of(
+                state,
+                talks,
+                refusal,
+                self._briefing,
+                robots_ready=self._team is not None,
+                asked_back=self._book.pleas.fresh,
+            )
+        )
+
+    def _give_orders(self, state: GameState, *, with_poses: bool) -> None:
+        orders = Orders(
+            game=state.started.game,
+            moves=self._book.orders(state),
+            energy=tuple(robot.energy for robot in state.robots),
+            at=tuple(robot.at.people for robot in state.robots),
+            poses=self._poses if with_poses else None,
+            taken=tuple(
+                number for number, robot in enumerate(state.robots) if robot.command.by is not Commander.PARTICIPANT
+            ),
+        )
+        if with_poses or self._ordered is None or replace(self._ordered, poses=None) != orders:
+            self._ordered = orders
+            self._tell(legacy.SIMR, orders)
+
+
+def costs_of(rows: Sequence[Sequence[float | None]]) -> CostMatrix | Refused:
+    """The cost matrix that `plain_costs` wrote."""
+    try:
+        return CostMatrix(tuple(tuple(math.inf if cost is None else cost for cost in row) for row in rows))
+    except ValueError as error:
+        return Refused("bad-costs", str(error))
+
+
+def _unfit(state: GameState, robots: RobotsReady) -> str:
+    return (
+        f"A game with {len(state.robots)} robots and {len(state.rooms)} rooms is under way; these are {robots.robots} "
+        f"robots on the map {robots.map} with {len(robots.costs) - 1} rooms. Start SimR as before, or end that game "
+        "by starting the server with --new-game."
+    )

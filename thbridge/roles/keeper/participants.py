@@ -1,0 +1,98 @@
+"""The participants' programs, and what the keeper tells them: the house, the view, the pictures taken."""
+
+import base64
+from collections import deque
+from collections.abc import Iterator
+
+from sim.common.observations import TICKS_PER_SECOND
+from thbridge.roles.keeper.briefing import Briefing
+from thbridge.roles.notices import Picture, tell
+from thbridge.roles.view import View
+from thbridge.wire.notice import notice
+from thbridge.wire.text import Message
+
+PIECE = 30_000
+"""Bytes of a picture in one line; in base 64 they are 40000."""
+PIECE_PERIOD = TICKS_PER_SECOND // 12
+"""Ticks from one piece to the next: a large picture must not be what a slow connection is cut off for."""
+
+
+class Audience:
+    """Knows who is there, and tells each what changed, and newcomers everything.
+
+    Args:
+        sender: in whose name they are told.
+        briefing: the study's part.
+    """
+
+    def __init__(self, sender: str, briefing: Briefing) -> None:
+        self._sender = sender
+        self._briefing = briefing
+        self._members: dict[str, None] = {}
+        self._newcomers: dict[str, None] = {}
+        self._shown: View | None = None
+        # The pictures that all but newcomers were told, by room; pieces that wait, each with who is to hear it.
+        self._taken: dict[int, str] = {}
+        self._pieces: deque[tuple[str, Picture]] = deque()
+        self._next_piece = 0
+
+    def __contains__(self, name: str) -> bool:
+        return name in self._members
+
+    @property
+    def is_empty(self) -> bool:
+        """Whether nobody is there."""
+        return not self._members
+
+    def join(self, name: str, map_name: str | None) -> list[Message]:
+        """Somebody is there, perhaps again: what is to be told at once.
+
+        Args:
+            name: whose.
+            map_name: of the map that the robots are on; None while that is open.
+        """
+        self._members[name] = None
+        self._newcomers[name] = None
+        self._pieces = deque(piece for piece in self._pieces if piece[0] != name)
+        house = self._briefing.house
+        # Robots may have been started on another map than the server's; a wrong one is worse than none.
+        if house is None or map_name not in {None, house.map}:
+            return []
+        return [tell(self._sender, name, house)]
+
+    def show(self, view: View) -> list[Message]:
+        """The view for those who do not have it; pictures that it names follow by and by (`pieces`)."""
+        self._queue_pictures(view)
+        listeners = self._newcomers if view == self._shown else self._members
+        self._shown = view
+        said = [notice(self._sender, name, View.__name__, **view.to_json()) for name in listeners]
+        self._newcomers = {}
+        return said
+
+    def pieces(self, tick: int) -> list[Message]:
+        """The next piece of a picture, if one is due."""
+        if not self._pieces or tick < self._next_piece:
+            return []
+        self._next_piece = tick + PIECE_PERIOD
+        name, piece = self._pieces.popleft()
+        return [tell(self._sender, name, piece)]
+
+    def _queue_pictures(self, view: View) -> None:
+        if self._shown is not None and self._shown.game != view.game:
+            self._taken.clear()
+            self._pieces.clear()
+        known = self._briefing.pictures
+        taken = {room.room: room.picture for room in view.rooms if room.picture is not None and room.picture in known}
+        for room, image in taken.items():
+            listeners = self._newcomers if self._taken.get(room) == image else self._members
+            for name in listeners:
+                self._pieces += [(name, piece) for piece in _pieces(view.game, room, known[image])]
+        self._taken = taken
+
+
+def _pieces(game: int, room: int, image: bytes) -> Iterator[Picture]:
+    """A picture taken apart."""
+    starts = range(0, len(image), PIECE)
+    for number, start in enumerate(starts):
+        data = base64.b64encode(image[start : start + PIECE]).decode("ascii")
+        yield Picture(game, room, number, len(starts), data)

@@ -1,0 +1,87 @@
+"""Wizard-of-Oz: a person, unknown to the participant, speaks and advises in the place of robots.
+
+What waits for that person is a level, told whenever it changes; a robot that nobody speaks for any more decides at once
+what waited.
+"""
+
+from dataclasses import dataclass
+
+import msgspec
+
+from thbridge.hunt import rules
+from thbridge.hunt.game import GameState
+from thbridge.hunt.outcomes import Refused
+from thbridge.hunt.rooms import Room
+from thbridge.roles.keeper.dialogues import HeldTurn
+from thbridge.roles.keeper.open_game import Book
+from thbridge.roles.keeper.participant_requests import advise, say_where_to_go, tour_of
+from thbridge.roles.robot_requests import AdviseFor, Puppeteer, SpeakFor, WizardRequest
+
+
+@dataclass(frozen=True, slots=True)
+class HeldAdvice:
+    """A participant's "don't know" that waits for whoever speaks in a puppet's place.
+
+    Attributes:
+        robot: which is asked, from 0.
+        costs: energy by room that it may suggest, as people count rooms.
+        suggestion: what it would say itself; None: nothing any more.
+    """
+
+    robot: int
+    costs: tuple[tuple[int, float], ...]
+    suggestion: int | None
+
+
+@dataclass(frozen=True, slots=True)
+class Held:
+    """For which robots a person speaks, and what waits for that person."""
+
+    puppets: tuple[int, ...] = ()
+    turns: tuple[HeldTurn, ...] = ()
+    advice: tuple[HeldAdvice, ...] = ()
+
+    def json(self) -> str:
+        """All of it, an object."""
+        return msgspec.json.encode(self).decode()
+
+
+def held_in(book: Book, state: GameState | None) -> Held:
+    """What waits in this game."""
+    talks = book.talks
+    advice = () if state is None else tuple(_advice(book, state, robot) for robot in talks.asked_for_advice)
+    return Held(tuple(sorted(talks.puppets)), talks.held_turns(), advice)
+
+
+def obey(book: Book, state: GameState | None, request: WizardRequest) -> None:
+    """Do what is asked in a robot's place; what is not waited for any more changes nothing."""
+    match request:
+        case Puppeteer(robot, True):
+            book.talks.hold(robot)
+        case Puppeteer(robot):
+            asked = robot in book.talks.asked_for_advice
+            book.talks.release(robot)
+            if asked and state is not None:
+                say_where_to_go(book, state, robot)
+        case SpeakFor(dialogue, turn, move, text):
+            book.talks.speak_for(dialogue, turn, move, text)
+        case AdviseFor(robot, number):
+            waits = state is not None and robot in book.talks.asked_for_advice
+            if state is not None and waits and Room(max(number, 0)) in _rooms(book, state, robot):
+                advise(book, state, robot, Room(number))
+
+
+def _advice(book: Book, state: GameState, robot: int) -> HeldAdvice:
+    at = state.robots[robot].at
+    costs = tuple((room.people, state.started.costs.cost(at, room)) for room in _rooms(book, state, robot))
+    own = tour_of(book, state, robot)
+    return HeldAdvice(robot, costs, None if isinstance(own, Refused) else own.people)
+
+
+def _rooms(book: Book, state: GameState, robot: int) -> list[Room]:
+    """Where a robot may be advised to go."""
+    return [
+        room
+        for room in state.free_rooms
+        if isinstance(rules.move(state, robot, room), tuple) and book.talks.spoken_for(room, robot) is None
+    ]

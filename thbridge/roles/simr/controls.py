@@ -1,0 +1,136 @@
+"""The robots' controls: what is asked of them beside the game, and what becomes of it."""
+
+from collections.abc import Sequence
+from dataclasses import dataclass, replace
+
+from sim.common.observations import TICKS_PER_SECOND
+from sim.parameters.reconfiguration import Rejected
+from sim.team import Configure, Disturb, Drive, Go, Halt, Localize, PutThing, RemoveThing, TeamInput, TeamSnapshot
+from thbridge.roles.robot_requests import ParameterValue, RobotRequest, SetParameters, Tuning
+from thbridge.roles.simr.team import Robots
+from thbridge.ros.actionlib import ActionRequest, MoveBaseServer
+from thbridge.ros.messages.records import CancelRequest, GoalRequest, InitialPose, SimpleGoal, VelocityCommand
+
+HAND_TICKS = TICKS_PER_SECOND // 2
+"""Ticks that one command of somebody who drives by hand lasts; then the base stops, as real ones do."""
+
+
+@dataclass(frozen=True, slots=True)
+class _Hand:
+    """Somebody drives a robot by hand for so many more ticks; a researcher of this name, or None."""
+
+    ticks: int
+    researcher: str | None
+
+
+class Controls:
+    """Takes requests between two ticks of a team, and turns them into its inputs for the next.
+
+    Args:
+        robots: somebody else steps them.
+    """
+
+    def __init__(self, robots: Robots) -> None:
+        self._robots = robots
+        self._servers = tuple(MoveBaseServer(robot) for robot in range(robots.size))
+        self._actions: list[ActionRequest] = []
+        self._inputs: list[TeamInput] = []
+        self._by_hand: dict[int, _Hand] = {}
+        # Researchers by robot and number of the goal that they have set.
+        self._goals: dict[tuple[int, int], str] = {}
+        self._researchers: tuple[str | None, ...] = (None,) * robots.size
+
+    def ask(self, request: RobotRequest, researcher: str | None = None) -> None:
+        """Do this in the next tick; requests to robots that there are not are forgotten.
+
+        Args:
+            request: what.
+            researcher: the name of whoever intervenes by it; None: nobody does.
+        """
+        if not (isinstance(request, PutThing | RemoveThing) or 0 <= request.robot < self._robots.size):
+            return
+        if researcher is not None:
+            match request:
+                case GoalRequest(robot=robot, number=number) | SimpleGoal(robot=robot, number=number):
+                    self._goals[robot, number] = researcher
+                case Go(robot, goal):
+                    self._goals[robot, goal.id] = researcher
+        match request:
+            case GoalRequest() | SimpleGoal() | CancelRequest():
+                self._actions.append(request)
+            case VelocityCommand(robot, twist):
+                self._take(Drive(robot, twist, HAND_TICKS), researcher)
+            case InitialPose(robot, base_in_map, covariance):
+                self._take(Localize(robot, base_in_map, covariance))
+            case SetParameters(robot, values):
+                self._tune(robot, values)
+            case _:
+                self._take(request, researcher)
+
+    def take_inputs(self, tick: int) -> list[TeamInput]:
+        """What the team shall do in its next step, that of this tick: as asked; then what clients' goals come to."""
+        actions, self._actions = self._actions, []
+        for robot, server in enumerate(self._servers):
+            for decided in server.take(tick, [action for action in actions if action.robot == robot]):
+                self._take(decided)
+        inputs, self._inputs = self._inputs, []
+        return inputs
+
+    def follow(self, snapshot: TeamSnapshot) -> None:
+        """See what became of it."""
+        self._by_hand = {
+            robot: replace(hand, ticks=hand.ticks - 1) for robot, hand in self._by_hand.items() if hand.ticks > 1
+        }
+        goals = [None if output.navigation.goal is None else output.navigation.goal.id for output in snapshot.robots]
+        self._goals = {key: name for key, name in self._goals.items() if goals[key[0]] == key[1]}
+        set_by = {robot: name for (robot, _), name in self._goals.items()}
+        driven_by = {robot: hand.researcher for robot, hand in self._by_hand.items()}
+        self._researchers = tuple(driven_by.get(robot, set_by.get(robot)) for robot in range(self._robots.size))
+        for robot, (server, output) in enumerate(zip(self._servers, snapshot.robots, strict=True)):
+            navigation = None if robot in snapshot.dead else output.navigation
+            server.follow(snapshot.tick, navigation, output.estimate.base_in_map)
+
+    def is_driven(self, robot: int) -> bool:
+        """Whether somebody drives a robot by hand just now."""
+        return robot in self._by_hand
+
+    @property
+    def researchers(self) -> tuple[str | None, ...]:
+        """By robot, who intervenes just now: whose goal it drives to, or who drives it by hand; None: nobody."""
+        return self._researchers
+
+    def _take(self, item: TeamInput, researcher: str | None = None) -> None:
+        match item:
+            case Drive(robot, _, ticks):
+                self._by_hand[robot] = _Hand(ticks, researcher)
+            case Go(robot) | Halt(robot):
+                self._by_hand.pop(robot, None)
+        self._inputs.append(item)
+
+    def tuning(self, robot: int) -> Tuning | None:
+        """What can be changed of a robot, as it will be when all that was asked so far is done.
+
+        None where it is not ours to change.
+        """
+        if robot >= len(self._robots.parameters):
+            return None
+        software, world = self._robots.parameters[robot], self._robots.worlds[robot]
+        for item in self._inputs:
+            match item:
+                case Configure(number, parameters) if number == robot:
+                    software = parameters
+                case Disturb(number, true) if number == robot:
+                    world = true
+        return Tuning(software, world)
+
+    def _tune(self, robot: int, values: Sequence[tuple[str, ParameterValue]]) -> None:
+        before = self.tuning(robot)
+        if before is None:
+            return
+        after = before.changed(values)
+        if isinstance(after, Rejected):
+            return
+        if after.software != before.software:
+            self._take(Configure(robot, after.software))
+        if after.world != before.world:
+            self._take(Disturb(robot, after.world))

@@ -1,0 +1,45 @@
+"""Lines of many points, told in few."""
+
+import numpy as np
+from numpy.typing import NDArray
+
+from sim.common.geometry import FloatArray
+
+
+def enough(points: FloatArray, tolerance: float) -> NDArray[np.bool_]:
+    """Which of a line's points are enough to draw it.
+
+    Args:
+        points: (m, 2); at least one.
+        tolerance: by how much a point left out may be off the line drawn, in the unit of the points.
+
+    Returns:
+        (m,) whether each is needed; both ends are.
+
+    Source: Ramer, An iterative procedure for the polygonal approximation of plane curves (1972); Douglas and Peucker
+    (1973).
+    """
+    kept: NDArray[np.bool_] = np.zeros(len(points), dtype=np.bool_)
+    kept[[0, -1]] = True
+    stretches = [(0, len(points) - 1)]
+    while stretches:
+        first, last = stretches.pop()
+        if last - first < 2:
+            continue
+        off = _off(points[first + 1 : last], points[first], points[last])
+        farthest = int(np.argmax(off))
+        if off[farthest] > tolerance:
+            middle = first + 1 + farthest
+            kept[middle] = True
+            stretches += [(first, middle), (middle, last)]
+    return kept
+
+
+def _off(points: FloatArray, start: FloatArray, end: FloatArray) -> FloatArray:
+    """(m,) distances of (m, 2) points from the stretch between two."""
+    along = end - start
+    length = float(along @ along)
+    if length == 0.0:
+        return np.asarray(np.hypot(*(points - start).T), dtype=np.float64)
+    share = np.clip((points - start) @ along / length, 0.0, 1.0)
+    return np.asarray(np.hypot(*(points - start - share[:, np.newaxis] * along).T), dtype=np.float64)

@@ -1,0 +1,207 @@
+"""What SimR tells those who follow the robots on a map: where they are and what they do, many times a second.
+
+What the study does not show never leaves: it is not written and then hidden, it is not written.
+"""
+
+import math
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+from sim.common.geometry import FloatArray
+from sim.common.observations import TICKS_PER_SECOND
+from sim.robot.software import RobotOutput
+from sim.team import TeamSnapshot
+from thbridge.hunt.events import Condition
+from thbridge.roles.notices import Doing, Ellipse, Level, Motion, Ways, Whereabouts, tell
+from thbridge.roles.simr.polyline import enough
+from thbridge.wire.text import Message
+
+WHEREABOUTS_PERIOD = TICKS_PER_SECOND // 25
+"""Ticks from one word about the robots' whereabouts to the next."""
+WAYS_PERIOD = TICKS_PER_SECOND // 10
+"""Ticks from one word about the ways that lie ahead of them to the next, if they change."""
+SUBSCRIPTION = 60 * TICKS_PER_SECOND
+"""Ticks a subscription lasts unless it is renewed: long enough for windows that renew it in real time, where the
+simulation runs many times as fast."""
+
+OFF_THE_WAY = 0.01
+"""Metres by which points left out may be off a way. It may be twice as much where the robot is, that is not quite on it
+either; with the rounding to centimetres a way that is told is off by less than 0.03 m."""
+MOST_POINTS = 2000
+"""Of all ways in one line."""
+NINETY_FIVE_PERCENT = 5.991
+"""Of a normal distribution in the plane lie within this squared Mahalanobis distance (chi-square, 2 dof)."""
+
+Triple = tuple[float, float, float]
+Line = tuple[tuple[float, float], ...]
+
+
+@dataclass(frozen=True, slots=True)
+class Shows:
+    """What a study shows of robots, beside where they believe they are and what they do.
+
+    Attributes:
+        way: the ways that lie ahead of them.
+        uncertainty: how sure they are of their places.
+        truth: where they really are.
+    """
+
+    way: bool = True
+    uncertainty: bool = False
+    truth: bool = False
+
+
+class Bulletin:
+    """Knows who wants to be told, and what they were told last.
+
+    Args:
+        sender: in whose name they are told.
+        shows: what they may know.
+    """
+
+    def __init__(self, sender: str, shows: Shows) -> None:
+        self._sender = sender
+        self._shows = shows
+        self._until: dict[str, int] = {}
+        self._newcomers: dict[str, None] = {}
+        self._plans: tuple[_Plan, ...] = ()
+        self._ways: tuple[Line, ...] = ()
+
+    def subscribe(self, name: str, tick: int) -> None:
+        """Somebody wants to be told from now on, or goes on wanting it."""
+        self._until[name] = tick + SUBSCRIPTION
+        if self._shows.way:
+            self._newcomers[name] = None
+
+    def told(
+        self,
+        tick: int,
+        snapshot: TeamSnapshot,
+        conditions: Sequence[Condition],
+        progress: Mapping[int, float],
+    ) -> list[Message]:
+        """What there is to say in this tick.
+
+        Args:
+            tick: of the role.
+            snapshot: of the robots.
+            conditions: how each is.
+            progress: share of its way that is driven, of each robot that is under way.
+        """
+        self._until = {name: until for name, until in self._until.items() if until > tick}
+        said: list[Message] = []
+        if not self._until:
+            return said
+        if tick % WHEREABOUTS_PERIOD == 0:
+            said += self._tell(self._whereabouts(snapshot, conditions, progress), self._until)
+        if tick % WAYS_PERIOD == 0 and self._shows.way:
+            before, self._ways = self._ways, self._ahead(snapshot, conditions)
+            listeners = self._newcomers if self._ways == before else self._until
+            said += self._tell(Ways(snapshot.tick, self._ways), listeners)
+            self._newcomers.clear()
+        return said
+
+    def _tell(self, value: Level, names: Mapping[str, object]) -> list[Message]:
+        return [tell(self._sender, name, value) for name in names]
+
+    def _ahead(self, snapshot: TeamSnapshot, conditions: Sequence[Condition]) -> tuple[Line, ...]:
+        """The way ahead of each robot that answers."""
+        count = len(snapshot.robots)
+        if len(self._plans) != count:
+            self._plans = tuple(_Plan(max(2, MOST_POINTS // count)) for _ in range(count))
+        return tuple(
+            () if condition is Condition.SILENT else plan.ahead(output)
+            for plan, output, condition in zip(self._plans, snapshot.robots, conditions, strict=True)
+        )
+
+    def _whereabouts(
+        self, snapshot: TeamSnapshot, conditions: Sequence[Condition], progress: Mapping[int, float]
+    ) -> Whereabouts:
+        robots = snapshot.robots
+        motions = (
+            _motion(output, condition, progress.get(robot, 0.0))
+            for robot, (output, condition) in enumerate(zip(robots, conditions, strict=True))
+        )
+        ellipses = tuple(ellipse_of(output.estimate.covariance) for output in robots)
+        knows_truth = self._shows.truth and snapshot.world is not None
+        return Whereabouts(
+            tick=snapshot.tick,
+            poses=tuple(_triple(output.estimate.base_in_map.array()) for output in robots),
+            motions=tuple(motions),
+            ellipses=ellipses if self._shows.uncertainty else None,
+            truth=tuple(_triple(pose) for pose in snapshot.truth.poses) if knows_truth else None,
+        )
+
+
+def ellipse_of(covariance: FloatArray) -> Ellipse:
+    """Where 95 % of a belief of this (2 or more, 2 or more) covariance lie; of a pose, its place. In m^2."""
+    (xx, xy), (_, yy) = covariance[:2, :2].tolist()
+    mean, spread = 0.5 * (xx + yy), math.hypot(0.5 * (xx - yy), xy)
+    major, minor = (math.sqrt(NINETY_FIVE_PERCENT * max(0.0, variance)) for variance in (mean + spread, mean - spread))
+    return Ellipse(_milli(major), _milli(minor), _milli(0.5 * math.atan2(2.0 * xy, xx - yy)))
+
+
+def _motion(output: RobotOutput, condition: Condition, progress: float) -> Motion:
+    navigation = output.navigation
+    waits_for = None if condition is Condition.SILENT else navigation.waits_for
+    doing: Doing
+    match navigation.state:
+        case _ if condition is Condition.SILENT:
+            doing = "silent"
+        case "clearing":
+            doing = "clearing"
+        case _ if waits_for is not None:
+            doing = "waiting"
+        case "planning":
+            doing = "planning"
+        case "controlling":
+            doing = "driving"
+        case "idle":
+            doing = "resting"
+    return Motion(doing, waits_for, _milli(progress), _milli(navigation.remaining))
+
+
+class _Plan:
+    """A robot's plan in few points: thinned when it is new, and only cut while it is driven.
+
+    Args:
+        most: points to tell of it.
+    """
+
+    def __init__(self, most: int) -> None:
+        self._most = most
+        self._points: FloatArray = np.empty((0, 2))
+        self._kept: NDArray[np.bool_] = np.empty(0, dtype=np.bool_)
+
+    def ahead(self, output: RobotOutput) -> Line:
+        """The way from the robot's place on; none where it has none, or one that it only wishes for."""
+        navigation, here = output.navigation, output.estimate.base_in_map
+        points = navigation.plan[1:, :2]
+        if navigation.state != "controlling" or not len(points):
+            return ()
+        driven = len(self._points) - len(points)
+        if driven >= 0 and np.allclose(self._points[driven:], points, rtol=0.0, atol=1e-6):
+            self._points, self._kept = self._points[driven:], self._kept[driven:]
+        else:
+            self._points, self._kept = points, self._few(points)
+        few = [[here.x, here.y], *points[self._kept].tolist()]
+        return tuple((round(x, 2), round(y, 2)) for x, y in few)
+
+    def _few(self, points: FloatArray) -> NDArray[np.bool_]:
+        tolerance = OFF_THE_WAY
+        while (kept := enough(points, tolerance)).sum() > self._most:
+            tolerance *= 2.0
+        return kept
+
+
+def _triple(pose: FloatArray) -> Triple:
+    x, y, theta = pose.tolist()
+    return _milli(x), _milli(y), _milli(theta)
+
+
+def _milli(number: float) -> float:
+    """To the millimetre, or thousandth of a radian: nobody sees more, and lines stay short."""
+    return round(number, 3)

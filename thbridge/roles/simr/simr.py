@@ -1,0 +1,344 @@
+"""SimR: the robots' program. It drives a team of robots by the keeper's orders and tells where they got to."""
+
+import math
+from collections.abc import Sequence
+from dataclasses import dataclass, replace
+
+from sim.common.geometry import Pose2
+from sim.common.observations import TICKS_PER_SECOND, Twist
+from sim.robot.navigator import Arrived, Goal, NoPath
+from sim.robot.software import RobotOutput
+from sim.team import Drive, Go, Halt, Place, SetCharge, TeamInput, TeamSnapshot
+from thbridge.hunt.events import Condition
+from thbridge.hunt.rooms import Room
+from thbridge.roles import failure_reasons as reasons
+from thbridge.roles.notices import KEEPER, MoveResult, Order, Orders, RobotsReady, Status, Subscribe, Unfit, heard, tell
+from thbridge.roles.robot_requests import RobotRequest, Tuning
+from thbridge.roles.simr.controls import HAND_TICKS, Controls
+from thbridge.roles.simr.pose_telemetry import Bulletin, Shows
+from thbridge.roles.simr.team import Robots
+from thbridge.wire import canonical, legacy
+from thbridge.wire.canonical import Dialect, GotoPoint, Move, Where, decode_goto
+from thbridge.wire.notice import Notice, parse_notice
+from thbridge.wire.text import Command, Message
+
+STATUS_PERIOD = TICKS_PER_SECOND
+"""Ticks from one status to the next; one is also sent whenever a move ends."""
+
+PATIENCE = TICKS_PER_SECOND
+"""Ticks that a `%%goto` waits for a keeper; when none was ever heard, it is obeyed as in 2016."""
+
+SILENCE = 5 * TICKS_PER_SECOND
+"""What `SimR` takes for silence, unless it is told otherwise, ticks."""
+
+HAND_SPEEDS = {
+    canonical.Drive.FORWARD: (1.0, 0.0),
+    canonical.Drive.BACKWARD: (-1.0, 0.0),
+    canonical.Drive.WIDE_CLOCKWISE: (1.0, -1.0),
+    canonical.Drive.WIDE_ANTICLOCKWISE: (1.0, 1.0),
+    canonical.Drive.TURN_CLOCKWISE: (0.0, -1.0),
+    canonical.Drive.TURN_ANTICLOCKWISE: (0.0, 1.0),
+}
+"""Shares of forward speed and rate of turn, at full intensity 0.5 m/s and 1 rad/s."""
+
+
+@dataclass(frozen=True, slots=True)
+class Field:
+    """Where robots may be sent: the map as SimR needs it.
+
+    Attributes:
+        name: of the map.
+        goals: the goal pose of each room, room 1 first.
+        starts: a start pose a robot.
+        costs: energy from place to place as people count them, None where there is no move.
+    """
+
+    name: str
+    goals: tuple[Pose2, ...]
+    starts: tuple[Pose2, ...]
+    costs: tuple[tuple[float | None, ...], ...]
+
+
+@dataclass(frozen=True, slots=True)
+class _Way:
+    """A move under way. `length` is the longest plan it has had, metres; 0 until there is one."""
+
+    order: Order
+    recalled: bool = False
+    length: float = 0.0
+    remaining: float = 0.0
+
+    def share(self) -> float:
+        return 1.0 - self.remaining / self.length if self.length > 0.0 else 0.0
+
+
+class SimR:
+    """The robots' role.
+
+    Moves come as the keeper's orders. Where no keeper was ever heard (a server of another make), a `%%goto` is obeyed
+    as SimR did in 2016. In either case it answers `%%where`, takes `%%move`, and goes to points in metres.
+
+    Args:
+        robots: the team.
+        field: where they may be sent.
+        dialect: which reading of `%%goto` comes first.
+        silence: ticks after which a robot that says nothing any more counts as silent, and its move has failed.
+        shows: what those who follow the robots on a map are told of them.
+    """
+
+    name = legacy.SIMR
+
+    def __init__(
+        self,
+        robots: Robots,
+        field: Field,
+        dialect: Dialect = Dialect.LEGACY_2016,
+        silence: int = SILENCE,
+        shows: Shows | None = None,
+    ) -> None:
+        self._team = robots
+        self._controls = Controls(robots)
+        self._field = field
+        self._dialect = dialect
+        self._silence = silence
+        self._introduce = False
+        self._snapshot: TeamSnapshot | None = None
+        self._inputs: list[TeamInput] = []
+        self._ways: dict[int, _Way] = {}
+        self._results: list[MoveResult | None] = [None] * robots.size
+        self._conditions = (Condition.WELL,) * robots.size
+        self._researchers: tuple[str | None, ...] = (None,) * robots.size
+        self._taken: tuple[int, ...] = ()
+        self._obeyed = [0] * robots.size
+        self._game = 0
+        self._waiting: list[tuple[int, legacy.Goto]] = []
+        self._without_keeper = 0
+        self._bulletin = Bulletin(self.name, shows or Shows())
+        self._unfit: str | None = None
+
+    @property
+    def snapshot(self) -> TeamSnapshot | None:
+        """What the team did in the last step; None before the first."""
+        return self._snapshot
+
+    @property
+    def unfit(self) -> str | None:
+        """Why the keeper does not take these robots into its game; None when it does."""
+        return self._unfit
+
+    def connected(self) -> None:
+        """Tell the keeper with the next step that the robots are there."""
+        self._introduce = True
+
+    def ask(self, request: RobotRequest, researcher: str | None = None) -> None:
+        """Do this with the next step, before what is said to SimR then; an order of the game goes on afterwards.
+
+        Args:
+            request: what.
+            researcher: the name of whoever intervenes by it, and so commands the robot while it lasts; None: nobody.
+        """
+        self._controls.ask(request, researcher)
+
+    def tuning(self, robot: int) -> Tuning | None:
+        """What can be changed of a robot; see `Controls.tuning`."""
+        return self._controls.tuning(robot)
+
+    def step(self, tick: int, messages: Sequence[Message]) -> list[Message]:
+        """One tick of the role and of the team; see `Role`."""
+        said: list[Message] = []
+        # What robots had forgotten comes first: what is asked of them is newer, and what is ordered now even more so.
+        resumed, self._inputs = self._inputs, []
+        if self._introduce:
+            self._introduce = False
+            said.append(tell(self.name, KEEPER, RobotsReady(self._field.name, self._team.size, self._field.costs)))
+        for message in messages:
+            said += self._hear(tick, message)
+        self._obey_unjudged(tick)
+        asked = self._controls.take_inputs(1 if self._snapshot is None else self._snapshot.tick + 1)
+        self._snapshot = self._team.step([*resumed, *asked, *self._inputs])
+        self._inputs.clear()
+        self._controls.follow(self._snapshot)
+        before = self._conditions, self._researchers, tuple(self._results)
+        said += self._ended(self._snapshot)
+        self._conditions, self._researchers = self._conditions_in(self._snapshot), self._controls.researchers
+        changed = before != (self._conditions, self._researchers, tuple(self._results))
+        if changed or tick % STATUS_PERIOD == 0:
+            said.append(tell(self.name, KEEPER, self._status(self._snapshot)))
+        progress = {robot: way.share() for robot, way in self._ways.items()}
+        return said + self._bulletin.told(tick, self._snapshot, self._conditions, progress)
+
+    # What is said to SimR
+
+    def _hear(self, tick: int, message: Message) -> list[Message]:
+        match message.command:
+            case Command.ERROR:
+                notice = parse_notice(message)
+                if isinstance(notice, Notice):
+                    self._heed(tick, notice)
+            case Command.GOTO:
+                goto = decode_goto(message, self._dialect, len(self._field.goals))
+                if isinstance(goto, legacy.Goto) and goto.robot < self._team.size:
+                    self._waiting.append((tick, goto))
+                elif isinstance(goto, GotoPoint) and self._is_free(goto.robot):
+                    self._go_to_point(goto)
+            case Command.WHERE:
+                where = canonical.decode(message)
+                if isinstance(where, Where) and 0 <= where.robot < self._team.size and self._snapshot is not None:
+                    pose = self._snapshot.robots[where.robot].estimate.base_in_map
+                    answer = canonical.Pose(where.robot, pose.x, pose.y, pose.theta)
+                    return [canonical.encode(answer, self.name, message.sender)]
+            case Command.MOVE:
+                move = canonical.decode(message)
+                if isinstance(move, Move) and self._is_free(move.robot):
+                    linear, angular = HAND_SPEEDS[move.drive]
+                    share = move.intensity / 5.0
+                    twist = Twist(0.5 * share * linear, share * angular)
+                    self._inputs.append(Drive(move.robot, twist, HAND_TICKS))
+        return []
+
+    def _heed(self, tick: int, notice: Notice) -> None:
+        if (orders := heard(notice, Orders)) is not None:
+            if self._can_follow(orders):
+                self._follow(orders)
+        elif heard(notice, Subscribe) is not None:
+            self._bulletin.subscribe(notice.sender, tick)
+        elif (unfit := heard(notice, Unfit)) is not None:
+            self._unfit = unfit.sentence
+
+    def _can_follow(self, orders: Orders) -> bool:
+        """Whether these are orders for this team on this map; anything else is noise."""
+        team, places = self._team.size, range(len(self._field.goals) + 1)
+        return (
+            orders.game > 0
+            and len(orders.moves) == len(orders.energy) == len(orders.at) == team
+            and (orders.poses is None or len(orders.poses) == team)
+            and all(order is None or order.room in places[1:] for order in orders.moves)
+            and all(place in places for place in orders.at)
+        )
+
+    def _follow(self, orders: Orders) -> None:
+        """Make the robots do what the keeper says they do."""
+        if orders.game != self._game:
+            self._begin(orders)
+        for robot, order in enumerate(orders.moves):
+            if order is not None and order.move != self._obeyed[robot]:
+                self._go(robot, order)
+            elif order is None and robot in self._ways:
+                self._ways[robot] = replace(self._ways[robot], recalled=True)
+                self._inputs.append(Halt(robot))
+        self._taken = orders.taken
+        self._inputs += [SetCharge(robot, charge) for robot, charge in enumerate(orders.energy)]
+
+    def _begin(self, orders: Orders) -> None:
+        """A new game, or back in one that was under way: put every robot where it belongs."""
+        again = self._game != 0
+        self._game = orders.game
+        self._waiting.clear()
+        self._ways.clear()
+        self._results = [None] * self._team.size
+        self._obeyed = [0] * self._team.size
+        if orders.poses is not None:
+            places = [Pose2(*pose) for pose in orders.poses]
+        elif again or any(orders.at):
+            places = [self._place(robot, room) for robot, room in enumerate(orders.at)]
+        else:
+            return
+        for robot, pose in enumerate(places):
+            self._inputs += [Halt(robot), Place(robot, pose)]
+
+    def _place(self, robot: int, room: int) -> Pose2:
+        return self._field.starts[robot] if room == 0 else self._field.goals[Room.of_people(room).wire]
+
+    def _go(self, robot: int, order: Order) -> None:
+        self._obeyed[robot] = order.move
+        self._results[robot] = None
+        self._ways[robot] = _Way(order)
+        self._inputs.append(Go(robot, self._goal(order)))
+
+    def _goal(self, order: Order) -> Goal:
+        return Goal(order.move, self._field.goals[Room.of_people(order.room).wire])
+
+    def _obey_unjudged(self, tick: int) -> None:
+        """Obey what has waited for a keeper long enough; with a keeper there is nothing to obey but its orders."""
+        if self._game != 0:
+            self._waiting.clear()
+        while self._waiting and tick - self._waiting[0][0] >= PATIENCE:
+            _, goto = self._waiting.pop(0)
+            self._without_keeper += 1
+            self._go(goto.robot, Order(self._without_keeper, Room.of_wire(goto.room).people))
+
+    def _is_free(self, robot: int) -> bool:
+        """Whether a line may drive a robot beside the game: it is under way in it nowhere, and nobody has taken it."""
+        return 0 <= robot < self._team.size and robot not in self._ways and robot not in self._taken
+
+    def _go_to_point(self, goto: GotoPoint) -> None:
+        if self._snapshot is None:
+            return
+        here = self._snapshot.robots[goto.robot].estimate.base_in_map
+        heading = math.atan2(goto.y - here.y, goto.x - here.x) if goto.heading is None else goto.heading
+        self._inputs.append(Go(goto.robot, Goal(0, Pose2(goto.x, goto.y, heading))))
+
+    # What SimR tells
+
+    def _ended(self, snapshot: TeamSnapshot) -> list[Message]:
+        said = []
+        for robot, output in enumerate(snapshot.robots):
+            way = self._ways.get(robot)
+            if way is None:
+                continue
+            navigation = output.navigation
+            goal = self._goal(way.order)
+            if navigation.goal == goal and navigation.state == "controlling":
+                self._ways[robot] = way = replace(
+                    way, length=max(way.length, navigation.remaining), remaining=navigation.remaining
+                )
+            result = navigation.result
+            if self._is_silent(snapshot, output):
+                self._fail(robot, way, reasons.unanswered(robot))
+            elif result is not None and result.goal != goal:
+                pass  # The end of an earlier goal, or of one that somebody else set.
+            elif isinstance(result, Arrived):
+                del self._ways[robot]
+                self._results[robot] = MoveResult(way.order.move, True, "", 1.0)
+                said.append(legacy.Arrived(robot, Room.of_people(way.order.room).wire).message())
+            elif isinstance(result, NoPath):
+                self._fail(robot, way, reasons.told(robot, result.reason))
+            elif navigation.goal is None and output.observations.tick == snapshot.tick:
+                if way.recalled:
+                    self._fail(robot, way, reasons.CALLED_BACK)
+                elif not self._controls.is_driven(robot):
+                    # It was dead for a moment, or sent elsewhere or driven by hand, and has forgotten its order.
+                    self._inputs.append(Go(robot, goal))
+        return said
+
+    def _fail(self, robot: int, way: _Way, sentence: str) -> None:
+        del self._ways[robot]
+        self._results[robot] = MoveResult(way.order.move, False, sentence, way.share())
+
+    def _is_silent(self, snapshot: TeamSnapshot, robot: RobotOutput) -> bool:
+        """Whether a robot has said nothing for so long that it counts as silent."""
+        return snapshot.tick - robot.observations.tick >= self._silence
+
+    def _conditions_in(self, snapshot: TeamSnapshot) -> tuple[Condition, ...]:
+        """How each robot is, as far as it can be heard."""
+        return tuple(
+            Condition.SILENT
+            if self._is_silent(snapshot, robot)
+            else Condition.LOST
+            if robot.estimate.lost
+            else Condition.WELL
+            for robot in snapshot.robots
+        )
+
+    def _status(self, snapshot: TeamSnapshot) -> Status:
+        if snapshot.world is None:
+            places = _believed(snapshot)
+        else:
+            places = tuple((float(x), float(y), float(theta)) for x, y, theta in snapshot.world.poses)
+        return Status(self._game, places, tuple(self._results), self._conditions, self._researchers)
+
+
+def _believed(snapshot: TeamSnapshot) -> tuple[tuple[float, float, float], ...]:
+    """Where the robots believe they are."""
+    poses = (output.estimate.base_in_map for output in snapshot.robots)
+    return tuple((pose.x, pose.y, pose.theta) for pose in poses)

@@ -1,0 +1,174 @@
+"""A robot's parameters as MAVLink has them: numbers under short names, that a ground station may turn while it drives.
+
+MAVLink tells numbers in 32 bits. What is told is the nearest of those to the value in force; what is set means the
+shortest decimal that is told so, and nothing where that is told already: 0.1 stays 0.1, through any number of
+ground stations that send back what they have read.
+"""
+
+import math
+from collections.abc import Sequence
+from dataclasses import dataclass
+from operator import attrgetter
+from types import NoneType
+from typing import Protocol, cast
+
+import numpy as np
+
+from sim.parameters import LiveKnob, Rejected, WorldParameters, live_knobs
+from sim.parameters.reconfiguration import WORLD
+from thbridge.roles.robot_requests import ParameterValue, SetParameters, Tuning
+from thbridge.roles.vehicles.parameter_names import GROUPS, group_of, name_of
+from thbridge.wire.mavlink.vehicle_interface import Denied, Description, Setting
+
+
+@dataclass(frozen=True, slots=True)
+class VehicleParameter:
+    """A parameter of the study that MAVLink can tell.
+
+    Attributes:
+        name: at most 16 characters of A-Z, 0-9 and _.
+        knob: how it is declared.
+    """
+
+    name: str
+    knob: LiveKnob
+
+    def told(self, value: ParameterValue) -> float:
+        """The number that a value is told as: of words their place among the choices; 0 where there is none."""
+        if isinstance(value, str):
+            return float(self.knob.choices.index(value))
+        return float(value or 0)
+
+    def meant(self, told: float) -> ParameterValue | Denied:
+        """The value that is meant by a number, which is one of 32 bits; its bounds are not looked at."""
+        types, choices = self.knob.types, self.knob.choices
+        if float in types:
+            return None if told == 0.0 and NoneType in types else float(str(np.float32(told)))
+        if bool in types:
+            return bool(told) if told in {0.0, 1.0} else Denied(f"{self.name} is 0 or 1, not {told:g}.")
+        if not told.is_integer():
+            return Denied(f"{self.name} is a whole number, not {told:g}.")
+        if str not in types:
+            return int(told)
+        if not 0 <= told < len(choices):
+            return Denied(f"{self.name} is a whole number from 0 to {len(choices) - 1}, not {told:g}.")
+        return choices[int(told)]
+
+    def described(self, default: ParameterValue) -> Description:
+        """What it means; `default` is its value at first."""
+        knob = self.knob
+        path = knob.path if knob.path.startswith(WORLD) else f"robot.{knob.path}"
+        may_be_none = NoneType in knob.types
+        return Description(
+            self.name,
+            knob.help,
+            f"{path} of the study{'; 0: null' if may_be_none else ''}",
+            path.partition(".")[0],
+            GROUPS[group_of(self.name)],
+            knob.unit,
+            self.told(default),
+            knob.minimum,
+            knob.maximum,
+            float not in knob.types,
+            ("off", "on") if bool in knob.types else knob.choices,
+        )
+
+
+def _is_numeric(knob: LiveKnob) -> bool:
+    return bool({bool, int, float} & {*knob.types}) or bool(knob.choices)
+
+
+PARAMETERS = tuple(
+    VehicleParameter(name_of(knob.path), knob)
+    for knob in (*live_knobs(), *live_knobs(WorldParameters, WORLD[:-1]))
+    if _is_numeric(knob)
+)
+"""All of them, in the order in which they are told: those of the software, then how true sensors err."""
+
+_PLACES = {parameter.name: place for place, parameter in enumerate(PARAMETERS)}
+
+_IN_TUNING = attrgetter(
+    *(path if path.startswith(WORLD) else f"software.{path}" for path in (each.knob.path for each in PARAMETERS))
+)
+
+
+def values_of(tuning: Tuning) -> tuple[ParameterValue, ...]:
+    """The values in force, in the order of `PARAMETERS`."""
+    return cast(tuple[ParameterValue, ...], _IN_TUNING(tuning))
+
+
+class Tunable(Protocol):
+    """Whoever knows a team's parameters, and has them changed."""
+
+    def tuning(self, robot: int) -> Tuning | None:
+        """What can be changed of a robot, as it will be when all that was asked so far is done."""
+
+    def ask(self, request: SetParameters) -> None:
+        """Do this with the next step."""
+
+
+class VehicleParameters:
+    """The parameters of one robot's vehicle. Whoever else changes them, these tell what is in force.
+
+    A robot whose parameters are not ours to change, a real one, has none.
+
+    Args:
+        robot: its index in the team.
+        robots: the team.
+    """
+
+    def __init__(self, robot: int, robots: Tunable) -> None:
+        self._robot = robot
+        self._robots = robots
+        self._at_first = robots.tuning(robot)
+        self._of: Tuning | None = None
+        self._settings: tuple[Setting, ...] = ()
+
+    def descriptions(self) -> Sequence[Description]:
+        """What each of them means, and was when the session began."""
+        if self._at_first is None:
+            return ()
+        values = values_of(self._at_first)
+        return tuple(parameter.described(value) for parameter, value in zip(PARAMETERS, values, strict=True))
+
+    def settings(self) -> Sequence[Setting]:
+        """All of them, always in the same order, as they are or are about to be."""
+        tuning = self._robots.tuning(self._robot)
+        if tuning is not None and tuning != self._of:
+            told = (parameter.told(value) for parameter, value in zip(PARAMETERS, values_of(tuning), strict=True))
+            nearest = np.fromiter(told, dtype=np.float32).tolist()
+            self._settings = tuple(Setting(name, value) for name, value in zip(_PLACES, nearest, strict=True))
+            self._of = tuning
+        return self._settings
+
+    def setting(self, name: str) -> Setting | None:
+        """One of them; None where there is none of this name."""
+        place, settings = _PLACES.get(name), self.settings()
+        return None if place is None or not settings else settings[place]
+
+    def change(self, name: str, value: float) -> Setting | Denied:
+        """Set one of them; what it is now, or why it keeps its value.
+
+        Args:
+            name: of the parameter.
+            value: any number; as a 32-bit float it counts.
+        """
+        before, tuning = self.setting(name), self._robots.tuning(self._robot)
+        if before is None or tuning is None:
+            return Denied(f"There is no parameter {name}.")
+        parameter = PARAMETERS[_PLACES[name]]
+        with np.errstate(over="ignore"):  # What is beyond all numbers of 32 bits is infinite.
+            wanted = float(np.float32(value))
+        if not math.isfinite(wanted):
+            return Denied(f"{name} is a number, not {wanted:g}.")
+        if wanted == before.value:
+            return before
+        meant = parameter.meant(wanted)
+        if isinstance(meant, Denied):
+            return meant
+        values = ((parameter.knob.path, meant),)
+        changed = tuning.changed(values)
+        if isinstance(changed, Rejected):
+            return Denied(f"{changed.sentence}.")
+        self._robots.ask(SetParameters(self._robot, values))
+        return Setting(name, wanted)

@@ -1,0 +1,364 @@
+"""At a robot's helm: what ground stations ask of it becomes moves of the game, or goals and hand-driving beside it.
+
+A point in a room is a move of the game: its rules hold, energy is paid, what is there is told. Any other point, and one
+in the room where the robot stands, is a goal of its navigator that the game does not notice.
+"""
+
+import math
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass, replace
+
+import numpy as np
+
+from sim.common.geometry import Pose2
+from sim.common.observations import Twist
+from sim.common.traversability import Floor, inside
+from sim.inputs import Drive, Go, Halt
+from sim.robot.navigator import Goal
+from sim.team import TeamSnapshot
+from thbridge.hunt import rules
+from thbridge.hunt.events import Commanded, Commander
+from thbridge.hunt.game import Command, GameState, apply
+from thbridge.hunt.outcomes import Refused
+from thbridge.hunt.rooms import Room
+from thbridge.roles import failure_reasons as reasons
+from thbridge.roles.notices import RoomOutline
+from thbridge.roles.robot_requests import (
+    CallBackFor,
+    IdentifyFor,
+    LeaveFor,
+    PictureFor,
+    ReleaseCommand,
+    Request,
+    SendFor,
+    SetParameters,
+    TakeCommand,
+)
+from thbridge.roles.simr.controls import HAND_TICKS
+from thbridge.roles.vehicles.speed_limit import Speeds
+from thbridge.roles.vehicles.station_texts import asked_of, news_of
+from thbridge.roles.vehicles.trips import Stage, Trip, answers, followed
+from thbridge.wire.mavlink.vehicle_interface import (
+    Denied,
+    Description,
+    Leg,
+    LegState,
+    Readings,
+    Refusal,
+    Setting,
+    Settings,
+    Station,
+    Target,
+)
+
+
+@dataclass(frozen=True, slots=True)
+class Premises:
+    """What all pilots of a team know of the game before it begins.
+
+    Attributes:
+        floor: of the map.
+        rooms: on it.
+        names: what treasures may be called, in alphabetical order.
+        energy: what each robot starts with.
+    """
+
+    floor: Floor
+    rooms: tuple[RoomOutline, ...]
+    names: tuple[str, ...]
+    energy: float
+
+    def room_at(self, x: float, y: float) -> RoomOutline | None:
+        """The room that a point of the map lies in."""
+        xs, ys = np.array([x]), np.array([y])
+        return next((room for room in self.rooms if inside(room.region, xs, ys)[0]), None)
+
+
+class Pilot:
+    """A `Helm` of one robot.
+
+    Args:
+        robot: its index in the team.
+        premises: of the game.
+        start: where the robot starts, map frame.
+        speeds: how fast it may drive.
+        settings: the same as MAVLink has them.
+        ask: takes what is asked of robots and game; it is done with the next tick, and nobody asked it from outside.
+    """
+
+    def __init__(
+        self,
+        robot: int,
+        premises: Premises,
+        start: Pose2,
+        speeds: Speeds,
+        settings: Settings,
+        ask: Callable[[Request], None],
+    ) -> None:
+        self._robot = robot
+        self._premises = premises
+        self._start = start
+        self._speeds = speeds
+        self._settings = settings
+        self._ask = ask
+        self._legs = 0
+        self._trip: Trip | None = None
+        self._snapshot: TeamSnapshot | None = None
+        self._game: GameState | None = None
+        # What was asked of the game since the last tick, and whether its move under way has to end.
+        self._given: Command | None = None
+        self._sent = False
+        self._stopping = False
+
+    # Command
+
+    def take(self, station: Station) -> Denied | None:
+        """See `Helm`; a robot that does not answer cannot be taken."""
+        if self._game is None or self._snapshot is None:
+            return _NO_GAME
+        if not answers(self._snapshot, self._robot):
+            return Denied(reasons.unanswered(self._robot))
+        self._give(TakeCommand(self._robot, str(station)), Command(Commander.GROUND_STATION, str(station)))
+        return None
+
+    def release(self) -> None:
+        """See `Helm`."""
+        self._give(ReleaseCommand(self._robot), Command())
+
+    def _give(self, request: TakeCommand | ReleaseCommand, command: Command) -> None:
+        self._ask(request)
+        self._given = command
+
+    # Driving
+
+    def go_to(self, target: Target) -> int | Denied:
+        """See `Helm`; the game's rules are asked at once, the navigator only when the robot sets out."""
+        if not all(map(math.isfinite, (target.x, target.y, target.heading or 0.0))):
+            return Denied("That is no point of a map.")
+        state = self._able()
+        if isinstance(state, Denied):
+            return state
+        robot, outline = state.robots[self._robot], self._premises.room_at(target.x, target.y)
+        room = None if outline is None else Room.of_people(outline.room)
+        if outline is None or room is None or (robot.bound_for is None and robot.at == room):
+            trip = self._trip_to(self._pose_at(target), None)
+        else:
+            trip = self._trip_to(Pose2(*outline.goal), room)
+            if robot.bound_for == room and not self._stopping:
+                trip = replace(trip, stage=Stage.GOING)
+            elif isinstance(ruling := self._judge(state, room), Refused):
+                return Denied(ruling.sentence)
+        self._legs += 1
+        self._trip = trip
+        if trip.stage is Stage.WAITING:
+            self._trip = self._set_out(trip, state)
+        return trip.leg.number
+
+    def halt(self) -> None:
+        """See `Helm`."""
+        self._give_up(reasons.STOPPED)
+        self._stop_move()
+        self._ask(Halt(self._robot))
+
+    def drive(self, twist: Twist) -> Denied | None:
+        """See `Helm`; a leg or a move of the game under way is given up for it."""
+        state = self._able()
+        if isinstance(state, Denied):
+            return state
+        self._give_up(reasons.BY_HAND)
+        self._stop_move()
+        self._ask(Drive(self._robot, self._speeds.bounded(twist), HAND_TICKS))
+        return None
+
+    def fastest(self) -> Twist:
+        """See `Helm`."""
+        return self._speeds.fastest()
+
+    def limit_speed(self, speed: float) -> Denied | None:
+        """See `Helm`; a robot never drives faster than the study lets it."""
+        values = self._speeds.limit(speed)
+        if isinstance(values, Denied):
+            return values
+        self._ask(SetParameters(self._robot, values))
+        return None
+
+    def start(self) -> Pose2:
+        """See `Helm`."""
+        return self._start
+
+    def misplaced(self, x: float, y: float) -> Denied | None:
+        """See `Helm`; told in the words in which a way there would fail."""
+        floor, point = self._premises.floor, Pose2(x, y, 0.0)
+        if not floor.grid.contains(*floor.grid.cell_of(x, y)):
+            return Denied(reasons.told(self._robot, "goal_outside"))
+        if floor.clearance_at(point) <= floor.inscribed:
+            return Denied(reasons.told(self._robot, "goal_occupied"))
+        return None
+
+    # Parameters
+
+    def descriptions(self) -> Sequence[Description]:
+        """See `Settings`."""
+        return self._settings.descriptions()
+
+    def settings(self) -> Sequence[Setting]:
+        """See `Settings`."""
+        return self._settings.settings()
+
+    def setting(self, name: str) -> Setting | None:
+        """See `Settings`."""
+        return self._settings.setting(name)
+
+    def change(self, name: str, value: float) -> Setting | Denied:
+        """See `Settings`."""
+        return self._settings.change(name, value)
+
+    # Treasures
+
+    def photograph(self) -> Denied | None:
+        """See `Helm`."""
+        return self._about_treasure(PictureFor(self._robot), rules.picture)
+
+    def identify(self, number: int) -> Denied | None:
+        """See `Helm`."""
+        names = self._premises.names
+        if not 1 <= number <= len(names):
+            return Denied(f"Treasures have {len(names)} names, numbered from 1.")
+        name = names[number - 1]
+        return self._about_treasure(IdentifyFor(self._robot, name), lambda state, at: rules.identify(state, at, name))
+
+    def leave(self) -> Denied | None:
+        """See `Helm`."""
+        return self._about_treasure(LeaveFor(self._robot), rules.leave)
+
+    def _about_treasure(self, request: Request, rule: Callable[[GameState, Room], rules.Ruling]) -> Denied | None:
+        state = self._able()
+        if isinstance(state, Denied):
+            return state
+        ruling = rule(state, state.robots[self._robot].at)
+        if isinstance(ruling, Refused):
+            return Denied(ruling.sentence)
+        self._ask(request)
+        return None
+
+    # What becomes of it
+
+    def follow(self, snapshot: TeamSnapshot, game: GameState | None) -> Readings:
+        """A tick has passed: go on with what is under way, and read the robot's instruments."""
+        news = () if game is None else tuple(news_of(self._robot, self._game, game))
+        asked = () if game is None else tuple(asked_of(self._robot, self._game, game))
+        self._snapshot, self._game, self._given, self._sent = snapshot, game, None, False
+        if game is not None:
+            self._stopping = self._stopping and game.robots[self._robot].bound_for is not None
+            if self._stopping:
+                self._ask(CallBackFor(self._robot))
+            if self._trip is not None and self._trip.under_way:
+                trip = followed(self._trip, snapshot, game, self._robot)
+                self._trip = self._set_out(trip, game) if trip.stage is Stage.WAITING else trip
+        return replace(self._readings(snapshot, game), news=news, asked=asked)
+
+    def _set_out(self, trip: Trip, state: GameState) -> Trip:
+        """Ask for a trip, unless a move of the game has to end first.
+
+        A way home outlives the command of a station that was lost, as long as nobody else sends the robot anywhere.
+        """
+        mover = state.robots[self._robot]
+        if self._sent or mover.bound_for is not None:
+            if not self._stopping:
+                if mover.holder.by is not Commander.GROUND_STATION:
+                    return trip.failed(reasons.ELSEWHERE)
+                self._stop_move()
+            return trip
+        if trip.room is None:
+            if mover.intervention is not None:
+                return trip.failed(reasons.ELSEWHERE)
+            self._ask(Go(self._robot, Goal(trip.goal, trip.target)))
+            return replace(trip, stage=Stage.GOING)
+        ruling = rules.move(state, self._robot, trip.room, Commander.GROUND_STATION)
+        if isinstance(ruling, Refused):
+            return trip.failed(ruling.sentence)
+        self._ask(SendFor(self._robot, trip.room.people))
+        self._sent = True
+        return replace(trip, stage=Stage.ASKED)
+
+    def _readings(self, snapshot: TeamSnapshot, game: GameState | None) -> Readings:
+        output = snapshot.robots[self._robot]
+        robot = None if game is None else game.robots[self._robot]
+        holder = Command() if robot is None else robot.holder
+        goal, heard = output.navigation.goal, answers(snapshot, self._robot)
+        return Readings(
+            base_in_map=output.estimate.base_in_map,
+            twist=output.observations.odometry.twist,
+            goal_in_map=None if goal is None else goal.base_in_map,
+            energy=self._premises.energy if robot is None else robot.energy,
+            capacity=self._premises.energy if game is None else game.started.energy,
+            answers=heard,
+            lost=output.estimate.lost,
+            under_way=heard and goal is not None,
+            commander=holder.name if holder.by is Commander.GROUND_STATION else None,
+            commanded_by=_words(Command() if robot is None else robot.command),
+            leg=None if self._trip is None else self._trip.leg,
+        )
+
+    # What holds
+
+    def _able(self) -> GameState | Denied:
+        """The game as it will be once all that was asked is done; or why no ground station moves this robot now."""
+        if self._game is None or self._snapshot is None:
+            return _NO_GAME
+        state = self._game
+        if self._given is not None:
+            state = apply(state, Commanded(self._robot, self._given.by, self._given.name))
+        robot = state.robots[self._robot]
+        if robot.is_silent or not answers(self._snapshot, self._robot):
+            return Denied(reasons.unanswered(self._robot))
+        refused = rules.commanded_by_other(state, self._robot, Commander.GROUND_STATION)
+        if refused is not None:
+            intervenes = robot.command.by is Commander.RESEARCHER
+            return Denied(refused.sentence, Refusal.NOT_NOW if intervenes else Refusal.DENIED)
+        if robot.is_blocked:
+            return Denied(f"{rules.robot_name(self._robot).capitalize()} has no energy left.")
+        return state
+
+    def _judge(self, state: GameState, room: Room) -> rules.Ruling:
+        """What the rules say to a move; of a robot under way, as if it had not set out, for it will be called back."""
+        back = rules.fail(state, self._robot, "", 0.0)
+        for event in () if isinstance(back, Refused) else back:
+            state = apply(state, event)
+        return rules.move(state, self._robot, room, Commander.GROUND_STATION)
+
+    def _trip_to(self, target: Pose2, room: Room | None) -> Trip:
+        return Trip(Leg(self._legs + 1, LegState.UNDER_WAY, self._here().distance(target)), target, room)
+
+    def _pose_at(self, target: Target) -> Pose2:
+        """Where any heading will do, the one in which the target lies from here."""
+        here, heading = self._here(), target.heading
+        ahead = math.atan2(target.y - here.y, target.x - here.x)
+        return Pose2(target.x, target.y, ahead if heading is None else heading)
+
+    def _here(self) -> Pose2:
+        return self._start if self._snapshot is None else self._snapshot.robots[self._robot].estimate.base_in_map
+
+    def _give_up(self, reason: str) -> None:
+        """The leg under way, if any, comes to nothing."""
+        if self._trip is not None and self._trip.under_way:
+            self._trip = self._trip.failed(reason)
+
+    def _stop_move(self) -> None:
+        """Let the game's move under way end, or the one just asked for; it takes some ticks, and is asked till then."""
+        under_way = self._game is not None and self._game.robots[self._robot].bound_for is not None
+        if under_way:
+            self._ask(CallBackFor(self._robot))
+        self._stopping = under_way or self._sent
+
+
+def _words(command: Command) -> str:
+    """Who commands, in words without an article."""
+    match command.by:
+        case Commander.GROUND_STATION:
+            return command.name
+        case _:
+            return command.by.value
+
+
+_NO_GAME = Denied("The game has not begun yet.", Refusal.NOT_NOW)

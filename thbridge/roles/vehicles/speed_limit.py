@@ -1,0 +1,69 @@
+"""How fast a ground station may have a robot drive: never faster than the study lets it."""
+
+import math
+
+from sim.common.observations import Twist
+from sim.parameters import RobotParameters
+from sim.parameters.reconfiguration import Rejected, reconfigured
+from thbridge.roles.vehicles.parameters import Tunable
+from thbridge.wire.mavlink.vehicle_interface import Denied, Refusal
+
+USUAL = Twist(0.5, 1.0)
+"""The fastest that hands drive robots whose software is not ours."""
+
+
+class Speeds:
+    """The speeds of one robot.
+
+    Args:
+        robot: its index in the team.
+        study: its software's parameters, as the study has them.
+        robots: know what they are now, by whomever they were changed.
+    """
+
+    def __init__(self, robot: int, study: RobotParameters, robots: Tunable) -> None:
+        self._robot = robot
+        self._study = study
+        self._robots = robots
+        self._limit = math.inf
+
+    def fastest(self) -> Twist:
+        """What the local planner in use keeps to, if that is known; both positive."""
+        now = self._robots.tuning(self._robot)
+        if now is None:
+            return USUAL
+        planner = now.software.DWAPlannerROS if _uses_dwa(now.software) else now.software.TrajectoryPlannerROS
+        return Twist(min(max(planner.max_vel_x, 0.0), self._limit), planner.max_vel_theta)
+
+    def bounded(self, twist: Twist) -> Twist:
+        """The same within the limit set here."""
+        return Twist(min(max(twist.linear, -self._limit), self._limit), twist.angular)
+
+    def limit(self, speed: float) -> tuple[tuple[str, float], ...] | Denied:
+        """Set the limit, m/s, or lift it by a negative one; the parameters that then hold, by path."""
+        now = self._robots.tuning(self._robot)
+        if now is None:
+            return Denied("The speed of this robot is not ours to change.", Refusal.UNSUPPORTED)
+        if math.isnan(speed):
+            return Denied("That is no speed.")
+        limited, values = now.software, []
+        for path, own in self._bounds(_uses_dwa(now.software)):
+            value = own if speed < 0.0 else min(own, speed)
+            changed = reconfigured(limited, path, value)
+            if isinstance(changed, Rejected):
+                return Denied(changed.sentence)
+            limited = changed
+            values.append((path, value))
+        self._limit = math.inf if speed < 0.0 else speed
+        return tuple(values)
+
+    def _bounds(self, with_dwa: bool) -> tuple[tuple[str, float], ...]:
+        """What bounds the speed of a local planner, by path, as the study has it."""
+        if with_dwa:
+            dwa = self._study.DWAPlannerROS
+            return ("DWAPlannerROS.max_vel_x", dwa.max_vel_x), ("DWAPlannerROS.max_vel_trans", dwa.max_vel_trans)
+        return (("TrajectoryPlannerROS.max_vel_x", self._study.TrajectoryPlannerROS.max_vel_x),)
+
+
+def _uses_dwa(software: RobotParameters) -> bool:
+    return software.move_base.base_local_planner == "dwa_local_planner/DWAPlannerROS"

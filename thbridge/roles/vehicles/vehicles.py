@@ -1,0 +1,90 @@
+"""The robots of a game as MAVLink vehicles: their hub, stepped with the session, and whoever is at their helms."""
+
+from collections.abc import Callable, Sequence
+from itertools import count
+from typing import Protocol, TypeAlias
+
+from sim.team import TeamSnapshot
+from thbridge.hunt.game import GameState
+from thbridge.roles.robot_requests import Request
+from thbridge.wire.mavlink.frames.frame import Frame
+from thbridge.wire.mavlink.hub import Hub, Sent, Traffic
+from thbridge.wire.mavlink.links import Drop, LinkReport
+from thbridge.wire.mavlink.options import VehicleOptions
+from thbridge.wire.mavlink.outgoing import LinkId, Status
+from thbridge.wire.mavlink.vehicle.vehicle import Vehicle
+from thbridge.wire.mavlink.vehicle_interface import Helm, Readings
+
+Ask: TypeAlias = Callable[[Request], None]
+"""Takes what is wanted of the robots or of the game; it is done with the next tick."""
+
+
+class Steersman(Helm, Protocol):
+    """Holds a robot's helm, and knows how robot and game stand."""
+
+    def follow(self, snapshot: TeamSnapshot, game: GameState | None) -> Readings:
+        """A tick has passed; what the robot knows of itself now."""
+
+
+class Vehicles:
+    """All vehicles of a team, and the links to them.
+
+    Args:
+        steersmen: of each robot, in the team's order.
+        options: what the study says.
+    """
+
+    def __init__(self, steersmen: Sequence[Steersman], options: VehicleOptions) -> None:
+        self._steersmen = tuple(steersmen)
+        systems = [Vehicle(number, steersman, options) for number, steersman in enumerate(steersmen, 1)]
+        self._hub = Hub(systems, options.lost_after)
+        self._numbers = count()
+        self._names: dict[LinkId, str] = {}
+
+    @property
+    def statuses(self) -> tuple[Status, ...]:
+        """How each vehicle stands."""
+        return tuple(vehicle.status for vehicle in self._hub.vehicles)
+
+    def open(self, name: str, robot: int | None) -> LinkId:
+        """From now on there is a link of this name; its number was never another's. See `Hub.open`."""
+        link = LinkId(next(self._numbers))
+        self._names[link] = name
+        self._hub.open(link, name, robot)
+        return link
+
+    def close(self, link: LinkId) -> None:
+        """A link that there is, is no more."""
+        del self._names[link]
+        self._hub.close(link)
+
+    def name_of(self, link: LinkId) -> str | None:
+        """What a link is called; None: there is none of this number."""
+        return self._names.get(link)
+
+    def report(self, link: LinkId) -> LinkReport | None:
+        """See `Hub.report`."""
+        return self._hub.report(link)
+
+    def why_not(self, link: LinkId, frame: Frame) -> Drop | None:
+        """See `Hub.why_not`."""
+        return self._hub.why_not(link, frame)
+
+    def receive(self, link: LinkId, frame: Frame, robot: int | None) -> list[Sent]:
+        """See `Hub.receive`; a frame for a robot that there is not is nobody's."""
+        if robot is not None and not 0 <= robot < len(self._steersmen):
+            return []
+        return self._hub.receive(link, frame, robot)
+
+    def step(self, snapshot: TeamSnapshot, game: GameState | None) -> list[Sent]:
+        """A tick of robots and game has passed; what the vehicles say by themselves."""
+        readings = [steersman.follow(snapshot, game) for steersman in self._steersmen]
+        return self._hub.step(snapshot.tick, readings)
+
+    def keep_alive(self) -> list[Sent]:
+        """See `Hub.keep_alive`."""
+        return self._hub.keep_alive()
+
+    def take_traffic(self) -> tuple[Traffic, ...]:
+        """What vehicles heard and said since the last call, in order."""
+        return self._hub.take_traffic()

@@ -1,0 +1,149 @@
+"""Watching over a team: one line of the log for each fact that people should know, and how every part of it is."""
+
+import math
+from collections.abc import Iterator, Sequence
+
+from sim.common.geometry import Pose2
+from sim.robot.navigator import NavigatorState
+from sim.robot.software import RobotOutput
+from sim.team import TeamSnapshot
+from thbridge.ros.actionlib import ActionRequest, Ended, GoalSet, Said
+from thbridge.ros.messages.goal_status import Status
+from thbridge.ros.messages.pack import Diagnosis, DiagnosticLevel
+from thbridge.ros.messages.records import CancelRequest, GoalRequest, LogLevel, LogLine
+from thbridge.ros.names import CALLER, RobotNames
+
+SPREAD = 0.5
+"""Metres of standard deviation from which a robot had better be doubted."""
+LOW_CHARGE = 0.2
+"""Share of the energy under which a robot should be watched."""
+
+_ENDS = {
+    Status.SUCCEEDED: (LogLevel.INFO, "is reached"),
+    Status.PREEMPTED: (LogLevel.INFO, "is withdrawn"),
+    Status.RECALLED: (LogLevel.INFO, "came too late"),
+    Status.ABORTED: (LogLevel.WARN, "is given up"),
+}
+_STATES: dict[NavigatorState, tuple[DiagnosticLevel, str]] = {
+    "idle": (DiagnosticLevel.OK, "no goal"),
+    "planning": (DiagnosticLevel.OK, "waits for a plan"),
+    "controlling": (DiagnosticLevel.OK, "drives"),
+    "clearing": (DiagnosticLevel.WARN, "tries to get free"),
+}
+
+
+class RobotWatch:
+    """Over one robot.
+
+    Args:
+        robot: its index in the team.
+    """
+
+    def __init__(self, robot: int) -> None:
+        names = RobotNames.of(robot)
+        self._robot = robot
+        self._name = names.namespace[1:]
+        self._navigator, self._localiser = names.topic("move_base"), names.topic("amcl")
+        self._lost = False
+        self._dead = False
+        self._clears = False
+        self._collisions = 0
+        self._given_up = ""
+
+    def lines(self, snapshot: TeamSnapshot, output: RobotOutput, goals: Sequence[Said]) -> Iterator[LogLine]:
+        """What is new in a tick.
+
+        Args:
+            snapshot: of the team.
+            output: of this robot.
+            goals: what its action server said.
+        """
+        dead = self._robot in snapshot.dead
+        if dead != self._dead:
+            self._dead = dead
+            text = f"{self._name}'s software has stopped" if dead else f"{self._name}'s software runs again"
+            yield LogLine(LogLevel.ERROR if dead else LogLevel.INFO, CALLER, text)
+        collisions = int(snapshot.truth.collisions[self._robot])
+        if collisions > self._collisions:
+            yield LogLine(LogLevel.WARN, CALLER, f"{self._name} has run into something, {collisions} times so far")
+        self._collisions = collisions
+        if dead:
+            return
+        if output.estimate.lost != self._lost:
+            self._lost = output.estimate.lost
+            text = "the robot does not know where it is" if self._lost else "the robot knows where it is"
+            yield LogLine(LogLevel.WARN if self._lost else LogLevel.INFO, self._localiser, text)
+        clears = output.navigation.state == "clearing"
+        if clears and not self._clears:
+            yield LogLine(LogLevel.WARN, self._navigator, "no way on: the robot tries to get free")
+        self._clears = clears
+        for said in goals:
+            yield from self._goal(said)
+
+    def asked(self, request: ActionRequest) -> Iterator[LogLine]:
+        """That a client wants something of the robot, which hears it unless it is dead."""
+        match request:
+            case GoalRequest(_, goal_id, _, Pose2() as base) if not self._dead:
+                yield LogLine(
+                    LogLevel.INFO, self._navigator, f"a client's goal {goal_id}: ({base.x:.2f}, {base.y:.2f})"
+                )
+            case CancelRequest() if not self._dead:
+                yield LogLine(LogLevel.INFO, self._navigator, "a client takes goals back")
+
+    def _goal(self, said: Said) -> Iterator[LogLine]:
+        match said:
+            case GoalSet(goal, base):
+                self._given_up = ""
+                yield LogLine(LogLevel.INFO, self._navigator, f"goal {goal.id}: ({base.x:.2f}, {base.y:.2f})")
+            case Ended(entry) if entry.status in _ENDS:
+                level, what = _ENDS[entry.status]
+                self._given_up = entry.text if entry.status is Status.ABORTED else ""
+                why = f": {entry.text}" if self._given_up else ""
+                yield LogLine(level, self._navigator, f"goal {entry.goal.id} {what}{why}")
+
+    def diagnoses(self, snapshot: TeamSnapshot, output: RobotOutput) -> Iterator[Diagnosis]:
+        """How each part of the robot is."""
+        if self._robot in snapshot.dead:
+            yield self._diagnosis(DiagnosticLevel.STALE, "software", "has stopped")
+            return
+        yield self._diagnosis(DiagnosticLevel.OK, "software", "runs")
+        yield self._localisation(output)
+        yield self._navigation(output)
+        yield self._energy(output)
+        contact = bool(snapshot.truth.contact[self._robot])
+        level, message = (DiagnosticLevel.WARN, "touches something") if contact else (DiagnosticLevel.OK, "free")
+        yield self._diagnosis(level, "bumper", message, collisions=str(self._collisions))
+
+    def _localisation(self, output: RobotOutput) -> Diagnosis:
+        estimate = output.estimate
+        var_x, var_y, var_theta = estimate.covariance.diagonal().tolist()
+        spread = math.sqrt(max(var_x, var_y, 0.0))
+        level, message = DiagnosticLevel.OK, "sure"
+        if estimate.lost:
+            level, message = DiagnosticLevel.ERROR, "lost"
+        elif spread > SPREAD:
+            level, message = DiagnosticLevel.WARN, "unsure"
+        turn = math.degrees(math.sqrt(max(var_theta, 0.0)))
+        figures = {"standard deviation (m)": f"{spread:.3f}", "of the heading (degrees)": f"{turn:.1f}"}
+        return self._diagnosis(level, "localisation", message, **figures)
+
+    def _navigation(self, output: RobotOutput) -> Diagnosis:
+        navigation = output.navigation
+        level, message = _STATES[navigation.state]
+        if navigation.goal is None and self._given_up:
+            level, message = DiagnosticLevel.WARN, f"gave up: {self._given_up}"
+        return self._diagnosis(level, "navigation", message, **{"way left (m)": f"{navigation.remaining:.1f}"})
+
+    def _energy(self, output: RobotOutput) -> Diagnosis:
+        battery = output.observations.battery
+        level, message = DiagnosticLevel.OK, "enough"
+        if battery.charge <= 0.0:
+            level, message = DiagnosticLevel.ERROR, "none left"
+        elif battery.charge < LOW_CHARGE * battery.capacity:
+            level, message = DiagnosticLevel.WARN, "little left"
+        return self._diagnosis(
+            level, "energy", message, charge=f"{battery.charge:.1f}", capacity=f"{battery.capacity:.1f}"
+        )
+
+    def _diagnosis(self, level: DiagnosticLevel, part: str, message: str, **values: str) -> Diagnosis:
+        return Diagnosis(level, f"{self._name}: {part}", message, self._name, values)

@@ -1,0 +1,86 @@
+"""Walks through the bytes of a ROS message: little-endian, fields in order, a 32-bit length before what can be long."""
+
+import math
+from struct import Struct, error
+
+import numpy as np
+
+from sim.common.geometry import FloatArray, Pose2
+
+UINT8 = Struct("<B")
+INT32 = Struct("<i")
+UINT32 = Struct("<I")
+INT64 = Struct("<q")
+UINT64 = Struct("<Q")
+FLOAT32 = Struct("<f")
+STAMP = Struct("<II")
+POSE = Struct("<7d")
+
+
+class Cursor:
+    """Walks through the fields of a message; each method raises ValueError when the message ends before."""
+
+    def __init__(self, data: bytes) -> None:
+        self._data = data
+        self._at = 0
+
+    @property
+    def is_left(self) -> bool:
+        """Whether there is anything more."""
+        return self._at < len(self._data)
+
+    def take(self, count: int) -> bytes:
+        """The next `count` bytes."""
+        end = self._at + count
+        if end > len(self._data):
+            raise ValueError("the message ends too early")
+        taken = self._data[self._at : end]
+        self._at = end
+        return taken
+
+    def rest(self) -> bytes:
+        """All that is left, which stays left."""
+        return self._data[self._at :]
+
+    def integer(self, form: Struct) -> int:
+        """One number of this form."""
+        try:
+            (value,) = form.unpack_from(self._data, self._at)
+        except error:
+            raise ValueError("the message ends too early") from None
+        self._at += form.size
+        return int(value)
+
+    def real(self) -> float:
+        """One float32."""
+        (value,) = FLOAT32.unpack(self.take(FLOAT32.size))
+        return float(value)
+
+    def reals(self, count: int) -> FloatArray:
+        """(count,) float64."""
+        return np.frombuffer(self.take(8 * count), dtype="<f8").astype(np.float64)
+
+    def string(self) -> str:
+        """Text; what is not UTF-8 is replaced."""
+        return self.take(self.integer(UINT32)).decode(errors="replace")
+
+    def stamp(self) -> int:
+        """A time, nanoseconds."""
+        seconds, nanoseconds = STAMP.unpack(self.take(STAMP.size))
+        return int(seconds) * 1_000_000_000 + int(nanoseconds)
+
+    def header(self) -> tuple[int, str]:
+        """A header: its stamp in nanoseconds and its frame."""
+        self.take(UINT32.size)
+        return self.stamp(), self.string()
+
+    def seven(self) -> tuple[float, float, float, float, float, float, float]:
+        """A pose: x, y, z and a quaternion x, y, z, w."""
+        x, y, z, qx, qy, qz, qw = POSE.unpack(self.take(POSE.size))
+        return x, y, z, qx, qy, qz, qw
+
+    def pose(self) -> Pose2:
+        """A pose, seen from above; its yaw is NaN when its quaternion is."""
+        x, y, _, qx, qy, qz, qw = self.seven()
+        yaw = math.atan2(2.0 * (qw * qz + qx * qy), 1.0 - 2.0 * (qy * qy + qz * qz))
+        return Pose2(x, y, yaw if yaw < math.pi else -math.pi)

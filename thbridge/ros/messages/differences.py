@@ -1,0 +1,70 @@
+"""In which fields two messages of one type differ."""
+
+from collections.abc import Iterator
+from dataclasses import dataclass, fields, is_dataclass
+from itertools import islice, zip_longest
+
+import numpy as np
+from rosbags.typesys.msg import normalize_msgtype
+
+from thbridge.ros.messages.types import typestore
+
+MOST = 20
+"""Differing fields that are told of one message."""
+_BEFORE, _EXCERPT = 12, 40
+"""Of long texts: signs that are told before the first that differs, and altogether."""
+
+
+@dataclass(frozen=True, slots=True)
+class FieldDifference:
+    """One field in which a message is not what it was.
+
+    Attributes:
+        field: its path, for example "pose.pose.position.x" or "ranges[17]".
+        was: its value before, as text; "nothing" beyond the end of a list.
+        now: its value in the other message.
+    """
+
+    field: str
+    was: str
+    now: str
+
+
+def differences(msgtype: str, was: bytes, now: bytes) -> tuple[FieldDifference, ...]:
+    """The first fields that differ, at most `MOST`, in the order of the type's definition.
+
+    Args:
+        msgtype: for example "nav_msgs/Odometry"; one that a session says.
+        was: a message of this type.
+        now: another one.
+    """
+    store, name = typestore(), normalize_msgtype(msgtype)
+    before, after = (store.deserialize_ros1(data, name) for data in (was, now))
+    return tuple(islice(_between("", before, after), MOST))
+
+
+def _between(path: str, was: object, now: object) -> Iterator[FieldDifference]:
+    if isinstance(was, (list, np.ndarray)) and isinstance(now, (list, np.ndarray)):
+        for index, (before, after) in enumerate(zip_longest(was, now)):
+            yield from _between(f"{path}[{index}]", before, after)
+    elif is_dataclass(was) and is_dataclass(now):
+        for field in fields(was):
+            if not field.name.startswith("__"):
+                inner = f"{path}.{field.name}" if path else field.name
+                yield from _between(inner, getattr(was, field.name), getattr(now, field.name))
+    elif isinstance(was, str) and isinstance(now, str) and was != now:
+        same = next(
+            (index for index, pair in enumerate(zip(was, now, strict=False)) if len(set(pair)) > 1),
+            min(len(was), len(now)),
+        )
+        start = max(same - _BEFORE, 0)
+        yield FieldDifference(path, *(repr(text[start : start + _EXCERPT]) for text in (was, now)))
+    elif _text(was) != _text(now):
+        yield FieldDifference(path, _text(was), _text(now))
+
+
+def _text(value: object) -> str:
+    """A value such that values that differ by a bit read differently; two NaN are the same."""
+    if value is None:
+        return "nothing"
+    return repr(value.item()) if isinstance(value, np.generic) else repr(value)

@@ -1,0 +1,37 @@
+"""What clients and server of the action move_base say to each other."""
+
+from collections.abc import Sequence
+
+from sim.common.geometry import Pose2
+from thbridge.ros.messages.goal_status import GoalId, GoalStatus
+from thbridge.ros.messages.pack.fields import UINT32, header, stamp, string
+from thbridge.ros.messages.pack.motion import pose_stamped
+
+
+def goal_id(goal: GoalId) -> bytes:
+    """actionlib_msgs/GoalID, which is also how a goal is cancelled."""
+    return stamp(goal.stamp_ns) + string(goal.id)
+
+
+def _status(entry: GoalStatus) -> bytes:
+    return goal_id(entry.goal) + bytes((entry.status,)) + string(entry.text)
+
+
+def move_base_goal(tick: int, goal: GoalId, frame: str, pose: Pose2) -> bytes:
+    """move_base_msgs/MoveBaseActionGoal: drive to a pose in `frame`."""
+    return header(tick) + goal_id(goal) + pose_stamped(tick, frame, pose)
+
+
+def goal_status_array(tick: int, entries: Sequence[GoalStatus]) -> bytes:
+    """actionlib_msgs/GoalStatusArray."""
+    return header(tick) + UINT32.pack(len(entries)) + b"".join(map(_status, entries))
+
+
+def move_base_feedback(tick: int, entry: GoalStatus, frame: str, base: Pose2) -> bytes:
+    """move_base_msgs/MoveBaseActionFeedback: the base on its way, in `frame`."""
+    return header(tick) + _status(entry) + pose_stamped(tick, frame, base)
+
+
+def move_base_result(tick: int, entry: GoalStatus) -> bytes:
+    """move_base_msgs/MoveBaseActionResult, of a goal that ended at this tick; the result itself is empty."""
+    return header(tick) + _status(entry)

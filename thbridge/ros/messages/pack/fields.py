@@ -1,0 +1,55 @@
+"""The fields that messages are made of."""
+
+import math
+from functools import lru_cache
+from struct import Struct
+
+import numpy as np
+
+from sim.common.geometry import FloatArray
+from thbridge.ros.messages.stamps import stamp_ns
+
+UINT32 = Struct("<I")
+_STAMP = Struct("<II")
+_HEAD = Struct("<III")
+_POSE = Struct("<7d")
+
+
+def string(text: str) -> bytes:
+    """A string field; also a whole std_msgs/String."""
+    data = text.encode()
+    return UINT32.pack(len(data)) + data
+
+
+name = lru_cache(maxsize=1024)(string)
+"""Frames come again with every message."""
+
+
+def stamp(nanoseconds: int) -> bytes:
+    """A time field."""
+    return _STAMP.pack(*divmod(nanoseconds, 1_000_000_000))
+
+
+@lru_cache(maxsize=1)
+def head(tick: int) -> bytes:
+    """A header up to its frame; ticks of wall clock time are greater than its number can be, which then begins anew."""
+    return _HEAD.pack(tick & 0xFFFFFFFF, *divmod(stamp_ns(tick), 1_000_000_000))
+
+
+def header(tick: int, frame: str = "") -> bytes:
+    """std_msgs/Header."""
+    return head(tick) + name(frame)
+
+
+def pose_fields(x: float, y: float, theta: float) -> bytes:
+    """geometry_msgs/Pose."""
+    return _POSE.pack(x, y, 0.0, 0.0, 0.0, math.sin(theta / 2), math.cos(theta / 2))
+
+
+def pose_rows(poses: FloatArray) -> FloatArray:
+    """(n, 7) position and quaternion of (n, 3) poses."""
+    rows = np.zeros((len(poses), 7))
+    rows[:, :2] = poses[:, :2]
+    rows[:, 5] = np.sin(poses[:, 2] / 2)
+    rows[:, 6] = np.cos(poses[:, 2] / 2)
+    return rows

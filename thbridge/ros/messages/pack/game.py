@@ -1,0 +1,73 @@
+"""The game, the talk, and what people did: our own types."""
+
+import json
+from struct import Struct
+
+import numpy as np
+
+from thbridge.ros.messages.pack.fields import UINT32, header, string
+from thbridge.ros.messages.records import GameEvent, Input, Score, Session, Utterance
+
+_GAME_EVENT = Struct("<ii")
+_SCORE = Struct("<iII")
+_UINT64 = Struct("<Q")
+_INT64 = Struct("<q")
+
+
+def session(tick: int, record: Session) -> bytes:
+    """thbridge_msgs/Session."""
+    versions = json.dumps(record.versions, sort_keys=True)
+    return b"".join(
+        (
+            header(tick),
+            string(record.study),
+            _UINT64.pack(record.seed),
+            string(versions),
+            string(record.program),
+            UINT32.pack(len(record.roles)),
+            *(string(role) for role in record.roles),
+            string(record.participant),
+        )
+    )
+
+
+def game_event(tick: int, record: GameEvent) -> bytes:
+    """thbridge_msgs/GameEvent; robot 0 and room -1 mean none."""
+    numbers = _GAME_EVENT.pack(_robot(record.robot), _room(record.room))
+    return header(tick) + string(record.kind) + numbers + string(record.json)
+
+
+def score(tick: int, record: Score) -> bytes:
+    """thbridge_msgs/Score."""
+    energy = np.array(record.energy, dtype="<f8")
+    numbers = _SCORE.pack(record.score, record.visited, record.rooms)
+    return header(tick) + numbers + UINT32.pack(len(energy)) + energy.tobytes()
+
+
+def utterance(tick: int, record: Utterance) -> bytes:
+    """thbridge_msgs/Utterance; room -1 means none."""
+    return b"".join(
+        (
+            header(tick),
+            _INT64.pack(record.dialogue),
+            string(record.speaker),
+            _GAME_EVENT.pack(_robot(record.robot), _room(record.room)),
+            string(record.scenario),
+            string(record.text),
+            string(record.move),
+            string(record.author),
+        )
+    )
+
+
+def outside_input(tick: int, record: Input) -> bytes:
+    """thbridge_msgs/Input."""
+    return header(tick) + b"".join(string(text) for text in (record.kind, record.sender, record.line, record.json))
+
+
+def _robot(robot: int | None) -> int:
+    return 0 if robot is None else robot + 1
+
+
+def _room(room: int | None) -> int:
+    return -1 if room is None else room

@@ -1,0 +1,76 @@
+"""What nodes tell the people who watch over them."""
+
+from collections.abc import Mapping, Sequence
+from enum import IntEnum
+from typing import NamedTuple
+
+from thbridge.ros.messages.pack.fields import UINT32, header, stamp, string
+from thbridge.ros.messages.records import LogLine
+from thbridge.ros.messages.stamps import stamp_ns
+
+
+class DiagnosticLevel(IntEnum):
+    """How bad things are, in the codes of diagnostic_msgs/DiagnosticStatus."""
+
+    OK = 0
+    WARN = 1
+    ERROR = 2
+    STALE = 3
+
+
+class Diagnosis(NamedTuple):
+    """diagnostic_msgs/DiagnosticStatus: how one part of a robot is.
+
+    Attributes:
+        level: how bad.
+        name: of the part, for example "robot1: energy".
+        message: how it is, in a word or two.
+        hardware_id: the robot's name.
+        values: figures behind that, as text.
+    """
+
+    level: DiagnosticLevel
+    name: str
+    message: str
+    hardware_id: str
+    values: Mapping[str, str]
+
+
+def clock(tick: int) -> bytes:
+    """rosgraph_msgs/Clock."""
+    return stamp(stamp_ns(tick))
+
+
+def log(tick: int, line: LogLine) -> bytes:
+    """rosgraph_msgs/Log; files, functions and topics of the node that says it are left empty."""
+    return b"".join(
+        (
+            header(tick),
+            bytes((line.level,)),
+            string(line.name),
+            string(line.text),
+            string(""),
+            string(""),
+            UINT32.pack(0),
+            UINT32.pack(0),
+        )
+    )
+
+
+def diagnostic_array(tick: int, entries: Sequence[Diagnosis]) -> bytes:
+    """diagnostic_msgs/DiagnosticArray."""
+    return header(tick) + UINT32.pack(len(entries)) + b"".join(map(_diagnosis, entries))
+
+
+def _diagnosis(entry: Diagnosis) -> bytes:
+    values = [string(key) + string(value) for key, value in entry.values.items()]
+    return b"".join(
+        (
+            bytes((entry.level,)),
+            string(entry.name),
+            string(entry.message),
+            string(entry.hardware_id),
+            UINT32.pack(len(values)),
+            *values,
+        )
+    )

@@ -1,0 +1,110 @@
+"""Maps, and what stands in them."""
+
+from collections.abc import Iterable
+from struct import Struct
+
+import numpy as np
+from numpy.typing import NDArray
+
+from sim.common.geometry import FloatArray, Pose2
+from sim.common.grid import OccupancyGrid
+from sim.robot.costmap.view import CostmapView
+from thbridge.ros.messages.pack.fields import UINT32, header, pose_fields, stamp, string
+from thbridge.ros.messages.stamps import stamp_ns
+
+_MARKER = Struct("<3i7d3d4f2iB")
+_GRID_META = Struct("<fII")
+
+ADD = 0
+_DELETEALL = 3
+_LINE_STRIP = 4
+"""Of visualization_msgs/Marker."""
+_LINE_WIDTH = 0.05
+_LINE_COLOUR = (0.9, 0.4, 0.0, 1.0)
+"""Metres; red, green, blue, opacity."""
+
+
+def map_meta_data(tick: int, grid: OccupancyGrid) -> bytes:
+    """nav_msgs/MapMetaData; the map counts as loaded at this tick."""
+    return _meta_data(tick, grid.resolution, grid.cols, grid.rows, grid.origin)
+
+
+def _meta_data(tick: int, resolution: float, cols: int, rows: int, origin: Pose2) -> bytes:
+    return b"".join(
+        (
+            stamp(stamp_ns(tick)),
+            _GRID_META.pack(resolution, cols, rows),
+            pose_fields(origin.x, origin.y, origin.theta),
+        )
+    )
+
+
+def occupancy_grid(tick: int, frame: str, grid: OccupancyGrid) -> bytes:
+    """nav_msgs/OccupancyGrid."""
+    return b"".join(
+        (header(tick, frame), map_meta_data(tick, grid), UINT32.pack(grid.cells.size), grid.cells.tobytes())
+    )
+
+
+def _occupancy_of_costs() -> NDArray[np.int8]:
+    """(256,) what nav_msgs/OccupancyGrid says of each cost."""
+    costs = np.arange(256)
+    occupancy = 1 + (97 * (costs - 1)) // 251
+    occupancy[[0, 253, 254, 255]] = 0, 99, 100, -1
+    return occupancy.astype(np.int8)
+
+
+_OCCUPANCY_OF_COSTS = _occupancy_of_costs()
+
+
+def costmap(frame: str, view: CostmapView) -> bytes:
+    """nav_msgs/OccupancyGrid of a costmap: 0 free, 99 inscribed, 100 lethal, -1 unknown, 1 to 98 between.
+
+    Source: ros-planning/navigation, costmap_2d/src/costmap_2d_publisher.cpp.
+    """
+    rows, cols = view.costs.shape
+    return b"".join(
+        (
+            header(view.tick, frame),
+            _meta_data(view.tick, view.resolution, cols, rows, view.origin),
+            UINT32.pack(view.costs.size),
+            _OCCUPANCY_OF_COSTS[view.costs].tobytes(),
+        )
+    )
+
+
+def outlines(tick: int, frame: str, bodies: Iterable[tuple[str, FloatArray]]) -> bytes:
+    """visualization_msgs/MarkerArray with the outlines of bodies; it takes all earlier ones away.
+
+    Args:
+        tick: when the bodies were so.
+        frame: theirs.
+        bodies: name, and (v, 2) corners in turn.
+    """
+    parts = [_marker(tick, frame, _DELETEALL, 0, "", np.empty((0, 2)))]
+    for number, (name, corners) in enumerate(bodies):
+        parts.append(_marker(tick, frame, ADD, number, name, np.vstack((corners, corners[:1]))))
+    return UINT32.pack(len(parts)) + b"".join(parts)
+
+
+def _marker(tick: int, frame: str, action: int, number: int, name: str, line: FloatArray) -> bytes:
+    """visualization_msgs/Marker: a line strip; its namespace and text are the body's name."""
+    points = np.zeros((len(line), 3))
+    points[:, :2] = line
+    at_origin = (0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 1.0)
+    for_ever, unlocked, none = (0, 0), 0, UINT32.pack(0)
+    return b"".join(
+        (
+            header(tick, frame),
+            string(name),
+            _MARKER.pack(
+                number, _LINE_STRIP, action, *at_origin, _LINE_WIDTH, 0.0, 0.0, *_LINE_COLOUR, *for_ever, unlocked
+            ),
+            UINT32.pack(len(points)),
+            points.astype("<f8", copy=False).tobytes(),
+            none,  # colours of single points
+            string(name),
+            none,  # mesh
+            bytes((0,)),
+        )
+    )

@@ -1,0 +1,79 @@
+"""Bytes of ROS 1 messages as values: what reports and replays read back from bags, ours and others'.
+
+Poses come from three dimensions; their yaw is taken and the rest left. Every function raises ValueError when the bytes
+are not a message of its type.
+"""
+
+from thbridge.ros.messages.unpack.actions import (
+    GoalEnd,
+    GoalStart,
+    goal_id,
+    goal_result,
+    goal_status_array,
+    move_base_feedback,
+    move_base_goal,
+    move_base_result,
+)
+from thbridge.ros.messages.unpack.game import game_event, outside_input, score, session, utterance
+from thbridge.ros.messages.unpack.logs import diagnostic_array, log, string
+from thbridge.ros.messages.unpack.robots import (
+    Charge,
+    LaserScan,
+    Odometry,
+    PoseInFrame,
+    SpatialTransform,
+    battery_state,
+    frame_of,
+    laser_scan,
+    occupancy_grid,
+    odometry,
+    outlines,
+    path,
+    polygon,
+    pose_array,
+    pose_stamped,
+    pose_with_covariance,
+    spatial_transforms,
+    transforms,
+    twist,
+)
+from thbridge.ros.messages.unpack.vehicles import mavlink
+
+__all__ = [
+    "Charge",
+    "GoalEnd",
+    "GoalStart",
+    "LaserScan",
+    "Odometry",
+    "PoseInFrame",
+    "SpatialTransform",
+    "battery_state",
+    "diagnostic_array",
+    "frame_of",
+    "game_event",
+    "goal_id",
+    "goal_result",
+    "goal_status_array",
+    "laser_scan",
+    "log",
+    "mavlink",
+    "move_base_feedback",
+    "move_base_goal",
+    "move_base_result",
+    "occupancy_grid",
+    "odometry",
+    "outlines",
+    "outside_input",
+    "path",
+    "polygon",
+    "pose_array",
+    "pose_stamped",
+    "pose_with_covariance",
+    "score",
+    "session",
+    "spatial_transforms",
+    "string",
+    "transforms",
+    "twist",
+    "utterance",
+]

@@ -1,0 +1,80 @@
+"""What clients and server of the action move_base say to each other."""
+
+from dataclasses import dataclass
+
+from sim.common.geometry import Pose2
+from thbridge.ros.messages.cursor import UINT8, UINT32, Cursor
+from thbridge.ros.messages.goal_status import GoalId, GoalStatus, Status
+
+
+@dataclass(frozen=True, slots=True)
+class GoalStart:
+    """move_base_msgs/MoveBaseActionGoal: the goal's name and its pose in `frame`."""
+
+    goal_id: str
+    frame: str
+    pose: Pose2
+
+
+@dataclass(frozen=True, slots=True)
+class GoalEnd:
+    """move_base_msgs/MoveBaseActionResult: the goal's name, its status in actionlib's codes, and why."""
+
+    goal_id: str
+    status: int
+    text: str
+
+
+def move_base_goal(data: bytes) -> GoalStart:
+    """move_base_msgs/MoveBaseActionGoal."""
+    cursor = Cursor(data)
+    cursor.header()
+    cursor.stamp()
+    goal_id = cursor.string()
+    _, frame = cursor.header()
+    return GoalStart(goal_id, frame, cursor.pose())
+
+
+def move_base_result(data: bytes) -> GoalEnd:
+    """move_base_msgs/MoveBaseActionResult."""
+    cursor = Cursor(data)
+    cursor.header()
+    cursor.stamp()
+    return GoalEnd(cursor.string(), cursor.integer(UINT8), cursor.string())
+
+
+def goal_result(data: bytes) -> GoalStatus:
+    """move_base_msgs/MoveBaseActionResult, as how the goal stands at its end."""
+    cursor = Cursor(data)
+    cursor.header()
+    return _status(cursor)
+
+
+def goal_id(data: bytes) -> GoalId:
+    """actionlib_msgs/GoalID."""
+    return _goal_id(Cursor(data))
+
+
+def goal_status_array(data: bytes) -> list[GoalStatus]:
+    """actionlib_msgs/GoalStatusArray."""
+    cursor = Cursor(data)
+    cursor.header()
+    return [_status(cursor) for _ in range(cursor.integer(UINT32))]
+
+
+def move_base_feedback(data: bytes) -> tuple[GoalStatus, str, Pose2]:
+    """move_base_msgs/MoveBaseActionFeedback: the goal, and the base's pose with its frame."""
+    cursor = Cursor(data)
+    cursor.header()
+    status = _status(cursor)
+    _, frame = cursor.header()
+    return status, frame, cursor.pose()
+
+
+def _goal_id(cursor: Cursor) -> GoalId:
+    stamp_ns = cursor.stamp()
+    return GoalId(cursor.string(), stamp_ns)
+
+
+def _status(cursor: Cursor) -> GoalStatus:
+    return GoalStatus(_goal_id(cursor), Status(cursor.integer(UINT8)), cursor.string())

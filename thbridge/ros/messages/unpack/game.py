@@ -1,0 +1,66 @@
+"""The game, the talk, and what people did: our own types."""
+
+import json
+
+import numpy as np
+
+from thbridge.ros.messages.cursor import INT32, INT64, UINT32, UINT64, Cursor
+from thbridge.ros.messages.records import GameEvent, Input, Score, Session, Utterance
+
+
+def session(data: bytes) -> Session:
+    """thbridge_msgs/Session."""
+    cursor = Cursor(data)
+    cursor.header()
+    study, seed = cursor.string(), cursor.integer(UINT64)
+    versions = json.loads(cursor.string())
+    if not isinstance(versions, dict):
+        raise ValueError("the versions are not a JSON object")
+    told = {str(name): str(version) for name, version in versions.items()}
+    program = cursor.string()
+    roles = tuple(cursor.string() for _ in range(cursor.integer(UINT32)))
+    return Session(study, seed, told, program, roles, cursor.string())
+
+
+def game_event(data: bytes) -> GameEvent:
+    """thbridge_msgs/GameEvent."""
+    cursor = Cursor(data)
+    cursor.header()
+    kind = cursor.string()
+    robot, room = _robot(cursor.integer(INT32)), _room(cursor.integer(INT32))
+    return GameEvent(kind, robot, room, cursor.string())
+
+
+def score(data: bytes) -> Score:
+    """thbridge_msgs/Score."""
+    cursor = Cursor(data)
+    cursor.header()
+    points, visited, rooms = cursor.integer(INT32), cursor.integer(UINT32), cursor.integer(UINT32)
+    energy = np.frombuffer(cursor.take(8 * cursor.integer(UINT32)), dtype="<f8")
+    return Score(points, visited, rooms, tuple(energy.tolist()))
+
+
+def utterance(data: bytes) -> Utterance:
+    """thbridge_msgs/Utterance; recordings from before robots could be spoken for have no author."""
+    cursor = Cursor(data)
+    cursor.header()
+    dialogue, speaker = cursor.integer(INT64), cursor.string()
+    robot, room = cursor.integer(INT32) - 1, _room(cursor.integer(INT32))
+    scenario, text, move = cursor.string(), cursor.string(), cursor.string()
+    author = cursor.string() if cursor.is_left else "robot" if speaker == "robot" else "person"
+    return Utterance(dialogue, speaker, robot, room, scenario, text, move, author)
+
+
+def outside_input(data: bytes) -> Input:
+    """thbridge_msgs/Input."""
+    cursor = Cursor(data)
+    cursor.header()
+    return Input(cursor.string(), cursor.string(), cursor.string(), cursor.string())
+
+
+def _robot(number: int) -> int | None:
+    return None if number == 0 else number - 1
+
+
+def _room(number: int) -> int | None:
+    return None if number < 0 else number

@@ -1,0 +1,35 @@
+"""What nodes tell the people who watch over them, and lines of text."""
+
+from thbridge.ros.messages.cursor import UINT8, UINT32, Cursor
+from thbridge.ros.messages.pack import Diagnosis, DiagnosticLevel
+from thbridge.ros.messages.records import LogLevel, LogLine
+
+_LOG_LEVELS, _DIAGNOSTIC_LEVELS = frozenset(LogLevel), frozenset(DiagnosticLevel)
+
+
+def string(data: bytes) -> str:
+    """std_msgs/String."""
+    return Cursor(data).string()
+
+
+def log(data: bytes) -> LogLine:
+    """rosgraph_msgs/Log; a level that ROS does not know counts as an error."""
+    cursor = Cursor(data)
+    cursor.header()
+    level = cursor.integer(UINT8)
+    known = LogLevel(level) if level in _LOG_LEVELS else LogLevel.ERROR
+    return LogLine(known, cursor.string(), cursor.string())
+
+
+def diagnostic_array(data: bytes) -> list[Diagnosis]:
+    """diagnostic_msgs/DiagnosticArray; a level that ROS does not know counts as an error."""
+    cursor = Cursor(data)
+    cursor.header()
+    found = []
+    for _ in range(cursor.integer(UINT32)):
+        level = cursor.integer(UINT8)
+        known = DiagnosticLevel(level) if level in _DIAGNOSTIC_LEVELS else DiagnosticLevel.ERROR
+        name, message, hardware_id = cursor.string(), cursor.string(), cursor.string()
+        values = {cursor.string(): cursor.string() for _ in range(cursor.integer(UINT32))}
+        found.append(Diagnosis(known, name, message, hardware_id, values))
+    return found

@@ -1,0 +1,255 @@
+"""What robots say: poses, scans, maps."""
+
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+from sim.common.geometry import FloatArray, Pose2
+from sim.common.grid import OccupancyGrid
+from sim.common.observations import Twist
+from thbridge.ros.messages.cursor import FLOAT32, INT32, UINT32, Cursor
+from thbridge.ros.messages.pack import ADD, Transform
+
+_COVARIANCE = 36
+_HEAD = 16
+"""Bytes of a header before the name of its frame."""
+_PLANAR = (0, 1, 5)
+"""x, y and yaw within ROS's covariances."""
+_MARKER_REST = 3 * 8 + 4 * 4 + 2 * 4 + 1
+"""Bytes of a marker's scale, colour, lifetime and frame_locked."""
+
+
+@dataclass(frozen=True, slots=True)
+class Odometry:
+    """nav_msgs/Odometry: pose of `child_frame` in `frame`, speeds in `child_frame`; covariances are left out."""
+
+    stamp_ns: int
+    frame: str
+    child_frame: str
+    pose: Pose2
+    twist: Twist
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class PoseInFrame:
+    """geometry_msgs/PoseWithCovarianceStamped, and PoseStamped, which has no covariance.
+
+    Attributes:
+        stamp_ns: of the pose.
+        frame: that it is in.
+        pose: where.
+        covariance: (3, 3) of x, y, yaw; NaN where nobody says.
+    """
+
+    stamp_ns: int
+    frame: str
+    pose: Pose2
+    covariance: FloatArray
+
+
+@dataclass(frozen=True, slots=True)
+class Charge:
+    """sensor_msgs/BatteryState: what is left of what there was, NaN where nobody measured it."""
+
+    charge: float
+    percentage: float
+
+
+@dataclass(frozen=True, slots=True)
+class SpatialTransform:
+    """geometry_msgs/TransformStamped: the pose of frame `child` in frame `parent`, in three dimensions.
+
+    Attributes:
+        position: x, y, z; metres.
+        orientation: a quaternion x, y, z, w.
+    """
+
+    stamp_ns: int
+    parent: str
+    child: str
+    position: tuple[float, float, float]
+    orientation: tuple[float, float, float, float]
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class LaserScan:
+    """sensor_msgs/LaserScan; times between beams and intensities are left out.
+
+    Attributes:
+        frame: of the laser; beam i looks along `angle_min + i * angle_increment` in its x-y plane.
+        ranges: (n,) metres, as the driver wrote them.
+    """
+
+    stamp_ns: int
+    frame: str
+    angle_min: float
+    angle_max: float
+    angle_increment: float
+    range_min: float
+    range_max: float
+    ranges: NDArray[np.float32]
+
+
+def odometry(data: bytes) -> Odometry:
+    """nav_msgs/Odometry."""
+    cursor = Cursor(data)
+    stamp_ns, frame = cursor.header()
+    child_frame, pose = cursor.string(), cursor.pose()
+    cursor.reals(_COVARIANCE)
+    return Odometry(stamp_ns, frame, child_frame, pose, _twist(cursor))
+
+
+def twist(data: bytes) -> Twist:
+    """geometry_msgs/Twist."""
+    return _twist(Cursor(data))
+
+
+def _twist(cursor: Cursor) -> Twist:
+    linear_x, _, _, _, _, angular_z = cursor.reals(6).tolist()
+    return Twist(linear_x, angular_z)
+
+
+def transforms(data: bytes) -> list[tuple[int, Transform]]:
+    """tf2_msgs/TFMessage (and its forerunner tf/tfMessage): each transform with its stamp, nanoseconds."""
+    cursor = Cursor(data)
+    entries = []
+    for _ in range(cursor.integer(UINT32)):
+        stamp_ns, parent = cursor.header()
+        entries.append((stamp_ns, Transform(parent, cursor.string(), cursor.pose())))
+    return entries
+
+
+def spatial_transforms(data: bytes) -> list[SpatialTransform]:
+    """As `transforms`, with all three dimensions: a laser may hang upside down."""
+    cursor = Cursor(data)
+    entries = []
+    for _ in range(cursor.integer(UINT32)):
+        stamp_ns, parent = cursor.header()
+        child = cursor.string()
+        x, y, z, qx, qy, qz, qw = cursor.seven()
+        entries.append(SpatialTransform(stamp_ns, parent, child, (x, y, z), (qx, qy, qz, qw)))
+    return entries
+
+
+def laser_scan(data: bytes) -> LaserScan:
+    """sensor_msgs/LaserScan."""
+    cursor = Cursor(data)
+    stamp_ns, frame = cursor.header()
+    angle_min, angle_max, increment, _, _, range_min, range_max = (cursor.real() for _ in range(7))
+    ranges = np.frombuffer(cursor.take(4 * cursor.integer(UINT32)), dtype="<f4")
+    return LaserScan(stamp_ns, frame, angle_min, angle_max, increment, range_min, range_max, ranges)
+
+
+def pose_with_covariance(data: bytes) -> PoseInFrame:
+    """geometry_msgs/PoseWithCovarianceStamped."""
+    cursor = Cursor(data)
+    stamp_ns, frame = cursor.header()
+    pose = cursor.pose()
+    return PoseInFrame(stamp_ns, frame, pose, cursor.reals(_COVARIANCE).reshape(6, 6)[np.ix_(_PLANAR, _PLANAR)])
+
+
+def pose_array(data: bytes) -> FloatArray:
+    """geometry_msgs/PoseArray: (n, 3) x, y, yaw, in its frame."""
+    cursor = Cursor(data)
+    cursor.header()
+    return _planar(cursor.reals(7 * cursor.integer(UINT32)).reshape(-1, 7))
+
+
+def polygon(data: bytes) -> FloatArray:
+    """geometry_msgs/PolygonStamped: (v, 2) corners, in its frame."""
+    cursor = Cursor(data)
+    cursor.header()
+    points = np.frombuffer(cursor.take(3 * FLOAT32.size * cursor.integer(UINT32)), dtype="<f4").reshape(-1, 3)
+    return points[:, :2].astype(np.float64)
+
+
+def frame_of(data: bytes) -> str:
+    """The frame that a message which begins with a header is in."""
+    return Cursor(data).header()[1]
+
+
+def pose_stamped(data: bytes) -> PoseInFrame:
+    """geometry_msgs/PoseStamped."""
+    cursor = Cursor(data)
+    stamp_ns, frame = cursor.header()
+    return PoseInFrame(stamp_ns, frame, cursor.pose(), np.full((3, 3), np.nan))
+
+
+def occupancy_grid(data: bytes) -> OccupancyGrid:
+    """nav_msgs/OccupancyGrid."""
+    cursor = Cursor(data)
+    cursor.header()
+    cursor.stamp()
+    resolution = round(cursor.real(), 6)  # a float32 of 0.05 is not 0.05, and grids are placed by it
+    cols, rows = cursor.integer(UINT32), cursor.integer(UINT32)
+    origin = cursor.pose()
+    cells: NDArray[np.int8] = np.frombuffer(cursor.take(cursor.integer(UINT32)), dtype=np.int8)
+    if cells.size != rows * cols:
+        raise ValueError(f"a map of {rows} x {cols} cells has {cells.size} of them")
+    return OccupancyGrid(cells.reshape(rows, cols), resolution, origin)
+
+
+def outlines(data: bytes) -> list[tuple[str, FloatArray]]:
+    """visualization_msgs/MarkerArray: of the markers that are added and have points, namespace and (v, 2) points."""
+    cursor = Cursor(data)
+    found = []
+    for _ in range(cursor.integer(UINT32)):
+        cursor.header()
+        name = cursor.string()
+        cursor.take(2 * INT32.size)
+        action = cursor.integer(INT32)
+        place = cursor.pose()
+        cursor.take(_MARKER_REST)
+        points = cursor.reals(3 * cursor.integer(UINT32)).reshape(-1, 3)[:, :2]
+        cursor.take(4 * FLOAT32.size * cursor.integer(UINT32))
+        cursor.string()
+        cursor.string()
+        cursor.take(1)
+        if action == ADD and len(points):
+            found.append((name, place.transform(points)))
+    return found
+
+
+def battery_state(data: bytes) -> Charge:
+    """sensor_msgs/BatteryState."""
+    cursor = Cursor(data)
+    cursor.header()
+    _voltage, _temperature, _current, charge, _capacity, _design, percentage = (cursor.real() for _ in range(7))
+    return Charge(charge, percentage)
+
+
+def path(data: bytes) -> FloatArray:
+    """nav_msgs/Path: (n, 3) x, y, yaw of its poses, in its frame."""
+    cursor = Cursor(data)
+    cursor.header()
+    count = cursor.integer(UINT32)
+    alike = _poses_alike(cursor.rest(), count)
+    if alike is not None:
+        return _planar(alike)
+    poses = np.empty((count, 3))
+    for row in poses:
+        cursor.header()
+        row[:] = cursor.pose().array()
+    return poses
+
+
+def _poses_alike(data: bytes, count: int) -> FloatArray | None:
+    """(n, 7) the poses of stamped poses whose frames have names of one length, as those of a path have."""
+    if not count or len(data) < _HEAD:
+        return None
+    length = int.from_bytes(data[_HEAD - 4 : _HEAD], "little")
+    row = np.dtype(
+        {"names": ["length", "pose"], "formats": ["<u4", ("<f8", 7)], "offsets": [_HEAD - 4, _HEAD + length]}
+    )
+    if len(data) != count * row.itemsize:
+        return None
+    rows = np.frombuffer(data, dtype=row)
+    return rows["pose"] if (rows["length"] == length).all() else None
+
+
+def _planar(rows: FloatArray) -> FloatArray:
+    """(n, 3) x, y, yaw of (n, 7) positions and quaternions."""
+    x, y, z, w = rows[:, 3:].T
+    yaw = np.arctan2(2.0 * (w * z + x * y), 1.0 - 2.0 * (y * y + z * z))
+    return np.column_stack((rows[:, :2], np.where(yaw < np.pi, yaw, -np.pi)))

@@ -1,0 +1,1 @@
+"""TCP and UDP: carries out what `thbridge.wire` decides; nothing is decided here."""

@@ -1,0 +1,164 @@
+"""The links of a session to ground stations, whatever carries them: what comes in goes to the session, answers go out.
+
+Everything happens on the thread of one event loop. Framing and signatures end here: the session gets frames that are
+whole, verified and without their signature.
+"""
+
+import logging
+import time
+from collections import defaultdict
+from collections.abc import Callable, Iterable, Sequence
+from dataclasses import dataclass
+from typing import Protocol
+
+from thbridge.sockets.rosgraph.connections import Complaints
+from thbridge.wire.mavlink.frames.channel import Channel
+from thbridge.wire.mavlink.frames.frame import Frame
+from thbridge.wire.mavlink.frames.signing import Signing, SigningKey, Timestamps
+from thbridge.wire.mavlink.hub import Sent
+from thbridge.wire.mavlink.links import Drop, LinkReport
+from thbridge.wire.mavlink.outgoing import LinkId
+
+GARBAGE = 16 * 1024
+"""Who has sent so many bytes on end without one good frame is listened to no more, for some time at least."""
+
+_log = logging.getLogger(__name__)
+
+
+class Exchange(Protocol):
+    """What is behind the links: the session, with its vehicles.
+
+    Attributes:
+        transmit: sends what vehicles say by themselves; the links take it over.
+    """
+
+    transmit: Callable[[Sequence[Sent]], None]
+
+    def open_link(self, name: str, robot: int | None = None) -> LinkId:
+        """From now on there is a link of this name, to this robot alone if one is given, from 0."""
+
+    def close_link(self, link: LinkId) -> None:
+        """It is gone."""
+
+    def report(self, link: LinkId) -> LinkReport | None:
+        """How a link stands; None: there is no such link."""
+
+    def why_not(self, link: LinkId, frame: Frame) -> Drop | None:
+        """Why a frame would be dropped that comes in on a link."""
+
+    def receive_frame(self, link: LinkId, frame: Frame) -> Sequence[Sent]:
+        """A frame has come in; what goes out at once."""
+
+
+class Carrier(Protocol):
+    """What takes the bytes of one link."""
+
+    def carry(self, frames: Sequence[bytes]) -> int:
+        """Send frames, in order; how many of them could not be sent."""
+
+
+@dataclass(frozen=True, slots=True)
+class Totals:
+    """What all links together have carried.
+
+    Attributes:
+        received: frames that came in.
+        sent: frames that went out.
+        unsent: frames that should have, and could not.
+    """
+
+    received: int
+    sent: int
+    unsent: int
+
+
+@dataclass(frozen=True, slots=True)
+class _Link:
+    name: str
+    channel: Channel
+    carrier: Carrier
+
+
+class Links:
+    """Brings frames to and fro between links and a session.
+
+    Args:
+        key: with which frames are signed and verified; None for none.
+        clock: seconds of Unix time, for signatures.
+    """
+
+    def __init__(self, key: SigningKey | None, clock: Callable[[], float] = time.time) -> None:
+        self.complaints = Complaints(_log)
+        self._key = key
+        self._timestamps = Timestamps()
+        self._clock = clock
+        self._exchange: Exchange | None = None
+        self._links: dict[LinkId, _Link] = {}
+        self._met = 0
+        self._received = self._sent = self._unsent = 0
+
+    @property
+    def totals(self) -> Totals:
+        """What was carried until now."""
+        return Totals(self._received, self._sent, self._unsent)
+
+    def serve(self, exchange: Exchange) -> None:
+        """From now on links may be opened, and lead there."""
+        self._exchange = exchange
+        exchange.transmit = self.transmit
+
+    def channel(self, *, datagrams: bool) -> Channel:
+        """For somebody new; it may become a link's."""
+        self._met += 1
+        signing = None if self._key is None else Signing(self._key, self._met % 256, self._timestamps)
+        return Channel(signing, datagrams=datagrams)
+
+    def open(self, name: str, channel: Channel, carrier: Carrier, robot: int | None = None) -> LinkId | None:
+        """A new link, to this robot alone if one is given, from 0; None as long as nothing is served."""
+        if self._exchange is None:
+            return None
+        link = self._exchange.open_link(name, robot)
+        self._links[link] = _Link(name, channel, carrier)
+        return link
+
+    def close(self, link: LinkId) -> None:
+        """A link is gone; one that is gone already stays so."""
+        if self._links.pop(link, None) is not None and self._exchange is not None:
+            _log.info("MAVLink: %s", self._exchange.report(link))
+            self._exchange.close_link(link)
+
+    def frames_in(self, name: str, channel: Channel, data: bytes) -> list[Frame]:
+        """The good frames in bytes that came in; of what is not good, it is said once who sends it."""
+        frames = channel.receive_data(data, self._clock())
+        self._received += len(frames)
+        if channel.complaint:
+            self.complaints.tell(f"MAVLink: {name}: thrown away: {channel.complaint}")
+        return frames
+
+    def receive(self, link: LinkId, frames: Iterable[Frame]) -> None:
+        """Frames have come in on a link; they are answered at once."""
+        if self._exchange is None:
+            return
+        answers: list[Sent] = []
+        for frame in frames:
+            why = self._exchange.why_not(link, frame)
+            if why is not None:
+                self.complaints.tell(f"MAVLink: {self._links[link].name}: a frame goes nowhere: {why}")
+            answers += self._exchange.receive_frame(link, frame)
+        self.transmit(answers)
+
+    def transmit(self, sent: Sequence[Sent]) -> None:
+        """Send frames, each on its link."""
+        now = self._clock()
+        waiting: defaultdict[LinkId, list[bytes]] = defaultdict(list)
+        for one in sent:
+            there = self._links.get(one.link)
+            if there is not None:
+                waiting[one.link].append(there.channel.bytes_of(one.frame, now))
+        for link, frames in waiting.items():
+            there = self._links[link]
+            unsent = there.carrier.carry(frames)
+            self._sent += len(frames) - unsent
+            self._unsent += unsent
+            if unsent:
+                self.complaints.tell(f"MAVLink: {there.name}: frames could not be sent and are lost")

@@ -1,0 +1,153 @@
+"""MAVLink over TCP: a port where ground stations connect, each a link of its own."""
+
+from __future__ import annotations
+
+import asyncio
+import socket
+from asyncio import Protocol, Transport
+from collections.abc import Sequence
+
+from thbridge.files.errors import reason_of
+from thbridge.sockets.addresses import Address
+from thbridge.sockets.mavlink.links import GARBAGE, Links
+from thbridge.sockets.text_server import CannotListen
+from thbridge.wire.mavlink.frames.channel import Channel
+from thbridge.wire.mavlink.outgoing import LinkId
+
+CONNECTIONS = 32
+"""Who comes when so many are connected is turned away."""
+
+BACKLOG = 1024 * 1024
+"""Bytes that may wait for somebody who does not read, before the connection is cut off."""
+
+_LINGER = 1.0
+"""Seconds that a connection has at the end to take what it was sent."""
+
+
+class TcpPort:
+    """A port that is taken, and not served yet.
+
+    Args:
+        links: where its frames come from and go to.
+        own: bound and listening.
+
+    Attributes:
+        where: how it is reached.
+    """
+
+    def __init__(self, links: Links, own: socket.socket) -> None:
+        self.links = links
+        where = own.getsockname()
+        self.where = Address(where[0], where[1])
+        self._socket = own
+        self._server: asyncio.Server | None = None
+        self._open: set[_Connection] = set()
+        self._all_closed = asyncio.Event()
+
+    async def serve(self) -> None:
+        """Let ground stations connect."""
+        self._server = await asyncio.get_running_loop().create_server(lambda: _Connection(self), sock=self._socket)
+
+    async def close(self) -> None:
+        """Close the port and all connections."""
+        if self._server is None:
+            self._socket.close()
+            return
+        self._server.close()
+        for connection in tuple(self._open):
+            connection.close()
+        while self._open:
+            self._all_closed.clear()
+            await self._all_closed.wait()
+        await self._server.wait_closed()
+
+    @property
+    def is_full(self) -> bool:
+        """Whether nobody else may come."""
+        return len(self._open) >= CONNECTIONS
+
+    def came(self, connection: _Connection) -> None:
+        """A connection is there."""
+        self._open.add(connection)
+
+    def went(self, connection: _Connection) -> None:
+        """A connection is closed on both sides."""
+        self._open.discard(connection)
+        self._all_closed.set()
+
+
+async def tcp_port(links: Links, address: Address) -> TcpPort | CannotListen:
+    """Take a port; 0 takes any that is free."""
+    try:
+        found = await asyncio.get_running_loop().getaddrinfo(address.host, address.port, type=socket.SOCK_STREAM)
+        family, _, _, _, where = found[0]
+        own = socket.create_server((where[0], where[1]), family=family, backlog=CONNECTIONS)
+    except OSError as error:
+        return CannotListen(address.host, address.port, reason_of(error))
+    except UnicodeError:
+        return CannotListen(address.host, address.port, "that is not a host's name")
+    return TcpPort(links, own)
+
+
+class _Connection(Protocol):
+    """One ground station."""
+
+    def __init__(self, port: TcpPort) -> None:
+        self._port = port
+        self._channel: Channel = port.links.channel(datagrams=False)
+        self._name = ""
+        self._link: LinkId | None = None
+        self._transport: Transport | None = None
+        self._lingering: asyncio.TimerHandle | None = None
+
+    def connection_made(self, transport: asyncio.BaseTransport) -> None:
+        if not isinstance(transport, Transport):
+            return
+        peer = transport.get_extra_info("peername") or ("", 0)  # it was gone before it was asked
+        self._name = f"tcp {Address(peer[0], peer[1])}"
+        self._transport = transport
+        if self._port.is_full:
+            self._port.links.complaints.tell(f"MAVLink: {CONNECTIONS} are connected by TCP; others are turned away")
+            transport.abort()
+            return
+        self._port.came(self)
+        self._link = self._port.links.open(self._name, self._channel, self)
+
+    def data_received(self, data: bytes) -> None:
+        frames = self._port.links.frames_in(self._name, self._channel, data)
+        if self._link is not None:
+            self._port.links.receive(self._link, frames)
+        if self._channel.spoiled > GARBAGE:
+            self._cut_off("sends nothing of use")
+
+    def connection_lost(self, exc: Exception | None) -> None:
+        self._leave()
+        if self._lingering is not None:
+            self._lingering.cancel()
+        self._port.went(self)
+
+    def carry(self, frames: Sequence[bytes]) -> int:
+        """See `thbridge.sockets.mavlink.links.Carrier`."""
+        if self._transport is None or self._transport.is_closing():
+            return len(frames)
+        self._transport.write(b"".join(frames))
+        if self._transport.get_write_buffer_size() > BACKLOG:
+            self._cut_off("does not read")
+        return 0
+
+    def close(self) -> None:
+        """End the connection, once the other side has had a moment to take what it was sent."""
+        self._leave()
+        if self._transport is not None:
+            self._transport.close()
+            self._lingering = asyncio.get_running_loop().call_later(_LINGER, self._transport.abort)
+
+    def _cut_off(self, why: str) -> None:
+        if self._transport is not None and not self._transport.is_closing():
+            self._port.links.complaints.tell(f"MAVLink: {self._name} {why}, and is cut off")
+            self._transport.abort()
+
+    def _leave(self) -> None:
+        if self._link is not None:
+            self._port.links.close(self._link)
+            self._link = None

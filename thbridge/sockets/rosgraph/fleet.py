@@ -1,0 +1,236 @@
+"""Real robots on a ROS graph, as a team: the rim around `thbridge.ros.remote`."""
+
+import asyncio
+import logging
+import time
+from collections.abc import Callable, Iterator, Mapping, Sequence
+from typing import Protocol
+
+import numpy as np
+
+from sim.inputs import Drive, Go, Halt, Localize, Place, SetCharge, TeamInput
+from sim.parameters import RobotParameters, WorldParameters
+from sim.team import TeamSnapshot
+from thbridge.files.ros.definitions import Definitions
+from thbridge.ros import names
+from thbridge.ros.clients import Refused
+from thbridge.ros.messages import types
+from thbridge.ros.messages.cursor import Cursor
+from thbridge.ros.remote import RemoteRobot
+from thbridge.ros.remote.clock import RosClock
+from thbridge.ros.remote.robot import missing_of, tick_of
+from thbridge.ros.topics import Message
+from thbridge.sockets.rosgraph.connections import Complaints
+from thbridge.sockets.rosgraph.joining import Graph
+from thbridge.sockets.rosgraph.node import RosNode, Started
+from thbridge.sockets.rosgraph.publications import Publication
+from thbridge.sockets.text_server import CannotListen
+from thbridge.wire.rosgraph import links
+
+CALLER = "/thbridge_fleet"
+"""The node; a simulated session on the same graph is another one."""
+TEAM_TOPICS = (names.TF, names.TF_STATIC, names.MAP, names.MAP_METADATA, names.ROSOUT, names.DIAGNOSTICS)
+"""What no single robot has, and is recorded."""
+AT_HOME = 0.5
+"""Metres from where a robot is to stand at which nobody need move it."""
+
+_log = logging.getLogger(__name__)
+
+
+class Ear(Protocol):
+    """Whoever takes down what goes to and fro; it must not raise."""
+
+    def heard(self, topic: links.Topic, publisher: str, stamp_ns: int, data: bytes) -> None:
+        """A message came, exactly so, at this ROS time."""
+
+    def said(self, message: Message) -> None:
+        """A message was said to a robot."""
+
+
+class Fleet:
+    """Robots that exist; a `thbridge.roles.simr.team.Robots`.
+
+    Args:
+        graph: where they are.
+        robots: what is known of them.
+        ear: told of all that is heard and said.
+        wall: nanoseconds of the wall clock.
+    """
+
+    def __init__(
+        self,
+        graph: Graph,
+        robots: Sequence[RemoteRobot],
+        ear: Ear,
+        wall: Callable[[], int] = time.time_ns,
+    ) -> None:
+        self._node = RosNode(CALLER, graph.master_uri, graph.host, on_shutdown=self._told_to_go)
+        self._robots = tuple(robots)
+        self._ear = ear
+        self._wall = wall
+        self._clock: RosClock | None = None
+        self._definitions = Definitions()
+        self._publications: dict[str, Publication] = {
+            topic.name: self._advertise(topic.name, topic.msgtype) for robot in self._robots for topic in robot.speaks
+        }
+        self._met: dict[tuple[str, str], links.Topic] = {}
+        self._joining: asyncio.Task[None] | None = None
+        self._complaints = Complaints(_log)
+        self._last: TeamSnapshot | None = None
+
+    async def start(self) -> Started | CannotListen:
+        """Join the graph; neither master nor robots need be there yet."""
+        started = await self._node.start()
+        if isinstance(started, Started):
+            self._joining = asyncio.get_running_loop().create_task(self._join())
+        return started
+
+    async def stop(self) -> None:
+        """Let the robots stand, and leave the graph."""
+        if self._joining is not None:
+            self._joining.cancel()
+            await asyncio.wait([self._joining])
+        if self._clock is not None and self._clock.runs:
+            now_ns = self._clock.now(self._wall())
+            for robot in self._robots:
+                robot.stop(now_ns)
+                self._speak(robot)
+        await self._node.stop()
+
+    def missing(self) -> list[str]:
+        """What has to come before the robots can be commanded; one sentence each."""
+        if self._clock is None:
+            return [f"there is no ROS master at {self._node.master_uri} yet"]
+        if not self._clock.runs:
+            return [f"{names.USE_SIM_TIME} is set, but there is no time on {names.CLOCK} yet"]
+        return missing_of(self._robots) or list(self._deaf())
+
+    def _deaf(self) -> Iterator[str]:
+        """Robots that are heard and do not hear: a goal would be said to nobody."""
+        for number, robot in enumerate(self._robots, 1):
+            goal = robot.names.action("goal")
+            if all(connection.peer == CALLER for connection in self._publications[goal].connections()):
+                yield (
+                    f"robot {number} does not listen to {goal} yet: its machine must be able to reach this one at "
+                    f"{self._node.host} (--ros-host)"
+                )
+
+    def now(self) -> int | None:
+        """Nanoseconds of ROS time; None as long as it is not known."""
+        return None if self._clock is None or not self._clock.runs else self._clock.now(self._wall())
+
+    @property
+    def size(self) -> int:
+        """How many robots."""
+        return len(self._robots)
+
+    @property
+    def parameters(self) -> tuple[RobotParameters, ...]:
+        """None: their software is their own."""
+        return ()
+
+    @property
+    def worlds(self) -> tuple[WorldParameters, ...]:
+        """None: nobody knows."""
+        return ()
+
+    def step(self, inputs: Sequence[TeamInput] = ()) -> TeamSnapshot:
+        """What is known of the robots at this moment; the tick is that of ROS time.
+
+        Raises:
+            ValueError: something is still missing.
+        """
+        now_ns = self.now()
+        if now_ns is None:
+            raise ValueError("the time is not known yet")
+        for item in inputs:
+            self._take(item, now_ns)
+        outputs = [robot.step(now_ns) for robot in self._robots]
+        for robot in self._robots:
+            self._speak(robot)
+        known = tuple(output for output in outputs if output is not None)
+        if len(known) < len(outputs):
+            raise ValueError(f"not all robots are there yet: {'; '.join(self.missing())}")
+        commands = [output.navigation.command for output in known]
+        told = np.array([(command.linear, command.angular) for command in commands])
+        self._last = TeamSnapshot(tick_of(now_ns), None, known, told)
+        return self._last
+
+    def _take(self, item: TeamInput, now_ns: int) -> None:
+        match item:
+            case Go(robot) | Halt(robot) | Drive(robot) | Localize(robot):
+                self._robots[robot].take(item, now_ns)
+            case SetCharge():
+                pass  # The game's energy is the keeper's; a battery is as full as it is.
+            case Place(robot, pose):
+                if self._last is None or self._last.robots[robot].estimate.base_in_map.distance(pose) > AT_HOME:
+                    _log.warning("robot %d belongs at (%.2f, %.2f): somebody must bring it", robot + 1, pose.x, pose.y)
+            case _:
+                self._complaints.tell(f"real robots cannot be asked to {type(item).__name__}")
+
+    # The graph
+
+    async def _join(self) -> None:
+        """As soon as there is a master, find out whose time it is, and listen."""
+        await self._node.registered()
+        simulated = await self._node.get_param(names.USE_SIM_TIME) is True
+        clock = RosClock(simulated)
+        self._clock = clock
+        if simulated:
+            self._follow_time(clock)
+            while not clock.runs:
+                await asyncio.sleep(0.05)
+        wanted: dict[str, list[RemoteRobot]] = {topic: [] for topic in TEAM_TOPICS}
+        for robot in self._robots:
+            named = robot.names
+            for topic in (*named.recorded, named.action("feedback"), named.action("cancel"), named.initialpose):
+                wanted.setdefault(topic, [])
+            for topic in robot.heard:
+                wanted.setdefault(topic, []).append(robot)
+        wanted.pop(names.CLOCK, None)  # No bag holds it: who plays a bag makes the time.
+        for topic, robots in wanted.items():
+            self._listen(topic, {robot: robot.heard[topic] for robot in robots})
+
+    def _follow_time(self, clock: RosClock) -> None:
+        def heard(data: bytes, publisher: str) -> None:
+            try:
+                clock.hear(Cursor(data).stamp(), self._wall())
+            except ValueError as error:
+                self._complaints.tell(f"{names.CLOCK}: what {publisher} says is of no use: {error}")
+
+        self._node.subscribe(names.CLOCK, types.CLOCK, self._definitions.of(types.CLOCK).md5, heard)
+
+    def _listen(self, topic: str, robots: Mapping[RemoteRobot, str]) -> None:
+        wanted = {robot: self._definitions.of(kind).md5 for robot, kind in robots.items()}
+
+        def met(publisher: str, said: links.Topic) -> None:
+            self._met[topic, publisher] = said
+            if said.md5 not in wanted.values() and wanted:
+                kind = next(iter(robots.values()))
+                self._complaints.tell(f"{topic}: {publisher} says {said.type} there, but {kind} was expected")
+
+        def heard(data: bytes, publisher: str) -> None:
+            if publisher == CALLER or self._clock is None:
+                return
+            now_ns = self._clock.now(self._wall())
+            said = self._met[topic, publisher]
+            self._ear.heard(said, publisher, now_ns, data)
+            for robot, md5 in wanted.items():
+                if said.md5 == md5 and isinstance(refused := robot.hear(topic, data, now_ns), Refused):
+                    self._complaints.tell(f"{topic}: what {publisher} says is of no use: {refused.sentence}")
+
+        self._node.subscribe(topic, "*", "*", heard, met=met)
+
+    def _advertise(self, topic: str, msgtype: str) -> Publication:
+        definition = self._definitions.of(msgtype)
+        return self._node.advertise(topic, msgtype, definition.md5, definition.text)
+
+    def _speak(self, robot: RemoteRobot) -> None:
+        said, robot.said = robot.said, []
+        for message in said:
+            self._publications[message.topic.name].publish(message.data)
+            self._ear.said(message)
+
+    def _told_to_go(self, reason: str) -> None:
+        _log.error("the robots are out of reach: this program must leave the ROS graph (%s)", reason)
+        self._node.leave()

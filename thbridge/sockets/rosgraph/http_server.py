@@ -1,0 +1,276 @@
+"""XML-RPC over HTTP/1.1: the server of ROS 1's master and slave APIs.
+
+A peer may be slow, silent, hostile or gone. Every wait has a deadline, every buffer and every collection a bound.
+"""
+
+from __future__ import annotations
+
+import asyncio
+import logging
+from collections import OrderedDict
+from collections.abc import Awaitable, Callable, Collection
+from dataclasses import dataclass
+from typing import TypeAlias
+
+import h11
+
+from thbridge.files.errors import reason_of
+from thbridge.sockets.text_server import CannotListen, Listening
+from thbridge.wire.rosgraph.xmlrpc import (
+    MAX_BYTES,
+    Call,
+    Fault,
+    Malformed,
+    XmlRpcValue,
+    decode_call,
+    encode_fault,
+    encode_response,
+)
+
+_log = logging.getLogger(__name__)
+
+_SEGMENT = 64 * 1024
+"""Bytes read at a time."""
+
+_APPLICATION_ERROR = 1
+"""The code of a fault that Python's XML-RPC servers, and so rospy and rosmaster, give to everything."""
+
+_PARSE_ERROR = -32700
+"""The code of a call that cannot be read. Source: http://xmlrpc-epi.sourceforge.net/specs/rfc.fault_codes.php."""
+
+Handler: TypeAlias = Callable[[Call, str], XmlRpcValue | Fault | Awaitable[XmlRpcValue | Fault]]
+"""Carries out a call from a peer's address, at once or in time."""
+
+
+@dataclass(frozen=True, slots=True)
+class ServerLimits:
+    """What a server bears with.
+
+    Args:
+        connections: at a time; one more ends the one that has been silent longest.
+        header_bytes: of one request, checked after each read.
+        held_bytes: of half received requests, over all connections.
+        request_seconds: from the first byte of a request to its last, and again to take the answer.
+        idle_seconds: between two requests of a connection.
+    """
+
+    connections: int = 512
+    header_bytes: int = 16 * 1024
+    held_bytes: int = 4 * MAX_BYTES
+    request_seconds: float = 10.0
+    idle_seconds: float = 300.0
+
+
+class XmlRpcServer:
+    """Serves XML-RPC methods, several requests a connection.
+
+    ``system.listMethods`` and ``system.multicall`` are answered here.
+
+    Args:
+        methods: the names that the handler knows; it is never asked for others.
+        handler: carries out a call. What it raises becomes a fault and a line in the log.
+        limits: what is borne with.
+    """
+
+    def __init__(self, methods: Collection[str], handler: Handler, limits: ServerLimits | None = None) -> None:
+        self._methods = frozenset(methods)
+        self._handler = handler
+        self._limits = limits or ServerLimits()
+        self._server: asyncio.Server | None = None
+        self._connections: OrderedDict[asyncio.Task[None], None] = OrderedDict()
+        """Longest silent first."""
+        self._held = 0
+
+    @property
+    def connections(self) -> int:
+        """How many are open."""
+        return len(self._connections)
+
+    async def start(self, host: str = "127.0.0.1", port: int = 0) -> Listening | CannotListen:
+        """Begin to serve; port 0 takes any that is free."""
+        if not 0 <= port <= 65535:
+            return CannotListen(host, port, "a port is a number from 0 to 65535")
+        try:
+            self._server = await asyncio.start_server(self._connected, host, port, backlog=300)
+        except OSError as error:
+            return CannotListen(host, port, reason_of(error))
+        except UnicodeError:
+            return CannotListen(host, port, "that is not a host's name")
+        address = self._server.sockets[0].getsockname()
+        return Listening(address[0], address[1])
+
+    async def stop(self) -> None:
+        """Close the port and cut off every connection."""
+        if self._server is None:
+            return
+        self._server.close()
+        for connection in self._connections:
+            connection.cancel()
+        while self._connections:
+            await asyncio.wait(self._connections)
+        await self._server.wait_closed()
+        self._server = None
+
+    async def answer(self, call: Call, peer: str) -> XmlRpcValue | Fault:
+        """Carry out a call; one of this process as well, without a socket."""
+        if call.method == "system.listMethods":
+            return [*sorted(self._methods), "system.listMethods", "system.multicall"]
+        if call.method == "system.multicall":
+            return await self._multicall(call, peer)
+        if call.method not in self._methods:
+            return Fault(_APPLICATION_ERROR, f'method "{call.method}" is not supported')
+        try:
+            value = self._handler(call, peer)
+            return await value if isinstance(value, Awaitable) else value
+        except Exception as error:
+            _log.exception("the call %s of %s failed", call.method, peer)
+            return Fault(_APPLICATION_ERROR, f"internal error: {error!r}")
+
+    async def _multicall(self, multicall: Call, peer: str) -> XmlRpcValue | Fault:
+        """Several calls at once: a list of one-element lists, or of faults as structs.
+
+        Source: https://mirrors.talideon.com/articles/multicall.html
+        """
+        match multicall.params:
+            case [list(calls)]:
+                return [await self._one_of_many(call, peer) for call in calls]
+            case _:
+                return Fault(_APPLICATION_ERROR, "system.multicall takes one array of structs")
+
+    async def _one_of_many(self, call: XmlRpcValue, peer: str) -> XmlRpcValue:
+        match call:
+            case {"methodName": "system.multicall"}:
+                answer: XmlRpcValue | Fault = Fault(_APPLICATION_ERROR, "system.multicall must not call itself")
+            case {"methodName": str(method), "params": list(params)}:
+                answer = await self.answer(Call(method, params), peer)
+            case _:
+                answer = Fault(_APPLICATION_ERROR, "a call is a struct of methodName and params")
+        if isinstance(answer, Fault):
+            return {"faultCode": answer.code, "faultString": answer.text}
+        return [answer]
+
+    def _connected(self, reader: asyncio.StreamReader, writer: asyncio.StreamWriter) -> None:
+        if len(self._connections) >= self._limits.connections:
+            longest_silent, _ = self._connections.popitem(last=False)
+            longest_silent.cancel()
+        # Drained means handed to the kernel, so nothing waits in us for a peer that does not read.
+        writer.transport.set_write_buffer_limits(0)
+        task = asyncio.get_running_loop().create_task(self._serve(reader, writer))
+        self._connections[task] = None
+
+        def ended(task: asyncio.Task[None]) -> None:
+            self._connections.pop(task, None)
+            writer.close()  # here, because a task that is cancelled before its first step has no `finally`
+
+        task.add_done_callback(ended)
+
+    async def _serve(self, reader: asyncio.StreamReader, writer: asyncio.StreamWriter) -> None:
+        """One connection's life."""
+        name = writer.get_extra_info("peername")
+        peer = str(name[0]) if name else "?"
+        http = h11.Connection(h11.SERVER, max_incomplete_event_size=self._limits.header_bytes)
+        try:
+            while (body := await self._request(http, reader, writer)) is not None:
+                answer = await self._answer_to(body, peer)
+                await self._send(http, writer, 200, b"OK", answer)
+                if http.our_state is not h11.DONE:  # the peer asked for the connection to be closed
+                    break
+                http.start_next_cycle()
+        except h11.RemoteProtocolError as error:
+            if http.our_state in {h11.IDLE, h11.SEND_RESPONSE}:
+                await self._turn_away(http, writer, error)
+        except (OSError, asyncio.CancelledError):  # gone, too slow (a TimeoutError), or cut off
+            writer.transport.abort()
+
+    async def _request(
+        self, http: h11.Connection, reader: asyncio.StreamReader, writer: asyncio.StreamWriter
+    ) -> bytes | None:
+        """The body of the next request; None when there is none any more.
+
+        Raises:
+            TimeoutError: the peer is silent or too slow.
+            OSError: the connection broke.
+            h11.RemoteProtocolError: the request is none that this server serves.
+        """
+        loop = asyncio.get_running_loop()
+        body = bytearray()
+        begun = bool(http.trailing_data[0])
+        patience = self._limits.request_seconds if begun else self._limits.idle_seconds
+        try:
+            async with asyncio.timeout(patience) as deadline:
+                while True:
+                    event = http.next_event()
+                    if event is h11.NEED_DATA:
+                        if http.they_are_waiting_for_100_continue:
+                            writer.write(http.send(h11.InformationalResponse(status_code=100, headers=[])) or b"")
+                        http.receive_data(await reader.read(_SEGMENT))
+                        if not begun:
+                            begun = True
+                            self._heard_of()
+                            deadline.reschedule(loop.time() + self._limits.request_seconds)
+                    elif isinstance(event, h11.Request):
+                        _check(event)
+                    elif isinstance(event, h11.Data):
+                        body += event.data
+                        self._held += len(event.data)
+                        if len(body) > MAX_BYTES:
+                            raise h11.RemoteProtocolError("the request is too long", 413)
+                        if self._held > self._limits.held_bytes:
+                            raise h11.RemoteProtocolError("too much at a time", 503)
+                    elif isinstance(event, h11.EndOfMessage):
+                        return bytes(body)
+                    else:  # closed, or a switch of protocols that is not going to be
+                        return None
+        finally:
+            self._held -= len(body)
+
+    def _heard_of(self) -> None:
+        task = asyncio.current_task()
+        if task is not None and task in self._connections:
+            self._connections.move_to_end(task)
+
+    async def _answer_to(self, body: bytes, peer: str) -> bytes:
+        call = decode_call(body)
+        if isinstance(call, Malformed):
+            return encode_fault(_PARSE_ERROR, f"this is no XML-RPC call: {call.reason}")
+        answer = await self.answer(call, peer)
+        if isinstance(answer, Fault):
+            return encode_fault(answer.code, answer.text)
+        try:
+            return encode_response(answer)
+        except ValueError as error:
+            return encode_fault(_APPLICATION_ERROR, f"the answer cannot be written: {error}")
+
+    async def _turn_away(
+        self, http: h11.Connection, writer: asyncio.StreamWriter, error: h11.RemoteProtocolError
+    ) -> None:
+        text = f"{error}\n".encode(errors="replace")
+        try:
+            await self._send(http, writer, error.error_status_hint, b"", text, (("Connection", "close"),))
+        except OSError:
+            writer.transport.abort()
+
+    async def _send(
+        self,
+        http: h11.Connection,
+        writer: asyncio.StreamWriter,
+        status: int,
+        reason: bytes,
+        body: bytes,
+        headers: tuple[tuple[str, str], ...] = (),
+    ) -> None:
+        described = [("Content-Type", "text/xml"), ("Content-Length", str(len(body))), *headers]
+        head = http.send(h11.Response(status_code=status, reason=reason, headers=described)) or b""
+        http.send(h11.Data(data=body))
+        http.send(h11.EndOfMessage())
+        async with asyncio.timeout(self._limits.request_seconds):
+            writer.write(head + body)  # at once: in two segments, the second would wait for a delayed acknowledgement
+            await writer.drain()
+
+
+def _check(request: h11.Request) -> None:
+    if request.method != b"POST":
+        raise h11.RemoteProtocolError("XML-RPC is spoken by POST", 405)
+    for name, value in request.headers:
+        if name == b"content-length" and int(value) > MAX_BYTES:
+            raise h11.RemoteProtocolError("the request is too long", 413)

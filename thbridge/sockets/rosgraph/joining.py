@@ -1,0 +1,63 @@
+"""Finds the master of a graph, or is it."""
+
+from collections.abc import AsyncIterator
+from contextlib import asynccontextmanager
+from dataclasses import dataclass
+from enum import Enum
+from urllib.parse import urlsplit
+
+from thbridge.sockets.rosgraph.http_client import CallFailed, XmlRpcClient
+from thbridge.sockets.rosgraph.master_server import DEFAULT_PORT, MasterServer
+from thbridge.sockets.text_server import CannotListen
+
+DEFAULT_URI = f"http://127.0.0.1:{DEFAULT_PORT}"
+
+_PATIENCE = 2.0
+"""Seconds that a master has to answer the first question."""
+_OURS = frozenset({"127.0.0.1", "localhost", "::1"})
+
+
+@dataclass(frozen=True, slots=True)
+class Graph:
+    """Where to meet ROS.
+
+    Attributes:
+        master_uri: of the master, ``http://HOST:PORT``.
+        host: address to listen on and to be called at. Anybody who can connect there can drive robots.
+    """
+
+    master_uri: str = DEFAULT_URI
+    host: str = "127.0.0.1"
+
+
+class Master(Enum):
+    """Who is the master of a graph."""
+
+    FOUND = "a master was there"
+    OURS = "there was none on this machine: this program is it"
+    AWAITED = "there is none yet"
+
+
+def is_master_uri(text: str) -> bool:
+    """Whether this can be a master's address."""
+    try:
+        parts = urlsplit(text)
+        return parts.scheme == "http" and bool(parts.hostname) and parts.port is not None
+    except ValueError:
+        return False
+
+
+@asynccontextmanager
+async def master_of(graph: Graph) -> AsyncIterator[Master | CannotListen]:
+    """While it lasts there is a master, where none is there and the address is this machine's: then it is ours."""
+    client = XmlRpcClient()
+    answer = await client.call(graph.master_uri, "getPid", "/thbridge", timeout=_PATIENCE)
+    await client.close()
+    parts = urlsplit(graph.master_uri)
+    if not isinstance(answer, CallFailed):
+        yield Master.FOUND
+    elif parts.hostname not in _OURS | {graph.host}:
+        yield Master.AWAITED
+    else:
+        async with MasterServer(graph.host, parts.port or DEFAULT_PORT) as own:
+            yield own if isinstance(own, CannotListen) else Master.OURS

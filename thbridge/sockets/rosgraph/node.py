@@ -1,0 +1,344 @@
+"""A ROS 1 node: publishes, subscribes, serves and calls on a ROS graph, by TCPROS and without ROS.
+
+Everything happens on the thread of one event loop; whatever a node calls back is called there, at once, and must not
+raise. Nothing that a peer does makes a node raise or wait.
+
+Source: https://wiki.ros.org/ROS/Technical%20Overview, Master_API, Slave_API, TCPROS; for what ROS's tools rely on
+beyond that, rospy.
+
+Differs: a node registers again with a master that was restarted, which rospy and roscpp do not; UDPROS is not spoken;
+small messages are always sent at once (TCP_NODELAY), whether the subscriber asks for it or not.
+"""
+
+from __future__ import annotations
+
+import asyncio
+import itertools
+import logging
+import os
+import socket
+from collections.abc import Callable
+from dataclasses import dataclass
+from typing import TypeAlias
+
+from thbridge.files.errors import reason_of
+from thbridge.sockets.rosgraph.http_client import CallFailed, XmlRpcClient
+from thbridge.sockets.rosgraph.http_server import ServerLimits, XmlRpcServer
+from thbridge.sockets.rosgraph.publications import Publication
+from thbridge.sockets.rosgraph.registrar import Addresses, Happenings, Kind, Registrar, Registration
+from thbridge.sockets.rosgraph.replies import value_of
+from thbridge.sockets.rosgraph.service_calls import ask
+from thbridge.sockets.rosgraph.subscriptions import Heard, Met, Subscribing, Subscription, take_no_notice
+from thbridge.sockets.rosgraph.tcpros_server import Handler, TcprosServer
+from thbridge.sockets.text_server import CannotListen
+from thbridge.wire.rosgraph.links import Service, ServiceFailed, Topic
+from thbridge.wire.rosgraph.outbound import ServiceClientLink
+from thbridge.wire.rosgraph.slave import (
+    METHODS,
+    Consequence,
+    Node,
+    ParameterChanged,
+    PublishersChanged,
+    ShutdownAsked,
+    answer,
+)
+from thbridge.wire.rosgraph.xmlrpc import Call, XmlRpcValue
+
+Changed: TypeAlias = Callable[[str, XmlRpcValue], None]
+"""Hears the key of a parameter and its new value."""
+
+_CALLERS = 128
+"""Connections to the slave API that are kept."""
+
+_log = logging.getLogger(__name__)
+
+
+@dataclass(frozen=True, slots=True)
+class Started:
+    """That a node can be reached.
+
+    Attributes:
+        uri: of its slave API.
+    """
+
+    uri: str
+
+
+def _ignore() -> None:
+    """Take no notice."""
+
+
+def _ignore_reason(reason: str) -> None:
+    """Take no notice."""
+
+
+def _ignore_value(value: XmlRpcValue) -> None:
+    """Take no notice."""
+
+
+class RosNode:
+    """One node.
+
+    Names are global and resolved already, ``/robot1/scan``. Publications, subscriptions and services last as long as
+    the node; they can be made before `start` and while the master is away.
+
+    Args:
+        name: the node's, ``/thbridge``.
+        master_uri: ``http://127.0.0.1:11311``.
+        host: where the node listens, and what other nodes are told to connect to. Anybody who can connect can command
+            robots, for TCPROS knows no passwords; with 127.0.0.1 only this machine's users can. With 0.0.0.0 it listens
+            on every address, and others are told this machine's name.
+        on_shutdown: called when the node is told to go, with the reason: another node has taken its name, or somebody
+            said ``rosnode kill``. It should make the owner call `stop`.
+        on_lost: called when the master does not answer any more.
+        on_found: called when a master knows everything about this node that did not before: the first one, and one
+            that was restarted, whose parameters are gone.
+    """
+
+    def __init__(
+        self,
+        name: str,
+        master_uri: str,
+        host: str = "127.0.0.1",
+        *,
+        on_shutdown: Callable[[str], None] = _ignore_reason,
+        on_lost: Callable[[], None] = _ignore,
+        on_found: Callable[[], None] = _ignore,
+    ) -> None:
+        self.name = name
+        self.master_uri = master_uri
+        self.host = host
+        self._told = socket.gethostname() if host == "0.0.0.0" else host
+        self._on_shutdown = on_shutdown
+        self._numbers = itertools.count(1)
+        self._client = XmlRpcClient()
+        self._slave = XmlRpcServer(METHODS, self._answer, ServerLimits(connections=_CALLERS))
+        self._tcpros = TcprosServer(name, self._numbers)
+        self._tcpros_port = 0
+        self._subscriptions: dict[str, Subscription] = {}
+        self._parameters: dict[str, Changed] = {}
+        self._registrar = Registrar(
+            self._client, master_uri, name, Happenings(on_lost, on_found, lambda: self._go("another node has its name"))
+        )
+        self._addresses = Addresses("", "")
+        self._registering: asyncio.Task[None] | None = None
+        self._leaving: asyncio.Task[None] | None = None
+
+    async def start(self) -> Started | CannotListen:
+        """Listen, and begin to register; the master need not be there yet."""
+        address = await self._address()
+        if isinstance(address, CannotListen):
+            return address
+        tcpros = await self._tcpros.start(address)
+        if isinstance(tcpros, CannotListen):
+            return tcpros
+        slave = await self._slave.start(address)
+        if isinstance(slave, CannotListen):
+            await self._tcpros.stop()
+            return slave
+        self._tcpros_port = tcpros.port
+        self._addresses = Addresses(f"http://{self._told}:{slave.port}/", f"rosrpc://{self._told}:{tcpros.port}")
+        self._registering = asyncio.get_running_loop().create_task(self._registrar.run(self._addresses))
+        return Started(self._addresses.slave)
+
+    async def _address(self) -> str | CannotListen:
+        """The one address of our host: ROS's nodes know IPv4 only, and a name may have others beside."""
+        try:
+            found = await asyncio.get_running_loop().getaddrinfo(self.host, 0, family=socket.AF_INET)
+        except OSError as error:
+            return CannotListen(self.host, 0, reason_of(error))
+        except UnicodeError:
+            return CannotListen(self.host, 0, "that is not a host's name")
+        return str(found[0][4][0])
+
+    async def registered(self) -> None:
+        """Wait until the master knows everything that this node does at the moment.
+
+        What it refuses is complained of in the log, and tried again and again.
+        """
+        await self._registrar.settled()
+
+    async def stop(self) -> None:
+        """Take back every registration, see that what was published is sent, and close every connection."""
+        registering, self._registering = self._registering, None
+        if registering is None:
+            if self._leaving is not None and self._leaving is not asyncio.current_task():
+                await self._leaving
+            return
+        registering.cancel()
+        await asyncio.wait([registering])
+        await self._registrar.leave(self._addresses)
+        await asyncio.gather(*(each.stop() for each in self._subscriptions.values()))
+        await self._tcpros.stop()
+        await self._slave.stop()
+        await self._client.close()
+
+    def leave(self) -> None:
+        """As `stop`, without waiting for it."""
+        if self._leaving is None:
+            self._leaving = asyncio.get_running_loop().create_task(self.stop())
+
+    def advertise(self, topic: str, kind: str, md5: str, definition: str, latched: bool = False) -> Publication:
+        """Publish a topic.
+
+        Args:
+            topic: global name.
+            kind: its type, ``sensor_msgs/LaserScan``.
+            md5: the type's md5 sum.
+            definition: the type's whole text, as in bags.
+            latched: whether new subscribers get the last message at once.
+
+        Raises:
+            ValueError: this node publishes it already.
+        """
+        if topic in self._tcpros.publications:
+            raise ValueError(f"{topic} is published already")
+        publication = self._tcpros.offer(Topic(topic, kind, md5, definition, latched))
+        self._registrar.want(Registration(Kind.PUBLISHER, topic, kind), _ignore_value)
+        return publication
+
+    def subscribe(
+        self,
+        topic: str,
+        kind: str,
+        md5: str,
+        heard: Heard,
+        tcp_nodelay: bool = True,
+        met: Met = take_no_notice,
+    ) -> None:
+        """Subscribe to a topic, whoever publishes it, this node included.
+
+        Args:
+            topic: global name.
+            kind: its type, ``*`` for any.
+            md5: the type's md5 sum, ``*`` for any.
+            heard: called with each message, serialised, and the name of its publisher.
+            tcp_nodelay: whether publishers are asked to send small messages at once.
+            met: told of each publisher that has accepted, and of what it says about the topic.
+
+        Raises:
+            ValueError: this node subscribes to it already.
+        """
+        if topic in self._subscriptions:
+            raise ValueError(f"{topic} is subscribed to already")
+        what = Subscribing(topic, kind, md5, tcp_nodelay)
+        subscription = Subscription(self.name, what, heard, self._client, self._numbers, met)
+        self._subscriptions[topic] = subscription
+
+        def registered(publishers: XmlRpcValue) -> None:
+            if isinstance(publishers, list):
+                subscription.name_publishers([each for each in publishers if isinstance(each, str)])
+
+        self._registrar.want(Registration(Kind.SUBSCRIBER, topic, kind), registered)
+
+    def serve(self, service: str, kind: str, md5: str, request_type: str, response_type: str, handler: Handler) -> None:
+        """Serve a service.
+
+        Args:
+            service: global name.
+            kind: its type, ``nav_msgs/GetMap``.
+            md5: the service type's md5 sum.
+            request_type: ``nav_msgs/GetMapRequest``.
+            response_type: ``nav_msgs/GetMapResponse``.
+            handler: answers a serialised request with a serialised response or a failure, at once or in time.
+
+        Raises:
+            ValueError: this node serves it already.
+        """
+        if self._tcpros.service(service) is not None:
+            raise ValueError(f"{service} is served already")
+        self._tcpros.serve(Service(service, kind, md5, request_type, response_type), handler)
+        self._registrar.want(Registration(Kind.SERVICE, service), _ignore_value)
+
+    async def call_service(self, service: str, md5: str, request: bytes, timeout: float) -> bytes | ServiceFailed:
+        """Call a service of any node.
+
+        Args:
+            service: global name.
+            md5: the service type's md5 sum, ``*`` for any.
+            request: serialised.
+            timeout: seconds for everything.
+        """
+        uri = await self._ask_master("lookupService", service)
+        match uri:
+            case str():
+                return await ask(uri, ServiceClientLink(self.name, service, md5, request), timeout)
+            case CallFailed():
+                return ServiceFailed(str(uri))
+            case _:
+                return ServiceFailed("the master's answer is not one of ROS")
+
+    async def get_param(self, key: str) -> XmlRpcValue | CallFailed:
+        """The value of a parameter, or of a whole tree of them."""
+        return await self._ask_master("getParam", key)
+
+    async def set_param(self, key: str, value: XmlRpcValue) -> CallFailed | None:
+        """Set a parameter, or a whole tree of them. Master and parameters may vanish: see ``on_found``."""
+        result = await self._ask_master("setParam", key, value)
+        return result if isinstance(result, CallFailed) else None
+
+    def declare_param(self, key: str, value: XmlRpcValue) -> None:
+        """Set a parameter, or a whole tree of them, with this master and with every one to come.
+
+        It lasts as long as the node and is set before anything else is registered; declared again it has the new value.
+        """
+        self._registrar.declare(key, value)
+
+    def subscribe_param(self, key: str, changed: Changed) -> None:
+        """Hear of changes that others make to a parameter or to any below it.
+
+        Args:
+            key: global name.
+            changed: called with the key that was set, at or below the one given, and its value; an empty dictionary
+                means that it was deleted.
+
+        Raises:
+            ValueError: this node subscribes to it already.
+        """
+        if key in self._parameters:
+            raise ValueError(f"{key} is subscribed to already")
+        self._parameters[key] = changed
+        self._registrar.want(Registration(Kind.PARAMETER, key), _ignore_value)
+
+    async def _ask_master(self, method: str, *params: XmlRpcValue) -> XmlRpcValue | CallFailed:
+        reply = await self._client.call(self.master_uri, method, self.name, *params)
+        return value_of(self.master_uri, reply)
+
+    def _answer(self, call: Call, peer: str) -> XmlRpcValue:
+        told = answer(call, self._described())
+        if told.consequence is not None:
+            # The caller has its reply first: what follows may be the end of this node.
+            asyncio.get_running_loop().call_soon(self._carry_out, told.consequence)
+        return told.reply
+
+    def _described(self) -> Node:
+        subscribed = [connection for each in self._subscriptions.values() for connection in each.connections()]
+        return Node(
+            name=self.name,
+            uri=self._addresses.slave,
+            master_uri=self.master_uri,
+            pid=os.getpid(),
+            tcpros=(self._told, self._tcpros_port),
+            publications={name: each.topic.type for name, each in self._tcpros.publications.items()},
+            subscriptions={name: each.what.kind for name, each in self._subscriptions.items()},
+            parameters=self._parameters.keys(),
+            connections=[*self._tcpros.connections(), *subscribed],
+        )
+
+    def _carry_out(self, consequence: Consequence) -> None:
+        match consequence:
+            case PublishersChanged(topic, uris):
+                if topic in self._subscriptions:
+                    self._subscriptions[topic].name_publishers(uris)
+            case ParameterChanged(key, value, wanted):
+                for each in wanted:
+                    self._parameters[each](key, value)
+            case ShutdownAsked(reason):
+                self._go(reason)
+
+    def _go(self, reason: str) -> None:
+        # Were it to go on registering, it would take its name back from whoever has it now.
+        if self._registering is not None:
+            self._registering.cancel()
+        _log.warning("%s is told to shut down: %s", self.name, reason)
+        self._on_shutdown(reason)

@@ -1,0 +1,239 @@
+"""Keeps the master informed of what a node does, whenever the master comes, goes and comes back."""
+
+from __future__ import annotations
+
+import asyncio
+import logging
+from collections.abc import Callable, Iterable
+from contextlib import suppress
+from dataclasses import dataclass
+from enum import Enum
+
+from thbridge.sockets.rosgraph.connections import Complaints
+from thbridge.sockets.rosgraph.http_client import CallFailed, XmlRpcClient
+from thbridge.sockets.rosgraph.replies import value_of
+from thbridge.wire.rosgraph.xmlrpc import Fault, Response, XmlRpcValue
+
+_HEARTBEAT = 1.0
+"""Seconds between two looks at the master."""
+
+_FIRST_PAUSE = 0.1
+"""Seconds before the master is looked for again; each vain look doubles them."""
+
+_LAST_PAUSE = 2.0
+
+_FAREWELL_SECONDS = 3.0
+"""What signing off may take altogether."""
+
+_log = logging.getLogger(__name__)
+
+
+class Kind(Enum):
+    """What can be registered."""
+
+    PUBLISHER = "Publisher"
+    SUBSCRIBER = "Subscriber"
+    SERVICE = "Service"
+    PARAMETER = "Param"
+
+
+@dataclass(frozen=True, slots=True)
+class Addresses:
+    """Where a node is found.
+
+    Attributes:
+        slave: ``http://host:port/``.
+        services: ``rosrpc://host:port``.
+    """
+
+    slave: str
+    services: str
+
+
+@dataclass(frozen=True, slots=True)
+class Registration:
+    """One thing that the master is to know.
+
+    Attributes:
+        kind: what it is.
+        name: of the topic, service or parameter.
+        type: of the topic, else empty.
+    """
+
+    kind: Kind
+    name: str
+    type: str = ""
+
+    def doing(self, at: Addresses) -> tuple[str, tuple[str, ...]]:
+        """The method of the master that registers this, and its arguments after the caller's name."""
+        match self.kind:
+            case Kind.SERVICE:
+                return "registerService", (self.name, at.services, at.slave)
+            case Kind.PARAMETER:
+                return "subscribeParam", (at.slave, self.name)
+            case _:
+                return f"register{self.kind.value}", (self.name, self.type, at.slave)
+
+    def undoing(self, at: Addresses) -> tuple[str, tuple[str, ...]]:
+        """The method that takes it back, and its arguments after the caller's name."""
+        match self.kind:
+            case Kind.SERVICE:
+                return "unregisterService", (self.name, at.services)
+            case Kind.PARAMETER:
+                return "unsubscribeParam", (at.slave, self.name)
+            case _:
+                return f"unregister{self.kind.value}", (self.name, at.slave)
+
+
+@dataclass(frozen=True, slots=True)
+class Happenings:
+    """Whom the registrar tells of what.
+
+    Attributes:
+        lost: the master does not answer any more.
+        found: a master that knew nothing of us knows everything now; also the first one.
+        replaced: another node has our name; the registrar has stopped.
+    """
+
+    lost: Callable[[], None]
+    found: Callable[[], None]
+    replaced: Callable[[], None]
+
+
+class Registrar:
+    """Registers what is wanted, and all of it again with a master that has forgotten us.
+
+    A look at the master is the question where our own name is found. It tells a master that is gone, one that was
+    restarted, however quickly, and one that has given our name to somebody else.
+
+    Args:
+        client: for calls to the master.
+        master_uri: ``http://host:port``.
+        caller: the node's name.
+        happenings: whom to tell.
+    """
+
+    def __init__(self, client: XmlRpcClient, master_uri: str, caller: str, happenings: Happenings) -> None:
+        self._client = client
+        self._master_uri = master_uri
+        self._caller = caller
+        self._happenings = happenings
+        self._wanted: dict[Registration, Callable[[XmlRpcValue], None]] = {}
+        self._registered: set[Registration] = set()
+        self._parameters: dict[str, XmlRpcValue] = {}
+        self._unset: dict[str, None] = {}
+        self._reached = False
+        self._woken = asyncio.Event()
+        self._settled = asyncio.Event()
+        self._complaints = Complaints(_log)
+
+    def want(self, registration: Registration, registered: Callable[[XmlRpcValue], None]) -> None:
+        """Register something, now and with every master to come; hear what each master says to it."""
+        self._wanted[registration] = registered
+        self._settled.clear()
+        self._woken.set()
+
+    def declare(self, key: str, value: XmlRpcValue) -> None:
+        """Set a parameter, now and with every master to come; it is deleted when we leave."""
+        self._parameters[key] = value
+        self._unset[key] = None
+        self._settled.clear()
+        self._woken.set()
+
+    async def settled(self) -> None:
+        """Wait until the master knows everything that is wanted."""
+        await self._settled.wait()
+
+    async def run(self, addresses: Addresses) -> None:
+        """Keep the master informed until another node has our name."""
+        pause = _FIRST_PAUSE
+        while True:
+            self._woken.clear()
+            where = await self._call("lookupNode", self._caller)
+            match where:
+                case CallFailed():
+                    self._miss(where)
+                    pause = min(2 * pause, _LAST_PAUSE)
+                case Response([1, _, str(uri)]) if uri != addresses.slave and self._registered:
+                    self._happenings.replaced()
+                    return
+                case Response([1, _, str(uri)]) if uri == addresses.slave and self._reached:
+                    await self._register(addresses)
+                    pause = _HEARTBEAT
+                case _:
+                    await self._register_afresh(addresses)
+                    pause = _HEARTBEAT
+            with suppress(TimeoutError):
+                async with asyncio.timeout(pause):
+                    await self._woken.wait()
+
+    async def leave(self, addresses: Addresses) -> None:
+        """Take back what is registered, as far as the master is there."""
+        with suppress(TimeoutError):
+            async with asyncio.timeout(_FAREWELL_SECONDS):
+                match await self._call("lookupNode", self._caller):
+                    case Response([1, _, str(uri)]) if uri != addresses.slave:
+                        ours: Iterable[str] = ()  # a successor of our name has set them anew
+                    case _:
+                        ours = self._parameters.keys() - self._unset.keys()
+                for key in ours:
+                    if isinstance(await self._call("deleteParam", key), CallFailed):
+                        return
+                for registration in self._registered:
+                    method, params = registration.undoing(addresses)
+                    if isinstance(await self._call(method, *params), CallFailed):
+                        return
+
+    async def _register_afresh(self, addresses: Addresses) -> None:
+        news = not self._reached or bool(self._registered)
+        self._registered.clear()
+        self._unset = dict.fromkeys(self._parameters)
+        self._reached = await self._register(addresses)
+        if news and self._reached:
+            _log.info("the master at %s knows %s now", self._master_uri, self._caller)
+            self._happenings.found()
+
+    async def _register(self, addresses: Addresses) -> bool:
+        """Register what is not yet; whether the master answered to everything.
+
+        Parameters come first: a node that sees ours, and then looks for `/use_sim_time`, finds it.
+        """
+        complete = True
+        for key in list(self._unset):
+            value = self._parameters[key]
+            reply = await self._call("setParam", key, value)
+            if isinstance(reply, CallFailed):
+                self._miss(reply)
+                return False
+            outcome = value_of(self._master_uri, reply)
+            if isinstance(outcome, CallFailed):
+                self._complaints.tell(f"the master does not take {key}: {outcome.reason}")
+            if self._parameters[key] is value:  # Else it was declared anew meanwhile.
+                del self._unset[key]
+        for registration in [each for each in self._wanted if each not in self._registered]:
+            method, params = registration.doing(addresses)
+            reply = await self._call(method, *params)
+            if isinstance(reply, CallFailed):
+                self._miss(reply)
+                return False
+            answer = value_of(self._master_uri, reply)
+            if isinstance(answer, CallFailed):
+                self._complaints.tell(f"the master does not accept {registration.name}: {answer.reason}")
+                complete = False
+            else:
+                self._registered.add(registration)
+                self._wanted[registration](answer)
+        if complete and not self._unset and self._registered >= self._wanted.keys():
+            self._settled.set()
+        return True
+
+    def _miss(self, failed: CallFailed) -> None:
+        if self._reached:
+            _log.warning("the master is lost: %s", failed)
+            self._reached = False
+            self._happenings.lost()
+        else:
+            self._complaints.tell(f"the master is not there: {failed}; it is waited for")
+
+    async def _call(self, method: str, *params: XmlRpcValue) -> Response | Fault | CallFailed:
+        return await self._client.call(self._master_uri, method, self._caller, *params)

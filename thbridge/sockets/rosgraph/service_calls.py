@@ -1,0 +1,75 @@
+"""Calls of services that other nodes serve."""
+
+from __future__ import annotations
+
+import asyncio
+from asyncio import Transport
+from urllib.parse import urlsplit
+
+from thbridge.files.errors import reason_of
+from thbridge.wire.rosgraph.links import Answered, Ended, Refused, Send, ServiceFailed
+from thbridge.wire.rosgraph.outbound import ServiceClientLink
+
+
+async def ask(uri: str, link: ServiceClientLink, timeout: float) -> bytes | ServiceFailed:
+    """Ask a server one thing.
+
+    Args:
+        uri: of the server, ``rosrpc://host:port``, as the master gives it.
+        link: knows the request.
+        timeout: seconds for everything.
+    """
+    try:
+        parts = urlsplit(uri)
+        host, port = parts.hostname, parts.port
+    except ValueError:
+        host, port = None, None
+    if not host or port is None:
+        return ServiceFailed(f"{uri} is no address of a service")
+    client = _Client(link)
+    try:
+        async with asyncio.timeout(timeout):
+            await asyncio.get_running_loop().create_connection(lambda: client, host, port)
+            return await client.answer
+    except TimeoutError:
+        return ServiceFailed(f"no answer within {timeout:g} s")
+    except OSError as error:
+        return ServiceFailed(reason_of(error))
+    except UnicodeError:
+        return ServiceFailed(f"{host} is not a host's name")
+    finally:
+        client.cut_off()
+
+
+class _Client(asyncio.Protocol):
+    def __init__(self, link: ServiceClientLink) -> None:
+        self.answer: asyncio.Future[bytes | ServiceFailed] = asyncio.get_running_loop().create_future()
+        self._link = link
+        self._transport: Transport | None = None
+
+    def connection_made(self, transport: asyncio.BaseTransport) -> None:
+        if isinstance(transport, Transport):
+            self._transport = transport
+            transport.write(self._link.opening())
+
+    def data_received(self, data: bytes) -> None:
+        for event in self._link.receive(data):
+            match event:
+                case Send(data) if self._transport is not None:
+                    self._transport.write(data)
+                case Answered(answer):
+                    self._settle(answer)
+                case Refused(reason) | Ended(reason):
+                    self._settle(ServiceFailed(reason))
+
+    def connection_lost(self, exc: Exception | None) -> None:
+        self._settle(ServiceFailed("the connection was closed before the answer"))
+
+    def cut_off(self) -> None:
+        """End the connection at once."""
+        if self._transport is not None:
+            self._transport.abort()
+
+    def _settle(self, answer: bytes | ServiceFailed) -> None:
+        if not self.answer.done():
+            self.answer.set_result(answer)

@@ -1,0 +1,220 @@
+"""Topics that a node subscribes to: it finds their publishers, connects, and comes back when a connection breaks."""
+
+from __future__ import annotations
+
+import asyncio
+import logging
+from asyncio import Transport
+from collections.abc import Callable, Iterable, Iterator, Sequence
+from dataclasses import dataclass
+from typing import TypeAlias
+
+from thbridge.files.errors import reason_of
+from thbridge.sockets.rosgraph.connections import HANDSHAKE_SECONDS, Complaints, endpoints, keep_alive
+from thbridge.sockets.rosgraph.http_client import CallFailed, XmlRpcClient
+from thbridge.sockets.rosgraph.replies import value_of
+from thbridge.wire.rosgraph.links import Accepted, Ended, Received, Refused, Topic
+from thbridge.wire.rosgraph.outbound import SubscriberLink
+from thbridge.wire.rosgraph.slave import TRANSPORT, Connection
+from thbridge.wire.rosgraph.tcpros import LENGTH_BYTES
+
+PUBLISHER_LIMIT = 256
+"""Publishers of one topic that are connected to; anybody may claim that there are more."""
+
+_FIRST_PAUSE = 0.25
+"""Seconds before the first attempt to come back; each that does not last doubles them."""
+
+_LAST_PAUSE = 8.0
+
+Heard: TypeAlias = Callable[[bytes, str], None]
+"""Hears a serialised message and the name of the node that published it."""
+
+Met: TypeAlias = Callable[[str, Topic], None]
+"""Hears the name of a publisher, and what it says about the topic, before its first message."""
+
+
+def take_no_notice(publisher: str, topic: Topic) -> None:
+    """For those who know what they subscribe to."""
+
+
+_log = logging.getLogger(__name__)
+
+
+@dataclass(frozen=True, slots=True)
+class Subscribing:
+    """What is subscribed to.
+
+    Attributes:
+        topic: global name.
+        kind: its type, or ``*``.
+        md5: the type's md5 sum, or ``*``.
+        tcp_nodelay: whether publishers are asked to send small messages at once.
+    """
+
+    topic: str
+    kind: str
+    md5: str
+    tcp_nodelay: bool
+
+
+class Subscription:
+    """One topic and its publishers.
+
+    A publisher that the master no longer names is not come back to, but an open connection to it stays: after a
+    restart of the master its list begins empty, while messages may still flow.
+
+    Args:
+        caller: this node's name.
+        what: is subscribed to.
+        heard: gets the messages; it must not raise.
+        client: for calls to publishers.
+        numbers: for the connections, unique within the node.
+        met: told of each publisher that accepts; it must not raise.
+    """
+
+    def __init__(
+        self,
+        caller: str,
+        what: Subscribing,
+        heard: Heard,
+        client: XmlRpcClient,
+        numbers: Iterator[int],
+        met: Met = take_no_notice,
+    ) -> None:
+        self.what = what
+        self._caller = caller
+        self._heard = heard
+        self._met = met
+        self._client = client
+        self._numbers = numbers
+        self._named: frozenset[str] = frozenset()
+        self._followed: dict[str, asyncio.Task[None]] = {}
+        self._listening: dict[str, _Listener] = {}
+        self._complaints = Complaints(_log)
+
+    def name_publishers(self, uris: Sequence[str]) -> None:
+        """Hear who publishes the topic now."""
+        if len(uris) > PUBLISHER_LIMIT:
+            self._complaints.tell(f"{self.what.topic} has more than {PUBLISHER_LIMIT} publishers; not all are heard")
+        self._named = frozenset(uris[:PUBLISHER_LIMIT])
+        for uri in self._named - self._followed.keys():
+            self._followed[uri] = asyncio.ensure_future(self._follow(uri))
+
+    def connections(self) -> Iterable[Connection]:
+        """The open connections as the node tells of them."""
+        return [each.connection(uri, self.what.topic) for uri, each in self._listening.items() if each.open]
+
+    async def stop(self) -> None:
+        """Cut off every connection."""
+        self._named = frozenset()
+        tasks = [*self._followed.values()]
+        for task in tasks:
+            task.cancel()
+        await asyncio.gather(*tasks, return_exceptions=True)
+
+    async def _follow(self, uri: str) -> None:
+        pause = _FIRST_PAUSE
+        try:
+            while uri in self._named:
+                listener = _Listener(self._link(), self._heard, self._met, next(self._numbers))
+                began = asyncio.get_running_loop().time()
+                try:
+                    end = await self._listen(uri, listener)
+                finally:
+                    self._listening.pop(uri, None)
+                    listener.cut_off()
+                if isinstance(end, Refused):
+                    self._complaints.tell(f"{uri} does not let us hear {self.what.topic}: {end.reason}")
+                else:
+                    _log.debug("%s is not heard from %s: %s", self.what.topic, uri, end.reason)
+                await asyncio.sleep(pause)
+                lasted = asyncio.get_running_loop().time() - began
+                pause = _FIRST_PAUSE if lasted > 2 * _LAST_PAUSE else min(2 * pause, _LAST_PAUSE)
+        finally:
+            del self._followed[uri]
+
+    def _link(self) -> SubscriberLink:
+        what = self.what
+        return SubscriberLink(self._caller, what.topic, what.kind, what.md5, what.tcp_nodelay)
+
+    async def _listen(self, uri: str, listener: _Listener) -> Refused | Ended:
+        """Listen to a publisher as long as it goes."""
+        reply = await self._client.call(uri, "requestTopic", self._caller, self.what.topic, [[TRANSPORT]])
+        offered = value_of(uri, reply)
+        match offered:
+            case [str(transport), str(host), int(port)] if transport == TRANSPORT:
+                pass
+            case CallFailed():
+                return Ended(offered.reason)
+            case _:
+                return Ended(f"it does not offer {TRANSPORT}")
+        try:
+            async with asyncio.timeout(HANDSHAKE_SECONDS):
+                await asyncio.get_running_loop().create_connection(lambda: listener, host, port)
+                await asyncio.wait((listener.accepted, listener.ended), return_when=asyncio.FIRST_COMPLETED)
+        except TimeoutError:
+            return Ended("it does not answer in time")
+        except (OSError, OverflowError, UnicodeError) as error:  # the last two: no port, no host's name
+            return Ended(reason_of(error) if isinstance(error, OSError) else str(error))
+        self._listening[uri] = listener
+        return await listener.ended
+
+
+class _Listener(asyncio.Protocol):
+    """The connection to one publisher; carries out what its link decides."""
+
+    def __init__(self, link: SubscriberLink, heard: Heard, met: Met, number: int) -> None:
+        loop = asyncio.get_running_loop()
+        self.accepted: asyncio.Future[None] = loop.create_future()
+        self.ended: asyncio.Future[Refused | Ended] = loop.create_future()
+        self._link = link
+        self._heard = heard
+        self._met = met
+        self._number = number
+        self._transport: Transport | None = None
+        self._publisher = ""
+        self._bytes = 0
+        self._messages = 0
+
+    def connection_made(self, transport: asyncio.BaseTransport) -> None:
+        if isinstance(transport, Transport):
+            self._transport = transport
+            keep_alive(transport)
+            transport.write(self._link.opening())
+
+    def data_received(self, data: bytes) -> None:
+        for event in self._link.receive(data):
+            match event:
+                case Received(message):
+                    self._bytes += LENGTH_BYTES + len(message)
+                    self._messages += 1
+                    self._heard(message, self._publisher)
+                case Accepted(publisher, topic):
+                    self._publisher = publisher
+                    self._met(publisher, topic)
+                    self.accepted.set_result(None)
+                case Refused() | Ended():
+                    self._end(event)
+                    self.cut_off()
+
+    def connection_lost(self, exc: Exception | None) -> None:
+        self._end(Ended("the connection is closed"))
+
+    @property
+    def open(self) -> bool:
+        """Whether the connection still stands."""
+        return self._transport is not None and not self._transport.is_closing()
+
+    def cut_off(self) -> None:
+        """End the connection at once."""
+        if self._transport is not None:
+            self._transport.abort()
+
+    def connection(self, uri: str, topic: str) -> Connection:
+        """This link, while it is open, as the node tells of it."""
+        ends = endpoints(self._transport) if self._transport is not None else (0, "", 0, 0)
+        return Connection(self._number, uri, False, topic, ends, self._bytes, self._messages)
+
+    def _end(self, end: Refused | Ended) -> None:
+        if not self.ended.done():
+            self.ended.set_result(end)

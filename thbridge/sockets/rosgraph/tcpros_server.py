@@ -1,0 +1,273 @@
+"""The port where a node takes TCPROS connections: of subscribers to its topics, of clients of its services."""
+
+from __future__ import annotations
+
+import asyncio
+import logging
+import resource
+from asyncio import Transport
+from collections import deque
+from collections.abc import Awaitable, Callable, Iterable, Iterator
+from contextlib import suppress
+from dataclasses import dataclass
+from typing import TypeAlias
+
+from thbridge.files.errors import reason_of
+from thbridge.sockets.rosgraph.connections import HANDSHAKE_SECONDS, Complaints, close_gently, keep_alive
+from thbridge.sockets.rosgraph.publications import WAITING_LIMIT, Outlet, Publication
+from thbridge.sockets.text_server import CannotListen, Listening
+from thbridge.wire.rosgraph.inbound import InboundLink
+from thbridge.wire.rosgraph.links import (
+    Ended,
+    InboundEvent,
+    Refused,
+    Requested,
+    Send,
+    Service,
+    ServiceFailed,
+    Subscribed,
+    Topic,
+)
+from thbridge.wire.rosgraph.slave import Connection
+
+CONNECTION_LIMIT = 6144
+"""Connections taken at a time, of subscribers and clients together: all topics of 64 robots for four recorders."""
+_FILES = 8192
+"""Files that the process should be able to have open for them."""
+
+ANSWERING_LIMIT = 64
+"""Requests whose answers take their time, at a time; a client may leave, and ask again, before it has its answer."""
+
+_FAREWELL_SECONDS = 1.0
+"""What subscribers may take, altogether, to read what they were sent last."""
+
+ServiceAnswer: TypeAlias = bytes | ServiceFailed
+Handler: TypeAlias = Callable[[bytes], ServiceAnswer | Awaitable[ServiceAnswer]]
+"""Answers a serialised request, at once or in time."""
+
+_log = logging.getLogger(__name__)
+
+
+@dataclass(frozen=True, slots=True)
+class _Served:
+    service: Service
+    handler: Handler
+
+
+class TcprosServer:
+    """Publishes and serves.
+
+    Args:
+        caller: the node's name.
+        numbers: for the connections, unique within the node.
+    """
+
+    def __init__(self, caller: str, numbers: Iterator[int]) -> None:
+        self.caller = caller
+        self.numbers = numbers
+        self.publications: dict[str, Publication] = {}
+        self.complaints = Complaints(_log)
+        self._services: dict[str, _Served] = {}
+        self._connections: set[_Inbound] = set()
+        self._one_gone = asyncio.Event()
+        self._answering: set[asyncio.Task[None]] = set()
+        self._limit = min(CONNECTION_LIMIT, _open_files() * 3 // 4)
+        self._server: asyncio.Server | None = None
+
+    async def start(self, host: str) -> Listening | CannotListen:
+        """Begin to listen, on a port that is free."""
+        try:
+            self._server = await asyncio.get_running_loop().create_server(lambda: _Inbound(self), host, 0, backlog=300)
+        except OSError as error:
+            return CannotListen(host, 0, reason_of(error))
+        except UnicodeError:
+            return CannotListen(host, 0, "that is not a host's name")
+        address = self._server.sockets[0].getsockname()
+        return Listening(address[0], address[1])
+
+    async def stop(self) -> None:
+        """Close the port, give up what is being answered, and close every connection.
+
+        Subscribers have a moment to take what was published last.
+        """
+        if self._server is not None:
+            self._server.close()
+        for task in self._answering:
+            task.cancel()
+        for connection in self._connections:
+            connection.close()
+        with suppress(TimeoutError):
+            async with asyncio.timeout(_FAREWELL_SECONDS):
+                while self._connections:
+                    self._one_gone.clear()
+                    await self._one_gone.wait()
+        for connection in self._connections:
+            connection.cut_off()
+
+    def offer(self, topic: Topic) -> Publication:
+        """Publish a topic."""
+        publication = self.publications[topic.name] = Publication(topic)
+        return publication
+
+    def serve(self, service: Service, handler: Handler) -> None:
+        """Serve a service."""
+        self._services[service.name] = _Served(service, handler)
+
+    def topic(self, name: str) -> Topic | None:
+        """The topic of that name, if it is published here."""
+        publication = self.publications.get(name)
+        return publication.topic if publication else None
+
+    def service(self, name: str) -> Service | None:
+        """The service of that name, if it is served here."""
+        served = self._services.get(name)
+        return served.service if served else None
+
+    def connections(self) -> Iterable[Connection]:
+        """The subscribers' connections."""
+        return [connection for each in self.publications.values() for connection in each.connections()]
+
+    def admit(self, connection: _Inbound) -> bool:
+        """Take a new connection on, unless there are too many."""
+        if len(self._connections) >= self._limit:
+            self.complaints.tell(f"more than {self._limit} connections; further ones are turned away")
+            return False
+        self._connections.add(connection)
+        return True
+
+    def forget(self, connection: _Inbound) -> None:
+        """Hear that a connection is closed."""
+        self._connections.discard(connection)
+        self._one_gone.set()
+
+    def handle(self, service: str, request: bytes, respond: Callable[[ServiceAnswer], None]) -> ServiceAnswer | None:
+        """Have a request answered: with what is returned, or else by `respond` in time."""
+        try:
+            answer = self._services[service].handler(request)
+        except Exception:
+            return _broken(service)
+        if isinstance(answer, bytes | ServiceFailed):
+            return answer
+        if len(self._answering) >= ANSWERING_LIMIT:
+            asyncio.ensure_future(answer).cancel()
+            return ServiceFailed(f"{service} has too many requests at a time")
+        task = asyncio.ensure_future(_answer_in_time(service, answer, respond))
+        self._answering.add(task)
+        task.add_done_callback(self._answering.discard)
+        return None
+
+
+class _Inbound(asyncio.Protocol):
+    """One connection; carries out what its link decides."""
+
+    def __init__(self, server: TcprosServer) -> None:
+        self._server = server
+        self._link = InboundLink(server.caller, server)
+        self._transport: Transport | None = None
+        self._patience: asyncio.TimerHandle | None = None
+        self._publication: Publication | None = None
+        self._outlet: Outlet | None = None
+
+    def connection_made(self, transport: asyncio.BaseTransport) -> None:
+        if not isinstance(transport, Transport):
+            return
+        if not self._server.admit(self):
+            transport.abort()
+            return
+        self._transport = transport
+        keep_alive(transport)
+        self._patience = asyncio.get_running_loop().call_later(HANDSHAKE_SECONDS, self._lose_patience)
+
+    def data_received(self, data: bytes) -> None:
+        self._perform(self._link.receive(data))
+
+    def pause_writing(self) -> None:
+        if self._outlet is not None:
+            self._outlet.pause()
+
+    def resume_writing(self) -> None:
+        if self._outlet is not None:
+            self._outlet.resume()
+
+    def connection_lost(self, exc: Exception | None) -> None:
+        self._server.forget(self)
+        if self._patience is not None:
+            self._patience.cancel()
+        if self._publication is not None and self._outlet is not None:
+            self._publication.remove(self._outlet)
+        # What a handler is about runs on: it may have moved a robot already. Only nobody hears the answer.
+        self._transport = None
+
+    def close(self) -> None:
+        """End the connection once all is sent."""
+        if self._outlet is not None:
+            self._outlet.close()
+        elif self._transport is not None:
+            self._transport.close()
+
+    def cut_off(self) -> None:
+        """End the connection at once."""
+        if self._transport is not None:
+            self._transport.abort()
+
+    def _lose_patience(self) -> None:
+        if not self._link.greeted:
+            _log.debug("a peer is cut off: it does not say what it wants")
+            self.cut_off()
+
+    def _perform(self, events: Iterable[InboundEvent]) -> None:
+        waiting = deque(events)
+        while waiting and self._transport is not None:
+            match waiting.popleft():
+                case Send(data):
+                    self._transport.write(data)
+                case Subscribed(topic, caller):
+                    self._publication = self._server.publications[topic]
+                    self._outlet = Outlet(self._transport, topic, next(self._server.numbers), caller)
+                    self._publication.add(self._outlet)
+                case Requested() if self._transport.get_write_buffer_size() > WAITING_LIMIT:
+                    _log.debug("a client is cut off: it asks, and does not read the answers")
+                    self.cut_off()
+                case Requested(service, request):
+                    answer = self._server.handle(service, request, self._respond)
+                    if answer is not None:
+                        waiting.extend(self._link.respond(answer))
+                case Refused(reason):
+                    self._server.complaints.tell(f"a peer is refused: {reason}")
+                    self._end(self._transport)
+                case Ended(reason):
+                    _log.debug("a connection ends: %s", reason)
+                    self._end(self._transport)
+
+    def _end(self, transport: Transport) -> None:
+        if self._patience is not None:
+            self._patience.cancel()
+        self._patience = close_gently(transport)
+
+    def _respond(self, answer: ServiceAnswer) -> None:
+        self._perform(self._link.respond(answer))
+
+
+async def _answer_in_time(
+    service: str, pending: Awaitable[ServiceAnswer], respond: Callable[[ServiceAnswer], None]
+) -> None:
+    try:
+        answer = await pending
+    except Exception:
+        answer = _broken(service)
+    respond(answer)
+
+
+def _open_files() -> int:
+    """How many files this process may open, made as many as are wanted; as a rule it begins with 1024."""
+    soft, hard = resource.getrlimit(resource.RLIMIT_NOFILE)
+    wanted = _FILES if hard == resource.RLIM_INFINITY else min(_FILES, hard)
+    if soft == resource.RLIM_INFINITY or soft >= wanted:
+        return wanted
+    resource.setrlimit(resource.RLIMIT_NOFILE, (wanted, hard))
+    return wanted
+
+
+def _broken(service: str) -> ServiceFailed:
+    _log.exception("service %s", service)
+    return ServiceFailed(f"{service} failed; its log says why")

@@ -1,0 +1,179 @@
+"""The text client's socket: keeps one of our own programs connected to a server, come what may."""
+
+from __future__ import annotations
+
+import asyncio
+import logging
+from collections.abc import AsyncIterator, Iterator
+from contextlib import asynccontextmanager
+from dataclasses import dataclass
+from enum import Enum
+from typing import NoReturn, TypeAlias
+
+from thbridge.files.errors import reason_of
+from thbridge.wire.client import ClientSession, Ended, Ending, Registered, Reply
+from thbridge.wire.text import Message, Overlong, encode_line
+
+_log = logging.getLogger(__name__)
+
+_EVENTS = 1024
+"""Events that may wait for the program; after that the server has to wait, and cuts us off in the end."""
+
+_BACKLOG = 1024 * 1024
+"""Bytes that may wait to be sent; after that the connection is taken for dead."""
+
+_SEGMENT = 16 * 1024
+
+_LAST_WORDS = 0.1
+"""Seconds in which what was said last may still leave."""
+
+
+class LossReason(Enum):
+    """Why there is no connection to the server."""
+
+    UNREACHABLE = "the server cannot be reached"
+    BROKEN = "the connection broke"
+    REFUSED = Ending.REFUSED.value
+    STOPPED = Ending.STOPPED.value
+
+
+@dataclass(frozen=True, slots=True)
+class Lost:
+    """There is no connection any more; the client goes on trying. Told once for each change of reason."""
+
+    reason: LossReason
+    detail: str = ""
+
+
+ClientEvent: TypeAlias = Registered | Message | Lost
+
+
+@dataclass(frozen=True, slots=True)
+class Patience:
+    """How a client waits, seconds.
+
+    Attributes:
+        first: before the first attempt to connect again; doubles at each further one.
+        longest: at most between two attempts.
+        silence: without a byte from the server (which pings the silent every 15 s) until the connection counts as
+            broken.
+    """
+
+    first: float = 0.25
+    longest: float = 5.0
+    silence: float = 45.0
+
+
+class TextClient:
+    """Connects the program called `name` to a server, again and again until `run` is cancelled.
+
+    `Registered` comes at the first connection and after every loss: the moment to introduce oneself anew.
+
+    Args:
+        name: name of the program on the server.
+        token: one word that marks this run of the program, e.g. some random digits; see `ClientSession`.
+
+    Raises:
+        ValueError: name or token is not one word.
+    """
+
+    def __init__(self, name: str, token: str, host: str, port: int, patience: Patience | None = None) -> None:
+        ClientSession(name, token)  # refuses a bad name here, not in the midst of a run
+        self._name = name
+        self._token = token
+        self._host = host
+        self._port = port
+        self._patience = patience or Patience()
+        self._events: asyncio.Queue[ClientEvent] = asyncio.Queue(_EVENTS)
+        self._writer: asyncio.StreamWriter | None = None  # while we are registered
+        self._reason: LossReason | None = None
+
+    async def run(self) -> NoReturn:
+        """Keep connected for ever."""
+        delays = self._delays()
+        while True:
+            loss = await self._converse()
+            if self._reason is None:
+                delays = self._delays()
+            if loss.reason is not self._reason:
+                self._reason = loss.reason
+                await self._events.put(loss)
+            await asyncio.sleep(next(delays))
+
+    @asynccontextmanager
+    async def running(self) -> AsyncIterator[None]:
+        """Keep connected inside the `async with`; what was said in it still leaves."""
+        running = asyncio.create_task(self.run())
+        try:
+            yield
+            await asyncio.sleep(_LAST_WORDS)
+        finally:
+            running.cancel()
+
+    def send(self, message: Message) -> bool:
+        """Say something; False when we are not registered with a server just now, and the message is lost."""
+        if self._writer is None:
+            return False
+        self._write(self._writer, encode_line(message.line()))
+        return True
+
+    async def next_event(self) -> ClientEvent:
+        """Wait for the next event."""
+        return await self._events.get()
+
+    def take(self) -> list[ClientEvent]:
+        """The events that have come, oldest first, without waiting."""
+        return [self._events.get_nowait() for _ in range(self._events.qsize())]
+
+    def _delays(self) -> Iterator[float]:
+        delay = self._patience.first
+        while True:
+            yield delay
+            delay = min(2.0 * delay, self._patience.longest)
+
+    async def _converse(self) -> Lost:
+        """Connect once and talk until the connection ends, for whatever reason."""
+        try:
+            async with asyncio.timeout(self._patience.silence):
+                reader, writer = await asyncio.open_connection(self._host, self._port)
+        except (OSError, UnicodeError, OverflowError) as error:
+            told = reason_of(error) if isinstance(error, OSError) else str(error)
+            return Lost(LossReason.UNREACHABLE, f"{self._host}:{self._port}: {told}")
+        try:
+            return await self._listen(reader, writer)
+        except OSError as error:
+            return Lost(LossReason.BROKEN, str(error))
+        finally:
+            self._writer = None
+            writer.close()
+
+    async def _listen(self, reader: asyncio.StreamReader, writer: asyncio.StreamWriter) -> Lost:
+        session = ClientSession(self._name, self._token)
+        self._write(writer, session.hello)
+        while True:
+            try:
+                async with asyncio.timeout(self._patience.silence):
+                    data = await reader.read(_SEGMENT)
+            except TimeoutError:
+                return Lost(LossReason.BROKEN, f"nothing was heard for {self._patience.silence} s")
+            if not data:
+                return Lost(LossReason.BROKEN, "the server closed the connection")
+            for event in session.receive_data(data):
+                match event:
+                    case Reply(line):
+                        self._write(writer, line)
+                    case Registered():
+                        self._writer = writer
+                        self._reason = None
+                        await self._events.put(event)
+                    case Message():
+                        await self._events.put(event)
+                    case Ended(reason):
+                        return Lost(LossReason(reason.value))
+                    case Overlong(length):
+                        _log.warning("the server sent a line of %d bytes, which is too long; skipped", length)
+
+    def _write(self, writer: asyncio.StreamWriter, data: bytes) -> None:
+        writer.write(data)
+        if writer.transport.get_write_buffer_size() > _BACKLOG:
+            writer.transport.abort()

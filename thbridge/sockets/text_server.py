@@ -1,0 +1,245 @@
+"""The text server's sockets: carries out over TCP what the router decides.
+
+Everything happens on the thread of one event loop, the router included. A session that runs programs inside this
+process drives them on the same loop, stands before its router, and so sees all that comes in.
+"""
+
+from __future__ import annotations
+
+import asyncio
+import logging
+import time
+from asyncio import BufferedProtocol, Transport
+from collections import deque
+from collections.abc import Callable, Iterable, Sequence
+from dataclasses import dataclass
+from typing import Protocol
+
+from thbridge.files.errors import reason_of
+from thbridge.wire.router import Close, ConnectionId, Forwarded, Joined, Left, Output, Send, Skipped, TurnedAway
+
+DEFAULT_HOST = "127.0.0.1"
+DEFAULT_PORT = 6009
+
+_log = logging.getLogger(__name__)
+
+_SEGMENT = 16 * 1024
+"""Bytes handled at a time, so that a client that floods the server leaves turns to the others."""
+
+_LINGER = 1.0
+"""Seconds that a closed connection has to read its farewell before it is cut off."""
+
+_CHECK_INTERVAL = 1.0
+"""Seconds between two looks for silent clients."""
+
+
+@dataclass(frozen=True, slots=True)
+class Listening:
+    """Where a server can be reached."""
+
+    host: str
+    port: int
+
+
+@dataclass(frozen=True, slots=True)
+class CannotListen:
+    """Why a server could not be opened; as text, one line for people."""
+
+    host: str
+    port: int
+    reason: str
+
+    def __str__(self) -> str:
+        return (
+            f"cannot listen on {self.host}:{self.port}: {self.reason}. "
+            "Stop the program that uses the port, or choose another host or port."
+        )
+
+
+class Switchboard(Protocol):
+    """What decides for a server: a `Router`, or whoever stands before one; see there for more."""
+
+    def connect(self, now: float) -> ConnectionId | TurnedAway:
+        """A connection is opened."""
+
+    def receive_data(self, connection: ConnectionId, data: bytes, now: float) -> Sequence[Output]:
+        """Bytes have come in."""
+
+    def eof(self, connection: ConnectionId) -> Sequence[Output]:
+        """A connection has ended."""
+
+    def report_backlog(self, connection: ConnectionId, size: int) -> Sequence[Output]:
+        """So many bytes wait for a connection."""
+
+    def advance(self, now: float) -> Sequence[Output]:
+        """Time has passed."""
+
+    def stop(self) -> Sequence[Output]:
+        """The server ends."""
+
+
+def _ignore(forwarded: Forwarded) -> None:
+    """Listen to nothing."""
+
+
+class TextServer:
+    """Serves one switchboard over TCP.
+
+    Args:
+        switchboard: decides; it may have local endpoints that never see a socket.
+        tap: hears of every message passed on, delivered or not, in order. It must not raise.
+        clock: seconds; must not run backwards.
+    """
+
+    def __init__(
+        self,
+        switchboard: Switchboard,
+        tap: Callable[[Forwarded], None] = _ignore,
+        clock: Callable[[], float] = time.monotonic,
+    ) -> None:
+        self._switchboard = switchboard
+        self._tap = tap
+        self._clock = clock
+        self._transports: dict[ConnectionId, Transport] = {}
+        self._open: set[Transport] = set()
+        self._all_closed = asyncio.Event()
+        self._server: asyncio.Server | None = None
+        self._watch: asyncio.Task[None] | None = None
+
+    async def start(self, host: str = DEFAULT_HOST, port: int = DEFAULT_PORT) -> Listening | CannotListen:
+        """Begin to serve; port 0 takes any that is free."""
+        if not 0 <= port <= 65535:
+            return CannotListen(host, port, "a port is a number from 0 to 65535")
+        loop = asyncio.get_running_loop()
+        try:
+            server = await loop.create_server(lambda: _Connection(self), host, port, backlog=300)
+        except OSError as error:
+            return CannotListen(host, port, reason_of(error))
+        except UnicodeError:
+            return CannotListen(host, port, "that is not a host's name")
+        self._server = server
+        self._watch = loop.create_task(self._watch_for_silence())
+        address = server.sockets[0].getsockname()
+        return Listening(address[0], address[1])
+
+    async def stop(self) -> None:
+        """Say farewell to every client, wait a moment for them to go, and close the port."""
+        if self._server is None or self._watch is None:
+            return
+        self._server.close()
+        self._watch.cancel()
+        self.perform(self._switchboard.stop())
+        while self._open:
+            self._all_closed.clear()
+            await self._all_closed.wait()
+        await self._server.wait_closed()
+        self._server = None
+
+    def perform(self, outputs: Iterable[Output]) -> None:
+        """Carry out what the router decided, and what it decides in consequence."""
+        waiting = deque(outputs)
+        while waiting:
+            output = waiting.popleft()
+            match output:
+                case Send(connection, data):
+                    transport = self._transports.get(connection)
+                    if transport is not None:
+                        transport.write(data)
+                        waiting += self._switchboard.report_backlog(connection, transport.get_write_buffer_size())
+                case Close(connection, reason):
+                    _log.info("client %d is closed: %s", connection, reason.value)
+                    transport = self._transports.pop(connection, None)
+                    if transport is not None:
+                        _close(transport, reason.flush)
+                case Skipped(connection, length):
+                    _log.warning("client %d sent a line of %d bytes, which is too long; skipped", connection, length)
+                case Joined(connection, name):
+                    _log.info("client %d is %s", connection, name)
+                case Left(connection, name):
+                    _log.info("client %d is %s no more", connection, name)
+                case Forwarded():
+                    self._tap(output)
+
+    def connected(self, transport: Transport) -> ConnectionId | None:
+        """Take on a new connection, or turn it away."""
+        self._open.add(transport)
+        connection = self._switchboard.connect(self._clock())
+        if isinstance(connection, TurnedAway):
+            _log.warning("a client is turned away: the server is full")
+            transport.write(connection.farewell)
+            _close(transport, flush=True)
+            return None
+        self._transports[connection] = transport
+        return connection
+
+    def received(self, connection: ConnectionId, data: bytes) -> None:
+        """Handle bytes of a connection."""
+        self.perform(self._switchboard.receive_data(connection, data, self._clock()))
+
+    def ended(self, connection: ConnectionId) -> None:
+        """Hear that a client has sent its last byte."""
+        self.perform(self._switchboard.eof(connection))
+        self._transports.pop(connection, None)
+
+    def lost(self, transport: Transport) -> None:
+        """Hear that a connection is closed on both sides."""
+        self._open.discard(transport)
+        self._all_closed.set()
+
+    async def _watch_for_silence(self) -> None:
+        while True:
+            await asyncio.sleep(_CHECK_INTERVAL)
+            self.perform(self._switchboard.advance(self._clock()))
+
+
+class _Connection(BufferedProtocol):
+    """One TCP connection. What comes after it is closed is read and ignored.
+
+    Were it left unread, closing the socket would reset the connection and could destroy the farewell under way.
+
+    asyncio sends each write at once (TCP_NODELAY), which matters: the C++ client of 2016 takes one segment for one
+    line, and would overlook a ``%%goto`` that shares one with an ack.
+    """
+
+    def __init__(self, server: TextServer) -> None:
+        self._server = server
+        self._buffer = bytearray(_SEGMENT)
+        self._id: ConnectionId | None = None
+        self._transport: Transport | None = None
+
+    def connection_made(self, transport: asyncio.BaseTransport) -> None:
+        if isinstance(transport, Transport):
+            self._transport = transport
+            self._id = self._server.connected(transport)
+
+    def get_buffer(self, sizehint: int) -> bytearray:
+        return self._buffer
+
+    def buffer_updated(self, nbytes: int) -> None:
+        if self._id is not None:
+            self._server.received(self._id, bytes(self._buffer[:nbytes]))
+
+    def eof_received(self) -> None:
+        if self._id is not None:
+            self._server.ended(self._id)
+        if self._transport is not None:
+            _close(self._transport, flush=True)
+
+    def connection_lost(self, exc: Exception | None) -> None:
+        if self._id is not None:
+            self._server.ended(self._id)
+        if self._transport is not None:
+            self._server.lost(self._transport)
+
+
+def _close(transport: Transport, flush: bool) -> None:
+    """End a connection: at once, or after the other side has had a moment to read what it was sent."""
+    if flush:
+        try:
+            transport.write_eof()
+        except OSError:  # the other side is gone already, though asyncio has not heard of it yet
+            flush = False
+    if flush:
+        asyncio.get_running_loop().call_later(_LINGER, transport.abort)
+    else:
+        transport.abort()

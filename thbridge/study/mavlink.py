@@ -1,0 +1,105 @@
+"""The section `mavlink` of a study: the robots as MAVLink vehicles, and where ground stations find them."""
+
+from collections.abc import Iterator
+from dataclasses import dataclass
+from pathlib import Path
+from typing import TypeVar
+
+from sim.parameters import knob
+from thbridge.files.errors import BadFile
+from thbridge.files.yaml.load import Loaded
+from thbridge.sockets.addresses import Address, address_in
+from thbridge.sockets.mavlink.udp import Target, target_in
+from thbridge.wire.mavlink.options import (
+    LONGEST_PATIENCE,
+    SHORTEST_PATIENCE,
+    Failsafe,
+    Identity,
+    Origin,
+    VehicleOptions,
+)
+
+S = TypeVar("S")
+
+_NORTHERNMOST = 85.0
+"""Degrees: maps of ground stations end there, and east and west mean little beyond."""
+_LOWEST, _HIGHEST = -500.0, 9000.0
+_ORIGIN_REMEDY = "Write degrees north, degrees east and metres above the sea, such as [51.5115, -0.116, 20.0]"
+
+
+@dataclass(frozen=True, slots=True)
+class MavlinkSection:
+    """The robots as MAVLink vehicles."""
+
+    on: bool = knob(default=False, help="whether every robot is a MAVLink vehicle, too")
+    identity: Identity = knob(
+        Identity.GENERIC, "whose autopilot they say they have; ground stations offer more to those of ardupilot"
+    )
+    udp: tuple[str, ...] = knob(
+        ("127.0.0.1:14550", "127.0.0.1:14540"),
+        "UDP addresses, HOST:PORT, at which ground stations and programs listen; HOST:PORT/ROBOT for one robot alone",
+    )
+    udp_listen: str | None = knob(
+        None, "address, HOST:PORT, at which those find robots who speak first by UDP; null: none"
+    )
+    tcp: str | None = knob(None, "address, HOST:PORT, at which they may connect by TCP; null: none")
+    signing_key: Path | None = knob(
+        None, "path of a key file: frames without its signature are refused, ours have it; null: nothing is signed"
+    )
+    origin: tuple[float, float, float] = knob(
+        (51.5115, -0.116, 20.0), "where on earth the map's (0, 0) lies, WGS84; north is the map's y", "deg, deg, m"
+    )
+    lost_after: float = knob(
+        5.0,
+        "time without a heartbeat after which a ground station counts as lost",
+        "s",
+        SHORTEST_PATIENCE,
+        LONGEST_PATIENCE,
+    )
+    failsafe: Failsafe = knob(Failsafe.STOP, "what a robot does whose ground station is lost")
+    position_rate: float = knob(
+        5.0, "how often position, attitude and speed are told, unless somebody asks otherwise", "Hz", 0.1, 50
+    )
+    tlog: bool = knob(default=False, help="whether all frames also go into a .tlog file beside the bag")
+
+    @property
+    def options(self) -> VehicleOptions:
+        """What vehicles need to know of it."""
+        return VehicleOptions(self.identity, Origin(*self.origin), self.lost_after, self.failsafe, self.position_rate)
+
+    @property
+    def targets(self) -> tuple[Target, ...]:
+        """Where frames go to by UDP."""
+        return tuple(target for target in map(target_in, self.udp) if target is not None)
+
+
+def faults_of_mavlink(loaded: Loaded[S], section: MavlinkSection, robots: int) -> Iterator[BadFile]:
+    """Addresses that are none, or twice the same, of robots that there are not; an origin that is nowhere on earth."""
+    taken: dict[Address, int] = {}
+    for index, text in enumerate(section.udp):
+        key = f"mavlink.udp[{index}]"
+        target = target_in(text)
+        if target is None:
+            yield loaded.fault(key, _no_address(text), "Write HOST:PORT, such as 127.0.0.1:14550, or HOST:PORT/ROBOT")
+        elif taken.setdefault(target.address, index) != index:
+            yield loaded.fault(key, f"{target.address} stands in this list twice", "Write each address once")
+        elif target.robot is not None and target.robot >= robots:
+            problem = f"there is no robot {target.robot + 1}: the study has {robots}"
+            yield loaded.fault(key, problem, f"Write a number from 1 to {robots}, or raise robots")
+    for name, listens, usual in (("udp_listen", section.udp_listen, 14555), ("tcp", section.tcp, 5760)):
+        if listens is not None and address_in(listens) is None:
+            remedy = f"Write HOST:PORT, such as 127.0.0.1:{usual}, or null"
+            yield loaded.fault(f"mavlink.{name}", _no_address(listens), remedy)
+    latitude, longitude, altitude = section.origin
+    if not abs(latitude) <= _NORTHERNMOST:
+        problem = f"{latitude:g} degrees north is not within {-_NORTHERNMOST:g} to {_NORTHERNMOST:g}"
+        yield loaded.fault("mavlink.origin", problem, _ORIGIN_REMEDY)
+    if not abs(longitude) <= 180.0:
+        yield loaded.fault("mavlink.origin", f"{longitude:g} degrees east is not within -180 to 180", _ORIGIN_REMEDY)
+    if not _LOWEST <= altitude <= _HIGHEST:
+        problem = f"{altitude:g} m above the sea is not within {_LOWEST:g} to {_HIGHEST:g}"
+        yield loaded.fault("mavlink.origin", problem, _ORIGIN_REMEDY)
+
+
+def _no_address(text: str) -> str:
+    return f"{text!r} is no address"

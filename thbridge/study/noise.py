@@ -1,0 +1,200 @@
+"""The section `noise` of a study: how the sensors err, and what the estimators believe of it, side by side.
+
+A study keeps each of these numbers in one place, beside what it belongs to: in `world` or in `robot`. The section is a
+view of those places for people to write, and `HOMES` says which number lies where.
+"""
+
+import dataclasses
+from collections.abc import Iterator, Mapping
+from dataclasses import dataclass
+from enum import StrEnum
+from pathlib import Path
+from typing import TYPE_CHECKING, TypeVar, cast
+
+from sim.parameters import AmclParameters, EkfParameters, LaserParameters, OdometryNoise, WorldParameters, knob
+from thbridge.files.yaml.load import load_tree
+from thbridge.files.yaml.tree import Node, Scalar, Section, parse
+
+if TYPE_CHECKING:
+    from _typeshed import DataclassInstance
+
+T = TypeVar("T")
+S = TypeVar("S", bound="DataclassInstance")
+
+
+def _as_in(section: type["DataclassInstance"], name: str, kind: type[T]) -> T:
+    """A field that is declared as that one is."""
+    (found,) = (field for field in dataclasses.fields(section) if field.name == name)
+    return cast(T, dataclasses.field(default=found.default, metadata=found.metadata))
+
+
+class NoisePreset(StrEnum):
+    """Numbers that go together; see `PRESETS`."""
+
+    NONE = "none"
+    PERFECT = "perfect"
+    TURTLEBOT2 = "turtlebot2"
+    BAD_WHEELS = "bad wheels"
+
+
+@dataclass(frozen=True, slots=True)
+class LaserNoise:
+    """How the laser errs."""
+
+    range_noise: float = _as_in(LaserParameters, "range_noise", float)
+    range_bias: float = _as_in(LaserParameters, "range_bias", float)
+    dropout: float = _as_in(LaserParameters, "dropout", float)
+
+
+@dataclass(frozen=True, slots=True)
+class AmclBelief:
+    """What the particle filter believes of noise."""
+
+    odom_model_type: str = _as_in(AmclParameters, "odom_model_type", str)
+    odom_alpha1: float = _as_in(AmclParameters, "odom_alpha1", float)
+    odom_alpha2: float = _as_in(AmclParameters, "odom_alpha2", float)
+    odom_alpha3: float = _as_in(AmclParameters, "odom_alpha3", float)
+    odom_alpha4: float = _as_in(AmclParameters, "odom_alpha4", float)
+    laser_sigma_hit: float = _as_in(AmclParameters, "laser_sigma_hit", float)
+    laser_z_hit: float = _as_in(AmclParameters, "laser_z_hit", float)
+    laser_z_rand: float = _as_in(AmclParameters, "laser_z_rand", float)
+
+
+@dataclass(frozen=True, slots=True)
+class EkfBelief:
+    """What the Kalman filter believes of noise; of the laser's it learns from every scan."""
+
+    odom_alpha1: float = _as_in(EkfParameters, "odom_alpha1", float)
+    odom_alpha2: float = _as_in(EkfParameters, "odom_alpha2", float)
+    odom_alpha3: float = _as_in(EkfParameters, "odom_alpha3", float)
+    odom_alpha4: float = _as_in(EkfParameters, "odom_alpha4", float)
+    gyro_noise: float = _as_in(EkfParameters, "gyro_noise", float)
+
+
+@dataclass(frozen=True, slots=True)
+class Believed:
+    """What estimators believe of noise."""
+
+    amcl: AmclBelief = knob(AmclBelief(), "the particle filter")
+    ekf: EkfBelief = knob(EkfBelief(), "the Kalman filter, which learns the laser's noise from the scans")
+
+
+@dataclass(frozen=True, slots=True)
+class NoiseSection:
+    """How sensors err, and what is believed of it."""
+
+    preset: NoisePreset = knob(NoisePreset.NONE, "numbers to begin from; a line below, once written, wins over it")
+    odometry: OdometryNoise = knob(OdometryNoise(), "how the wheels truly err")
+    laser: LaserNoise = knob(LaserNoise(), "how the laser truly errs")
+    gyro_noise: float = _as_in(WorldParameters, "gyro_noise", float)
+    believed: Believed = knob(Believed(), "what the software of every robot believes of that")
+
+
+_SECTIONS = {
+    "odometry": "world.odometry",
+    "laser": "world.laser",
+    "believed.amcl": "robot.amcl",
+    "believed.ekf": "robot.ekf",
+}
+
+
+def _homes() -> Iterator[tuple[str, str]]:
+    for section, home in _SECTIONS.items():
+        for field in dataclasses.fields(cast("DataclassInstance", value_at(NoiseSection(), section))):
+            yield f"{section}.{field.name}", f"{home}.{field.name}"
+    yield "gyro_noise", "world.gyro_noise"
+
+
+def value_at(section: object, path: str) -> object:
+    """What lies at a path of names, such as `robot.amcl.kld_err`."""
+    for name in path.split("."):
+        section = cast(object, getattr(section, name))
+    return section
+
+
+def with_value(section: T, path: str, value: object) -> T:
+    """The section with another value at a path of names."""
+    name, _, rest = path.partition(".")
+    inner = with_value(cast(object, getattr(section, name)), rest, value) if rest else value
+    return cast(T, dataclasses.replace(cast("DataclassInstance", section), **{name: inner}))
+
+
+HOMES: Mapping[str, str] = dict(_homes())
+"""Where in a study each number of the section lies, by its path in the section."""
+
+
+def view_of(study: object) -> NoiseSection:
+    """The section as it would be written for this study."""
+    section = NoiseSection()
+    for path, home in HOMES.items():
+        section = with_value(section, path, value_at(study, home))
+    return section
+
+
+def applied(section: NoiseSection, study: T) -> T:
+    """The study with these numbers."""
+    for path, home in HOMES.items():
+        study = with_value(study, home, value_at(section, path))
+    return study
+
+
+def preset_in(tree: Node) -> NoisePreset:
+    """The preset that a file names; none where it names none, or nothing that is one."""
+    for name in ("noise", "preset"):
+        if not isinstance(tree, Section):
+            return NoisePreset.NONE
+        tree = next((node for key, node in tree.entries if key.text == name), Scalar("", True, 1))
+    named = tree.text if isinstance(tree, Scalar) else ""
+    return NoisePreset(named) if named in set(NoisePreset) else NoisePreset.NONE
+
+
+def preset(name: NoisePreset, standard: NoiseSection) -> NoiseSection:
+    """The numbers of a preset; where it is silent, those of `standard`."""
+    path = Path(f"preset {name}")
+    return load_tree(path, parse(path, PRESETS[name]), NoiseSection, standard).value
+
+
+PRESETS: Mapping[NoisePreset, str] = {
+    NoisePreset.NONE: "",
+    NoisePreset.PERFECT: """
+odometry: {alpha1: 0, alpha2: 0, alpha3: 0, alpha4: 0}
+laser: {range_noise: 0, dropout: 0}
+gyro_noise: 0
+believed:
+  amcl: {odom_alpha1: 0.01, odom_alpha2: 0.01, odom_alpha3: 0.01, odom_alpha4: 0.01, laser_sigma_hit: 0.05}
+  ekf: {odom_alpha1: 0, odom_alpha2: 0, odom_alpha3: 0, odom_alpha4: 0, gyro_noise: 0}
+""",
+    NoisePreset.TURTLEBOT2: """
+odometry: {alpha1: 0.02, alpha2: 0.02, alpha3: 0.02, alpha4: 0.02, linear_scale: 1.005, angular_scale: 1.01}
+laser: {range_noise: 0.02, dropout: 0.01}
+gyro_noise: 0.004
+believed:
+  amcl:
+    odom_alpha1: 0.2
+    odom_alpha2: 0.2
+    odom_alpha3: 0.2
+    odom_alpha4: 0.2
+    laser_sigma_hit: 0.2
+    laser_z_hit: 0.5
+    laser_z_rand: 0.5
+  ekf: {odom_alpha1: 0.02, odom_alpha2: 0.02, odom_alpha3: 0.02, odom_alpha4: 0.02, gyro_noise: 0.004}
+""",
+    NoisePreset.BAD_WHEELS: """
+odometry: {alpha1: 0.1, alpha2: 0.1, alpha3: 0.1, alpha4: 0.1, linear_scale: 1.05, angular_scale: 1.1}
+believed:
+  amcl:
+    odom_model_type: diff-corrected
+    odom_alpha1: 0.05
+    odom_alpha2: 0.02
+    odom_alpha3: 0.02
+    odom_alpha4: 0.02
+  ekf: {odom_alpha1: 0.1, odom_alpha2: 0.1, odom_alpha3: 0.1, odom_alpha4: 0.1}
+""",
+}
+"""Each as an admin would write it.
+
+turtlebot2: a Kobuki base and an RPLidar A1. The wheels' scales are what a base that nobody calibrated is off by
+(Borenstein and Feng 1996 report up to a few per cent); the gyroscope's noise is its data sheet's 0.03 deg/s per root
+hertz (L3G4200D) over 50 Hz; the ranges' noise is the data sheet's 1 % at two metres (A1M8). The particle filter
+believes what turtlebot_navigation's amcl.launch.xml tells it.
+"""

@@ -1,0 +1,86 @@
+"""A study with a few things changed: what if the robots had believed something else?"""
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+from pathlib import Path
+
+from thbridge.files.errors import BadFile
+from thbridge.files.yaml.tree import Node, Scalar, Section, at_line, parse, read_text
+from thbridge.study.study_file import Study, read_study_tree
+from thbridge.study.text import resolved
+
+ORIGIN = Path("--with")
+"""Under which name faults of a single change are told."""
+
+
+@dataclass(frozen=True, slots=True)
+class Change:
+    """One key of a study with another value, both as in a study file; `key` is a path such as `robot.amcl.kld_err`."""
+
+    key: str
+    value: str
+
+
+def changed(study: Study, files: Sequence[Path], changes: Sequence[Change]) -> Study:
+    """The study with what files say, one after the other, and then with single changes.
+
+    What is not changed stays, but for the numbers of noise when another preset is chosen.
+
+    Raises:
+        BadFile: a file cannot be read, or there can be no such study.
+    """
+    for path in files:
+        study = _merged(study, path, parse(path, read_text(path)))
+    tree: Node = Section(1, [])
+    for number, change in enumerate(changes, 1):
+        tree = _over(tree, at_line(_tree(change), number))
+    return _merged(study, ORIGIN, tree) if changes else study
+
+
+def _merged(study: Study, path: Path, tree: Node) -> Study:
+    if (ros := _at(tree, "ros_parameters")) is not None:
+        problem = "files of ROS would change nothing, since a recorded study has every number"
+        raise BadFile(path, ros.line, "ros_parameters", problem, "write the numbers that shall change, under `robot`")
+    base = parse(path, resolved(study))
+    if _at(tree, "noise", "preset") is not None:
+        base = _without(base, "noise")
+    return read_study_tree(path, _over(base, tree))
+
+
+def _tree(change: Change) -> Node:
+    node = parse(ORIGIN, change.value)
+    # An empty text is an empty section to the parser; said here, it is a value that is missing.
+    node = node if change.value.strip() else Scalar("", True, 1)
+    for name in reversed(change.key.split(".")):
+        node = Section(1, [(Scalar(name, True, 1), node)])
+    return node
+
+
+def _over(base: Node, top: Node) -> Node:
+    """A tree with another laid over it: sections are merged, all else is replaced."""
+    if not (isinstance(base, Section) and isinstance(top, Section)):
+        return top
+    above = {key.text: (key, child) for key, child in top.entries}
+    below = {key.text for key, _ in base.entries}
+    entries = [
+        (above[key.text][0], _over(child, above[key.text][1])) if key.text in above else (key, child)
+        for key, child in base.entries
+    ]
+    return Section(top.line, entries + [entry for name, entry in above.items() if name not in below])
+
+
+def _at(tree: Node, *names: str) -> Node | None:
+    for name in names:
+        if not isinstance(tree, Section):
+            return None
+        found = next((child for key, child in tree.entries if key.text == name), None)
+        if found is None:
+            return None
+        tree = found
+    return tree
+
+
+def _without(tree: Node, name: str) -> Node:
+    if not isinstance(tree, Section):
+        return tree
+    return Section(tree.line, [entry for entry in tree.entries if entry[0].text != name])

@@ -1,0 +1,154 @@
+"""The section `fleet` of a study: what the topics and frames of real robots are called."""
+
+import dataclasses
+import re
+from collections.abc import Iterator, Mapping
+from dataclasses import dataclass
+from enum import StrEnum
+from typing import NamedTuple, TypeVar, cast
+
+from sim.parameters import knob
+from thbridge.files.errors import BadFile
+from thbridge.files.yaml.load import Loaded
+from thbridge.ros.frames import frame_name
+from thbridge.ros.remote import RemoteNames
+from thbridge.wire.rosgraph.names import canonical, join
+
+S = TypeVar("S")
+
+NUMBER = "{n}"
+"""Stands for the robot's number, from 1."""
+
+_FRAMES = ("map_frame", "odom_frame", "base_frame")
+_NAME = re.compile(r"/?[A-Za-z][A-Za-z0-9_]*(/[A-Za-z0-9_]+)*/?")
+_FRAME = re.compile(r"\S+")
+_OWN = ("odom_frame", "odom", "scan", "amcl_pose", "battery", "cmd_vel", "initialpose", "move_base", "plan")
+"""What nothing else may be called."""
+
+
+class RobotsFrom(StrEnum):
+    """Where robots come from."""
+
+    SIM = "sim"
+    ROS = "ros"
+
+
+@dataclass(frozen=True, slots=True)
+class RobotNames:
+    """What a robot's topics and frames are called; in all of them {n} is its number."""
+
+    namespace: str = knob("/robot{n}", "what the names of its topics begin with, unless they begin with /")
+    map_frame: str = knob("map", "frame of the map, that of the study")
+    odom_frame: str = knob("robot{n}/odom", "frame in which its odometry counts")
+    base_frame: str = knob("robot{n}/base_footprint", "frame of its base")
+    odom: str = knob("odom", "topic of its odometry, nav_msgs/Odometry")
+    scan: str = knob("scan", "topic of its laser, sensor_msgs/LaserScan")
+    amcl_pose: str = knob("amcl_pose", "topic of its localisation, geometry_msgs/PoseWithCovarianceStamped")
+    battery: str = knob("battery", "topic of its battery, sensor_msgs/BatteryState; it need not have one")
+    cmd_vel: str = knob("cmd_vel", "topic of the commands to its base, geometry_msgs/Twist")
+    initialpose: str = knob("initialpose", "topic on which amcl is told where it is")
+    move_base: str = knob("move_base", "its action server, move_base_msgs/MoveBaseAction")
+    plan: str = knob("move_base/NavfnROS/plan", "topic of its global plan, nav_msgs/Path; it need not say one")
+    recorded: tuple[str, ...] = knob(
+        (
+            "particlecloud",
+            "move_base/TrajectoryPlannerROS/local_plan",
+            "move_base/local_costmap/costmap",
+            "move_base/local_costmap/footprint",
+        ),
+        "further topics of any type, for the bag only",
+    )
+
+    def names(self, number: int) -> RemoteNames:
+        """The names of the robot with this number, from 1."""
+        space = self._said("namespace", number)
+
+        def topic(name: str) -> str:
+            return canonical("/" + join(space, name.replace(NUMBER, str(number))))
+
+        return RemoteNames(
+            map_frame=frame_name(self._said("map_frame", number)),
+            odom_frame=frame_name(self._said("odom_frame", number)),
+            base_frame=frame_name(self._said("base_frame", number)),
+            odom=topic(self.odom),
+            scan=topic(self.scan),
+            amcl_pose=topic(self.amcl_pose),
+            battery=topic(self.battery),
+            cmd_vel=topic(self.cmd_vel),
+            initialpose=topic(self.initialpose),
+            move_base=topic(self.move_base),
+            plan=topic(self.plan),
+            recorded=tuple(topic(name) for name in self.recorded),
+        )
+
+    def _said(self, field: str, number: int) -> str:
+        return cast(str, getattr(self, field)).replace(NUMBER, str(number))
+
+    def faults(self, number: int) -> Iterator[tuple[str, str]]:
+        """What cannot be a name, as field and problem."""
+        for field in dataclasses.fields(self):
+            value = cast("str | tuple[str, ...]", getattr(self, field.name))
+            for text in (value,) if isinstance(value, str) else value:
+                plain = text.replace(NUMBER, str(number))
+                if field.name == "namespace" and not plain.strip("/"):
+                    continue  # a robot may be alone on its graph
+                if not (_FRAME if field.name in _FRAMES else _NAME).fullmatch(plain):
+                    what = "frame" if field.name in _FRAMES else "topic"
+                    yield field.name, f"{text!r} cannot be the name of a {what}"
+
+
+class Clash(NamedTuple):
+    """A robot, counted from 1, and the field whose name is taken already."""
+
+    robot: int
+    field: str
+    problem: str
+
+
+@dataclass(frozen=True, slots=True)
+class FleetSection:
+    """Real robots."""
+
+    robot: RobotNames = knob(RobotNames(), "what the topics and frames of every robot are called; {n} is its number")
+    silence: float = knob(5.0, "time without a word after which a robot or its move_base counts as silent", "s", 1, 600)
+    each: Mapping[int, RobotNames] = dataclasses.field(
+        default_factory=dict,
+        metadata={"help": "robots that are called otherwise, by number: {2: {namespace: /kobuki}}", "like": "robot"},
+    )
+
+    def names(self, robots: int) -> list[RemoteNames]:
+        """The names of a team of this size."""
+        return [self.each.get(number, self.robot).names(number) for number in range(1, robots + 1)]
+
+    def clash(self, robots: int) -> Clash | None:
+        """The first name that stands for two things in a team of this size."""
+        taken: dict[str, tuple[int, str]] = {}
+        for number, own in enumerate(self.names(robots), 1):
+            for field in _OWN:
+                name = cast(str, getattr(own, field))
+                first, other = taken.setdefault(name, (number, field))
+                if (first, other) != (number, field):
+                    problem = f"{name} would be {other} of robot {first} and {field} of robot {number}"
+                    return Clash(number, field, problem)
+        return None
+
+
+def faults_of_fleet(loaded: Loaded[S], fleet: FleetSection, robots: int) -> Iterator[BadFile]:
+    """Names that ROS does not know, and robots that cannot be told apart."""
+    sound = True
+    for key, named, number in (
+        ("fleet.robot", fleet.robot, 1),
+        *((f"fleet.each.{number}", own, number) for number, own in fleet.each.items()),
+    ):
+        for field, problem in named.faults(number):
+            sound = False
+            yield loaded.fault(
+                f"{key}.{field}", problem, f"Write letters, digits, _ and /; {NUMBER} stands for the robot's number"
+            )
+    if not sound:
+        return
+    clash = fleet.clash(robots)
+    if clash is not None:
+        key = f"fleet.each.{clash.robot}" if clash.robot in fleet.each else "fleet.robot"
+        remedy = f"Give each its own; {NUMBER} stands for the robot's number"
+        yield loaded.fault(f"{key}.{clash.field}", clash.problem, remedy)

@@ -1,0 +1,324 @@
+"""The study file: everything an admin can set, in one YAML file, every key of which may be left out.
+
+The sections are frozen dataclasses. `knob` gives each field its default, meaning, unit and bounds, and the reader, its
+error messages and the commented file that `thbridge study init` writes all come from there.
+"""
+
+import dataclasses
+import math
+from collections.abc import Iterator, Mapping
+from dataclasses import dataclass
+from enum import StrEnum
+from pathlib import Path
+from typing import Never, cast
+
+from sim.common.observations import TICKS_PER_SECOND
+from sim.parameters import ORDERED, RobotParameters, WorldParameters, knob
+from thbridge.files.errors import BadFile, BadFiles
+from thbridge.files.ros.parameters import read_ros_parameters
+from thbridge.files.yaml.load import Loaded, load_tree
+from thbridge.files.yaml.tree import Listing, Node, Scalar, Section, parse, read_text
+from thbridge.recording.bag.parts import Splitting
+from thbridge.recording.bag.records import Compression
+from thbridge.roles.bots import BotStrategy
+from thbridge.roles.keeper.keeper import MOST_ROBOTS
+from thbridge.sockets.text_server import DEFAULT_PORT
+from thbridge.study.mavlink import MavlinkSection, faults_of_mavlink
+from thbridge.study.noise import HOMES, NoiseSection, applied, preset, preset_in, value_at, view_of, with_value
+from thbridge.study.real_robots import FleetSection, RobotsFrom, faults_of_fleet
+from thbridge.study.things import MishapEntry, ThingEntry, faults_of_mishaps, faults_of_things
+from thbridge.wire.canonical import Dialect
+
+
+@dataclass(frozen=True, slots=True)
+class GameSection:
+    """The rules that may be turned."""
+
+    energy: float = knob(100.0, "energy of each robot at the start", "", 0.01, 1e6)
+    picture_cost: float = knob(5.0, "energy of taking a picture", "", 0, 1e6)
+    identify_cost: float = knob(1.0, "energy of naming a treasure", "", 0, 1e6)
+    wrong_share: float = knob(1.0, "share of a treasure's points that a wrong name costs", "", 0, 10)
+    costs: Path | None = knob(
+        None, "path of a mapTimes file of travel costs; null: the map's own, or else the templates'"
+    )
+
+
+@dataclass(frozen=True, slots=True)
+class ShowsSection:
+    """What participants see of robots, beside where these believe they are and what they do."""
+
+    way: bool = knob(True, "whether the ways that lie ahead of robots are shown")
+    uncertainty: bool = knob(False, "whether it is shown how sure robots are of their places")
+    truth: bool = knob(False, "whether it is shown where simulated robots really are")
+
+
+@dataclass(frozen=True, slots=True)
+class ParticipantSection:
+    """Whoever plays: what they see and decide, and who plays when no person does."""
+
+    strategy: BotStrategy = knob(BotStrategy.SUGGESTION, "how a simulated participant chooses rooms")
+    consent: Path | None = knob(None, "path of a text that participants agree to before they play; null asks nothing")
+    robots: tuple[int, int] | None = knob(
+        None,
+        "least and most robots that a participant may choose from, e.g. [1, 4]; null: always the study's number",
+        "",
+        1,
+        MOST_ROBOTS,
+    )
+    shows: ShowsSection = knob(ShowsSection(), "what participants see of robots")
+
+
+class DialogueStrategy(StrEnum):
+    """How robots choose what to say."""
+
+    TEMPLATE = "template"
+
+
+@dataclass(frozen=True, slots=True)
+class DialogueSection:
+    """How robots talk with the participant."""
+
+    strategy: DialogueStrategy = knob(DialogueStrategy.TEMPLATE, "how robots choose what to say")
+
+
+@dataclass(frozen=True, slots=True)
+class ServerSection:
+    """The text server that the programs of the game meet at."""
+
+    host: str = knob("127.0.0.1", "address to listen on; 0.0.0.0 lets other machines in")
+    port: int = knob(DEFAULT_PORT, "TCP port; 0 takes any that is free", "", 0, 65535)
+    dialect: Dialect = knob(Dialect.LEGACY_2016, "which reading of %%goto comes first")
+
+
+@dataclass(frozen=True, slots=True)
+class RecordingSection:
+    """How a session is recorded."""
+
+    compression: Compression = knob(
+        Compression.NONE, "how the bag's chunks are packed; lz4 is quick, bz2 is small and slow"
+    )
+    split_size: float | None = knob(
+        None, "size of a file beyond which the recording goes on in another; null: one file", "MB", 0.1, 1e6
+    )
+    split_duration: float | None = knob(
+        None, "simulated time after which the recording goes on in another file; null: one file", "s", 1.0, 1e6
+    )
+
+    @property
+    def splitting(self) -> Splitting:
+        """When the recording goes on in another file. A megabyte is what rosbag takes it for, 2^20 bytes."""
+        size, duration = self.split_size, self.split_duration
+        return Splitting(
+            None if size is None else round(size * 2**20), None if duration is None else round(duration * 1e9)
+        )
+
+
+@dataclass(frozen=True, slots=True)
+class WatchSection:
+    """Where researchers' windows may connect: they see the truth, and may do things to robots."""
+
+    host: str = knob("127.0.0.1", "address to listen on; 0.0.0.0 lets other machines in")
+    port: int | None = knob(None, "TCP port, such as 6010; 0 takes any that is free; null: nobody may", "", 0, 65535)
+    key: Path | None = knob(None, "path of a file whose first line whoever connects has to know; null: no such thing")
+
+
+@dataclass(frozen=True, slots=True)
+class Study:
+    """A study: what is played, by whom, on which map, with which robots."""
+
+    map: str = knob("arena8", "name of a map, or the path of a map folder (with a slash, from this file's folder)")
+    templates: str = knob("original-2016", "name of a set of templates, or the path of its folder")
+    robots: int = knob(2, "size of the team", "", 1, MOST_ROBOTS)
+    robots_from: RobotsFrom = knob(RobotsFrom.SIM, "simulated robots, or real ones of a ROS graph (section fleet)")
+    seed: int = knob(1, "all chance is keyed by it; the same seed gives the same run", "", 0, 2**31 - 1)
+    rate: float | None = knob(
+        None, "simulated seconds per second; 0: as fast as it can; null: 1 when others take part, else 0", "", 0, 1000
+    )
+    game: GameSection = knob(GameSection(), "rules and energy")
+    participant: ParticipantSection = knob(ParticipantSection(), "whoever plays")
+    dialogue: DialogueSection = knob(DialogueSection(), "how robots talk")
+    server: ServerSection = knob(ServerSection(), "the text server")
+    watch: WatchSection = knob(WatchSection(), "researchers' windows")
+    mavlink: MavlinkSection = knob(MavlinkSection(), "the robots as MAVLink vehicles, for ground stations")
+    recording: RecordingSection = knob(RecordingSection(), "the bag")
+    fleet: FleetSection = knob(FleetSection(), "real robots: what their topics and frames are called")
+    world: WorldParameters = knob(WorldParameters(), "bodies, motors and sensors as they truly are")
+    robot: RobotParameters = knob(RobotParameters(), "the software of every robot, under ROS's names")
+    each: Mapping[int, RobotParameters] = dataclasses.field(
+        default_factory=dict,
+        metadata={"help": "robots whose software differs, by number: {2: {localization: ekf}}", "like": "robot"},
+    )
+
+    things: tuple[ThingEntry, ...] = knob((), "bodies in the way that no map shows: each is a line - {key: value, ...}")
+    mishaps: tuple[MishapEntry, ...] = knob((), "what befalls robots: each is a line - {key: value, ...}")
+
+    def software(self, number: int) -> RobotParameters:
+        """The software of the robot with this number, counted from 1."""
+        return self.each.get(number, self.robot)
+
+
+@dataclass(frozen=True, slots=True)
+class StudyFile(Study):
+    """A study as people write it: noise also has a section of its own, and software may come from files of ROS."""
+
+    noise: NoiseSection = knob(NoiseSection(), "how sensors err, and what the robots' software believes of it")
+    ros_parameters: tuple[Path, ...] = knob(
+        (), "ROS's YAML files (amcl.yaml, costmap_common_params.yaml, ...) for the software; the section robot wins"
+    )
+
+    @classmethod
+    def of(cls, study: Study) -> "StudyFile":
+        """The file that says what the study is."""
+        return cls(**_fields(study), noise=view_of(study))
+
+
+def _fields(study: Study) -> dict[str, Never]:
+    """What a study is made of; typed so that it fits whatever is made of it."""
+    return {field.name: cast(Never, getattr(study, field.name)) for field in dataclasses.fields(Study)}
+
+
+def of_size(study: Study, robots: int) -> Study:
+    """The study with a team of this size, if it can be: what is said of robots that there are not is left out."""
+    each = {number: software for number, software in study.each.items() if number <= robots}
+    mishaps = tuple(mishap for mishap in study.mishaps if mishap.robot <= robots)
+    return dataclasses.replace(study, robots=robots, each=each, mishaps=mishaps)
+
+
+def load_study(path: Path) -> Loaded[Study]:
+    """Read a study file, with notices about what is right but changes nothing.
+
+    Raises:
+        BadFile: it cannot be read; as BadFiles, every fault of it at once.
+    """
+    return _load(path, read_text(path))
+
+
+def read_study(path: Path) -> Study:
+    """As `load_study`, without the notices."""
+    return load_study(path).value
+
+
+def read_study_text(path: Path, text: str) -> Study:
+    """As `read_study`, of a text that is at hand, such as the study in a bag; `path` is what faults are told under."""
+    return _load(path, text).value
+
+
+def read_study_tree(path: Path, tree: Node) -> Study:
+    """As `read_study_text`, of a text that is taken apart already."""
+    return load_study_tree(path, tree).value
+
+
+def study_before(path: Path, tree: Node) -> StudyFile:
+    """What a study starts from before its own lines count: defaults, its preset of noise, the files of ROS it names.
+
+    Raises:
+        BadFile: one of those files cannot be read.
+    """
+    return StudyFile.of(_start(path, tree).value)
+
+
+def _load(path: Path, text: str) -> Loaded[Study]:
+    return load_study_tree(path, parse(path, text))
+
+
+def load_study_tree(path: Path, tree: Node) -> Loaded[Study]:
+    """As `load_study`, of a text that is taken apart already."""
+    start = _start(path, tree)
+    written = load_tree(path, tree, StudyFile, StudyFile.of(start.value))
+    loaded = Loaded(path, _gathered(written), written.lines, start.notices + written.notices)
+    faults = (*_told_twice(written), *_contradictions(loaded))
+    if faults:
+        raise BadFiles(faults)
+    return loaded
+
+
+def _start(path: Path, tree: Node) -> Loaded[Study]:
+    standard = Study()
+    start = applied(preset(preset_in(tree), view_of(standard)), standard)
+    ros = read_ros_parameters(_ros_files(path, tree), start.robot)
+    return Loaded(path, dataclasses.replace(start, robot=ros.value), {}, ros.notices)
+
+
+def _ros_files(path: Path, tree: Node) -> list[Path]:
+    """The files of ROS that a study names; they are needed before the rest of it can be read."""
+    entries = tree.entries if isinstance(tree, Section) else []
+    lists = [child.items for key, child in entries if key.text == "ros_parameters" and isinstance(child, Listing)]
+    return [path.parent / item.text for items in lists for item in items if isinstance(item, Scalar)]
+
+
+def _gathered(written: Loaded[StudyFile]) -> Study:
+    """The study with what stands in the section `noise`, where it is not written at its home instead."""
+    file = written.value
+    study = Study(**_fields(file))
+    for path, home in HOMES.items():
+        if home not in written.lines:
+            study = with_value(study, home, value_at(file.noise, path))
+    for number in study.each:
+        for home in HOMES.values():
+            section, _, own = home.partition(".")
+            if section == "robot" and f"each.{number}.{own}" not in written.lines:
+                software = with_value(study.each[number], own, value_at(study, home))
+                study = dataclasses.replace(study, each={**study.each, number: software})
+    return study
+
+
+def _told_twice(written: Loaded[StudyFile]) -> Iterator[BadFile]:
+    """Noise that stands in `noise` and at its home, with two values."""
+    for path, home in HOMES.items():
+        key = f"noise.{path}"
+        here, there = value_at(written.value.noise, path), value_at(written.value, home)
+        if key in written.lines and home in written.lines and here != there:
+            problem = f"{here} here, but {there} as {home} in line {written.lines[home]}"
+            yield written.fault(key, problem, "Keep one of the two")
+
+
+def _contradictions(loaded: Loaded[Study]) -> Iterator[BadFile]:
+    """What is allowed on its own but not together."""
+    study = loaded.value
+    laser = study.world.laser
+    if TICKS_PER_SECOND % laser.rate:
+        rates = [str(rate) for rate in range(1, TICKS_PER_SECOND + 1) if TICKS_PER_SECOND % rate == 0]
+        problem = f"{laser.rate} does not divide the {TICKS_PER_SECOND} steps of a second"
+        yield loaded.fault("world.laser.rate", problem, f"Write one of {', '.join(rates)}")
+    if laser.range_min > laser.range_max:
+        yield _crossed(loaded, "world.laser", study.world.laser, "range_min", "range_max")
+    yield from _crossings(loaded, "robot", study.robot)
+    for number, software in study.each.items():
+        if number > study.robots:
+            problem = f"there is no robot {number}: the study has {study.robots}"
+            yield loaded.fault(f"each.{number}", problem, f"Write a number from 1 to {study.robots}, or raise robots")
+        if software != study.robot:
+            yield from _crossings(loaded, f"each.{number}", software)
+    if study.participant.robots is not None:
+        least, most = study.participant.robots
+        if least > most:
+            yield loaded.fault("participant.robots", f"{least} is above {most}", "Write the smaller number first")
+    yield from faults_of_fleet(loaded, study.fleet, study.robots)
+    yield from faults_of_mavlink(loaded, study.mavlink, study.robots)
+    yield from faults_of_things(loaded, study.things)
+    yield from faults_of_mishaps(loaded, study.mishaps, study.robots)
+    if not _surrounds_origin(study.world.footprint):
+        problem = "these corners do not surround the robot's centre (0, 0)"
+        yield loaded.fault("world.footprint", problem, "Write three or more corners in turn around it")
+
+
+def _crossings(loaded: Loaded[Study], key: str, software: RobotParameters) -> Iterator[BadFile]:
+    for name, low, high in ORDERED:
+        section = value_at(software, name)
+        # What a robot of its own has from all robots has been told there.
+        inherited = key != "robot" and section == value_at(loaded.value.robot, name)
+        if not inherited and cast(float, value_at(section, low)) > cast(float, value_at(section, high)):
+            yield _crossed(loaded, f"{key}.{name}", section, low, high)
+
+
+def _crossed(loaded: Loaded[Study], key: str, section: object, low: str, high: str) -> BadFile:
+    problem = f"{value_at(section, low)} is above {key}.{high}, which is {value_at(section, high)}"
+    return loaded.fault(f"{key}.{low}", problem, "Lower it, or raise the other")
+
+
+def _surrounds_origin(corners: tuple[tuple[float, float], ...]) -> bool:
+    """Whether a polygon winds around (0, 0) once, without touching it."""
+    sides = list(zip(corners, corners[1:] + corners[:1], strict=True))
+    angles = [math.atan2(x0 * y1 - y0 * x1, x0 * x1 + y0 * y1) for (x0, y0), (x1, y1) in sides]
+    touches = any(abs(abs(angle) - math.pi) < 1e-9 for angle in angles)
+    return len(corners) > 2 and not touches and abs(abs(sum(angles)) - 2 * math.pi) < 1e-6

@@ -1,0 +1,137 @@
+"""Studies as text: resolved for the record, commented for people."""
+
+import dataclasses
+import re
+from collections.abc import Iterator, Mapping
+from typing import TYPE_CHECKING, cast, get_args, get_origin, get_type_hints
+
+from thbridge.files.yaml.declarations import allowed, sections_named_in
+from thbridge.files.yaml.tree import quoted
+from thbridge.study.noise import HOMES
+from thbridge.study.study_file import Study, StudyFile
+
+if TYPE_CHECKING:
+    from _typeshed import DataclassInstance
+
+_WORD = re.compile(r"[A-Za-z][A-Za-z0-9_-]*")
+"""Text that needs no quotes, unless YAML means something else by it."""
+_RESERVED = {"true", "false", "null", "yes", "no", "on", "off", "y", "n"}
+
+
+def resolved(study: Study) -> str:
+    """The whole study as YAML, defaults included; reading it gives an equal study."""
+    return "\n".join(_lines(StudyFile.of(study), "", commented=False)) + "\n"
+
+
+def commented_study() -> str:
+    """A study file with every key at its default, each under its meaning, unit and range."""
+    head = ["# A study. Every key may be left out; what is written here are the defaults.", ""]
+    return "\n".join(head + list(_lines(StudyFile.of(Study()), "", commented=True))) + "\n"
+
+
+def _lines(section: "DataclassInstance", key: str, commented: bool) -> Iterator[str]:
+    hints = cast(Mapping[str, object], get_type_hints(type(section)))
+    for knob_field in dataclasses.fields(section):
+        place = f"{key}.{knob_field.name}" if key else knob_field.name
+        if place in SHOWN_ELSEWHERE:
+            continue
+        value = cast(object, getattr(section, knob_field.name))
+        if knob_field.name == sections_named_in(type(section)):
+            named = cast(tuple["DataclassInstance", ...], value)
+            lines = list(_named_sections(knob_field.name, named))
+        elif isinstance(value, Mapping):
+            like = cast("DataclassInstance", getattr(section, cast(str, knob_field.metadata["like"])))
+            lines = list(_entries(knob_field.name, cast(Mapping[int, "DataclassInstance"], value), like))
+        elif dataclasses.is_dataclass(value) and not isinstance(value, type):
+            inner = _lines(value, place, commented)
+            lines = [f"{knob_field.name}:", *(f"  {line}" if line else "" for line in inner)]
+        elif value and isinstance(value, tuple) and dataclasses.is_dataclass(value[0]):
+            lines = [f"{knob_field.name}:", *(f"  - {as_yaml(item)}" for item in value)]
+        else:
+            lines = [f"{knob_field.name}: {as_yaml(value)}"]
+        if commented:
+            words = allowed(hints[knob_field.name], knob_field.metadata)
+            comment = f"# {knob_field.metadata['help']}" + (f" [{words}]" if words else "")
+            comments = [comment, *_keys_of_items(hints[knob_field.name])]
+            # Numbers that were written would win over any preset that somebody then chooses.
+            lines = [
+                *comments,
+                *(f"# {line}" if key == "noise" and place != "noise.preset" else line for line in lines),
+            ]
+            if not key and len(lines) > 2:
+                lines.insert(0, "")
+        yield from lines
+
+
+def _entries(name: str, entries: Mapping[int, "DataclassInstance"], like: "DataclassInstance") -> Iterator[str]:
+    """The lines of sections by number, with what each has differently from the one it is like."""
+    yield f"{name}:" if entries else f"{name}: {{}}"
+    for number, entry in entries.items():
+        yield f"  {number}:"
+        yield from (f"    {line}" for line in _differences(entry, like))
+
+
+def _named_sections(name: str, sections: tuple["DataclassInstance", ...]) -> Iterator[str]:
+    """The line that names sections, and those sections."""
+    names = [cast(str, getattr(section, "name")) for section in sections]  # noqa: B009 - any class of them
+    yield f"{name}: {quoted(' '.join(names))}"
+    for own_name, section in zip(names, sections, strict=True):
+        yield f"{own_name}:"
+        for knob_field in dataclasses.fields(section):
+            if knob_field.name != "name":
+                yield f"  {knob_field.name}: {as_yaml(cast(object, getattr(section, knob_field.name)))}"
+
+
+def _differences(section: "DataclassInstance", like: "DataclassInstance") -> Iterator[str]:
+    for knob_field in dataclasses.fields(section):
+        value, other = (cast(object, getattr(each, knob_field.name)) for each in (section, like))
+        if value == other:
+            continue
+        if knob_field.name == sections_named_in(type(section)):
+            yield from _named_sections(knob_field.name, cast(tuple["DataclassInstance", ...], value))
+        elif dataclasses.is_dataclass(value) and not isinstance(value, type):
+            yield f"{knob_field.name}:"
+            yield from (f"  {line}" for line in _differences(value, cast("DataclassInstance", other)))
+        else:
+            yield f"{knob_field.name}: {as_yaml(value)}"
+
+
+def _keys_of_items(hint: object) -> Iterator[str]:
+    """Comments about the keys of each item, where a list holds sections."""
+    item = get_args(hint)[0] if get_origin(hint) is tuple else None
+    if not (isinstance(item, type) and dataclasses.is_dataclass(item)):
+        return
+    hints = cast(Mapping[str, object], get_type_hints(item))
+    for knob_field in dataclasses.fields(item):
+        words = allowed(hints[knob_field.name], knob_field.metadata)
+        yield f"#   {knob_field.name}: {knob_field.metadata['help']}" + (f" [{words}]" if words else "")
+
+
+SHOWN_ELSEWHERE = {"world.odometry", *HOMES.values()}
+"""What the section `noise` shows."""
+
+
+def as_yaml(value: object) -> str:
+    """One value as YAML that reads back equal."""
+    if value is None:
+        return "null"
+    if isinstance(value, bool):
+        return "true" if value else "false"
+    if isinstance(value, (int, float)):
+        return repr(value)
+    if isinstance(value, tuple):
+        return f"[{', '.join(as_yaml(item) for item in value)}]"
+    if dataclasses.is_dataclass(value) and not isinstance(value, type):
+        told = {
+            knob_field.name: cast(object, getattr(value, knob_field.name)) for knob_field in dataclasses.fields(value)
+        }
+        standard = {knob_field.name: cast(object, knob_field.default) for knob_field in dataclasses.fields(value)}
+        keys = (f"{name}: {as_yaml(entry)}" for name, entry in told.items() if entry != standard[name])
+        return f"{{{', '.join(keys)}}}"
+    text = str(value)
+    return text if is_plain_word(text) else quoted(text)
+
+
+def is_plain_word(text: str) -> bool:
+    """Whether a text needs no quotes in a file."""
+    return _WORD.fullmatch(text) is not None and text.lower() not in _RESERVED

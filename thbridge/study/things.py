@@ -1,0 +1,197 @@
+"""Things in the way and mishaps of robots, as a study file has them: what they are, and when they happen."""
+
+import itertools
+import math
+from collections.abc import Iterator, Sequence
+from dataclasses import dataclass, field
+from enum import StrEnum
+from typing import TypeVar
+
+from sim.common.geometry import Pose2
+from sim.common.observations import TICKS_PER_SECOND
+from sim.common.traversability import Polygon, area, crosses_itself
+from sim.parameters import knob
+from sim.team import Carry, Die, PutThing, RemoveThing, Revive, TeamInput, Timed
+from sim.world.things import Thing
+from thbridge.files.errors import BadFile
+from thbridge.files.yaml.load import Loaded
+
+S = TypeVar("S")
+
+
+class Shape(StrEnum):
+    """What a thing looks like."""
+
+    CRATE = "crate"
+    DOOR = "door"
+    FIRE = "fire"
+    PERSON = "person"
+    POLYGON = "polygon"
+
+
+SIZES = {Shape.CRATE: (0.6, 0.6), Shape.DOOR: (1.2, 0.1), Shape.FIRE: (0.8, 0.8), Shape.PERSON: (0.4, 0.5)}
+"""Metres along the thing's yaw and across it, where the study does not say."""
+ROUND = {Shape.FIRE, Shape.PERSON}
+ROUND_CORNERS = 12
+LONGEST = 86400.0
+"""Seconds: a day."""
+LEAST_AREA = 1e-4
+MOST_CORNERS = 100
+FASTEST = 10.0
+"""Metres per second."""
+
+
+@dataclass(frozen=True, slots=True)
+class ThingEntry:
+    """A thing that no map shows: robots see it with their lasers, and know of it in no other way."""
+
+    name: str = field(metadata={"help": "what people call it"})
+    shape: Shape = field(metadata={"help": "what it looks like; a polygon has its own corners"})
+    at: tuple[float, float, float] | None = knob(None, "where it stands: x, y, yaw on the map", "m, m, rad")
+    path: tuple[tuple[float, float], ...] = knob((), "instead of `at`: points x, y that it walks through", "m")
+    speed: float = knob(0.8, "at which it walks", "m/s", 0.01, FASTEST)
+    back_and_forth: bool = knob(default=False, help="whether it turns back at the end of its path, rather than stay")
+    size: tuple[float, float] | None = knob(
+        None, "length along its yaw and width across; null: as such things are", "m", 0.02, 100
+    )
+    corners: tuple[tuple[float, float], ...] = knob((), "of a polygon: corners x, y about its own centre, in turn", "m")
+    appears: float = knob(0.0, "simulated time at which it appears, once no robot is in its place", "s", 0, LONGEST)
+    vanishes: float | None = knob(None, "simulated time at which it is taken away; null: never", "s", 0, LONGEST)
+
+    def thing(self) -> Thing:
+        """The body in the world."""
+        if self.at is not None:
+            x, y, yaw = self.at
+            return Thing(self.name, self._footprint(), Pose2(x, y, yaw))
+        (x, y), *rest = self.path
+        start = Pose2(x, y, math.atan2(rest[0][1] - y, rest[0][0] - x))
+        return Thing(self.name, self._footprint(), start, tuple(rest), self.speed, self.back_and_forth)
+
+    def _footprint(self) -> Polygon:
+        if self.shape is Shape.POLYGON:
+            return self.corners
+        length, width = self.size or SIZES[self.shape]
+        if self.shape in ROUND:
+            angles = [math.tau * (corner + 0.5) / ROUND_CORNERS for corner in range(ROUND_CORNERS)]
+            return tuple((0.5 * length * math.cos(angle), 0.5 * width * math.sin(angle)) for angle in angles)
+        return tuple((0.5 * length * i, 0.5 * width * j) for i, j in ((1, 1), (-1, 1), (-1, -1), (1, -1)))
+
+
+class Mishap(StrEnum):
+    """What may befall a robot."""
+
+    DIES = "dies"
+    REVIVES = "revives"
+    CARRIED = "carried"
+
+
+@dataclass(frozen=True, slots=True)
+class MishapEntry:
+    """Something that befalls a robot, which is not told."""
+
+    robot: int = field(metadata={"help": "whom, counted from 1", "minimum": 1, "maximum": 64})
+    what: Mishap = field(
+        metadata={"help": "dies: it stops, and says and does nothing; revives: it goes on; carried: put elsewhere"}
+    )
+    time: float = field(metadata={"help": "simulated time", "unit": "s", "minimum": 0, "maximum": LONGEST})
+    to: tuple[float, float, float] | None = knob(None, "where it is carried: x, y, yaw on the map", "m, m, rad")
+
+    def input(self) -> TeamInput:
+        """The same as an input of the team."""
+        robot = self.robot - 1
+        if self.to is not None:
+            return Carry(robot, Pose2(*self.to))
+        return Die(robot) if self.what is Mishap.DIES else Revive(robot)
+
+
+def schedule_of(things: Sequence[ThingEntry], mishaps: Sequence[MishapEntry]) -> tuple[Timed, ...]:
+    """When all of it happens."""
+    return (*_comings_and_goings(things), *(Timed(_tick(mishap.time), mishap.input()) for mishap in mishaps))
+
+
+def _comings_and_goings(things: Sequence[ThingEntry]) -> Iterator[Timed]:
+    for entry in things:
+        yield Timed(_tick(entry.appears), PutThing(entry.thing()))
+        if entry.vanishes is not None:
+            yield Timed(_tick(entry.vanishes), RemoveThing(entry.name))
+
+
+def _tick(seconds: float) -> int:
+    return round(seconds * TICKS_PER_SECOND)
+
+
+def faults_of_things(loaded: Loaded[S], things: Sequence[ThingEntry]) -> Iterator[BadFile]:
+    """What is wrong with the section `things`, though each value is allowed."""
+    first: dict[str, int] = {}
+    for index, entry in enumerate(things):
+        key = f"things[{index}]"
+        if first.setdefault(entry.name, index) != index:
+            problem = (
+                f"{entry.name!r} is also the name of the thing in line {loaded.lines[f'things[{first[entry.name]}]']}"
+            )
+            yield loaded.fault(f"{key}.name", problem, "Give every thing its own name")
+        if entry.vanishes is not None and entry.vanishes <= entry.appears:
+            problem = f"{entry.vanishes:g} is not after it appears, at {entry.appears:g}"
+            yield loaded.fault(f"{key}.vanishes", problem, "Raise it, or delete the line")
+        yield from _faults_of_place(loaded, key, entry)
+        yield from _faults_of_body(loaded, key, entry)
+
+
+def _faults_of_place(loaded: Loaded[S], key: str, entry: ThingEntry) -> Iterator[BadFile]:
+    if (entry.at is None) == (not entry.path):
+        problem = "neither `at` nor `path`" if entry.at is None else "both `at` and `path`"
+        yield loaded.fault(key, problem, "Write at: [x, y, yaw] for what stands, path: [[x, y], [x, y]] for what walks")
+    elif entry.at is None and len(entry.path) < 2:
+        yield loaded.fault(f"{key}.path", "one point is no path", "Write two points or more, or at: [x, y, yaw]")
+    elif any(one == other for one, other in itertools.pairwise(entry.path)):
+        yield loaded.fault(f"{key}.path", "a point stands twice in a row", "Delete one of the two")
+    for name in ("speed", "back_and_forth"):
+        if entry.at is not None and f"{key}.{name}" in loaded.lines:
+            yield loaded.fault(f"{key}.{name}", "it stands where it is", "Delete the line, or give it a path")
+
+
+def _faults_of_body(loaded: Loaded[S], key: str, entry: ThingEntry) -> Iterator[BadFile]:
+    if entry.shape is not Shape.POLYGON:
+        if entry.corners:
+            problem = f"a {entry.shape} has no corners of its own"
+            yield loaded.fault(f"{key}.corners", problem, "Write shape: polygon, or delete the line")
+        return
+    if entry.size is not None:
+        yield loaded.fault(f"{key}.size", "a polygon has the size of its corners", "Delete the line")
+    if len(entry.corners) < 3 or area(entry.corners) < LEAST_AREA:
+        yield loaded.fault(f"{key}.corners", "these corners enclose nothing", "Write three or more corners in turn")
+    elif crosses_itself(entry.corners):
+        yield loaded.fault(f"{key}.corners", "its sides cross each other", "Write the corners in turn around it")
+
+
+def fault_of_thing(thing: Thing, farthest: float, longest: int) -> str | None:
+    """Why a thing that somebody else describes is none, for people; None where it can be put somewhere.
+
+    Args:
+        thing: as described.
+        farthest: metres; no map is that large.
+        longest: characters of its name.
+    """
+    places = ((thing.base_in_map.x, thing.base_in_map.y), (thing.base_in_map.theta, 0.0), *thing.path)
+    if not 0 < len(thing.name) <= longest:
+        return f"a thing has a name, of at most {longest} characters"
+    if max(len(thing.footprint), len(thing.path)) > MOST_CORNERS:
+        return f"a thing has at most {MOST_CORNERS} corners, and as many points on its way"
+    if any(max(abs(x), abs(y)) > farthest for x, y in (*places, *thing.footprint)):
+        return "no map is that large"
+    if area(thing.footprint) < LEAST_AREA or crosses_itself(thing.footprint):
+        return "its corners have to enclose something, in turn around it"
+    return None if 0.0 <= thing.speed <= FASTEST else f"a thing walks at 0 to {FASTEST:g} m/s"
+
+
+def faults_of_mishaps(loaded: Loaded[S], mishaps: Sequence[MishapEntry], robots: int) -> Iterator[BadFile]:
+    """What is wrong with the section `mishaps`, though each value is allowed."""
+    for index, entry in enumerate(mishaps):
+        key = f"mishaps[{index}]"
+        if entry.robot > robots:
+            problem = f"there is no robot {entry.robot}: the study has {robots}"
+            yield loaded.fault(f"{key}.robot", problem, f"Write a number from 1 to {robots}, or raise robots")
+        if entry.what is Mishap.CARRIED and entry.to is None:
+            yield loaded.fault(key, "it is not said where it is carried", "Add to: [x, y, yaw]")
+        if entry.what is not Mishap.CARRIED and entry.to is not None:
+            yield loaded.fault(f"{key}.to", f"a robot that {entry.what} stays where it is", "Delete it")

@@ -1,0 +1,117 @@
+"""Keeps a loop of ticks to the wall clock, as long as nobody holds it."""
+
+import asyncio
+import logging
+import time
+from collections.abc import Callable
+from contextlib import suppress
+
+from sim.common.observations import TICK
+
+_log = logging.getLogger(__name__)
+
+_BREATH = 25
+"""Ticks that run on end before sockets get a turn, when there is no clock to keep to."""
+
+_LAG = 1.0
+"""Seconds of delay that are made up for by running faster; beyond that the session's time lags for good."""
+
+_LOOK = 0.1
+"""Seconds between two looks, in a pause, whether anybody still wants one."""
+
+
+class Pacer:
+    """Waits between ticks; a machine too slow makes simulated time lag, and never skips a tick.
+
+    The pace can be changed while the loop runs, on the thread of its event loop.
+
+    Args:
+        rate: simulated seconds per second; 0 runs as fast as the machine can.
+        clock: seconds, never backwards.
+        let_go: asked ten times a second while paused whether nobody wants to pause any more; None: somebody does.
+    """
+
+    def __init__(
+        self, rate: float, clock: Callable[[], float] = time.monotonic, let_go: Callable[[], bool] | None = None
+    ) -> None:
+        self._rate = rate
+        self._clock = clock
+        self._let_go = let_go
+        self._due: float | None = None
+        self._ticks = 0
+        self._lagging = False
+        self._given_up = 0.0
+        self._paused = False
+        self._steps = 0
+        self._changed = asyncio.Event()
+
+    @property
+    def rate(self) -> float:
+        """Simulated seconds per second that are asked for; 0: as fast as the machine can."""
+        return self._rate
+
+    @property
+    def paused(self) -> bool:
+        """Whether no tick comes until somebody says so."""
+        return self._paused
+
+    @property
+    def lag(self) -> float:
+        """Seconds by which the ticks are behind what the rate asks for, those included that were given up."""
+        behind = 0.0 if self._due is None else max(self._clock() - self._due - self._period, 0.0)
+        return self._given_up + behind
+
+    def set_rate(self, rate: float) -> None:
+        """Go on at another rate, a pause aside; 0 is as fast as the machine can."""
+        self._rate = rate
+        self._due = None
+
+    def pause(self) -> None:
+        """Let no tick come; those that `step` had granted do not come either."""
+        self._paused = True
+        self._steps = 0
+
+    def resume(self) -> None:
+        """Let ticks come again."""
+        self._paused = False
+        self._changed.set()
+
+    def step(self, ticks: int) -> None:
+        """Let so many ticks more come, at the rate, and pause."""
+        self._paused = True
+        self._steps += ticks
+        self._changed.set()
+
+    async def wait(self) -> None:
+        """Return when the next tick is due."""
+        await self._keep_time()
+        while self._paused:
+            if self._steps:
+                self._steps -= 1
+                return
+            self._due = None  # Time that nobody wanted to pass is no delay.
+            self._changed.clear()
+            with suppress(TimeoutError):
+                await asyncio.wait_for(self._changed.wait(), None if self._let_go is None else _LOOK)
+            if self._let_go is not None and self._let_go():
+                self._paused = False
+
+    @property
+    def _period(self) -> float:
+        return TICK / self._rate if self._rate > 0.0 else 0.0
+
+    async def _keep_time(self) -> None:
+        self._ticks += 1
+        if self._rate == 0.0:
+            if self._ticks % _BREATH == 0:
+                await asyncio.sleep(0)
+            return
+        now = self._clock()
+        self._due = now if self._due is None else self._due + self._period
+        if now - self._due > _LAG:
+            if not self._lagging:
+                _log.warning("this machine is too slow for the rate asked for: simulated time lags behind")
+            self._lagging = True
+            self._given_up += now - self._due
+            self._due = now
+        await asyncio.sleep(max(self._due - now, 0.0))

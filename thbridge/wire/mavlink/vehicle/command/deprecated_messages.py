@@ -1,0 +1,118 @@
+"""What ground stations asked for by messages of their own, before there were commands for it.
+
+Source: MAVLink's `common.xml`, SET_MODE, SET_HOME_POSITION and CHANGE_OPERATOR_CONTROL; ArduPilot, for mission items
+that belong to no mission, and for the acknowledgement of SET_MODE.
+"""
+
+import math
+from collections.abc import Iterator
+from typing import TypeAlias
+
+from thbridge.wire.mavlink.coordinates import GLOBAL
+from thbridge.wire.mavlink.dialect import Message, mav
+from thbridge.wire.mavlink.outgoing import LinkId, Said
+from thbridge.wire.mavlink.vehicle.command.table import Repertoire
+from thbridge.wire.mavlink.vehicle.geodesy import PER_DEGREE, Earth, Place
+from thbridge.wire.mavlink.vehicle.mode.home import Home
+from thbridge.wire.mavlink.vehicle.mode.operator_control import CommandOf
+from thbridge.wire.mavlink.vehicle.mode.state_machine import Conduct
+from thbridge.wire.mavlink.vehicle.parts import Announce, Severity, tell_why_not
+from thbridge.wire.mavlink.vehicle_interface import Denied, Readings, Station, Target
+
+_GUIDED_ITEM = 2
+"""`current` of a mission item that is none, but where to go now."""
+
+_CONTROL_GRANTED, _CONTROL_ELSEWHERE = 0, 3
+_REQUEST_CONTROL = 0
+
+_Item: TypeAlias = mav.MAVLink_mission_item_int_message | mav.MAVLink_mission_item_message
+
+
+class OlderWays:
+    """The older ways to command one vehicle; a `Part`.
+
+    Args:
+        repertoire: knows the numbers of modes.
+        conduct: the robot's modes.
+        command: who is in command of it.
+        home: where it returns to.
+        earth: where its map lies.
+        announce: tells people.
+    """
+
+    def __init__(
+        self,
+        repertoire: Repertoire,
+        conduct: Conduct,
+        command: CommandOf,
+        home: Home,
+        earth: Earth,
+        announce: Announce,
+    ) -> None:
+        self._repertoire = repertoire
+        self._conduct = conduct
+        self._command = command
+        self._home = home
+        self._earth = earth
+        self._announce = announce
+
+    def hear(self, link: LinkId, sender: Station, message: Message) -> Iterator[Said]:
+        """An old way to ask for a mode, a place, another home or the command."""
+        match message:
+            case mav.MAVLink_set_mode_message():
+                yield Said(self._set_mode(sender, message), link)
+            case mav.MAVLink_mission_item_int_message() | mav.MAVLink_mission_item_message():
+                if message.current == _GUIDED_ITEM:
+                    yield Said(self._guided_item(sender, message), link)
+            case mav.MAVLink_set_home_position_message():
+                tell_why_not(self._announce, self._set_home(sender, Place(message.latitude, message.longitude)))
+            case mav.MAVLink_change_operator_control_message():
+                yield Said(self._operator_control(sender, message), link)
+
+    def step(self, tick: int, readings: Readings) -> Iterator[Said]:
+        """Nothing is said unasked."""
+        return iter(())
+
+    def forget(self, link: LinkId) -> None:
+        """Nothing is known of links."""
+
+    def _set_mode(self, sender: Station, message: mav.MAVLink_set_mode_message) -> Message:
+        """What is answered is an acknowledgement under the number of the message, as ArduPilot does."""
+        reply = self._repertoire.mode_reply(sender, message.base_mode, message.custom_mode, 0)
+        if reply.sentence:
+            self._announce(Severity.WARNING, reply.sentence)
+        number = mav.MAVLINK_MSG_ID_SET_MODE
+        return mav.MAVLink_command_ack_message(number, reply.result, 0, 0, sender.system, sender.component)
+
+    def _guided_item(self, sender: Station, item: _Item) -> Message:
+        """Go to the place of a mission item."""
+        denied = self._command.objection(sender)
+        if denied is None:
+            # In MISSION_ITEM, coordinates are degrees or metres; in the other, degrees times ten million.
+            scale = 1 if isinstance(item, mav.MAVLink_mission_item_int_message) else PER_DEGREE
+            if item.frame not in GLOBAL or not (math.isfinite(item.x) and math.isfinite(item.y)):
+                denied = Denied("Only a latitude and a longitude can be gone to this way.")
+            else:
+                x, y = self._earth.point(Place(round(item.x * scale), round(item.y * scale)))
+                denied = self._conduct.go(Target(x, y))
+        tell_why_not(self._announce, denied)
+        result = mav.MAV_MISSION_ACCEPTED if denied is None else mav.MAV_MISSION_DENIED
+        return mav.MAVLink_mission_ack_message(sender.system, sender.component, result)
+
+    def _set_home(self, sender: Station, place: Place) -> Denied | None:
+        """Nothing is answered: where home is now, everybody is told."""
+        reserved = self._command.reserved(sender)
+        if reserved is not None:
+            return reserved
+        return self._home.set_here() if place.is_none else self._home.set_to(Target(*self._earth.point(place)))
+
+    def _operator_control(self, sender: Station, message: mav.MAVLink_change_operator_control_message) -> Message:
+        """Take the command, or give it back: what arming and disarming do, but never by force."""
+        granted = _CONTROL_GRANTED
+        if message.control_request == _REQUEST_CONTROL:
+            denied = self._conduct.arm(sender, by_force=False)
+            tell_why_not(self._announce, denied)
+            granted = _CONTROL_GRANTED if denied is None else _CONTROL_ELSEWHERE
+        elif self._command.station == sender:
+            self._conduct.disarm()
+        return mav.MAVLink_change_operator_control_ack_message(sender.system, message.control_request, granted)

@@ -1,0 +1,92 @@
+"""The commands by which stations ask a vehicle for messages: once, or again and again.
+
+Source: MAVLink's `common.xml`, MAV_CMD.
+"""
+
+from collections.abc import Callable, Mapping
+
+from sim.common.observations import TICKS_PER_SECOND
+from thbridge.wire.mavlink.dialect import mav
+from thbridge.wire.mavlink.extra_messages import ProtocolVersion
+from thbridge.wire.mavlink.modes import Mode
+from thbridge.wire.mavlink.vehicle.boot_time import MICROSECONDS_PER_TICK
+from thbridge.wire.mavlink.vehicle.command.requests import ACCEPTED, MALFORMED, Command, Order, Reply, Result
+from thbridge.wire.mavlink.vehicle.telemetry.capabilities import Particulars
+from thbridge.wire.mavlink.vehicle.telemetry.streams import OFF, Streams, ticks_of
+from thbridge.wire.mavlink.vehicle.telemetry.telemetry import Standing, Telemetry
+
+_LARGEST_ID = 0xFFFF
+"""Of a message whose interval MESSAGE_INTERVAL can tell."""
+
+
+class MessageRequests:
+    """What one vehicle can be asked to say.
+
+    Args:
+        streams: the rates of its messages.
+        telemetry: its messages.
+        particulars: what never changes of it.
+        standing: how it stands.
+    """
+
+    def __init__(
+        self, streams: Streams, telemetry: Telemetry, particulars: Particulars, standing: Callable[[], Standing]
+    ) -> None:
+        self._streams = streams
+        self._telemetry = telemetry
+        self._particulars = particulars
+        self._standing = standing
+
+    def commands(self) -> Mapping[int, Command]:
+        """By their numbers; anybody may give them."""
+        return {
+            mav.MAV_CMD_SET_MESSAGE_INTERVAL: Command(self._set_message_interval),
+            mav.MAV_CMD_GET_MESSAGE_INTERVAL: Command(self._get_message_interval),
+            mav.MAV_CMD_REQUEST_MESSAGE: Command(self._request_message),
+            mav.MAV_CMD_REQUEST_PROTOCOL_VERSION: Command(self._one(ProtocolVersion.id)),
+            mav.MAV_CMD_REQUEST_AUTOPILOT_CAPABILITIES: Command(self._one(mav.MAVLINK_MSG_ID_AUTOPILOT_VERSION)),
+            mav.MAV_CMD_GET_HOME_POSITION: Command(self._one(mav.MAVLINK_MSG_ID_HOME_POSITION)),
+        }
+
+    def _one(self, number: int) -> Callable[[Order], Reply]:
+        """Asks for one message, always the same."""
+        return lambda _: self._requested(number)
+
+    def _requested(self, number: int) -> Reply:
+        message = self._telemetry.message(number, self._standing())
+        return Reply(Result.TEMPORARILY_REJECTED) if message is None else Reply(Result.ACCEPTED, (message,))
+
+    def _request_message(self, order: Order) -> Reply:
+        number = order.whole(1)
+        if number is None:
+            return MALFORMED
+        if number == mav.MAVLINK_MSG_ID_AVAILABLE_MODES:
+            place = order.whole(2, otherwise=0)
+            if place is None or place > len(Mode):
+                return MALFORMED
+            places = range(1, len(Mode) + 1) if place == 0 else (place,)
+            return Reply(Result.ACCEPTED, tuple(self._particulars.available_mode(place) for place in places))
+        return self._requested(number) if number in self._streams else Reply(Result.UNSUPPORTED)
+
+    def _set_message_interval(self, order: Order) -> Reply:
+        number, microseconds = order.whole(1), order.given(2)
+        if number is None or microseconds is None or not (microseconds >= 0.0 or microseconds == -1.0):
+            return MALFORMED
+        if number not in self._streams:
+            return Reply(Result.UNSUPPORTED)
+        ticks = None if microseconds == 0.0 else OFF if microseconds < 0.0 else ticks_of(microseconds)
+        if number == mav.MAVLINK_MSG_ID_HEARTBEAT:
+            # Whether a vehicle is there is judged by its heartbeats: once a second for everybody.
+            return ACCEPTED if ticks in (None, TICKS_PER_SECOND) else MALFORMED
+        self._streams.change(order.link, number, ticks)
+        return ACCEPTED
+
+    def _get_message_interval(self, order: Order) -> Reply:
+        number = order.whole(1)
+        if number is None or number > _LARGEST_ID:
+            return MALFORMED
+        microseconds = 0
+        if number in self._streams:
+            ticks = self._streams.every(order.link, number)
+            microseconds = -1 if ticks == OFF else ticks * MICROSECONDS_PER_TICK
+        return Reply(Result.ACCEPTED, (mav.MAVLink_message_interval_message(number, microseconds),))

@@ -1,0 +1,228 @@
+"""The rules by which commands are acknowledged, whatever they are.
+
+Each command that comes in is answered by one COMMAND_ACK to whoever sent it, or by several that say IN_PROGRESS and one
+that ends them.
+
+Source: the MAVLink developer guide, "Command Protocol".
+Differs: a station that repeats a command which is done does not always count up `confirmation` (MAVSDK never does); so
+of commands that do something each time, an equal one within a second is taken for a repetition too. What anybody may
+ask is done again however often it is repeated: no stop is taken for an earlier one.
+"""
+
+import math
+from collections.abc import Iterator
+from dataclasses import dataclass
+from typing import TypeAlias
+
+from sim.common.observations import TICKS_PER_SECOND
+from thbridge.wire.mavlink.dialect import Message, mav
+from thbridge.wire.mavlink.extra_messages import CommandCancel
+from thbridge.wire.mavlink.outgoing import LinkId, Said
+from thbridge.wire.mavlink.vehicle.command.requests import (
+    MALFORMED,
+    Carrier,
+    Order,
+    Reply,
+    Result,
+    Who,
+    order_of,
+    reply_to,
+)
+from thbridge.wire.mavlink.vehicle.command.table import Repertoire
+from thbridge.wire.mavlink.vehicle.mode.operator_control import CommandOf
+from thbridge.wire.mavlink.vehicle.mode.state_machine import Conduct
+from thbridge.wire.mavlink.vehicle.parts import Announce, Severity
+from thbridge.wire.mavlink.vehicle_interface import Denied, LegState, Readings, Station
+
+_REMEMBERED = 5 * TICKS_PER_SECOND
+"""Ticks for which a repetition is known as one."""
+
+_MOST_REMEMBERED = 64
+
+_Key: TypeAlias = tuple[LinkId, Station, int]
+"""Who asked where for which command."""
+
+
+@dataclass(frozen=True, slots=True)
+class _Done:
+    """A command that was answered.
+
+    Attributes:
+        order: as it came.
+        tick: when.
+        result: what was said of it.
+        once: each time it does something anew.
+    """
+
+    order: Order
+    tick: int
+    result: Result
+    once: bool
+
+
+@dataclass(slots=True)
+class _Running:
+    """A command that takes its time: a way to a place.
+
+    Attributes:
+        order: as it came.
+        way: the number of the way.
+        length: metres, from where it began; None as long as that is unknown.
+        progress: per cent of it, last told.
+        told: the tick in which it was told.
+    """
+
+    order: Order
+    way: int
+    length: float | None
+    progress: int
+    told: int
+
+
+class Commands:
+    """The commands that come to one vehicle; a `Part`.
+
+    Args:
+        repertoire: those that it knows.
+        command: who is in command of its robot.
+        conduct: the robot's modes.
+        announce: tells people.
+    """
+
+    def __init__(self, repertoire: Repertoire, command: CommandOf, conduct: Conduct, announce: Announce) -> None:
+        self._repertoire = repertoire
+        self._command = command
+        self._conduct = conduct
+        self._announce = announce
+        self._tick = 0
+        self._done: dict[_Key, _Done] = {}
+        self._running: dict[_Key, _Running] = {}
+
+    def hear(self, link: LinkId, sender: Station, message: Message) -> Iterator[Said]:
+        """A command, or that one is to be cancelled."""
+        if isinstance(message, CommandCancel):
+            yield from self._cancel(link, sender, message.command)
+            return
+        order = order_of(link, sender, message)
+        if order is None:
+            return
+        key = (link, sender, order.number)
+        repeated = self._repeated(key, order)
+        if repeated is not None:
+            yield repeated
+            return
+        if key in self._running:
+            # It goes on; what is said of it later is said of the one that runs.
+            yield _ack(order, Result.TEMPORARILY_REJECTED)
+            return
+        reply = self._judged(order)
+        if reply.sentence:
+            self._announce(Severity.WARNING, reply.sentence)
+        if reply.way is not None:
+            self._running[key] = _Running(order, reply.way, None, 0, self._tick)
+        else:
+            self._remember(key, order, reply.result)
+        yield _ack(order, reply.result)
+        for answer in reply.messages:
+            yield Said(answer, link)
+
+    def step(self, tick: int, readings: Readings) -> Iterator[Said]:
+        """Tell how far what takes its time has come."""
+        self._tick = tick
+        for key, running in list(self._running.items()):
+            result = self._result_of(running)
+            if result is not Result.IN_PROGRESS:
+                del self._running[key]
+                yield _ack(running.order, result)
+            elif tick - running.told >= TICKS_PER_SECOND:
+                running.told = tick
+                yield _ack(running.order, result, running.progress)
+
+    def forget(self, link: LinkId) -> None:
+        """A link is gone; what was asked there goes on, and nobody is told."""
+        self._done = {key: done for key, done in self._done.items() if key[0] != link}
+        self._running = {key: running for key, running in self._running.items() if key[0] != link}
+
+    # -- the rules ----------------------------------------------------------------------------------------------------
+
+    def _judged(self, order: Order) -> Reply:
+        command = self._repertoire.find(order.number)
+        if command is None:
+            return Reply(Result.UNSUPPORTED)
+        if command.carrier is Carrier.LONG and order.frame is not None:
+            return Reply(Result.COMMAND_LONG_ONLY)
+        if command.carrier is Carrier.INT and order.frame is None:
+            return Reply(Result.COMMAND_INT_ONLY)
+        if command.frames and order.frame is not None and order.frame not in command.frames:
+            return Reply(Result.UNSUPPORTED_MAV_FRAME)
+        if any(math.isinf(value) for value in order.params):
+            return MALFORMED
+        objection = self._objection(command.who, order.station)
+        return command.do(order) if objection is None else reply_to(objection)
+
+    def _objection(self, who: Who, station: Station) -> Denied | None:
+        match who:
+            case Who.COMMANDER:
+                return self._command.objection(station)
+            case Who.NO_RIVAL:
+                return self._command.reserved(station)
+            case Who.ANYBODY:
+                return None
+
+    def _repeated(self, key: _Key, order: Order) -> Said | None:
+        """What was said of this command before, if it is not a new one."""
+        done = self._done.get(key)
+        if done is None or not _same(order, done.order):
+            return None
+        age = self._tick - done.tick
+        counted = order.confirmation > done.order.confirmation and age <= _REMEMBERED
+        at_once = done.once and done.result is Result.ACCEPTED and age <= TICKS_PER_SECOND
+        return _ack(order, done.result) if counted or at_once else None
+
+    def _remember(self, key: _Key, order: Order, result: Result) -> None:
+        command = self._repertoire.find(order.number)
+        if command is None or command.who is Who.ANYBODY:
+            # What anybody may ask, such as a message or a stop, is done again: it may be needed again by now.
+            return
+        self._done.pop(key, None)
+        while len(self._done) >= _MOST_REMEMBERED:
+            del self._done[next(iter(self._done))]
+        self._done[key] = _Done(order, self._tick, result, command.once)
+
+    def _cancel(self, link: LinkId, sender: Station, number: int) -> Iterator[Said]:
+        running = self._running.pop((link, sender, number), None)
+        if running is not None:
+            self._conduct.stop()
+            yield _ack(running.order, Result.CANCELLED)
+
+    def _result_of(self, running: _Running) -> Result:
+        """How a command that takes its time stands; its progress is brought up to date."""
+        if self._conduct.sent != running.way:
+            return Result.CANCELLED
+        leg = self._conduct.leg
+        if leg is None:
+            return Result.IN_PROGRESS
+        if leg.state is LegState.ARRIVED:
+            return Result.ACCEPTED
+        if leg.state is LegState.FAILED:
+            return Result.FAILED
+        if running.length is None or leg.remaining > running.length:
+            running.length = leg.remaining
+        if running.length > 0.0:
+            running.progress = min(99, int(100.0 * (1.0 - leg.remaining / running.length)))
+        return Result.IN_PROGRESS
+
+
+def _same(one: Order, other: Order) -> bool:
+    """The same command, but for how often it was sent; a NaN is like every other."""
+    return one.frame == other.frame and all(
+        a == b or (math.isnan(a) and math.isnan(b)) for a, b in zip(one.params, other.params, strict=True)
+    )
+
+
+def _ack(order: Order, result: Result, progress: int = 0) -> Said:
+    station = order.station
+    return Said(
+        mav.MAVLink_command_ack_message(order.number, result, progress, 0, station.system, station.component),
+        order.link,
+    )

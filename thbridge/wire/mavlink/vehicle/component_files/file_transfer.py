@@ -1,0 +1,363 @@
+"""A vehicle's files: anybody may read them, nobody may write any. The server's side of MAVLink's file transfer.
+
+Source: the MAVLink developer guide, "File Transfer Protocol (FTP)".
+Differs: sessions belong to who opened them, so that nobody closes or reads another's, and have the number that their
+requester proposes: MAVProxy tells its transfers apart by that, and MAVSDK heeds no other number. Who proposes one that
+is open gets it where that file was read to its end, is the same or was left, since the word that closes a session may
+be lost; else there is no room. What is asked of all vehicles at once is passed over: a file is one vehicle's, and a
+burst of each of them a flood. The last piece of a file ends its burst; there is no EOF after it, which MAVSDK would
+take for a failure when it misses that piece.
+"""
+
+from collections.abc import Callable, Iterator, Mapping
+from dataclasses import dataclass, field
+from struct import Struct
+from typing import TypeAlias
+
+from sim.common.observations import TICKS_PER_SECOND
+from thbridge.wire.mavlink.dialect import EVERYBODY, Message, mav
+from thbridge.wire.mavlink.outgoing import LinkId, Said
+from thbridge.wire.mavlink.vehicle.component_files.metadata_files import checksum
+from thbridge.wire.mavlink.vehicle_interface import Readings, Station
+
+PIECES_PER_TICK = 3
+"""Of all bursts of one vehicle together: 36 kB a second."""
+
+_HEAD = Struct("<HBBBBBxI")
+"""Sequence, session, opcode, size of the data, opcode that is answered, whether a burst ends, offset."""
+
+_MOST_DATA = 239
+_PAYLOAD = _HEAD.size + _MOST_DATA
+
+_MOST_SESSIONS = 8
+"""Of one requester."""
+
+_IDLE = 10 * TICKS_PER_SECOND
+"""Ticks after which a session that is not used makes room for another; a station may have gone without a word."""
+
+_MOST_REQUESTERS = 32
+"""Who was not heard for the longest time is forgotten first."""
+
+_ROOTS = ("", ".")
+
+_WRITING = frozenset(
+    {
+        mav.MAV_FTP_OPCODE_CREATEFILE,
+        mav.MAV_FTP_OPCODE_WRITEFILE,
+        mav.MAV_FTP_OPCODE_REMOVEFILE,
+        mav.MAV_FTP_OPCODE_CREATEDIRECTORY,
+        mav.MAV_FTP_OPCODE_REMOVEDIRECTORY,
+        mav.MAV_FTP_OPCODE_OPENFILEWO,
+        mav.MAV_FTP_OPCODE_TRUNCATEFILE,
+        mav.MAV_FTP_OPCODE_RENAME,
+    }
+)
+"""What would change a file."""
+
+_Requester: TypeAlias = tuple[LinkId, Station]
+_Transfer: TypeAlias = tuple[_Requester, int]
+"""A requester, and the number of its session."""
+
+
+@dataclass(frozen=True, slots=True)
+class _Request:
+    """A request as it travels.
+
+    Attributes:
+        sequence: of the requester's; each answer counts up from it.
+        session: it is about.
+        opcode: of MAV_FTP_OPCODE.
+        size: of the data, or how much is wanted, bytes.
+        offset: into the file, or into the list of a directory.
+        data: that came with it.
+    """
+
+    sequence: int
+    session: int
+    opcode: int
+    size: int
+    offset: int
+    data: bytes
+
+    @property
+    def path(self) -> str:
+        """The file or directory that is meant, from the root."""
+        return self.data[: self.size].partition(b"\0")[0].decode("utf-8", errors="replace").strip("/")
+
+    @property
+    def wanted(self) -> int:
+        """Bytes of a piece; a size of zero leaves it to us: so mavros reads, and so ArduPilot takes bursts."""
+        return self.size or _MOST_DATA
+
+
+@dataclass(frozen=True, slots=True)
+class _Refused:
+    """Why a request is not granted, a code of MAV_FTP_ERR."""
+
+    error: int
+
+
+@dataclass(slots=True)
+class _Session:
+    """An open file.
+
+    Attributes:
+        content: of the file.
+        used: the tick in which it was last used.
+        is_read: its last byte has been sent.
+    """
+
+    content: bytes
+    used: int
+    is_read: bool = False
+
+
+@dataclass(slots=True)
+class _Client:
+    """What is known of a requester.
+
+    Attributes:
+        sessions: its open files, by number.
+        answered: the last request about each session that was answered at once, and how.
+    """
+
+    sessions: dict[int, _Session] = field(default_factory=dict)
+    answered: dict[int, tuple[bytes, bytes]] = field(default_factory=dict)
+
+    def before(self, session: int, asked: bytes) -> bytes | None:
+        """What was answered if this is what was asked last."""
+        last, answer = self.answered.get(session, (b"", b""))
+        return answer if asked == last else None
+
+    def remember(self, session: int, asked: bytes, answer: bytes | None) -> None:
+        """An answer to a request; None: a burst, which is begun again when it is asked for again."""
+        self.answered.pop(session, None)
+        if answer is not None:
+            while len(self.answered) >= _MOST_SESSIONS:
+                del self.answered[next(iter(self.answered))]
+            self.answered[session] = asked, answer
+
+
+@dataclass(slots=True)
+class _Burst:
+    """A file on its way, piece by piece.
+
+    Attributes:
+        session: it is read in.
+        offset: of the next piece.
+        size: of a piece.
+        sequence: of the last one.
+    """
+
+    session: _Session
+    offset: int
+    size: int
+    sequence: int
+
+
+class FileTransfer:
+    """The files of one vehicle; a `Part`.
+
+    Args:
+        files: each by its name; all lie in the root.
+    """
+
+    def __init__(self, files: Callable[[], Mapping[str, bytes]]) -> None:
+        self._files = files
+        self._tick = 0
+        self._clients: dict[_Requester, _Client] = {}
+        # The one whose turn it is comes first.
+        self._bursts: dict[_Transfer, _Burst] = {}
+
+    def hear(self, link: LinkId, sender: Station, message: Message) -> Iterator[Said]:
+        """A request; one that comes again is answered as before."""
+        if not isinstance(message, mav.MAVLink_file_transfer_protocol_message) or message.target_system == EVERYBODY:
+            return
+        asked = bytes(message.payload)
+        request = _request_of(asked)
+        if request.opcode >= mav.MAV_FTP_OPCODE_ACK:
+            # Somebody's answer. Two that answer answers would never end.
+            return
+        requester = link, sender
+        client = self._client(requester)
+        answer = client.before(request.session, asked)
+        if answer is None:
+            answer = self._outcome(requester, client, request)
+            client.remember(request.session, asked, answer)
+        if answer is not None:
+            yield _said(requester, answer)
+
+    def step(self, tick: int, readings: Readings) -> Iterator[Said]:
+        """A tick has passed: bursts go on, in turns."""
+        self._tick = tick
+        for _ in range(PIECES_PER_TICK):
+            if not self._bursts:
+                return
+            transfer = next(iter(self._bursts))
+            burst = self._bursts.pop(transfer)
+            requester, number = transfer
+            yield _said(requester, self._piece(burst, number))
+            if burst.offset < len(burst.session.content):
+                self._bursts[transfer] = burst
+
+    def forget(self, link: LinkId) -> None:
+        """A link is gone, and whoever read files on it."""
+        for requester in [known for known in self._clients if known[0] == link]:
+            self._dismiss(requester)
+
+    def _client(self, requester: _Requester) -> _Client:
+        client = self._clients.pop(requester, None) or _Client()
+        if len(self._clients) >= _MOST_REQUESTERS:
+            self._dismiss(next(iter(self._clients)))
+        self._clients[requester] = client
+        return client
+
+    def _dismiss(self, requester: _Requester) -> None:
+        for number in self._clients.pop(requester).sessions:
+            self._bursts.pop((requester, number), None)
+
+    def _outcome(self, requester: _Requester, client: _Client, request: _Request) -> bytes | None:
+        """The answer to a request; None: it comes in a burst."""
+        if request.size > _MOST_DATA:
+            return _answer(request, _WRONG_SIZE)
+        match request.opcode:
+            case mav.MAV_FTP_OPCODE_NONE:
+                return _answer(request, b"")
+            case mav.MAV_FTP_OPCODE_TERMINATESESSION:
+                return _answer(request, self._close(requester, client, request.session))
+            case mav.MAV_FTP_OPCODE_RESETSESSION:
+                client.answered.clear()
+                for number in [*client.sessions]:
+                    self._close(requester, client, number)
+                return _answer(request, b"")
+            case mav.MAV_FTP_OPCODE_LISTDIRECTORY:
+                return _answer(request, self._listed(request))
+            case mav.MAV_FTP_OPCODE_OPENFILERO:
+                return self._open(requester, client, request)
+            case mav.MAV_FTP_OPCODE_READFILE:
+                return _answer(request, self._read(client, request))
+            case mav.MAV_FTP_OPCODE_BURSTREADFILE:
+                return self._begin(requester, client, request)
+            case mav.MAV_FTP_OPCODE_CALCFILECRC:
+                content = self._files().get(request.path)
+                return _answer(request, _NOT_FOUND if content is None else checksum(content).to_bytes(4, "little"))
+        return _answer(request, _PROTECTED if request.opcode in _WRITING else _UNKNOWN)
+
+    def _open(self, requester: _Requester, client: _Client, request: _Request) -> bytes:
+        content = self._files().get(request.path)
+        if content is None:
+            return _answer(request, _NOT_FOUND)
+        sessions = client.sessions
+        before = sessions.get(request.session)
+        if before is not None and not (before.is_read or before.content == content or self._is_idle(before)):
+            return _answer(request, _NO_ROOM)
+        if before is None and len(sessions) >= _MOST_SESSIONS:
+            idle = next((number for number, open_ in sessions.items() if self._is_idle(open_)), None)
+            if idle is None:
+                return _answer(request, _NO_ROOM)
+            self._close(requester, client, idle)
+            client.answered.clear()
+        self._close(requester, client, request.session)
+        sessions[request.session] = _Session(content, self._tick)
+        return _answer(request, len(content).to_bytes(4, "little"))
+
+    def _is_idle(self, session: _Session) -> bool:
+        return self._tick - session.used >= _IDLE
+
+    def _close(self, requester: _Requester, client: _Client, number: int) -> bytes | _Refused:
+        self._bursts.pop((requester, number), None)
+        return _NO_SESSION if client.sessions.pop(number, None) is None else b""
+
+    def _listed(self, request: _Request) -> bytes | _Refused:
+        """As many files as there is room for, from one on."""
+        if request.path not in _ROOTS:
+            return _NOT_FOUND
+        entries = [f"F{name}\t{len(content)}\0".encode() for name, content in self._files().items()]
+        listed = b""
+        for entry in entries[request.offset :]:
+            if len(listed) + len(entry) > _MOST_DATA:
+                break
+            listed += entry
+        return listed or _END
+
+    def _read(self, client: _Client, request: _Request) -> bytes | _Refused:
+        session = self._used(client, request)
+        if session is None:
+            return _NO_SESSION
+        piece = session.content[request.offset : request.offset + request.wanted]
+        session.is_read |= request.offset + len(piece) >= len(session.content)
+        return piece or _END
+
+    def _begin(self, requester: _Requester, client: _Client, request: _Request) -> bytes | None:
+        """Begin a burst, in place of one that there was in this session; its pieces come with the next ticks."""
+        session = self._used(client, request)
+        if session is None:
+            return _answer(request, _NO_SESSION)
+        self._bursts.pop((requester, request.session), None)
+        if request.offset >= len(session.content):
+            return _answer(request, _END)
+        self._bursts[requester, request.session] = _Burst(session, request.offset, request.wanted, request.sequence)
+        return None
+
+    def _used(self, client: _Client, request: _Request) -> _Session | None:
+        session = client.sessions.get(request.session)
+        if session is not None:
+            session.used = self._tick
+        return session
+
+    def _piece(self, burst: _Burst, number: int) -> bytes:
+        """The next piece of a burst, which then has come further."""
+        content, offset = burst.session.content, burst.offset
+        data = content[offset : offset + burst.size]
+        burst.session.used = self._tick
+        burst.sequence = burst.sequence + 1 & 0xFFFF
+        burst.offset += len(data)
+        burst.session.is_read |= burst.offset >= len(content)
+        head = _HEAD.pack(
+            burst.sequence,
+            number,
+            mav.MAV_FTP_OPCODE_ACK,
+            len(data),
+            mav.MAV_FTP_OPCODE_BURSTREADFILE,
+            burst.offset >= len(content),
+            offset,
+        )
+        return head + data
+
+
+_NOT_FOUND = _Refused(mav.MAV_FTP_ERR_FILENOTFOUND)
+_PROTECTED = _Refused(mav.MAV_FTP_ERR_FILEPROTECTED)
+_NO_SESSION = _Refused(mav.MAV_FTP_ERR_INVALIDSESSION)
+_NO_ROOM = _Refused(mav.MAV_FTP_ERR_NOSESSIONSAVAILABLE)
+_WRONG_SIZE = _Refused(mav.MAV_FTP_ERR_INVALIDDATASIZE)
+_UNKNOWN = _Refused(mav.MAV_FTP_ERR_UNKNOWNCOMMAND)
+_END = _Refused(mav.MAV_FTP_ERR_EOF)
+
+
+def _request_of(payload: bytes) -> _Request:
+    sequence, session, opcode, size, _, _, offset = _HEAD.unpack_from(payload)
+    return _Request(sequence, session, opcode, size, offset, payload[_HEAD.size :])
+
+
+def _answer(request: _Request, outcome: bytes | _Refused) -> bytes:
+    """The payload of an answer."""
+    if isinstance(outcome, _Refused):
+        opcode, data = mav.MAV_FTP_OPCODE_NAK, bytes((outcome.error,))
+    else:
+        opcode, data = mav.MAV_FTP_OPCODE_ACK, outcome
+    head = _HEAD.pack(
+        request.sequence + 1 & 0xFFFF,
+        request.session,
+        opcode,
+        len(data),
+        request.opcode,
+        0,
+        request.offset,
+    )
+    return head + data
+
+
+def _said(requester: _Requester, payload: bytes) -> Said:
+    link, station = requester
+    padded = list(payload.ljust(_PAYLOAD, b"\0"))
+    return Said(mav.MAVLink_file_transfer_protocol_message(0, station.system, station.component, padded), link)

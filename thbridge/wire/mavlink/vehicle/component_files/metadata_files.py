@@ -1,0 +1,88 @@
+"""The files that tell ground stations about a vehicle: which there are, and what its parameters mean.
+
+Source: the MAVLink developer guide, "Component Metadata Protocol"; the schemas in `component_metadata` of MAVLink's
+repository.
+Differs: files are not compressed, because libraries compress differently, and a replay says the same bytes on any
+machine. Parameters are of version 1, the only one that QGroundControl reads; the schema has been counted up since.
+"""
+
+import json
+import zlib
+from collections.abc import Mapping, Sequence
+from functools import cached_property, lru_cache
+from math import isfinite
+from types import MappingProxyType
+
+from thbridge.wire.mavlink.vehicle_interface import Description, Settings
+
+GENERAL = "general.json"
+PARAMETERS = "parameters.json"
+
+_VERSION = 1
+_TYPE_PARAMETER = 1
+"""Of COMP_METADATA_TYPE."""
+
+_KEPT = 16
+"""Different sets of parameters whose files are kept; robots of one study mostly share one."""
+
+
+class MetadataFiles:
+    """The files of one vehicle. They never change, as the protocol wants it.
+
+    Args:
+        settings: its parameters.
+    """
+
+    def __init__(self, settings: Settings) -> None:
+        self._settings = settings
+
+    @cached_property
+    def contents(self) -> Mapping[str, bytes]:
+        """Each file by its name."""
+        return _contents(tuple(self._settings.descriptions()))
+
+
+def uri(name: str) -> str:
+    """Where ground stations find a file of this component."""
+    return f"mftp://{name}"
+
+
+def checksum(content: bytes) -> int:
+    """A file's checksum as MAVLink's file transfer has it: CRC-32 that begins with 0, and is not inverted."""
+    return zlib.crc32(content, 0xFFFFFFFF) ^ 0xFFFFFFFF
+
+
+@lru_cache(_KEPT)
+def _contents(descriptions: tuple[Description, ...]) -> Mapping[str, bytes]:
+    parameters = _as_json({"version": _VERSION, "parameters": [_parameter(each) for each in descriptions]})
+    about = {"type": _TYPE_PARAMETER, "uri": uri(PARAMETERS), "fileCrc": checksum(parameters)}
+    general = {"version": _VERSION, "vendorName": "thbridge", "modelName": "rover", "metadataTypes": [about]}
+    return MappingProxyType({GENERAL: _as_json(general), PARAMETERS: parameters})
+
+
+def _parameter(described: Description) -> dict[str, object]:
+    """One parameter as its schema has it; what the schema takes for granted is left out."""
+    told: dict[str, object] = {
+        "name": described.name,
+        "type": "Float",
+        "shortDesc": described.meaning,
+        "longDesc": described.details,
+        "category": described.section,
+        "group": described.group,
+    }
+    if described.unit:
+        told["units"] = described.unit
+    for key, number in (("default", described.default), ("min", described.minimum), ("max", described.maximum)):
+        if number is not None and isfinite(number):
+            told[key] = int(number) if number == int(number) else number
+    if described.whole:
+        told |= {"decimalPlaces": 0, "increment": 1}
+    if described.words:
+        told["values"] = [{"value": place, "description": word} for place, word in enumerate(described.words)]
+    if described.fixed:
+        told["readOnly"] = True
+    return told
+
+
+def _as_json(content: Mapping[str, object] | Sequence[object]) -> bytes:
+    return json.dumps(content, separators=(",", ":"), allow_nan=False).encode("ascii")

@@ -1,0 +1,83 @@
+"""How a mission is read back from a robot, by any number of stations at a time.
+
+Source: the MAVLink developer guide, "Mission Protocol".
+"""
+
+from dataclasses import dataclass
+from typing import TypeAlias
+
+from sim.common.observations import TICKS_PER_SECOND
+from thbridge.wire.mavlink.dialect import mav
+from thbridge.wire.mavlink.outgoing import LinkId, Said
+from thbridge.wire.mavlink.vehicle.mission.ids import MissionCount
+from thbridge.wire.mavlink.vehicle.mission.items import Item, message_of, old_message_of
+from thbridge.wire.mavlink.vehicle.mission.peer import EMPTY_TYPES, MISSION, Peer
+from thbridge.wire.mavlink.vehicle.mission.run import MissionRun
+
+DOWNLOAD_PATIENCE = 6 * 3 * TICKS_PER_SECOND // 2
+"""Ticks after which whoever reads a plan has gone: all six tries of 1500 ms."""
+
+_Request: TypeAlias = mav.MAVLink_mission_request_message | mav.MAVLink_mission_request_int_message
+
+
+@dataclass(slots=True)
+class _Download:
+    """Somebody who reads the plan, which stays for them as it was when they began."""
+
+    plan: tuple[Item, ...]
+    asked: int
+
+
+class MissionDownloads:
+    """Those who read one robot's plan.
+
+    Args:
+        run: who has it.
+    """
+
+    def __init__(self, run: MissionRun) -> None:
+        self._run = run
+        self._downloads: dict[Peer, _Download] = {}
+        self._tick = 0
+
+    def begin(self, peer: Peer, mission_type: int) -> Said:
+        """Somebody asks how many items there are."""
+        if mission_type in EMPTY_TYPES:
+            return _count(peer, 0, mission_type)
+        if mission_type != MISSION:
+            return peer.ack(mav.MAV_MISSION_UNSUPPORTED, mission_type)
+        self._downloads[peer] = _Download(self._run.readable, self._tick)
+        return _count(peer, len(self._run.plan), mission_type, self._run.plan_id)
+
+    def item(self, peer: Peer, message: _Request) -> Said:
+        """Somebody asks for an item, in the form of its request."""
+        if message.mission_type not in (MISSION, *EMPTY_TYPES):
+            return peer.ack(mav.MAV_MISSION_UNSUPPORTED, message.mission_type)
+        download = self._downloads.get(peer)
+        if download is not None:
+            download.asked = self._tick
+        plan = self._run.readable if download is None else download.plan
+        seq = message.seq
+        if message.mission_type in EMPTY_TYPES or seq >= len(plan):
+            return peer.ack(mav.MAV_MISSION_INVALID_SEQUENCE, message.mission_type)
+        told = message_of if isinstance(message, mav.MAVLink_mission_request_int_message) else old_message_of
+        return Said(told(plan[seq], seq, seq == self._run.at, peer.station), peer.link)
+
+    def end(self, peer: Peer) -> None:
+        """Somebody has all that they want, or has changed the plan."""
+        self._downloads.pop(peer, None)
+
+    def step(self, tick: int) -> None:
+        """A tick has passed; who has not asked for long is forgotten."""
+        self._tick = tick
+        self._downloads = {
+            peer: there for peer, there in self._downloads.items() if tick - there.asked <= DOWNLOAD_PATIENCE
+        }
+
+    def forget(self, link: LinkId) -> None:
+        """A link is gone, and who read on it."""
+        self._downloads = {peer: there for peer, there in self._downloads.items() if peer.link != link}
+
+
+def _count(peer: Peer, count: int, mission_type: int, plan: int = 0) -> Said:
+    return Said(MissionCount(*peer.target, count, mission_type, plan), peer.link)

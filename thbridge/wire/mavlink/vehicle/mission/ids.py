@@ -1,0 +1,53 @@
+"""The number of a plan, by which a station knows whether the plan it has is the robot's; and the messages with it.
+
+Source: the MAVLink developer guide, "Mission Protocol", "Detecting Mission/Plan Changes". The fields are younger than
+pymavlink's dialect, so that its messages are lengthened here; whoever does not know them reads over them.
+"""
+
+import struct
+import zlib
+from collections.abc import Iterable
+
+from thbridge.wire.mavlink.dialect import mav
+from thbridge.wire.mavlink.extra_messages import extended
+from thbridge.wire.mavlink.vehicle.mission.items import Item
+
+_ITEM = struct.Struct("<HB4f2if?")
+
+
+def plan_id(items: Iterable[Item]) -> int:
+    """A number that is equal for equal plans and hardly for others; 0 for an empty one."""
+    crc = 0
+    for item in items:
+        crc = zlib.crc32(
+            _ITEM.pack(item.command, item.frame, *item.params, item.x, item.y, item.z, item.autocontinue), crc
+        )
+    return crc
+
+
+@extended("uint32_t opaque_id")
+class MissionAck(mav.MAVLink_mission_ack_message):
+    """MISSION_ACK that tells which plan the robot has now."""
+
+    def __init__(self, target_system: int, target_component: int, result: int, mission_type: int, plan: int) -> None:
+        super().__init__(target_system, target_component, result, mission_type)
+        self.opaque_id = plan
+
+
+@extended("uint32_t opaque_id")
+class MissionCount(mav.MAVLink_mission_count_message):
+    """MISSION_COUNT that tells which plan it is of."""
+
+    def __init__(self, target_system: int, target_component: int, count: int, mission_type: int, plan: int) -> None:
+        super().__init__(target_system, target_component, count, mission_type)
+        self.opaque_id = plan
+
+
+# Plans of fences and rally points, of which it has none, would follow.
+@extended("uint32_t mission_id")
+class MissionCurrent(mav.MAVLink_mission_current_message):
+    """MISSION_CURRENT that tells which plan the robot has."""
+
+    def __init__(self, seq: int, total: int, mission_state: int, mission_mode: int, plan: int) -> None:
+        super().__init__(seq, total, mission_state, mission_mode)
+        self.mission_id = plan

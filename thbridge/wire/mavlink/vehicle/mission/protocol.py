@@ -1,0 +1,287 @@
+"""How a mission comes to a robot: the mission protocol, without sockets and clocks; `mission_downloads` reads it back.
+
+Source: the MAVLink developer guide, "Mission Protocol".
+Differs: a partial list may be written, as ArduPilot's may, but becomes the plan only when it is complete.
+"""
+
+from collections.abc import Iterator
+from dataclasses import dataclass, field
+from typing import NamedTuple
+
+from sim.common.observations import TICKS_PER_SECOND
+from thbridge.wire.mavlink.dialect import Message, mav
+from thbridge.wire.mavlink.outgoing import LinkId, Said
+from thbridge.wire.mavlink.vehicle.mission.downloads import MissionDownloads
+from thbridge.wire.mavlink.vehicle.mission.items import Item, Unfit, item_of, unfit
+from thbridge.wire.mavlink.vehicle.mission.peer import EMPTY_TYPES, MISSION, Peer
+from thbridge.wire.mavlink.vehicle.mission.run import MissionRun
+from thbridge.wire.mavlink.vehicle.parts import Announce, Severity
+from thbridge.wire.mavlink.vehicle_interface import Denied, Readings, Refusal, Station
+
+LONGEST = 700
+"""Items of the longest mission."""
+
+ITEM_PATIENCE = -(-TICKS_PER_SECOND // 4)
+"""Ticks until an item is asked for again: 250 ms."""
+
+RETRIES = 5
+"""How often it is asked for again until the transfer is given up."""
+
+TRIES_OF_NEW_FORM = 4
+"""How often the first item is asked for as MISSION_ITEM_INT, before it is asked for in the form of old."""
+
+_ItemMessage = mav.MAVLink_mission_item_message | mav.MAVLink_mission_item_int_message
+
+_GUIDED = (2, 3)
+"""As an item's `current`: it belongs to no mission, but is a place to go to at once, or an altitude."""
+
+
+@dataclass(slots=True)
+class _Upload:
+    """A transfer to the robot under way.
+
+    Attributes:
+        peer: who sends.
+        kept_before: items of the plan as it is that come before the first one sent.
+        kept_after: those that come after the last one sent.
+        count: how many are sent.
+        asked: the tick in which the next item was last asked for.
+        retries: how often it was asked for again.
+        old_form: whether it is asked for in the form of old.
+        items: what has come, in order.
+    """
+
+    peer: Peer
+    kept_before: tuple[Item, ...]
+    kept_after: tuple[Item, ...]
+    count: int
+    asked: int
+    retries: int = 0
+    old_form: bool = False
+    items: list[Item] = field(default_factory=list)
+
+    @property
+    def next(self) -> int:
+        """The number of the item that is waited for."""
+        return len(self.kept_before) + len(self.items)
+
+    @property
+    def size(self) -> int:
+        """Items of the plan that this will be."""
+        return len(self.kept_before) + self.count + len(self.kept_after)
+
+
+class _Completed(NamedTuple):
+    """The upload that was completed last; its last item comes again if the acknowledgement got lost."""
+
+    peer: Peer
+    last: int
+
+
+class Missions:
+    """The transfer of one robot's plan: one to it at a time, any number from it.
+
+    Args:
+        run: who has the plan and carries it out.
+        announce: tells people why something is refused.
+    """
+
+    def __init__(self, run: MissionRun, announce: Announce) -> None:
+        self._run = run
+        self._announce = announce
+        self._upload: _Upload | None = None
+        self._downloads = MissionDownloads(run)
+        self._completed: _Completed | None = None
+        self._tick = 0
+
+    def hear(self, link: LinkId, sender: Station, message: Message) -> Iterator[Said]:
+        """What is answered; nothing to a message that is not of this protocol."""
+        peer = Peer(link, sender)
+        match message:
+            case mav.MAVLink_mission_count_message():
+                yield from self._hear_count(peer, message.count, message.mission_type)
+            case mav.MAVLink_mission_write_partial_list_message():
+                first, last = message.start_index, message.end_index
+                yield from self._hear_partial(peer, first, last, message.mission_type)
+            case mav.MAVLink_mission_item_int_message() | mav.MAVLink_mission_item_message():
+                if message.current not in _GUIDED:
+                    yield from self._hear_item(peer, message)
+            case mav.MAVLink_mission_request_list_message():
+                self._completed = None
+                yield self._downloads.begin(peer, message.mission_type)
+            case mav.MAVLink_mission_request_int_message() | mav.MAVLink_mission_request_message():
+                yield self._downloads.item(peer, message)
+            case mav.MAVLink_mission_request_partial_list_message():
+                yield peer.ack(mav.MAV_MISSION_UNSUPPORTED, message.mission_type)
+            case mav.MAVLink_mission_clear_all_message():
+                yield from self._hear_clear(peer, message.mission_type)
+            case mav.MAVLink_mission_set_current_message():
+                yield from self._hear_set_current(peer, message.seq)
+            case mav.MAVLink_mission_ack_message(mission_type=mav.MAV_MISSION_TYPE_MISSION):
+                yield from self._hear_ack(peer, message.type)
+
+    def step(self, tick: int, readings: Readings) -> Iterator[Said]:
+        """A tick has passed; an item that has not come is asked for again, and the mission goes on."""
+        self._tick = tick
+        self._downloads.step(tick)
+        yield from self._uploaded(tick)
+        yield from self._run.step(tick, readings)
+
+    def forget(self, link: LinkId) -> None:
+        """A link is gone, and with it the transfers on it."""
+        if self._upload is not None and self._upload.peer.link == link:
+            self._upload = None
+        if self._completed is not None and self._completed.peer.link == link:
+            self._completed = None
+        self._downloads.forget(link)
+
+    def _uploaded(self, tick: int) -> Iterator[Said]:
+        upload = self._upload
+        if upload is None or tick - upload.asked < ITEM_PATIENCE:
+            return
+        if upload.retries == RETRIES:
+            self._upload = None
+            yield upload.peer.ack(mav.MAV_MISSION_OPERATION_CANCELLED)
+            return
+        upload.retries += 1
+        if not upload.items:
+            # Until something has come, nobody knows which form the station understands.
+            upload.old_form = upload.retries >= TRIES_OF_NEW_FORM
+        yield self._asked(upload)
+
+    def _hear_count(self, peer: Peer, count: int, mission_type: int) -> Iterator[Said]:
+        if mission_type in EMPTY_TYPES and count == 0:
+            yield peer.ack(mav.MAV_MISSION_ACCEPTED, mission_type)
+        elif mission_type != MISSION:
+            yield peer.ack(mav.MAV_MISSION_UNSUPPORTED, mission_type)
+        elif (denied := self._denied(peer)) is not None:
+            yield from self._refused(peer, denied)
+        elif count > LONGEST:
+            self._upload = None
+            yield peer.ack(mav.MAV_MISSION_NO_SPACE)
+        elif count == 0:
+            yield from self._complete(peer, ())
+        else:
+            yield self._begun(_Upload(peer, (), (), count, self._tick))
+
+    def _hear_partial(self, peer: Peer, first: int, last: int, mission_type: int) -> Iterator[Said]:
+        plan = self._run.plan
+        # -1 is the end of the list; and a station may name an item more than there are.
+        last = len(plan) - 1 if last == -1 else min(last, len(plan) - 1)
+        if mission_type != MISSION:
+            yield peer.ack(mav.MAV_MISSION_UNSUPPORTED, mission_type)
+        elif (denied := self._denied(peer)) is not None:
+            yield from self._refused(peer, denied)
+        elif not 0 <= first <= last:
+            yield peer.ack(mav.MAV_MISSION_INVALID_SEQUENCE)
+        else:
+            count = last - first + 1
+            yield self._begun(_Upload(peer, plan[:first], plan[last + 1 :], count, self._tick))
+
+    def _hear_item(self, peer: Peer, message: _ItemMessage) -> Iterator[Said]:
+        upload = self._upload
+        if message.mission_type != MISSION:
+            yield peer.ack(mav.MAV_MISSION_UNSUPPORTED, message.mission_type)
+        elif upload is None:
+            yield from self._late_item(peer, message.seq)
+        elif upload.peer != peer:
+            yield peer.ack(mav.MAV_MISSION_DENIED)
+        elif message.seq > upload.next:
+            yield self._asked(upload)
+        elif message.seq == upload.next:
+            yield from self._next_item(upload, message)
+        else:
+            # One that is there already: the station has not heard what it is asked for, but it lives.
+            upload.retries = 0
+
+    def _late_item(self, peer: Peer, seq: int) -> Iterator[Said]:
+        """An item while none is waited for."""
+        if self._completed is None or self._completed.peer != peer:
+            yield peer.ack(mav.MAV_MISSION_ERROR)
+        elif self._completed.last == seq:
+            yield peer.ack(mav.MAV_MISSION_ACCEPTED, plan=self._run.plan_id)
+
+    def _next_item(self, upload: _Upload, message: _ItemMessage) -> Iterator[Said]:
+        item = self._admitted(message, upload.size)
+        if isinstance(item, Unfit):
+            self._upload = None
+            yield upload.peer.ack(item.result)
+            self._announce(Severity.WARNING, f"Mission refused: in item {message.seq}, {item.sentence}.")
+            return
+        upload.items.append(item)
+        upload.retries = 0
+        if len(upload.items) < upload.count:
+            yield self._asked(upload)
+        elif (denied := self._run.denied(upload.peer.station)) is not None:
+            yield from self._refused(upload.peer, denied)
+        else:
+            yield from self._complete(upload.peer, (*upload.kept_before, *upload.items, *upload.kept_after))
+            self._completed = _Completed(upload.peer, message.seq)
+
+    def _admitted(self, message: _ItemMessage, size: int) -> Item | Unfit:
+        item = item_of(message)
+        if isinstance(item, Unfit) or self._run.is_home(message.seq):
+            return item
+        return unfit(item, size) or item
+
+    def _hear_clear(self, peer: Peer, mission_type: int) -> Iterator[Said]:
+        if mission_type in EMPTY_TYPES:
+            yield peer.ack(mav.MAV_MISSION_ACCEPTED, mission_type)
+        elif mission_type not in (MISSION, mav.MAV_MISSION_TYPE_ALL):
+            yield peer.ack(mav.MAV_MISSION_UNSUPPORTED, mission_type)
+        elif (denied := self._denied(peer)) is not None:
+            yield from self._refused(peer, denied, mission_type)
+        else:
+            yield from self._complete(peer, (), mission_type)
+
+    def _hear_set_current(self, peer: Peer, seq: int) -> Iterator[Said]:
+        denied = self._run.denied(peer.station) or self._run.select(seq)
+        if denied is None:
+            yield Said(self._run.current())
+        else:
+            self._announce(Severity.WARNING, f"Mission item not set. {denied.sentence}")
+
+    def _hear_ack(self, peer: Peer, result: int) -> Iterator[Said]:
+        """The station says that it has all it asked for, or that it gives up."""
+        self._downloads.end(peer)
+        upload = self._upload
+        if upload is None or upload.peer != peer or result == mav.MAV_MISSION_ACCEPTED:
+            return
+        if upload.old_form and not upload.items and result == mav.MAV_MISSION_UNSUPPORTED:
+            # It does not know the form of old, which was tried because it had said nothing.
+            upload.old_form, upload.retries = False, 0
+            yield self._asked(upload)
+        else:
+            self._upload = None
+
+    def _denied(self, peer: Peer) -> Denied | None:
+        """Why this station may not change the plan now."""
+        if self._upload is not None and self._upload.peer != peer:
+            return Denied(f"A mission of {self._upload.peer.station} is coming in.", Refusal.NOT_NOW)
+        return self._run.denied(peer.station)
+
+    def _refused(self, peer: Peer, denied: Denied, mission_type: int = MISSION) -> Iterator[Said]:
+        """The plan is not changed; an upload of the same station that was under way is given up."""
+        if self._upload is not None and self._upload.peer == peer:
+            self._upload = None
+        self._announce(Severity.WARNING, f"Mission refused. {denied.sentence}")
+        yield peer.ack(mav.MAV_MISSION_DENIED, mission_type)
+
+    def _begun(self, upload: _Upload) -> Said:
+        """The upload is under way; one of the same station that was is given up."""
+        self._upload, self._completed = upload, None
+        return self._asked(upload)
+
+    def _asked(self, upload: _Upload) -> Said:
+        """The next item is asked for."""
+        upload.asked = self._tick
+        request = mav.MAVLink_mission_request_message if upload.old_form else mav.MAVLink_mission_request_int_message
+        return Said(request(*upload.peer.target, upload.next, MISSION), upload.peer.link)
+
+    def _complete(self, peer: Peer, plan: tuple[Item, ...], mission_type: int = MISSION) -> Iterator[Said]:
+        """The robot has a new plan."""
+        self._upload, self._completed = None, None
+        self._downloads.end(peer)
+        self._run.replace(plan)
+        yield peer.ack(mav.MAV_MISSION_ACCEPTED, mission_type, self._run.plan_id)
+        yield Said(self._run.current())

@@ -1,0 +1,322 @@
+"""A mission being carried out: one item after the other, each by way of the robot's helm.
+
+Source: the MAVLink developer guide, "Mission Protocol", and the descriptions in MAV_CMD.
+Differs: a waypoint is reached when the robot has arrived there, never by passing within the acceptance radius, because
+a point in a room is a move of the game and ends at that room's own place.
+"""
+
+import math
+from collections import Counter
+from collections.abc import Iterator
+from dataclasses import dataclass, replace
+
+from sim.common.observations import TICKS_PER_SECOND
+from thbridge.wire.mavlink.coordinates import PER_METRE, theta_of
+from thbridge.wire.mavlink.dialect import mav
+from thbridge.wire.mavlink.outgoing import Said
+from thbridge.wire.mavlink.vehicle.geodesy import Earth, Place
+from thbridge.wire.mavlink.vehicle.mission.ids import MissionCurrent, plan_id
+from thbridge.wire.mavlink.vehicle.mission.items import Item
+from thbridge.wire.mavlink.vehicle.mode.home import Home
+from thbridge.wire.mavlink.vehicle.parts import Announce, Severity
+from thbridge.wire.mavlink.vehicle_interface import Denied, Helm, LegState, Readings, Refusal, Station, Target
+
+_HOME = Item(mav.MAV_CMD_NAV_WAYPOINT, mav.MAV_FRAME_GLOBAL)
+"""What stands in a plan for where home is, which may change."""
+
+_NO_TOTAL = 2**16 - 1
+"""As a mission's length: there is none."""
+
+_IN_MISSION_MODE, _SUSPENDED = 1, 2
+
+_UNLIMITED = -1
+"""As a jump's repeats."""
+
+
+@dataclass(frozen=True, slots=True)
+class _Driving:
+    """The current item waits for the end of this leg."""
+
+    leg: int
+
+
+@dataclass(frozen=True, slots=True)
+class _Waiting:
+    """The current item waits for this tick; infinity: for ever."""
+
+    until: float
+
+
+@dataclass(frozen=True, slots=True)
+class _Jump:
+    """The mission goes on with this item."""
+
+    to: int
+
+
+_Stage = _Driving | _Waiting
+"""How far an item is."""
+
+
+class MissionRun:
+    """One robot's mission, and how far it is.
+
+    Args:
+        helm: the robot.
+        home: where it returns to.
+        earth: where its map lies.
+        announce: tells people what becomes of the mission.
+        ardupilot: read plans as ArduPilot does: the first item is home, whatever a station sends for it, a rover
+            looks wherever it likes at its waypoints, and a mission goes on by itself, whatever `autocontinue` says.
+    """
+
+    def __init__(self, helm: Helm, home: Home, earth: Earth, announce: Announce, ardupilot: bool) -> None:
+        self._ardupilot = ardupilot
+        self._helm = helm
+        self._home = home
+        self._earth = earth
+        self._announce = announce
+        self._plan: tuple[Item, ...] = ()
+        self._plan_id = plan_id(())
+        self._at = 0
+        self._last: int | None = None
+        self._state: int = mav.MISSION_STATE_NOT_STARTED
+        self._stage: _Stage | None = None
+        # The leg that the robot drives for the mission.
+        self._leg: int | None = None
+        self._jumps: Counter[int] = Counter()
+        self._commander: str | None = None
+
+    @property
+    def plan(self) -> tuple[Item, ...]:
+        """All items; where ArduPilot's home is, the first does not say."""
+        return self._plan
+
+    @property
+    def readable(self) -> tuple[Item, ...]:
+        """The items that can be read: those of the plan, and ArduPilot's home also where there is none."""
+        return (self._home_item(), *self._plan[1:]) if self._ardupilot else self._plan
+
+    @property
+    def plan_id(self) -> int:
+        """Tells this plan from others."""
+        return self._plan_id
+
+    @property
+    def at(self) -> int:
+        """The number of the item that is or will be carried out."""
+        return self._at
+
+    @property
+    def running(self) -> bool:
+        """Whether items are carried out; it stops by itself at its end, and where an item fails."""
+        return self._state == mav.MISSION_STATE_ACTIVE
+
+    def is_home(self, item: int) -> bool:
+        """Whether this item only tells where home is."""
+        return self._ardupilot and item == 0
+
+    def current(self) -> MissionCurrent:
+        """How the mission stands."""
+        state, total = (self._state, self._size) if self._size > 0 else (mav.MISSION_STATE_NO_MISSION, _NO_TOTAL)
+        mode = _IN_MISSION_MODE if self.running else _SUSPENDED
+        return MissionCurrent(self._at, total, state, mode, self._plan_id)
+
+    def denied(self, station: Station) -> Denied | None:
+        """Why this station may not change the mission: it is under way by another one's command."""
+        if self.running and self._commander not in (None, str(station)):
+            return Denied(f"A mission of {self._commander} is under way.", Refusal.NOT_NOW)
+        return None
+
+    def replace(self, plan: tuple[Item, ...]) -> None:
+        """From now on this is the plan.
+
+        A mission under way or paused stays where it is if it is the same up to its current item, and begins anew
+        otherwise.
+        """
+        if self._ardupilot and plan:
+            plan = (_HOME, *plan[1:])
+        done = self._at + 1
+        is_begun = self._state in (mav.MISSION_STATE_ACTIVE, mav.MISSION_STATE_PAUSED)
+        goes_on = is_begun and len(plan) >= done and plan[:done] == self._plan[:done]
+        self._plan, self._plan_id, self._last = plan, plan_id(plan), None
+        if not goes_on:
+            self._go(0)
+            self._jumps.clear()
+            if self._size <= 0 or not self.running:
+                self._stand()
+                self._state = mav.MISSION_STATE_NOT_STARTED
+
+    def start(self, first: int | None = None, last: int | None = None) -> Denied | None:
+        """Carry the mission out.
+
+        Args:
+            first: the item to begin with; None: where it stands, and from the beginning after its end.
+            last: the item to end with; None: the last.
+        """
+        if self._size <= 0:
+            return Denied("There is no mission.", Refusal.NOT_NOW)
+        if first is None and self._state == mav.MISSION_STATE_COMPLETE:
+            first = 0
+        if first is not None and first not in range(len(self._plan)):
+            return Denied(f"The mission has no item {first}.")
+        if last is not None and last not in range(self._at if first is None else first, len(self._plan)):
+            return Denied(f"The mission cannot end with item {last}.")
+        if first is not None:
+            self._go(first)
+            self._jumps.clear()
+        self._last = last
+        self._state = mav.MISSION_STATE_ACTIVE
+        return None
+
+    def pause(self) -> None:
+        """Carry nothing out any more; the current item begins anew when the mission goes on."""
+        if self.running:
+            self._state = mav.MISSION_STATE_PAUSED
+            self._stage = self._leg = None
+
+    def select(self, item: int) -> Denied | None:
+        """Go on with this item, now if the mission is under way and else when it starts."""
+        if item not in range(len(self._plan)):
+            return Denied(f"The mission has no item {item}.")
+        self._go(item)
+        self._jumps.clear()
+        if self._state == mav.MISSION_STATE_COMPLETE:
+            self._state = mav.MISSION_STATE_PAUSED
+        return None
+
+    def step(self, tick: int, readings: Readings) -> Iterator[Said]:
+        """A tick has passed."""
+        self._commander = readings.commander
+        if not self.running:
+            return
+        item = self._plan[self._at]
+        stage = self._begun(item, tick) if self._stage is None else self._gone_on(self._stage, item, tick, readings)
+        match stage:
+            case Denied(sentence):
+                self._stand()
+                self.pause()
+                self._announce(Severity.WARNING, f"Mission halted at item {self._at}. {sentence}")
+                yield Said(self.current())
+            case _Jump(to):
+                self._go(to)
+                yield Said(self.current())
+            case None:
+                yield from self._done(item)
+            case _Waiting() if self._stage is None:
+                # Another item may have been left for this one while the robot drove.
+                self._stand()
+                self._stage = stage
+            case _:
+                self._stage = stage
+
+    @property
+    def _size(self) -> int:
+        """Items to carry out."""
+        return len(self._plan) - self._ardupilot
+
+    def _home_item(self) -> Item:
+        place = self._home.place
+        return replace(_HOME, x=place.latitude, y=place.longitude, z=self._earth.altitude)
+
+    def _go(self, item: int) -> None:
+        """The mission goes on with this item, from its beginning."""
+        self._at, self._stage = item, None
+
+    def _begun(self, item: Item, tick: int) -> _Stage | _Jump | Denied | None:
+        """How far an item is that has just begun; None: it is done already."""
+        if self.is_home(self._at):
+            return None
+        first, second, _, _ = item.params
+        match item.command:
+            case mav.MAV_CMD_NAV_WAYPOINT | mav.MAV_CMD_NAV_LOITER_TIME | mav.MAV_CMD_NAV_LOITER_UNLIM:
+                return self._leg_to(self._target(item)) if item.has_place else _stay(item, tick)
+            case mav.MAV_CMD_NAV_RETURN_TO_LAUNCH:
+                return self._leg_to(self._home.target)
+            case mav.MAV_CMD_DO_SET_HOME if item.is_here:
+                return self._home.set_here()
+            case mav.MAV_CMD_DO_SET_HOME:
+                return self._home.set_to(Target(*self._point(item)))
+            case mav.MAV_CMD_NAV_DELAY | mav.MAV_CMD_CONDITION_DELAY:
+                return _Waiting(tick + first * TICKS_PER_SECOND)
+            case mav.MAV_CMD_DO_JUMP:
+                return self._jump(int(first), int(second))
+            case mav.MAV_CMD_DO_CHANGE_SPEED:
+                # NaN and -1: as it is; -2, as all below zero to the helm: as the study says.
+                return None if math.isnan(second) or second == -1 else self._helm.limit_speed(second)
+            case mav.MAV_CMD_IMAGE_START_CAPTURE:
+                return self._helm.photograph()
+            case mav.MAV_CMD_USER_1:
+                return self._helm.identify(int(first))
+            case _:
+                return self._helm.leave()
+
+    def _gone_on(self, stage: _Stage, item: Item, tick: int, readings: Readings) -> _Stage | Denied | None:
+        """How far an item is one tick later; None: it is done."""
+        if isinstance(stage, _Waiting):
+            return stage if tick < stage.until else None
+        leg = readings.leg
+        if leg is None or leg.number != stage.leg or leg.state is LegState.UNDER_WAY:
+            return stage
+        self._leg = None
+        if leg.state is LegState.FAILED:
+            return Denied(leg.reason or "The robot did not get there.")
+        return _stay(item, tick)
+
+    def _done(self, item: Item) -> Iterator[Said]:
+        """The current item is done."""
+        if not self.is_home(self._at):
+            yield Said(mav.MAVLink_mission_item_reached_message(self._at))
+        if self._at in (self._last, len(self._plan) - 1):
+            self._stand()
+            self._state, self._stage = mav.MISSION_STATE_COMPLETE, None
+            self._announce(Severity.INFO, "Mission complete.")
+        else:
+            self._go(self._at + 1)
+            if not (item.autocontinue or self._ardupilot):
+                self._stand()
+                self.pause()
+                self._announce(Severity.NOTICE, f"Mission waits before item {self._at}, as its plan says.")
+        yield Said(self.current())
+
+    def _leg_to(self, target: Target) -> _Driving | Denied:
+        number = self._helm.go_to(target)
+        if isinstance(number, Denied):
+            return number
+        self._leg = number
+        return _Driving(number)
+
+    def _stand(self) -> None:
+        """The robot is not to drive for the mission any more."""
+        if self._leg is not None:
+            self._helm.halt()
+            self._leg = None
+
+    def _jump(self, to: int, repeats: int) -> _Jump | None:
+        if repeats != _UNLIMITED and self._jumps[self._at] >= repeats:
+            return None
+        self._jumps[self._at] += 1
+        return _Jump(to)
+
+    def _target(self, item: Item) -> Target:
+        """Where an item leads, and which way the robot is to look there."""
+        yaw = item.params[3]
+        looks_anywhere = self._ardupilot or item.command == mav.MAV_CMD_NAV_LOITER_TIME or math.isnan(yaw)
+        return Target(*self._point(item), None if looks_anywhere else theta_of(math.radians(yaw)))
+
+    def _point(self, item: Item) -> tuple[float, float]:
+        """Where an item lies, metres east and north in the map."""
+        if item.frame == mav.MAV_FRAME_LOCAL_NED:
+            return item.y / PER_METRE, item.x / PER_METRE
+        return self._earth.point(Place(item.x, item.y))
+
+
+def _stay(item: Item, tick: int) -> _Waiting | None:
+    """How long the robot stays where an item has brought it."""
+    match item.command:
+        case mav.MAV_CMD_NAV_WAYPOINT | mav.MAV_CMD_NAV_LOITER_TIME if item.params[0] > 0.0:
+            return _Waiting(tick + item.params[0] * TICKS_PER_SECOND)
+        case mav.MAV_CMD_NAV_LOITER_UNLIM:
+            return _Waiting(math.inf)
+        case _:
+            return None

@@ -1,0 +1,108 @@
+"""Which ground station is in command of a robot, and whether it is still heard."""
+
+from sim.common.observations import TICKS_PER_SECOND
+from thbridge.wire.mavlink.conventions import BY_OTHERS, BY_PARTICIPANT
+from thbridge.wire.mavlink.vehicle_interface import NOTHING_KNOWN, PARTICIPANT, Denied, Helm, Readings, Refusal, Station
+
+_AWAY = TICKS_PER_SECOND
+"""Ticks of somebody else's command after which it counts as taken away. Before that it may be on its way: what a
+vehicle asks of the game, the game's readings show some ticks later."""
+
+
+class CommandOf:
+    """Who commands one robot, as its vehicle knows it.
+
+    Args:
+        helm: the robot.
+        lost_after: seconds without a heartbeat after which a station counts as lost.
+
+    Attributes:
+        lost_after: as above; may be set anew.
+    """
+
+    def __init__(self, helm: Helm, lost_after: float) -> None:
+        self._helm = helm
+        self.lost_after = lost_after
+        self._station: Station | None = None
+        self._heard = 0
+        self._away = 0
+        self._tick = 0
+        self._readings = NOTHING_KNOWN
+
+    @property
+    def station(self) -> Station | None:
+        """The station in command; None when none is. A researcher may have taken over for a while."""
+        return self._station
+
+    @property
+    def number(self) -> int:
+        """Who commands, as one number: a station's system id, `BY_PARTICIPANT`, or `BY_OTHERS`."""
+        if self._station is not None and not self.is_overruled:
+            return self._station.system
+        return BY_PARTICIPANT if self._readings.commanded_by == PARTICIPANT else BY_OTHERS
+
+    @property
+    def is_lost(self) -> bool:
+        """The station in command has not been heard for too long."""
+        return self._station is not None and self._tick - self._heard > self._patience
+
+    @property
+    def is_overruled(self) -> bool:
+        """Somebody beside the game drives the robot for a while; it comes back to the station in command."""
+        ours, readings = str(self._station), self._readings
+        if self._station is None or readings.commander not in (None, ours):
+            return False
+        return readings.commanded_by not in (PARTICIPANT, ours)
+
+    @property
+    def _patience(self) -> int:
+        return round(self.lost_after * TICKS_PER_SECOND)
+
+    def objection(self, station: Station) -> Denied | None:
+        """Why this station may not move the robot; None when it may."""
+        if self._station is None:
+            return Denied(f"Commanded by {self._readings.commanded_by}: arm the robot to take command.")
+        reserved = self.reserved(station)
+        if reserved is None and self.is_overruled:
+            return Denied(f"Commanded by {self._readings.commanded_by} just now.", Refusal.NOT_NOW)
+        return reserved
+
+    def reserved(self, station: Station) -> Denied | None:
+        """Why this station may not settle what the robot does later; None when no other station is in command."""
+        if self._station in (None, station):
+            return None
+        return Denied(f"Commanded by {self._station}.")
+
+    def take(self, station: Station, by_force: bool = False) -> Denied | None:
+        """Put a station in command; from another one that is still heard only by force."""
+        if station == self._station:
+            return None
+        if self._station is not None and not by_force and not self.is_lost:
+            return Denied(f"Commanded by {self._station}: arm by force to take it over.")
+        denied = self._helm.take(station)
+        if denied is None:
+            self._station, self._heard, self._away = station, self._tick, 0
+        return denied
+
+    def release(self) -> None:
+        """Give the command back to the participant, if a station has it."""
+        if self._station is not None:
+            self._station = None
+            self._helm.release()
+
+    def heartbeat(self, station: Station) -> None:
+        """A station, of which any component may have spoken, is there."""
+        if self._station is not None and station.system == self._station.system:
+            self._heard = self._tick
+
+    def follow(self, tick: int, readings: Readings) -> bool:
+        """A tick has passed; whether the command was taken from the station since."""
+        self._tick, self._readings = tick, readings
+        if self._station is None or readings.commander == str(self._station) or self.is_overruled:
+            self._away = 0
+            return False
+        self._away += 1
+        if self._away < _AWAY:
+            return False
+        self._station = None
+        return True

@@ -1,0 +1,170 @@
+"""What drives a robot without acknowledgement, many times a second: sticks and setpoints."""
+
+import math
+from collections.abc import Iterator
+from typing import TypeAlias
+
+from sim.common.observations import Twist
+from thbridge.wire.mavlink.coordinates import GLOBAL, LOCAL, point_in_map, theta_of
+from thbridge.wire.mavlink.dialect import Message, mav
+from thbridge.wire.mavlink.modes import Mode
+from thbridge.wire.mavlink.outgoing import LinkId, Said
+from thbridge.wire.mavlink.vehicle.geodesy import Earth, Place
+from thbridge.wire.mavlink.vehicle.mode.manual_control import Velocity
+from thbridge.wire.mavlink.vehicle.mode.operator_control import CommandOf
+from thbridge.wire.mavlink.vehicle.mode.state_machine import Conduct
+from thbridge.wire.mavlink.vehicle.parts import Announce, tell_why_not
+from thbridge.wire.mavlink.vehicle_interface import NOTHING_KNOWN, Denied, Helm, Readings, Station, Target
+
+_NO_AXIS = 0x7FFF
+"""Of a stick that is not there."""
+_FULL_STICK = 1000.0
+
+_RC_MIDDLE, _RC_FULL = 1500, 500.0
+_RC_RANGE = range(800, 2201)
+"""Microseconds that a receiver of radio control can give; numbers beyond mean that a channel is left alone."""
+_RC_RELEASED = 0
+
+_IGNORE_POSITION = 0b11
+_IGNORE_VELOCITY = 0b11 << 3
+_IGNORE_YAW = 1 << 10
+_IGNORE_YAW_RATE = 1 << 11
+
+_Setpoint: TypeAlias = mav.MAVLink_set_position_target_local_ned_message | (
+    mav.MAVLink_set_position_target_global_int_message
+)
+
+
+class Controls:
+    """Sticks and setpoints of one vehicle; a `Part`.
+
+    Setpoints and sticks come many times a second, have no acknowledgement, and are sent by stations that do not mean
+    to drive just now. So they are passed over in silence unless the mode is the one for them; then a station that is
+    not in command is told so.
+
+    Args:
+        system: its system id; MANUAL_CONTROL names no component.
+        helm: the robot.
+        conduct: its modes.
+        command: who is in command of it.
+        earth: where its map lies.
+        announce: tells people.
+    """
+
+    def __init__(
+        self,
+        system: int,
+        helm: Helm,
+        conduct: Conduct,
+        command: CommandOf,
+        earth: Earth,
+        announce: Announce,
+    ) -> None:
+        self._system = system
+        self._helm = helm
+        self._conduct = conduct
+        self._command = command
+        self._earth = earth
+        self._announce = announce
+        self._readings = NOTHING_KNOWN
+
+    def hear(self, link: LinkId, sender: Station, message: Message) -> Iterator[Said]:
+        """A stick or a setpoint; nothing is answered."""
+        match message:
+            case mav.MAVLink_manual_control_message():
+                if message.target == self._system:
+                    self._stick(sender, message)
+            case mav.MAVLink_rc_channels_override_message():
+                self._radio(sender, message)
+            case (
+                mav.MAVLink_set_position_target_local_ned_message()
+                | mav.MAVLink_set_position_target_global_int_message()
+            ):
+                tell_why_not(self._announce, self._setpoint(sender, message))
+        return iter(())
+
+    def step(self, tick: int, readings: Readings) -> Iterator[Said]:
+        """Nothing is said unasked."""
+        self._readings = readings
+        return iter(())
+
+    def forget(self, link: LinkId) -> None:
+        """Nothing is known of links."""
+
+    # -- sticks -------------------------------------------------------------------------------------------------------
+
+    def _stick(self, sender: Station, message: mav.MAVLink_manual_control_message) -> None:
+        """Forward is x; to turn is r, or y where there is no r. To the right is positive, whatever the standard's text
+        says of r: so all ground stations send it."""
+        forward = message.x
+        turn = message.y if message.r == _NO_AXIS else message.r
+        if _NO_AXIS not in (forward, turn):
+            self._drive(sender, forward / _FULL_STICK, turn / _FULL_STICK)
+
+    def _radio(self, sender: Station, message: mav.MAVLink_rc_channels_override_message) -> None:
+        """Channel 1 steers and channel 3 is the throttle, as on ArduPilot's rovers."""
+        steering, throttle = message.chan1_raw, message.chan3_raw
+        if steering in _RC_RANGE or throttle in _RC_RANGE:
+            turn, forward = (
+                (value - _RC_MIDDLE) / _RC_FULL if value in _RC_RANGE else 0.0 for value in (steering, throttle)
+            )
+            self._drive(sender, forward, turn)
+        elif _RC_RELEASED in (steering, throttle) and self._conduct.is_by_hand:
+            # Given back to a radio that is not there.
+            self._drive(sender, 0.0, 0.0)
+
+    def _drive(self, sender: Station, forward: float, turn: float) -> None:
+        """Drive by hand: parts of the fastest, ahead and to the right."""
+        if self._conduct.mode is not Mode.MANUAL:
+            return
+        fastest = self._helm.fastest()
+        twist = Twist(forward * fastest.linear, -turn * fastest.angular)
+        tell_why_not(self._announce, self._command.objection(sender) or self._conduct.drive(twist))
+
+    # -- setpoints ----------------------------------------------------------------------------------------------------
+
+    def _setpoint(self, sender: Station, message: _Setpoint) -> Denied | None:
+        if self._conduct.mode is not Mode.GUIDED:
+            return None
+        objection = self._command.objection(sender)
+        if objection is not None:
+            return objection
+        mask = message.type_mask
+        yaw = None if mask & _IGNORE_YAW else message.yaw
+        yaw_rate = 0.0 if mask & _IGNORE_YAW_RATE else message.yaw_rate
+        if mask & _IGNORE_POSITION == 0:
+            point = self._point(message)
+            if point is None or not _all_finite(*point, yaw or 0.0):
+                return Denied("This setpoint is none that the robot understands.")
+            return self._conduct.follow_target(Target(*point, None if yaw is None else theta_of(yaw)))
+        velocity = self._velocity(message, yaw_rate)
+        if velocity is None:
+            return Denied("This setpoint is none that the robot understands.")
+        return self._conduct.follow_velocity(velocity)
+
+    def _point(self, message: _Setpoint) -> tuple[float, float] | None:
+        """The point of the map that is meant."""
+        if isinstance(message, mav.MAVLink_set_position_target_global_int_message):
+            if message.coordinate_frame not in GLOBAL:
+                return None
+            return self._earth.point(Place(message.lat_int, message.lon_int))
+        if message.coordinate_frame not in LOCAL:
+            return None
+        return point_in_map(message.coordinate_frame, message.x, message.y, self._readings.base_in_map)
+
+    def _velocity(self, message: _Setpoint, yaw_rate: float) -> Velocity | None:
+        """The velocity that is meant; turning on the spot where only a rate of turn is given."""
+        if message.type_mask & _IGNORE_VELOCITY == _IGNORE_VELOCITY:
+            if message.type_mask & _IGNORE_YAW_RATE:
+                return None
+            velocity = Velocity(mav.MAV_FRAME_BODY_FRD, 0.0, 0.0, yaw_rate)
+        else:
+            # A velocity at a place on earth is along the map's axes.
+            frame = mav.MAV_FRAME_LOCAL_NED if message.coordinate_frame in GLOBAL else message.coordinate_frame
+            velocity = Velocity(frame, message.vx, message.vy, yaw_rate)
+        is_one = velocity.frame in LOCAL and _all_finite(velocity.first, velocity.second, yaw_rate)
+        return velocity if is_one else None
+
+
+def _all_finite(*values: float) -> bool:
+    return all(math.isfinite(value) for value in values)

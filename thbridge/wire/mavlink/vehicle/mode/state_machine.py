@@ -1,0 +1,327 @@
+"""How a robot behaves under MAVLink: its mode, and what it does in it.
+
+Whoever calls says nothing of who asks: whether a station may move the robot, `CommandOf` knows.
+"""
+
+from dataclasses import dataclass
+
+from sim.common.observations import TICKS_PER_SECOND, Twist
+from thbridge.wire.mavlink.conventions import ARRIVED
+from thbridge.wire.mavlink.modes import Mode
+from thbridge.wire.mavlink.options import Failsafe
+from thbridge.wire.mavlink.vehicle.mode.home import Home
+from thbridge.wire.mavlink.vehicle.mode.manual_control import Hand, Velocity
+from thbridge.wire.mavlink.vehicle.mode.operator_control import CommandOf
+from thbridge.wire.mavlink.vehicle.parts import Announce, Plan, Severity, tell_why_not
+from thbridge.wire.mavlink.vehicle_interface import (
+    NOTHING_KNOWN,
+    Denied,
+    Helm,
+    Leg,
+    LegState,
+    Readings,
+    Refusal,
+    Station,
+    Target,
+)
+
+_STOPPING = TICKS_PER_SECOND
+"""Ticks after a halt in which a robot that still moves does so because it is stopping."""
+
+
+@dataclass(frozen=True, slots=True)
+class Paused:
+    """What goes on when the robot is told to continue.
+
+    Attributes:
+        mode: in which it was.
+        target: to which it was under way.
+    """
+
+    mode: Mode
+    target: Target | None
+
+
+class Conduct:
+    """The modes of one robot.
+
+    Args:
+        helm: the robot.
+        hand: drives it.
+        command: who commands it.
+        plan: its mission.
+        home: where it returns to.
+        failsafe: what it does when the station that commands it is lost.
+        announce: tells people.
+
+    Attributes:
+        failsafe: as above; may be set anew.
+    """
+
+    def __init__(
+        self,
+        helm: Helm,
+        hand: Hand,
+        command: CommandOf,
+        plan: Plan,
+        home: Home,
+        failsafe: Failsafe,
+        announce: Announce,
+    ) -> None:
+        self._helm = helm
+        self._command = command
+        self._plan = plan
+        self._home = home
+        self._hand = hand
+        self.failsafe = failsafe
+        self._announce = announce
+        self._readings = NOTHING_KNOWN
+        self._tick = 0
+        self._mode = Mode.HOLD
+        self._target: Target | None = None
+        self._leg: int | None = None
+        self._paused: Paused | None = None
+        self._stopped_at = -_STOPPING
+        self._carries_on = False
+
+    @property
+    def mode(self) -> Mode:
+        """The mode as ground stations are shown it: a robot that somebody else sends about is guided."""
+        commanded = self._command.station is not None
+        if self._is_moved() and (self._mode is Mode.HOLD or (not commanded and not self._is_under_way())):
+            return Mode.GUIDED
+        return self._mode
+
+    @property
+    def armed(self) -> bool:
+        """A station may move it, or it moves."""
+        return self._command.station is not None or self._is_moved()
+
+    @property
+    def leg(self) -> Leg | None:
+        """The way that it was last sent by itself, as long as no other took its place."""
+        leg = self._readings.leg
+        return leg if leg is not None and leg.number == self._leg else None
+
+    @property
+    def sent(self) -> int | None:
+        """The number of the way that it was last sent; None when it was called off."""
+        return self._leg
+
+    def arm(self, station: Station, by_force: bool) -> Denied | None:
+        """Put a station in command. The robot goes on with what it is about; or it begins with what the mode is about
+        that was chosen while no station commanded it."""
+        before = self._command.station
+        denied = self._command.take(station, by_force)
+        if denied is not None or before == station:
+            return denied
+        self._carries_on = False
+        self._announce(Severity.NOTICE, f"Commanded by {station}.")
+        if before is None and self._mode is not Mode.HOLD:
+            chosen, self._mode = self._mode, Mode.HOLD
+            tell_why_not(self._announce, self.enter(chosen))
+        return None
+
+    def disarm(self) -> None:
+        """Stop, and give the command back."""
+        self.stop()
+        self._give_back()
+
+    def choose(self, station: Station, mode: Mode) -> Denied | None:
+        """Change the mode for a station. Anybody may stop; what nobody commands only remembers what it is to do."""
+        if mode is Mode.HOLD:
+            self.stop()
+            return None
+        if self._command.station is None:
+            self._mode = mode
+            self._announce(Severity.NOTICE, f"Mode {mode.value} begins when the robot is armed.")
+            return None
+        return self._command.objection(station) or self.enter(mode)
+
+    def enter(self, mode: Mode) -> Denied | None:
+        """Change the mode; denied, it stays as it was, or holds."""
+        match mode:
+            case Mode.AUTO:
+                return self.run(None, None)
+            case Mode.RETURN:
+                return self.go_home()
+            case Mode.HOLD:
+                self.stop()
+            case Mode.GUIDED | Mode.MANUAL if mode is not self._mode:
+                self.stop()
+                self._mode = mode
+        return None
+
+    def stop(self) -> None:
+        """Stop, whoever sent the robot, and hold."""
+        self._leave()
+        self._helm.halt()
+        self._mode = Mode.HOLD
+        self._stopped_at = self._tick
+
+    def run(self, first: int | None, last: int | None) -> Denied | None:
+        """Run the mission: see `Plan.start`."""
+        if self._mode is Mode.AUTO and self._plan.running and first is None and last is None:
+            return None
+        if self._readings.under_way and not self._plan.running:
+            # A mission may begin with standing still.
+            self.stop()
+        denied = self._plan.start(first, last)
+        if denied is None:
+            self._forget_way()
+            self._mode = Mode.AUTO
+        return denied
+
+    def go_home(self) -> Denied | None:
+        """Return to where home is now."""
+        return self._go(self._home.target, Mode.RETURN)
+
+    def go(self, target: Target, speed: float | None = None) -> Denied | None:
+        """Drive to a point; at most this fast from now on, if that is said."""
+        if speed is not None:
+            denied = self._helm.limit_speed(speed)
+            if denied is not None:
+                return denied
+        return self._go(target, Mode.GUIDED)
+
+    def follow_target(self, target: Target) -> Denied | None:
+        """Drive to a point that is said again and again; only in mode guided, or else it is passed over."""
+        if self._mode is not Mode.GUIDED or self._is_same(target):
+            return None
+        return self._go(target, Mode.GUIDED)
+
+    def follow_velocity(self, velocity: Velocity) -> Denied | None:
+        """Drive at a velocity that is said again and again; only in mode guided, or else it is passed over."""
+        if self._mode is not Mode.GUIDED:
+            return None
+        denied = self._hand.follow(velocity, self._tick, self._readings.base_in_map)
+        if denied is None:
+            self._leg = self._target = self._paused = None
+        return denied
+
+    def drive(self, twist: Twist) -> Denied | None:
+        """Drive by hand; only in mode manual, or else it is passed over."""
+        if self._mode is not Mode.MANUAL:
+            return None
+        return self._hand.follow(twist, self._tick, self._readings.base_in_map)
+
+    @property
+    def is_by_hand(self) -> bool:
+        """It is driven by hand just now."""
+        return self._mode is Mode.MANUAL and self._hand.drives
+
+    def pause(self) -> None:
+        """Stop, and remember what it was about."""
+        paused = self._paused
+        if paused is None and self._mode is not Mode.HOLD:
+            paused = Paused(self._mode, self._target if self._is_under_way() else None)
+        self.stop()
+        self._paused = paused
+
+    def proceed(self) -> Denied | None:
+        """Go on with what a pause broke off; what goes on already does so."""
+        if self._mode is not Mode.HOLD:
+            return None
+        paused = self._paused
+        if paused is None:
+            return Denied("There is nothing to continue.", Refusal.NOT_NOW)
+        denied = self._go(paused.target, paused.mode) if paused.target is not None else self.enter(paused.mode)
+        if denied is None:
+            self._paused = None
+        return denied
+
+    def select(self, item: int) -> Denied | None:
+        """Go on in the mission with this item."""
+        return self._plan.select(item)
+
+    def step(self, tick: int, readings: Readings) -> None:
+        """A tick has passed."""
+        before = self.leg
+        self._tick, self._readings = tick, readings
+        taken_away = self._command.follow(tick, readings)
+        if taken_away:
+            self._leave()
+            self._mode = Mode.HOLD
+            self._announce(Severity.WARNING, f"Commanded by {readings.commanded_by} now.")
+        self._tell_end(before, self.leg)
+        self._hand.step(tick, readings.base_in_map)
+        if self._is_over():
+            self._mode = Mode.HOLD
+        if self._command.is_lost:
+            self._step_failsafe()
+        else:
+            self._carries_on = False
+
+    def _step_failsafe(self) -> None:
+        if self._command.is_overruled:
+            # Whoever drives it just now is no concern of a station that is gone, and nothing is left to go on with.
+            self._leave()
+            self._mode = Mode.HOLD
+            self._give_back()
+            return
+        if self._carries_on:
+            if not self._plan.running and not self._is_under_way():
+                self._mode = Mode.HOLD
+                self._give_back()
+            return
+        what = {Failsafe.STOP: "stops", Failsafe.HOME: "goes home", Failsafe.CONTINUE: "carries on"}[self.failsafe]
+        self._announce(Severity.CRITICAL, f"{self._command.station} is lost: the robot {what}.")
+        if self.failsafe is Failsafe.CONTINUE:
+            self._carries_on = True
+            return
+        denied = self.go_home() if self.failsafe is Failsafe.HOME else None
+        tell_why_not(self._announce, denied)
+        if self.failsafe is Failsafe.STOP or denied is not None:
+            self.stop()
+        self._give_back()
+
+    def _give_back(self) -> None:
+        if self._command.station is not None:
+            self._command.release()
+            self._announce(Severity.NOTICE, "Commanded by the participant again.")
+
+    def _go(self, target: Target, mode: Mode) -> Denied | None:
+        number = self._helm.go_to(target)
+        if isinstance(number, Denied):
+            return number
+        self._leave()
+        self._leg, self._target, self._mode = number, target, mode
+        return None
+
+    def _is_over(self) -> bool:
+        """The mode was about something that has come to its end; on its way home, whoever is in command then."""
+        if self._command.station is not None:
+            return self._mode is Mode.AUTO and not self._plan.running
+        return self._mode is Mode.RETURN and self._leg is not None and not self._is_under_way()
+
+    def _is_same(self, target: Target) -> bool:
+        leg = self.leg
+        failed = leg is not None and leg.state is LegState.FAILED
+        return self._leg is not None and target == self._target and not failed
+
+    def _is_under_way(self) -> bool:
+        """On its way, or about to be: the readings show a new way some ticks after it was asked for."""
+        leg = self.leg
+        return self._leg is not None and (leg is None or leg.state is LegState.UNDER_WAY)
+
+    def _is_moved(self) -> bool:
+        return self._readings.under_way and self._tick - self._stopped_at >= _STOPPING
+
+    def _leave(self) -> None:
+        """Break off what the mode was about; the robot itself is not halted."""
+        if self._plan.running:
+            self._plan.pause()
+        self._forget_way()
+
+    def _forget_way(self) -> None:
+        self._leg = self._target = self._paused = None
+        self._hand.let_go()
+
+    def _tell_end(self, before: Leg | None, now: Leg | None) -> None:
+        """Tell how a way ended that was under way before."""
+        if now is None or now.state is LegState.UNDER_WAY or now == before:
+            return
+        if now.state is LegState.ARRIVED:
+            self._announce(Severity.INFO, ARRIVED)
+        else:
+            self._announce(Severity.WARNING, now.reason or "The robot did not get there.")

@@ -1,0 +1,106 @@
+"""The few parameters that a vehicle has of its own, under ArduPilot's names for rovers, before those of its robot.
+
+Source: ArduPilot's parameter list of Rover: SYSID_THISMAV, FS_GCS_TIMEOUT, FS_ACTION.
+Differs: FS_ACTION has no other values than these three, and there is no FS_GCS_ENABLE beside it: 0 is to carry on.
+"""
+
+from collections.abc import Mapping, Sequence
+
+import numpy as np
+
+from thbridge.wire.mavlink.options import LONGEST_PATIENCE, SHORTEST_PATIENCE, Failsafe
+from thbridge.wire.mavlink.vehicle.mode.operator_control import CommandOf
+from thbridge.wire.mavlink.vehicle.mode.state_machine import Conduct
+from thbridge.wire.mavlink.vehicle_interface import Denied, Description, Refusal, Setting, Settings
+
+SYSTEM_ID = "SYSID_THISMAV"
+TIMEOUT = "FS_GCS_TIMEOUT"
+ACTION = "FS_ACTION"
+
+ACTIONS: Mapping[Failsafe, int] = {Failsafe.CONTINUE: 0, Failsafe.HOME: 1, Failsafe.STOP: 2}
+"""What `FS_ACTION` is told as: ArduPilot's nothing, RTL and hold."""
+
+_SECTION, _GROUP = "mavlink", "vehicle"
+
+
+class OwnParameters:
+    """`Settings` of one vehicle.
+
+    Args:
+        system: its system id, which is its robot's number and does not change.
+        robot: the parameters of its robot.
+        command: who commands it, and how long a lost station is waited for.
+        conduct: what it does then.
+    """
+
+    def __init__(self, system: int, robot: Settings, command: CommandOf, conduct: Conduct) -> None:
+        self._system = system
+        self._robot = robot
+        self._command = command
+        self._conduct = conduct
+        self._at_first = {own.name: own.value for own in self._own()}
+
+    def descriptions(self) -> Sequence[Description]:
+        """See `Settings`."""
+        return (
+            Description(SYSTEM_ID, "the robot's number", "system id of MAVLink", _SECTION, _GROUP, fixed=True),
+            Description(
+                TIMEOUT,
+                "time without heartbeats after which a station counts as lost",
+                "mavlink.lost_after of the study",
+                _SECTION,
+                _GROUP,
+                "s",
+                self._at_first[TIMEOUT],
+                SHORTEST_PATIENCE,
+                LONGEST_PATIENCE,
+            ),
+            Description(
+                ACTION,
+                "what a robot does whose ground station is lost",
+                "mavlink.failsafe of the study",
+                _SECTION,
+                _GROUP,
+                default=self._at_first[ACTION],
+                whole=True,
+                words=tuple(failsafe.value for failsafe in sorted(ACTIONS, key=ACTIONS.__getitem__)),
+            ),
+            *self._robot.descriptions(),
+        )
+
+    def settings(self) -> Sequence[Setting]:
+        """See `Settings`."""
+        return (*self._own(), *self._robot.settings())
+
+    def setting(self, name: str) -> Setting | None:
+        """See `Settings`."""
+        return next((own for own in self._own() if own.name == name), None) or self._robot.setting(name)
+
+    def change(self, name: str, value: float) -> Setting | Denied:
+        """See `Settings`."""
+        before = self.setting(name)
+        if before is None or name not in (SYSTEM_ID, TIMEOUT, ACTION):
+            return self._robot.change(name, value)
+        denied = None if value == before.value else self._turn(name, value)
+        return denied or Setting(name, value)
+
+    def _turn(self, name: str, value: float) -> Denied | None:
+        if name == SYSTEM_ID:
+            return Denied(f"{SYSTEM_ID} is the robot's number.", Refusal.UNSUPPORTED)
+        if name == TIMEOUT:
+            if not SHORTEST_PATIENCE <= value <= LONGEST_PATIENCE:
+                return Denied(f"{TIMEOUT} is {SHORTEST_PATIENCE:g} to {LONGEST_PATIENCE:g} s, not {value:g}.")
+            self._command.lost_after = value
+            return None
+        for failsafe, told in ACTIONS.items():
+            if value == told:
+                self._conduct.failsafe = failsafe
+                return None
+        return Denied(f"{ACTION} is 0 (carry on), 1 (go home) or 2 (stop), not {value:g}.")
+
+    def _own(self) -> tuple[Setting, ...]:
+        return (
+            Setting(SYSTEM_ID, float(self._system)),
+            Setting(TIMEOUT, float(np.float32(self._command.lost_after))),
+            Setting(ACTION, float(ACTIONS[self._conduct.failsafe])),
+        )

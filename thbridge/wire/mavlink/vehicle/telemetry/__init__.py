@@ -1,0 +1,1 @@
+"""Telemetry: what a vehicle says of itself, in which streams, how often, to whom."""

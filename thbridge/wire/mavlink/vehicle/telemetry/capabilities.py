@@ -1,0 +1,88 @@
+"""What is said of a vehicle that never changes: what it can do, which modes there are."""
+
+from collections.abc import Callable, Mapping
+
+from thbridge.wire.mavlink.dialect import Message, mav
+from thbridge.wire.mavlink.extra_messages import ComponentInformation, ComponentMetadata, ProtocolVersion
+from thbridge.wire.mavlink.modes import Mode, custom_mode, standard_mode
+from thbridge.wire.mavlink.options import Identity
+from thbridge.wire.mavlink.vehicle.boot_time import microseconds, milliseconds
+from thbridge.wire.mavlink.vehicle.component_files.metadata_files import GENERAL, MetadataFiles, checksum, uri
+from thbridge.wire.mavlink.vehicle.geodesy import Earth
+
+_CAPABILITIES = (
+    mav.MAV_PROTOCOL_CAPABILITY_PARAM_FLOAT
+    | mav.MAV_PROTOCOL_CAPABILITY_PARAM_ENCODE_C_CAST
+    | mav.MAV_PROTOCOL_CAPABILITY_MISSION_INT
+    | mav.MAV_PROTOCOL_CAPABILITY_COMMAND_INT
+    | mav.MAV_PROTOCOL_CAPABILITY_FTP
+    | mav.MAV_PROTOCOL_CAPABILITY_SET_POSITION_TARGET_LOCAL_NED
+    | mav.MAV_PROTOCOL_CAPABILITY_SET_POSITION_TARGET_GLOBAL_INT
+    | mav.MAV_PROTOCOL_CAPABILITY_MAVLINK2
+)
+
+
+class Particulars:
+    """What never changes of one vehicle.
+
+    Args:
+        system: its system id.
+        identity: whose autopilot it says it has.
+        earth: where its map lies.
+        files: about it.
+    """
+
+    def __init__(self, system: int, identity: Identity, earth: Earth, files: MetadataFiles) -> None:
+        self._system = system
+        self._identity = identity
+        self._earth = earth
+        self._altitude = round(earth.altitude * 1000.0)
+        self._files = files
+
+    def makers(self) -> Mapping[int, Callable[[int], Message]]:
+        """What makes each message, by its id, in a tick."""
+        return {
+            mav.MAVLINK_MSG_ID_GPS_GLOBAL_ORIGIN: self._gps_global_origin,
+            mav.MAVLINK_MSG_ID_AUTOPILOT_VERSION: self._autopilot_version,
+            mav.MAVLINK_MSG_ID_EXTENDED_SYS_STATE: self._extended_sys_state,
+            ProtocolVersion.id: self._protocol_version,
+            ComponentInformation.id: self._component_information,
+            ComponentMetadata.id: self._component_metadata,
+            mav.MAVLINK_MSG_ID_AVAILABLE_MODES_MONITOR: self._available_modes_monitor,
+        }
+
+    def available_mode(self, place: int) -> Message:
+        """One of the modes there are, by its place from 1."""
+        mode = list(Mode)[place - 1]
+        custom, standard = custom_mode(self._identity, mode), standard_mode(mode)
+        return mav.MAVLink_available_modes_message(len(Mode), place, standard, custom, 0, mode.value.encode())
+
+    def _gps_global_origin(self, tick: int) -> Message:
+        place, now = self._earth.place(0.0, 0.0), microseconds(tick)
+        return mav.MAVLink_gps_global_origin_message(place.latitude, place.longitude, self._altitude, now)
+
+    def _extended_sys_state(self, tick: int) -> Message:
+        return mav.MAVLink_extended_sys_state_message(mav.MAV_VTOL_STATE_UNDEFINED, mav.MAV_LANDED_STATE_ON_GROUND)
+
+    def _autopilot_version(self, tick: int) -> Message:
+        # No version: ground stations would judge it by that of the autopilot whose numbers this vehicle borrows.
+        nothing = [0] * 8
+        return mav.MAVLink_autopilot_version_message(
+            _CAPABILITIES, 0, 0, 0, 0, nothing, nothing, nothing, 0, 0, self._system
+        )
+
+    def _protocol_version(self, tick: int) -> Message:
+        return ProtocolVersion(200, 100, 200, [0] * 8, [0] * 8)
+
+    def _component_metadata(self, tick: int) -> Message:
+        return ComponentMetadata(milliseconds(tick), *self._general())
+
+    def _component_information(self, tick: int) -> Message:
+        return ComponentInformation(milliseconds(tick), *self._general(), 0, b"")
+
+    def _general(self) -> tuple[int, bytes]:
+        """Checksum and place of the file that tells of all others."""
+        return checksum(self._files.contents[GENERAL]), uri(GENERAL).encode()
+
+    def _available_modes_monitor(self, tick: int) -> Message:
+        return mav.MAVLink_available_modes_monitor_message(0)

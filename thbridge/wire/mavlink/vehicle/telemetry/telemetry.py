@@ -1,0 +1,334 @@
+"""What a vehicle says of its robot: messages made of what the robot itself believes."""
+
+import math
+from collections.abc import Callable
+from dataclasses import dataclass
+
+from sim.common.observations import TICKS_PER_SECOND
+from thbridge.wire.mavlink.conventions import COMMANDER
+from thbridge.wire.mavlink.coordinates import compass, north_east, quaternion, yaw_of
+from thbridge.wire.mavlink.dialect import Message, mav
+from thbridge.wire.mavlink.extra_messages import ComponentInformation, ComponentMetadata, ProtocolVersion
+from thbridge.wire.mavlink.modes import Mode, custom_mode, standard_mode
+from thbridge.wire.mavlink.options import Identity
+from thbridge.wire.mavlink.vehicle.boot_time import microseconds, milliseconds
+from thbridge.wire.mavlink.vehicle.geodesy import Earth
+from thbridge.wire.mavlink.vehicle.telemetry.capabilities import Particulars
+from thbridge.wire.mavlink.vehicle.telemetry.streams import OFF
+from thbridge.wire.mavlink.vehicle_interface import Readings
+
+_UNKNOWN_16 = 0xFFFF
+_POSITION_ONLY = 0x0DF8
+"""Of a target's fields: velocity, acceleration, yaw and its rate are to be ignored."""
+
+_KNOWS_WHERE = mav.MAV_SYS_STATUS_SENSOR_GPS | mav.MAV_SYS_STATUS_AHRS | mav.MAV_SYS_STATUS_SENSOR_XY_POSITION_CONTROL
+_SENSORS = (
+    # Ground stations think a vehicle ready that claims gyroscope, accelerometer and compass to be well.
+    mav.MAV_SYS_STATUS_SENSOR_3D_GYRO
+    | mav.MAV_SYS_STATUS_SENSOR_3D_ACCEL
+    | mav.MAV_SYS_STATUS_SENSOR_3D_MAG
+    | mav.MAV_SYS_STATUS_SENSOR_LASER_POSITION
+    | mav.MAV_SYS_STATUS_SENSOR_ANGULAR_RATE_CONTROL
+    | mav.MAV_SYS_STATUS_SENSOR_YAW_POSITION
+    | mav.MAV_SYS_STATUS_SENSOR_MOTOR_OUTPUTS
+    | mav.MAV_SYS_STATUS_SENSOR_BATTERY
+    | mav.MAV_SYS_STATUS_PREARM_CHECK
+    | _KNOWS_WHERE
+)
+
+_KNOWS_HOW_IT_MOVES = mav.EKF_ATTITUDE | mav.EKF_VELOCITY_HORIZ | mav.EKF_VELOCITY_VERT
+_KNOWS_ITS_PLACE = (
+    mav.EKF_POS_HORIZ_REL
+    | mav.EKF_POS_HORIZ_ABS
+    | mav.EKF_POS_VERT_ABS
+    | mav.EKF_PRED_POS_HORIZ_REL
+    | mav.EKF_PRED_POS_HORIZ_ABS
+)
+"""What ArduPilot says of its estimate; the last bit is what DroneKit waits for to call a vehicle armable."""
+
+_SATELLITES = 12
+_ACCURACY = 50
+"""Of a position, in millimetres and millimetres per second: what an estimate among walls is good for."""
+
+
+@dataclass(frozen=True, slots=True)
+class Standing:
+    """How a vehicle stands after a tick.
+
+    Attributes:
+        tick: which.
+        readings: of its robot.
+        mode: as it is shown.
+        armed: a station may move it, or it moves.
+        commander: who commands it, see `CommandOf.number`.
+    """
+
+    tick: int
+    readings: Readings
+    mode: Mode
+    armed: bool
+    commander: int
+
+    @property
+    def milliseconds(self) -> int:
+        """Simulated time since the session began."""
+        return milliseconds(self.tick)
+
+    @property
+    def system_status(self) -> int:
+        """A code of MAV_STATE."""
+        if self.readings.lost:
+            return mav.MAV_STATE_CRITICAL
+        return mav.MAV_STATE_ACTIVE if self.armed else mav.MAV_STATE_STANDBY
+
+
+def default_streams(position_rate: float, identity: Identity) -> dict[int, int]:
+    """Ticks between two of each message that can be asked for.
+
+    Args:
+        position_rate: of position, attitude and speed, Hz.
+        identity: whose autopilot the vehicle says it has.
+    """
+    often = max(1, round(TICKS_PER_SECOND / position_rate)) if position_rate > 0.0 else OFF
+    return {
+        mav.MAVLINK_MSG_ID_HEARTBEAT: TICKS_PER_SECOND,
+        mav.MAVLINK_MSG_ID_SYS_STATUS: TICKS_PER_SECOND,
+        mav.MAVLINK_MSG_ID_SYSTEM_TIME: TICKS_PER_SECOND,
+        mav.MAVLINK_MSG_ID_GPS_RAW_INT: TICKS_PER_SECOND,
+        mav.MAVLINK_MSG_ID_MISSION_CURRENT: TICKS_PER_SECOND,
+        mav.MAVLINK_MSG_ID_BATTERY_STATUS: TICKS_PER_SECOND,
+        mav.MAVLINK_MSG_ID_NAMED_VALUE_INT: TICKS_PER_SECOND,
+        # A message of ArduPilot's own.
+        mav.MAVLINK_MSG_ID_EKF_STATUS_REPORT: TICKS_PER_SECOND if identity is Identity.ARDUPILOT else OFF,
+        mav.MAVLINK_MSG_ID_ATTITUDE: often,
+        mav.MAVLINK_MSG_ID_GLOBAL_POSITION_INT: often,
+        mav.MAVLINK_MSG_ID_LOCAL_POSITION_NED: often,
+        mav.MAVLINK_MSG_ID_VFR_HUD: often,
+        mav.MAVLINK_MSG_ID_ATTITUDE_QUATERNION: OFF,
+        mav.MAVLINK_MSG_ID_GPS_GLOBAL_ORIGIN: OFF,
+        mav.MAVLINK_MSG_ID_NAV_CONTROLLER_OUTPUT: OFF,
+        mav.MAVLINK_MSG_ID_POSITION_TARGET_LOCAL_NED: OFF,
+        mav.MAVLINK_MSG_ID_POSITION_TARGET_GLOBAL_INT: OFF,
+        mav.MAVLINK_MSG_ID_AUTOPILOT_VERSION: OFF,
+        mav.MAVLINK_MSG_ID_HOME_POSITION: OFF,
+        mav.MAVLINK_MSG_ID_EXTENDED_SYS_STATE: OFF,
+        ProtocolVersion.id: OFF,
+        ComponentInformation.id: OFF,
+        ComponentMetadata.id: OFF,
+        mav.MAVLINK_MSG_ID_CURRENT_MODE: OFF,
+        mav.MAVLINK_MSG_ID_AVAILABLE_MODES_MONITOR: OFF,
+    }
+
+
+class Telemetry:
+    """The messages of one vehicle.
+
+    Args:
+        particulars: what never changes of it.
+        identity: whose autopilot it says it has.
+        earth: where its map lies.
+        home_position: makes HOME_POSITION in a tick.
+        mission_current: makes MISSION_CURRENT.
+    """
+
+    def __init__(
+        self,
+        particulars: Particulars,
+        identity: Identity,
+        earth: Earth,
+        home_position: Callable[[int], Message],
+        mission_current: Callable[[], Message],
+    ) -> None:
+        self._identity = identity
+        self._earth = earth
+        self._altitude = round(earth.altitude * 1000.0)
+        self._particulars = particulars.makers()
+        self._makers: dict[int, Callable[[Standing], Message | None]] = {
+            mav.MAVLINK_MSG_ID_HEARTBEAT: self._heartbeat,
+            mav.MAVLINK_MSG_ID_SYS_STATUS: self._sys_status,
+            mav.MAVLINK_MSG_ID_SYSTEM_TIME: self._system_time,
+            mav.MAVLINK_MSG_ID_GPS_RAW_INT: self._gps_raw_int,
+            mav.MAVLINK_MSG_ID_MISSION_CURRENT: lambda _: mission_current(),
+            mav.MAVLINK_MSG_ID_BATTERY_STATUS: self._battery_status,
+            mav.MAVLINK_MSG_ID_NAMED_VALUE_INT: self._commander,
+            mav.MAVLINK_MSG_ID_EKF_STATUS_REPORT: self._ekf_status_report,
+            mav.MAVLINK_MSG_ID_ATTITUDE: self._attitude,
+            mav.MAVLINK_MSG_ID_GLOBAL_POSITION_INT: self._global_position_int,
+            mav.MAVLINK_MSG_ID_LOCAL_POSITION_NED: self._local_position_ned,
+            mav.MAVLINK_MSG_ID_VFR_HUD: self._vfr_hud,
+            mav.MAVLINK_MSG_ID_ATTITUDE_QUATERNION: self._attitude_quaternion,
+            mav.MAVLINK_MSG_ID_NAV_CONTROLLER_OUTPUT: self._nav_controller_output,
+            mav.MAVLINK_MSG_ID_POSITION_TARGET_LOCAL_NED: self._position_target_local_ned,
+            mav.MAVLINK_MSG_ID_POSITION_TARGET_GLOBAL_INT: self._position_target_global_int,
+            mav.MAVLINK_MSG_ID_HOME_POSITION: lambda now: home_position(now.tick),
+            mav.MAVLINK_MSG_ID_CURRENT_MODE: self._current_mode,
+        }
+
+    def message(self, number: int, standing: Standing) -> Message | None:
+        """A message of `default_streams`; None where there is nothing to say, as of a goal when there is none."""
+        constant = self._particulars.get(number)
+        return self._makers[number](standing) if constant is None else constant(standing.tick)
+
+    def _heartbeat(self, now: Standing) -> Message:
+        ardupilot = self._identity is Identity.ARDUPILOT
+        return mav.MAVLink_heartbeat_message(
+            mav.MAV_TYPE_GROUND_ROVER,
+            mav.MAV_AUTOPILOT_ARDUPILOTMEGA if ardupilot else mav.MAV_AUTOPILOT_GENERIC,
+            base_mode(now),
+            custom_mode(self._identity, now.mode),
+            now.system_status,
+            3,
+        )
+
+    def _sys_status(self, now: Standing) -> Message:
+        # There is no fence, and MAVProxy takes one that is not well for breached, whether it is there or not.
+        healthy = (_SENSORS & ~_KNOWS_WHERE if now.readings.lost else _SENSORS) | mav.MAV_SYS_STATUS_GEOFENCE
+        remaining = _remaining(now.readings)
+        return mav.MAVLink_sys_status_message(
+            _SENSORS, _SENSORS, healthy, 0, _UNKNOWN_16, -1, remaining, 0, 0, 0, 0, 0, 0
+        )
+
+    def _battery_status(self, now: Standing) -> Message:
+        remaining = _remaining(now.readings)
+        if remaining > 20:
+            charge = mav.MAV_BATTERY_CHARGE_STATE_OK
+        elif remaining > 0:
+            charge = mav.MAV_BATTERY_CHARGE_STATE_LOW
+        else:
+            charge = mav.MAV_BATTERY_CHARGE_STATE_CRITICAL
+        whole, no_voltages = mav.MAV_BATTERY_FUNCTION_ALL, [_UNKNOWN_16] * 10
+        kind = mav.MAV_BATTERY_TYPE_UNKNOWN
+        return mav.MAVLink_battery_status_message(
+            0, whole, kind, 0x7FFF, no_voltages, -1, -1, -1, remaining, 0, charge, [0, 0, 0, 0], 0, 0
+        )
+
+    def _commander(self, now: Standing) -> Message:
+        return mav.MAVLink_named_value_int_message(now.milliseconds, COMMANDER.encode(), now.commander)
+
+    def _ekf_status_report(self, now: Standing) -> Message:
+        flags = _KNOWS_HOW_IT_MOVES if now.readings.lost else _KNOWS_HOW_IT_MOVES | _KNOWS_ITS_PLACE
+        return mav.MAVLink_ekf_status_report_message(flags, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0)
+
+    def _system_time(self, now: Standing) -> Message:
+        # Simulated time is no time of day: the first field stays unknown.
+        return mav.MAVLink_system_time_message(0, now.milliseconds)
+
+    def _gps_raw_int(self, now: Standing) -> Message:
+        pose, twist = now.readings.base_in_map, now.readings.twist
+        place = self._earth.place(pose.x, pose.y)
+        fix = mav.GPS_FIX_TYPE_NO_FIX if now.readings.lost else mav.GPS_FIX_TYPE_3D_FIX
+        heading = _hundredths(compass(pose.theta))
+        course = heading if twist.linear >= 0.0 else (heading + 18_000) % 36_000
+        return mav.MAVLink_gps_raw_int_message(
+            microseconds(now.tick),
+            fix,
+            place.latitude,
+            place.longitude,
+            self._altitude,
+            100,
+            100,
+            _within(abs(twist.linear) * 100.0, 0, _UNKNOWN_16 - 1),
+            course,
+            _SATELLITES,
+            self._altitude,
+            _ACCURACY,
+            _ACCURACY,
+            _ACCURACY,
+            0,
+            heading or 36_000,
+        )
+
+    def _attitude(self, now: Standing) -> Message:
+        yaw, rate = yaw_of(now.readings.base_in_map.theta), -now.readings.twist.angular
+        return mav.MAVLink_attitude_message(now.milliseconds, 0.0, 0.0, yaw, 0.0, 0.0, rate)
+
+    def _attitude_quaternion(self, now: Standing) -> Message:
+        q, rate = quaternion(now.readings.base_in_map.theta), -now.readings.twist.angular
+        return mav.MAVLink_attitude_quaternion_message(now.milliseconds, *q, 0.0, 0.0, rate)
+
+    def _global_position_int(self, now: Standing) -> Message:
+        pose = now.readings.base_in_map
+        place, (north, east) = self._earth.place(pose.x, pose.y), north_east(now.readings.twist, pose.theta)
+        speeds = (_centimetres(north), _centimetres(east), 0)
+        heading = _hundredths(compass(pose.theta))
+        where = (place.latitude, place.longitude, self._altitude, 0)
+        return mav.MAVLink_global_position_int_message(now.milliseconds, *where, *speeds, heading)
+
+    def _local_position_ned(self, now: Standing) -> Message:
+        pose = now.readings.base_in_map
+        north, east = north_east(now.readings.twist, pose.theta)
+        return mav.MAVLink_local_position_ned_message(now.milliseconds, pose.y, pose.x, 0.0, north, east, 0.0)
+
+    def _vfr_hud(self, now: Standing) -> Message:
+        speed = abs(now.readings.twist.linear)
+        heading = int(compass(now.readings.base_in_map.theta))
+        return mav.MAVLink_vfr_hud_message(0.0, speed, heading, 0, self._earth.altitude, 0.0)
+
+    def _nav_controller_output(self, now: Standing) -> Message | None:
+        goal, pose, leg = now.readings.goal_in_map, now.readings.base_in_map, now.readings.leg
+        if goal is None:
+            return None
+        bearing = round(compass(math.atan2(goal.y - pose.y, goal.x - pose.x)))
+        remaining = pose.distance(goal) if leg is None else leg.remaining
+        metres = _within(remaining, 0, _UNKNOWN_16)
+        return mav.MAVLink_nav_controller_output_message(0.0, 0.0, bearing, bearing, metres, 0.0, 0.0, 0.0)
+
+    def _position_target_local_ned(self, now: Standing) -> Message | None:
+        goal = now.readings.goal_in_map
+        if goal is None:
+            return None
+        frame, nothing = mav.MAV_FRAME_LOCAL_NED, (0.0,) * 6
+        where = (goal.y, goal.x, 0.0)
+        return mav.MAVLink_position_target_local_ned_message(
+            now.milliseconds, frame, _POSITION_ONLY, *where, *nothing, 0.0, 0.0
+        )
+
+    def _position_target_global_int(self, now: Standing) -> Message | None:
+        goal = now.readings.goal_in_map
+        if goal is None:
+            return None
+        place, frame, nothing = self._earth.place(goal.x, goal.y), mav.MAV_FRAME_GLOBAL_INT, (0.0,) * 6
+        where = (place.latitude, place.longitude, self._earth.altitude)
+        return mav.MAVLink_position_target_global_int_message(
+            now.milliseconds, frame, _POSITION_ONLY, *where, *nothing, 0.0, 0.0
+        )
+
+    def _current_mode(self, now: Standing) -> Message:
+        custom = custom_mode(self._identity, now.mode)
+        return mav.MAVLink_current_mode_message(standard_mode(now.mode), custom, custom)
+
+
+def base_mode(now: Standing) -> int:
+    """The bits of MAV_MODE_FLAG."""
+    bits: int = mav.MAV_MODE_FLAG_CUSTOM_MODE_ENABLED
+    if now.armed:
+        bits |= mav.MAV_MODE_FLAG_SAFETY_ARMED
+    match now.mode:
+        case Mode.MANUAL:
+            bits |= mav.MAV_MODE_FLAG_MANUAL_INPUT_ENABLED
+        case Mode.GUIDED:
+            bits |= mav.MAV_MODE_FLAG_GUIDED_ENABLED
+        case Mode.AUTO | Mode.RETURN:
+            bits |= mav.MAV_MODE_FLAG_GUIDED_ENABLED | mav.MAV_MODE_FLAG_AUTO_ENABLED
+    return bits
+
+
+def _remaining(readings: Readings) -> int:
+    """Per cent of its energy that a robot has left; -1 where there is no such thing."""
+    if not 0.0 < readings.capacity < math.inf:
+        return -1
+    return _within(100.0 * readings.energy / readings.capacity, 0, 100)
+
+
+def _within(value: float, low: int, high: int) -> int:
+    """The nearest whole number from `low` to `high`."""
+    return round(max(low, min(value, high)))
+
+
+def _centimetres(speed: float) -> int:
+    return _within(100.0 * speed, -0x7FFF, 0x7FFF)
+
+
+def _hundredths(degrees: float) -> int:
+    """A compass heading in hundredths of degrees, from 0 to 35999."""
+    return round(degrees * 100.0) % 36_000

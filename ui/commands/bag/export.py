@@ -1,0 +1,60 @@
+"""`thbridge bag export`: recordings as tables for pandas, R and their like."""
+
+from enum import StrEnum
+from fnmatch import fnmatchcase
+from pathlib import Path
+from typing import Annotated
+
+import typer
+
+from thbridge.recording.bag.reader import info
+from ui.options import AsJson
+from ui.terminal import BAD_INPUT, bad_input, fail, note, out, print_json
+
+
+class Formats(StrEnum):
+    """Kinds of files to write."""
+
+    CSV = "csv"
+    PARQUET = "parquet"
+    BOTH = "both"
+
+
+def bag_export(
+    bag: Annotated[Path, typer.Argument(help="A ROS 1 bag, or the name of a split recording.")],
+    to: Annotated[Path, typer.Option("--to", help="Folder for the files, new or empty.", metavar="FOLDER")],
+    topics: Annotated[
+        str | None, typer.Option(help="Names or patterns such as `*/scan`, with commas between; by default all.")
+    ] = None,
+    form: Annotated[Formats, typer.Option("--format", help="Kind of files.")] = Formats.PARQUET,
+    start: Annotated[float, typer.Option("--from", help="Seconds after the beginning.", min=0.0)] = 0.0,
+    until: Annotated[
+        float | None, typer.Option(help="Seconds after the beginning; by default to the end.", min=0.0)
+    ] = None,
+    as_json: AsJson = False,
+) -> None:
+    """Export a bag as tables, one for each topic, with a data dictionary; any ROS 1 bag will do."""
+    # pyarrow's import would slow every command.
+    from thbridge.analysis.export.folder import export_bag  # noqa: PLC0415
+    from thbridge.files.table_files import TableFormat  # noqa: PLC0415
+
+    with bad_input():
+        chosen = None if topics is None else _chosen(bag, [name.strip() for name in topics.split(",")])
+        formats = tuple(TableFormat) if form is Formats.BOTH else (TableFormat(form),)
+        exported = export_bag(bag, to, formats, chosen, start, until)
+    for notice in exported.notices:
+        note(notice)
+    rows = {name: count for name, (_, count) in sorted(exported.tables.items())}
+    if as_json:
+        print_json({"folder": str(to), "rows": rows, "notices": exported.notices})
+    else:
+        total = sum(rows.values())
+        out.print(f"{to}: {len(rows)} tables, {total} rows, and README.md.", highlight=False, soft_wrap=True)
+
+
+def _chosen(bag: Path, patterns: list[str]) -> frozenset[str]:
+    names = {topic.name for topic in info(bag).topics}
+    for pattern in patterns:
+        if not any(fnmatchcase(name, pattern) for name in names):
+            fail(BAD_INPUT, f"--topics: there is no topic {pattern}. There are {', '.join(sorted(names))}.")
+    return frozenset(name for name in names if any(fnmatchcase(name, pattern) for pattern in patterns))

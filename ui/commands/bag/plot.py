@@ -1,0 +1,70 @@
+"""`thbridge bag plot`: figures for papers."""
+
+from enum import StrEnum
+from pathlib import Path
+from typing import Annotated
+
+import typer
+
+from thbridge.files.errors import BadFile, reason_of
+from thbridge.files.map_files import read_grid
+from thbridge.hunt.outcomes import Refused
+from thbridge.recording.bag.reader import messages
+from ui.terminal import BAD_INPUT, FAILED, bad_input, fail, note
+
+
+class Figures(StrEnum):
+    """What can be plotted."""
+
+    PATHS = "paths"
+    ERROR = "error"
+    COVARIANCE = "covariance"
+    ENERGY = "energy"
+    VELOCITY = "velocity"
+    TIMELINE = "timeline"
+
+
+class Width(StrEnum):
+    """Columns of a page that a figure takes."""
+
+    ONE = "one"
+    TWO = "two"
+
+
+def bag_plot(
+    bag: Annotated[Path, typer.Argument(help="A ROS 1 bag, or the name of a split one.")],
+    what: Annotated[Figures, typer.Option(help="What to plot.")],
+    to: Annotated[Path, typer.Option("--to", help="The figure: a .png, .svg or .pdf.", metavar="FILE")],
+    width: Annotated[Width, typer.Option(help="Columns of a page: `one` is 88 mm, `two` are 183 mm.")] = Width.TWO,
+    map_yaml: Annotated[
+        Path | None, typer.Option("--map", help="The map, a map_server YAML file; by default the bag's own.")
+    ] = None,
+) -> None:
+    """Plot a bag for print: paths, errors, covariance, energy, speeds, or what happened when."""
+    # Half a second of imports that no other command needs.
+    from thbridge.analysis.plot.figures import What, draw  # noqa: PLC0415
+    from thbridge.analysis.plot.look import ONE_COLUMN, TWO_COLUMNS, Kind  # noqa: PLC0415
+    from thbridge.analysis.report.gathering import read_report  # noqa: PLC0415
+
+    kind = to.suffix.lower().removeprefix(".")
+    if kind not in set(Kind):
+        fail(BAD_INPUT, f"--to: {to} is no figure. Give a file name that ends in .png, .svg or .pdf.")
+    look = ONE_COLUMN if width is Width.ONE else TWO_COLUMNS
+    with bad_input():
+        grid = None if map_yaml is None else read_grid(map_yaml)
+        report = read_report(messages(bag), grid)
+    drawn = draw(What(what), report, look)
+    if isinstance(drawn, Refused):
+        fail(FAILED, f"{bag}: {drawn.sentence}")
+    with bad_input():
+        _write(to, look.rendered(drawn, Kind(kind)))
+    for track in report.tracks:
+        note(f"{track.name}: {'; '.join(track.sources)}.")
+    note(f"Figure: {to}")
+
+
+def _write(to: Path, data: bytes) -> None:
+    try:
+        to.write_bytes(data)
+    except OSError as error:
+        raise BadFile(to, None, None, f"it cannot be written ({reason_of(error)})", "choose another by --to") from None

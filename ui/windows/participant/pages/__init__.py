@@ -1,0 +1,1 @@
+"""Pages that fill the participant's window while nothing is played: start, connecting, consent, help, the end."""

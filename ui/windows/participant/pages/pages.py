@@ -1,0 +1,217 @@
+"""What fills the window or lies above it while nothing is played: connecting, consent, a question, help, the end."""
+
+from PySide6.QtCore import QRectF, QSize, Qt, Signal
+from PySide6.QtGui import QPainter, QPaintEvent
+from PySide6.QtWidgets import QFrame, QGridLayout, QHBoxLayout, QPlainTextEdit, QScrollArea, QVBoxLayout, QWidget
+
+from ui.model.screen import Action, Ending, Question, ShowHelp
+from ui.windows import look
+from ui.windows.look import GAP, colours
+from ui.windows.participant.widgets.buttons import ActionButton
+from ui.windows.participant.widgets.focus import region
+from ui.windows.participant.widgets.painting import key_cap, key_size
+from ui.windows.participant.widgets.panels import Panel, set_text
+
+OWN_KEYS = (
+    ("F6 or Ctrl+Tab", "Go to the next part of the window"),
+    ("Arrows", "Go to the neighbouring button; Space or Enter presses it"),
+    ("Ctrl+Q", "Close the window"),
+)
+"""Keys of the window itself, for those who go through it button by button."""
+
+
+class Connecting(QWidget):
+    """Nothing to see yet: says what it waits for."""
+
+    def __init__(self, parent: QWidget | None = None) -> None:
+        super().__init__(parent)
+        region(self, "Connecting")
+        rows = QVBoxLayout(self)
+        rows.setContentsMargins(4 * GAP, 4 * GAP, 4 * GAP, 4 * GAP)
+        rows.setSpacing(GAP)
+        self._title, self._what = look.label("One moment", "hero", bold=True), look.label(size="title", muted=True)
+        rows.addStretch(2)
+        for line in (self._title, self._what):
+            line.setAlignment(Qt.AlignmentFlag.AlignCenter)
+            rows.addWidget(line)
+        rows.addStretch(3)
+
+    def show_waiting(self, text: str) -> None:
+        """What it waits for, in words."""
+        set_text(self._what, text)
+
+
+class ConsentPage(QWidget):
+    """The text to agree to, and the button that does.
+
+    Attributes:
+        asked: the `Act` of what was pressed.
+    """
+
+    asked = Signal(object)
+
+    def __init__(self, parent: QWidget | None = None) -> None:
+        super().__init__(parent)
+        region(self, "Consent")
+        outer = QHBoxLayout(self)
+        outer.setContentsMargins(4 * GAP, 4 * GAP, 4 * GAP, 4 * GAP)
+        column = QWidget()
+        column.setMaximumWidth(760)
+        outer.addStretch(1)
+        outer.addWidget(column, 20)
+        outer.addStretch(1)
+        rows = QVBoxLayout(column)
+        rows.setContentsMargins(0, 0, 0, 0)
+        rows.setSpacing(2 * GAP)
+        rows.addWidget(look.label("Before you take part", "hero", bold=True))
+        self._text = QPlainTextEdit()
+        self._text.setReadOnly(True)
+        self._text.setTextInteractionFlags(
+            Qt.TextInteractionFlag.TextSelectableByKeyboard | Qt.TextInteractionFlag.TextSelectableByMouse
+        )
+        self._text.setTabChangesFocus(True)
+        self._text.setAccessibleName("What you agree to")
+        self._text.setFrameShape(QFrame.Shape.NoFrame)
+        self._text.document().setDocumentMargin(2 * GAP)
+        look.panel(self._text)
+        rows.addWidget(self._text, 1)
+        self.agree = ActionButton("main")
+        self.agree.asked.connect(self.asked)
+        foot = _foot(rows)
+        foot.addWidget(self.agree)
+
+    def show_consent(self, text: str, agree: Action) -> None:
+        """Show this."""
+        if self._text.toPlainText() != text:
+            self._text.setPlainText(text)
+        self.agree.show_action(agree)
+
+
+class QuestionPanel(Panel):
+    """Is that meant?
+
+    Attributes:
+        asked: the `Act` of what was pressed.
+    """
+
+    asked = Signal(object)
+
+    def __init__(self, parent: QWidget | None = None) -> None:
+        super().__init__("Question", parent)
+        self._text = look.label()
+        self.rows.addWidget(self._text, 1)
+        foot = _foot(self.rows)
+        self.no, self.yes = ActionButton(), ActionButton("main")
+        for button in (self.no, self.yes):
+            button.asked.connect(self.asked)
+            foot.addWidget(button)
+
+    def show_question(self, question: Question) -> None:
+        """Show this."""
+        self.entitle(question.title)
+        set_text(self._text, question.text)
+        self.yes.show_action(question.yes)
+        self.no.show_action(question.no)
+
+
+class EndingPanel(Panel):
+    """The game is over.
+
+    Attributes:
+        asked: the `Act` of what was pressed.
+    """
+
+    asked = Signal(object)
+
+    def __init__(self, parent: QWidget | None = None) -> None:
+        super().__init__("The game is over", parent)
+        self._lines = look.label(size="title")
+        self.again = ActionButton("main")
+        self.again.asked.connect(self.asked)
+        self.rows.addWidget(self._lines, 1)
+        self.rows.addWidget(self.again)
+
+    def show_ending(self, ending: Ending) -> None:
+        """Show this."""
+        self.entitle(ending.title)
+        set_text(self._lines, "\n".join(ending.lines))
+        self.again.show_action(ending.again)
+
+
+class Keys(QWidget):
+    """Keys as they are printed on buttons."""
+
+    def __init__(self, keys: str, parent: QWidget | None = None) -> None:
+        super().__init__(parent)
+        self._keys = keys
+        self.setAccessibleName(keys)
+        wide, high = key_size(keys)
+        self.setFixedSize(QSize(int(wide) + 2, int(high) + 2))
+
+    def paintEvent(self, _event: QPaintEvent) -> None:
+        """Draw them."""
+        painter = QPainter(self)
+        painter.setRenderHint(QPainter.RenderHint.Antialiasing)
+        key_cap(painter, QRectF(self.rect()).adjusted(1, 1, -1, -1), self._keys, colours().text)
+
+
+class HelpSheet(Panel):
+    """All keys and what they do.
+
+    Attributes:
+        asked: the `Act` of what was pressed.
+    """
+
+    asked = Signal(object)
+
+    def __init__(self, parent: QWidget | None = None) -> None:
+        super().__init__("Keys", parent)
+        self.entitle("Keys")
+        self.close_it = ActionButton()
+        self.close_it.asked.connect(self.asked)
+        self.top.addWidget(self.close_it)
+        self._area = QScrollArea()
+        self._area.setWidgetResizable(True)
+        self._area.setFrameShape(QFrame.Shape.NoFrame)
+        self._area.setFocusPolicy(Qt.FocusPolicy.TabFocus)
+        self._area.setAccessibleName("Keys and what they do")
+        self._area.viewport().setAutoFillBackground(False)
+        self.rows.addWidget(self._area, 1)
+        self._shown: tuple[tuple[str, str], ...] = ()
+
+    def show_help(self, lines: tuple[tuple[str, str], ...], key: str) -> None:
+        """Show these; `key` closes it."""
+        self.close_it.show_action(Action(ShowHelp(), "Close", key))
+        if lines == self._shown:
+            return
+        self._shown = lines
+        inside = QWidget()
+        grid = QGridLayout(inside)
+        grid.setContentsMargins(0, 0, GAP, 0)
+        grid.setHorizontalSpacing(2 * GAP)
+        grid.setVerticalSpacing(int(0.75 * GAP))
+        grid.setColumnStretch(1, 1)
+        for row, (keys, does) in enumerate((*lines, *OWN_KEYS)):
+            grid.addWidget(Keys(keys), row, 0, Qt.AlignmentFlag.AlignLeft | Qt.AlignmentFlag.AlignVCenter)
+            grid.addWidget(look.label(does), row, 1)
+        self._area.setWidget(inside)
+        inside.setAutoFillBackground(False)
+
+    def wanted(self, width: int, height: int) -> QSize:
+        """As high as its lines, if there is room."""
+        inside = self._area.widget()
+        lines = inside.sizeHint().height() if inside is not None else 0
+        return QSize(width, min(height, lines + self.top.sizeHint().height() + 6 * GAP))
+
+
+def _foot(rows: QVBoxLayout) -> QHBoxLayout:
+    """A row below others, filled from the right.
+
+    It is added before it is filled: PySide takes a spacer in a layout that is added for an object of Python's, and
+    deletes it a second time.
+    """
+    row = QHBoxLayout()
+    rows.addLayout(row)
+    row.setSpacing(GAP)
+    row.addStretch(1)
+    return row

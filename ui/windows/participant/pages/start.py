@@ -1,0 +1,108 @@
+"""The page before a game: what this is, how many robots, a game to try it out first."""
+
+from PySide6.QtCore import Qt, Signal
+from PySide6.QtGui import QKeySequence, QShortcut
+from PySide6.QtWidgets import QGridLayout, QHBoxLayout, QVBoxLayout, QWidget
+
+from ui.windows import look
+from ui.windows.look import GAP
+from ui.windows.participant.widgets.buttons import ActionButton, Face
+from ui.windows.participant.widgets.focus import region
+
+WHAT = (
+    "Treasures are hidden in the rooms of this house. Your robots find them, and you decide together where each robot "
+    "goes, and what it has found. Every move costs energy, and so does every picture. Name a treasure right to win its "
+    "points; a wrong name loses some."
+)
+
+_IN_A_ROW = 5
+"""Choices side by side, at the most."""
+
+
+class StartPage(QWidget):
+    """Asks how many robots shall play.
+
+    Attributes:
+        start: begin a game with so many robots.
+        tutorial: begin the practice game.
+    """
+
+    start = Signal(int)
+    tutorial = Signal()
+
+    def __init__(self, least: int, most: int, usual: int, parent: QWidget | None = None) -> None:
+        super().__init__(parent)
+        region(self, "Start")
+        self._number = usual
+        outer = QHBoxLayout(self)
+        outer.setContentsMargins(4 * GAP, 4 * GAP, 4 * GAP, 4 * GAP)
+        column = QWidget()
+        column.setMaximumWidth(680)
+        outer.addStretch(1)
+        outer.addWidget(column, 20)
+        outer.addStretch(1)
+        rows = QVBoxLayout(column)
+        rows.setSpacing(2 * GAP)
+        rows.addStretch(2)
+        rows.addWidget(look.label("Treasure hunt", "hero", bold=True))
+        rows.addWidget(look.label(WHAT))
+        rows.addSpacing(GAP)
+        asks = most > least
+        told = "How many robots?" if asks else f"You will command {_robots(usual)}."
+        rows.addWidget(look.label(told, "title", bold=asks))
+        self.choices = {number: self._choice(number) for number in range(least, most + 1)}
+        grid = QGridLayout()
+        grid.setSpacing(GAP)
+        lines = -(-len(self.choices) // _IN_A_ROW)
+        in_a_line = -(-len(self.choices) // lines)
+        for at, button in enumerate(self.choices.values()):
+            grid.addWidget(button, at // in_a_line, at % in_a_line)
+        rows.addLayout(grid)
+        for button in self.choices.values():
+            button.setVisible(asks)
+        rows.addSpacing(2 * GAP)
+        self.practise, self.begin = ActionButton(), ActionButton("main")
+        self.practise.wear(Face("Try it out first", "T"), "Try it out first: a short practice game")
+        self.practise.clicked.connect(self.tutorial)
+        self.begin.clicked.connect(lambda: self.start.emit(self._number))
+        foot = QHBoxLayout()
+        foot.setSpacing(GAP)
+        foot.addWidget(self.practise, 1)
+        foot.addWidget(self.begin, 1)
+        rows.addLayout(foot)
+        rows.addStretch(3)
+        for number, button in self.choices.items():
+            if number < 10:
+                self._key(str(number), button)
+        self._key("T", self.practise)
+        self._key("Return", self.begin)
+        self._key("Enter", self.begin)
+        self.choose(usual)
+        self.setFocusPolicy(Qt.FocusPolicy.StrongFocus)
+        self.setFocus()
+
+    def choose(self, number: int) -> None:
+        """Have so many robots chosen."""
+        self._number = number
+        for other, button in self.choices.items():
+            button.setChecked(other == number)
+        words = f"Start with {_robots(number)}"
+        self.begin.wear(Face(words, "Enter"), words)
+
+    def _choice(self, number: int) -> ActionButton:
+        button = ActionButton("large")
+        button.setCheckable(True)
+        # The number is its own key, so none is printed beside it.
+        button.wear(Face(str(number)), _robots(number))
+        button.clicked.connect(lambda: self.choose(number))
+        return button
+
+    def _key(self, key: str, button: ActionButton) -> None:
+        shortcut = QShortcut(QKeySequence(key), self)
+        shortcut.setContext(Qt.ShortcutContext.WidgetWithChildrenShortcut)
+        shortcut.setAutoRepeat(False)
+        shortcut.activated.connect(button.click)
+
+
+def _robots(number: int) -> str:
+    return f"{number} robot{'s' if number > 1 else ''}"

@@ -1,0 +1,1 @@
+"""What pops up over the participant's map: a talk with a robot, a treasure to name."""

@@ -1,0 +1,57 @@
+"""The pop-up in which a robot talks with the participant."""
+
+from PySide6.QtCore import Signal
+from PySide6.QtWidgets import QVBoxLayout, QWidget
+
+from ui.model.screen import DialoguePop
+from ui.windows import look
+from ui.windows.look import GAP
+from ui.windows.participant.widgets.buttons import ActionButton, ActionRow
+from ui.windows.participant.widgets.panels import Panel, Talk
+
+
+class DialoguePanel(Panel):
+    """Sentences as bubbles, answers as buttons.
+
+    Attributes:
+        asked: the `Act` of what was pressed.
+    """
+
+    asked = Signal(object)
+
+    def __init__(self, parent: QWidget | None = None) -> None:
+        super().__init__("Dialogue", parent)
+        self._pop: DialoguePop | None = None
+        self.aside = ActionButton("quiet")
+        self.aside.asked.connect(self.asked)
+        self.top.addWidget(self.aside)
+        self.talk = Talk()
+        self.rows.addWidget(self.talk, 1)
+        self._thinking = look.label(muted=True)
+        self.rows.addWidget(self._thinking)
+        self._warning = look.label()
+        self.rows.addWidget(self._warning)
+        answers = QVBoxLayout()
+        answers.setSpacing(GAP)
+        self.rows.addLayout(answers)
+        self.choices = ActionRow(answers.addWidget, self._made)
+
+    def show_pop(self, pop: DialoguePop) -> None:
+        """Show this; nothing is done when it is shown already."""
+        if pop == self._pop:
+            return
+        self._pop = pop
+        self.entitle(pop.title, pop.robot)
+        self.aside.show_action(pop.aside)
+        self.talk.show_said(pop.said, pop.robot)
+        self._thinking.setText(f"Robot {pop.robot + 1} is thinking …")
+        self._thinking.setVisible(not pop.choices)
+        self._warning.setText(f"⚠ {pop.warning}")
+        self._warning.setVisible(bool(pop.warning))
+        self.choices.show_actions(pop.choices)
+
+    def _made(self) -> ActionButton:
+        # All alike: which answer looks better must not be the window's doing.
+        button = ActionButton(hints=True)
+        button.asked.connect(self.asked)
+        return button

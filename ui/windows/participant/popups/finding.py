@@ -1,0 +1,175 @@
+"""What is known of a treasure: its picture, what was sensed of it, and what came of naming it."""
+
+from PySide6.QtCore import QRectF, QSize, Qt
+from PySide6.QtGui import QColor, QFontMetricsF, QPainter, QPaintEvent, QPixmap
+from PySide6.QtWidgets import (
+    QSizePolicy,
+    QWidget,
+)
+
+from ui.windows.look import GAP, RADIUS, colours, font
+from ui.windows.participant.widgets.painting import sign
+
+_PICTURE = QSize(224, 168)
+"""Logical pixels."""
+
+
+class Picture(QWidget):
+    """The picture, or a frame for it with a word about why it is empty; beside nothing else, so that it is seen."""
+
+    def __init__(self, parent: QWidget | None = None) -> None:
+        super().__init__(parent)
+        self._data: bytes | None = None
+        self._note = ""
+        self.setAccessibleName("Picture of what was found")
+        self._pixmap = QPixmap()
+        self.setMinimumSize(_PICTURE.width() // 2, _PICTURE.height() // 3)
+        self.setMaximumSize(_PICTURE * 2)
+        self.setSizePolicy(QSizePolicy.Policy.Preferred, QSizePolicy.Policy.Preferred)
+
+    def sizeHint(self) -> QSize:
+        """Of a small photograph."""
+        return _PICTURE
+
+    def show_picture(self, data: bytes | None, note: str) -> None:
+        """Show this file's picture, or say in a note why there is none."""
+        if (data, note) == (self._data, self._note):
+            return
+        if data != self._data:
+            self._pixmap = QPixmap()
+            if data is not None and not self._pixmap.loadFromData(data):
+                note = "This picture cannot be shown."
+        self._data, self._note = data, note
+        self.setAccessibleName("Picture of what was found" if not self._pixmap.isNull() else note)
+        self.update()
+
+    def paintEvent(self, _event: QPaintEvent) -> None:
+        """Draw it as large as fits."""
+        worn = colours()
+        painter = QPainter(self)
+        painter.setRenderHint(QPainter.RenderHint.Antialiasing)
+        painter.setRenderHint(QPainter.RenderHint.SmoothPixmapTransform)
+        rect = QRectF(self.rect()).adjusted(0.5, 0.5, -0.5, -0.5)
+        painter.setPen(QColor(worn.line))
+        painter.setBrush(QColor(worn.track))
+        painter.drawRoundedRect(rect, RADIUS - 2, RADIUS - 2)
+        if self._pixmap.isNull():
+            painter.setFont(font("small"))
+            painter.setPen(QColor(worn.muted))
+            wrap = Qt.AlignmentFlag.AlignCenter | Qt.TextFlag.TextWordWrap
+            painter.drawText(rect.adjusted(GAP, GAP, -GAP, -GAP), wrap, self._note)
+            return
+        size = (
+            self._pixmap.size().toSizeF().scaled(rect.adjusted(2, 2, -2, -2).size(), Qt.AspectRatioMode.KeepAspectRatio)
+        )
+        target = QRectF(0.0, 0.0, size.width(), size.height())
+        target.moveCenter(rect.center())
+        painter.drawPixmap(target, self._pixmap, QRectF(self._pixmap.rect()))
+
+
+class Facts(QWidget):
+    """What the robot sensed: a patch of the colour beside its word, a drawing of the footprint beside its words."""
+
+    def __init__(self, parent: QWidget | None = None) -> None:
+        super().__init__(parent)
+        self._colour = self._footprint = ""
+        self.setMinimumWidth(_PICTURE.width() // 2)
+        self.setSizePolicy(QSizePolicy.Policy.Preferred, QSizePolicy.Policy.Fixed)
+
+    def sizeHint(self) -> QSize:
+        """Two lines."""
+        return QSize(_PICTURE.width(), int(2 * self._line()) + GAP)
+
+    def show_facts(self, colour: str, footprint: str) -> None:
+        """Show these words; empty ones are still being looked for."""
+        if (colour, footprint) == (self._colour, self._footprint):
+            return
+        self._colour, self._footprint = colour, footprint
+        known = f"Colour: {colour}. Footprint: {footprint}." if colour else "The robot is still looking."
+        self.setAccessibleName(known)
+        self.update()
+
+    def _line(self) -> float:
+        return QFontMetricsF(font()).height() + GAP
+
+    def paintEvent(self, _event: QPaintEvent) -> None:
+        """Draw the two lines."""
+        worn = colours()
+        painter = QPainter(self)
+        painter.setRenderHint(QPainter.RenderHint.Antialiasing)
+        painter.setFont(font())
+        if not self._colour:
+            painter.setPen(QColor(worn.muted))
+            painter.drawText(self.rect(), Qt.AlignmentFlag.AlignLeft | Qt.AlignmentFlag.AlignVCenter, "Looking at it …")
+            return
+        for row, words in enumerate((self._colour, self._footprint)):
+            line = QRectF(0.0, row * (self._line() + GAP / 2), self.width(), self._line())
+            side = line.height() - 4.0
+            patch = QRectF(line.left() + 1, line.top() + 2, side, side)
+            painter.setPen(QColor(worn.line))
+            if row == 0:
+                swatch = QColor(words.casefold().replace(" ", ""))
+                painter.setBrush(swatch if swatch.isValid() else QColor(worn.track))
+                painter.drawRoundedRect(patch, 4, 4)
+            else:
+                self._shape(painter, patch, words.casefold())
+            painter.setPen(QColor(worn.text))
+            area = line.adjusted(side + 1.5 * GAP, 0, 0, 0)
+            painter.drawText(area, Qt.AlignmentFlag.AlignLeft | Qt.AlignmentFlag.AlignVCenter, words)
+
+    @staticmethod
+    def _shape(painter: QPainter, patch: QRectF, words: str) -> None:
+        """Round or square, large or small, as far as the words say so."""
+        inset = 0.28 * patch.width() if "small" in words else 0.04 * patch.width()
+        shape = patch.adjusted(inset, inset, -inset, -inset)
+        painter.setPen(QColor(colours().text))
+        painter.setBrush(Qt.BrushStyle.NoBrush)
+        if "round" in words:
+            painter.drawEllipse(shape)
+        elif "square" in words:
+            painter.drawRect(shape)
+
+
+class Verdict(QWidget):
+    """What came of a name, and the points."""
+
+    def __init__(self, parent: QWidget | None = None) -> None:
+        super().__init__(parent)
+        self._text = ""
+        self._points: int | None = None
+        self.setSizePolicy(QSizePolicy.Policy.Preferred, QSizePolicy.Policy.Preferred)
+
+    def sizeHint(self) -> QSize:
+        """A sign, the points, some lines."""
+        return QSize(220, 150)
+
+    def show_verdict(self, text: str, points: int | None) -> None:
+        """Show this."""
+        self._text, self._points = text, points
+        self.setAccessibleName(text)
+        self.update()
+
+    def paintEvent(self, _event: QPaintEvent) -> None:
+        """Draw a tick and what was won, or a warning and what was lost."""
+        worn = colours()
+        painter = QPainter(self)
+        painter.setRenderHint(QPainter.RenderHint.Antialiasing)
+        rect = QRectF(self.rect())
+        won = (self._points or 0) > 0
+        ink = worn.good if won else worn.bad if (self._points or 0) < 0 else worn.text
+        hero = font("hero", bold=True)
+        high = QFontMetricsF(hero).height()
+        words = f"{self._points:+d}".replace("-", "−") if self._points is not None else ""
+        wide = QFontMetricsF(hero).horizontalAdvance(words)
+        top = rect.top() + max(0.0, (rect.height() - high - 60) / 2)
+        left = rect.center().x() - (wide + high) / 2
+        sign(painter, QRectF(left, top, high * 0.8, high), "tick" if won else "trouble", ink)
+        painter.setFont(hero)
+        painter.setPen(QColor(ink))
+        painter.drawText(QRectF(left + high, top, wide + 4, high), Qt.AlignmentFlag.AlignVCenter, words)
+        painter.setFont(font())
+        painter.setPen(QColor(worn.text))
+        wrap = Qt.AlignmentFlag.AlignHCenter | Qt.AlignmentFlag.AlignTop | Qt.TextFlag.TextWordWrap
+        painter.drawText(
+            QRectF(rect.left(), top + high + GAP, rect.width(), rect.bottom() - top - high - GAP), wrap, self._text
+        )

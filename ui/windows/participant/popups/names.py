@@ -1,0 +1,129 @@
+"""The list of what a treasure may be."""
+
+from PySide6.QtCore import QEvent, QModelIndex, QSize, Qt, Signal
+from PySide6.QtGui import QFocusEvent, QHideEvent, QKeyEvent, QShowEvent
+from PySide6.QtWidgets import (
+    QAbstractItemView,
+    QFrame,
+    QListWidget,
+    QWidget,
+)
+
+from ui.model.keys import typed_name
+from ui.windows.look import GAP
+from ui.windows.participant.widgets import focus
+
+
+class Names(QListWidget):
+    """What it may be. Nothing is picked until somebody picks.
+
+    Attributes:
+        picked: a name, by the person.
+    """
+
+    picked = Signal(str)
+
+    def __init__(self, parent: QWidget | None = None) -> None:
+        super().__init__(parent)
+        self.setAccessibleName("What it may be")
+        self.setSelectionMode(QAbstractItemView.SelectionMode.SingleSelection)
+        self.setFrameShape(QFrame.Shape.NoFrame)
+        self.setUniformItemSizes(True)
+        self.setProperty("roomy", True)
+        self.setFocusPolicy(Qt.FocusPolicy.TabFocus)
+        self._names: tuple[str, ...] = ()
+        self._picked: str | None = None
+        self._high = 24
+        self.itemClicked.connect(lambda item: self.picked.emit(item.text()))
+
+    def show_names(self, names: tuple[str, ...], picked: str | None) -> None:
+        """Show these, with this one picked."""
+        self._picked = picked
+        if names != self._names or self.count() == 0:
+            self._names = names
+            self._fill()
+            self.updateGeometry()
+        self._pick()
+        self.setAccessibleDescription(f"Picked: {picked}" if picked else "Nothing is picked")
+
+    def sizeHint(self) -> QSize:
+        """All names, up to eight."""
+        return QSize(220, self._high * min(max(len(self._names), 3), 8) + 2 * GAP)
+
+    def minimumSizeHint(self) -> QSize:
+        """Two names."""
+        return QSize(150, self._high * 2 + 2 * GAP)
+
+    def showEvent(self, event: QShowEvent) -> None:
+        """Have the names again."""
+        if self.count() == 0:
+            self._fill()
+            self._pick()
+        super().showEvent(event)
+
+    def hideEvent(self, event: QHideEvent) -> None:
+        """Have none: assistive technology finds them even where the list is hidden."""
+        super().hideEvent(event)
+        self.clear()
+
+    def event(self, event: QEvent) -> bool:
+        """Keep the keys that pick a name, which the window's shortcuts would take."""
+        if event.type() == QEvent.Type.ShortcutOverride and isinstance(event, QKeyEvent) and self._wanted(event):
+            event.accept()
+            return True
+        return super().event(event)
+
+    def keyPressEvent(self, event: QKeyEvent) -> None:
+        """Arrows go up and down the list and leave it sideways, letters go to the next name that begins so."""
+        name = self._wanted(event)
+        if name is not None:
+            self.picked.emit(name)
+        elif event.key() in focus.ARROWS:
+            focus.move(self, event.key())
+        else:
+            event.ignore()
+
+    def focusInEvent(self, event: QFocusEvent) -> None:
+        """Having the focus picks nothing, which Qt's own lists do."""
+        current = self.currentIndex()
+        super().focusInEvent(event)
+        if not current.isValid():
+            self.setCurrentIndex(QModelIndex())
+        self.viewport().update()
+
+    def _fill(self) -> None:
+        self.clear()
+        self.addItems(list(self._names))
+        self._high = max(self.sizeHintForRow(0), self._high)
+
+    def _pick(self) -> None:
+        row = self._names.index(self._picked) if self._picked in self._names else -1
+        if row == self.currentRow() and (row < 0) != bool(self.selectedIndexes()):
+            return
+        if row < 0:
+            self.setCurrentIndex(QModelIndex())
+            self.clearSelection()
+        else:
+            self.setCurrentRow(row)
+
+    def _wanted(self, event: QKeyEvent) -> str | None:
+        """The name that a key picks."""
+        if not self._names or event.modifiers() not in (
+            Qt.KeyboardModifier.NoModifier,
+            Qt.KeyboardModifier.ShiftModifier,
+        ):
+            return None
+        row = self.currentRow()
+        last = len(self._names) - 1
+        rows: dict[int, int] = {
+            Qt.Key.Key_Up: max(row - 1, 0) if row >= 0 else last,
+            Qt.Key.Key_Down: min(row + 1, last),
+            Qt.Key.Key_Home: 0,
+            Qt.Key.Key_End: last,
+        }
+        if event.key() in rows:
+            return self._names[rows[event.key()]]
+        letter = event.text().strip()
+        if not letter.isalpha():
+            return None
+        return typed_name(letter, self._names, self._names[row] if row >= 0 else None)

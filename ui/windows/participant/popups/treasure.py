@@ -1,0 +1,87 @@
+"""The pop-up about something that a robot found."""
+
+from PySide6.QtCore import Signal
+from PySide6.QtWidgets import (
+    QHBoxLayout,
+    QVBoxLayout,
+    QWidget,
+)
+
+from ui.model.screen import PickName, TreasurePop
+from ui.windows import look
+from ui.windows.look import GAP
+from ui.windows.participant.popups.finding import Facts, Picture, Verdict
+from ui.windows.participant.popups.names import Names
+from ui.windows.participant.widgets.buttons import ActionButton
+from ui.windows.participant.widgets.panels import Panel
+
+
+class TreasurePanel(Panel):
+    """What was sensed and its picture at the left, what it may be at the right.
+
+    Attributes:
+        asked: the `Act` of what was pressed or picked.
+    """
+
+    asked = Signal(object)
+
+    def __init__(self, parent: QWidget | None = None) -> None:
+        super().__init__("Treasure", parent)
+        self._pop: TreasurePop | None = None
+        self.aside = ActionButton("quiet")
+        self.top.addWidget(self.aside)
+        columns = QHBoxLayout()
+        columns.setSpacing(2 * GAP)
+        self.rows.addLayout(columns, 1)
+        left, right = QVBoxLayout(), QVBoxLayout()
+        left.setSpacing(int(1.5 * GAP))
+        right.setSpacing(GAP)
+        columns.addLayout(left, 2)
+        columns.addLayout(right, 3)
+        self.facts, self.picture, self.names, self.verdict = Facts(), Picture(), Names(), Verdict()
+        self.take_picture = ActionButton(hints=True)
+        # Its place stays: the list would move under the pointer when the picture comes.
+        keeping = self.take_picture.sizePolicy()
+        keeping.setRetainSizeWhenHidden(True)
+        self.take_picture.setSizePolicy(keeping)
+        left.addWidget(self.facts)
+        left.addWidget(self.picture)
+        left.addWidget(self.take_picture)
+        left.addStretch(1)
+        self._asking = look.label("What is it?", bold=True)
+        self.name_it, self.leave = ActionButton("main", hints=True), ActionButton("plain", hints=True)
+        for widget, stretch in (
+            (self._asking, 0),
+            (self.names, 1),
+            (self.verdict, 1),
+            (self.name_it, 0),
+            (self.leave, 0),
+        ):
+            right.addWidget(widget, stretch)
+        for button in (self.aside, self.take_picture, self.name_it, self.leave):
+            button.asked.connect(self.asked)
+        self.names.picked.connect(lambda name: self.asked.emit(PickName(name)))
+
+    def show_pop(self, pop: TreasurePop) -> None:
+        """Show this; nothing is done when it is shown already."""
+        if pop == self._pop:
+            return
+        self._pop = pop
+        self.entitle(pop.title, pop.robot)
+        self.aside.show_action(pop.aside)
+        self.facts.show_facts(pop.colour, pop.footprint)
+        unseen = "No picture was taken" if pop.verdict is not None else "No picture yet"
+        self.picture.show_picture(pop.picture, pop.picture_note or unseen)
+        self.take_picture.setVisible(pop.take_picture is not None)
+        if pop.take_picture is not None:
+            self.take_picture.show_action(pop.take_picture)
+        decided = pop.verdict is not None
+        self.names.show_names(() if decided else pop.names, pop.picked)
+        self.names.setVisible(not decided)
+        self._asking.setVisible(not decided)
+        self.verdict.setVisible(decided)
+        if pop.verdict is not None:
+            self.verdict.show_verdict(pop.verdict, pop.points)
+        for button, action in ((self.name_it, pop.name_it), (self.leave, pop.leave)):
+            button.show_action(action)
+            button.setVisible(not decided)

@@ -1,0 +1,1 @@
+"""What the participant's window is made of: buttons, panels, painted shapes, focus."""

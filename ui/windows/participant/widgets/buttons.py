@@ -1,0 +1,259 @@
+"""A button that shows an `Action`: its label, its key, what it costs or why it cannot be pressed."""
+
+from collections.abc import Callable
+from dataclasses import dataclass, replace
+from typing import Literal
+
+from PySide6.QtCore import QEvent, QRectF, QSize, Qt, Signal
+from PySide6.QtGui import QColor, QFocusEvent, QFont, QFontMetricsF, QKeyEvent, QPainter, QPaintEvent
+from PySide6.QtWidgets import QPushButton, QSizePolicy, QToolTip, QWidget
+
+from ui.model.screen import Act, Action
+from ui.windows.look import GAP, Size, colours, font
+from ui.windows.participant.widgets import focus
+from ui.windows.participant.widgets.painting import box, key_cap, key_size, ring, sign
+
+Weight = Literal["main", "large", "plain", "small", "quiet"]
+"""What is most likely wanted; one of several, in much, usual and little room; something beside the point, without an
+edge."""
+
+
+@dataclass(frozen=True, slots=True)
+class Face:
+    """What a button shows; the attributes are those of `Action`."""
+
+    label: str
+    key: str = ""
+    enabled: bool = True
+    hint: str = ""
+    busy: bool = False
+
+
+_PRESSING = (Qt.Key.Key_Return, Qt.Key.Key_Enter, Qt.Key.Key_Space)
+
+
+class AskingButton(QPushButton):
+    """What all buttons of the participant's window have in common; how each one looks is up to it.
+
+    One that cannot be pressed just now stays reachable: it says why when it is pressed, and the focus does not jump
+    away from it. It takes the focus from the keyboard only, so that a click never leaves Space and Enter loaded.
+
+    Attributes:
+        asked: the `Act` of the action shown.
+        focused: the button itself, once it has the focus.
+    """
+
+    asked = Signal(object)
+    focused = Signal(QWidget)
+
+    def __init__(self, parent: QWidget | None = None) -> None:
+        super().__init__(parent)
+        self.face: Face | None = None
+        self.act: Act | None = None
+        self.setFocusPolicy(Qt.FocusPolicy.TabFocus)
+        self.setAttribute(Qt.WidgetAttribute.WA_Hover)
+        self.clicked.connect(self._pressed)
+
+    def take(self, action: Action, name: str) -> None:
+        """Keep the action; `name` is how assistive technology reads the button."""
+        if action.act != self.act:
+            self.setDown(False)  # a press begun on what was shown before must not end as one on this
+        self.act = action.act
+        self.wear(Face(action.label, action.key, action.enabled, action.hint, action.busy), name)
+
+    def wear(self, face: Face, name: str) -> None:
+        """Keep the face, and tell assistive technology what this is, and why it cannot be pressed."""
+        self.face = face
+        state = "" if face.enabled else ", not possible just now"
+        self.setAccessibleName(f"{name}{', asked for' if face.busy else state}")
+        key = f"Key: {face.key}." if face.key else ""
+        self.setAccessibleDescription(" ".join(part for part in (face.hint, key) if part))
+        self.setToolTip(face.hint)
+
+    def pointed_at(self) -> bool:
+        """Whether it should look as if it could be pressed at once."""
+        return self.face is not None and self.face.enabled and (self.underMouse() or self.isDown())
+
+    def focusInEvent(self, event: QFocusEvent) -> None:
+        """Whoever scrolls should show it."""
+        super().focusInEvent(event)
+        self.focused.emit(self)
+
+    def event(self, event: QEvent) -> bool:
+        """Keep the keys that press a button, which the window's own shortcuts would take."""
+        if event.type() == QEvent.Type.ShortcutOverride and isinstance(event, QKeyEvent) and _presses(event):
+            event.accept()
+            return True
+        return super().event(event)
+
+    def keyPressEvent(self, event: QKeyEvent) -> None:
+        """Enter presses as Space does; arrows go to the neighbours."""
+        if event.key() in focus.ARROWS:
+            focus.move(self, event.key())
+        elif event.key() in _PRESSING[:2]:
+            if not event.isAutoRepeat():
+                self.click()
+        else:
+            super().keyPressEvent(event)
+
+    def _pressed(self) -> None:
+        face = self.face
+        if face is None or face.busy:
+            return
+        if not face.enabled:
+            QToolTip.showText(self.mapToGlobal(self.rect().bottomLeft()), face.hint, self)
+        elif self.act is not None:
+            self.asked.emit(self.act)
+
+
+class ActionButton(AskingButton):
+    """The usual look: the label, below it the hint where `hints` says so, the key at the right."""
+
+    def __init__(self, weight: Weight = "plain", *, hints: bool = False, parent: QWidget | None = None) -> None:
+        super().__init__(parent)
+        self._action: Action | None = None
+        self._weight = weight
+        self._hints = hints
+        # One that may break into lines has to be allowed to be higher than its usual height.
+        policy = QSizePolicy(
+            QSizePolicy.Policy.Minimum, QSizePolicy.Policy.Minimum if hints else QSizePolicy.Policy.Fixed
+        )
+        policy.setHeightForWidth(True)
+        self.setSizePolicy(policy)
+
+    def show_action(self, action: Action) -> None:
+        """Show this; nothing is done when it is shown already."""
+        if action != self._action:
+            self._action = action
+            self.take(action, action.label)
+
+    def wear(self, face: Face, name: str) -> None:
+        """Show this face."""
+        before = self.face
+        super().wear(face, name)
+        if before is None or replace(before, enabled=face.enabled) != face:
+            self.updateGeometry()
+        self.update()
+
+    def sizeHint(self) -> QSize:
+        """All on one line, and the hint below it."""
+        face = self.face
+        if face is None:
+            return QSize(0, 0)
+        wide = QFontMetricsF(self._font()).horizontalAdvance(face.label)
+        if self._hints and face.hint:
+            wide = max(wide, min(260.0, QFontMetricsF(font("small")).horizontalAdvance(face.hint)))
+        width = int(wide + self._beside(face)) + 2
+        return QSize(width, self.heightForWidth(width))
+
+    def minimumSizeHint(self) -> QSize:
+        """Labels may break into lines."""
+        hint = self.sizeHint()
+        return QSize(min(hint.width(), 96), hint.height()) if self._hints else hint
+
+    def heightForWidth(self, width: int) -> int:
+        """What the broken lines need."""
+        face = self.face
+        if face is None:
+            return 0
+        text = self._height(face.label, self._font(), width - self._beside(face))
+        if self._hints and face.hint:
+            text += self._height(face.hint, font("small"), width - self._beside(face)) + 2.0
+        return int(max(text, key_size("X")[1]) + 2.0 * self._above()) + 1
+
+    def paintEvent(self, _event: QPaintEvent) -> None:
+        """Draw the face, the words, the key, and the ring of the focus."""
+        face, worn = self.face, colours()
+        if face is None:
+            return
+        painter = QPainter(self)
+        painter.setRenderHint(QPainter.RenderHint.Antialiasing)
+        rect = QRectF(self.rect())
+        ready = face.enabled and not face.busy
+        filled = (self._weight == "main" or self.isChecked()) and ready
+        ink = worn.on_accent if filled else worn.text if ready else worn.muted
+        edge = worn.accent if filled else worn.line
+        ground = worn.accent if filled else worn.track if self.pointed_at() or face.busy else worn.panel
+        if self._weight != "quiet" or self.pointed_at() or self.hasFocus() or not ready:
+            box(painter, rect, ground, edge, dashed=not ready)
+        if filled and self.pointed_at():
+            box(painter, rect.adjusted(2, 2, -2, -2), worn.accent, worn.on_accent)
+        if self.hasFocus():
+            ring(painter, rect, worn.on_accent if filled else worn.accent)
+        key_wide, key_high = key_size(face.key)
+        text = rect.adjusted(1.5 * GAP, self._above(), -1.5 * GAP, -self._above())
+        if key_wide:
+            cap = QRectF(text.right() - key_wide, rect.center().y() - key_high / 2.0, key_wide, key_high)
+            key_cap(painter, cap, face.key, worn.on_accent if filled else worn.muted)
+            text.setRight(cap.left() - GAP)
+        if face.busy:
+            side = key_size("X")[1]
+            sign(
+                painter,
+                QRectF(text.left(), rect.center().y() - side / 2.0, side, side).adjusted(2, 2, -2, -2),
+                "busy",
+                ink,
+            )
+            text.setLeft(text.left() + side + GAP / 2.0)
+        self._words(painter, text, face, ink, worn.on_accent if filled else worn.muted)
+
+    def _words(self, painter: QPainter, area: QRectF, face: Face, ink: str, faint: str) -> None:
+        wrap = Qt.TextFlag.TextWordWrap
+        hint = face.hint if self._hints else ""
+        painter.setFont(self._font())
+        painter.setPen(QColor(ink))
+        centred = Qt.AlignmentFlag.AlignHCenter if not (face.key or hint) else Qt.AlignmentFlag.AlignLeft
+        if not hint:
+            painter.drawText(area, centred | Qt.AlignmentFlag.AlignVCenter | wrap, face.label)
+            return
+        high = self._height(face.label, self._font(), area.width())
+        painter.drawText(area, Qt.AlignmentFlag.AlignLeft | wrap, face.label)
+        painter.setFont(font("small"))
+        painter.setPen(QColor(faint))
+        painter.drawText(area.adjusted(0, high + 2.0, 0, 4.0), Qt.AlignmentFlag.AlignLeft | wrap, hint)
+
+    def _font(self) -> QFont:
+        sizes: dict[Weight, Size] = {"large": "title", "small": "small"}
+        return font(sizes.get(self._weight, "body"), bold=self._weight in ("main", "large"))
+
+    def _above(self) -> float:
+        return {"main": GAP, "large": 1.5 * GAP, "plain": GAP, "quiet": 0.6 * GAP, "small": 1.5}[self._weight]
+
+    def _beside(self, face: Face) -> float:
+        """Width of all that stands beside the label."""
+        busy = key_size("X")[1] + GAP / 2.0 if face.busy else 0.0
+        key = key_size(face.key)[0]
+        return 3.0 * GAP + (key + GAP if key else 0.0) + busy
+
+    @staticmethod
+    def _height(text: str, type_: QFont, width: float) -> float:
+        frame = QRectF(0.0, 0.0, max(width, 1.0), 10000.0)
+        return QFontMetricsF(type_).boundingRect(frame, int(Qt.TextFlag.TextWordWrap), text).height()
+
+
+def _presses(event: QKeyEvent) -> bool:
+    return event.key() in _PRESSING and event.modifiers() in (
+        Qt.KeyboardModifier.NoModifier,
+        Qt.KeyboardModifier.KeypadModifier,
+    )
+
+
+class ActionRow:
+    """As many buttons as there are actions, kept as long as their number stays."""
+
+    def __init__(self, add: Callable[[QWidget], None], make: Callable[[], ActionButton]) -> None:
+        self._add = add
+        self._make = make
+        self.buttons: list[ActionButton] = []
+
+    def show_actions(self, actions: tuple[Action, ...]) -> None:
+        """Show these, in order."""
+        while len(self.buttons) < len(actions):
+            made = self._make()
+            self.buttons.append(made)
+            self._add(made)
+        for button, action in zip(self.buttons, actions, strict=False):
+            button.show_action(action)
+            button.show()
+        for spare in self.buttons[len(actions) :]:
+            spare.hide()

@@ -1,0 +1,271 @@
+"""What the pop-ups, pages and sheets are made of: a panel with a title, bubbles of speech, and a veil behind."""
+
+from typing import Literal
+
+from PySide6.QtCore import QEvent, QObject, QPoint, QPointF, QRect, QRectF, QSize, Qt, Signal
+from PySide6.QtGui import QColor, QFontMetricsF, QMouseEvent, QPainter, QPaintEvent, QResizeEvent
+from PySide6.QtWidgets import QFrame, QHBoxLayout, QLabel, QScrollArea, QSizePolicy, QVBoxLayout, QWidget
+
+from ui.windows import look
+from ui.windows.look import GAP, colours, font
+from ui.windows.participant.widgets.focus import region
+from ui.windows.participant.widgets.painting import chip, chip_size
+
+VEIL = "#0b0f14"
+"""What dims the window, light or dark."""
+
+
+class Chip(QWidget):
+    """A robot's colour and number, for beside a title."""
+
+    def __init__(self, parent: QWidget | None = None) -> None:
+        super().__init__(parent)
+        self._robot: int | None = None
+        side = int(chip_size()) + 2
+        self.setFixedSize(side, side)
+        self.hide()
+
+    def show_robot(self, robot: int | None) -> None:
+        """Whose chip; none hides it."""
+        if robot == self._robot:
+            return
+        self._robot = robot
+        self.setAccessibleName(f"Robot {robot + 1}" if robot is not None else "")
+        self.setVisible(robot is not None)
+        self.update()
+
+    def paintEvent(self, _event: QPaintEvent) -> None:
+        """Draw it."""
+        if self._robot is not None:
+            painter = QPainter(self)
+            painter.setRenderHint(QPainter.RenderHint.Antialiasing)
+            chip(painter, QPointF(self.width() / 2.0, self.height() / 2.0), self._robot)
+
+
+class Panel(QFrame):
+    """A panel above everything else, with a title.
+
+    Attributes:
+        top: the row of the title; what is added goes to its right.
+        rows: what is below it.
+    """
+
+    def __init__(self, name: str, parent: QWidget | None = None) -> None:
+        super().__init__(parent)
+        look.panel(self)
+        region(self, name)
+        inside = Ground()
+        self._around = QVBoxLayout(self)
+        self._around.setContentsMargins(GAP, GAP, GAP, GAP)
+        self._around.addWidget(inside)
+        self.rows = QVBoxLayout(inside)
+        self.rows.setContentsMargins(GAP, GAP, GAP, GAP)
+        self.rows.setSpacing(int(1.5 * GAP))
+        self._chip = Chip()
+        self._title = look.label(size="title", bold=True)
+        self.top = QHBoxLayout()
+        self.top.setSpacing(GAP)
+        self.top.addWidget(self._chip, 0, Qt.AlignmentFlag.AlignVCenter)
+        self.top.addWidget(self._title, 1)
+        self.rows.addLayout(self.top)
+
+    def entitle(self, title: str, robot: int | None = None) -> None:
+        """Title, and whose pop-up it is."""
+        set_text(self._title, title)
+        self._chip.show_robot(robot)
+        self.setAccessibleName(title)
+
+    def wanted(self, width: int, height: int) -> QSize:
+        """Its size when there is at most so much room."""
+        around = self._around
+        needed = around.totalHeightForWidth(width) if around.hasHeightForWidth() else around.totalSizeHint().height()
+        return QSize(width, min(max(needed, around.totalMinimumSize().height()), height))
+
+
+class Ground(QWidget):
+    """The inside of a panel. Qt knows that nothing shines through: the map may move below without redrawing it."""
+
+    def __init__(self) -> None:
+        super().__init__()
+        self.setAttribute(Qt.WidgetAttribute.WA_OpaquePaintEvent)
+
+    def paintEvent(self, event: QPaintEvent) -> None:
+        """Fill it."""
+        QPainter(self).fillRect(event.rect(), QColor(colours().panel))
+
+
+class Bubble(QWidget):
+    """One sentence that somebody said: a robot's at the left with its colour, yours at the right with the accent."""
+
+    def __init__(self, speaker: Literal["robot", "you"], text: str, robot: int) -> None:
+        super().__init__()
+        self._speaker = speaker
+        self._text = text
+        self._robot = robot
+        who = f"Robot {robot + 1}" if speaker == "robot" else "You"
+        self.setAccessibleName(f"{who}: {text}")
+        policy = QSizePolicy(QSizePolicy.Policy.Preferred, QSizePolicy.Policy.Preferred)
+        policy.setHeightForWidth(True)
+        self.setSizePolicy(policy)
+
+    def sizeHint(self) -> QSize:
+        """On lines of a readable length."""
+        return QSize(320, self.heightForWidth(320))
+
+    def minimumSizeHint(self) -> QSize:
+        """All on one line, should the width allow it."""
+        return QSize(120, self.heightForWidth(10000))
+
+    def heightForWidth(self, width: int) -> int:
+        """Of the broken lines."""
+        return int(self._words(width).height() + 2.0 * GAP) + 1
+
+    def paintEvent(self, _event: QPaintEvent) -> None:
+        """Draw the bubble, its edge and the words."""
+        worn = colours()
+        painter = QPainter(self)
+        painter.setRenderHint(QPainter.RenderHint.Antialiasing)
+        words = self._words(self.width())
+        robot = self._speaker == "robot"
+        wide = words.width() + 3.0 * GAP + 1.0
+        bubble = QRectF(0.0 if robot else self.width() - wide, 0.0, wide, float(self.height()))
+        painter.setPen(Qt.PenStyle.NoPen)
+        painter.setBrush(QColor(worn.track))
+        painter.drawRoundedRect(bubble, 10, 10)
+        painter.setBrush(QColor(worn.robot(self._robot) if robot else worn.accent))
+        at = bubble.left() if robot else bubble.right() - 4.0
+        painter.drawRoundedRect(QRectF(at, 7.0, 4.0, bubble.height() - 14.0), 2, 2)
+        painter.setPen(QColor(worn.text))
+        painter.setFont(font())
+        area = bubble.adjusted(1.5 * GAP, GAP, -1.5 * GAP, -GAP)
+        painter.drawText(
+            area, Qt.AlignmentFlag.AlignLeft | Qt.AlignmentFlag.AlignVCenter | Qt.TextFlag.TextWordWrap, self._text
+        )
+
+    def _words(self, width: int) -> QRectF:
+        """The space of the words in a bubble that leaves a share of the width free, so that the sides differ."""
+        frame = QRectF(0.0, 0.0, max(0.86 * width - 3.0 * GAP, 40.0), 10000.0)
+        return QFontMetricsF(font()).boundingRect(frame, int(Qt.TextFlag.TextWordWrap), self._text)
+
+
+class Talk(QScrollArea):
+    """What was said so far, the newest sentence at the bottom and in sight."""
+
+    def __init__(self, parent: QWidget | None = None) -> None:
+        super().__init__(parent)
+        self.setWidgetResizable(True)
+        self.setHorizontalScrollBarPolicy(Qt.ScrollBarPolicy.ScrollBarAlwaysOff)
+        self.setFocusPolicy(Qt.FocusPolicy.NoFocus)
+        self.setFrameShape(QFrame.Shape.NoFrame)
+        policy = QSizePolicy(QSizePolicy.Policy.Preferred, QSizePolicy.Policy.Preferred)
+        policy.setHeightForWidth(True)
+        self.setSizePolicy(policy)
+        inside = Ground()
+        self._lines = QVBoxLayout(inside)
+        self._lines.setContentsMargins(0, 0, 0, 0)
+        self._lines.setSpacing(GAP)
+        self._lines.addStretch(1)
+        self.setWidget(inside)
+        self.setAccessibleName("What was said")
+        self._said: tuple[tuple[Literal["robot", "you"], str], ...] = ()
+        self._robot: int | None = None
+        self.verticalScrollBar().rangeChanged.connect(self._to_end)
+
+    def show_said(self, said: tuple[tuple[Literal["robot", "you"], str], ...], robot: int) -> None:
+        """Show this; bubbles of what was shown already are kept."""
+        if (said, robot) == (self._said, self._robot):
+            return
+        keep = len(self._said) if robot == self._robot and said[: len(self._said)] == self._said else 0
+        self._said, self._robot = said, robot
+        while self._lines.count() - 1 > keep:
+            item = self._lines.takeAt(self._lines.count() - 2)
+            gone = item.widget() if item is not None else None
+            if gone is not None:
+                gone.hide()
+                gone.deleteLater()
+        for speaker, text in said[keep:]:
+            self._lines.insertWidget(self._lines.count() - 1, Bubble(speaker, text, robot))
+        self.updateGeometry()
+
+    def heightForWidth(self, width: int) -> int:
+        """All that was said, if there is room for it."""
+        return self._lines.heightForWidth(width) if self._said else 0
+
+    def sizeHint(self) -> QSize:
+        """At a readable length of line."""
+        return QSize(320, self.heightForWidth(320))
+
+    def minimumSizeHint(self) -> QSize:
+        """The last sentence or two."""
+        return QSize(200, min(self.heightForWidth(max(self.width(), 320)), 84))
+
+    def eventFilter(self, watched: QObject, event: QEvent) -> bool:
+        """Bubbles are shown a moment after they were added; whoever shares out the room has to know."""
+        if event.type() == QEvent.Type.LayoutRequest:
+            self.updateGeometry()
+        return super().eventFilter(watched, event)
+
+    def _to_end(self) -> None:
+        bar = self.verticalScrollBar()
+        bar.setValue(bar.maximum())
+
+
+class Veil(QWidget):
+    """Dims what must not be used while something in front of it waits; holds one panel in its middle.
+
+    Attributes:
+        missed: it was pressed beside the panel.
+    """
+
+    missed = Signal()
+
+    def __init__(self, parent: QWidget) -> None:
+        super().__init__(parent)
+        self._panel: Panel | None = None
+        self._widest = 520
+        self.hide()
+
+    def hold(self, panel: Panel | None, widest: int = 520) -> None:
+        """Show with this panel, or hide."""
+        if panel is self._panel:
+            self._place()
+            return
+        if self._panel is not None:
+            self._panel.hide()
+        self._panel, self._widest = panel, widest
+        if panel is None:
+            self.hide()
+            return
+        panel.setParent(self)
+        panel.show()
+        self._place()
+        self.show()
+        self.raise_()
+
+    def mousePressEvent(self, event: QMouseEvent) -> None:
+        """Nothing behind it hears of this."""
+        event.accept()
+        self.missed.emit()
+
+    def resizeEvent(self, _event: QResizeEvent) -> None:
+        """Keep the panel in the middle."""
+        self._place()
+
+    def paintEvent(self, _event: QPaintEvent) -> None:
+        """Dim."""
+        painter = QPainter(self)
+        dim = QColor(VEIL)
+        dim.setAlphaF(0.45)
+        painter.fillRect(self.rect(), dim)
+
+    def _place(self) -> None:
+        if self._panel is not None:
+            size = self._panel.wanted(min(self._widest, self.width() - 4 * GAP), self.height() - 4 * GAP)
+            corner = QPoint((self.width() - size.width()) // 2, (self.height() - size.height()) // 2)
+            self._panel.setGeometry(QRect(corner, size))
+
+
+def set_text(shown: QLabel, text: str) -> None:
+    """Change a label only when it changes."""
+    if shown.text() != text:
+        shown.setText(text)

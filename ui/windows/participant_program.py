@@ -1,0 +1,317 @@
+"""The participant's window as a program: at a server, or hosted by the program that runs the games.
+
+It joins the window (`ParticipantWindow`), its model (`Participant`) and the thread that speaks with the server
+(`Link`).
+"""
+
+import signal
+import sys
+import threading
+import time
+from collections import deque
+from collections.abc import Callable
+
+import msgspec
+from PySide6.QtCore import QEvent, QObject, Qt, QTimer
+from PySide6.QtGui import QCloseEvent, QKeySequence, QShortcut
+from PySide6.QtWidgets import (
+    QApplication,
+    QHBoxLayout,
+    QMainWindow,
+    QMessageBox,
+    QStackedWidget,
+    QVBoxLayout,
+    QWidget,
+)
+
+from ui.model.lobby import (
+    Back,
+    Begin,
+    FromHost,
+    FromWindow,
+    Join,
+    Leave,
+    Offer,
+    Practise,
+    Preparing,
+    heard_of_host,
+    line,
+)
+from ui.model.participant import Participant
+from ui.model.practice import advice
+from ui.model.screen import Phase
+from ui.windows import look
+from ui.windows.link import Joined, Link, Parted
+from ui.windows.look import GAP
+from ui.windows.participant.pages.pages import Connecting
+from ui.windows.participant.pages.start import StartPage
+from ui.windows.participant.widgets.buttons import ActionButton, Face
+from ui.windows.participant.window import ParticipantWindow
+
+FRAME = 15
+"""Milliseconds between two looks at what came in."""
+
+
+class Game(QWidget):
+    """A game at a server: the window with what feeds it, and a strip above it where there is something to say.
+
+    Args:
+        link: to the server, not started yet.
+        appearance: colours.
+        practice: it is the practice game, and says what to do next.
+        back: goes back to the start page; None where there is none.
+        clock: monotonic seconds.
+    """
+
+    def __init__(
+        self,
+        link: Link,
+        appearance: look.Appearance,
+        practice: bool,
+        back: Callable[[], None] | None,
+        clock: Callable[[], float],
+    ) -> None:
+        super().__init__()
+        self._link = link
+        self._clock = clock
+        self._practice = practice
+        self._model = Participant()
+        self.window_of_game = ParticipantWindow(self._model, clock, appearance.palette)
+        appearance.changed.connect(self.window_of_game.set_palette)
+        rows = QVBoxLayout(self)
+        rows.setContentsMargins(0, 0, 0, 0)
+        rows.setSpacing(0)
+        self._strip, self._advice = QWidget(), look.label()
+        self._build_strip(back)
+        rows.addWidget(self._strip)
+        rows.addWidget(self.window_of_game, 1)
+        self.setFocusProxy(self.window_of_game)
+        link.start()
+
+    def _build_strip(self, back: Callable[[], None] | None) -> None:
+        row = QHBoxLayout(self._strip)
+        row.setContentsMargins(2 * GAP, GAP, 2 * GAP, GAP)
+        self._strip.setAccessibleName("Practice game" if self._practice else "This game")
+        if self._practice:
+            title = look.label("Practice", bold=True)
+            title.setWordWrap(False)
+            row.addWidget(title)
+            row.addSpacing(2 * GAP)
+        row.addWidget(self._advice, 1)
+        if back is not None:
+            button = ActionButton()
+            button.wear(Face("Back to the start page", "F10"), "Back to the start page")
+            button.clicked.connect(back)
+            key = QShortcut(QKeySequence("F10"), self)
+            key.activated.connect(button.click)
+            row.addWidget(button)
+        self._strip.setVisible(self._practice)
+
+    @property
+    def is_under_way(self) -> bool:
+        """Whether something would be lost if the participant left now."""
+        return not self._practice and self._model.screen(self._clock()).phase is Phase.PLAYING
+
+    def pump(self) -> None:
+        """Take in what came from the server, and say what is wanted."""
+        now = self._clock()
+        for heard in self._link.take():
+            match heard.news:
+                case Joined():
+                    self._model.connected(heard.at)
+                case Parted(sentence):
+                    self._model.lost(sentence, heard.at)
+                case level:
+                    self._model.hear(level, heard.at)
+        self._link.want(self._model.wishes())
+        screen = self._model.screen(now)
+        if self._practice:
+            text = advice(screen)
+            if text != self._advice.text():
+                self._advice.setText(text)
+        elif self._strip.isVisible() is not (screen.phase is Phase.OVER):
+            self._strip.setVisible(screen.phase is Phase.OVER)
+
+    def leave(self) -> None:
+        """Leave the server."""
+        self._link.stop()
+        self.window_of_game.close()
+
+
+class Table(QMainWindow):
+    """What the participant sits at: one page at a time.
+
+    Args:
+        appearance: colours.
+        say: tells the host; None where there is none.
+        clock: monotonic seconds.
+    """
+
+    def __init__(
+        self,
+        appearance: look.Appearance,
+        say: Callable[[FromWindow], None] | None,
+        clock: Callable[[], float] = time.monotonic,
+    ) -> None:
+        super().__init__()
+        self._clock = clock
+        self._appearance = appearance
+        self._say = say
+        self._leaving = False
+        self._offer: Offer | None = None
+        self.game: Game | None = None
+        self.setWindowTitle("Treasure hunt")
+        self.setMinimumSize(900, 600)
+        self.resize(1200, 800)
+        self._pages = QStackedWidget()
+        self.setCentralWidget(self._pages)
+        QShortcut(QKeySequence.StandardKey.Quit, self, self.close)
+        self._pumping = QTimer(self)
+        self._pumping.setTimerType(Qt.TimerType.PreciseTimer)
+        self._pumping.timeout.connect(self._pump)
+        self._pumping.start(FRAME)
+
+    def hear(self, said: FromHost) -> None:
+        """The host says this."""
+        match said:
+            case Offer():
+                self._offer = said
+                self._show_start(said)
+            case Preparing(sentence):
+                page = Connecting()
+                page.show_waiting(sentence)
+                self._show(page)
+            case Join(host, port, token, practice):
+                self.join(Link(host, port, token), practice)
+
+    def join(self, link: Link, practice: bool = False) -> None:
+        """Sit down at a game."""
+        back = None if self._say is None else self._go_back
+        game = Game(link, self._appearance, practice, back, self._clock)
+        self._show(game)
+        self.game = game
+
+    def leave(self) -> None:
+        """Close without a question."""
+        self._leaving = True
+        self.close()
+
+    def closeEvent(self, event: QCloseEvent) -> None:
+        """Ask first in the middle of a game."""
+        if not self._leaving and self.game is not None and self.game.is_under_way:
+            event.ignore()
+            self._ask_to_leave()
+            return
+        self._pumping.stop()
+        if self.game is not None:
+            self.game.leave()
+            self.game = None
+        if self._say is not None:
+            self._say(Leave())
+        event.accept()
+        QApplication.quit()
+
+    def _ask_to_leave(self) -> None:
+        box = QMessageBox(self)
+        box.setWindowTitle("Treasure hunt")
+        box.setText("The game is not over. Leave it?")
+        ends = (
+            "The game ends if you leave it."
+            if self._say is not None
+            else "The robots go on with what they are doing; you can come back."
+        )
+        box.setInformativeText(ends)
+        leave = box.addButton("Leave the game", QMessageBox.ButtonRole.DestructiveRole)
+        stay = box.addButton("Stay", QMessageBox.ButtonRole.RejectRole)
+        box.setDefaultButton(stay)
+        box.setEscapeButton(stay)
+        leave.setAutoDefault(False)  # else it is Enter's once other colours are put on
+        box.setAttribute(Qt.WidgetAttribute.WA_DeleteOnClose)
+        leave.clicked.connect(self.leave)
+        box.open()
+
+    def _show_start(self, offer: Offer) -> None:
+        page = StartPage(offer.least, offer.most, offer.usual)
+        page.start.connect(lambda robots: self._tell(Begin(robots)))
+        page.tutorial.connect(lambda: self._tell(Practise()))
+        self._show(page)
+
+    def _go_back(self) -> None:
+        self._tell(Back())
+
+    def _tell(self, said: FromWindow) -> None:
+        if self._say is not None:
+            self._say(said)
+
+    def _show(self, page: QWidget) -> None:
+        if self.game is not None:
+            self.game.leave()
+            self.game = None
+        before = self._pages.currentWidget()
+        self._pages.addWidget(page)
+        self._pages.setCurrentWidget(page)
+        if before is not None:
+            self._pages.removeWidget(before)
+            before.deleteLater()
+        page.setFocus()
+
+    def _pump(self) -> None:
+        if self.game is not None:
+            self.game.pump()
+
+
+class Host(QObject):
+    """The program that runs the games, at the other end of standard input and output."""
+
+    def __init__(self, table: Table) -> None:
+        super().__init__(table)
+        self._table = table
+        self._heard: deque[FromHost | None] = deque()
+        threading.Thread(target=self._listen, name="host", daemon=True).start()
+        self.startTimer(FRAME)
+
+    @staticmethod
+    def say(said: FromWindow) -> None:
+        """Tell it something; when it is gone, nobody needs to know any more."""
+        try:
+            sys.stdout.buffer.write(line(said))
+            sys.stdout.buffer.flush()
+        except OSError:
+            pass
+
+    def timerEvent(self, _event: QEvent) -> None:
+        """Pass on what it said."""
+        while self._heard:
+            said = self._heard.popleft()
+            if said is None:
+                self._table.leave()
+            else:
+                self._table.hear(said)
+
+    def _listen(self) -> None:
+        for text in sys.stdin.buffer:
+            try:
+                self._heard.append(heard_of_host(text))
+            except msgspec.DecodeError:
+                continue
+        self._heard.append(None)
+
+
+def play_at(host: str, port: int, token: str, choice: look.Choice) -> int:
+    """Open the window at a server; returns when it is closed."""
+    app = QApplication(sys.argv[:1])
+    # Python's own answer, an exception in whatever slot runs just then, Qt would only print.
+    signal.signal(signal.SIGINT, lambda _number, _frame: app.quit())
+    table = Table(look.Appearance(app, choice), None)
+    table.join(Link(host, port, token))
+    table.show()
+    return app.exec()
+
+
+def play_hosted(choice: look.Choice) -> int:
+    """Open the window for the host at standard input and output; returns when it is closed."""
+    app = QApplication(sys.argv[:1])
+    table = Table(look.Appearance(app, choice), Host.say)
+    Host(table)
+    table.show()
+    return app.exec()

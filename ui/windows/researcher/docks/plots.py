@@ -1,0 +1,249 @@
+"""Plots over time: how far robots are from where they believe to be, how sure they are, their energy and speed."""
+
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
+from typing import Literal
+
+import numpy as np
+import pyqtgraph as pg
+from PySide6.QtCore import QPointF, Qt, Signal
+from PySide6.QtGui import QColor
+from PySide6.QtWidgets import QVBoxLayout, QWidget
+
+from sim.common.geometry import FloatArray
+from ui.model.theme import Palette
+
+LIVE_SECONDS = 60.0
+"""Of a session under way, what the plots show until somebody looks elsewhere."""
+MOST_POINTS = 4000
+"""A curve of more is drawn by the least and greatest of neighbours: more than a screen has columns."""
+
+
+@dataclass(frozen=True, slots=True)
+class Panel:
+    """One plot of several.
+
+    Attributes:
+        name: of the figure in `Curves`.
+        title: for people, with its unit.
+        factor: from SI units to that of the title.
+    """
+
+    name: str
+    title: str
+    factor: float = 1.0
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Curves:
+    """What is known of one robot over time.
+
+    Attributes:
+        robot: index in the team.
+        figures: by the name of a panel (or "band": two standard deviations of position, metres): (n,) seconds since
+            the beginning, ascending, and (n,) values; NaN leaves a gap.
+    """
+
+    robot: int
+    figures: Mapping[str, tuple[FloatArray, FloatArray]]
+
+
+PANELS = (
+    Panel("error", "Position error, m"),
+    Panel("heading_error", "Heading error, °", float(np.degrees(1.0))),
+    Panel("sigma", "Standard deviation, m"),
+    Panel("energy", "Energy"),
+    Panel("speed", "Speed, m/s"),
+)
+BAND = "band"
+Span = Literal["all", "end", "free"]
+"""The time on view: all of it, its end that moves, or wherever somebody went."""
+
+
+class Plots(QWidget):
+    """One plot a figure, one curve a robot, one axis of time; behind the error two standard deviations of the robot
+    selected.
+
+    A click asks for that moment; dragging and the wheel move along the time, a double click shows all of it again.
+
+    Args:
+        palette: the colours.
+        live: the end of time moves.
+
+    Signals:
+        seek: somebody wants to see this moment, seconds since the beginning.
+    """
+
+    seek = Signal(float)
+
+    def __init__(self, palette: Palette, live: bool) -> None:
+        super().__init__()
+        self._palette = palette
+        self._home: Span = "end" if live else "all"
+        self._span: Span = self._home
+        self._now = 0.0
+        self._end = 0.0
+        self._selected = 0
+        self._bands: dict[int, tuple[FloatArray, FloatArray]] = {}
+        self._curves: dict[tuple[str, int], pg.PlotDataItem] = {}
+        self.canvas = pg.GraphicsLayoutWidget()
+        self.canvas.setAccessibleName("Plots over time")
+        self.canvas.viewport().setFocusPolicy(Qt.FocusPolicy.NoFocus)
+        self.canvas.ci.layout.setSpacing(2)
+        self._plots: dict[str, pg.PlotItem] = {}
+        self._cursors: list[pg.InfiniteLine] = []
+        for number, panel in enumerate(PANELS):
+            plot = self.canvas.addPlot(row=number, col=0)
+            plot.setMenuEnabled(False)
+            plot.hideButtons()
+            plot.setMouseEnabled(x=True, y=False)
+            plot.setClipToView(True)
+            plot.getViewBox().setAutoVisible(y=True)
+            plot.getViewBox().sigRangeChangedManually.connect(self._look_around)
+            plot.getAxis("left").setWidth(48)
+            for side in ("left", "bottom"):
+                # Lines of the grid between the numbers cost more than all curves.
+                plot.getAxis(side).setStyle(maxTickLevel=0)
+                plot.getAxis(side).enableAutoSIPrefix(False)
+            if number < len(PANELS) - 1:
+                plot.getAxis("bottom").setStyle(showValues=False)
+            if number:
+                plot.setXLink(self._plots[PANELS[0].name])
+            cursor = pg.InfiniteLine(angle=90, movable=False)
+            plot.addItem(cursor, ignoreBounds=True)
+            self._cursors.append(cursor)
+            self._plots[panel.name] = plot
+        self._band = pg.PlotCurveItem(fillLevel=0.0)
+        self._plots[PANELS[0].name].addItem(self._band)
+        self.canvas.scene().sigMouseClicked.connect(self._clicked)
+        layout = QVBoxLayout(self)
+        layout.setContentsMargins(0, 0, 0, 0)
+        layout.addWidget(self.canvas)
+        self.set_palette(palette)
+
+    def show_curves(self, robots: Sequence[Curves], end: float) -> None:
+        """Draw these; what was drawn before of the same robots goes.
+
+        Args:
+            robots: any of the team.
+            end: seconds from the beginning to the end of what is known.
+        """
+        self._end = end
+        for curves in robots:
+            for panel in PANELS:
+                if panel.name in curves.figures:
+                    times, values = curves.figures[panel.name]
+                    self._curve(panel.name, curves.robot).setData(*thinned(times, values * panel.factor))
+            if BAND in curves.figures:
+                self._bands[curves.robot] = curves.figures[BAND]
+        self._draw_band()
+        self._range()
+
+    def clear(self) -> None:
+        """Forget all curves."""
+        for (panel, _), curve in self._curves.items():
+            self._plots[panel].removeItem(curve)
+        self._curves, self._bands = {}, {}
+        self._draw_band()
+
+    def show_time(self, now: float) -> None:
+        """Move the cursor to this moment."""
+        if now != self._now:
+            self._now = now
+            for cursor in self._cursors:
+                cursor.setValue(now)
+            self._range()
+
+    def select(self, robot: int) -> None:
+        """Draw this one stronger, and how sure it says to be."""
+        self._selected = robot
+        for (_, number), curve in self._curves.items():
+            curve.setPen(self._pen(number))
+            curve.setZValue(number == robot)
+        self._draw_band()
+
+    def set_palette(self, palette: Palette) -> None:
+        """Other colours."""
+        self._palette = palette
+        self.canvas.setBackground(palette.panel)
+        for panel in PANELS:
+            plot = self._plots[panel.name]
+            plot.setTitle(panel.title, color=palette.text, size="9pt", justify="left")
+            plot.showGrid(x=True, y=True, alpha=0.15)
+            for side in ("left", "bottom"):
+                plot.getAxis(side).setPen(palette.line)
+                plot.getAxis(side).setTextPen(palette.muted)
+        self._plots[PANELS[-1].name].setLabel("bottom", "seconds since the beginning", color=palette.muted)
+        for cursor in self._cursors:
+            cursor.setPen(pg.mkPen(palette.accent, width=1))
+        self.select(self._selected)
+
+    def points(self, panel: str, robot: int) -> int:
+        """How many points the curve of a robot has in a panel."""
+        curve = self._curves.get((panel, robot))
+        times = None if curve is None else curve.getOriginalDataset()[0]
+        return 0 if times is None else len(times)
+
+    def place_of(self, time: float) -> QPointF:
+        """Where a moment is in this widget, on the first plot."""
+        box = self._plots[PANELS[0].name].getViewBox()
+        return QPointF(self.canvas.mapFromScene(box.mapViewToScene(QPointF(time, 0.0))))
+
+    def _curve(self, panel: str, robot: int) -> pg.PlotDataItem:
+        curve = self._curves.get((panel, robot))
+        if curve is None:
+            curve = self._plots[panel].plot(pen=self._pen(robot), connect="finite", antialias=True)
+            self._curves[panel, robot] = curve
+        return curve
+
+    def _pen(self, robot: int) -> object:
+        colour = QColor(self._palette.robot(robot))
+        if robot != self._selected:
+            colour.setAlphaF(0.55)
+        pen: object = pg.mkPen(colour, width=1)
+        return pen
+
+    def _draw_band(self) -> None:
+        times, values = self._bands.get(self._selected, (np.empty(0), np.empty(0)))
+        colour = QColor(self._palette.robot(self._selected))
+        colour.setAlphaF(0.18)
+        self._band.setData(*thinned(times, values), pen=None, brush=pg.mkBrush(colour), connect="finite")
+
+    def _range(self) -> None:
+        first = self._plots[PANELS[0].name]
+        if self._span == "end":
+            end = max(self._now, LIVE_SECONDS)
+            first.setXRange(end - LIVE_SECONDS, end, padding=0.0)
+        elif self._span == "all" and self._end > 0.0:
+            first.setXRange(0.0, self._end, padding=0.01)
+
+    def _look_around(self) -> None:
+        """Somebody moved along the time: leave them there."""
+        self._span = "free"
+
+    def _clicked(self, event: "pg.GraphicsScene.mouseEvents.MouseClickEvent") -> None:
+        if event.button() != Qt.MouseButton.LeftButton:
+            return
+        if event.double():
+            self._span = self._home
+            self._range()
+            return
+        for plot in self._plots.values():
+            if plot.getViewBox().sceneBoundingRect().contains(event.scenePos()):
+                self.seek.emit(max(0.0, float(plot.getViewBox().mapSceneToView(event.scenePos()).x())))
+                return
+
+
+def thinned(times: FloatArray, values: FloatArray) -> tuple[FloatArray, FloatArray]:
+    """A curve of at most `MOST_POINTS` points that looks the same: the least and greatest of each run of neighbours."""
+    run = -(-2 * len(times) // MOST_POINTS)
+    if run <= 2:
+        return times, values
+    runs = len(times) // run
+    table = values[: runs * run].reshape(runs, run)
+    filled = np.where(np.isnan(table), np.inf, table), np.where(np.isnan(table), -np.inf, table)
+    low, high = filled[0].argmin(axis=1), filled[1].argmax(axis=1)
+    first, second = np.minimum(low, high), np.maximum(low, high)
+    chosen = (np.arange(runs) * run)[:, None] + np.column_stack((first, second))
+    picked = np.concatenate((chosen.ravel(), np.arange(runs * run, len(times))))
+    return times[picked], values[picked]

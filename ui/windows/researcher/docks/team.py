@@ -1,0 +1,182 @@
+"""The robots, one a row: how far off, how sure, how much energy, what they do."""
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+
+from PySide6.QtCore import QAbstractTableModel, QModelIndex, Qt, Signal
+from PySide6.QtGui import QColor, QIcon, QPainter, QPixmap
+from PySide6.QtWidgets import QHeaderView, QTableView, QVBoxLayout, QWidget
+
+from ui.model.theme import Palette
+from ui.windows.researcher.docks.log import NOWHERE, Index
+
+
+@dataclass(frozen=True, slots=True)
+class RobotRow:
+    """A robot's row.
+
+    Attributes:
+        name: for people.
+        state: what it does, in words.
+        error: metres between where it is and where it believes it is; None: nobody knows.
+        sigma: standard deviation of its position as it admits, metres.
+        energy: left.
+        speed: m/s.
+        trouble: its state is one to worry about.
+    """
+
+    name: str
+    state: str
+    error: float | None
+    sigma: float | None
+    energy: float | None
+    speed: float | None
+    trouble: bool
+
+
+TITLES = ("Robot", "Error, m", "σ, m", "Energy", "m/s")
+HINTS = (
+    "Its name, and what it does",
+    "Metres between where it is and where it believes it is",
+    "How sure it says it is: standard deviation of its position, metres",
+    "Energy left",
+    "How fast it drives",
+)
+
+
+class TeamModel(QAbstractTableModel):
+    """The rows; their number changes seldom, what they say many times a second."""
+
+    def __init__(self, palette: Palette, parent: QWidget | None = None) -> None:
+        super().__init__(parent)
+        self._palette = palette
+        self._rows: tuple[RobotRow, ...] = ()
+
+    def show_rows(self, rows: Sequence[RobotRow]) -> None:
+        """Show these, robot 1 first."""
+        rows = tuple(rows)
+        if len(rows) != len(self._rows):
+            self.beginResetModel()
+            self._rows = rows
+            self.endResetModel()
+            return
+        before, self._rows = self._rows, rows
+        for number, (was, now) in enumerate(zip(before, rows, strict=True)):
+            if was != now:
+                self.dataChanged.emit(self.index(number, 0), self.index(number, len(TITLES) - 1))
+
+    def set_palette(self, palette: Palette) -> None:
+        """Other colours."""
+        self._palette = palette
+        if self._rows:
+            self.dataChanged.emit(self.index(0, 0), self.index(len(self._rows) - 1, len(TITLES) - 1))
+
+    def rowCount(self, parent: Index = NOWHERE) -> int:
+        """How many robots."""
+        return 0 if parent.isValid() else len(self._rows)
+
+    def columnCount(self, parent: Index = NOWHERE) -> int:
+        """What is said of each."""
+        return 0 if parent.isValid() else len(TITLES)
+
+    def headerData(self, section: int, orientation: Qt.Orientation, role: int = 0) -> object:
+        """Titles of the columns."""
+        if orientation == Qt.Orientation.Horizontal:
+            if role == Qt.ItemDataRole.DisplayRole:
+                return TITLES[section]
+            if role == Qt.ItemDataRole.ToolTipRole:
+                return HINTS[section]
+        return None
+
+    def data(self, index: Index, role: int = 0) -> object:
+        """A cell's text and colour."""
+        row = self._rows[index.row()]
+        if role == Qt.ItemDataRole.DisplayRole:
+            return _cell(row, index.column())
+        if role == Qt.ItemDataRole.DecorationRole and index.column() == 0:
+            return self._chip(index.row())
+        if role == Qt.ItemDataRole.ForegroundRole and index.column() == 0 and row.trouble:
+            return QColor(self._palette.bad)
+        if role == Qt.ItemDataRole.TextAlignmentRole and index.column() >= 1:
+            return int(Qt.AlignmentFlag.AlignRight | Qt.AlignmentFlag.AlignVCenter)
+        if role == Qt.ItemDataRole.ToolTipRole and index.column() == 0:
+            return row.state
+        return None
+
+    def _chip(self, robot: int) -> QIcon:
+        """Its colour, which is the same in a row that is selected; an edge keeps the two apart."""
+        chip = QPixmap(18, 18)
+        chip.fill(QColor(self._palette.panel))
+        painter = QPainter(chip)
+        painter.fillRect(chip.rect().adjusted(2, 2, -2, -2), QColor(self._palette.robot(robot)))
+        painter.end()
+        icon = QIcon(chip)
+        icon.addPixmap(chip, QIcon.Mode.Selected)
+        return icon
+
+
+class Team(QWidget):
+    """The list of robots; a click or the arrow keys select one.
+
+    Args:
+        palette: the colours.
+
+    Signals:
+        selected: this one.
+    """
+
+    selected = Signal(int)
+
+    def __init__(self, palette: Palette) -> None:
+        super().__init__()
+        self.model = TeamModel(palette, self)
+        self.table = QTableView()
+        self.table.setAccessibleName("Robots")
+        self.table.setModel(self.model)
+        self.table.setSelectionBehavior(QTableView.SelectionBehavior.SelectRows)
+        self.table.setSelectionMode(QTableView.SelectionMode.SingleSelection)
+        self.table.setShowGrid(False)
+        self.table.setWordWrap(False)
+        self.table.setTabKeyNavigation(False)
+        self.table.verticalHeader().hide()
+        self.table.verticalHeader().setDefaultSectionSize(2 * self.fontMetrics().height() + 12)
+        self.table.setHorizontalScrollBarPolicy(Qt.ScrollBarPolicy.ScrollBarAlwaysOff)
+        header = self.table.horizontalHeader()
+        header.setMinimumSectionSize(20)
+        header.setDefaultAlignment(Qt.AlignmentFlag.AlignLeft | Qt.AlignmentFlag.AlignVCenter)
+        width = self.fontMetrics().averageCharWidth()
+        for column, characters in ((1, 8), (2, 6), (3, 7), (4, 5)):
+            self.table.setColumnWidth(column, width * characters)
+        header.setSectionResizeMode(0, QHeaderView.ResizeMode.Stretch)
+        self.table.selectionModel().currentRowChanged.connect(self._chosen)
+        layout = QVBoxLayout(self)
+        layout.setContentsMargins(0, 0, 0, 0)
+        layout.addWidget(self.table)
+
+    def show_rows(self, rows: Sequence[RobotRow], selected: int) -> None:
+        """Show these, robot 1 first, and which one is selected."""
+        self.model.show_rows(rows)
+        if 0 <= selected < len(rows) and self.table.currentIndex().row() != selected:
+            self.table.selectRow(selected)
+
+    def set_palette(self, palette: Palette) -> None:
+        """Other colours."""
+        self.model.set_palette(palette)
+
+    def _chosen(self, now: QModelIndex) -> None:
+        if now.isValid():
+            self.selected.emit(now.row())
+
+
+def _cell(row: RobotRow, column: int) -> str:
+    match column:
+        case 0:
+            return f"{row.name}\n{'! ' if row.trouble else ''}{row.state}"
+        case 1:
+            return "" if row.error is None else f"{row.error:.3f}"
+        case 2:
+            return "" if row.sigma is None else f"{row.sigma:.3f}"
+        case 3:
+            return "" if row.energy is None else f"{row.energy:g}"
+        case _:
+            return "" if row.speed is None else f"{row.speed:.2f}"

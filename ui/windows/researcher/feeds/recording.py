@@ -1,0 +1,225 @@
+"""A recording in the researcher's window: opened by a thread, read in pieces, played at any speed."""
+
+import gc
+import threading
+import time
+from collections.abc import Iterator
+from pathlib import Path
+
+from thbridge.files.errors import BadFile
+from ui.model.watching.playback import Playback
+from ui.model.watching.scene import Scene, Shown
+from ui.model.watching.series import Series
+from ui.model.watching.story import Story
+from ui.model.watching.tools import RECORDED
+from ui.sources.bag import BagSource, open_bag
+from ui.sources.rooms import rooms_of
+from ui.windows.researcher.feeds.feed import Wish
+
+PIECE = 0.008
+"""Seconds of reading between two looks at what else is to be done."""
+
+
+class Opening:
+    """Opens a recording in a thread of its own.
+
+    Attributes:
+        share: of the work that is done, 0 to 1.
+        source: once it is open.
+        fault: once it turned out that it cannot be opened.
+    """
+
+    def __init__(self, path: Path) -> None:
+        self.path = path
+        self.share = 0.0
+        self.source: BagSource | None = None
+        self.fault: BadFile | None = None
+        self._given_up = False
+        self._thread = threading.Thread(target=self._open, name="open bag", daemon=True)
+        self._thread.start()
+
+    def wait(self, seconds: float) -> bool:
+        """Wait so long at most; whether it has come to an end."""
+        self._thread.join(seconds)
+        return not self._thread.is_alive()
+
+    def give_up(self) -> None:
+        """Nobody wants it any more."""
+        self._given_up = True
+
+    def _open(self) -> None:
+        try:
+            self.source = self._opened()
+        except BadFile as fault:
+            self.fault = fault
+
+    def _opened(self) -> BagSource | None:
+        work = open_bag(self.path)
+        while not self._given_up:
+            try:
+                self.share = next(work)
+            except StopIteration as done:
+                source: BagSource = done.value
+                if source.session is not None:
+                    source.rooms = rooms_of(source.session, self.path)
+                # What is read for the first picture would keep the window waiting.
+                source.scene(source.start_ns, Shown())
+                return source
+        return None
+
+
+def _keep_for_good() -> None:
+    """What was read stays until the end: looking through it for garbage would hold the window up for 0.1 s and more."""
+    gc.freeze()
+
+
+class Recording:
+    """A recording; see `Feed`.
+
+    Args:
+        opening: under way, or done.
+    """
+
+    live = False
+    refusal = RECORDED.sentence
+
+    def __init__(self, opening: Opening) -> None:
+        self._opening = opening
+        self._source: BagSource | None = None
+        self._reading: Iterator[float] = iter(())
+        self._share = 0.0
+        self._whole = False
+        self._playback = Playback(0, 0)
+        self._now = 0.0
+        self._fault = ""
+        self._told = 0
+        self._story, self._series = Story(), Series(0)
+        self.edition = 0
+
+    @property
+    def start_ns(self) -> int:
+        """ROS time of its beginning."""
+        return 0 if self._source is None else self._source.start_ns
+
+    @property
+    def story(self) -> Story:
+        """What happened, as far as it was read."""
+        return self._story
+
+    @property
+    def series(self) -> Series:
+        """Numbers over time, as far as they were read."""
+        return self._series
+
+    @property
+    def time(self) -> float:
+        """The moment shown."""
+        return (self._playback.at_ns - self.start_ns) / 1e9
+
+    @property
+    def span(self) -> float:
+        """How long it is."""
+        return 0.0 if self._source is None else (self._source.end_ns - self._source.start_ns) / 1e9
+
+    def advance(self, now: float) -> None:
+        """Open it as soon as can be, and play."""
+        if self._source is None and self._opening.source is not None:
+            self._begin(self._opening.source)
+        if self._opening.fault is not None:
+            self._fault = str(self._opening.fault)
+        self._now = now
+        self._playback.advance(now)
+
+    def _begin(self, source: BagSource) -> None:
+        self._source = source
+        self._story, self._series = source.story, source.series
+        self._playback = Playback(source.start_ns, source.end_ns)
+        self._reading = source.scan()
+        self.edition += 1
+        _keep_for_good()
+
+    def work(self) -> bool:
+        """Read some of what happened in all of it."""
+        if self._source is None or self._whole or self._fault:
+            return False
+        end = time.perf_counter() + PIECE
+        try:
+            while time.perf_counter() < end:
+                share = next(self._reading, None)
+                if share is None:
+                    self._whole = True
+                    _keep_for_good()
+                    return False
+                self._share = share
+        except BadFile as fault:
+            self._fault = str(fault)
+        return True
+
+    def scene(self, shown: Shown) -> Scene | None:
+        """How things stood at the moment shown."""
+        if self._source is None:
+            return None
+        try:
+            return self._source.scene(self._playback.at_ns, shown)
+        except BadFile as fault:
+            self._fault = str(fault)
+            self._playback.playing = False
+            return None
+
+    def state(self, now: float) -> str:
+        """How far it was read."""
+        if self._source is None:
+            return f"opening, {self._opening.share:.0%}"
+        return "recording" if self._whole else f"reading, {self._share:.0%}"
+
+    def trouble(self) -> str:
+        """Why it cannot be shown."""
+        if self._fault:
+            return self._fault
+        return "" if self._source is not None else f"Opening {self._opening.path} ({self._opening.share:.0%})"
+
+    def take_news(self) -> list[str]:
+        """What topics cannot be read, once it is open."""
+        if self._source is None or self._told == self.edition:
+            return []
+        self._told = self.edition
+        return list(self._source.unreadable)
+
+    @property
+    def playing(self) -> bool:
+        """Whether time goes on."""
+        return self._playback.playing
+
+    @property
+    def speed(self) -> float:
+        """Recorded seconds per second."""
+        return self._playback.speed
+
+    def play(self, on: bool) -> None:
+        """Let time go on, from the beginning where it is at its end."""
+        self._playback.play(self._now, on)
+
+    def step(self, steps: int) -> None:
+        """Go so many ticks on or back."""
+        if self._source is not None:
+            self._playback.playing = False
+            self._playback.seek(self._source.step(self._playback.at_ns, steps))
+
+    def set_speed(self, speed: float) -> None:
+        """Play at this speed."""
+        self._playback.set_speed(self._now, speed)
+
+    def seek(self, time: float) -> None:
+        """Go to this moment, or as near as it goes."""
+        self._playback.seek(self.start_ns + round(time * 1e9))
+
+    def ask(self, wish: Wish) -> str:
+        """Nothing can be asked of the past."""
+        return self.refusal
+
+    def close(self) -> None:
+        """Close the file, or give up opening it."""
+        gc.unfreeze()
+        self._opening.give_up()
+        if self._source is not None:
+            self._source.close()

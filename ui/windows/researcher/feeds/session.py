@@ -1,0 +1,250 @@
+"""A session under way in the researcher's window: heard by a thread, asked for things."""
+
+import asyncio
+import threading
+from collections import deque
+from pathlib import Path
+
+from thbridge.app.session.watching import request_line
+from thbridge.files.map_files import MapRoom
+from thbridge.roles.robot_requests import Pause, Resume, SetRate, Step
+from thbridge.ros.messages.records import Session as SessionRecord
+from thbridge.ros.names import MAP_FRAME
+from thbridge.sockets.text_client import LossReason, Lost
+from thbridge.sockets.watch_client import Connected, WatchClient
+from thbridge.wire.watching import Said, Status, status_in
+from ui.model.watching.frames import Frames
+from ui.model.watching.live import LiveSource
+from ui.model.watching.scene import Scene, Shown
+from ui.model.watching.series import Series
+from ui.model.watching.story import Story
+from ui.sources.rooms import rooms_of
+from ui.windows.researcher.feeds.feed import Wish
+
+SENDER = "watch"
+"""In whose name this window asks."""
+MOMENTS = 2.0
+"""Seconds over which messages are timed."""
+LAG, LAG_SPAN = 0.5, 10.0
+"""Seconds that a session falls behind which are worth a word, and within how many; it never makes up for them."""
+SILENCE = 1.5
+"""Seconds without a word after which a session that is not paused is called silent."""
+
+
+class Connection:
+    """Runs a client in a thread of its own until it is closed.
+
+    Args:
+        client: not running yet.
+    """
+
+    def __init__(self, client: WatchClient) -> None:
+        self.client = client
+        self._loop = asyncio.new_event_loop()
+        self._listening = self._loop.create_task(client.run())
+        self._thread = threading.Thread(target=self._run, name="watch", daemon=True)
+        self._thread.start()
+
+    def close(self) -> None:
+        """Hang up, and wait for the thread."""
+        self._loop.call_soon_threadsafe(self._listening.cancel)
+        self._thread.join()
+
+    def _run(self) -> None:
+        asyncio.set_event_loop(self._loop)
+        # What takes half a second the first time would hold the window up.
+        Frames(()).planar(MAP_FRAME)
+        try:
+            self._loop.run_until_complete(self._listening)
+        except asyncio.CancelledError:
+            pass
+        finally:
+            self._loop.close()
+
+
+class Session:
+    """A session under way; see `Feed`.
+
+    Args:
+        connection: to its door.
+        address: of the door, for people.
+    """
+
+    live = True
+    refusal = ""
+
+    def __init__(self, connection: Connection, address: str) -> None:
+        self._connection = connection
+        self._address = address
+        self._source = LiveSource()
+        self._status: Status | None = None
+        self._lost: Lost | None = None
+        self._connected = False
+        self._refusals = 0
+        self._news: list[str] = []
+        self._came: deque[tuple[float, float]] = deque()
+        self._lags: deque[tuple[float, float]] = deque()
+        self._rooms: tuple[int, tuple[MapRoom, ...]] | None = None
+        self._asked_for_rooms = -1
+
+    @property
+    def edition(self) -> int:
+        """Counts sessions."""
+        return self._source.sessions
+
+    @property
+    def start_ns(self) -> int:
+        """ROS time of the first message heard."""
+        return self._source.start_ns
+
+    @property
+    def story(self) -> Story:
+        """What happened since it is watched."""
+        return self._source.story
+
+    @property
+    def series(self) -> Series:
+        """Numbers over time, since it is watched."""
+        return self._source.series
+
+    @property
+    def time(self) -> float:
+        """The latest moment heard of."""
+        return (self._source.end_ns - self._source.start_ns) / 1e9
+
+    @property
+    def span(self) -> float:
+        """How long it has been watched."""
+        return self.time
+
+    @property
+    def playing(self) -> bool:
+        """Whether it goes on, as its door says."""
+        return self._status is None or not self._status.paused
+
+    @property
+    def speed(self) -> float:
+        """That is asked for."""
+        return 1.0 if self._status is None else self._status.rate
+
+    def advance(self, now: float) -> None:
+        """Take what was heard."""
+        messages: list[Said] = []
+        for event in self._connection.client.take():
+            match event:
+                case Connected():
+                    self._connected, self._lost = True, None
+                case Lost():
+                    self._connected, self._lost = False, event
+                case Said():
+                    status = status_in(event)
+                    if status is None:
+                        messages.append(event)
+                    else:
+                        self._hear(status, now)
+        self._source.take(messages, now)
+        if messages:
+            self._measure(now)
+        self._find_rooms()
+
+    def _hear(self, status: Status, now: float) -> None:
+        before, self._status = self._status, status
+        self._lags.append((now, status.lag))
+        while self._lags[0][0] < now - LAG_SPAN:
+            self._lags.popleft()
+        if before is None or (before.paused, before.rate) != (status.paused, status.rate):
+            self._came.clear()
+        if status.refusals < self._refusals:
+            self._refusals = 0  # of another connection
+        if status.refused is not None and status.refusals > self._refusals:
+            self._news.append(f"Refused: {status.refused.reason}.")
+        self._refusals = status.refusals
+
+    def _measure(self, now: float) -> None:
+        """How much later the latest message came than the quickest of the last moments."""
+        if not self.playing or self.speed == 0.0:
+            self._came.clear()
+        self._came.append((now, now - self._source.end_ns / 1e9 / (self.speed or 1.0)))
+        while self._came[0][0] < now - MOMENTS:
+            self._came.popleft()
+
+    def _find_rooms(self) -> None:
+        """Reading a map takes longer than a frame."""
+        record = self._source.session
+        if record is not None and self._asked_for_rooms != self.edition:
+            self._asked_for_rooms = self.edition
+            threading.Thread(target=self._read_rooms, args=(record, self.edition), daemon=True).start()
+        if self._rooms is not None and self._rooms[0] == self.edition:
+            self._source.rooms, self._rooms = self._rooms[1], None
+
+    def _read_rooms(self, record: SessionRecord, edition: int) -> None:
+        self._rooms = edition, rooms_of(record, Path("session.bag"))
+
+    def work(self) -> bool:
+        """There is nothing to do beside."""
+        return False
+
+    def scene(self, shown: Shown) -> Scene | None:
+        """How things stand."""
+        return self._source.scene(shown) if self._source.messages else None
+
+    def state(self, now: float) -> str:
+        """Live or not, and how far behind."""
+        if not self._connected:
+            return "not connected"
+        if self._status is not None and self._status.paused:
+            return "live, paused"
+        silent = self._source.silent_for(now)
+        if silent > SILENCE:
+            return "live, silent"
+        behind = self._came[-1][1] - min(came for _, came in self._came) if self._came else 0.0
+        state = f"live, {1000.0 * behind:.0f} ms behind"
+        lost = self._lags[-1][1] - min(lag for _, lag in self._lags) if self._lags else 0.0
+        if lost > LAG:
+            state += f"; the session is too slow, {lost:.1f} s in the last {LAG_SPAN:.0f}"
+        if self._status is not None and self._status.dropped:
+            state += f"; {self._status.dropped} messages lost"
+        return state
+
+    def trouble(self) -> str:
+        """That there is no connection, and why."""
+        if self._lost is None:
+            return "" if self._connected else f"Connecting to {self._address}."
+        detail = f" ({self._lost.detail})" if self._lost.detail else ""
+        match self._lost.reason:
+            case LossReason.UNREACHABLE:
+                return f"Nobody answers at {self._address}. Is a session running there, with --watch? Trying again."
+            case LossReason.REFUSED:
+                return f"{self._address} lets nobody in{detail}. A key is given by --key. Trying again."
+            case _:
+                return f"The connection to {self._address} is lost{detail}. Trying again."
+
+    def take_news(self) -> list[str]:
+        """What was refused."""
+        news, self._news = self._news, []
+        return news
+
+    def play(self, on: bool) -> None:
+        """Ask the session to go on, or to stop."""
+        self.ask(Resume() if on else Pause())
+
+    def step(self, steps: int) -> None:
+        """Ask for so many ticks; there is no way back."""
+        if steps > 0:
+            self.ask(Step(steps))
+
+    def set_speed(self, speed: float) -> None:
+        """Ask for this speed."""
+        self.ask(SetRate(speed))
+
+    def seek(self, time: float) -> None:
+        """A session under way cannot be sought through: its bag can, afterwards."""
+
+    def ask(self, wish: Wish) -> str:
+        """Send a wish; whether it is granted is heard later."""
+        sent = self._connection.client.send(request_line(SENDER, wish))
+        return "" if sent else f"There is no connection to {self._address}: nothing can be asked."
+
+    def close(self) -> None:
+        """Hang up."""
+        self._connection.close()

@@ -1,0 +1,158 @@
+"""What lies on the map beside house, rooms and robots: clouds, scans, costs, plans, paths, goals, things."""
+
+import numpy as np
+from PySide6.QtCore import QPointF, Qt
+from PySide6.QtGui import QBrush, QColor, QPainter, QPen, QPolygonF
+
+from sim.common.geometry import FloatArray
+from ui.model.watching.scene import NO_POINTS, RobotScene, Scene
+from ui.windows.map import MapView
+from ui.windows.map.layers import Arrows, Costs, Lines, Points
+from ui.windows.map.points import polygon
+from ui.windows.researcher.docks.displays import Display, Displays
+
+COSTS, FLOOR, FLAT, ABOVE = -30, -20, -10, 10
+"""Order of what lies below the robots, and above them."""
+MOST_POINTS = 1500
+"""A path of more is drawn by every second point, or every fourth, and so on."""
+
+
+class Things:
+    """Outlines of what stands or walks in the way; a layer of the map."""
+
+    z = FLAT
+
+    def __init__(self) -> None:
+        self._outlines: tuple[tuple[str, FloatArray], ...] = ()
+
+    def show(self, outlines: tuple[tuple[str, FloatArray], ...]) -> None:
+        """Their names and (n, 2) corners."""
+        self._outlines = outlines
+
+    def paint(self, painter: QPainter, view: MapView) -> None:
+        """Hatched bodies with their names."""
+        painter.setRenderHint(QPainter.RenderHint.Antialiasing)
+        for name, corners in self._outlines:
+            body = polygon(view.camera.to_screen(corners))
+            painter.setPen(QPen(QColor(view.colours.bad), 2.0))
+            painter.setBrush(QBrush(QColor(view.colours.bad), Qt.BrushStyle.BDiagPattern))
+            painter.drawPolygon(body)
+            painter.setPen(QColor(view.colours.text))
+            painter.drawText(QPointF(body.boundingRect().right() + 4.0, body.boundingRect().center().y()), name)
+
+
+class Paths:
+    """Paths of one robot, in dashes or dots; a layer of the map.
+
+    Args:
+        robot: in whose colour.
+        style: of the line.
+    """
+
+    def __init__(self, robot: int, style: Qt.PenStyle) -> None:
+        self.z = FLAT
+        self._robot = robot
+        self._style = style
+        self._points: FloatArray = NO_POINTS
+
+    def show(self, points: FloatArray) -> None:
+        """(n, 2) where it was."""
+        self._points = points
+
+    def paint(self, painter: QPainter, view: MapView) -> None:
+        """One line through all points."""
+        if len(self._points) > 1:
+            painter.setRenderHint(QPainter.RenderHint.Antialiasing)
+            painter.setPen(QPen(QColor(view.colours.robot(self._robot)), 1.2, self._style))
+            painter.drawPolyline(QPolygonF(polygon(view.camera.to_screen(self._points))))
+
+
+class Cloud:
+    """Particles of the robot selected, above its body, often wider than they are spread; a layer of the map."""
+
+    z = ABOVE
+
+    def __init__(self) -> None:
+        self._points: FloatArray = NO_POINTS
+
+    def show(self, points: FloatArray) -> None:
+        """(n, 2) particles."""
+        self._points = points
+
+    def paint(self, painter: QPainter, view: MapView) -> None:
+        """Dots that are seen on every body."""
+        colour = QColor(view.colours.text)
+        colour.setAlphaF(0.6)
+        painter.setPen(QPen(colour, 2.0, Qt.PenStyle.SolidLine, Qt.PenCapStyle.SquareCap))
+        painter.drawPoints(polygon(view.camera.to_screen(self._points)))
+
+
+class _OfRobot:
+    """All layers of one robot."""
+
+    def __init__(self, robot: int, view: MapView) -> None:
+        self.cloud = Points(robot, FLOOR, 0.7)
+        self.scan = Points(robot, FLAT, 1.0, 3.0)
+        self.plan = Lines(robot, FLAT, 1.0, 3.0)
+        self.true_path = Paths(robot, Qt.PenStyle.DotLine)
+        self.odometry = Paths(robot, Qt.PenStyle.DashDotLine)
+        self.goal = Arrows(robot, ABOVE, 1.0, 0.5, 3.0)
+        self.footprint = Lines(robot, ABOVE, 1.0, 1.5)
+        for layer in (self.cloud, self.scan, self.plan, self.true_path, self.odometry, self.goal, self.footprint):
+            view.add_layer(layer)
+
+    def show(self, robot: RobotScene, selected: bool, on: Displays) -> None:
+        self.cloud.show(NO_POINTS if selected else robot.cloud[:, :2])
+        self.scan.show(robot.scan)
+        self.plan.show((robot.local_plan,) if on.shows(Display.LOCAL_PLANS) else ())
+        self.true_path.show(drawn(robot.truth_path) if on.shows(Display.TRUE_PATHS) else NO_POINTS)
+        self.odometry.show(drawn(robot.odometry_path) if on.shows(Display.ODOMETRY) else NO_POINTS)
+        goal = robot.goal if on.shows(Display.GOALS) else None
+        self.goal.show(np.empty((0, 3)) if goal is None else goal.array()[np.newaxis])
+        closed = np.concatenate((robot.footprint, robot.footprint[:1]))
+        self.footprint.show((closed,) if on.shows(Display.FOOTPRINTS) else ())
+
+
+class Overlays:
+    """Keeps the layers of a map up to date.
+
+    Args:
+        view: the map.
+    """
+
+    def __init__(self, view: MapView) -> None:
+        self._view = view
+        self._robots: dict[int, _OfRobot] = {}
+        self._costs = (Costs(COSTS), Costs(COSTS + 1))
+        self._shown: list[object] = [None, None]
+        self._things = Things()
+        self._cloud = Cloud()
+        for layer in (*self._costs, self._things, self._cloud):
+            view.add_layer(layer)
+
+    def show(self, scene: Scene, selected: int, on: Displays) -> None:
+        """How things stand; the view is painted anew by whoever shows the robots next."""
+        self._things.show(tuple((t.name, t.outline) for t in scene.things) if on.shows(Display.THINGS) else ())
+        for robot in scene.robots:
+            if robot.robot not in self._robots:
+                self._robots[robot.robot] = _OfRobot(robot.robot, self._view)
+            self._robots[robot.robot].show(robot, robot.robot == selected, on)
+        chosen = next((robot for robot in scene.robots if robot.robot == selected), None)
+        self._cloud.show(NO_POINTS if chosen is None else chosen.cloud[:, :2])
+        maps = (None, None) if chosen is None else (chosen.global_costmap, chosen.local_costmap)
+        for place, (layer, costmap) in enumerate(zip(self._costs, maps, strict=True)):
+            if costmap is self._shown[place]:
+                continue
+            self._shown[place] = costmap
+            if costmap is None:
+                layer.clear()
+            else:
+                layer.show(costmap.cells, costmap.origin, costmap.resolution)
+
+
+def drawn(path: FloatArray) -> FloatArray:
+    """A path with no more points than can be seen; the last one stays."""
+    step = 1
+    while len(path) > step * MOST_POINTS:
+        step *= 2
+    return path if step == 1 else np.concatenate((path[::step], path[-1:]))
