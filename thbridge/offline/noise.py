@@ -1,7 +1,7 @@
 """What noise does: where wheels say that a robot went, where a particle filter believes it may be, what a laser sees.
 
-The models are those of the simulation: the wheels' of `sim.world.physics`, amcl's of
-`sim.robot.localization.motion`, the laser's of `sim.world.sensors`. Seeds are fixed, so that two drawings differ by what was changed and by nothing else.
+The models are those of the simulation: the wheels' of `sim.world.physics`, amcl's of `sim.robot.localization.motion`,
+the laser's of `sim.world.sensors`. Seeds are fixed, so that two drawings differ by what was changed and nothing else.
 """
 
 import math
