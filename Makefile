@@ -22,8 +22,8 @@ check: setup ## Style, types, and that no import points back.
 test-slow: setup peers ## The tests that take their time.
 	$(BIN)/pytest -m slow
 
-bench: setup ## Speed, as ratios against a peer in the same run.
-	$(BIN)/pytest -m bench
+bench: setup ## Speed, as ratios in one run, held against tests/bench/budgets.toml.
+	$(BIN)/pytest -m bench $(ARGS)
 
 stress: setup ## Play hundreds of random hunts on all cores; more with ARGS="--help".
 	$(BIN)/python scripts/stress_hunts.py $(ARGS)

@@ -21,6 +21,11 @@ settings.load_profile("untimed")
 ROOT = Path(__file__).parents[1]
 
 
+def pytest_addoption(parser: pytest.Parser) -> None:
+    """Add what `make bench` can be told."""
+    parser.addoption("--write-budgets", action="store_true", help="write what bench tests measure into budgets.toml")
+
+
 def pytest_configure(config: pytest.Config) -> None:
     """Share files out as they are collected: first those that wait for other programs, last the many quick ones.
 
