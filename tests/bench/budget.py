@@ -60,9 +60,13 @@ class Budgets:
         self.figures[name] = ratio
         if self._write:
             return
-        assert name in self._budgets, f"{name} has no budget: measured {ratio:.4g}; `make bench ARGS=--write-budgets` adds it"
+        assert name in self._budgets, (
+            f"{name} has no budget: measured {ratio:.4g}; `make bench ARGS=--write-budgets` adds it"
+        )
         budget = self._budgets[name]
-        assert ratio <= SLACK * budget, f"{name}: {ratio:.4g} times the reference, {ratio / budget:.2f} times its budget"
+        assert ratio <= SLACK * budget, (
+            f"{name}: {ratio:.4g} times the reference, {ratio / budget:.2f} times its budget"
+        )
 
     def save(self) -> None:
         """Write what was measured into the file; figures that were not measured stay."""
