@@ -75,6 +75,6 @@ class Budgets:
         figures = dict(sorted((self._budgets | self.figures).items()))
         FILE.write_text(
             "# Processor time as a ratio to a fixed reference of the same run, or to a peer; see budget.py.\n"
-            "# Written by `make bench ARGS=--write-budgets` on a quiet machine; beyond 1.3 times these a bench test fails.\n"
+            "# Written by `make bench ARGS=--write-budgets` on a quiet machine; a bench test fails beyond 1.3 times.\n"
             + "".join(f'"{name}" = {figure:.4g}\n' for name, figure in figures.items())
         )
