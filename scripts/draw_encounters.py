@@ -17,7 +17,7 @@ from sim.common.geometry import FloatArray, Pose2
 from sim.common.grid import FREE, OCCUPIED, OccupancyGrid
 from sim.common.observations import TICK
 from sim.parameters import RobotParameters, WorldParameters
-from sim.robot.navigator import Arrived, Goal, NoPath
+from sim.robot.navigator import Goal, GoalReached, NoPath
 from sim.team import Die, Go, Team, TeamInput
 
 mpl.use("Agg")
@@ -48,7 +48,7 @@ class Encounter:
 
 
 @dataclass(frozen=True, slots=True)
-class Course:
+class EncounterRun:
     """What came of it.
 
     Attributes:
@@ -108,7 +108,7 @@ def hall(doors: tuple[float, ...]) -> OccupancyGrid:
     return OccupancyGrid(cells, RESOLUTION, Pose2(0.0, 0.0, 0.0))
 
 
-def play(encounter: Encounter, seed: int = 1) -> Course:
+def play(encounter: Encounter, seed: int = 1) -> EncounterRun:
     """Let it happen."""
     robots = len(encounter.starts)
     world = WorldParameters()
@@ -127,16 +127,16 @@ def play(encounter: Encounter, seed: int = 1) -> Course:
         collisions = int(snapshot.world.collisions.sum())
         for robot, output in enumerate(snapshot.robots):
             match output.navigation.result:
-                case Arrived():
+                case GoalReached():
                     ends[robot] = ("arrived", len(poses) * TICK)
                 case NoPath(_, reason, _):
                     ends[robot] = (reason, len(poses) * TICK)
                 case _:
                     pass
-    return Course(np.array(poses), tuple(ends.get(robot) for robot in range(robots)), collisions)
+    return EncounterRun(np.array(poses), tuple(ends.get(robot) for robot in range(robots)), collisions)
 
 
-def draw(encounter: Encounter, course: Course, file: Path) -> None:
+def draw(encounter: Encounter, course: EncounterRun, file: Path) -> None:
     """The hall with the trails, and place along the hall against time."""
     figure, (plan, diagram) = plt.subplots(1, 2, figsize=(11.0, 3.6), width_ratios=(1.6, 1.0), layout="constrained")
     grid = hall(encounter.doors)

@@ -53,7 +53,7 @@ class RoomPlan:
 
 
 @dataclass(frozen=True)
-class Plan:
+class MapPlan:
     """A map to be drawn.
 
     Attributes:
@@ -89,7 +89,7 @@ def horizontal(y: float, x0: float, x1: float) -> Segment:
     return (x0, y, x1, y)
 
 
-ARENA8 = Plan(
+ARENA8 = MapPlan(
     name="arena8",
     origin=(-5.0, -5.0),
     size=(16.0, 12.0),
@@ -130,7 +130,7 @@ ARENA8 = Plan(
     estimate_costs=False,
 )
 
-WAREHOUSE12 = Plan(
+WAREHOUSE12 = MapPlan(
     name="warehouse12",
     origin=(-3.4, -7.15),
     size=(22.0, 14.0),
@@ -207,7 +207,7 @@ WAREHOUSE12 = Plan(
     estimate_costs=True,
 )
 
-PRACTICE = Plan(
+PRACTICE = MapPlan(
     name="practice",
     origin=(-4.5, -2.0),
     size=(9.0, 7.0),
@@ -226,7 +226,7 @@ PRACTICE = Plan(
     estimate_costs=True,
 )
 
-OFFICE = Plan(
+OFFICE = MapPlan(
     name="office",
     origin=(-2.0, -7.0),
     size=(26.0, 14.0),
@@ -292,7 +292,7 @@ OFFICE = Plan(
 )
 
 
-def draw(plan: Plan, resolution: float) -> OccupancyGrid:
+def draw(plan: MapPlan, resolution: float) -> OccupancyGrid:
     """The grid of a plan: a cell is a wall when its centre lies in one."""
     cols, rows = (round(side / resolution) for side in plan.size)
     x = plan.origin[0] + (np.arange(cols) + 0.5) * resolution
@@ -318,7 +318,7 @@ def draw(plan: Plan, resolution: float) -> OccupancyGrid:
     return OccupancyGrid(cells, resolution, Pose2(left, bottom, 0.0))
 
 
-def rooms_yaml(plan: Plan) -> str:
+def rooms_yaml(plan: MapPlan) -> str:
     """The text of `rooms.yaml`."""
 
     def points(corners: tuple[tuple[float, ...], ...]) -> str:
@@ -343,14 +343,14 @@ def rooms_yaml(plan: Plan) -> str:
 
 
 @dataclass(frozen=True)
-class Way:
+class PathLength:
     """A way from one pose to another: metres driven and radians turned on it."""
 
     length: float
     turned: float
 
 
-def ways(grid: OccupancyGrid, places: list[Pose2]) -> dict[tuple[int, int], Way]:
+def path_lengths(grid: OccupancyGrid, places: list[Pose2]) -> dict[tuple[int, int], PathLength]:
     """The shortest ways between all places, over the eight neighbours of each cell, then pulled taut."""
     walls = np.pad(grid.cells != OCCUPIED, 1, constant_values=False)
     clearance = np.asarray(distance_transform_edt(walls))[1:-1, 1:-1] * grid.resolution
@@ -399,16 +399,16 @@ def taut(grid: OccupancyGrid, passable: NDArray[np.bool_], path: list[Point]) ->
     return corners
 
 
-def measure(corners: list[Point], start: float, goal: float) -> Way:
+def measure(corners: list[Point], start: float, goal: float) -> PathLength:
     """Length of a path, and the angles turned on it from one heading to another."""
     headings = [math.atan2(y1 - y0, x1 - x0) for (x0, y0), (x1, y1) in itertools.pairwise(corners)]
     turned = sum(abs(wrap_angle(b - a)) for a, b in itertools.pairwise([start, *headings, goal]))
-    return Way(sum(math.dist(a, b) for a, b in itertools.pairwise(corners)), turned)
+    return PathLength(sum(math.dist(a, b) for a, b in itertools.pairwise(corners)), turned)
 
 
 def map_times(grid: OccupancyGrid, places: list[Pose2]) -> str:
     """The text of `mapTimes`: the corridor, which is the start of robot 1, and the rooms, from row to column."""
-    found = ways(grid, places)
+    found = path_lengths(grid, places)
     lines = [str(len(places))]
     for start in range(len(places)):
         row = []
@@ -421,7 +421,7 @@ def map_times(grid: OccupancyGrid, places: list[Pose2]) -> str:
     return "\n".join(lines) + "\n"
 
 
-def write(plan: Plan, folder: Path, resolution: float) -> None:
+def write(plan: MapPlan, folder: Path, resolution: float) -> None:
     """Draw one map, write the files about it, and say what it is."""
     write_grid(folder, draw(plan, resolution))
     (folder / "rooms.yaml").write_text(rooms_yaml(plan), encoding="utf-8")

@@ -23,7 +23,7 @@ from PySide6.QtCore import QBuffer
 from PySide6.QtWidgets import QApplication, QWidget
 
 from ui.model.theme import DARK, LIGHT
-from ui.windows.look import dress
+from ui.windows.look import apply_palette
 
 ROOT = Path(__file__).parents[1]
 PICTURES = ROOT / "docs" / "pictures" / "windows"
@@ -35,14 +35,14 @@ ABOUT = (
     "real recording, and writes this page. What is seen in them is explained in [windows.md](windows.md),",
     "[watching.md](watching.md) and [study-edit.md](study-edit.md).",
 )
-PATIENCE = 10.0
+SETTLE_TIMEOUT = 10.0
 """Seconds that a window may need to come to rest."""
 
 
 def draw(into: Path, scale: int, wanted: frozenset[str]) -> None:
     """Draw the pictures with these names at the scale that Qt was started with."""
     application = QApplication([])
-    dress(application, LIGHT)
+    apply_palette(application, LIGHT)
     application.setCursorFlashTime(0)
     for story in STORIES:
         if not wanted.intersection(story.pictures):
@@ -52,13 +52,13 @@ def draw(into: Path, scale: int, wanted: frozenset[str]) -> None:
             for look, palette in (("light", LIGHT), ("dark", DARK)):
                 if shot.name not in wanted:
                     continue
-                dress(application, palette)
+                apply_palette(application, palette)
                 shot.wear(palette)
                 settle(application, shot)
                 small = shrunk(grabbed(shot))
                 (into / f"{shot.name}-{look}-{scale}.png").write_bytes(small)
                 print(f"{shot.name}-{look}-{scale}.png", len(small) // 1000, "kB", flush=True)
-            dress(application, LIGHT)
+            apply_palette(application, LIGHT)
             shot.wear(LIGHT)
             if shot.name == last:
                 break
@@ -66,7 +66,7 @@ def draw(into: Path, scale: int, wanted: frozenset[str]) -> None:
 
 def settle(application: QApplication, shot: Shot) -> None:
     """Let the window take everything in. Raises TimeoutError when it goes on and on."""
-    end = time.monotonic() + PATIENCE
+    end = time.monotonic() + SETTLE_TIMEOUT
     # A window looks at its model each frame; the layout follows, and then what is drawn into it.
     calm = 0
     while calm < 12:

@@ -20,7 +20,7 @@ from pathlib import Path
 
 from sim.common.geometry import Pose2
 from sim.common.observations import TICK, TICKS_PER_SECOND
-from sim.robot.navigator import Arrived, NoPath
+from sim.robot.navigator import GoalReached, NoPath
 from sim.team import TeamSnapshot
 from thbridge.app.compose import build_bot, read_setting
 from thbridge.app.session.session import Session
@@ -28,12 +28,12 @@ from thbridge.hunt.events import Event
 from thbridge.roles.bots import BotStrategy
 from thbridge.roles.tabui import TabUI
 from thbridge.study.study_file import Study
-from thbridge.wire.router import Router
+from thbridge.wire.router import MessageRouter
 
 MAPS = ("arena8", "warehouse12")
-LONGEST = 1800.0
+MAX_SECONDS = 1800.0
 """Simulated seconds after which a hunt counts as hung."""
-STIRRED = 0.05
+MOVED_DISTANCE = 0.05
 """Metres that count as having moved."""
 
 
@@ -73,7 +73,7 @@ class Outcome:
     cpu: float
 
 
-class Watch:
+class GoalTimer:
     """Times how long goals stay open, and how long robots stand in the meantime."""
 
     def __init__(self, robots: int) -> None:
@@ -90,12 +90,16 @@ class Watch:
         for robot, output in enumerate(snapshot.robots):
             navigation, tick = output.navigation, snapshot.tick
             goal = None if navigation.goal is None else navigation.goal.id
-            self.reached += isinstance(navigation.result, Arrived)
+            self.reached += isinstance(navigation.result, GoalReached)
             if isinstance(navigation.result, NoPath):
                 self.failures.append(navigation.result.reason)
             here = Pose2(*snapshot.world.poses[robot])
             before = self._place[robot]
-            moved = before is None or before.distance(here) > STIRRED or abs(before.theta - here.theta) > STIRRED
+            moved = (
+                before is None
+                or before.distance(here) > MOVED_DISTANCE
+                or abs(before.theta - here.theta) > MOVED_DISTANCE
+            )
             if goal != self._goal[robot] or goal is None:
                 self._goal[robot], self._since[robot], moved = goal, tick, True
             if moved:
@@ -104,7 +108,7 @@ class Watch:
             self.open = max(self.open, tick - self._since[robot])
 
 
-class NoLog:
+class NullStore:
     """For hunts that nobody goes on with."""
 
     def append(self, events: Sequence[Event]) -> None:
@@ -117,9 +121,9 @@ def play(hunt: Hunt) -> Outcome:
     setting = read_setting(replace(Study(robots=hunt.robots, seed=hunt.seed), map=hunt.place), Path())
     simr = setting.simr()
     person = TabUI(build_bot(setting.templates, BotStrategy.RANDOM, hunt.seed))
-    session = Session(Router(), setting.keeper(), [simr, setting.hider(), person], NoLog())
-    watch = Watch(hunt.robots)
-    while session.tick < LONGEST * TICKS_PER_SECOND and not (session.game is not None and session.game.ended):
+    session = Session(MessageRouter(), setting.keeper(), [simr, setting.hider(), person], NullStore())
+    watch = GoalTimer(hunt.robots)
+    while session.tick < MAX_SECONDS * TICKS_PER_SECOND and not (session.game is not None and session.game.ended):
         snapshot = session.step().snapshot
         if snapshot is not None:
             watch.saw(snapshot)
@@ -136,7 +140,7 @@ def play(hunt: Hunt) -> Outcome:
     )
 
 
-def told(robots: int, outcomes: Sequence[Outcome]) -> str:
+def report_line(robots: int, outcomes: Sequence[Outcome]) -> str:
     """One line on the hunts with so many robots."""
     failures = Counter(reason for outcome in outcomes for reason in outcome.failures)
     simulated, cpu = (math.fsum(values) for values in zip(*((o.seconds, o.cpu) for o in outcomes), strict=True))
@@ -173,7 +177,7 @@ def main() -> int:
             places = MAPS if robots <= 10 else MAPS[1:]
             hunts = [Hunt(places[n % len(places)], robots, options.first_seed + n) for n in range(count)]
             outcomes = list(pool.map(play, hunts))
-            print(told(robots, outcomes), flush=True)
+            print(report_line(robots, outcomes), flush=True)
             for outcome in outcomes:
                 if outcome.collisions or outcome.failures or not outcome.ended:
                     well = False

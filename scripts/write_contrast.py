@@ -207,10 +207,10 @@ def tinted(palette: Palette) -> Iterator[tuple[str, str, float]]:
         yield module, what, contrast(getattr(palette, ink), below)
 
 
-Told = tuple[str, str, float]
+ReportedPair = tuple[str, str, float]
 """What is told apart by colours, by what besides, and how far these have to be apart."""
 
-TOLD_APART: dict[Told, tuple[str, ...]] = {
+TOLD_APART: dict[ReportedPair, tuple[str, ...]] = {
     ("robots", "numbers", APART): ("robots",),
     ("points won from points lost", "+ and -, words", APART): ("good", "bad"),
     ("what the robot has, from what it has not enough of", "hatching, words", APART): ("text", "bad"),

@@ -47,7 +47,7 @@ Three come before those of the robot, under the names that ArduPilot's rovers ha
 
 def range_of(parameter: VehicleParameter) -> str:
     """What may be set."""
-    knob = parameter.knob
+    knob = parameter.declaration
     if bool in knob.types:
         return "0 or 1"
     if knob.choices:
@@ -61,7 +61,7 @@ def rows(parameters: list[tuple[VehicleParameter, float]]) -> Iterator[str]:
     """The lines of a table, of parameters and what they are told as at first."""
     yield "| name | path | meaning | at first | unit | range |\n|---|---|---|---|---|---|"
     for parameter, told in parameters:
-        knob = parameter.knob
+        knob = parameter.declaration
         cells = (f"`{parameter.name}`", f"`{knob.path}`", knob.help, f"{told:.7g}", knob.unit, range_of(parameter))
         yield "| " + " | ".join(cell.replace("|", "\\|") for cell in cells) + " |"
 
@@ -69,7 +69,7 @@ def rows(parameters: list[tuple[VehicleParameter, float]]) -> Iterator[str]:
 def document() -> str:
     """The whole page."""
     at_first = values_of(Tuning(RobotParameters(), WorldParameters()))
-    told = [(parameter, parameter.told(value)) for parameter, value in zip(PARAMETERS, at_first, strict=True)]
+    told = [(parameter, parameter.to_number(value)) for parameter, value in zip(PARAMETERS, at_first, strict=True)]
     parts = [HEAD]
     for group, parameters in groupby(told, key=lambda each: group_of(each[0].name)):
         parts += [f"\n## {group}: {GROUPS[group]}\n", *rows([*parameters])]

@@ -175,7 +175,7 @@ TeamInput = (
 
 
 @dataclass(frozen=True, slots=True)
-class Timed:
+class ScheduledInput:
     """An input that comes at a tick of its own accord."""
 
     tick: int

@@ -31,18 +31,18 @@ from sim.inputs import (
     RemoveThing,
     RequestUpdate,
     Revive,
+    ScheduledInput,
     SetCharge,
     TeamInput,
-    Timed,
 )
 from sim.parameters import RobotParameters, WorldParameters
 from sim.parameters.reconfiguration import P, fixed_differences
 from sim.robot.localization.amcl import Amcl
 from sim.robot.localization.ekf import Ekf
 from sim.robot.localization.estimate import Localizer
-from sim.robot.localization.truth import Truth
+from sim.robot.localization.fake_localization import FakeLocalization
 from sim.robot.navigator import Navigator
-from sim.robot.planning.path import Refused
+from sim.robot.planning.path import PlanRefusal
 from sim.robot.planning.wave import Workspace
 from sim.robot.software import Robot, RobotOutput
 from sim.world.physics import Misplaced, World, WorldState, with_charge, with_noise, with_thing, without_thing
@@ -65,11 +65,11 @@ __all__ = [
     "RemoveThing",
     "RequestUpdate",
     "Revive",
+    "ScheduledInput",
     "SetCharge",
     "Team",
     "TeamInput",
     "TeamSnapshot",
-    "Timed",
 ]
 
 
@@ -134,7 +134,7 @@ class Team:
         starts: Sequence[Pose2],
         seed: int,
         charge: float,
-        schedule: Sequence[Timed] = (),
+        schedule: Sequence[ScheduledInput] = (),
     ) -> None:
         if len(robots) != len(starts):
             raise ValueError(f"{len(robots)} robots but {len(starts)} start poses")
@@ -147,11 +147,11 @@ class Team:
             raise ValueError(state.sentence)
         self._state = state
         self._commands = np.zeros((len(robots), 2))
-        self._driven: dict[int, Drive] = {}
+        self._driven_by_hand: dict[int, Drive] = {}
         self._schedule = sorted(schedule, key=lambda timed: timed.tick)
         self._carried: dict[int, Carry] = {}
         self._dead: set[int] = set()
-        self._said: list[RobotOutput | None] = [None] * len(robots)
+        self._outputs: list[RobotOutput | None] = [None] * len(robots)
         self._neighbours: tuple[Neighbour, ...] = ()
         footprint = np.array(world.footprint, dtype=np.float64)
         # Robots plan one after the other: one room is enough, and stays in the processor's cache.
@@ -168,7 +168,7 @@ class Team:
     ) -> Localizer:
         if parameters.localization in {"truth", "fake_localization"}:
             truth = parameters.fake_localization
-            return Truth(truth, lambda: Pose2(*(float(value) for value in self._state.poses[number])))
+            return FakeLocalization(truth, lambda: Pose2(*(float(value) for value in self._state.poses[number])))
         if parameters.localization == "ekf":
             return Ekf(parameters.ekf, grid, mount_of(world.laser))
         return Amcl(parameters.amcl, grid, mount_of(world.laser), seed, f"robot{number + 1}")
@@ -188,7 +188,7 @@ class Team:
         """What is true of each robot's body, motors and sensors now."""
         return tuple(self._worlds)
 
-    def make_plan(self, robot: int, start: Pose2 | None, goal: Pose2, tolerance: float) -> FloatArray | Refused:
+    def make_plan(self, robot: int, start: Pose2 | None, goal: Pose2, tolerance: float) -> FloatArray | PlanRefusal:
         """A plan of a robot's for somebody who asks (ROS: move_base/make_plan); nothing that follows changes by it.
 
         Args:
@@ -200,9 +200,9 @@ class Team:
         Returns:
             (m, 3) poses in the map, or why there are none.
         """
-        said = self._said[robot]
+        output = self._outputs[robot]
         # Before its first tick it knows no more than where it was put.
-        base_in_map = Pose2(*self._state.poses[robot].tolist()) if said is None else said.estimate.base_in_map
+        base_in_map = Pose2(*self._state.poses[robot].tolist()) if output is None else output.estimate.base_in_map
         return self._robots[robot].navigator.make_plan(base_in_map, start or base_in_map, goal, tolerance)
 
     def step(self, inputs: Sequence[TeamInput] = ()) -> TeamSnapshot:
@@ -220,38 +220,42 @@ class Team:
             self._set_down(self._carried[robot])
         self._state = self._world.step(self._state, self._commands)
         outputs = tuple(self._step_robot(robot) for robot in self._robots)
-        self._neighbours = tuple(output.neighbour for output in outputs if self._speaks(output))
+        self._neighbours = tuple(output.neighbour for output in outputs if self._broadcasts(output))
         self._commands = np.array([self._command(output) for output in outputs])
         return TeamSnapshot(tick, self._state, outputs, self._commands, frozenset(self._dead))
 
-    def _speaks(self, output: RobotOutput) -> bool:
+    def _broadcasts(self, output: RobotOutput) -> bool:
         """Whether the others hear of a robot: not when it is dead, and not what one says that is lost."""
         return output.neighbour.robot not in self._dead and not output.estimate.lost
 
     def _step_robot(self, robot: Robot) -> RobotOutput:
-        last = self._said[robot.number]
+        last = self._outputs[robot.number]
         if robot.number in self._dead and last is not None:
             return last
-        said = robot.step(self._sensors.sense(self._state, robot.number), self._others(robot.number))
-        self._said[robot.number] = said
-        return said
+        output = robot.step(self._sensors.sense(self._state, robot.number), self._others(robot.number))
+        self._outputs[robot.number] = output
+        return output
 
     def _others(self, robot: int) -> tuple[Neighbour, ...]:
         """What the other robots said; cut out of what all said, for every robot asks in every tick."""
-        said = self._neighbours
-        own = bisect_left(said, robot, key=_ROBOT)
-        return said[:own] + said[own + 1 :] if own < len(said) and said[own].robot == robot else said
+        broadcast = self._neighbours
+        own = bisect_left(broadcast, robot, key=_ROBOT)
+        return (
+            broadcast[:own] + broadcast[own + 1 :]
+            if own < len(broadcast) and broadcast[own].robot == robot
+            else broadcast
+        )
 
     def _command(self, output: RobotOutput) -> tuple[float, float]:
         if output.neighbour.robot in self._dead:
             return 0.0, 0.0
-        by_hand = self._driven.get(output.neighbour.robot)
+        by_hand = self._driven_by_hand.get(output.neighbour.robot)
         if by_hand is None:
             return output.navigation.command.linear, output.navigation.command.angular
         if by_hand.ticks <= 1:
-            del self._driven[by_hand.robot]
+            del self._driven_by_hand[by_hand.robot]
         else:
-            self._driven[by_hand.robot] = Drive(by_hand.robot, by_hand.command, by_hand.ticks - 1)
+            self._driven_by_hand[by_hand.robot] = Drive(by_hand.robot, by_hand.command, by_hand.ticks - 1)
         return by_hand.command.linear, by_hand.command.angular
 
     def _set_down(self, carry: Carry) -> None:
@@ -286,14 +290,14 @@ class Team:
             ) if robot in self._dead:
                 pass  # It does not hear.
             case Go(robot, goal):
-                self._driven.pop(robot, None)
+                self._driven_by_hand.pop(robot, None)
                 self._robots[robot].navigator.go(goal)
             case Halt(robot):
-                self._driven.pop(robot, None)
+                self._driven_by_hand.pop(robot, None)
                 self._robots[robot].navigator.cancel()
             case Drive(robot):
                 self._robots[robot].navigator.cancel()
-                self._driven[robot] = item
+                self._driven_by_hand[robot] = item
             case Localize(robot, pose, covariance):
                 self._robots[robot].localizer.start(pose, covariance)
                 self._robots[robot].navigator.replan()
@@ -321,13 +325,13 @@ class Team:
             case Carry(robot):
                 self._carried[robot] = item
             case Die(robot):
-                self._driven.pop(robot, None)
+                self._driven_by_hand.pop(robot, None)
                 self._robots[robot].navigator.cancel()
                 self._dead.add(robot)
-                if (said := self._said[robot]) is not None:
+                if (said := self._outputs[robot]) is not None:
                     # What has ended does not end again and again, nor is what was shown once.
                     last = replace(said.navigation, result=None, global_costmap=None, local_costmap=None)
-                    self._said[robot] = replace(said, navigation=last)
+                    self._outputs[robot] = replace(said, navigation=last)
                 # A snapshot holds the array that was.
                 self._commands = self._commands.copy()
                 self._commands[robot] = 0.0

@@ -7,19 +7,19 @@ from dataclasses import dataclass
 from pathlib import Path
 
 from thbridge.app import play as hunt
-from thbridge.app.compose import Setting
-from thbridge.app.listeners import Hosts
-from thbridge.app.play import Outcome, PlayOptions, Unfinished
-from thbridge.app.session.session import Moment
-from thbridge.sockets.text_server import CannotListen, Listening
-from thbridge.study.study_file import Study, of_size
-from ui.front import WINDOW, Front
-from ui.hosting import Game, Visit, host
+from thbridge.app.compose import StudySetting
+from thbridge.app.listeners import StartupCallbacks
+from thbridge.app.play import HuntOutcome, HuntUnfinished, PlayOptions
+from thbridge.app.session.session import TickRecord
+from thbridge.sockets.text_server import CannotListen, ListeningAddress
+from thbridge.study.study_file import Study, with_team_size
+from ui.hosting import GameVisit, PlayGame, host
 from ui.model.lobby import Offer
 from ui.options import announce_compiling, make_ready, setting_of, write_report
 from ui.outcome import show_outcome, usual_bag
 from ui.story import print_story
 from ui.terminal import FAILED, bad_input, fail, note
+from ui.window_process import WINDOW, WindowProcess
 
 PRACTICE = Study(map="practice", templates="practice", robots=1)
 """A hall and two rooms, with treasures that no other set has."""
@@ -39,7 +39,7 @@ def offer_of(study: Study, given: bool) -> Offer:
 
 
 @dataclass(frozen=True, slots=True)
-class Games:
+class WindowGames:
     """What can be played.
 
     Attributes:
@@ -54,20 +54,20 @@ class Games:
     file: Path | None
     options: PlayOptions
     report: bool
-    told: Hosts
+    hosts: StartupCallbacks
 
-    def setting(self, robots: int) -> Setting:
+    def setting(self, robots: int) -> StudySetting:
         """The study with so many robots; ends the program where that cannot be."""
-        return setting_of(of_size(self.study, robots), self.file)
+        return setting_of(with_team_size(self.study, robots), self.file)
 
-    def game(self, robots: int) -> Game:
+    def game(self, robots: int) -> PlayGame:
         """A game with so many robots, recorded."""
         setting = self.setting(robots)
         bag = self.options.bag or usual_bag(setting)
 
-        async def play(visit: Visit) -> None:
+        async def play(visit: GameVisit) -> None:
             make_ready(bag)
-            options = dataclasses.replace(self.options, bag=bag, left=visit.left)
+            options = dataclasses.replace(self.options, bag=bag, left=visit.has_left)
             show_outcome(await self._played(setting, options, visit))
             if self.report:
                 with bad_input():
@@ -75,37 +75,39 @@ class Games:
 
         return play
 
-    def practice(self) -> Game:
+    def practice(self) -> PlayGame:
         """A short game to learn how it goes; it is not recorded."""
         study = dataclasses.replace(PRACTICE, seed=self.study.seed, server=self.study.server)
         setting = setting_of(study, None)
 
-        async def play(visit: Visit) -> None:
-            options = dataclasses.replace(self.options, bag=None, graph=None, watch=None, mavlink=None, left=visit.left)
+        async def play(visit: GameVisit) -> None:
+            options = dataclasses.replace(
+                self.options, bag=None, graph=None, watch=None, mavlink=None, left=visit.has_left
+            )
             await self._played(setting, options, visit)
 
         return play
 
-    async def _played(self, setting: Setting, options: PlayOptions, visit: Visit) -> Outcome:
-        def ready(where: Listening | CannotListen) -> None:
+    async def _played(self, setting: StudySetting, options: PlayOptions, visit: GameVisit) -> HuntOutcome:
+        def ready(where: ListeningAddress | CannotListen) -> None:
             if isinstance(where, CannotListen):
                 fail(FAILED, str(where))
             note(f"Other programs can join at {where.host}:{where.port}.")
             visit.ready(where)
 
-        def progress(moment: Moment) -> None:
+        def progress(moment: TickRecord) -> None:
             print_story(moment)
 
         announce_compiling()
         try:
-            return await hunt.play(setting, None, options, ready, progress, self.told)
-        except Unfinished as early:
+            return await hunt.play(setting, None, options, ready, progress, self.hosts)
+        except HuntUnfinished as early:
             if early.stopped and visit.ended is None:
                 raise  # Ctrl-C: the program ends.
             return early.outcome
 
 
-def play_in_window(games: Games, offer: Offer, arguments: tuple[str, ...] = ()) -> None:
+def play_in_window(games: WindowGames, offer: Offer, arguments: tuple[str, ...] = ()) -> None:
     """Open the window and play until the participant leaves.
 
     Args:
@@ -113,12 +115,12 @@ def play_in_window(games: Games, offer: Offer, arguments: tuple[str, ...] = ()) 
         offer: how many robots may be chosen.
         arguments: of the window's command line.
     """
-    front = Front((*WINDOW, *arguments))
+    front = WindowProcess((*WINDOW, *arguments))
     program = host(front, offer, secrets.token_hex(8), games.game, games.practice)
     try:
         with bad_input(FAILED):
             asyncio.run(program)
-    except Unfinished:
+    except HuntUnfinished:
         fail(FAILED, "stopped; what was recorded up to here is complete")
     if front.given_up:
         fail(FAILED, "The window crashes whenever it is opened. Play without it: --headless, or --participant person.")

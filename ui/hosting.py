@@ -4,15 +4,15 @@ import asyncio
 from collections.abc import Awaitable, Callable
 
 from sim import is_compiled
-from thbridge.sockets.text_server import Listening
-from ui.front import Front
-from ui.model.lobby import Back, Begin, Join, Leave, Offer, Practise, Preparing
+from thbridge.sockets.text_server import ListeningAddress
+from ui.model.lobby import Back, Begin, Join, Offer, Practise, Preparing, WindowClosed
+from ui.window_process import WindowProcess
 
-EVERYWHERE = {"0.0.0.0": "127.0.0.1", "::": "::1"}
+WILDCARD_ADDRESSES = {"0.0.0.0": "127.0.0.1", "::": "::1"}
 """Addresses that a server listens on, and where the window finds it."""
 
 
-class Visit:
+class GameVisit:
     """A participant at one game: joins it, and leaves it some time.
 
     Args:
@@ -21,34 +21,34 @@ class Visit:
         practice: it is the practice game.
     """
 
-    def __init__(self, front: Front, token: str, practice: bool) -> None:
+    def __init__(self, front: WindowProcess, token: str, practice: bool) -> None:
         self._front = front
         self._token = token
         self._practice = practice
         self._joining: asyncio.Task[None] | None = None
-        self.ended: Back | Leave | None = None
+        self.ended: Back | WindowClosed | None = None
         """How the participant left; None while they are there."""
 
-    def ready(self, where: Listening) -> None:
+    def ready(self, where: ListeningAddress) -> None:
         """The game waits there."""
-        host = EVERYWHERE.get(where.host, where.host)
+        host = WILDCARD_ADDRESSES.get(where.host, where.host)
         join = Join(host, where.port, self._token, self._practice)
-        self._joining = asyncio.get_running_loop().create_task(self._front.say(join))
+        self._joining = asyncio.get_running_loop().create_task(self._front.send(join))
 
-    def left(self) -> bool:
+    def has_left(self) -> bool:
         """Whether the participant has left; asked between two ticks."""
-        said = self._front.waiting()
-        if isinstance(said, Back | Leave):
+        said = self._front.pending_request()
+        if isinstance(said, Back | WindowClosed):
             self.ended = said
         return self.ended is not None
 
 
-Game = Callable[[Visit], Awaitable[None]]
+PlayGame = Callable[[GameVisit], Awaitable[None]]
 """Plays a game until the participant has left."""
 
 
 async def host(
-    front: Front, offer: Offer, token: str, play: Callable[[int], Game], practise: Callable[[], Game]
+    front: WindowProcess, offer: Offer, token: str, play: Callable[[int], PlayGame], practise: Callable[[], PlayGame]
 ) -> None:
     """Play games until the participant leaves for good.
 
@@ -60,27 +60,27 @@ async def host(
         practise: gives the practice game.
     """
     async with front.opened():
-        await front.say(offer)
+        await front.send(offer)
         while True:
-            asked = await front.asked()
+            asked = await front.next_request()
             match asked:
                 case Begin(robots) if offer.least <= robots <= offer.most:
                     number = "robot is" if robots == 1 else f"{robots} robots are"
-                    await front.say(Preparing(f"The {number} being made ready.{_patience()}"))
-                    visit, game = Visit(front, token, practice=False), play(robots)
+                    await front.send(Preparing(f"The {number} being made ready.{_compile_notice()}"))
+                    visit, game = GameVisit(front, token, practice=False), play(robots)
                 case Practise():
-                    await front.say(Preparing(f"The practice game is being made ready.{_patience()}"))
-                    visit, game = Visit(front, token, practice=True), practise()
-                case Leave():
+                    await front.send(Preparing(f"The practice game is being made ready.{_compile_notice()}"))
+                    visit, game = GameVisit(front, token, practice=True), practise()
+                case WindowClosed():
                     return
                 case _:
                     continue
             await game(visit)
-            if isinstance(visit.ended, Leave):
+            if isinstance(visit.ended, WindowClosed):
                 return
-            await front.say(offer)
+            await front.send(offer)
 
 
-def _patience() -> str:
+def _compile_notice() -> str:
     """What to add where it takes its time."""
     return "" if is_compiled() else " The first time on this computer takes half a minute."

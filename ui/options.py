@@ -9,8 +9,8 @@ from typing import Annotated
 import typer
 
 from sim import is_compiled
-from thbridge.app.compose import Setting, read_setting
-from thbridge.app.listeners import Hosts, Watch
+from thbridge.app.compose import StudySetting, read_setting
+from thbridge.app.listeners import StartupCallbacks, WatchAddress
 from thbridge.files.errors import BadFile
 from thbridge.files.map_files import read_grid
 from thbridge.files.signing_key import read_signing_key
@@ -18,13 +18,13 @@ from thbridge.files.yaml.tree import read_text
 from thbridge.recording.recordings import make_room, try_place
 from thbridge.roles.bots import BotStrategy
 from thbridge.sockets.addresses import Address, address_in
-from thbridge.sockets.mavlink.server import Ports
+from thbridge.sockets.mavlink.server import MavlinkPorts
 from thbridge.sockets.mavlink.udp import target_in
-from thbridge.sockets.rosgraph.joining import DEFAULT_URI, Graph, Master, is_master_uri
-from thbridge.sockets.text_server import DEFAULT_HOST, DEFAULT_PORT, CannotListen, Listening
+from thbridge.sockets.rosgraph.joining import DEFAULT_URI, GraphAddress, MasterPresence, is_master_uri
+from thbridge.sockets.text_server import DEFAULT_HOST, DEFAULT_PORT, CannotListen, ListeningAddress
 from thbridge.sockets.watch_server import DEFAULT_PORT as WATCH_PORT
 from thbridge.study.study_file import Study, load_study
-from thbridge.wire.mavlink.options import Identity
+from thbridge.wire.mavlink.options import AutopilotIdentity
 from ui.terminal import BAD_INPUT, bad_input, fail, note
 
 StudyFile = Annotated[
@@ -79,7 +79,7 @@ Mavlink = Annotated[
     typer.Option("--mavlink/--no-mavlink", help="Make every robot a MAVLink rover; see docs/mavlink.md."),
 ]
 MavlinkIdentity = Annotated[
-    Identity | None,
+    AutopilotIdentity | None,
     typer.Option("--identity", help="Whose autopilot robots say they have; QGroundControl commands only ardupilot's."),
 ]
 MavlinkUdp = Annotated[
@@ -108,7 +108,7 @@ TlogWanted = Annotated[
 ]
 
 
-class Look(StrEnum):
+class ColourScheme(StrEnum):
     """How windows look."""
 
     SYSTEM = "system"
@@ -116,10 +116,10 @@ class Look(StrEnum):
     DARK = "dark"
 
 
-LookOption = Annotated[Look, typer.Option("--look", help="Light or dark windows; `system`: as the desktop is.")]
+LookOption = Annotated[ColourScheme, typer.Option("--look", help="Light or dark windows; `system`: as the desktop is.")]
 
 
-class Who(StrEnum):
+class ParticipantKind(StrEnum):
     """Who sits in front of TabUI: a person who types, or a simulated participant."""
 
     PERSON = "person"
@@ -154,23 +154,23 @@ def with_server(study: Study, host: str | None, port: int | None) -> Study:
     return dataclasses.replace(study, server=changed)
 
 
-def setting_of(study: Study, file: Path | None) -> Setting:
+def setting_of(study: Study, file: Path | None) -> StudySetting:
     """Everything the study names; paths start from the folder of its file."""
     with bad_input():
         return read_setting(study, Path() if file is None else file.parent)
 
 
-def graph_of(ros: bool, master: str | None, host: str | None) -> Graph | None:
+def graph_of(ros: bool, master: str | None, host: str | None) -> GraphAddress | None:
     """Where to meet ROS; None where that is not wanted."""
     if not ros:
         return None
     uri = master or DEFAULT_URI
     if not is_master_uri(uri):
         fail(BAD_INPUT, f"--ros-master: {uri!r} is not a master's address. Write {DEFAULT_URI}, for example.")
-    return Graph(uri, host or DEFAULT_HOST)
+    return GraphAddress(uri, host or DEFAULT_HOST)
 
 
-def watch_of(study: Study, file: Path | None, at: str | None, key: Path | None) -> Watch | None:
+def watch_of(study: Study, file: Path | None, at: str | None, key: Path | None) -> WatchAddress | None:
     """Where researchers' windows may connect, None for nowhere; the study says so where options do not."""
     section = study.watch
     host, port = section.host, section.port
@@ -185,14 +185,14 @@ def watch_of(study: Study, file: Path | None, at: str | None, key: Path | None) 
         return None
     beside = Path() if file is None else file.parent
     path = key or (None if section.key is None else beside / section.key)
-    return Watch(host, port, None if path is None else key_in(path))
+    return WatchAddress(host, port, None if path is None else key_in(path))
 
 
 def with_mavlink(
     study: Study,
     on: bool | None = None,
     *,
-    identity: Identity | None = None,
+    identity: AutopilotIdentity | None = None,
     udp: Sequence[str] | None = None,
     udp_listen: str | None = None,
     tcp: str | None = None,
@@ -226,7 +226,7 @@ def with_mavlink(
     return dataclasses.replace(study, mavlink=section)
 
 
-def ports_of(study: Study, file: Path | None, key: Path | None) -> Ports | None:
+def ports_of(study: Study, file: Path | None, key: Path | None) -> MavlinkPorts | None:
     """Where ground stations reach the robots of a study, None for nowhere; `key` wins over the study's."""
     section = study.mavlink
     if not section.on:
@@ -238,7 +238,7 @@ def ports_of(study: Study, file: Path | None, key: Path | None) -> Ports | None:
     with bad_input():
         secret = None if path is None else read_signing_key(path)
     listens = None if section.udp_listen is None else address_in(section.udp_listen)
-    return Ports(section.targets, None if section.tcp is None else address_in(section.tcp), secret, listens)
+    return MavlinkPorts(section.targets, None if section.tcp is None else address_in(section.tcp), secret, listens)
 
 
 def key_in(path: Path) -> str:
@@ -250,16 +250,16 @@ def key_in(path: Path) -> str:
     return key
 
 
-def hosts_of(graph: Graph | None, quiet: bool = False) -> Hosts:
+def hosts_of(graph: GraphAddress | None, quiet: bool = False) -> StartupCallbacks:
     """Tells people what became of graph, watch and MAVLink; ends the program where one of them cannot be."""
 
-    def joined(master: Master | CannotListen) -> None:
+    def joined(master: MasterPresence | CannotListen) -> None:
         if isinstance(master, CannotListen):
             fail(BAD_INPUT, f"ROS: {master}")
         if not quiet and graph is not None:
             note(f"ROS: {master.value} ({graph.master_uri}).")
 
-    def watched(where: Listening | CannotListen) -> None:
+    def watched(where: ListeningAddress | CannotListen) -> None:
         if isinstance(where, CannotListen):
             fail(BAD_INPUT, f"--watch: {where}")
         if not quiet:
@@ -271,7 +271,7 @@ def hosts_of(graph: Graph | None, quiet: bool = False) -> Hosts:
         if not quiet:
             note(f"Robots speak MAVLink: {', '.join(names) or 'to nobody'}.")
 
-    return Hosts(joined, watched, linked)
+    return StartupCallbacks(joined, watched, linked)
 
 
 def make_ready(bag: Path, option: str = "--bag") -> None:

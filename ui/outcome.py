@@ -4,19 +4,19 @@ from pathlib import Path
 
 from rich.table import Table
 
-from thbridge.app.compose import Setting
-from thbridge.app.play import Outcome
+from thbridge.app.compose import StudySetting
+from thbridge.app.play import HuntOutcome
 from thbridge.recording.recordings import parts_of
 from ui.terminal import out
 
 
-def usual_bag(setting: Setting) -> Path:
+def usual_bag(setting: StudySetting) -> Path:
     """Where a hunt is recorded unless somebody says otherwise."""
     study = setting.study
-    return Path("bags") / f"{setting.place.name}-{study.robots}robots-seed{study.seed}.bag"
+    return Path("bags") / f"{setting.map.name}-{study.robots}robots-seed{study.seed}.bag"
 
 
-def show_outcome(outcome: Outcome) -> None:
+def show_outcome(outcome: HuntOutcome) -> None:
     """Print how a hunt ended."""
     table = Table(title="The hunt", show_header=False)
     table.add_row("score", str(outcome.score))

@@ -10,9 +10,9 @@ from thbridge.app.compose import build_bot
 from thbridge.files.template_files import TemplateSet
 from thbridge.roles.bots import BotStrategy
 from thbridge.roles.tabui import TabUI
-from ui.options import Who
-from ui.person import Person
+from ui.options import ParticipantKind
 from ui.terminal import BAD_INPUT, FAILED, bad_input, fail, out
+from ui.terminal_player import TerminalPlayer
 
 T = TypeVar("T")
 
@@ -30,19 +30,19 @@ class Seat:
     typed: Callable[[str], None] | None
 
 
-def seat_of_bot(who: Who, templates: TemplateSet, seed: int) -> Seat:
+def seat_of_bot(who: ParticipantKind, templates: TemplateSet, seed: int) -> Seat:
     """Seat a simulated participant, who knows the treasures; its chance is keyed by the seed."""
     return Seat(TabUI(build_bot(templates, BotStrategy(who), seed)), None)
 
 
 def seat_of_person() -> Seat:
     """Seat a person, who knows what the game tells."""
-    person = Person(lambda line: out.print(line, highlight=False, markup=False))
+    person = TerminalPlayer(lambda line: out.print(line, highlight=False, markup=False))
     tabui = TabUI(person)
 
     def typed(line: str) -> None:
         person.type(line)
-        tabui.look_again()
+        tabui.poll_player()
 
     return Seat(tabui, typed)
 

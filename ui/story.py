@@ -3,9 +3,9 @@
 from collections.abc import Iterator
 
 from sim.common.observations import TICK
-from thbridge.app.session.session import Moment
-from thbridge.dialogue.moves import Author, Speaker, Utterance
-from thbridge.hunt.costs import spoken_energy
+from thbridge.app.session.session import TickRecord
+from thbridge.dialogue.moves import Author, DialogueUtterance, Speaker
+from thbridge.hunt.costs import energy_text
 from thbridge.hunt.events import (
     Agreed,
     Arrived,
@@ -30,13 +30,13 @@ from thbridge.hunt.rules import commander_name, robot_name
 from ui.terminal import out
 
 
-def print_story(moment: Moment) -> None:
+def print_story(moment: TickRecord) -> None:
     """Print what happened in a tick."""
     for sentence in tell(moment):
         out.print(sentence, highlight=False, markup=False)
 
 
-def tell(moment: Moment) -> Iterator[str]:
+def tell(moment: TickRecord) -> Iterator[str]:
     """The sentences for one tick, each with its time."""
     for utterance in moment.utterances:
         yield _timed(moment, _said(utterance))
@@ -60,11 +60,11 @@ ENDS = {
 }
 
 
-def _timed(moment: Moment, sentence: str) -> str:
+def _timed(moment: TickRecord, sentence: str) -> str:
     return f"{moment.tick * TICK:7.1f} s  {sentence}"
 
 
-def _said(utterance: Utterance) -> str:
+def _said(utterance: DialogueUtterance) -> str:
     robot = utterance.topic.robot
     speaker = robot_name(robot).capitalize() if utterance.speaker is Speaker.ROBOT else f"You to {robot_name(robot)}"
     wizard = " (spoken for)" if utterance.author is Author.WIZARD else ""
@@ -80,11 +80,11 @@ def _happened(event: Event) -> str:
         case Agreed():
             return "The participant has agreed to take part."
         case Departed(robot, room, cost):
-            return f"{robot_name(robot).capitalize()} sets out for {room} and pays {spoken_energy(cost)} energy."
+            return f"{robot_name(robot).capitalize()} sets out for {room} and pays {energy_text(cost)} energy."
         case Arrived(robot, room):
             return f"{robot_name(robot).capitalize()} is in {room}."
         case Failed(robot, room, reason, refund):
-            back = f" {spoken_energy(refund)} energy comes back." if refund > 0.0 else ""
+            back = f" {energy_text(refund)} energy comes back." if refund > 0.0 else ""
             return f"{robot_name(robot).capitalize()} does not get to {room}: {reason}{back}"
         case Reported(robot, condition):
             return f"{robot_name(robot).capitalize()} {CONDITIONS[condition]}"

@@ -9,10 +9,10 @@ from thbridge.app.compose import read_setting
 from thbridge.app.play import NoLog
 from thbridge.app.session.session import Session
 from thbridge.roles.robot_requests import Request
-from thbridge.roles.tabui import Seen, TabUI
-from thbridge.roles.view import View, Wish
+from thbridge.roles.tabui import ParticipantUpdate, TabUI
+from thbridge.roles.view import ParticipantRequest, View
 from thbridge.study.study_file import Study
-from thbridge.wire.router import Router
+from thbridge.wire.router import MessageRouter
 from ui.model.participant import Participant
 from ui.model.playing.offers import offer
 from ui.model.screen import Act, ConsiderRoom, GiveAnswer, PickName, Screen
@@ -21,7 +21,7 @@ LIMIT = 120.0
 """Simulated seconds after which what is waited for will not come any more."""
 
 
-class Hunt:
+class PicturedHunt:
     """Plays as a person at the window would; time goes on only here.
 
     Args:
@@ -37,25 +37,25 @@ class Hunt:
     def __init__(self, study: Study) -> None:
         self.model = Participant()
         self.now = 0.0
-        self.shade: Callable[[Seen], Seen] = lambda seen: seen
-        self.levels: dict[type[Seen], Seen] = {}
+        self.shade: Callable[[ParticipantUpdate], ParticipantUpdate] = lambda seen: seen
+        self.levels: dict[type[ParticipantUpdate], ParticipantUpdate] = {}
         setting = read_setting(study, Path())
         self._tabui = TabUI(self, self)
         self._session = Session(
-            Router(), setting.keeper(), [setting.simr(), setting.hider()], NoLog(), participant=self._tabui
+            MessageRouter(), setting.keeper(), [setting.simr(), setting.hider()], NoLog(), participant=self._tabui
         )
         self.model.connected(self.now)
         self.until(lambda screen: bool(screen.cards))
         self.run(0.2)
 
-    def saw(self, level: Seen) -> None:
+    def observe(self, level: ParticipantUpdate) -> None:
         """The game says this."""
         self.levels[type(level)] = level
-        self.model.hear(self.shade(level), self.now)
+        self.model.receive(self.shade(level), self.now)
 
-    def wishes(self, _view: View) -> Sequence[Wish]:
+    def requests(self, _view: View) -> Sequence[ParticipantRequest]:
         """What the window asks for."""
-        return self.model.wishes()
+        return self.model.requests()
 
     @property
     def screen(self) -> Screen:
@@ -66,7 +66,7 @@ class Hunt:
         """Let the game go on."""
         for _ in range(round(seconds / TICK)):
             self.now += TICK
-            self._tabui.look_again()
+            self._tabui.poll_player()
             self._session.step()
             self.model.robots(self.now)  # as a window does in each frame: trails are of what was seen
 
@@ -92,12 +92,12 @@ class Hunt:
 
     def asked(self) -> None:
         """Wait until a robot has asked something that can be answered."""
-        self.until(lambda screen: bool(getattr(screen.pop, "choices", ())))
+        self.until(lambda screen: bool(getattr(screen.popup, "choices", ())))
 
     def agree(self) -> None:
         """Say yes to all that the robot whose talk is shown asks."""
         self.asked()
-        while getattr(self.screen.pop, "choices", ()):
+        while getattr(self.screen.popup, "choices", ()):
             self.do(GiveAnswer(0))
             self.run(0.2)
 
@@ -108,13 +108,13 @@ class Hunt:
 
     def reached(self) -> None:
         """Wait until a robot has told what it sees in the room that it came to."""
-        self.until(lambda screen: bool(getattr(screen.pop, "colour", "")))
+        self.until(lambda screen: bool(getattr(screen.popup, "colour", "")))
 
     def tell(self, change: Callable[[View], View]) -> None:
         """Have the game's view changed in this way from now on."""
         self.shade = lambda seen: change(seen) if isinstance(seen, View) else seen
         view = self.levels[View]
-        self.model.hear(self.shade(view), self.now)
+        self.model.receive(self.shade(view), self.now)
 
 
 def with_robot(view: View, robot: int, **changes: object) -> View:

@@ -8,41 +8,41 @@ from pathlib import Path
 import numpy as np
 from PySide6.QtWidgets import QApplication, QMessageBox
 
-from pictured.hunt import Hunt, with_robot
+from pictured.hunt import PicturedHunt, with_robot
 from pictured.shot import Shot, Story
 from sim.common.geometry import Pose2
 from sim.inputs import Carry, Localize
 from thbridge.hunt.events import Condition
 from thbridge.roles.notices import Whereabouts
 from thbridge.roles.robot_requests import SendFor, TakeCommand
-from thbridge.roles.tabui import Seen
+from thbridge.roles.tabui import ParticipantUpdate
 from thbridge.roles.view import View
 from thbridge.study.study_file import ParticipantSection, ShowsSection, Study
 from ui.games import PRACTICE
 from ui.model.lobby import Offer, Preparing
 from ui.model.participant import Participant
 from ui.model.screen import (
+    AskAdvice,
     AskForRobot,
+    Cancel,
     ChooseRobot,
     ChooseRoom,
+    Confirm,
     ConsiderRoom,
-    DontKnow,
     EndGame,
-    LeaveIt,
-    Meant,
-    NameIt,
-    NotYet,
+    LeaveTreasure,
     PickName,
     ShowHelp,
     ShowNext,
     ShowWaiting,
+    SubmitName,
     TakeThePicture,
 )
 from ui.model.theme import LIGHT
-from ui.windows.link import Heard, Joined, Link
+from ui.windows.link import ParticipantLink, ReceivedEvent, ServerReached
 from ui.windows.look import Appearance
 from ui.windows.participant import ParticipantWindow
-from ui.windows.participant_program import Game, Table
+from ui.windows.participant_program import GamePage, ParticipantMainWindow
 
 SIZE = (1200, 800)
 
@@ -81,14 +81,14 @@ def shot(name: str, window: ParticipantWindow) -> Shot:
 
 def before() -> Iterator[Shot]:
     """Start page, being made ready, connecting."""
-    table = Table(Appearance(_application(), "light"), lambda _: None)
+    table = ParticipantMainWindow(Appearance(_application(), "light"), lambda _: None)
     table.resize(*SIZE)
     table.show()
-    table.hear(Offer(1, 4, 2))
+    table.receive(Offer(1, 4, 2))
     yield Shot("start", table)
-    table.hear(Offer(2, 2, 2))
+    table.receive(Offer(2, 2, 2))
     yield Shot("start-no-choice", table)
-    table.hear(Preparing("The robots are being made ready."))
+    table.receive(Preparing("The robots are being made ready."))
     yield Shot("preparing", table)
     table.leave()
     yield shot("connecting", window_on(Participant(), lambda: 0.0))
@@ -99,16 +99,16 @@ def consent() -> Iterator[Shot]:
     with tempfile.TemporaryDirectory() as folder:
         text = Path(folder) / "consent.txt"
         text.write_text(CONSENT, encoding="utf-8")
-        hunt = Hunt(Study(participant=ParticipantSection(consent=text)))
+        hunt = PicturedHunt(Study(participant=ParticipantSection(consent=text)))
     yield shot("consent", window_on(hunt.model, lambda: hunt.now))
 
 
 def practice() -> Iterator[Shot]:
     """The practice game, with its strip of advice."""
-    hunt = Hunt(PRACTICE)
+    hunt = PicturedHunt(PRACTICE)
     hunt.send(ChooseRoom(1))
     hunt.reached()
-    game = Game(_Told(hunt), Appearance(_application(), "light"), True, lambda: None, lambda: hunt.now)
+    game = GamePage(_RecordedLink(hunt), Appearance(_application(), "light"), True, lambda: None, lambda: hunt.now)
     game.resize(*SIZE)
     game.show()
     game.setFocus()
@@ -117,12 +117,12 @@ def practice() -> Iterator[Shot]:
     game.leave()
 
 
-class _Told(Link):
+class _RecordedLink(ParticipantLink):
     """A link over which everything has been said already."""
 
-    def __init__(self, hunt: Hunt) -> None:
+    def __init__(self, hunt: PicturedHunt) -> None:
         super().__init__("", 0, "")
-        self._said = [Heard(hunt.now, news) for news in (Joined(), *hunt.levels.values())]
+        self._said = [ReceivedEvent(hunt.now, news) for news in (ServerReached(), *hunt.levels.values())]
 
     def start(self) -> None:
         """It is not connected to anything."""
@@ -130,7 +130,7 @@ class _Told(Link):
     def stop(self) -> None:
         """Nothing has to be ended."""
 
-    def take(self) -> list[Heard]:
+    def take_events(self) -> list[ReceivedEvent]:
         """All at once."""
         heard, self._said = self._said, []
         return heard
@@ -148,7 +148,7 @@ def _application() -> QApplication:
 
 def hunting() -> Iterator[Shot]:
     """Three robots, from the first choice of a room to the end."""
-    hunt = Hunt(Study(robots=3))
+    hunt = PicturedHunt(Study(robots=3))
     window = window_on(hunt.model, lambda: hunt.now)
     hunt.do(ConsiderRoom(6))
     yield shot("begin", window)
@@ -159,21 +159,21 @@ def hunting() -> Iterator[Shot]:
     hunt.agree()
     hunt.do(ConsiderRoom(None))
     hunt.do(ChooseRobot(1))
-    hunt.send(DontKnow())
+    hunt.send(AskAdvice())
     hunt.reached()
     yield shot("treasure", window)
     hunt.do(TakeThePicture())
-    hunt.until(lambda screen: getattr(screen.pop, "picture", None) is not None)
+    hunt.until(lambda screen: getattr(screen.popup, "picture", None) is not None)
     hunt.do(PickName("Pink can"))
     yield shot("picture", window)
-    hunt.do(NameIt())
-    hunt.until(lambda screen: getattr(screen.pop, "verdict", None) is not None)
+    hunt.do(SubmitName())
+    hunt.until(lambda screen: getattr(screen.popup, "verdict", None) is not None)
     yield shot("verdict", window)
     hunt.do(ShowNext())
     hunt.reached()
     hunt.do(PickName("Blue Bottle"))
-    hunt.do(NameIt())
-    hunt.until(lambda screen: getattr(screen.pop, "verdict", None) is not None)
+    hunt.do(SubmitName())
+    hunt.until(lambda screen: getattr(screen.popup, "verdict", None) is not None)
     yield shot("verdict-wrong", window)
     hunt.do(ShowNext())
     yield from _at_work(hunt, window)
@@ -181,7 +181,7 @@ def hunting() -> Iterator[Shot]:
     yield from _end(hunt, window)
 
 
-def _at_work(hunt: Hunt, window: ParticipantWindow) -> Iterator[Shot]:
+def _at_work(hunt: PicturedHunt, window: ParticipantWindow) -> Iterator[Shot]:
     """Robot 1 is under way, robot 2 waits for it."""
     for robot, room in ((1, 1), (0, 2)):
         hunt.do(ChooseRobot(robot))
@@ -201,7 +201,7 @@ def _at_work(hunt: Hunt, window: ParticipantWindow) -> Iterator[Shot]:
     window.waiting.history.click()
 
 
-def _waiting_for(seen: Seen) -> Seen:
+def _waiting_for(seen: ParticipantUpdate) -> ParticipantUpdate:
     """Robot 2 waits for robot 1."""
     if not isinstance(seen, Whereabouts):
         return seen
@@ -210,18 +210,18 @@ def _waiting_for(seen: Seen) -> Seen:
     return replace(seen, motions=tuple(motions))
 
 
-def _queue(hunt: Hunt, window: ParticipantWindow) -> Iterator[Shot]:
+def _queue(hunt: PicturedHunt, window: ParticipantWindow) -> Iterator[Shot]:
     """Two robots arrive while the third one asks something; then what cannot be taken back."""
     hunt.do(ChooseRoom(5))
     yield shot("question-change", window)
-    hunt.do(NotYet())
+    hunt.do(Cancel())
     hunt.do(ChooseRobot(2))
     hunt.do(ChooseRoom(8))
     hunt.asked()
     hunt.until(lambda screen: sum("found" in waiting.text for waiting in screen.waiting) == 2)
     yield shot("queue", window)
     hunt.agree()
-    while hunt.screen.pop is not None:
+    while hunt.screen.popup is not None:
         hunt.do(ShowNext())
     hunt.run(1.0)
     hunt.model.lost("The server does not answer.", hunt.now)
@@ -245,18 +245,18 @@ def _in_trouble(view: View) -> View:
     return with_robot(spent, 2, condition=Condition.SILENT)
 
 
-def _end(hunt: Hunt, window: ParticipantWindow) -> Iterator[Shot]:
+def _end(hunt: PicturedHunt, window: ParticipantWindow) -> Iterator[Shot]:
     """All are called back, and the game is ended."""
     hunt.until(lambda screen: all(card.progress is None for card in screen.cards))
     hunt.reached()
     for robot in (2, 1, 0):
-        if hunt.screen.pop is None:
+        if hunt.screen.popup is None:
             hunt.do(ShowWaiting(robot))
-        hunt.do(LeaveIt())
+        hunt.do(LeaveTreasure())
         hunt.run(0.2)
     hunt.do(EndGame())
     yield shot("question-end", window)
-    hunt.do(Meant())
+    hunt.do(Confirm())
     hunt.until(lambda screen: screen.ending is not None)
     yield shot("over", window)
 
@@ -264,7 +264,7 @@ def _end(hunt: Hunt, window: ParticipantWindow) -> Iterator[Shot]:
 def sure() -> Iterator[Shot]:
     """A study that shows how sure robots are of their places, and where they are."""
     shows = ShowsSection(uncertainty=True, truth=True)
-    hunt = Hunt(Study(participant=ParticipantSection(shows=shows)))
+    hunt = PicturedHunt(Study(participant=ParticipantSection(shows=shows)))
     hunt.send(ChooseRoom(8))
     hunt.do(ChooseRobot(1))
     hunt.send(ChooseRoom(1))
@@ -277,7 +277,7 @@ def sure() -> Iterator[Shot]:
 
 def commanded() -> Iterator[Shot]:
     """A ground station takes a robot that is under way, is asked for it, and sends it on from what it found."""
-    hunt = Hunt(Study())
+    hunt = PicturedHunt(Study())
     window = window_on(hunt.model, lambda: hunt.now)
     for robot, room in ((1, 1), (0, 8)):
         hunt.do(ChooseRobot(robot))
@@ -298,7 +298,7 @@ def commanded() -> Iterator[Shot]:
 
 def crowd() -> Iterator[Shot]:
     """Six robots and twelve rooms."""
-    hunt = Hunt(Study(map="warehouse12", templates="sklar-azhar-2015", robots=6))
+    hunt = PicturedHunt(Study(map="warehouse12", templates="sklar-azhar-2015", robots=6))
     for robot, room in enumerate((5, 12, 3, 9)):
         hunt.do(ChooseRobot(robot))
         hunt.send(ChooseRoom(room))
@@ -309,11 +309,11 @@ def crowd() -> Iterator[Shot]:
 
 def leaving() -> Iterator[Shot]:
     """The question that closing the window asks in the middle of a game."""
-    hunt = Hunt(Study())
-    table = Table(Appearance(_application(), "light"), lambda _: None, lambda: hunt.now)
+    hunt = PicturedHunt(Study())
+    table = ParticipantMainWindow(Appearance(_application(), "light"), lambda _: None, lambda: hunt.now)
     table.resize(*SIZE)
     table.show()
-    table.join(_Told(hunt))
+    table.join(_RecordedLink(hunt))
     if table.game is None:
         raise RuntimeError("the table has no game")
     game = table.game

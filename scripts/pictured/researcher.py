@@ -13,26 +13,26 @@ from sim.inputs import Carry, Die, PutThing
 from thbridge.app.compose import build_bot, read_setting
 from thbridge.app.play import PLAY, NoLog
 from thbridge.app.session.broadcast import Broadcast, Listener
-from thbridge.app.session.recording import BagWitness
+from thbridge.app.session.recording import BagRecorder
 from thbridge.app.session.session import Session
 from thbridge.roles.robot_requests import AdviseFor, Puppeteer, Request
 from thbridge.roles.tabui import TabUI
-from thbridge.ros.topics import Message
-from thbridge.sockets.watch_client import Connected, WatchClient, WatchEvent
+from thbridge.ros.topics import RosMessage
+from thbridge.sockets.watch_client import WatchClient, WatchConnected, WatchEvent
 from thbridge.study.study_file import Study
 from thbridge.wire import legacy
-from thbridge.wire.router import Router
-from thbridge.wire.watching import STATUS, Said, Status
+from thbridge.wire.router import MessageRouter
+from thbridge.wire.watch_protocol import STATUS, SessionMessage, WatchStatus
 from ui.model.theme import LIGHT
 from ui.model.watching.tools import obstacle
-from ui.windows.researcher.docks.displays import Display
+from ui.windows.researcher.docks.displays import MapDisplay
 from ui.windows.researcher.feeds import session
-from ui.windows.researcher.feeds.recording import Opening, Recording
+from ui.windows.researcher.feeds.recording import BagOpener, RecordingFeed
 from ui.windows.researcher.window import ResearcherWindow
 
 STUDY = replace(Study(), seed=7, robots=3)
 TICKS = 1500
-BEFALLS: Mapping[int, Request] = {
+REQUESTS: Mapping[int, Request] = {
     100: PutThing(obstacle("crate", "box", Pose2(0.0, 0.0, 0.0), 0.5)),
     900: Carry(2, Pose2(-2.869, -2.97, 0.0)),
     1300: Die(1),
@@ -51,9 +51,9 @@ def play(listeners: Sequence[Listener], ticks: int, befalls: Mapping[int, Reques
     setting = read_setting(STUDY, Path())
     participant = TabUI(build_bot(setting.templates, STUDY.participant.strategy, STUDY.seed))
     said = setting.record(PLAY, [legacy.SIMR, legacy.HIDER, legacy.TABUI], "suggestion")
-    witness = BagWitness(Broadcast(setting.publisher(), said, setting.place.grid, listeners))
+    witness = BagRecorder(Broadcast(setting.publisher(), said, setting.map.grid, listeners))
     roles = [setting.simr(), setting.hider()]
-    hunt = Session(Router(), setting.keeper(), roles, NoLog(), [witness], participant)
+    hunt = Session(MessageRouter(), setting.keeper(), roles, NoLog(), [witness], participant)
     for tick in range(ticks):
         if tick in befalls:
             hunt.ask("watch", befalls[tick])
@@ -68,18 +68,18 @@ def recorded() -> Iterator[Shot]:
     with tempfile.TemporaryDirectory() as folder:
         bag = Path(folder) / "hunt.bag"
         with read_setting(STUDY, Path()).writer(bag) as writer:
-            play([writer], TICKS, BEFALLS)
-        window = ResearcherWindow(Recording(Opening(bag)), "hunt.bag", LIGHT, lambda: 0.0)
+            play([writer], TICKS, REQUESTS)
+        window = ResearcherWindow(RecordingFeed(BagOpener(bag)), "hunt.bag", LIGHT, lambda: 0.0)
         window.show()
-        _wait(lambda: window.transport.state.text() == "recording")
-        window.transport.timeline.setValue(19_200)
+        _wait(lambda: window.playback.state.text() == "recording")
+        window.playback.timeline.setValue(19_200)
         window.select(2)
         _refreshed(window)
         yield shot("recording", window)
-        for display in (Display.GLOBAL_COSTMAP, Display.LOCAL_COSTMAP):
+        for display in (MapDisplay.GLOBAL_COSTMAP, MapDisplay.LOCAL_COSTMAP):
             window.displays.toggle(display)
         window.select(0)
-        window.transport.timeline.setValue(8_000)
+        window.playback.timeline.setValue(8_000)
         _raise(window, "Dialogue")
         _refreshed(window)
         yield shot("recording-costmaps", window)
@@ -94,7 +94,7 @@ def recorded() -> Iterator[Shot]:
 # A session under way --------------------------------------------------------------------------------------------------
 
 
-class _Heard(WatchClient):
+class _RecordedClient(WatchClient):
     """A connection over which all has been said already."""
 
     def __init__(self, events: list[WatchEvent]) -> None:
@@ -111,7 +111,7 @@ class _Heard(WatchClient):
         return True
 
 
-class _Connection(session.Connection):
+class _Connection(session.WatchConnection):
     """To nobody: no thread, no network."""
 
     def __init__(self, client: WatchClient) -> None:
@@ -121,24 +121,26 @@ class _Connection(session.Connection):
         """Nothing is open."""
 
 
-class _Ear:
+class _MessageCollector:
     """Hears what a session says."""
 
     def __init__(self) -> None:
-        self.said: list[WatchEvent] = [Connected()]
+        self.said: list[WatchEvent] = [WatchConnected()]
 
-    def take(self, tick: int, messages: Sequence[Message]) -> None:
+    def take(self, tick: int, messages: Sequence[RosMessage]) -> None:
         """Keep it."""
-        self.said += [Said(each.topic.name, each.topic.msgtype, each.stamp_ns, each.data) for each in messages]
+        self.said += [
+            SessionMessage(each.topic.name, each.topic.msgtype, each.stamp_ns, each.data) for each in messages
+        ]
 
 
 def live() -> Iterator[Shot]:
     """A session in which the researcher speaks for robot 1."""
-    ear = _Ear()
+    ear = _MessageCollector()
     play([ear], 700, SPOKEN_FOR)
-    status = Status(paused=False, rate=1.0, lag=0.0, watchers=1, dropped=0)
-    ear.said.append(Said(STATUS, "std_msgs/String", 14_000_000_000, status.data()))
-    feed = session.Session(_Connection(_Heard(ear.said)), "127.0.0.1:6010")
+    status = WatchStatus(paused=False, rate=1.0, lag=0.0, watchers=1, dropped=0)
+    ear.said.append(SessionMessage(STATUS, "std_msgs/String", 14_000_000_000, status.data()))
+    feed = session.SessionFeed(_Connection(_RecordedClient(ear.said)), "127.0.0.1:6010")
     window = ResearcherWindow(feed, "127.0.0.1:6010", LIGHT, lambda: 0.0)
     window.show()
     _raise(window, "Wizard")

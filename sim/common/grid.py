@@ -24,7 +24,7 @@ FREE = 0
 OCCUPIED = 100
 UNKNOWN = -1
 
-ROOMY = 2.0
+MAX_CLEARANCE = 2.0
 """Metres from the walls beyond which it makes no difference to a robot how far they are."""
 
 
@@ -225,6 +225,6 @@ def clearance_field(grid: OccupancyGrid) -> NDArray[np.float32]:
         nobody writes to it, and only for the sake of compiled kernels, which take others beside it, is it not sealed.
     """
     field: NDArray[np.float32] = np.maximum(
-        distance_field(grid, ROOMY) - np.float32(0.5 * grid.resolution), np.float32(0)
+        distance_field(grid, MAX_CLEARANCE) - np.float32(0.5 * grid.resolution), np.float32(0)
     )
     return field

@@ -112,7 +112,7 @@ def normals(key: np.uint64, tick: int, out: FloatArray) -> None:
 
 
 @dataclass(frozen=True, slots=True)
-class Stream:
+class NoiseStream:
     """A named stream of noise, for code that is not compiled.
 
     Attributes:
@@ -122,7 +122,7 @@ class Stream:
     key: np.uint64
 
     @classmethod
-    def named(cls, seed: int, *names: str) -> "Stream":
+    def named(cls, seed: int, *names: str) -> "NoiseStream":
         """The stream of a seed and a path of names."""
         return cls(key(seed, *names))
 

@@ -29,7 +29,7 @@ class Polygons(NamedTuple):
     circles: FloatArray
 
 
-def side_by_side(polygons: Sequence[FloatArray]) -> Polygons:
+def pack_polygons(polygons: Sequence[FloatArray]) -> Polygons:
     """Make polygons, (v, 2) each, ready for kernels; the arrays are read-only."""
     corners = np.concatenate([np.empty((0, 2)), *polygons])
     ends = np.cumsum([0, *(len(polygon) for polygon in polygons)], dtype=np.int64)
@@ -42,12 +42,12 @@ def side_by_side(polygons: Sequence[FloatArray]) -> Polygons:
     return Polygons(corners, ends, circles)
 
 
-def apart(polygons: Polygons) -> list[FloatArray]:
+def unpack_polygons(polygons: Polygons) -> list[FloatArray]:
     """The corners of each, (v, 2)."""
     return np.split(polygons.corners, polygons.ends[1:-1]) if len(polygons.circles) else []
 
 
-NO_POLYGONS = side_by_side([])
+NO_POLYGONS = pack_polygons([])
 
 Clearance = NDArray[np.uint8]
 """(rows, cols): how many king's moves from each cell to the nearest occupied one, 0 if itself, at most 255."""
@@ -121,7 +121,7 @@ def _side(ax: float, ay: float, bx: float, by: float, x: float, y: float) -> flo
 
 
 @njit(cache=True)
-def near(a: FloatArray, b: FloatArray, margin: float) -> bool:
+def within_margin(a: FloatArray, b: FloatArray, margin: float) -> bool:
     """Whether two polygons, (v, 2) and (w, 2), overlap or come within `margin` of each other."""
     limit = margin * margin
     i = a.shape[0] - 1
@@ -177,7 +177,7 @@ def near_wall(corners: FloatArray, clearance: Clearance, frame: GridFrame, margi
             cell[1, 0], cell[1, 1] = col + 1, row
             cell[2, 0], cell[2, 1] = col + 1, row + 1
             cell[3, 0], cell[3, 1] = col, row + 1
-            if near(body, cell, margin):
+            if within_margin(body, cell, margin):
                 return True
     return False
 

@@ -245,7 +245,7 @@ def shorten_by_polygon(polygon: FloatArray, directions: FloatArray, max_range: f
             last_across = across
 
 
-class Fan(NamedTuple):
+class BeamFan(NamedTuple):
     """Beams that are spread evenly, in the form that compiled kernels take.
 
     Attributes:
@@ -260,7 +260,7 @@ class Fan(NamedTuple):
 
 
 @njit(cache=True)
-def shorten_fan_by_polygon(polygon: FloatArray, fan: Fan, max_range: float, ranges: FloatArray) -> None:
+def shorten_fan_by_polygon(polygon: FloatArray, fan: BeamFan, max_range: float, ranges: FloatArray) -> None:
     """The same as `shorten_by_polygon`, for which only those beams are looked at that may meet the polygon."""
     beams = fan.directions.shape[0]
     centre_x = polygon[:, 0].mean()

@@ -18,7 +18,7 @@ Mask = NDArray[np.bool_]
 
 
 @dataclass(frozen=True, slots=True, eq=False)
-class Floor:
+class TraversabilityMap:
     """The floor of a map, for robots of one size.
 
     Attributes:
@@ -38,7 +38,7 @@ class Floor:
     circumscribed: float
 
     @classmethod
-    def of(cls, grid: OccupancyGrid, inscribed: float, circumscribed: float) -> "Floor":
+    def of(cls, grid: OccupancyGrid, inscribed: float, circumscribed: float) -> "TraversabilityMap":
         """The floor of a grid."""
         free = np.pad(grid.cells == FREE, 1, constant_values=False)
         cells_away = np.asarray(distance_transform_edt(free), dtype=np.float64)[1:-1, 1:-1]

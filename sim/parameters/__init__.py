@@ -16,18 +16,24 @@ from sim.parameters.costmap_2d import (
     RobotsParameters,
     StaticParameters,
 )
+from sim.parameters.declaration import param
 from sim.parameters.ekf import EkfParameters
 from sim.parameters.fake_localization import FakeLocalizationParameters
 from sim.parameters.global_planners import GlobalPlannerParameters, NavfnParameters
-from sim.parameters.knobs import knob
 from sim.parameters.local_planners import DwaPlannerParameters, TrajectoryPlannerParameters
 from sim.parameters.move_base import MoveBaseParameters, RecoveryBehavior
-from sim.parameters.reconfiguration import LiveKnob, Rejected, live_knobs, reconfigurable, reconfigured
-from sim.parameters.robot import ORDERED, RobotParameters
+from sim.parameters.reconfiguration import (
+    LiveParameter,
+    ParameterRejection,
+    live_parameters,
+    reconfigurable,
+    reconfigured,
+)
+from sim.parameters.robot import MIN_MAX_PAIRS, RobotParameters
 from sim.parameters.world import LaserParameters, OdometryNoise, WorldParameters
 
 __all__ = [
-    "ORDERED",
+    "MIN_MAX_PAIRS",
     "AmclParameters",
     "CostmapParameters",
     "DwaPlannerParameters",
@@ -37,22 +43,22 @@ __all__ = [
     "GlobalPlannerParameters",
     "InflationParameters",
     "LaserParameters",
-    "LiveKnob",
+    "LiveParameter",
     "LocalCostmapParameters",
     "MoveBaseParameters",
     "NavfnParameters",
     "ObservationSource",
     "ObstacleParameters",
     "OdometryNoise",
+    "ParameterRejection",
     "RecoveryBehavior",
-    "Rejected",
     "RobotParameters",
     "RobotsParameters",
     "StaticParameters",
     "TrajectoryPlannerParameters",
     "WorldParameters",
-    "knob",
-    "live_knobs",
+    "live_parameters",
+    "param",
     "reconfigurable",
     "reconfigured",
 ]

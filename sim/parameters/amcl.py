@@ -4,7 +4,7 @@ from collections.abc import Mapping
 from dataclasses import dataclass
 from typing import ClassVar
 
-from sim.parameters.knobs import knob, live
+from sim.parameters.declaration import live, param
 
 
 @dataclass(frozen=True, slots=True)
@@ -34,20 +34,20 @@ class AmclParameters:
     update_min_d: float = live(0.2, "metres to drive before the filter is updated", "m", 0, 5)
     update_min_a: float = live(0.5235987755982988, "angle to turn before the filter is updated", "rad", 0, 6.2832)
     resample_interval: int = live(2, "updates from one resampling to the next", "", 1, 20)
-    selective_resampling: bool = knob(False, "resample only when less than half of the particles are effective")
+    selective_resampling: bool = param(False, "resample only when less than half of the particles are effective")
     recovery_alpha_slow: float = live(0.001, "decay of the slow average of how well scans fit", "", 0, 0.5)
     recovery_alpha_fast: float = live(
         0.1, "decay of the fast average of how well scans fit; 0 for both: never recover", "", 0, 1
     )
-    std_warn_level_x: float = knob(0.2, "a lost robot is found when its place is this sure", "m", 0)
-    std_warn_level_y: float = knob(0.2, "a lost robot is found when its place is this sure", "m", 0)
-    std_warn_level_yaw: float = knob(0.1, "a lost robot is found when its heading is this sure", "rad", 0)
-    initial_pose_x: float = knob(0.0, "where the robot begins when nobody tells", "m")
-    initial_pose_y: float = knob(0.0, "where the robot begins when nobody tells", "m")
-    initial_pose_a: float = knob(0.0, "how it is turned when nobody tells", "rad")
-    initial_cov_xx: float = knob(0.25, "variance of the first pose", "m^2", 0)
-    initial_cov_yy: float = knob(0.25, "variance of the first pose", "m^2", 0)
-    initial_cov_aa: float = knob(0.06853891945200942, "variance of the first heading", "rad^2", 0)
+    std_warn_level_x: float = param(0.2, "a lost robot is found when its place is this sure", "m", 0)
+    std_warn_level_y: float = param(0.2, "a lost robot is found when its place is this sure", "m", 0)
+    std_warn_level_yaw: float = param(0.1, "a lost robot is found when its heading is this sure", "rad", 0)
+    initial_pose_x: float = param(0.0, "where the robot begins when nobody tells", "m")
+    initial_pose_y: float = param(0.0, "where the robot begins when nobody tells", "m")
+    initial_pose_a: float = param(0.0, "how it is turned when nobody tells", "rad")
+    initial_cov_xx: float = param(0.25, "variance of the first pose", "m^2", 0)
+    initial_cov_yy: float = param(0.25, "variance of the first pose", "m^2", 0)
+    initial_cov_aa: float = param(0.06853891945200942, "variance of the first heading", "rad^2", 0)
     laser_model_type: str = live(
         "likelihood_field",
         "how scans are weighed",
@@ -68,7 +68,7 @@ class AmclParameters:
     )
     beam_skip_distance: float = live(0.5, "a beam that ends this near a wall is explained", "m", 0, 2)
     beam_skip_threshold: float = live(0.3, "share of the particles that must explain a beam", "", 0, 1)
-    beam_skip_error_threshold: float = knob(0.9, "share of unexplained beams from which on none is left out", "", 0, 1)
+    beam_skip_error_threshold: float = param(0.9, "share of unexplained beams from which on none is left out", "", 0, 1)
     odom_model_type: str = live(
         "diff",
         "wheels or sliding, and how odom_alphas are read: for standard deviations, as in amcl's first models, or "

@@ -4,7 +4,7 @@ from collections.abc import Mapping
 from dataclasses import dataclass
 from typing import ClassVar
 
-from sim.parameters.knobs import knob, live
+from sim.parameters.declaration import live, param
 
 _LAYERS = "which layers there are: here static, obstacle, robots, inflation, each with its `enabled`"
 _VOXELS = "the voxel layer; lasers here see in one plane"
@@ -21,11 +21,11 @@ class StaticParameters:
     }
 
     enabled: bool = live(True, "whether the map's walls count")
-    track_unknown_space: bool = knob(True, "unknown cells of the map are unknown, else free")
-    lethal_cost_threshold: int = knob(100, "cells of the map with this value or more are obstacles", "", 0, 100)
-    unknown_cost_value: int = knob(-1, "the value of the map's unknown cells", "", -128, 255)
-    trinary_costmap: bool = knob(True, "values below the threshold are free, else in proportion")
-    use_maximum: bool = knob(False, "the map only raises costs, never lowers them")
+    track_unknown_space: bool = param(True, "unknown cells of the map are unknown, else free")
+    lethal_cost_threshold: int = param(100, "cells of the map with this value or more are obstacles", "", 0, 100)
+    unknown_cost_value: int = param(-1, "the value of the map's unknown cells", "", -128, 255)
+    trinary_costmap: bool = param(True, "values below the threshold are free, else in proportion")
+    use_maximum: bool = param(False, "the map only raises costs, never lowers them")
 
 
 @dataclass(frozen=True, slots=True)
@@ -42,12 +42,12 @@ class ObservationSource:
         "max_obstacle_height": "higher points are not seen; lasers here see in one plane",
     }
 
-    name: str = knob("scan", "what it is called in observation_sources")
-    marking: bool = knob(True, "readings mark obstacles")
-    clearing: bool = knob(False, "readings clear the space before them")
-    inf_is_valid: bool = knob(False, "beams that hit nothing clear too")
-    obstacle_range: float | None = knob(None, "farther readings do not mark; null: the layer's", "m", 0, 50)
-    raytrace_range: float | None = knob(None, "farther space is not cleared; null: the layer's", "m", 0, 50)
+    name: str = param("scan", "what it is called in observation_sources")
+    marking: bool = param(True, "readings mark obstacles")
+    clearing: bool = param(False, "readings clear the space before them")
+    inf_is_valid: bool = param(False, "beams that hit nothing clear too")
+    obstacle_range: float | None = param(None, "farther readings do not mark; null: the layer's", "m", 0, 50)
+    raytrace_range: float | None = param(None, "farther space is not cleared; null: the layer's", "m", 0, 50)
 
 
 @dataclass(frozen=True, slots=True)
@@ -72,30 +72,30 @@ class ObstacleParameters:
     combination_method: int = live(
         1, "0: what the laser saw replaces the map, 1: it raises the map's costs, else nothing", "", 0, 99
     )
-    track_unknown_space: bool | None = knob(None, "cells not seen yet are unknown, else free; null: the costmap's")
+    track_unknown_space: bool | None = param(None, "cells not seen yet are unknown, else free; null: the costmap's")
     obstacle_range: float = live(2.5, "farther readings do not mark", "m", 0, 50)
     raytrace_range: float = live(3.0, "farther space is not cleared", "m", 0, 50)
-    observation_sources: tuple[ObservationSource, ...] = knob(
+    observation_sources: tuple[ObservationSource, ...] = param(
         (), "names of the uses of the laser, with blanks between; each has a section under its name"
     )
-    explained_distance: float = knob(
+    explained_distance: float = param(
         0.0,
         "readings this near to a wall of the map, or to another robot, do not mark (not ROS's; 0: all do)",
         "m",
         0,
         2,
     )
-    clear_between_beams: bool = knob(False, "cells between two beams that both see past them clear too (not ROS's)")
+    clear_between_beams: bool = param(False, "cells between two beams that both see past them clear too (not ROS's)")
 
 
 @dataclass(frozen=True, slots=True)
 class RobotsParameters:
     """The other robots, where they say that they are (the GridLayer of the 2016 study; not ROS's)."""
 
-    enabled: bool = knob(True, "whether the other robots count")
-    under_way: bool = knob(True, "robots that mean to drive count too, not only those that rest")
-    path_length: float = knob(0.0, "how far along their paths the others make costs", "m", 0, 50)
-    path_cost: int = knob(128, "the cost of cells on these paths", "", 0, 252)
+    enabled: bool = param(True, "whether the other robots count")
+    under_way: bool = param(True, "robots that mean to drive count too, not only those that rest")
+    path_length: float = param(0.0, "how far along their paths the others make costs", "m", 0, 50)
+    path_cost: int = param(128, "the cost of cells on these paths", "", 0, 252)
 
 
 @dataclass(frozen=True, slots=True)
@@ -157,7 +157,7 @@ class CostmapParameters:
         0.46, "radius of a robot whose corners are not given; null: corners of its true body", "m", 0, 10
     )
     footprint_padding: float = live(0.01, "added to every corner of the footprint", "m", 0, 10)
-    track_unknown_space: bool = knob(False, "cells of which nothing is known are unknown, else free")
+    track_unknown_space: bool = param(False, "cells of which nothing is known are unknown, else free")
     update_frequency: float = live(
         5.0,
         "updates per second; of the global costmap, how often scans clear: they mark at once, costs follow for plans",
@@ -166,10 +166,10 @@ class CostmapParameters:
         50,
     )
     publish_frequency: float = live(0.0, "how often it is shown, in a recording or live; 0: never", "Hz", 0, 50)
-    static_layer: StaticParameters = knob(StaticParameters(), "the walls of the map")
-    obstacle_layer: ObstacleParameters = knob(ObstacleParameters(), "marking and clearing by the laser")
-    robots_layer: RobotsParameters = knob(RobotsParameters(), "the other robots")
-    inflation_layer: InflationParameters = knob(InflationParameters(), "costs around obstacles")
+    static_layer: StaticParameters = param(StaticParameters(), "the walls of the map")
+    obstacle_layer: ObstacleParameters = param(ObstacleParameters(), "marking and clearing by the laser")
+    robots_layer: RobotsParameters = param(RobotsParameters(), "the other robots")
+    inflation_layer: InflationParameters = param(InflationParameters(), "costs around obstacles")
 
 
 @dataclass(frozen=True, slots=True)

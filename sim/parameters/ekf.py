@@ -4,7 +4,7 @@ from collections.abc import Mapping
 from dataclasses import dataclass
 from typing import ClassVar
 
-from sim.parameters.knobs import knob, live
+from sim.parameters.declaration import live, param
 
 
 @dataclass(frozen=True, slots=True)
@@ -27,13 +27,13 @@ class EkfParameters:
         "base_footprint_frame": "the name of the robot's frame in tf",
     }
 
-    imu_used: bool = knob(True, "whether the gyroscope is listened to")
-    vo_used: bool = knob(True, "whether scans are matched to the map; without, doubt only grows")
+    imu_used: bool = param(True, "whether the gyroscope is listened to")
+    vo_used: bool = param(True, "whether scans are matched to the map; without, doubt only grows")
     update_min_d: float = live(0.2, "metres to drive before a scan is matched", "m", 0, 5)
     update_min_a: float = live(0.523599, "angle to turn before a scan is matched", "rad", 0, 6.2832)
-    initial_cov_xx: float = knob(0.25, "variance of the first pose", "m^2", 0)
-    initial_cov_yy: float = knob(0.25, "variance of the first pose", "m^2", 0)
-    initial_cov_aa: float = knob(0.06853891945200942, "variance of the first heading", "rad^2", 0)
+    initial_cov_xx: float = param(0.25, "variance of the first pose", "m^2", 0)
+    initial_cov_yy: float = param(0.25, "variance of the first pose", "m^2", 0)
+    initial_cov_aa: float = param(0.06853891945200942, "variance of the first heading", "rad^2", 0)
     laser_max_beams: int = live(60, "beams of a scan that are matched", "", 2, 4000)
     laser_max_range: float = live(-1.0, "farther readings are not used; -1: the laser's own limit", "m", -1)
     odom_alpha1: float = live(0.01, "believed variance in turning per turning", "", 0, 10)

@@ -4,7 +4,7 @@ from collections.abc import Mapping
 from dataclasses import dataclass
 from typing import ClassVar
 
-from sim.parameters.knobs import knob
+from sim.parameters.declaration import param
 
 
 @dataclass(frozen=True, slots=True)
@@ -18,6 +18,6 @@ class FakeLocalizationParameters:
         "transform_tolerance": "how far transforms are stamped into the future",
     }
 
-    delta_x: float = knob(0.0, "where the map's origin lies in the simulator's frame", "m")
-    delta_y: float = knob(0.0, "where the map's origin lies in the simulator's frame", "m")
-    delta_yaw: float = knob(0.0, "the map's heading, subtracted from that of the simulator", "rad", -6.2832, 6.2832)
+    delta_x: float = param(0.0, "where the map's origin lies in the simulator's frame", "m")
+    delta_y: float = param(0.0, "where the map's origin lies in the simulator's frame", "m")
+    delta_yaw: float = param(0.0, "the map's heading, subtracted from that of the simulator", "rad", -6.2832, 6.2832)

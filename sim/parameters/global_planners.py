@@ -4,7 +4,7 @@ from collections.abc import Mapping
 from dataclasses import dataclass
 from typing import ClassVar
 
-from sim.parameters.knobs import knob, live
+from sim.parameters.declaration import live, param
 
 _WINDOW = "the size of a window around the robot: read, but never used by ROS either"
 
@@ -19,9 +19,9 @@ class NavfnParameters:
         "visualize_potential": "whether the potential is published",
     }
 
-    allow_unknown: bool = knob(True, "plans may cross unknown space")
-    default_tolerance: float = knob(0.0, "how far from a goal that cannot be reached plans may end", "m", 0, 50)
-    use_astar: bool = knob(False, "A* instead of Dijkstra (navfn has it, but NavfnROS never uses it)")
+    allow_unknown: bool = param(True, "plans may cross unknown space")
+    default_tolerance: float = param(0.0, "how far from a goal that cannot be reached plans may end", "m", 0, 50)
+    use_astar: bool = param(False, "A* instead of Dijkstra (navfn has it, but NavfnROS never uses it)")
 
 
 @dataclass(frozen=True, slots=True)
@@ -36,12 +36,12 @@ class GlobalPlannerParameters:
         "outline_map": "whether the map's rim is an obstacle: here it always is",
     }
 
-    allow_unknown: bool = knob(True, "plans may cross unknown space")
-    default_tolerance: float = knob(0.0, "how far from a goal that cannot be reached plans may end", "m", 0, 50)
-    use_dijkstra: bool = knob(True, "Dijkstra, else A*")
-    use_quadratic: bool = knob(True, "potentials grow alike in all directions, else along rows and columns")
-    use_grid_path: bool = knob(False, "paths go from cell to cell, else down the slope of the potential")
-    old_navfn_behavior: bool = knob(False, "paths begin and end at the centres of cells, as navfn's do")
+    allow_unknown: bool = param(True, "plans may cross unknown space")
+    default_tolerance: float = param(0.0, "how far from a goal that cannot be reached plans may end", "m", 0, 50)
+    use_dijkstra: bool = param(True, "Dijkstra, else A*")
+    use_quadratic: bool = param(True, "potentials grow alike in all directions, else along rows and columns")
+    use_grid_path: bool = param(False, "paths go from cell to cell, else down the slope of the potential")
+    old_navfn_behavior: bool = param(False, "paths begin and end at the centres of cells, as navfn's do")
     lethal_cost: int = live(253, "cells of this cost, of one less with Dijkstra, or more cannot be passed", "", 1, 255)
     neutral_cost: int = live(50, "what it costs to pass a free cell", "", 1, 255)
     cost_factor: float = live(3.0, "what the costmap's costs are multiplied by (with Dijkstra)", "", 0.01, 5.0)

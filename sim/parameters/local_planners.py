@@ -9,7 +9,7 @@ from collections.abc import Mapping
 from dataclasses import dataclass
 from typing import ClassVar
 
-from sim.parameters.knobs import knob, live
+from sim.parameters.declaration import live, param
 
 _SIDEWAYS = "these robots have differential drive and cannot go sideways"
 _ALWAYS_PRUNED = "whether the part of a plan that was driven is cut off: here it always is"
@@ -42,7 +42,7 @@ class TrajectoryPlannerParameters:
     path_distance_bias: float = live(0.6, "weight of keeping to the path", "", 0, 100)
     goal_distance_bias: float = live(0.8, "weight of getting to the goal", "", 0, 100)
     occdist_scale: float = live(0.01, "weight of keeping off obstacles", "", 0, 10)
-    meter_scoring: bool = knob(False, "the two biases count metres; else cells of the costmap")
+    meter_scoring: bool = param(False, "the two biases count metres; else cells of the costmap")
     heading_lookahead: float = live(0.325, "distance along the path of the point it turns to in place", "m", 0, 5)
     heading_scoring: bool = live(False, "score where a trajectory heads early on, not where it ends")
     heading_scoring_timestep: float = live(0.1, "how early on that is", "s", 0, 1)
@@ -50,7 +50,7 @@ class TrajectoryPlannerParameters:
     oscillation_reset_dist: float = live(0.05, "having moved so far it may turn the other way round", "m", 0, 5)
     xy_goal_tolerance: float = live(0.10, "how near the goal counts as reached", "m", 0.001, 5)
     yaw_goal_tolerance: float = live(0.05, "how well the heading must agree at the goal", "rad", 0.001, 3.15)
-    latch_xy_goal_tolerance: bool = knob(False, "once at the goal, only turn")
+    latch_xy_goal_tolerance: bool = param(False, "once at the goal, only turn")
 
     renamed: ClassVar[Mapping[str, str]] = {
         "pdist_scale": "path_distance_bias",
@@ -94,10 +94,10 @@ class DwaPlannerParameters:
     path_distance_bias: float = live(0.6, "weight of keeping body and nose to the path", "1/m", 0, 1000)
     goal_distance_bias: float = live(0.8, "weight of getting body and nose to the goal", "1/m", 0, 1000)
     occdist_scale: float = live(0.01, "weight of keeping off obstacles", "", 0, 10)
-    sum_scores: bool = knob(False, "add up the obstacle costs along a trajectory; else its worst counts")
+    sum_scores: bool = param(False, "add up the obstacle costs along a trajectory; else its worst counts")
     twirling_scale: float = live(0.0, "weight of turning little", "s/rad", 0, 1000)
     forward_point_distance: float = live(0.325, "where the nose is, forward of the centre", "m", 0, 5)
-    cheat_factor: float = knob(
+    cheat_factor: float = param(
         1.0, "the nose need not keep to the path within forward_point_distance of the goal, times its root", "", 0, 100
     )
     scaling_speed: float = live(0.25, "faster than this the footprint is grown", "m/s", 0, 20)
@@ -106,7 +106,7 @@ class DwaPlannerParameters:
     oscillation_reset_angle: float = live(0.2, "or turned so far", "rad", 0, 7)
     xy_goal_tolerance: float = live(0.1, "how near the goal counts as reached", "m", 0.001, 5)
     yaw_goal_tolerance: float = live(0.1, "how well the heading must agree at the goal", "rad", 0.001, 3.15)
-    latch_xy_goal_tolerance: bool = knob(False, "once at the goal, only turn")
+    latch_xy_goal_tolerance: bool = param(False, "once at the goal, only turn")
     trans_stopped_vel: float = live(0.1, "slower than this counts as standing", "m/s", 0.001, 20)
     theta_stopped_vel: float = live(0.1, "turning slower than this counts as standing", "rad/s", 0.001, 20)
 

@@ -4,7 +4,7 @@ from collections.abc import Mapping
 from dataclasses import dataclass, field
 from typing import ClassVar, Literal
 
-from sim.parameters.knobs import knob, live
+from sim.parameters.declaration import live, param
 
 Behaviour = Literal["conservative_reset", "rotate_recovery", "aggressive_reset"]
 
@@ -48,7 +48,7 @@ class MoveBaseParameters:
     conservative_reset_dist: float = live(
         3.0, "conservative_reset forgets obstacles seen outside a square of this side around the robot", "m", 0, 50
     )
-    recovery_behaviors: tuple[RecoveryBehavior, ...] = knob(
+    recovery_behaviors: tuple[RecoveryBehavior, ...] = param(
         (
             RecoveryBehavior("conservative_reset"),
             RecoveryBehavior("rotate_recovery"),

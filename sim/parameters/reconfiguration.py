@@ -13,7 +13,7 @@ from collections.abc import Iterator, Mapping
 from dataclasses import dataclass
 from typing import TYPE_CHECKING, Literal, TypeGuard, TypeVar, cast, get_args, get_type_hints
 
-from sim.parameters.robot import ORDERED, RobotParameters
+from sim.parameters.robot import MIN_MAX_PAIRS, RobotParameters
 from sim.parameters.world import WorldParameters
 
 if TYPE_CHECKING:
@@ -21,14 +21,14 @@ if TYPE_CHECKING:
 
 P = TypeVar("P", RobotParameters, WorldParameters)
 
-WORLD = "world."
+WORLD_PREFIX = "world."
 """What the paths of `WorldParameters` begin with."""
 
-Reason = Literal["unknown", "fixed", "kind", "range"]
+RejectionReason = Literal["unknown", "fixed", "kind", "range"]
 
 
 @dataclass(frozen=True, slots=True)
-class Rejected:
+class ParameterRejection:
     """Why a parameter keeps its value.
 
     Attributes:
@@ -39,12 +39,12 @@ class Rejected:
     """
 
     path: str
-    reason: Reason
+    reason: RejectionReason
     sentence: str
 
 
 @dataclass(frozen=True, slots=True)
-class LiveKnob:
+class LiveParameter:
     """A parameter that may change while a robot runs, as it is declared.
 
     Attributes:
@@ -68,7 +68,7 @@ class LiveKnob:
     choices: tuple[str, ...]
 
 
-def live_knobs(into: "type[DataclassInstance]" = RobotParameters, path: str = "") -> Iterator[LiveKnob]:
+def live_parameters(into: "type[DataclassInstance]" = RobotParameters, path: str = "") -> Iterator[LiveParameter]:
     """All parameters that may change while a robot runs, in the order in which they are declared.
 
     Args:
@@ -80,7 +80,7 @@ def live_knobs(into: "type[DataclassInstance]" = RobotParameters, path: str = ""
         place, hint = f"{path}.{field.name}" if path else field.name, cast(object, hints[field.name])
         if is_live(field):
             known = field.metadata
-            yield LiveKnob(
+            yield LiveParameter(
                 place,
                 _types(hint),
                 cast(object, field.default),
@@ -91,7 +91,7 @@ def live_knobs(into: "type[DataclassInstance]" = RobotParameters, path: str = ""
                 cast(tuple[str, ...], known["choices"]),
             )
         elif isinstance(hint, type) and dataclasses.is_dataclass(hint):
-            yield from live_knobs(hint, place)
+            yield from live_parameters(hint, place)
 
 
 def _types(hint: object) -> tuple[object, ...]:
@@ -100,7 +100,7 @@ def _types(hint: object) -> tuple[object, ...]:
 
 def reconfigurable() -> Iterator[str]:
     """The paths of all parameters of a robot's software that may change while it runs, in the order of declaration."""
-    return (knob.path for knob in live_knobs())
+    return (knob.path for knob in live_parameters())
 
 
 def is_live(field: "dataclasses.Field[object]") -> bool:
@@ -108,7 +108,7 @@ def is_live(field: "dataclasses.Field[object]") -> bool:
     return bool(field.metadata.get("live"))
 
 
-def reconfigured(parameters: P, path: str, value: object) -> P | Rejected:
+def reconfigured(parameters: P, path: str, value: object) -> P | ParameterRejection:
     """The parameters with one of them changed, or why it may not.
 
     Args:
@@ -116,15 +116,15 @@ def reconfigured(parameters: P, path: str, value: object) -> P | Rejected:
         path: of the one to change.
         value: its new value; a footprint may also come as ROS writes it, `[[x, y], ...]` in one text.
     """
-    below = path.removeprefix(WORLD) if isinstance(parameters, WorldParameters) else path
+    below = path.removeprefix(WORLD_PREFIX) if isinstance(parameters, WorldParameters) else path
     changed = _changed(parameters, below.split("."), path, value)
-    if isinstance(changed, Rejected | WorldParameters):
+    if isinstance(changed, ParameterRejection | WorldParameters):
         return changed
-    for section, low, high in ORDERED:
+    for section, low, high in MIN_MAX_PAIRS:
         least, greatest = (_value_at(changed, f"{section}.{name}") for name in (low, high))
         if cast(float, least) > cast(float, greatest):
             sentence = f"{section}.{low} would be {least}, above {section}.{high}, which would be {greatest}"
-            return Rejected(path, "range", sentence)
+            return ParameterRejection(path, "range", sentence)
     return changed
 
 
@@ -158,22 +158,22 @@ def _value_at(section: object, path: str) -> object:
 _Section = TypeVar("_Section", bound="DataclassInstance")
 
 
-def _changed(section: _Section, names: list[str], path: str, value: object) -> _Section | Rejected:
+def _changed(section: _Section, names: list[str], path: str, value: object) -> _Section | ParameterRejection:
     """A section with the value in its place inside of it."""
     name, *inner = names
     fields = {field.name: field for field in dataclasses.fields(section)}
     if name not in fields:
-        return Rejected(path, "unknown", f"there is no parameter {path}")
+        return ParameterRejection(path, "unknown", f"there is no parameter {path}")
     own = cast(object, getattr(section, name))
     if inner:
         if not _is_section(own):
-            return Rejected(path, "unknown", f"there is no parameter {path}")
+            return ParameterRejection(path, "unknown", f"there is no parameter {path}")
         inside = _changed(own, inner, path, value)
-        return inside if isinstance(inside, Rejected) else dataclasses.replace(section, **{name: inside})
+        return inside if isinstance(inside, ParameterRejection) else dataclasses.replace(section, **{name: inside})
     if not is_live(fields[name]):
-        return Rejected(path, "fixed", f"{path} cannot change while the robot runs")
+        return ParameterRejection(path, "fixed", f"{path} cannot change while the robot runs")
     new = _fit(get_type_hints(type(section))[name], fields[name].metadata, path, value)
-    return new if isinstance(new, Rejected) else dataclasses.replace(section, **{name: new})
+    return new if isinstance(new, ParameterRejection) else dataclasses.replace(section, **{name: new})
 
 
 def _fit(hint: object, metadata: Mapping[str, object], path: str, value: object) -> object:
@@ -183,22 +183,26 @@ def _fit(hint: object, metadata: Mapping[str, object], path: str, value: object)
     if value is None and type(None) in kinds:
         return None
     if bool in kinds:
-        return value if isinstance(value, bool) else Rejected(path, "kind", f"{path} is true or false, not {value!r}")
+        return (
+            value
+            if isinstance(value, bool)
+            else ParameterRejection(path, "kind", f"{path} is true or false, not {value!r}")
+        )
     if str in kinds:
         if not isinstance(value, str):
-            return Rejected(path, "kind", f"{path} is text, not {value!r}")
+            return ParameterRejection(path, "kind", f"{path} is text, not {value!r}")
         if choices and value not in choices:
-            return Rejected(path, "range", f"{path} is {' or '.join(choices)}, not {value!r}")
+            return ParameterRejection(path, "range", f"{path} is {' or '.join(choices)}, not {value!r}")
         return value
     if int in kinds or float in kinds:
         number = _number(value, whole=int in kinds)
         if number is None:
             kind = "a whole number" if int in kinds else "a number"
-            return Rejected(path, "kind", f"{path} is {kind}, not {value!r}")
+            return ParameterRejection(path, "kind", f"{path} is {kind}, not {value!r}")
         return _in_range(metadata, path, number)
     corners = _corners(value)
     if corners is None:
-        return Rejected(path, "kind", f"{path} is three or more corners, [[x, y], ...], or [], not {value!r}")
+        return ParameterRejection(path, "kind", f"{path} is three or more corners, [[x, y], ...], or [], not {value!r}")
     return corners
 
 
@@ -218,9 +222,9 @@ def _in_range(metadata: Mapping[str, object], path: str, number: float | int) ->
     least, greatest = cast("float | None", metadata["minimum"]), cast("float | None", metadata["maximum"])
     unit = f" {metadata['unit']}" if metadata["unit"] else ""
     if least is not None and number < least:
-        return Rejected(path, "range", f"{path} is at least {least:.10g}{unit}, not {number:.10g}")
+        return ParameterRejection(path, "range", f"{path} is at least {least:.10g}{unit}, not {number:.10g}")
     if greatest is not None and number > greatest:
-        return Rejected(path, "range", f"{path} is at most {greatest:.10g}{unit}, not {number:.10g}")
+        return ParameterRejection(path, "range", f"{path} is at most {greatest:.10g}{unit}, not {number:.10g}")
     return number
 
 

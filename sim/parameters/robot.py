@@ -11,10 +11,10 @@ from sim.parameters.costmap_2d import (
     ObstacleParameters,
     RobotsParameters,
 )
+from sim.parameters.declaration import param
 from sim.parameters.ekf import EkfParameters
 from sim.parameters.fake_localization import FakeLocalizationParameters
 from sim.parameters.global_planners import GlobalPlannerParameters, NavfnParameters
-from sim.parameters.knobs import knob
 from sim.parameters.local_planners import DwaPlannerParameters, TrajectoryPlannerParameters
 from sim.parameters.move_base import MoveBaseParameters
 
@@ -30,7 +30,7 @@ _LASER = ObstacleParameters(
 _AMCL = AmclParameters(max_particles=1000, kld_err=0.05, laser_max_beams=60, laser_sigma_hit=0.1)
 _INFLATION = InflationParameters(inflation_radius=0.5)
 
-ORDERED = (
+MIN_MAX_PAIRS = (
     ("amcl", "min_particles", "max_particles"),
     ("TrajectoryPlannerROS", "min_vel_x", "max_vel_x"),
     ("TrajectoryPlannerROS", "min_in_place_vel_theta", "max_vel_theta"),
@@ -42,17 +42,17 @@ ORDERED = (
 class RobotParameters:
     """One robot's own software."""
 
-    localization: str = knob(
+    localization: str = param(
         "amcl",
         "how it knows where it is; truth and fake_localization are the same",
         choices=("amcl", "ekf", "truth", "fake_localization"),
     )
-    amcl: AmclParameters = knob(_AMCL, "particle filter")
-    ekf: EkfParameters = knob(EkfParameters(), "Kalman filter")
-    fake_localization: FakeLocalizationParameters = knob(
+    amcl: AmclParameters = param(_AMCL, "particle filter")
+    ekf: EkfParameters = param(EkfParameters(), "Kalman filter")
+    fake_localization: FakeLocalizationParameters = param(
         FakeLocalizationParameters(), "the truth instead of an estimate"
     )
-    global_costmap: GlobalCostmapParameters = knob(
+    global_costmap: GlobalCostmapParameters = param(
         GlobalCostmapParameters(
             robot_radius=None,
             track_unknown_space=True,
@@ -64,7 +64,7 @@ class RobotParameters:
         ),
         "the costmap that covers the map, for plans",
     )
-    local_costmap: LocalCostmapParameters = knob(
+    local_costmap: LocalCostmapParameters = param(
         LocalCostmapParameters(
             width=4.0,
             height=4.0,
@@ -76,9 +76,9 @@ class RobotParameters:
         ),
         "the costmap that moves along with the robot, for commands",
     )
-    NavfnROS: NavfnParameters = knob(NavfnParameters(), "the global planner navfn")
-    GlobalPlanner: GlobalPlannerParameters = knob(GlobalPlannerParameters(), "the other global planner")
-    TrajectoryPlannerROS: TrajectoryPlannerParameters = knob(
+    NavfnROS: NavfnParameters = param(NavfnParameters(), "the global planner navfn")
+    GlobalPlanner: GlobalPlannerParameters = param(GlobalPlannerParameters(), "the other global planner")
+    TrajectoryPlannerROS: TrajectoryPlannerParameters = param(
         # The speeds and weights of the 2016 study, tried on a grid that leaves time for a team of robots.
         TrajectoryPlannerParameters(
             acc_lim_x=10.0,
@@ -99,7 +99,7 @@ class RobotParameters:
         ),
         "local planner that rolls out trajectories",
     )
-    DWAPlannerROS: DwaPlannerParameters = knob(
+    DWAPlannerROS: DwaPlannerParameters = param(
         # As fast as the other one.
         DwaPlannerParameters(
             acc_lim_x=10.0,
@@ -112,7 +112,7 @@ class RobotParameters:
         ),
         "local planner by the dynamic window",
     )
-    move_base: MoveBaseParameters = knob(
+    move_base: MoveBaseParameters = param(
         # As often as the laser sweeps; and robots among robots must notice by themselves that they come nowhere.
         MoveBaseParameters(controller_frequency=10.0, oscillation_timeout=10.0),
         "navigator",

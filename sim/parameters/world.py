@@ -2,7 +2,7 @@
 
 from dataclasses import dataclass
 
-from sim.parameters.knobs import knob, live
+from sim.parameters.declaration import live, param
 
 
 @dataclass(frozen=True, slots=True)
@@ -21,12 +21,12 @@ class OdometryNoise:
 class LaserParameters:
     """The laser every robot carries, and how it errs."""
 
-    beams: int = knob(181, "number of beams", minimum=2, maximum=4000)
-    field_of_view: float = knob(4.71238898, "angle between the first and the last beam", "rad", 0.01, 6.2831853)
-    range_min: float = knob(0.05, "nearest distance it can measure", "m", 0, 10)
-    range_max: float = knob(8.0, "farthest distance it can measure", "m", 0.1, 100)
-    x: float = knob(0.1, "where it sits, forward of the robot's centre", "m", -2, 2)
-    rate: int = knob(10, "sweeps per second; must divide 50", "Hz", 1, 50)
+    beams: int = param(181, "number of beams", minimum=2, maximum=4000)
+    field_of_view: float = param(4.71238898, "angle between the first and the last beam", "rad", 0.01, 6.2831853)
+    range_min: float = param(0.05, "nearest distance it can measure", "m", 0, 10)
+    range_max: float = param(8.0, "farthest distance it can measure", "m", 0.1, 100)
+    x: float = param(0.1, "where it sits, forward of the robot's centre", "m", -2, 2)
+    rate: int = param(10, "sweeps per second; must divide 50", "Hz", 1, 50)
     range_noise: float = live(0.02, "standard deviation of a range", "m", 0, 5)
     range_bias: float = live(0.0, "what every range is too long by", "m", -1, 1)
     dropout: float = live(0.005, "share of beams that return nothing", "", 0, 1)
@@ -36,13 +36,13 @@ class LaserParameters:
 class WorldParameters:
     """What is true of the robots and their sensors, whatever their software believes."""
 
-    footprint: tuple[tuple[float, float], ...] = knob(
+    footprint: tuple[tuple[float, float], ...] = param(
         ((0.25, 0.25), (-0.25, 0.25), (-0.25, -0.25), (0.25, -0.25), (0.35, 0.0)), "corners of the body", "m"
     )
-    max_vel_x: float = knob(1.0, "speed the motors reach", "m/s", 0.01, 20)
-    max_vel_theta: float = knob(1.5, "rate of turn the motors reach", "rad/s", 0.01, 20)
-    acc_lim_x: float = knob(10.0, "acceleration of the motors", "m/s^2", 0.01, 100)
-    acc_lim_theta: float = knob(10.0, "angular acceleration of the motors", "rad/s^2", 0.01, 100)
+    max_vel_x: float = param(1.0, "speed the motors reach", "m/s", 0.01, 20)
+    max_vel_theta: float = param(1.5, "rate of turn the motors reach", "rad/s", 0.01, 20)
+    acc_lim_x: float = param(10.0, "acceleration of the motors", "m/s^2", 0.01, 100)
+    acc_lim_theta: float = param(10.0, "angular acceleration of the motors", "rad/s^2", 0.01, 100)
     gyro_noise: float = live(0.01, "standard deviation of the measured rate of turn", "rad/s", 0, 10)
-    odometry: OdometryNoise = knob(OdometryNoise(), "noise of the wheels")
-    laser: LaserParameters = knob(LaserParameters(), "the laser")
+    odometry: OdometryNoise = param(OdometryNoise(), "noise of the wheels")
+    laser: LaserParameters = param(LaserParameters(), "the laser")

@@ -24,13 +24,13 @@ from sim.common.polygons import (
     Polygons,
     clearance_of,
     is_clear_of_walls,
-    near,
     near_wall,
     placed_at,
+    within_margin,
 )
 from sim.parameters import WorldParameters
-from sim.world.sensor_noise import SensorNoise, Wheels, measured_by
-from sim.world.things import Presence, Robots, Thing, after_a_tick, polygons_of
+from sim.world.sensor_noise import SensorNoise, WheelNoise, measured_increment
+from sim.world.things import RobotBodies, Thing, ThingState, polygons_of, step_things
 
 BoolArray = NDArray[np.bool_]
 IntArray = NDArray[np.int64]
@@ -63,7 +63,7 @@ class WorldState:
     contact: BoolArray
     collisions: IntArray
     noise: SensorNoise
-    things: tuple[Presence, ...] = ()
+    things: tuple[ThingState, ...] = ()
     bodies: Polygons = NO_POLYGONS
 
     def __post_init__(self) -> None:
@@ -144,7 +144,7 @@ def _touches(
         if j == robot or math.hypot(poses[j, 0] - x, poses[j, 1] - y) > 2.0 * radius + margin:
             continue
         body = placed_at(footprint, poses[j, 0], poses[j, 1], poses[j, 2])
-        if near(placed_at(footprint, x, y, theta), body, margin):
+        if within_margin(placed_at(footprint, x, y, theta), body, margin):
             touched[j] = True
             other = True
     for k in range(bodies.circles.shape[0]):
@@ -152,7 +152,7 @@ def _touches(
         if thing or distance > radius + bodies.circles[k, 2] + margin:
             continue
         body = bodies.corners[bodies.ends[k] : bodies.ends[k + 1]]
-        thing = near(placed_at(footprint, x, y, theta), body, margin)
+        thing = within_margin(placed_at(footprint, x, y, theta), body, margin)
     return wall, other, thing
 
 
@@ -228,8 +228,8 @@ def _step(
         chord, half = _chord(linear, angular, TICK)
         normals(keys[i], tick, draws)
         w = wheels[i]
-        first_turn, measured_chord, second_turn = measured_by(
-            Wheels(w[0], w[1], w[2], w[3], w[4], w[5]), chord, half, draws
+        first_turn, measured_chord, second_turn = measured_increment(
+            WheelNoise(w[0], w[1], w[2], w[3], w[4], w[5]), chord, half, draws
         )
         odom[i, 0] += measured_chord * math.cos(odom[i, 2] + first_turn)
         odom[i, 1] += measured_chord * math.sin(odom[i, 2] + first_turn)
@@ -271,7 +271,7 @@ def with_noise(state: WorldState, robots: Sequence[WorldParameters]) -> WorldSta
 def with_thing(state: WorldState, thing: Thing) -> WorldState:
     """The same world with a thing that appears as soon as its place is free; one of the same name vanishes."""
     kept = without_thing(state, thing.name)
-    return replace(kept, things=(*kept.things, Presence(thing)))
+    return replace(kept, things=(*kept.things, ThingState(thing)))
 
 
 def without_thing(state: WorldState, name: str) -> WorldState:
@@ -389,11 +389,11 @@ class World:
             tick, poses, twists, odom_poses, odom_twists, state.charge, contact, collisions, state.noise, things, bodies
         )
 
-    def _move_things(self, state: WorldState) -> tuple[tuple[Presence, ...], Polygons]:
+    def _move_things(self, state: WorldState) -> tuple[tuple[ThingState, ...], Polygons]:
         if not state.things:
             return state.things, state.bodies
-        robots = Robots(state.poses, state.twists, self._footprint, self._body.radius)
-        things = after_a_tick(state.things, robots)
+        robots = RobotBodies(state.poses, state.twists, self._footprint, self._body.radius)
+        things = step_things(state.things, robots)
         still = all(after is before for after, before in zip(things, state.things, strict=True))
         return things, state.bodies if still else polygons_of(things)
 

@@ -16,7 +16,7 @@ from sim.common.geometry import FloatArray
 from sim.parameters import OdometryNoise, WorldParameters
 
 
-class Wheels(NamedTuple):
+class WheelNoise(NamedTuple):
     """How the wheels err, as in OdometryNoise."""
 
     alpha1: float
@@ -27,13 +27,13 @@ class Wheels(NamedTuple):
     angular_scale: float
 
 
-def wheels_of(noise: OdometryNoise) -> Wheels:
+def wheel_noise_of(noise: OdometryNoise) -> WheelNoise:
     """The same noise in the form that compiled kernels take."""
-    return Wheels(noise.alpha1, noise.alpha2, noise.alpha3, noise.alpha4, noise.linear_scale, noise.angular_scale)
+    return WheelNoise(noise.alpha1, noise.alpha2, noise.alpha3, noise.alpha4, noise.linear_scale, noise.angular_scale)
 
 
 @njit(cache=True)
-def measured_by(wheels: Wheels, chord: float, half: float, draws: FloatArray) -> tuple[float, float, float]:
+def measured_increment(wheels: WheelNoise, chord: float, half: float, draws: FloatArray) -> tuple[float, float, float]:
     """What wheels make of one tick's arc: the turn before its chord, the chord's length, the turn after it.
 
     Args:
@@ -75,7 +75,7 @@ class SensorNoise:
     @classmethod
     def of(cls, robots: Sequence[WorldParameters]) -> "SensorNoise":
         """That of a team, of whose robots each has parameters of its own."""
-        wheels = [wheels_of(robot.odometry) for robot in robots]
+        wheels = [wheel_noise_of(robot.odometry) for robot in robots]
         lasers = [(robot.laser.range_noise, robot.laser.range_bias, robot.laser.dropout) for robot in robots]
         return cls(
             np.array(wheels, dtype=np.float64).reshape(-1, 6),

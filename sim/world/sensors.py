@@ -13,7 +13,7 @@ from sim.common.grid import GridFrame, OccupancyGrid
 from sim.common.noise import key, normals, uniforms
 from sim.common.observations import TICKS_PER_SECOND, Battery, Imu, LaserMount, Observations, Odometry, Scan, Twist
 from sim.common.polygons import Polygons
-from sim.common.raycast import Fan, FreeSquares, cast_beams, directions_of, free_squares_of, shorten_fan_by_polygon
+from sim.common.raycast import BeamFan, FreeSquares, cast_beams, directions_of, free_squares_of, shorten_fan_by_polygon
 from sim.parameters import LaserParameters, WorldParameters
 from sim.world.physics import WorldState
 
@@ -23,7 +23,7 @@ def _sweep(
     robot: int,
     poses: FloatArray,
     laser_x: float,
-    fan: Fan,
+    fan: BeamFan,
     range_max: float,
     footprint: FloatArray,
     radius: float,
@@ -153,7 +153,7 @@ class Sensors:
         self._seed = seed
         self._capacity = capacity
         self._period = TICKS_PER_SECOND // laser.rate
-        self._fan = Fan(self.mount.angle_min, self.mount.angle_increment, directions_of(self.mount.angles()))
+        self._fan = BeamFan(self.mount.angle_min, self.mount.angle_increment, directions_of(self.mount.angles()))
         self._footprint = np.array(parameters.footprint, dtype=np.float64)
         self._radius = float(np.hypot(*self._footprint.T).max())
         self._squares = free_squares_of(grid)

@@ -14,13 +14,13 @@ from numba import njit
 
 from sim.common.geometry import FloatArray, Pose2
 from sim.common.observations import TICK, TICKS_PER_SECOND
-from sim.common.polygons import NO_POLYGONS, Polygons, near, placed_at, side_by_side
+from sim.common.polygons import NO_POLYGONS, Polygons, pack_polygons, placed_at, within_margin
 
-RESPECT = 0.3
+ROBOT_MARGIN = 0.3
 """Metres that things leave between themselves and a robot."""
-WARNING = 1.0
+BRAKING_TIME = 1.0
 """Seconds of a robot's way that they leave besides, so that it can see and brake."""
-PATIENCE = 5 * TICKS_PER_SECOND
+TURN_BACK_TICKS = 5 * TICKS_PER_SECOND
 """Ticks that somebody who walks waits behind a robot before turning back."""
 
 
@@ -52,7 +52,7 @@ class Thing:
         """
         if len(self.footprint) < 3:
             raise ValueError(f"the footprint of {self.name} needs at least three corners, not {len(self.footprint)}")
-        if (np.diff(self._miles) == 0.0).any():
+        if (np.diff(self._distances) == 0.0).any():
             raise ValueError(f"the path of {self.name} has a point twice in a row")
 
     @cached_property
@@ -66,27 +66,27 @@ class Thing:
         return np.array([(self.base_in_map.x, self.base_in_map.y), *self.path])
 
     @cached_property
-    def _miles(self) -> FloatArray:
+    def _distances(self) -> FloatArray:
         """(m,) metres from the start to each point."""
         return np.concatenate(([0.0], np.cumsum(np.hypot(*np.diff(self._points, axis=0).T))))
 
     @property
     def length(self) -> float:
         """Metres of its way."""
-        return float(self._miles[-1])
+        return float(self._distances[-1])
 
     def pose_after(self, walked: float) -> Pose2:
         """Where it is after so many metres of its way."""
         if self.length == 0.0:
             return self.base_in_map
-        leg = min(int(np.searchsorted(self._miles, walked, side="right")), len(self._miles) - 1)
+        leg = min(int(np.searchsorted(self._distances, walked, side="right")), len(self._distances) - 1)
         (x0, y0), (x1, y1) = self._points[leg - 1 : leg + 1].tolist()
-        share = (walked - float(self._miles[leg - 1])) / math.hypot(x1 - x0, y1 - y0)
+        share = (walked - float(self._distances[leg - 1])) / math.hypot(x1 - x0, y1 - y0)
         return Pose2(x0 + share * (x1 - x0), y0 + share * (y1 - y0), math.atan2(y1 - y0, x1 - x0))
 
 
 @dataclass(frozen=True, slots=True)
-class Presence:
+class ThingState:
     """A thing as it is in one tick.
 
     Attributes:
@@ -100,7 +100,7 @@ class Presence:
     thing: Thing
     appeared: bool = False
     walked: float = 0.0
-    onward: bool = True
+    forward: bool = True
     held_up: int = 0
 
     def pose(self) -> Pose2:
@@ -124,19 +124,19 @@ def _comes_upon(
     for k in range(corners.shape[0]):
         reach = max(reach, math.hypot(corners[k, 0], corners[k, 1]))
     for j in range(poses.shape[0]):
-        margin = RESPECT + WARNING * abs(twists[j, 0])
+        margin = ROBOT_MARGIN + BRAKING_TIME * abs(twists[j, 0])
         distance = math.hypot(poses[j, 0] - here[0], poses[j, 1] - here[1])
         if distance > reach + radius + margin:
             continue
         if distance >= math.hypot(poses[j, 0] - before[0], poses[j, 1] - before[1]):
             continue
-        if near(body, placed_at(footprint, poses[j, 0], poses[j, 1], poses[j, 2]), margin):
+        if within_margin(body, placed_at(footprint, poses[j, 0], poses[j, 1], poses[j, 2]), margin):
             return True
     return False
 
 
 @dataclass(frozen=True, slots=True)
-class Robots:
+class RobotBodies:
     """The robots as things mind them.
 
     Attributes:
@@ -151,7 +151,7 @@ class Robots:
     footprint: FloatArray
     radius: float
 
-    def are_met(self, thing: Thing, here: Pose2, before: tuple[float, float]) -> bool:
+    def would_meet(self, thing: Thing, here: Pose2, before: tuple[float, float]) -> bool:
         """Whether a thing that comes from `before` would come upon one of them here."""
         met: bool = _comes_upon(
             thing.corners, (here.x, here.y, here.theta), before, self.poses, self.twists, self.footprint, self.radius
@@ -163,33 +163,33 @@ FROM_NOWHERE = (math.inf, math.inf)
 """Where a thing comes from that appears: nearer than this is everywhere."""
 
 
-def after_a_tick(presences: Sequence[Presence], robots: Robots) -> tuple[Presence, ...]:
+def step_things(presences: Sequence[ThingState], robots: RobotBodies) -> tuple[ThingState, ...]:
     """The things one tick later; those that neither came nor walked are the very same values."""
-    return tuple(_after_a_tick(presence, robots) for presence in presences)
+    return tuple(_step_thing(presence, robots) for presence in presences)
 
 
-def _after_a_tick(presence: Presence, robots: Robots) -> Presence:
+def _step_thing(presence: ThingState, robots: RobotBodies) -> ThingState:
     thing = presence.thing
     here = presence.pose()
     if not presence.appeared:
-        return presence if robots.are_met(thing, here, FROM_NOWHERE) else replace(presence, appeared=True)
-    end = thing.length if presence.onward else 0.0
+        return presence if robots.would_meet(thing, here, FROM_NOWHERE) else replace(presence, appeared=True)
+    end = thing.length if presence.forward else 0.0
     if presence.walked == end:
-        if presence.onward and not (thing.back_and_forth and thing.length > 0.0):
+        if presence.forward and not (thing.back_and_forth and thing.length > 0.0):
             return presence
-        return replace(presence, onward=not presence.onward)
+        return replace(presence, forward=not presence.forward)
     step = thing.speed * TICK
-    walked = min(end, presence.walked + step) if presence.onward else max(end, presence.walked - step)
-    if not robots.are_met(thing, thing.pose_after(walked), (here.x, here.y)):
+    walked = min(end, presence.walked + step) if presence.forward else max(end, presence.walked - step)
+    if not robots.would_meet(thing, thing.pose_after(walked), (here.x, here.y)):
         return replace(presence, walked=walked, held_up=0)
-    if presence.held_up < PATIENCE:
+    if presence.held_up < TURN_BACK_TICKS:
         return replace(presence, held_up=presence.held_up + 1)
-    return replace(presence, onward=not presence.onward, held_up=0)
+    return replace(presence, forward=not presence.forward, held_up=0)
 
 
-def polygons_of(presences: Sequence[Presence]) -> Polygons:
+def polygons_of(presences: Sequence[ThingState]) -> Polygons:
     """The bodies of the things that are there, map frame."""
     there = [presence for presence in presences if presence.appeared]
     if not there:
         return NO_POLYGONS
-    return side_by_side([presence.pose().transform(presence.thing.corners) for presence in there])
+    return pack_polygons([presence.pose().transform(presence.thing.corners) for presence in there])

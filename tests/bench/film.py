@@ -9,14 +9,14 @@ from thbridge.app.compose import read_setting
 from thbridge.app.play import NoLog
 from thbridge.app.session.session import Session
 from thbridge.roles.notices import House
-from thbridge.roles.tabui import Seen, TabUI
-from thbridge.roles.view import View, Wish
+from thbridge.roles.tabui import ParticipantUpdate, TabUI
+from thbridge.roles.view import ParticipantRequest, View
 from thbridge.study.study_file import ParticipantSection, ShowsSection, Study
-from thbridge.wire.router import Router
+from thbridge.wire.router import MessageRouter
 from ui.model.keys import act_for
 from ui.model.participant import Participant
 from ui.model.scene import RobotMark, RoomMark
-from ui.model.screen import Act, DialoguePop, Screen, TreasurePop
+from ui.model.screen import Act, DialoguePopup, Screen, TreasurePopup
 
 EVERYTHING = ParticipantSection(shows=ShowsSection(uncertainty=True, truth=True))
 """What a study can show of robots at most."""
@@ -31,7 +31,7 @@ class Film:
         seconds: how long it lasts.
     """
 
-    heard: tuple[tuple[float, Seen], ...]
+    heard: tuple[tuple[float, ParticipantUpdate], ...]
     seconds: float
 
 
@@ -44,7 +44,7 @@ def shoot(robots: int, seconds: float, place: str = "warehouse12") -> Film:
     study = replace(Study(), map=place, robots=robots, seed=4, participant=EVERYTHING)
     setting = read_setting(study, Path())
     seat = _Seat()
-    session = Session(Router(), setting.keeper(), [setting.simr(), setting.hider()], NoLog(), [], seat.tabui)
+    session = Session(MessageRouter(), setting.keeper(), [setting.simr(), setting.hider()], NoLog(), [], seat.tabui)
     for tick in range(int(seconds * TICKS_PER_SECOND)):
         seat.now = tick * TICK
         if tick % PACE == 0:
@@ -58,38 +58,38 @@ class _Seat:
 
     def __init__(self) -> None:
         self.model, self.now = Participant(), 0.0
-        self.heard: list[tuple[float, Seen]] = []
+        self.heard: list[tuple[float, ParticipantUpdate]] = []
         self.tabui = TabUI(self, self)
         self.model.connected(0.0)
 
-    def saw(self, level: Seen) -> None:
+    def observe(self, level: ParticipantUpdate) -> None:
         self.heard.append((self.now, level))
-        self.model.hear(level, self.now)
+        self.model.receive(level, self.now)
 
-    def wishes(self, view: View) -> Sequence[Wish]:
-        return self.model.wishes()
+    def requests(self, view: View) -> Sequence[ParticipantRequest]:
+        return self.model.requests()
 
     def play(self) -> None:
         screen = self.model.screen(self.now)
         act = act_for(key_for(screen), screen)
         if act is not None:
             self.model.do(act, self.now)
-        self.tabui.look_again()
+        self.tabui.poll_player()
 
 
 def key_for(screen: Screen) -> str:
-    match screen.pop:
-        case DialoguePop() as talk:
+    match screen.popup:
+        case DialoguePopup() as talk:
             return "Enter" if talk.choices else "Esc"
-        case TreasurePop(verdict=str()):
+        case TreasurePopup(verdict=str()):
             return "Enter"
-        case TreasurePop() as found if found.take_picture is not None and found.take_picture.enabled:
+        case TreasurePopup() as found if found.take_picture is not None and found.take_picture.enabled:
             return "P"
-        case TreasurePop() as found if found.picked is None and found.names:
+        case TreasurePopup() as found if found.picked is None and found.names:
             return "Down"
-        case TreasurePop() as found:
+        case TreasurePopup() as found:
             return "N" if found.name_it.enabled else "L"
-    return "D" if screen.dont_know.enabled else "Tab"
+    return "D" if screen.ask_advice.enabled else "Tab"
 
 
 class Shown:
@@ -112,12 +112,12 @@ class Shown:
         """Hear what is due; each at the moment at which it was said, as a quick network would bring it."""
         heard = self._film.heard
         while self._at < len(heard) and heard[self._at][0] <= now - self._begin:
-            self._model.hear(heard[self._at][1], self._begin + heard[self._at][0])
+            self._model.receive(heard[self._at][1], self._begin + heard[self._at][0])
             self._at += 1
 
     @property
     def house(self) -> House | None:
-        return self._model.house
+        return self._model.floor_plan
 
     @property
     def followed(self) -> int | None:

@@ -54,11 +54,11 @@ def observe_window(path: Path) -> None:
     from ui.model.keys import act_for  # noqa: PLC0415
     from ui.windows.map import MapView  # noqa: PLC0415
     from ui.windows.participant.pages.start import StartPage  # noqa: PLC0415
-    from ui.windows.participant_program import Table  # noqa: PLC0415
+    from ui.windows.participant_program import ParticipantMainWindow  # noqa: PLC0415
 
     file = path.open("a", buffering=1)
     beats = path.with_name("beats").open("a", buffering=1)
-    paint, show = MapView.paintEvent, Table.show
+    paint, show = MapView.paintEvent, ParticipantMainWindow.show
 
     def painted(self, event):
         paint(self, event)
@@ -84,7 +84,7 @@ def observe_window(path: Path) -> None:
         if act is not None:
             table.game.window_of_game.do(act)
 
-    MapView.paintEvent, Table.show = painted, shown
+    MapView.paintEvent, ParticipantMainWindow.show = painted, shown
 
 
 if __name__ == "__main__":

@@ -7,7 +7,7 @@ from pathlib import Path
 import numpy as np
 
 from sim.common.geometry import FloatArray
-from sim.common.noise import Stream
+from sim.common.noise import NoiseStream
 from sim.common.observations import Imu, LaserMount, Odometry, Scan
 from sim.parameters import LaserParameters, OdometryNoise, RobotParameters, WorldParameters
 from sim.robot.navigator import Goal
@@ -39,7 +39,7 @@ class Run:
 
 def tour(place: Map, seed: int, rooms: int = 8, world: WorldParameters = DEGRADED) -> Run:
     """Drive through so many rooms in an order that the seed draws; the driver knows the truth, its odometry is bad."""
-    order = np.argsort(Stream.named(seed, "tour").uniforms(0, len(place.rooms)))[:rooms]
+    order = np.argsort(NoiseStream.named(seed, "tour").uniforms(0, len(place.rooms)))[:rooms]
     robot = RobotParameters(localization="truth")
     team = Team(place.grid, world, [robot], place.starts[:1], seed, 1e9)
     observations, truth = [], []
@@ -67,7 +67,7 @@ def kidnapped(run: Run, seed: int, before: int = 150, after: int = 600, least: f
 
     Where from and where to the seed draws; at least so many metres lie between.
     """
-    for first, second in Stream.named(seed, "kidnapping").uniforms(0, 2000).reshape(-1, 2):
+    for first, second in NoiseStream.named(seed, "kidnapping").uniforms(0, 2000).reshape(-1, 2):
         lifted = before + int(first * (len(run.truth) - before))
         put = int(second * (len(run.truth) - after))
         if np.hypot(*(run.truth[lifted - 1] - run.truth[put])[:2]) > least:

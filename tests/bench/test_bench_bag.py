@@ -17,13 +17,13 @@ from sim.team import TeamSnapshot
 from sim.world.sensors import mount_of
 from tests.bench.test_bench_session import drive
 from tests.thbridge.ros.drive import SESSION
-from thbridge.app.compose import Setting, read_setting
+from thbridge.app.compose import StudySetting, read_setting
 from thbridge.app.session.broadcast import Broadcast
 from thbridge.files.ros.definitions import Definitions
 from thbridge.recording.bag.records import Compression
 from thbridge.recording.bag.writer import BagWriter
 from thbridge.ros.messages.types import typestore
-from thbridge.ros.publisher import Message, Publisher, Topic
+from thbridge.ros.publisher import RosMessage, TeamPublisher, Topic
 from thbridge.study.study_file import Study
 
 pytestmark = pytest.mark.bench
@@ -51,17 +51,17 @@ class Drive:
     """Snapshots and messages of a real team that drives."""
 
     def __init__(self, robots: int) -> None:
-        self.setting: Setting = read_setting(replace(Study(), map="warehouse12", robots=robots), Path())
+        self.setting: StudySetting = read_setting(replace(Study(), map="warehouse12", robots=robots), Path())
         self.snapshots: list[TeamSnapshot] = []
-        drive(self.setting.team(), [room.goal for room in self.setting.place.rooms], SECONDS, self.snapshots.append)
+        drive(self.setting.team(), [room.goal for room in self.setting.map.rooms], SECONDS, self.snapshots.append)
         publisher = self.publisher()
-        self.messages: list[Message] = publisher.opening(0, SESSION, self.setting.place.grid)
+        self.messages: list[RosMessage] = publisher.opening(0, SESSION, self.setting.map.grid)
         for snapshot in self.snapshots:
             self.messages += publisher.tick(snapshot)
 
-    def publisher(self) -> Publisher:
+    def publisher(self) -> TeamPublisher:
         laser = self.setting.study.world.laser
-        return Publisher(self.setting.study.robots, mount_of(laser), 1.0 / laser.rate)
+        return TeamPublisher(self.setting.study.robots, mount_of(laser), 1.0 / laser.rate)
 
 
 def per_second(count: int, path: Path, write: Callable[[Path], float]) -> float:
@@ -90,7 +90,7 @@ def test_messages_per_cpu_second(tmp_path, robots, capsys):
 
     def ours_from_snapshots(path: Path) -> float:
         writer = BagWriter(path, definitions)
-        recorder = Broadcast(session.publisher(), SESSION, session.setting.place.grid, [writer])
+        recorder = Broadcast(session.publisher(), SESSION, session.setting.map.grid, [writer])
         began = time.process_time()
         with writer:
             for snapshot in session.snapshots:

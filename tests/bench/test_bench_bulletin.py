@@ -11,7 +11,7 @@ from sim.inputs import Go
 from sim.robot.navigator import Goal
 from thbridge.app.compose import read_setting
 from thbridge.hunt.events import Condition
-from thbridge.roles.simr.pose_telemetry import Bulletin, Shows
+from thbridge.roles.simr.pose_telemetry import TelemetryOptions, TelemetryPublisher
 from thbridge.study.study_file import Study
 
 pytestmark = pytest.mark.bench
@@ -23,15 +23,15 @@ SECONDS = 20
 def test_one_window_is_told_of_robots_under_way(robots: int) -> None:
     setting = read_setting(replace(Study(), map="warehouse12", robots=robots), Path())
     team = setting.team()
-    goals = [Go(robot, Goal(1, setting.place.rooms[robot].goal)) for robot in range(robots)]
+    goals = [Go(robot, Goal(1, setting.map.rooms[robot].goal)) for robot in range(robots)]
     film = [team.step(goals if tick == 0 else []) for tick in range(SECONDS * TICKS_PER_SECOND)]
     conditions = [Condition.WELL] * robots
     best, size = float("inf"), 0
     for _ in range(5):
-        bulletin = Bulletin("SimR", Shows(way=True, uncertainty=True, truth=True))
+        bulletin = TelemetryPublisher("SimR", TelemetryOptions(path=True, uncertainty=True, truth=True))
         bulletin.subscribe("Window", 0)
         begin = time.process_time()
-        said = [m for tick, snapshot in enumerate(film) for m in bulletin.told(tick, snapshot, conditions, {})]
+        said = [m for tick, snapshot in enumerate(film) for m in bulletin.messages(tick, snapshot, conditions, {})]
         best = min(best, time.process_time() - begin)
         size = sum(len(message.line()) for message in said)
     share = 100 * best / SECONDS

@@ -24,7 +24,7 @@ from sim.parameters import (
     WorldParameters,
 )
 from sim.robot.control.braking import surroundings
-from sim.robot.control.choice import local_planner
+from sim.robot.control.planners import local_planner
 from sim.robot.costmap.costmap_2d import Costmap2D
 from sim.robot.planning.navfn import Navfn
 from sim.robot.planning.path import Path as Plan

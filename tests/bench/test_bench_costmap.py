@@ -96,7 +96,7 @@ def test_an_update_with_ten_moved_robots(capsys: pytest.CaptureFixture[str]) -> 
     costmap = Costmap2D(GlobalCostmapParameters(robot_radius=None), BODY, GRID)
     costmap.update(0.0, 0.0)
     steps = iter([neighbours(step) for step in range(TIMES + 1)])
-    figures = milliseconds(lambda: (costmap.see(next(steps)), costmap.update(0.0, 0.0)))
+    figures = milliseconds(lambda: (costmap.update_neighbours(next(steps)), costmap.update(0.0, 0.0)))
     told("update with ten moved robots", figures, capsys)
 
 
@@ -111,7 +111,7 @@ def laser(pose: Pose2) -> Scan:
 def test_a_rolling_update(side: float, robots: int, capsys: pytest.CaptureFixture[str]) -> None:
     costmap = Costmap2D(LocalCostmapParameters(width=side, height=side, robot_radius=None), BODY, GRID)
     places = iter(np.linspace(2.0, 20.0, TIMES + 1))
-    costmap.see(neighbours(0)[:robots])
+    costmap.update_neighbours(neighbours(0)[:robots])
     figures = milliseconds(lambda: costmap.update(float(next(places)), 7.0))
     told(f"rolling update of {side} x {side} m, {robots} robots", figures, capsys)
 

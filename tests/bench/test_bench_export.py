@@ -13,15 +13,15 @@ from thbridge.files.ros.definitions import Definitions
 from thbridge.files.table_files import TableFormat
 from thbridge.recording.bag.writer import BagWriter
 from thbridge.ros.messages.types import typestore
-from thbridge.ros.publisher import Message, Publisher
+from thbridge.ros.publisher import RosMessage, TeamPublisher
 
 pytestmark = pytest.mark.bench
 
 ROBOTS, TICKS = 3, 3000
 
 
-def said() -> Iterator[Message]:
-    publisher = Publisher(ROBOTS, MOUNT, SCAN_PERIOD)
+def said() -> Iterator[RosMessage]:
+    publisher = TeamPublisher(ROBOTS, MOUNT, SCAN_PERIOD)
     yield from publisher.opening(0, SESSION, arena())
     for snapshot in snapshots(ROBOTS, TICKS):
         yield from publisher.tick(snapshot, records(snapshot.tick))

@@ -15,7 +15,7 @@ import time
 import pytest
 
 from thbridge.sockets.rosgraph.http_client import XmlRpcClient
-from thbridge.sockets.rosgraph.node import RosNode, Started
+from thbridge.sockets.rosgraph.node import NodeStarted, RosNode
 from thbridge.sockets.rosgraph.publications import Publication
 from thbridge.wire.rosgraph.tcpros import encode_header
 
@@ -131,7 +131,7 @@ async def _ours(node: RosNode) -> dict[Publication, tuple[bytes, int]]:
         node.advertise(topic, *TYPE, "string data\n"): (struct.pack("<I", size - 4) + b"x" * (size - 4), every)
         for topic, (size, every) in _topics().items()
     }
-    assert isinstance(await node.start(), Started)
+    assert isinstance(await node.start(), NodeStarted)
     async with asyncio.timeout(60):
         while any(publication.subscribers < SUBSCRIBERS for publication in work):
             await asyncio.sleep(0.01)
@@ -186,7 +186,7 @@ def test_a_stalled_subscriber(master, capsys):
         node = RosNode("/bench", master)
         scan = node.advertise("/scan", *TYPE, "string data\n")
         started = await node.start()
-        assert isinstance(started, Started)
+        assert isinstance(started, NodeStarted)
         client = XmlRpcClient()
         asked = await client.call(started.uri, "requestTopic", "/stalled", "/scan", [["TCPROS"]])
         await client.close()

@@ -31,8 +31,8 @@ def test_large_teams(robots: int, under_way: bool) -> None:
     setting = read_setting(replace(Study(), map="warehouse12", robots=2), Path())
     setting.rehearse()
     world, software = setting.study.world, setting.study.robot
-    places = free_places(setting.place.grid, 1.0 if robots <= 50 else 0.72)
-    team = Team(setting.place.grid, world, [software] * robots, places[:robots], 1, 1000.0)
+    places = free_places(setting.map.grid, 1.0 if robots <= 50 else 0.72)
+    team = Team(setting.map.grid, world, [software] * robots, places[:robots], 1, 1000.0)
     errands, snapshot, ticks = Errands(places, robots), None, []
     gc.freeze()
     try:
@@ -53,12 +53,12 @@ def test_large_teams(robots: int, under_way: bool) -> None:
 def test_memory() -> None:
     setting = read_setting(replace(Study(), map="warehouse12", robots=2), Path())
     setting.rehearse()
-    places = free_places(setting.place.grid, 1.0)
+    places = free_places(setting.map.grid, 1.0)
 
     def held(robots: int) -> int:
         before = tracemalloc.get_traced_memory()[0]
         software = [setting.study.robot] * robots
-        team = Team(setting.place.grid, setting.study.world, software, places[:robots], 1, 1000.0)
+        team = Team(setting.map.grid, setting.study.world, software, places[:robots], 1, 1000.0)
         drive(team, places, 2)
         return tracemalloc.get_traced_memory()[0] - before
 

@@ -20,11 +20,11 @@ import pytest
 from tests.system.ports import free_port
 from thbridge.app import play
 from thbridge.app.compose import build_bot, read_setting
-from thbridge.app.play import PlayOptions, Unfinished
+from thbridge.app.play import HuntUnfinished, PlayOptions
 from thbridge.roles.tabui import TabUI
 from thbridge.ros.topics import CLOCK
 from thbridge.sockets.rosgraph import tcpros_server
-from thbridge.sockets.rosgraph.joining import Graph
+from thbridge.sockets.rosgraph.joining import GraphAddress
 from thbridge.study.study_file import Study
 
 pytestmark = pytest.mark.bench
@@ -125,7 +125,7 @@ class Measured:
         return text
 
 
-def hunt(monkeypatch: pytest.MonkeyPatch, graph: Graph | None) -> Measured:
+def hunt(monkeypatch: pytest.MonkeyPatch, graph: GraphAddress | None) -> Measured:
     study = dataclasses.replace(Study(), robots=ROBOTS, map="warehouse12", seed=1)
     study = dataclasses.replace(study, server=dataclasses.replace(study.server, port=0))
     setting = read_setting(study, Path())
@@ -145,14 +145,14 @@ def hunt(monkeypatch: pytest.MonkeyPatch, graph: Graph | None) -> Measured:
             cpus.append(time.process_time())
 
     options = PlayOptions(1.0, None, frozenset(), "suggestion", WARM_UP + SECONDS + 1.0, graph)
-    with pytest.raises(Unfinished):
+    with pytest.raises(HuntUnfinished):
         asyncio.run(play.play(setting, participant, options, lambda where: None, progress))
     return Measured(np.array(walls), np.array(cpus), made[0].dropped if made else 0)
 
 
 def beside(monkeypatch: pytest.MonkeyPatch, stalled: bool) -> Measured:
     port = free_port()
-    graph = Graph(f"http://127.0.0.1:{port}")
+    graph = GraphAddress(f"http://127.0.0.1:{port}")
     study = dataclasses.replace(Study(), robots=ROBOTS, map="warehouse12")
     topics = [topic.name for topic in read_setting(study, Path()).publisher().topics]
     listening = (LISTEN, graph.master_uri, str(LISTENERS), str(WARM_UP), str(WARM_UP + SECONDS))

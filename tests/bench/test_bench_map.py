@@ -13,11 +13,11 @@ from pytestqt.qtbot import QtBot
 from tests.ui.windows.map.houses import busy_robots, house_of, rooms_of
 from thbridge.files.map_files import Map
 from thbridge.roles.notices import Ways, Whereabouts
-from ui.model.motion import Motions
+from ui.model.motion import MotionPlayback
 from ui.model.scene import RobotMark
 from ui.model.theme import LIGHT
 from ui.windows.map import MapView
-from ui.windows.map.layers import Points
+from ui.windows.map.layers import PointLayer
 
 pytestmark = pytest.mark.bench
 
@@ -32,7 +32,7 @@ def opened(qtbot: QtBot, office: Map, width: int, height: int) -> MapView:
     qtbot.addWidget(view)
     view.setWindowFlag(Qt.WindowType.FramelessWindowHint)
     view.resize(width, height)
-    view.show_house(house_of(office))
+    view.show_floor_plan(house_of(office))
     view.show_rooms(rooms_of(office))
     with qtbot.waitExposed(view):
         view.show()
@@ -80,7 +80,7 @@ def test_frames_of_robots(qtbot: QtBot, office: Map, size: tuple[int, int]) -> N
 @pytest.mark.parametrize("size", SIZES)
 def test_frames_with_clouds(qtbot: QtBot, office: Map, size: tuple[int, int]) -> None:
     view, robots = opened(qtbot, office, *size), busy_robots(office, 10)
-    clouds = [Points(mark.robot) for mark in robots]
+    clouds = [PointLayer(mark.robot) for mark in robots]
     for cloud in clouds:
         view.add_layer(cloud)
     scattered = RNG.normal(scale=0.3, size=(PARTICLES, 2))
@@ -114,10 +114,10 @@ def test_frames_while_following_and_zooming(qtbot: QtBot, office: Map, size: tup
 
 
 def test_motions(office: Map) -> None:
-    motions = Motions()
+    motions = MotionPlayback()
     robots = busy_robots(office, 10)
-    motions.hear(Ways(0, tuple(tuple((x, y) for x, y in mark.way.tolist()) for mark in robots)), 0.0)
+    motions.receive(Ways(0, tuple(tuple((x, y) for x, y in mark.path.tolist()) for mark in robots)), 0.0)
     for tick in range(0, 100, 2):
         poses = tuple((mark.pose.x + 0.01 * tick, mark.pose.y, mark.pose.theta) for mark in robots)
-        motions.hear(Whereabouts(tick, poses), 0.02 * tick)
+        motions.receive(Whereabouts(tick, poses), 0.02 * tick)
     figures("10 robots' poses, trails and ways at a moment", lambda number: motions.at(2.0 + number / 60.0) and None)

@@ -19,11 +19,11 @@ import pytest
 from tests.bench.halls import hall_for_fifty
 from thbridge.app import play
 from thbridge.app.compose import read_setting
-from thbridge.app.play import PlayOptions, Unfinished
-from thbridge.app.session.session import Moment
+from thbridge.app.play import HuntUnfinished, PlayOptions
+from thbridge.app.session.session import TickRecord
 from thbridge.sockets.addresses import Address
-from thbridge.sockets.mavlink.server import Ports
-from thbridge.sockets.mavlink.udp import Target
+from thbridge.sockets.mavlink.server import MavlinkPorts
+from thbridge.sockets.mavlink.udp import UdpTarget
 from thbridge.study.mavlink import MavlinkSection
 from thbridge.study.study_file import Study
 
@@ -83,11 +83,11 @@ def test_fifty_robots(vehicles: str, recorded: bool, tmp_path: Path) -> None:
     section = MavlinkSection(on=vehicles != "none")
     server = dataclasses.replace(Study().server, port=0)
     study = dataclasses.replace(Study(), map=f"{hall}/", robots=ROBOTS, server=server, mavlink=section)
-    ports = Ports((Target(Address("127.0.0.1", port)),), None, None) if section.on else None
+    ports = MavlinkPorts((UdpTarget(Address("127.0.0.1", port)),), None, None) if section.on else None
     begun: tuple[float, float] | None = None
     ended = (0.0, 0.0)
 
-    def watch(moment: Moment) -> None:
+    def watch(moment: TickRecord) -> None:
         nonlocal begun, ended
         now = (moment.tick * 0.02, time.process_time())
         if begun is None and now[0] >= WARM_UP:
@@ -101,7 +101,7 @@ def test_fifty_robots(vehicles: str, recorded: bool, tmp_path: Path) -> None:
     setting = read_setting(study, Path())
     bag = tmp_path / "hunt.bag" if recorded else None
     options = PlayOptions(1.0, bag, frozenset({"TabUI"}), "", SECONDS, mavlink=ports)
-    with pytest.raises(Unfinished):
+    with pytest.raises(HuntUnfinished):
         asyncio.run(play.play(setting, None, options, lambda _: None, watch))
     assert begun is not None
     share = (ended[1] - begun[1]) / (ended[0] - begun[0])

@@ -20,9 +20,9 @@ from tests.bench.halls import hall_for_fifty
 from tests.peers.rovers import free_udp_port
 from tests.system.programs import Program, until
 from thbridge.sockets.addresses import Address
-from thbridge.sockets.mavlink.client import StationLink, linked
+from thbridge.sockets.mavlink.client import StationSocket, linked
 from thbridge.wire.mavlink.dialect import mav
-from thbridge.wire.mavlink.station.ground_station import Acked, Order, Unanswered
+from thbridge.wire.mavlink.station.ground_station import CommandAcked, CommandUnanswered, StationCommand
 
 pytestmark = pytest.mark.bench
 
@@ -32,37 +32,40 @@ PAUSE = 0.015
 """Seconds from an ack to the next command."""
 
 ASKED = (
-    Order(mav.MAV_CMD_REQUEST_MESSAGE, (mav.MAVLINK_MSG_ID_AUTOPILOT_VERSION,)),
-    Order(mav.MAV_CMD_SET_MESSAGE_INTERVAL, (mav.MAVLINK_MSG_ID_ATTITUDE, 200_000)),
-    Order(mav.MAV_CMD_GET_HOME_POSITION),
-    Order(mav.MAV_CMD_DO_CHANGE_SPEED, (1, 0.5)),
-    Order(mav.MAV_CMD_DO_GRIPPER),
+    StationCommand(mav.MAV_CMD_REQUEST_MESSAGE, (mav.MAVLINK_MSG_ID_AUTOPILOT_VERSION,)),
+    StationCommand(mav.MAV_CMD_SET_MESSAGE_INTERVAL, (mav.MAVLINK_MSG_ID_ATTITUDE, 200_000)),
+    StationCommand(mav.MAV_CMD_GET_HOME_POSITION),
+    StationCommand(mav.MAV_CMD_DO_CHANGE_SPEED, (1, 0.5)),
+    StationCommand(mav.MAV_CMD_DO_GRIPPER),
 )
 """What makes nobody drive; the last is not supported."""
 
 
-def orders(driven: bool) -> Iterator[Order]:
+def orders(driven: bool) -> Iterator[StationCommand]:
     """One command after the other, for one robot."""
-    yield Order(mav.MAV_CMD_COMPONENT_ARM_DISARM, (1,))
+    yield StationCommand(mav.MAV_CMD_COMPONENT_ARM_DISARM, (1,))
     for turn in cycle((-1, 1)):
         yield from ASKED
         if driven:
             there = (-1, 1, 0, math.nan, round(turn * 2e4), round(turn * 2e4))
-            yield Order(mav.MAV_CMD_DO_REPOSITION, there, mav.MAV_FRAME_LOCAL_OFFSET_NED)
-            yield Order(mav.MAV_CMD_DO_PAUSE_CONTINUE, (1,))
+            yield StationCommand(mav.MAV_CMD_DO_REPOSITION, there, mav.MAV_FRAME_LOCAL_OFFSET_NED)
+            yield StationCommand(mav.MAV_CMD_DO_PAUSE_CONTINUE, (1,))
 
 
-async def answered(link: StationLink, robot: int, order: Order) -> float:
+async def answered(link: StationSocket, robot: int, order: StationCommand) -> float:
     """Command a robot; seconds until it is answered."""
     begun = time.perf_counter()
     link.station.order(robot, order, time.monotonic())
     while True:
         for event in await link.turn():
-            if isinstance(event, Acked | Unanswered) and (event.system, event.command) == (robot, order.number):
+            if isinstance(event, CommandAcked | CommandUnanswered) and (event.system, event.command) == (
+                robot,
+                order.number,
+            ):
                 return time.perf_counter() - begun
 
 
-async def listen(link: StationLink, seconds: float) -> None:
+async def listen(link: StationSocket, seconds: float) -> None:
     end = time.monotonic() + seconds
     while time.monotonic() < end:
         await link.turn()

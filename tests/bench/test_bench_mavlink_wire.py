@@ -9,11 +9,11 @@ from sim.common.geometry import Pose2
 from sim.common.observations import TICKS_PER_SECOND, Twist
 from thbridge.wire.mavlink.dialect import crc_extra, mav, payload_of
 from thbridge.wire.mavlink.frames.frame import Frame
-from thbridge.wire.mavlink.frames.framer import Framer
-from thbridge.wire.mavlink.frames.signing import Signing, SigningKey, Timestamps
+from thbridge.wire.mavlink.frames.framer import FrameParser
+from thbridge.wire.mavlink.frames.signing import SignatureTimestamps, Signing, SigningKey
 from thbridge.wire.mavlink.hub import Hub
-from thbridge.wire.mavlink.outgoing import LinkId, Said
-from thbridge.wire.mavlink.vehicle_interface import Readings
+from thbridge.wire.mavlink.outgoing import LinkId, OutgoingMessage
+from thbridge.wire.mavlink.vehicle_interface import RobotReadings
 
 pytestmark = pytest.mark.bench
 
@@ -22,7 +22,7 @@ RATE = 40
 LINKS = 3
 SECONDS = 5
 
-READINGS = Readings(Pose2(0, 0, 0), Twist(0, 0), None, 1, 1, True, False, False, None, "participant", None)
+READINGS = RobotReadings(Pose2(0, 0, 0), Twist(0, 0), None, 1, 1, True, False, False, None, "participant", None)
 ATTITUDE = mav.MAVLink_attitude_message(1000, 0.0, 0.0, 1.5, 0.0, 0.0, 0.1)
 HEARTBEAT = mav.MAVLink_heartbeat_message(6, 8, 0, 0, 4, 3)
 
@@ -39,7 +39,7 @@ class Talker:
     def step(self, tick, readings):
         before, now = (RATE * (tick + more) // TICKS_PER_SECOND for more in (0, 1))
         for _ in range(now - before):
-            yield Said(mav.MAVLink_attitude_message(tick, 0.0, 0.0, 1.5, 0.0, 0.0, 0.1))
+            yield OutgoingMessage(mav.MAVLink_attitude_message(tick, 0.0, 0.0, 1.5, 0.0, 0.0, 0.1))
 
     def forget(self, link):
         pass
@@ -76,7 +76,7 @@ def test_framer():
     traffic = b"".join(frame_of(ATTITUDE, 1 + number % 250).to_bytes() for number in range(20_000))
     floods = {"frames": traffic, "random bytes": random.Random(1).randbytes(2_000_000), "0xFD": b"\xfd" * 2_000_000}
     for name, data in floods.items():
-        framer = Framer()
+        framer = FrameParser()
         begun = time.process_time()
         for place in range(0, len(data), 65536):
             framer.receive_data(data[place : place + 65536])
@@ -85,12 +85,12 @@ def test_framer():
 
 
 def test_signing():
-    signing, other = (Signing(SigningKey(bytes(32)), 0, Timestamps()) for _ in range(2))
+    signing, other = (Signing(SigningKey(bytes(32)), 0, SignatureTimestamps()) for _ in range(2))
     frame = frame_of(ATTITUDE, 1)
     begun = time.process_time()
     wrapped = [signing.wrap(frame, 1.8e9) for _ in range(10_000)]
     signed = time.process_time()
-    framer = Framer()
+    framer = FrameParser()
     signatures = framer.receive_data(b"".join(wrapped))
     found = time.process_time()
     for one in signatures:

@@ -9,7 +9,7 @@ import pytest
 from sim.common.observations import TICKS_PER_SECOND
 from sim.team import TeamSnapshot
 from tests.thbridge.ros.drive import MOUNT, SCAN_PERIOD, records, snapshots
-from thbridge.ros.publisher import Publisher
+from thbridge.ros.publisher import TeamPublisher
 
 pytestmark = pytest.mark.bench
 
@@ -34,7 +34,7 @@ def test_messages_from_snapshots_to_bytes(robots: int) -> None:
     film = filmed(robots)
     best, count, size = float("inf"), 0, 0
     for _ in range(5):
-        publisher = Publisher(robots, MOUNT, SCAN_PERIOD)
+        publisher = TeamPublisher(robots, MOUNT, SCAN_PERIOD)
         count = size = 0
         begin = time.process_time()
         for snapshot in film:

@@ -12,7 +12,7 @@ import pytest
 
 from sim.common.geometry import Pose2
 from sim.common.grid import OccupancyGrid
-from sim.common.noise import Stream
+from sim.common.noise import NoiseStream
 from sim.common.observations import TICKS_PER_SECOND
 from sim.parameters import LaserParameters, RobotParameters, WorldParameters
 from sim.robot.costmap.costmap_2d import Costmap2D
@@ -20,7 +20,7 @@ from sim.robot.localization.amcl import Amcl
 from sim.robot.navigator.follower import Follower
 from sim.robot.navigator.goals import Goal
 from sim.robot.navigator.move_base import Navigator
-from sim.robot.planning.router import Router
+from sim.robot.planning.itinerary_planner import ItineraryPlanner
 from sim.team import Go, Team, TeamInput, TeamSnapshot
 from sim.world.physics import World
 from sim.world.sensors import Sensors
@@ -43,7 +43,7 @@ STAGES = {
         (Costmap2D, "without_robots"),
         (Costmap2D, "as_updated"),
     ),
-    "planning": ((Router, "way"), (Router, "refuge"), (Router, "obstructed")),
+    "planning": ((ItineraryPlanner, "way"), (ItineraryPlanner, "refuge"), (ItineraryPlanner, "obstructed")),
     "control": ((Follower, "step"), (Follower, "look_around")),
     "rest of the navigator": ((Navigator, "step"),),
 }
@@ -55,7 +55,7 @@ class Errands:
     def __init__(self, goals: Sequence[Pose2], robots: int) -> None:
         self._goals = goals
         self._bound = [-1] * robots
-        self._chance = Stream.named(1, "errands")
+        self._chance = NoiseStream.named(1, "errands")
         self._count = 0
 
     def next(self, snapshot: TeamSnapshot | None) -> list[TeamInput]:
@@ -90,12 +90,12 @@ def test_simulated_seconds_per_cpu_second(tmp_path, capsys):
     for robots in (2, 10):
         # Twelve rooms, so that ten robots always have somewhere to go.
         setting = read_setting(replace(Study(), map="warehouse12", robots=robots), Path())
-        rooms = [room.goal for room in setting.place.rooms]
+        rooms = [room.goal for room in setting.map.rooms]
         drive(setting.team(), rooms, 2)
         alone = drive(setting.team(), rooms, SECONDS)
         record = setting.record("play", [], "")
         with setting.writer(tmp_path / f"{robots}.bag") as writer:
-            said = Broadcast(setting.publisher(), record, setting.place.grid, [writer])
+            said = Broadcast(setting.publisher(), record, setting.map.grid, [writer])
             figures[robots] = (SECONDS / alone, SECONDS / drive(setting.team(), rooms, SECONDS, said.record))
     with capsys.disabled():
         print()

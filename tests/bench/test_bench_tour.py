@@ -11,9 +11,9 @@ from sim.common.geometry import Pose2
 from sim.common.grid import OccupancyGrid
 from sim.common.observations import TICK
 from sim.parameters import DwaPlannerParameters, RobotParameters, TrajectoryPlannerParameters, WorldParameters
-from sim.robot.navigator import Arrived, Goal
+from sim.robot.navigator import Goal, GoalReached
 from sim.team import Go, Team
-from thbridge.offline.drive import Errand, Outcome, drive
+from thbridge.offline.drive import DriveResult, DriveTask, drive
 
 pytestmark = pytest.mark.bench
 
@@ -38,7 +38,7 @@ def test_tour(planner, seed, office, capsys):
             inputs, result = [], snapshot.robots[0].navigation.result
             here = snapshot.world.poses[0, :2].copy()
             driven, before, ticks = driven + float(np.hypot(*(here - before))), here, ticks + 1
-        reached += isinstance(result, Arrived)
+        reached += isinstance(result, GoalReached)
     straight = sum(one.distance(other) for one, other in pairwise([office.starts[0], *places]))
     cpu = time.process_time() - began
     with capsys.disabled():
@@ -65,11 +65,11 @@ def test_doors(width, planner, weights, capsys):
     if weights != "ours":
         robot = replace(robot, TrajectoryPlannerROS=TrajectoryPlannerParameters(), DWAPlannerROS=DwaPlannerParameters())
     outcomes = [
-        drive(grid, WorldParameters(), robot, Errand(Pose2(2.0, y, 0.0), Pose2(6.0, 4.5, 0.0), True, 150.0), seed)
+        drive(grid, WorldParameters(), robot, DriveTask(Pose2(2.0, y, 0.0), Pose2(6.0, 4.5, 0.0), True, 150.0), seed)
         for seed in (1, 2, 3)
         for y in (1.5, 3.0)
     ]
-    driven = [outcome for outcome in outcomes if isinstance(outcome, Outcome)]
+    driven = [outcome for outcome in outcomes if isinstance(outcome, DriveResult)]
     reached, collided = sum(one.reached for one in driven), sum(one.collided for one in driven)
     longest, nearest = max(one.seconds for one in driven), min(one.min_clearance for one in driven)
     with capsys.disabled():

@@ -16,11 +16,11 @@ import pytest
 
 from thbridge.app import play
 from thbridge.app.compose import build_bot, read_setting
-from thbridge.app.listeners import Hosts, Watch
-from thbridge.app.play import PlayOptions, Unfinished
+from thbridge.app.listeners import StartupCallbacks, WatchAddress
+from thbridge.app.play import HuntUnfinished, PlayOptions
 from thbridge.roles.tabui import TabUI
-from thbridge.ros.topics import Message
-from thbridge.sockets.text_server import CannotListen, Listening
+from thbridge.ros.topics import RosMessage
+from thbridge.sockets.text_server import CannotListen, ListeningAddress
 from thbridge.sockets.watch_server import WatchServer
 from thbridge.study.study_file import Study
 
@@ -59,30 +59,30 @@ def test_a_tick_with_watchers(reading: int, stalled: int, monkeypatch: pytest.Mo
     tasks: list[asyncio.Task[None]] = []
     plain = WatchServer.take
 
-    def timed(door: WatchServer, tick: int, messages: Iterable[Message]) -> None:
+    def timed(door: WatchServer, tick: int, messages: Iterable[RosMessage]) -> None:
         started = time.thread_time()
         plain(door, tick, messages)
         taken.append(time.thread_time() - started)
 
     monkeypatch.setattr(WatchServer, "take", timed)
 
-    def come(where: Listening | CannotListen) -> None:
-        assert isinstance(where, Listening)
+    def come(where: ListeningAddress | CannotListen) -> None:
+        assert isinstance(where, ListeningAddress)
         command = [sys.executable, "-c", READ, str(where.port), str(reading)]
         readers.append(subprocess.Popen(command, stdout=subprocess.PIPE, text=True))
         if stalled:
             tasks.append(asyncio.ensure_future(stall(where)))
 
-    async def stall(where: Listening) -> None:
+    async def stall(where: ListeningAddress) -> None:
         _, writer = await asyncio.open_connection(where.host, where.port, limit=1024)
         writers.append(writer)
 
     async def whole() -> None:
-        options = PlayOptions(1.0, None, frozenset(), "suggestion", SECONDS, watch=Watch("127.0.0.1", 0, None))
+        options = PlayOptions(1.0, None, frozenset(), "suggestion", SECONDS, watch=WatchAddress("127.0.0.1", 0, None))
         bot = TabUI(build_bot(setting.templates, STUDY.participant.strategy, STUDY.seed))
-        await play.play(setting, bot, options, lambda _: None, lambda _: None, Hosts(lambda _: None, come))
+        await play.play(setting, bot, options, lambda _: None, lambda _: None, StartupCallbacks(lambda _: None, come))
 
-    with pytest.raises(Unfinished):
+    with pytest.raises(HuntUnfinished):
         asyncio.run(whole())
     told, _ = readers[0].communicate(timeout=30)
     warm = np.array(taken[100:]) * 1e6

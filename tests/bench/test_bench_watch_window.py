@@ -10,7 +10,7 @@ from pytestqt.qtbot import QtBot
 
 from tests.ui.windows.researcher.hunts import record
 from ui.model.theme import LIGHT
-from ui.windows.researcher.feeds.recording import Opening, Recording
+from ui.windows.researcher.feeds.recording import BagOpener, RecordingFeed
 from ui.windows.researcher.window import ResearcherWindow
 
 pytestmark = pytest.mark.bench
@@ -18,7 +18,7 @@ pytestmark = pytest.mark.bench
 
 def test_bench_gaps_of_the_event_loop(tmp_path: Path, qtbot: QtBot) -> None:
     bag = record(tmp_path / "hunt.bag", robots=3, seconds=120.0)
-    window = ResearcherWindow(Recording(Opening(bag)), "hunt.bag", LIGHT, time.monotonic)
+    window = ResearcherWindow(RecordingFeed(BagOpener(bag)), "hunt.bag", LIGHT, time.monotonic)
     qtbot.addWidget(window)
     beats: list[float] = []
     timer = QTimer()
@@ -38,16 +38,16 @@ def test_bench_gaps_of_the_event_loop(tmp_path: Path, qtbot: QtBot) -> None:
         beats.clear()
 
     began = time.perf_counter()
-    qtbot.waitUntil(lambda: window.transport.state.text() == "recording", timeout=120_000)
+    qtbot.waitUntil(lambda: window.playback.state.text() == "recording", timeout=120_000)
     tell("opening and reading", began)
-    window.transport.speed_chosen.emit(10.0)
-    window.transport.play_toggled.emit()
+    window.playback.speed_chosen.emit(10.0)
+    window.playback.play_toggled.emit()
     began = time.perf_counter()
     qtbot.wait(3000)
     tell("playing 3 s at 10 x, of", began)
     began = time.perf_counter()
     for share in range(20):
-        window.transport.seek.emit(window.transport.span * share / 20.0)
+        window.playback.seek.emit(window.playback.span * share / 20.0)
         qtbot.wait(50)
     tell("seeking 20 times, in", began)
     window.close()

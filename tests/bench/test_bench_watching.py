@@ -10,31 +10,31 @@ import pytest
 
 from tests.thbridge.ros.drive import MOUNT, SCAN_PERIOD, SESSION, arena, records, snapshots
 from thbridge.recording.bag.bag_file import BagFile
-from thbridge.recording.bag.records import Connection
+from thbridge.recording.bag.records import BagConnection
 from thbridge.ros.messages import types
-from thbridge.ros.publisher import Message, Publisher
-from thbridge.wire.watching import Said
+from thbridge.ros.publisher import RosMessage, TeamPublisher
+from thbridge.wire.watch_protocol import SessionMessage
 from ui.model.watching.live import LiveSource
-from ui.model.watching.scene import Shown
+from ui.model.watching.scene import ShownLayers
 from ui.sources.bag import BagSource, open_bag
 
 pytestmark = pytest.mark.bench
 
-ALL = Shown(selected=0, global_costmap=True, local_costmap=True)
+ALL = ShownLayers(selected=0, global_costmap=True, local_costmap=True)
 FRAME_NS = 1_000_000_000 // 60
 
 
-def session(robots: int, seconds: int) -> list[Message]:
-    publisher = Publisher(robots, MOUNT, SCAN_PERIOD)
+def session(robots: int, seconds: int) -> list[RosMessage]:
+    publisher = TeamPublisher(robots, MOUNT, SCAN_PERIOD)
     messages = publisher.opening(0, SESSION, arena())
     for snapshot in snapshots(robots, 50 * seconds):
         messages += publisher.tick(snapshot, records(snapshot.tick))
     return messages
 
 
-def record(path: Path, messages: list[Message], times: int) -> None:
+def record(path: Path, messages: list[RosMessage], times: int) -> None:
     """The messages again and again, each time later."""
-    file, known = BagFile(path), dict[str, Connection]()
+    file, known = BagFile(path), dict[str, BagConnection]()
     span = messages[-1].stamp_ns - messages[0].stamp_ns + 20_000_000
     for turn in range(times):
         for topic, stamp_ns, data, _ in messages:
@@ -88,7 +88,7 @@ def test_any_moment_of_ten_minutes(tmp_path: Path, capsys: pytest.CaptureFixture
 
 def test_ten_robots_live(capsys: pytest.CaptureFixture[str]) -> None:
     seconds = 20
-    said = [Said(topic.name, topic.msgtype, stamp, data) for topic, stamp, data, _ in session(10, seconds)]
+    said = [SessionMessage(topic.name, topic.msgtype, stamp, data) for topic, stamp, data, _ in session(10, seconds)]
     source, taking, drawing, at = LiveSource(), 0.0, 0.0, 0
     for frame in range(seconds * 60):
         limit = said[0].stamp_ns + frame * FRAME_NS

@@ -28,7 +28,7 @@ from ui.model.theme import LIGHT
 from ui.windows import look
 from ui.windows.participant import ParticipantWindow
 from ui.windows.participant.cards import Card
-from ui.windows.researcher.feeds.session import Connection, Session
+from ui.windows.researcher.feeds.session import SessionFeed, WatchConnection
 from ui.windows.researcher.window import ResearcherWindow
 
 pytestmark = pytest.mark.bench
@@ -57,7 +57,7 @@ class Clock:
 
 
 def opened(qtbot: QtBot, robots: int, size: tuple[int, int], clock: Clock) -> ParticipantWindow:
-    look.dress(QApplication.instance(), LIGHT)
+    look.apply_palette(QApplication.instance(), LIGHT)
     window = ParticipantWindow(Shown(film(robots), 0.0), clock, LIGHT)
     qtbot.addWidget(window)
     window.setWindowFlag(Qt.WindowType.FramelessWindowHint)
@@ -229,7 +229,7 @@ def test_from_a_press_to_the_screen(qtbot: QtBot, what: str) -> None:
         places = [
             QPoint(*map(int, window.map.camera.pixel(*mark.region.mean(axis=0)))) for mark in window._model.rooms(0.0)
         ]
-        free = [window.map.mapToGlobal(place) for place in places if window.stage.childAt(place) is window.map]
+        free = [window.map.mapToGlobal(place) for place in places if window.map_area.childAt(place) is window.map]
         return at(free[number % len(free)])
 
     command, state = {
@@ -259,7 +259,7 @@ def at(place: QPoint) -> str:
 def test_a_researcher_watches_ten_robots(qtbot: QtBot, tmp_path: Path) -> None:
     """A session under way in another process, with clouds, scans, plans and plots."""
     with door(tmp_path / "hunt.bag", "--robots", "10", "--map", "warehouse12") as port:
-        session = Session(Connection(WatchClient("127.0.0.1", port)), "the session")
+        session = SessionFeed(WatchConnection(WatchClient("127.0.0.1", port)), "the session")
         window = ResearcherWindow(session, "the session", LIGHT, time.monotonic)
         qtbot.addWidget(window)
         window.show()

@@ -10,16 +10,16 @@ from pathlib import Path
 
 import pytest
 
-from thbridge.sockets.text_server import Listening, TextServer
+from thbridge.sockets.text_server import ListeningAddress, TextServer
 from thbridge.wire import legacy
-from thbridge.wire.router import Router
-from thbridge.wire.text import Message, parse_line
+from thbridge.wire.router import MessageRouter
+from thbridge.wire.text import TextMessage, parse_line
 
 SOURCES = sorted((Path(__file__).parent / "java").glob("*.java"))
 PATIENCE = 120  # seconds until a hunt that hangs gives up
 TREASURES = ["3:Orange:Round and Large:10:Orange Bottle:rsz_t1.jpg", "5:Blue:Square:20:Blue Bottle:rsz_t2.jpg"]
 
-SimR = Callable[[Listening], AbstractAsyncContextManager[None]]
+SimR = Callable[[ListeningAddress], AbstractAsyncContextManager[None]]
 """A program that drives the robots, running and registered at this address while the context lasts."""
 
 pytestmark = pytest.mark.skipif(
@@ -36,7 +36,7 @@ def classes(tmp_path_factory: pytest.TempPathFactory) -> Path:
 
 
 @asynccontextmanager
-async def scripted_simr(address: Listening) -> AsyncIterator[None]:
+async def scripted_simr(address: ListeningAddress) -> AsyncIterator[None]:
     """A SimR of which every robot is where it is sent at once; plain lines on the wire, as in 2016."""
     reader, writer = await asyncio.open_connection(address.host, address.port)
     writer.write(b"%%setid SimR \r\n")
@@ -45,9 +45,9 @@ async def scripted_simr(address: Listening) -> AsyncIterator[None]:
     async def drive() -> None:
         while line := await reader.readline():
             message = parse_line(line.decode())
-            if isinstance(message, Message):
+            if isinstance(message, TextMessage):
                 goto = legacy.decode(message)
-                assert isinstance(goto, legacy.Goto)
+                assert isinstance(goto, legacy.GotoRoom)
                 writer.write(f'%%error SimR TabUI "{goto.robot};{goto.room}"\n'.encode())
 
     driving = asyncio.create_task(drive())
@@ -69,9 +69,9 @@ class Understood:
 
 async def hunt(classes: Path, simr: SimR, visits: list[str]) -> Understood:
     """One game of the Java TabUI and Hider with the given SimR through our server."""
-    server = TextServer(Router())
+    server = TextServer(MessageRouter())
     address = await server.start("127.0.0.1", 0)
-    assert isinstance(address, Listening)
+    assert isinstance(address, ListeningAddress)
 
     async def java(program: str, *args: str) -> asyncio.subprocess.Process:
         # A small heap and the first compiler only: these programs live for a second.

@@ -22,8 +22,8 @@ from tests.thbridge.analysis.planting import (
     write,
 )
 from tests.thbridge.offline.foreign import transform
-from thbridge.analysis.check import Judgement, Severity, judge
-from thbridge.analysis.cut import Piece, cut
+from thbridge.analysis.check import FindingSeverity, Judgement, judge
+from thbridge.analysis.cut import CutRange, cut
 from thbridge.recording.bag.records import Compression
 from thbridge.recording.bag.scan import scan
 from thbridge.ros.messages.types import plain_definition
@@ -190,7 +190,7 @@ def _self_transform() -> Planted:
 def test_what_tf2_cannot_look_up(tmp_path: Path, planted: Planted, rule: str) -> None:
     path = write(tmp_path / "a.bag", planted)
     assert run(PYTHON, "-c", TF, str(path)).stdout.split()[0] == "/scan"
-    assert found(judgement_of(path), rule).severity is Severity.ERROR
+    assert found(judgement_of(path), rule).severity is FindingSeverity.ERROR
 
 
 def test_what_tf2_just_takes_we_take(tmp_path: Path) -> None:
@@ -220,6 +220,6 @@ def test_what_rosbag_writes_is_clean_to_us(tmp_path: Path, compression: str) -> 
 @pytest.mark.parametrize("compression", Compression)
 def test_what_we_cut_is_whole_to_rosbag(tmp_path: Path, compression: Compression) -> None:
     source = write(tmp_path / "a.bag", clean())
-    done = cut(source, Piece(1.0, 2.0, compression=compression), tmp_path / "b.bag")
+    done = cut(source, CutRange(1.0, 2.0, compression=compression), tmp_path / "b.bag")
     assert read(done.path).strip() == str(done.messages)
     assert "duration: 1.000000" in info(done.path)

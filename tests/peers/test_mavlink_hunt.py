@@ -20,7 +20,7 @@ from tests.system.ports import free_port
 from tests.system.programs import THBRIDGE, Program, until
 from thbridge.analysis.report.gathering import read_report
 from thbridge.app.compose import read_setting
-from thbridge.app.replay.mavlink_replay import hunt_of
+from thbridge.app.replay.mavlink_replay import hunt_result_of
 from thbridge.recording.bag.reader import messages
 from thbridge.study.study_file import read_study
 
@@ -56,7 +56,7 @@ def hunter(folder: Path, study: str = STUDY) -> Iterator[tuple[Hunter, tuple[str
     """Somebody who knows the house of a study, and what else robots have to be started with."""
     (folder / "study.yaml").write_text(study)
     setting = read_setting(read_study(folder / "study.yaml"), folder)
-    goals = {number: (room.goal.x, room.goal.y) for number, room in enumerate(setting.place.rooms, 1)}
+    goals = {number: (room.goal.x, room.goal.y) for number, room in enumerate(setting.map.rooms, 1)}
     port = free_udp_port()
     with Hunter(port, goals, setting.briefing().names) as hunter:
         yield hunter, ("study.yaml", "--mavlink", "--udp", f"127.0.0.1:{port}", "--bag", "hunt.bag", "--rate", RATE)
@@ -161,7 +161,7 @@ def test_the_participant_sends_none_of_them_and_is_told_why(followed: Followed) 
 
 @needs_desktop
 def test_window_station_and_recording_agree(followed: Followed) -> None:
-    hunt, end = hunt_of(followed.folder / "hunt.bag"), followed.sights[-1]
+    hunt, end = hunt_result_of(followed.folder / "hunt.bag"), followed.sights[-1]
     assert len(followed.arrivals) >= 4
     assert list(hunt.order) == followed.arrivals
     assert sorted(room for _, room in followed.arrivals) == end.visited

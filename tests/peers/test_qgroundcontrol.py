@@ -21,19 +21,19 @@ from thbridge.app.session.session import Session
 from thbridge.study.study_file import Study
 from thbridge.wire.mavlink.dialect import Message, crc_extra, decoded, mav, payload_of
 from thbridge.wire.mavlink.frames.frame import Frame
-from thbridge.wire.mavlink.hub import Sent
+from thbridge.wire.mavlink.hub import OutgoingFrame
 from thbridge.wire.mavlink.vehicle.component_files.metadata_files import checksum
-from thbridge.wire.mavlink.vehicle.vehicle import Identity
-from thbridge.wire.router import Router
+from thbridge.wire.mavlink.vehicle.vehicle import AutopilotIdentity
+from thbridge.wire.router import MessageRouter
 
 ROBOT = 1
-IDENTITIES = list(Identity)
+IDENTITIES = list(AutopilotIdentity)
 
 HOLD, AUTO, GUIDED = 4, 10, 15
 """ArduPilot's numbers."""
 
 
-def sitting(identity: Identity) -> Session:
+def sitting(identity: AutopilotIdentity) -> Session:
     """Two robots that know where they are, as vehicles, and the game; nobody plays."""
     study = Study()
     study = replace(
@@ -44,7 +44,7 @@ def sitting(identity: Identity) -> Session:
     setting = read_setting(study, Path())
     simr = setting.simr()
     vehicles = setting.vehicles(simr)
-    session = Session(Router(), setting.keeper(), [simr, setting.hider()], NoLog(), vehicles=vehicles)
+    session = Session(MessageRouter(), setting.keeper(), [simr, setting.hider()], NoLog(), vehicles=vehicles)
     for _ in range(2 * TICKS_PER_SECOND):
         session.step()
     return session
@@ -86,7 +86,7 @@ class Loopback:
     def now(self) -> float:
         return self.session.tick / TICKS_PER_SECOND
 
-    def _take(self, sent: Sequence[Sent]) -> None:
+    def _take(self, sent: Sequence[OutgoingFrame]) -> None:
         for word in sent:
             if word.link == self.number and word.frame.system == self.robot and self.chance.random() >= self.loss:
                 message = decoded(word.frame.message_id, word.frame.payload)
@@ -94,15 +94,19 @@ class Loopback:
                 self.came.append(message)
 
 
-def connected(identity: Identity, *, modes_at_once: bool = False, loss: float = 0.0) -> tuple[QGroundControl, Learned]:
+def connected(
+    identity: AutopilotIdentity, *, modes_at_once: bool = False, loss: float = 0.0
+) -> tuple[QGroundControl, Learned]:
     link = Loopback(sitting(identity), loss)
-    station = QGroundControl(link, ROBOT, ardupilot=identity is Identity.ARDUPILOT, modes_at_once=modes_at_once)
+    station = QGroundControl(
+        link, ROBOT, ardupilot=identity is AutopilotIdentity.ARDUPILOT, modes_at_once=modes_at_once
+    )
     return station, station.connect()
 
 
 @pytest.mark.parametrize("modes_at_once", [False, True])
 @pytest.mark.parametrize("identity", IDENTITIES)
-def test_every_step_of_connecting_is_answered_at_once(identity: Identity, modes_at_once: bool) -> None:
+def test_every_step_of_connecting_is_answered_at_once(identity: AutopilotIdentity, modes_at_once: bool) -> None:
     station, learned = connected(identity, modes_at_once=modes_at_once)
     assert [step for step in learned.steps if step.asked != 1 or "silence" in step.answer] == []
     assert [step for step in learned.steps if "nothing" in step.answer or "not come" in step.answer] == []
@@ -114,7 +118,7 @@ def test_every_step_of_connecting_is_answered_at_once(identity: Identity, modes_
 
 
 @pytest.mark.parametrize("identity", IDENTITIES)
-def test_it_learns_modes_parameters_and_plans(identity: Identity) -> None:
+def test_it_learns_modes_parameters_and_plans(identity: AutopilotIdentity) -> None:
     station, learned = connected(identity)
     assert station.mode in learned.modes  # the heartbeat's has a name
     assert len(set(learned.modes.values())) == len(learned.modes)
@@ -125,7 +129,7 @@ def test_it_learns_modes_parameters_and_plans(identity: Identity) -> None:
 
 
 @pytest.mark.parametrize("identity", IDENTITIES)
-def test_it_learns_what_every_parameter_means(identity: Identity) -> None:
+def test_it_learns_what_every_parameter_means(identity: AutopilotIdentity) -> None:
     station, learned = connected(identity)
     assert learned.capabilities & mav.MAV_PROTOCOL_CAPABILITY_FTP
     assert set(learned.meanings) == set(learned.parameters)
@@ -142,7 +146,9 @@ def test_it_learns_what_every_parameter_means(identity: Identity) -> None:
 def test_robots_with_the_same_parameters_have_files_that_are_kept_but_once() -> None:
     kept = set()
     for robot in (1, 2):
-        told = QGroundControl(Loopback(sitting(Identity.GENERIC), robot=robot), robot, ardupilot=False).request(397)
+        told = QGroundControl(
+            Loopback(sitting(AutopilotIdentity.GENERIC), robot=robot), robot, ardupilot=False
+        ).request(397)
         assert told is not None
         kept.add((told.uri, told.file_crc))
     assert len(kept) == 1
@@ -150,9 +156,11 @@ def test_robots_with_the_same_parameters_have_files_that_are_kept_but_once() -> 
 
 def test_over_a_bad_link_files_arrive_whole_or_not_at_all() -> None:
     """It opens a file once, so that of ten tries on a link that loses a tenth each way some fail."""
-    _, learned = connected(Identity.GENERIC)
+    _, learned = connected(AutopilotIdentity.GENERIC)
     for seed in range(10):
-        station = QGroundControl(Loopback(sitting(Identity.GENERIC), 0.1, random.Random(seed)), ROBOT, ardupilot=False)
+        station = QGroundControl(
+            Loopback(sitting(AutopilotIdentity.GENERIC), 0.1, random.Random(seed)), ROBOT, ardupilot=False
+        )
         station.asks_for_metadata()
         assert station.learned.files.items() <= learned.files.items()
         if station.learned.files == learned.files:
@@ -163,7 +171,9 @@ def test_over_a_bad_link_files_arrive_whole_or_not_at_all() -> None:
 
 @pytest.mark.parametrize("kind", [mav.MAV_MISSION_TYPE_FENCE, mav.MAV_MISSION_TYPE_RALLY])
 @pytest.mark.parametrize("identity", IDENTITIES)
-def test_fence_and_rally_are_empty_for_a_station_that_missed_that_there_are_none(identity: Identity, kind: int) -> None:
+def test_fence_and_rally_are_empty_for_a_station_that_missed_that_there_are_none(
+    identity: AutopilotIdentity, kind: int
+) -> None:
     station, learned = connected(identity)
     assert kind not in learned.items
     station.reads_plan(kind)
@@ -171,7 +181,7 @@ def test_fence_and_rally_are_empty_for_a_station_that_missed_that_there_are_none
 
 
 @pytest.mark.parametrize("identity", IDENTITIES)
-def test_it_connects_though_a_third_of_all_frames_are_lost(identity: Identity) -> None:
+def test_it_connects_though_a_third_of_all_frames_are_lost(identity: AutopilotIdentity) -> None:
     _, learned = connected(identity, loss=0.3)
     got, count = next(step.answer for step in learned.steps if step.name == "parameters").split(" of ")
     assert int(got) > 0.9 * int(count)  # it gives each five tries
@@ -188,7 +198,7 @@ def waypoint(seq: int, x: int, y: int) -> Message:
 
 
 def test_a_plan_with_home_before_it_is_written_and_read_back_and_driven() -> None:
-    station, _ = connected(Identity.ARDUPILOT)
+    station, _ = connected(AutopilotIdentity.ARDUPILOT)
     position = station.wait(3.0, "GLOBAL_POSITION_INT")
     assert position is not None
     north = 100  # of 1e-7 degrees: a metre and a bit
@@ -206,7 +216,7 @@ def test_a_plan_with_home_before_it_is_written_and_read_back_and_driven() -> Non
 
 
 def test_go_to_is_offered_once_it_is_armed_and_may_be_redirected_on_the_way() -> None:
-    station, _ = connected(Identity.ARDUPILOT)
+    station, _ = connected(AutopilotIdentity.ARDUPILOT)
     assert not station.flying
     assert station.arms()
     assert station.flying  # or else there is no go-to on the map

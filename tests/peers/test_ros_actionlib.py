@@ -16,8 +16,8 @@ import pytest
 from sim.common.geometry import Pose2
 from sim.common.observations import STANDSTILL
 from sim.inputs import Go
-from sim.robot.navigator import Arrived, Cancelled, Goal, Navigation, NoPath, Result
-from thbridge.ros.actionlib import STATUS_PERIOD, ActionRequest, Ended, MoveBaseServer, StatusList
+from sim.robot.navigator import Cancelled, Goal, GoalReached, GoalResult, Navigation, NoPath
+from thbridge.ros.actionlib import STATUS_PERIOD, ActionRequest, GoalEnded, MoveBaseServer, StatusList
 from thbridge.ros.messages.records import CancelRequest, GoalRequest
 from thbridge.ros.messages.stamps import stamp_ns
 
@@ -136,7 +136,7 @@ def theirs(steps: list[Step]) -> list[list[list[object]]]:
 def ours(steps: list[Step]) -> list[list[list[object]]]:
     server, answers, numbers = MoveBaseServer(0), [], count()
     goal: Goal | None = None
-    results: list[Result] = []
+    results: list[GoalResult] = []
     none = np.empty((0, 3))
     for step in steps:
         requests: list[ActionRequest] = [
@@ -151,7 +151,7 @@ def ours(steps: list[Step]) -> list[list[list[object]]]:
             goal = told.goal if isinstance(told, Go) else None
         if goal is not None and step["end"]:
             # Before what may still wait to be told of earlier goals.
-            results.insert(0, Arrived(goal) if step["end"] == "arrived" else NoPath(goal, "stuck", "stuck"))
+            results.insert(0, GoalReached(goal) if step["end"] == "arrived" else NoPath(goal, "stuck", "stuck"))
             goal = None
         result = results.pop(0) if results else None
         navigation = Navigation(STANDSTILL, goal, "idle", none, np.empty(0), none, result, 0.0)
@@ -160,7 +160,7 @@ def ours(steps: list[Step]) -> list[list[list[object]]]:
         for item in said:
             if isinstance(item, StatusList):
                 told_all.append(["status", [[entry.goal.id, int(entry.status)] for entry in item.entries]])
-            elif isinstance(item, Ended):
+            elif isinstance(item, GoalEnded):
                 told_all.append(["result", item.entry.goal.id, int(item.entry.status)])
         answers.append(told_all)
     return answers

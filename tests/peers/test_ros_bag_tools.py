@@ -26,16 +26,16 @@ from tests.system.ports import free_port
 from tests.thbridge.ros.drive import MOUNT, SCAN_PERIOD, SESSION, arena, records, snapshots
 from thbridge.app.session.broadcast import Broadcast
 from thbridge.files.ros.definitions import Definitions
-from thbridge.recording.bag.parts import Splitting
+from thbridge.recording.bag.parts import SplitLimits
 from thbridge.recording.bag.reader import info, messages
 from thbridge.recording.bag.records import Compression
 from thbridge.recording.bag.repair import reindex
-from thbridge.recording.bag.worker import Inline
+from thbridge.recording.bag.worker import InlineQueue
 from thbridge.recording.bag.writer import WHOLE, BagWriter
 from thbridge.recording.recordings import parts_of
 from thbridge.ros.messages.records import MavlinkFrame, VehicleFrame, VehicleState
 from thbridge.ros.messages.types import MARKER_ARRAY, MAVROS_TYPES, OWN_TYPES, STANDARD_TYPES
-from thbridge.ros.publisher import Message, Publisher, Topic
+from thbridge.ros.publisher import RosMessage, TeamPublisher, Topic
 
 PYTHON = "/usr/bin/python3"
 TOOLS = ("rosbag", "rostopic", "roscore")
@@ -90,11 +90,11 @@ def record(
     path: Path,
     definitions: Definitions,
     compression: Compression = Compression.NONE,
-    splitting: Splitting = WHOLE,
+    splitting: SplitLimits = WHOLE,
 ) -> Path:
     writer = BagWriter(path, definitions, compression=compression, splitting=splitting)
     with writer:
-        recorder = Broadcast(Publisher(ROBOTS, MOUNT, SCAN_PERIOD), SESSION, arena(), [writer])
+        recorder = Broadcast(TeamPublisher(ROBOTS, MOUNT, SCAN_PERIOD), SESSION, arena(), [writer])
         for snapshot in snapshots(ROBOTS, TICKS):
             recorder.record(snapshot, records(snapshot.tick))
     return path
@@ -132,7 +132,7 @@ def test_rosbag_check_wants_no_migration_at_all(bag: Path) -> None:
 def test_rosbag_check_wants_no_migration_of_any_type(tmp_path: Path) -> None:
     with BagWriter(tmp_path / "types.bag") as writer:
         for number, msgtype in enumerate((*STANDARD_TYPES, *OWN_TYPES, *MAVROS_TYPES)):
-            writer.write(Message(Topic(f"/type{number}", msgtype), 1_000_000_000 + number, b""))
+            writer.write(RosMessage(Topic(f"/type{number}", msgtype), 1_000_000_000 + number, b""))
     assert run("rosbag", "check", str(tmp_path / "types.bag")).strip() == "Bag file does not need any migrations."
 
 
@@ -159,7 +159,7 @@ def test_rostopic_reads_frames_and_states_of_vehicles(tmp_path: Path) -> None:
     state = VehicleState(0, True, True, False, False, "GUIDED", 4)
     bag = tmp_path / "vehicles.bag"
     with BagWriter(bag) as writer:
-        publisher = Publisher(1, MOUNT, SCAN_PERIOD, vehicles=True)
+        publisher = TeamPublisher(1, MOUNT, SCAN_PERIOD, vehicles=True)
         Broadcast(publisher, SESSION, arena(), [writer]).record(next(snapshots(1, 1)), [heard, state])
     said = first_on(bag, "/robot1/mavlink/to", tmp_path)
     assert 'frame_id: "udp 127.0.0.1:14550"' in said
@@ -262,10 +262,13 @@ def test_rosbag_and_we_reindex_packed_bags_alike(
 def test_rosbag_reindex_recovers_a_chunk_that_was_growing(tmp_path: Path, compression: Compression) -> None:
     seconds = iter(range(1000))
     writer = BagWriter(
-        tmp_path / "a.bag", clock=lambda: float(next(seconds)), compression=compression, lane=lambda _: Inline()
+        tmp_path / "a.bag",
+        clock=lambda: float(next(seconds)),
+        compression=compression,
+        make_queue=lambda _: InlineQueue(),
     )
     with writer:
-        recorder = Broadcast(Publisher(ROBOTS, MOUNT, SCAN_PERIOD), SESSION, arena(), [writer])
+        recorder = Broadcast(TeamPublisher(ROBOTS, MOUNT, SCAN_PERIOD), SESSION, arena(), [writer])
         for snapshot in snapshots(ROBOTS, TICKS):
             recorder.record(snapshot)
         shutil.copy(tmp_path / "a.bag.active", tmp_path / "growing.bag")
@@ -287,7 +290,7 @@ def test_the_ros_python_reader_and_rosbags_read_every_compression(
 
 @needs_ros
 def test_each_part_of_a_split_recording_is_a_bag_to_rosbag(tmp_path: Path) -> None:
-    record(tmp_path / "a.bag", Definitions(), Compression.LZ4, Splitting(duration_ns=1_500_000_000))
+    record(tmp_path / "a.bag", Definitions(), Compression.LZ4, SplitLimits(duration_ns=1_500_000_000))
     parts = parts_of(tmp_path / "a.bag")
     assert len(parts) == 3
     for part in parts:
@@ -445,7 +448,7 @@ def test_rosbag_play_plays_every_topic_and_late_listeners_get_the_map(bag: Path,
 
 @needs_ros
 def test_rosbag_plays_the_parts_of_a_packed_recording_as_one(tmp_path: Path, master: str) -> None:
-    record(tmp_path / "a.bag", Definitions(), Compression.LZ4, Splitting(duration_ns=1_500_000_000))
+    record(tmp_path / "a.bag", Definitions(), Compression.LZ4, SplitLimits(duration_ns=1_500_000_000))
     topic, parts = "/robot1/base_pose_ground_truth", map(str, parts_of(tmp_path / "a.bag"))
     with playing(master, "--rate=4", "--wait-for-subscribers", *parts, "--topics", topic) as player:
         eventually(lambda: topic in published(master), "play to advertise")

@@ -19,18 +19,18 @@ import pytest
 from sim.common.geometry import Pose2
 from sim.common.observations import Twist
 from sim.inputs import Drive, Go, Halt
-from sim.robot.navigator import Arrived, Cancelled, Goal, NoPath
+from sim.robot.navigator import Cancelled, Goal, GoalReached, NoPath
 from thbridge.recording.bag.writer import BagWriter
 from thbridge.recording.real_robots import FleetRecorder
-from thbridge.ros.messages.records import Session
+from thbridge.ros.messages.records import SessionRecord
 from thbridge.ros.remote import RemoteRobot
-from thbridge.ros.remote.goals import OTHERS
+from thbridge.ros.remote.goals import FOREIGN_GOAL
 from thbridge.sockets.rosgraph.fleet import CALLER, Fleet
-from thbridge.sockets.rosgraph.joining import Graph
+from thbridge.sockets.rosgraph.joining import GraphAddress
 from thbridge.sockets.rosgraph.master_server import MasterServer
-from thbridge.sockets.rosgraph.node import Started
-from thbridge.sockets.text_server import Listening
-from thbridge.study.real_robots import RobotNames
+from thbridge.sockets.rosgraph.node import NodeStarted
+from thbridge.sockets.text_server import ListeningAddress
+from thbridge.study.real_robots import FleetNames
 
 PYTHON = "/usr/bin/python3"
 HIDDEN = ("PYTHONPATH", "PYTHONHOME", "VIRTUAL_ENV")
@@ -173,19 +173,19 @@ class Ticks:
 
 
 async def _drive(folder: Path, bag: Path) -> None:
-    named = RobotNames(namespace="/kobuki", odom_frame="odom", base_frame="base_link", recorded=())
+    named = FleetNames(namespace="/kobuki", odom_frame="odom", base_frame="base_link", recorded=())
     master = MasterServer(port=0)
-    assert isinstance(await master.start(), Listening)
+    assert isinstance(await master.start(), ListeningAddress)
     with BagWriter(bag, caller=CALLER) as writer:
-        recorder = FleetRecorder(writer, Session("", 1, {}, "simr", ("SimR",), ""))
-        fleet = Fleet(Graph(master.uri), [RemoteRobot(0, named.names(1), CALLER, np.zeros((0, 2)))], recorder)
-        assert isinstance(await fleet.start(), Started)
+        recorder = FleetRecorder(writer, SessionRecord("", 1, {}, "simr", ("SimR",), ""))
+        fleet = Fleet(GraphAddress(master.uri), [RemoteRobot(0, named.names(1), CALLER, np.zeros((0, 2)))], recorder)
+        assert isinstance(await fleet.start(), NodeStarted)
         ticks = Ticks(fleet, recorder)
         there, far = Goal(1, Pose2(12.0, 1.0, 0.0)), Goal(2, Pose2(16.0, 0.0, 0.0))
         with ros(ROBOT, master.uri, folder) as robot:
             await ticks.there()
             await ticks.tick(Go(0, there))
-            assert await ticks.ended() == Arrived(there)
+            assert await ticks.ended() == GoalReached(there)
             here = ticks.snapshot.robots[0].estimate.base_in_map
             assert here.distance(there.base_in_map) < 0.2
             nowhere = Goal(3, Pose2(99.0, 0.0, 0.0))
@@ -212,7 +212,7 @@ async def _drive(folder: Path, bag: Path) -> None:
                 await ticks.until_active()
                 print(file=client.stdin, flush=True)
                 assert await ticks.ended() == Cancelled(far)
-                assert (await ticks.tick()).goal == Goal(OTHERS, Pose2(11.0, 0.0, 0.0))
+                assert (await ticks.tick()).goal == Goal(FOREIGN_GOAL, Pose2(11.0, 0.0, 0.0))
                 while (await ticks.tick()).goal is not None:
                     pass
                 assert await asyncio.to_thread(client.communicate) == ("3\n", None)
@@ -221,7 +221,7 @@ async def _drive(folder: Path, bag: Path) -> None:
             os.killpg(robot.pid, signal.SIGKILL)
             robot.wait()
         with ros(ROBOT, master.uri, folder):
-            assert await ticks.ended() == Arrived(far)
+            assert await ticks.ended() == GoalReached(far)
         await fleet.stop()
         recorder.flush()
     await master.stop()

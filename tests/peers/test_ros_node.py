@@ -17,10 +17,10 @@ import pytest
 from tests.system.ports import free_port
 from thbridge.recording.bag.reader import messages
 from thbridge.sockets.rosgraph.http_client import CallFailed, XmlRpcClient
-from thbridge.sockets.rosgraph.node import RosNode, Started
+from thbridge.sockets.rosgraph.node import NodeStarted, RosNode
 from thbridge.wire.rosgraph.links import ServiceFailed
 from thbridge.wire.rosgraph.tcpros import encode_header
-from thbridge.wire.rosgraph.xmlrpc import Response
+from thbridge.wire.rosgraph.xmlrpc import MethodResponse
 
 PYTHON = "/usr/bin/python3"
 TOOLS = ("rosmaster", "rostopic", "rosnode", "rosservice", "rosparam")
@@ -160,7 +160,7 @@ async def graph() -> AsyncIterator[Graph]:
 
 @asynccontextmanager
 async def running(node: RosNode) -> AsyncIterator[RosNode]:
-    assert isinstance(await node.start(), Started)
+    assert isinstance(await node.start(), NodeStarted)
     try:
         await node.registered()
         yield node
@@ -223,13 +223,13 @@ async def test_rostopic_hears_us_beside_a_subscriber_that_never_reads():
         node = RosNode("/us", ros.uri)
         chatter = node.advertise("/chatter", *STRING)
         started = await node.start()
-        assert isinstance(started, Started)
+        assert isinstance(started, NodeStarted)
         stalled = socket.socket()
         try:
             client = XmlRpcClient()
             offered = await client.call(started.uri, "requestTopic", "/stalled", "/chatter", [["TCPROS"]])
             await client.close()
-            assert isinstance(offered, Response)
+            assert isinstance(offered, MethodResponse)
             stalled.connect(tuple(offered.value[2][1:]))
             stalled.sendall(encode_header({"callerid": "/stalled", "md5sum": "*", "topic": "/chatter"}))
             await eventually(lambda: chatter.subscribers == 1, "the stalled subscriber")
@@ -346,10 +346,10 @@ async def received(ros: Graph, node: str, topic: str, count: int) -> bool:
     """Whether a C++ node has so many messages of a topic; it answers without ROS's code and message."""
     client = XmlRpcClient()
     found = await client.call(ros.uri, "lookupNode", "/probe", node)
-    assert isinstance(found, Response)
+    assert isinstance(found, MethodResponse)
     stats = await client.call(found.value[2], "getBusStats", "/probe")
     await client.close()
-    assert isinstance(stats, Response)
+    assert isinstance(stats, MethodResponse)
     _, subscribed = stats.value
     return [messages for name, [[_, _, messages, *_]] in subscribed if name == topic] == [count]
 
@@ -386,7 +386,7 @@ async def test_a_master_that_comes_late_and_again_is_told_everything():
     node.advertise("/chatter", *STRING, latched=True).publish(string("hello"))
     node.subscribe("/in", *STRING[:2], lambda data, caller: heard.append(data))
     node.serve("/now", *TRIGGER, lambda request: triggered("at once"))
-    assert isinstance(await node.start(), Started)
+    assert isinstance(await node.start(), NodeStarted)
     try:
         for _ in range(2):
             log.clear()

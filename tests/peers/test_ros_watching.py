@@ -11,12 +11,12 @@ import pytest
 
 from tests.peers.beside import NEEDS_ROS, PYTHON, clean
 from thbridge.app.compose import build_bot, read_setting
-from thbridge.app.listeners import Hosts, Watch
-from thbridge.app.play import PlayOptions, Unfinished, play
+from thbridge.app.listeners import StartupCallbacks, WatchAddress
+from thbridge.app.play import HuntUnfinished, PlayOptions, play
 from thbridge.recording.bag.reader import info
 from thbridge.recording.bag.repair import reindex
 from thbridge.roles.tabui import TabUI
-from thbridge.sockets.text_server import CannotListen, Listening
+from thbridge.sockets.text_server import CannotListen, ListeningAddress
 from thbridge.study.study_file import Study
 
 STUDY = dataclasses.replace(Study(), seed=7, server=dataclasses.replace(Study().server, port=0))
@@ -28,27 +28,27 @@ def captured(tmp_path_factory: pytest.TempPathFactory) -> Path:
     bag = tmp_path_factory.mktemp("watched") / "x.bag"
     setting, copying = read_setting(STUDY, Path()), list[asyncio.Task[None]]()
 
-    async def copy(where: Listening) -> None:
+    async def copy(where: ListeningAddress) -> None:
         reader, _ = await asyncio.open_connection(where.host, where.port)
         with bag.open("wb") as file:
             while data := await reader.read(65536):
                 file.write(data)
 
-    def come(where: Listening | CannotListen) -> None:
-        assert isinstance(where, Listening)
+    def come(where: ListeningAddress | CannotListen) -> None:
+        assert isinstance(where, ListeningAddress)
         copying.append(asyncio.ensure_future(copy(where)))
 
     async def whole() -> None:
-        watch = Watch("127.0.0.1", 0, None)
+        watch = WatchAddress("127.0.0.1", 0, None)
         options = PlayOptions(20.0, None, frozenset(), "suggestion", 8.0, watch=watch)
         bot = TabUI(build_bot(setting.templates, STUDY.participant.strategy, STUDY.seed))
-        told = Hosts(lambda master: None, come)
+        told = StartupCallbacks(lambda master: None, come)
         try:
             await play(setting, bot, options, lambda where: None, lambda moment: None, told)
         finally:
             await copying[0]
 
-    with pytest.raises(Unfinished):
+    with pytest.raises(HuntUnfinished):
         asyncio.run(whole())
     return bag
 

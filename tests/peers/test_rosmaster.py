@@ -8,8 +8,8 @@ from pathlib import Path
 
 import pytest
 
-from thbridge.wire.rosgraph.master import METHODS, Master, Notification, ParamUpdate, PublisherUpdate, Shutdown
-from thbridge.wire.rosgraph.xmlrpc import Call, XmlRpcValue
+from thbridge.wire.rosgraph.master import METHODS, Master, NodeShutdown, Notification, ParamUpdate, PublisherUpdate
+from thbridge.wire.rosgraph.xmlrpc import MethodCall, XmlRpcValue
 
 PYTHON = "/usr/bin/python3"
 SEQUENCES = 150
@@ -109,7 +109,7 @@ def shown(notification: Notification) -> list[object]:
             return ["PublisherUpdate", api, topic, [*publishers]]
         case ParamUpdate(api, key, value):
             return ["ParamUpdate", api, key, value]
-        case Shutdown(api, node, reason):
+        case NodeShutdown(api, node, reason):
             return ["Shutdown", api, node, reason]
 
 
@@ -128,7 +128,7 @@ def test_same_calls_same_replies(oracle, block):
         calls += [random_call(draw) for _ in range(CALLS)]
         for method, params in calls:
             (status, message, value), told = oracle.ask([method, params])
-            reply, notifications = ours.handle(Call(method, json.loads(json.dumps(params))))
+            reply, notifications = ours.handle(MethodCall(method, json.loads(json.dumps(params))))
             context = f"sequence {seed}: {method}{params}"
             assert (reply.status, reply.value) == (status, value), context
             assert type(reply.value) is type(value), context

@@ -13,7 +13,7 @@ from tests.peers.desktop import Desktop, Seen, desktop, needs_desktop
 from tests.peers.player import Keys, Mouse, Player, Sight, on
 from tests.system.programs import THBRIDGE
 from thbridge.analysis.report.gathering import read_report
-from thbridge.analysis.report.values import Moment
+from thbridge.analysis.report.values import TimelineEntry
 from thbridge.recording.bag.reader import messages
 
 pytestmark = needs_desktop
@@ -86,7 +86,7 @@ def play(player: Player, step: Callable[[Sight], None]) -> Sight:
     return player.look()
 
 
-def first_game(program: subprocess.Popen[bytes], folder: Path) -> list[Moment]:
+def first_game(program: subprocess.Popen[bytes], folder: Path) -> list[TimelineEntry]:
     """What the recording tells of the first game, once the program has closed it."""
     assert program.wait(60) == 0, (folder / "told.txt").read_text()
     moments = read_report(messages(folder / "hunt.bag")).moments

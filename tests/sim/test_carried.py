@@ -7,7 +7,7 @@ import pytest
 
 from sim.common.geometry import Pose2
 from sim.parameters import RobotParameters, WorldParameters
-from sim.robot.navigator import Arrived, Goal
+from sim.robot.navigator import Goal, GoalReached
 from sim.team import Carry, Go, Team
 from thbridge.files.map_files import read_map
 
@@ -42,7 +42,7 @@ def carried(name, seed, goal, elsewhere, heading, limit=150.0):
 def test_a_robot_carried_elsewhere_under_way_finds_itself_and_reaches_its_goal(name, seed, goal, elsewhere, heading):
     noticed, _, result, collisions = carried(name, seed, goal, elsewhere, heading)
     assert noticed < 3.0
-    assert isinstance(result, Arrived)
+    assert isinstance(result, GoalReached)
     assert collisions == 0
 
 
@@ -54,5 +54,5 @@ def test_so_do_nine_of_ten_whatever_the_rooms(name):
         goal, elsewhere = seed % 8, (3 * seed + 4) % 8
         _, _, result, collisions = carried(name, seed, goal, elsewhere if elsewhere != goal else (goal + 1) % 8, seed)
         assert collisions == 0
-        arrived += isinstance(result, Arrived)
+        arrived += isinstance(result, GoalReached)
     assert arrived >= 9

@@ -10,7 +10,7 @@ from sim.common.geometry import Pose2
 from sim.common.observations import TICK, Twist
 from sim.parameters import RobotParameters, WorldParameters
 from sim.robot.costmap.costs import LETHAL
-from sim.robot.navigator import Arrived, Cancelled, Goal
+from sim.robot.navigator import Cancelled, Goal, GoalReached
 from sim.team import (
     START_COVARIANCE,
     Carry,
@@ -79,7 +79,7 @@ def test_a_robot_that_is_told_where_it_is_believes_it_at_once_and_goes_on_to_its
     told, *after = run(team, 60, Carry(0, elsewhere), Localize(0, elsewhere, START_COVARIANCE))
     assert error(told) < 0.05
     assert not any(snapshot.robots[0].estimate.lost for snapshot in after)
-    assert [type(s.robots[0].navigation.result) for s in after if s.robots[0].navigation.result] == [Arrived]
+    assert [type(s.robots[0].navigation.result) for s in after if s.robots[0].navigation.result] == [GoalReached]
     assert not after[-1].world.collisions.any()
 
 

@@ -11,7 +11,7 @@ from thbridge.recording.bag.repair import reindex
 from thbridge.ros.messages import unpack
 from thbridge.wire.mavlink.dialect import crc_extra, mav, payload_of
 from thbridge.wire.mavlink.frames.frame import Frame
-from thbridge.wire.mavlink.frames.framer import Framer
+from thbridge.wire.mavlink.frames.framer import FrameParser
 
 LOST = 1.0
 """Seconds before the kill of which nothing is promised."""
@@ -25,7 +25,7 @@ def beat(sequence: int) -> bytes:
 
 
 def frames_in(data: bytes) -> list[bytes]:
-    return [found.to_bytes() for found in Framer().receive_data(data) if isinstance(found, Frame)]
+    return [found.to_bytes() for found in FrameParser().receive_data(data) if isinstance(found, Frame)]
 
 
 def logged(tlog: Path) -> set[bytes]:

@@ -12,7 +12,7 @@ from typer.testing import CliRunner
 
 from thbridge.files.ros.definitions import Definitions
 from thbridge.recording.bag.writer import BagWriter
-from thbridge.ros.publisher import Message, Topic
+from thbridge.ros.publisher import RosMessage, Topic
 from thbridge.study.study_file import read_study
 from ui.cli import app
 
@@ -54,7 +54,7 @@ def write_bag(path: Path) -> bytes:
     with BagWriter(path, Definitions(())) as writer:
         for tick in range(100):
             data = len(text).to_bytes(4, "little") + text
-            writer.write(Message(Topic("/chatter", "std_msgs/String"), 1_000_000_000 + tick * 20_000_000, data))
+            writer.write(RosMessage(Topic("/chatter", "std_msgs/String"), 1_000_000_000 + tick * 20_000_000, data))
     return path.read_bytes()
 
 

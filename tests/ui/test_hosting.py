@@ -4,15 +4,15 @@ import asyncio
 import sys
 from pathlib import Path
 
-from thbridge.sockets.text_server import Listening
-from ui.front import Front
-from ui.hosting import Visit, host
+from thbridge.sockets.text_server import ListeningAddress
+from ui.hosting import GameVisit, host
 from ui.model.lobby import Offer
+from ui.window_process import WindowProcess
 
 OFFER = Offer(least=1, most=4, usual=2)
 
 
-def window(folder: Path, script: str) -> Front:
+def window(folder: Path, script: str) -> WindowProcess:
     """A front whose window is a script; `hear()` gives a line of the host, `say(text)` says one."""
     program = folder / "window.py"
     program.write_text(
@@ -21,18 +21,18 @@ def window(folder: Path, script: str) -> Front:
         "def hear(): return json.loads(sys.stdin.readline())\n"
         "def say(kind, **fields): print(json.dumps({'type': kind, **fields}), flush=True)\n" + script
     )
-    return Front((sys.executable, str(program)))
+    return WindowProcess((sys.executable, str(program)))
 
 
-def hosted(front: Front) -> list[tuple[str, int]]:
+def hosted(front: WindowProcess) -> list[tuple[str, int]]:
     """Run it to its end; the games that were played, with their robots."""
     played: list[tuple[str, int]] = []
 
     def game(kind: str, robots: int):
-        async def play(visit: Visit) -> None:
+        async def play(visit: GameVisit) -> None:
             played.append((kind, robots))
-            visit.ready(Listening("0.0.0.0", 4711))
-            while not visit.left():
+            visit.ready(ListeningAddress("0.0.0.0", 4711))
+            while not visit.has_left():
                 await asyncio.sleep(0.01)
 
         return play

@@ -9,10 +9,10 @@ import typer
 from typer.testing import CliRunner
 
 from thbridge.sockets.addresses import Address
-from thbridge.sockets.mavlink.udp import Target
+from thbridge.sockets.mavlink.udp import UdpTarget
 from thbridge.study.mavlink import MavlinkSection
 from thbridge.study.study_file import Study
-from thbridge.wire.mavlink.options import Identity
+from thbridge.wire.mavlink.options import AutopilotIdentity
 from ui.cli import app
 from ui.options import ports_of, with_mavlink
 
@@ -76,17 +76,17 @@ def test_options_win_over_the_study() -> None:
     written = MavlinkSection(on=True, udp=("10.0.0.1:14550",), tcp="0.0.0.0:5760")
     study = with_mavlink(
         dataclasses.replace(Study(), mavlink=written),
-        identity=Identity.ARDUPILOT,
+        identity=AutopilotIdentity.ARDUPILOT,
         udp=["[::1]:14550", "[::1]:14550"],
         udp_listen="[::1]:14555",
         tlog=True,
     )
     assert study.mavlink == dataclasses.replace(
-        written, identity=Identity.ARDUPILOT, udp=("[::1]:14550",), udp_listen="[::1]:14555", tlog=True
+        written, identity=AutopilotIdentity.ARDUPILOT, udp=("[::1]:14550",), udp_listen="[::1]:14555", tlog=True
     )
     ports = ports_of(study, None, None)
     assert ports is not None
-    assert (ports.udp, ports.udp_listen) == ((Target(Address("::1", 14550)),), Address("::1", 14555))
+    assert (ports.udp, ports.udp_listen) == ((UdpTarget(Address("::1", 14550)),), Address("::1", 14555))
     assert (ports.tcp, ports.key) == (Address("0.0.0.0", 5760), None)
 
 

@@ -6,7 +6,7 @@ import numpy as np
 
 from thbridge.analysis.report.gathering import OUTCOMES
 from thbridge.analysis.report.values import Report, Track
-from thbridge.ros.messages.goal_status import Status
+from thbridge.ros.messages.goal_status import GoalStatusCode
 
 
 @dataclass(frozen=True, slots=True)
@@ -65,6 +65,6 @@ def _robot(track: Track) -> RobotFigures:
         float(errors.mean()) if len(errors) else None,
         float(np.quantile(errors, 0.95)) if len(errors) else None,
         track.distance,
-        tuple(leg.end for leg in track.legs if leg.outcome == OUTCOMES[Status.SUCCEEDED]),
+        tuple(leg.end for leg in track.attempts if leg.outcome == OUTCOMES[GoalStatusCode.SUCCEEDED]),
         float(track.energy[-1, 1]) if len(track.energy) else None,
     )

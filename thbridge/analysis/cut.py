@@ -9,11 +9,11 @@ from thbridge.files.errors import BadFile
 from thbridge.files.new_file import new_file
 from thbridge.recording.bag.bag_file import BagFile
 from thbridge.recording.bag.reader import info, recorded
-from thbridge.recording.bag.records import Compression, Connection
+from thbridge.recording.bag.records import BagConnection, Compression
 
 
 @dataclass(frozen=True, slots=True)
-class Piece:
+class CutRange:
     """What to cut out.
 
     Attributes:
@@ -30,7 +30,7 @@ class Piece:
 
 
 @dataclass(frozen=True, slots=True)
-class Cut:
+class CutResult:
     """What was cut out.
 
     Attributes:
@@ -48,7 +48,7 @@ class Cut:
     end_ns: int
 
 
-def cut(bag: Path, piece: Piece, out: Path, overwrite: bool = False) -> Cut:
+def cut(bag: Path, piece: CutRange, out: Path, overwrite: bool = False) -> CutResult:
     """Write a piece of a recording as one bag, in the order of time.
 
     Publishers keep their names, latching and definitions. What was latched when the piece begins is its beginning,
@@ -83,7 +83,7 @@ def cut(bag: Path, piece: Piece, out: Path, overwrite: bool = False) -> Cut:
         target.close()
         if not messages:
             raise BadFile(bag, None, None, "nothing is in this piece", "choose other times or topics")
-    return Cut(out, messages, carried, start_ns, last_ns)
+    return CutResult(out, messages, carried, start_ns, last_ns)
 
 
 def _check_topics(bag: Path, wanted: Collection[str] | None, there: Collection[str]) -> None:
@@ -97,7 +97,7 @@ def _copy(
     bag: Path, topics: Collection[str] | None, start_ns: int, end_ns: int, target: BagFile
 ) -> tuple[int, int, int]:
     """Number of messages, how many of them were carried over, and the last stamp."""
-    latched: dict[Connection, bytes] = {}
+    latched: dict[BagConnection, bytes] = {}
     messages = carried = 0
     last_ns = start_ns
     for publisher, stamp_ns, data in recorded(bag, topics):

@@ -8,7 +8,7 @@ from pathlib import Path
 import numpy as np
 from numpy.typing import NDArray
 
-from thbridge.recording.bag.contents import BagContents, Indexed, contents
+from thbridge.recording.bag.contents import BagContents, ConnectionStamps, contents
 from thbridge.recording.bag.reader import messages
 from thbridge.recording.recordings import parts_of
 from thbridge.ros.messages import unpack
@@ -66,7 +66,7 @@ class TopicSummary:
 
 
 @dataclass(frozen=True, slots=True)
-class Part:
+class RecordingFile:
     """One file of a recording."""
 
     path: Path
@@ -90,7 +90,7 @@ class SessionSummary:
 
 
 @dataclass(frozen=True, slots=True)
-class Summary:
+class RecordingSummary:
     """What a recording holds.
 
     Attributes:
@@ -107,7 +107,7 @@ class Summary:
     """
 
     path: Path
-    parts: tuple[Part, ...]
+    parts: tuple[RecordingFile, ...]
     size: int
     compression: str
     start_ns: int | None
@@ -118,7 +118,7 @@ class Summary:
     session: SessionSummary | None
 
 
-def summarise(bag: Path) -> Summary:
+def summarise(bag: Path) -> RecordingSummary:
     """Sum up a recording by its index.
 
     Args:
@@ -132,9 +132,9 @@ def summarise(bag: Path) -> Summary:
     topics = tuple(_topic(name, list(group)) for name, group in groupby(publishers, key=lambda who: who.topic))
     starts = [topic.start_ns for topic in topics if topic.start_ns is not None]
     ends = [topic.end_ns for topic in topics if topic.end_ns is not None]
-    return Summary(
+    return RecordingSummary(
         path=bag,
-        parts=tuple(Part(file.path, file.size, _count(file)) for file in files),
+        parts=tuple(RecordingFile(file.path, file.size, _count(file)) for file in files),
         size=sum(file.size for file in files),
         compression=_joined(name for file in files for name in file.compressions),
         start_ns=min(starts, default=None),
@@ -154,7 +154,7 @@ def _joined(words: Iterable[str]) -> str:
     return ", ".join(sorted(set(words)))
 
 
-def _topic(name: str, publishers: Sequence[Indexed]) -> TopicSummary:
+def _topic(name: str, publishers: Sequence[ConnectionStamps]) -> TopicSummary:
     stamps = np.sort(np.concatenate([who.stamps_ns for who in publishers]))
     periods = np.diff(stamps)
     median = float(np.median(periods)) if periods.size else 0.0

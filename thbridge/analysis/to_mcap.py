@@ -12,7 +12,7 @@ from mcap.writer import CompressionType, Writer
 
 from thbridge.files.new_file import new_file
 from thbridge.recording.bag.reader import recorded
-from thbridge.recording.bag.records import Connection
+from thbridge.recording.bag.records import BagConnection
 from thbridge.ros.messages import unpack
 from thbridge.ros.messages.types import SESSION
 
@@ -22,7 +22,7 @@ STUDY = "study.yaml"
 
 
 @dataclass(frozen=True, slots=True)
-class Converted:
+class McapResult:
     """What was converted.
 
     Attributes:
@@ -38,7 +38,7 @@ class Converted:
     session: bool
 
 
-def to_mcap(bag: Path, out: Path, compression: str = "zstd", overwrite: bool = False) -> Converted:
+def to_mcap(bag: Path, out: Path, compression: str = "zstd", overwrite: bool = False) -> McapResult:
     """Write a recording as an MCAP file: the same bytes of each message, with definitions and publishers.
 
     A session of ours is beside that the attachment `study.yaml` and the metadata `thbridge:session`, with its seed and
@@ -59,7 +59,7 @@ def to_mcap(bag: Path, out: Path, compression: str = "zstd", overwrite: bool = F
         for publisher, stamp_ns, data in recorded(bag):
             conversion.add(publisher, stamp_ns, data)
         conversion.finish()
-    return Converted(out, conversion.messages, conversion.channels, conversion.session)
+    return McapResult(out, conversion.messages, conversion.channels, conversion.session)
 
 
 class _Conversion:
@@ -71,7 +71,7 @@ class _Conversion:
         self._writer = Writer(file, compression=compression)
         self._writer.start(Profile.ROS1, "thbridge")
         self._schemas: dict[tuple[str, str], int] = {}
-        self._channels: dict[Connection, int] = {}
+        self._channels: dict[BagConnection, int] = {}
         self._sequences: dict[int, int] = {}
 
     @property
@@ -79,7 +79,7 @@ class _Conversion:
         """How many there are so far."""
         return len(self._channels)
 
-    def add(self, publisher: Connection, stamp_ns: int, data: bytes) -> None:
+    def add(self, publisher: BagConnection, stamp_ns: int, data: bytes) -> None:
         channel = self._channels.get(publisher)
         if channel is None:
             channel = self._channels[publisher] = self._channel(publisher)
@@ -93,7 +93,7 @@ class _Conversion:
     def finish(self) -> None:
         self._writer.finish()  # type: ignore[no-untyped-call]  # mcap has no annotation there
 
-    def _channel(self, publisher: Connection) -> int:
+    def _channel(self, publisher: BagConnection) -> int:
         kind = (publisher.msgtype, publisher.definition)
         if kind not in self._schemas:
             text = publisher.definition.encode()

@@ -11,13 +11,13 @@ import numpy as np
 from sim.common import noise
 from sim.common.geometry import Pose2
 from sim.common.observations import TICKS_PER_SECOND
-from sim.common.traversability import Floor
-from sim.inputs import Go, Timed
+from sim.common.traversability import TraversabilityMap
+from sim.inputs import Go, ScheduledInput
 from sim.robot.costmap.footprint import radii
 from sim.robot.navigator import Goal
 from sim.team import Team
 from sim.world.sensors import mount_of
-from thbridge.app.rosgraph.live import Facts
+from thbridge.app.rosgraph.live import TeamDescription
 from thbridge.dialogue.engine import Engine
 from thbridge.dialogue.protocols import TemplateProtocol
 from thbridge.dialogue.strategies import TemplateStrategy
@@ -30,24 +30,24 @@ from thbridge.files.yaml.tree import read_text
 from thbridge.hunt.costs import CostMatrix
 from thbridge.hunt.events import Event
 from thbridge.recording.bag.writer import BagWriter
-from thbridge.roles.bots import Bot, BotStrategy, Knowledge
+from thbridge.roles.bots import Bot, BotStrategy, TreasureKnowledge
 from thbridge.roles.hider import Hider
 from thbridge.roles.keeper.briefing import Briefing
 from thbridge.roles.keeper.disclosure import plain_costs
-from thbridge.roles.keeper.floor_plan import house_of
+from thbridge.roles.keeper.floor_plan import floor_plan_of
 from thbridge.roles.keeper.keeper import GameRules, Keeper
 from thbridge.roles.notices import House, RoomOutline
-from thbridge.roles.simr.pose_telemetry import Shows
-from thbridge.roles.simr.simr import SILENCE, Field, SimR
-from thbridge.roles.simr.team import Robots
+from thbridge.roles.simr.pose_telemetry import TelemetryOptions
+from thbridge.roles.simr.simr import RESPONSE_TIMEOUT, GameMap, SimR
+from thbridge.roles.simr.team import RobotTeam
 from thbridge.roles.vehicles.parameters import VehicleParameters
-from thbridge.roles.vehicles.pilot import Pilot, Premises
-from thbridge.roles.vehicles.speed_limit import Speeds
-from thbridge.roles.vehicles.vehicles import Ask, Vehicles
-from thbridge.ros.messages.records import Session as SessionRecord
+from thbridge.roles.vehicles.pilot import GameSetup, Pilot
+from thbridge.roles.vehicles.speed_limit import SpeedLimit
+from thbridge.roles.vehicles.vehicles import RequestSink, Vehicles
+from thbridge.ros.messages.records import SessionRecord
 from thbridge.ros.names import CALLER
 from thbridge.ros.parameters import tree_of
-from thbridge.ros.publisher import Planners, Publisher
+from thbridge.ros.publisher import Planners, TeamPublisher
 from thbridge.study.study_file import Study
 from thbridge.study.text import resolved
 from thbridge.study.things import schedule_of
@@ -63,7 +63,7 @@ RECORDED_PACKAGES = ("thbridge", "numpy", "scipy", "numba", "filterpy", "rosbags
 
 
 @dataclass(frozen=True, slots=True)
-class Setting:
+class StudySetting:
     """A study with everything it names, read and checked; all parts of a session are built from it.
 
     Attributes:
@@ -75,7 +75,7 @@ class Setting:
     """
 
     study: Study
-    place: Map
+    map: Map
     templates: TemplateSet
     costs: CostMatrix
     consent: str | None = None
@@ -85,36 +85,36 @@ class Setting:
         study = self.study
         return self._team(range(1, study.robots + 1), schedule_of(study.things, study.mishaps))
 
-    def _team(self, numbers: Sequence[int], schedule: Sequence[Timed]) -> Team:
+    def _team(self, numbers: Sequence[int], schedule: Sequence[ScheduledInput]) -> Team:
         """These robots of the study's, at their start poses."""
         study = self.study
-        starts = [self.place.starts[number - 1] for number in numbers]
+        starts = [self.map.starts[number - 1] for number in numbers]
         software = [study.software(number) for number in numbers]
-        return Team(self.place.grid, study.world, software, starts, study.seed, study.game.energy, schedule)
+        return Team(self.map.grid, study.world, software, starts, study.seed, study.game.energy, schedule)
 
     def rehearse(self) -> None:
         """Drive such robots for a moment: what is to be compiled is compiled before anybody waits for it.
 
         A large team needs nothing that some of its robots do not need, except where others have software of their own.
         """
-        study, rooms = self.study, self.place.rooms
+        study, rooms = self.study, self.map.rooms
         numbers = [number for number in range(1, study.robots + 1) if number <= REHEARSERS or number in study.each]
         team = self._team(numbers, schedule_of(study.things, ()))
         orders = [Go(robot, Goal(0, rooms[robot % len(rooms)].goal)) for robot in range(team.size)]
         for tick in range(REHEARSAL):
             team.step(orders if tick == 0 else [])
 
-    def simr(self, robots: Robots | None = None, silence: int = SILENCE) -> SimR:
+    def simr(self, robots: RobotTeam | None = None, response_timeout: int = RESPONSE_TIMEOUT) -> SimR:
         """The robots' role, with these robots; None: simulated ones of its own. `silence` as for `SimR`, ticks."""
-        field = Field(
-            name=self.place.name,
-            goals=tuple(room.goal for room in self.place.rooms),
-            starts=self.place.starts[: self.study.robots],
+        field = GameMap(
+            name=self.map.name,
+            goals=tuple(room.goal for room in self.map.rooms),
+            starts=self.map.starts[: self.study.robots],
             costs=plain_costs(self.costs),
         )
         shown = self.study.participant.shows
-        shows = Shows(shown.way, shown.uncertainty, shown.truth)
-        return SimR(robots or self.team(), field, self.study.server.dialect, silence, shows)
+        shows = TelemetryOptions(shown.way, shown.uncertainty, shown.truth)
+        return SimR(robots or self.team(), field, self.study.server.dialect, response_timeout, shows)
 
     def keeper(self, history: tuple[Event, ...] = (), last_game: int = 0) -> Keeper:
         """The game's authority; see `Keeper` for a game that goes on."""
@@ -124,31 +124,31 @@ class Setting:
 
     def briefing(self) -> Briefing:
         """What participants are given beside the state of the game."""
-        return Briefing(self.house(), self._treasures(), self.templates.pictures, self.consent)
+        return Briefing(self.floor_plan(), self._treasures(), self.templates.pictures, self.consent)
 
-    def house(self) -> House:
+    def floor_plan(self) -> House:
         """The map as participants see it."""
-        return house_of(self.place.name, self.place.grid, self._rooms(), self.study.world.footprint)
+        return floor_plan_of(self.map.name, self.map.grid, self._rooms(), self.study.world.footprint)
 
     def hider(self) -> Hider:
         """The treasures' role."""
         return build_hider(self.templates, self.study.seed)
 
-    def premises(self) -> Premises:
+    def game_setup(self) -> GameSetup:
         """What whoever is at robots' helms knows of the game before it begins."""
-        return Premises(_floor(self.study, self.place), self._rooms(), self._treasures(), self.study.game.energy)
+        return GameSetup(_floor(self.study, self.map), self._rooms(), self._treasures(), self.study.game.energy)
 
-    def vehicles(self, simr: SimR) -> Callable[[Ask], Vehicles] | None:
+    def vehicles(self, simr: SimR) -> Callable[[RequestSink], Vehicles] | None:
         """Makes simulated robots MAVLink vehicles, given who takes what these ask; None where the study has none."""
         study = self.study
         if not study.mavlink.on:
             return None
-        premises = self.premises()
+        premises = self.game_setup()
 
-        def made(ask: Ask) -> Vehicles:
+        def made(ask: RequestSink) -> Vehicles:
             pilots = []
-            for robot, start in enumerate(self.place.starts[: study.robots]):
-                speeds = Speeds(robot, study.software(robot + 1), simr)
+            for robot, start in enumerate(self.map.starts[: study.robots]):
+                speeds = SpeedLimit(robot, study.software(robot + 1), simr)
                 pilots.append(Pilot(robot, premises, start, speeds, VehicleParameters(robot, simr), ask))
             return Vehicles(pilots, study.mavlink.options)
 
@@ -159,25 +159,25 @@ class Setting:
         study = self.study
         return SessionRecord(resolved(study), study.seed, versions(), program, tuple(roles), participant)
 
-    def publisher(self) -> Publisher:
+    def publisher(self) -> TeamPublisher:
         """What these robots say as ROS nodes."""
         study, laser = self.study, self.study.world.laser
         planners = [Planners.of(study.software(number)) for number in range(1, study.robots + 1)]
-        return Publisher(study.robots, mount_of(laser), 1.0 / laser.rate, planners, vehicles=study.mavlink.on)
+        return TeamPublisher(study.robots, mount_of(laser), 1.0 / laser.rate, planners, vehicles=study.mavlink.on)
 
     def writer(self, path: Path, caller: str = CALLER) -> BagWriter:
         """A new bag of what this node says. Raises BagNotWritten."""
         recording = self.study.recording
         return BagWriter(path, compression=recording.compression, splitting=recording.splitting, caller=caller)
 
-    def facts(self, publisher: Publisher) -> Facts:
+    def team_description(self, publisher: TeamPublisher) -> TeamDescription:
         """What a ROS graph is told of these robots."""
         rest = {name: value for name, value in tree_of(self.study).items() if name not in {"robot", "each"}}
-        return Facts(publisher.topics, self.place.grid, rest)
+        return TeamDescription(publisher.topics, self.map.grid, rest)
 
     def _rooms(self) -> tuple[RoomOutline, ...]:
         return tuple(
-            RoomOutline(entry.room.people, entry.name, entry.region, _triple(entry.goal)) for entry in self.place.rooms
+            RoomOutline(entry.room.people, entry.name, entry.region, _triple(entry.goal)) for entry in self.map.rooms
         )
 
     def _treasures(self) -> tuple[str, ...]:
@@ -200,10 +200,10 @@ def build_bot(templates: TemplateSet, strategy: BotStrategy, seed: int) -> Bot:
     # The participant's copy of the list has no images; what a picture shows, a person sees.
     known = tuple(replace(kind, image=None) for kind in templates.kinds)
     shown_by = {kind.image: kind.name for kind in templates.kinds if kind.image is not None}
-    return Bot(strategy, Knowledge(known, shown_by), seed)
+    return Bot(strategy, TreasureKnowledge(known, shown_by), seed)
 
 
-def read_setting(study: Study, beside: Path, resources: Resources | None = None) -> Setting:
+def read_setting(study: Study, beside: Path, resources: Resources | None = None) -> StudySetting:
     """Read what a study names.
 
     Args:
@@ -230,7 +230,7 @@ def read_setting(study: Study, beside: Path, resources: Resources | None = None)
     faults = tuple(_misplaced(study, place, resources.find("maps", study.map, beside) / "map.yaml"))
     if faults:
         raise BadFiles(faults)
-    return Setting(study, place, templates, _costs(study, beside, place, folder), _consent(study, beside))
+    return StudySetting(study, place, templates, _costs(study, beside, place, folder), _consent(study, beside))
 
 
 def _consent(study: Study, beside: Path) -> str | None:
@@ -249,9 +249,9 @@ def _triple(pose: Pose2) -> tuple[float, float, float]:
     return pose.x, pose.y, pose.theta
 
 
-def _floor(study: Study, place: Map) -> Floor:
+def _floor(study: Study, place: Map) -> TraversabilityMap:
     """The map's floor, for robots of the study's size."""
-    return Floor.of(place.grid, *radii(np.array(study.world.footprint)))
+    return TraversabilityMap.of(place.grid, *radii(np.array(study.world.footprint)))
 
 
 def _misplaced(study: Study, place: Map, map_yaml: Path) -> Iterator[BadFile]:

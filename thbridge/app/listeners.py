@@ -7,21 +7,21 @@ from pathlib import Path
 from typing import Protocol
 
 from sim.team import Team
-from thbridge.app.compose import Setting
+from thbridge.app.compose import StudySetting
 from thbridge.app.rosgraph.live import LiveGraph, on_graph
 from thbridge.app.session.broadcast import Listener
-from thbridge.app.session.watching import Desk
+from thbridge.app.session.watch_requests import WatchRequestHandler
 from thbridge.roles.robot_requests import Request
-from thbridge.ros.publisher import Publisher
-from thbridge.sockets.rosgraph.joining import Graph, Master
-from thbridge.sockets.text_server import CannotListen, Listening
+from thbridge.ros.publisher import TeamPublisher
+from thbridge.sockets.rosgraph.joining import GraphAddress, MasterPresence
+from thbridge.sockets.text_server import CannotListen, ListeningAddress
 from thbridge.sockets.watch_server import WatchServer
 from thbridge.timing.pacer import Pacer
 from thbridge.wire.mavlink.frames.frame import Frame
 
 
 @dataclass(frozen=True, slots=True)
-class Watch:
+class WatchAddress:
     """Where researchers' windows may connect.
 
     Attributes:
@@ -35,7 +35,7 @@ class Watch:
     key: str | None
 
 
-class Audience(Protocol):
+class ListenerOptions(Protocol):
     """Who is to listen."""
 
     @property
@@ -43,11 +43,11 @@ class Audience(Protocol):
         """Where to record; None for no recording."""
 
     @property
-    def graph(self) -> Graph | None:
+    def graph(self) -> GraphAddress | None:
         """The ROS graph to take part in; None for none."""
 
     @property
-    def watch(self) -> Watch | None:
+    def watch(self) -> WatchAddress | None:
         """Where to be watched; None for nowhere."""
 
 
@@ -56,7 +56,7 @@ def _untold(outcome: object) -> None:
 
 
 @dataclass(frozen=True, slots=True)
-class Hosts:
+class StartupCallbacks:
     """Whom to tell what became of it.
 
     Attributes:
@@ -65,24 +65,24 @@ class Hosts:
         linked: where ground stations reach the robots, such as "udp 127.0.0.1:14550", or why they cannot; it may raise.
     """
 
-    joined: Callable[[Master | CannotListen], None]
-    watched: Callable[[Listening | CannotListen], None]
+    joined: Callable[[MasterPresence | CannotListen], None]
+    watched: Callable[[ListeningAddress | CannotListen], None]
     linked: Callable[[Sequence[str] | CannotListen], None] = _untold
 
 
-NOBODY_TOLD = Hosts(_untold, _untold)
+NO_CALLBACKS = StartupCallbacks(_untold, _untold)
 
 
 @asynccontextmanager
 async def listeners(
-    audience: Audience,
-    setting: Setting,
+    options: ListenerOptions,
+    setting: StudySetting,
     team: Team,
-    publisher: Publisher,
+    publisher: TeamPublisher,
     pacer: Pacer,
     ask: Callable[[str, Request], None],
-    told: Hosts,
-    hear: Callable[[int, Frame], None] | None = None,
+    callbacks: StartupCallbacks,
+    receive_frame: Callable[[int, Frame], None] | None = None,
     *,
     has_game: bool,
 ) -> AsyncIterator[list[Listener]]:
@@ -102,16 +102,16 @@ async def listeners(
     """
     listening: list[Listener] = []
     async with AsyncExitStack() as opened:
-        if audience.graph is not None:
-            live = LiveGraph(audience.graph, setting.facts(publisher), team, ask, hear)
-            await opened.enter_async_context(on_graph(live, audience.graph, told.joined))
+        if options.graph is not None:
+            live = LiveGraph(options.graph, setting.team_description(publisher), team, ask, receive_frame)
+            await opened.enter_async_context(on_graph(live, options.graph, callbacks.joined))
             listening.append(live)
-        if audience.bag is not None:
-            listening.append(opened.enter_context(setting.writer(audience.bag)))
-        if audience.watch is not None:
-            desk = Desk(ask, team, pacer, has_game=has_game)
-            door = WatchServer(desk, audience.watch.key)
+        if options.bag is not None:
+            listening.append(opened.enter_context(setting.writer(options.bag)))
+        if options.watch is not None:
+            desk = WatchRequestHandler(ask, team, pacer, has_game=has_game)
+            door = WatchServer(desk, options.watch.key)
             opened.push_async_callback(door.stop)
-            told.watched(await door.start(audience.watch.host, audience.watch.port))
+            callbacks.watched(await door.start(options.watch.host, options.watch.port))
             listening += [desk, door]
         yield listening

@@ -6,13 +6,13 @@ from dataclasses import dataclass
 from pathlib import Path
 
 from sim.common.observations import TICK, TICKS_PER_SECOND
-from thbridge.app.compose import Setting
-from thbridge.app.listeners import NOBODY_TOLD, Hosts, Watch, listeners
+from thbridge.app.compose import StudySetting
+from thbridge.app.listeners import NO_CALLBACKS, StartupCallbacks, WatchAddress, listeners
 from thbridge.app.session.broadcast import Broadcast
-from thbridge.app.session.recording import BagWitness, TlogWitness
-from thbridge.app.session.session import EventLog, Moment, Session, Witness
+from thbridge.app.session.recording import BagRecorder, TlogRecorder
+from thbridge.app.session.session import EventLog, Session, TickRecord, TickRecorder
 from thbridge.hunt.game import GameState
-from thbridge.recording.journals import Ledger
+from thbridge.recording.journals import JournalStore
 from thbridge.recording.recordings import journal_of, tlog_of
 from thbridge.recording.tlog import TlogFile
 from thbridge.roles.robot_requests import Request
@@ -20,25 +20,25 @@ from thbridge.roles.role import Role
 from thbridge.roles.simr.simr import SimR
 from thbridge.roles.tabui import TabUI
 from thbridge.ros.names import GRAPH_LINK
-from thbridge.sockets.mavlink.server import MavlinkServer, Ports
-from thbridge.sockets.rosgraph.joining import Graph
-from thbridge.sockets.text_server import CannotListen, Listening, TextServer
+from thbridge.sockets.mavlink.server import MavlinkPorts, MavlinkServer
+from thbridge.sockets.rosgraph.joining import GraphAddress
+from thbridge.sockets.text_server import CannotListen, ListeningAddress, TextServer
 from thbridge.timing.keepalive import kept_alive
 from thbridge.timing.loop import run_ticks
 from thbridge.timing.pacer import Pacer
 from thbridge.wire import legacy
 from thbridge.wire.mavlink.frames.frame import Frame
-from thbridge.wire.router import Router
+from thbridge.wire.router import MessageRouter
 
 PLAY = "play"
 """What recordings call this program."""
 
-LAST_WORDS = TICKS_PER_SECOND // 2
+FINAL_TICKS = TICKS_PER_SECOND // 2
 """Ticks that a session goes on after the end of the game, so that everybody hears of it and the bag has it."""
 
 
 @dataclass(frozen=True, slots=True)
-class Outcome:
+class HuntOutcome:
     """How a hunt ended; what `thbridge play --json` prints.
 
     Attributes:
@@ -66,7 +66,7 @@ class Outcome:
     bag: Path | None
 
 
-class Unfinished(Exception):  # noqa: N818 - nothing went wrong with the program
+class HuntUnfinished(Exception):  # noqa: N818 - nothing went wrong with the program
     """The hunt ended before the game was over. Everything is closed in good order.
 
     Attributes:
@@ -74,7 +74,7 @@ class Unfinished(Exception):  # noqa: N818 - nothing went wrong with the program
         stopped: somebody stopped the program (Ctrl-C, SIGTERM); or else the time was up.
     """
 
-    def __init__(self, outcome: Outcome, stopped: bool) -> None:
+    def __init__(self, outcome: HuntOutcome, stopped: bool) -> None:
         super().__init__("stopped" if stopped else "the time was up")
         self.outcome = outcome
         self.stopped = stopped
@@ -102,20 +102,20 @@ class PlayOptions:
     outside: frozenset[str]
     participant: str
     max_seconds: float
-    graph: Graph | None = None
+    graph: GraphAddress | None = None
     left: Callable[[], bool] | None = None
-    watch: Watch | None = None
-    mavlink: Ports | None = None
+    watch: WatchAddress | None = None
+    mavlink: MavlinkPorts | None = None
 
 
 async def play(
-    setting: Setting,
+    setting: StudySetting,
     participant: TabUI | None,
     options: PlayOptions,
-    ready: Callable[[Listening | CannotListen], None],
-    progress: Callable[[Moment], None],
-    told: Hosts = NOBODY_TOLD,
-) -> Outcome:
+    ready: Callable[[ListeningAddress | CannotListen], None],
+    progress: Callable[[TickRecord], None],
+    callbacks: StartupCallbacks = NO_CALLBACKS,
+) -> HuntOutcome:
     """Play one hunt with all roles in this process, but those left to others.
 
     Args:
@@ -140,7 +140,7 @@ async def play(
     names = [role.name for role in (*roles, inside) if role is not None]
     record = setting.record(PLAY, names, who)
     publisher = setting.publisher()
-    pacer = Pacer(options.rate, let_go=options.left)
+    pacer = Pacer(options.rate, pause_abandoned=options.left)
 
     def ask(sender: str, request: Request) -> None:
         session.ask(sender, request)
@@ -150,32 +150,32 @@ async def play(
 
     async with AsyncExitStack() as opened:
         # First of all: nothing is begun where ground stations cannot be reached.
-        links = await _links(options.mavlink, opened, told)
+        links = await _links(options.mavlink, opened, callbacks)
         if options.rate > 0.0:
             setting.rehearse()
         log: EventLog = NoLog()
         if options.bag is not None:
-            log = opened.enter_context(closing(Ledger(journal_of(options.bag))))
+            log = opened.enter_context(closing(JournalStore(journal_of(options.bag))))
         has_vehicles = setting.study.mavlink.on
         stations = hear if has_vehicles else None
-        listening = listeners(options, setting, team, publisher, pacer, ask, told, stations, has_game=True)
+        listening = listeners(options, setting, team, publisher, pacer, ask, callbacks, stations, has_game=True)
         audience = await opened.enter_async_context(listening)
-        witnesses: list[Witness] = []
+        witnesses: list[TickRecorder] = []
         if audience:
-            witnesses.append(BagWitness(Broadcast(publisher, record, setting.place.grid, audience)))
+            witnesses.append(BagRecorder(Broadcast(publisher, record, setting.map.grid, audience)))
         if options.bag is not None and has_vehicles and setting.study.mavlink.tlog:
-            witnesses.append(TlogWitness(opened.enter_context(TlogFile(tlog_of(options.bag)))))
-        session = Session(Router(), setting.keeper(), roles, log, witnesses, inside, setting.vehicles(simr))
-        server = TextServer(session, session.hear)
+            witnesses.append(TlogRecorder(opened.enter_context(TlogFile(tlog_of(options.bag)))))
+        session = Session(MessageRouter(), setting.keeper(), roles, log, witnesses, inside, setting.vehicles(simr))
+        server = TextServer(session, session.note_forwarded)
         session.perform = server.perform
         if has_vehicles and options.graph is not None:
             graph_link = session.open_link(GRAPH_LINK)
         if links is not None:
             stations_server, reached_by = links
             await stations_server.serve(session)
-            told.linked(reached_by)
+            callbacks.linked(reached_by)
             await opened.enter_async_context(kept_alive(session, pacer))
-        ending = Ending(options.max_seconds, options.left)
+        ending = EndCondition(options.max_seconds, options.left)
 
         def tick() -> bool:
             progress(session.step())
@@ -189,11 +189,13 @@ async def play(
         run = await run_ticks(tick, pacer)
     outcome = _outcome(setting, session, ending, roles, run.seconds, options.bag)
     if ending.tick is None:
-        raise Unfinished(outcome, stopped=not run.finished)
+        raise HuntUnfinished(outcome, stopped=not run.finished)
     return outcome
 
 
-async def _links(ports: Ports | None, opened: AsyncExitStack, told: Hosts) -> tuple[MavlinkServer, list[str]] | None:
+async def _links(
+    ports: MavlinkPorts | None, opened: AsyncExitStack, told: StartupCallbacks
+) -> tuple[MavlinkServer, list[str]] | None:
     """Whoever will speak to ground stations, with all ports taken, and what these find it by; None: nobody will.
 
     Where not all ports can be had it is told which.
@@ -216,7 +218,7 @@ class NoLog:
         """Forget them."""
 
 
-class Ending:
+class EndCondition:
     """Sees when a session is over.
 
     Args:
@@ -240,17 +242,17 @@ class Ending:
         if self._left is not None:
             return self._left() or session.tick >= self._last_tick
         if self.tick is not None:
-            return session.tick >= self.tick + LAST_WORDS
+            return session.tick >= self.tick + FINAL_TICKS
         return session.tick >= self._last_tick
 
 
 def _outcome(
-    setting: Setting, session: Session, ending: Ending, roles: Sequence[Role], wall: float, bag: Path | None
-) -> Outcome:
+    setting: StudySetting, session: Session, ending: EndCondition, roles: Sequence[Role], wall: float, bag: Path | None
+) -> HuntOutcome:
     game = session.game
     snapshot = next(role.snapshot for role in roles if isinstance(role, SimR))
     ticks = session.tick if ending.tick is None else ending.tick
-    return Outcome(
+    return HuntOutcome(
         seed=setting.study.seed,
         score=0 if game is None else game.score,
         over=None if game is None or game.ended is None else game.ended.reason.value,

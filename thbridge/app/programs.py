@@ -7,27 +7,27 @@ from itertools import count
 from pathlib import Path
 from typing import Protocol
 
-from thbridge.app.compose import Setting
-from thbridge.app.listeners import NOBODY_TOLD, Hosts, Watch, listeners
+from thbridge.app.compose import StudySetting
+from thbridge.app.listeners import NO_CALLBACKS, StartupCallbacks, WatchAddress, listeners
 from thbridge.app.session.broadcast import Broadcast
-from thbridge.app.session.recording import BagWitness
-from thbridge.app.session.remote_robots import Outpost
+from thbridge.app.session.recording import BagRecorder
 from thbridge.app.session.session import Session
-from thbridge.recording.journals import Ledger
+from thbridge.app.session.simr_session import SimrSession
+from thbridge.recording.journals import JournalStore
 from thbridge.roles.hider import Hider
 from thbridge.roles.keeper.keeper import Keeper
 from thbridge.roles.robot_requests import Request
 from thbridge.roles.role import Role
 from thbridge.roles.tabui import TabUI
 from thbridge.roles.view import View
-from thbridge.sockets.rosgraph.joining import Graph
-from thbridge.sockets.text_client import LossReason, Lost, TextClient
-from thbridge.sockets.text_server import CannotListen, Listening, TextServer
+from thbridge.sockets.rosgraph.joining import GraphAddress
+from thbridge.sockets.text_client import ConnectionLost, LossReason, TextClient
+from thbridge.sockets.text_server import CannotListen, ListeningAddress, TextServer
 from thbridge.timing.loop import run_ticks
 from thbridge.timing.pacer import Pacer
-from thbridge.wire.client import Registered
-from thbridge.wire.router import Router
-from thbridge.wire.text import Message
+from thbridge.wire.client import NameRegistered
+from thbridge.wire.router import MessageRouter
+from thbridge.wire.text import TextMessage
 
 _log = logging.getLogger(__name__)
 
@@ -36,7 +36,10 @@ SIMR = "simr"
 
 
 async def serve(
-    setting: Setting, ledger: Ledger, new_game: bool, ready: Callable[[Listening | CannotListen], None]
+    setting: StudySetting,
+    journals: JournalStore,
+    new_game: bool,
+    ready: Callable[[ListeningAddress | CannotListen], None],
 ) -> None:
     """Run the text server and the keeper until stopped; a game that was cut off goes on.
 
@@ -50,16 +53,16 @@ async def serve(
         BadFile: the journal cannot be read or written.
     """
     try:
-        unfinished = None if new_game else ledger.resume()
+        unfinished = None if new_game else journals.resume()
         if unfinished is not None:
-            _log.warning("going on with game %d (--new-game begins another)", ledger.last_game)
+            _log.warning("going on with game %d (--new-game begins another)", journals.last_game)
             if unfinished.torn:
                 _log.warning("its last event was half written and is lost")
-        last_game = ledger.last_game if unfinished is None else ledger.last_game - 1
+        last_game = journals.last_game if unfinished is None else journals.last_game - 1
         keeper: Keeper = setting.keeper(() if unfinished is None else unfinished.history, last_game)
-        router = Router()
-        session = Session(router, keeper, [], ledger)
-        server = TextServer(session, session.hear)
+        router = MessageRouter()
+        session = Session(router, keeper, [], journals)
+        server = TextServer(session, session.note_forwarded)
         session.perform = server.perform
         listening = await server.start(setting.study.server.host, setting.study.server.port)
         ready(listening)
@@ -75,45 +78,45 @@ async def serve(
         finally:
             await server.stop()
     finally:
-        ledger.close()
+        journals.close()
 
 
-class Lodger(Protocol):
+class RoleRunner(Protocol):
     """A role that runs by itself, at a server of another process; what it hears, it answers with the next tick."""
 
     def connected(self) -> None:
         """The server has (again) accepted the name."""
 
-    def hear(self, message: Message) -> None:
+    def receive(self, message: TextMessage) -> None:
         """Somebody said something to this role."""
 
-    def step(self) -> Sequence[Message]:
+    def step(self) -> Sequence[TextMessage]:
         """One tick; what the role says."""
 
 
-class Lone:
+class SingleRole:
     """The plainest lodger: it only counts the ticks of a role."""
 
     def __init__(self, role: Role) -> None:
         self._role = role
         self._ticks = count()
-        self._heard: list[Message] = []
+        self._heard: list[TextMessage] = []
 
     def connected(self) -> None:
         """See `Lodger`, for this and the next two."""
         self._role.connected()
 
-    def hear(self, message: Message) -> None:
+    def receive(self, message: TextMessage) -> None:
         """It is passed on with the next tick."""
         self._heard.append(message)
 
-    def step(self) -> Sequence[Message]:
+    def step(self) -> Sequence[TextMessage]:
         """One tick of the role."""
         heard, self._heard = self._heard, []
         return self._role.step(next(self._ticks), heard)
 
 
-def converse(lodger: Lodger, client: TextClient, lost: Callable[[Lost], None]) -> None:
+def exchange(runner: RoleRunner, client: TextClient, lost: Callable[[ConnectionLost], None]) -> None:
     """One tick of a role at a server: it hears what has come, and says what it has to say.
 
     Args:
@@ -123,22 +126,22 @@ def converse(lodger: Lodger, client: TextClient, lost: Callable[[Lost], None]) -
     """
     for event in client.take():
         match event:
-            case Message():
-                lodger.hear(event)
-            case Registered():
-                lodger.connected()
-            case Lost():
+            case TextMessage():
+                runner.receive(event)
+            case NameRegistered():
+                runner.connected()
+            case ConnectionLost():
                 lost(event)
-    for message in lodger.step():
+    for message in runner.step():
         client.send(message)
 
 
-async def take_part(
-    lodger: Lodger,
+async def run_at_server(
+    runner: RoleRunner,
     client: TextClient,
     pacer: Pacer,
     done: Callable[[], bool],
-    lost: Callable[[Lost], None],
+    lost: Callable[[ConnectionLost], None],
 ) -> bool:
     """Run one role against a server until it is done or stopped; it reconnects by itself.
 
@@ -154,7 +157,7 @@ async def take_part(
     """
 
     def tick() -> bool:
-        converse(lodger, client, lost)
+        exchange(runner, client, lost)
         return not done()
 
     async with client.running():
@@ -181,15 +184,15 @@ class SimrOptions:
     token: str
     rate: float
     bag: Path | None
-    graph: Graph | None = None
-    watch: Watch | None = None
+    graph: GraphAddress | None = None
+    watch: WatchAddress | None = None
 
 
 async def simr(
-    setting: Setting,
+    setting: StudySetting,
     options: SimrOptions,
-    lost: Callable[[Lost], None],
-    told: Hosts = NOBODY_TOLD,
+    lost: Callable[[ConnectionLost], None],
+    callbacks: StartupCallbacks = NO_CALLBACKS,
 ) -> str | None:
     """Run the robots' program until stopped.
 
@@ -214,22 +217,22 @@ async def simr(
     def ask(sender: str, request: Request) -> None:
         outpost.ask(sender, request)
 
-    async with listeners(options, setting, team, publisher, pacer, ask, told, has_game=False) as audience:
+    async with listeners(options, setting, team, publisher, pacer, ask, callbacks, has_game=False) as audience:
         record = setting.record(SIMR, [role.name], "")
-        witnesses = [BagWitness(Broadcast(publisher, record, setting.place.grid, audience))] if audience else []
-        outpost = Outpost(role, witnesses)
+        witnesses = [BagRecorder(Broadcast(publisher, record, setting.map.grid, audience))] if audience else []
+        outpost = SimrSession(role, witnesses)
         client = TextClient(role.name, options.token, options.host, options.port)
-        await take_part(outpost, client, pacer, lambda: role.unfit is not None, lost)
-    return role.unfit
+        await run_at_server(outpost, client, pacer, lambda: role.rejection is not None, lost)
+    return role.rejection
 
 
-async def hider(role: Hider, host: str, port: int, token: str, lost: Callable[[Lost], None]) -> None:
+async def hider(role: Hider, host: str, port: int, token: str, lost: Callable[[ConnectionLost], None]) -> None:
     """Run the treasures' program until stopped."""
-    await take_part(Lone(role), TextClient(role.name, token, host, port), Pacer(1.0), lambda: False, lost)
+    await run_at_server(SingleRole(role), TextClient(role.name, token, host, port), Pacer(1.0), lambda: False, lost)
 
 
 async def tabui(
-    role: TabUI, host: str, port: int, token: str, lost: Callable[[Lost], None], shown: Callable[[View], None]
+    role: TabUI, host: str, port: int, token: str, lost: Callable[[ConnectionLost], None], shown: Callable[[View], None]
 ) -> View | None:
     """Run the participant's program until the game is over.
 
@@ -253,11 +256,11 @@ async def tabui(
             shown(last)
         return last is not None and last.over is not None
 
-    finished = await take_part(Lone(role), TextClient(role.name, token, host, port), Pacer(1.0), after, lost)
+    finished = await run_at_server(SingleRole(role), TextClient(role.name, token, host, port), Pacer(1.0), after, lost)
     return last if finished else None
 
 
-def reason_of(lost: Lost) -> str:
+def reason_of(lost: ConnectionLost) -> str:
     """Why there is no connection, for people."""
     if lost.reason is LossReason.REFUSED:
         return "another program holds this name at the server; waiting until it is free"

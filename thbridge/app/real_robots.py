@@ -6,38 +6,38 @@ from contextlib import AsyncExitStack
 import numpy as np
 
 from sim.common.observations import TICKS_PER_SECOND
-from thbridge.app.compose import Setting
-from thbridge.app.programs import SIMR, SimrOptions, take_part
-from thbridge.app.session.recording import BagWitness
-from thbridge.app.session.remote_robots import Outpost
+from thbridge.app.compose import StudySetting
+from thbridge.app.programs import SIMR, SimrOptions, run_at_server
+from thbridge.app.session.recording import BagRecorder
+from thbridge.app.session.simr_session import SimrSession
 from thbridge.recording.real_robots import FleetRecorder
 from thbridge.ros.remote import RemoteRobot
-from thbridge.ros.topics import Message
+from thbridge.ros.topics import RosMessage
 from thbridge.sockets.rosgraph.fleet import CALLER, Fleet
-from thbridge.sockets.rosgraph.joining import Graph
-from thbridge.sockets.text_client import Lost, TextClient
+from thbridge.sockets.rosgraph.joining import GraphAddress
+from thbridge.sockets.text_client import ConnectionLost, TextClient
 from thbridge.sockets.text_server import CannotListen
 from thbridge.timing.loop import run_ticks
 from thbridge.timing.pacer import Pacer
 from thbridge.wire import legacy
-from thbridge.wire.rosgraph.links import Topic
+from thbridge.wire.rosgraph.links import TopicHeader
 
 
-class _Deaf:
+class _NoRecorder:
     """For a session that is not recorded."""
 
-    def heard(self, topic: Topic, publisher: str, stamp_ns: int, data: bytes) -> None:
+    def heard(self, topic: TopicHeader, publisher: str, stamp_ns: int, data: bytes) -> None:
         """Take no notice."""
 
-    def said(self, message: Message) -> None:
+    def said(self, message: RosMessage) -> None:
         """Take no notice."""
 
 
 async def simr_with_real_robots(
-    setting: Setting,
+    setting: StudySetting,
     options: SimrOptions,
-    graph: Graph,
-    lost: Callable[[Lost], None],
+    graph: GraphAddress,
+    lost: Callable[[ConnectionLost], None],
     unreachable: Callable[[CannotListen], None],
     missing: Callable[[Sequence[str]], None],
 ) -> str | None:
@@ -66,7 +66,7 @@ async def simr_with_real_robots(
         named = setting.study.fleet.names(setting.study.robots)
         silence_ns = round(setting.study.fleet.silence * 1e9)
         robots = [RemoteRobot(number, each, CALLER, footprint, silence_ns) for number, each in enumerate(named)]
-        fleet = Fleet(graph, robots, recorder or _Deaf())
+        fleet = Fleet(graph, robots, recorder or _NoRecorder())
         opened.push_async_callback(fleet.stop)
         started = await fleet.start()
         if isinstance(started, CannotListen):
@@ -87,10 +87,10 @@ async def simr_with_real_robots(
         if not (await run_ticks(wait, Pacer(1.0))).finished:
             return None
         role = setting.simr(fleet, round(setting.study.fleet.silence * TICKS_PER_SECOND))
-        outpost = Outpost(role, [] if recorder is None else [BagWitness(recorder)])
+        outpost = SimrSession(role, [] if recorder is None else [BagRecorder(recorder)])
         client = TextClient(role.name, options.token, options.host, options.port)
-        await take_part(outpost, client, Pacer(1.0), lambda: role.unfit is not None, lost)
+        await run_at_server(outpost, client, Pacer(1.0), lambda: role.rejection is not None, lost)
         await fleet.stop()
         if recorder is not None:
             recorder.flush()
-        return role.unfit
+        return role.rejection

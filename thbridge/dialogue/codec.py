@@ -4,7 +4,7 @@ from collections.abc import Callable
 from typing import assert_never
 
 from thbridge.dialogue.engine import Dialogues
-from thbridge.dialogue.moves import Ask, Author, Continue, Dialogue, Move, Scenario, Speaker, Stop, Topic, Turn
+from thbridge.dialogue.moves import Ask, Author, Continue, Dialogue, DialogueTopic, Move, Scenario, Speaker, Stop, Turn
 from thbridge.hunt.json_fields import Fields, Json
 from thbridge.hunt.rooms import Room
 
@@ -70,7 +70,7 @@ _MOVES: dict[str, Callable[[Fields], Move]] = {
 }
 
 
-def _topic_fields(topic: Topic) -> dict[str, Json]:
+def _topic_fields(topic: DialogueTopic) -> dict[str, Json]:
     return {
         "scenario": topic.scenario.value,
         "robot": topic.robot,
@@ -94,7 +94,7 @@ def _turn_fields(turn: Turn) -> dict[str, Json]:
 def _dialogue(fields: Fields) -> Dialogue:
     dialogue = Dialogue(
         fields.integer("number"),
-        Topic(
+        DialogueTopic(
             Scenario(fields.text("scenario")),
             fields.integer("robot"),
             Room.of_people(fields.integer("room")),

@@ -11,14 +11,23 @@ from dataclasses import dataclass, replace
 from enum import StrEnum
 from typing import Protocol
 
-from thbridge.dialogue.moves import Author, Dialogue, Move, Outcome, Speaker, Topic, Turn, Utterance
+from thbridge.dialogue.moves import (
+    Author,
+    Dialogue,
+    DialogueOutcome,
+    DialogueTopic,
+    DialogueUtterance,
+    Move,
+    Speaker,
+    Turn,
+)
 from thbridge.dialogue.protocols import DialogueProtocol
-from thbridge.dialogue.strategies import Strategy, View
-from thbridge.hunt.outcomes import Refused
+from thbridge.dialogue.strategies import Strategy, StrategyInput
+from thbridge.hunt.refusals import RequestRefused
 from thbridge.hunt.rules import robot_name
 
 
-class Reason(StrEnum):
+class DialogueReason(StrEnum):
     """Why the engine refuses."""
 
     ALREADY_TALKING = "already-talking"
@@ -64,7 +73,7 @@ class Choice:
 
 
 @dataclass(frozen=True, slots=True)
-class Step:
+class DialogueStep:
     """What an opening or a move brought about.
 
     Attributes:
@@ -76,8 +85,8 @@ class Step:
 
     dialogues: Dialogues
     dialogue: Dialogue
-    utterances: tuple[Utterance, ...]
-    outcome: Outcome | None
+    utterances: tuple[DialogueUtterance, ...]
+    outcome: DialogueOutcome | None
 
 
 @dataclass(frozen=True, slots=True)
@@ -96,41 +105,43 @@ class Engine:
     strategy: Strategy
     phrasing: Phrasing
 
-    def open(self, dialogues: Dialogues, topic: Topic, *, held: bool = False) -> Step | Refused:
+    def open(self, dialogues: Dialogues, topic: DialogueTopic, *, held: bool = False) -> DialogueStep | RequestRefused:
         """Open a dialogue and let the robot speak until it is the person's turn, or all is decided; not if held."""
         if dialogues.of_robot(topic.robot) is not None:
-            return Refused(Reason.ALREADY_TALKING, f"{_name(topic)} is already talking with you.")
+            return RequestRefused(DialogueReason.ALREADY_TALKING, f"{_name(topic)} is already talking with you.")
         number = dialogues.opened + 1
         opened = replace(dialogues, opened=number)
         return self._run(opened, Dialogue(number, topic), (), held)
 
-    def move(self, dialogues: Dialogues, number: int, move: Move, *, held: bool = False) -> Step | Refused:
+    def move(
+        self, dialogues: Dialogues, number: int, move: Move, *, held: bool = False
+    ) -> DialogueStep | RequestRefused:
         """Make the person's move, and let the robot answer, unless held."""
         dialogue = self._at_turn(dialogues, number, Speaker.PERSON, move)
-        if isinstance(dialogue, Refused):
+        if isinstance(dialogue, RequestRefused):
             return dialogue
         dialogue, utterance = self._said(dialogue, Turn(Speaker.PERSON, move, Author.PERSON))
         return self._run(dialogues, dialogue, (utterance,), held)
 
-    def speak(self, dialogues: Dialogues, number: int, move: Move, text: str = "") -> Step | Refused:
+    def speak(self, dialogues: Dialogues, number: int, move: Move, text: str = "") -> DialogueStep | RequestRefused:
         """Make the move of a robot whose dialogue is held, in its place, and hold on; `text` as for `Turn`."""
         dialogue = self._at_turn(dialogues, number, Speaker.ROBOT, move)
-        if isinstance(dialogue, Refused):
+        if isinstance(dialogue, RequestRefused):
             return dialogue
         dialogue, utterance = self._said(dialogue, Turn(Speaker.ROBOT, move, Author.WIZARD, text))
         return self._run(dialogues, dialogue, (utterance,), held=True)
 
-    def go_on(self, dialogues: Dialogues, number: int) -> Step | Refused:
+    def release(self, dialogues: Dialogues, number: int) -> DialogueStep | RequestRefused:
         """Let the robot speak in a dialogue that was held."""
         dialogue = dialogues.numbered(number)
         return _no_such(number) if dialogue is None else self._run(dialogues, dialogue, (), held=False)
 
-    def withdraw(self, dialogues: Dialogues, number: int) -> Step | Refused:
+    def withdraw(self, dialogues: Dialogues, number: int) -> DialogueStep | RequestRefused:
         """Close a dialogue whose topic is no longer to be decided, e.g. because the game has ended."""
         dialogue = dialogues.numbered(number)
         if dialogue is None:
             return _no_such(number)
-        return Step(_without(dialogues, dialogue), dialogue, (), Outcome.WITHDRAWN)
+        return DialogueStep(_without(dialogues, dialogue), dialogue, (), DialogueOutcome.WITHDRAWN)
 
     def choices(self, dialogue: Dialogue, speaker: Speaker = Speaker.PERSON) -> tuple[Choice, ...]:
         """What the speaker may say now in an open dialogue, most agreeable first; nothing if it is not their turn."""
@@ -138,40 +149,42 @@ class Engine:
             return ()
         return tuple(Choice(move, self.phrasing.say(dialogue, move)) for move in self.protocol.legal(dialogue))
 
-    def utterances(self, dialogue: Dialogue) -> tuple[Utterance, ...]:
+    def utterances(self, dialogue: Dialogue) -> tuple[DialogueUtterance, ...]:
         """Everything said in a dialogue so far, e.g. to show a restored one again."""
         said = Dialogue(dialogue.number, dialogue.topic)
-        spoken: list[Utterance] = []
+        spoken: list[DialogueUtterance] = []
         for turn in dialogue.turns:
             said, utterance = self._said(said, turn)
             spoken.append(utterance)
         return tuple(spoken)
 
-    def _at_turn(self, dialogues: Dialogues, number: int, speaker: Speaker, move: Move) -> Dialogue | Refused:
+    def _at_turn(self, dialogues: Dialogues, number: int, speaker: Speaker, move: Move) -> Dialogue | RequestRefused:
         """The open dialogue of this number, if this speaker may make this move in it now."""
         dialogue = dialogues.numbered(number)
         if dialogue is None:
             return _no_such(number)
         if self.protocol.speaker(dialogue) is not speaker or move not in self.protocol.legal(dialogue):
-            return Refused(Reason.NOT_LEGAL, "That cannot be said at this point of the dialogue.")
+            return RequestRefused(DialogueReason.NOT_LEGAL, "That cannot be said at this point of the dialogue.")
         return dialogue
 
-    def _run(self, dialogues: Dialogues, dialogue: Dialogue, utterances: tuple[Utterance, ...], held: bool) -> Step:
+    def _run(
+        self, dialogues: Dialogues, dialogue: Dialogue, utterances: tuple[DialogueUtterance, ...], held: bool
+    ) -> DialogueStep:
         while (outcome := self.protocol.outcome(dialogue)) is None:
             if held or self.protocol.speaker(dialogue) is Speaker.PERSON:
-                return Step(_with(dialogues, dialogue), dialogue, utterances, None)
+                return DialogueStep(_with(dialogues, dialogue), dialogue, utterances, None)
             legal = self.protocol.legal(dialogue)
-            choice = self.strategy.choose(View(Speaker.ROBOT, dialogue), legal)
+            choice = self.strategy.choose(StrategyInput(Speaker.ROBOT, dialogue), legal)
             if choice not in legal:
                 raise ValueError(f"the strategy chose {choice}, which is not among the legal moves {legal}")
             dialogue, utterance = self._said(dialogue, Turn(Speaker.ROBOT, choice, Author.ROBOT))
             utterances = (*utterances, utterance)
-        return Step(_without(dialogues, dialogue), dialogue, utterances, outcome)
+        return DialogueStep(_without(dialogues, dialogue), dialogue, utterances, outcome)
 
-    def _said(self, dialogue: Dialogue, turn: Turn) -> tuple[Dialogue, Utterance]:
+    def _said(self, dialogue: Dialogue, turn: Turn) -> tuple[Dialogue, DialogueUtterance]:
         text = turn.text or self.phrasing.say(dialogue, turn.move)
         index, topic = len(dialogue.turns), dialogue.topic
-        utterance = Utterance(dialogue.number, index, turn.speaker, turn.author, turn.move, text, topic)
+        utterance = DialogueUtterance(dialogue.number, index, turn.speaker, turn.author, turn.move, text, topic)
         return replace(dialogue, turns=(*dialogue.turns, turn)), utterance
 
 
@@ -188,9 +201,9 @@ def _without(dialogues: Dialogues, ended: Dialogue) -> Dialogues:
     return replace(dialogues, open=tuple(dialogue for dialogue in dialogues.open if dialogue.number != ended.number))
 
 
-def _no_such(number: int) -> Refused:
-    return Refused(Reason.NO_SUCH_DIALOGUE, f"Dialogue {number} is not open.")
+def _no_such(number: int) -> RequestRefused:
+    return RequestRefused(DialogueReason.NO_SUCH_DIALOGUE, f"Dialogue {number} is not open.")
 
 
-def _name(topic: Topic) -> str:
+def _name(topic: DialogueTopic) -> str:
     return robot_name(topic.robot).capitalize()

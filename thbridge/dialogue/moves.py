@@ -43,7 +43,7 @@ class Author(StrEnum):
     """A person who spoke in the robot's place, unknown to the participant (Wizard-of-Oz)."""
 
 
-class Outcome(StrEnum):
+class DialogueOutcome(StrEnum):
     """How a dialogue ended."""
 
     CONSENSUS = "consensus"
@@ -55,7 +55,7 @@ class Outcome(StrEnum):
 
 
 @dataclass(frozen=True, slots=True)
-class Topic:
+class DialogueTopic:
     """What a dialogue is about, and what its sentences may name; does not change while it is open.
 
     Attributes:
@@ -125,12 +125,12 @@ class Dialogue:
     """
 
     number: int
-    topic: Topic
+    topic: DialogueTopic
     turns: tuple[Turn, ...] = ()
 
 
 @dataclass(frozen=True, slots=True)
-class Utterance:
+class DialogueUtterance:
     """One thing said, as it is recorded.
 
     Attributes:
@@ -149,4 +149,4 @@ class Utterance:
     author: Author
     move: Move
     text: str
-    topic: Topic
+    topic: DialogueTopic

@@ -3,14 +3,14 @@
 from dataclasses import dataclass
 from typing import Protocol
 
-from thbridge.dialogue.moves import Ask, Continue, Dialogue, Move, Outcome, Speaker, Stop
+from thbridge.dialogue.moves import Ask, Continue, Dialogue, DialogueOutcome, Move, Speaker, Stop
 from thbridge.dialogue.templates import Template
 
 
 class DialogueProtocol(Protocol):
     """The rules of a way of talking. All methods are functions of the record; both sides may know them."""
 
-    def outcome(self, dialogue: Dialogue) -> Outcome | None:
+    def outcome(self, dialogue: Dialogue) -> DialogueOutcome | None:
         """How the dialogue has ended, or None while it goes on."""
         ...
 
@@ -32,12 +32,12 @@ class TemplateProtocol:
 
     template: Template
 
-    def outcome(self, dialogue: Dialogue) -> Outcome | None:
+    def outcome(self, dialogue: Dialogue) -> DialogueOutcome | None:
         """Stop ends without consensus, the last Continue with it."""
         if dialogue.turns and dialogue.turns[-1].move == Stop():
-            return Outcome.NO_CONSENSUS
+            return DialogueOutcome.NO_CONSENSUS
         agreed = sum(turn.move == Continue() for turn in dialogue.turns)
-        return Outcome.CONSENSUS if agreed == len(self.template.of(dialogue.topic.scenario)) else None
+        return DialogueOutcome.CONSENSUS if agreed == len(self.template.of(dialogue.topic.scenario)) else None
 
     def speaker(self, dialogue: Dialogue) -> Speaker:
         """The robot begins, then turns alternate."""

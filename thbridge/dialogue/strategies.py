@@ -8,7 +8,7 @@ from thbridge.dialogue.moves import Dialogue, Move, Speaker
 
 
 @dataclass(frozen=True, slots=True)
-class View:
+class StrategyInput:
     """What a side may build on when it chooses: the public record. What it believes beyond that is its own affair.
 
     Attributes:
@@ -23,7 +23,7 @@ class View:
 class Strategy(Protocol):
     """Chooses one side's moves. Must be a function of its arguments and of what it was built with."""
 
-    def choose(self, view: View, legal: Sequence[Move]) -> Move:
+    def choose(self, view: StrategyInput, legal: Sequence[Move]) -> Move:
         """One of the legal moves, of which there is at least one."""
         ...
 
@@ -32,6 +32,6 @@ class Strategy(Protocol):
 class TemplateStrategy:
     """The robot of 2016: it follows its script, which leaves it one move at a time."""
 
-    def choose(self, view: View, legal: Sequence[Move]) -> Move:
+    def choose(self, view: StrategyInput, legal: Sequence[Move]) -> Move:
         """The first legal move: the next question."""
         return legal[0]

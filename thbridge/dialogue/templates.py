@@ -5,13 +5,13 @@ import re
 from collections.abc import Mapping
 from dataclasses import dataclass
 
-from sim.common.noise import Stream
-from thbridge.dialogue.moves import Ask, Continue, Dialogue, Move, Scenario, Stop, Topic
-from thbridge.hunt.costs import spoken_energy
+from sim.common.noise import NoiseStream
+from thbridge.dialogue.moves import Ask, Continue, Dialogue, DialogueTopic, Move, Scenario, Stop
+from thbridge.hunt.costs import energy_text
 
 EVERYWHERE = ("room", "cost", "energy", "robot")
 """Reserved words that any question may use."""
-BY_A_TREASURE = ("colour", "footprint")
+BESIDE_TREASURE = ("colour", "footprint")
 """Reserved words for questions asked where a robot stands by a treasure."""
 
 _RESERVED = re.compile(r"£(\w+)£")
@@ -19,7 +19,7 @@ _STRAY = re.compile(r"£[^\W\d]|[^\W\d]£")
 
 
 @dataclass(frozen=True, slots=True)
-class Question:
+class ScriptedQuestion:
     """One scripted question in one or more wordings, with reserved words such as `£room£` still in place."""
 
     wordings: tuple[str, ...]
@@ -35,9 +35,9 @@ class Template:
     """
 
     name: str
-    questions: Mapping[Scenario, tuple[Question, ...]]
+    questions: Mapping[Scenario, tuple[ScriptedQuestion, ...]]
 
-    def of(self, scenario: Scenario) -> tuple[Question, ...]:
+    def of(self, scenario: Scenario) -> tuple[ScriptedQuestion, ...]:
         """The questions of a scenario, possibly none."""
         return self.questions.get(scenario, ())
 
@@ -53,7 +53,7 @@ class WordFault:
 def reserved_words(scenario: Scenario) -> tuple[str, ...]:
     """The words that questions of this scenario may have between pound signs."""
     by_a_treasure = scenario in (Scenario.TAKE_PICTURE, Scenario.TAKE_TREASURE)
-    return EVERYWHERE + BY_A_TREASURE if by_a_treasure else EVERYWHERE
+    return EVERYWHERE + BESIDE_TREASURE if by_a_treasure else EVERYWHERE
 
 
 def word_fault(wording: str, scenario: Scenario) -> WordFault | None:
@@ -63,7 +63,7 @@ def word_fault(wording: str, scenario: Scenario) -> WordFault | None:
         word = found.group(1)
         if word in allowed:
             continue
-        if word in BY_A_TREASURE:
+        if word in BESIDE_TREASURE:
             return WordFault(
                 f"£{word}£ is known only beside a treasure",
                 "use it in the sections TakePicture: and TakeTreasure: only",
@@ -84,12 +84,12 @@ def fill(wording: str, words: Mapping[str, str]) -> str:
     return _RESERVED.sub(lambda found: words[found.group(1)], wording)
 
 
-def words_of(topic: Topic) -> dict[str, str]:
+def words_of(topic: DialogueTopic) -> dict[str, str]:
     """What the reserved words stand for; room and robot are the numbers people use."""
     return {
         "room": str(topic.room.people),
-        "cost": spoken_energy(topic.cost),
-        "energy": spoken_energy(topic.energy),
+        "cost": energy_text(topic.cost),
+        "energy": energy_text(topic.energy),
         "robot": str(topic.robot + 1),
         "colour": topic.colour,
         "footprint": topic.footprint,
@@ -116,7 +116,7 @@ class TemplatePhrasing:
         match move:
             case Ask(question):
                 wordings = self.template.of(dialogue.topic.scenario)[question].wordings
-                chance = Stream.named(self.seed, "wording").uniforms(dialogue.number, question + 1)[question]
+                chance = NoiseStream.named(self.seed, "wording").uniforms(dialogue.number, question + 1)[question]
                 return fill(wordings[int(chance * len(wordings))], words_of(dialogue.topic))
             case Continue():
                 return "Continue"

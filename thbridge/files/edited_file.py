@@ -13,7 +13,7 @@ _MARK = "\ufeff"
 
 
 @dataclass(frozen=True, slots=True)
-class OnDisk:
+class TextOnDisk:
     """A text as it is on disk.
 
     Attributes:
@@ -27,7 +27,7 @@ class OnDisk:
     marked: bool = False
 
 
-def read_edited(path: Path) -> OnDisk:
+def read_edited(path: Path) -> TextOnDisk:
     """The file as it is now.
 
     Raises:
@@ -36,17 +36,17 @@ def read_edited(path: Path) -> OnDisk:
     if not path.exists():
         if not path.parent.is_dir():
             raise BadFile(path, None, None, f"there is no folder {path.parent}", "Make it, or choose another name")
-        return OnDisk("", exists=False)
+        return TextOnDisk("", exists=False)
     text = read_text(path)
     try:
         with path.open("rb") as file:
             marked = file.read(3) == _MARK.encode()
     except OSError:
         marked = False
-    return OnDisk(text, exists=True, marked=marked)
+    return TextOnDisk(text, exists=True, marked=marked)
 
 
-def write_edited(path: Path, text: str, marked: bool) -> OnDisk:
+def write_edited(path: Path, text: str, marked: bool) -> TextOnDisk:
     """Put a text in the file's place at once; a link stays a link, and permissions stay what they are.
 
     Raises:
@@ -69,7 +69,7 @@ def write_edited(path: Path, text: str, marked: bool) -> OnDisk:
                 Path(part).unlink()
         reason = reason_of(error) if isinstance(error, OSError) else "it has signs that are no text"
         raise BadFile(path, None, None, f"it cannot be written ({reason})", "Check the folder and the disk") from None
-    return OnDisk(text, exists=True, marked=marked)
+    return TextOnDisk(text, exists=True, marked=marked)
 
 
 def _umask() -> int:

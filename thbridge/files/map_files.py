@@ -14,7 +14,7 @@ import numpy as np
 
 from sim.common.geometry import Pose2, wrap_angle
 from sim.common.grid import FREE, OCCUPIED, UNKNOWN, MapMode, OccupancyGrid, interpret_image
-from sim.common.traversability import Floor, Polygon, area, crosses_itself, inside
+from sim.common.traversability import Polygon, TraversabilityMap, area, crosses_itself, inside
 from sim.parameters import WorldParameters
 from sim.robot.costmap.footprint import radii
 from thbridge.files.errors import BadFile, BadFiles
@@ -85,7 +85,7 @@ class Map:
 
 
 @dataclass(frozen=True, slots=True)
-class Finding:
+class MapFinding:
     """What a check of a map found: an error keeps the map from loading, a warning does not."""
 
     severity: Literal["error", "warning"]
@@ -109,7 +109,7 @@ def read_map(folder: Path, footprint: Polygon = FOOTPRINT) -> Map:
     return drawn
 
 
-def check_map(folder: Path, footprint: Polygon = FOOTPRINT) -> list[Finding]:
+def check_map(folder: Path, footprint: Polygon = FOOTPRINT) -> list[MapFinding]:
     """Everything that is wrong or odd about a map folder; empty when all is well. Arguments as `read_map`."""
     return _examine(folder, footprint)[1]
 
@@ -225,16 +225,16 @@ def write_map(folder: Path, drawn: Map) -> None:
 # The checks -----------------------------------------------------------------------------------------------------------
 
 
-def _examine(folder: Path, footprint: Polygon) -> tuple[Map | None, list[Finding]]:
+def _examine(folder: Path, footprint: Polygon) -> tuple[Map | None, list[MapFinding]]:
     if not folder.is_dir():
         remedy = "Name a folder that holds map.yaml and rooms.yaml"
-        return None, [Finding("error", BadFile(folder, None, None, "there is no such folder", remedy))]
-    findings: list[Finding] = []
+        return None, [MapFinding("error", BadFile(folder, None, None, "there is no such folder", remedy))]
+    findings: list[MapFinding] = []
     grid = _attempt(lambda: read_grid(folder / "map.yaml"), findings)
     loaded = _attempt(lambda: load(folder / "rooms.yaml", _RoomsYaml), findings)
     if loaded is None:
         return None, findings
-    findings.extend(Finding("error", fault) for fault in _faults_of_rooms(loaded))
+    findings.extend(MapFinding("error", fault) for fault in _faults_of_rooms(loaded))
     if grid is None or findings:
         return None, findings
     costs = folder / MAP_TIMES
@@ -250,27 +250,27 @@ def _examine(folder: Path, footprint: Polygon) -> tuple[Map | None, list[Finding
     return drawn, findings
 
 
-def _attempt(read: Callable[[], T], findings: list[Finding]) -> T | None:
+def _attempt(read: Callable[[], T], findings: list[MapFinding]) -> T | None:
     try:
         return read()
     except BadFiles as error:
-        findings.extend(Finding("error", fault) for fault in error.faults)
+        findings.extend(MapFinding("error", fault) for fault in error.faults)
     except BadFile as error:
-        findings.append(Finding("error", error))
+        findings.append(MapFinding("error", error))
     return None
 
 
-def _findings_of_costs(drawn: Map) -> Iterator[Finding]:
+def _findings_of_costs(drawn: Map) -> Iterator[MapFinding]:
     if drawn.costs is None:
         return
-    findings: list[Finding] = []
+    findings: list[MapFinding] = []
     path = drawn.costs
     matrix = _attempt(lambda: read_map_times(path), findings)
     yield from findings
     if matrix is not None and len(matrix.rooms) != len(drawn.rooms):
         problem = f"costs for {len(matrix.rooms)} rooms, but rooms.yaml has {len(drawn.rooms)}"
         remedy = "Write one row and one column for the corridor and for every room"
-        yield Finding("error", BadFile(path, 1, None, problem, remedy))
+        yield MapFinding("error", BadFile(path, 1, None, problem, remedy))
 
 
 def _room(entry: _RoomEntry) -> MapRoom:
@@ -342,7 +342,7 @@ class _Place:
     what: str
 
 
-def _findings_on_floor(loaded: Loaded[_RoomsYaml], drawn: Map, footprint: Polygon) -> Iterator[Finding]:
+def _findings_on_floor(loaded: Loaded[_RoomsYaml], drawn: Map, footprint: Polygon) -> Iterator[MapFinding]:
     """What only the grid can tell: walls in the way, rooms that overlap, robots that block each other."""
     keys = {entry.number: f"rooms[{index}]" for index, entry in enumerate(loaded.value.rooms)}
     goals = [_Place(f"{keys[room.room.people]}.goal", room.goal, str(room.room)) for room in drawn.rooms]
@@ -350,7 +350,7 @@ def _findings_on_floor(loaded: Loaded[_RoomsYaml], drawn: Map, footprint: Polygo
         _Place(key, pose, f"the start of robot {number}")
         for number, (key, pose) in enumerate(_starts(loaded.value.starts), start=1)
     ]
-    floor = Floor.of(drawn.grid, *radii(np.array(footprint)))
+    floor = TraversabilityMap.of(drawn.grid, *radii(np.array(footprint)))
     yield from _findings_of_regions(loaded, drawn, floor, keys)
     narrow = [*_too_narrow(loaded, floor, goals + starts), *_too_close(loaded, floor, starts)]
     yield from narrow
@@ -358,12 +358,12 @@ def _findings_on_floor(loaded: Loaded[_RoomsYaml], drawn: Map, footprint: Polygo
         room = drawn.room_at(start.pose.x, start.pose.y)
         if room is not None:
             fault = loaded.fault(start.key, f"{start.what} is in {room}", "Start robots in a corridor")
-            yield Finding("warning", fault)
+            yield MapFinding("warning", fault)
     if not narrow:
         yield from _findings_of_ways(loaded, floor, goals, starts)
 
 
-def _too_narrow(loaded: Loaded[_RoomsYaml], floor: Floor, places: list[_Place]) -> Iterator[Finding]:
+def _too_narrow(loaded: Loaded[_RoomsYaml], floor: TraversabilityMap, places: list[_Place]) -> Iterator[MapFinding]:
     for place in places:
         clearance = floor.clearance_at(place.pose)
         if clearance <= floor.circumscribed:
@@ -371,10 +371,10 @@ def _too_narrow(loaded: Loaded[_RoomsYaml], floor: Floor, places: list[_Place]) 
                 f"at ({place.pose.x:g}, {place.pose.y:g}) the nearest cell that is not free is {clearance:.2f} m away; "
                 f"a robot needs more than {floor.circumscribed:.2f} m to turn"
             )
-            yield Finding("error", loaded.fault(place.key, problem, "Move it away from the wall"))
+            yield MapFinding("error", loaded.fault(place.key, problem, "Move it away from the wall"))
 
 
-def _too_close(loaded: Loaded[_RoomsYaml], floor: Floor, starts: list[_Place]) -> Iterator[Finding]:
+def _too_close(loaded: Loaded[_RoomsYaml], floor: TraversabilityMap, starts: list[_Place]) -> Iterator[MapFinding]:
     for second, start in enumerate(starts):
         for other in starts[:second]:
             distance = start.pose.distance(other.pose)
@@ -383,12 +383,14 @@ def _too_close(loaded: Loaded[_RoomsYaml], floor: Floor, starts: list[_Place]) -
                     f"{start.what} is {distance:.2f} m from {other.what}; "
                     f"they need more than {2 * floor.circumscribed:.2f} m"
                 )
-                yield Finding("error", loaded.fault(start.key, problem, "Move one of the two, or widen starts.spacing"))
+                yield MapFinding(
+                    "error", loaded.fault(start.key, problem, "Move one of the two, or widen starts.spacing")
+                )
 
 
 def _findings_of_regions(
-    loaded: Loaded[_RoomsYaml], drawn: Map, floor: Floor, keys: dict[int, str]
-) -> Iterator[Finding]:
+    loaded: Loaded[_RoomsYaml], drawn: Map, floor: TraversabilityMap, keys: dict[int, str]
+) -> Iterator[MapFinding]:
     grid = drawn.grid
     slack = grid.resolution / 2
     width, height = grid.cols * grid.resolution, grid.rows * grid.resolution
@@ -400,24 +402,24 @@ def _findings_of_regions(
         if outside.any():
             x, y = entry.region[int(outside.argmax())]
             problem = f"its corner ({x:g}, {y:g}) is outside the map, which is {width:g} m x {height:g} m"
-            yield Finding("error", loaded.fault(key, problem, "Mend the region, or the map's origin or resolution"))
+            yield MapFinding("error", loaded.fault(key, problem, "Mend the region, or the map's origin or resolution"))
         held = inside(entry.region, floor.x, floor.y)
         shared = owner[held & (owner > 0)]
         if shared.size:
             problem = f"it overlaps the region of room {shared[0]} by {shared.size * grid.resolution**2:.2f} m^2"
-            yield Finding("error", loaded.fault(key, problem, "Draw the regions apart"))
+            yield MapFinding("error", loaded.fault(key, problem, "Draw the regions apart"))
         owner[held] = entry.room.people
 
 
 def _findings_of_ways(
-    loaded: Loaded[_RoomsYaml], floor: Floor, goals: list[_Place], starts: list[_Place]
-) -> Iterator[Finding]:
+    loaded: Loaded[_RoomsYaml], floor: TraversabilityMap, goals: list[_Place], starts: list[_Place]
+) -> Iterator[MapFinding]:
     obstructed = [floor.obstructed_by(start.pose) for start in starts]
     reach = floor.reachable(starts[0].pose, np.zeros_like(obstructed[0]))
     cut_off = [place for place in goals + starts if not reach[floor.grid.cell_of(place.pose.x, place.pose.y)]]
     for place in cut_off:
         problem = f"no way {2 * floor.inscribed:g} m wide leads from {starts[0].what} to {place.what}"
-        yield Finding("error", loaded.fault(place.key, problem, "Widen a door, or move it"))
+        yield MapFinding("error", loaded.fault(place.key, problem, "Widen a door, or move it"))
     if cut_off:
         return
     crowd = np.sum(obstructed, axis=0)
@@ -426,4 +428,4 @@ def _findings_of_ways(
         blocked = [goal.what for goal in goals if not reach[floor.grid.cell_of(goal.pose.x, goal.pose.y)]]
         if blocked:
             problem = f"with {len(starts)} robots at their starts no way leads from {start.what} to {blocked[0]}"
-            yield Finding("warning", loaded.fault(start.key, problem, "Leave a lane free between the starts"))
+            yield MapFinding("warning", loaded.fault(start.key, problem, "Leave a lane free between the starts"))

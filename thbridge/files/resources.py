@@ -8,14 +8,14 @@ from typing import Literal
 
 from thbridge.files.errors import BadFile
 
-Kind = Literal["maps", "templates"]
+ResourceKind = Literal["maps", "templates"]
 
 PACKAGE = Path(__file__).resolve().parent.parent
 """The folder of the package thbridge, in a wheel or in a checkout."""
 
-_MARKS: Mapping[Kind, str] = {"maps": "map.yaml", "templates": "DialogueText"}
+_MARKS: Mapping[ResourceKind, str] = {"maps": "map.yaml", "templates": "DialogueText"}
 """The file by which a folder of each kind is known."""
-_WORDS: Mapping[Kind, str] = {"maps": "map", "templates": "set of templates"}
+_WORDS: Mapping[ResourceKind, str] = {"maps": "map", "templates": "set of templates"}
 
 
 @dataclass(frozen=True, slots=True)
@@ -28,11 +28,11 @@ class Resources:
 
     root: Path
 
-    def names(self, kind: Kind) -> tuple[str, ...]:
+    def names(self, kind: ResourceKind) -> tuple[str, ...]:
         """What comes with the project, in alphabetical order."""
         return tuple(sorted(mark.parent.name for mark in (self.root / kind).glob(f"*/{_MARKS[kind]}")))
 
-    def find(self, kind: Kind, wanted: str, beside: Path) -> Path:
+    def find(self, kind: ResourceKind, wanted: str, beside: Path) -> Path:
         """The folder of a map or a set of templates.
 
         Args:
@@ -58,7 +58,7 @@ class Resources:
         remedy += f"; a path of your own needs a slash, as in ./{wanted or 'folder'}"
         raise BadFile(self.root / kind, None, wanted or None, f"there is no {word} of this name", remedy)
 
-    def _listed(self, kind: Kind) -> str:
+    def _listed(self, kind: ResourceKind) -> str:
         return ", ".join(self.names(kind)) or "none"
 
 

@@ -3,7 +3,7 @@
 from pathlib import Path
 
 from thbridge.files.errors import BadFile, reason_of
-from thbridge.wire.mavlink.frames.signing import NoKey, SigningKey, key_in
+from thbridge.wire.mavlink.frames.signing import InvalidKey, SigningKey, key_in
 
 _REMEDY = "put a passphrase, 32 bytes or 64 hexadecimal digits there"
 _LARGEST = 4096
@@ -21,6 +21,6 @@ def read_signing_key(path: Path) -> SigningKey:
     except OSError as error:
         raise BadFile(path, None, None, f"the signing key cannot be read ({reason_of(error)})", _REMEDY) from None
     key = key_in(content)
-    if isinstance(key, NoKey):
+    if isinstance(key, InvalidKey):
         raise BadFile(path, None, None, f"there is no signing key in it: {key.problem}", _REMEDY)
     return key

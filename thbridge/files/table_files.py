@@ -21,7 +21,7 @@ class TableFormat(StrEnum):
     PARQUET = "parquet"
 
 
-class Described(Protocol):
+class ColumnInfo(Protocol):
     """A column."""
 
     @property
@@ -37,7 +37,7 @@ class Described(Protocol):
         """Of its values, or ""."""
 
 
-class Arrays(Protocol):
+class ArrayColumn(Protocol):
     """A column of arrays."""
 
     @property
@@ -49,7 +49,7 @@ class Arrays(Protocol):
         """What is in them, one behind the other."""
 
 
-Values: TypeAlias = "Array | list[str] | list[str | None] | list[bytes] | Arrays"
+Values: TypeAlias = "Array | list[str] | list[str | None] | list[bytes] | ArrayColumn"
 
 
 class TableFiles:
@@ -68,7 +68,7 @@ class TableFiles:
         self._csv: dict[str, csv.CSVWriter] = {}
         self._parquet: dict[str, parquet.ParquetWriter] = {}
 
-    def write(self, name: str, columns: Sequence[Described], values: Sequence[Values]) -> None:
+    def write(self, name: str, columns: Sequence[ColumnInfo], values: Sequence[Values]) -> None:
         """Append rows.
 
         Args:

@@ -14,7 +14,7 @@ from dataclasses import dataclass, replace
 from pathlib import Path
 
 from thbridge.dialogue.moves import Scenario
-from thbridge.dialogue.templates import Question, Template, word_fault
+from thbridge.dialogue.templates import ScriptedQuestion, Template, word_fault
 from thbridge.files.errors import BadFile
 from thbridge.hunt.costs import NOT_A_MOVE, CostMatrix
 from thbridge.hunt.treasures import TreasureKind, same_name
@@ -212,7 +212,7 @@ def read_dialogue_text(path: Path) -> Template:
             "the first line is the template's name, not a section",
             "add a first line with a name, for instance DontKnow:",
         )
-    questions: dict[Scenario, list[Question]] = {Scenario.DONT_KNOW: []}
+    questions: dict[Scenario, list[ScriptedQuestion]] = {Scenario.DONT_KNOW: []}
     scenario = Scenario.DONT_KNOW
     for number, line in lines[1:]:
         section = _section(path, number, line)
@@ -340,7 +340,7 @@ def _section(path: Path, number: int, line: str) -> Scenario | None:
     return None
 
 
-def _question(path: Path, number: int, line: str, scenario: Scenario) -> Question:
+def _question(path: Path, number: int, line: str, scenario: Scenario) -> ScriptedQuestion:
     wordings = tuple(wording.strip() for wording in _BETWEEN_WORDINGS.split(line))
     if not all(wordings):
         raise BadFile(
@@ -350,7 +350,7 @@ def _question(path: Path, number: int, line: str, scenario: Scenario) -> Questio
         fault = word_fault(wording, scenario)
         if fault is not None:
             raise BadFile(path, number, None, fault.problem, fault.remedy)
-    return Question(wordings)
+    return ScriptedQuestion(wordings)
 
 
 def _check_copy(path: Path, treasures: TreasureList) -> None:

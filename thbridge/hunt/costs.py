@@ -55,7 +55,7 @@ class CostMatrix:
         """The rooms it tells of, without the corridor."""
         return all_rooms(len(self.rows) - 1)
 
-    def knows(self, place: Room) -> bool:
+    def has_place(self, place: Room) -> bool:
         """Whether the matrix has a row for this place."""
         return place.people < len(self.rows)
 
@@ -64,6 +64,6 @@ class CostMatrix:
         return self.rows[start.people][goal.people]
 
 
-def spoken_energy(energy: float) -> str:
+def energy_text(energy: float) -> str:
     """An amount of energy as people read it: `13`, `12.5`, `0.07`, never `13.0`."""
     return f"{energy:.2f}".rstrip("0").rstrip(".")

@@ -39,7 +39,7 @@ from thbridge.hunt.treasures import TreasureKind
 
 
 @dataclass(frozen=True, slots=True)
-class Command:
+class CommandHolder:
     """Who commands a robot, and, beside the participant, who exactly."""
 
     by: Commander = Commander.PARTICIPANT
@@ -66,12 +66,12 @@ class RobotState:
     bound_for: Room | None = None
     paid: float = 0.0
     condition: Condition = Condition.WELL
-    holder: Command = Command()
-    intervention: Command | None = None
+    holder: CommandHolder = CommandHolder()
+    intervention: CommandHolder | None = None
     asked_back: int = 0
 
     @property
-    def command(self) -> Command:
+    def command(self) -> CommandHolder:
         """Who commands it just now."""
         return self.intervention or self.holder
 
@@ -233,7 +233,7 @@ def apply(state: GameState, event: Event) -> GameState:
             return _with_robot(state, event.robot, replace(robot, condition=event.condition))
         case Commanded():
             robot = _robot(state, event.robot)
-            command = Command(event.by, event.name)
+            command = CommandHolder(event.by, event.name)
             return _with_robot(
                 state,
                 event.robot,

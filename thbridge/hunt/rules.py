@@ -7,7 +7,7 @@ import math
 from collections.abc import Callable
 from enum import StrEnum
 
-from thbridge.hunt.costs import spoken_energy
+from thbridge.hunt.costs import energy_text
 from thbridge.hunt.events import (
     Agreed,
     Arrived,
@@ -26,13 +26,13 @@ from thbridge.hunt.events import (
     Reported,
     Sensed,
 )
-from thbridge.hunt.game import Command, GameState
-from thbridge.hunt.outcomes import Refused
+from thbridge.hunt.game import CommandHolder, GameState
+from thbridge.hunt.refusals import RequestRefused
 from thbridge.hunt.rooms import CORRIDOR, Room
 from thbridge.hunt.treasures import same_name
 
 
-class Reason(StrEnum):
+class RuleReason(StrEnum):
     """Why a rule refuses."""
 
     GAME_OVER = "game-over"
@@ -52,7 +52,7 @@ class Reason(StrEnum):
     ALREADY_DECIDED = "already-decided"
 
 
-Ruling = tuple[Event, ...] | Refused
+Ruling = tuple[Event, ...] | RequestRefused
 
 
 def agree(state: GameState) -> Ruling:
@@ -60,7 +60,7 @@ def agree(state: GameState) -> Ruling:
     return () if state.agreed else (Agreed(),)
 
 
-def command(state: GameState, robot: int, by: Command) -> Ruling:
+def command(state: GameState, robot: int, by: CommandHolder) -> Ruling:
     """Give a robot to the participant or to a ground station; a researcher who intervenes is not stopped by that.
 
     It may be asked after the end of a game too: robots drive on, and nothing in the game's outcome follows from it. A
@@ -99,12 +99,14 @@ def ask_back(state: GameState, robot: int) -> Ruling:
     return () if state.robots[robot].command.by is Commander.PARTICIPANT else (AskedBack(robot),)
 
 
-def commanded_by_other(state: GameState, robot: int, asker: Commander) -> Refused | None:
+def commanded_by_other(state: GameState, robot: int, asker: Commander) -> RequestRefused | None:
     """Why this asker may not move a robot of the team, or None: somebody else commands it just now."""
     now = state.robots[robot].command
     if now.by is asker:
         return None
-    return Refused(Reason.COMMANDED, f"{_name(robot)} is commanded by {commander_name(now.by, now.name)} just now.")
+    return RequestRefused(
+        RuleReason.COMMANDED, f"{_name(robot)} is commanded by {commander_name(now.by, now.name)} just now."
+    )
 
 
 def commander_name(by: Commander, name: str) -> str:
@@ -128,19 +130,19 @@ def move(state: GameState, robot: int, room: Room, asker: Commander = Commander.
         return refused
     mover = state.robots[robot]
     if mover.bound_for is not None:
-        return Refused(Reason.UNDER_WAY, f"{_name(robot)} is still under way to {mover.bound_for}.")
+        return RequestRefused(RuleReason.UNDER_WAY, f"{_name(robot)} is still under way to {mover.bound_for}.")
     if mover.is_silent:
         return _silent(robot)
     if mover.is_blocked:
         return _blocked(robot)
     if state.room(room).visited:
-        return Refused(Reason.ALREADY_VISITED, f"{_capital(room)} has been visited already.")
+        return RequestRefused(RuleReason.ALREADY_VISITED, f"{_capital(room)} has been visited already.")
     other = state.reserved_by(room)
     if other is not None:
-        return Refused(Reason.RESERVED, f"{_name(other)} is already under way to {room}.")
+        return RequestRefused(RuleReason.RESERVED, f"{_name(other)} is already under way to {room}.")
     cost = state.started.costs.cost(mover.at, room)
     if math.isinf(cost):
-        return Refused(Reason.NOT_A_MOVE, f"There is no way from {mover.at} to {room}.")
+        return RequestRefused(RuleReason.NOT_A_MOVE, f"There is no way from {mover.at} to {room}.")
     if cost > mover.energy:
         return _too_dear(robot, f"the way to {room}", cost, mover.energy)
     left: tuple[Event, ...] = ()
@@ -184,7 +186,7 @@ def fail(state: GameState, robot: int, reason: str, share_done: float, at: Room 
         return _no_robot(state, robot)
     mover = state.robots[robot]
     if mover.bound_for is None:
-        return Refused(Reason.NOT_UNDER_WAY, f"{_name(robot)} is not under way.")
+        return RequestRefused(RuleReason.NOT_UNDER_WAY, f"{_name(robot)} is not under way.")
     done = min(max(share_done, 0.0), 1.0)
     if at is None:
         at = mover.at if done == 0.0 else CORRIDOR
@@ -203,7 +205,7 @@ def report(state: GameState, robot: int, condition: Condition) -> Ruling:
     return () if state.robots[robot].condition is condition else (Reported(robot, condition),)
 
 
-def sense(state: GameState, room: Room, told: tuple[str, str] | None = None) -> Ruling:
+def sense(state: GameState, room: Room, reported: tuple[str, str] | None = None) -> Ruling:
     """Perceive colour and footprint of the treasure where a robot stands. Sensing again gives no new event.
 
     Args:
@@ -212,19 +214,19 @@ def sense(state: GameState, room: Room, told: tuple[str, str] | None = None) -> 
         told: colour and footprint as another program's Hider told them; None takes them from what this game hid.
     """
     found = _standing_robot(state, room)
-    if isinstance(found, Refused):
+    if isinstance(found, RequestRefused):
         return found
     if state.room(room).sensed is not None:
         return ()
     treasure = state.treasure(room)
-    if told is not None:
-        return (Sensed(room, *told),)
+    if reported is not None:
+        return (Sensed(room, *reported),)
     if treasure is None:
         return _nothing_known(room)
     return (Sensed(room, treasure.colour, treasure.footprint),)
 
 
-def picture(state: GameState, room: Room, told: str | None = None) -> Ruling:
+def picture(state: GameState, room: Room, reported: str | None = None) -> Ruling:
     """Take a picture where a robot stands. Energy is paid for the first in a room; the same is shown again for nothing.
 
     Args:
@@ -233,13 +235,13 @@ def picture(state: GameState, room: Room, told: str | None = None) -> Ruling:
         told: file name as another program's Hider told it; None takes it from what this game hid.
     """
     robot = _standing_robot(state, room)
-    if isinstance(robot, Refused):
+    if isinstance(robot, RequestRefused):
         return robot
     taken = state.room(room).image
     if taken is not None:
         return (Pictured(room, robot, taken, 0.0),)
     treasure = state.treasure(room)
-    image = told if told is not None or treasure is None else treasure.image
+    image = reported if reported is not None or treasure is None else treasure.image
     if image is None:
         return _nothing_known(room)
     return _paid(state, robot, "a picture", state.started.picture_cost) or (
@@ -247,7 +249,7 @@ def picture(state: GameState, room: Room, told: str | None = None) -> Ruling:
     )
 
 
-def identify(state: GameState, room: Room, name: str, told: int | None = None) -> Ruling:
+def identify(state: GameState, room: Room, name: str, reported: int | None = None) -> Ruling:
     """Name the treasure of a room, once: right wins its points, wrong costs `wrong_share` of them.
 
     It is named, and paid, by the robot that stands there, or found it and was sent on by a ground station.
@@ -262,11 +264,11 @@ def identify(state: GameState, room: Room, name: str, told: int | None = None) -
         told: the points as another program's Hider told them; None takes the verdict from what this game hid.
     """
     robot = _present(state, room, state.decider)
-    if isinstance(robot, Refused):
+    if isinstance(robot, RequestRefused):
         return robot
     if state.room(room).is_decided:
         return _decided(room)
-    points = told
+    points = reported
     treasure = state.treasure(room)
     if points is None:
         if treasure is None:
@@ -284,7 +286,7 @@ def leave(state: GameState, room: Room) -> Ruling:
     if refused:
         return refused
     if not state.room(room).visited:
-        return Refused(Reason.NOBODY_THERE, f"No robot has been in {room} yet.")
+        return RequestRefused(RuleReason.NOBODY_THERE, f"No robot has been in {room} yet.")
     return _decided(room) if state.room(room).is_decided else (Left(room),)
 
 
@@ -295,7 +297,7 @@ def give_up(state: GameState) -> Ruling:
         return refused
     for number, robot in enumerate(state.robots):
         if robot.bound_for is not None:
-            return Refused(Reason.UNDER_WAY, f"{_name(number)} is still under way to {robot.bound_for}.")
+            return RequestRefused(RuleReason.UNDER_WAY, f"{_name(number)} is still under way to {robot.bound_for}.")
     return (Ended(EndReason.GIVEN_UP, state.score),)
 
 
@@ -356,22 +358,22 @@ def _waits_for_station(state: GameState, room: Room) -> bool:
     return held and state.treasures is not None
 
 
-def _standing_robot(state: GameState, room: Room) -> int | Refused:
+def _standing_robot(state: GameState, room: Room) -> int | RequestRefused:
     return _present(state, room, state.standing_in)
 
 
-def _present(state: GameState, room: Room, who: Callable[[Room], int | None]) -> int | Refused:
+def _present(state: GameState, room: Room, who: Callable[[Room], int | None]) -> int | RequestRefused:
     """The robot that does something in a room, if it answers."""
     refused = _over(state) or _no_room(state, room)
     if refused:
         return refused
     robot = who(room)
     if robot is None:
-        return Refused(Reason.NOBODY_THERE, f"No robot stands in {room}.")
+        return RequestRefused(RuleReason.NOBODY_THERE, f"No robot stands in {room}.")
     return _silent(robot) if state.robots[robot].is_silent else robot
 
 
-def _paid(state: GameState, robot: int, what: str, cost: float) -> Refused | None:
+def _paid(state: GameState, robot: int, what: str, cost: float) -> RequestRefused | None:
     worker = state.robots[robot]
     if worker.is_blocked:
         return _blocked(robot)
@@ -380,45 +382,49 @@ def _paid(state: GameState, robot: int, what: str, cost: float) -> Refused | Non
     return None
 
 
-def _over(state: GameState) -> Refused | None:
-    return None if state.ended is None else Refused(Reason.GAME_OVER, "The game is over.")
+def _over(state: GameState) -> RequestRefused | None:
+    return None if state.ended is None else RequestRefused(RuleReason.GAME_OVER, "The game is over.")
 
 
-def _unknown(state: GameState, robot: int, room: Room) -> Refused | None:
+def _unknown(state: GameState, robot: int, room: Room) -> RequestRefused | None:
     return _no_room(state, room) if state.has_robot(robot) else _no_robot(state, robot)
 
 
-def _no_robot(state: GameState, robot: int) -> Refused:
-    return Refused(Reason.UNKNOWN_ROBOT, f"There is no {robot_name(robot)}; the team has {len(state.robots)}.")
-
-
-def _no_room(state: GameState, room: Room) -> Refused | None:
-    if state.has_room(room):
-        return None
-    return Refused(Reason.UNKNOWN_ROOM, f"{_capital(room)} is not a room of this game; it has 1 to {len(state.rooms)}.")
-
-
-def _silent(robot: int) -> Refused:
-    return Refused(Reason.SILENT, f"{_name(robot)} does not answer any more.")
-
-
-def _blocked(robot: int) -> Refused:
-    return Refused(Reason.BLOCKED, f"{_name(robot)} has no energy left.")
-
-
-def _too_dear(robot: int, what: str, cost: float, energy: float) -> Refused:
-    return Refused(
-        Reason.NOT_ENOUGH_ENERGY,
-        f"{_name(robot)} has {spoken_energy(energy)} energy left, but {what} costs {spoken_energy(cost)}.",
+def _no_robot(state: GameState, robot: int) -> RequestRefused:
+    return RequestRefused(
+        RuleReason.UNKNOWN_ROBOT, f"There is no {robot_name(robot)}; the team has {len(state.robots)}."
     )
 
 
-def _nothing_known(room: Room) -> Refused:
-    return Refused(Reason.NOTHING_KNOWN, f"Nothing is known about a treasure in {room}.")
+def _no_room(state: GameState, room: Room) -> RequestRefused | None:
+    if state.has_room(room):
+        return None
+    return RequestRefused(
+        RuleReason.UNKNOWN_ROOM, f"{_capital(room)} is not a room of this game; it has 1 to {len(state.rooms)}."
+    )
 
 
-def _decided(room: Room) -> Refused:
-    return Refused(Reason.ALREADY_DECIDED, f"The treasure in {room} has been decided already.")
+def _silent(robot: int) -> RequestRefused:
+    return RequestRefused(RuleReason.SILENT, f"{_name(robot)} does not answer any more.")
+
+
+def _blocked(robot: int) -> RequestRefused:
+    return RequestRefused(RuleReason.BLOCKED, f"{_name(robot)} has no energy left.")
+
+
+def _too_dear(robot: int, what: str, cost: float, energy: float) -> RequestRefused:
+    return RequestRefused(
+        RuleReason.NOT_ENOUGH_ENERGY,
+        f"{_name(robot)} has {energy_text(energy)} energy left, but {what} costs {energy_text(cost)}.",
+    )
+
+
+def _nothing_known(room: Room) -> RequestRefused:
+    return RequestRefused(RuleReason.NOTHING_KNOWN, f"Nothing is known about a treasure in {room}.")
+
+
+def _decided(room: Room) -> RequestRefused:
+    return RequestRefused(RuleReason.ALREADY_DECIDED, f"The treasure in {room} has been decided already.")
 
 
 def _name(robot: int) -> str:

@@ -13,8 +13,8 @@ from enum import StrEnum
 import numpy as np
 from numpy.typing import NDArray
 
-from thbridge.hunt.costs import CostMatrix, spoken_energy
-from thbridge.hunt.outcomes import Refused
+from thbridge.hunt.costs import CostMatrix, energy_text
+from thbridge.hunt.refusals import RequestRefused
 from thbridge.hunt.rooms import Room
 
 MOST_ROOMS = 18
@@ -40,7 +40,7 @@ class Tour:
 
 def best_tour(
     costs: CostMatrix, at: Room, unvisited: Collection[Room], energy: float = math.inf, visit: float = 0.0
-) -> Tour | Refused:
+) -> Tour | RequestRefused:
     """The tour from `at` that visits most of `unvisited` within `energy`, and of those the cheapest.
 
     With energy enough for all of them this is the cheapest tour of all. Ties go to the tour whose rooms come first in
@@ -62,21 +62,21 @@ def best_tour(
     """
     rooms = sorted(set(unvisited) - {at})
     if not rooms:
-        return Refused(NoTour.NOTHING_LEFT, "Every room has been visited.")
+        return RequestRefused(NoTour.NOTHING_LEFT, "Every room has been visited.")
     if len(rooms) > MOST_ROOMS:
-        return Refused(
+        return RequestRefused(
             NoTour.TOO_MANY_ROOMS, f"I can compare tours of at most {MOST_ROOMS} rooms, and {len(rooms)} are left."
         )
     places = [*rooms, at]
     step = np.array([[costs.cost(start, goal) for goal in rooms] for start in places])
     if not np.isfinite(step[-1]).any():
-        return Refused(NoTour.NOT_REACHABLE, f"There is no way from {at} to any room that is left.")
+        return RequestRefused(NoTour.NOT_REACHABLE, f"There is no way from {at} to any room that is left.")
     if energy < step[-1].min():
         nearest = rooms[int(step[-1].argmin())]
-        return Refused(
+        return RequestRefused(
             NoTour.NOT_ENOUGH_ENERGY,
-            f"The cheapest room left is {nearest} and costs {spoken_energy(step[-1].min())}, "
-            f"but only {spoken_energy(energy)} is left.",
+            f"The cheapest room left is {nearest} and costs {energy_text(step[-1].min())}, "
+            f"but only {energy_text(energy)} is left.",
         )
     to_go, sizes = _cost_to_go(step)
     from_start = to_go[:, -1]
@@ -90,10 +90,10 @@ def best_tour(
 
 def suggest(
     costs: CostMatrix, at: Room, unvisited: Collection[Room], energy: float, visit: float = 0.0
-) -> Room | Refused:
+) -> Room | RequestRefused:
     """The room to go to next: the first of `best_tour`, same arguments, same refusals."""
     tour = best_tour(costs, at, unvisited, energy, visit)
-    return tour if isinstance(tour, Refused) else tour.rooms[0]
+    return tour if isinstance(tour, RequestRefused) else tour.rooms[0]
 
 
 def _cost_to_go(step: NDArray[np.float64]) -> tuple[NDArray[np.float64], NDArray[np.int64]]:

@@ -11,13 +11,13 @@ from sim.common.geometry import FloatArray, Pose2
 from sim.common.grid import OCCUPIED, OccupancyGrid
 from sim.common.observations import TICK
 from sim.parameters import RobotParameters, WorldParameters
-from sim.robot.navigator import Arrived, Goal, NoPath
+from sim.robot.navigator import Goal, GoalReached, NoPath
 from sim.team import Go, Team
 from sim.world.physics import Misplaced, World
 
 
 @dataclass(frozen=True, slots=True)
-class Errand:
+class DriveTask:
     """What is to be driven.
 
     Attributes:
@@ -34,7 +34,7 @@ class Errand:
 
 
 @dataclass(frozen=True, slots=True)
-class Outcome:
+class DriveResult:
     """How an errand went.
 
     Attributes:
@@ -56,8 +56,8 @@ class Outcome:
 
 
 def drive(
-    grid: OccupancyGrid, world: WorldParameters, robot: RobotParameters, errand: Errand, seed: int
-) -> Outcome | Misplaced:
+    grid: OccupancyGrid, world: WorldParameters, robot: RobotParameters, errand: DriveTask, seed: int
+) -> DriveResult | Misplaced:
     """Drive an errand, alone on the map; or say why the robot cannot stand at its start.
 
     Args:
@@ -92,12 +92,12 @@ def drive(
         room.enter(pose)
         collided = bool(snapshot.truth.collisions[0] > 0)
         result = snapshot.robots[0].navigation.result
-        if isinstance(result, Arrived):
-            return Outcome(True, collided, round(tick * TICK, 2), distance, room.least, None)
+        if isinstance(result, GoalReached):
+            return DriveResult(True, collided, round(tick * TICK, 2), distance, room.least, None)
         if isinstance(result, NoPath):
             reason = result.sentence
             break
-    return Outcome(False, collided, round(tick * TICK, 2), distance, room.least, reason)
+    return DriveResult(False, collided, round(tick * TICK, 2), distance, room.least, reason)
 
 
 def _heedless_of_heading(robot: RobotParameters) -> RobotParameters:

@@ -10,14 +10,14 @@ from sim.common.observations import STANDSTILL, Imu, Odometry, Scan
 from sim.parameters import AmclParameters
 from sim.robot.localization.amcl import Amcl
 from sim.robot.localization.estimate import Estimate, Localizer
-from thbridge.hunt.outcomes import Refused
+from thbridge.hunt.refusals import RequestRefused
 from thbridge.offline.laser import Laser, usable
 from thbridge.offline.odometry import CLOCK_SET_BACK_NS, OdometryTrack
 from thbridge.offline.recording import StampedScan
 from thbridge.ros.frames import frame_name
 
 
-class Skip(StrEnum):
+class SkipReason(StrEnum):
     """Why a scan was not given to the filter."""
 
     NO_ODOMETRY = "no odometry near its time"
@@ -27,7 +27,7 @@ class Skip(StrEnum):
 
 
 @dataclass(frozen=True, slots=True, eq=False)
-class Fix:
+class FilterUpdate:
     """One update of the filter.
 
     Attributes:
@@ -44,7 +44,7 @@ class Fix:
 
 
 @dataclass(frozen=True, slots=True, eq=False)
-class Localized:
+class LocalizationResult:
     """What came of it.
 
     Attributes:
@@ -55,10 +55,10 @@ class Localized:
         cpu_seconds: what the filter's updates took of the clock, reading the bag not counted.
     """
 
-    fixes: tuple[Fix, ...]
+    updates: tuple[FilterUpdate, ...]
     last: Estimate
     scans: int
-    skipped: Mapping[Skip, int]
+    skipped: Mapping[SkipReason, int]
     cpu_seconds: float
 
 
@@ -69,7 +69,7 @@ def localize(
     scans: Iterable[StampedScan],
     clock: Callable[[], float],
     progress: Callable[[], None],
-) -> Localized | Refused:
+) -> LocalizationResult | RequestRefused:
     """Follow a robot through a recording.
 
     Each scan is weighed at the odometry of its own stamp, as amcl looks it up in tf.
@@ -82,25 +82,25 @@ def localize(
         clock: seconds of the processor.
         progress: called once for each scan.
     """
-    fixes: list[Fix] = []
-    skipped: Counter[Skip] = Counter()
+    fixes: list[FilterUpdate] = []
+    skipped: Counter[SkipReason] = Counter()
     last: Estimate | None = None
     given, latest_ns, cpu_seconds = 0, 0, 0.0
     frame = frame_name(laser.first.frame)
     for tick, read in enumerate(scans):
         progress()
         if not usable(read.scan):
-            skipped[Skip.UNUSABLE] += 1
+            skipped[SkipReason.UNUSABLE] += 1
             continue
         if frame_name(read.scan.frame) != frame:
-            skipped[Skip.OTHER_LASER] += 1
+            skipped[SkipReason.OTHER_LASER] += 1
             continue
         if latest_ns - CLOCK_SET_BACK_NS <= read.stamp_ns <= latest_ns:
-            skipped[Skip.NOT_NEWER] += 1
+            skipped[SkipReason.NOT_NEWER] += 1
             continue
         base_in_odom = odometry.at(read.stamp_ns, read.received_ns)
         if base_in_odom is None:
-            skipped[Skip.NO_ODOMETRY] += 1
+            skipped[SkipReason.NO_ODOMETRY] += 1
             continue
         latest_ns = read.stamp_ns
         given += 1
@@ -110,11 +110,11 @@ def localize(
         last = localizer.update(Odometry(tick, base_in_odom, STANDSTILL), Imu(tick, 0.0), scan)
         cpu_seconds += clock() - started
         if last.updated:
-            fixes.append(Fix(read.stamp_ns, last.base_in_map, last.covariance, last.lost))
+            fixes.append(FilterUpdate(read.stamp_ns, last.base_in_map, last.covariance, last.lost))
     if last is None:
         told = ", ".join(f"{count} {reason}" for reason, count in skipped.items())
-        return Refused("no-usable-scan", f"No scan could be used: {told or 'there are none'}.")
-    return Localized(tuple(fixes), last, given, dict(skipped), cpu_seconds)
+        return RequestRefused("no-usable-scan", f"No scan could be used: {told or 'there are none'}.")
+    return LocalizationResult(tuple(fixes), last, given, dict(skipped), cpu_seconds)
 
 
 def warm_up(localizer: Amcl, parameters: AmclParameters, scan: Scan) -> None:

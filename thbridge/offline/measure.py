@@ -8,7 +8,7 @@ from statistics import fmean, stdev
 from sim.common import noise
 from sim.common.observations import TICK
 from sim.parameters import RobotParameters, WorldParameters
-from sim.robot.navigator import Arrived, Goal, NoPath
+from sim.robot.navigator import Goal, GoalReached, NoPath
 from sim.team import Go, Team
 from thbridge.files.map_files import Map
 from thbridge.hunt.rooms import Room
@@ -18,7 +18,7 @@ LIMIT = 3600.0
 
 
 @dataclass(frozen=True, slots=True)
-class Course:
+class MeasurementSetup:
     """What trips are measured on.
 
     Attributes:
@@ -35,7 +35,7 @@ class Course:
 
 
 @dataclass(frozen=True, slots=True, order=True)
-class Trip:
+class RoomTrip:
     """One drive: from where a robot stands after it was sent to `start`, to the goal of the room `goal`.
 
     The corridor as a start stands for the map's start poses: run 0 leaves from the first, run 1 from the second, and
@@ -48,16 +48,16 @@ class Trip:
 
 
 @dataclass(frozen=True, slots=True)
-class Driven:
+class TripResult:
     """How a trip went: simulated seconds, or the sentence with which it was given up."""
 
-    trip: Trip
+    trip: RoomTrip
     seconds: float | None
     refusal: str | None
 
 
 @dataclass(frozen=True, slots=True)
-class Times:
+class TripTimes:
     """The trips of one pair of places.
 
     Attributes:
@@ -83,17 +83,17 @@ class Times:
         return stdev(self.seconds) if len(self.seconds) > 1 else None
 
 
-def trips(place: Map, runs: int) -> Iterator[Trip]:
+def trips(place: Map, runs: int) -> Iterator[RoomTrip]:
     """All trips of a measurement: from the corridor and every room to every other room, `runs` times each."""
     rooms = [entry.room for entry in place.rooms]
     for run in range(runs):
         for start in [Room(0), *rooms]:
             for goal in rooms:
                 if start != goal:
-                    yield Trip(start, goal, run)
+                    yield RoomTrip(start, goal, run)
 
 
-def drive(course: Course, trip: Trip) -> Driven:
+def drive(course: MeasurementSetup, trip: RoomTrip) -> TripResult:
     """Drive one trip, alone on the map."""
     place = course.place
     starts = place.starts
@@ -105,20 +105,20 @@ def drive(course: Course, trip: Trip) -> Driven:
     for tick in range(1, round(LIMIT / TICK)):
         result = team.step(inputs).robots[0].navigation.result
         inputs = []
-        if isinstance(result, Arrived):
-            return Driven(trip, tick * TICK, None)
+        if isinstance(result, GoalReached):
+            return TripResult(trip, tick * TICK, None)
         if isinstance(result, NoPath):
-            return Driven(trip, None, result.sentence)
-    return Driven(trip, None, f"the robot was still under way after {LIMIT:g} s")
+            return TripResult(trip, None, result.sentence)
+    return TripResult(trip, None, f"the robot was still under way after {LIMIT:g} s")
 
 
-def by_pair(done: Iterable[Driven]) -> tuple[Times, ...]:
+def by_pair(done: Iterable[TripResult]) -> tuple[TripTimes, ...]:
     """The times of each pair of places, ordered by start and goal, in whatever order the trips ended."""
-    pairs: dict[tuple[Room, Room], list[Driven]] = {}
+    pairs: dict[tuple[Room, Room], list[TripResult]] = {}
     for driven in sorted(done, key=lambda driven: driven.trip):
         pairs.setdefault((driven.trip.start, driven.trip.goal), []).append(driven)
     return tuple(
-        Times(
+        TripTimes(
             start,
             goal,
             tuple(driven.seconds for driven in together if driven.seconds is not None),

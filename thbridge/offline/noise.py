@@ -14,12 +14,12 @@ from numba import njit
 
 from sim.common.geometry import FloatArray, Pose2
 from sim.common.grid import FREE, OCCUPIED, OccupancyGrid
-from sim.common.noise import Stream, key, normals
+from sim.common.noise import NoiseStream, key, normals
 from sim.common.observations import TICK, Scan
 from sim.parameters import AmclParameters, OdometryNoise, WorldParameters
 from sim.robot.localization.motion import Alphas, MotionModel
 from sim.world.physics import Misplaced, World
-from sim.world.sensor_noise import Wheels, measured_by, wheels_of
+from sim.world.sensor_noise import WheelNoise, measured_increment, wheel_noise_of
 from sim.world.sensors import Sensors
 
 PATHS = 200
@@ -30,7 +30,7 @@ _KEPT = 60
 _CHI_SQUARE_95 = 5.991464547107979
 """Of two degrees of freedom: within it lie 95 % of a normal distribution in the plane."""
 
-Course = Literal["straight", "square"]
+CourseShape = Literal["straight", "square"]
 
 STRAIGHT = 10.0
 """Metres."""
@@ -39,7 +39,7 @@ SIDE = 2.5
 
 
 @dataclass(frozen=True, slots=True, eq=False)
-class Fan:
+class PathSpread:
     """Many paths of one drive.
 
     Attributes:
@@ -59,7 +59,7 @@ class Fan:
     across: float
 
 
-def wheels_fan(noise: OdometryNoise, course: Course, speed: float, turn: float) -> Fan:
+def odometry_spread(noise: OdometryNoise, course: CourseShape, speed: float, turn: float) -> PathSpread:
     """Where the wheels say that a robot went which drove a course exactly.
 
     Args:
@@ -71,10 +71,10 @@ def wheels_fan(noise: OdometryNoise, course: Course, speed: float, turn: float) 
     """
     movements = _movements(course, speed, turn)
     stride = max(1, len(movements) // _KEPT)
-    return _fan(_poses(movements)[:, :2], _reported(movements, _draws(len(movements)), wheels_of(noise), stride))
+    return _fan(_poses(movements)[:, :2], _reported(movements, _draws(len(movements)), wheel_noise_of(noise), stride))
 
 
-def believed_fan(amcl: AmclParameters, course: Course, speed: float, turn: float) -> Fan:
+def belief_spread(amcl: AmclParameters, course: CourseShape, speed: float, turn: float) -> PathSpread:
     """Where amcl's particles go, without any scan, when the wheels report a course.
 
     Args:
@@ -86,7 +86,7 @@ def believed_fan(amcl: AmclParameters, course: Course, speed: float, turn: float
     driven = _poses(_movements(course, speed, turn))
     alphas = Alphas(amcl.odom_alpha1, amcl.odom_alpha2, amcl.odom_alpha3, amcl.odom_alpha4, amcl.odom_alpha5)
     model = MotionModel(amcl.odom_model_type, alphas)
-    noise = Stream.named(SEED, "fan", "believed")
+    noise = NoiseStream.named(SEED, "fan", "believed")
     particles = np.zeros((PATHS, 3))
     before = Pose2(0.0, 0.0, 0.0)
     ways, reported = [particles[:, :2].copy()], [(0.0, 0.0)]
@@ -102,7 +102,7 @@ def believed_fan(amcl: AmclParameters, course: Course, speed: float, turn: float
     return _fan(np.array(reported), np.stack(ways, axis=1))
 
 
-def _movements(course: Course, speed: float, turn: float) -> FloatArray:
+def _movements(course: CourseShape, speed: float, turn: float) -> FloatArray:
     """(k, 2) what a robot does in each tick: length of the chord, and half of the angle turned."""
     if course == "straight":
         return _in_ticks(STRAIGHT, 0.0, STRAIGHT / speed)
@@ -132,7 +132,7 @@ def _draw(key: np.uint64, out: FloatArray) -> None:
 
 
 @njit(cache=True, nogil=True)
-def _reported(movements: FloatArray, draws: FloatArray, wheels: Wheels, stride: int) -> FloatArray:
+def _reported(movements: FloatArray, draws: FloatArray, wheels: WheelNoise, stride: int) -> FloatArray:
     """(n, k, 2) where the wheels of n robots say that they are: at the start, every `stride` ticks, at the end."""
     ticks = movements.shape[0]
     kept = 1 + (ticks + stride - 1) // stride
@@ -140,7 +140,7 @@ def _reported(movements: FloatArray, draws: FloatArray, wheels: Wheels, stride: 
     for i in range(draws.shape[0]):
         x, y, theta = 0.0, 0.0, 0.0
         for tick in range(ticks):
-            first, chord, second = measured_by(wheels, movements[tick, 0], movements[tick, 1], draws[i, tick])
+            first, chord, second = measured_increment(wheels, movements[tick, 0], movements[tick, 1], draws[i, tick])
             x += chord * math.cos(theta + first)
             y += chord * math.sin(theta + first)
             theta += first + second
@@ -163,14 +163,14 @@ def _poses(movements: FloatArray) -> FloatArray:
     return poses
 
 
-def _fan(driven: FloatArray, paths: FloatArray) -> Fan:
+def _fan(driven: FloatArray, paths: FloatArray) -> PathSpread:
     ends = paths[:, -1]
     centre: FloatArray = ends.mean(axis=0)
     lengths, axes = np.linalg.eigh(np.cov(ends.T))
     halves = np.sqrt(_CHI_SQUARE_95 * np.maximum(lengths, 0.0))
     angles = np.linspace(0.0, math.tau, 61)
     circle = np.column_stack([halves[0] * np.cos(angles), halves[1] * np.sin(angles)])
-    return Fan(driven, paths, centre, centre + circle @ axes.T, float(halves[1]), float(halves[0]))
+    return PathSpread(driven, paths, centre, centre + circle @ axes.T, float(halves[1]), float(halves[0]))
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -264,7 +264,7 @@ def _room() -> OccupancyGrid:
     return OccupancyGrid(cells, _CELL, Pose2(-_CELL, -_CELL, 0.0))
 
 
-def covered(true: Fan, believed: Fan) -> float:
+def covered(true: PathSpread, believed: PathSpread) -> float:
     """Share of the true ends that lie where the belief has 95 % of its own.
 
     The two fans are mirror images: one has the robot on its course and its wheels elsewhere, the other the wheels on

@@ -18,7 +18,7 @@ REACH_NS = 100_000_000
 """How far beyond the first and the last message a motion may be carried on; amcl's transform_tolerance."""
 
 
-class Step(NamedTuple):
+class OdometrySample(NamedTuple):
     """One odometry message: when it was recorded, its stamp, the pose of the base in odom."""
 
     received_ns: int
@@ -27,7 +27,7 @@ class Step(NamedTuple):
 
 
 @dataclass(frozen=True, slots=True, eq=False)
-class Run:
+class OdometrySegment:
     """Odometry between two jumps of the clock.
 
     Attributes:
@@ -41,7 +41,7 @@ class Run:
     poses: FloatArray
 
     @classmethod
-    def of(cls, steps: list[Step]) -> "Run":
+    def of(cls, steps: list[OdometrySample]) -> "OdometrySegment":
         """Sorts by stamp; of equal stamps the last holds, as in tf."""
         newest = {step.stamp_ns: step.base_in_odom for step in steps}
         stamps = np.array(sorted(newest), dtype=np.int64)
@@ -72,9 +72,9 @@ class OdometryTrack:
     scan is looked up in the run that was recorded around it.
     """
 
-    def __init__(self, steps: list[Step]) -> None:
+    def __init__(self, steps: list[OdometrySample]) -> None:
         """Args: `steps` in the order of recording; those that are not finite are left out."""
-        runs: list[list[Step]] = []
+        runs: list[list[OdometrySample]] = []
         latest = 0
         for step in steps:
             if not all(map(math.isfinite, step.base_in_odom.array().tolist())):
@@ -84,7 +84,7 @@ class OdometryTrack:
                 latest = step.stamp_ns
             latest = max(latest, step.stamp_ns)
             runs[-1].append(step)
-        self._runs = [Run.of(run) for run in runs]
+        self._runs = [OdometrySegment.of(run) for run in runs]
 
     def __len__(self) -> int:
         """Poses there are."""

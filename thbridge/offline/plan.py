@@ -14,7 +14,7 @@ from sim.robot.costmap.footprint import pad, radii
 from sim.robot.costmap.inflation import InflationLayer
 from sim.robot.costmap.static import StaticLayer
 from sim.robot.planning.navfn import Navfn
-from sim.robot.planning.path import Path, RefusalCode
+from sim.robot.planning.path import Path, PlanRefusalCode
 from sim.robot.planning.potential_planner import PotentialPlanner
 
 _COSTMAP = RobotParameters().global_costmap
@@ -27,7 +27,7 @@ Algorithm = Literal["navfn", "astar"]
 
 
 @dataclass(frozen=True, slots=True)
-class Answer:
+class PlanResult:
     """What became of one query.
 
     Attributes:
@@ -42,7 +42,7 @@ class Answer:
     length: float | None
     milliseconds: float
     reason: str | None
-    code: RefusalCode | None
+    code: PlanRefusalCode | None
 
 
 def costmap(grid: OccupancyGrid, radius: float, inflation: float) -> Costs:
@@ -70,7 +70,7 @@ def plan(
     inflation: float,
     algorithm: Algorithm,
     seconds: Callable[[], float],
-) -> list[Answer]:
+) -> list[PlanResult]:
     """Answer queries in their order.
 
     Args:
@@ -96,10 +96,10 @@ def plan(
 
 def _answer(
     planner: PotentialPlanner, costs: Costs, frame: CostFrame, start: Pose2, goal: Pose2, seconds: Callable[[], float]
-) -> Answer:
+) -> PlanResult:
     begin = seconds()
     result = planner.plan(costs, frame, start, goal)
     milliseconds = 1e3 * (seconds() - begin)
     if isinstance(result, Path):
-        return Answer(True, result.length, milliseconds, None, None)
-    return Answer(False, None, milliseconds, result.sentence, result.code)
+        return PlanResult(True, result.length, milliseconds, None, None)
+    return PlanResult(False, None, milliseconds, result.sentence, result.code)

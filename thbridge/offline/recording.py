@@ -10,7 +10,7 @@ from typing import TypeVar
 from sim.common.geometry import Pose2
 from thbridge.files.errors import BadFile
 from thbridge.offline.laser import Laser, usable
-from thbridge.offline.odometry import OdometryTrack, Step
+from thbridge.offline.odometry import OdometrySample, OdometryTrack
 from thbridge.recording.bag.reader import RawMessage, TopicInfo, info, messages
 from thbridge.ros.frames import FrameTree, PlanarMount, frame_name
 from thbridge.ros.messages import unpack
@@ -38,7 +38,7 @@ class StampedScan:
 
 
 @dataclass(frozen=True, slots=True, eq=False)
-class Recording:
+class LocalizationBag:
     """A bag that a robot can be localised in.
 
     Attributes:
@@ -66,7 +66,7 @@ class Recording:
 
 def open_recording(
     path: Path, scan_topic: str | None, odom_topic: str | None, laser_in_base: Pose2 | None
-) -> Recording:
+) -> LocalizationBag:
     """Find everything in a bag.
 
     Args:
@@ -139,7 +139,7 @@ def open_recording(
     laser = Laser.of(first, seat)
     if laser.mount.range_max != first.range_max:
         notices.append(f"range_max of the scans is {first.range_max}; {laser.mount.range_max:g} m is taken.")
-    return Recording(path, scans.name, scans.messages, laser, track, source, tuple(notices))
+    return LocalizationBag(path, scans.name, scans.messages, laser, track, source, tuple(notices))
 
 
 def _only_scans(path: Path, topics: tuple[TopicInfo, ...], notices: list[str]) -> str:
@@ -196,20 +196,20 @@ def _scans(path: Path, topic: str) -> Iterator[StampedScan]:
         yield StampedScan(scan.stamp_ns or raw.stamp_ns, raw.stamp_ns, scan)
 
 
-def _odometry_of_topic(path: Path, topic: str) -> tuple[list[Step], str]:
+def _odometry_of_topic(path: Path, topic: str) -> tuple[list[OdometrySample], str]:
     """All of it, and the frame it tells of; drivers that do not stamp have the time of recording."""
     steps = []
     child = ""
     for raw in messages(path, (topic,)):
         read = _decoded(raw, unpack.odometry, path)
         child = child or read.child_frame
-        steps.append(Step(raw.stamp_ns, read.stamp_ns or raw.stamp_ns, read.pose))
+        steps.append(OdometrySample(raw.stamp_ns, read.stamp_ns or raw.stamp_ns, read.pose))
     return steps, child
 
 
-def _odometry_of_tf(path: Path, topics: list[str], edge: tuple[str, str]) -> list[Step]:
+def _odometry_of_tf(path: Path, topics: list[str], edge: tuple[str, str]) -> list[OdometrySample]:
     return [
-        Step(raw.stamp_ns, stamp_ns or raw.stamp_ns, pose)
+        OdometrySample(raw.stamp_ns, stamp_ns or raw.stamp_ns, pose)
         for raw in messages(path, topics)
         for stamp_ns, (parent, child, pose) in _decoded(raw, unpack.transforms, path)
         if (frame_name(parent), frame_name(child)) == edge

@@ -22,7 +22,7 @@ _NAME = re.compile(r"game-(\d+)\.jsonl")
 
 
 @dataclass(frozen=True, slots=True)
-class Recovered:
+class RecoveredGame:
     """What a journal says.
 
     Attributes:
@@ -51,7 +51,7 @@ def next_game(folder: Path) -> int:
     return max(numbers, default=0) + 1
 
 
-def read_journal(path: Path) -> Recovered:
+def read_journal(path: Path) -> RecoveredGame:
     """Read a journal, also one that is still being written.
 
     Raises:
@@ -83,7 +83,7 @@ def read_journal(path: Path) -> Recovered:
         events.append(event)
     if started is None or state is None:
         raise BadFile(path, None, None, "no game has started in it", "remove the file; nothing is lost")
-    return Recovered(started, tuple(events), state, len(whole) + 1, torn or None)
+    return RecoveredGame(started, tuple(events), state, len(whole) + 1, torn or None)
 
 
 class Journal:
@@ -124,7 +124,7 @@ class Journal:
         return journal
 
     @classmethod
-    def resume(cls, path: Path) -> tuple[Self, Recovered]:
+    def resume(cls, path: Path) -> tuple[Self, RecoveredGame]:
         """Go on with the journal of a game that was cut off: recover it, cut a torn last line off, append from there.
 
         Raises:

@@ -10,7 +10,7 @@ from thbridge.recording.journal import Journal, journal_path, next_game
 
 
 @dataclass(frozen=True, slots=True)
-class Unfinished:
+class UnfinishedGame:
     """A game that was cut off.
 
     Attributes:
@@ -22,7 +22,7 @@ class Unfinished:
     torn: bool
 
 
-class Ledger:
+class JournalStore:
     """Writes what the keeper decides; holds one journal open at a time.
 
     Args:
@@ -46,7 +46,7 @@ class Ledger:
         """The highest number of a game so far, 0 when there is none."""
         return next_game(self.folder) - 1
 
-    def resume(self) -> Unfinished | None:
+    def resume(self) -> UnfinishedGame | None:
         """Go on with the last game, if it did not end; None when there is nothing to go on with.
 
         Raises:
@@ -59,7 +59,7 @@ class Ledger:
             journal.close()
             return None
         self._journal = journal
-        return Unfinished((recovered.started, *recovered.events), recovered.torn is not None)
+        return UnfinishedGame((recovered.started, *recovered.events), recovered.torn is not None)
 
     def append(self, events: Sequence[Event]) -> None:
         """Put events on the disk, in order; a `Started` begins the next journal.

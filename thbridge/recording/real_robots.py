@@ -7,18 +7,18 @@ from collections.abc import Iterable
 from typing import NamedTuple
 
 from sim.team import TeamSnapshot
-from thbridge.recording.bag.writer import BagWriter, Heard
+from thbridge.recording.bag.writer import BagWriter, ForeignTopic
 from thbridge.ros.messages import pack
-from thbridge.ros.messages.records import Input, Record, Session
+from thbridge.ros.messages.records import InputRecord, Record, SessionRecord
 from thbridge.ros.messages.stamps import stamp_ns
 from thbridge.ros.publisher import messages_of
 from thbridge.ros.remote.robot import tick_of
-from thbridge.ros.topics import INPUTS, SESSION, Message
+from thbridge.ros.topics import INPUTS, SESSION, RosMessage
 from thbridge.wire.rosgraph import links
 
 
 class _Came(NamedTuple):
-    source: Heard
+    source: ForeignTopic
     stamp_ns: int
     data: bytes
 
@@ -31,18 +31,18 @@ class FleetRecorder:
         session: is its first record.
     """
 
-    def __init__(self, writer: BagWriter, session: Session) -> None:
+    def __init__(self, writer: BagWriter, session: SessionRecord) -> None:
         self._writer = writer
-        self._session: Session | None = session
-        self._waiting: list[_Came | Message] = []
+        self._session: SessionRecord | None = session
+        self._waiting: list[_Came | RosMessage] = []
         self._last_ns = 0
 
-    def heard(self, topic: links.Topic, publisher: str, stamp_ns: int, data: bytes) -> None:
+    def heard(self, topic: links.TopicHeader, publisher: str, stamp_ns: int, data: bytes) -> None:
         """Keep a message until it is written."""
-        source = Heard(topic.name, topic.type, topic.md5, topic.definition, publisher, topic.latched)
+        source = ForeignTopic(topic.name, topic.type, topic.md5, topic.definition, publisher, topic.latched)
         self._waiting.append(_Came(source, stamp_ns, data))
 
-    def said(self, message: Message) -> None:
+    def said(self, message: RosMessage) -> None:
         """Keep a message until it is written."""
         self._waiting.append(message)
 
@@ -52,8 +52,8 @@ class FleetRecorder:
         self.flush()
         at, tick = stamp_ns(snapshot.tick), snapshot.tick
         for record in records:
-            if isinstance(record, Input):
-                self._write(Message(INPUTS, at, pack.outside_input(tick, record)))
+            if isinstance(record, InputRecord):
+                self._write(RosMessage(INPUTS, at, pack.outside_input(tick, record)))
         for record in records:
             for message in messages_of(at, tick, record):
                 self._write(message)
@@ -66,13 +66,13 @@ class FleetRecorder:
             self._write(item)
         self._writer.sync_if_due()
 
-    def _write(self, item: _Came | Message) -> None:
+    def _write(self, item: _Came | RosMessage) -> None:
         if self._session is not None:
             session, self._session = self._session, None
-            self._write(Message(SESSION, item.stamp_ns, pack.session(tick_of(item.stamp_ns), session)))
+            self._write(RosMessage(SESSION, item.stamp_ns, pack.session(tick_of(item.stamp_ns), session)))
         # A tick begins up to 20 ms before what is heard in it.
         self._last_ns = max(self._last_ns, item.stamp_ns)
         if isinstance(item, _Came):
-            self._writer.write_heard(item.source, self._last_ns, item.data)
+            self._writer.write_foreign(item.source, self._last_ns, item.data)
         else:
             self._writer.write(item._replace(stamp_ns=self._last_ns))

@@ -5,7 +5,7 @@ from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from enum import StrEnum
 
-from sim.common.noise import Stream
+from sim.common.noise import NoiseStream
 from thbridge.hunt.events import Condition
 from thbridge.hunt.treasures import TreasureKind
 from thbridge.roles.view import (
@@ -17,6 +17,7 @@ from thbridge.roles.view import (
     GiveUp,
     Identify,
     Leave,
+    ParticipantRequest,
     RobotView,
     RoomView,
     Select,
@@ -25,12 +26,11 @@ from thbridge.roles.view import (
     TakePicture,
     Unsure,
     View,
-    Wish,
 )
 
-DOUBT = 0.1
+STOP_PROBABILITY = 0.1
 """How often the `random` participant says Stop."""
-ATTEMPTS = 3
+MAX_ATTEMPTS = 3
 """How often a robot is sent to a room that it does not reach."""
 
 
@@ -47,7 +47,7 @@ class BotStrategy(StrEnum):
 
 
 @dataclass(frozen=True, slots=True)
-class Knowledge:
+class TreasureKnowledge:
     """What the participant knows of the world: which treasures there are and what a picture of each shows.
 
     Attributes:
@@ -74,24 +74,24 @@ class Bot:
         seed: of its chance; only `random` has any.
     """
 
-    def __init__(self, strategy: BotStrategy, knowledge: Knowledge, seed: int) -> None:
+    def __init__(self, strategy: BotStrategy, knowledge: TreasureKnowledge, seed: int) -> None:
         self._strategy = strategy
         self._knowledge = knowledge
-        self._choices = Stream.named(seed, "participant", "choices")
-        self._doubts = Stream.named(seed, "participant", "doubts")
+        self._choices = NoiseStream.named(seed, "participant", "choices")
+        self._doubts = NoiseStream.named(seed, "participant", "doubts")
         self._stopped: set[int] = set()
         self._bound: dict[int, int] = {}
         self._missed: Counter[tuple[int, int]] = Counter()
         self._astray: set[int] = set()
 
-    def wishes(self, view: View) -> Sequence[Wish]:
+    def requests(self, view: View) -> Sequence[ParticipantRequest]:
         """What it wants next; see `Player`."""
         if view.over is not None:
             return ()
         if view.consent is not None:
             return (Agree(),)
         self._watch(view)
-        wishes: list[Wish] = [self._answer(dialogue) for dialogue in view.dialogues if dialogue.choices]
+        wishes: list[ParticipantRequest] = [self._answer(dialogue) for dialogue in view.dialogues if dialogue.choices]
         talks: Sequence[DialogueView | Consent] = (*view.dialogues, *view.consents)
         taken = {talk.room for talk in talks if talk.matter == "select-room"}
         for robot in view.robots:
@@ -118,7 +118,7 @@ class Bot:
             if robot.moving_to is not None:
                 self._bound[robot.robot] = robot.moving_to
 
-    def _for_robot(self, view: View, robot: RobotView, taken: set[int]) -> Iterator[Wish]:
+    def _for_robot(self, view: View, robot: RobotView, taken: set[int]) -> Iterator[ParticipantRequest]:
         agreed = [consent for consent in view.consents if consent.robot == robot.robot]
         if robot.blocked or robot.condition is Condition.SILENT:
             return
@@ -138,7 +138,7 @@ class Bot:
             return
         rooms = self._affordable(view, robot, taken)
         fresh = [room for room in rooms if not self._missed[robot.robot, room]]
-        open_to_it = fresh or [room for room in rooms if self._missed[robot.robot, room] < ATTEMPTS]
+        open_to_it = fresh or [room for room in rooms if self._missed[robot.robot, room] < MAX_ATTEMPTS]
         if not open_to_it:
             return
         if self._strategy is BotStrategy.SUGGESTION and fresh == rooms:
@@ -160,14 +160,14 @@ class Bot:
         costs = view.costs[robot.place]
         return min(rooms, key=lambda room: (costs[room] or 0.0, room))
 
-    def _answer(self, dialogue: DialogueView) -> Wish:
+    def _answer(self, dialogue: DialogueView) -> ParticipantRequest:
         doubts = self._strategy is BotStrategy.RANDOM and dialogue.matter == "select-room"
-        if doubts and self._doubts.uniforms(dialogue.dialogue, 1)[0] < DOUBT:
+        if doubts and self._doubts.uniforms(dialogue.dialogue, 1)[0] < STOP_PROBABILITY:
             self._stopped.add(dialogue.dialogue)
             return Answer(dialogue.dialogue, dialogue.turn, len(dialogue.choices) - 1)
         return Answer(dialogue.dialogue, dialogue.turn, 0)
 
-    def _treasure(self, view: View, robot: RobotView, room: RoomView, agreed: set[str]) -> Wish:
+    def _treasure(self, view: View, robot: RobotView, room: RoomView, agreed: set[str]) -> ParticipantRequest:
         if not room.sensed:
             return Sense(room.room)
         name = self._name(room)

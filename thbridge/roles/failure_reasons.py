@@ -25,12 +25,12 @@ _SENTENCES: dict[NoPathReason, str] = {
 }
 
 
-def told(robot: int, reason: NoPathReason) -> str:
+def failure_sentence(robot: int, reason: NoPathReason) -> str:
     """A whole sentence about a robot, counted from 0, for one of the navigator's reasons."""
     sentence = _SENTENCES[reason].format(robot=robot_name(robot))
     return sentence[0].upper() + sentence[1:]
 
 
-def unanswered(robot: int) -> str:
+def unresponsive_sentence(robot: int) -> str:
     """The same for a robot from which nothing is heard any more."""
     return f"{robot_name(robot).capitalize()} does not answer any more."

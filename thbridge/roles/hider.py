@@ -3,16 +3,16 @@
 from collections.abc import Sequence
 from dataclasses import dataclass
 
-from sim.common.noise import Stream
+from sim.common.noise import NoiseStream
 from sim.common.observations import TICKS_PER_SECOND
 from thbridge.hunt.treasures import TreasureKind, hide, same_name
-from thbridge.roles.notices import KEEPER, HidePlease, HiderReady, HideTreasures, Reply, heard, tell
+from thbridge.roles.notices import KEEPER, HidePlease, HiderReady, HideTreasures, Reply, decode_notice, encode_notice
 from thbridge.wire import legacy
-from thbridge.wire.legacy import AskTreasure, FoundTreasure, Identify, Image, Score, Snap
+from thbridge.wire.legacy import AskTreasure, FoundTreasure, NameTreasure, PointsAwarded, SnapTreasure, TreasureImage
 from thbridge.wire.notice import Notice, is_notice, parse_notice
-from thbridge.wire.text import Message
+from thbridge.wire.text import TextMessage
 
-PATIENCE = TICKS_PER_SECOND
+KEEPER_TIMEOUT = TICKS_PER_SECOND
 """Ticks that a question waits for a keeper; when none was ever heard, it is answered as in 2016."""
 
 
@@ -23,7 +23,7 @@ MOST_ROOMS = 1000
 @dataclass(frozen=True, slots=True)
 class _Question:
     asked: int
-    value: AskTreasure | Snap | Identify
+    value: AskTreasure | SnapTreasure | NameTreasure
 
 
 class Hider:
@@ -43,7 +43,7 @@ class Hider:
 
     def __init__(self, kinds: Sequence[TreasureKind], seed: int, rooms: int) -> None:
         self._kinds = tuple(kinds)
-        self._chance = Stream.named(seed, "hider")
+        self._chance = NoiseStream.named(seed, "hider")
         self._alone = self._draw(1, rooms)
         self._introduce = False
         self._has_keeper = False
@@ -53,12 +53,12 @@ class Hider:
         """Tell the keeper with the next step that Hider is there."""
         self._introduce = True
 
-    def step(self, tick: int, messages: Sequence[Message]) -> list[Message]:
+    def step(self, tick: int, messages: Sequence[TextMessage]) -> list[TextMessage]:
         """One tick; see `Role`."""
-        said: list[Message] = []
+        said: list[TextMessage] = []
         if self._introduce:
             self._introduce = False
-            said.append(tell(self.name, KEEPER, HiderReady()))
+            said.append(encode_notice(self.name, KEEPER, HiderReady()))
         for message in messages:
             if is_notice(message):
                 notice = parse_notice(message)
@@ -66,37 +66,39 @@ class Hider:
                     said += self._heed(notice)
             else:
                 value = legacy.decode(message)
-                if isinstance(value, AskTreasure | Snap | Identify):
+                if isinstance(value, AskTreasure | SnapTreasure | NameTreasure):
                     self._questions.append(_Question(tick, value))
         return said + self._answer_unjudged(tick)
 
-    def _heed(self, notice: Notice) -> list[Message]:
+    def _heed(self, notice: Notice) -> list[TextMessage]:
         self._has_keeper = True
-        if (please := heard(notice, HidePlease)) is not None and 0 < please.rooms <= MOST_ROOMS:
-            return [tell(self.name, KEEPER, HideTreasures(please.game, self._draw(please.game, please.rooms)))]
-        if (reply := heard(notice, Reply)) is not None:
-            return [Message.of(reply.command, self.name, legacy.TABUI, reply.text)]
+        if (please := decode_notice(notice, HidePlease)) is not None and 0 < please.rooms <= MOST_ROOMS:
+            return [encode_notice(self.name, KEEPER, HideTreasures(please.game, self._draw(please.game, please.rooms)))]
+        if (reply := decode_notice(notice, Reply)) is not None:
+            return [TextMessage.of(reply.command, self.name, legacy.TABUI, reply.text)]
         return []
 
     def _draw(self, game: int, rooms: int) -> tuple[TreasureKind, ...]:
         return hide(self._kinds, [float(uniform) for uniform in self._chance.uniforms(game, rooms)])
 
-    def _answer_unjudged(self, tick: int) -> list[Message]:
+    def _answer_unjudged(self, tick: int) -> list[TextMessage]:
         if self._has_keeper:
             self._questions.clear()
         said = []
-        while self._questions and tick - self._questions[0].asked >= PATIENCE:
+        while self._questions and tick - self._questions[0].asked >= KEEPER_TIMEOUT:
             said += self._answer(self._questions.pop(0).value)
         return said
 
-    def _answer(self, question: AskTreasure | Snap | Identify) -> list[Message]:
+    def _answer(self, question: AskTreasure | SnapTreasure | NameTreasure) -> list[TextMessage]:
         if question.room >= len(self._alone):
             return []
         treasure = self._alone[question.room]
         match question:
             case AskTreasure(room):
                 return [FoundTreasure(room, treasure.colour, treasure.footprint).message()]
-            case Snap(room):
-                return [] if treasure.image is None else [Image(room, treasure.image).message()]
-            case Identify(_, name):
-                return [Score(treasure.points if same_name(name, treasure.name) else -treasure.points).message()]
+            case SnapTreasure(room):
+                return [] if treasure.image is None else [TreasureImage(room, treasure.image).message()]
+            case NameTreasure(_, name):
+                return [
+                    PointsAwarded(treasure.points if same_name(name, treasure.name) else -treasure.points).message()
+                ]

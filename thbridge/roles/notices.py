@@ -12,7 +12,7 @@ import msgspec
 from thbridge.hunt.events import Condition
 from thbridge.hunt.treasures import TreasureKind
 from thbridge.wire.notice import JsonValue, Notice, notice
-from thbridge.wire.text import Message
+from thbridge.wire.text import TextMessage
 
 KEEPER = "Game"
 """The name under which the keeper of the game is reached."""
@@ -36,7 +36,7 @@ class RobotsReady:
 
 
 @dataclass(frozen=True, slots=True)
-class Order:
+class MoveOrder:
     """A robot shall be under way. `move` numbers the moves of one game; `room` is as people count."""
 
     move: int
@@ -57,7 +57,7 @@ class Orders:
     """
 
     game: int
-    moves: tuple[Order | None, ...]
+    moves: tuple[MoveOrder | None, ...]
     energy: tuple[float, ...]
     at: tuple[int, ...]
     poses: tuple[tuple[float, float, float], ...] | None
@@ -140,12 +140,12 @@ class Subscribe:
     """Somebody wants to be told where the robots are, for the next few seconds."""
 
 
-Doing = Literal["resting", "planning", "driving", "waiting", "clearing", "silent"]
+Activity = Literal["resting", "planning", "driving", "waiting", "clearing", "silent"]
 """What a robot does just now: "waiting" lets another one pass, "clearing" tries to get free."""
 
 
 @dataclass(frozen=True, slots=True)
-class Motion:
+class RobotMotion:
     """How one robot is on its way.
 
     Attributes:
@@ -155,7 +155,7 @@ class Motion:
         remaining: metres still to drive; 0 at rest.
     """
 
-    doing: Doing = "resting"
+    doing: Activity = "resting"
     waits_for: int | None = None
     progress: float = 0.0
     remaining: float = 0.0
@@ -184,7 +184,7 @@ class Whereabouts:
 
     tick: int
     poses: tuple[tuple[float, float, float], ...]
-    motions: tuple[Motion, ...] = ()
+    motions: tuple[RobotMotion, ...] = ()
     ellipses: tuple[Ellipse, ...] | None = None
     truth: tuple[tuple[float, float, float], ...] | None = None
 
@@ -270,7 +270,7 @@ class Unfit:
     sentence: str
 
 
-Level = (
+StateNotice = (
     RobotsReady
     | Orders
     | Status
@@ -288,13 +288,13 @@ Level = (
 )
 
 
-def tell(sender: str, receiver: str, value: Level) -> Message:
+def encode_notice(sender: str, receiver: str, value: StateNotice) -> TextMessage:
     """The message that carries a level; its kind is the name of the class."""
     fields: Mapping[str, JsonValue] = msgspec.to_builtins(value)
     return notice(sender, receiver, type(value).__name__, **fields)
 
 
-def heard(notice: Notice, kind: type[T]) -> T | None:
+def decode_notice(notice: Notice, kind: type[T]) -> T | None:
     """The level in a notice if it is of this kind and well formed, else None."""
     if notice.kind != kind.__name__:
         return None

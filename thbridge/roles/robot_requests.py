@@ -5,7 +5,7 @@ from dataclasses import dataclass
 
 from sim.inputs import TeamInput
 from sim.parameters import RobotParameters, WorldParameters
-from sim.parameters.reconfiguration import WORLD, P, Rejected, reconfigured
+from sim.parameters.reconfiguration import WORLD_PREFIX, P, ParameterRejection, reconfigured
 from thbridge.ros.messages.records import GraphRequest
 
 ParameterValue = bool | int | float | str | None
@@ -195,17 +195,17 @@ class Tuning:
     software: RobotParameters
     world: WorldParameters
 
-    def changed(self, values: Sequence[tuple[str, ParameterValue]]) -> "Tuning | Rejected":
+    def changed(self, values: Sequence[tuple[str, ParameterValue]]) -> "Tuning | ParameterRejection":
         """With all these values, or why one of them may not be; in whatever order they come."""
-        true = [(path, value) for path, value in values if path.startswith(WORLD)]
-        own = [(path, value) for path, value in values if not path.startswith(WORLD)]
+        true = [(path, value) for path, value in values if path.startswith(WORLD_PREFIX)]
+        own = [(path, value) for path, value in values if not path.startswith(WORLD_PREFIX)]
         software, world = with_values(self.software, own), with_values(self.world, true)
-        if isinstance(software, Rejected):
+        if isinstance(software, ParameterRejection):
             return software
-        return world if isinstance(world, Rejected) else Tuning(software, world)
+        return world if isinstance(world, ParameterRejection) else Tuning(software, world)
 
 
-def with_values(parameters: P, values: Sequence[tuple[str, ParameterValue]]) -> P | Rejected:
+def with_values(parameters: P, values: Sequence[tuple[str, ParameterValue]]) -> P | ParameterRejection:
     """The parameters with all these values, or why one of them may not be.
 
     In whatever order they come: a least that is above the greatest as it was waits for the greatest.
@@ -213,10 +213,10 @@ def with_values(parameters: P, values: Sequence[tuple[str, ParameterValue]]) -> 
     left = tuple(values)
     while left:
         waiting: list[tuple[str, ParameterValue]] = []
-        rejected: list[Rejected] = []
+        rejected: list[ParameterRejection] = []
         for path, value in left:
             changed = reconfigured(parameters, path, value)
-            if isinstance(changed, Rejected):
+            if isinstance(changed, ParameterRejection):
                 waiting.append((path, value))
                 rejected.append(changed)
             else:

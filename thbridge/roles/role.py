@@ -3,7 +3,7 @@
 from collections.abc import Sequence
 from typing import Protocol
 
-from thbridge.wire.text import Message
+from thbridge.wire.text import TextMessage
 
 
 class Role(Protocol):
@@ -16,5 +16,5 @@ class Role(Protocol):
     def connected(self) -> None:
         """The server has (again) accepted the name: introduce yourself with the next step."""
 
-    def step(self, tick: int, messages: Sequence[Message]) -> list[Message]:
+    def step(self, tick: int, messages: Sequence[TextMessage]) -> list[TextMessage]:
         """Take in what was said to this role since the last tick and say what there is to say."""

@@ -7,34 +7,44 @@ import msgspec
 
 from sim.common.observations import TICKS_PER_SECOND
 from thbridge.hunt.rooms import Room
-from thbridge.roles.notices import KEEPER, House, ParticipantReady, Picture, Subscribe, Ways, Whereabouts, heard, tell
-from thbridge.roles.view import Identify, SendRobot, Sense, TakePicture, View, Wish
+from thbridge.roles.notices import (
+    KEEPER,
+    House,
+    ParticipantReady,
+    Picture,
+    Subscribe,
+    Ways,
+    Whereabouts,
+    decode_notice,
+    encode_notice,
+)
+from thbridge.roles.view import Identify, ParticipantRequest, SendRobot, Sense, TakePicture, View
 from thbridge.wire import legacy
 from thbridge.wire.notice import JsonValue, Notice, notice, parse_notice
-from thbridge.wire.text import Message
+from thbridge.wire.text import TextMessage
 
-RETRY = 3 * TICKS_PER_SECOND
+RETRY_PERIOD = 3 * TICKS_PER_SECOND
 """Ticks after which a wish that the view does not show fulfilled is said again."""
 
 
-RENEWAL = 3 * TICKS_PER_SECOND
+RENEWAL_PERIOD = 3 * TICKS_PER_SECOND
 """Ticks from one subscription to the next; robots' programs that come back hear of it by then."""
 
-Seen = View | House | Picture | Whereabouts | Ways
+ParticipantUpdate = View | House | Picture | Whereabouts | Ways
 """All that a participant's program is shown."""
 
 
-class Onlooker(Protocol):
+class ParticipantObserver(Protocol):
     """Whoever watches what a participant is shown, as a window does."""
 
-    def saw(self, level: Seen) -> None:
+    def observe(self, level: ParticipantUpdate) -> None:
         """Take in how things are; told in the order in which it was heard."""
 
 
 class Player(Protocol):
     """Whoever decides for the participant."""
 
-    def wishes(self, view: View) -> Sequence[Wish]:
+    def requests(self, view: View) -> Sequence[ParticipantRequest]:
         """What is wanted as things stand; asked anew whenever they change, and again if nothing came of it."""
 
 
@@ -50,13 +60,13 @@ class TabUI:
 
     name = legacy.TABUI
 
-    def __init__(self, player: Player, onlooker: Onlooker | None = None) -> None:
+    def __init__(self, player: Player, observer: ParticipantObserver | None = None) -> None:
         self._player = player
-        self._onlooker = onlooker
+        self._onlooker = observer
         self._view: View | None = None
         self._introduce = False
         self._renew: int | None = None
-        self._said: dict[Wish, int] = {}
+        self._said: dict[ParticipantRequest, int] = {}
         self._look = 0
 
     @property
@@ -70,11 +80,11 @@ class TabUI:
         self._renew = 0
         self._said.clear()
 
-    def look_again(self) -> None:
+    def poll_player(self) -> None:
         """Ask the player with the next step, whether or not anything changed: a person has made up their mind."""
         self._look = 0
 
-    def step(self, tick: int, messages: Sequence[Message]) -> list[Message]:
+    def step(self, tick: int, messages: Sequence[TextMessage]) -> list[TextMessage]:
         """One tick; see `Role`."""
         changed = False
         for message in messages:
@@ -82,49 +92,54 @@ class TabUI:
             if isinstance(seen, View):
                 self._view, changed = seen, True
             if seen is not None and self._onlooker is not None:
-                self._onlooker.saw(seen)
-        said: list[Message] = []
+                self._onlooker.observe(seen)
+        said: list[TextMessage] = []
         if self._introduce:
             self._introduce = False
-            said.append(tell(self.name, KEEPER, ParticipantReady()))
+            said.append(encode_notice(self.name, KEEPER, ParticipantReady()))
         if self._onlooker is not None and self._renew is not None and tick >= self._renew:
-            self._renew = tick + RENEWAL
-            said.append(tell(self.name, legacy.SIMR, Subscribe()))
+            self._renew = tick + RENEWAL_PERIOD
+            said.append(encode_notice(self.name, legacy.SIMR, Subscribe()))
         if self._view is not None and self._view.ready and (changed or tick >= self._look):
             said += self._say(tick, self._view)
         return said
 
-    def _say(self, tick: int, view: View) -> list[Message]:
-        wishes = dict.fromkeys(self._player.wishes(view))
+    def _say(self, tick: int, view: View) -> list[TextMessage]:
+        wishes = dict.fromkeys(self._player.requests(view))
         self._said = {wish: at for wish, at in self._said.items() if wish in wishes}
-        due = [wish for wish in wishes if tick - self._said.get(wish, -RETRY) >= RETRY]
+        due = [wish for wish in wishes if tick - self._said.get(wish, -RETRY_PERIOD) >= RETRY_PERIOD]
         for wish in due:
             self._said[wish] = tick
-        self._look = tick + RETRY
-        return [spoken(wish) for wish in due]
+        self._look = tick + RETRY_PERIOD
+        return [encode_request_line(wish) for wish in due]
 
 
-def _seen(message: Message) -> Seen | None:
+def _seen(message: TextMessage) -> ParticipantUpdate | None:
     """What a message shows, if it is well formed and shows anything."""
     shown = parse_notice(message)
     if not isinstance(shown, Notice):
         return None
     if shown.kind == View.__name__:
         return View.from_json(shown.fields)
-    return heard(shown, Whereabouts) or heard(shown, Ways) or heard(shown, House) or heard(shown, Picture)
+    return (
+        decode_notice(shown, Whereabouts)
+        or decode_notice(shown, Ways)
+        or decode_notice(shown, House)
+        or decode_notice(shown, Picture)
+    )
 
 
-def spoken(wish: Wish) -> Message:
+def encode_request_line(wish: ParticipantRequest) -> TextMessage:
     """The message that says a wish: a line of 2016 where there is one, else a notice to the keeper."""
     match wish:
         case SendRobot(robot, room):
-            return legacy.Goto(robot, Room.of_people(room).wire).message()
+            return legacy.GotoRoom(robot, Room.of_people(room).wire).message()
         case Sense(room):
             return legacy.AskTreasure(Room.of_people(room).wire).message()
         case TakePicture(room):
-            return legacy.Snap(Room.of_people(room).wire).message()
+            return legacy.SnapTreasure(Room.of_people(room).wire).message()
         case Identify(room, name):
-            return legacy.Identify(Room.of_people(room).wire, name).message()
+            return legacy.NameTreasure(Room.of_people(room).wire, name).message()
         case _:
             fields: Mapping[str, JsonValue] = msgspec.to_builtins(wish)
             return notice(TabUI.name, KEEPER, type(wish).__name__, **fields)

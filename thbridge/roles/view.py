@@ -51,7 +51,7 @@ class RobotView:
 
 
 @dataclass(frozen=True, slots=True)
-class Verdict:
+class IdentificationVerdict:
     """How an identification ended."""
 
     name: str
@@ -79,7 +79,7 @@ class RoomView:
     colour: str | None
     footprint: str | None
     picture: str | None
-    verdict: Verdict | None
+    verdict: IdentificationVerdict | None
     left: bool
 
     @property
@@ -93,7 +93,7 @@ class RoomView:
         return self.state == "visited" and self.verdict is None and not self.left
 
 
-Matter = Literal["select-room", "take-picture", "take-treasure"]
+DialogueMatter = Literal["select-room", "take-picture", "take-treasure"]
 """What participant and robot talk about: the three scenarios of the 2016 study."""
 
 
@@ -114,7 +114,7 @@ class DialogueView:
     dialogue: int
     turn: int
     robot: int
-    matter: Matter
+    matter: DialogueMatter
     room: int
     said: tuple[str, ...]
     choices: tuple[str, ...]
@@ -125,7 +125,7 @@ class Consent:
     """What participant and robot agreed on and the participant may now order."""
 
     robot: int
-    matter: Matter
+    matter: DialogueMatter
     room: int
 
 
@@ -324,7 +324,7 @@ class Agree:
     """Agree to take part in the study, as `View.consent` asks."""
 
 
-Wish = (
+ParticipantRequest = (
     Agree
     | Select
     | Unsure

@@ -20,8 +20,8 @@ from typing import TypeAlias, assert_never
 from sim.common.geometry import Pose2
 from sim.common.observations import TICKS_PER_SECOND
 from sim.inputs import Go, Halt
-from sim.robot.navigator import Arrived, Cancelled, Goal, Navigation, NoPath, Result
-from thbridge.ros.messages.goal_status import ENDED, GoalId, GoalStatus, Status
+from sim.robot.navigator import Cancelled, Goal, GoalReached, GoalResult, Navigation, NoPath
+from thbridge.ros.messages.goal_status import ENDED, GoalId, GoalStatus, GoalStatusCode
 from thbridge.ros.messages.records import CancelRequest, GoalRequest, SimpleGoal
 from thbridge.ros.messages.stamps import stamp_ns
 from thbridge.ros.names import RobotNames
@@ -67,13 +67,13 @@ class Feedback:
 
 
 @dataclass(frozen=True, slots=True)
-class Ended:
+class GoalEnded:
     """How a goal ended."""
 
     entry: GoalStatus
 
 
-Said: TypeAlias = GoalSet | StatusList | Feedback | Ended
+ActionServerMessage: TypeAlias = GoalSet | StatusList | Feedback | GoalEnded
 
 
 @dataclass(slots=True, eq=False)
@@ -91,7 +91,7 @@ class _Entry:
     """
 
     goal: GoalId
-    status: Status
+    status: GoalStatusCode
     text: str = ""
     target: Goal | None = None
     refusal: str = ""
@@ -100,7 +100,7 @@ class _Entry:
 
     @property
     def under_way(self) -> bool:
-        return self.status in {Status.ACTIVE, Status.PREEMPTING}
+        return self.status in {GoalStatusCode.ACTIVE, GoalStatusCode.PREEMPTING}
 
     def told(self) -> GoalStatus:
         return GoalStatus(self.goal, self.status, self.text)
@@ -125,7 +125,7 @@ class MoveBaseServer:
         self._driven: Goal | None = None
         self._halted: _Entry | None = None
         self._dead = False
-        self._said: list[Said] = []
+        self._said: list[ActionServerMessage] = []
 
     def take(self, tick: int, requests: Iterable[ActionRequest]) -> list[Go | Halt]:
         """Hear what clients want, before the robots' tick.
@@ -155,7 +155,7 @@ class MoveBaseServer:
                     assert_never(request)
         return self._execute()
 
-    def follow(self, tick: int, navigation: Navigation | None, base_in_map: Pose2) -> list[Said]:
+    def follow(self, tick: int, navigation: Navigation | None, base_in_map: Pose2) -> list[ActionServerMessage]:
         """Learn what the navigator did in the tick, and say what there is to say.
 
         Args:
@@ -186,24 +186,24 @@ class MoveBaseServer:
     def _hear_goal(self, goal: GoalId, base: Pose2 | None, number: int, refusal: str) -> None:
         known = next((entry for entry in self._listed if entry.goal.id == goal.id), None)
         if known is not None:
-            if known.status is Status.RECALLING:
-                self._end(known, Status.RECALLED, known.text)
+            if known.status is GoalStatusCode.RECALLING:
+                self._end(known, GoalStatusCode.RECALLED, known.text)
             elif not known.came:
                 known.left_ns = self._now
             return
         named = GoalId(goal.id or self._new_name(), goal.stamp_ns or self._now)
         target = None if base is None else Goal(number, base)
-        entry = _Entry(named, Status.PENDING, target=target, refusal=refusal)
+        entry = _Entry(named, GoalStatusCode.PENDING, target=target, refusal=refusal)
         self._listed.append(entry)
         # A goal without a time is never too old; the clock is asked for the list only.
         if 0 < goal.stamp_ns <= self._last_cancel_ns:
-            self._end(entry, Status.RECALLED, _TAKEN_BACK)
+            self._end(entry, GoalStatusCode.RECALLED, _TAKEN_BACK)
         elif any(other is not None and named.stamp_ns < other.goal.stamp_ns for other in (self._current, self._next)):
-            self._end(entry, Status.RECALLED, _REPLACED)
+            self._end(entry, GoalStatusCode.RECALLED, _REPLACED)
         else:
             waiting = self._next
             if waiting is not None and waiting is not self._current and waiting.status not in ENDED:
-                self._end(waiting, Status.RECALLED, _REPLACED)
+                self._end(waiting, GoalStatusCode.RECALLED, _REPLACED)
             self._next = entry
 
     def _hear_cancel(self, asked: GoalId) -> None:
@@ -217,15 +217,15 @@ class MoveBaseServer:
                 continue
             if not entry.came:
                 entry.left_ns = self._now
-            elif entry.status is Status.PENDING:
-                entry.status = Status.RECALLING
+            elif entry.status is GoalStatusCode.PENDING:
+                entry.status = GoalStatusCode.RECALLING
                 self._say_status()
-            elif entry.status is Status.ACTIVE:
-                entry.status = Status.PREEMPTING
+            elif entry.status is GoalStatusCode.ACTIVE:
+                entry.status = GoalStatusCode.PREEMPTING
                 self._say_status()
         if asked.id and not found:
             # It may be faster than its goal.
-            self._listed.append(_Entry(asked, Status.RECALLING, came=False, left_ns=self._now))
+            self._listed.append(_Entry(asked, GoalStatusCode.RECALLING, came=False, left_ns=self._now))
         self._last_cancel_ns = max(self._last_cancel_ns, asked.stamp_ns)
 
     def _new_name(self) -> str:
@@ -239,29 +239,29 @@ class MoveBaseServer:
         current, entry = self._current, self._next
         if entry is None or entry is current or entry.status in ENDED:
             self._next = current
-            if current is not None and current.status is Status.PREEMPTING and self._halted is not current:
+            if current is not None and current.status is GoalStatusCode.PREEMPTING and self._halted is not current:
                 self._halted = current
                 return [Halt(self._robot)]
             return []
         drives = current is not None and current.under_way
         self._replace_current(entry)
-        entry.status = Status.ACTIVE if entry.status is Status.PENDING else Status.PREEMPTING
+        entry.status = GoalStatusCode.ACTIVE if entry.status is GoalStatusCode.PENDING else GoalStatusCode.PREEMPTING
         entry.text = _ACCEPTED
         self._say_status()
         if entry.target is None:
-            self._end(entry, Status.ABORTED, entry.refusal)
-        elif entry.status is Status.PREEMPTING:
-            self._end(entry, Status.PREEMPTED, "")
+            self._end(entry, GoalStatusCode.ABORTED, entry.refusal)
+        elif entry.status is GoalStatusCode.PREEMPTING:
+            self._end(entry, GoalStatusCode.PREEMPTED, "")
         else:
             return [Go(self._robot, entry.target)]
         return [Halt(self._robot)] if drives else []
 
     def _replace_current(self, entry: _Entry) -> None:
         if self._current is not None and self._current.under_way:
-            self._end(self._current, Status.PREEMPTED, _REPLACED)
+            self._end(self._current, GoalStatusCode.PREEMPTED, _REPLACED)
         self._current = self._next = entry
 
-    def _end_driven(self, result: Result) -> None:
+    def _end_driven(self, result: GoalResult) -> None:
         """The navigator is done with a goal."""
         known = [entry for entry in self._listed if entry.target == result.goal]
         entry = next((entry for entry in known if entry.under_way), None)
@@ -271,12 +271,12 @@ class MoveBaseServer:
         if entry is None:
             return  # Its client knows already.
         match result:
-            case Arrived():
-                self._end(entry, Status.SUCCEEDED, "Goal reached.")
+            case GoalReached():
+                self._end(entry, GoalStatusCode.SUCCEEDED, "Goal reached.")
             case NoPath(_, _, sentence):
-                self._end(entry, Status.ABORTED, sentence)
+                self._end(entry, GoalStatusCode.ABORTED, sentence)
             case Cancelled():
-                self._end(entry, Status.PREEMPTED, "")
+                self._end(entry, GoalStatusCode.PREEMPTED, "")
             case _:
                 assert_never(result)
 
@@ -287,7 +287,7 @@ class MoveBaseServer:
         named = GoalId(f"{self._names.namespace[1:]}-{goal.id}", self._now)
         # The game may take up a goal once more.
         self._listed = [entry for entry in self._listed if entry.goal.id != named.id]
-        entry = _Entry(named, Status.ACTIVE, _ACCEPTED, goal)
+        entry = _Entry(named, GoalStatusCode.ACTIVE, _ACCEPTED, goal)
         self._replace_current(entry)
         self._listed.append(entry)
         self._said.append(GoalSet(named, goal.base_in_map))
@@ -299,11 +299,11 @@ class MoveBaseServer:
         self._driven = None
         for entry in list(self._listed):
             if entry.under_way:
-                self._end(entry, Status.PREEMPTED, _DIED)
+                self._end(entry, GoalStatusCode.PREEMPTED, _DIED)
 
-    def _end(self, entry: _Entry, status: Status, text: str) -> None:
+    def _end(self, entry: _Entry, status: GoalStatusCode, text: str) -> None:
         entry.status, entry.text, entry.left_ns = status, text, self._now
-        self._said.append(Ended(entry.told()))
+        self._said.append(GoalEnded(entry.told()))
         self._say_status()
 
     def _say_status(self) -> None:

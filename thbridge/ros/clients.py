@@ -25,7 +25,7 @@ _FLAT = math.cos(math.radians(10.0))
 
 
 @dataclass(frozen=True, slots=True)
-class Refused:
+class InvalidMessage:
     """A message that cannot be used, and why."""
 
     sentence: str
@@ -45,7 +45,7 @@ class ActionGoal:
 
     goal_id: str
     stamp_ns: int
-    pose: Pose2 | Refused
+    pose: Pose2 | InvalidMessage
 
 
 @dataclass(frozen=True, slots=True)
@@ -57,7 +57,7 @@ class ActionCancel:
 
 
 @dataclass(frozen=True, slots=True)
-class PlanQuestion:
+class PlanRequest:
     """nav_msgs/GetPlan: from where (None: where the robot is), to where, and how far beside it will do, metres."""
 
     start: Pose2 | None
@@ -65,7 +65,7 @@ class PlanQuestion:
     tolerance: float
 
 
-def pose_estimate(data: bytes) -> PoseEstimate | Refused:
+def pose_estimate(data: bytes) -> PoseEstimate | InvalidMessage:
     """geometry_msgs/PoseWithCovarianceStamped, of `initialpose` and of robot_localization's `set_pose`."""
     try:
         cursor = Cursor(data)
@@ -73,11 +73,11 @@ def pose_estimate(data: bytes) -> PoseEstimate | Refused:
         pose = _pose_in_map(cursor, frame)
         covariance = cursor.reals(36).reshape(6, 6)[_PLANAR]
     except ValueError as error:
-        return Refused(str(error))
-    if isinstance(pose, Refused):
+        return InvalidMessage(str(error))
+    if isinstance(pose, InvalidMessage):
         return pose
     if not is_covariance(covariance):
-        return Refused("its covariance is not one: it has to be finite and positive semi-definite")
+        return InvalidMessage("its covariance is not one: it has to be finite and positive semi-definite")
     return PoseEstimate(pose, covariance)
 
 
@@ -88,17 +88,17 @@ def is_covariance(matrix: FloatArray) -> bool:
     return bool(np.linalg.eigvalsh(0.5 * (matrix + matrix.T)).min() >= -1e-9)
 
 
-def goal_pose(data: bytes) -> Pose2 | Refused:
+def goal_pose(data: bytes) -> Pose2 | InvalidMessage:
     """geometry_msgs/PoseStamped."""
     try:
         cursor = Cursor(data)
         _, frame = cursor.header()
         return _pose_in_map(cursor, frame)
     except ValueError as error:
-        return Refused(str(error))
+        return InvalidMessage(str(error))
 
 
-def action_goal(data: bytes) -> ActionGoal | Refused:
+def action_goal(data: bytes) -> ActionGoal | InvalidMessage:
     """move_base_msgs/MoveBaseActionGoal."""
     try:
         cursor = Cursor(data)
@@ -107,52 +107,52 @@ def action_goal(data: bytes) -> ActionGoal | Refused:
         _, frame = cursor.header()
         return ActionGoal(goal_id, stamp_ns, _pose_in_map(cursor, frame))
     except ValueError as error:
-        return Refused(str(error))
+        return InvalidMessage(str(error))
 
 
-def action_cancel(data: bytes) -> ActionCancel | Refused:
+def action_cancel(data: bytes) -> ActionCancel | InvalidMessage:
     """actionlib_msgs/GoalID."""
     try:
         cursor = Cursor(data)
         stamp_ns = cursor.stamp()
         return ActionCancel(_goal_id(cursor), stamp_ns)
     except ValueError as error:
-        return Refused(str(error))
+        return InvalidMessage(str(error))
 
 
-def velocity(data: bytes) -> Twist | Refused:
+def velocity(data: bytes) -> Twist | InvalidMessage:
     """geometry_msgs/Twist; of a robot with two wheels only x forward and z around count."""
     try:
         six = Cursor(data).reals(6)
     except ValueError as error:
-        return Refused(str(error))
+        return InvalidMessage(str(error))
     if not np.isfinite(six).all():
-        return Refused("it is not finite")
+        return InvalidMessage("it is not finite")
     return Twist(float(six[0]), float(six[5]))
 
 
-def plan_question(data: bytes) -> PlanQuestion | Refused:
+def plan_request(data: bytes) -> PlanRequest | InvalidMessage:
     """The request of nav_msgs/GetPlan; a start without a frame is the robot's own place, as in move_base."""
     try:
         cursor = Cursor(data)
         _, start_frame = cursor.header()
-        start: Pose2 | Refused | None = None
+        start: Pose2 | InvalidMessage | None = None
         if start_frame:
             start = _pose_in_map(cursor, start_frame)
         else:
-            cursor.seven()
+            cursor.spatial_pose()
         _, goal_frame = cursor.header()
         goal = _pose_in_map(cursor, goal_frame)
         (tolerance,) = FLOAT32.unpack(cursor.take(FLOAT32.size))
     except ValueError as error:
-        return Refused(str(error))
-    if isinstance(start, Refused):
+        return InvalidMessage(str(error))
+    if isinstance(start, InvalidMessage):
         return start
-    if isinstance(goal, Refused):
+    if isinstance(goal, InvalidMessage):
         return goal
     if not (math.isfinite(tolerance) and tolerance >= 0.0):
-        return Refused(f"its tolerance of {tolerance} m is none")
-    return PlanQuestion(start, goal, float(tolerance))
+        return InvalidMessage(f"its tolerance of {tolerance} m is none")
+    return PlanRequest(start, goal, float(tolerance))
 
 
 def _goal_id(cursor: Cursor) -> str:
@@ -162,19 +162,19 @@ def _goal_id(cursor: Cursor) -> str:
     return goal_id
 
 
-def _pose_in_map(cursor: Cursor, frame: str) -> Pose2 | Refused:
-    x, y, z, qx, qy, qz, qw = cursor.seven()
+def _pose_in_map(cursor: Cursor, frame: str) -> Pose2 | InvalidMessage:
+    x, y, z, qx, qy, qz, qw = cursor.spatial_pose()
     if frame_name(frame) != MAP_FRAME:
-        return Refused(f"its frame is {frame!r}; give it in the frame {MAP_FRAME!r}")
+        return InvalidMessage(f"its frame is {frame!r}; give it in the frame {MAP_FRAME!r}")
     length = math.sqrt(qx * qx + qy * qy + qz * qz + qw * qw)
     if not math.isfinite(x + y + z + length):
-        return Refused("its pose is not finite")
+        return InvalidMessage("its pose is not finite")
     if max(abs(x), abs(y)) > FARTHEST:
-        return Refused("its pose is farther away than any map is large")
+        return InvalidMessage("its pose is farther away than any map is large")
     if length < 1e-6:
-        return Refused("its quaternion is empty; no rotation is (0, 0, 0, 1)")
+        return InvalidMessage("its quaternion is empty; no rotation is (0, 0, 0, 1)")
     qx, qy, qz, qw = qx / length, qy / length, qz / length, qw / length
     if 1.0 - 2.0 * (qx * qx + qy * qy) < _FLAT:
-        return Refused("its pose is tilted; robots here drive in the plane")
+        return InvalidMessage("its pose is tilted; robots here drive in the plane")
     yaw = math.atan2(2.0 * (qw * qz + qx * qy), 1.0 - 2.0 * (qy * qy + qz * qz))
     return Pose2(x, y, yaw if yaw < math.pi else -math.pi)

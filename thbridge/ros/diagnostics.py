@@ -7,9 +7,9 @@ from sim.common.geometry import Pose2
 from sim.robot.navigator import NavigatorState
 from sim.robot.software import RobotOutput
 from sim.team import TeamSnapshot
-from thbridge.ros.actionlib import ActionRequest, Ended, GoalSet, Said
-from thbridge.ros.messages.goal_status import Status
-from thbridge.ros.messages.pack import Diagnosis, DiagnosticLevel
+from thbridge.ros.actionlib import ActionRequest, ActionServerMessage, GoalEnded, GoalSet
+from thbridge.ros.messages.goal_status import GoalStatusCode
+from thbridge.ros.messages.pack import DiagnosticLevel, DiagnosticStatus
 from thbridge.ros.messages.records import CancelRequest, GoalRequest, LogLevel, LogLine
 from thbridge.ros.names import CALLER, RobotNames
 
@@ -19,10 +19,10 @@ LOW_CHARGE = 0.2
 """Share of the energy under which a robot should be watched."""
 
 _ENDS = {
-    Status.SUCCEEDED: (LogLevel.INFO, "is reached"),
-    Status.PREEMPTED: (LogLevel.INFO, "is withdrawn"),
-    Status.RECALLED: (LogLevel.INFO, "came too late"),
-    Status.ABORTED: (LogLevel.WARN, "is given up"),
+    GoalStatusCode.SUCCEEDED: (LogLevel.INFO, "is reached"),
+    GoalStatusCode.PREEMPTED: (LogLevel.INFO, "is withdrawn"),
+    GoalStatusCode.RECALLED: (LogLevel.INFO, "came too late"),
+    GoalStatusCode.ABORTED: (LogLevel.WARN, "is given up"),
 }
 _STATES: dict[NavigatorState, tuple[DiagnosticLevel, str]] = {
     "idle": (DiagnosticLevel.OK, "no goal"),
@@ -32,7 +32,7 @@ _STATES: dict[NavigatorState, tuple[DiagnosticLevel, str]] = {
 }
 
 
-class RobotWatch:
+class RobotDiagnostics:
     """Over one robot.
 
     Args:
@@ -50,7 +50,9 @@ class RobotWatch:
         self._collisions = 0
         self._given_up = ""
 
-    def lines(self, snapshot: TeamSnapshot, output: RobotOutput, goals: Sequence[Said]) -> Iterator[LogLine]:
+    def log_lines(
+        self, snapshot: TeamSnapshot, output: RobotOutput, goals: Sequence[ActionServerMessage]
+    ) -> Iterator[LogLine]:
         """What is new in a tick.
 
         Args:
@@ -80,7 +82,7 @@ class RobotWatch:
         for said in goals:
             yield from self._goal(said)
 
-    def asked(self, request: ActionRequest) -> Iterator[LogLine]:
+    def log_request(self, request: ActionRequest) -> Iterator[LogLine]:
         """That a client wants something of the robot, which hears it unless it is dead."""
         match request:
             case GoalRequest(_, goal_id, _, Pose2() as base) if not self._dead:
@@ -90,18 +92,18 @@ class RobotWatch:
             case CancelRequest() if not self._dead:
                 yield LogLine(LogLevel.INFO, self._navigator, "a client takes goals back")
 
-    def _goal(self, said: Said) -> Iterator[LogLine]:
+    def _goal(self, said: ActionServerMessage) -> Iterator[LogLine]:
         match said:
             case GoalSet(goal, base):
                 self._given_up = ""
                 yield LogLine(LogLevel.INFO, self._navigator, f"goal {goal.id}: ({base.x:.2f}, {base.y:.2f})")
-            case Ended(entry) if entry.status in _ENDS:
+            case GoalEnded(entry) if entry.status in _ENDS:
                 level, what = _ENDS[entry.status]
-                self._given_up = entry.text if entry.status is Status.ABORTED else ""
+                self._given_up = entry.text if entry.status is GoalStatusCode.ABORTED else ""
                 why = f": {entry.text}" if self._given_up else ""
                 yield LogLine(level, self._navigator, f"goal {entry.goal.id} {what}{why}")
 
-    def diagnoses(self, snapshot: TeamSnapshot, output: RobotOutput) -> Iterator[Diagnosis]:
+    def diagnoses(self, snapshot: TeamSnapshot, output: RobotOutput) -> Iterator[DiagnosticStatus]:
         """How each part of the robot is."""
         if self._robot in snapshot.dead:
             yield self._diagnosis(DiagnosticLevel.STALE, "software", "has stopped")
@@ -114,7 +116,7 @@ class RobotWatch:
         level, message = (DiagnosticLevel.WARN, "touches something") if contact else (DiagnosticLevel.OK, "free")
         yield self._diagnosis(level, "bumper", message, collisions=str(self._collisions))
 
-    def _localisation(self, output: RobotOutput) -> Diagnosis:
+    def _localisation(self, output: RobotOutput) -> DiagnosticStatus:
         estimate = output.estimate
         var_x, var_y, var_theta = estimate.covariance.diagonal().tolist()
         spread = math.sqrt(max(var_x, var_y, 0.0))
@@ -127,14 +129,14 @@ class RobotWatch:
         figures = {"standard deviation (m)": f"{spread:.3f}", "of the heading (degrees)": f"{turn:.1f}"}
         return self._diagnosis(level, "localisation", message, **figures)
 
-    def _navigation(self, output: RobotOutput) -> Diagnosis:
+    def _navigation(self, output: RobotOutput) -> DiagnosticStatus:
         navigation = output.navigation
         level, message = _STATES[navigation.state]
         if navigation.goal is None and self._given_up:
             level, message = DiagnosticLevel.WARN, f"gave up: {self._given_up}"
         return self._diagnosis(level, "navigation", message, **{"way left (m)": f"{navigation.remaining:.1f}"})
 
-    def _energy(self, output: RobotOutput) -> Diagnosis:
+    def _energy(self, output: RobotOutput) -> DiagnosticStatus:
         battery = output.observations.battery
         level, message = DiagnosticLevel.OK, "enough"
         if battery.charge <= 0.0:
@@ -145,5 +147,5 @@ class RobotWatch:
             level, "energy", message, charge=f"{battery.charge:.1f}", capacity=f"{battery.capacity:.1f}"
         )
 
-    def _diagnosis(self, level: DiagnosticLevel, part: str, message: str, **values: str) -> Diagnosis:
-        return Diagnosis(level, f"{self._name}: {part}", message, self._name, values)
+    def _diagnosis(self, level: DiagnosticLevel, part: str, message: str, **values: str) -> DiagnosticStatus:
+        return DiagnosticStatus(level, f"{self._name}: {part}", message, self._name, values)

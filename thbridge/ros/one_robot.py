@@ -10,12 +10,20 @@ from sim.common.geometry import FloatArray, Pose2
 from sim.common.observations import STANDSTILL, TICKS_PER_SECOND, Twist
 from sim.robot.navigator import Navigation
 from sim.robot.software import RobotOutput
-from thbridge.ros.actionlib import ActionRequest, Ended, Feedback, GoalSet, MoveBaseServer, Said, StatusList
+from thbridge.ros.actionlib import (
+    ActionRequest,
+    ActionServerMessage,
+    Feedback,
+    GoalEnded,
+    GoalSet,
+    MoveBaseServer,
+    StatusList,
+)
 from thbridge.ros.messages import pack
 from thbridge.ros.messages.goal_status import GoalId
 from thbridge.ros.messages.records import CancelRequest, GoalRequest, SimpleGoal
 from thbridge.ros.names import MAP_FRAME, RobotNames
-from thbridge.ros.topics import Message, Planners, RobotTopics, Topic
+from thbridge.ros.topics import Planners, RobotTopics, RosMessage, Topic
 
 COMMAND_PERIOD = 5
 """Ticks after which an unchanged command is said again while a goal is under way: 10 Hz, base drivers time out."""
@@ -59,18 +67,24 @@ class RobotPublisher:
         self._plan: FloatArray = np.empty((0, 3))
         self._local_plan: FloatArray = self._plan
 
-    def heard(self, stamp_ns: int, tick: int, request: ActionRequest) -> Iterator[Message]:
+    def received(self, stamp_ns: int, tick: int, request: ActionRequest) -> Iterator[RosMessage]:
         """What a client said, as far as that was a message at all."""
         match request:
             case GoalRequest(_, goal_id, goal_stamp_ns, Pose2() as base):
                 data = pack.move_base_goal(tick, GoalId(goal_id, goal_stamp_ns), MAP_FRAME, base)
-                yield Message(self.topics.goal, stamp_ns, data, heard=True)
+                yield RosMessage(self.topics.goal, stamp_ns, data, foreign=True)
             case SimpleGoal(_, Pose2() as base):
-                yield Message(self.topics.simple_goal, stamp_ns, pack.pose_stamped(tick, MAP_FRAME, base), heard=True)
+                yield RosMessage(
+                    self.topics.simple_goal, stamp_ns, pack.pose_stamped(tick, MAP_FRAME, base), foreign=True
+                )
             case CancelRequest(_, goal_id, goal_stamp_ns):
-                yield Message(self.topics.cancel, stamp_ns, pack.goal_id(GoalId(goal_id, goal_stamp_ns)), heard=True)
+                yield RosMessage(
+                    self.topics.cancel, stamp_ns, pack.goal_id(GoalId(goal_id, goal_stamp_ns)), foreign=True
+                )
 
-    def goals(self, tick: int, requests: Sequence[ActionRequest], output: RobotOutput, dead: bool) -> list[Said]:
+    def goals(
+        self, tick: int, requests: Sequence[ActionRequest], output: RobotOutput, dead: bool
+    ) -> list[ActionServerMessage]:
         """What the action server says in a tick, given what clients asked of it in that tick."""
         self._server.take(tick, requests)
         return self._server.follow(tick, None if dead else output.navigation, output.estimate.base_in_map)
@@ -81,7 +95,7 @@ class RobotPublisher:
         return self.topics.base_pose_ground_truth, data
 
     def tick(
-        self, tick: int, command: Twist, output: RobotOutput, goals: Sequence[Said]
+        self, tick: int, command: Twist, output: RobotOutput, goals: Sequence[ActionServerMessage]
     ) -> Iterator[tuple[Topic, bytes]]:
         """What a robot that lives says in one tick.
 
@@ -117,7 +131,7 @@ class RobotPublisher:
         yield from self._navigation(tick, command, output.navigation)
         yield from self._footprints(tick, estimate.base_in_map, output.neighbour.footprint)
 
-    def _packed(self, tick: int, said: Said) -> tuple[Topic, bytes]:
+    def _packed(self, tick: int, said: ActionServerMessage) -> tuple[Topic, bytes]:
         match said:
             case GoalSet(goal, base):
                 return self.topics.goal, pack.move_base_goal(tick, goal, MAP_FRAME, base)
@@ -125,7 +139,7 @@ class RobotPublisher:
                 return self.topics.status, pack.goal_status_array(tick, entries)
             case Feedback(entry, base):
                 return self.topics.feedback, pack.move_base_feedback(tick, entry, MAP_FRAME, base)
-            case Ended(entry):
+            case GoalEnded(entry):
                 return self.topics.result, pack.move_base_result(tick, entry)
             case _:
                 assert_never(said)

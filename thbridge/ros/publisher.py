@@ -7,10 +7,10 @@ from typing import assert_never
 from sim.common.geometry import Pose2
 from sim.common.grid import OccupancyGrid
 from sim.common.observations import TICKS_PER_SECOND, LaserMount, Twist
-from sim.common.polygons import NO_POLYGONS, apart
+from sim.common.polygons import NO_POLYGONS, unpack_polygons
 from sim.team import TeamSnapshot
 from thbridge.ros.actionlib import ActionRequest
-from thbridge.ros.diagnostics import RobotWatch
+from thbridge.ros.diagnostics import RobotDiagnostics
 from thbridge.ros.messages import pack
 from thbridge.ros.messages.pack import Transform
 from thbridge.ros.messages.records import (
@@ -19,15 +19,15 @@ from thbridge.ros.messages.records import (
     GoalRequest,
     HeldTurns,
     InitialPose,
-    Input,
+    InputRecord,
     LogLine,
     Record,
-    Score,
+    ScoreRecord,
     SendRobots,
-    Session,
+    SessionRecord,
     SimpleGoal,
     Success,
-    Utterance,
+    UtteranceRecord,
     VehicleFrame,
     VehicleRecord,
     VehicleState,
@@ -54,25 +54,25 @@ from thbridge.ros.topics import (
     THINGS,
     UTTERANCES,
     WIZARD,
-    Message,
     Planners,
+    RosMessage,
     Topic,
     VehicleTopics,
 )
 
-__all__ = ["Message", "Planners", "Publisher", "Topic", "clock_message", "messages_of"]
+__all__ = ["Planners", "RosMessage", "TeamPublisher", "Topic", "clock_message", "messages_of"]
 
 THINGS_PERIOD = 5
 """Ticks from one word about things that walk to the next: 10 Hz."""
 DIAGNOSTICS_PERIOD = TICKS_PER_SECOND
 
 
-def clock_message(tick: int) -> Message:
+def clock_message(tick: int) -> RosMessage:
     """The time, for a graph whose nodes live in simulated time; bags hold none."""
-    return Message(CLOCK, stamp_ns(tick), pack.clock(tick))
+    return RosMessage(CLOCK, stamp_ns(tick), pack.clock(tick))
 
 
-class Publisher:
+class TeamPublisher:
     """Turns each tick of a team into the messages that its ROS nodes would publish.
 
     Args:
@@ -100,7 +100,7 @@ class Publisher:
         named = [Planners() for _ in team] if planners is None else planners
         self._robots = [RobotPublisher(robot, scan_period, own) for robot, own in zip(team, named, strict=True)]
         self._vehicles = [VehicleTopics.of(RobotNames.of(robot)) for robot in team if vehicles]
-        self._watches = [RobotWatch(robot) for robot in team]
+        self._watches = [RobotDiagnostics(robot) for robot in team]
         self._bodies = NO_POLYGONS
         self._bodies_tick = 0
 
@@ -110,7 +110,7 @@ class Publisher:
         own = tuple(topic for robot in self._robots for topic in robot.topics.all())
         return TEAM_TOPICS + own + tuple(topic for robot in self._vehicles for topic in robot.all())
 
-    def opening(self, tick: int, session: Session, grid: OccupancyGrid) -> list[Message]:
+    def opening(self, tick: int, session: SessionRecord, grid: OccupancyGrid) -> list[RosMessage]:
         """What is said once, before all else: session, frames that never move, the map. All of it is latched."""
         stamp = stamp_ns(tick)
         static = [
@@ -122,13 +122,13 @@ class Publisher:
             )
         ]
         return [
-            Message(SESSION, stamp, pack.session(tick, session)),
-            Message(TF_STATIC, stamp, pack.transforms(tick, static)),
-            Message(MAP, stamp, pack.occupancy_grid(tick, MAP_FRAME, grid)),
-            Message(MAP_METADATA, stamp, pack.map_meta_data(tick, grid)),
+            RosMessage(SESSION, stamp, pack.session(tick, session)),
+            RosMessage(TF_STATIC, stamp, pack.transforms(tick, static)),
+            RosMessage(MAP, stamp, pack.occupancy_grid(tick, MAP_FRAME, grid)),
+            RosMessage(MAP_METADATA, stamp, pack.map_meta_data(tick, grid)),
         ]
 
-    def tick(self, snapshot: TeamSnapshot, records: Iterable[Record] = ()) -> list[Message]:
+    def tick(self, snapshot: TeamSnapshot, records: Iterable[Record] = ()) -> list[RosMessage]:
         """What is said in one tick: what came from outside, then the robots in their order, then the other records.
 
         Raises:
@@ -137,33 +137,33 @@ class Publisher:
         tick, stamp = snapshot.tick, stamp_ns(snapshot.tick)
         records = tuple(records)
         requests: defaultdict[int, list[ActionRequest]] = defaultdict(list)
-        messages: list[Message] = []
+        messages: list[RosMessage] = []
         lines: list[LogLine] = []
         for record in records:
-            if isinstance(record, Input):
-                messages.append(Message(INPUTS, stamp, pack.outside_input(tick, record)))
+            if isinstance(record, InputRecord):
+                messages.append(RosMessage(INPUTS, stamp, pack.outside_input(tick, record)))
             elif isinstance(record, ActionRequest):
                 requests[record.robot].append(record)
-                messages.extend(self._robots[record.robot].heard(stamp, tick, record))
-                lines += self._watches[record.robot].asked(record)
+                messages.extend(self._robots[record.robot].received(stamp, tick, record))
+                lines += self._watches[record.robot].log_request(record)
             elif isinstance(record, InitialPose):
                 data = pack.pose_with_covariance(tick, MAP_FRAME, record.base_in_map, record.covariance)
-                messages.append(Message(self._robots[record.robot].topics.initialpose, stamp, data, heard=True))
-        messages.append(Message(TF, stamp, pack.transforms(tick, self._moving_frames(snapshot))))
+                messages.append(RosMessage(self._robots[record.robot].topics.initialpose, stamp, data, foreign=True))
+        messages.append(RosMessage(TF, stamp, pack.transforms(tick, self._moving_frames(snapshot))))
         poses, twists, commands = snapshot.truth.poses.tolist(), snapshot.truth.twists.tolist(), snapshot.commands
         for index, (robot, output) in enumerate(zip(self._robots, snapshot.robots, strict=True)):
             dead = index in snapshot.dead
             goals = robot.goals(tick, requests.get(index, ()), output, dead)
             topic, data = robot.truth(tick, Pose2(*poses[index]), Twist(*twists[index]))
-            messages.append(Message(topic, stamp, data))
+            messages.append(RosMessage(topic, stamp, data))
             if not dead:
                 said = robot.tick(tick, Twist(*commands[index].tolist()), output, goals)
-                messages.extend(Message(topic, stamp, data) for topic, data in said)
-            lines += self._watches[index].lines(snapshot, output, goals)
-        messages.extend(Message(topic, stamp, data) for topic, data in self._things(snapshot))
-        messages.extend(Message(ROSOUT, stamp, pack.log(tick, line)) for line in lines)
+                messages.extend(RosMessage(topic, stamp, data) for topic, data in said)
+            lines += self._watches[index].log_lines(snapshot, output, goals)
+        messages.extend(RosMessage(topic, stamp, data) for topic, data in self._things(snapshot))
+        messages.extend(RosMessage(ROSOUT, stamp, pack.log(tick, line)) for line in lines)
         if tick % DIAGNOSTICS_PERIOD == 0:
-            messages.append(Message(DIAGNOSTICS, stamp, pack.diagnostic_array(tick, self._diagnoses(snapshot))))
+            messages.append(RosMessage(DIAGNOSTICS, stamp, pack.diagnostic_array(tick, self._diagnoses(snapshot))))
         for record in records:
             if isinstance(record, VehicleRecord):
                 messages.append(self._vehicle(stamp, tick, record))
@@ -171,18 +171,18 @@ class Publisher:
                 messages.extend(messages_of(stamp, tick, record))
         return messages
 
-    def _vehicle(self, stamp: int, tick: int, record: VehicleRecord) -> Message:
+    def _vehicle(self, stamp: int, tick: int, record: VehicleRecord) -> RosMessage:
         topics = self._vehicles[record.robot]
         match record:
             case VehicleState():
-                return Message(topics.state, stamp, pack.vehicle_state(tick, record))
+                return RosMessage(topics.state, stamp, pack.vehicle_state(tick, record))
             case VehicleFrame(_, heard, frame):
                 data = pack.mavlink(tick, frame)
                 if heard:
-                    return Message(topics.heard, stamp, data, heard=frame.link == GRAPH_LINK)
-                return Message(topics.said, stamp, data)
+                    return RosMessage(topics.received, stamp, data, foreign=frame.link == GRAPH_LINK)
+                return RosMessage(topics.sent, stamp, data)
 
-    def _diagnoses(self, snapshot: TeamSnapshot) -> list[pack.Diagnosis]:
+    def _diagnoses(self, snapshot: TeamSnapshot) -> list[pack.DiagnosticStatus]:
         return [
             diagnosis
             for watch, output in zip(self._watches, snapshot.robots, strict=True)
@@ -204,28 +204,28 @@ class Publisher:
             return
         self._bodies, self._bodies_tick = bodies, snapshot.tick
         things = [presence.thing.name for presence in snapshot.truth.things if presence.appeared]
-        outlines = zip(things, apart(bodies), strict=True)
+        outlines = zip(things, unpack_polygons(bodies), strict=True)
         yield THINGS, pack.outlines(snapshot.tick, MAP_FRAME, outlines)
 
 
-def messages_of(stamp: int, tick: int, record: Record) -> Iterator[Message]:
+def messages_of(stamp: int, tick: int, record: Record) -> Iterator[RosMessage]:
     """What is said of a record, after what robots say; stamped with these nanoseconds, its header with the tick."""
     match record:
         case GameEvent():
-            yield Message(GAME_EVENTS, stamp, pack.game_event(tick, record))
-        case Score():
-            yield Message(SCORE, stamp, pack.score(tick, record))
-        case Utterance():
-            yield Message(UTTERANCES, stamp, pack.utterance(tick, record))
+            yield RosMessage(GAME_EVENTS, stamp, pack.game_event(tick, record))
+        case ScoreRecord():
+            yield RosMessage(SCORE, stamp, pack.score(tick, record))
+        case UtteranceRecord():
+            yield RosMessage(UTTERANCES, stamp, pack.utterance(tick, record))
         case HeldTurns(text):
-            yield Message(WIZARD, stamp, pack.string(text))
+            yield RosMessage(WIZARD, stamp, pack.string(text))
         case SendRobots(line):
-            yield Message(SEND_ROBOTS, stamp, pack.string(line))
+            yield RosMessage(SEND_ROBOTS, stamp, pack.string(line))
         case Success(line):
-            yield Message(SUCCESS, stamp, pack.string(line))
+            yield RosMessage(SUCCESS, stamp, pack.string(line))
         case LogLine():
-            yield Message(ROSOUT, stamp, pack.log(tick, record))
-        case Input() | GoalRequest() | CancelRequest() | SimpleGoal() | InitialPose():
+            yield RosMessage(ROSOUT, stamp, pack.log(tick, record))
+        case InputRecord() | GoalRequest() | CancelRequest() | SimpleGoal() | InitialPose():
             pass  # Said before all else.
         case VelocityCommand():
             pass  # What the motors were told of it is on cmd_vel.

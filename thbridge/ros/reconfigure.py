@@ -18,17 +18,17 @@ from struct import Struct
 from types import NoneType
 from typing import Literal, cast, get_args
 
-from sim.parameters import LiveKnob, RobotParameters, live_knobs
-from thbridge.ros.clients import Refused
+from sim.parameters import LiveParameter, RobotParameters, live_parameters
+from thbridge.ros.clients import InvalidMessage
 from thbridge.ros.messages.cursor import INT32, UINT8, Cursor
 from thbridge.ros.messages.pack.fields import UINT32, string
 from thbridge.ros.names import RobotNames
 from thbridge.ros.parameters import name_of, value_at
 
-Kind = Literal["bool", "int", "str", "double"]
+ParameterType = Literal["bool", "int", "str", "double"]
 Value = bool | int | str | float
 
-_KINDS: tuple[Kind, ...] = get_args(Kind)
+_KINDS: tuple[ParameterType, ...] = get_args(ParameterType)
 """In the order in which a Config lists them."""
 
 _FLOAT64 = Struct("<d")
@@ -54,7 +54,7 @@ _NUMBERED: Mapping[str, Mapping[str, int]] = {
 
 
 @dataclass(frozen=True, slots=True)
-class Parameter:
+class DescribedParameter:
     """One live parameter as dynamic_reconfigure describes it.
 
     Attributes:
@@ -70,7 +70,7 @@ class Parameter:
 
     name: str
     path: str
-    kind: Kind
+    kind: ParameterType
     description: str
     edit_method: str
     minimum: Value
@@ -83,7 +83,7 @@ class Parameter:
             return value
         return min(max(value, cast(float, self.minimum)), cast(float, self.maximum))
 
-    def told(self, software: RobotParameters) -> Value:
+    def reported(self, software: RobotParameters) -> Value:
         """Its value in a robot's software. A number without a value (null) is told as 0, as messages have no null."""
         value = value_at(software, self.path)
         if self.kind == "double":
@@ -92,7 +92,7 @@ class Parameter:
 
 
 @dataclass(frozen=True, slots=True)
-class Section:
+class ReconfigureServer:
     """The live parameters of one server.
 
     Attributes:
@@ -101,27 +101,27 @@ class Section:
     """
 
     path: str
-    parameters: tuple[Parameter, ...]
+    parameters: tuple[DescribedParameter, ...]
 
-    def server(self, robot: RobotNames) -> str:
+    def name(self, robot: RobotNames) -> str:
         """The server's name: "/robot1/move_base/local_costmap/inflation_layer"."""
         return name_of(robot, self.parameters[0].path).rpartition("/")[0]
 
 
 @cache
-def sections() -> tuple[Section, ...]:
+def reconfigure_servers() -> tuple[ReconfigureServer, ...]:
     """All servers of a robot."""
-    found: dict[str, list[Parameter]] = {}
-    for knob in live_knobs():
+    found: dict[str, list[DescribedParameter]] = {}
+    for knob in live_parameters():
         found.setdefault(knob.path.rpartition(".")[0], []).append(_parameter(knob))
-    return tuple(Section(path, tuple(parameters)) for path, parameters in found.items())
+    return tuple(ReconfigureServer(path, tuple(parameters)) for path, parameters in found.items())
 
 
-def _parameter(knob: LiveKnob) -> Parameter:
+def _parameter(knob: LiveParameter) -> DescribedParameter:
     name = knob.path.rpartition(".")[2]
     kind = _kind(knob.types)
     minimum, maximum = _bounds(kind, knob.minimum, knob.maximum)
-    return Parameter(
+    return DescribedParameter(
         name,
         knob.path,
         kind,
@@ -135,7 +135,7 @@ def _parameter(knob: LiveKnob) -> Parameter:
     )
 
 
-def _kind(types: tuple[object, ...]) -> Kind:
+def _kind(types: tuple[object, ...]) -> ParameterType:
     if float in types:
         return "double"
     if bool in types:
@@ -143,7 +143,7 @@ def _kind(types: tuple[object, ...]) -> Kind:
     return "int" if int in types else "str"
 
 
-def _bounds(kind: Kind, least: float | None, greatest: float | None) -> tuple[Value, Value]:
+def _bounds(kind: ParameterType, least: float | None, greatest: float | None) -> tuple[Value, Value]:
     match kind:
         case "bool":
             return False, True
@@ -159,7 +159,7 @@ def _choices(name: str, words: tuple[str, ...]) -> Mapping[str, Value]:
     return _NUMBERED.get(name, {word: word for word in words})
 
 
-def _edit_method(kind: Kind, help_: str, choices: Mapping[str, Value]) -> str:
+def _edit_method(kind: ParameterType, help_: str, choices: Mapping[str, Value]) -> str:
     if not choices:
         return ""
     enum = [{"name": name, "type": kind, "value": value, "description": ""} for name, value in choices.items()]
@@ -169,7 +169,7 @@ def _edit_method(kind: Kind, help_: str, choices: Mapping[str, Value]) -> str:
 # What a server says
 
 
-def description(section: Section) -> bytes:
+def description(section: ReconfigureServer) -> bytes:
     """dynamic_reconfigure/ConfigDescription."""
     parameters = b"".join(
         string(each.name) + string(each.kind) + _NO_LEVEL + string(each.description) + string(each.edit_method)
@@ -187,20 +187,20 @@ def description(section: Section) -> bytes:
     )
 
 
-def config(section: Section, software: RobotParameters) -> bytes:
+def config(section: ReconfigureServer, software: RobotParameters) -> bytes:
     """dynamic_reconfigure/Config: the values in force; also the answer of dynamic_reconfigure/Reconfigure."""
-    return _config((each, each.told(software)) for each in section.parameters)
+    return _config((each, each.reported(software)) for each in section.parameters)
 
 
-def _config(values: Iterable[tuple[Parameter, Value]]) -> bytes:
-    rows: dict[Kind, list[bytes]] = {kind: [] for kind in _KINDS}
+def _config(values: Iterable[tuple[DescribedParameter, Value]]) -> bytes:
+    rows: dict[ParameterType, list[bytes]] = {kind: [] for kind in _KINDS}
     for parameter, value in values:
         rows[parameter.kind].append(string(parameter.name) + _WRITE[parameter.kind](value))
     lists = (UINT32.pack(len(of_kind)) + b"".join(of_kind) for of_kind in rows.values())
     return b"".join(lists) + UINT32.pack(1) + _GROUP_STATE
 
 
-_WRITE: Mapping[Kind, Callable[[Value], bytes]] = {
+_WRITE: Mapping[ParameterType, Callable[[Value], bytes]] = {
     "bool": lambda value: UINT8.pack(bool(value)),
     "int": lambda value: INT32.pack(int(value)),
     "str": lambda value: string(str(value)),
@@ -211,7 +211,9 @@ _WRITE: Mapping[Kind, Callable[[Value], bytes]] = {
 # What a client asks
 
 
-def asked(section: Section, software: RobotParameters, data: bytes) -> tuple[tuple[str, Value], ...] | Refused:
+def requested_changes(
+    section: ReconfigureServer, software: RobotParameters, data: bytes
+) -> tuple[tuple[str, Value], ...] | InvalidMessage:
     """What the request of dynamic_reconfigure/Reconfigure changes: values by their paths, within their bounds.
 
     As in ROS, names that the server does not know, or knows as of another type, and the states of groups are passed
@@ -225,17 +227,17 @@ def asked(section: Section, software: RobotParameters, data: bytes) -> tuple[tup
     try:
         given = _given(Cursor(data))
     except ValueError as error:
-        return Refused(str(error))
+        return InvalidMessage(str(error))
     return tuple(
         (each.path, value)
         for each in section.parameters
         if (each.kind, each.name) in given
-        and (value := each.clamped(given[each.kind, each.name])) != each.told(software)
+        and (value := each.clamped(given[each.kind, each.name])) != each.reported(software)
     )
 
 
-def _given(cursor: Cursor) -> Mapping[tuple[Kind, str], Value]:
-    given: dict[tuple[Kind, str], Value] = {}
+def _given(cursor: Cursor) -> Mapping[tuple[ParameterType, str], Value]:
+    given: dict[tuple[ParameterType, str], Value] = {}
     for kind in _KINDS:
         for _ in range(cursor.integer(UINT32)):  # Each takes some bytes, so a count that lies ends soon.
             name = cursor.string()
@@ -243,7 +245,7 @@ def _given(cursor: Cursor) -> Mapping[tuple[Kind, str], Value]:
     return given
 
 
-_READ: Mapping[Kind, Callable[[Cursor], Value]] = {
+_READ: Mapping[ParameterType, Callable[[Cursor], Value]] = {
     "bool": lambda cursor: bool(cursor.integer(UINT8)),
     "int": lambda cursor: cursor.integer(INT32),
     "str": Cursor.string,

@@ -17,7 +17,7 @@ class Topic(NamedTuple):
     latched: bool = False
 
 
-class Message(NamedTuple):
+class RosMessage(NamedTuple):
     """One message.
 
     Attributes:
@@ -30,7 +30,7 @@ class Message(NamedTuple):
     topic: Topic
     stamp_ns: int
     data: bytes
-    heard: bool = False
+    foreign: bool = False
 
 
 CLOCK = Topic(names.CLOCK, types.CLOCK)
@@ -95,22 +95,22 @@ class VehicleTopics:
         state: how it stands.
     """
 
-    said: Topic
-    heard: Topic
+    sent: Topic
+    received: Topic
     state: Topic
 
     @classmethod
     def of(cls, robot: RobotNames) -> "VehicleTopics":
         """The topics in a robot's namespace."""
         return cls(
-            said=Topic(robot.topic("mavlink/from"), types.MAVLINK),
-            heard=Topic(robot.topic("mavlink/to"), types.MAVLINK),
+            sent=Topic(robot.topic("mavlink/from"), types.MAVLINK),
+            received=Topic(robot.topic("mavlink/to"), types.MAVLINK),
             state=Topic(robot.topic("mavros/state"), types.MAVROS_STATE, latched=True),
         )
 
     def all(self) -> tuple[Topic, ...]:
         """Every one of them."""
-        return self.said, self.heard, self.state
+        return self.sent, self.received, self.state
 
 
 @dataclass(frozen=True, slots=True)

@@ -11,8 +11,8 @@ from enum import Enum
 from typing import NoReturn, TypeAlias
 
 from thbridge.files.errors import reason_of
-from thbridge.wire.client import ClientSession, Ended, Ending, Registered, Reply
-from thbridge.wire.text import Message, Overlong, encode_line
+from thbridge.wire.client import ClientSession, ClosedByServer, NameRegistered, SendToServer, ServerCloseReason
+from thbridge.wire.text import OverlongLine, TextMessage, encode_line
 
 _log = logging.getLogger(__name__)
 
@@ -33,23 +33,23 @@ class LossReason(Enum):
 
     UNREACHABLE = "the server cannot be reached"
     BROKEN = "the connection broke"
-    REFUSED = Ending.REFUSED.value
-    STOPPED = Ending.STOPPED.value
+    REFUSED = ServerCloseReason.REFUSED.value
+    STOPPED = ServerCloseReason.STOPPED.value
 
 
 @dataclass(frozen=True, slots=True)
-class Lost:
+class ConnectionLost:
     """There is no connection any more; the client goes on trying. Told once for each change of reason."""
 
     reason: LossReason
     detail: str = ""
 
 
-ClientEvent: TypeAlias = Registered | Message | Lost
+TextClientEvent: TypeAlias = NameRegistered | TextMessage | ConnectionLost
 
 
 @dataclass(frozen=True, slots=True)
-class Patience:
+class Backoff:
     """How a client waits, seconds.
 
     Attributes:
@@ -77,14 +77,14 @@ class TextClient:
         ValueError: name or token is not one word.
     """
 
-    def __init__(self, name: str, token: str, host: str, port: int, patience: Patience | None = None) -> None:
+    def __init__(self, name: str, token: str, host: str, port: int, patience: Backoff | None = None) -> None:
         ClientSession(name, token)  # refuses a bad name here, not in the midst of a run
         self._name = name
         self._token = token
         self._host = host
         self._port = port
-        self._patience = patience or Patience()
-        self._events: asyncio.Queue[ClientEvent] = asyncio.Queue(_EVENTS)
+        self._patience = patience or Backoff()
+        self._events: asyncio.Queue[TextClientEvent] = asyncio.Queue(_EVENTS)
         self._writer: asyncio.StreamWriter | None = None  # while we are registered
         self._reason: LossReason | None = None
 
@@ -110,18 +110,18 @@ class TextClient:
         finally:
             running.cancel()
 
-    def send(self, message: Message) -> bool:
+    def send(self, message: TextMessage) -> bool:
         """Say something; False when we are not registered with a server just now, and the message is lost."""
         if self._writer is None:
             return False
         self._write(self._writer, encode_line(message.line()))
         return True
 
-    async def next_event(self) -> ClientEvent:
+    async def next_event(self) -> TextClientEvent:
         """Wait for the next event."""
         return await self._events.get()
 
-    def take(self) -> list[ClientEvent]:
+    def take(self) -> list[TextClientEvent]:
         """The events that have come, oldest first, without waiting."""
         return [self._events.get_nowait() for _ in range(self._events.qsize())]
 
@@ -131,23 +131,23 @@ class TextClient:
             yield delay
             delay = min(2.0 * delay, self._patience.longest)
 
-    async def _converse(self) -> Lost:
+    async def _converse(self) -> ConnectionLost:
         """Connect once and talk until the connection ends, for whatever reason."""
         try:
             async with asyncio.timeout(self._patience.silence):
                 reader, writer = await asyncio.open_connection(self._host, self._port)
         except (OSError, UnicodeError, OverflowError) as error:
             told = reason_of(error) if isinstance(error, OSError) else str(error)
-            return Lost(LossReason.UNREACHABLE, f"{self._host}:{self._port}: {told}")
+            return ConnectionLost(LossReason.UNREACHABLE, f"{self._host}:{self._port}: {told}")
         try:
             return await self._listen(reader, writer)
         except OSError as error:
-            return Lost(LossReason.BROKEN, str(error))
+            return ConnectionLost(LossReason.BROKEN, str(error))
         finally:
             self._writer = None
             writer.close()
 
-    async def _listen(self, reader: asyncio.StreamReader, writer: asyncio.StreamWriter) -> Lost:
+    async def _listen(self, reader: asyncio.StreamReader, writer: asyncio.StreamWriter) -> ConnectionLost:
         session = ClientSession(self._name, self._token)
         self._write(writer, session.hello)
         while True:
@@ -155,22 +155,22 @@ class TextClient:
                 async with asyncio.timeout(self._patience.silence):
                     data = await reader.read(_SEGMENT)
             except TimeoutError:
-                return Lost(LossReason.BROKEN, f"nothing was heard for {self._patience.silence} s")
+                return ConnectionLost(LossReason.BROKEN, f"nothing was heard for {self._patience.silence} s")
             if not data:
-                return Lost(LossReason.BROKEN, "the server closed the connection")
+                return ConnectionLost(LossReason.BROKEN, "the server closed the connection")
             for event in session.receive_data(data):
                 match event:
-                    case Reply(line):
+                    case SendToServer(line):
                         self._write(writer, line)
-                    case Registered():
+                    case NameRegistered():
                         self._writer = writer
                         self._reason = None
                         await self._events.put(event)
-                    case Message():
+                    case TextMessage():
                         await self._events.put(event)
-                    case Ended(reason):
-                        return Lost(LossReason(reason.value))
-                    case Overlong(length):
+                    case ClosedByServer(reason):
+                        return ConnectionLost(LossReason(reason.value))
+                    case OverlongLine(length):
                         _log.warning("the server sent a line of %d bytes, which is too long; skipped", length)
 
     def _write(self, writer: asyncio.StreamWriter, data: bytes) -> None:

@@ -16,7 +16,17 @@ from dataclasses import dataclass
 from typing import Protocol
 
 from thbridge.files.errors import reason_of
-from thbridge.wire.router import Close, ConnectionId, Forwarded, Joined, Left, Output, Send, Skipped, TurnedAway
+from thbridge.wire.router import (
+    ClientJoined,
+    ClientLeft,
+    CloseConnection,
+    ConnectionId,
+    Forwarded,
+    LineSkipped,
+    RouterOutput,
+    SendToClient,
+    TurnedAway,
+)
 
 DEFAULT_HOST = "127.0.0.1"
 DEFAULT_PORT = 6009
@@ -34,7 +44,7 @@ _CHECK_INTERVAL = 1.0
 
 
 @dataclass(frozen=True, slots=True)
-class Listening:
+class ListeningAddress:
     """Where a server can be reached."""
 
     host: str
@@ -56,25 +66,25 @@ class CannotListen:
         )
 
 
-class Switchboard(Protocol):
+class RouterInterface(Protocol):
     """What decides for a server: a `Router`, or whoever stands before one; see there for more."""
 
     def connect(self, now: float) -> ConnectionId | TurnedAway:
         """A connection is opened."""
 
-    def receive_data(self, connection: ConnectionId, data: bytes, now: float) -> Sequence[Output]:
+    def receive_data(self, connection: ConnectionId, data: bytes, now: float) -> Sequence[RouterOutput]:
         """Bytes have come in."""
 
-    def eof(self, connection: ConnectionId) -> Sequence[Output]:
+    def eof(self, connection: ConnectionId) -> Sequence[RouterOutput]:
         """A connection has ended."""
 
-    def report_backlog(self, connection: ConnectionId, size: int) -> Sequence[Output]:
+    def report_backlog(self, connection: ConnectionId, size: int) -> Sequence[RouterOutput]:
         """So many bytes wait for a connection."""
 
-    def advance(self, now: float) -> Sequence[Output]:
+    def advance(self, now: float) -> Sequence[RouterOutput]:
         """Time has passed."""
 
-    def stop(self) -> Sequence[Output]:
+    def stop(self) -> Sequence[RouterOutput]:
         """The server ends."""
 
 
@@ -93,7 +103,7 @@ class TextServer:
 
     def __init__(
         self,
-        switchboard: Switchboard,
+        switchboard: RouterInterface,
         tap: Callable[[Forwarded], None] = _ignore,
         clock: Callable[[], float] = time.monotonic,
     ) -> None:
@@ -106,7 +116,7 @@ class TextServer:
         self._server: asyncio.Server | None = None
         self._watch: asyncio.Task[None] | None = None
 
-    async def start(self, host: str = DEFAULT_HOST, port: int = DEFAULT_PORT) -> Listening | CannotListen:
+    async def start(self, host: str = DEFAULT_HOST, port: int = DEFAULT_PORT) -> ListeningAddress | CannotListen:
         """Begin to serve; port 0 takes any that is free."""
         if not 0 <= port <= 65535:
             return CannotListen(host, port, "a port is a number from 0 to 65535")
@@ -120,7 +130,7 @@ class TextServer:
         self._server = server
         self._watch = loop.create_task(self._watch_for_silence())
         address = server.sockets[0].getsockname()
-        return Listening(address[0], address[1])
+        return ListeningAddress(address[0], address[1])
 
     async def stop(self) -> None:
         """Say farewell to every client, wait a moment for them to go, and close the port."""
@@ -135,27 +145,27 @@ class TextServer:
         await self._server.wait_closed()
         self._server = None
 
-    def perform(self, outputs: Iterable[Output]) -> None:
+    def perform(self, outputs: Iterable[RouterOutput]) -> None:
         """Carry out what the router decided, and what it decides in consequence."""
         waiting = deque(outputs)
         while waiting:
             output = waiting.popleft()
             match output:
-                case Send(connection, data):
+                case SendToClient(connection, data):
                     transport = self._transports.get(connection)
                     if transport is not None:
                         transport.write(data)
                         waiting += self._switchboard.report_backlog(connection, transport.get_write_buffer_size())
-                case Close(connection, reason):
+                case CloseConnection(connection, reason):
                     _log.info("client %d is closed: %s", connection, reason.value)
                     transport = self._transports.pop(connection, None)
                     if transport is not None:
                         _close(transport, reason.flush)
-                case Skipped(connection, length):
+                case LineSkipped(connection, length):
                     _log.warning("client %d sent a line of %d bytes, which is too long; skipped", connection, length)
-                case Joined(connection, name):
+                case ClientJoined(connection, name):
                     _log.info("client %d is %s", connection, name)
-                case Left(connection, name):
+                case ClientLeft(connection, name):
                     _log.info("client %d is %s no more", connection, name)
                 case Forwarded():
                     self._tap(output)

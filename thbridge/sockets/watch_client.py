@@ -9,8 +9,8 @@ from dataclasses import dataclass
 from typing import NoReturn, TypeAlias
 
 from thbridge.files.errors import reason_of
-from thbridge.sockets.text_client import LossReason, Lost, Patience
-from thbridge.wire.watching import Broken, Said, StreamReader, key_line, status_in
+from thbridge.sockets.text_client import Backoff, ConnectionLost, LossReason
+from thbridge.wire.watch_protocol import BagStreamReader, BrokenStream, SessionMessage, key_line, status_in
 
 _SEGMENT = 256 * 1024
 _WAITING = 20_000
@@ -21,11 +21,11 @@ _SILENCE = 10.0
 
 
 @dataclass(frozen=True, slots=True)
-class Connected:
+class WatchConnected:
     """The session can be heard (again), from what is in force on."""
 
 
-WatchEvent: TypeAlias = Connected | Said | Lost
+WatchEvent: TypeAlias = WatchConnected | SessionMessage | ConnectionLost
 
 
 class WatchClient:
@@ -41,11 +41,11 @@ class WatchClient:
         patience: how to wait between two attempts.
     """
 
-    def __init__(self, host: str, port: int, key: str | None = None, patience: Patience | None = None) -> None:
+    def __init__(self, host: str, port: int, key: str | None = None, patience: Backoff | None = None) -> None:
         self._host = host
         self._port = port
         self._key = key
-        self._patience = patience or Patience(silence=_SILENCE)
+        self._patience = patience or Backoff(silence=_SILENCE)
         self._events: deque[WatchEvent] = deque()
         self._loop: asyncio.AbstractEventLoop | None = None
         self._writer: asyncio.StreamWriter | None = None  # while the session is heard
@@ -85,26 +85,26 @@ class WatchClient:
             yield delay
             delay = min(2.0 * delay, self._patience.longest)
 
-    async def _converse(self) -> Lost:
+    async def _converse(self) -> ConnectionLost:
         """Connect once and listen until the connection ends, for whatever reason."""
         try:
             async with asyncio.timeout(self._patience.silence):
                 reader, writer = await asyncio.open_connection(self._host, self._port, limit=_SEGMENT)
         except (OSError, UnicodeError, OverflowError) as error:
             told = reason_of(error) if isinstance(error, OSError) else str(error)
-            return Lost(LossReason.UNREACHABLE, f"{self._host}:{self._port}: {told}")
+            return ConnectionLost(LossReason.UNREACHABLE, f"{self._host}:{self._port}: {told}")
         try:
             if self._key is not None:
                 writer.write(key_line(self._key))
             return await self._listen(reader, writer)
         except OSError as error:
-            return Lost(LossReason.BROKEN, str(error))
+            return ConnectionLost(LossReason.BROKEN, str(error))
         finally:
             self._writer = None
             writer.close()
 
-    async def _listen(self, reader: asyncio.StreamReader, writer: asyncio.StreamWriter) -> Lost:
-        stream = StreamReader()
+    async def _listen(self, reader: asyncio.StreamReader, writer: asyncio.StreamWriter) -> ConnectionLost:
+        stream = BagStreamReader()
         refused = ""
         while True:
             while len(self._events) > _WAITING:
@@ -113,14 +113,14 @@ class WatchClient:
                 async with asyncio.timeout(self._patience.silence):
                     data = await reader.read(_SEGMENT)
             except TimeoutError:
-                return Lost(LossReason.BROKEN, f"nothing was heard for {self._patience.silence:g} s")
+                return ConnectionLost(LossReason.BROKEN, f"nothing was heard for {self._patience.silence:g} s")
             if not data:
                 if self._writer is None and refused:
-                    return Lost(LossReason.REFUSED, refused)
-                return Lost(LossReason.BROKEN, "the session closed the connection")
+                    return ConnectionLost(LossReason.REFUSED, refused)
+                return ConnectionLost(LossReason.BROKEN, "the session closed the connection")
             for heard in stream.feed(data):
-                if isinstance(heard, Broken):
-                    return Lost(LossReason.BROKEN, heard.reason)
+                if isinstance(heard, BrokenStream):
+                    return ConnectionLost(LossReason.BROKEN, heard.reason)
                 status = status_in(heard)
                 if status is not None and status.refused is not None:
                     refused = status.refused.reason
@@ -128,6 +128,6 @@ class WatchClient:
                     # The first word is something in force; whoever is turned away hears a refusal alone.
                     self._writer = writer
                     self._reason = None
-                    self._events.append(Connected())
+                    self._events.append(WatchConnected())
                 if self._writer is not None:
                     self._events.append(heard)

@@ -18,10 +18,18 @@ from thbridge.files.errors import reason_of
 from thbridge.files.ros.definitions import Definitions
 from thbridge.recording.bag.stream import BEGINNING, BagStream, ChunkMaker
 from thbridge.ros.messages import types
-from thbridge.ros.topics import Message, Topic
-from thbridge.sockets.text_server import CannotListen, Listening
+from thbridge.ros.topics import RosMessage, Topic
+from thbridge.sockets.text_server import CannotListen, ListeningAddress
 from thbridge.wire.backlog import Backlog
-from thbridge.wire.watching import STATUS, Admitted, Guest, Refusal, Status, Wish, refusal
+from thbridge.wire.watch_protocol import (
+    STATUS,
+    WatcherAdmitted,
+    WatcherRequest,
+    WatcherSession,
+    WatchRefusal,
+    WatchStatus,
+    refusal,
+)
 
 DEFAULT_PORT = 6010
 
@@ -44,7 +52,7 @@ _SEGMENT = 256 * 1024
 
 
 @dataclass(frozen=True, slots=True)
-class Pace:
+class SessionPace:
     """How the session runs; attributes as those of `Status`."""
 
     paused: bool
@@ -52,13 +60,13 @@ class Pace:
     lag: float
 
 
-class House(Protocol):
+class WatchedSession(Protocol):
     """What is behind the door."""
 
     def ask(self, watcher: str, wish: Mapping[str, object]) -> str | None:
         """Somebody asks for something: granted, or the answer says why not, for people."""
 
-    def pace(self) -> Pace:
+    def pace(self) -> SessionPace:
         """How it runs."""
 
     def unwatched(self) -> None:
@@ -74,12 +82,12 @@ class WatchServer:
         definitions: of message types; None takes them from an installed ROS, where there is one.
     """
 
-    def __init__(self, house: House, key: str | None = None, definitions: Definitions | None = None) -> None:
+    def __init__(self, house: WatchedSession, key: str | None = None, definitions: Definitions | None = None) -> None:
         self._house = house
         self._key = key
         self._stream = BagStream(definitions or Definitions())
-        self._levels: dict[Topic, Message] = {}
-        self._latest: Sequence[Message] = ()
+        self._levels: dict[Topic, RosMessage] = {}
+        self._latest: Sequence[RosMessage] = ()
         self._stamp_ns = 0
         self._watchers: list[_Watcher] = []
         self._open: set[_Watcher] = set()
@@ -88,12 +96,12 @@ class WatchServer:
         self._server: asyncio.Server | None = None
         self._heart: asyncio.Task[None] | None = None
 
-    async def start(self, host: str, port: int) -> Listening | CannotListen:
+    async def start(self, host: str, port: int) -> ListeningAddress | CannotListen:
         """Begin to serve; port 0 takes any that is free."""
         loop = asyncio.get_running_loop()
         try:
             server = await loop.create_server(
-                lambda: _Watcher(self, Guest(self._key), ChunkMaker(self._stream)), host, port
+                lambda: _Watcher(self, WatcherSession(self._key), ChunkMaker(self._stream)), host, port
             )
         except OSError as error:
             return CannotListen(host, port, reason_of(error))
@@ -102,7 +110,7 @@ class WatchServer:
         self._server = server
         self._heart = loop.create_task(self._beat())
         address = server.sockets[0].getsockname()
-        return Listening(address[0], address[1])
+        return ListeningAddress(address[0], address[1])
 
     async def stop(self) -> None:
         """Close the port; what was said last has a moment to be read."""
@@ -118,7 +126,7 @@ class WatchServer:
         await self._server.wait_closed()
         self._server = None
 
-    def take(self, tick: int, messages: Iterable[Message]) -> None:
+    def take(self, tick: int, messages: Iterable[RosMessage]) -> None:
         """Say what is said in a tick; see `thbridge.app.session.broadcast.Listener`."""
         for message in self._latest:
             if message.topic.latched:
@@ -149,7 +157,7 @@ class WatchServer:
     def admit(self, watcher: _Watcher) -> None:
         """Somebody begins to watch: they hear what is in force, then all of the tick that was last."""
         if len(self._watchers) >= WATCHERS:
-            self.turn_away(watcher, Refusal("", f"{WATCHERS} others watch already"))
+            self.turn_away(watcher, WatchRefusal("", f"{WATCHERS} others watch already"))
             return
         self._watchers.append(watcher)
         _log.info("watcher %d has come", watcher.number)
@@ -159,14 +167,14 @@ class WatchServer:
         self._say([watcher], [*sorted(levels, key=lambda level: level.stamp_ns), *self._latest])
         self.tell_status()
 
-    def turn_away(self, watcher: _Watcher, why: Refusal) -> None:
+    def turn_away(self, watcher: _Watcher, why: WatchRefusal) -> None:
         """Somebody who does not watch is told why, and sent away."""
         watcher.write(BEGINNING)
         watcher.refuse(why)
         self._tell_status(watcher)
         watcher.close()
 
-    def ask(self, watcher: _Watcher, wish: Wish) -> None:
+    def ask(self, watcher: _Watcher, wish: WatcherRequest) -> None:
         """Somebody asks for something; all are told how things stand then."""
         reason = self._house.ask(f"watcher {watcher.number}", wish.value)
         if reason is None:
@@ -193,7 +201,7 @@ class WatchServer:
 
     # What they are told
 
-    def _say(self, watchers: Sequence[_Watcher], messages: Iterable[Message]) -> None:
+    def _say(self, watchers: Sequence[_Watcher], messages: Iterable[RosMessage]) -> None:
         if not watchers:
             return
         for message in messages:
@@ -213,10 +221,10 @@ class WatchServer:
             watchers=len(self._watchers),
             dropped=watcher.backlog.dropped,
         )
-        self._say([watcher], [Message(_STATUS, self._stamp_ns, status.data())])
+        self._say([watcher], [RosMessage(_STATUS, self._stamp_ns, status.data())])
 
     def _watcher(self) -> _Watcher:
-        return _Watcher(self, Guest(self._key), ChunkMaker(self._stream))
+        return _Watcher(self, WatcherSession(self._key), ChunkMaker(self._stream))
 
     async def _beat(self) -> None:
         while True:
@@ -234,11 +242,11 @@ class _Watcher(AsyncioProtocol):
         status: what it was told last of its own affairs.
     """
 
-    def __init__(self, server: WatchServer, guest: Guest, chunks: ChunkMaker) -> None:
+    def __init__(self, server: WatchServer, guest: WatcherSession, chunks: ChunkMaker) -> None:
         self.number = 0
         self.guest = guest
         self.backlog = Backlog()
-        self.status = Status(paused=False, rate=0.0, lag=0.0, watchers=0, dropped=0)
+        self.status = WatchStatus(paused=False, rate=0.0, lag=0.0, watchers=0, dropped=0)
         self._server = server
         self._transport: Transport | None = None
         self._chunks = chunks
@@ -265,14 +273,14 @@ class _Watcher(AsyncioProtocol):
             if self._closing:
                 return
             match event:
-                case Admitted():
+                case WatcherAdmitted():
                     self._server.admit(self)
-                case Wish():
+                case WatcherRequest():
                     self._server.ask(self, event)
-                case Refusal() if self.guest.admitted:
+                case WatchRefusal() if self.guest.admitted:
                     self.refuse(event)
                     self._server.tell_status()
-                case Refusal():
+                case WatchRefusal():
                     self._server.turn_away(self, event)
         if self.guest.unwelcome:
             self.close()
@@ -293,7 +301,7 @@ class _Watcher(AsyncioProtocol):
         self._closing = True
         self._server.lost(self)
 
-    def refuse(self, why: Refusal) -> None:
+    def refuse(self, why: WatchRefusal) -> None:
         """Remember what is not granted; the next status tells it."""
         self.status = replace(self.status, refused=why, refusals=self.status.refusals + 1)
 
@@ -329,4 +337,4 @@ class _Watcher(AsyncioProtocol):
 
     def _lose_patience(self) -> None:
         if not self.guest.admitted and not self._closing:
-            self._server.turn_away(self, Refusal("", "a key is wanted"))
+            self._server.turn_away(self, WatchRefusal("", "a key is wanted"))

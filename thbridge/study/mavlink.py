@@ -5,17 +5,17 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import TypeVar
 
-from sim.parameters import knob
+from sim.parameters import param
 from thbridge.files.errors import BadFile
 from thbridge.files.yaml.load import Loaded
 from thbridge.sockets.addresses import Address, address_in
-from thbridge.sockets.mavlink.udp import Target, target_in
+from thbridge.sockets.mavlink.udp import UdpTarget, target_in
 from thbridge.wire.mavlink.options import (
     LONGEST_PATIENCE,
     SHORTEST_PATIENCE,
+    AutopilotIdentity,
     Failsafe,
-    Identity,
-    Origin,
+    GeoOrigin,
     VehicleOptions,
 )
 
@@ -31,44 +31,47 @@ _ORIGIN_REMEDY = "Write degrees north, degrees east and metres above the sea, su
 class MavlinkSection:
     """The robots as MAVLink vehicles."""
 
-    on: bool = knob(default=False, help="whether every robot is a MAVLink vehicle, too")
-    identity: Identity = knob(
-        Identity.GENERIC, "whose autopilot they say they have; ground stations offer more to those of ardupilot"
+    on: bool = param(default=False, help="whether every robot is a MAVLink vehicle, too")
+    identity: AutopilotIdentity = param(
+        AutopilotIdentity.GENERIC,
+        "whose autopilot they say they have; ground stations offer more to those of ardupilot",
     )
-    udp: tuple[str, ...] = knob(
+    udp: tuple[str, ...] = param(
         ("127.0.0.1:14550", "127.0.0.1:14540"),
         "UDP addresses, HOST:PORT, at which ground stations and programs listen; HOST:PORT/ROBOT for one robot alone",
     )
-    udp_listen: str | None = knob(
+    udp_listen: str | None = param(
         None, "address, HOST:PORT, at which those find robots who speak first by UDP; null: none"
     )
-    tcp: str | None = knob(None, "address, HOST:PORT, at which they may connect by TCP; null: none")
-    signing_key: Path | None = knob(
+    tcp: str | None = param(None, "address, HOST:PORT, at which they may connect by TCP; null: none")
+    signing_key: Path | None = param(
         None, "path of a key file: frames without its signature are refused, ours have it; null: nothing is signed"
     )
-    origin: tuple[float, float, float] = knob(
+    origin: tuple[float, float, float] = param(
         (51.5115, -0.116, 20.0), "where on earth the map's (0, 0) lies, WGS84; north is the map's y", "deg, deg, m"
     )
-    lost_after: float = knob(
+    lost_after: float = param(
         5.0,
         "time without a heartbeat after which a ground station counts as lost",
         "s",
         SHORTEST_PATIENCE,
         LONGEST_PATIENCE,
     )
-    failsafe: Failsafe = knob(Failsafe.STOP, "what a robot does whose ground station is lost")
-    position_rate: float = knob(
+    failsafe: Failsafe = param(Failsafe.STOP, "what a robot does whose ground station is lost")
+    position_rate: float = param(
         5.0, "how often position, attitude and speed are told, unless somebody asks otherwise", "Hz", 0.1, 50
     )
-    tlog: bool = knob(default=False, help="whether all frames also go into a .tlog file beside the bag")
+    tlog: bool = param(default=False, help="whether all frames also go into a .tlog file beside the bag")
 
     @property
     def options(self) -> VehicleOptions:
         """What vehicles need to know of it."""
-        return VehicleOptions(self.identity, Origin(*self.origin), self.lost_after, self.failsafe, self.position_rate)
+        return VehicleOptions(
+            self.identity, GeoOrigin(*self.origin), self.lost_after, self.failsafe, self.position_rate
+        )
 
     @property
-    def targets(self) -> tuple[Target, ...]:
+    def targets(self) -> tuple[UdpTarget, ...]:
         """Where frames go to by UDP."""
         return tuple(target for target in map(target_in, self.udp) if target is not None)
 

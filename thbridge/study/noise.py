@@ -11,7 +11,7 @@ from enum import StrEnum
 from pathlib import Path
 from typing import TYPE_CHECKING, TypeVar, cast
 
-from sim.parameters import AmclParameters, EkfParameters, LaserParameters, OdometryNoise, WorldParameters, knob
+from sim.parameters import AmclParameters, EkfParameters, LaserParameters, OdometryNoise, WorldParameters, param
 from thbridge.files.yaml.load import load_tree
 from thbridge.files.yaml.tree import Node, Scalar, Section, parse
 
@@ -47,7 +47,7 @@ class LaserNoise:
 
 
 @dataclass(frozen=True, slots=True)
-class AmclBelief:
+class AmclNoiseBelief:
     """What the particle filter believes of noise."""
 
     odom_model_type: str = _as_in(AmclParameters, "odom_model_type", str)
@@ -61,7 +61,7 @@ class AmclBelief:
 
 
 @dataclass(frozen=True, slots=True)
-class EkfBelief:
+class EkfNoiseBelief:
     """What the Kalman filter believes of noise; of the laser's it learns from every scan."""
 
     odom_alpha1: float = _as_in(EkfParameters, "odom_alpha1", float)
@@ -72,22 +72,22 @@ class EkfBelief:
 
 
 @dataclass(frozen=True, slots=True)
-class Believed:
+class NoiseBeliefs:
     """What estimators believe of noise."""
 
-    amcl: AmclBelief = knob(AmclBelief(), "the particle filter")
-    ekf: EkfBelief = knob(EkfBelief(), "the Kalman filter, which learns the laser's noise from the scans")
+    amcl: AmclNoiseBelief = param(AmclNoiseBelief(), "the particle filter")
+    ekf: EkfNoiseBelief = param(EkfNoiseBelief(), "the Kalman filter, which learns the laser's noise from the scans")
 
 
 @dataclass(frozen=True, slots=True)
 class NoiseSection:
     """How sensors err, and what is believed of it."""
 
-    preset: NoisePreset = knob(NoisePreset.NONE, "numbers to begin from; a line below, once written, wins over it")
-    odometry: OdometryNoise = knob(OdometryNoise(), "how the wheels truly err")
-    laser: LaserNoise = knob(LaserNoise(), "how the laser truly errs")
+    preset: NoisePreset = param(NoisePreset.NONE, "numbers to begin from; a line below, once written, wins over it")
+    odometry: OdometryNoise = param(OdometryNoise(), "how the wheels truly err")
+    laser: LaserNoise = param(LaserNoise(), "how the laser truly errs")
     gyro_noise: float = _as_in(WorldParameters, "gyro_noise", float)
-    believed: Believed = knob(Believed(), "what the software of every robot believes of that")
+    believed: NoiseBeliefs = param(NoiseBeliefs(), "what the software of every robot believes of that")
 
 
 _SECTIONS = {
@@ -119,21 +119,21 @@ def with_value(section: T, path: str, value: object) -> T:
     return cast(T, dataclasses.replace(cast("DataclassInstance", section), **{name: inner}))
 
 
-HOMES: Mapping[str, str] = dict(_homes())
+TARGET_PATHS: Mapping[str, str] = dict(_homes())
 """Where in a study each number of the section lies, by its path in the section."""
 
 
-def view_of(study: object) -> NoiseSection:
+def noise_section_of(study: object) -> NoiseSection:
     """The section as it would be written for this study."""
     section = NoiseSection()
-    for path, home in HOMES.items():
+    for path, home in TARGET_PATHS.items():
         section = with_value(section, path, value_at(study, home))
     return section
 
 
-def applied(section: NoiseSection, study: T) -> T:
+def with_noise(section: NoiseSection, study: T) -> T:
     """The study with these numbers."""
-    for path, home in HOMES.items():
+    for path, home in TARGET_PATHS.items():
         study = with_value(study, home, value_at(section, path))
     return study
 

@@ -9,19 +9,19 @@ from thbridge.files.yaml.tree import Node, Scalar, Section, at_line, parse, read
 from thbridge.study.study_file import Study, read_study_tree
 from thbridge.study.text import resolved
 
-ORIGIN = Path("--with")
+CHANGE_SOURCE = Path("--with")
 """Under which name faults of a single change are told."""
 
 
 @dataclass(frozen=True, slots=True)
-class Change:
+class StudyChange:
     """One key of a study with another value, both as in a study file; `key` is a path such as `robot.amcl.kld_err`."""
 
     key: str
     value: str
 
 
-def changed(study: Study, files: Sequence[Path], changes: Sequence[Change]) -> Study:
+def with_changes(study: Study, files: Sequence[Path], changes: Sequence[StudyChange]) -> Study:
     """The study with what files say, one after the other, and then with single changes.
 
     What is not changed stays, but for the numbers of noise when another preset is chosen.
@@ -34,7 +34,7 @@ def changed(study: Study, files: Sequence[Path], changes: Sequence[Change]) -> S
     tree: Node = Section(1, [])
     for number, change in enumerate(changes, 1):
         tree = _over(tree, at_line(_tree(change), number))
-    return _merged(study, ORIGIN, tree) if changes else study
+    return _merged(study, CHANGE_SOURCE, tree) if changes else study
 
 
 def _merged(study: Study, path: Path, tree: Node) -> Study:
@@ -47,8 +47,8 @@ def _merged(study: Study, path: Path, tree: Node) -> Study:
     return read_study_tree(path, _over(base, tree))
 
 
-def _tree(change: Change) -> Node:
-    node = parse(ORIGIN, change.value)
+def _tree(change: StudyChange) -> Node:
+    node = parse(CHANGE_SOURCE, change.value)
     # An empty text is an empty section to the parser; said here, it is a value that is missing.
     node = node if change.value.strip() else Scalar("", True, 1)
     for name in reversed(change.key.split(".")):

@@ -7,7 +7,7 @@ from dataclasses import dataclass
 from enum import StrEnum
 from typing import NamedTuple, TypeVar, cast
 
-from sim.parameters import knob
+from sim.parameters import param
 from thbridge.files.errors import BadFile
 from thbridge.files.yaml.load import Loaded
 from thbridge.ros.frames import frame_name
@@ -34,22 +34,22 @@ class RobotsFrom(StrEnum):
 
 
 @dataclass(frozen=True, slots=True)
-class RobotNames:
+class FleetNames:
     """What a robot's topics and frames are called; in all of them {n} is its number."""
 
-    namespace: str = knob("/robot{n}", "what the names of its topics begin with, unless they begin with /")
-    map_frame: str = knob("map", "frame of the map, that of the study")
-    odom_frame: str = knob("robot{n}/odom", "frame in which its odometry counts")
-    base_frame: str = knob("robot{n}/base_footprint", "frame of its base")
-    odom: str = knob("odom", "topic of its odometry, nav_msgs/Odometry")
-    scan: str = knob("scan", "topic of its laser, sensor_msgs/LaserScan")
-    amcl_pose: str = knob("amcl_pose", "topic of its localisation, geometry_msgs/PoseWithCovarianceStamped")
-    battery: str = knob("battery", "topic of its battery, sensor_msgs/BatteryState; it need not have one")
-    cmd_vel: str = knob("cmd_vel", "topic of the commands to its base, geometry_msgs/Twist")
-    initialpose: str = knob("initialpose", "topic on which amcl is told where it is")
-    move_base: str = knob("move_base", "its action server, move_base_msgs/MoveBaseAction")
-    plan: str = knob("move_base/NavfnROS/plan", "topic of its global plan, nav_msgs/Path; it need not say one")
-    recorded: tuple[str, ...] = knob(
+    namespace: str = param("/robot{n}", "what the names of its topics begin with, unless they begin with /")
+    map_frame: str = param("map", "frame of the map, that of the study")
+    odom_frame: str = param("robot{n}/odom", "frame in which its odometry counts")
+    base_frame: str = param("robot{n}/base_footprint", "frame of its base")
+    odom: str = param("odom", "topic of its odometry, nav_msgs/Odometry")
+    scan: str = param("scan", "topic of its laser, sensor_msgs/LaserScan")
+    amcl_pose: str = param("amcl_pose", "topic of its localisation, geometry_msgs/PoseWithCovarianceStamped")
+    battery: str = param("battery", "topic of its battery, sensor_msgs/BatteryState; it need not have one")
+    cmd_vel: str = param("cmd_vel", "topic of the commands to its base, geometry_msgs/Twist")
+    initialpose: str = param("initialpose", "topic on which amcl is told where it is")
+    move_base: str = param("move_base", "its action server, move_base_msgs/MoveBaseAction")
+    plan: str = param("move_base/NavfnROS/plan", "topic of its global plan, nav_msgs/Path; it need not say one")
+    recorded: tuple[str, ...] = param(
         (
             "particlecloud",
             "move_base/TrajectoryPlannerROS/local_plan",
@@ -97,7 +97,7 @@ class RobotNames:
                     yield field.name, f"{text!r} cannot be the name of a {what}"
 
 
-class Clash(NamedTuple):
+class NameClash(NamedTuple):
     """A robot, counted from 1, and the field whose name is taken already."""
 
     robot: int
@@ -109,9 +109,11 @@ class Clash(NamedTuple):
 class FleetSection:
     """Real robots."""
 
-    robot: RobotNames = knob(RobotNames(), "what the topics and frames of every robot are called; {n} is its number")
-    silence: float = knob(5.0, "time without a word after which a robot or its move_base counts as silent", "s", 1, 600)
-    each: Mapping[int, RobotNames] = dataclasses.field(
+    robot: FleetNames = param(FleetNames(), "what the topics and frames of every robot are called; {n} is its number")
+    silence: float = param(
+        5.0, "time without a word after which a robot or its move_base counts as silent", "s", 1, 600
+    )
+    each: Mapping[int, FleetNames] = dataclasses.field(
         default_factory=dict,
         metadata={"help": "robots that are called otherwise, by number: {2: {namespace: /kobuki}}", "like": "robot"},
     )
@@ -120,7 +122,7 @@ class FleetSection:
         """The names of a team of this size."""
         return [self.each.get(number, self.robot).names(number) for number in range(1, robots + 1)]
 
-    def clash(self, robots: int) -> Clash | None:
+    def clash(self, robots: int) -> NameClash | None:
         """The first name that stands for two things in a team of this size."""
         taken: dict[str, tuple[int, str]] = {}
         for number, own in enumerate(self.names(robots), 1):
@@ -129,7 +131,7 @@ class FleetSection:
                 first, other = taken.setdefault(name, (number, field))
                 if (first, other) != (number, field):
                     problem = f"{name} would be {other} of robot {first} and {field} of robot {number}"
-                    return Clash(number, field, problem)
+                    return NameClash(number, field, problem)
         return None
 
 

@@ -13,18 +13,27 @@ from pathlib import Path
 from typing import Never, cast
 
 from sim.common.observations import TICKS_PER_SECOND
-from sim.parameters import ORDERED, RobotParameters, WorldParameters, knob
+from sim.parameters import MIN_MAX_PAIRS, RobotParameters, WorldParameters, param
 from thbridge.files.errors import BadFile, BadFiles
 from thbridge.files.ros.parameters import read_ros_parameters
 from thbridge.files.yaml.load import Loaded, load_tree
 from thbridge.files.yaml.tree import Listing, Node, Scalar, Section, parse, read_text
-from thbridge.recording.bag.parts import Splitting
+from thbridge.recording.bag.parts import SplitLimits
 from thbridge.recording.bag.records import Compression
 from thbridge.roles.bots import BotStrategy
 from thbridge.roles.keeper.keeper import MOST_ROBOTS
 from thbridge.sockets.text_server import DEFAULT_PORT
 from thbridge.study.mavlink import MavlinkSection, faults_of_mavlink
-from thbridge.study.noise import HOMES, NoiseSection, applied, preset, preset_in, value_at, view_of, with_value
+from thbridge.study.noise import (
+    TARGET_PATHS,
+    NoiseSection,
+    noise_section_of,
+    preset,
+    preset_in,
+    value_at,
+    with_noise,
+    with_value,
+)
 from thbridge.study.real_robots import FleetSection, RobotsFrom, faults_of_fleet
 from thbridge.study.things import MishapEntry, ThingEntry, faults_of_mishaps, faults_of_things
 from thbridge.wire.canonical import Dialect
@@ -34,11 +43,11 @@ from thbridge.wire.canonical import Dialect
 class GameSection:
     """The rules that may be turned."""
 
-    energy: float = knob(100.0, "energy of each robot at the start", "", 0.01, 1e6)
-    picture_cost: float = knob(5.0, "energy of taking a picture", "", 0, 1e6)
-    identify_cost: float = knob(1.0, "energy of naming a treasure", "", 0, 1e6)
-    wrong_share: float = knob(1.0, "share of a treasure's points that a wrong name costs", "", 0, 10)
-    costs: Path | None = knob(
+    energy: float = param(100.0, "energy of each robot at the start", "", 0.01, 1e6)
+    picture_cost: float = param(5.0, "energy of taking a picture", "", 0, 1e6)
+    identify_cost: float = param(1.0, "energy of naming a treasure", "", 0, 1e6)
+    wrong_share: float = param(1.0, "share of a treasure's points that a wrong name costs", "", 0, 10)
+    costs: Path | None = param(
         None, "path of a mapTimes file of travel costs; null: the map's own, or else the templates'"
     )
 
@@ -47,25 +56,25 @@ class GameSection:
 class ShowsSection:
     """What participants see of robots, beside where these believe they are and what they do."""
 
-    way: bool = knob(True, "whether the ways that lie ahead of robots are shown")
-    uncertainty: bool = knob(False, "whether it is shown how sure robots are of their places")
-    truth: bool = knob(False, "whether it is shown where simulated robots really are")
+    way: bool = param(True, "whether the ways that lie ahead of robots are shown")
+    uncertainty: bool = param(False, "whether it is shown how sure robots are of their places")
+    truth: bool = param(False, "whether it is shown where simulated robots really are")
 
 
 @dataclass(frozen=True, slots=True)
 class ParticipantSection:
     """Whoever plays: what they see and decide, and who plays when no person does."""
 
-    strategy: BotStrategy = knob(BotStrategy.SUGGESTION, "how a simulated participant chooses rooms")
-    consent: Path | None = knob(None, "path of a text that participants agree to before they play; null asks nothing")
-    robots: tuple[int, int] | None = knob(
+    strategy: BotStrategy = param(BotStrategy.SUGGESTION, "how a simulated participant chooses rooms")
+    consent: Path | None = param(None, "path of a text that participants agree to before they play; null asks nothing")
+    robots: tuple[int, int] | None = param(
         None,
         "least and most robots that a participant may choose from, e.g. [1, 4]; null: always the study's number",
         "",
         1,
         MOST_ROBOTS,
     )
-    shows: ShowsSection = knob(ShowsSection(), "what participants see of robots")
+    shows: ShowsSection = param(ShowsSection(), "what participants see of robots")
 
 
 class DialogueStrategy(StrEnum):
@@ -78,37 +87,37 @@ class DialogueStrategy(StrEnum):
 class DialogueSection:
     """How robots talk with the participant."""
 
-    strategy: DialogueStrategy = knob(DialogueStrategy.TEMPLATE, "how robots choose what to say")
+    strategy: DialogueStrategy = param(DialogueStrategy.TEMPLATE, "how robots choose what to say")
 
 
 @dataclass(frozen=True, slots=True)
 class ServerSection:
     """The text server that the programs of the game meet at."""
 
-    host: str = knob("127.0.0.1", "address to listen on; 0.0.0.0 lets other machines in")
-    port: int = knob(DEFAULT_PORT, "TCP port; 0 takes any that is free", "", 0, 65535)
-    dialect: Dialect = knob(Dialect.LEGACY_2016, "which reading of %%goto comes first")
+    host: str = param("127.0.0.1", "address to listen on; 0.0.0.0 lets other machines in")
+    port: int = param(DEFAULT_PORT, "TCP port; 0 takes any that is free", "", 0, 65535)
+    dialect: Dialect = param(Dialect.LEGACY_2016, "which reading of %%goto comes first")
 
 
 @dataclass(frozen=True, slots=True)
 class RecordingSection:
     """How a session is recorded."""
 
-    compression: Compression = knob(
+    compression: Compression = param(
         Compression.NONE, "how the bag's chunks are packed; lz4 is quick, bz2 is small and slow"
     )
-    split_size: float | None = knob(
+    split_size: float | None = param(
         None, "size of a file beyond which the recording goes on in another; null: one file", "MB", 0.1, 1e6
     )
-    split_duration: float | None = knob(
+    split_duration: float | None = param(
         None, "simulated time after which the recording goes on in another file; null: one file", "s", 1.0, 1e6
     )
 
     @property
-    def splitting(self) -> Splitting:
+    def splitting(self) -> SplitLimits:
         """When the recording goes on in another file. A megabyte is what rosbag takes it for, 2^20 bytes."""
         size, duration = self.split_size, self.split_duration
-        return Splitting(
+        return SplitLimits(
             None if size is None else round(size * 2**20), None if duration is None else round(duration * 1e9)
         )
 
@@ -117,40 +126,42 @@ class RecordingSection:
 class WatchSection:
     """Where researchers' windows may connect: they see the truth, and may do things to robots."""
 
-    host: str = knob("127.0.0.1", "address to listen on; 0.0.0.0 lets other machines in")
-    port: int | None = knob(None, "TCP port, such as 6010; 0 takes any that is free; null: nobody may", "", 0, 65535)
-    key: Path | None = knob(None, "path of a file whose first line whoever connects has to know; null: no such thing")
+    host: str = param("127.0.0.1", "address to listen on; 0.0.0.0 lets other machines in")
+    port: int | None = param(None, "TCP port, such as 6010; 0 takes any that is free; null: nobody may", "", 0, 65535)
+    key: Path | None = param(None, "path of a file whose first line whoever connects has to know; null: no such thing")
 
 
 @dataclass(frozen=True, slots=True)
 class Study:
     """A study: what is played, by whom, on which map, with which robots."""
 
-    map: str = knob("arena8", "name of a map, or the path of a map folder (with a slash, from this file's folder)")
-    templates: str = knob("original-2016", "name of a set of templates, or the path of its folder")
-    robots: int = knob(2, "size of the team", "", 1, MOST_ROBOTS)
-    robots_from: RobotsFrom = knob(RobotsFrom.SIM, "simulated robots, or real ones of a ROS graph (section fleet)")
-    seed: int = knob(1, "all chance is keyed by it; the same seed gives the same run", "", 0, 2**31 - 1)
-    rate: float | None = knob(
+    map: str = param("arena8", "name of a map, or the path of a map folder (with a slash, from this file's folder)")
+    templates: str = param("original-2016", "name of a set of templates, or the path of its folder")
+    robots: int = param(2, "size of the team", "", 1, MOST_ROBOTS)
+    robots_from: RobotsFrom = param(RobotsFrom.SIM, "simulated robots, or real ones of a ROS graph (section fleet)")
+    seed: int = param(1, "all chance is keyed by it; the same seed gives the same run", "", 0, 2**31 - 1)
+    rate: float | None = param(
         None, "simulated seconds per second; 0: as fast as it can; null: 1 when others take part, else 0", "", 0, 1000
     )
-    game: GameSection = knob(GameSection(), "rules and energy")
-    participant: ParticipantSection = knob(ParticipantSection(), "whoever plays")
-    dialogue: DialogueSection = knob(DialogueSection(), "how robots talk")
-    server: ServerSection = knob(ServerSection(), "the text server")
-    watch: WatchSection = knob(WatchSection(), "researchers' windows")
-    mavlink: MavlinkSection = knob(MavlinkSection(), "the robots as MAVLink vehicles, for ground stations")
-    recording: RecordingSection = knob(RecordingSection(), "the bag")
-    fleet: FleetSection = knob(FleetSection(), "real robots: what their topics and frames are called")
-    world: WorldParameters = knob(WorldParameters(), "bodies, motors and sensors as they truly are")
-    robot: RobotParameters = knob(RobotParameters(), "the software of every robot, under ROS's names")
+    game: GameSection = param(GameSection(), "rules and energy")
+    participant: ParticipantSection = param(ParticipantSection(), "whoever plays")
+    dialogue: DialogueSection = param(DialogueSection(), "how robots talk")
+    server: ServerSection = param(ServerSection(), "the text server")
+    watch: WatchSection = param(WatchSection(), "researchers' windows")
+    mavlink: MavlinkSection = param(MavlinkSection(), "the robots as MAVLink vehicles, for ground stations")
+    recording: RecordingSection = param(RecordingSection(), "the bag")
+    fleet: FleetSection = param(FleetSection(), "real robots: what their topics and frames are called")
+    world: WorldParameters = param(WorldParameters(), "bodies, motors and sensors as they truly are")
+    robot: RobotParameters = param(RobotParameters(), "the software of every robot, under ROS's names")
     each: Mapping[int, RobotParameters] = dataclasses.field(
         default_factory=dict,
         metadata={"help": "robots whose software differs, by number: {2: {localization: ekf}}", "like": "robot"},
     )
 
-    things: tuple[ThingEntry, ...] = knob((), "bodies in the way that no map shows: each is a line - {key: value, ...}")
-    mishaps: tuple[MishapEntry, ...] = knob((), "what befalls robots: each is a line - {key: value, ...}")
+    things: tuple[ThingEntry, ...] = param(
+        (), "bodies in the way that no map shows: each is a line - {key: value, ...}"
+    )
+    mishaps: tuple[MishapEntry, ...] = param((), "what befalls robots: each is a line - {key: value, ...}")
 
     def software(self, number: int) -> RobotParameters:
         """The software of the robot with this number, counted from 1."""
@@ -161,15 +172,15 @@ class Study:
 class StudyFile(Study):
     """A study as people write it: noise also has a section of its own, and software may come from files of ROS."""
 
-    noise: NoiseSection = knob(NoiseSection(), "how sensors err, and what the robots' software believes of it")
-    ros_parameters: tuple[Path, ...] = knob(
+    noise: NoiseSection = param(NoiseSection(), "how sensors err, and what the robots' software believes of it")
+    ros_parameters: tuple[Path, ...] = param(
         (), "ROS's YAML files (amcl.yaml, costmap_common_params.yaml, ...) for the software; the section robot wins"
     )
 
     @classmethod
     def of(cls, study: Study) -> "StudyFile":
         """The file that says what the study is."""
-        return cls(**_fields(study), noise=view_of(study))
+        return cls(**_fields(study), noise=noise_section_of(study))
 
 
 def _fields(study: Study) -> dict[str, Never]:
@@ -177,7 +188,7 @@ def _fields(study: Study) -> dict[str, Never]:
     return {field.name: cast(Never, getattr(study, field.name)) for field in dataclasses.fields(Study)}
 
 
-def of_size(study: Study, robots: int) -> Study:
+def with_team_size(study: Study, robots: int) -> Study:
     """The study with a team of this size, if it can be: what is said of robots that there are not is left out."""
     each = {number: software for number, software in study.each.items() if number <= robots}
     mishaps = tuple(mishap for mishap in study.mishaps if mishap.robot <= robots)
@@ -234,7 +245,7 @@ def load_study_tree(path: Path, tree: Node) -> Loaded[Study]:
 
 def _start(path: Path, tree: Node) -> Loaded[Study]:
     standard = Study()
-    start = applied(preset(preset_in(tree), view_of(standard)), standard)
+    start = with_noise(preset(preset_in(tree), noise_section_of(standard)), standard)
     ros = read_ros_parameters(_ros_files(path, tree), start.robot)
     return Loaded(path, dataclasses.replace(start, robot=ros.value), {}, ros.notices)
 
@@ -250,11 +261,11 @@ def _gathered(written: Loaded[StudyFile]) -> Study:
     """The study with what stands in the section `noise`, where it is not written at its home instead."""
     file = written.value
     study = Study(**_fields(file))
-    for path, home in HOMES.items():
+    for path, home in TARGET_PATHS.items():
         if home not in written.lines:
             study = with_value(study, home, value_at(file.noise, path))
     for number in study.each:
-        for home in HOMES.values():
+        for home in TARGET_PATHS.values():
             section, _, own = home.partition(".")
             if section == "robot" and f"each.{number}.{own}" not in written.lines:
                 software = with_value(study.each[number], own, value_at(study, home))
@@ -264,7 +275,7 @@ def _gathered(written: Loaded[StudyFile]) -> Study:
 
 def _told_twice(written: Loaded[StudyFile]) -> Iterator[BadFile]:
     """Noise that stands in `noise` and at its home, with two values."""
-    for path, home in HOMES.items():
+    for path, home in TARGET_PATHS.items():
         key = f"noise.{path}"
         here, there = value_at(written.value.noise, path), value_at(written.value, home)
         if key in written.lines and home in written.lines and here != there:
@@ -303,7 +314,7 @@ def _contradictions(loaded: Loaded[Study]) -> Iterator[BadFile]:
 
 
 def _crossings(loaded: Loaded[Study], key: str, software: RobotParameters) -> Iterator[BadFile]:
-    for name, low, high in ORDERED:
+    for name, low, high in MIN_MAX_PAIRS:
         section = value_at(software, name)
         # What a robot of its own has from all robots has been told there.
         inherited = key != "robot" and section == value_at(loaded.value.robot, name)

@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING, cast, get_args, get_origin, get_type_hints
 
 from thbridge.files.yaml.declarations import allowed, sections_named_in
 from thbridge.files.yaml.tree import quoted
-from thbridge.study.noise import HOMES
+from thbridge.study.noise import TARGET_PATHS
 from thbridge.study.study_file import Study, StudyFile
 
 if TYPE_CHECKING:
@@ -107,7 +107,7 @@ def _keys_of_items(hint: object) -> Iterator[str]:
         yield f"#   {knob_field.name}: {knob_field.metadata['help']}" + (f" [{words}]" if words else "")
 
 
-SHOWN_ELSEWHERE = {"world.odometry", *HOMES.values()}
+SHOWN_ELSEWHERE = {"world.odometry", *TARGET_PATHS.values()}
 """What the section `noise` shows."""
 
 

@@ -10,8 +10,8 @@ from typing import TypeVar
 from sim.common.geometry import Pose2
 from sim.common.observations import TICKS_PER_SECOND
 from sim.common.traversability import Polygon, area, crosses_itself
-from sim.parameters import knob
-from sim.team import Carry, Die, PutThing, RemoveThing, Revive, TeamInput, Timed
+from sim.parameters import param
+from sim.team import Carry, Die, PutThing, RemoveThing, Revive, ScheduledInput, TeamInput
 from sim.world.things import Thing
 from thbridge.files.errors import BadFile
 from thbridge.files.yaml.load import Loaded
@@ -47,16 +47,18 @@ class ThingEntry:
 
     name: str = field(metadata={"help": "what people call it"})
     shape: Shape = field(metadata={"help": "what it looks like; a polygon has its own corners"})
-    at: tuple[float, float, float] | None = knob(None, "where it stands: x, y, yaw on the map", "m, m, rad")
-    path: tuple[tuple[float, float], ...] = knob((), "instead of `at`: points x, y that it walks through", "m")
-    speed: float = knob(0.8, "at which it walks", "m/s", 0.01, FASTEST)
-    back_and_forth: bool = knob(default=False, help="whether it turns back at the end of its path, rather than stay")
-    size: tuple[float, float] | None = knob(
+    at: tuple[float, float, float] | None = param(None, "where it stands: x, y, yaw on the map", "m, m, rad")
+    path: tuple[tuple[float, float], ...] = param((), "instead of `at`: points x, y that it walks through", "m")
+    speed: float = param(0.8, "at which it walks", "m/s", 0.01, FASTEST)
+    back_and_forth: bool = param(default=False, help="whether it turns back at the end of its path, rather than stay")
+    size: tuple[float, float] | None = param(
         None, "length along its yaw and width across; null: as such things are", "m", 0.02, 100
     )
-    corners: tuple[tuple[float, float], ...] = knob((), "of a polygon: corners x, y about its own centre, in turn", "m")
-    appears: float = knob(0.0, "simulated time at which it appears, once no robot is in its place", "s", 0, LONGEST)
-    vanishes: float | None = knob(None, "simulated time at which it is taken away; null: never", "s", 0, LONGEST)
+    corners: tuple[tuple[float, float], ...] = param(
+        (), "of a polygon: corners x, y about its own centre, in turn", "m"
+    )
+    appears: float = param(0.0, "simulated time at which it appears, once no robot is in its place", "s", 0, LONGEST)
+    vanishes: float | None = param(None, "simulated time at which it is taken away; null: never", "s", 0, LONGEST)
 
     def thing(self) -> Thing:
         """The body in the world."""
@@ -94,7 +96,7 @@ class MishapEntry:
         metadata={"help": "dies: it stops, and says and does nothing; revives: it goes on; carried: put elsewhere"}
     )
     time: float = field(metadata={"help": "simulated time", "unit": "s", "minimum": 0, "maximum": LONGEST})
-    to: tuple[float, float, float] | None = knob(None, "where it is carried: x, y, yaw on the map", "m, m, rad")
+    to: tuple[float, float, float] | None = param(None, "where it is carried: x, y, yaw on the map", "m, m, rad")
 
     def input(self) -> TeamInput:
         """The same as an input of the team."""
@@ -104,16 +106,16 @@ class MishapEntry:
         return Die(robot) if self.what is Mishap.DIES else Revive(robot)
 
 
-def schedule_of(things: Sequence[ThingEntry], mishaps: Sequence[MishapEntry]) -> tuple[Timed, ...]:
+def schedule_of(things: Sequence[ThingEntry], mishaps: Sequence[MishapEntry]) -> tuple[ScheduledInput, ...]:
     """When all of it happens."""
-    return (*_comings_and_goings(things), *(Timed(_tick(mishap.time), mishap.input()) for mishap in mishaps))
+    return (*_comings_and_goings(things), *(ScheduledInput(_tick(mishap.time), mishap.input()) for mishap in mishaps))
 
 
-def _comings_and_goings(things: Sequence[ThingEntry]) -> Iterator[Timed]:
+def _comings_and_goings(things: Sequence[ThingEntry]) -> Iterator[ScheduledInput]:
     for entry in things:
-        yield Timed(_tick(entry.appears), PutThing(entry.thing()))
+        yield ScheduledInput(_tick(entry.appears), PutThing(entry.thing()))
         if entry.vanishes is not None:
-            yield Timed(_tick(entry.vanishes), RemoveThing(entry.name))
+            yield ScheduledInput(_tick(entry.vanishes), RemoveThing(entry.name))
 
 
 def _tick(seconds: float) -> int:

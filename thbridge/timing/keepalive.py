@@ -19,7 +19,7 @@ _ENOUGH = 4 * TICKS_PER_SECOND // 5
 """Ticks in a second of the clock with which heartbeats come often enough by themselves."""
 
 
-class Living(Protocol):
+class SessionWithVehicles(Protocol):
     """A session with vehicles."""
 
     @property
@@ -37,12 +37,12 @@ class KeepAlive:
     how fast the machine is.
     """
 
-    def __init__(self, session: Living, pacer: Pacer) -> None:
+    def __init__(self, session: SessionWithVehicles, pacer: Pacer) -> None:
         self._session = session
         self._pacer = pacer
         self._tick = session.tick
 
-    def look(self) -> None:
+    def check(self) -> None:
         """A second has passed."""
         passed, self._tick = self._session.tick - self._tick, self._session.tick
         if passed < _ENOUGH and (self._pacer.paused or self._pacer.rate > 0.0):
@@ -50,14 +50,14 @@ class KeepAlive:
 
 
 @asynccontextmanager
-async def kept_alive(session: Living, pacer: Pacer) -> AsyncIterator[None]:
+async def kept_alive(session: SessionWithVehicles, pacer: Pacer) -> AsyncIterator[None]:
     """As long as this lasts, a session says every second that it is there."""
 
     async def watch() -> None:
         keep_alive = KeepAlive(session, pacer)
         while True:
             await asyncio.sleep(_LOOK)
-            keep_alive.look()
+            keep_alive.check()
 
     watching = asyncio.create_task(watch())
     try:

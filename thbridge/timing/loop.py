@@ -17,7 +17,7 @@ five milliseconds are a fourth of a tick."""
 
 
 @dataclass(frozen=True, slots=True)
-class Run:
+class LoopResult:
     """How a loop ended.
 
     Attributes:
@@ -33,7 +33,7 @@ def _pass() -> None:
     """Nobody else need be told."""
 
 
-async def run_ticks(tick: Callable[[], bool], pacer: Pacer) -> Run:
+async def run_ticks(tick: Callable[[], bool], pacer: Pacer) -> LoopResult:
     """Run ticks until one returns False, or until Ctrl-C or SIGTERM, after which one more comes.
 
     That last one takes in what came since the one before it: in a pause that may be much, and worth a recording.
@@ -49,18 +49,18 @@ async def run_ticks(tick: Callable[[], bool], pacer: Pacer) -> Run:
             is_last = stopped.is_set()
             finished = not tick()
             await pacer.wait()
-    return Run(finished, time.monotonic() - started)
+    return LoopResult(finished, time.monotonic() - started)
 
 
 @contextmanager
-def stopping(told: Callable[[], None] = _pass) -> Iterator[asyncio.Event]:
+def stopping(on_stop: Callable[[], None] = _pass) -> Iterator[asyncio.Event]:
     """An event that Ctrl-C and SIGTERM set instead of ending the program where it stands; `told` is called then."""
     loop = asyncio.get_running_loop()
     stopped = asyncio.Event()
 
     def stop() -> None:
         stopped.set()
-        told()
+        on_stop()
 
     signals = (signal.SIGINT, signal.SIGTERM)
     for number in signals:

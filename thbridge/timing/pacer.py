@@ -32,11 +32,14 @@ class Pacer:
     """
 
     def __init__(
-        self, rate: float, clock: Callable[[], float] = time.monotonic, let_go: Callable[[], bool] | None = None
+        self,
+        rate: float,
+        clock: Callable[[], float] = time.monotonic,
+        pause_abandoned: Callable[[], bool] | None = None,
     ) -> None:
         self._rate = rate
         self._clock = clock
-        self._let_go = let_go
+        self._let_go = pause_abandoned
         self._due: float | None = None
         self._ticks = 0
         self._lagging = False

@@ -14,7 +14,7 @@ from typing import TypeAlias
 
 from sim.common.geometry import wrap_angle
 from thbridge.wire import legacy
-from thbridge.wire.text import Command, Message, Unreadable, tokens
+from thbridge.wire.text import TextCommand, TextMessage, UnreadableText, tokens
 
 
 class Dialect(StrEnum):
@@ -24,7 +24,7 @@ class Dialect(StrEnum):
     CANONICAL = "canonical"
 
 
-class Drive(Enum):
+class MoveDirection(Enum):
     """Direction of driving by hand, by its letter on the wire."""
 
     FORWARD = "F"
@@ -40,7 +40,7 @@ Properties: TypeAlias = tuple[tuple[str, str], ...]
 
 
 @dataclass(frozen=True, slots=True)
-class Pose:
+class PoseReport:
     """Where a robot is."""
 
     robot: int
@@ -50,7 +50,7 @@ class Pose:
 
 
 @dataclass(frozen=True, slots=True)
-class Where:
+class PoseQuery:
     """Asks for a robot's pose."""
 
     robot: int
@@ -67,7 +67,7 @@ class GotoPoint:
 
 
 @dataclass(frozen=True, slots=True)
-class Move:
+class MoveByHand:
     """Drives a robot by hand.
 
     Raises:
@@ -75,7 +75,7 @@ class Move:
     """
 
     robot: int
-    drive: Drive
+    drive: MoveDirection
     intensity: int
 
     def __post_init__(self) -> None:
@@ -91,7 +91,7 @@ class SnapHere:
 
 
 @dataclass(frozen=True, slots=True)
-class Picture:
+class PictureTaken:
     """The picture a robot took, and the pose it took it from; `data` is one token."""
 
     robot: int
@@ -102,7 +102,7 @@ class Picture:
 
 
 @dataclass(frozen=True, slots=True)
-class Hide:
+class HideTreasure:
     """Hides a treasure."""
 
     x: float
@@ -111,7 +111,7 @@ class Hide:
 
 
 @dataclass(frozen=True, slots=True)
-class Found:
+class TreasureFound:
     """A treasure was found."""
 
     x: float
@@ -120,7 +120,7 @@ class Found:
 
 
 @dataclass(frozen=True, slots=True)
-class Earned:
+class PointsEarned:
     """Points were earned for a treasure."""
 
     points: int
@@ -130,37 +130,48 @@ class Earned:
 
 
 @dataclass(frozen=True, slots=True)
-class Failure:
+class ErrorText:
     """Something went wrong."""
 
     text: str
 
 
-Canonical: TypeAlias = Pose | Where | GotoPoint | Move | SnapHere | Picture | Hide | Found | Earned | Failure
+CanonicalValue: TypeAlias = (
+    PoseReport
+    | PoseQuery
+    | GotoPoint
+    | MoveByHand
+    | SnapHere
+    | PictureTaken
+    | HideTreasure
+    | TreasureFound
+    | PointsEarned
+    | ErrorText
+)
 
 
-def encode(value: Canonical, sender: str, receiver: str) -> Message:
+def encode(value: CanonicalValue, sender: str, receiver: str) -> TextMessage:
     """The message that says a value.
 
     Raises:
         ValueError: a number is not finite, or picture data or a property is not one token.
     """
     command, parts = _content(value)
-    return Message(command, sender, receiver, tuple(parts))
+    return TextMessage(command, sender, receiver, tuple(parts))
 
 
-def decode(message: Message) -> Canonical | Unreadable:
+def decode(message: TextMessage) -> CanonicalValue | UnreadableText:
     """The value that a message stands for."""
     try:
         value = _value(message)
     except ValueError as error:
-        return Unreadable(message.line(), str(error))
+        return UnreadableText(message.line(), str(error))
     if value is None:
-        return Unreadable(message.line(), f"that is not what follows {message.command}")
+        return UnreadableText(message.line(), f"that is not what follows {message.command}")
     return value
 
 
-def decode_goto(message: Message, dialect: Dialect, rooms: int) -> legacy.Goto | GotoPoint | Unreadable:
+def decode_goto(message: TextMessage, dialect: Dialect, rooms: int) -> legacy.GotoRoom | GotoPoint | UnreadableText:
     """Where a ``%%goto`` sends a robot.
 
     In the legacy dialect it is a room if x and y are the same whole number below `rooms` and the heading is 45; in
@@ -168,62 +179,67 @@ def decode_goto(message: Message, dialect: Dialect, rooms: int) -> legacy.Goto |
     """
     if dialect is Dialect.LEGACY_2016:
         value = legacy.decode(message)
-        if isinstance(value, legacy.Goto) and value.room < rooms:
+        if isinstance(value, legacy.GotoRoom) and value.room < rooms:
             return value
     point = decode(message)
-    if isinstance(point, GotoPoint | Unreadable):
+    if isinstance(point, GotoPoint | UnreadableText):
         return point
-    return Unreadable(message.line(), f"it is not a {Command.GOTO}")
+    return UnreadableText(message.line(), f"it is not a {TextCommand.GOTO}")
 
 
-def _content(value: Canonical) -> tuple[Command, list[str]]:
+def _content(value: CanonicalValue) -> tuple[TextCommand, list[str]]:
     match value:
-        case Pose(robot, x, y, heading):
-            return Command.POSE, [str(robot), _number(x), _number(y), _degrees(heading)]
-        case Where(robot):
-            return Command.WHERE, [str(robot)]
+        case PoseReport(robot, x, y, heading):
+            return TextCommand.POSE, [str(robot), _number(x), _number(y), _degrees(heading)]
+        case PoseQuery(robot):
+            return TextCommand.WHERE, [str(robot)]
         case GotoPoint(robot, x, y, heading):
-            return Command.GOTO, [str(robot), _number(x), _number(y), *([] if heading is None else [_degrees(heading)])]
-        case Move(robot, drive, intensity):
-            return Command.MOVE, [str(robot), drive.value, str(intensity)]
+            return TextCommand.GOTO, [
+                str(robot),
+                _number(x),
+                _number(y),
+                *([] if heading is None else [_degrees(heading)]),
+            ]
+        case MoveByHand(robot, drive, intensity):
+            return TextCommand.MOVE, [str(robot), drive.value, str(intensity)]
         case SnapHere(robot):
-            return Command.SNAP, [str(robot)]
-        case Picture(robot, x, y, heading, data):
-            return Command.IMAGE, [str(robot), _number(x), _number(y), _degrees(heading), data]
-        case Hide(x, y, properties):
-            return Command.HIDE, [_number(x), _number(y), *_flat(properties)]
-        case Found(x, y, properties):
-            return Command.FOUND, [_number(x), _number(y), *_flat(properties)]
-        case Earned(points, x, y, properties):
-            return Command.SCORE, [str(points), _number(x), _number(y), *_flat(properties)]
-        case Failure(text):
-            return Command.ERROR, tokens(text)
+            return TextCommand.SNAP, [str(robot)]
+        case PictureTaken(robot, x, y, heading, data):
+            return TextCommand.IMAGE, [str(robot), _number(x), _number(y), _degrees(heading), data]
+        case HideTreasure(x, y, properties):
+            return TextCommand.HIDE, [_number(x), _number(y), *_flat(properties)]
+        case TreasureFound(x, y, properties):
+            return TextCommand.FOUND, [_number(x), _number(y), *_flat(properties)]
+        case PointsEarned(points, x, y, properties):
+            return TextCommand.SCORE, [str(points), _number(x), _number(y), *_flat(properties)]
+        case ErrorText(text):
+            return TextCommand.ERROR, tokens(text)
 
 
-def _value(message: Message) -> Canonical | None:
+def _value(message: TextMessage) -> CanonicalValue | None:
     match message.command, message.content:
-        case Command.POSE, (robot, x, y, heading):
-            return Pose(_robot(robot), _real(x), _real(y), _radians(heading))
-        case Command.WHERE, (robot,):
-            return Where(_robot(robot))
-        case Command.GOTO, (robot, x, y):
+        case TextCommand.POSE, (robot, x, y, heading):
+            return PoseReport(_robot(robot), _real(x), _real(y), _radians(heading))
+        case TextCommand.WHERE, (robot,):
+            return PoseQuery(_robot(robot))
+        case TextCommand.GOTO, (robot, x, y):
             return GotoPoint(_robot(robot), _real(x), _real(y))
-        case Command.GOTO, (robot, x, y, heading):
+        case TextCommand.GOTO, (robot, x, y, heading):
             return GotoPoint(_robot(robot), _real(x), _real(y), _radians(heading))
-        case Command.MOVE, (robot, letter, intensity):
-            return Move(_robot(robot), Drive(letter), _whole(intensity))
-        case Command.SNAP, (robot,):
+        case TextCommand.MOVE, (robot, letter, intensity):
+            return MoveByHand(_robot(robot), MoveDirection(letter), _whole(intensity))
+        case TextCommand.SNAP, (robot,):
             return SnapHere(_robot(robot))
-        case Command.IMAGE, (robot, x, y, heading, data):
-            return Picture(_robot(robot), _real(x), _real(y), _radians(heading), data)
-        case Command.HIDE, (x, y, *properties):
-            return Hide(_real(x), _real(y), _pairs(properties))
-        case Command.FOUND, (x, y, *properties):
-            return Found(_real(x), _real(y), _pairs(properties))
-        case Command.SCORE, (points, x, y, *properties):
-            return Earned(_whole(points), _real(x), _real(y), _pairs(properties))
-        case Command.ERROR, _:
-            return Failure(message.text)
+        case TextCommand.IMAGE, (robot, x, y, heading, data):
+            return PictureTaken(_robot(robot), _real(x), _real(y), _radians(heading), data)
+        case TextCommand.HIDE, (x, y, *properties):
+            return HideTreasure(_real(x), _real(y), _pairs(properties))
+        case TextCommand.FOUND, (x, y, *properties):
+            return TreasureFound(_real(x), _real(y), _pairs(properties))
+        case TextCommand.SCORE, (points, x, y, *properties):
+            return PointsEarned(_whole(points), _real(x), _real(y), _pairs(properties))
+        case TextCommand.ERROR, _:
+            return ErrorText(message.text)
         case _:
             return None
 

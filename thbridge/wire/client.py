@@ -10,24 +10,33 @@ from dataclasses import dataclass
 from enum import Enum
 from typing import TypeAlias
 
-from thbridge.wire.text import EXTENDED, Command, LineSplitter, Message, Overlong, encode_line, parse_tokens, tokens
+from thbridge.wire.text import (
+    EXTENDED,
+    LineSplitter,
+    OverlongLine,
+    TextCommand,
+    TextMessage,
+    encode_line,
+    parse_tokens,
+    tokens,
+)
 
-_PONG_LINE = encode_line(f"{Command.PONG} ")
+_PONG_LINE = encode_line(f"{TextCommand.PONG} ")
 
 
 @dataclass(frozen=True, slots=True)
-class Registered:
+class NameRegistered:
     """The server knows us by our name from now on: the moment to introduce ourselves to the others."""
 
 
 @dataclass(frozen=True, slots=True)
-class Reply:
+class SendToServer:
     """Write these bytes to the server."""
 
     data: bytes
 
 
-class Ending(Enum):
+class ServerCloseReason(Enum):
     """Why the server ends the connection."""
 
     REFUSED = "our name is already held, or the server is full"
@@ -35,13 +44,13 @@ class Ending(Enum):
 
 
 @dataclass(frozen=True, slots=True)
-class Ended:
+class ClosedByServer:
     """The server has said farewell; nothing more comes on this connection."""
 
-    reason: Ending
+    reason: ServerCloseReason
 
 
-SessionEvent: TypeAlias = Registered | Message | Reply | Ended | Overlong
+ClientSessionEvent: TypeAlias = NameRegistered | TextMessage | SendToServer | ClosedByServer | OverlongLine
 
 
 class ClientSession:
@@ -59,7 +68,7 @@ class ClientSession:
     def __init__(self, name: str, token: str) -> None:
         if tokens(f"{name} {token}") != [name, token]:
             raise ValueError(f"name and token are one word each, not {name!r} and {token!r}")
-        self._hello = encode_line(f"{Command.SETID} {name} {EXTENDED} {token}")
+        self._hello = encode_line(f"{TextCommand.SETID} {name} {EXTENDED} {token}")
         self._lines = LineSplitter()
         self._registered = False
         self._ended = False
@@ -69,26 +78,26 @@ class ClientSession:
         """What to send first."""
         return self._hello
 
-    def receive_data(self, data: bytes) -> list[SessionEvent]:
+    def receive_data(self, data: bytes) -> list[ClientSessionEvent]:
         """The events in what the server sent; none after `Ended`."""
-        events: list[SessionEvent] = []
+        events: list[ClientSessionEvent] = []
         for line in self._lines.feed(data):
             if self._ended:
                 break
-            events += [line] if isinstance(line, Overlong) else self._handle(tokens(line))
+            events += [line] if isinstance(line, OverlongLine) else self._handle(tokens(line))
         return events
 
-    def _handle(self, parts: list[str]) -> list[SessionEvent]:
+    def _handle(self, parts: list[str]) -> list[ClientSessionEvent]:
         # The server's own lines are recognised whole: a routed line that begins like one always names its parties.
         match parts:
-            case [Command.PING]:
-                return [Reply(_PONG_LINE)]
-            case [Command.ACK] if not self._registered:
+            case [TextCommand.PING]:
+                return [SendToServer(_PONG_LINE)]
+            case [TextCommand.ACK] if not self._registered:
                 self._registered = True
-                return [Registered()]
-            case [Command.SHUTDOWN]:
+                return [NameRegistered()]
+            case [TextCommand.SHUTDOWN]:
                 self._ended = True
-                return [Ended(Ending.STOPPED if self._registered else Ending.REFUSED)]
+                return [ClosedByServer(ServerCloseReason.STOPPED if self._registered else ServerCloseReason.REFUSED)]
             case _:
                 message = parse_tokens(parts)
-                return [message] if isinstance(message, Message) else []
+                return [message] if isinstance(message, TextMessage) else []

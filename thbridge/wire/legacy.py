@@ -14,7 +14,7 @@ import re
 from dataclasses import dataclass
 from typing import TypeAlias
 
-from thbridge.wire.text import Command, Message, Unreadable, tokens
+from thbridge.wire.text import TextCommand, TextMessage, UnreadableText, tokens
 
 SIMR = "SimR"
 """The program that drives the robots."""
@@ -30,27 +30,27 @@ _MAX_DIGITS = 9  # an int for Java too
 
 
 @dataclass(frozen=True, slots=True)
-class Goto:
+class GotoRoom:
     """TabUI sends a robot to a room."""
 
     robot: int
     room: int
 
-    def message(self) -> Message:
+    def message(self) -> TextMessage:
         """``%%goto TabUI SimR ROBOT ROOM ROOM 45``: the room's number stands in for x and y."""
-        return Message.of(Command.GOTO, TABUI, SIMR, f"{self.robot} {self.room} {self.room} {_HEADING}")
+        return TextMessage.of(TextCommand.GOTO, TABUI, SIMR, f"{self.robot} {self.room} {self.room} {_HEADING}")
 
 
 @dataclass(frozen=True, slots=True)
-class Arrived:
+class RoomReached:
     """SimR reports that a robot has reached its room."""
 
     robot: int
     room: int
 
-    def message(self) -> Message:
+    def message(self) -> TextMessage:
         """``%%error SimR TabUI "ROBOT;ROOM"``."""
-        return Message.of(Command.ERROR, SIMR, TABUI, f'"{self.robot};{self.room}"')
+        return TextMessage.of(TextCommand.ERROR, SIMR, TABUI, f'"{self.robot};{self.room}"')
 
 
 @dataclass(frozen=True, slots=True)
@@ -59,9 +59,9 @@ class AskTreasure:
 
     room: int
 
-    def message(self) -> Message:
+    def message(self) -> TextMessage:
         """``%%error TabUI Hider "ROOM"``."""
-        return Message.of(Command.ERROR, TABUI, HIDER, f'"{self.room}"')
+        return TextMessage.of(TextCommand.ERROR, TABUI, HIDER, f'"{self.room}"')
 
 
 @dataclass(frozen=True, slots=True)
@@ -72,25 +72,25 @@ class FoundTreasure:
     colour: str
     footprint: str
 
-    def message(self) -> Message:
+    def message(self) -> TextMessage:
         """``%%found Hider TabUI ROOM ROOM "(Colour: C) (Footprint: F)"``."""
         senses = f'"(Colour: {self.colour}) (Footprint: {self.footprint})"'
-        return Message.of(Command.FOUND, HIDER, TABUI, f"{self.room} {self.room} {senses}")
+        return TextMessage.of(TextCommand.FOUND, HIDER, TABUI, f"{self.room} {self.room} {senses}")
 
 
 @dataclass(frozen=True, slots=True)
-class Snap:
+class SnapTreasure:
     """TabUI asks for a picture of the treasure in a room."""
 
     room: int
 
-    def message(self) -> Message:
+    def message(self) -> TextMessage:
         """``%%snap TabUI Hider ROOM``."""
-        return Message.of(Command.SNAP, TABUI, HIDER, f"{self.room}")
+        return TextMessage.of(TextCommand.SNAP, TABUI, HIDER, f"{self.room}")
 
 
 @dataclass(frozen=True, slots=True)
-class Image:
+class TreasureImage:
     """Hider names the picture of the treasure in a room.
 
     Attributes:
@@ -110,35 +110,37 @@ class Image:
         if re.search(r"[/\\]|^\.\.?$", self.filename):
             raise ValueError(f"a picture's file name must not name a directory: {self.filename!r}")
 
-    def message(self) -> Message:
+    def message(self) -> TextMessage:
         """``%%image Hider TabUI ROOM FILENAME``."""
-        return Message.of(Command.IMAGE, HIDER, TABUI, f"{self.room} {self.filename}")
+        return TextMessage.of(TextCommand.IMAGE, HIDER, TABUI, f"{self.room} {self.filename}")
 
 
 @dataclass(frozen=True, slots=True)
-class Identify:
+class NameTreasure:
     """TabUI says what the participant takes the treasure for; several blanks in a row become one on the wire."""
 
     room: int
     name: str
 
-    def message(self) -> Message:
+    def message(self) -> TextMessage:
         """``%%found TabUI Hider "ROOM,NAME``: the quotation mark is never closed."""
-        return Message.of(Command.FOUND, TABUI, HIDER, f'"{self.room},{self.name}')
+        return TextMessage.of(TextCommand.FOUND, TABUI, HIDER, f'"{self.room},{self.name}')
 
 
 @dataclass(frozen=True, slots=True)
-class Score:
+class PointsAwarded:
     """Hider tells the points of an identification, negative for a wrong one."""
 
     points: int
 
-    def message(self) -> Message:
+    def message(self) -> TextMessage:
         """``%%score Hider TabUI ,POINTS``."""
-        return Message.of(Command.SCORE, HIDER, TABUI, f",{self.points}")
+        return TextMessage.of(TextCommand.SCORE, HIDER, TABUI, f",{self.points}")
 
 
-Legacy: TypeAlias = Goto | Arrived | AskTreasure | FoundTreasure | Snap | Image | Identify | Score
+LegacyValue: TypeAlias = (
+    GotoRoom | RoomReached | AskTreasure | FoundTreasure | SnapTreasure | TreasureImage | NameTreasure | PointsAwarded
+)
 
 _NUMBER = rf"([0-9]{{1,{_MAX_DIGITS}}})"
 _GOTO = re.compile(rf"{_NUMBER} {_NUMBER} \2 {_HEADING}")
@@ -151,33 +153,33 @@ _IDENTIFY = re.compile(rf'"{_NUMBER}, ?(.*?)"?')
 _SCORE = re.compile(rf",(-?[0-9]{{1,{_MAX_DIGITS}}})")
 
 
-def decode(message: Message) -> Legacy | Unreadable:
+def decode(message: TextMessage) -> LegacyValue | UnreadableText:
     """The value that a message of this dialect stands for."""
     text = message.text
     match message.command:
-        case Command.GOTO:
+        case TextCommand.GOTO:
             if found := _GOTO.fullmatch(text):
-                return Goto(int(found[1]), int(found[2]))
-        case Command.ERROR:
+                return GotoRoom(int(found[1]), int(found[2]))
+        case TextCommand.ERROR:
             if found := _ARRIVED.fullmatch(text):
-                return Arrived(int(found[1]), int(found[2]))
+                return RoomReached(int(found[1]), int(found[2]))
             if found := _ASK.fullmatch(text):
                 return AskTreasure(int(found[1]))
-        case Command.FOUND:
+        case TextCommand.FOUND:
             if found := _FOUND.fullmatch(text):
                 return FoundTreasure(int(found[1]), found[2], found[3])
             if found := _IDENTIFY.fullmatch(text):
-                return Identify(int(found[1]), found[2])
-        case Command.SNAP:
+                return NameTreasure(int(found[1]), found[2])
+        case TextCommand.SNAP:
             if found := _SNAP.fullmatch(text):
-                return Snap(int(found[1]))
-        case Command.IMAGE:
+                return SnapTreasure(int(found[1]))
+        case TextCommand.IMAGE:
             if found := _IMAGE.fullmatch(text):
                 try:
-                    return Image(int(found[1]), found[2])
+                    return TreasureImage(int(found[1]), found[2])
                 except ValueError as error:
-                    return Unreadable(message.line(), str(error))
-        case Command.SCORE:
+                    return UnreadableText(message.line(), str(error))
+        case TextCommand.SCORE:
             if found := _SCORE.fullmatch(text):
-                return Score(int(found[1]))
-    return Unreadable(message.line(), "it is not a line of the legacy-2016 dialect")
+                return PointsAwarded(int(found[1]))
+    return UnreadableText(message.line(), "it is not a line of the legacy-2016 dialect")

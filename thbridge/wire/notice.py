@@ -11,7 +11,7 @@ from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from typing import NoReturn, TypeAlias
 
-from thbridge.wire.text import Command, Message, Unreadable
+from thbridge.wire.text import TextCommand, TextMessage, UnreadableText
 
 JsonValue: TypeAlias = bool | int | float | str | Sequence["JsonValue"] | Mapping[str, "JsonValue"] | None
 """What JSON can hold; `parse_notice` gives lists and dictionaries."""
@@ -42,7 +42,7 @@ class Notice:
     fields: Mapping[str, JsonValue]
 
 
-def notice(sender: str, receiver: str, kind: str, /, **fields: JsonValue) -> Message:
+def notice(sender: str, receiver: str, kind: str, /, **fields: JsonValue) -> TextMessage:
     """The message that carries a notice; fields keep their order.
 
     Raises:
@@ -51,29 +51,29 @@ def notice(sender: str, receiver: str, kind: str, /, **fields: JsonValue) -> Mes
     if "kind" in fields:
         raise ValueError("a notice has its kind already")
     text = json.dumps({"kind": kind, **fields}, ensure_ascii=True, allow_nan=False, separators=(",", ":"))
-    return Message(Command.ERROR, sender, receiver, (_MARK, text.replace(" ", r"\u0020")))
+    return TextMessage(TextCommand.ERROR, sender, receiver, (_MARK, text.replace(" ", r"\u0020")))
 
 
-def is_notice(message: Message) -> bool:
+def is_notice(message: TextMessage) -> bool:
     """Whether a message has the outward form of a notice; its JSON may still be broken."""
-    return message.command == Command.ERROR and message.content[:1] == (_MARK,)
+    return message.command == TextCommand.ERROR and message.content[:1] == (_MARK,)
 
 
-def parse_notice(message: Message) -> Notice | Unreadable:
+def parse_notice(message: TextMessage) -> Notice | UnreadableText:
     """The notice that a message carries."""
     if not is_notice(message):
-        return Unreadable(message.line(), "it is not a notice")
+        return UnreadableText(message.line(), "it is not a notice")
     text = " ".join(message.content[1:])
     try:
         value: JsonValue = json.loads(text, parse_constant=_refuse_constant)
     # Nesting as deep as a line is long exhausts the parser's stack.
     except (ValueError, RecursionError) as error:
-        return Unreadable(message.line(), f"its JSON is broken: {error}")
+        return UnreadableText(message.line(), f"its JSON is broken: {error}")
     if not isinstance(value, dict):
-        return Unreadable(message.line(), "its JSON is not an object")
+        return UnreadableText(message.line(), "its JSON is not an object")
     kind = value.pop("kind", None)
     if not isinstance(kind, str):
-        return Unreadable(message.line(), "it has no kind")
+        return UnreadableText(message.line(), "it has no kind")
     return Notice(message.sender, message.receiver, kind, value)
 
 

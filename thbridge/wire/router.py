@@ -45,10 +45,10 @@ from thbridge.wire.notice import SERVER, UNDELIVERED, is_notice, notice
 from thbridge.wire.text import (
     EXTENDED,
     LINE_LIMIT,
-    Command,
     LineSplitter,
-    Message,
-    Overlong,
+    OverlongLine,
+    TextCommand,
+    TextMessage,
     encode_line,
     parse_tokens,
     tokens,
@@ -57,17 +57,17 @@ from thbridge.wire.text import (
 ConnectionId = NewType("ConnectionId", int)
 
 # The exact bytes matter: the old clients look for words anywhere in a line, and count characters from its end.
-ACK_LINE = encode_line(f"{Command.ACK} ")
-PING_LINE = encode_line(f"{Command.PING} ")
-PONG_LINE = encode_line(f"{Command.PONG} i am here")
-SHUTDOWN_LINE = encode_line(f"{Command.SHUTDOWN} ")
+ACK_LINE = encode_line(f"{TextCommand.ACK} ")
+PING_LINE = encode_line(f"{TextCommand.PING} ")
+PONG_LINE = encode_line(f"{TextCommand.PONG} i am here")
+SHUTDOWN_LINE = encode_line(f"{TextCommand.SHUTDOWN} ")
 
 _QUOTED = 200
 """Characters of an undelivered message's content that the notice repeats."""
 
 
 @dataclass(frozen=True, slots=True)
-class Limits:
+class RouterLimits:
     """What one server is ready to bear.
 
     Attributes:
@@ -102,7 +102,7 @@ class CloseReason(Enum):
 
 
 @dataclass(frozen=True, slots=True)
-class Send:
+class SendToClient:
     """Write these bytes to a connection."""
 
     connection: ConnectionId
@@ -110,7 +110,7 @@ class Send:
 
 
 @dataclass(frozen=True, slots=True)
-class Close:
+class CloseConnection:
     """End a connection; the router has forgotten it already and its name is free."""
 
     connection: ConnectionId
@@ -127,13 +127,13 @@ class Forwarded:
         sender_extended: whether it came from an extended client or a local endpoint.
     """
 
-    message: Message
+    message: TextMessage
     delivered: bool
     sender_extended: bool
 
 
 @dataclass(frozen=True, slots=True)
-class Skipped:
+class LineSkipped:
     """A connection sent a line longer than the limit; it was thrown away and acknowledged like an unknown one."""
 
     connection: ConnectionId
@@ -141,7 +141,7 @@ class Skipped:
 
 
 @dataclass(frozen=True, slots=True)
-class Joined:
+class ClientJoined:
     """A connection holds a name from now on: for logs, and for recorders that want to know who could be reached."""
 
     connection: ConnectionId
@@ -150,14 +150,14 @@ class Joined:
 
 
 @dataclass(frozen=True, slots=True)
-class Left:
+class ClientLeft:
     """A connection does not hold its name any more."""
 
     connection: ConnectionId
     name: str
 
 
-Output: TypeAlias = Send | Close | Forwarded | Skipped | Joined | Left
+RouterOutput: TypeAlias = SendToClient | CloseConnection | Forwarded | LineSkipped | ClientJoined | ClientLeft
 
 
 @dataclass(frozen=True, slots=True)
@@ -192,23 +192,23 @@ class _Endpoint:
     """A program of this process. `arriving` becomes `inbox` at the next exchange; `waiting` counts both."""
 
     name: str
-    arriving: list[Message] = field(default_factory=list)
-    inbox: list[Message] = field(default_factory=list)
+    arriving: list[TextMessage] = field(default_factory=list)
+    inbox: list[TextMessage] = field(default_factory=list)
     waiting: int = 0
 
 
-class Router:
+class MessageRouter:
     """The server's state; see the module's description for what it does.
 
     Times are seconds on any clock that does not run backwards. Not safe for use by several threads at once.
     """
 
-    def __init__(self, limits: Limits | None = None) -> None:
-        self.limits = limits or Limits()
+    def __init__(self, limits: RouterLimits | None = None) -> None:
+        self.limits = limits or RouterLimits()
         self._connections: dict[ConnectionId, _Connection] = {}
         self._endpoints: dict[str, _Endpoint] = {}
         self._holders: dict[str, _Connection | _Endpoint] = {}
-        self._submitted: list[tuple[_Endpoint, Message]] = []
+        self._submitted: list[tuple[_Endpoint, TextMessage]] = []
         self._connection_count = 0
         self._number = 0
         self._stopped = False
@@ -224,52 +224,52 @@ class Router:
         self._connections[connection] = _Connection(connection, LineSplitter(self.limits.line), heard=now)
         return connection
 
-    def receive_data(self, connection: ConnectionId, data: bytes, now: float) -> list[Output]:
+    def receive_data(self, connection: ConnectionId, data: bytes, now: float) -> list[RouterOutput]:
         """Handle bytes from a connection; what still comes from one that is closed is ignored."""
         client = self._connections.get(connection)
         if client is None:
             return []
-        outputs: list[Output] = []
+        outputs: list[RouterOutput] = []
         for line in client.lines.feed(data):
             client.heard, client.pinged = now, None
-            if isinstance(line, Overlong):
-                outputs += [Skipped(connection, line.length), Send(connection, ACK_LINE)]
+            if isinstance(line, OverlongLine):
+                outputs += [LineSkipped(connection, line.length), SendToClient(connection, ACK_LINE)]
             else:
                 outputs += self._handle(client, tokens(line))
             if connection not in self._connections:
                 break
         return outputs
 
-    def eof(self, connection: ConnectionId) -> list[Output]:
+    def eof(self, connection: ConnectionId) -> list[RouterOutput]:
         """A connection has ended or is lost: its name is free. A line it had begun is dropped."""
         client = self._connections.pop(connection, None)
         return [] if client is None else self._release(client)
 
-    def report_backlog(self, connection: ConnectionId, size: int) -> list[Output]:
+    def report_backlog(self, connection: ConnectionId, size: int) -> list[RouterOutput]:
         """Hear how many bytes wait in a connection's outgoing buffer; one that does not read is closed."""
         client = self._connections.get(connection)
         if client is None or size <= self.limits.backlog:
             return []
         return self._close(client, CloseReason.SLOW)
 
-    def advance(self, now: float) -> list[Output]:
+    def advance(self, now: float) -> list[RouterOutput]:
         """Ping connections that have been silent, drop those that did not answer. Call it about once a second."""
-        outputs: list[Output] = []
+        outputs: list[RouterOutput] = []
         for client in list(self._connections.values()):
             if client.pinged is not None:
                 if now - client.pinged >= self.limits.answer:
                     outputs += self._close(client, CloseReason.SILENT)
             elif now - client.heard >= self.limits.silence:
                 client.pinged = now
-                outputs.append(Send(client.id, PING_LINE))
+                outputs.append(SendToClient(client.id, PING_LINE))
         return outputs
 
-    def stop(self) -> list[Output]:
+    def stop(self) -> list[RouterOutput]:
         """Say farewell to every connection and take on no more."""
         self._stopped = True
-        outputs: list[Output] = []
+        outputs: list[RouterOutput] = []
         for client in list(self._connections.values()):
-            outputs.append(Send(client.id, SHUTDOWN_LINE))
+            outputs.append(SendToClient(client.id, SHUTDOWN_LINE))
             outputs += self._close(client, CloseReason.STOPPED)
         return outputs
 
@@ -302,7 +302,7 @@ class Router:
         del self._endpoints[name]
         del self._holders[name]
 
-    def submit(self, name: str, message: Message) -> None:
+    def submit(self, name: str, message: TextMessage) -> None:
         """Say something as a local endpoint; it is passed on at the next `exchange`.
 
         Raises:
@@ -310,12 +310,12 @@ class Router:
         """
         self._submitted.append((self._endpoints[name], message))
 
-    def exchange(self) -> list[Output]:
+    def exchange(self) -> list[RouterOutput]:
         """Pass on everything submitted, in order, and open what has come for the local endpoints to `take`.
 
         One call a tick is what makes a run of several local programs deterministic.
         """
-        outputs: list[Output] = []
+        outputs: list[RouterOutput] = []
         submitted, self._submitted = self._submitted, []
         for endpoint, message in submitted:
             outputs += self._forward(endpoint, message)
@@ -324,7 +324,7 @@ class Router:
             endpoint.arriving.clear()
         return outputs
 
-    def take(self, name: str) -> list[Message]:
+    def take(self, name: str) -> list[TextMessage]:
         """What was said to a local endpoint up to the last `exchange` and not taken yet, oldest first.
 
         Raises:
@@ -337,53 +337,53 @@ class Router:
 
     # What a line does
 
-    def _handle(self, client: _Connection, parts: list[str]) -> list[Output]:
-        outputs: list[Output] = []
+    def _handle(self, client: _Connection, parts: list[str]) -> list[RouterOutput]:
+        outputs: list[RouterOutput] = []
         match parts:
-            case [Command.SETID, name, *extras]:
+            case [TextCommand.SETID, name, *extras]:
                 outputs += self._register(client, name, extras)
-            case [Command.GETID, *_]:
+            case [TextCommand.GETID, *_]:
                 name = self._fresh_number()
                 outputs += self._rename(client, name, client.extended)
-                outputs.append(Send(client.id, encode_line(f"{Command.SETID} {name}")))
-            case [Command.PING, *_]:
-                outputs.append(Send(client.id, PONG_LINE))
-            case [Command.SHUTDOWN, *_]:
+                outputs.append(SendToClient(client.id, encode_line(f"{TextCommand.SETID} {name}")))
+            case [TextCommand.PING, *_]:
+                outputs.append(SendToClient(client.id, PONG_LINE))
+            case [TextCommand.SHUTDOWN, *_]:
                 outputs += self._close(client, CloseReason.ASKED)
             case _:
                 message = parse_tokens(parts)
-                if isinstance(message, Message):
+                if isinstance(message, TextMessage):
                     outputs += self._forward(client, message)
         if client.id in self._connections:
-            outputs.append(Send(client.id, ACK_LINE))
+            outputs.append(SendToClient(client.id, ACK_LINE))
         return outputs
 
-    def _register(self, client: _Connection, name: str, extras: Sequence[str]) -> list[Output]:
+    def _register(self, client: _Connection, name: str, extras: Sequence[str]) -> list[RouterOutput]:
         extended = extras[:1] == [EXTENDED]
         token = extras[1] if extended and len(extras) > 1 else None
-        outputs: list[Output] = []
+        outputs: list[RouterOutput] = []
         holder = self._holders.get(name)
         if holder is not None and holder is not client:
             if not (extended and isinstance(holder, _Connection) and _is_dead(holder, token)):
-                return [Send(client.id, SHUTDOWN_LINE), *self._close(client, CloseReason.NAME_TAKEN)]
+                return [SendToClient(client.id, SHUTDOWN_LINE), *self._close(client, CloseReason.NAME_TAKEN)]
             outputs += self._close(holder, CloseReason.REPLACED)
         client.token = token
         return outputs + self._rename(client, name, extended)
 
-    def _forward(self, origin: _Connection | _Endpoint, message: Message) -> list[Output]:
+    def _forward(self, origin: _Connection | _Endpoint, message: TextMessage) -> list[RouterOutput]:
         """Pass a message on; tell an extended origin by a notice when that cannot be done."""
         extended = isinstance(origin, _Endpoint) or origin.extended
         is_extension = extended and is_notice(message)
         holder = self._holders.get(message.receiver)
         failure = self._obstacle(holder, message, is_extension)
-        outputs: list[Output] = [Forwarded(message, failure is None, extended)]
+        outputs: list[RouterOutput] = [Forwarded(message, failure is None, extended)]
         if holder is not None and failure is None:
             outputs += self._hand_over(holder, message)
         elif failure is not None and extended and not is_extension:
             outputs += self._hand_over(origin, _undelivered(origin.name or message.sender, message, failure))
         return outputs
 
-    def _obstacle(self, holder: _Connection | _Endpoint | None, message: Message, is_extension: bool) -> str | None:
+    def _obstacle(self, holder: _Connection | _Endpoint | None, message: TextMessage, is_extension: bool) -> str | None:
         """Why a message cannot be handed over, or None."""
         match holder:
             case None:
@@ -393,9 +393,9 @@ class Router:
             case _Endpoint():
                 return "too much waits there" if holder.waiting + _size(message) > self.limits.backlog else None
 
-    def _hand_over(self, holder: _Connection | _Endpoint, message: Message) -> list[Output]:
+    def _hand_over(self, holder: _Connection | _Endpoint, message: TextMessage) -> list[RouterOutput]:
         if isinstance(holder, _Connection):
-            return [Send(holder.id, encode_line(message.line()))]
+            return [SendToClient(holder.id, encode_line(message.line()))]
         holder.arriving.append(message)
         holder.waiting += _size(message)
         return []
@@ -408,28 +408,28 @@ class Router:
             self._number += 1
         return str(self._number)
 
-    def _rename(self, client: _Connection, name: str, extended: bool) -> list[Output]:
+    def _rename(self, client: _Connection, name: str, extended: bool) -> list[RouterOutput]:
         left = self._release(client)
         client.name, client.extended = name, extended
         self._holders[name] = client
-        return [*left, Joined(client.id, name, extended)]
+        return [*left, ClientJoined(client.id, name, extended)]
 
-    def _release(self, client: _Connection) -> list[Output]:
+    def _release(self, client: _Connection) -> list[RouterOutput]:
         if client.name is None:
             return []
         name, client.name = client.name, None
         del self._holders[name]
-        return [Left(client.id, name)]
+        return [ClientLeft(client.id, name)]
 
-    def _close(self, client: _Connection, reason: CloseReason) -> list[Output]:
-        return [*self.eof(client.id), Close(client.id, reason)]
+    def _close(self, client: _Connection, reason: CloseReason) -> list[RouterOutput]:
+        return [*self.eof(client.id), CloseConnection(client.id, reason)]
 
 
 def _is_dead(holder: _Connection, token: str | None) -> bool:
     return holder.pinged is not None or (token is not None and holder.token == token)
 
 
-def _undelivered(to: str, message: Message, reason: str) -> Message:
+def _undelivered(to: str, message: TextMessage, reason: str) -> TextMessage:
     return notice(
         SERVER,
         to,
@@ -441,5 +441,5 @@ def _undelivered(to: str, message: Message, reason: str) -> Message:
     )
 
 
-def _size(message: Message) -> int:
+def _size(message: TextMessage) -> int:
     return len(message.line())

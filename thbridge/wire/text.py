@@ -20,7 +20,7 @@ EXTENDED = "extended"
 _TOKEN = re.compile(r"\S+", re.ASCII)
 
 
-class Command(StrEnum):
+class TextCommand(StrEnum):
     """Every command that means something to the server or to the programs around it."""
 
     ACK = "%%ack"
@@ -44,23 +44,23 @@ class Command(StrEnum):
 
 ROUTED = frozenset(
     {
-        Command.ERROR,
-        Command.FOUND,
-        Command.GOTO,
-        Command.HIDE,
-        Command.IMAGE,
-        Command.MOVE,
-        Command.POSE,
-        Command.SCORE,
-        Command.SNAP,
-        Command.WHERE,
+        TextCommand.ERROR,
+        TextCommand.FOUND,
+        TextCommand.GOTO,
+        TextCommand.HIDE,
+        TextCommand.IMAGE,
+        TextCommand.MOVE,
+        TextCommand.POSE,
+        TextCommand.SCORE,
+        TextCommand.SNAP,
+        TextCommand.WHERE,
     }
 )
 """Commands that the server passes on to the client they name."""
 
 
 @dataclass(frozen=True, slots=True)
-class Unreadable:
+class UnreadableText:
     """Text that is not what the reader of it expects.
 
     Attributes:
@@ -73,7 +73,7 @@ class Unreadable:
 
 
 @dataclass(frozen=True, slots=True)
-class Message:
+class TextMessage:
     """One routed message, ``COMMAND FROM TO CONTENT...``.
 
     Attributes:
@@ -97,7 +97,7 @@ class Message:
                 raise ValueError(f"not one token: {token!r}")
 
     @classmethod
-    def of(cls, command: str, sender: str, receiver: str, text: str) -> Message:
+    def of(cls, command: str, sender: str, receiver: str, text: str) -> TextMessage:
         """A message whose content is running text, taken apart at white space as the wire would."""
         return cls(command, sender, receiver, tuple(tokens(text)))
 
@@ -120,22 +120,22 @@ def tokens(line: str) -> list[str]:
     return _TOKEN.findall(line)
 
 
-def parse_line(line: str) -> Message | Unreadable:
+def parse_line(line: str) -> TextMessage | UnreadableText:
     """The message that a line carries; a ``%%send`` is unwrapped to the message inside it."""
     return parse_tokens(tokens(line))
 
 
-def parse_tokens(parts: Sequence[str]) -> Message | Unreadable:
+def parse_tokens(parts: Sequence[str]) -> TextMessage | UnreadableText:
     """Like `parse_line`, for a line already in tokens."""
     match parts:
-        case [Command.SEND, _, _, command, sender, receiver, *content]:
-            return Message(command, sender, receiver, tuple(content))
+        case [TextCommand.SEND, _, _, command, sender, receiver, *content]:
+            return TextMessage(command, sender, receiver, tuple(content))
         case [command, sender, receiver, *content] if command in ROUTED:
-            return Message(command, sender, receiver, tuple(content))
-        case [command, *_] if command in ROUTED or command == Command.SEND:
-            return Unreadable(" ".join(parts), "it does not name a receiver")
+            return TextMessage(command, sender, receiver, tuple(content))
+        case [command, *_] if command in ROUTED or command == TextCommand.SEND:
+            return UnreadableText(" ".join(parts), "it does not name a receiver")
         case _:
-            return Unreadable(" ".join(parts), "it is not a command that is passed on")
+            return UnreadableText(" ".join(parts), "it is not a command that is passed on")
 
 
 def encode_line(line: str) -> bytes:
@@ -144,7 +144,7 @@ def encode_line(line: str) -> bytes:
 
 
 @dataclass(frozen=True, slots=True)
-class Overlong:
+class OverlongLine:
     """A line longer than the limit went by; nothing of it was kept.
 
     Attributes:
@@ -166,10 +166,10 @@ class LineSplitter:
         self._held = bytearray()
         self._length = 0
 
-    def feed(self, data: bytes) -> list[str | Overlong]:
+    def feed(self, data: bytes) -> list[str | OverlongLine]:
         """The lines that `data` completes, without their line ends."""
         *ended, rest = data.split(b"\n")
-        lines: list[str | Overlong] = []
+        lines: list[str | OverlongLine] = []
         for piece in ended:
             self._extend(piece)
             lines.append(self._finish())
@@ -183,10 +183,10 @@ class LineSplitter:
         else:
             self._held.clear()
 
-    def _finish(self) -> str | Overlong:
+    def _finish(self) -> str | OverlongLine:
         length, self._length = self._length, 0
         if length > self._limit:
-            return Overlong(length)
+            return OverlongLine(length)
         line = self._held.removesuffix(b"\r").decode("utf-8", errors="replace")
         self._held.clear()
         return line

@@ -13,13 +13,13 @@ from typer.core import TyperCommand
 
 from sim.common.geometry import Pose2
 from sim.common.traversability import Polygon, area, crosses_itself, inside
-from sim.parameters import RobotParameters, WorldParameters, knob
+from sim.parameters import RobotParameters, WorldParameters, param
 from sim.world.physics import Misplaced
 from thbridge.files.map_files import read_grid
 from thbridge.files.ros.parameters import read_ros_parameters
 from thbridge.files.yaml.load import load_tree
 from thbridge.files.yaml.tree import Section, parse, read_text
-from thbridge.offline.drive import Errand, Outcome
+from thbridge.offline.drive import DriveResult, DriveTask
 from thbridge.offline.drive import drive as driven
 from ui.options import AsJson, announce_compiling
 from ui.terminal import BAD_INPUT, bad_input, fail, note, out, print_json
@@ -48,11 +48,11 @@ def _is_number(words: list[str]) -> bool:
 
 
 @dataclass(frozen=True, slots=True)
-class Parameters:
+class DriveParameters:
     """What a file of parameters may hold."""
 
-    world: WorldParameters = knob(WorldParameters(), "bodies, motors and sensors")
-    robot: RobotParameters = knob(RobotParameters(), "the software that drives")
+    world: WorldParameters = param(WorldParameters(), "bodies, motors and sensors")
+    robot: RobotParameters = param(RobotParameters(), "the software that drives")
 
 
 def drive(
@@ -82,10 +82,10 @@ def drive(
         given = _given(params or [])
     world = given.world if footprint is None else dataclasses.replace(given.world, footprint=_corners(footprint))
     announce_compiling()
-    errand = Errand(Pose2(*start), Pose2(*goal, goal_yaw or 0.0), goal_yaw is None, timeout)
+    errand = DriveTask(Pose2(*start), Pose2(*goal, goal_yaw or 0.0), goal_yaw is None, timeout)
     result = driven(grid, world, given.robot, errand, seed)
     if isinstance(result, Misplaced):
-        result = Outcome(False, False, 0.0, 0.0, 0.0, f"the start is not free: {result.sentence}")
+        result = DriveResult(False, False, 0.0, 0.0, 0.0, f"the start is not free: {result.sentence}")
     if as_json:
         clearance = result.min_clearance if math.isfinite(result.min_clearance) else None
         print_json(dataclasses.asdict(result) | {"min_clearance": clearance})
@@ -97,14 +97,14 @@ def drive(
     )
 
 
-def _given(files: list[Path]) -> Parameters:
+def _given(files: list[Path]) -> DriveParameters:
     """What the files say; those of ROS first, so that sections of a study win, as in a study."""
     ours = {file: _is_ours(file) for file in files}
     ros = read_ros_parameters([file for file in files if not ours[file]], RobotParameters())
-    given, notices = Parameters(robot=ros.value), ros.notices
+    given, notices = DriveParameters(robot=ros.value), ros.notices
     for file in files:
         if ours[file]:
-            loaded = load_tree(file, parse(file, read_text(file)), Parameters, given)
+            loaded = load_tree(file, parse(file, read_text(file)), DriveParameters, given)
             given, notices = loaded.value, notices + loaded.notices
     for notice in notices:
         note(notice)

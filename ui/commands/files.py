@@ -10,7 +10,7 @@ from thbridge.files.map_files import check_map
 from thbridge.files.resources import shipped
 from thbridge.files.template_files import read_map_times
 from thbridge.hunt.costs import CostMatrix
-from thbridge.hunt.outcomes import Refused
+from thbridge.hunt.refusals import RequestRefused
 from thbridge.hunt.rooms import Room
 from thbridge.hunt.tour import best_tour
 from thbridge.study.text import commented_study
@@ -31,14 +31,14 @@ def suggest(
     with bad_input():
         matrix = read_map_times(costs)
     start = Room(at)
-    if not matrix.knows(start):
+    if not matrix.has_place(start):
         fail(
             BAD_INPUT,
             f"--at: {at} is not a place in the cost file. Write 0, the corridor, or a room up to {len(matrix.rooms)}.",
         )
     places = [_room(matrix, text.strip()) for text in unvisited.split(",")]
     tour = best_tour(matrix, start, places)
-    if isinstance(tour, Refused):
+    if isinstance(tour, RequestRefused):
         fail(FAILED, tour.sentence)
     rooms = [room.people for room in tour.rooms]
     cost = int(tour.cost) if tour.cost == int(tour.cost) else tour.cost

@@ -16,9 +16,9 @@ from sim.robot.localization.amcl import Amcl
 from thbridge.files.errors import BadFile
 from thbridge.files.map_files import read_grid
 from thbridge.files.ros.parameters import read_ros_parameters
-from thbridge.hunt.outcomes import Refused
-from thbridge.offline.localize import Localized, localize, warm_up
-from thbridge.offline.recording import Recording, open_recording
+from thbridge.hunt.refusals import RequestRefused
+from thbridge.offline.localize import LocalizationResult, localize, warm_up
+from thbridge.offline.recording import LocalizationBag, open_recording
 from thbridge.offline.tum import tum_line
 from ui.options import AsJson, announce_compiling
 from ui.terminal import BAD_INPUT, FAILED, bad_input, err, fail, note, out, print_json
@@ -73,7 +73,7 @@ def localize_command(
     start = None if initial_pose is None else _pose(initial_pose)
     with bad_input():
         result = _run(recording, grid, parameters, start, seed)
-    if isinstance(result, Refused):
+    if isinstance(result, RequestRefused):
         fail(FAILED, result.sentence)
     if to is not None:
         with bad_input():
@@ -92,8 +92,8 @@ def _pose(triple: Triple) -> Pose2:
 
 
 def _run(
-    recording: Recording, grid: OccupancyGrid, parameters: AmclParameters, start: Pose2 | None, seed: int
-) -> Localized | Refused:
+    recording: LocalizationBag, grid: OccupancyGrid, parameters: AmclParameters, start: Pose2 | None, seed: int
+) -> LocalizationResult | RequestRefused:
     def begin() -> Amcl:
         localizer = Amcl(parameters, grid, recording.laser.mount, seed, ROBOT)
         if start is None:
@@ -124,8 +124,8 @@ def _run(
         )
 
 
-def _write(path: Path, result: Localized) -> None:
-    lines = "".join(f"{tum_line(fix.stamp_ns, fix.base_in_map)}\n" for fix in result.fixes)
+def _write(path: Path, result: LocalizationResult) -> None:
+    lines = "".join(f"{tum_line(fix.stamp_ns, fix.base_in_map)}\n" for fix in result.updates)
     try:
         path.write_text(lines, encoding="ascii")
     except OSError as error:
@@ -133,10 +133,10 @@ def _write(path: Path, result: Localized) -> None:
         raise BadFile(path, None, None, problem, "choose another file by --out") from None
 
 
-def _told(recording: Recording, result: Localized, notices: tuple[str, ...]) -> dict[str, object]:
+def _told(recording: LocalizationBag, result: LocalizationResult, notices: tuple[str, ...]) -> dict[str, object]:
     pose = result.last.base_in_map
     return {
-        "updates": len(result.fixes),
+        "updates": len(result.updates),
         "cpu_seconds": result.cpu_seconds,
         "final_pose": [pose.x, pose.y, pose.theta],
         "covariance": result.last.covariance.tolist(),
@@ -151,15 +151,15 @@ def _told(recording: Recording, result: Localized, notices: tuple[str, ...]) -> 
     }
 
 
-def _tell(recording: Recording, result: Localized) -> None:
+def _tell(recording: LocalizationBag, result: LocalizationResult) -> None:
     last = result.last
     pose, deviations = last.base_in_map, np.sqrt(np.diag(last.covariance)).tolist()
     out.print(f"At the end the robot is at x {pose.x:.3f} m, y {pose.y:.3f} m, yaw {pose.theta:.3f} rad", end="")
     out.print(f" (standard deviations {deviations[0]:.3f}, {deviations[1]:.3f}, {deviations[2]:.3f}).")
     if last.lost:
         out.print("The filter holds that this is wrong: it is lost.")
-    each = 1000 * result.cpu_seconds / max(1, len(result.fixes))
-    out.print(f"{len(result.fixes)} updates from {result.scans} scans, {each:.2f} ms of the processor for each.")
+    each = 1000 * result.cpu_seconds / max(1, len(result.updates))
+    out.print(f"{len(result.updates)} updates from {result.scans} scans, {each:.2f} ms of the processor for each.")
     for reason, count in result.skipped.items():
         out.print(f"{count} scans were left out: {reason}.")
     out.print(f"Scans: {recording.scan_topic}. Odometry: {recording.odometry_source}.")

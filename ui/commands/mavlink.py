@@ -11,21 +11,21 @@ from typing import Annotated, NoReturn, TypeVar
 import typer
 from rich.table import Table
 
-from thbridge.app.compose import Setting, read_setting
-from thbridge.app.replay.mavlink_replay import FramesOptions, FramesReplayed, Hunt, has_session, replay_frames
+from thbridge.app.compose import StudySetting, read_setting
+from thbridge.app.replay.mavlink_replay import FramesOptions, FramesReplayed, HuntResult, has_session, replay_frames
 from thbridge.app.replay.replay import session_of
-from thbridge.app.session.session import Moment
+from thbridge.app.session.session import TickRecord
 from thbridge.files.signing_key import read_signing_key
 from thbridge.sockets.addresses import Address, address_in
-from thbridge.sockets.mavlink.client import StationLink, Unreachable, linked
-from thbridge.study.overrides import changed
+from thbridge.sockets.mavlink.client import StationSocket, Unreachable, linked
+from thbridge.study.overrides import with_changes
 from thbridge.study.study_file import read_study_text
 from thbridge.timing.loop import stopping
 from thbridge.wire.mavlink import conventions
 from thbridge.wire.mavlink.frames.signing import SigningKey
 from thbridge.wire.mavlink.modes import mode_shown
-from thbridge.wire.mavlink.station.ground_station import Sighting
-from thbridge.wire.mavlink.station.trip import Destination, Outcome, Stage, Trip
+from thbridge.wire.mavlink.station.ground_station import KnownRobot
+from thbridge.wire.mavlink.station.trip import Destination, StationTrip, StationTripStage, TripOutcome
 from ui.commands.replay import changes_of, other_versions
 from ui.options import AsJson, KeyFile, announce_compiling, make_copy_ready, setting_of, study_of
 from ui.story import print_story
@@ -62,7 +62,7 @@ def mavlink_status(
     """Tell which robots are there, and how they stand."""
     address, tcp = _address(where, "HOST:PORT")
 
-    async def listen() -> StationLink:
+    async def listen() -> StationSocket:
         async with _station(address, tcp, _key(signing_key)) as link:
             loop = asyncio.get_running_loop()
             until = loop.time() + seconds
@@ -105,7 +105,7 @@ def mavlink_goto(
     address, tcp = _address(at, "--at")
     destination = Destination(x, y, None if heading is None else math.radians(heading))
 
-    async def drive() -> tuple[StationLink, Outcome]:
+    async def drive() -> tuple[StationSocket, TripOutcome]:
         async with _station(address, tcp, _key(signing_key)) as link:
             return link, await _drive(link, robot, destination, keep)
 
@@ -150,7 +150,7 @@ def mavlink_replay(
     if to is not None:
         make_copy_ready(to, bag)
 
-    def progress(moment: Moment) -> None:
+    def progress(moment: TickRecord) -> None:
         if not as_json:
             print_story(moment)
 
@@ -167,7 +167,7 @@ def mavlink_replay(
         raise typer.Exit(FAILED)
 
 
-def _setting(bag: Path, study_file: Path | None, changes: list[str], beside: Path) -> Setting:
+def _setting(bag: Path, study_file: Path | None, changes: list[str], beside: Path) -> StudySetting:
     """The study of a recording, or another one."""
     if study_file is not None:
         if changes:
@@ -179,7 +179,7 @@ def _setting(bag: Path, study_file: Path | None, changes: list[str], beside: Pat
         record = session_of(bag)
         for sentence in other_versions(record):
             note(sentence)
-        return read_setting(changed(read_study_text(bag, record.study), *changes_of(changes)), beside)
+        return read_setting(with_changes(read_study_text(bag, record.study), *changes_of(changes)), beside)
 
 
 def _show(done: FramesReplayed) -> None:
@@ -196,31 +196,31 @@ def _show(done: FramesReplayed) -> None:
         out.print(f"A robot first was elsewhere than recorded at {done.parted:.2f} s.", highlight=False)
 
 
-def _arrivals(hunt: Hunt) -> str:
+def _arrivals(hunt: HuntResult) -> str:
     """The rooms in order, each with the robot that reached it."""
     return ", ".join(f"{arrival.room} (robot {arrival.robot})" for arrival in hunt.arrivals) or "none"
 
 
-async def _drive(link: StationLink, robot: int, destination: Destination, keep: bool) -> Outcome:
+async def _drive(link: StationSocket, robot: int, destination: Destination, keep: bool) -> TripOutcome:
     clock = asyncio.get_running_loop().time
-    trip = Trip(link.station, robot, destination, keep, clock())
+    trip = StationTrip(link.station, robot, destination, keep, clock())
     stage, told = trip.stage, clock()
     with stopping() as stopped:
         while trip.outcome is None:
             trip.advance(await link.turn(), clock())
-            if stopped.is_set() and trip.stage not in (Stage.RETURNING, Stage.OVER):
+            if stopped.is_set() and trip.stage not in (StationTripStage.RETURNING, StationTripStage.OVER):
                 trip.give_up(clock())
-            if trip.stage is not stage and trip.stage is Stage.UNDER_WAY:
+            if trip.stage is not stage and trip.stage is StationTripStage.UNDER_WAY:
                 note(f"Robot {robot} is on its way.")
                 told = clock()
-            if trip.stage is Stage.UNDER_WAY and clock() - told >= _TELL_SECONDS:
+            if trip.stage is StationTripStage.UNDER_WAY and clock() - told >= _TELL_SECONDS:
                 told = clock()
                 note(f"{trip.remaining:.1f} m to go")
             stage = trip.stage
     return trip.outcome
 
 
-def _figures(robot: Sighting) -> dict[str, object]:
+def _figures(robot: KnownRobot) -> dict[str, object]:
     """A robot as the JSON object has it; what it has not said is null."""
     seconds = max(robot.last - robot.first, 1e-9)
     return {
@@ -240,7 +240,7 @@ def _figures(robot: Sighting) -> dict[str, object]:
     }
 
 
-def _commander(robot: Sighting) -> str | None:
+def _commander(robot: KnownRobot) -> str | None:
     match robot.commander:
         case None:
             return None
@@ -256,7 +256,7 @@ def _known(value: float, digits: int) -> float | None:
     return None if math.isnan(value) else round(value, digits)
 
 
-def _table(robots: list[Sighting]) -> Table:
+def _table(robots: list[KnownRobot]) -> Table:
     table = Table("robot", "mode", "armed", "commander", "x, y (m)", "energy", "frames/s", "lost")
     for robot in robots:
         figures = _figures(robot)
@@ -293,7 +293,7 @@ def _run(program: Coroutine[object, object, T]) -> T:
 
 
 @asynccontextmanager
-async def _station(address: Address, tcp: bool, key: SigningKey | None) -> AsyncIterator[StationLink]:
+async def _station(address: Address, tcp: bool, key: SigningKey | None) -> AsyncIterator[StationSocket]:
     try:
         async with linked(address, tcp, key) as link:
             yield link
@@ -302,7 +302,7 @@ async def _station(address: Address, tcp: bool, key: SigningKey | None) -> Async
         fail(FAILED, f"{address}: {why}. {remedy}.")
 
 
-def _nobody(link: StationLink, address: Address, key: Path | None) -> NoReturn:
+def _nobody(link: StationSocket, address: Address, key: Path | None) -> NoReturn:
     """Nobody has been heard: why that may be."""
     if link.refused:
         fail(FAILED, f"{address}: {link.refused} frames were refused, for they are not signed with the key of {key}.")

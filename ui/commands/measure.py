@@ -15,7 +15,7 @@ from rich.table import Table
 
 from thbridge.files.template_files import map_times
 from thbridge.hunt.rooms import Room
-from thbridge.offline.measure import Course, Driven, Times, by_pair, drive, trips
+from thbridge.offline.measure import MeasurementSetup, TripResult, TripTimes, by_pair, drive, trips
 from ui.options import AsJson, announce_compiling, setting_of, study_of
 from ui.terminal import BAD_INPUT, FAILED, err, fail, note, out, print_json
 
@@ -38,8 +38,8 @@ def maps_measure(
     """Measure a map: drive a robot from every place to every room; the mean seconds make a mapTimes file."""
     place_name = str(Path(name).resolve()) if "/" in name or Path(name).is_dir() else name
     setting = setting_of(study_of(study_file, {"map": place_name, "robots": 1, "seed": seed}), study_file)
-    study, place = setting.study, setting.place
-    course = Course(place, study.world, study.robot, study.seed)
+    study, place = setting.study, setting.map
+    course = MeasurementSetup(place, study.world, study.robot, study.seed)
     announce_compiling()
     with _file(to) as write:
         times = _measured(course, runs, jobs or os.cpu_count() or 1)
@@ -83,7 +83,7 @@ def _write(file: TextIO, text: str) -> None:
     file.flush()
 
 
-def _measured(course: Course, runs: int, jobs: int) -> tuple[Times, ...]:
+def _measured(course: MeasurementSetup, runs: int, jobs: int) -> tuple[TripTimes, ...]:
     """Drive all trips, several at a time; how many changes nothing in the result."""
     waiting = list(trips(course.place, runs))
     columns = TextColumn("{task.description}"), BarColumn(), MofNCompleteColumn(), TimeRemainingColumn()
@@ -93,21 +93,21 @@ def _measured(course: Course, runs: int, jobs: int) -> tuple[Times, ...]:
         ProcessPoolExecutor(jobs, mp_context=get_context("spawn")) as pool,
     ):
         task = shown.add_task(f"Trips on {course.place.name}", total=len(waiting))
-        done: list[Driven] = []
+        done: list[TripResult] = []
         for ended in as_completed(pool.submit(partial(drive, course), trip) for trip in waiting):
             done.append(ended.result())
             shown.advance(task)
     return by_pair(done)
 
 
-def _matrix(times: Sequence[Times], rooms: int) -> list[list[float | None]]:
+def _matrix(times: Sequence[TripTimes], rooms: int) -> list[list[float | None]]:
     matrix: list[list[float | None]] = [[None] * (rooms + 1) for _ in range(rooms + 1)]
     for pair in times:
         matrix[pair.start.people][pair.goal.people] = pair.mean
     return matrix
 
 
-def _entry(pair: Times) -> dict[str, object]:
+def _entry(pair: TripTimes) -> dict[str, object]:
     return {
         "from": pair.start.people,
         "to": pair.goal.people,
@@ -118,7 +118,7 @@ def _entry(pair: Times) -> dict[str, object]:
     }
 
 
-def _show(times: Sequence[Times], title: str) -> None:
+def _show(times: Sequence[TripTimes], title: str) -> None:
     rooms = max(pair.goal.people for pair in times)
     table = Table("from", *(f"to {goal}" for goal in range(1, rooms + 1)), title=title)
     matrix = _matrix(times, rooms)

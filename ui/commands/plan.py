@@ -14,7 +14,7 @@ from rich.table import Table
 from sim.common.geometry import FloatArray
 from thbridge.files.csv_files import read_columns
 from thbridge.files.map_files import read_grid
-from thbridge.offline.plan import INFLATION, RADIUS, Answer
+from thbridge.offline.plan import INFLATION, RADIUS, PlanResult
 from thbridge.offline.plan import plan as planned
 from ui.options import AsJson, announce_compiling
 from ui.terminal import BAD_INPUT, bad_input, fail, out, print_json
@@ -24,7 +24,7 @@ COLUMNS = ("start_x", "start_y", "goal_x", "goal_y")
 Place = tuple[float, float]
 
 
-class Planner(StrEnum):
+class SearchAlgorithm(StrEnum):
     """In which order the wave spreads: Dijkstra's, or A*'s."""
 
     NAVFN = "navfn"
@@ -45,8 +45,8 @@ def plan(
         float, typer.Option(help="Radius of the robot, m; nearer to walls it never is. Our robot's by default.")
     ] = RADIUS,
     planner: Annotated[
-        Planner, typer.Option(help="navfn in Dijkstra's order, or in A*'s: quicker, its paths a little longer.")
-    ] = Planner.NAVFN,
+        SearchAlgorithm, typer.Option(help="navfn in Dijkstra's order, or in A*'s: quicker, its paths a little longer.")
+    ] = SearchAlgorithm.NAVFN,
     as_json: AsJson = False,
 ) -> None:
     """Find paths for a round robot over any map, as ROS's navfn does; unknown space may be crossed.
@@ -80,7 +80,7 @@ def _queries(start: Place | None, goal: Place | None, batch: Path | None) -> Flo
     return np.array([[*start, *goal]])
 
 
-def _table(queries: FloatArray, answers: list[Answer]) -> Table:
+def _table(queries: FloatArray, answers: list[PlanResult]) -> Table:
     table = Table("from", "to", "path")
     for column in ("m", "ms"):
         table.add_column(column, justify="right")

@@ -7,18 +7,18 @@ from typing import Annotated
 import typer
 
 from thbridge.app import play as hunt
-from thbridge.app.play import PlayOptions, Unfinished
-from thbridge.app.session.session import Moment
-from thbridge.sockets.text_server import CannotListen, Listening
+from thbridge.app.play import HuntUnfinished, PlayOptions
+from thbridge.app.session.session import TickRecord
+from thbridge.sockets.text_server import CannotListen, ListeningAddress
 from thbridge.study.real_robots import RobotsFrom
 from thbridge.wire import legacy
-from ui.display import no_window
-from ui.games import Games, offer_of, play_in_window
+from ui.display import why_no_window
+from ui.games import WindowGames, offer_of, play_in_window
 from ui.options import (
     AsJson,
     BagFile,
+    ColourScheme,
     KeyFile,
-    Look,
     LookOption,
     MapName,
     Mavlink,
@@ -26,6 +26,7 @@ from ui.options import (
     MavlinkTcp,
     MavlinkUdp,
     MavlinkUdpListen,
+    ParticipantKind,
     Port,
     Robots,
     Ros,
@@ -36,7 +37,6 @@ from ui.options import (
     TlogWanted,
     WatchAt,
     WatchKey,
-    Who,
     announce_compiling,
     graph_of,
     hosts_of,
@@ -63,7 +63,7 @@ def play(
     map_name: MapName = None,
     headless: Annotated[bool, typer.Option(help="Without a window, though there is a display.")] = False,
     participant: Annotated[
-        Who | None,
+        ParticipantKind | None,
         typer.Option(
             help="You in the terminal (`person`), or how a simulated participant chooses rooms; without a window."
         ),
@@ -102,7 +102,7 @@ def play(
     tcp: MavlinkTcp = None,
     signing_key: KeyFile = None,
     tlog: TlogWanted = None,
-    look: LookOption = Look.SYSTEM,
+    look: LookOption = ColourScheme.SYSTEM,
     as_json: AsJson = False,
 ) -> None:
     """Play a whole hunt, recorded into a bag: in a window where there is a display, else with a simulated participant.
@@ -117,10 +117,10 @@ def play(
     setting = setting_of(study, study_file)
     others = _roles(outside)
     graph = graph_of(ros, ros_master, ros_host)
-    windowed = participant is None and not (headless or as_json or others) and no_window() is None
-    who = participant or Who(study.participant.strategy)
+    windowed = participant is None and not (headless or as_json or others) and why_no_window() is None
+    who = participant or ParticipantKind(study.participant.strategy)
     ports = ports_of(study, study_file, signing_key)
-    people = windowed or bool(others) or who is Who.PERSON or ports is not None
+    people = windowed or bool(others) or who is ParticipantKind.PERSON or ports is not None
     limit = max_seconds or (math.inf if people else AN_HOUR)
     pace = next(given for given in (rate, study.rate, float(people or ros)) if given is not None)
     told = hosts_of(graph, as_json)
@@ -128,14 +128,14 @@ def play(
     if windowed:
         offered = offer_of(study, given=robots is not None)
         options = PlayOptions(pace, bag, frozenset(), "", limit, graph, watch=door, mavlink=ports)
-        games = Games(study, study_file, options, report_page is not False, told)
+        games = WindowGames(study, study_file, options, report_page is not False, told)
         play_in_window(games, offered, ("--look", look.value))
         return
-    seat = seat_of_person() if who is Who.PERSON else seat_of_bot(who, setting.templates, study.seed)
+    seat = seat_of_person() if who is ParticipantKind.PERSON else seat_of_bot(who, setting.templates, study.seed)
     path = bag or usual_bag(setting)
     make_ready(path)
 
-    def ready(where: Listening | CannotListen) -> None:
+    def ready(where: ListeningAddress | CannotListen) -> None:
         if isinstance(where, CannotListen):
             if others:
                 fail(BAD_INPUT, str(where))
@@ -143,17 +143,17 @@ def play(
         elif not as_json:
             note(f"Other programs can join at {where.host}:{where.port}.")
 
-    def progress(moment: Moment) -> None:
-        if not as_json and who is not Who.PERSON:
+    def progress(moment: TickRecord) -> None:
+        if not as_json and who is not ParticipantKind.PERSON:
             print_story(moment)
 
     announce_compiling()
-    unfinished: Unfinished | None = None
+    unfinished: HuntUnfinished | None = None
     try:
         options = PlayOptions(pace, path, others, who, limit, graph, watch=door, mavlink=ports)
         program = hunt.play(setting, seat.tabui, options, ready, progress, told)
         outcome = run(program, seat.typed)
-    except Unfinished as early:
+    except HuntUnfinished as early:
         outcome, unfinished = early.outcome, early
     if as_json:
         print_json(dataclasses.asdict(outcome) | {"bag": str(outcome.bag)})

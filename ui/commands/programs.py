@@ -14,20 +14,21 @@ from thbridge.app.programs import SimrOptions
 from thbridge.app.real_robots import simr_with_real_robots
 from thbridge.files.resources import shipped
 from thbridge.files.template_files import TemplateSet, read_template_set
-from thbridge.recording.journals import Ledger
+from thbridge.recording.journals import JournalStore
 from thbridge.roles.view import View
-from thbridge.sockets.text_client import Lost
-from thbridge.sockets.text_server import CannotListen, Listening
+from thbridge.sockets.text_client import ConnectionLost
+from thbridge.sockets.text_server import CannotListen, ListeningAddress
 from thbridge.study.real_robots import RobotsFrom
 from thbridge.study.study_file import Study
-from ui.display import no_window
+from ui.display import why_no_window
 from ui.options import (
     ADDRESS,
     AsJson,
     BagFile,
-    Look,
+    ColourScheme,
     LookOption,
     MapName,
+    ParticipantKind,
     Port,
     Robots,
     Ros,
@@ -40,7 +41,6 @@ from ui.options import (
     Templates,
     WatchAt,
     WatchKey,
-    Who,
     announce_compiling,
     graph_of,
     hosts_of,
@@ -65,9 +65,9 @@ def server(
     setting = setting_of(with_server(study_of(study_file, {}), host, port), study_file)
 
     with bad_input():
-        ledger = Ledger(journal)
+        ledger = JournalStore(journal)
 
-    def ready(where: Listening | CannotListen) -> None:
+    def ready(where: ListeningAddress | CannotListen) -> None:
         if isinstance(where, CannotListen):
             fail(BAD_INPUT, str(where))
         print(f"listening on {where.host}:{where.port}", flush=True)  # noqa: T201 - programs wait for this line
@@ -147,14 +147,14 @@ def hider(
 def tabui(
     server: Server = ADDRESS,
     participant: Annotated[
-        Who | None,
+        ParticipantKind | None,
         typer.Option(
             help="You in the terminal (`person`), or how a simulated participant chooses rooms; without a window."
         ),
     ] = None,
     templates: Templates = None,
     seed: Seed = None,
-    look: LookOption = Look.SYSTEM,
+    look: LookOption = ColourScheme.SYSTEM,
     as_json: AsJson = False,
     hosted: Annotated[bool, typer.Option("--hosted", hidden=True)] = False,
 ) -> None:
@@ -165,13 +165,13 @@ def tabui(
         raise typer.Exit(play_hosted(look.value))
     host, port = _address(server)
     if participant is None and templates is None and seed is None and not as_json:
-        why = no_window()
+        why = why_no_window()
         if why is None:
             from ui.windows.participant_program import play_at  # noqa: PLC0415 - Qt, only when a window opens
 
             raise typer.Exit(play_at(host, port, _token(), look.value))
         note(f"{why} A simulated participant plays.")
-    participant = participant or Who.SUGGESTION
+    participant = participant or ParticipantKind.SUGGESTION
     seat = _seat(participant, templates, seed)
     program = programs.tabui(seat.tabui, host, port, _token(), _lost, _nothing)
     last = run(program, seat.typed)
@@ -184,9 +184,9 @@ def tabui(
         out.print(f"The game is over. Score {last.score}.")
 
 
-def _seat(who: Who, templates: str | None, seed: int | None) -> Seat:
+def _seat(who: ParticipantKind, templates: str | None, seed: int | None) -> Seat:
     """Seat whoever plays; a person needs neither templates nor a seed."""
-    if who is Who.PERSON:
+    if who is ParticipantKind.PERSON:
         for option, value in (("--templates", templates), ("--seed", seed)):
             if value is not None:
                 note(f"{option} has no effect here: it is for simulated participants.")
@@ -212,7 +212,7 @@ def _token() -> str:
     return secrets.token_hex(8)
 
 
-def _lost(lost: Lost) -> None:
+def _lost(lost: ConnectionLost) -> None:
     note(programs.reason_of(lost))
 
 

@@ -13,12 +13,12 @@ from thbridge.analysis.comparison import RobotFigures, RunFigures, figures_of
 from thbridge.analysis.report.gathering import read_report
 from thbridge.app.compose import read_setting, versions
 from thbridge.app.replay.replay import Difference, Replayed, ReplayOptions, replay, session_of
-from thbridge.app.session.session import Moment
+from thbridge.app.session.session import TickRecord
 from thbridge.recording.bag.reader import info, messages
 from thbridge.roles.bots import BotStrategy
-from thbridge.ros.messages.records import Session
+from thbridge.ros.messages.records import SessionRecord
 from thbridge.ros.names import INPUTS
-from thbridge.study.overrides import Change, changed
+from thbridge.study.overrides import StudyChange, with_changes
 from thbridge.study.study_file import read_study_text
 from ui.options import AsJson, announce_compiling, make_copy_ready
 from ui.seats import run
@@ -60,7 +60,7 @@ def replay_command(
     with bad_input():
         record = session_of(bag)
         study = read_study_text(bag, record.study)
-        setting = read_setting(changed(study, files, assignments), beside)
+        setting = read_setting(with_changes(study, files, assignments), beside)
     if participant is not None and not record.participant:
         fail(BAD_INPUT, f"--participant: nobody played inside the program that recorded {bag}. Leave the option out.")
     what_if = bool(changes) or participant is not None
@@ -69,7 +69,7 @@ def replay_command(
     if to is not None:
         make_copy_ready(to, bag)
 
-    def progress(moment: Moment) -> None:
+    def progress(moment: TickRecord) -> None:
         if not as_json:
             print_story(moment)
 
@@ -97,13 +97,13 @@ def replay_command(
 _FRAMES = "Where MAVLink frames drove the robots, `thbridge mavlink replay` does without."
 
 
-def changes_of(given: list[str]) -> tuple[list[Path], list[Change]]:
+def changes_of(given: list[str]) -> tuple[list[Path], list[StudyChange]]:
     """What --with says: study files, and single changes."""
     files, changes = [], []
     for text in given:
         key, equals, value = text.partition("=")
         if equals and key and not Path(text).exists():
-            changes.append(Change(key.strip(), value))
+            changes.append(StudyChange(key.strip(), value))
         elif text.endswith((".yaml", ".yml")):
             files.append(Path(text))
         else:
@@ -112,7 +112,7 @@ def changes_of(given: list[str]) -> tuple[list[Path], list[Change]]:
     return files, changes
 
 
-def other_versions(record: Session) -> Iterator[str]:
+def other_versions(record: SessionRecord) -> Iterator[str]:
     """A sentence about what a session was recorded with, where that was something else than there is now."""
     now = versions()
     then = record.versions.items()

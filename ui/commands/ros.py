@@ -9,7 +9,7 @@ import typer
 from thbridge.files.ros.package import write_packages
 from thbridge.ros.rviz import configuration
 from thbridge.sockets.rosgraph import master_server
-from thbridge.sockets.text_server import CannotListen, Listening
+from thbridge.sockets.text_server import CannotListen, ListeningAddress
 from ui.options import MapName, Robots, StudyFile, setting_of, study_of
 from ui.terminal import BAD_INPUT, bad_input, fail, note
 
@@ -36,7 +36,7 @@ def ros_master(
 ) -> None:
     """Run a ROS master, in place of roscore, until stopped."""
 
-    def ready(where: Listening | CannotListen) -> None:
+    def ready(where: ListeningAddress | CannotListen) -> None:
         if isinstance(where, CannotListen):
             fail(BAD_INPUT, str(where))
         print(f"listening on {where.host}:{where.port}", flush=True)  # noqa: T201 - programs wait for this line
@@ -54,7 +54,7 @@ def ros_rviz(
     """Write a configuration of rviz that shows a study's whole team; open it by `rviz -d FILE`."""
     study = study_of(study_file, {"robots": robots, "map": map_name})
     setting = setting_of(study, study_file)
-    text = configuration([setting.study.software(number) for number in range(1, study.robots + 1)], setting.place.grid)
+    text = configuration([setting.study.software(number) for number in range(1, study.robots + 1)], setting.map.grid)
     if to is None:
         print(text, end="")  # noqa: T201 - this is what was asked for
         return

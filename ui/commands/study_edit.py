@@ -5,17 +5,17 @@ from typing import Annotated
 
 import typer
 
-from ui.display import no_window
-from ui.options import Look, LookOption, announce_compiling
+from ui.display import why_no_window
+from ui.options import ColourScheme, LookOption, announce_compiling
 from ui.terminal import BAD_INPUT, bad_input, fail
 
 
 def study_edit(
     file: Annotated[Path, typer.Argument(help="A study file; one that is not there yet is made when it is saved.")],
-    look: LookOption = Look.SYSTEM,
+    look: LookOption = ColourScheme.SYSTEM,
 ) -> None:
     """Edit a study file in a window: all settings with their meaning, the same checks, and what noise does, drawn."""
-    reason = no_window()
+    reason = why_no_window()
     if reason is not None:
         fail(BAD_INPUT, f"{reason} Or edit {file} as text, and check it with `thbridge study check`.")
     announce_compiling()

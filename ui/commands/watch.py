@@ -7,12 +7,12 @@ from typing import Annotated
 import typer
 
 from thbridge.sockets.watch_client import WatchClient
-from ui.display import no_window
-from ui.options import Look, LookOption, key_in
+from ui.display import why_no_window
+from ui.options import ColourScheme, LookOption, key_in
 from ui.terminal import BAD_INPUT, fail
 
 ADDRESS = re.compile(r"(?P<host>[^\s/]+):(?P<port>[0-9]{1,5})")
-PATIENCE = 2.0
+OPEN_TIMEOUT = 2.0
 """Seconds that a recording may take to open before its window does."""
 
 
@@ -24,7 +24,7 @@ def watch(
     key: Annotated[
         Path | None, typer.Option(help="File with the key that the session's door wants.", metavar="FILE")
     ] = None,
-    look: LookOption = Look.SYSTEM,
+    look: LookOption = ColourScheme.SYSTEM,
 ) -> None:
     """Watch a session under way, or a recording: the truth beside what robots believe, plots, lines, dialogue.
 
@@ -43,31 +43,31 @@ def watch(
         _watch_recording(Path(what), look)
 
 
-def _watch_session(host: str, port: int, key: str | None, look: Look) -> None:
+def _watch_session(host: str, port: int, key: str | None, look: ColourScheme) -> None:
     _need_window()
     # Seconds of imports that no other command needs.
-    from ui.windows.researcher.feeds.session import Connection, Session  # noqa: PLC0415
+    from ui.windows.researcher.feeds.session import SessionFeed, WatchConnection  # noqa: PLC0415
     from ui.windows.researcher.show import show  # noqa: PLC0415
 
     address = f"{host}:{port}"
-    show(Session(Connection(WatchClient(host, port, key)), address), address, look.value)
+    show(SessionFeed(WatchConnection(WatchClient(host, port, key)), address), address, look.value)
 
 
-def _watch_recording(path: Path, look: Look) -> None:
-    from ui.windows.researcher.feeds.recording import Opening, Recording  # noqa: PLC0415
+def _watch_recording(path: Path, look: ColourScheme) -> None:
+    from ui.windows.researcher.feeds.recording import BagOpener, RecordingFeed  # noqa: PLC0415
 
-    opening = Opening(path)
-    if opening.wait(PATIENCE) and opening.fault is not None:
+    opening = BagOpener(path)
+    if opening.wait(OPEN_TIMEOUT) and opening.fault is not None:
         fail(BAD_INPUT, str(opening.fault))
     _need_window()
     from ui.windows.researcher.show import show  # noqa: PLC0415
 
-    show(Recording(opening), path.name, look.value)
+    show(RecordingFeed(opening), path.name, look.value)
     if opening.fault is not None:
         fail(BAD_INPUT, str(opening.fault))
 
 
 def _need_window() -> None:
-    missing = no_window()
+    missing = why_no_window()
     if missing is not None:
         fail(BAD_INPUT, missing)

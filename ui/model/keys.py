@@ -12,32 +12,32 @@ from ui.model.screen import (
     Act,
     AgreeToTakePart,
     AnotherGame,
+    AskAdvice,
     AskForRobot,
-    DialoguePop,
-    DontKnow,
+    Cancel,
+    Confirm,
+    DialoguePopup,
     EndGame,
     FinishNumber,
     FitMap,
     FollowRobot,
-    LeaveIt,
-    Meant,
-    NameIt,
+    LeaveTreasure,
     NextRobot,
-    NotYet,
     Phase,
     PickName,
     Screen,
     ShowHelp,
     ShowNext,
     StopRobot,
+    SubmitName,
     TakeThePicture,
-    TreasurePop,
+    TreasurePopup,
     TypeDigit,
 )
 
 
 @dataclass(frozen=True, slots=True)
-class Binding:
+class KeyBinding:
     """Keys that do the same.
 
     Attributes:
@@ -52,30 +52,30 @@ class Binding:
 
 
 PLAYING = (
-    Binding(("Tab",), NextRobot(1), "Command the next robot"),
-    Binding(("Shift+Tab",), NextRobot(-1), "Command the robot before"),
-    Binding(("D", "?"), DontKnow(), "Don't know: ask the robot where to go"),
-    Binding(("X",), StopRobot(), "Stop the robot"),
-    Binding(("B",), AskForRobot(), "Ask for the robot back, if somebody else commands it"),
-    Binding(("P",), TakeThePicture(), "Take a picture of what was found"),
-    Binding(("N", "Enter"), NameIt(), "Name what was found, as picked from the list"),
-    Binding(("L",), LeaveIt(), "Leave what was found, for good"),
-    Binding(("Esc", "W"), ShowNext(), "Put the pop-up aside, or show what waits"),
-    Binding(("F",), FollowRobot(), "Keep the robot in the middle of the map, or stop doing so"),
-    Binding(("M",), FitMap(), "Show the whole map"),
-    Binding(("E",), EndGame(), "End the game"),
+    KeyBinding(("Tab",), NextRobot(1), "Command the next robot"),
+    KeyBinding(("Shift+Tab",), NextRobot(-1), "Command the robot before"),
+    KeyBinding(("D", "?"), AskAdvice(), "Don't know: ask the robot where to go"),
+    KeyBinding(("X",), StopRobot(), "Stop the robot"),
+    KeyBinding(("B",), AskForRobot(), "Ask for the robot back, if somebody else commands it"),
+    KeyBinding(("P",), TakeThePicture(), "Take a picture of what was found"),
+    KeyBinding(("N", "Enter"), SubmitName(), "Name what was found, as picked from the list"),
+    KeyBinding(("L",), LeaveTreasure(), "Leave what was found, for good"),
+    KeyBinding(("Esc", "W"), ShowNext(), "Put the pop-up aside, or show what waits"),
+    KeyBinding(("F",), FollowRobot(), "Keep the robot in the middle of the map, or stop doing so"),
+    KeyBinding(("M",), FitMap(), "Show the whole map"),
+    KeyBinding(("E",), EndGame(), "End the game"),
 )
 """While the game goes on."""
 
-CONSENT = (Binding(("A",), AgreeToTakePart(), "Agree to take part"),)
-OVER = (Binding(("A",), AnotherGame(), "Play another game"),)
+CONSENT = (KeyBinding(("A",), AgreeToTakePart(), "Agree to take part"),)
+OVER = (KeyBinding(("A",), AnotherGame(), "Play another game"),)
 QUESTION = (
-    Binding(("Y",), Meant(), "Yes, to a question of the program"),
-    Binding(("N", "Esc"), NotYet(), "No, to a question of the program"),
+    KeyBinding(("Y",), Confirm(), "Yes, to a question of the program"),
+    KeyBinding(("N", "Esc"), Cancel(), "No, to a question of the program"),
 )
 """While the program asks whether something is meant; nothing else is heard then."""
 
-HELP = Binding(("F1", "H"), ShowHelp(), "Open or close this sheet")
+HELP = KeyBinding(("F1", "H"), ShowHelp(), "Open or close this sheet")
 
 _TABLES = (PLAYING, CONSENT, OVER, QUESTION, (HELP,))
 _TAKEN = frozenset(key for binding in (*PLAYING, HELP) for key in binding.keys)
@@ -110,7 +110,7 @@ def act_for(key: str, screen: Screen) -> Act | None:
     if screen.help:
         # The sheet covers what the other keys are for.
         return None
-    if screen.question is not None:
+    if screen.confirmation is not None:
         return _bound(key, QUESTION)
     match screen.phase:
         case Phase.CONSENT:
@@ -145,7 +145,7 @@ def help_lines(rooms: int) -> tuple[tuple[str, str], ...]:
     return tuple(lines)
 
 
-def _bound(key: str, table: Sequence[Binding]) -> Act | None:
+def _bound(key: str, table: Sequence[KeyBinding]) -> Act | None:
     return next((binding.act for binding in table if key in binding.keys), None)
 
 
@@ -153,15 +153,15 @@ def _playing(key: str, screen: Screen) -> Act | None:
     if len(key) == 1 and key in string.digits:
         return TypeDigit(int(key))
     if screen.typed and key in ("Enter", "Esc"):
-        return FinishNumber() if key == "Enter" else NotYet()
-    match screen.pop:
-        case DialoguePop(choices=choices):
+        return FinishNumber() if key == "Enter" else Cancel()
+    match screen.popup:
+        case DialoguePopup(choices=choices):
             if key == "Enter":
                 return choices[0].act if choices else None
             answer = next((choice.act for choice in choices if choice.key == key), None)
             if answer is not None:
                 return answer
-        case TreasurePop(verdict=verdict) as pop:
+        case TreasurePopup(verdict=verdict) as pop:
             if key in ("Up", "Down"):
                 return _neighbour(pop, 1 if key == "Down" else -1)
             if key == "Enter" and verdict is not None:
@@ -171,7 +171,7 @@ def _playing(key: str, screen: Screen) -> Act | None:
     return _bound(key, PLAYING)
 
 
-def _neighbour(pop: TreasurePop, step: int) -> Act | None:
+def _neighbour(pop: TreasurePopup, step: int) -> Act | None:
     if not pop.names or pop.verdict is not None:
         return None
     if pop.picked not in pop.names:

@@ -59,27 +59,27 @@ class Back(msgspec.Struct, frozen=True, tag=True):
     """Window: this game is left; back to the start page."""
 
 
-class Leave(msgspec.Struct, frozen=True, tag=True):
+class WindowClosed(msgspec.Struct, frozen=True, tag=True):
     """Window: it was closed on purpose."""
 
 
 FromHost: TypeAlias = Offer | Preparing | Join
-FromWindow: TypeAlias = Begin | Practise | Back | Leave
+FromWindow: TypeAlias = Begin | Practise | Back | WindowClosed
 
 _from_host: msgspec.json.Decoder[FromHost] = msgspec.json.Decoder(FromHost)
 _from_window: msgspec.json.Decoder[FromWindow] = msgspec.json.Decoder(FromWindow)
 
 
-def line(said: FromHost | FromWindow) -> bytes:
+def encode(said: FromHost | FromWindow) -> bytes:
     """A line that says this."""
     return msgspec.json.encode(said) + b"\n"
 
 
-def heard_of_host(text: bytes) -> FromHost:
+def decode_from_host(text: bytes) -> FromHost:
     """What a line of the host says. Raises msgspec.DecodeError."""
     return _from_host.decode(text)
 
 
-def heard_of_window(text: bytes) -> FromWindow:
+def decode_from_window(text: bytes) -> FromWindow:
     """What a line of the window says. Raises msgspec.DecodeError."""
     return _from_window.decode(text)

@@ -14,45 +14,45 @@ from numpy.typing import NDArray
 
 from sim.common.geometry import FloatArray, Pose2, wrap_angle
 from thbridge.roles.notices import Ellipse, Ways, Whereabouts
-from ui.model.playback import PlaybackClock
-from ui.model.trails import Trail, WayAhead
+from ui.model.playback_clock import PlaybackClock
+from ui.model.trails import PathAhead, Trail
 
 TICK = 0.02
 """Simulated seconds a tick."""
 
-KEPT = 64
+KEPT_SAMPLES = 64
 """Tellings kept: 2.5 s of them at 25 Hz."""
 
 JUMP = 0.5
 """A robot that is found this far, in metres, from where it should be was carried: it moves at once."""
 
-FASTEST = 1.5
+MAX_SPEED = 1.5
 """What robots drive at most, metres a second: tellings that are far apart may be so much farther apart in space."""
 
-HARDEST = 10.0
+MAX_ACCELERATION = 10.0
 """Robots change their speed so fast, m/s²; one that seems twice as fast in that has corrected where it is."""
 
-HARDEST_TURN = 25.0
+MAX_TURN_ACCELERATION = 25.0
 """The same for turning, rad/s²."""
 
 GAP = 2.0
 """A telling so much later than the one before, in simulated seconds, begins anew: a seek, or a lost connection."""
 
-AHEAD = 0.1
+MAX_EXTRAPOLATION = 0.1
 """Robots are driven on for so long without news, simulated seconds, slower and slower."""
 
 BLEND = 0.07
 """Time constant of blending, seconds: 95 % in 0.2 s."""
 
-HELD = 0.2
+MAX_HELD_CORRECTION = 0.2
 """A correction by less than this, in metres, does not move a robot back that drives on."""
 
-DRIVES = 0.03
+MOVING_SPEED = 0.03
 """A robot drives when it is faster than this, m/s."""
 
 
 @dataclass(frozen=True, slots=True, eq=False)
-class Moving:
+class DisplayedRobot:
     """A robot at one moment, map frame, metres and radians.
 
     Attributes:
@@ -65,7 +65,7 @@ class Moving:
 
     pose: Pose2
     trail: FloatArray
-    way: FloatArray
+    path: FloatArray
     ellipse: Ellipse | None
     truth: Pose2 | None
 
@@ -80,7 +80,7 @@ class _Sample:
     ellipses: tuple[Ellipse, ...] | None
 
 
-class Motions:
+class MotionPlayback:
     """All robots' poses at any moment, out of what is told of them.
 
     Times called `now` are monotonic seconds of this program. What came before robots were last looked at may be heard
@@ -93,27 +93,27 @@ class Motions:
 
     def __init__(self) -> None:
         self._clock = PlaybackClock()
-        self._samples: deque[_Sample] = deque(maxlen=KEPT)
+        self._samples: deque[_Sample] = deque(maxlen=KEPT_SAMPLES)
         self._offsets: FloatArray = np.zeros((0, 3))
         self._speeds: FloatArray = np.zeros((0, 3))
         self._last_speeds: FloatArray = np.zeros((0, 3))
         self._trails: list[Trail] = []
-        self._ways: list[WayAhead] = []
+        self._paths: list[PathAhead] = []
         self._faded = 0.0
-        self._news: float | None = None
+        self._newest_at: float | None = None
 
-    def hear(self, notice: Whereabouts | Ways, now: float) -> None:
+    def receive(self, notice: Whereabouts | Ways, now: float) -> None:
         """Take what was told at this moment."""
         if isinstance(notice, Ways):
-            before = self._ways
-            self._ways = [
-                before[robot] if robot < len(before) and before[robot].told == told else WayAhead(told)
+            before = self._paths
+            self._paths = [
+                before[robot] if robot < len(before) and before[robot].planned == told else PathAhead(told)
                 for robot, told in enumerate(notice.ways)
             ]
         elif all(math.isfinite(number) for pose in notice.poses for number in pose):
-            self._hear_where(notice, now)
+            self._receive_poses(notice, now)
 
-    def at(self, now: float) -> tuple[Moving, ...]:
+    def at(self, now: float) -> tuple[DisplayedRobot, ...]:
         """Every robot at this moment, in the team's order; none before anything was told."""
         if not self._samples:
             return ()
@@ -124,13 +124,13 @@ class Motions:
         truth, ellipses = self._read_truth(time), self._bracket(time)[1].ellipses
         return tuple(self._moving(robot, pose, truth, ellipses) for robot, pose in enumerate(shown.tolist()))
 
-    def still_since(self, now: float) -> float:
+    def stale_for(self, now: float) -> float:
         """Seconds for which nothing new came: simulated time stands still, or nobody tells; infinite at first."""
-        return math.inf if self._news is None else max(now - self._news, 0.0)
+        return math.inf if self._newest_at is None else max(now - self._newest_at, 0.0)
 
     # What comes -------------------------------------------------------------------------------------------------------
 
-    def _hear_where(self, notice: Whereabouts, now: float) -> None:
+    def _receive_poses(self, notice: Whereabouts, now: float) -> None:
         poses = np.array(notice.poses, dtype=np.float64).reshape(-1, 3)
         truth = None if notice.truth is None else np.array(notice.truth, dtype=np.float64).reshape(-1, 3)
         sample = _Sample(notice.tick * TICK, poses, truth, notice.ellipses)
@@ -142,8 +142,8 @@ class Motions:
         time = self._clock.at(now)
         before = self._read(time) + self._offsets
         if sample.time > newest.time:
-            self._clock.hear(sample.time, now)
-            self._news = now
+            self._clock.receive(sample.time, now)
+            self._newest_at = now
         carried = self._correct(sample, newest)
         if sample.time == newest.time:
             self._samples.pop()
@@ -156,11 +156,11 @@ class Motions:
         self._samples.clear()
         self._samples.append(sample)
         self._clock = PlaybackClock()
-        self._clock.hear(sample.time, now)
+        self._clock.receive(sample.time, now)
         self._offsets = np.zeros_like(sample.poses)
         self._speeds = self._last_speeds = np.zeros_like(sample.poses)
         self._trails = [Trail() for _ in sample.poses]
-        self._faded = self._news = now
+        self._faded = self._newest_at = now
 
     def _correct(self, sample: _Sample, newest: _Sample) -> NDArray[np.bool_]:
         """Bring what is kept into the frame of a new telling; (n,) whether each robot was carried off.
@@ -171,7 +171,7 @@ class Motions:
         passed = sample.time - newest.time
         moved = sample.poses - newest.poses
         moved[:, 2] = _wrapped(moved[:, 2])
-        carried: NDArray[np.bool_] = np.hypot(moved[:, 0], moved[:, 1]) > JUMP + FASTEST * passed
+        carried: NDArray[np.bool_] = np.hypot(moved[:, 0], moved[:, 1]) > JUMP + MAX_SPEED * passed
         odd = np.where(carried, 0.0, 1.0)
         if passed > 0.0:
             speed = moved / passed
@@ -192,14 +192,14 @@ class Motions:
 
     def _moving(
         self, robot: int, pose: list[float], truth: FloatArray | None, ellipses: tuple[Ellipse, ...] | None
-    ) -> Moving:
+    ) -> DisplayedRobot:
         x, y, theta = pose
         trail = self._trails[robot]
         trail.add(x, y)
-        return Moving(
+        return DisplayedRobot(
             pose=Pose2(x, y, wrap_angle(theta)),
             trail=trail.array(),
-            way=self._ways[robot].ahead_of(x, y) if robot < len(self._ways) else np.empty((0, 2)),
+            path=self._paths[robot].remaining_from(x, y) if robot < len(self._paths) else np.empty((0, 2)),
             ellipse=ellipses[robot] if ellipses is not None and robot < len(ellipses) else None,
             truth=_pose(truth[robot]) if truth is not None and robot < len(truth) else None,
         )
@@ -249,15 +249,19 @@ class Motions:
         ahead = self._speeds[:, :2] / np.maximum(speed, 1e-9)[:, None]
         driven = speed * passed * self._clock.rate
         back = np.sum(fades[:, :2] * ahead, axis=1) - driven
-        held = (back > 0.0) & (speed > DRIVES) & (np.hypot(self._offsets[:, 0], self._offsets[:, 1]) < HELD)
+        held = (
+            (back > 0.0)
+            & (speed > MOVING_SPEED)
+            & (np.hypot(self._offsets[:, 0], self._offsets[:, 1]) < MAX_HELD_CORRECTION)
+        )
         fades[:, :2] -= np.where(held, back, 0.0)[:, None] * ahead
         self._offsets = self._offsets - fades
 
 
 def _driven_on(late: float) -> float:
     """For how long at full speed robots are driven on that have been without news for so long, seconds."""
-    late = min(max(late, 0.0), AHEAD)
-    return late - late * late / (2.0 * AHEAD)
+    late = min(max(late, 0.0), MAX_EXTRAPOLATION)
+    return late - late * late / (2.0 * MAX_EXTRAPOLATION)
 
 
 def _between(one: FloatArray, other: FloatArray, share: float) -> FloatArray:
@@ -271,7 +275,7 @@ def _between(one: FloatArray, other: FloatArray, share: float) -> FloatArray:
 def _oddity(speeds: FloatArray, others: FloatArray, passed: float) -> FloatArray:
     """(n,) from 0, where robots can have made (n, 3) speeds of others in so many seconds, to 1, where none ever can."""
     change = np.abs(speeds - others)
-    moves, turns = np.hypot(change[:, 0], change[:, 1]) / HARDEST, change[:, 2] / HARDEST_TURN
+    moves, turns = np.hypot(change[:, 0], change[:, 1]) / MAX_ACCELERATION, change[:, 2] / MAX_TURN_ACCELERATION
     odd: FloatArray = np.clip(np.maximum(moves, turns) / passed - 1.0, 0.0, 1.0)
     return odd
 

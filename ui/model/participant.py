@@ -3,16 +3,16 @@
 import math
 from dataclasses import replace
 
-from thbridge.roles.notices import House, Motion, Picture, Ways, Whereabouts
-from thbridge.roles.view import View, Wish
-from ui.model.motion import Motions
-from ui.model.playing.compose import changes, compose
-from ui.model.playing.deeds import do
-from ui.model.playing.hearing import hear_view, wishes
-from ui.model.playing.marks import Outlines
+from thbridge.roles.notices import House, Picture, RobotMotion, Ways, Whereabouts
+from thbridge.roles.view import ParticipantRequest, View
+from ui.model.motion import MotionPlayback
+from ui.model.playing.acts import do
+from ui.model.playing.compose import compose, next_change
+from ui.model.playing.marks import MapMarks
 from ui.model.playing.offers import offer
-from ui.model.playing.queue import Find, Talk
-from ui.model.playing.state import Drawn, Memory
+from ui.model.playing.popup_queue import DestinationItem, TreasureItem
+from ui.model.playing.state import DrawnState, ParticipantMemory
+from ui.model.playing.view_update import open_requests, receive_view
 from ui.model.scene import RobotMark, RoomMark
 from ui.model.screen import Act, RoomTile, Screen
 
@@ -26,44 +26,44 @@ class Participant:
     """
 
     def __init__(self) -> None:
-        self._memory = Memory()
-        self._motions = Motions()
-        self._outlines: Outlines | None = None
+        self._memory = ParticipantMemory()
+        self._playback = MotionPlayback()
+        self._marks: MapMarks | None = None
         self._screen: Screen | None = None
         self._rooms: tuple[RoomMark, ...] = ()
         # What the marks of the rooms were made of.
-        self._marked: tuple[tuple[RoomTile, ...], Outlines | None] = ((), None)
+        self._marked: tuple[tuple[RoomTile, ...], MapMarks | None] = ((), None)
         # When the screen is to be made anew at the latest; at once after something came in.
         self._due = -math.inf
 
     @property
-    def house(self) -> House | None:
+    def floor_plan(self) -> House | None:
         """Where all this happens; None until it is told."""
-        return self._memory.house
+        return self._memory.floor_plan
 
     @property
     def followed(self) -> int | None:
         """The robot to keep in the middle of the map."""
         return self._memory.followed
 
-    def hear(self, level: View | House | Whereabouts | Ways | Picture, now: float) -> None:
+    def receive(self, level: View | House | Whereabouts | Ways | Picture, now: float) -> None:
         """Take in what the game says."""
         memory = self._memory
         match level:
             case View():
                 if level.robots and (level.ready or memory.hunt is not None):
-                    hear_view(memory, level, now)
+                    receive_view(memory, level, now)
             case House():
-                if level != memory.house:
-                    memory.house, self._outlines = level, Outlines(level)
+                if level != memory.floor_plan:
+                    memory.floor_plan, self._marks = level, MapMarks(level)
             case Picture():
-                memory.pictures.hear(level)
+                memory.pictures.receive(level)
             case Whereabouts():
-                self._motions.hear(level, now)
-                if not self._hear_motions(level.motions, now):
+                self._playback.receive(level, now)
+                if not self._receive_motions(level.motions, now):
                     return
             case Ways():
-                self._motions.hear(level, now)
+                self._playback.receive(level, now)
                 return
         self._due = -math.inf
 
@@ -92,7 +92,7 @@ class Participant:
         possible just now says why.
         """
         offered = None if self._screen is None else offer(self._screen, act)
-        if offered is not None and offered.busy:
+        if offered is not None and offered.pending:
             return
         do(self._memory, act, now)
         self._due = -math.inf
@@ -106,13 +106,13 @@ class Participant:
             memory.typed, memory.typed_until = "", math.inf
         drawn = self._drawn()
         fresh = compose(memory, now)
-        if fresh.question is not None and drawn.doubt != memory.drawn.doubt:
-            memory.history.announce(f"{fresh.question.title} {fresh.question.text}")
-        elif fresh.pop is not None and drawn.item != memory.drawn.item:
-            memory.history.announce(fresh.pop.title)
-        memory.drawn = drawn
+        if fresh.confirmation is not None and drawn.pending_step != memory.last_drawn.pending_step:
+            memory.history.announce(f"{fresh.confirmation.title} {fresh.confirmation.text}")
+        elif fresh.popup is not None and drawn.item != memory.last_drawn.item:
+            memory.history.announce(fresh.popup.title)
+        memory.last_drawn = drawn
         fresh = self._announcing(fresh)
-        self._due = changes(memory, now)
+        self._due = next_change(memory, now)
         if fresh != self._screen:
             self._screen = fresh
         return self._screen or fresh
@@ -120,31 +120,31 @@ class Participant:
     def rooms(self, now: float) -> tuple[RoomMark, ...]:
         """The rooms on the map, as the last screen has them: the very same object while nothing changed."""
         tiles = (self._screen or self.screen(now)).tiles
-        if self._marked[0] is not tiles or self._marked[1] is not self._outlines:
-            self._marked = (tiles, self._outlines)
-            self._rooms = () if self._outlines is None else self._outlines.rooms(tiles)
+        if self._marked[0] is not tiles or self._marked[1] is not self._marks:
+            self._marked = (tiles, self._marks)
+            self._rooms = () if self._marks is None else self._marks.rooms(tiles)
         return self._rooms
 
     def robots(self, now: float) -> tuple[RobotMark, ...]:
         """The robots on the map, in this frame."""
         hunt = self._memory.hunt
-        if self._outlines is None or hunt is None:
+        if self._marks is None or hunt is None:
             return ()
-        return self._outlines.robots(self._motions.at(now), hunt.view, self._memory.selected)
+        return self._marks.robots(self._playback.at(now), hunt.view, self._memory.selected)
 
-    def wishes(self) -> tuple[Wish, ...]:
+    def requests(self) -> tuple[ParticipantRequest, ...]:
         """Everything wanted of the game as of now, oldest first; to be said again until it is not wanted any more."""
-        return () if self._memory.hunt is None else wishes(self._memory.hunt)
+        return () if self._memory.hunt is None else open_requests(self._memory.hunt)
 
-    def _hear_motions(self, motions: tuple[Motion, ...], now: float) -> bool:
+    def _receive_motions(self, motions: tuple[RobotMotion, ...], now: float) -> bool:
         """Whether anything on the screen changes by it; this comes many times a second."""
         memory = self._memory
         was_still = memory.connection.trouble(now) is not None
-        memory.connection.hear(now)
-        before, memory.motions = memory.motions, self._on_their_way(motions)
+        memory.connection.receive(now)
+        before, memory.motions = memory.motions, self._until_arrived(motions)
         return was_still or _shown(before) != _shown(memory.motions)
 
-    def _on_their_way(self, motions: tuple[Motion, ...]) -> tuple[Motion, ...]:
+    def _until_arrived(self, motions: tuple[RobotMotion, ...]) -> tuple[RobotMotion, ...]:
         """The motions; but a robot that came to rest is at the end of its way until the game says where it stands."""
         hunt, before = self._memory.hunt, self._memory.motions
         if hunt is None or not len(motions) == len(before) == len(hunt.view.robots):
@@ -156,26 +156,26 @@ class Participant:
 
     def _announcing(self, fresh: Screen) -> Screen:
         """A screen with what is to be read out now, or else what was read out last."""
-        news = self._memory.history.take_news()
-        told = ("", 0) if self._screen is None else (self._screen.announcement, self._screen.announced)
+        news = self._memory.history.take_announcements()
+        told = ("", 0) if self._screen is None else (self._screen.announcement, self._screen.announcement_number)
         announcement, announced = (news, told[1] + 1) if news else told
-        return replace(fresh, announcement=announcement, announced=announced)
+        return replace(fresh, announcement=announcement, announcement_number=announced)
 
-    def _drawn(self) -> Drawn:
+    def _drawn(self) -> DrawnState:
         hunt = self._memory.hunt
         if hunt is None:
-            return Drawn()
+            return DrawnState()
         item = hunt.popups.shown
         match item:
-            case Talk(robot):
-                dialogue = hunt.talk(robot)
-            case Find():
-                dialogue = hunt.talk_about(item)
+            case DestinationItem(robot):
+                dialogue = hunt.destination_dialogue(robot)
+            case TreasureItem():
+                dialogue = hunt.treasure_dialogue(item)
             case None:
                 dialogue = None
         turn = None if dialogue is None else (dialogue.dialogue, dialogue.turn)
-        return Drawn(item, turn, hunt.doubt, hunt.view.game)
+        return DrawnState(item, turn, hunt.pending_step, hunt.view.game)
 
 
-def _shown(motions: tuple[Motion, ...]) -> tuple[tuple[str, int | None, float], ...]:
+def _shown(motions: tuple[RobotMotion, ...]) -> tuple[tuple[str, int | None, float], ...]:
     return tuple((motion.doing, motion.waits_for, round(motion.progress, 2)) for motion in motions)

@@ -1,6 +1,6 @@
 """What to do next, told to somebody who plays for the first time."""
 
-from ui.model.screen import DialoguePop, Phase, Screen, TreasurePop
+from ui.model.screen import DialoguePopup, Phase, Screen, TreasurePopup
 
 
 def advice(screen: Screen) -> str:
@@ -11,12 +11,12 @@ def advice(screen: Screen) -> str:
         return "Read the text, and agree if you want to take part."
     if screen.ending is not None or screen.phase is Phase.OVER:
         return "That was the practice game. Go back to the start page when you are ready."
-    if screen.question is not None:
+    if screen.confirmation is not None:
         return "The program asks before it does what cannot be undone."
-    if isinstance(screen.pop, TreasurePop):
-        return _about_treasure(screen.pop)
-    if isinstance(screen.pop, DialoguePop):
-        if not screen.pop.choices:
+    if isinstance(screen.popup, TreasurePopup):
+        return _about_treasure(screen.popup)
+    if isinstance(screen.popup, DialoguePopup):
+        if not screen.popup.choices:
             return "The robot thinks about its answer."
         return "The robot asks you something. Choose an answer with the mouse, or press the key printed on it."
     if screen.waiting:
@@ -31,7 +31,7 @@ def advice(screen: Screen) -> str:
     return "Nothing is left to do here. You can end the game."
 
 
-def _about_treasure(pop: TreasurePop) -> str:
+def _about_treasure(pop: TreasurePopup) -> str:
     if pop.verdict is not None:
         return "This is what came of it, and the score has moved. Close this, and go on."
     if not pop.colour:

@@ -67,7 +67,7 @@ class RobotMark:
     selected: bool
     trouble: bool
     trail: FloatArray
-    way: FloatArray
+    path: FloatArray
     ellipse: EllipseMark | None = None
     truth: Pose2 | None = None
-    taken: str = ""
+    commander: str = ""

@@ -69,7 +69,7 @@ class FinishNumber:
 
 
 @dataclass(frozen=True, slots=True)
-class DontKnow:
+class AskAdvice:
     """Ask the selected robot for its advice."""
 
 
@@ -107,12 +107,12 @@ class PickName:
 
 
 @dataclass(frozen=True, slots=True)
-class NameIt:
+class SubmitName:
     """Be held to the name picked."""
 
 
 @dataclass(frozen=True, slots=True)
-class LeaveIt:
+class LeaveTreasure:
     """Leave the treasure shown where it is, for good."""
 
 
@@ -138,12 +138,12 @@ class EndGame:
 
 
 @dataclass(frozen=True, slots=True)
-class Meant:
+class Confirm:
     """Yes, what a question asks is meant (`Question`); an act of its own, so that no double click says yes unread."""
 
 
 @dataclass(frozen=True, slots=True)
-class NotYet:
+class Cancel:
     """Take back what a question asked (`Question`), or else the digits typed so far."""
 
 
@@ -175,19 +175,19 @@ Act = (
     | ChooseRoom
     | TypeDigit
     | FinishNumber
-    | DontKnow
+    | AskAdvice
     | StopRobot
     | AskForRobot
     | GiveAnswer
     | TakeThePicture
     | PickName
-    | NameIt
-    | LeaveIt
+    | SubmitName
+    | LeaveTreasure
     | ShowNext
     | ShowWaiting
     | EndGame
-    | Meant
-    | NotYet
+    | Confirm
+    | Cancel
     | AnotherGame
     | ShowHelp
     | FollowRobot
@@ -213,7 +213,7 @@ class Action:
     key: str
     enabled: bool = True
     hint: str = ""
-    busy: bool = False
+    pending: bool = False
 
 
 # What is shown --------------------------------------------------------------------------------------------------------
@@ -293,7 +293,7 @@ class RoomTile:
 
 
 @dataclass(frozen=True, slots=True)
-class DialoguePop:
+class DialoguePopup:
     """A robot talks with the participant.
 
     Attributes:
@@ -307,14 +307,14 @@ class DialoguePop:
 
     robot: int
     title: str
-    said: tuple[tuple[Literal["robot", "you"], str], ...]
+    sentences: tuple[tuple[Literal["robot", "you"], str], ...]
     choices: tuple[Action, ...]
     aside: Action
     warning: str = ""
 
 
 @dataclass(frozen=True, slots=True)
-class TreasurePop:
+class TreasurePopup:
     """A robot found something.
 
     Attributes:
@@ -353,7 +353,7 @@ class TreasurePop:
 
 
 @dataclass(frozen=True, slots=True)
-class Question:
+class Confirmation:
     """Is that meant? Asked before what cannot be taken back."""
 
     title: str
@@ -363,7 +363,7 @@ class Question:
 
 
 @dataclass(frozen=True, slots=True)
-class Waiting:
+class WaitingItem:
     """One thing that waits for the participant: the visible queue of arrivals and questions.
 
     Attributes:
@@ -378,7 +378,7 @@ class Waiting:
 
 
 @dataclass(frozen=True, slots=True)
-class Told:
+class HistoryLine:
     """A line of what happened and was said, for the history.
 
     Attributes:
@@ -406,7 +406,7 @@ class Banner:
 
 
 @dataclass(frozen=True, slots=True)
-class Ending:
+class GameOverPage:
     """The game is over: why, and what came of it, in words."""
 
     title: str
@@ -450,18 +450,18 @@ class Screen:
     banner: Banner | None
     game: int
     score: int
-    gained: int | None
+    last_points: int | None
     cards: tuple[RobotCard, ...]
     tiles: tuple[RoomTile, ...]
-    dont_know: Action
+    ask_advice: Action
     end: Action
     tools: tuple[Action, ...]
-    pop: DialoguePop | TreasurePop | None
-    question: Question | None
-    waiting: tuple[Waiting, ...]
-    history: tuple[Told, ...]
-    ending: Ending | None
+    popup: DialoguePopup | TreasurePopup | None
+    confirmation: Confirmation | None
+    waiting: tuple[WaitingItem, ...]
+    history: tuple[HistoryLine, ...]
+    ending: GameOverPage | None
     help: tuple[tuple[str, str], ...]
     typed: str
     announcement: str
-    announced: int
+    announcement_number: int

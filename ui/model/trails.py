@@ -13,7 +13,7 @@ TRAIL_STEP = 0.12
 TRAIL_POINTS = 44
 """Points of a trail: 5 m."""
 
-WAY_SEARCH = 1.5
+PATH_SEARCH = 1.5
 """How far along its way, in metres, a robot may be found ahead of where it was last."""
 
 
@@ -45,11 +45,11 @@ class Trail:
         return self._array
 
 
-class WayAhead:
+class PathAhead:
     """What lies ahead of one robot: what it has driven of its way is taken off, and does not come back."""
 
     def __init__(self, told: tuple[tuple[float, float], ...]) -> None:
-        self.told = told
+        self.planned = told
         self._points = np.array(told, dtype=np.float64).reshape(-1, 2)
         steps = np.diff(self._points, axis=0)
         self._steps = steps
@@ -57,7 +57,7 @@ class WayAhead:
         self._along = np.concatenate(([0.0], np.cumsum(self._lengths)))
         self._driven: float | None = None
 
-    def ahead_of(self, x: float, y: float) -> FloatArray:
+    def remaining_from(self, x: float, y: float) -> FloatArray:
         """(m, 2) the way from a place on."""
         if len(self._points) < 2:
             return np.empty((0, 2))
@@ -73,7 +73,7 @@ class WayAhead:
             reach = slice(0, len(self._steps))
         else:
             first = int(np.searchsorted(self._along, self._driven, side="right")) - 1
-            last = int(np.searchsorted(self._along, self._driven + WAY_SEARCH, side="left"))
+            last = int(np.searchsorted(self._along, self._driven + PATH_SEARCH, side="left"))
             reach = slice(min(first, len(self._steps) - 1), max(last, first + 1))
         starts, steps, lengths = self._points[:-1][reach], self._steps[reach], self._lengths[reach]
         offset = np.array([x, y]) - starts

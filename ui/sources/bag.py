@@ -5,18 +5,18 @@ from collections.abc import Callable, Collection, Generator, Iterator, Mapping, 
 from pathlib import Path
 
 from thbridge.files.map_files import MapRoom
-from thbridge.recording.bag.index import BagIndex, Place, open_index
+from thbridge.recording.bag.index import BagIndex, MessageLocation, open_index
 from thbridge.recording.bag.reader import RawMessage
 from thbridge.ros import names
 from thbridge.ros.messages import types, unpack
-from thbridge.ros.messages.records import Session
-from ui.model.watching.cast import Introductions
+from thbridge.ros.messages.records import SessionRecord
 from ui.model.watching.frames import HORIZON_NS, children_of
-from ui.model.watching.received import TF_TYPES, Said
-from ui.model.watching.scene import Scene, Shown
-from ui.model.watching.scenes import Scenes, Watched
+from ui.model.watching.messages import TF_TYPES, WatchedMessage
+from ui.model.watching.robots import RobotDiscovery
+from ui.model.watching.scene import Scene, ShownLayers
+from ui.model.watching.scene_builder import SceneBuilder, SceneInputs
 from ui.model.watching.series import Series
-from ui.model.watching.story import Story, tells
+from ui.model.watching.session_log import SessionLog, is_logged
 from ui.sources.rooms import rooms_of
 
 TICK_NS = 20_000_000
@@ -51,7 +51,7 @@ def open_bag(path: Path) -> Generator[float, None, "BagSource"]:
     source = BagSource(index)
     if source.session is not None:
         source.rooms = rooms_of(source.session, path)
-    source.scene(source.end_ns, Shown())
+    source.scene(source.end_ns, ShownLayers())
     return source
 
 
@@ -70,17 +70,17 @@ class BagSource:
 
     def __init__(self, index: BagIndex) -> None:
         self._index = index
-        self._scenes = Scenes()
+        self._scenes = SceneBuilder()
         self.unreadable, self._topics = _readable(index)
         self.session = self._session()
         self.rooms: tuple[MapRoom, ...] = ()
         introductions = self._introduced()
-        self._cast, self._mapped = introductions.cast(), introductions.mapped
-        self.story = Story()
+        self._robots, self._mapped = introductions.robots(), introductions.mapped
+        self.log = SessionLog()
         self.series = Series(index.start_ns)
-        self.series.follow(self._cast, self._mapped)
+        self.series.follow(self._robots, self._mapped)
         self._statics = [self._index.read(place) for place in self._static_places()]
-        self._words: dict[tuple[str, int], dict[bytes, list[Place]]] = {}
+        self._words: dict[tuple[str, int], dict[bytes, list[MessageLocation]]] = {}
         self._messages: dict[tuple[int, int], RawMessage] = {}
 
     @property
@@ -107,11 +107,13 @@ class BagSource:
         """Close the files."""
         self._index.close()
 
-    def scene(self, at_ns: int, shown: Shown) -> Scene:
+    def scene(self, at_ns: int, shown: ShownLayers) -> Scene:
         """How things stood at a time; before the first message as at the first, after the last as at the last."""
         at_ns = min(max(at_ns, self.start_ns), self.end_ns)
-        watched = Watched(self._cast, self._mapped, self.series, self.story, self.rooms, self.start_ns, self.unreadable)
-        return self._scenes.scene(_Moment(self, at_ns), watched, shown)
+        watched = SceneInputs(
+            self._robots, self._mapped, self.series, self.log, self.rooms, self.start_ns, self.unreadable
+        )
+        return self._scenes.build(_Moment(self, at_ns), watched, shown)
 
     def step(self, at_ns: int, steps: int, topic: str | None = None) -> int:
         """The time so many steps later, or earlier where they are negative; at most the beginning or the end.
@@ -135,12 +137,14 @@ class BagSource:
 
         A piece takes some milliseconds. Whoever asks for all of it has `story` and `series` whole.
         """
-        told = [topic for topic, msgtype in self._topics.items() if tells(topic, msgtype)]
-        yield from self._tell(told, self.story.take, 0.0, _STORY_SHARE)
+        told = [topic for topic, msgtype in self._topics.items() if is_logged(topic, msgtype)]
+        yield from self._tell(told, self.log.take, 0.0, _STORY_SHARE)
         moving = [topic for topic, msgtype in self._topics.items() if msgtype in TF_TYPES]
         yield from self._tell([*moving, *self.series.topics], self.series.take, _STORY_SHARE, 1.0)
 
-    def _tell(self, topics: Collection[str], take: Callable[[Said], None], start: float, end: float) -> Iterator[float]:
+    def _tell(
+        self, topics: Collection[str], take: Callable[[WatchedMessage], None], start: float, end: float
+    ) -> Iterator[float]:
         """Hand over all messages of these topics, in order of time; shares go from start to end."""
         chunk = (end - start) / max(self._index.chunks, 1)
         for done, places in enumerate(self._index.walk(topics)):
@@ -150,16 +154,16 @@ class BagSource:
                     yield start + chunk * done
             yield start + chunk * (done + 1)
 
-    def _session(self) -> Session | None:
+    def _session(self) -> SessionRecord | None:
         place = self._index.next(names.SESSION, -1) if names.SESSION in self._topics else None
         try:
             return None if place is None else unpack.session(self._index.read(place).data)
         except ValueError:
             return None
 
-    def _introduced(self) -> Introductions:
+    def _introduced(self) -> RobotDiscovery:
         """Everybody who speaks in the recording, by the first words of each."""
-        introductions = Introductions(dict(self._topics))
+        introductions = RobotDiscovery(dict(self._topics))
         for topic, msgtype in self._topics.items():
             if msgtype in {types.ODOMETRY, types.OCCUPANCY_GRID} or msgtype in TF_TYPES:
                 after_ns = -1
@@ -171,17 +175,17 @@ class BagSource:
                     after_ns = place.stamp_ns
         return introductions
 
-    def _static_places(self) -> list[Place]:
+    def _static_places(self) -> list[MessageLocation]:
         statics = [topic for topic, msgtype in self._topics.items() if msgtype in TF_TYPES and is_static(topic)]
         chunks = ((topic, chunk) for topic in statics for chunk in self._index.chunks_back(topic, self.end_ns, 0))
-        return sorted(place for topic, chunk in chunks for place in self._index.places(topic, chunk))[:_STATIC_MOST]
+        return sorted(place for topic, chunk in chunks for place in self._index.locations(topic, chunk))[:_STATIC_MOST]
 
     def newest(self, topic: str, at_ns: int) -> RawMessage | None:
         """The last message of a topic up to a time."""
         place = self._index.last(topic, at_ns) if topic in self._topics else None
         return None if place is None else self._read(place)
 
-    def frames(self, at_ns: int) -> list[Said]:
+    def frames(self, at_ns: int) -> list[WatchedMessage]:
         """Of the frames that held at a time, messages that say them, oldest first."""
         held: dict[tuple[str, bytes], RawMessage] = {}
         for message in self._statics:
@@ -194,7 +198,7 @@ class BagSource:
 
     def _moving_at(self, topic: str, at_ns: int) -> dict[bytes, RawMessage]:
         """The last words on each of the frames that move, by what they are about."""
-        held: dict[bytes, Place] = {}
+        held: dict[bytes, MessageLocation] = {}
         for chunk in self._index.chunks_back(topic, at_ns, at_ns - HORIZON_NS):
             for key, places in self._words_in(topic, chunk).items():
                 row = bisect_right(places, at_ns, key=_stamp) - 1
@@ -202,19 +206,19 @@ class BagSource:
                     held[key] = max(places[row], held.get(key, places[row]))
         return {key: self._read(place) for key, place in held.items()}
 
-    def _words_in(self, topic: str, chunk: int) -> dict[bytes, list[Place]]:
+    def _words_in(self, topic: str, chunk: int) -> dict[bytes, list[MessageLocation]]:
         """Where in a chunk the messages of a topic of tf are, by what they are about."""
         known = self._words.get((topic, chunk))
         if known is None:
             known = {}
-            for place in self._index.places(topic, chunk):
+            for place in self._index.locations(topic, chunk):
                 known.setdefault(_children(self._index.read(place)), []).append(place)
             if len(self._words) >= _CHUNKS_KEPT:
                 self._words.pop(next(iter(self._words)))
             self._words[topic, chunk] = known
         return known
 
-    def _read(self, place: Place) -> RawMessage:
+    def _read(self, place: MessageLocation) -> RawMessage:
         """A message that holds for some time: again and again the same object, so that it is unpacked once."""
         key = (place.chunk, place.offset)
         known = self._messages.pop(key, None) or self._index.read(place)
@@ -229,7 +233,7 @@ class _Unread:
 
     __slots__ = ("_index", "_place", "msgtype", "stamp_ns", "topic")
 
-    def __init__(self, index: BagIndex, place: Place) -> None:
+    def __init__(self, index: BagIndex, place: MessageLocation) -> None:
         self._index, self._place = index, place
         self.topic, self.msgtype, self.stamp_ns = place.publisher.topic, place.publisher.msgtype, place.stamp_ns
 
@@ -247,10 +251,10 @@ class _Moment:
         self.at_ns = at_ns
         self.topics = source.topics
 
-    def newest(self, topic: str) -> Said | None:
+    def newest(self, topic: str) -> WatchedMessage | None:
         return self._source.newest(topic, self.at_ns)
 
-    def frames(self, at_ns: int) -> Sequence[Said]:
+    def frames(self, at_ns: int) -> Sequence[WatchedMessage]:
         return self._source.frames(min(at_ns, self.at_ns))
 
 
@@ -277,7 +281,7 @@ def _children(message: RawMessage) -> bytes:
         return b""
 
 
-def _stamp(place: Place) -> int:
+def _stamp(place: MessageLocation) -> int:
     return place.stamp_ns
 
 

@@ -5,11 +5,11 @@ from pathlib import Path
 from thbridge.files.errors import BadFile
 from thbridge.files.map_files import MapRoom, read_map
 from thbridge.files.resources import shipped
-from thbridge.ros.messages.records import Session
+from thbridge.ros.messages.records import SessionRecord
 from thbridge.study.study_file import read_study_text
 
 
-def rooms_of(session: Session, path: Path) -> tuple[MapRoom, ...]:
+def rooms_of(session: SessionRecord, path: Path) -> tuple[MapRoom, ...]:
     """The rooms of the map that a session's study names; none where there is no such map here.
 
     It takes some tenths of a second, for the whole map is checked: a window lets a thread do it.

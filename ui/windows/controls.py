@@ -10,7 +10,7 @@ from PySide6.QtWidgets import QCheckBox, QComboBox, QStyle, QStyleOptionButton
 from ui.windows.look import GAP, colours
 
 
-class Choices(QComboBox):
+class ChoiceBox(QComboBox):
     """Choices that fold out."""
 
     def paintEvent(self, event: QPaintEvent) -> None:
@@ -21,7 +21,7 @@ class Choices(QComboBox):
         _stroke(QPainter(self), colour, 1.5, [QPointF(x - 4, y - 2), QPointF(x, y + 2), QPointF(x + 4, y - 2)])
 
 
-class Tick(QCheckBox):
+class CheckBox(QCheckBox):
     """Something that holds or does not."""
 
     def paintEvent(self, event: QPaintEvent) -> None:

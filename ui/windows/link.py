@@ -12,34 +12,34 @@ from dataclasses import dataclass
 from typing import TypeAlias
 
 from sim.common.observations import TICK
-from thbridge.app.programs import converse
+from thbridge.app.programs import exchange
 from thbridge.roles.notices import House, Picture, Ways, Whereabouts
 from thbridge.roles.tabui import TabUI
-from thbridge.roles.view import View, Wish
-from thbridge.sockets.text_client import LossReason, Lost, Patience, TextClient
-from thbridge.wire.text import Message
+from thbridge.roles.view import ParticipantRequest, View
+from thbridge.sockets.text_client import Backoff, ConnectionLost, LossReason, TextClient
+from thbridge.wire.text import TextMessage
 
-LISTENS = 0.005
+POLL_PERIOD = 0.005
 """Seconds from one look at what has come to the next. Robots are drawn later by half of it, and by what it makes one
 telling come later than another."""
 
-AT_ONCE = Patience(first=0.25, longest=2.0)
+RECONNECT_BACKOFF = Backoff(first=0.25, longest=2.0)
 """A person waits at the other end: a server that is back is found within two seconds."""
 
 
 @dataclass(frozen=True, slots=True)
-class Joined:
+class ServerReached:
     """The server is reached (again)."""
 
 
 @dataclass(frozen=True, slots=True)
-class Parted:
+class ServerLost:
     """The server is not reached any more; why, in words."""
 
     sentence: str
 
 
-PLAIN = {
+LOSS_SENTENCES = {
     LossReason.UNREACHABLE: "",
     LossReason.BROKEN: "",
     LossReason.REFUSED: "Somebody else plays it just now.",
@@ -47,18 +47,18 @@ PLAIN = {
 }
 """What there is to add, for people who play, when the connection is lost."""
 
-News: TypeAlias = View | House | Whereabouts | Ways | Picture | Joined | Parted
+ServerEvent: TypeAlias = View | House | Whereabouts | Ways | Picture | ServerReached | ServerLost
 
 
 @dataclass(frozen=True, slots=True)
-class Heard:
+class ReceivedEvent:
     """Something, and when it came: monotonic seconds, however much later the window looks."""
 
-    at: float
-    news: News
+    time: float
+    event: ServerEvent
 
 
-class Link:
+class ParticipantLink:
     """Keeps a participant's program connected to a server, until it is stopped.
 
     Args:
@@ -71,8 +71,8 @@ class Link:
         self._address = (host, port)
         self._token = token
         # Appending to a deque, taking from it and replacing a tuple are single steps of the interpreter.
-        self._heard: deque[Heard] = deque()
-        self._wanted: tuple[Wish, ...] = ()
+        self._events: deque[ReceivedEvent] = deque()
+        self._requested: tuple[ParticipantRequest, ...] = ()
         self._stopped = threading.Event()
         self._thread = threading.Thread(target=self._run, name="link", daemon=True)
 
@@ -87,13 +87,13 @@ class Link:
         self._stopped.set()
         self._thread.join()
 
-    def take(self) -> list[Heard]:
+    def take_events(self) -> list[ReceivedEvent]:
         """What was heard since the last call, oldest first."""
-        return [self._heard.popleft() for _ in range(len(self._heard))]
+        return [self._events.popleft() for _ in range(len(self._events))]
 
-    def want(self, wishes: tuple[Wish, ...]) -> None:
+    def request(self, wishes: tuple[ParticipantRequest, ...]) -> None:
         """This is all that is wanted from now on; it is said again and again until it is granted."""
-        self._wanted = wishes
+        self._requested = wishes
 
     # The thread's side
 
@@ -101,58 +101,58 @@ class Link:
         asyncio.run(self._converse())
 
     async def _converse(self) -> None:
-        player = _Wanting()
+        player = _WindowPlayer()
         role = TabUI(player, self)
-        lodger = _Noticing(role, self._tell)
-        client = TextClient(role.name, self._token, *self._address, AT_ONCE)
+        lodger = _ClockedRole(role, self._tell)
+        client = TextClient(role.name, self._token, *self._address, RECONNECT_BACKOFF)
         async with client.running():
             while not self._stopped.is_set():
-                if player.wanted != self._wanted:
-                    player.wanted = self._wanted
-                    role.look_again()
-                converse(lodger, client, self._lost)
-                await asyncio.sleep(LISTENS)
+                if player.requested != self._requested:
+                    player.requested = self._requested
+                    role.poll_player()
+                exchange(lodger, client, self._lost)
+                await asyncio.sleep(POLL_PERIOD)
 
-    def saw(self, level: View | House | Whereabouts | Ways | Picture) -> None:
+    def observe(self, level: View | House | Whereabouts | Ways | Picture) -> None:
         """The role heard something; see `thbridge.roles.tabui.Onlooker`."""
         self._tell(level)
 
-    def _lost(self, lost: Lost) -> None:
-        self._tell(Parted(PLAIN[lost.reason]))
+    def _lost(self, lost: ConnectionLost) -> None:
+        self._tell(ServerLost(LOSS_SENTENCES[lost.reason]))
 
-    def _tell(self, news: News) -> None:
-        self._heard.append(Heard(time.monotonic(), news))
+    def _tell(self, news: ServerEvent) -> None:
+        self._events.append(ReceivedEvent(time.monotonic(), news))
 
 
-class _Wanting:
+class _WindowPlayer:
     """A player who wants what the window says."""
 
     def __init__(self) -> None:
-        self.wanted: tuple[Wish, ...] = ()
+        self.requested: tuple[ParticipantRequest, ...] = ()
 
-    def wishes(self, view: View) -> Sequence[Wish]:
-        return self.wanted
+    def requests(self, view: View) -> Sequence[ParticipantRequest]:
+        return self.requested
 
 
-class _Noticing:
+class _ClockedRole:
     """Runs the role by the clock, as often as it is asked, and tells the window, too, that the server is reached."""
 
-    def __init__(self, role: TabUI, tell: Callable[[News], None]) -> None:
+    def __init__(self, role: TabUI, tell: Callable[[ServerEvent], None]) -> None:
         self._role = role
         self._tell = tell
         self._begin = time.monotonic()
-        self._messages: list[Message] = []
+        self._messages: list[TextMessage] = []
 
     def connected(self) -> None:
         """See `Lodger`, for this and the next two."""
         self._role.connected()
-        self._tell(Joined())
+        self._tell(ServerReached())
 
-    def hear(self, message: Message) -> None:
+    def receive(self, message: TextMessage) -> None:
         """It is passed on with the next step."""
         self._messages.append(message)
 
-    def step(self) -> Sequence[Message]:
+    def step(self) -> Sequence[TextMessage]:
         """What the role says to what has come until this tick."""
         messages, self._messages = self._messages, []
         return self._role.step(int((time.monotonic() - self._begin) / TICK), messages)

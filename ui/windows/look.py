@@ -28,7 +28,7 @@ _SCALE: dict[Size, float] = {"small": 0.88, "body": 1.0, "title": 1.24, "hero": 
 _SMALLEST_BODY = 10.5
 
 
-class _Worn:
+class _Current:
     """What the application wears; there is one application in a process."""
 
     palette: Palette = LIGHT
@@ -37,31 +37,31 @@ class _Worn:
 
 def colours() -> Palette:
     """The palette worn now."""
-    return _Worn.palette
+    return _Current.palette
 
 
 def font(size: Size = "body", *, bold: bool = False) -> QFont:
     """The typeface in one of its sizes, with figures of equal width so that numbers stand still while they change."""
     made = QFont()
     made.setFamilies(["Inter", QFont().defaultFamily()])
-    made.setPointSizeF(_Worn.body * _SCALE[size])
+    made.setPointSizeF(_Current.body * _SCALE[size])
     made.setWeight(QFont.Weight.DemiBold if bold else QFont.Weight.Normal)
     made.setFeature(QFont.Tag("tnum"), 1)
     return made
 
 
-def dress(app: QApplication, palette: Palette) -> None:
+def apply_palette(app: QApplication, palette: Palette) -> None:
     """Put a palette on everything in the application, what is open already included.
 
     A larger typeface of the system is kept; a smaller one is raised to what reads well.
     """
     if not app.property("dressed"):
-        _Worn.body = max(_SMALLEST_BODY, app.font().pointSizeF())
+        _Current.body = max(_SMALLEST_BODY, app.font().pointSizeF())
         app.setProperty("dressed", True)
         app.setStyle("Fusion")
-    elif palette is _Worn.palette:
+    elif palette is _Current.palette:
         return
-    _Worn.palette = palette
+    _Current.palette = palette
     app.setFont(font())
     app.setPalette(qt_palette(palette))
     app.setStyleSheet(_sheet(palette))
@@ -120,7 +120,7 @@ class Appearance(QObject):
             self._choice == "system" and self._app.styleHints().colorScheme() == Qt.ColorScheme.Dark
         )
         palette = DARK if dark else LIGHT
-        dress(self._app, palette)
+        apply_palette(self._app, palette)
         self.changed.emit(palette)
 
 
@@ -135,13 +135,13 @@ def label(text: str = "", size: Size = "body", *, bold: bool = False, muted: boo
     return made
 
 
-def panel(widget: QWidget) -> None:
+def style_as_panel(widget: QWidget) -> None:
     """Have a widget drawn as a panel: its own ground, an edge, round corners."""
     widget.setProperty("panel", True)
     widget.setAttribute(Qt.WidgetAttribute.WA_StyledBackground)
 
 
-def on(colour: str) -> str:
+def text_colour_on(colour: str) -> str:
     """The text colour, of those worn, that is read best on a colour."""
     worn = colours()
     return max((worn.panel, worn.text, worn.on_accent), key=lambda text: contrast(text, colour))

@@ -30,29 +30,29 @@ from ui.model.lobby import (
     FromHost,
     FromWindow,
     Join,
-    Leave,
     Offer,
     Practise,
     Preparing,
-    heard_of_host,
-    line,
+    WindowClosed,
+    decode_from_host,
+    encode,
 )
 from ui.model.participant import Participant
 from ui.model.practice import advice
 from ui.model.screen import Phase
 from ui.windows import look
-from ui.windows.link import Joined, Link, Parted
+from ui.windows.link import ParticipantLink, ServerLost, ServerReached
 from ui.windows.look import GAP
-from ui.windows.participant.pages.pages import Connecting
+from ui.windows.participant.pages.pages import ConnectingPage
 from ui.windows.participant.pages.start import StartPage
-from ui.windows.participant.widgets.buttons import ActionButton, Face
+from ui.windows.participant.widgets.buttons import ActionButton, ButtonFace
 from ui.windows.participant.window import ParticipantWindow
 
 FRAME = 15
 """Milliseconds between two looks at what came in."""
 
 
-class Game(QWidget):
+class GamePage(QWidget):
     """A game at a server: the window with what feeds it, and a strip above it where there is something to say.
 
     Args:
@@ -65,7 +65,7 @@ class Game(QWidget):
 
     def __init__(
         self,
-        link: Link,
+        link: ParticipantLink,
         appearance: look.Appearance,
         practice: bool,
         back: Callable[[], None] | None,
@@ -100,7 +100,7 @@ class Game(QWidget):
         row.addWidget(self._advice, 1)
         if back is not None:
             button = ActionButton()
-            button.wear(Face("Back to the start page", "F10"), "Back to the start page")
+            button.show_face(ButtonFace("Back to the start page", "F10"), "Back to the start page")
             button.clicked.connect(back)
             key = QShortcut(QKeySequence("F10"), self)
             key.activated.connect(button.click)
@@ -108,22 +108,22 @@ class Game(QWidget):
         self._strip.setVisible(self._practice)
 
     @property
-    def is_under_way(self) -> bool:
+    def in_progress(self) -> bool:
         """Whether something would be lost if the participant left now."""
         return not self._practice and self._model.screen(self._clock()).phase is Phase.PLAYING
 
     def pump(self) -> None:
         """Take in what came from the server, and say what is wanted."""
         now = self._clock()
-        for heard in self._link.take():
-            match heard.news:
-                case Joined():
-                    self._model.connected(heard.at)
-                case Parted(sentence):
-                    self._model.lost(sentence, heard.at)
+        for heard in self._link.take_events():
+            match heard.event:
+                case ServerReached():
+                    self._model.connected(heard.time)
+                case ServerLost(sentence):
+                    self._model.lost(sentence, heard.time)
                 case level:
-                    self._model.hear(level, heard.at)
-        self._link.want(self._model.wishes())
+                    self._model.receive(level, heard.time)
+        self._link.request(self._model.requests())
         screen = self._model.screen(now)
         if self._practice:
             text = advice(screen)
@@ -138,7 +138,7 @@ class Game(QWidget):
         self.window_of_game.close()
 
 
-class Table(QMainWindow):
+class ParticipantMainWindow(QMainWindow):
     """What the participant sits at: one page at a time.
 
     Args:
@@ -159,7 +159,7 @@ class Table(QMainWindow):
         self._say = say
         self._leaving = False
         self._offer: Offer | None = None
-        self.game: Game | None = None
+        self.game: GamePage | None = None
         self.setWindowTitle("Treasure hunt")
         self.setMinimumSize(900, 600)
         self.resize(1200, 800)
@@ -171,23 +171,23 @@ class Table(QMainWindow):
         self._pumping.timeout.connect(self._pump)
         self._pumping.start(FRAME)
 
-    def hear(self, said: FromHost) -> None:
+    def receive(self, said: FromHost) -> None:
         """The host says this."""
         match said:
             case Offer():
                 self._offer = said
                 self._show_start(said)
             case Preparing(sentence):
-                page = Connecting()
+                page = ConnectingPage()
                 page.show_waiting(sentence)
                 self._show(page)
             case Join(host, port, token, practice):
-                self.join(Link(host, port, token), practice)
+                self.join(ParticipantLink(host, port, token), practice)
 
-    def join(self, link: Link, practice: bool = False) -> None:
+    def join(self, link: ParticipantLink, practice: bool = False) -> None:
         """Sit down at a game."""
         back = None if self._say is None else self._go_back
-        game = Game(link, self._appearance, practice, back, self._clock)
+        game = GamePage(link, self._appearance, practice, back, self._clock)
         self._show(game)
         self.game = game
 
@@ -198,7 +198,7 @@ class Table(QMainWindow):
 
     def closeEvent(self, event: QCloseEvent) -> None:
         """Ask first in the middle of a game."""
-        if not self._leaving and self.game is not None and self.game.is_under_way:
+        if not self._leaving and self.game is not None and self.game.in_progress:
             event.ignore()
             self._ask_to_leave()
             return
@@ -207,7 +207,7 @@ class Table(QMainWindow):
             self.game.leave()
             self.game = None
         if self._say is not None:
-            self._say(Leave())
+            self._say(WindowClosed())
         event.accept()
         QApplication.quit()
 
@@ -232,14 +232,14 @@ class Table(QMainWindow):
 
     def _show_start(self, offer: Offer) -> None:
         page = StartPage(offer.least, offer.most, offer.usual)
-        page.start.connect(lambda robots: self._tell(Begin(robots)))
-        page.tutorial.connect(lambda: self._tell(Practise()))
+        page.start.connect(lambda robots: self._send(Begin(robots)))
+        page.tutorial.connect(lambda: self._send(Practise()))
         self._show(page)
 
     def _go_back(self) -> None:
-        self._tell(Back())
+        self._send(Back())
 
-    def _tell(self, said: FromWindow) -> None:
+    def _send(self, said: FromWindow) -> None:
         if self._say is not None:
             self._say(said)
 
@@ -260,41 +260,41 @@ class Table(QMainWindow):
             self.game.pump()
 
 
-class Host(QObject):
+class HostPipe(QObject):
     """The program that runs the games, at the other end of standard input and output."""
 
-    def __init__(self, table: Table) -> None:
+    def __init__(self, table: ParticipantMainWindow) -> None:
         super().__init__(table)
-        self._table = table
-        self._heard: deque[FromHost | None] = deque()
+        self._window = table
+        self._received: deque[FromHost | None] = deque()
         threading.Thread(target=self._listen, name="host", daemon=True).start()
         self.startTimer(FRAME)
 
     @staticmethod
-    def say(said: FromWindow) -> None:
+    def send(said: FromWindow) -> None:
         """Tell it something; when it is gone, nobody needs to know any more."""
         try:
-            sys.stdout.buffer.write(line(said))
+            sys.stdout.buffer.write(encode(said))
             sys.stdout.buffer.flush()
         except OSError:
             pass
 
     def timerEvent(self, _event: QEvent) -> None:
         """Pass on what it said."""
-        while self._heard:
-            said = self._heard.popleft()
+        while self._received:
+            said = self._received.popleft()
             if said is None:
-                self._table.leave()
+                self._window.leave()
             else:
-                self._table.hear(said)
+                self._window.receive(said)
 
     def _listen(self) -> None:
         for text in sys.stdin.buffer:
             try:
-                self._heard.append(heard_of_host(text))
+                self._received.append(decode_from_host(text))
             except msgspec.DecodeError:
                 continue
-        self._heard.append(None)
+        self._received.append(None)
 
 
 def play_at(host: str, port: int, token: str, choice: look.Choice) -> int:
@@ -302,8 +302,8 @@ def play_at(host: str, port: int, token: str, choice: look.Choice) -> int:
     app = QApplication(sys.argv[:1])
     # Python's own answer, an exception in whatever slot runs just then, Qt would only print.
     signal.signal(signal.SIGINT, lambda _number, _frame: app.quit())
-    table = Table(look.Appearance(app, choice), None)
-    table.join(Link(host, port, token))
+    table = ParticipantMainWindow(look.Appearance(app, choice), None)
+    table.join(ParticipantLink(host, port, token))
     table.show()
     return app.exec()
 
@@ -311,7 +311,7 @@ def play_at(host: str, port: int, token: str, choice: look.Choice) -> int:
 def play_hosted(choice: look.Choice) -> int:
     """Open the window for the host at standard input and output; returns when it is closed."""
     app = QApplication(sys.argv[:1])
-    table = Table(look.Appearance(app, choice), Host.say)
-    Host(table)
+    table = ParticipantMainWindow(look.Appearance(app, choice), HostPipe.send)
+    HostPipe(table)
     table.show()
     return app.exec()

@@ -28,9 +28,9 @@ NEIGHBOUR_MARGIN = 0.14
 TURNING_MARGIN = 0.08
 LATENCY = 0.02
 """Seconds from a decision to the moment it acts."""
-NEARBY = 1.5
+OBSTACLE_RANGE = 1.5
 """Metres from a robot within which it looks out for obstacles that its laser has seen."""
-EARSHOT = 2.0
+NEIGHBOUR_RANGE = 2.0
 """Metres between footprints beyond which a neighbour does not matter."""
 
 
@@ -122,7 +122,7 @@ def _toward(speed: float, wanted: float, step: float) -> float:
 
 
 @njit(cache=True)
-def stopping(
+def stopping_poses(
     x: float, y: float, theta: float, v: float, w: float, wanted_v: float, wanted_w: float, hold: float,
     acc_lim_x: float, acc_lim_theta: float,
 ) -> FloatArray:  # fmt: skip
@@ -191,7 +191,7 @@ def beside_obstacles(
     Returns:
         A window of the clearance, exact up to WALL_MARGIN, and where it lies.
     """
-    cells = math.ceil(NEARBY / frame.resolution)
+    cells = math.ceil(OBSTACLE_RANGE / frame.resolution)
     row, col = math.floor((y - frame.y) / frame.resolution), math.floor((x - frame.x) / frame.resolution)
     low, left = max(0, row - cells), max(0, col - cells)
     high, right = min(clearance.shape[0], row + cells + 1), min(clearance.shape[1], col + cells + 1)
@@ -263,7 +263,7 @@ def surroundings(
         hold: seconds from one command to the next, latency included.
     """
     x, y, theta = pose.x, pose.y, pose.theta
-    reach = EARSHOT + 2.0 * circumscribed_radius(footprint)
+    reach = NEIGHBOUR_RANGE + 2.0 * circumscribed_radius(footprint)
     near = [
         other for other in neighbours if abs(other.base_in_map.x - x) < reach and abs(other.base_in_map.y - y) < reach
     ]
@@ -317,7 +317,7 @@ def safe(
     room = wall_clearance(around.clearance, around.frame, outline, x, y, theta)
     # A hair less is allowed, or a robot close by a wall could not even drive along it.
     room = max(min(WALL_MARGIN, room) - 0.003, min(0.03, room))
-    poses = stopping(x, y, theta, v, w, wanted_v, wanted_w, hold, acc_lim_x, acc_lim_theta)
+    poses = stopping_poses(x, y, theta, v, w, wanted_v, wanted_w, hold, acc_lim_x, acc_lim_theta)
     radius = 0.0
     for i in range(footprint.shape[0]):
         radius = max(radius, math.hypot(footprint[i, 0], footprint[i, 1]))

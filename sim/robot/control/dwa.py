@@ -16,9 +16,16 @@ from numba import njit
 from sim.common.geometry import FloatArray
 from sim.parameters import DwaPlannerParameters, InflationParameters
 from sim.robot.control.braking import Surroundings
-from sim.robot.control.local_planner import Limits, SampledPlanner
-from sim.robot.control.map_grid import Grids, cells_along, grids, index_of, spread, survey
-from sim.robot.control.rollout import Body, Motion, attempt, best_safe, candidates, surely_free
+from sim.robot.control.local_planner import PlannerLimits, SampledPlanner
+from sim.robot.control.map_grid import MapGrids, cells_along, index_of, map_grids, spread, survey
+from sim.robot.control.rollout import (
+    MotionState,
+    RobotBody,
+    best_safe_command,
+    candidate_commands,
+    surely_free,
+    trajectory_cost,
+)
 from sim.robot.costmap.costs import CostFrame, Costs
 
 EPSILON = 1e-4
@@ -87,19 +94,19 @@ def _growth(v: float, critics: _Critics) -> float:
 @njit(cache=True)
 def _steps(v: float, w: float, samples: _Samples) -> int:
     """How many poses of a rollout are looked at."""
-    way, turn = abs(v) * samples.sim_time, abs(w) * samples.sim_time
-    return max(1, math.ceil(max(way / samples.granularity, turn / samples.angular_granularity)))
+    distance, turn = abs(v) * samples.sim_time, abs(w) * samples.sim_time
+    return max(1, math.ceil(max(distance / samples.granularity, turn / samples.angular_granularity)))
 
 
 @njit(cache=True)
 def _best(
-    costs: Costs, frame: CostFrame, grid: Grids, path: FloatArray, around: Surroundings, body: Body, now: Motion,
-    samples: _Samples, critics: _Critics,
+    costs: Costs, frame: CostFrame, grid: MapGrids, path: FloatArray, around: Surroundings, body: RobotBody,
+    now: MotionState, samples: _Samples, critics: _Critics,
 ) -> tuple[float, float, bool]:  # fmt: skip
     """The best safe command (v, w), and whether there is one."""
     rows, cols = costs.shape
     total = samples.v.shape[0] * samples.w.shape[0]
-    out = candidates(total)
+    out = candidate_commands(total)
     # The cells of the body at the end, and then those of the nose.
     cells = np.empty(2 * total, dtype=np.int32)
     n = 0
@@ -112,8 +119,8 @@ def _best(
             if v * samples.only_v < 0.0 or w * samples.only_w < 0.0:
                 continue
             steps = _steps(v, w, samples)
-            begin = Motion(now.x, now.y, now.theta, v, w) if samples.at_once else now
-            tried = attempt(costs, frame, begin, v, w, body, samples.sim_time, steps, steps - 1, free)
+            begin = MotionState(now.x, now.y, now.theta, v, w) if samples.at_once else now
+            tried = trajectory_cost(costs, frame, begin, v, w, body, samples.sim_time, steps, steps - 1, free)
             if not tried.legal:
                 continue
             nose_x = tried.x + critics.nose * math.cos(tried.theta)
@@ -155,7 +162,7 @@ def _best(
         left = grid.nose[nose] if grid.nose[nose] >= 0 else lost
         out.scores[i] += critics.path * grid.path[end] + critics.alignment * off
         out.scores[i] += critics.goal * (grid.goal[end] + left)
-    v, w, found = best_safe(costs, frame, out, n, around, body, now, samples.sim_time, samples.at_once)
+    v, w, found = best_safe_command(costs, frame, out, n, around, body, now, samples.sim_time, samples.at_once)
     return v, w, found
 
 
@@ -167,7 +174,7 @@ def _spaced(low: float, high: float, samples: int) -> FloatArray:
     return np.insert(speeds, np.searchsorted(speeds, 0.0), 0.0) if low < 0.0 < high and 0.0 not in speeds else speeds
 
 
-class _Oscillation:
+class _OscillationCritic:
     """Which way a robot may not go again, having just come that way (oscillation_cost_function.cpp).
 
     Args:
@@ -180,7 +187,7 @@ class _Oscillation:
         self._reset_angle = reset_angle
         self._last = [0.0, 0.0]
         self._only = [0.0, 0.0]
-        self._since = Motion(0.0, 0.0, 0.0, 0.0, 0.0)
+        self._since = MotionState(0.0, 0.0, 0.0, 0.0, 0.0)
 
     @property
     def only_v(self) -> float:
@@ -192,7 +199,7 @@ class _Oscillation:
         """The sign that w must have; 0 for either."""
         return self._only[1]
 
-    def took(self, now: Motion, v: float, w: float, least_v: float) -> None:
+    def took(self, now: MotionState, v: float, w: float, least_v: float) -> None:
         """The robot was given this command."""
         for axis, speed in enumerate((v, w if abs(v) <= least_v else 0.0)):
             sign = math.copysign(1.0, speed) if speed else 0.0
@@ -226,8 +233,8 @@ class DwaPlanner(SampledPlanner):
         period: float,
     ) -> None:
         self._parameters = parameters
-        self._grids = grids(*shape)
-        limits = Limits(
+        self._grids = map_grids(*shape)
+        limits = PlannerLimits(
             acc_lim_x=parameters.acc_lim_x,
             acc_lim_theta=parameters.acc_lim_theta,
             max_vel_theta=parameters.max_vel_theta,
@@ -251,27 +258,27 @@ class DwaPlanner(SampledPlanner):
         """Forget the path that was followed."""
         super().reset()
         wanted = self._parameters
-        self._oscillation = _Oscillation(wanted.oscillation_reset_dist, wanted.oscillation_reset_angle)
+        self._oscillation = _OscillationCritic(wanted.oscillation_reset_dist, wanted.oscillation_reset_angle)
 
     def _search(
         self,
-        now: Motion,
+        now: MotionState,
         costs: Costs,
         frame: CostFrame,
         path: FloatArray,
         greatest_v: float,
         around: Surroundings,
-        impatient: bool,
+        stalled: bool,
     ) -> tuple[float, float, bool]:
         wanted = self._parameters
-        samples = self._samples(now, greatest_v, impatient)
+        samples = self._samples(now, greatest_v, stalled)
         left = math.hypot(path[-1, 0] - now.x, path[-1, 1] - now.y)
         near = left * left <= wanted.forward_point_distance**2 * wanted.cheat_factor
         critics = _Critics(
             wanted.path_distance_bias * frame.resolution,
             0.0 if near else wanted.path_distance_bias * frame.resolution,
             wanted.goal_distance_bias * frame.resolution,
-            0.0 if impatient else wanted.occdist_scale,
+            0.0 if stalled else wanted.occdist_scale,
             wanted.sum_scores,
             wanted.twirling_scale,
             wanted.forward_point_distance,
@@ -284,7 +291,7 @@ class DwaPlanner(SampledPlanner):
             self._oscillation.took(now, v, w, wanted.min_vel_trans)
         return v, w, found
 
-    def _samples(self, now: Motion, greatest_v: float, impatient: bool) -> _Samples:
+    def _samples(self, now: MotionState, greatest_v: float, stalled: bool) -> _Samples:
         wanted = self._parameters
         reach = self._body.period if wanted.use_dwa else wanted.sim_time
         fastest = min(wanted.max_vel_x, wanted.max_vel_trans, max(greatest_v, wanted.min_vel_trans))
@@ -299,7 +306,7 @@ class DwaPlanner(SampledPlanner):
             ),
             wanted.min_vel_trans,
             # Slower than any rate: nothing is tried that stays where it is.
-            math.inf if impatient else wanted.min_vel_theta,
+            math.inf if stalled else wanted.min_vel_theta,
             self._oscillation.only_v,
             self._oscillation.only_w,
             wanted.use_dwa,

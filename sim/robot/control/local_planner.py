@@ -15,25 +15,25 @@ from sim.common.geometry import FloatArray, Pose2, wrap_angle
 from sim.common.observations import STANDSTILL, Twist
 from sim.parameters import InflationParameters
 from sim.robot.control.braking import LATENCY, Surroundings
-from sim.robot.control.rollout import COMFORT, Body, Motion, command_safe, rollout
+from sim.robot.control.rollout import COMFORT, MotionState, RobotBody, command_safe, rollout
 from sim.robot.costmap.costs import CostFrame, Costs
 from sim.robot.costmap.footprint import outline, pad, radii
 
-TURN_FIRST = 1.0
+TURN_IN_PLACE = 1.0
 """Radians off the path beyond which a robot turns in place, and TURNED within which it sets out."""
 TURNED = 0.3
 OUTLINE_SPACING = 0.1
-PATIENCE = 3.0
+STALL_TIMEOUT = 3.0
 """Seconds of driving without getting GETTING_ON metres on, after which only collisions count of the obstacles."""
-GETTING_ON = 0.3
-GOT_ON = 1.0
+STALL_DISTANCE = 0.3
+FREE_AGAIN_DISTANCE = 1.0
 """Metres after which their costs count again."""
-THINNEST = 0.05
+MIN_ARC_RADIUS = 0.05
 """Metres: thinner robots, points even, back up in arcs as one of this radius does."""
 
 
 @dataclass(frozen=True, slots=True)
-class Drive:
+class PlannedCommand:
     """A command, and what came of the search for it.
 
     Attributes:
@@ -48,7 +48,7 @@ class Drive:
 
 
 @dataclass(frozen=True, slots=True)
-class Limits:
+class PlannerLimits:
     """What the navigator, and the manoeuvres that all planners share, need to know of a planner's parameters.
 
     Attributes:
@@ -99,7 +99,7 @@ class LocalPlanner(Protocol):
     """Chooses commands for one robot, each of which leaves room to stop."""
 
     @property
-    def limits(self) -> Limits:
+    def limits(self) -> PlannerLimits:
         """Its parameters, as far as others need them."""
         ...
 
@@ -115,11 +115,11 @@ class LocalPlanner(Protocol):
         """Whether a command leaves room to stop."""
         ...
 
-    def turn(self, pose: Pose2, twist: Twist, heading: float, around: Surroundings) -> Drive:
+    def turn(self, pose: Pose2, twist: Twist, heading: float, around: Surroundings) -> PlannedCommand:
         """Turn in place toward a heading, the other way round if something is near; slower as it gets there."""
         ...
 
-    def escape(self, pose: Pose2, twist: Twist, around: Surroundings) -> Drive:
+    def escape(self, pose: Pose2, twist: Twist, around: Surroundings) -> PlannedCommand:
         """Drive slowly backwards, in an arc if need be, or where there is no room behind forwards, if that is safe."""
         ...
 
@@ -132,7 +132,7 @@ class LocalPlanner(Protocol):
         path: FloatArray,
         slow_down: float,
         around: Surroundings,
-    ) -> Drive:
+    ) -> PlannedCommand:
         """The command that leads along a path.
 
         Args:
@@ -157,10 +157,12 @@ class SampledPlanner(ABC):
         period: seconds from one command to the next.
     """
 
-    def __init__(self, limits: Limits, footprint: FloatArray, inflation: InflationParameters, period: float) -> None:
+    def __init__(
+        self, limits: PlannerLimits, footprint: FloatArray, inflation: InflationParameters, period: float
+    ) -> None:
         inscribed, circumscribed = radii(footprint)
         self._limits = limits
-        self._body = Body(
+        self._body = RobotBody(
             footprint,
             pad(footprint, COMFORT),
             outline(footprint, OUTLINE_SPACING),
@@ -176,7 +178,7 @@ class SampledPlanner(ABC):
         self.reset()
 
     @property
-    def limits(self) -> Limits:
+    def limits(self) -> PlannerLimits:
         """Its parameters, as far as others need them."""
         return self._limits
 
@@ -186,29 +188,29 @@ class SampledPlanner(ABC):
         self._side = 0.0
         self._turned_at: Pose2 | None = None
         self._barred: tuple[float, ...] = ()
-        self._leaving = self._limits.escape_vel
+        self._escape_speed = self._limits.escape_vel
         self._mark: Pose2 | None = None
-        self._slow_for = 0.0
+        self._stalled_for = 0.0
 
     def turn_first(self) -> None:
         """Turn to the path before setting out again."""
         self._turning = True
-        self._leaving = self._limits.escape_vel
+        self._escape_speed = self._limits.escape_vel
 
     def safe(self, pose: Pose2, twist: Twist, command: Twist, around: Surroundings) -> bool:
         """Whether a command leaves room to stop."""
         return bool(command_safe(around, self._body, _motion(pose, twist), command.linear, command.angular))
 
-    def turn(self, pose: Pose2, twist: Twist, heading: float, around: Surroundings) -> Drive:
+    def turn(self, pose: Pose2, twist: Twist, heading: float, around: Surroundings) -> PlannedCommand:
         """Turn in place toward a heading, the other way round if something is near; slower as it gets there."""
         if abs(twist.linear) > 0.1:
-            return Drive(STANDSTILL, self._preview(pose, twist, STANDSTILL), False)
+            return PlannedCommand(STANDSTILL, self._preview(pose, twist, STANDSTILL), False)
         limits = self._limits
         difference = wrap_angle(heading - pose.theta)
         speed = min(limits.max_vel_theta, max(limits.min_in_place_vel_theta, abs(difference)))
         if self._turned_at is None or self._turned_at.distance(pose) > limits.oscillation_reset_dist:
             self._turned_at, self._side, self._barred = pose, 0.0, ()
-        if self._side == 0.0 or abs(difference) < TURN_FIRST:
+        if self._side == 0.0 or abs(difference) < TURN_IN_PLACE:
             self._side = math.copysign(1.0, difference)
         # Having begun to turn the long way round, go on with it; and a side that something bars stays barred here, or
         # the robot would turn to and fro between two obstacles.
@@ -218,22 +220,22 @@ class SampledPlanner(ABC):
             command = Twist(0.0, side * speed)
             if self.safe(pose, twist, command, around):
                 self._side = side
-                return Drive(command, self._preview(pose, twist, command), False)
+                return PlannedCommand(command, self._preview(pose, twist, command), False)
             self._barred = (*self._barred, side)
-        return Drive(STANDSTILL, self._preview(pose, twist, STANDSTILL), True)
+        return PlannedCommand(STANDSTILL, self._preview(pose, twist, STANDSTILL), True)
 
-    def escape(self, pose: Pose2, twist: Twist, around: Surroundings) -> Drive:
+    def escape(self, pose: Pose2, twist: Twist, around: Surroundings) -> PlannedCommand:
         """Drive slowly backwards, in an arc if need be, or where there is no room behind forwards, if that is safe."""
         # Having turned round before an obstacle, do not go back to it.
-        for speed in (self._leaving, -self._leaving):
+        for speed in (self._escape_speed, -self._escape_speed):
             # Beside a corner, which straight on would come nearer, an arc may lead away from it.
-            arc = 2.0 * speed / max(self._body.circumscribed, THINNEST)
+            arc = 2.0 * speed / max(self._body.circumscribed, MIN_ARC_RADIUS)
             for turn in (0.0, arc, -arc):
                 command = Twist(speed, turn)
                 if self.safe(pose, twist, command, around):
-                    self._leaving = speed
-                    return Drive(command, self._preview(pose, twist, command), False)
-        return Drive(STANDSTILL, self._preview(pose, twist, STANDSTILL), True)
+                    self._escape_speed = speed
+                    return PlannedCommand(command, self._preview(pose, twist, command), False)
+        return PlannedCommand(STANDSTILL, self._preview(pose, twist, STANDSTILL), True)
 
     def follow(
         self,
@@ -244,31 +246,31 @@ class SampledPlanner(ABC):
         path: FloatArray,
         slow_down: float,
         around: Surroundings,
-    ) -> Drive:
+    ) -> PlannedCommand:
         """The command that leads along a path; see LocalPlanner."""
         heading, to_end = _toward(path, pose.x, pose.y, self._limits.heading_lookahead)
         off = abs(wrap_angle(heading - pose.theta))
-        self._turning = off > (TURNED if self._turning else TURN_FIRST)
+        self._turning = off > (TURNED if self._turning else TURN_IN_PLACE)
         if self._turning:
             return self.turn(pose, twist, heading, around)
         if self._turned_at is not None and self._turned_at.distance(pose) > self._limits.oscillation_reset_dist:
             self._side, self._turned_at = 0.0, None
         greatest = to_end / slow_down
-        impatient = self._impatient(pose)
-        v, w, found = self._search(_motion(pose, twist), costs, frame, path, greatest, around, impatient)
+        stalled = self._is_stalled(pose)
+        v, w, found = self._search(_motion(pose, twist), costs, frame, path, greatest, around, stalled)
         command = Twist(v, w)
-        return Drive(command, self._preview(pose, twist, command), not found)
+        return PlannedCommand(command, self._preview(pose, twist, command), not found)
 
     @abstractmethod
     def _search(
         self,
-        now: Motion,
+        now: MotionState,
         costs: Costs,
         frame: CostFrame,
         path: FloatArray,
         greatest_v: float,
         around: Surroundings,
-        impatient: bool,
+        stalled: bool,
     ) -> tuple[float, float, bool]:
         """The best safe command (v, w), and whether there is one.
 
@@ -282,31 +284,31 @@ class SampledPlanner(ABC):
             impatient: whether obstacles count only where they are hit, and standing is no choice.
         """
 
-    def _impatient(self, pose: Pose2) -> bool:
+    def _is_stalled(self, pose: Pose2) -> bool:
         """Whether the robot has driven for long without getting on.
 
         ROS's planners can find it best to turn to and fro for ever, or to stand, where all that leads on has a cost.
         """
-        impatient = self._slow_for > PATIENCE
-        if self._mark is None or self._mark.distance(pose) > (GOT_ON if impatient else GETTING_ON):
-            self._mark, self._slow_for = pose, 0.0
-        self._slow_for += self._body.period
-        return impatient
+        stalled = self._stalled_for > STALL_TIMEOUT
+        if self._mark is None or self._mark.distance(pose) > (FREE_AGAIN_DISTANCE if stalled else STALL_DISTANCE):
+            self._mark, self._stalled_for = pose, 0.0
+        self._stalled_for += self._body.period
+        return stalled
 
     def _preview(self, pose: Pose2, twist: Twist, command: Twist) -> FloatArray:
         time, granularity = self._limits.sim_time, self._limits.sim_granularity
         # A turn of the body is as long as the way of a corner.
-        way = abs(command.linear) + abs(command.angular) * self._body.circumscribed
+        arc = abs(command.linear) + abs(command.angular) * self._body.circumscribed
         poses: FloatArray = rollout(
             _motion(pose, twist),
             command.linear,
             command.angular,
             self._body,
             time,
-            max(1, round(way * time / granularity)),
+            max(1, round(arc * time / granularity)),
         )
         return poses
 
 
-def _motion(pose: Pose2, twist: Twist) -> Motion:
-    return Motion(pose.x, pose.y, pose.theta, twist.linear, twist.angular)
+def _motion(pose: Pose2, twist: Twist) -> MotionState:
+    return MotionState(pose.x, pose.y, pose.theta, twist.linear, twist.angular)

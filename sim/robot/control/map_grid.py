@@ -23,7 +23,7 @@ OPEN = -1
 CLOSED = -2
 
 
-class Grids(NamedTuple):
+class MapGrids(NamedTuple):
     """Room to work in, for a costmap of (rows, cols).
 
     Attributes:
@@ -43,11 +43,11 @@ class Grids(NamedTuple):
     wanted: NDArray[np.bool_]
 
 
-def grids(rows: int, cols: int) -> Grids:
+def map_grids(rows: int, cols: int) -> MapGrids:
     """Room for a costmap of this size."""
     size = (rows + 2) * (cols + 2)
     terrain, path, goal, nose, queue = (np.empty(size, dtype=np.int32) for _ in range(5))
-    return Grids(terrain, path, goal, nose, queue, np.zeros(size, dtype=np.bool_))
+    return MapGrids(terrain, path, goal, nose, queue, np.zeros(size, dtype=np.bool_))
 
 
 @njit(cache=True)
@@ -113,7 +113,7 @@ def cells_along(costs: Costs, frame: CostFrame, path: FloatArray) -> Steps:
 
 
 @njit(cache=True)
-def spread(grid: Grids, cols: int, seeds: Steps, looked_at: Steps, steps: Steps) -> None:
+def spread(grid: MapGrids, cols: int, seeds: Steps, queried: Steps, steps: Steps) -> None:
     """Count the steps from the nearest seed.
 
     Args:
@@ -126,12 +126,12 @@ def spread(grid: Grids, cols: int, seeds: Steps, looked_at: Steps, steps: Steps)
     steps[:] = grid.terrain
     wanted, queue = grid.wanted, grid.queue
     left = 0
-    for i in range(looked_at.shape[0]):
-        cell = looked_at[i]
+    for i in range(queried.shape[0]):
+        cell = queried[i]
         if cell >= 0 and not wanted[cell] and steps[cell] == OPEN:
             wanted[cell] = True
             left += 1
-    if looked_at.shape[0] == 0:
+    if queried.shape[0] == 0:
         left = steps.shape[0]
     end = 0
     for i in range(seeds.shape[0]):
@@ -154,6 +154,6 @@ def spread(grid: Grids, cols: int, seeds: Steps, looked_at: Steps, steps: Steps)
                 end += 1
                 if wanted[side]:
                     left -= 1
-    for i in range(looked_at.shape[0]):
-        if looked_at[i] >= 0:
-            wanted[looked_at[i]] = False
+    for i in range(queried.shape[0]):
+        if queried[i] >= 0:
+            wanted[queried[i]] = False

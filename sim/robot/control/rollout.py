@@ -16,7 +16,7 @@ COMFORT = 0.1
 """Metres that a trajectory keeps from obstacles where it can: a robot too near a corner cannot turn."""
 
 
-class Motion(NamedTuple):
+class MotionState(NamedTuple):
     """Where a robot is in the map and how it moves: metres, radians, m/s, rad/s."""
 
     x: float
@@ -26,7 +26,7 @@ class Motion(NamedTuple):
     w: float
 
 
-class Body(NamedTuple):
+class RobotBody(NamedTuple):
     """What a planner knows of the robot, in the form that compiled kernels take.
 
     Attributes:
@@ -53,7 +53,7 @@ class Body(NamedTuple):
     hold: float
 
 
-class Trial(NamedTuple):
+class TrajectoryCost(NamedTuple):
     """What comes of a command.
 
     Attributes:
@@ -74,7 +74,7 @@ class Trial(NamedTuple):
 
 
 @njit(cache=True)
-def surely_free(body: Body, scale: float) -> int:
+def surely_free(body: RobotBody, scale: float) -> int:
     """The cost under the centre below which a footprint grown by `scale` and COMFORT touches nothing as it turns."""
     radius = body.circumscribed * scale + 1.5 * COMFORT
     if radius >= body.inflation_radius:
@@ -83,7 +83,9 @@ def surely_free(body: Body, scale: float) -> int:
 
 
 @njit(cache=True)
-def rollout(now: Motion, wanted_v: float, wanted_w: float, body: Body, sim_time: float, steps: int) -> FloatArray:
+def rollout(
+    now: MotionState, wanted_v: float, wanted_w: float, body: RobotBody, sim_time: float, steps: int
+) -> FloatArray:
     """(steps, 3) poses that a command leads through, the present one first."""
     out = np.empty((steps, 3))
     dt = sim_time / steps
@@ -106,10 +108,10 @@ def rollout(now: Motion, wanted_v: float, wanted_w: float, body: Body, sim_time:
 
 
 @njit(cache=True)
-def attempt(
-    costs: Costs, frame: CostFrame, now: Motion, wanted_v: float, wanted_w: float, body: Body, sim_time: float,
-    steps: int, scored: int, free: int,
-) -> Trial:  # fmt: skip
+def trajectory_cost(
+    costs: Costs, frame: CostFrame, now: MotionState, wanted_v: float, wanted_w: float, body: RobotBody,
+    sim_time: float, steps: int, scored: int, free: int,
+) -> TrajectoryCost:  # fmt: skip
     """Follow a command step by step as `rollout` does, and look at the costs under the centre.
 
     Args:
@@ -135,12 +137,12 @@ def attempt(
     for i in range(steps):
         row, col = math.floor((y - frame.y) * per_cell), math.floor((x - frame.x) * per_cell)
         if row < 0 or col < 0 or row >= rows or col >= cols:
-            return Trial(False, worst, total, doubtful, x, y, theta)
+            return TrajectoryCost(False, worst, total, doubtful, x, y, theta)
         cost = costs[row, col]
         # Where the robot stands already, nothing can be done about it.
         if i > 0 and cost >= free:
             if cost >= INSCRIBED:
-                return Trial(False, worst, total, doubtful, x, y, theta)
+                return TrajectoryCost(False, worst, total, doubtful, x, y, theta)
             doubtful = True
         worst = max(worst, float(cost))
         total += cost
@@ -155,7 +157,7 @@ def attempt(
             turning = w * dt
             turn_cos, turn_sin = math.cos(turning), math.sin(turning)
         cos, sin = cos * turn_cos - sin * turn_sin, sin * turn_cos + cos * turn_sin
-    return Trial(True, worst, total, doubtful, scored_x, scored_y, scored_theta)
+    return TrajectoryCost(True, worst, total, doubtful, scored_x, scored_y, scored_theta)
 
 
 @njit(cache=True)
@@ -170,7 +172,7 @@ def outline_free(costs: Costs, frame: CostFrame, footprint: FloatArray, poses: F
 
 
 @njit(cache=True)
-def comfortable(costs: Costs, frame: CostFrame, body: Body, poses: FloatArray, free: int) -> bool:
+def comfortable(costs: Costs, frame: CostFrame, body: RobotBody, poses: FloatArray, free: int) -> bool:
     """The same for the footprint with COMFORT around it; where that would leave the costmap, it is not looked at."""
     rows, cols = costs.shape
     rim = (body.circumscribed + 1.5 * COMFORT) / frame.resolution + 1.0
@@ -186,7 +188,7 @@ def comfortable(costs: Costs, frame: CostFrame, body: Body, poses: FloatArray, f
 
 
 @njit(cache=True)
-def command_safe(around: Surroundings, body: Body, now: Motion, wanted_v: float, wanted_w: float) -> bool:
+def command_safe(around: Surroundings, body: RobotBody, now: MotionState, wanted_v: float, wanted_w: float) -> bool:
     """Whether a command leaves room to stop (`sim.robot.control.braking.safe`)."""
     result: bool = safe(
         around, body.footprint, body.outline, now.x, now.y, now.theta, now.v, now.w, wanted_v, wanted_w, body.hold,
@@ -195,7 +197,7 @@ def command_safe(around: Surroundings, body: Body, now: Motion, wanted_v: float,
     return result
 
 
-class Candidates(NamedTuple):
+class CandidateCommands(NamedTuple):
     """Commands that were tried, n of them in the first places of each array.
 
     Attributes:
@@ -214,9 +216,9 @@ class Candidates(NamedTuple):
 
 
 @njit(cache=True)
-def candidates(room: int) -> Candidates:
+def candidate_commands(room: int) -> CandidateCommands:
     """Room for so many commands."""
-    return Candidates(
+    return CandidateCommands(
         np.empty((room, 2)),
         np.empty(room),
         np.empty(room, dtype=np.int64),
@@ -226,9 +228,9 @@ def candidates(room: int) -> Candidates:
 
 
 @njit(cache=True)
-def best_safe(
-    costs: Costs, frame: CostFrame, tried: Candidates, n: int, around: Surroundings, body: Body, now: Motion,
-    sim_time: float, at_once: bool,
+def best_safe_command(
+    costs: Costs, frame: CostFrame, tried: CandidateCommands, n: int, around: Surroundings, body: RobotBody,
+    now: MotionState, sim_time: float, at_once: bool,
 ) -> tuple[float, float, bool]:  # fmt: skip
     """The best of n commands that is free and safe (v, w), and whether there is one.
 
@@ -259,7 +261,7 @@ def best_safe(
         v, w = tried.commands[best]
         near = False
         if tried.doubtful[best]:
-            begin = Motion(now.x, now.y, now.theta, v, w) if at_once else now
+            begin = MotionState(now.x, now.y, now.theta, v, w) if at_once else now
             poses = rollout(begin, v, w, body, sim_time, tried.steps[best])
             free = surely_free(body, tried.growth[best])
             if not outline_free(costs, frame, tried.growth[best] * body.footprint, poses, free):

@@ -17,14 +17,21 @@ from numba import njit
 from sim.common.geometry import FloatArray, wrap_angle
 from sim.parameters import InflationParameters, TrajectoryPlannerParameters
 from sim.robot.control.braking import Surroundings
-from sim.robot.control.local_planner import Limits, SampledPlanner
-from sim.robot.control.map_grid import Grids, cells_along, grids, index_of, spread, survey
-from sim.robot.control.rollout import Body, Motion, attempt, best_safe, candidates, surely_free
+from sim.robot.control.local_planner import PlannerLimits, SampledPlanner
+from sim.robot.control.map_grid import MapGrids, cells_along, index_of, map_grids, spread, survey
+from sim.robot.control.rollout import (
+    MotionState,
+    RobotBody,
+    best_safe_command,
+    candidate_commands,
+    surely_free,
+    trajectory_cost,
+)
 from sim.robot.costmap.costs import INSCRIBED, CostFrame, Costs
 
 HEADING_SCALE = 0.3
 """Weight of a radian off the path in heading scoring; fixed in ROS, too."""
-STANDS = 1e-3
+STANDSTILL_SPEED = 1e-3
 """Metres a second below which a command does not lead on."""
 
 
@@ -65,8 +72,8 @@ def _steps(v: float, w: float, samples: _Samples, by_time: bool) -> int:
     """How many poses of a rollout are looked at."""
     if by_time:
         return max(1, int(samples.sim_time / samples.granularity + 0.5))
-    way = abs(v) * samples.sim_time / samples.granularity
-    return max(1, int(max(way, abs(w) / samples.angular_granularity) + 0.5))
+    along = abs(v) * samples.sim_time / samples.granularity
+    return max(1, int(max(along, abs(w) / samples.angular_granularity) + 0.5))
 
 
 @njit(cache=True)
@@ -93,15 +100,15 @@ def _heading_off(costs: Costs, frame: CostFrame, path: FloatArray, x: float, y: 
 
 @njit(cache=True)
 def _best(
-    costs: Costs, frame: CostFrame, grid: Grids, path: FloatArray, around: Surroundings, body: Body, now: Motion,
-    samples: _Samples, weights: _Weights,
+    costs: Costs, frame: CostFrame, grid: MapGrids, path: FloatArray, around: Surroundings, body: RobotBody,
+    now: MotionState, samples: _Samples, weights: _Weights,
 ) -> tuple[float, float, bool]:  # fmt: skip
     """The best safe command (v, w), and whether there is one."""
     cols = costs.shape[1]
     by_time = weights.heading_time >= 0.0
     free = surely_free(body, 1.0)
     total = samples.vx_samples * (samples.vtheta_samples + 1)
-    out = candidates(total)
+    out = candidate_commands(total)
     ends = np.empty((total, 3))
     cells = np.empty(total, dtype=np.int32)
     n = 0
@@ -110,13 +117,13 @@ def _best(
         for j in range(-1, samples.vtheta_samples):
             share = j / max(1, samples.vtheta_samples - 1)
             w = 0.0 if j < 0 else samples.lowest_w + (samples.highest_w - samples.lowest_w) * share
-            if abs(v) < STANDS and not (samples.standing and abs(w) >= samples.least_in_place):
+            if abs(v) < STANDSTILL_SPEED and not (samples.standing and abs(w) >= samples.least_in_place):
                 continue
             steps = _steps(v, w, samples, by_time)
             scored = steps - 1
             if by_time:
                 scored = min(scored, math.ceil(weights.heading_time * steps / samples.sim_time))
-            tried = attempt(costs, frame, now, v, w, body, samples.sim_time, steps, scored, free)
+            tried = trajectory_cost(costs, frame, now, v, w, body, samples.sim_time, steps, scored, free)
             if tried.legal:
                 out.commands[n, 0], out.commands[n, 1] = v, w
                 ends[n, 0], ends[n, 1], ends[n, 2] = tried.x, tried.y, tried.theta
@@ -141,7 +148,7 @@ def _best(
             out.scores[i] += weights.path * grid.path[cells[i]] + weights.goal * grid.goal[cells[i]]
         if by_time:
             out.scores[i] += HEADING_SCALE * _heading_off(costs, frame, path, x, y, theta)
-    v, w, found = best_safe(costs, frame, out, n, around, body, now, samples.sim_time, False)
+    v, w, found = best_safe_command(costs, frame, out, n, around, body, now, samples.sim_time, False)
     return v, w, found
 
 
@@ -164,7 +171,7 @@ class TrajectoryPlanner(SampledPlanner):
         shape: tuple[int, int],
         period: float,
     ) -> None:
-        limits = Limits(
+        limits = PlannerLimits(
             acc_lim_x=parameters.acc_lim_x,
             acc_lim_theta=parameters.acc_lim_theta,
             max_vel_theta=parameters.max_vel_theta,
@@ -185,17 +192,17 @@ class TrajectoryPlanner(SampledPlanner):
         )
         super().__init__(limits, footprint, inflation, period)
         self._parameters = parameters
-        self._grids = grids(*shape)
+        self._grids = map_grids(*shape)
 
     def _search(
         self,
-        now: Motion,
+        now: MotionState,
         costs: Costs,
         frame: CostFrame,
         path: FloatArray,
         greatest_v: float,
         around: Surroundings,
-        impatient: bool,
+        stalled: bool,
     ) -> tuple[float, float, bool]:
         wanted = self._parameters
         reach = self._body.period if wanted.dwa else wanted.sim_time
@@ -208,7 +215,7 @@ class TrajectoryPlanner(SampledPlanner):
             wanted.vx_samples,
             wanted.vtheta_samples,
             wanted.min_in_place_vel_theta,
-            not impatient,
+            not stalled,
             wanted.sim_time,
             wanted.sim_granularity,
             wanted.angular_sim_granularity,
@@ -218,7 +225,7 @@ class TrajectoryPlanner(SampledPlanner):
         weights = _Weights(
             0.0 if wanted.simple_attractor else wanted.path_distance_bias * per_cell,
             wanted.goal_distance_bias * per_cell,
-            0.0 if impatient else wanted.occdist_scale,
+            0.0 if stalled else wanted.occdist_scale,
             wanted.heading_scoring_timestep if wanted.heading_scoring else -1.0,
             wanted.simple_attractor,
         )

@@ -16,13 +16,13 @@ from sim.parameters import CostmapParameters, LocalCostmapParameters
 from sim.robot.costmap.costs import CostFrame, Costs, Window
 from sim.robot.costmap.footprint import of_radius, pad, radii
 from sim.robot.costmap.inflation import InflationLayer
-from sim.robot.costmap.layered import Layer, LayeredCostmap
+from sim.robot.costmap.layered import CostmapLayer, LayeredCostmap
 from sim.robot.costmap.obstacle import ObstacleLayer
 from sim.robot.costmap.robots import RobotsLayer
 from sim.robot.costmap.static import StaticLayer
 
 
-class Look(NamedTuple):
+class CostmapObservation(NamedTuple):
     """A scan, and what must be known to make use of it.
 
     Attributes:
@@ -81,7 +81,7 @@ class Costmap2D:
         self._clear_ticks = round(TICKS_PER_SECOND / parameters.update_frequency)
         static = StaticLayer(parameters.static_layer, grid)
         inflation = InflationLayer(parameters.inflation_layer, grid.resolution, self.inscribed_radius)
-        layers: tuple[tuple[Layer, bool], ...] = (
+        layers: tuple[tuple[CostmapLayer, bool], ...] = (
             (static, parameters.static_layer.enabled),
             (self._obstacles, parameters.obstacle_layer.enabled),
             (self._robots, parameters.robots_layer.enabled),
@@ -90,7 +90,7 @@ class Costmap2D:
         self._layers = [layer for layer, enabled in layers if enabled]
         self._layered = self._empty(self._layers)
 
-    def _empty(self, layers: Sequence[Layer]) -> LayeredCostmap:
+    def _empty(self, layers: Sequence[CostmapLayer]) -> LayeredCostmap:
         """A costmap of this one's size, of which nothing is written yet."""
         return LayeredCostmap(self._grid, layers, self._shape, self._parameters.track_unknown_space)
 
@@ -138,13 +138,13 @@ class Costmap2D:
         self._obstacles.observe(base_in_map, scan, discs, clears)
 
     @property
-    def explains_within(self) -> float:
+    def explained_range(self) -> float:
         """Metres from the laser beyond which no disc explains a reading that would mark."""
-        return self._obstacles.explains_within
+        return self._obstacles.explained_range
 
-    def see(self, neighbours: Sequence[Neighbour]) -> None:
+    def update_neighbours(self, neighbours: Sequence[Neighbour]) -> None:
         """Take in what the others said last."""
-        self._robots.see(neighbours)
+        self._robots.update_neighbours(neighbours)
 
     def clear(self) -> None:
         """Forget what the laser has seen (move_base's clear_costmap_recovery)."""
@@ -172,21 +172,21 @@ class Costmap2D:
         """(rows, cols) what the costs would be if the other robots were not there."""
         return self._composed([layer for layer in self._layers if layer is not self._robots])
 
-    def unseen(self) -> Costs:
+    def without_observations(self) -> Costs:
         """(rows, cols) what the costs would be if moreover the laser had seen nothing."""
         blank = self._obstacles.copied()
         blank.clear()
         layers = [blank if layer is self._obstacles else layer for layer in self._layers]
         return self._composed([layer for layer in layers if layer is not self._robots])
 
-    def _composed(self, layers: Sequence[Layer]) -> Costs:
+    def _composed(self, layers: Sequence[CostmapLayer]) -> Costs:
         composed = self._empty(layers)
         composed.origin = self._layered.origin
         composed.write((composed.window,))
         return composed.costs
 
     def as_updated(
-        self, x: float, y: float, neighbours: Sequence[Neighbour], unseen: Look | None = None
+        self, x: float, y: float, neighbours: Sequence[Neighbour], pending: CostmapObservation | None = None
     ) -> tuple[Costs, CostFrame]:
         """What the costs would be, and where they would lie, after an update now; nothing of the costmap changes.
 
@@ -200,14 +200,14 @@ class Costmap2D:
         """
         robots = RobotsLayer(self._parameters.robots_layer, self._grid)
         obstacles = self._obstacles.copied()
-        instead: dict[Layer, Layer] = {self._robots: robots, self._obstacles: obstacles}
+        instead: dict[CostmapLayer, CostmapLayer] = {self._robots: robots, self._obstacles: obstacles}
         layers = [instead.get(layer, layer) for layer in self._layers]
         updated = self._empty(layers)
         updated.roll(x, y)
-        robots.see(neighbours if self._shape is None else robots.reaching(updated.window, neighbours))
+        robots.update_neighbours(neighbours if self._shape is None else robots.reaching(updated.window, neighbours))
         obstacles.roll(updated.origin)
-        if unseen is not None:
-            obstacles.observe(*unseen)
+        if pending is not None:
+            obstacles.observe(*pending)
         updated.write((updated.window,))
         return updated.costs, updated.frame
 

@@ -20,7 +20,7 @@ INSCRIBED = 253
 LETHAL = 254
 UNKNOWN = 255
 
-MOST_CHANGES = 100
+MAX_CHANGES = 100
 """Windows that are kept apart."""
 
 
@@ -91,7 +91,7 @@ class Changes:
     def add(self, window: Window) -> None:
         """One more."""
         self._windows.append(window)
-        if len(self._windows) > MOST_CHANGES:
+        if len(self._windows) > MAX_CHANGES:
             # Nobody asks; one window around all of them is enough to know.
             self._windows = [functools.reduce(Window.union, self._windows)]
 

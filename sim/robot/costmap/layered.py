@@ -19,7 +19,7 @@ from sim.common.grid import OccupancyGrid
 from sim.robot.costmap.costs import FREE, UNKNOWN, CostFrame, Costs, Window
 
 
-class Layer(Protocol):
+class CostmapLayer(Protocol):
     """One kind of knowledge about costs. Windows are in cells of the static map, also outside of it."""
 
     def bounds(self) -> tuple[Window, ...]:
@@ -94,7 +94,7 @@ class LayeredCostmap:
     def __init__(
         self,
         grid: OccupancyGrid,
-        layers: Sequence[Layer],
+        layers: Sequence[CostmapLayer],
         shape: tuple[int, int] | None = None,
         track_unknown_space: bool = False,
     ) -> None:

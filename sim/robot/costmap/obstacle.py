@@ -47,7 +47,7 @@ class Sweep(NamedTuple):
     rays: FloatArray
 
 
-class Explanation(NamedTuple):
+class KnownObstacles(NamedTuple):
     """What is known to stand around, near which readings do not mark.
 
     Attributes:
@@ -159,7 +159,12 @@ def _clear_between_beams(
 
 @njit(cache=True)
 def _mark(
-    marks: Costs, frame: CostFrame, sweep: Sweep, obstacle_range: float, known: Explanation, changed: NDArray[np.int64]
+    marks: Costs,
+    frame: CostFrame,
+    sweep: Sweep,
+    obstacle_range: float,
+    known: KnownObstacles,
+    changed: NDArray[np.int64],
 ) -> bool:
     """Make the cells lethal in which beams end nearer than obstacle_range, where nothing known explains it.
 
@@ -278,7 +283,7 @@ class ObstacleLayer:
         return Window(row, col, row + self._marks.shape[0], col + self._marks.shape[1])
 
     @property
-    def explains_within(self) -> float:
+    def explained_range(self) -> float:
         """Metres from the laser beyond which no disc explains a reading that would mark."""
         marking = (self._obstacle_range(source) for source in self._parameters.observation_sources if source.marking)
         return max(marking, default=0.0) + self._parameters.explained_distance
@@ -318,7 +323,7 @@ class ObstacleLayer:
             mount.range_min,
             mount.range_max,
         )
-        known = Explanation(self._parameters.explained_distance, self._wall_distance, row, col, discs)
+        known = KnownObstacles(self._parameters.explained_distance, self._wall_distance, row, col, discs)
         changed = np.array([*self._marks.shape, -1, -1], dtype=np.int64)
         for source in self._parameters.observation_sources:
             if source.clearing and clears:

@@ -15,7 +15,7 @@ from sim.robot.costmap.costs import UNKNOWN, Changes, CostFrame, Costs, Window
 from sim.robot.costmap.footprint import circumscribed_radius, in_cells
 from sim.robot.costmap.lines import line
 
-STIR = 0.05
+MIN_MOTION = 0.05
 """Metres (and 0.1 rad for each) below which a change of pose is not worth an update."""
 
 
@@ -62,7 +62,7 @@ def _outline(
     return corners, _around(corners)
 
 
-def meeting(
+def neighbours_reaching(
     neighbours: Sequence[Neighbour], left: float, low: float, right: float, high: float
 ) -> list[tuple[Neighbour, float]]:
     """The neighbours of which something may lie in a rectangle of the map, with their circumscribed radii, metres."""
@@ -83,7 +83,7 @@ def meeting(
 
 
 @dataclass(frozen=True, slots=True, eq=False)
-class _Seen:
+class _DrawnRobot:
     """One robot as it was heard: its pose; corners and path, as columns and rows in the map; the window around both."""
 
     x: float
@@ -105,23 +105,23 @@ class RobotsLayer:
     def __init__(self, parameters: RobotsParameters, grid: OccupancyGrid) -> None:
         self._parameters = parameters
         self._frame = CostFrame(grid.origin.x, grid.origin.y, grid.resolution)
-        self._seen: dict[int, _Seen] = {}
+        self._seen: dict[int, _DrawnRobot] = {}
         self._changes = Changes()
 
-    def see(self, neighbours: Sequence[Neighbour]) -> None:
+    def update_neighbours(self, neighbours: Sequence[Neighbour]) -> None:
         """Take in what the others said last; those not among them are gone."""
-        heard = set()
+        received = set()
         for neighbour in neighbours:
             if not self._parameters.under_way and len(neighbour.times):
                 continue
-            heard.add(neighbour.robot)
+            received.add(neighbour.robot)
             seen = self._seen.get(neighbour.robot)
-            if seen is not None and self._stirs_not(seen, neighbour):
+            if seen is not None and self._moved_too_little(seen, neighbour):
                 continue
             self._forget(neighbour.robot)
             self._seen[neighbour.robot] = seen = self._drawn(neighbour)
             self._changes.add(seen.window)
-        for robot in [robot for robot in self._seen if robot not in heard]:
+        for robot in [robot for robot in self._seen if robot not in received]:
             self._forget(robot)
 
     def reaching(self, window: Window, neighbours: Sequence[Neighbour]) -> Sequence[Neighbour]:
@@ -132,14 +132,14 @@ class RobotsLayer:
         frame = self._frame
         left, right = frame.x + window.col * frame.resolution, frame.x + window.col_end * frame.resolution
         low, high = frame.y + window.row * frame.resolution, frame.y + window.row_end * frame.resolution
-        return [other for other, _ in meeting(neighbours, left, low, right, high)]
+        return [other for other, _ in neighbours_reaching(neighbours, left, low, right, high)]
 
-    def _stirs_not(self, seen: _Seen, neighbour: Neighbour) -> bool:
+    def _moved_too_little(self, seen: _DrawnRobot, neighbour: Neighbour) -> bool:
         pose = neighbour.base_in_map
         moved = math.hypot(pose.x - seen.x, pose.y - seen.y)
         turned = abs(math.remainder(pose.theta - seen.theta, math.tau))
         same_path = self._parameters.path_length == 0.0 or np.array_equal(seen.path, self._path_ahead(neighbour))
-        return moved < STIR and turned < 2 * STIR and same_path
+        return moved < MIN_MOTION and turned < 2 * MIN_MOTION and same_path
 
     def _path_ahead(self, neighbour: Neighbour) -> FloatArray:
         """(m, 2) column and row of the first points of a path, which ends at its greatest length."""
@@ -153,14 +153,14 @@ class RobotsLayer:
         cells: FloatArray = (points - (self._frame.x, self._frame.y)) / self._frame.resolution
         return cells
 
-    def _drawn(self, neighbour: Neighbour) -> _Seen:
+    def _drawn(self, neighbour: Neighbour) -> _DrawnRobot:
         pose = neighbour.base_in_map
         corners, around = _outline(neighbour.footprint, self._frame, pose.x, pose.y, pose.theta)
         window = Window(*around)
         path = self._path_ahead(neighbour)
         if len(path):
             window = window.union(Window(*_around(path)))
-        return _Seen(pose.x, pose.y, pose.theta, corners, path, window)
+        return _DrawnRobot(pose.x, pose.y, pose.theta, corners, path, window)
 
     def _forget(self, robot: int) -> None:
         if robot in self._seen:

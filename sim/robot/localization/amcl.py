@@ -11,34 +11,34 @@ import numpy as np
 
 from sim.common.geometry import FloatArray, Pose2, wrap_angle
 from sim.common.grid import OccupancyGrid
-from sim.common.noise import Stream
+from sim.common.noise import NoiseStream
 from sim.common.observations import Imu, LaserMount, Odometry, Scan
 from sim.parameters import AmclParameters, RobotParameters
 from sim.robot.localization.beam import BeamModel
-from sim.robot.localization.clusters import Bins, Summary, bin_particles, summarise
-from sim.robot.localization.estimate import Estimate, Start, read_only
+from sim.robot.localization.clusters import CloudSummary, ParticleBins, bin_particles, summarise
+from sim.robot.localization.estimate import Estimate, PosePrior, read_only
 from sim.robot.localization.free_space import FreeSpace
 from sim.robot.localization.likelihood_field import Beams, LikelihoodField
 from sim.robot.localization.motion import Alphas, MotionModel
-from sim.robot.localization.recovery import Recovery
 from sim.robot.localization.resampling import adaptive, systematic, tempered
+from sim.robot.localization.scan_agreement import ScanAgreement
 
-CANDIDATES = 20
+CANDIDATES_PER_PARTICLE = 20
 """Places looked at for each particle drawn anew."""
-LEAST_CANDIDATES = 50_000
+MIN_CANDIDATES = 50_000
 """However few particles: so that one lies near enough to the right place in a map of some hundred square metres."""
-MOST_CANDIDATES = 400_000
+MAX_CANDIDATES = 400_000
 """However many particles: a quarter of a second's work with 60 beams."""
 
-FITTING = 0.01
+FITTING_SHARE = 0.01
 """Share of the candidates that must remain effective when newcomers are drawn by how well a scan fits."""
-SPACING = (0.05, 0.05, 0.05)
+NEWCOMER_JITTER = (0.05, 0.05, 0.05)
 """Metres, metres, radians by which newcomers at one place differ."""
 
-CONVERGED = 0.5
+CONVERGED_DISTANCE = 0.5
 """Metres from the mean, along either axis, within which all particles must lie for beams to be skipped (pf.c)."""
 
-EFFECTIVE = 0.1
+EFFECTIVE_SHARE = 0.1
 """Share of equal particles that every scan must leave effective, see `tempered`."""
 
 JITTER = (0.01, 0.01, 0.01)
@@ -48,28 +48,28 @@ for spreading them, and they would all become one.
 Source: Musso, Oudjane and Le Gland, Improving regularised particle filters (2001).
 """
 
-SURE = 0.8
+SURE_SHARE = 0.8
 """Share of the weight that the heaviest cluster must hold for a lost robot to be found."""
 
-SETTLED = 5
+SETTLED_SCANS = 5
 """Scans in a row that must say so."""
 
-SCATTERED = 0.5
+SCATTER_SHARE = 0.5
 """Share of the particles that are drawn from all over the map when a robot turns out to be lost; the others stay, for
 it may be wrong in that."""
-SEARCHING = 0.2
+SEARCH_SHARE = 0.2
 """The same every time that particles are drawn until it is found."""
 
-RETRY = 25
+RETRY_TICKS = 25
 """Ticks until a robot whose scans are not explained weighs the next one even if it stands: lost robots do."""
 
 
-NEVER_LOST = Recovery()
+INITIAL_AGREEMENT = ScanAgreement()
 """What a filter begins with."""
 
 
 @dataclass(frozen=True, slots=True, eq=False)
-class Belief:
+class ParticleBelief:
     """All that the filter remembers between two ticks.
 
     Attributes:
@@ -94,19 +94,19 @@ class Belief:
     odom_in_map: Pose2
     covariance: FloatArray
     updates: int = 0
-    recovery: Recovery = NEVER_LOST
+    agreement: ScanAgreement = INITIAL_AGREEMENT
     lost: bool = False
     settled: int = 0
-    anywhere: bool = False
+    uniform: bool = False
     requested: bool = False
 
 
 @dataclass(frozen=True, slots=True)
-class Anywhere:
+class UniformPrior:
     """What a filter remembers that was told to forget where it was, and has seen no tick since."""
 
 
-AmclState = Start | Anywhere | Belief
+AmclState = PosePrior | UniformPrior | ParticleBelief
 
 
 def saved(parameters: AmclParameters, estimate: Estimate) -> AmclParameters:
@@ -147,14 +147,14 @@ class Amcl:
         self._free_space = FreeSpace.of(grid)
         # Walls may lie anywhere in their cells: an error that all particles share, and none can show.
         self._unknowable = np.diag((1.0, 1.0, 0.0)) * grid.resolution**2 / 12.0
-        self._start_noise = Stream.named(seed, robot, "amcl", "start")
-        self._motion_noise = Stream.named(seed, robot, "amcl", "motion")
-        self._resampling_noise = Stream.named(seed, robot, "amcl", "resampling")
-        self._jitter_noise = Stream.named(seed, robot, "amcl", "jitter")
-        self._recovery_noise = Stream.named(seed, robot, "amcl", "recovery")
+        self._start_noise = NoiseStream.named(seed, robot, "amcl", "start")
+        self._motion_noise = NoiseStream.named(seed, robot, "amcl", "motion")
+        self._resampling_noise = NoiseStream.named(seed, robot, "amcl", "resampling")
+        self._jitter_noise = NoiseStream.named(seed, robot, "amcl", "jitter")
+        self._recovery_noise = NoiseStream.named(seed, robot, "amcl", "recovery")
         pose = Pose2(parameters.initial_pose_x, parameters.initial_pose_y, wrap_angle(parameters.initial_pose_a))
         variances = (parameters.initial_cov_xx, parameters.initial_cov_yy, parameters.initial_cov_aa)
-        self._state: AmclState = Start(pose, read_only(np.diag(variances)))
+        self._state: AmclState = PosePrior(pose, read_only(np.diag(variances)))
 
     def _use(self, parameters: AmclParameters) -> None:
         """Make the models that these parameters ask for."""
@@ -191,15 +191,15 @@ class Amcl:
 
     def start(self, base_in_map: Pose2, covariance: FloatArray) -> None:
         """Begin anew around this pose, at the next tick; the first scan from then on is weighed at once."""
-        self._state = Start(base_in_map, read_only(covariance.copy()))
+        self._state = PosePrior(base_in_map, read_only(covariance.copy()))
 
     def globalize(self) -> None:
         """Begin anew with no idea, at the next tick: uniform over the free cells and all headings."""
-        self._state = Anywhere()
+        self._state = UniformPrior()
 
     def request_update(self) -> None:
         """Weigh the next scan even if the robot has not moved; the first scan after a start is weighed anyway."""
-        if isinstance(self._state, Belief):
+        if isinstance(self._state, ParticleBelief):
             self._state = replace(self._state, requested=True)
 
     def configure(self, parameters: RobotParameters) -> None:
@@ -213,9 +213,9 @@ class Amcl:
     def update(self, odometry: Odometry, imu: Imu, scan: Scan | None) -> Estimate:
         """Take in one tick; a scan is weighed when the robot has moved enough since the last one that was."""
         belief = self._state
-        if isinstance(belief, Start):
+        if isinstance(belief, PosePrior):
             belief = self._state = self._scatter(belief, odometry)
-        elif isinstance(belief, Anywhere):
+        elif isinstance(belief, UniformPrior):
             belief = self._state = self._scatter_everywhere(odometry)
         updated = scan is not None and self._due(belief, odometry)
         if scan is not None and updated:
@@ -230,7 +230,7 @@ class Amcl:
             lost=belief.lost,
         )
 
-    def _due(self, belief: Belief, odometry: Odometry) -> bool:
+    def _due(self, belief: ParticleBelief, odometry: Odometry) -> bool:
         """Whether the robot moved enough along either axis of the odom frame, or turned enough (amcl_node.cpp)."""
         before, now, limit = belief.base_in_odom, odometry.base_in_odom, self._parameters.update_min_d
         return (
@@ -239,10 +239,10 @@ class Amcl:
             or abs(now.x - before.x) > limit
             or abs(now.y - before.y) > limit
             or abs(wrap_angle(now.theta - before.theta)) > self._parameters.update_min_a
-            or ((belief.lost or belief.recovery.doubtful) and odometry.tick - belief.tick >= RETRY)
+            or ((belief.lost or belief.agreement.doubtful) and odometry.tick - belief.tick >= RETRY_TICKS)
         )
 
-    def _scatter(self, start: Start, odometry: Odometry) -> Belief:
+    def _scatter(self, start: PosePrior, odometry: Odometry) -> ParticleBelief:
         """As many particles as allowed, drawn around the start."""
         n = self._parameters.max_particles
         values, vectors = np.linalg.eigh(start.covariance)
@@ -251,7 +251,7 @@ class Amcl:
         noise = self._start_noise.normals(odometry.tick, 3 * n).reshape(n, 3)
         particles = start.base_in_map.array() + noise @ root.T
         particles[:, 2] = (particles[:, 2] + math.pi) % (2.0 * math.pi) - math.pi
-        return Belief(
+        return ParticleBelief(
             particles=read_only(particles),
             weights=read_only(np.full(n, 1.0 / n)),
             tick=odometry.tick,
@@ -260,12 +260,12 @@ class Amcl:
             covariance=start.covariance,
         )
 
-    def _scatter_everywhere(self, odometry: Odometry) -> Belief:
+    def _scatter_everywhere(self, odometry: Odometry) -> ParticleBelief:
         """As many particles as allowed, drawn over the whole map; its middle stands for a pose until a scan comes."""
         n = self._parameters.max_particles
         particles = self._free_space.draw(n, self._recovery_noise, odometry.tick)
         mean = Pose2(*particles.mean(axis=0).tolist())
-        return Belief(
+        return ParticleBelief(
             particles=read_only(particles),
             weights=read_only(np.full(n, 1.0 / n)),
             tick=odometry.tick,
@@ -273,10 +273,10 @@ class Amcl:
             odom_in_map=mean.compose(odometry.base_in_odom.inverse()),
             covariance=read_only(np.cov(particles.T, bias=True)),
             lost=True,
-            anywhere=True,
+            uniform=True,
         )
 
-    def _weigh(self, belief: Belief, odometry: Odometry, scan: Scan) -> Belief:
+    def _weigh(self, belief: ParticleBelief, odometry: Odometry, scan: Scan) -> ParticleBelief:
         """One turn of the filter: move, weigh, report, and every so often resample.
 
         Raises:
@@ -286,7 +286,7 @@ class Amcl:
             raise ValueError(f"a scan of {len(scan.ranges)} beams from a laser of {self._beams.mount.beams}")
         parameters = self._parameters
         points, ranges = self._beams.end_points(scan), self._beams.ranges(scan)
-        if belief.anywhere and len(points):
+        if belief.uniform and len(points):
             # What an even sample of the map this size would miss is found by one many times larger.
             particles = self._newcomers(parameters.max_particles, points, odometry.tick)
             weights: FloatArray = np.full(len(particles), 1.0 / len(particles))
@@ -294,29 +294,29 @@ class Amcl:
             # The first scan may come ticks after the start; whatever was driven until then counts all the same.
             noise = self._motion_noise.normals(odometry.tick, 3 * len(belief.particles))
             particles = self._motion.move(belief.particles, belief.base_in_odom, odometry.base_in_odom, noise)
-            weights = belief.weights * tempered(self._log_likelihood(particles, points, ranges), EFFECTIVE)
+            weights = belief.weights * tempered(self._log_likelihood(particles, points, ranges), EFFECTIVE_SHARE)
             total = weights.sum()
             weights = weights / total if total > 0.0 else belief.weights
 
         bins = bin_particles(particles)
         summary = summarise(particles, weights, bins)
-        recovery = belief.recovery
+        recovery = belief.agreement
         agreement = self._beam_model.agreement(summary.mean, ranges)
         if agreement is not None and belief.lost:
             recovery = recovery.searching(agreement)
         elif agreement is not None:
             recovery = recovery.after(agreement, parameters.recovery_alpha_slow, parameters.recovery_alpha_fast)
         settled = belief.settled + 1 if recovery.explained and self._sure(summary) else 0
-        lost = settled < SETTLED if belief.lost else recovery.lost
+        lost = settled < SETTLED_SCANS if belief.lost else recovery.lost
         newcomers = self._share_of_newcomers(lost, belief.lost)
         updates = belief.updates + 1
         due = updates % parameters.resample_interval == 0 and not (
             parameters.selective_resampling and newcomers == 0.0 and 2.0 / np.sum(weights**2) > len(weights)
         )
-        if due or newcomers == SCATTERED:
+        if due or newcomers == SCATTER_SHARE:
             particles = self._resample(particles, weights, bins, newcomers, points, odometry.tick)
             weights = np.full(len(particles), 1.0 / len(particles))
-        return Belief(
+        return ParticleBelief(
             particles=read_only(particles),
             weights=read_only(weights),
             tick=odometry.tick,
@@ -324,24 +324,24 @@ class Amcl:
             odom_in_map=summary.mean.compose(odometry.base_in_odom.inverse()),
             covariance=read_only(summary.covariance + self._unknowable),
             updates=updates,
-            recovery=recovery,
+            agreement=recovery,
             lost=lost,
             settled=settled,
-            anywhere=belief.anywhere and not len(points),
+            uniform=belief.uniform and not len(points),
         )
 
-    def _sure(self, summary: Summary) -> bool:
+    def _sure(self, summary: CloudSummary) -> bool:
         """Whether nearly all particles agree on one place."""
         parameters = self._parameters
         levels = (parameters.std_warn_level_x, parameters.std_warn_level_y, parameters.std_warn_level_yaw)
-        return summary.weight >= SURE and bool((np.sqrt(summary.variances) <= levels).all())
+        return summary.weight >= SURE_SHARE and bool((np.sqrt(summary.variances) <= levels).all())
 
     def _share_of_newcomers(self, lost: bool, was_lost: bool) -> float:
         """Of the next generation, 0..1, how many are to come from all over the map."""
         never = self._parameters.recovery_alpha_slow == 0.0 and self._parameters.recovery_alpha_fast == 0.0
         if never or not lost:
             return 0.0
-        return SEARCHING if was_lost else SCATTERED
+        return SEARCH_SHARE if was_lost else SCATTER_SHARE
 
     def _log_likelihood(self, particles: FloatArray, points: FloatArray, ranges: FloatArray) -> FloatArray:
         """(n,) how well a scan fits from each particle, by the model that the parameters name."""
@@ -349,7 +349,7 @@ class Amcl:
         if parameters.laser_model_type == "beam":
             return self._beam_model.log_likelihood(particles, ranges)
         skips = parameters.laser_model_type == "likelihood_field_prob" and parameters.do_beamskip
-        if skips and np.ptp(particles[:, :2], axis=0).max() <= 2.0 * CONVERGED:
+        if skips and np.ptp(particles[:, :2], axis=0).max() <= 2.0 * CONVERGED_DISTANCE:
             points = self._field.explained(
                 particles,
                 points,
@@ -360,7 +360,13 @@ class Amcl:
         return self._field.log_likelihood(particles, points)
 
     def _resample(
-        self, particles: FloatArray, weights: FloatArray, bins: Bins, share: float, points: FloatArray, tick: int
+        self,
+        particles: FloatArray,
+        weights: FloatArray,
+        bins: ParticleBins,
+        share: float,
+        points: FloatArray,
+        tick: int,
     ) -> FloatArray:
         """The next generation: heirs of the present one and a share of newcomers from all over the map."""
         parameters = self._parameters
@@ -392,9 +398,9 @@ class Amcl:
         Source: Lenser and Veloso, Sensor resetting localization for poorly modelled mobile robots (2000). Differs:
             amcl draws blindly; such places hardly ever lie near enough to the truth to survive.
         """
-        places = max(LEAST_CANDIDATES, min(count * CANDIDATES, MOST_CANDIDATES))
+        places = max(MIN_CANDIDATES, min(count * CANDIDATES_PER_PARTICLE, MAX_CANDIDATES))
         candidates = self._free_space.draw(places, self._recovery_noise, tick)
         fit = self._field.log_likelihood(candidates, points)
         offset = self._resampling_noise.uniforms(tick, 3)[2]
-        chosen: FloatArray = candidates[systematic(tempered(fit, FITTING), count, offset)]
-        return self._jittered(chosen, tick + 1, SPACING)
+        chosen: FloatArray = candidates[systematic(tempered(fit, FITTING_SHARE), count, offset)]
+        return self._jittered(chosen, tick + 1, NEWCOMER_JITTER)

@@ -15,7 +15,7 @@ from numpy.typing import NDArray
 
 from sim.common.geometry import FloatArray, Pose2, wrap_angle
 
-SIDE = 0.5
+BIN_SIDE = 0.5
 """Metres: a bin's sides."""
 SECTORS = 36
 """Bins around the circle."""
@@ -24,7 +24,7 @@ _EMPTY = -1
 _HALF = 1 << 24
 
 
-class Bins(NamedTuple):
+class ParticleBins(NamedTuple):
     """The occupied bins of a cloud.
 
     Attributes:
@@ -38,7 +38,7 @@ class Bins(NamedTuple):
     slots: NDArray[np.int64]
 
 
-class Summary(NamedTuple):
+class CloudSummary(NamedTuple):
     """A cloud as one pose.
 
     Attributes:
@@ -78,8 +78,8 @@ def _bin(particles: FloatArray) -> tuple[NDArray[np.int64], NDArray[np.int64], N
     of_particle = np.empty(n, dtype=np.int64)
     count = 0
     for i in range(n):
-        col = math.floor(particles[i, 0] / SIDE)
-        row = math.floor(particles[i, 1] / SIDE)
+        col = math.floor(particles[i, 0] / BIN_SIDE)
+        row = math.floor(particles[i, 1] / BIN_SIDE)
         sector = math.floor(particles[i, 2] * (SECTORS / (2.0 * math.pi))) % SECTORS
         slot = _slot(slots, corners, col, row, sector)
         if slots[slot] == _EMPTY:
@@ -90,9 +90,9 @@ def _bin(particles: FloatArray) -> tuple[NDArray[np.int64], NDArray[np.int64], N
     return of_particle, corners[:count], slots
 
 
-def bin_particles(particles: FloatArray) -> Bins:
+def bin_particles(particles: FloatArray) -> ParticleBins:
     """The bins that (n, 3) poses lie in."""
-    return Bins(*_bin(particles))
+    return ParticleBins(*_bin(particles))
 
 
 @njit(cache=True)
@@ -127,7 +127,7 @@ def _cluster(corners: NDArray[np.int64], slots: NDArray[np.int64]) -> NDArray[np
     return labels
 
 
-def cluster_bins(bins: Bins) -> NDArray[np.int64]:
+def cluster_bins(bins: ParticleBins) -> NDArray[np.int64]:
     """(k,) the cluster of each bin, numbered from 0: connected components of touching bins."""
     labels: NDArray[np.int64] = _cluster(bins.corners, bins.slots)
     return labels
@@ -176,7 +176,7 @@ def _summarise(
     return x, y, theta, covariance, share, variances / share
 
 
-def summarise(particles: FloatArray, weights: FloatArray, bins: Bins) -> Summary:
+def summarise(particles: FloatArray, weights: FloatArray, bins: ParticleBins) -> CloudSummary:
     """The mean of the heaviest cluster, and how far the whole cloud spreads about it.
 
     Args:
@@ -188,4 +188,4 @@ def summarise(particles: FloatArray, weights: FloatArray, bins: Bins) -> Summary
         and holds the correlations of heading with place, which amcl leaves 0.
     """
     x, y, theta, covariance, weight, variances = _summarise(particles, weights, bins.of_particle, cluster_bins(bins))
-    return Summary(Pose2(x, y, theta), covariance, weight, variances)
+    return CloudSummary(Pose2(x, y, theta), covariance, weight, variances)

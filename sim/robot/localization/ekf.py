@@ -13,9 +13,9 @@ from sim.common.geometry import FloatArray, Pose2, wrap_angle
 from sim.common.grid import OccupancyGrid
 from sim.common.observations import TICK, Imu, LaserMount, Odometry, Scan
 from sim.parameters import EkfParameters, RobotParameters
-from sim.robot.localization.estimate import Estimate, Start, read_only
+from sim.robot.localization.estimate import Estimate, PosePrior, read_only
 from sim.robot.localization.likelihood_field import Beams
-from sim.robot.localization.scan_matching import GOOD, SPACING, Match, ScanMatcher
+from sim.robot.localization.scan_matching import GOOD, SPACING, ScanMatch, ScanMatcher
 
 PREDICTION_INTERVAL = 5
 """Ticks between predictions where no scan asks for one; in between, odometry alone carries the estimate on."""
@@ -41,7 +41,7 @@ _WILDEST = 100.0
 _DOUBTING = 1.5
 """What a match that is too far off to be believed, though it fits, makes of the covariance: either may be wrong."""
 
-_PATIENCE = 20
+_LOST_AFTER = 20
 """Scans refused one after another until the filter holds itself for lost: two seconds of a common laser."""
 
 _LEVER = 3.0
@@ -49,7 +49,7 @@ _LEVER = 3.0
 
 
 @dataclass(frozen=True, slots=True, eq=False)
-class EkfBelief:
+class GaussianBelief:
     """A Gaussian over poses, as of the last prediction.
 
     Attributes:
@@ -73,14 +73,14 @@ class EkfBelief:
     base_in_odom: Pose2
     odom_in_map: Pose2
     matched: Pose2 | None
-    wildness: float
+    motion_noise_scale: float
     refused: int
     poor: int
 
     @property
     def lost(self) -> bool:
         """Whether scans have not fitted for so long that the pose cannot be relied on."""
-        return self.refused >= _PATIENCE
+        return self.refused >= _LOST_AFTER
 
 
 @dataclass(frozen=True, slots=True)
@@ -94,9 +94,9 @@ class EkfState:
         forgotten: whether it was told to forget where it is, and has neither found nor been told it since.
     """
 
-    belief: Start | EkfBelief
+    belief: PosePrior | GaussianBelief
     turned: float
-    asked: bool
+    requested: bool
     forgotten: bool
 
 
@@ -115,7 +115,7 @@ def _direct(_: FloatArray) -> FloatArray:
     return np.eye(3)
 
 
-def _covariance(match: Match) -> FloatArray:
+def _covariance(match: ScanMatch) -> FloatArray:
     """(3, 3) how far a match may be off; read-only."""
     covariance = np.linalg.inv(match.information + _LEAST_INFORMATION).astype(np.float64, copy=False)
     return read_only(covariance)
@@ -153,7 +153,7 @@ class Ekf:
         self._algebra = ExtendedKalmanFilter(dim_x=3, dim_z=3)
         self._algebra.B = np.eye(3)
         variances = (parameters.initial_cov_xx, parameters.initial_cov_yy, parameters.initial_cov_aa)
-        self._belief: Start | EkfBelief = Start(Pose2(0.0, 0.0, 0.0), read_only(np.diag(variances)))
+        self._belief: PosePrior | GaussianBelief = PosePrior(Pose2(0.0, 0.0, 0.0), read_only(np.diag(variances)))
         self._turned = 0.0
         self._asked = False
         self._forgotten = False
@@ -172,11 +172,11 @@ class Ekf:
     def restore(self, state: EkfState) -> None:
         """Go on from a state that `state` once gave."""
         self._belief, self._turned = state.belief, state.turned
-        self._asked, self._forgotten = state.asked, state.forgotten
+        self._asked, self._forgotten = state.requested, state.forgotten
 
     def start(self, base_in_map: Pose2, covariance: FloatArray) -> None:
         """Begin anew around this pose, at the next tick; the first scan from then on is weighed at once."""
-        self._belief, self._turned = Start(base_in_map, read_only(covariance.copy())), 0.0
+        self._belief, self._turned = PosePrior(base_in_map, read_only(covariance.copy())), 0.0
         self._forgotten = False
 
     def globalize(self) -> None:
@@ -195,9 +195,9 @@ class Ekf:
     def update(self, odometry: Odometry, imu: Imu, scan: Scan | None) -> Estimate:
         """Take in one tick; a scan is matched when the robot has moved enough since the last one that was."""
         belief = self._belief
-        if isinstance(belief, Start):
+        if isinstance(belief, PosePrior):
             odom_in_map = belief.base_in_map.compose(odometry.base_in_odom.inverse())
-            belief = EkfBelief(
+            belief = GaussianBelief(
                 tick=odometry.tick,
                 base_in_map=belief.base_in_map,
                 covariance=belief.covariance,
@@ -205,7 +205,7 @@ class Ekf:
                 base_in_odom=odometry.base_in_odom,
                 odom_in_map=odom_in_map,
                 matched=None,
-                wildness=1.0,
+                motion_noise_scale=1.0,
                 refused=0,
                 poor=0,
             )
@@ -219,7 +219,7 @@ class Ekf:
             self._asked = False
             if not self._forgotten:
                 belief, updated = self._correct(belief, scan)
-            if self._forgotten or (belief.lost and belief.refused % _PATIENCE == 0) or belief.poor >= _PATIENCE:
+            if self._forgotten or (belief.lost and belief.refused % _LOST_AFTER == 0) or belief.poor >= _LOST_AFTER:
                 belief = self._search(belief, scan)
         self._belief = belief
         return Estimate(
@@ -232,7 +232,7 @@ class Ekf:
             lost=self._forgotten or belief.lost,
         )
 
-    def _due(self, belief: EkfBelief) -> bool:
+    def _due(self, belief: GaussianBelief) -> bool:
         """Whether the robot moved enough since the last match, by amcl's rule."""
         if belief.matched is None:
             return True
@@ -243,7 +243,7 @@ class Ekf:
             or abs(wrap_angle(here.theta - there.theta)) > self._parameters.update_min_a
         )
 
-    def _predict(self, belief: EkfBelief, odometry: Odometry) -> EkfBelief:
+    def _predict(self, belief: GaussianBelief, odometry: Odometry) -> GaussianBelief:
         """Carry mean and covariance on by what wheels and gyroscope say of the ticks since the last prediction."""
         parameters, algebra = self._parameters, self._algebra
         moved = belief.base_in_odom.between(odometry.base_in_odom)
@@ -265,7 +265,7 @@ class Ekf:
         to_noise = np.array(((math.cos(bearing), -dy / 2.0), (math.sin(bearing), dx / 2.0), (0.0, 1.0)))
         algebra.x, algebra.P = here.array(), belief.covariance
         algebra.F = np.array(((1.0, 0.0, -dy), (0.0, 1.0, dx), (0.0, 0.0, 1.0)))
-        algebra.Q = belief.wildness * to_noise @ np.diag((drive_variance, turn_variance)) @ to_noise.T
+        algebra.Q = belief.motion_noise_scale * to_noise @ np.diag((drive_variance, turn_variance)) @ to_noise.T
         after = np.array((here.x + dx, here.y + dy, here.theta + moved.theta + correction))
         # filterpy predicts F x + B u; the motion is not linear, so u makes up for what F x lacks.
         algebra.predict(u=after - algebra.F @ algebra.x)
@@ -279,7 +279,7 @@ class Ekf:
             odom_in_map=mean.compose(odometry.base_in_odom.inverse()),
         )
 
-    def _correct(self, belief: EkfBelief, scan: Scan) -> tuple[EkfBelief, bool]:
+    def _correct(self, belief: GaussianBelief, scan: Scan) -> tuple[GaussianBelief, bool]:
         """Weigh in the pose that the scan speaks for, if it can be believed; and whether it could.
 
         How far innovations are from what they should be teaches how wild the motion is: a factor of its variances,
@@ -303,10 +303,10 @@ class Ekf:
         innovation = _residual(measured, belief.base_in_map.array())
         surprise = float(innovation @ np.linalg.solve(belief.covariance + noise, innovation))
         lesson = _LEARNING * (min(surprise, GATE) / 3.0 - 1.0)
-        wildness = min(max(belief.wildness * math.exp(lesson), 1.0), _WILDEST)
+        wildness = min(max(belief.motion_noise_scale * math.exp(lesson), 1.0), _WILDEST)
         if surprise > GATE:
             doubting = read_only(_DOUBTING * belief.covariance)
-            return replace(belief, covariance=doubting, wildness=wildness, refused=belief.refused + 1), False
+            return replace(belief, covariance=doubting, motion_noise_scale=wildness, refused=belief.refused + 1), False
         algebra = self._algebra
         algebra.x, algebra.P = belief.base_in_map.array(), belief.covariance
         algebra.update(measured, _direct, _itself, R=noise, residual=_residual)
@@ -319,13 +319,13 @@ class Ekf:
                 shared=read_only(_SHARED * noise),
                 odom_in_map=mean.compose(belief.base_in_odom.inverse()),
                 matched=belief.base_in_odom,
-                wildness=wildness,
+                motion_noise_scale=wildness,
                 refused=0,
             ),
             True,
         )
 
-    def _search(self, belief: EkfBelief, scan: Scan) -> EkfBelief:
+    def _search(self, belief: GaussianBelief, scan: Scan) -> GaussianBelief:
         """Begin anew where the scan fits, if that is one place only; lost, until the next match agrees."""
         near = None if self._forgotten else belief.base_in_map
         found = self._matcher.search(self._beams.end_points(scan), near)
@@ -341,8 +341,8 @@ class Ekf:
             covariance=_covariance(found),
             odom_in_map=found.base_in_map.compose(belief.base_in_odom.inverse()),
             matched=belief.base_in_odom,
-            wildness=1.0,
-            refused=_PATIENCE,
+            motion_noise_scale=1.0,
+            refused=_LOST_AFTER,
         )
 
     def _result(self) -> tuple[Pose2, FloatArray]:

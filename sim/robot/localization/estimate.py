@@ -32,7 +32,7 @@ class Estimate:
 
 
 @dataclass(frozen=True, slots=True, eq=False)
-class Start:
+class PosePrior:
     """What a localiser remembers that was told where it is, and has seen no tick since.
 
     Attributes:

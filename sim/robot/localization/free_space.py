@@ -9,7 +9,7 @@ from numpy.typing import NDArray
 
 from sim.common.geometry import FloatArray
 from sim.common.grid import FREE, OCCUPIED, OccupancyGrid
-from sim.common.noise import Stream
+from sim.common.noise import NoiseStream
 
 
 @lru_cache(maxsize=8)
@@ -39,7 +39,7 @@ class FreeSpace:
         """The free cells of a map."""
         return cls(grid, _free_cells(grid))
 
-    def draw(self, count: int, noise: Stream, tick: int) -> FloatArray:
+    def draw(self, count: int, noise: NoiseStream, tick: int) -> FloatArray:
         """(count, 3) poses in the middles of free cells, uniform over the map and all headings.
 
         Source: AmclNode::uniformPoseGenerator.

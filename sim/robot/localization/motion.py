@@ -21,7 +21,7 @@ report 5 % too much then carry the cloud 1 cm a step ahead of the truth, faster 
 """
 
 
-class Increment(NamedTuple):
+class DiffIncrement(NamedTuple):
     """A movement as odometry tells it: turn, drive straight, turn again. Radians, metres, radians."""
 
     rot1: float
@@ -29,7 +29,7 @@ class Increment(NamedTuple):
     rot2: float
 
 
-class Spread(NamedTuple):
+class DiffSpread(NamedTuple):
     """Standard deviations of the three parts of an increment. Radians, metres, radians."""
 
     rot1: float
@@ -50,7 +50,7 @@ class Alphas(NamedTuple):
     alpha5: float = 0.0
 
 
-class Slide(NamedTuple):
+class OmniIncrement(NamedTuple):
     """A movement of a base that can go sideways: a distance in a direction off its heading, and a turn."""
 
     bearing: float
@@ -58,7 +58,7 @@ class Slide(NamedTuple):
     rot: float
 
 
-class SlideSpread(NamedTuple):
+class OmniSpread(NamedTuple):
     """Standard deviations along and across a slide, and of its turn. Metres, metres, radians."""
 
     trans: float
@@ -66,7 +66,7 @@ class SlideSpread(NamedTuple):
     rot: float
 
 
-def increment(before: Pose2, after: Pose2) -> Increment:
+def diff_increment(before: Pose2, after: Pose2) -> DiffIncrement:
     """The movement between two odometry poses, both in the odom frame.
 
     Source: Probabilistic Robotics, table 5.6, lines 2 to 4; amcl_odom.cpp for the bearing of a robot that hardly moved.
@@ -74,7 +74,7 @@ def increment(before: Pose2, after: Pose2) -> Increment:
     dx, dy = after.x - before.x, after.y - before.y
     trans = math.hypot(dx, dy)
     rot1 = wrap_angle(math.atan2(dy, dx) - before.theta) if trans >= _STANDING else 0.0
-    return Increment(rot1, trans, wrap_angle(after.theta - before.theta - rot1))
+    return DiffIncrement(rot1, trans, wrap_angle(after.theta - before.theta - rot1))
 
 
 def _turning(angle: float) -> float:
@@ -82,7 +82,7 @@ def _turning(angle: float) -> float:
     return min(abs(angle), abs(wrap_angle(angle - math.pi)))
 
 
-def spread(moved: Increment, alphas: Alphas, corrected: bool) -> Spread:
+def diff_spread(moved: DiffIncrement, alphas: Alphas, corrected: bool) -> DiffSpread:
     """How far the true movement may be from the measured one.
 
     Args:
@@ -100,12 +100,12 @@ def spread(moved: Increment, alphas: Alphas, corrected: bool) -> Spread:
     trans = alphas.alpha3 * drive + alphas.alpha4 * (turn1 + turn2)
     rot2 = alphas.alpha1 * turn2 + alphas.alpha2 * drive
     if corrected:
-        return Spread(math.sqrt(rot1), math.sqrt(trans), math.sqrt(rot2))
-    return Spread(rot1, trans, rot2)
+        return DiffSpread(math.sqrt(rot1), math.sqrt(trans), math.sqrt(rot2))
+    return DiffSpread(rot1, trans, rot2)
 
 
 @njit(cache=True)
-def _move(particles: FloatArray, moved: Increment, spread: Spread, noise: FloatArray) -> FloatArray:
+def _move(particles: FloatArray, moved: DiffIncrement, spread: DiffSpread, noise: FloatArray) -> FloatArray:
     out = np.empty_like(particles)
     for i in range(particles.shape[0]):
         rot1 = moved.rot1 - spread.rot1 * noise[3 * i]
@@ -118,7 +118,7 @@ def _move(particles: FloatArray, moved: Increment, spread: Spread, noise: FloatA
     return out
 
 
-def move(particles: FloatArray, moved: Increment, spread: Spread, noise: FloatArray) -> FloatArray:
+def diff_move(particles: FloatArray, moved: DiffIncrement, spread: DiffSpread, noise: FloatArray) -> FloatArray:
     """Particles after a movement, each with an error of its own.
 
     Args:
@@ -136,14 +136,14 @@ def move(particles: FloatArray, moved: Increment, spread: Spread, noise: FloatAr
     return moved_particles
 
 
-def slide(before: Pose2, after: Pose2) -> Slide:
+def omni_increment(before: Pose2, after: Pose2) -> OmniIncrement:
     """The movement between two odometry poses, both in the odom frame, of a base that keeps its heading or not."""
     dx, dy = after.x - before.x, after.y - before.y
     bearing = wrap_angle(math.atan2(dy, dx) - before.theta)
-    return Slide(bearing, math.hypot(dx, dy), wrap_angle(after.theta - before.theta))
+    return OmniIncrement(bearing, math.hypot(dx, dy), wrap_angle(after.theta - before.theta))
 
 
-def slide_spread(moved: Slide, alphas: Alphas, corrected: bool) -> SlideSpread:
+def omni_spread(moved: OmniIncrement, alphas: Alphas, corrected: bool) -> OmniSpread:
     """How far the true slide may be from the measured one.
 
     Args:
@@ -156,12 +156,12 @@ def slide_spread(moved: Slide, alphas: Alphas, corrected: bool) -> SlideSpread:
     """
     drive, turn = moved.trans**2, moved.rot**2
     if corrected:
-        return SlideSpread(
+        return OmniSpread(
             math.sqrt(alphas.alpha3 * drive + alphas.alpha4 * turn),
             math.sqrt(alphas.alpha5 * drive + alphas.alpha4 * turn),
             math.sqrt(alphas.alpha1 * turn + alphas.alpha2 * drive),
         )
-    return SlideSpread(
+    return OmniSpread(
         alphas.alpha3 * drive + alphas.alpha1 * turn,
         alphas.alpha5 * drive + alphas.alpha1 * turn,
         alphas.alpha4 * turn + alphas.alpha2 * drive,
@@ -169,7 +169,7 @@ def slide_spread(moved: Slide, alphas: Alphas, corrected: bool) -> SlideSpread:
 
 
 @njit(cache=True)
-def _slide(particles: FloatArray, moved: Slide, spread: SlideSpread, noise: FloatArray) -> FloatArray:
+def _slide(particles: FloatArray, moved: OmniIncrement, spread: OmniSpread, noise: FloatArray) -> FloatArray:
     out = np.empty_like(particles)
     for i in range(particles.shape[0]):
         along = moved.trans + spread.trans * noise[3 * i]
@@ -204,16 +204,16 @@ class MotionModel:
         straight = _SYSTEMATIC if self.alphas.alpha3 > 0.0 else 0.0
         turning = _SYSTEMATIC if self.alphas.alpha1 > 0.0 else 0.0
         if self.name.startswith("diff"):
-            moved = increment(before, after)
-            doubt = spread(moved, self.alphas, corrected)
-            doubt = Spread(
+            moved = diff_increment(before, after)
+            doubt = diff_spread(moved, self.alphas, corrected)
+            doubt = DiffSpread(
                 max(doubt.rot1, turning * _turning(moved.rot1)),
                 max(doubt.trans, straight * moved.trans),
                 max(doubt.rot2, turning * _turning(moved.rot2)),
             )
-            return move(particles, moved, doubt, noise)
-        slid = slide(before, after)
-        slid_doubt = slide_spread(slid, self.alphas, corrected)
+            return diff_move(particles, moved, doubt, noise)
+        slid = omni_increment(before, after)
+        slid_doubt = omni_spread(slid, self.alphas, corrected)
         slid_doubt = slid_doubt._replace(
             trans=max(slid_doubt.trans, straight * slid.trans), rot=max(slid_doubt.rot, turning * abs(slid.rot))
         )

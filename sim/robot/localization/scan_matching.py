@@ -35,7 +35,7 @@ _DAMPING = 1e-3
 """Part of the information's mean that is added to its diagonal, so that a corridor's free direction is left alone."""
 
 
-class Match(NamedTuple):
+class ScanMatch(NamedTuple):
     """A pose that a scan speaks for.
 
     Attributes:
@@ -179,7 +179,7 @@ class ScanMatcher:
         free = np.column_stack((places, np.tile(headings, len(cells))))
         return cls(signed_distance(grid, REACH), grid.frame, free)
 
-    def search(self, points: FloatArray, near: Pose2 | None = None) -> Match | None:
+    def search(self, points: FloatArray, near: Pose2 | None = None) -> ScanMatch | None:
         """The one pose from which the points lie on the map's walls, anywhere, or first within `NEAR` of a pose.
 
         Returns:
@@ -193,7 +193,7 @@ class ScanMatcher:
                 return found
         return self._only(points, self.free)
 
-    def _only(self, points: FloatArray, poses: FloatArray) -> Match | None:
+    def _only(self, points: FloatArray, poses: FloatArray) -> ScanMatch | None:
         if len(points) < _FEWEST or len(poses) == 0:
             return None
         shares = _shares(self.field, self.frame, poses, points[:: max(1, len(points) // _FEWEST)])
@@ -208,7 +208,7 @@ class ScanMatcher:
                 return None
         return best if best.share >= GOOD else None
 
-    def match(self, guess: Pose2, points: FloatArray, error: float) -> Match | None:
+    def match(self, guess: Pose2, points: FloatArray, error: float) -> ScanMatch | None:
         """The pose near `guess` from which the points lie on the map's walls.
 
         Args:
@@ -228,4 +228,4 @@ class ScanMatcher:
             return None
         width = max(_FINEST, min(error, _COARSEST))
         x, y, theta, information, share = _match(self.field, self.frame, guess.x, guess.y, guess.theta, points, width)
-        return Match(Pose2(x, y, theta), information, share)
+        return ScanMatch(Pose2(x, y, theta), information, share)

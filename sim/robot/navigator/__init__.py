@@ -1,18 +1,18 @@
 """move_base: from a goal to commands."""
 
-from sim.robot.navigator.goals import Arrived, Cancelled, Goal, NoPath, Result
-from sim.robot.navigator.move_base import NEARER, STALEMATE, Navigator
+from sim.robot.navigator.goals import Cancelled, Goal, GoalReached, GoalResult, NoPath
+from sim.robot.navigator.move_base import PROGRESS_DISTANCE, PROGRESS_TIMEOUT, Navigator
 from sim.robot.navigator.navigation import Navigation, NavigatorState
 
 __all__ = [
-    "NEARER",
-    "STALEMATE",
-    "Arrived",
+    "PROGRESS_DISTANCE",
+    "PROGRESS_TIMEOUT",
     "Cancelled",
     "Goal",
+    "GoalReached",
+    "GoalResult",
     "Navigation",
     "Navigator",
     "NavigatorState",
     "NoPath",
-    "Result",
 ]

@@ -16,36 +16,36 @@ from sim.common.grid import OccupancyGrid
 from sim.common.observations import STANDSTILL, TICK, TICKS_PER_SECOND, Neighbour, Scan, Twist
 from sim.parameters import RobotParameters
 from sim.robot.control.braking import LATENCY, Surroundings, beside_obstacles, surroundings
-from sim.robot.control.choice import local_planner
-from sim.robot.control.local_planner import Drive, LocalPlanner
-from sim.robot.costmap.costmap_2d import Costmap2D, Look
+from sim.robot.control.local_planner import LocalPlanner, PlannedCommand
+from sim.robot.control.planners import local_planner
+from sim.robot.costmap.costmap_2d import Costmap2D, CostmapObservation
 from sim.robot.costmap.costs import INSCRIBED, CostFrame, Costs
 from sim.robot.navigator.scan_obstacles import may_turn, seen_around
-from sim.robot.planning.itinerary import Itinerary, bearing_on, heard, reached, right_of_way
+from sim.robot.planning.itinerary import Itinerary, itineraries_of, reached_index, relevant_neighbours, right_of_way
+from sim.robot.planning.itinerary_planner import ItineraryPlanner
 from sim.robot.planning.path import headings
-from sim.robot.planning.router import Router
 
 LOOK_AHEAD = 1.75
 """Metres of path given to the local planner at most."""
-RIM = 0.25
+RIM_MARGIN = 0.25
 """Metres from it to the local costmap's rim, toward which the robot drives until the next update."""
-HALT = 0.12
+HALT_DISTANCE = 0.12
 """Metres before a point that may not be passed at which a robot waits."""
-TURNS_BACK = 0.06
+TURN_BACK_DISTANCE = 0.06
 """Metres that a way comes nearer again before it counts as turning back."""
 YIELD_TIME = 0.5
 """Seconds from such a point, at least, from which a robot slows down."""
-STUCK = 2.0
+STUCK_TIMEOUT = 2.0
 """Seconds that a robot may be held up, other than by right of way, before it plans anew."""
-QUEUE = 20.0
+QUEUE_TIMEOUT = 20.0
 """Seconds that it may be held up by right of way before it plans anew."""
 
-SEEKING = 0.5
+SEARCH_TURN = 0.5
 """Radians ahead to which a robot turns that looks for its place: so many a second."""
-CREEPING = 0.1
+SEARCH_SPEED = 0.1
 """Metres a second at which it drives on where it cannot turn."""
 
-NOWHERE: FloatArray = np.empty((0, 3))
+NO_POSES: FloatArray = np.empty((0, 3))
 NO_TIMES: FloatArray = np.empty(0)
 
 
@@ -91,15 +91,15 @@ class Follower:
         self._robot = robot
         self._use(parameters, separation)
         self._planner = self._chosen_planner(parameters)
-        self.unseen: Look | None = None
-        self.valid = 0
+        self.pending: CostmapObservation | None = None
+        self.last_valid = 0
         self.drop()
 
     def _use(self, parameters: RobotParameters, separation: float) -> None:
         self._parameters, self._separation = parameters, separation
         costmap, local = self._costmap, parameters.local_costmap
         self._width = max(local.width, local.height)
-        self._reach = min(LOOK_AHEAD, min(costmap.costs.shape) / 2 * costmap.frame.resolution - RIM)
+        self._reach = min(LOOK_AHEAD, min(costmap.costs.shape) / 2 * costmap.frame.resolution - RIM_MARGIN)
         self.control_ticks = max(1, round(TICKS_PER_SECOND / parameters.move_base.controller_frequency))
         self._costmap_ticks = max(1, round(TICKS_PER_SECOND / local.update_frequency))
         self._hold = self.control_ticks * TICK + LATENCY
@@ -124,25 +124,25 @@ class Follower:
 
     def restart(self, tick: int) -> None:
         """Begin with another goal."""
-        self.valid = tick
+        self.last_valid = tick
 
     def drop(self) -> None:
         """Stand, and follow nothing."""
-        self.way: Itinerary | None = None
+        self.itinerary: Itinerary | None = None
         self.arrived = False
         self.waiting = False
         self.waits_for: int | None = None
-        self.others_bar = False
-        self.local_plan = NOWHERE
-        self.ahead = (NOWHERE, NO_TIMES, 0.0)
-        self._poses = NOWHERE
+        self.blocked_by_others = False
+        self.local_plan = NO_POSES
+        self.ahead = (NO_POSES, NO_TIMES, 0.0)
+        self._poses = NO_POSES
         self._left = NO_TIMES
         self._index = 0
         self._turns_at_end = False
         self._at_end = False
         self._escaping_from: Pose2 | None = None
 
-    def follow(self, tick: int, way: Itinerary, heading: float, turns_at_end: bool) -> None:
+    def follow(self, tick: int, itinerary: Itinerary, heading: float, turns_at_end: bool) -> None:
         """Follow an itinerary from now on.
 
         Args:
@@ -152,24 +152,24 @@ class Follower:
             turns_at_end: whether the robot has to turn to it there.
         """
         self.drop()
-        self.way = way
-        self._poses = headings(way.points, heading)
-        steps = np.hypot(*np.diff(way.points, axis=0).T)
+        self.itinerary = itinerary
+        self._poses = headings(itinerary.points, heading)
+        steps = np.hypot(*np.diff(itinerary.points, axis=0).T)
         self._left = np.append(np.cumsum(steps[::-1])[::-1], 0.0)
         self._turns_at_end = turns_at_end
-        self._pass(way, 0)
+        self._pass(itinerary, 0)
         self._progress, self._free = tick, tick - 1
         self._planner.reset()
 
-    def _pass(self, way: Itinerary, index: int) -> None:
+    def _pass(self, itinerary: Itinerary, index: int) -> None:
         """Have reached this point of the way."""
         self._index = index
-        self.ahead = (self._poses[index:], way.times[index:], float(self._left[index]))
+        self.ahead = (self._poses[index:], itinerary.times[index:], float(self._left[index]))
 
     @property
     def time(self) -> float:
         """The time of the point of the way that has been reached."""
-        return float(self.way.times[self._index]) if self.way is not None else -math.inf
+        return float(self.itinerary.times[self._index]) if self.itinerary is not None else -math.inf
 
     @property
     def remaining(self) -> float:
@@ -178,10 +178,10 @@ class Follower:
 
     def held_up(self, tick: int) -> bool:
         """Whether the way has led on no more for too long."""
-        patience = STUCK if self._progress <= self._free else QUEUE
+        patience = STUCK_TIMEOUT if self._progress <= self._free else QUEUE_TIMEOUT
         return tick - self._progress > patience * TICKS_PER_SECOND
 
-    def obstructed(self, router: Router) -> bool:
+    def obstructed(self, router: ItineraryPlanner) -> bool:
         """Whether an obstacle seen lies on the way ahead."""
         return router.obstructed(self.ahead[0][:, :2])
 
@@ -194,25 +194,25 @@ class Follower:
             twist: how it moves.
             neighbours: what the others said last.
         """
-        self.local_plan, self.waiting, self.waits_for = NOWHERE, False, None
-        way = self.way
-        if way is None:
+        self.local_plan, self.waiting, self.waits_for = NO_POSES, False, None
+        itinerary = self.itinerary
+        if itinerary is None:
             return STANDSTILL
         if (tick - self._robot) % self._costmap_ticks < self.control_ticks or self._progress == tick:
             self._update_costmap(pose, neighbours)
-        index = int(reached(way.points, self._index, pose.x, pose.y))
+        index = int(reached_index(itinerary.points, self._index, pose.x, pose.y))
         if index > self._index:
-            self._pass(way, index)
+            self._pass(itinerary, index)
             self._progress = tick
-        drive = self._drive(tick, pose, twist, way, neighbours)
+        drive = self._drive(tick, pose, twist, itinerary, neighbours)
         if drive is None:
             return STANDSTILL
         if not drive.stuck:
-            self.valid = tick
+            self.last_valid = tick
         self.local_plan = drive.local_plan
         return drive.command
 
-    def look(self, pose: Pose2, scan: Scan, discs: FloatArray) -> None:
+    def keep_scan(self, pose: Pose2, scan: Scan, discs: FloatArray) -> None:
         """Keep a scan for the costmap's next update; as in ROS, the last one before it counts.
 
         Args:
@@ -220,13 +220,13 @@ class Follower:
             scan: the readings.
             discs: (n, 3) x, y and radius of the other robots, metres.
         """
-        self.unseen = Look(pose, scan, discs)
+        self.pending = CostmapObservation(pose, scan, discs)
 
-    def look_around(self, pose: Pose2, twist: Twist, neighbours: Sequence[Neighbour]) -> Drive:
+    def rotate_recovery(self, pose: Pose2, twist: Twist, neighbours: Sequence[Neighbour]) -> PlannedCommand:
         """Turn in place (rotate_recovery)."""
-        return self._planner.turn(pose, twist, pose.theta + 0.5 * math.pi, self._around(pose, neighbours))
+        return self._planner.turn(pose, twist, pose.theta + 0.5 * math.pi, self._surroundings(pose, neighbours))
 
-    def seek(self, twist: Twist, scan: Scan) -> Twist:
+    def look_around(self, twist: Twist, scan: Scan) -> Twist:
         """Turn slowly to see more, where there is no room for it drive on slowly, where there is none either stand.
 
         Whoever does not know where it is may trust its laser, and no map.
@@ -237,18 +237,18 @@ class Follower:
         """
         around = seen_around(scan, len(self._costmap.footprint))
         if may_turn(scan, self._costmap.circumscribed_radius):
-            drive = self._planner.turn(IDENTITY, twist, SEEKING, around)
+            drive = self._planner.turn(IDENTITY, twist, SEARCH_TURN, around)
             if not drive.stuck:
                 return drive.command
-        ahead = Twist(CREEPING, 0.0)
+        ahead = Twist(SEARCH_SPEED, 0.0)
         return ahead if self._planner.safe(IDENTITY, twist, ahead, around) else STANDSTILL
 
     def _update_costmap(self, pose: Pose2, neighbours: Sequence[Neighbour]) -> None:
-        if self.unseen is not None:
-            self._costmap.observe(*self.unseen)
-            self.unseen = None
+        if self.pending is not None:
+            self._costmap.observe(*self.pending)
+            self.pending = None
         reach = self._width
-        self._costmap.see(
+        self._costmap.update_neighbours(
             [
                 other
                 for other in neighbours
@@ -257,7 +257,7 @@ class Follower:
         )
         self._costmap.update(pose.x, pose.y)
 
-    def _around(self, pose: Pose2, neighbours: Sequence[Neighbour]) -> Surroundings:
+    def _surroundings(self, pose: Pose2, neighbours: Sequence[Neighbour]) -> Surroundings:
         clearance, frame = self._clearance, self._frame
         if self._seen.any_marks:
             clearance, frame = beside_obstacles(clearance, self._seen.marks, frame, pose.x, pose.y)
@@ -266,10 +266,10 @@ class Follower:
         )
 
     def _drive(
-        self, tick: int, pose: Pose2, twist: Twist, way: Itinerary, neighbours: Sequence[Neighbour]
-    ) -> Drive | None:
+        self, tick: int, pose: Pose2, twist: Twist, itinerary: Itinerary, neighbours: Sequence[Neighbour]
+    ) -> PlannedCommand | None:
         limits = self._planner.limits
-        around = self._around(pose, neighbours)
+        around = self._surroundings(pose, neighbours)
         end_x, end_y, end_heading = self._poses[-1].tolist()
         off = math.hypot(end_x - pose.x, end_y - pose.y)
         if self._left[self._index] < 3 * limits.xy_goal_tolerance and off <= limits.xy_goal_tolerance:
@@ -282,18 +282,25 @@ class Follower:
             return self._finish(tick, pose, twist, end_heading, around)
         last = _as_far_as(self._left, self._index, self._reach)
         x, y, _ = self._poses[self._index].tolist()
-        others = bearing_on(neighbours, x, y, self._reach + self._separation)
+        others = relevant_neighbours(neighbours, x, y, self._reach + self._separation)
         allowed, barring, stands = right_of_way(
-            way.points, way.times, self._index, last, pose.x, pose.y, heard(others), self._separation
+            itinerary.points,
+            itinerary.times,
+            self._index,
+            last,
+            pose.x,
+            pose.y,
+            itineraries_of(others),
+            self._separation,
         )
-        self.others_bar = allowed < last
-        path, slow_down, obstructed = self._stretch(pose, way, int(allowed), allowed < last)
+        self.blocked_by_others = allowed < last
+        path, slow_down, obstructed = self._drivable_stretch(pose, itinerary, int(allowed), allowed < last)
         if path is None:
             self.waiting = allowed < last and not stands
             if barring >= 0 and not obstructed:
                 self.waits_for = others[barring].robot
             if self.waiting:
-                self.valid = tick
+                self.last_valid = tick
             else:
                 self._free = tick
             return None
@@ -307,7 +314,7 @@ class Follower:
             self._progress = tick
         return drive
 
-    def _escape(self, begun: Pose2, pose: Pose2, twist: Twist, around: Surroundings) -> Drive:
+    def _escape(self, begun: Pose2, pose: Pose2, twist: Twist, around: Surroundings) -> PlannedCommand:
         """Get a little off the place where no command led on, then turn to the way."""
         drive = self._planner.escape(pose, twist, around)
         limits = self._planner.limits
@@ -317,7 +324,9 @@ class Follower:
             self._planner.turn_first()
         return drive
 
-    def _finish(self, tick: int, pose: Pose2, twist: Twist, heading: float, around: Surroundings) -> Drive | None:
+    def _finish(
+        self, tick: int, pose: Pose2, twist: Twist, heading: float, around: Surroundings
+    ) -> PlannedCommand | None:
         """At the end of the way: stop, turn to its heading if need be, be there."""
         limits = self._planner.limits
         standing = abs(twist.linear) < limits.trans_stopped_vel and abs(twist.angular) < limits.theta_stopped_vel
@@ -328,20 +337,20 @@ class Follower:
         self._progress = tick
         return self._planner.turn(pose, twist, heading, around)
 
-    def _stretch(
-        self, pose: Pose2, way: Itinerary, allowed: int, yields: bool
+    def _drivable_stretch(
+        self, pose: Pose2, itinerary: Itinerary, allowed: int, yields: bool
     ) -> tuple[FloatArray | None, float, bool]:
         """The part of the way to drive along now, None where the robot has to wait.
 
         With it go how early to slow down, and whether it is an obstacle that ends it.
         """
-        points = way.points[self._index : allowed + 1]
+        points = itinerary.points[self._index : allowed + 1]
         count, stopped, turns = _drivable(points, self._costmap.costs, self._costmap.frame, pose.x, pose.y)
         points = points[:count]
         yields = stopped or (yields and not turns)
-        if len(points) == 0 or (yields and math.hypot(points[-1, 0] - pose.x, points[-1, 1] - pose.y) < HALT):
+        if len(points) == 0 or (yields and math.hypot(points[-1, 0] - pose.x, points[-1, 1] - pose.y) < HALT_DISTANCE):
             return None, 0.0, stopped
-        ends = not yields and self._index + len(points) == len(way.points)
+        ends = not yields and self._index + len(points) == len(itinerary.points)
         slow_down = self._planner.limits.sim_time if ends else YIELD_TIME if yields else 0.1
         return points, slow_down, stopped
 
@@ -383,7 +392,7 @@ def _drivable(points: FloatArray, costs: Costs, frame: CostFrame, x: float, y: f
         away = math.hypot(points[i, 0] - x, points[i, 1] - y)
         if away > farthest or i == 0:
             farthest, top = away, i
-        if away < farthest - TURNS_BACK:
+        if away < farthest - TURN_BACK_DISTANCE:
             end, turns = top + 1, True
             break
     for i in range(end):
@@ -392,6 +401,6 @@ def _drivable(points: FloatArray, costs: Costs, frame: CostFrame, x: float, y: f
         inside = row >= 0 and col >= 0 and row < costs.shape[0] and col < costs.shape[1]
         if inside and costs[row, col] < INSCRIBED:
             continue
-        if math.hypot(points[i, 0] - x, points[i, 1] - y) > HALT:
+        if math.hypot(points[i, 0] - x, points[i, 1] - y) > HALT_DISTANCE:
             return i, True, turns
     return end, False, turns

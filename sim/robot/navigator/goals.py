@@ -4,10 +4,10 @@ from dataclasses import dataclass
 from typing import Literal
 
 from sim.common.geometry import Pose2
-from sim.robot.planning.path import RefusalCode
+from sim.robot.planning.path import PlanRefusalCode
 
 NoPathReason = (
-    RefusalCode | Literal["blocked_by_obstacle", "stuck", "lost"] | Literal["gave_up", "called_off", "unanswered"]
+    PlanRefusalCode | Literal["blocked_by_obstacle", "stuck", "lost"] | Literal["gave_up", "called_off", "unanswered"]
 )
 """Why a goal was given up. The last three are of navigators that are not ours: one gave up for reasons of its own,
 somebody else withdrew the goal, one did not answer."""
@@ -27,7 +27,7 @@ class Goal:
 
 
 @dataclass(frozen=True, slots=True)
-class Arrived:
+class GoalReached:
     """The base stands at the goal, within the goal tolerances."""
 
     goal: Goal
@@ -54,4 +54,4 @@ class Cancelled:
     goal: Goal
 
 
-Result = Arrived | NoPath | Cancelled
+GoalResult = GoalReached | NoPath | Cancelled

@@ -22,34 +22,41 @@ from sim.common.geometry import IDENTITY, FloatArray, Pose2
 from sim.common.grid import OccupancyGrid, clearance_field
 from sim.common.observations import STANDSTILL, TICK, TICKS_PER_SECOND, Claim, Neighbour, Scan, Twist
 from sim.parameters import GlobalPlannerParameters, NavfnParameters, RobotParameters
-from sim.robot.costmap.robots import meeting
-from sim.robot.navigator.both_costmaps import Costmaps
-from sim.robot.navigator.follower import NO_TIMES, NOWHERE, Follower
-from sim.robot.navigator.goals import Arrived, Cancelled, Goal, NoPath, Result
+from sim.robot.costmap.robots import neighbours_reaching
+from sim.robot.navigator.costmaps import Costmaps
+from sim.robot.navigator.follower import NO_POSES, NO_TIMES, Follower
+from sim.robot.navigator.goals import Cancelled, Goal, GoalReached, GoalResult, NoPath
 from sim.robot.navigator.navigation import Navigation, NavigatorState
-from sim.robot.navigator.recovery import Oscillation, Recovery
-from sim.robot.navigator.rotated_map import Turned
-from sim.robot.navigator.stale_neighbours import Silence
-from sim.robot.planning.itinerary import SPEED, Itinerary, Others, heard, resting_left_out, start_time
+from sim.robot.navigator.recovery import OscillationDetector, RecoveryBehaviours
+from sim.robot.navigator.rotated_map import RotatedMap
+from sim.robot.navigator.stale_neighbours import StaleNeighbours
+from sim.robot.planning.itinerary import (
+    ITINERARY_SPEED,
+    Itinerary,
+    OtherItineraries,
+    itineraries_of,
+    itineraries_of_moving,
+    start_time,
+)
+from sim.robot.planning.itinerary_planner import BlockedByRobots, ItineraryPlanner
 from sim.robot.planning.make_plan import make_plan
-from sim.robot.planning.path import Refused, headings
+from sim.robot.planning.path import PlanRefusal, headings
 from sim.robot.planning.planners import global_planner
 from sim.robot.planning.potential_planner import PotentialPlanner
-from sim.robot.planning.router import Blocked, Router
 from sim.robot.planning.wave import Workspace
 
-RETRY = 0.5
+PLAN_RETRY = 0.5
 """Seconds between attempts to plan."""
-PAUSE = 2.0
+HELD_UP_RETRY = 2.0
 """The same for a robot that is held up."""
-WISHING = 60.0
+CLEARING_TIMEOUT = 60.0
 """Seconds that a robot waits for others to clear its way."""
-STALEMATE = 120.0
+PROGRESS_TIMEOUT = 120.0
 """Seconds, beside those that its longest way takes, in which the way left must become shorter than ever, or the goal is
 given up: so every goal ends."""
-NEARER = 0.5
+PROGRESS_DISTANCE = 0.5
 """Metres by which it must become so."""
-MAKING_WAY = 5.0
+GIVE_WAY_TIME = 5.0
 """Seconds that a robot that made way lets the other one plan first."""
 
 
@@ -72,37 +79,39 @@ class Navigator:
         robot: int = 0,
         space: Workspace | None = None,
     ) -> None:
-        self._turned = Turned(static)
-        static = self._turned.grid
+        self._rotated = RotatedMap(static)
+        static = self._rotated.grid
         self._software = parameters
         self._parameters = parameters.move_base
         self._robot = robot
-        self._costmaps = Costmaps(parameters, footprint, self._turned, robot)
+        self._costmaps = Costmaps(parameters, footprint, self._rotated, robot)
         self._space = space
-        self._router = Router(
-            static, self._costmaps.whole, parameters.global_costmap.inflation_layer, self._planner(parameters)
+        self._itinerary_planner = ItineraryPlanner(
+            static, self._costmaps.global_costmap, parameters.global_costmap.inflation_layer, self._planner(parameters)
         )
         self._follower = Follower(
             parameters,
             static,
             clearance_field(static),
-            self._costmaps.around,
-            self._costmaps.whole,
-            self._router.separation_driven,
+            self._costmaps.local_costmap,
+            self._costmaps.global_costmap,
+            self._itinerary_planner.separation_driven,
             robot,
         )
-        self._recovery = Recovery(self._parameters, self._costmaps.whole.circumscribed_radius)
-        self._oscillation = Oscillation(self._parameters.oscillation_timeout, self._parameters.oscillation_distance)
-        self._silence = Silence()
-        self._results: deque[Result] = deque()
+        self._recovery = RecoveryBehaviours(self._parameters, self._costmaps.global_costmap.circumscribed_radius)
+        self._oscillation = OscillationDetector(
+            self._parameters.oscillation_timeout, self._parameters.oscillation_distance
+        )
+        self._stale = StaleNeighbours()
+        self._results: deque[GoalResult] = deque()
         self._goal: Goal | None = None
         self._target = IDENTITY
-        self._wish = NOWHERE
+        self._wanted_path = NO_POSES
         self._claim: Claim | None = None
         self._waits_for: int | None = None
         self._tick = -1
         self._command = STANDSTILL
-        self._making_way = False
+        self._giving_way = False
         self._lost = False
         self._restart_clocks(0)
 
@@ -128,7 +137,7 @@ class Navigator:
         """Take up a goal; the one under way ends Cancelled."""
         self.cancel()
         self._goal = goal
-        self._target = self._turned.pose(goal.base_in_map)
+        self._target = self._rotated.pose_in_grid(goal.base_in_map)
         self._fresh = True
 
     def cancel(self) -> None:
@@ -154,12 +163,12 @@ class Navigator:
         self._software, self._parameters = parameters, parameters.move_base
         self._costmaps.configure(parameters)
         if parameters.global_costmap != before.global_costmap or _plans_by(parameters) != _plans_by(before):
-            self._router.configure(parameters.global_costmap.inflation_layer, self._planner(parameters))
-        self._follower.configure(parameters, self._router.separation_driven)
-        self._recovery.configure(self._parameters, self._costmaps.whole.circumscribed_radius)
+            self._itinerary_planner.configure(parameters.global_costmap.inflation_layer, self._planner(parameters))
+        self._follower.configure(parameters, self._itinerary_planner.separation_driven)
+        self._recovery.configure(self._parameters, self._costmaps.global_costmap.circumscribed_radius)
         self._oscillation.configure(self._parameters.oscillation_timeout, self._parameters.oscillation_distance)
 
-    def make_plan(self, base_in_map: Pose2, start: Pose2, goal: Pose2, tolerance: float) -> FloatArray | Refused:
+    def make_plan(self, base_in_map: Pose2, start: Pose2, goal: Pose2, tolerance: float) -> FloatArray | PlanRefusal:
         """A plan for somebody who asks (ROS: move_base/make_plan); nothing comes of it for the robot.
 
         Args:
@@ -171,27 +180,27 @@ class Navigator:
         Returns:
             (m, 3) poses in the map, or why there are none.
         """
-        turned = self._turned
-        place = turned.pose(base_in_map)
-        costs, frame = self._costmaps.whole.as_updated(place.x, place.y, self._silence.known(self._tick))
+        turned = self._rotated
+        place = turned.pose_in_grid(base_in_map)
+        costs, frame = self._costmaps.global_costmap.as_updated(place.x, place.y, self._stale.known(self._tick))
         adds = self._parameters.make_plan_add_unreachable_goal
         planner = self._planner(self._software)
-        poses = make_plan(planner, costs, frame, turned.pose(start), turned.pose(goal), tolerance, adds)
-        return poses if isinstance(poses, Refused) else turned.poses(poses)
+        poses = make_plan(planner, costs, frame, turned.pose_in_grid(start), turned.pose_in_grid(goal), tolerance, adds)
+        return poses if isinstance(poses, PlanRefusal) else turned.poses_in_map(poses)
 
     def _planner(self, parameters: RobotParameters) -> PotentialPlanner:
         """The global planner that these parameters name."""
         return global_planner(*_plans_by(parameters), self._space)
 
-    def _end(self, result: Result) -> None:
+    def _end(self, result: GoalResult) -> None:
         self._results.append(result)
         self._goal = None
         self._drop()
 
     def _drop(self) -> None:
         """Stand, and follow nothing."""
-        self._wish, self._claim, self._waits_for = NOWHERE, None, None
-        self._making_way = False
+        self._wanted_path, self._claim, self._waits_for = NO_POSES, None, None
+        self._giving_way = False
         self._command = STANDSTILL
         self._follower.drop()
 
@@ -218,40 +227,40 @@ class Navigator:
             self._restart_clocks(tick)
             self._fresh = False
         self._tick = tick
-        pose, neighbours = self._turned.pose(base_in_map), self._turned.neighbours(neighbours)
-        self._silence.hear(tick, neighbours)
+        pose, neighbours = self._rotated.pose_in_grid(base_in_map), self._rotated.neighbours_in_grid(neighbours)
+        self._stale.update(tick, neighbours)
         if lost:
-            self._seek(tick, twist, scan)
-            return self._told(tick, pose)
+            self._look_around(tick, twist, scan)
+            return self._report(tick, pose)
         self._lost = False
         if scan is not None:
             laser = pose.compose(scan.mount.laser_in_base)
-            self._silence.look(laser, scan)
+            self._stale.forget_seen_through(laser, scan)
             if self._goal is not None or not self._parameters.shutdown_costmaps:
-                discs = _discs(self._silence.known(tick), laser, self._costmaps.explains_within)
-                self._costmaps.whole.observe(pose, scan, discs)
-                self._follower.look(pose, scan, discs)
+                discs = _discs(self._stale.known(tick), laser, self._costmaps.explained_range)
+                self._costmaps.global_costmap.observe(pose, scan, discs)
+                self._follower.keep_scan(pose, scan, discs)
         # One and the same for all who speak, so that no two of them have their turn at once.
-        team = 1 + max(self._robot, self._silence.highest)
+        team = 1 + max(self._robot, self._stale.highest_robot)
         if (tick - self._robot) % team == 0 and tick >= self._next_plan and self._turn_left == 0.0:
-            self._choose_way(tick, pose, self._silence.known(tick))
+            self._choose_plan(tick, pose, self._stale.known(tick))
         if (tick - self._robot) % self._follower.control_ticks == 0:
-            bodies = [*neighbours, *self._silence.bodies()]
+            bodies = [*neighbours, *self._stale.bodies()]
             self._choose_command(tick, pose, twist, bodies)
-        return self._told(tick, pose)
+        return self._report(tick, pose)
 
-    def _told(self, tick: int, pose: Pose2) -> Navigation:
+    def _report(self, tick: int, pose: Pose2) -> Navigation:
         result = self._results.popleft() if self._results else None
         follower = self._follower
         state: NavigatorState = "planning"
         if self._turn_left > 0.0:
             state = "clearing"
-        elif follower.way is not None:
+        elif follower.itinerary is not None:
             state = "controlling"
         elif self._goal is None:
             state = "idle"
-        plan, times, remaining = (self._wish, NO_TIMES, 0.0) if follower.way is None else follower.ahead
-        plan, local_plan = self._turned.poses(plan), self._turned.poses(follower.local_plan)
+        plan, times, remaining = (self._wanted_path, NO_TIMES, 0.0) if follower.itinerary is None else follower.ahead
+        plan, local_plan = self._rotated.poses_in_map(plan), self._rotated.poses_in_map(follower.local_plan)
         return Navigation(
             self._command,
             self._goal,
@@ -262,17 +271,17 @@ class Navigator:
             result,
             remaining,
             self._claim,
-            *self._costmaps.shown(tick, pose, self._silence, follower.unseen),
-            self._awaited(tick),
+            *self._costmaps.shown(tick, pose, self._stale, follower.pending),
+            self._waited_for(tick),
         )
 
-    def _awaited(self, tick: int) -> int | None:
+    def _waited_for(self, tick: int) -> int | None:
         """The robot that this one lets go first, where it stands because of one."""
-        if self._follower.way is not None:
+        if self._follower.itinerary is not None:
             return self._follower.waits_for
         return self._yielded_to if self._goal is not None and self._yields(tick) else self._waits_for
 
-    def _seek(self, tick: int, twist: Twist, scan: Scan | None) -> None:
+    def _look_around(self, tick: int, twist: Twist, scan: Scan | None) -> None:
         """Look around; a goal waits for the robot to know its place again, but not for ever."""
         command = self._command
         self._drop()
@@ -285,25 +294,25 @@ class Navigator:
         if self._goal is None:
             return
         if scan is not None:
-            command = self._follower.seek(twist, scan)
+            command = self._follower.look_around(twist, scan)
         self._command = command
-        if self._stalemate(tick):
+        if self._progress_timed_out(tick):
             self._end(NoPath(self._goal, "lost", "the robot does not know where it is"))
 
     # Which way
 
-    def _choose_way(self, tick: int, pose: Pose2, neighbours: Sequence[Neighbour]) -> None:
+    def _choose_plan(self, tick: int, pose: Pose2, neighbours: Sequence[Neighbour]) -> None:
         """Plan if there is something to plan for; it is this robot's turn."""
-        if self._goal is not None and self._stalemate(tick):
+        if self._goal is not None and self._progress_timed_out(tick):
             self._end(self._given_up(self._goal))
         keeps = False
-        if self._follower.way is not None:
-            if self._follower.obstructed(self._router):
-                self._next_plan = tick + round(RETRY * TICKS_PER_SECOND)
+        if self._follower.itinerary is not None:
+            if self._follower.obstructed(self._itinerary_planner):
+                self._next_plan = tick + round(PLAN_RETRY * TICKS_PER_SECOND)
             elif self._oscillation.due(tick) or self._out_of_control(tick):
                 self._recover(tick, pose, self._given_up)
             elif self._follower.held_up(tick):
-                self._next_plan = tick + round(PAUSE * TICKS_PER_SECOND)
+                self._next_plan = tick + round(HELD_UP_RETRY * TICKS_PER_SECOND)
             elif self._replans(tick):
                 keeps = True
             else:
@@ -312,27 +321,27 @@ class Navigator:
             return
         if self._goal is not None and not self._yields(tick):
             self._plan(tick, pose, self._goal, neighbours, keeps)
-        if self._follower.way is None:
+        if self._follower.itinerary is None:
             asking = self._asked_to_clear(pose, neighbours)
             if asking is not None:
-                self._make_way(tick, pose, asking, neighbours)
+                self._give_way(tick, pose, asking, neighbours)
             elif self._goal is None:
-                self._wish, self._claim = NOWHERE, None
+                self._wanted_path, self._claim = NO_POSES, None
 
-    def _stalemate(self, tick: int) -> bool:
-        return tick - self._shortest_tick > (STALEMATE + self._longest / SPEED) * TICKS_PER_SECOND
+    def _progress_timed_out(self, tick: int) -> bool:
+        return tick - self._shortest_tick > (PROGRESS_TIMEOUT + self._longest / ITINERARY_SPEED) * TICKS_PER_SECOND
 
     def _out_of_control(self, tick: int) -> bool:
-        return tick - self._follower.valid > self._parameters.controller_patience * TICKS_PER_SECOND
+        return tick - self._follower.last_valid > self._parameters.controller_patience * TICKS_PER_SECOND
 
     def _yields(self, tick: int) -> bool:
         """Whether it has just made way for another one, which is to plan first."""
-        return tick - self._yielded < MAKING_WAY * TICKS_PER_SECOND
+        return tick - self._yielded < GIVE_WAY_TIME * TICKS_PER_SECOND
 
     def _replans(self, tick: int) -> bool:
         """Whether a plan is due although the present one is good."""
         rate = self._parameters.planner_frequency
-        return rate > 0.0 and not self._making_way and tick - self._planned >= TICKS_PER_SECOND / rate
+        return rate > 0.0 and not self._giving_way and tick - self._planned >= TICKS_PER_SECOND / rate
 
     def _recover(self, tick: int, pose: Pose2, why: Callable[[Goal], NoPath]) -> None:
         """Try the next recovery behaviour; when there is none left, the goal is given up."""
@@ -349,10 +358,10 @@ class Navigator:
             self._drop()
             self._turn_left = math.tau
         else:
-            self._costmaps.clear_outside(pose.x, pose.y, self._recovery.square(behaviour))
+            self._costmaps.clear_outside(pose.x, pose.y, self._recovery.reset_side(behaviour))
 
     def _given_up(self, goal: Goal) -> NoPath:
-        if len(self._wish) > 0 or self._follower.others_bar:
+        if len(self._wanted_path) > 0 or self._follower.blocked_by_others:
             return NoPath(goal, "robots_in_the_way", "other robots stand in the way and do not clear it")
         return NoPath(goal, "stuck", "the robot is stuck and cannot get free")
 
@@ -362,41 +371,44 @@ class Navigator:
         if first is not None:
             if not keeps:
                 self._waits_for = first
-                self._next_plan = tick + round(RETRY * TICKS_PER_SECOND)
+                self._next_plan = tick + round(PLAN_RETRY * TICKS_PER_SECOND)
             return
-        others = heard(neighbours)
-        self._router.see(neighbours)
-        way = self._router.way(pose, self._target, self._time(tick, pose, others), others)
-        if keeps and not isinstance(way, Itinerary):
+        others = itineraries_of(neighbours)
+        self._itinerary_planner.update_neighbours(neighbours)
+        planned = self._itinerary_planner.plan(pose, self._target, self._time(tick, pose, others), others)
+        if keeps and not isinstance(planned, Itinerary):
             return
-        match way:
+        match planned:
             case Itinerary():
-                self._follow(tick, way, self._target.theta, turns_at_end=True)
-            case Blocked(wish):
+                self._follow(tick, planned, self._target.theta, turns_at_end=True)
+            case BlockedByRobots(wanted_path):
                 self._drop()
-                self._wish = headings(wish, self._target.theta)
+                self._wanted_path = headings(wanted_path, self._target.theta)
                 self._claim = Claim(self._began, self._robot)
-                self._waits_for = self._router.first_in_the_way(neighbours, wish)
-                self._longest = max(self._longest, float(np.hypot(*np.diff(wish, axis=0).T).sum()))
-                self._next_plan = tick + round(RETRY * TICKS_PER_SECOND)
-                if any(len(other.times) and self._router.in_the_way(other.path[-1], wish) for other in neighbours):
+                self._waits_for = self._itinerary_planner.first_obstructing(neighbours, wanted_path)
+                self._longest = max(self._longest, float(np.hypot(*np.diff(wanted_path, axis=0).T).sum()))
+                self._next_plan = tick + round(PLAN_RETRY * TICKS_PER_SECOND)
+                if any(
+                    len(other.times) and self._itinerary_planner.obstructs(other.path[-1], wanted_path)
+                    for other in neighbours
+                ):
                     # They are still to arrive there, and can be asked only then.
                     self._planning_since = tick
-                if tick - self._planning_since > WISHING * TICKS_PER_SECOND:
+                if tick - self._planning_since > CLEARING_TIMEOUT * TICKS_PER_SECOND:
                     self._end(self._given_up(goal))
-            case Refused():
+            case PlanRefusal():
                 self._drop()
-                self._next_plan = tick + round(RETRY * TICKS_PER_SECOND)
-                self._refuse(tick, pose, goal, way)
+                self._next_plan = tick + round(PLAN_RETRY * TICKS_PER_SECOND)
+                self._refuse(tick, pose, goal, planned)
 
     def _defers_to(self, neighbours: Sequence[Neighbour]) -> int | None:
         """A robot with an older goal, on whose wished way the goal lies: that one is to go first."""
         own = Claim(self._began, self._robot)
         older = (other for other in neighbours if other.claim is not None and other.claim < own)
         place = self._target.array()[:2]
-        return next((other.robot for other in older if self._router.in_the_way(place, other.path)), None)
+        return next((other.robot for other in older if self._itinerary_planner.obstructs(place, other.path)), None)
 
-    def _refuse(self, tick: int, pose: Pose2, goal: Goal, refused: Refused) -> None:
+    def _refuse(self, tick: int, pose: Pose2, goal: Goal, refused: PlanRefusal) -> None:
         """No way: wait for one, then recover, then give up."""
         self._retries += 1
         patience = self._parameters.planner_patience
@@ -416,36 +428,36 @@ class Navigator:
                 continue
             if strongest is not None and strongest.claim is not None and strongest.claim <= other.claim:
                 continue
-            if self._router.in_the_way(pose.array()[:2], other.path):
+            if self._itinerary_planner.obstructs(pose.array()[:2], other.path):
                 strongest = other
         return strongest
 
-    def _make_way(self, tick: int, pose: Pose2, asking: Neighbour, neighbours: Sequence[Neighbour]) -> None:
-        others = heard(neighbours)
-        self._router.see(neighbours)
-        away = self._router.refuge(pose, asking.path, self._time(tick, pose, others), others)
-        self._next_plan = tick + round(RETRY * TICKS_PER_SECOND)
+    def _give_way(self, tick: int, pose: Pose2, asking: Neighbour, neighbours: Sequence[Neighbour]) -> None:
+        others = itineraries_of(neighbours)
+        self._itinerary_planner.update_neighbours(neighbours)
+        away = self._itinerary_planner.refuge(pose, asking.path, self._time(tick, pose, others), others)
+        self._next_plan = tick + round(PLAN_RETRY * TICKS_PER_SECOND)
         if away is None:
             # Those that rest around it are asked in their turn, in the same name.
-            movers = resting_left_out(neighbours)
-            away = self._router.refuge(pose, asking.path, self._time(tick, pose, movers), movers)
+            movers = itineraries_of_moving(neighbours)
+            away = self._itinerary_planner.refuge(pose, asking.path, self._time(tick, pose, movers), movers)
             if away is not None:
-                self._wish, self._claim = headings(away.points, pose.theta), asking.claim
+                self._wanted_path, self._claim = headings(away.points, pose.theta), asking.claim
             elif self._goal is None:
-                self._wish, self._claim = NOWHERE, None
+                self._wanted_path, self._claim = NO_POSES, None
             return
         self._yielded, self._yielded_to = tick, asking.robot
         self._follow(tick, away, pose.theta, turns_at_end=False)
-        self._making_way = True
+        self._giving_way = True
 
-    def _time(self, tick: int, pose: Pose2, others: Others) -> float:
-        if self._follower.way is not None:
+    def _time(self, tick: int, pose: Pose2, others: OtherItineraries) -> float:
+        if self._follower.itinerary is not None:
             return self._follower.time
-        return float(start_time(tick * TICK, pose.x, pose.y, others, self._router.separation))
+        return float(start_time(tick * TICK, pose.x, pose.y, others, self._itinerary_planner.separation))
 
-    def _follow(self, tick: int, way: Itinerary, heading: float, turns_at_end: bool) -> None:
+    def _follow(self, tick: int, itinerary: Itinerary, heading: float, turns_at_end: bool) -> None:
         self._drop()
-        self._follower.follow(tick, way, heading, turns_at_end)
+        self._follower.follow(tick, itinerary, heading, turns_at_end)
         self._planning_since, self._retries = tick, 0
         self._longest = max(self._longest, self._follower.remaining)
 
@@ -456,25 +468,25 @@ class Navigator:
         if self._turn_left > 0.0:
             self._turn(pose, twist, bodies)
             return
-        if follower.way is None:
+        if follower.itinerary is None:
             self._command = STANDSTILL
             return
         self._oscillation.watch(tick, pose)
         self._command = follower.step(tick, pose, twist, bodies)
         if follower.waiting:
             self._oscillation.pause(follower.control_ticks)
-        if not self._making_way and follower.remaining < self._shortest - NEARER:
+        if not self._giving_way and follower.remaining < self._shortest - PROGRESS_DISTANCE:
             self._shortest, self._shortest_tick = follower.remaining, tick
             self._recovery.restart()
         if follower.arrived:
-            if self._goal is None or self._making_way:
+            if self._goal is None or self._giving_way:
                 self._drop()
             else:
-                self._end(Arrived(self._goal))
+                self._end(GoalReached(self._goal))
 
     def _turn(self, pose: Pose2, twist: Twist, bodies: Sequence[Neighbour]) -> None:
         """A step of one turn in place, as far as that is safe."""
-        drive = self._follower.look_around(pose, twist, bodies)
+        drive = self._follower.rotate_recovery(pose, twist, bodies)
         turned = abs(drive.command.angular) * self._follower.control_ticks * TICK
         self._turn_left = 0.0 if drive.stuck else max(0.0, self._turn_left - turned)
         self._command = drive.command if self._turn_left > 0.0 else STANDSTILL
@@ -487,5 +499,5 @@ def _plans_by(parameters: RobotParameters) -> tuple[str, NavfnParameters, Global
 
 def _discs(neighbours: Sequence[Neighbour], laser: Pose2, reach: float) -> FloatArray:
     """(k, 3) x, y and circumscribed radius of those neighbours that come within `reach` metres of the laser."""
-    near = meeting(neighbours, laser.x - reach, laser.y - reach, laser.x + reach, laser.y + reach)
+    near = neighbours_reaching(neighbours, laser.x - reach, laser.y - reach, laser.x + reach, laser.y + reach)
     return np.array([(other.base_in_map.x, other.base_in_map.y, radius) for other, radius in near]).reshape(-1, 3)

@@ -6,7 +6,7 @@ from typing import Literal
 from sim.common.geometry import FloatArray
 from sim.common.observations import Claim, Twist
 from sim.robot.costmap.view import CostmapView
-from sim.robot.navigator.goals import Goal, Result
+from sim.robot.navigator.goals import Goal, GoalResult
 
 NavigatorState = Literal["idle", "planning", "controlling", "clearing"]
 
@@ -37,7 +37,7 @@ class Navigation:
     plan: FloatArray
     times: FloatArray
     local_plan: FloatArray
-    result: Result | None
+    result: GoalResult | None
     remaining: float
     claim: Claim | None = None
     global_costmap: CostmapView | None = None

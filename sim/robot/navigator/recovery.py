@@ -13,7 +13,7 @@ from sim.common.observations import TICKS_PER_SECOND
 from sim.parameters import MoveBaseParameters
 
 
-class Recovery:
+class RecoveryBehaviours:
     """Which recovery behaviour is next.
 
     Args:
@@ -47,12 +47,12 @@ class Recovery:
         self._next += 1
         return self._names[self._next - 1]
 
-    def square(self, behaviour: str) -> float:
+    def reset_side(self, behaviour: str) -> float:
         """Side of the square around the robot outside of which a reset forgets what was seen; 0 for a rotation."""
         return self._squares.get(behaviour, 0.0)
 
 
-class Oscillation:
+class OscillationDetector:
     """Whether a robot that tries to move comes nowhere.
 
     Args:

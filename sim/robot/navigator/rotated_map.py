@@ -12,7 +12,7 @@ from sim.common.grid import OccupancyGrid
 from sim.common.observations import Neighbour
 
 
-class Turned:
+class RotatedMap:
     """Changes poses from the map's frame to one along whose axes its cells lie, and back.
 
     Args:
@@ -28,20 +28,22 @@ class Turned:
         self._map_in_grid = static.origin.inverse()
         self.grid = OccupancyGrid(static.cells, static.resolution, IDENTITY) if self._turned else static
 
-    def pose(self, in_map: Pose2) -> Pose2:
+    def pose_in_grid(self, in_map: Pose2) -> Pose2:
         """A pose on its way in."""
         return self._map_in_grid.compose(in_map) if self._turned else in_map
 
-    def neighbours(self, in_map: Sequence[Neighbour]) -> Sequence[Neighbour]:
+    def neighbours_in_grid(self, in_map: Sequence[Neighbour]) -> Sequence[Neighbour]:
         """What others say, on its way in."""
         if not self._turned:
             return in_map
         return [
-            replace(other, base_in_map=self.pose(other.base_in_map), path=self._map_in_grid.transform(other.path))
+            replace(
+                other, base_in_map=self.pose_in_grid(other.base_in_map), path=self._map_in_grid.transform(other.path)
+            )
             for other in in_map
         ]
 
-    def poses(self, in_grid: FloatArray) -> FloatArray:
+    def poses_in_map(self, in_grid: FloatArray) -> FloatArray:
         """(m, 3) poses on their way out."""
         if not self._turned:
             return in_grid

@@ -18,9 +18,9 @@ from numpy.typing import NDArray
 from sim.common.geometry import FloatArray, Pose2
 from sim.common.observations import STANDSTILL, TICKS_PER_SECOND, Neighbour, Scan
 
-MEMORY = 20.0
+STALE_TIMEOUT = 20.0
 """Seconds that plans reckon with a robot which has fallen silent."""
-HEART = 0.15
+CORE_RADIUS = 0.15
 """Metres around a robot's centre through which no laser looks while it stands there."""
 
 
@@ -30,15 +30,15 @@ _ROBOT = attrgetter("robot")
 @njit(cache=True)
 def _looks_through(angles: FloatArray, ranges: NDArray[np.float32], bearing: float, away: float) -> bool:
     """Whether any of (m,) beams, radians, reaches beyond the heart of a body so many metres away."""
-    beyond = np.float32(away + HEART)
+    beyond = np.float32(away + CORE_RADIUS)
     for i in range(angles.shape[0]):
         off = abs((angles[i] - bearing + math.pi) % math.tau - math.pi)
-        if off < 0.5 and off * away < HEART and ranges[i] > beyond:
+        if off < 0.5 and off * away < CORE_RADIUS and ranges[i] > beyond:
             return True
     return False
 
 
-class _Silent(NamedTuple):
+class _StaleNeighbour(NamedTuple):
     """A robot that has fallen silent.
 
     Attributes:
@@ -52,53 +52,53 @@ class _Silent(NamedTuple):
     standing: Neighbour
 
 
-class Silence:
+class StaleNeighbours:
     """Keeps the last word of those who have fallen silent."""
 
     def __init__(self) -> None:
-        self._speaking: Sequence[Neighbour] = ()
+        self._current: Sequence[Neighbour] = ()
         self._robots: list[int] = []
-        self._silent: dict[int, _Silent] = {}
+        self._stale: dict[int, _StaleNeighbour] = {}
 
-    def hear(self, tick: int, neighbours: Sequence[Neighbour]) -> None:
+    def update(self, tick: int, neighbours: Sequence[Neighbour]) -> None:
         """Take note of who spoke last."""
         robots = list(map(_ROBOT, neighbours))
         if robots != self._robots:
-            for neighbour in self._speaking:
+            for neighbour in self._current:
                 if neighbour.robot not in robots:
                     stays = replace(neighbour, path=neighbour.path[:0], times=neighbour.times[:0], claim=None)
-                    self._silent[neighbour.robot] = _Silent(tick, stays, replace(stays, twist=STANDSTILL))
+                    self._stale[neighbour.robot] = _StaleNeighbour(tick, stays, replace(stays, twist=STANDSTILL))
             for robot in robots:
-                self._silent.pop(robot, None)
+                self._stale.pop(robot, None)
             self._robots = robots
-        self._speaking = neighbours
+        self._current = neighbours
 
     @property
-    def highest(self) -> int:
+    def highest_robot(self) -> int:
         """The highest index of those who speak."""
         return max(self._robots, default=0)
 
-    def look(self, laser_in_map: Pose2, scan: Scan) -> None:
+    def forget_seen_through(self, laser_in_map: Pose2, scan: Scan) -> None:
         """Forget those through whose place the laser looks."""
-        if not self._silent:
+        if not self._stale:
             return
         angles = scan.mount.angles()
-        for robot, silent in list(self._silent.items()):
+        for robot, silent in list(self._stale.items()):
             place = silent.moving.base_in_map
             away = math.hypot(place.x - laser_in_map.x, place.y - laser_in_map.y)
             bearing = math.atan2(place.y - laser_in_map.y, place.x - laser_in_map.x) - laser_in_map.theta
-            if away > HEART and _looks_through(angles, scan.ranges, bearing, away):
-                del self._silent[robot]
+            if away > CORE_RADIUS and _looks_through(angles, scan.ranges, bearing, away):
+                del self._stale[robot]
 
     def known(self, tick: int) -> Sequence[Neighbour]:
         """All that plans reckon with: those who speak, and those remembered."""
-        return [*self._speaking, *self.remembered(tick)] if self._silent else self._speaking
+        return [*self._current, *self.remembered(tick)] if self._stale else self._current
 
     def remembered(self, tick: int) -> list[Neighbour]:
         """Those that plans reckon with: they stand."""
-        fresh = MEMORY * TICKS_PER_SECOND
-        return [silent.standing for silent in self._silent.values() if tick - silent.since <= fresh]
+        fresh = STALE_TIMEOUT * TICKS_PER_SECOND
+        return [silent.standing for silent in self._stale.values() if tick - silent.since <= fresh]
 
     def bodies(self) -> list[Neighbour]:
         """Those that may still stand there, each with the speed it had."""
-        return [silent.moving for silent in self._silent.values()]
+        return [silent.moving for silent in self._stale.values()]

@@ -26,19 +26,19 @@ from sim.robot.planning.wave import (
     Points,
     Potential,
     Workspace,
-    climb_down,
     descend,
+    descend_by_cells,
     spread,
     value_of,
 )
 
-STRAIGHT = 0.35
+STRAIGHT_ANGLE = 0.35
 """Poses that turn no more than this against each other are one straight stretch, radians."""
-CLEARED = 2
+FILL_REACH = 2
 """Cells on each side of the goal that are filled when the wave has not reached them."""
 
 
-def translation(parameters: GlobalPlannerParameters) -> CellCosts:
+def passage_costs(parameters: GlobalPlannerParameters) -> CellCosts:
     """(256,) what it costs to pass a cell of each of a costmap's costs."""
     costs = np.arange(256)
     lethal = parameters.lethal_cost
@@ -93,7 +93,7 @@ def astar(
 
 
 @njit(cache=True)
-def fill_about(potential: Potential, costs: CellCosts, cols: int, cell: int, reach: int, quadratic: bool) -> None:
+def fill_around(potential: Potential, costs: CellCosts, cols: int, cell: int, reach: int, quadratic: bool) -> None:
     """Give cells about one that was reached a potential too, where there is passage."""
     rows = costs.size // cols
     row, col = cell // cols, cell % cols
@@ -113,7 +113,7 @@ class GlobalPlanner:
     """
 
     def __init__(self, parameters: GlobalPlannerParameters) -> None:
-        self.table = translation(parameters)
+        self.table = passage_costs(parameters)
         self.tolerance = parameters.default_tolerance
         self.exact = not parameters.old_navfn_behavior
         self._parameters = parameters
@@ -142,12 +142,12 @@ class GlobalPlanner:
         else:
             astar(space.potential, space.costs, cols, start, target, neutral, quadratic)
         if target >= 0 and self.exact and space.potential[target] < UNREACHED:
-            fill_about(space.potential, space.costs, cols, target, CLEARED, quadratic)
+            fill_around(space.potential, space.costs, cols, target, FILL_REACH, quadratic)
 
     def trace(self, potential: Potential, cols: int, x: float, y: float, end_x: float, end_y: float) -> Points:
         """Down the slope, or from cell to cell."""
-        way = climb_down if self._parameters.use_grid_path else descend
-        return way(potential, cols, x, y, end_x, end_y)
+        trace = descend_by_cells if self._parameters.use_grid_path else descend
+        return trace(potential, cols, x, y, end_x, end_y)
 
     def orient(self, points: FloatArray, start: float, goal: float) -> FloatArray:
         """As `orientation_mode` says; the last one always has the goal's heading."""
@@ -200,7 +200,7 @@ def orientations(points: FloatArray, mode: int, window: int, start: float, goal:
     elif mode == 3:
         begin = max(0, last - 2)
         straight = headings[begin]
-        while begin > 0 and abs(wrap_angle(headings[begin - 1] - straight)) <= STRAIGHT:
+        while begin > 0 and abs(wrap_angle(headings[begin - 1] - straight)) <= STRAIGHT_ANGLE:
             begin -= 1
         headings[0] = start
     if begin < last:

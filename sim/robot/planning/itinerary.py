@@ -30,9 +30,9 @@ from numpy.typing import NDArray
 from sim.common.geometry import FloatArray
 from sim.common.observations import Neighbour
 
-SPEED = 0.5
+ITINERARY_SPEED = 0.5
 """Metres a second by which itineraries are timed: what is left of a robot's speed after turns and arrivals."""
-SPACING = 0.1
+POINT_SPACING = 0.1
 """Metres between the points of an itinerary."""
 NEAR_START = 0.5
 """Metres from its place within which a robot may stay as near to another as it is already."""
@@ -51,7 +51,7 @@ class Itinerary:
     times: FloatArray
 
 
-class Others(NamedTuple):
+class OtherItineraries(NamedTuple):
     """The itineraries of the other robots, in the form that compiled kernels take.
 
     Attributes:
@@ -68,20 +68,20 @@ class Others(NamedTuple):
 _FOR_GOOD: FloatArray = np.array([-math.inf])
 
 
-def heard(neighbours: Sequence[Neighbour]) -> Others:
+def itineraries_of(neighbours: Sequence[Neighbour]) -> OtherItineraries:
     """What the neighbours said of their itineraries."""
     if not neighbours:
-        return Others(np.empty((0, 2)), np.empty(0), np.zeros(1, dtype=np.int64))
+        return OtherItineraries(np.empty((0, 2)), np.empty(0), np.zeros(1, dtype=np.int64))
     points = [
         other.path if len(other.times) else np.array([[other.base_in_map.x, other.base_in_map.y]])
         for other in neighbours
     ]
     times = [other.times if len(other.times) else _FOR_GOOD for other in neighbours]
     starts = np.cumsum([0, *map(len, times)])
-    return Others(np.concatenate(points), np.concatenate(times), starts)
+    return OtherItineraries(np.concatenate(points), np.concatenate(times), starts)
 
 
-def bearing_on(neighbours: Sequence[Neighbour], x: float, y: float, distance: float) -> list[Neighbour]:
+def relevant_neighbours(neighbours: Sequence[Neighbour], x: float, y: float, distance: float) -> list[Neighbour]:
     """Those neighbours that may come within `distance` metres of a place: all but those that stand farther away."""
     # A hair more than that: nobody is left out because of rounding.
     reach = distance + 1e-6
@@ -92,21 +92,21 @@ def bearing_on(neighbours: Sequence[Neighbour], x: float, y: float, distance: fl
     ]
 
 
-def resting_left_out(neighbours: Sequence[Neighbour]) -> Others:
+def itineraries_of_moving(neighbours: Sequence[Neighbour]) -> OtherItineraries:
     """What those neighbours said that mean to move."""
-    return heard([neighbour for neighbour in neighbours if len(neighbour.times)])
+    return itineraries_of([neighbour for neighbour in neighbours if len(neighbour.times)])
 
 
-def timed(points: FloatArray, start_time: float) -> Itinerary:
+def timed_itinerary(points: FloatArray, start_time: float) -> Itinerary:
     """(m, 2) points driven without a stop from `start_time` on."""
     steps = np.hypot(*np.diff(points, axis=0).T)
-    return Itinerary(points, start_time + np.concatenate([[0.0], np.cumsum(steps)]) / SPEED)
+    return Itinerary(points, start_time + np.concatenate([[0.0], np.cumsum(steps)]) / ITINERARY_SPEED)
 
 
 def densified(itinerary: Itinerary) -> Itinerary:
     """The same with points no farther apart than SPACING."""
     steps = np.hypot(*np.diff(itinerary.points, axis=0).T)
-    counts = np.maximum(1, np.ceil(steps / SPACING - 1e-9).astype(np.int64))
+    counts = np.maximum(1, np.ceil(steps / POINT_SPACING - 1e-9).astype(np.int64))
     index = np.concatenate([[0.0], np.repeat(np.arange(len(steps)), counts) + _shares(counts)])
     known = np.arange(len(itinerary.times))
     x, y = (np.interp(index, known, column) for column in itinerary.points.T)
@@ -119,7 +119,7 @@ def _shares(counts: NDArray[np.int64]) -> FloatArray:
 
 
 @njit(cache=True)
-def start_time(now: float, x: float, y: float, others: Others, separation: float) -> float:
+def start_time(now: float, x: float, y: float, others: OtherItineraries, separation: float) -> float:
     """The time from which a robot that stands at (x, y) may number its points.
 
     It is now, unless another robot that is late has yet to come by: to that one, the robot has been here before.
@@ -153,7 +153,7 @@ def _place(points: FloatArray, times: FloatArray, begin: int, end: int, time: fl
 
 
 @njit(cache=True)
-def clear(points: FloatArray, times: FloatArray, others: Others, separation: float) -> bool:
+def keeps_separation(points: FloatArray, times: FloatArray, others: OtherItineraries, separation: float) -> bool:
     """Whether an itinerary keeps its distance, time for time, from all others.
 
     Args:
@@ -196,7 +196,7 @@ def right_of_way(
     last: int,
     x: float,
     y: float,
-    others: Others,
+    others: OtherItineraries,
     separation: float,
 ) -> tuple[int, int, bool]:
     """How far a robot may drive now: the last of its points that is free of all robots that pass there before it.
@@ -231,7 +231,7 @@ def right_of_way(
 
 
 @njit(cache=True)
-def executable(points: FloatArray, times: FloatArray, others: Others, separation: float) -> bool:
+def executable(points: FloatArray, times: FloatArray, others: OtherItineraries, separation: float) -> bool:
     """Whether a robot would come to its itinerary's end, were it and all the others driven by right of way, and whether
     all of them would come as far as if it stayed where it is.
 
@@ -261,7 +261,7 @@ def executable(points: FloatArray, times: FloatArray, others: Others, separation
 
 
 @njit(cache=True)
-def _driven(points: FloatArray, times: FloatArray, others: Others, separation: float) -> NDArray[np.int64]:
+def _driven(points: FloatArray, times: FloatArray, others: OtherItineraries, separation: float) -> NDArray[np.int64]:
     """(k + 1,) how far a robot and k others come by right of way: indices into the points of all, one after another."""
     own = points.shape[0]
     count = others.starts.shape[0]
@@ -310,7 +310,7 @@ def _open(
 
 
 @njit(cache=True)
-def reached(points: FloatArray, index: int, x: float, y: float) -> int:
+def reached_index(points: FloatArray, index: int, x: float, y: float) -> int:
     """Index of the point that a robot at (x, y) has reached: of those just ahead the nearest; it never goes back."""
     best = index
     best_distance = math.hypot(points[index, 0] - x, points[index, 1] - y)

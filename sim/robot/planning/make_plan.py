@@ -11,7 +11,7 @@ import numpy as np
 
 from sim.common.geometry import FloatArray, Pose2
 from sim.robot.costmap.costs import CostFrame, Costs
-from sim.robot.planning.path import Path, Refused
+from sim.robot.planning.path import Path, PlanRefusal
 from sim.robot.planning.potential_planner import PotentialPlanner
 
 STEP = 3
@@ -26,7 +26,7 @@ def make_plan(
     goal: Pose2,
     tolerance: float,
     add_unreachable_goal: bool,
-) -> FloatArray | Refused:
+) -> FloatArray | PlanRefusal:
     """A path to the goal, or else to the first place of ever larger squares around it that can be reached.
 
     Args:

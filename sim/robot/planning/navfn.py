@@ -18,7 +18,7 @@ COST_FACTOR = 0.8
 COST_OBSTACLE = 254
 
 
-def translation(allow_unknown: bool) -> CellCosts:
+def passage_costs(allow_unknown: bool) -> CellCosts:
     """(256,) what it costs to pass a cell of each of a costmap's costs: 50 when free, more near obstacles."""
     costs = np.arange(256)
     table: CellCosts = np.minimum(COST_NEUTRAL + np.floor(COST_FACTOR * costs), COST_OBSTACLE - 1).astype(np.float32)
@@ -37,7 +37,7 @@ class Navfn:
     exact = False
 
     def __init__(self, parameters: NavfnParameters) -> None:
-        self.table = translation(parameters.allow_unknown)
+        self.table = passage_costs(parameters.allow_unknown)
         self.tolerance = parameters.default_tolerance
         self._use_astar = parameters.use_astar
 

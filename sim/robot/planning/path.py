@@ -9,7 +9,7 @@ from numba import njit
 from sim.common.geometry import FloatArray, Pose2
 from sim.robot.costmap.costs import CostFrame, Costs
 
-RefusalCode = Literal[
+PlanRefusalCode = Literal[
     "goal_occupied",
     "goal_outside",
     "start_occupied",
@@ -19,7 +19,7 @@ RefusalCode = Literal[
     "blocked_by_obstacle",
 ]
 
-_SENTENCES: dict[RefusalCode, str] = {
+_SENTENCES: dict[PlanRefusalCode, str] = {
     "goal_outside": "the goal is outside the map",
     "start_outside": "the robot is outside the map",
     "goal_occupied": "the goal is inside a wall or too near to one",
@@ -46,7 +46,7 @@ class Path:
 
 
 @dataclass(frozen=True, slots=True)
-class Refused:
+class PlanRefusal:
     """There is no path.
 
     Attributes:
@@ -54,19 +54,19 @@ class Refused:
         sentence: the cause for people.
     """
 
-    code: RefusalCode
+    code: PlanRefusalCode
     sentence: str
 
 
-def refused(code: RefusalCode) -> Refused:
+def plan_refusal(code: PlanRefusalCode) -> PlanRefusal:
     """The refusal with its sentence."""
-    return Refused(code, _SENTENCES[code])
+    return PlanRefusal(code, _SENTENCES[code])
 
 
-class Planner(Protocol):
+class PathPlanner(Protocol):
     """What finds paths over a costmap."""
 
-    def plan(self, costs: Costs, frame: CostFrame, start: Pose2, goal: Pose2) -> Path | Refused:
+    def plan(self, costs: Costs, frame: CostFrame, start: Pose2, goal: Pose2) -> Path | PlanRefusal:
         """A path between two poses.
 
         Args:

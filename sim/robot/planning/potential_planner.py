@@ -14,14 +14,14 @@ from numpy.typing import NDArray
 
 from sim.common.geometry import FloatArray, Pose2
 from sim.robot.costmap.costs import LETHAL, CostFrame, Costs
-from sim.robot.planning.path import Path, Refused, refused
+from sim.robot.planning.path import Path, PlanRefusal, plan_refusal
 from sim.robot.planning.wave import BLOCKED, UNREACHED, CellCosts, Points, Potential, Workspace, prepare
 
-FARTHEST = 1e9
+MAX_CELLS = 1e9
 """Cells from a map's corner, at most, that places are told apart."""
 
 
-class Method(Protocol):
+class PotentialMethod(Protocol):
     """What makes one planner different from another."""
 
     @property
@@ -55,7 +55,7 @@ class PotentialPlanner:
             may share one. None: of its own.
     """
 
-    def __init__(self, method: Method, space: Workspace | None = None) -> None:
+    def __init__(self, method: PotentialMethod, space: Workspace | None = None) -> None:
         self._method = method
         self._space = space or Workspace(0, 0)
 
@@ -71,7 +71,7 @@ class PotentialPlanner:
         self._method.spread(space, x, y, -1)
         return space.potential.reshape(rows, cols) < UNREACHED
 
-    def plan(self, costs: Costs, frame: CostFrame, start: Pose2, goal: Pose2) -> Path | Refused:
+    def plan(self, costs: Costs, frame: CostFrame, start: Pose2, goal: Pose2) -> Path | PlanRefusal:
         """A path from start to goal that keeps off obstacles as their costs ask for.
 
         Args:
@@ -86,17 +86,17 @@ class PotentialPlanner:
         goal_x, goal_y = _position(frame, goal)
         row, col, goal_row, goal_col = round(y), round(x), round(goal_y), round(goal_x)
         if not (0 <= row < rows and 0 <= col < cols):
-            return refused("start_outside")
+            return plan_refusal("start_outside")
         goal_within = 0 <= goal_row < rows and 0 <= goal_col < cols
         if not goal_within and method.tolerance == 0.0:
-            return refused("goal_outside")
+            return plan_refusal("goal_outside")
         rim = not (0 < goal_row < rows - 1 and 0 < goal_col < cols - 1)
         blocked = not goal_within or rim or method.table[costs[goal_row, goal_col]] == BLOCKED
         at_goal = (row, col) == (goal_row, goal_col)
         if blocked and method.tolerance == 0.0 and not at_goal:
-            return refused("goal_occupied")
+            return plan_refusal("goal_occupied")
         if costs[row, col] == LETHAL:
-            return refused("start_occupied")
+            return plan_refusal("start_occupied")
         if at_goal:
             return Path(np.array([[start.x, start.y, goal.theta], [goal.x, goal.y, goal.theta]]))
         if not method.exact:
@@ -107,7 +107,7 @@ class PotentialPlanner:
         if blocked or space.potential[goal_row * cols + goal_col] >= UNREACHED:
             nearest = _nearest_reached(space, goal_x, goal_y, method.tolerance / frame.resolution)
             if nearest is None:
-                return refused("no_way" if goal_within else "goal_outside")
+                return plan_refusal("no_way" if goal_within else "goal_outside")
             goal_x, goal_y = float(nearest[0]), float(nearest[1])
             end = Pose2(
                 frame.x + (goal_x + 0.5) * frame.resolution, frame.y + (goal_y + 0.5) * frame.resolution, goal.theta
@@ -137,7 +137,7 @@ def _position(frame: CostFrame, pose: Pose2) -> tuple[float, float]:
 
 def _within(position: float) -> float:
     # Whatever lies beyond is on no map, and may be infinitely many cells away.
-    position = min(max(position, -FARTHEST), FARTHEST)
+    position = min(max(position, -MAX_CELLS), MAX_CELLS)
     cell = math.floor(position)
     return cell + min(max(position - cell - 0.5, -0.499999), 0.499999)
 

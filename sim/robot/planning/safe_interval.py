@@ -16,13 +16,13 @@ from numpy.typing import NDArray
 
 from sim.common.geometry import FloatArray
 from sim.common.grid import OccupancyGrid
-from sim.robot.planning.itinerary import NEAR_START, SPEED, Itinerary, Others
+from sim.robot.planning.itinerary import ITINERARY_SPEED, NEAR_START, Itinerary, OtherItineraries
 
-CELL = 0.2
+CELL_SIDE = 0.2
 """Side of a coarse cell, metres, at most."""
-BIN = 0.5
+BIN_LENGTH = 0.5
 """Seconds by which intervals are counted."""
-BINS = 240
+BIN_COUNT = 240
 """How far ahead itineraries are looked at: two minutes."""
 
 BoolArray = NDArray[np.bool_]
@@ -45,7 +45,7 @@ class Roadmap:
     side: float
 
 
-def roadmap(grid: OccupancyGrid, clearance: FloatArray, radius: float) -> Roadmap:
+def make_roadmap(grid: OccupancyGrid, clearance: FloatArray, radius: float) -> Roadmap:
     """Lay a coarse grid over a map.
 
     Args:
@@ -53,7 +53,7 @@ def roadmap(grid: OccupancyGrid, clearance: FloatArray, radius: float) -> Roadma
         clearance: (rows, cols) of the map: metres to the nearest obstacle or unknown cell.
         radius: of the robot however it is turned, metres.
     """
-    stride = max(1, int(CELL / grid.resolution + 1e-9))
+    stride = max(1, int(CELL_SIDE / grid.resolution + 1e-9))
     rows, cols = grid.rows // stride, grid.cols // stride
     whole = clearance[: rows * stride, : cols * stride]
     blocks = whole.reshape(rows, stride, cols, stride).swapaxes(1, 2).reshape(rows, cols, stride * stride)
@@ -98,7 +98,7 @@ def _shade(
 
 @njit(cache=True)
 def _traffic(
-    free: BoolArray, centres: FloatArray, corner: FloatArray, side: float, others: Others, start: FloatArray,
+    free: BoolArray, centres: FloatArray, corner: FloatArray, side: float, others: OtherItineraries, start: FloatArray,
     time: float, separation: float, bins: int, bin_length: float,
 ) -> BoolArray:  # fmt: skip
     """(rows, cols, bins) whether another robot comes near a free cell within a span of time."""
@@ -245,21 +245,21 @@ def _search(
                     heapq.heappush(queue, (arrives + to_go[nr, nc] / speed, k))
     if found < 0:
         return np.empty((0, 3))
-    way = np.empty((2 * total, 3))
+    trajectory = np.empty((2 * total, 3))
     n = 0
     state = found
     while state >= 0:
         r, c = cell_of[state] // cols, cell_of[state] % cols
         if n > 0:
-            x, y = way[n - 1, 0], way[n - 1, 1]
-            leaves = way[n - 1, 2] - math.hypot(x - centres[r, c, 0], y - centres[r, c, 1]) / speed
+            x, y = trajectory[n - 1, 0], trajectory[n - 1, 1]
+            leaves = trajectory[n - 1, 2] - math.hypot(x - centres[r, c, 0], y - centres[r, c, 1]) / speed
             if leaves > arrival[state] + 1e-6:
-                way[n] = centres[r, c, 0], centres[r, c, 1], leaves
+                trajectory[n] = centres[r, c, 0], centres[r, c, 1], leaves
                 n += 1
-        way[n] = centres[r, c, 0], centres[r, c, 1], arrival[state]
+        trajectory[n] = centres[r, c, 0], centres[r, c, 1], arrival[state]
         n += 1
         state = parent[state]
-    return way[:n][::-1].copy()
+    return trajectory[:n][::-1].copy()
 
 
 @njit(cache=True)
@@ -280,17 +280,17 @@ def _off_path(
     return off
 
 
-def _nearest(chart: Roadmap, free: BoolArray, x: float, y: float, reach: float) -> tuple[int, int] | None:
+def _nearest(roadmap: Roadmap, free: BoolArray, x: float, y: float, reach: float) -> tuple[int, int] | None:
     """The free cell whose centre is nearest to a map point, within `reach` metres."""
-    place = np.array([x, y]) - chart.corner
-    if (place < -reach).any() or (place > chart.side * np.array(free.shape[::-1]) + reach).any():
+    place = np.array([x, y]) - roadmap.corner
+    if (place < -reach).any() or (place > roadmap.side * np.array(free.shape[::-1]) + reach).any():
         # So far off that its cell might have no number.
         return None
-    col, row = (place / chart.side).astype(np.int64)
-    span = math.ceil(reach / chart.side)
+    col, row = (place / roadmap.side).astype(np.int64)
+    span = math.ceil(reach / roadmap.side)
     rows, cols = slice(max(0, row - span), row + span + 1), slice(max(0, col - span), col + span + 1)
     distances = np.where(
-        free[rows, cols], np.hypot(chart.centres[rows, cols, 0] - x, chart.centres[rows, cols, 1] - y), np.inf
+        free[rows, cols], np.hypot(roadmap.centres[rows, cols, 0] - x, roadmap.centres[rows, cols, 1] - y), np.inf
     )
     if distances.size == 0 or distances.min() > reach:
         return None
@@ -299,7 +299,13 @@ def _nearest(chart: Roadmap, free: BoolArray, x: float, y: float, reach: float) 
 
 
 def route(
-    chart: Roadmap, free: BoolArray, start: FloatArray, goal: FloatArray, time: float, others: Others, separation: float
+    roadmap: Roadmap,
+    free: BoolArray,
+    start: FloatArray,
+    goal: FloatArray,
+    time: float,
+    others: OtherItineraries,
+    separation: float,
 ) -> Itinerary | None:
     """The quickest itinerary to a goal, where the robot may then stay, clear of all others.
 
@@ -315,21 +321,27 @@ def route(
     Returns:
         None when there is none within the time looked ahead.
     """
-    cell = _nearest(chart, free, goal[0], goal[1], 2 * chart.side)
+    cell = _nearest(roadmap, free, goal[0], goal[1], 2 * roadmap.side)
     if cell is None:
         return None
     targets = np.zeros(free.shape, dtype=np.bool_)
     targets[cell] = True
-    way = _way(chart, free, start, targets, time, others, separation)
-    if way is None:
+    itinerary = _itinerary_to(roadmap, free, start, targets, time, others, separation)
+    if itinerary is None:
         return None
-    points = np.vstack([way.points, goal])
-    last = float(np.hypot(*(goal - way.points[-1]))) / SPEED
-    return Itinerary(points, np.append(way.times, way.times[-1] + last))
+    points = np.vstack([itinerary.points, goal])
+    last = float(np.hypot(*(goal - itinerary.points[-1]))) / ITINERARY_SPEED
+    return Itinerary(points, np.append(itinerary.times, itinerary.times[-1] + last))
 
 
 def refuge(
-    chart: Roadmap, free: BoolArray, start: FloatArray, wish: FloatArray, time: float, others: Others, separation: float
+    roadmap: Roadmap,
+    free: BoolArray,
+    start: FloatArray,
+    avoided: FloatArray,
+    time: float,
+    others: OtherItineraries,
+    separation: float,
 ) -> Itinerary | None:
     """The quickest itinerary to a place off a path that another robot wishes to take.
 
@@ -343,27 +355,29 @@ def refuge(
         separation: metres from centre to centre, also from that path.
     """
     # Not just off it: the other one plans between rounded places too.
-    targets = _off_path(free, chart.centres, chart.corner, chart.side, wish, separation + chart.side)
-    return _way(chart, free, start, targets, time, others, separation)
+    targets = _off_path(free, roadmap.centres, roadmap.corner, roadmap.side, avoided, separation + roadmap.side)
+    return _itinerary_to(roadmap, free, start, targets, time, others, separation)
 
 
-def _way(
-    chart: Roadmap,
+def _itinerary_to(
+    roadmap: Roadmap,
     free: BoolArray,
     start: FloatArray,
     targets: BoolArray,
     time: float,
-    others: Others,
+    others: OtherItineraries,
     separation: float,
 ) -> Itinerary | None:
-    cell = _nearest(chart, free, start[0], start[1], NEAR_START)
+    cell = _nearest(roadmap, free, start[0], start[1], NEAR_START)
     if cell is None:
         return None
-    busy = _traffic(free, chart.centres, chart.corner, chart.side, others, start, time, separation, BINS, BIN)
-    way = _search(free, busy, targets, chart.centres, chart.side, *cell, BIN, SPEED)
-    if len(way) < 2:
+    busy = _traffic(
+        free, roadmap.centres, roadmap.corner, roadmap.side, others, start, time, separation, BIN_COUNT, BIN_LENGTH
+    )
+    found = _search(free, busy, targets, roadmap.centres, roadmap.side, *cell, BIN_LENGTH, ITINERARY_SPEED)
+    if len(found) < 2:
         return None
     # The first cell's centre is but the start, rounded: a robot that has to wait there stays where it is.
-    points = way[:, :2].copy()
+    points = found[:, :2].copy()
     points[(points == points[0]).all(axis=1)] = start
-    return Itinerary(points, time + way[:, 2])
+    return Itinerary(points, time + found[:, 2])

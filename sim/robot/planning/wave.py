@@ -25,7 +25,7 @@ Points = NDArray[np.float32]
 
 BLOCKED = np.float32(np.inf)
 UNREACHED = np.float32(1.0e10)
-PATIENCE = 8
+MAX_STEPS_WITHOUT_DESCENT = 8
 """Steps that a path may take down the slope without coming lower than before."""
 
 
@@ -278,7 +278,7 @@ def descend(potential: Potential, cols: int, x: float, y: float, end_x: float, e
         else:
             since_best += 1
             # Going round in circles: down from cell to cell until lower than ever.
-            afoot = afoot or since_best > PATIENCE
+            afoot = afoot or since_best > MAX_STEPS_WITHOUT_DESCENT
         lowest, inside = _lowest_beside(potential, cell, cols)
         swings = n > 2 and path[n - 1, 0] == path[n - 3, 0] and path[n - 1, 1] == path[n - 3, 1]
         step_x = step_y = np.float32(0.0)
@@ -316,7 +316,7 @@ def descend(potential: Potential, cols: int, x: float, y: float, end_x: float, e
 
 
 @njit(cache=True)
-def climb_down(potential: Potential, cols: int, x: float, y: float, end_x: float, end_y: float) -> Points:
+def descend_by_cells(potential: Potential, cols: int, x: float, y: float, end_x: float, end_y: float) -> Points:
     """The same from cell to cell: each the lowest of the eight around the one before."""
     path = [(np.float32(x), np.float32(y))]
     cell = round(y) * cols + round(x)

@@ -4,7 +4,7 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 from scipy import stats
 
-from sim.common.noise import Stream, key, normals, philox, uniforms
+from sim.common.noise import NoiseStream, key, normals, philox, uniforms
 
 # Random123, tests/kat_vectors, the lines "philox4x32 10": counter, key, result.
 KNOWN_ANSWERS = [
@@ -26,13 +26,13 @@ def test_philox_gives_the_known_answers_of_its_authors(counter: str, stream: str
 def test_numbers_of_a_stream_are_the_same_for_ever() -> None:
     # Frozen on purpose: recordings are replayed by drawing the same numbers again.
     assert int(key(7, "robot1", "laser")) == 6293750106573414420
-    assert Stream.named(7, "robot1", "laser").uniforms(3, 3).tolist() == [
+    assert NoiseStream.named(7, "robot1", "laser").uniforms(3, 3).tolist() == [
         0.5974859556477822,
         0.05114489660878385,
         0.5120727368929462,
     ]
     # The logarithm and the cosine may differ in the last bit between machines.
-    assert Stream.named(7, "robot1", "laser").normals(3, 3) == pytest.approx(
+    assert NoiseStream.named(7, "robot1", "laser").normals(3, 3) == pytest.approx(
         [1.2800310866221742, 0.42611148440788404, -1.1671194571027288], rel=1e-13
     )
 
@@ -57,19 +57,19 @@ def test_a_number_does_not_depend_on_how_many_are_drawn(stream: int, tick: int, 
 
 
 def test_neighbouring_ticks_and_keys_share_no_number() -> None:
-    drawn = [Stream(np.uint64(k)).uniforms(tick, 50) for k in range(20) for tick in range(20)]
+    drawn = [NoiseStream(np.uint64(k)).uniforms(tick, 50) for k in range(20) for tick in range(20)]
     assert np.unique(np.concatenate(drawn)).size == 20 * 20 * 50
 
 
 def test_uniforms_are_uniform() -> None:
-    sample = Stream.named(1, "u").uniforms(5, 200_000)
+    sample = NoiseStream.named(1, "u").uniforms(5, 200_000)
     assert sample.min() >= 0.0
     assert sample.max() < 1.0
     assert stats.kstest(sample, "uniform").pvalue > 1e-3
 
 
 def test_normals_are_normal() -> None:
-    sample = Stream.named(1, "n").normals(5, 200_000)
+    sample = NoiseStream.named(1, "n").normals(5, 200_000)
     assert stats.kstest(sample, "norm").pvalue > 1e-3
     # The tails, to which Kolmogorov and Smirnov are blind.
     beyond = np.count_nonzero(np.abs(sample) > 3.5)
@@ -78,7 +78,7 @@ def test_normals_are_normal() -> None:
 
 def test_numbers_are_uncorrelated_between_indices_ticks_and_streams() -> None:
     n = 4000
-    one, two = Stream.named(1, "robot1"), Stream.named(1, "robot2")
+    one, two = NoiseStream.named(1, "robot1"), NoiseStream.named(1, "robot2")
     table = np.array([np.concatenate((one.normals(tick, 8), two.normals(tick, 8))) for tick in range(n)])
     shifted = np.hstack((table[:-1], table[1:]))
     correlation = np.corrcoef(shifted.T) - np.eye(32)

@@ -7,7 +7,7 @@ from hypothesis import strategies as st
 
 from sim.common.geometry import FloatArray, Pose2
 from sim.common.grid import OccupancyGrid
-from sim.common.raycast import Fan, Raycaster, directions_of, shorten_by_polygon, shorten_fan_by_polygon
+from sim.common.raycast import BeamFan, Raycaster, directions_of, shorten_by_polygon, shorten_fan_by_polygon
 
 ORIGINS = st.builds(Pose2, st.floats(-20, 20), st.floats(-20, 20), st.floats(-math.pi, 3.14))
 SEEDS = st.integers(0, 2**32 - 1)
@@ -191,7 +191,7 @@ def test_the_beams_of_a_fan_that_may_meet_a_polygon_are_all_that_do(seed: int, v
     middle = rng.normal(0.0, rng.choice([0.1, 1.0, 5.0]), 2)
     polygon = middle + rng.normal(0.0, 0.3, (rng.integers(3, 6), 2))
     fan_angles = -0.5 * view + view / (beams - 1) * np.arange(beams)
-    fan = Fan(-0.5 * view, view / (beams - 1), directions_of(fan_angles))
+    fan = BeamFan(-0.5 * view, view / (beams - 1), directions_of(fan_angles))
     ranges = np.full(beams, math.inf)
     shorten_fan_by_polygon(polygon, fan, 8.0, ranges)
     assert np.array_equal(ranges, polygon_ranges(polygon, fan_angles, 8.0))

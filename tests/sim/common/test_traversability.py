@@ -7,24 +7,24 @@ from hypothesis import strategies as st
 
 from sim.common.geometry import IDENTITY, Pose2
 from sim.common.grid import FREE, OCCUPIED, UNKNOWN, OccupancyGrid
-from sim.common.traversability import Floor, Polygon, area, crosses_itself, inside
+from sim.common.traversability import Polygon, TraversabilityMap, area, crosses_itself, inside
 
 L_SHAPE: Polygon = ((0.0, 0.0), (4.0, 0.0), (4.0, 1.0), (1.0, 1.0), (1.0, 3.0), (0.0, 3.0))
 HOURGLASS: Polygon = ((0.0, 0.0), (1.0, 1.0), (1.0, 0.0), (0.0, 1.0))
 
 
-def floor_with_gap(width: int) -> Floor:
+def floor_with_gap(width: int) -> TraversabilityMap:
     """4 m x 2 m of cells of 0.1 m, a wall across with a gap so many cells wide."""
     cells = np.full((20, 40), FREE, dtype=np.int8)
     cells[:, 20] = OCCUPIED
     cells[5 : 5 + width, 20] = FREE
-    return Floor.of(OccupancyGrid(cells, 0.1, IDENTITY), inscribed=0.25, circumscribed=0.35)
+    return TraversabilityMap.of(OccupancyGrid(cells, 0.1, IDENTITY), inscribed=0.25, circumscribed=0.35)
 
 
 class TestFloor:
     def test_the_border_and_the_unknown_are_no_floor(self) -> None:
         cells = np.array([[FREE, FREE, FREE, FREE, UNKNOWN]], dtype=np.int8)
-        floor = Floor.of(OccupancyGrid(cells, 1.0, IDENTITY), 0.25, 0.35)
+        floor = TraversabilityMap.of(OccupancyGrid(cells, 1.0, IDENTITY), 0.25, 0.35)
         assert floor.clearance.tolist() == [[1.0, 1.0, 1.0, 1.0, 0.0]]
         assert floor.clearance_at(Pose2(9.0, 0.5, 0.0)) == 0.0
 

@@ -10,10 +10,10 @@ from hypothesis import strategies as st
 
 from sim.common.geometry import Pose2
 from sim.common.observations import Twist
-from sim.parameters import Rejected, RobotParameters, WorldParameters, reconfigurable, reconfigured
+from sim.parameters import ParameterRejection, RobotParameters, WorldParameters, reconfigurable, reconfigured
 from sim.robot.costmap.costs import INSCRIBED, LETHAL
-from sim.robot.navigator import Arrived, Goal
-from sim.robot.planning.path import Refused
+from sim.robot.navigator import Goal, GoalReached
+from sim.robot.planning.path import PlanRefusal
 from sim.team import Configure, Die, Drive, Go, PutThing, Team
 from sim.world.things import Thing
 from thbridge.files.map_files import read_map
@@ -96,7 +96,7 @@ def last_views(snapshots):
 )
 def test_what_cannot_be_is_rejected_for_the_right_reason(path, value, reason):
     result = reconfigured(STUDY, path, value)
-    assert isinstance(result, Rejected)
+    assert isinstance(result, ParameterRejection)
     assert (result.path, result.reason) == (path, reason)
     assert path in result.sentence
 
@@ -188,7 +188,7 @@ def test_what_ros_can_reconfigure_can_be_here_and_little_else():
 @given(st.sampled_from(sorted(reconfigurable())), st.none() | st.booleans() | st.integers() | st.floats() | st.text())
 def test_whatever_comes_is_taken_or_rejected(path, value):
     result = reconfigured(STUDY, path, value)
-    assert isinstance(result, RobotParameters | Rejected)
+    assert isinstance(result, RobotParameters | ParameterRejection)
 
 
 # What they do
@@ -272,7 +272,7 @@ def test_a_slower_robot_keeps_goal_and_plan_and_arrives():
     assert navigation.goal == FAR
     assert len(navigation.plan) >= len(last.robots[0].navigation.plan) - 1
     assert max(s.robots[0].navigation.command.linear for s in snapshots[SECOND:]) == pytest.approx(0.5)
-    assert any(isinstance(s.robots[0].navigation.result, Arrived) for s in snapshots)
+    assert any(isinstance(s.robots[0].navigation.result, GoalReached) for s in snapshots)
 
 
 def test_a_robot_that_need_not_be_exact_any_more_has_arrived_where_it_is():
@@ -283,7 +283,7 @@ def test_a_robot_that_need_not_be_exact_any_more_has_arrived_where_it_is():
     first, *_ = run(team, 1, Configure(0, changed("TrajectoryPlannerROS.yaw_goal_tolerance", 3.15, loose)))
     before = first.robots[0].estimate.base_in_map.distance(near)
     result = next(s.robots[0].navigation.result for s in [first, *_] if s.robots[0].navigation.result is not None)
-    assert isinstance(result, Arrived)
+    assert isinstance(result, GoalReached)
     assert before > 0.2
 
 
@@ -309,7 +309,7 @@ def test_the_other_planners_take_over_under_way():
     ):
         team.step([Configure(0, changed(path, value, team.parameters[0]))])
     assert team.parameters[0].move_base.controller_frequency == 5.0
-    assert any(isinstance(s.robots[0].navigation.result, Arrived) for s in run(team, 60))
+    assert any(isinstance(s.robots[0].navigation.result, GoalReached) for s in run(team, 60))
 
 
 def test_particles_stay_and_their_number_follows_the_new_bounds():
@@ -348,7 +348,7 @@ def test_a_local_costmap_of_another_size_stays_around_the_robot():
     pose = team.step().robots[0].estimate.base_in_map
     assert abs(view.origin.x + 3.0 - pose.x) < 0.5
     assert abs(view.origin.y + 2.0 - pose.y) < 0.5
-    assert any(isinstance(s.robots[0].navigation.result, Arrived) for s in run(team, 60))
+    assert any(isinstance(s.robots[0].navigation.result, GoalReached) for s in run(team, 60))
 
 
 def test_a_dead_robot_takes_no_parameters():
@@ -408,8 +408,8 @@ def test_where_the_goal_is_a_wall_the_plan_ends_as_near_as_is_tolerated():
     row, col = np.argwhere(ARENA.grid.cells == 100)[1000].tolist()
     x, y = ARENA.grid.centres_of(np.array([[row, col]]))[0].tolist()
     wall, team = Pose2(x, y, 0.3), team_of()
-    assert isinstance(team.make_plan(0, None, wall, 0.0), Refused)
-    assert isinstance(team.make_plan(0, None, wall, 0.1), Refused)
+    assert isinstance(team.make_plan(0, None, wall, 0.0), PlanRefusal)
+    assert isinstance(team.make_plan(0, None, wall, 0.1), PlanRefusal)
     plan = team.make_plan(0, None, wall, 1.5)
     assert plan[-1] == pytest.approx(wall.array())
     near = plan[-2]
@@ -422,7 +422,7 @@ def test_where_the_goal_is_a_wall_the_plan_ends_as_near_as_is_tolerated():
 def test_a_goal_however_far_away_is_refused(far):
     team, place = team_of(), Pose2(far, -far, 0.0)
     for start, goal in ((None, place), (place, FAR.base_in_map)):
-        assert isinstance(team.make_plan(0, start, goal, 0.5), Refused)
+        assert isinstance(team.make_plan(0, start, goal, 0.5), PlanRefusal)
     results = [s.robots[0].navigation.result for s in run(team, 2, Go(0, Goal(7, place)))]
     assert [result.reason for result in results if result] == ["goal_outside"]
 
@@ -430,5 +430,5 @@ def test_a_goal_however_far_away_is_refused(far):
 @pytest.mark.parametrize("tolerance", [1e9, float("inf"), float("nan"), -1.0])
 def test_a_tolerance_of_any_size_is_answered(tolerance):
     plan = team_of().make_plan(0, None, Pose2(1e6, 1e6, 0.0), tolerance)
-    assert isinstance(plan, Refused)
+    assert isinstance(plan, PlanRefusal)
     assert plan.code == "goal_outside"

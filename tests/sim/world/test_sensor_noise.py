@@ -7,7 +7,7 @@ import numpy as np
 import pytest
 
 from sim.common.observations import Twist
-from sim.parameters import Rejected, RobotParameters, WorldParameters, live_knobs, reconfigured
+from sim.parameters import ParameterRejection, RobotParameters, WorldParameters, live_parameters, reconfigured
 from sim.team import Die, Disturb, Drive, Revive, Team, TeamInput, TeamSnapshot
 from thbridge.files.map_files import read_map
 
@@ -126,7 +126,7 @@ def test_a_body_does_not_change_while_it_runs() -> None:
 
 
 def test_only_magnitudes_of_noise_are_live() -> None:
-    assert [knob.path for knob in live_knobs(WorldParameters, "world")] == [
+    assert [knob.path for knob in live_parameters(WorldParameters, "world")] == [
         "world.gyro_noise",
         *(f"world.odometry.{name}" for name in ("alpha1", "alpha2", "alpha3", "alpha4")),
         "world.odometry.linear_scale",
@@ -151,6 +151,6 @@ def test_only_magnitudes_of_noise_are_live() -> None:
 )
 def test_what_is_true_keeps_its_bounds(path: str, value: object, reason: str) -> None:
     result = reconfigured(TRUE, path, value)
-    assert isinstance(result, Rejected)
+    assert isinstance(result, ParameterRejection)
     assert (result.path, result.reason) == (path, reason)
     assert path in result.sentence

@@ -8,11 +8,11 @@ from sim.common.geometry import Pose2
 from sim.common.grid import OccupancyGrid
 from sim.common.observations import TICKS_PER_SECOND
 from sim.parameters import LaserParameters, OdometryNoise, RobotParameters, WorldParameters
-from sim.robot.navigator import Arrived, Cancelled, Goal
-from sim.team import Carry, Die, Go, Place, PutThing, RemoveThing, Revive, Team, Timed
+from sim.robot.navigator import Cancelled, Goal, GoalReached
+from sim.team import Carry, Die, Go, Place, PutThing, RemoveThing, Revive, ScheduledInput, Team
 from sim.world.physics import Misplaced, World, WorldState, with_thing, without_thing
 from sim.world.sensors import Sensors
-from sim.world.things import PATIENCE, RESPECT, Presence, Robots, Thing, after_a_tick
+from sim.world.things import ROBOT_MARGIN, TURN_BACK_TICKS, RobotBodies, Thing, ThingState, step_things
 
 SQUARE = ((0.25, 0.25), (-0.25, 0.25), (-0.25, -0.25), (0.25, -0.25))
 QUIET = WorldParameters(
@@ -54,16 +54,16 @@ def run(state: WorldState, ticks: int, *commands: tuple[float, float]) -> WorldS
     return state
 
 
-def robots_at(*poses: tuple[float, float, float], speed: float = 0.0) -> Robots:
+def robots_at(*poses: tuple[float, float, float], speed: float = 0.0) -> RobotBodies:
     twists = np.tile((speed, 0.0), (len(poses), 1))
-    return Robots(np.array(poses, dtype=np.float64).reshape(-1, 3), twists, np.array(SQUARE), 0.36)
+    return RobotBodies(np.array(poses, dtype=np.float64).reshape(-1, 3), twists, np.array(SQUARE), 0.36)
 
 
-def walk(thing: Thing, ticks: int, robots: Robots) -> list[Presence]:
-    (presence,) = after_a_tick([Presence(thing)], robots)
+def walk(thing: Thing, ticks: int, robots: RobotBodies) -> list[ThingState]:
+    (presence,) = step_things([ThingState(thing)], robots)
     found = [presence]
     for _ in range(ticks):
-        (presence,) = after_a_tick([presence], robots)
+        (presence,) = step_things([presence], robots)
         found.append(presence)
     return found
 
@@ -72,10 +72,10 @@ def walk(thing: Thing, ticks: int, robots: Robots) -> list[Presence]:
 
 
 def test_a_thing_stands_where_it_is_put():
-    (presence,) = after_a_tick([Presence(crate(3, 2))], robots_at())
+    (presence,) = step_things([ThingState(crate(3, 2))], robots_at())
     assert presence.appeared
     assert presence.pose() == Pose2(3, 2, 0)
-    assert after_a_tick([presence], robots_at()) == (presence,)
+    assert step_things([presence], robots_at()) == (presence,)
 
 
 def test_who_walks_passes_the_points_of_the_path_at_its_speed():
@@ -95,31 +95,31 @@ def test_who_walks_back_and_forth_turns_at_both_ends():
 
 
 def test_a_thing_waits_to_appear_until_robots_have_left_its_place():
-    near = 0.5 + RESPECT - 0.01
-    (presence,) = after_a_tick([Presence(crate(3, 2))], robots_at((3 - near, 2, 0)))
+    near = 0.5 + ROBOT_MARGIN - 0.01
+    (presence,) = step_things([ThingState(crate(3, 2))], robots_at((3 - near, 2, 0)))
     assert not presence.appeared
-    (presence,) = after_a_tick([presence], robots_at((3 - near - 0.02, 2, 0)))
+    (presence,) = step_things([presence], robots_at((3 - near - 0.02, 2, 0)))
     assert presence.appeared
 
 
 def test_a_thing_does_not_appear_right_before_a_robot_that_drives():
-    (presence,) = after_a_tick([Presence(crate(3, 2))], robots_at((1.5, 2, 0), speed=1.0))
+    (presence,) = step_things([ThingState(crate(3, 2))], robots_at((1.5, 2, 0), speed=1.0))
     assert not presence.appeared
-    (presence,) = after_a_tick([Presence(crate(3, 2))], robots_at((1.5, 2, 0), speed=0.3))
+    (presence,) = step_things([ThingState(crate(3, 2))], robots_at((1.5, 2, 0), speed=0.3))
     assert presence.appeared
 
 
 def test_who_walks_stops_before_a_robot_and_turns_back_when_it_stays():
-    found = walk(walker(((1, 1), (5, 1))), 100 + PATIENCE + 60, robots_at((3, 1, 0)))
+    found = walk(walker(((1, 1), (5, 1))), 100 + TURN_BACK_TICKS + 60, robots_at((3, 1, 0)))
     xs = np.array([presence.pose().x for presence in found])
-    assert xs.max() == pytest.approx(3 - 0.5 - RESPECT, abs=0.021)
-    assert np.count_nonzero(xs == xs.max()) > PATIENCE
+    assert xs.max() == pytest.approx(3 - 0.5 - ROBOT_MARGIN, abs=0.021)
+    assert np.count_nonzero(xs == xs.max()) > TURN_BACK_TICKS
     assert xs[-1] < xs.max()
 
 
 def test_who_walks_may_walk_away_from_a_robot_that_came_near():
     found = walk(walker(((1, 1), (5, 1))), 0, robots_at())
-    (after,) = after_a_tick(found, robots_at((0.4, 1, 0)))
+    (after,) = step_things(found, robots_at((0.4, 1, 0)))
     assert after.walked > 0.0
 
 
@@ -183,7 +183,7 @@ def test_nobody_walks_into_a_robot_that_drives_about(seed):
 # Things that befall robots
 
 
-def team(*starts: tuple[float, float, float], schedule: tuple[Timed, ...] = ()) -> Team:
+def team(*starts: tuple[float, float, float], schedule: tuple[ScheduledInput, ...] = ()) -> Team:
     robots = [RobotParameters(localization="ekf")] * len(starts)
     return Team(hall(), QUIET, robots, [Pose2(*pose) for pose in starts], 1, 100.0, schedule)
 
@@ -230,12 +230,12 @@ def test_a_dead_robot_brakes_and_is_silent_until_it_revives():
     assert snapshot.robots[0].navigation.goal is None
     driven.step([Go(0, Goal(9, Pose2(4, 2.5, 0)))])
     ended = [driven.step().robots[0].navigation.result for _ in range(15 * TICKS_PER_SECOND)]
-    assert any(isinstance(result, Arrived) for result in ended)
+    assert any(isinstance(result, GoalReached) for result in ended)
 
 
 def test_what_is_scheduled_happens_of_its_own_accord_and_as_if_it_had_come_in():
     thing = crate(3, 2)
-    plan = (Timed(30, RemoveThing("crate")), Timed(10, PutThing(thing)), Timed(20, Die(0)))
+    plan = (ScheduledInput(30, RemoveThing("crate")), ScheduledInput(10, PutThing(thing)), ScheduledInput(20, Die(0)))
     scheduled, live = team((1, 2, 0), schedule=plan), team((1, 2, 0))
     for tick in range(1, 41):
         inputs = [timed.input for timed in plan if timed.tick == tick]

@@ -8,9 +8,9 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 from rosbags.typesys import Stores, get_types_from_msg, get_typestore
 
-from thbridge.analysis.export.columns import Column, Lists, Values, fields_of
-from thbridge.analysis.export.gathering import Rows
-from thbridge.analysis.export.layout import Record, layout_of
+from thbridge.analysis.export.columns import Column, ListColumn, Values, fields_of
+from thbridge.analysis.export.gathering import GatheredRows
+from thbridge.analysis.export.layout import MessageLayout, layout_of
 from thbridge.ros.messages.types import OWN_TYPES, plain_definition
 
 FOREIGN = """\
@@ -90,7 +90,7 @@ def serialized(message: object) -> bytes:
     return bytes(STORE.serialize_ros1(message, "far_away/msg/Rover"))
 
 
-def taken(record: Record, rows: Rows) -> dict[str, Values]:
+def taken(record: MessageLayout, rows: GatheredRows) -> dict[str, Values]:
     return {field.column.name: field.values(rows) for field in fields_of(record, ())}
 
 
@@ -99,7 +99,7 @@ def ns(moment: object) -> int:
 
 
 def lists(values: Values) -> list[list]:
-    assert isinstance(values, Lists)
+    assert isinstance(values, ListColumn)
     ends = np.cumsum(values.lengths)
     elements = list(values.elements)
     return [elements[end - length : end] for end, length in zip(ends, values.lengths, strict=True)]
@@ -109,7 +109,7 @@ def lists(values: Values) -> list[list]:
 @given(st.lists(rovers, min_size=1, max_size=3))
 def test_a_type_that_nobody_knows_is_read_value_for_value(said: list) -> None:
     record = layout_of("far_away/Rover", FOREIGN)
-    rows = Rows(record)
+    rows = GatheredRows(record)
     for rover in said:
         rows.add(serialized(rover))
     values = taken(record, rows)
@@ -143,7 +143,7 @@ def test_a_broken_message_leaves_nothing_behind(good: object, other: object, dat
     broken = data.draw(
         st.integers(0, len(whole) - 1).map(lambda end: whole[:end]) | st.just(whole + b"x") | st.just(b"\xff" * 200)
     )
-    rows, alone = Rows(record), Rows(record)
+    rows, alone = GatheredRows(record), GatheredRows(record)
     for gathered in (rows, alone):
         gathered.add(serialized(good))
     with pytest.raises(ValueError, match="message"):
@@ -193,7 +193,7 @@ def test_yaw_and_standard_deviations_are_worked_out() -> None:
     variances = np.zeros((6, 6))
     variances[[0, 1, 5], [0, 1, 5]] = 0.25, -1.0, 4.0
     half = 0.5 * 2.5
-    rows = Rows(record)
+    rows = GatheredRows(record)
     rows.add(bytes(16) + np.array([1.0, 2.0, 0.0, 0.0, 0.0, math.sin(half), math.cos(half), *variances.flat]).tobytes())
     values = taken(record, rows)
     assert values["yaw_rad"] == pytest.approx([2.5])

@@ -20,7 +20,7 @@ from thbridge.files.errors import BadFile
 from thbridge.files.ros.definitions import Definitions
 from thbridge.files.table_files import TableFormat
 from thbridge.recording.bag.writer import BagWriter
-from thbridge.ros.publisher import Publisher
+from thbridge.ros.publisher import TeamPublisher
 
 TICKS = 120
 BOTH = tuple(TableFormat)
@@ -30,7 +30,7 @@ BOTH = tuple(TableFormat)
 def bag(tmp_path_factory: pytest.TempPathFactory) -> Path:
     """A session of two robots, drawn by hand."""
     path = tmp_path_factory.mktemp("bags") / "hunt.bag"
-    publisher = Publisher(2, MOUNT, SCAN_PERIOD)
+    publisher = TeamPublisher(2, MOUNT, SCAN_PERIOD)
     with BagWriter(path, Definitions(())) as writer:
         for message in publisher.opening(0, SESSION, arena()):
             writer.write(message)

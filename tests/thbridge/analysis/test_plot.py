@@ -12,11 +12,11 @@ from PIL import Image
 from sim.common.geometry import Pose2
 from sim.common.grid import OccupancyGrid
 from tests.thbridge.analysis.test_report import session
-from thbridge.analysis.plot.figures import SIGMAS, What, draw
-from thbridge.analysis.plot.look import ONE_COLUMN, TWO_COLUMNS, Kind, Look
+from thbridge.analysis.plot.figures import SIGMAS, FigureKind, draw
+from thbridge.analysis.plot.style import ONE_COLUMN, TWO_COLUMNS, FigureFormat, FigureStyle
 from thbridge.analysis.report.gathering import read_report
-from thbridge.analysis.report.values import Moment, Report
-from thbridge.hunt.outcomes import Refused
+from thbridge.analysis.report.values import Report, TimelineEntry
+from thbridge.hunt.refusals import RequestRefused
 
 LOOKS = (ONE_COLUMN, TWO_COLUMNS)
 
@@ -26,43 +26,43 @@ def report() -> Report:
     return session(2, 400)
 
 
-def drawn(what: What, report: Report, look: Look = TWO_COLUMNS) -> Figure:
+def drawn(what: FigureKind, report: Report, look: FigureStyle = TWO_COLUMNS) -> Figure:
     figure = draw(what, report, look)
     assert isinstance(figure, Figure)
     return figure
 
 
 @pytest.mark.parametrize("look", LOOKS)
-@pytest.mark.parametrize("what", What)
-def test_everything_can_be_plotted_of_a_session_of_ours(report: Report, what: What, look: Look) -> None:
+@pytest.mark.parametrize("what", FigureKind)
+def test_everything_can_be_plotted_of_a_session_of_ours(report: Report, what: FigureKind, look: FigureStyle) -> None:
     for axes in drawn(what, report, look).axes:
         assert axes.lines or axes.patches or axes.collections
         assert axes.get_ylabel() or axes.get_yticklabels()
 
 
 def test_print_has_300_dots_an_inch(report: Report) -> None:
-    image = Image.open(BytesIO(ONE_COLUMN.rendered(drawn(What.PATHS, report, ONE_COLUMN), Kind.PNG)))
+    image = Image.open(BytesIO(ONE_COLUMN.rendered(drawn(FigureKind.PATHS, report, ONE_COLUMN), FigureFormat.PNG)))
     assert image.width == int(ONE_COLUMN.width * 300)
 
 
-@pytest.mark.parametrize("kind", Kind)
-def test_the_same_report_gives_the_same_bytes(report: Report, kind: Kind) -> None:
-    one, other = (TWO_COLUMNS.rendered(drawn(What.ERROR, report), kind) for _ in range(2))
+@pytest.mark.parametrize("kind", FigureFormat)
+def test_the_same_report_gives_the_same_bytes(report: Report, kind: FigureFormat) -> None:
+    one, other = (TWO_COLUMNS.rendered(drawn(FigureKind.ERROR, report), kind) for _ in range(2))
     assert one == other
     assert b"Matplotlib" not in one
-    if kind is Kind.SVG:
+    if kind is FigureFormat.SVG:
         ElementTree.fromstring(one)
 
 
-@pytest.mark.parametrize("what", What)
-def test_what_is_missing_is_told(what: What) -> None:
+@pytest.mark.parametrize("what", FigureKind)
+def test_what_is_missing_is_told(what: FigureKind) -> None:
     refused = draw(what, read_report([]), TWO_COLUMNS)
-    assert isinstance(refused, Refused)
+    assert isinstance(refused, RequestRefused)
     assert "There is nothing to plot" in refused.sentence
 
 
 def test_the_band_is_what_the_localiser_admits(report: Report) -> None:
-    axes = drawn(What.ERROR, report).axes[0]
+    axes = drawn(FigureKind.ERROR, report).axes[0]
     (band,) = axes.collections
     top = band.get_paths()[0].vertices[:, 1].max()
     # The drawn team admits variances of 0.01 and 0.02 m2.
@@ -73,7 +73,7 @@ def test_the_band_is_what_the_localiser_admits(report: Report) -> None:
 def test_odometry_alone_is_drawn_without_the_map_it_is_not_in(report: Report) -> None:
     nothing = np.empty((0, 4))
     tracks = tuple(replace(track, truth=nothing, estimate=nothing) for track in report.tracks)
-    axes = drawn(What.PATHS, replace(report, tracks=tracks)).axes[0]
+    axes = drawn(FigureKind.PATHS, replace(report, tracks=tracks)).axes[0]
     assert any(line.get_linestyle() == "--" and len(line.get_xdata()) > 10 for line in axes.lines)
     assert "odometry" in [text.get_text() for text in axes.get_legend().get_texts()]
     assert not axes.images
@@ -83,19 +83,19 @@ def test_unknown_ground_about_a_map_is_cut_off(report: Report) -> None:
     cells = np.full((400, 600), -1, dtype=np.int8)
     cells[100:200, 300:500] = 0
     grid = OccupancyGrid(cells, 0.1, Pose2(-30.0, -20.0, 0.0))
-    axes = drawn(What.PATHS, replace(report, tracks=(), grid=grid)).axes[0]
+    axes = drawn(FigureKind.PATHS, replace(report, tracks=(), grid=grid)).axes[0]
     assert (axes.get_xlim(), axes.get_ylim()) == (pytest.approx((0.0, 20.0)), pytest.approx((-10.0, 0.0)))
 
 
 def test_goals_have_the_number_of_their_room(report: Report) -> None:
-    leg = report.tracks[0].legs[0]
-    departed = Moment(leg.start, "departed", "robot1", 7, "")
-    axes = drawn(What.TIMELINE, replace(report, moments=(departed,))).axes[0]
+    leg = report.tracks[0].attempts[0]
+    departed = TimelineEntry(leg.start, "departed", "robot1", 7, "")
+    axes = drawn(FigureKind.TIMELINE, replace(report, moments=(departed,))).axes[0]
     assert "7" in [text.get_text() for text in axes.texts]
 
 
 @pytest.mark.parametrize(("duration", "labels"), [(3.0, "0:01"), (60.0, "0:10"), (400.0, "1:00"), (7000.0, "30:00")])
 def test_times_are_round_as_clocks_are(report: Report, duration: float, labels: str) -> None:
-    axes = drawn(What.ENERGY, replace(report, duration=duration)).axes[0]
+    axes = drawn(FigureKind.ENERGY, replace(report, duration=duration)).axes[0]
     ticks = axes.xaxis.get_major_locator().tick_values(0.0, duration)
     assert labels in [axes.xaxis.get_major_formatter()(tick, None) for tick in ticks]

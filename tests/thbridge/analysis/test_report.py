@@ -16,7 +16,7 @@ from thbridge.ros.messages import pack, types
 from thbridge.ros.messages.pack import Transform
 from thbridge.ros.messages.records import GameEvent
 from thbridge.ros.messages.types import plain_definition
-from thbridge.ros.publisher import Publisher
+from thbridge.ros.publisher import TeamPublisher
 
 
 @dataclass(frozen=True)
@@ -33,7 +33,7 @@ def recorded(topic: str, msgtype: str, second: float, data: bytes) -> Recorded:
 
 
 def session(robots: int, ticks: int) -> Report:
-    publisher = Publisher(robots, MOUNT, SCAN_PERIOD)
+    publisher = TeamPublisher(robots, MOUNT, SCAN_PERIOD)
     messages = publisher.opening(0, SESSION, arena())
     for snapshot in snapshots(robots, ticks):
         messages += publisher.tick(snapshot, records(snapshot.tick))
@@ -85,14 +85,14 @@ def test_distance_energy_and_legs(report: Report) -> None:
     assert track.distance == pytest.approx(0.5 * (3 * LEG - 1) / 50, rel=1e-4)
     assert track.energy[0].tolist() == [0.0, 100.0]
     assert track.energy[-1] == pytest.approx([7.0, 97.2], abs=1e-5)
-    assert [leg.outcome for leg in track.legs] == ["arrived", "no path", "under way"]
-    assert (track.legs[1].start, track.legs[1].end) == pytest.approx((3.0, 5.0))
-    assert track.legs[1].reason == "the goal is inside a wall"
+    assert [leg.outcome for leg in track.attempts] == ["arrived", "no path", "under way"]
+    assert (track.attempts[1].start, track.attempts[1].end) == pytest.approx((3.0, 5.0))
+    assert track.attempts[1].reason == "the goal is inside a wall"
 
 
 def test_a_goal_without_end_is_under_way() -> None:
     (track,) = session(1, LEG // 2).tracks
-    assert [(leg.outcome, leg.end) for leg in track.legs] == [("under way", pytest.approx((LEG // 2 - 1) / 50))]
+    assert [(leg.outcome, leg.end) for leg in track.attempts] == [("under way", pytest.approx((LEG // 2 - 1) / 50))]
 
 
 def test_moments_are_for_people(report: Report) -> None:

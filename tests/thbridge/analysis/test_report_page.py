@@ -11,14 +11,14 @@ from thbridge.app.session.broadcast import Broadcast
 from thbridge.files.errors import BadFile
 from thbridge.files.ros.definitions import Definitions
 from thbridge.recording.bag.writer import BagWriter
-from thbridge.ros.publisher import Message, Publisher, Topic
+from thbridge.ros.publisher import RosMessage, TeamPublisher, Topic
 
 
 @pytest.fixture(scope="module")
 def bag(tmp_path_factory: pytest.TempPathFactory) -> Path:
     path = tmp_path_factory.mktemp("report") / "a <b>.bag"
     with BagWriter(path, Definitions(())) as writer:
-        recorder = Broadcast(Publisher(2, MOUNT, SCAN_PERIOD), SESSION, arena(), [writer])
+        recorder = Broadcast(TeamPublisher(2, MOUNT, SCAN_PERIOD), SESSION, arena(), [writer])
         for snapshot in snapshots(2, 300):
             recorder.record(snapshot, records(snapshot.tick))
     return path
@@ -82,7 +82,7 @@ def test_the_same_bag_gives_the_same_page(bag: Path, page: str) -> None:
 def test_a_foreign_bag_says_what_is_missing(tmp_path: Path) -> None:
     path = tmp_path / "foreign.bag"
     with BagWriter(path, Definitions(())) as writer:
-        writer.write(Message(Topic("/chatter", "std_msgs/String"), 1, b"\x02\x00\x00\x00hi"))
+        writer.write(RosMessage(Topic("/chatter", "std_msgs/String"), 1, b"\x02\x00\x00\x00hi"))
     page = build_report(path)
     assert "Not in this bag" in page
     assert "There is no map" in page

@@ -4,14 +4,14 @@ import pytest
 
 from tests.thbridge.analysis.planting import ODOM_LINE, START, STEP, Entry, Planted, clean, odom_message, write
 from tests.thbridge.ros.drive import MOUNT, SCAN_PERIOD, SESSION, arena, snapshots
-from thbridge.analysis.summary import Summary, TopicSummary, summarise
+from thbridge.analysis.summary import RecordingSummary, TopicSummary, summarise
 from thbridge.app.session.broadcast import Broadcast
 from thbridge.recording.bag.writer import BagWriter
 from thbridge.ros.messages.types import plain_definition
-from thbridge.ros.publisher import Publisher
+from thbridge.ros.publisher import TeamPublisher
 
 
-def topic(summary: Summary, name: str) -> TopicSummary:
+def topic(summary: RecordingSummary, name: str) -> TopicSummary:
     return next(topic for topic in summary.topics if topic.name == name)
 
 
@@ -66,7 +66,7 @@ def test_parts_are_summed_up_together(tmp_path: Path) -> None:
 def test_the_session_of_a_recording_of_ours(tmp_path: Path) -> None:
     path = tmp_path / "ours.bag"
     with BagWriter(path) as writer:
-        recorder = Broadcast(Publisher(1, MOUNT, SCAN_PERIOD), SESSION, arena(), [writer])
+        recorder = Broadcast(TeamPublisher(1, MOUNT, SCAN_PERIOD), SESSION, arena(), [writer])
         for snapshot in snapshots(1, 10):
             recorder.record(snapshot)
     session = summarise(path).session

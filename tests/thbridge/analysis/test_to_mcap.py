@@ -11,7 +11,7 @@ from thbridge.files.errors import BadFile
 from thbridge.recording.bag.reader import recorded
 from thbridge.recording.bag.writer import BagWriter
 from thbridge.ros.messages.types import plain_definition
-from thbridge.ros.publisher import Publisher
+from thbridge.ros.publisher import TeamPublisher
 
 
 @pytest.fixture
@@ -54,7 +54,7 @@ def test_the_conventions_of_ros_1(tmp_path: Path, bag: Path) -> None:
 def test_a_session_of_ours_can_be_found(tmp_path: Path) -> None:
     path = tmp_path / "ours.bag"
     with BagWriter(path) as writer:
-        recorder = Broadcast(Publisher(1, MOUNT, SCAN_PERIOD), SESSION, arena(), [writer])
+        recorder = Broadcast(TeamPublisher(1, MOUNT, SCAN_PERIOD), SESSION, arena(), [writer])
         for snapshot in snapshots(1, 10):
             recorder.record(snapshot)
     done = to_mcap(path, tmp_path / "ours.mcap")

@@ -4,8 +4,8 @@ from pathlib import Path
 import pytest
 
 from sim.team import Team
-from thbridge.app.compose import REHEARSERS, Setting, read_setting
-from thbridge.roles.notices import Subscribe, tell
+from thbridge.app.compose import REHEARSERS, StudySetting, read_setting
+from thbridge.roles.notices import Subscribe, encode_notice
 from thbridge.study.study_file import ParticipantSection, ShowsSection, Study
 
 
@@ -28,7 +28,7 @@ def test_of_a_large_team_only_some_rehearse_and_whoever_has_software_of_its_own(
     assert software == ["amcl", "truth", *["amcl"] * (REHEARSERS - 2), "truth"]
 
 
-def rehearsed(setting: Setting, monkeypatch: pytest.MonkeyPatch) -> Team:
+def rehearsed(setting: StudySetting, monkeypatch: pytest.MonkeyPatch) -> Team:
     """The team of a rehearsal, after it."""
     teams: list[Team] = []
 
@@ -50,8 +50,8 @@ def test_participants_are_briefed_with_the_study_s_map_pictures_and_consent(tmp_
     assert {name: data[:3] for name, data in briefing.pictures.items()} == {
         f"rsz_t{number}.jpg": b"\xff\xd8\xff" for number in range(1, 5)
     }
-    assert briefing.house is not None
-    assert [room.room for room in briefing.house.rooms] == list(range(1, 9))
+    assert briefing.floor_plan is not None
+    assert [room.room for room in briefing.floor_plan.rooms] == list(range(1, 9))
     assert read_setting(Study(), Path()).briefing().consent is None
 
 
@@ -59,7 +59,7 @@ def test_participants_are_briefed_with_the_study_s_map_pictures_and_consent(tmp_
 def test_the_truth_about_robots_is_told_only_where_the_study_says_so(truth: bool) -> None:
     participant = ParticipantSection(shows=ShowsSection(truth=truth, uncertainty=truth, way=truth))
     simr = read_setting(dataclasses.replace(Study(), participant=participant), Path()).simr()
-    subscribed = tell("Window", simr.name, Subscribe())
+    subscribed = encode_notice("Window", simr.name, Subscribe())
     said = [message.line() for tick in range(10) for message in simr.step(tick, [subscribed] if tick == 0 else [])]
     told = [line for line in said if "SimR Window" in line]
     assert told

@@ -5,16 +5,16 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from thbridge.dialogue.codec import restore, snapshot
-from thbridge.dialogue.engine import Dialogues, Engine, Reason
-from thbridge.dialogue.moves import Ask, Author, Continue, Outcome, Scenario, Speaker, Stop, Topic
+from thbridge.dialogue.engine import DialogueReason, Dialogues, Engine
+from thbridge.dialogue.moves import Ask, Author, Continue, DialogueOutcome, DialogueTopic, Scenario, Speaker, Stop
 from thbridge.dialogue.protocols import TemplateProtocol
 from thbridge.dialogue.strategies import TemplateStrategy
-from thbridge.dialogue.templates import Question, Template, TemplatePhrasing
+from thbridge.dialogue.templates import ScriptedQuestion, Template, TemplatePhrasing
 from thbridge.hunt.rooms import Room
 
 
 def questions(*lines):
-    return tuple(Question(tuple(line.split(" | "))) for line in lines)
+    return tuple(ScriptedQuestion(tuple(line.split(" | "))) for line in lines)
 
 
 TEMPLATE = Template(
@@ -29,8 +29,8 @@ TEMPLATE = Template(
         Scenario.TAKE_PICTURE: questions("It is £colour£. Shall I?"),
     },
 )
-TOPIC = Topic(Scenario.DONT_KNOW, 0, Room(4), 13.0, 87.0)
-CHOSEN = Topic(Scenario.SPECIFIC_ROOM, 1, Room(2), 14.0, 100.0)
+TOPIC = DialogueTopic(Scenario.DONT_KNOW, 0, Room(4), 13.0, 87.0)
+CHOSEN = DialogueTopic(Scenario.SPECIFIC_ROOM, 1, Room(2), 14.0, 100.0)
 
 
 def engine(template=TEMPLATE, seed=7):
@@ -47,7 +47,7 @@ def test_every_question_needs_its_continue():
         heard += [said.text for said in step.utterances if said.speaker is Speaker.ROBOT]
     assert heard == ["Do you want me to go to room 4", "It will cost me 13 to go to room 4", "Are you sure?"]
     step = talk.move(step.dialogues, 1, Continue())
-    assert step.outcome is Outcome.CONSENSUS
+    assert step.outcome is DialogueOutcome.CONSENSUS
     assert step.dialogues.open == ()
 
 
@@ -58,13 +58,13 @@ def test_a_stop_anywhere_ends_without_consensus(agreed):
     for _ in range(agreed):
         step = talk.move(step.dialogues, 1, Continue())
     step = talk.move(step.dialogues, 1, Stop())
-    assert step.outcome is Outcome.NO_CONSENSUS
+    assert step.outcome is DialogueOutcome.NO_CONSENSUS
     assert step.dialogues.open == ()
 
 
 def test_no_questions_agree_at_once():
-    step = engine().open(Dialogues(), Topic(Scenario.TAKE_TREASURE, 0, Room(1), 2.0, 50.0))
-    assert (step.outcome, step.utterances, step.dialogues) == (Outcome.CONSENSUS, (), Dialogues(opened=1))
+    step = engine().open(Dialogues(), DialogueTopic(Scenario.TAKE_TREASURE, 0, Room(1), 2.0, 50.0))
+    assert (step.outcome, step.utterances, step.dialogues) == (DialogueOutcome.CONSENSUS, (), Dialogues(opened=1))
 
 
 def test_each_thing_said_can_be_recorded_alone():
@@ -90,8 +90,8 @@ def test_the_person_is_offered_the_legal_moves_only():
         (Continue(), "Continue"),
         (Stop(), "Stop"),
     ]
-    assert talk.move(step.dialogues, 1, Ask(1)).reason == Reason.NOT_LEGAL
-    assert talk.move(step.dialogues, 9, Continue()).reason == Reason.NO_SUCH_DIALOGUE
+    assert talk.move(step.dialogues, 1, Ask(1)).reason == DialogueReason.NOT_LEGAL
+    assert talk.move(step.dialogues, 9, Continue()).reason == DialogueReason.NO_SUCH_DIALOGUE
 
 
 def test_robots_talk_at_the_same_time_but_each_in_one_dialogue():
@@ -99,7 +99,7 @@ def test_robots_talk_at_the_same_time_but_each_in_one_dialogue():
     first = talk.open(Dialogues(), TOPIC)
     second = talk.open(first.dialogues, CHOSEN)
     assert (first.dialogue.number, second.dialogue.number) == (1, 2)
-    assert talk.open(second.dialogues, TOPIC).reason == Reason.ALREADY_TALKING
+    assert talk.open(second.dialogues, TOPIC).reason == DialogueReason.ALREADY_TALKING
     step = talk.move(second.dialogues, 1, Stop())
     assert step.dialogues.of_robot(0) is None
     assert step.dialogues.of_robot(1) == second.dialogue
@@ -110,8 +110,8 @@ def test_a_dialogue_can_be_withdrawn():
     talk = engine()
     step = talk.open(Dialogues(), TOPIC)
     gone = talk.withdraw(step.dialogues, 1)
-    assert (gone.outcome, gone.dialogues.open) == (Outcome.WITHDRAWN, ())
-    assert talk.withdraw(gone.dialogues, 1).reason == Reason.NO_SUCH_DIALOGUE
+    assert (gone.outcome, gone.dialogues.open) == (DialogueOutcome.WITHDRAWN, ())
+    assert talk.withdraw(gone.dialogues, 1).reason == DialogueReason.NO_SUCH_DIALOGUE
 
 
 def test_the_seed_chooses_among_wordings():
@@ -156,7 +156,7 @@ def test_consensus_only_ever_comes_of_as_many_continues_as_questions(requests):
         said = step.dialogue.number
         agreed[said] = agreed.get(said, 0) + (verb == "continue")
         wanted = len(TEMPLATE.of(step.dialogue.topic.scenario))
-        assert (step.outcome is Outcome.CONSENSUS) == (verb != "stop" and agreed[said] == wanted)
+        assert (step.outcome is DialogueOutcome.CONSENSUS) == (verb != "stop" and agreed[said] == wanted)
 
 
 @pytest.mark.parametrize(
@@ -180,8 +180,8 @@ def test_a_held_dialogue_waits_where_the_robot_would_speak():
     assert (step.utterances, step.outcome, step.dialogue.turns) == ((), None, ())
     assert talk.choices(step.dialogue) == ()
     assert [choice.text for choice in talk.choices(step.dialogue, Speaker.ROBOT)] == ["Do you want me to go to room 4"]
-    assert talk.move(step.dialogues, 1, Continue()).reason == Reason.NOT_LEGAL
-    assert talk.speak(step.dialogues, 1, Ask(1)).reason == Reason.NOT_LEGAL
+    assert talk.move(step.dialogues, 1, Continue()).reason == DialogueReason.NOT_LEGAL
+    assert talk.speak(step.dialogues, 1, Ask(1)).reason == DialogueReason.NOT_LEGAL
 
 
 def test_what_is_said_in_a_robots_place_is_marked_and_said_again_in_the_same_words():
@@ -205,10 +205,10 @@ def test_what_is_said_in_a_robots_place_is_marked_and_said_again_in_the_same_wor
 def test_nobody_can_be_spoken_for_at_the_persons_turn():
     talk = engine()
     step = talk.open(Dialogues(), TOPIC)
-    assert talk.speak(step.dialogues, 1, Ask(1)).reason == Reason.NOT_LEGAL
-    assert talk.speak(step.dialogues, 2, Ask(1)).reason == Reason.NO_SUCH_DIALOGUE
-    assert talk.go_on(step.dialogues, 2).reason == Reason.NO_SUCH_DIALOGUE
-    assert talk.go_on(step.dialogues, 1).dialogues == step.dialogues
+    assert talk.speak(step.dialogues, 1, Ask(1)).reason == DialogueReason.NOT_LEGAL
+    assert talk.speak(step.dialogues, 2, Ask(1)).reason == DialogueReason.NO_SUCH_DIALOGUE
+    assert talk.release(step.dialogues, 2).reason == DialogueReason.NO_SUCH_DIALOGUE
+    assert talk.release(step.dialogues, 1).dialogues == step.dialogues
 
 
 @given(st.lists(st.booleans(), max_size=8))
@@ -216,7 +216,7 @@ def test_a_robot_that_goes_on_says_what_it_would_have_said(held):
     talk = engine()
     plain, step = talk.open(Dialogues(), TOPIC), talk.open(Dialogues(), TOPIC, held=True)
     for hold in held:
-        step = talk.go_on(step.dialogues, 1)
+        step = talk.release(step.dialogues, 1)
         assert step.dialogue == plain.dialogue
         if plain.outcome is not None:
             return
@@ -240,7 +240,7 @@ def test_another_way_of_talking_fits_without_changing_the_engine():
 
     class Haggle:
         def outcome(self, dialogue):
-            return Outcome.CONSENSUS if len(dialogue.turns) == 4 else None
+            return DialogueOutcome.CONSENSUS if len(dialogue.turns) == 4 else None
 
         def speaker(self, dialogue):
             return Speaker.PERSON if len(dialogue.turns) % 2 == 0 else Speaker.ROBOT
@@ -262,4 +262,4 @@ def test_another_way_of_talking_fits_without_changing_the_engine():
     assert step.utterances == ()
     step = talk.move(step.dialogues, 1, Ask(10))
     assert [said.text for said in step.utterances] == ["10", "20"]
-    assert talk.move(step.dialogues, 1, Ask(20)).outcome is Outcome.CONSENSUS
+    assert talk.move(step.dialogues, 1, Ask(20)).outcome is DialogueOutcome.CONSENSUS

@@ -1,12 +1,12 @@
 import pytest
 
-from thbridge.dialogue.moves import Scenario, Topic
+from thbridge.dialogue.moves import DialogueTopic, Scenario
 from thbridge.dialogue.templates import fill, word_fault, words_of
 from thbridge.hunt.rooms import Room
 
 
 def test_reserved_words_become_what_people_read():
-    topic = Topic(Scenario.TAKE_PICTURE, 0, Room(4), 5.0, 82.5, "Orange", "Round and Large")
+    topic = DialogueTopic(Scenario.TAKE_PICTURE, 0, Room(4), 5.0, 82.5, "Orange", "Round and Large")
     wording = "£robot£: £colour£, £footprint£ in room £room£; £cost£ of £energy£; £5 each"
     assert fill(wording, words_of(topic)) == "1: Orange, Round and Large in room 4; 5 of 82.5; £5 each"
 

@@ -2,7 +2,7 @@ from pathlib import Path
 
 import pytest
 
-from thbridge.files.edited_file import OnDisk, read_edited, write_edited
+from thbridge.files.edited_file import TextOnDisk, read_edited, write_edited
 from thbridge.files.errors import BadFile
 
 
@@ -11,13 +11,13 @@ def test_a_text_is_read_and_written_to_the_byte(tmp_path: Path) -> None:
     data = b"\xef\xbb\xbfmap: arena8\r\nrobots: 2\n"
     path.write_bytes(data)
     read = read_edited(path)
-    assert read == OnDisk("map: arena8\r\nrobots: 2\n", exists=True, marked=True)
+    assert read == TextOnDisk("map: arena8\r\nrobots: 2\n", exists=True, marked=True)
     assert write_edited(path, read.text, read.marked) == read
     assert path.read_bytes() == data
 
 
 def test_a_missing_file_is_empty_and_a_missing_folder_is_told(tmp_path: Path) -> None:
-    assert read_edited(tmp_path / "a.yaml") == OnDisk("", exists=False)
+    assert read_edited(tmp_path / "a.yaml") == TextOnDisk("", exists=False)
     with pytest.raises(BadFile, match="there is no folder"):
         read_edited(tmp_path / "none" / "a.yaml")
 

@@ -7,13 +7,13 @@ from hypothesis import strategies as st
 from tests.thbridge.hunt.test_game import ROOM_1, ROOM_2, ROOM_4, after, in_room_4, new_game, small_game, visit
 from thbridge.hunt import rules
 from thbridge.hunt.events import AskedBack, Commanded, Commander, Condition, Departed, Ended, EndReason, Left, Reported
-from thbridge.hunt.game import Command, apply
-from thbridge.hunt.outcomes import Refused
+from thbridge.hunt.game import CommandHolder, apply
+from thbridge.hunt.refusals import RequestRefused
 from thbridge.hunt.rooms import Room
-from thbridge.hunt.rules import Reason
+from thbridge.hunt.rules import RuleReason
 
-STATION = Command(Commander.GROUND_STATION, "ground station 255")
-PARTICIPANT = Command()
+STATION = CommandHolder(Commander.GROUND_STATION, "ground station 255")
+PARTICIPANT = CommandHolder()
 
 
 def taken(state=None, robot=0, by=STATION):
@@ -32,28 +32,28 @@ def test_a_ground_station_takes_a_robot_and_gives_it_back():
 
 
 def test_another_ground_station_may_have_it_next():
-    other = Command(Commander.GROUND_STATION, "ground station 7")
+    other = CommandHolder(Commander.GROUND_STATION, "ground station 7")
     assert taken(taken(), by=other).robots[0].command == other
 
 
 def test_only_its_commander_moves_a_robot():
     state = taken()
     refused = rules.move(state, 0, ROOM_4)
-    assert refused == Refused(Reason.COMMANDED, "Robot 1 is commanded by ground station 255 just now.")
+    assert refused == RequestRefused(RuleReason.COMMANDED, "Robot 1 is commanded by ground station 255 just now.")
     assert rules.move(state, 0, ROOM_4, Commander.GROUND_STATION) == (Departed(0, ROOM_4, 13.0),)
     assert rules.move(state, 1, ROOM_4) == (Departed(1, ROOM_4, 13.0),)
     refused = rules.move(state, 1, ROOM_4, Commander.GROUND_STATION)
-    assert refused == Refused(Reason.COMMANDED, "Robot 2 is commanded by the participant just now.")
+    assert refused == RequestRefused(RuleReason.COMMANDED, "Robot 2 is commanded by the participant just now.")
 
 
 def test_energy_and_reservations_hold_for_ground_stations_too():
     state = taken(new_game(energy=5.0))
     refused = rules.move(state, 0, ROOM_4, Commander.GROUND_STATION)
-    assert isinstance(refused, Refused) and refused.reason == Reason.NOT_ENOUGH_ENERGY
+    assert isinstance(refused, RequestRefused) and refused.reason == RuleReason.NOT_ENOUGH_ENERGY
     state = new_game()
     state = taken(after(state, rules.move(state, 1, ROOM_4)))
     refused = rules.move(state, 0, ROOM_4, Commander.GROUND_STATION)
-    assert isinstance(refused, Refused) and refused.reason == Reason.RESERVED
+    assert isinstance(refused, RequestRefused) and refused.reason == RuleReason.RESERVED
 
 
 def test_a_robot_under_way_goes_on_under_its_new_commander():
@@ -91,7 +91,7 @@ def test_what_a_robot_was_sent_on_from_is_named_at_its_expense_and_not_pictured(
         named = after(there, (named,))
         assert (named.score, named.robots[0].energy) == (10, energy - 2.0)
         assert named.decider(ROOM_4) is None
-        assert rules.picture(there, ROOM_4) == Refused(Reason.NOBODY_THERE, "No robot stands in room 4.")
+        assert rules.picture(there, ROOM_4) == RequestRefused(RuleReason.NOBODY_THERE, "No robot stands in room 4.")
         assert rules.leave(there, ROOM_4) == (Left(ROOM_4),)
 
 
@@ -112,7 +112,7 @@ def test_nobody_names_anything_in_a_room_that_there_is_not():
 def test_a_robot_that_does_not_answer_names_nothing_that_it_found():
     state = apply(sent_on(), Reported(0, Condition.SILENT))
     refused = rules.identify(state, ROOM_4, "Pink can")
-    assert isinstance(refused, Refused) and refused.reason is Reason.SILENT
+    assert isinstance(refused, RequestRefused) and refused.reason is RuleReason.SILENT
 
 
 def test_a_robot_that_stops_at_once_stands_beside_its_find_as_before():
@@ -144,17 +144,17 @@ def test_the_participant_asks_for_what_somebody_else_commands():
     assert taken(state, by=PARTICIPANT).robots[0].asked_back == 0
     assert rules.ask_back(after(state, rules.intervene(state, 1, "/rviz")), 1) == (AskedBack(1),)
     for refused in (rules.ask_back(state, 2), rules.ask_back(apply(state, Ended(EndReason.GIVEN_UP, 0)), 0)):
-        assert isinstance(refused, Refused)
+        assert isinstance(refused, RequestRefused)
 
 
 @pytest.mark.parametrize("holder", [STATION, PARTICIPANT])
 def test_a_researcher_who_intervenes_gives_the_robot_back_to_whoever_had_it(holder):
     state = taken(by=holder)
     state = after(state, rules.intervene(state, 0, "/rviz"))
-    assert state.robots[0].command == Command(Commander.RESEARCHER, "/rviz")
+    assert state.robots[0].command == CommandHolder(Commander.RESEARCHER, "/rviz")
     assert rules.intervene(state, 0, "/rviz") == ()
     refused = rules.move(state, 0, ROOM_4, holder.by)
-    assert refused == Refused(Reason.COMMANDED, "Robot 1 is commanded by a researcher just now.")
+    assert refused == RequestRefused(RuleReason.COMMANDED, "Robot 1 is commanded by a researcher just now.")
     assert rules.intervene(state, 0, None) == (Commanded(0, holder.by, holder.name),)
     state = after(state, rules.intervene(state, 0, None))
     assert state.robots[0].command == holder
@@ -176,7 +176,7 @@ def test_command_is_given_back_after_the_end_of_the_game_too():
 
 def test_there_is_no_command_of_robots_that_there_are_not():
     for ruling in (rules.command(new_game(), 2, STATION), rules.intervene(new_game(), -1, "/rviz")):
-        assert isinstance(ruling, Refused) and ruling.reason == Reason.UNKNOWN_ROBOT
+        assert isinstance(ruling, RequestRefused) and ruling.reason == RuleReason.UNKNOWN_ROBOT
 
 
 def test_the_last_treasure_waits_for_a_ground_station_at_it_whoever_else_is_there():
@@ -192,7 +192,7 @@ def test_arrivals_and_endings_do_not_ask_who_commands():
     assert rules.ending(taken(state)) == rules.ending(state)
 
 
-commands = st.sampled_from([STATION, PARTICIPANT, Command(Commander.GROUND_STATION, "ground station 7")])
+commands = st.sampled_from([STATION, PARTICIPANT, CommandHolder(Commander.GROUND_STATION, "ground station 7")])
 researchers = st.sampled_from(["/rviz", "/teleop", None])
 
 
@@ -206,5 +206,5 @@ def test_the_holder_is_whoever_took_it_last_and_a_researcher_goes_before(asked):
         else:
             researcher = who
             state = after(state, rules.intervene(state, 0, who))
-        expected = holder if researcher is None else Command(Commander.RESEARCHER, researcher)
+        expected = holder if researcher is None else CommandHolder(Commander.RESEARCHER, researcher)
         assert (state.robots[0].command, state.robots[0].holder) == (expected, holder)

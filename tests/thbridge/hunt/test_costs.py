@@ -2,7 +2,7 @@ import math
 
 import pytest
 
-from thbridge.hunt.costs import CostMatrix, spoken_energy
+from thbridge.hunt.costs import CostMatrix, energy_text
 from thbridge.hunt.rooms import CORRIDOR, Room
 
 
@@ -30,11 +30,11 @@ def test_what_is_not_a_matrix_of_costs_is_refused(rows):
 def test_it_knows_its_rooms():
     costs = CostMatrix.of_map_times(((99.0, 5.0), (99.0, 99.0)))
     assert costs.rooms == (Room(1),)
-    assert costs.knows(CORRIDOR) and not costs.knows(Room(2))
+    assert costs.has_place(CORRIDOR) and not costs.has_place(Room(2))
 
 
 @pytest.mark.parametrize(
     ("energy", "words"), [(100.0, "100"), (12.5, "12.5"), (0.0, "0"), (0.074, "0.07"), (-3.0, "-3"), (1e6, "1000000")]
 )
 def test_energy_is_spoken_as_people_write_it(energy, words):
-    assert spoken_energy(energy) == words
+    assert energy_text(energy) == words

@@ -26,9 +26,9 @@ from thbridge.hunt.events import (
     Started,
 )
 from thbridge.hunt.game import apply, begin, fold
-from thbridge.hunt.outcomes import Refused
+from thbridge.hunt.refusals import RequestRefused
 from thbridge.hunt.rooms import CORRIDOR, Room, all_rooms
-from thbridge.hunt.rules import Reason
+from thbridge.hunt.rules import RuleReason
 from thbridge.hunt.treasures import TreasureKind
 
 ARENA = read_map_times(Path(__file__).parents[3] / "templates" / "original-2016" / "mapTimes")
@@ -43,7 +43,7 @@ def new_game(robots=2, energy=100.0, picture_cost=5.0, identify_cost=2.0, wrong_
 
 
 def after(state, ruling):
-    assert not isinstance(ruling, Refused), ruling
+    assert not isinstance(ruling, RequestRefused), ruling
     for event in ruling:
         state = apply(state, event)
     return state
@@ -95,25 +95,25 @@ def refusals():
     exhausted = visit(new_game(energy=13.0), 0, ROOM_4)
     over = apply(fresh, Ended(EndReason.ALL_VISITED, 0))
     return [
-        (fresh, 2, ROOM_1, Reason.UNKNOWN_ROBOT, ["robot 3"]),
-        (fresh, -1, ROOM_1, Reason.UNKNOWN_ROBOT, []),
-        (fresh, 0, Room(9), Reason.UNKNOWN_ROOM, ["Room 9", "8"]),
-        (fresh, 0, CORRIDOR, Reason.UNKNOWN_ROOM, ["corridor"]),
-        (under_way, 0, ROOM_1, Reason.UNDER_WAY, ["Robot 1", "room 4"]),
-        (under_way, 1, ROOM_4, Reason.RESERVED, ["Robot 1", "room 4"]),
-        (visited, 1, ROOM_4, Reason.ALREADY_VISITED, ["Room 4"]),
-        (poor, 0, ROOM_4, Reason.NOT_ENOUGH_ENERGY, ["Robot 1", "12", "13"]),
-        (walled, 0, ROOM_2, Reason.NOT_A_MOVE, ["the corridor", "room 2"]),
-        (exhausted, 0, ROOM_1, Reason.BLOCKED, ["Robot 1"]),
-        (silent, 0, ROOM_1, Reason.SILENT, ["Robot 1 does not answer"]),
-        (over, 0, ROOM_1, Reason.GAME_OVER, ["over"]),
+        (fresh, 2, ROOM_1, RuleReason.UNKNOWN_ROBOT, ["robot 3"]),
+        (fresh, -1, ROOM_1, RuleReason.UNKNOWN_ROBOT, []),
+        (fresh, 0, Room(9), RuleReason.UNKNOWN_ROOM, ["Room 9", "8"]),
+        (fresh, 0, CORRIDOR, RuleReason.UNKNOWN_ROOM, ["corridor"]),
+        (under_way, 0, ROOM_1, RuleReason.UNDER_WAY, ["Robot 1", "room 4"]),
+        (under_way, 1, ROOM_4, RuleReason.RESERVED, ["Robot 1", "room 4"]),
+        (visited, 1, ROOM_4, RuleReason.ALREADY_VISITED, ["Room 4"]),
+        (poor, 0, ROOM_4, RuleReason.NOT_ENOUGH_ENERGY, ["Robot 1", "12", "13"]),
+        (walled, 0, ROOM_2, RuleReason.NOT_A_MOVE, ["the corridor", "room 2"]),
+        (exhausted, 0, ROOM_1, RuleReason.BLOCKED, ["Robot 1"]),
+        (silent, 0, ROOM_1, RuleReason.SILENT, ["Robot 1 does not answer"]),
+        (over, 0, ROOM_1, RuleReason.GAME_OVER, ["over"]),
     ]
 
 
 @pytest.mark.parametrize(("state", "robot", "room", "reason", "named"), refusals())
 def test_a_move_is_refused_with_its_reason(state, robot, room, reason, named):
     refused = rules.move(state, robot, room)
-    assert isinstance(refused, Refused)
+    assert isinstance(refused, RequestRefused)
     assert refused.reason == reason
     assert all(word in refused.sentence for word in named), refused.sentence
     assert refused.sentence.endswith(".")
@@ -152,7 +152,7 @@ def test_a_failed_robot_stands_where_its_next_move_can_begin(share, at, stands):
     state = after(state, rules.move(state, 0, ROOM_4))
     state = after(state, rules.fail(state, 0, "cancelled", share, at))
     assert state.robots[0].at == stands
-    assert not isinstance(rules.move(state, 0, ROOM_4), Refused)
+    assert not isinstance(rules.move(state, 0, ROOM_4), RequestRefused)
 
 
 @pytest.mark.parametrize(("share", "energy"), [(-3.0, 100.0), (7.0, 87.0)])
@@ -163,8 +163,8 @@ def test_no_more_and_no_less_than_the_way_is_refunded(share, energy):
 
 
 def test_only_a_robot_under_way_can_fail():
-    assert rules.fail(new_game(), 0, "bored", 0.0).reason == Reason.NOT_UNDER_WAY
-    assert rules.fail(new_game(), 5, "bored", 0.0).reason == Reason.UNKNOWN_ROBOT
+    assert rules.fail(new_game(), 0, "bored", 0.0).reason == RuleReason.NOT_UNDER_WAY
+    assert rules.fail(new_game(), 5, "bored", 0.0).reason == RuleReason.UNKNOWN_ROBOT
 
 
 # --- treasures
@@ -189,10 +189,10 @@ def test_a_picture_costs_energy_once():
 @pytest.mark.parametrize("rule", [rules.picture, rules.sense, lambda state, room: rules.identify(state, room, "x")])
 def test_a_treasure_is_dealt_with_only_where_a_robot_stands(rule):
     state = in_room_4()
-    assert rule(state, ROOM_1).reason == Reason.NOBODY_THERE
-    assert rule(state, Room(9)).reason == Reason.UNKNOWN_ROOM
+    assert rule(state, ROOM_1).reason == RuleReason.NOBODY_THERE
+    assert rule(state, Room(9)).reason == RuleReason.UNKNOWN_ROOM
     gone = after(state, rules.move(state, 0, ROOM_1))
-    assert rule(gone, ROOM_4).reason == Reason.NOBODY_THERE
+    assert rule(gone, ROOM_4).reason == RuleReason.NOBODY_THERE
 
 
 def test_the_right_name_wins_the_points_and_costs_energy():
@@ -214,21 +214,21 @@ def test_a_treasure_is_decided_once():
     named = after(state, rules.identify(state, ROOM_4, "Pink can"))
     given_up = after(state, rules.leave(state, ROOM_4))
     for decided in (named, given_up):
-        assert rules.identify(decided, ROOM_4, "Orange Bottle").reason == Reason.ALREADY_DECIDED
-        assert rules.leave(decided, ROOM_4).reason == Reason.ALREADY_DECIDED
+        assert rules.identify(decided, ROOM_4, "Orange Bottle").reason == RuleReason.ALREADY_DECIDED
+        assert rules.leave(decided, ROOM_4).reason == RuleReason.ALREADY_DECIDED
 
 
 def test_energy_that_does_not_suffice_is_named_with_what_is_needed():
     state = in_room_4(energy=14.0)
     for ruling, cost in ((rules.picture(state, ROOM_4), "5"), (rules.identify(state, ROOM_4, "x"), "2")):
-        assert ruling.reason == Reason.NOT_ENOUGH_ENERGY
+        assert ruling.reason == RuleReason.NOT_ENOUGH_ENERGY
         assert "1 energy" in ruling.sentence and cost in ruling.sentence
 
 
 def test_a_blocked_robot_neither_pictures_nor_identifies():
     state = in_room_4(energy=13.0, picture_cost=0.0, identify_cost=0.0)
-    assert rules.picture(state, ROOM_4).reason == Reason.BLOCKED
-    assert rules.identify(state, ROOM_4, "Orange Bottle").reason == Reason.BLOCKED
+    assert rules.picture(state, ROOM_4).reason == RuleReason.BLOCKED
+    assert rules.identify(state, ROOM_4, "Orange Bottle").reason == RuleReason.BLOCKED
 
 
 def test_going_on_leaves_an_undecided_treasure():
@@ -239,7 +239,7 @@ def test_going_on_leaves_an_undecided_treasure():
 
 
 def test_nothing_can_be_left_where_nobody_has_been():
-    assert rules.leave(new_game(), ROOM_1).reason == Reason.NOBODY_THERE
+    assert rules.leave(new_game(), ROOM_1).reason == RuleReason.NOBODY_THERE
 
 
 # --- what other programs tell
@@ -248,9 +248,9 @@ def test_nothing_can_be_left_where_nobody_has_been():
 def test_another_programs_hider_may_tell_what_this_game_did_not_hide():
     state = begin(new_game().started)
     state = visit(state, 0, ROOM_4)
-    assert rules.sense(state, ROOM_4).reason == Reason.NOTHING_KNOWN
-    assert rules.picture(state, ROOM_4).reason == Reason.NOTHING_KNOWN
-    assert rules.identify(state, ROOM_4, "x").reason == Reason.NOTHING_KNOWN
+    assert rules.sense(state, ROOM_4).reason == RuleReason.NOTHING_KNOWN
+    assert rules.picture(state, ROOM_4).reason == RuleReason.NOTHING_KNOWN
+    assert rules.identify(state, ROOM_4, "x").reason == RuleReason.NOTHING_KNOWN
     state = after(state, rules.sense(state, ROOM_4, ("Blue", "Round")))
     state = after(state, rules.picture(state, ROOM_4, "rsz_t2.jpg"))
     state = after(state, rules.identify(state, ROOM_4, "Blue Bottle", 20))
@@ -355,8 +355,8 @@ def test_a_game_is_given_up_only_when_nobody_is_under_way():
     state = new_game()
     assert rules.give_up(state) == (Ended(EndReason.GIVEN_UP, 0),)
     moving = after(state, rules.move(state, 1, ROOM_1))
-    assert rules.give_up(moving).reason is Reason.UNDER_WAY
-    assert rules.give_up(after(state, rules.give_up(state))).reason is Reason.GAME_OVER
+    assert rules.give_up(moving).reason is RuleReason.UNDER_WAY
+    assert rules.give_up(after(state, rules.give_up(state))).reason is RuleReason.GAME_OVER
 
 
 # --- how robots are
@@ -365,7 +365,7 @@ def test_a_game_is_given_up_only_when_nobody_is_under_way():
 def test_a_robot_that_does_not_answer_does_nothing_and_what_is_there_is_left_to_nobody_else():
     state = after(in_room_4(), rules.report(in_room_4(), 0, Condition.SILENT))
     for refused in (rules.move(state, 0, ROOM_1), rules.picture(state, ROOM_4), rules.identify(state, ROOM_4, "x")):
-        assert (refused.reason, refused.sentence) == (Reason.SILENT, "Robot 1 does not answer any more.")
+        assert (refused.reason, refused.sentence) == (RuleReason.SILENT, "Robot 1 does not answer any more.")
     assert rules.affordable(state, 0) == ()
     assert rules.affordable(state, 1)
     answering = after(state, rules.report(state, 0, Condition.WELL))
@@ -388,7 +388,7 @@ def test_a_robot_that_is_lost_may_be_sent():
 def test_a_condition_told_again_is_no_event():
     state = new_game()
     assert rules.report(state, 0, Condition.WELL) == ()
-    assert rules.report(state, 5, Condition.LOST).reason is Reason.UNKNOWN_ROBOT
+    assert rules.report(state, 5, Condition.LOST).reason is RuleReason.UNKNOWN_ROBOT
 
 
 # --- whatever people ask for
@@ -417,7 +417,7 @@ def test_whatever_is_asked_the_game_keeps_its_promises(requests, energy):
             ruling = () if bound_for is None else rules.arrive(live, robot, bound_for)
         else:
             ruling = rule(live, *request)
-        if isinstance(ruling, Refused):
+        if isinstance(ruling, RequestRefused):
             continue
         was_over = live.ended is not None
         for event in ruling:
@@ -436,4 +436,6 @@ def test_whatever_is_asked_the_game_keeps_its_promises(requests, energy):
         assert departed - failed <= 1
     assert fold(live.started, [from_json(to_json(event)) for event in said]) == live
     if live.ended is not None:
-        assert all(isinstance(rules.move(live, robot, room), Refused) for robot in range(3) for room in ARENA.rooms)
+        assert all(
+            isinstance(rules.move(live, robot, room), RequestRefused) for robot in range(3) for room in ARENA.rooms
+        )

@@ -10,7 +10,7 @@ from hypothesis import strategies as st
 
 from thbridge.files.template_files import read_map_times
 from thbridge.hunt.costs import CostMatrix
-from thbridge.hunt.outcomes import Refused
+from thbridge.hunt.refusals import RequestRefused
 from thbridge.hunt.rooms import CORRIDOR, Room, all_rooms
 from thbridge.hunt.tour import MOST_ROOMS, NoTour, Tour, best_tour, suggest
 
@@ -68,8 +68,8 @@ def test_it_finds_what_trying_everything_finds(rows, energy, data):
     expected = by_brute_force(costs, at, unvisited - {at}, energy)
     found = best_tour(costs, at, unvisited, energy)
     if expected is None:
-        assert isinstance(found, Refused)
-        assert isinstance(suggest(costs, at, unvisited, energy), Refused)
+        assert isinstance(found, RequestRefused)
+        assert isinstance(suggest(costs, at, unvisited, energy), RequestRefused)
     else:
         assert found == expected
         assert suggest(costs, at, unvisited, energy) == expected.rooms[0]

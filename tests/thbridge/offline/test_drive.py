@@ -10,7 +10,7 @@ from sim.parameters import RobotParameters, WorldParameters
 from sim.robot.control.braking import gap, placed
 from sim.world.physics import Misplaced
 from thbridge.files.map_files import read_map
-from thbridge.offline.drive import Errand, Outcome, _to_squares, drive
+from thbridge.offline.drive import DriveResult, DriveTask, _to_squares, drive
 
 OFFICE = read_map(Path(__file__).parents[3] / "maps" / "office")
 
@@ -24,12 +24,12 @@ def two_rooms(origin=Pose2(0.0, 0.0, 0.0)):  # noqa: B008 - frozen
 
 
 def errand(start, goal, any_heading=True, timeout=60.0):
-    return Errand(Pose2(*start), Pose2(*goal), any_heading, timeout)
+    return DriveTask(Pose2(*start), Pose2(*goal), any_heading, timeout)
 
 
-def driven(grid, task, seed=1) -> Outcome:
+def driven(grid, task, seed=1) -> DriveResult:
     outcome = drive(grid, WorldParameters(), RobotParameters(), task, seed)
-    assert isinstance(outcome, Outcome)
+    assert isinstance(outcome, DriveResult)
     return outcome
 
 
@@ -52,7 +52,7 @@ def test_the_same_seed_gives_the_same_drive() -> None:
 
 def test_a_map_that_is_turned_is_driven_on_as_if_it_were_not() -> None:
     origin = Pose2(-3.0, 2.0, 0.7)
-    turned = Errand(origin.compose(THROUGH.start), origin.compose(THROUGH.goal), any_heading=True, timeout=60.0)
+    turned = DriveTask(origin.compose(THROUGH.start), origin.compose(THROUGH.goal), any_heading=True, timeout=60.0)
     straight, aslant = driven(two_rooms(), THROUGH), driven(two_rooms(origin), turned)
     assert aslant.reached
     assert aslant.distance == pytest.approx(straight.distance, abs=0.1)
@@ -101,6 +101,6 @@ def test_the_tour_of_the_office_is_driven_from_room_to_room(seed: int) -> None:
     here = OFFICE.starts[0]
     for number in (1, 8, 2, 7, 3, 5, 6, 4):
         goal = OFFICE.rooms[number - 1].goal
-        outcome = driven(OFFICE.grid, Errand(here, goal, any_heading=False, timeout=120.0), seed)
+        outcome = driven(OFFICE.grid, DriveTask(here, goal, any_heading=False, timeout=120.0), seed)
         assert (outcome.reached, outcome.collided) == (True, False)
         here = goal

@@ -16,29 +16,29 @@ from sim.parameters import AmclParameters
 from sim.robot.localization.amcl import Amcl
 from tests.thbridge.offline.foreign import FIRST, PERIOD_NS, START_NS, Robot, room, write
 from thbridge.files.errors import BadFile
-from thbridge.hunt.outcomes import Refused
-from thbridge.offline.localize import Localized, Skip, localize, warm_up
-from thbridge.offline.recording import Recording, open_recording
+from thbridge.hunt.refusals import RequestRefused
+from thbridge.offline.localize import LocalizationResult, SkipReason, localize, warm_up
+from thbridge.offline.recording import LocalizationBag, open_recording
 
 PARAMETERS = AmclParameters(min_particles=200, max_particles=500)
 CERTAIN = np.diag((0.01, 0.01, 0.01))
 
 
 def follow(
-    recording: Recording, origin: Pose2 = IDENTITY, parameters: AmclParameters = PARAMETERS, start: Pose2 = FIRST
-) -> Localized:
+    recording: LocalizationBag, origin: Pose2 = IDENTITY, parameters: AmclParameters = PARAMETERS, start: Pose2 = FIRST
+) -> LocalizationResult:
     localizer = Amcl(parameters, room(origin), recording.laser.mount, 1, "robot1")
     localizer.start(origin.compose(start), CERTAIN)
     clock = itertools.count()
     done = localize(
         localizer, recording.laser, recording.odometry, recording.scans(), lambda: float(next(clock)), lambda: None
     )
-    assert isinstance(done, Localized)
+    assert isinstance(done, LocalizationResult)
     return done
 
 
-def errors(done: Localized, truth: list[Pose2], origin: Pose2 = IDENTITY) -> Iterator[float]:
-    for fix in done.fixes:
+def errors(done: LocalizationResult, truth: list[Pose2], origin: Pose2 = IDENTITY) -> Iterator[float]:
+    for fix in done.updates:
         index = round((fix.stamp_ns - START_NS) / PERIOD_NS)
         yield origin.compose(truth[index]).distance(fix.base_in_map)
 
@@ -63,7 +63,7 @@ BAGS = {
 def test_a_robot_is_followed(tmp_path: Path, robot: Robot) -> None:
     truth = write(tmp_path / "a.bag", robot)
     done = follow(open_recording(tmp_path / "a.bag", "/scan", "/odom", None))
-    assert len(done.fixes) > 10
+    assert len(done.updates) > 10
     assert np.mean(list(errors(done, truth))) < 0.08
     assert done.last.base_in_map.distance(truth[-1]) < 0.15
     assert not done.skipped
@@ -84,7 +84,7 @@ def test_where_the_world_lies_does_not_matter(tmp_path_factory: pytest.TempPathF
     truth = write(path, Robot(), seconds=3.0)
     recording = open_recording(path, "/scan", "/odom", None)
     here, there = follow(recording), follow(recording, origin)
-    assert [fix.stamp_ns for fix in here.fixes] == [fix.stamp_ns for fix in there.fixes]
+    assert [fix.stamp_ns for fix in here.updates] == [fix.stamp_ns for fix in there.updates]
     mean_here, mean_there = np.mean(list(errors(here, truth))), np.mean(list(errors(there, truth, origin)))
     assert mean_here == pytest.approx(mean_there, abs=0.03)
 
@@ -92,7 +92,7 @@ def test_where_the_world_lies_does_not_matter(tmp_path_factory: pytest.TempPathF
 def test_the_same_seed_gives_the_same_poses(tmp_path: Path) -> None:
     write(tmp_path / "a.bag", Robot(), seconds=2.0)
     first, second = (follow(open_recording(tmp_path / "a.bag", "/scan", "/odom", None)) for _ in range(2))
-    assert [fix.base_in_map for fix in first.fixes] == [fix.base_in_map for fix in second.fixes]
+    assert [fix.base_in_map for fix in first.updates] == [fix.base_in_map for fix in second.updates]
 
 
 def test_only_the_filter_is_timed(tmp_path: Path) -> None:
@@ -106,7 +106,7 @@ def test_scans_that_cannot_be_used_are_counted(tmp_path: Path) -> None:
     offsets = {4: -3_600_000_000_000, 6: -PERIOD_NS - 1, 8: -PERIOD_NS}
     write(tmp_path / "a.bag", Robot(stamp_offsets=offsets), seconds=2.0)
     done = follow(open_recording(tmp_path / "a.bag", "/scan", "/odom", None))
-    assert done.skipped == {Skip.NO_ODOMETRY: 1, Skip.NOT_NEWER: 2}
+    assert done.skipped == {SkipReason.NO_ODOMETRY: 1, SkipReason.NOT_NEWER: 2}
     assert done.scans == 18
 
 
@@ -115,7 +115,7 @@ def test_a_bag_without_a_usable_scan_is_refused(tmp_path: Path) -> None:
     recording = open_recording(tmp_path / "a.bag", "/scan", "/odom", None)
     localizer = Amcl(PARAMETERS, room(), recording.laser.mount, 1, "robot1")
     done = localize(localizer, recording.laser, recording.odometry, recording.scans(), lambda: 0.0, lambda: None)
-    assert done == Refused("no-usable-scan", "No scan could be used: 11 no odometry near its time.")
+    assert done == RequestRefused("no-usable-scan", "No scan could be used: 11 no odometry near its time.")
 
 
 @pytest.mark.parametrize(

@@ -5,15 +5,15 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from sim.common.geometry import Pose2
-from thbridge.offline.odometry import LONGEST_GAP_NS, REACH_NS, OdometryTrack, Step
+from thbridge.offline.odometry import LONGEST_GAP_NS, REACH_NS, OdometrySample, OdometryTrack
 
 SECOND = 1_000_000_000
 
 
-def straight(start: int, count: int, offset: float = 0.0, period: int = SECOND // 10) -> list[Step]:
+def straight(start: int, count: int, offset: float = 0.0, period: int = SECOND // 10) -> list[OdometrySample]:
     """One metre a second along x from `offset`; recorded as it is stamped."""
     return [
-        Step(start + i * period, start + i * period, Pose2(offset + i * period / SECOND, 0.0, 0.0))
+        OdometrySample(start + i * period, start + i * period, Pose2(offset + i * period / SECOND, 0.0, 0.0))
         for i in range(count)
     ]
 
@@ -37,7 +37,7 @@ def test_the_order_of_messages_does_not_matter(order: list[int]) -> None:
 
 
 def test_headings_are_taken_the_short_way() -> None:
-    track = OdometryTrack([Step(0, 0, Pose2(0, 0, 3.0)), Step(SECOND, SECOND, Pose2(0, 0, -3.0))])
+    track = OdometryTrack([OdometrySample(0, 0, Pose2(0, 0, 3.0)), OdometrySample(SECOND, SECOND, Pose2(0, 0, -3.0))])
     pose = track.at(SECOND // 2, 0)
     assert pose is not None
     assert abs(pose.theta) == pytest.approx(math.pi)
@@ -60,7 +60,13 @@ def test_a_long_gap_has_no_odometry() -> None:
 
 
 def test_of_two_with_the_same_stamp_the_last_holds() -> None:
-    track = OdometryTrack([Step(0, 0, Pose2(0, 0, 0)), Step(1, 0, Pose2(1, 0, 0)), Step(2, SECOND, Pose2(2, 0, 0))])
+    track = OdometryTrack(
+        [
+            OdometrySample(0, 0, Pose2(0, 0, 0)),
+            OdometrySample(1, 0, Pose2(1, 0, 0)),
+            OdometrySample(2, SECOND, Pose2(2, 0, 0)),
+        ]
+    )
     assert x_at(track, 0) == 1.0
 
 
@@ -76,14 +82,14 @@ def test_a_clock_that_was_set_back_begins_a_new_run() -> None:
 
 def test_one_odd_stamp_does_not_hide_what_follows() -> None:
     steps = straight(100 * SECOND, 20)
-    steps.insert(10, Step(steps[10].received_ns, 5, Pose2(0, 0, 0)))
+    steps.insert(10, OdometrySample(steps[10].received_ns, 5, Pose2(0, 0, 0)))
     track = OdometryTrack(steps)
     assert [x_at(track, 100 * SECOND + i * SECOND // 10) for i in (5, 9, 10, 15)] == [0.5, 0.9, 1.0, 1.5]
 
 
 def test_what_is_not_finite_is_left_out() -> None:
     steps = straight(0, 3)
-    steps.insert(1, Step(1, 1, Pose2(math.nan, 0, 0)))
+    steps.insert(1, OdometrySample(1, 1, Pose2(math.nan, 0, 0)))
     assert len(OdometryTrack(steps)) == 3
 
 

@@ -11,12 +11,12 @@ import pytest
 from tests.thbridge.ros.drive import MOUNT, SCAN_PERIOD, SESSION, arena, records, snapshots
 from thbridge.app.session.broadcast import Broadcast
 from thbridge.files.ros.definitions import Definitions
-from thbridge.recording.bag.parts import Splitting
+from thbridge.recording.bag.parts import SplitLimits
 from thbridge.recording.bag.reader import messages
 from thbridge.recording.bag.records import Compression
 from thbridge.recording.bag.writer import WHOLE, BagNotWritten, BagWriter
 from thbridge.recording.recordings import parts_of
-from thbridge.ros.publisher import Publisher
+from thbridge.ros.publisher import TeamPublisher
 
 PLAIN = Definitions(())
 TICKS = 600
@@ -34,10 +34,10 @@ def disk(tmp_path: Path, request: pytest.FixtureRequest) -> Iterator[Path]:
     subprocess.run(["umount", "--lazy", str(folder)], check=True)
 
 
-def record(path: Path, compression: Compression, splitting: Splitting) -> None:
+def record(path: Path, compression: Compression, splitting: SplitLimits) -> None:
     writer = BagWriter(path, PLAIN, compression=compression, splitting=splitting)
     with writer:
-        recorder = Broadcast(Publisher(2, MOUNT, SCAN_PERIOD), SESSION, arena(), [writer])
+        recorder = Broadcast(TeamPublisher(2, MOUNT, SCAN_PERIOD), SESSION, arena(), [writer])
         for snapshot in snapshots(2, TICKS):
             recorder.record(snapshot, records(snapshot.tick))
 
@@ -50,10 +50,10 @@ def whole(tmp_path_factory: pytest.TempPathFactory) -> Path:
     return path
 
 
-@pytest.mark.parametrize("splitting", [WHOLE, Splitting(size=300_000)])
+@pytest.mark.parametrize("splitting", [WHOLE, SplitLimits(size=300_000)])
 @pytest.mark.parametrize("compression", [Compression.NONE, Compression.LZ4])
 def test_a_recording_on_a_full_disk_is_complete_but_for_its_end(
-    disk: Path, whole: Path, compression: Compression, splitting: Splitting
+    disk: Path, whole: Path, compression: Compression, splitting: SplitLimits
 ) -> None:
     with pytest.raises(BagNotWritten, match=r"no space left.*all but the last second") as raised:
         record(disk / "a.bag", compression, splitting)

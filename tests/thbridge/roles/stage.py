@@ -6,7 +6,7 @@ from functools import cache
 from pathlib import Path
 
 from thbridge.app.compose import build_bot, build_hider
-from thbridge.app.session.session import Moment, Session
+from thbridge.app.session.session import Session, TickRecord
 from thbridge.dialogue.engine import Engine
 from thbridge.dialogue.protocols import TemplateProtocol
 from thbridge.dialogue.strategies import TemplateStrategy
@@ -20,13 +20,23 @@ from thbridge.roles.bots import BotStrategy
 from thbridge.roles.keeper.briefing import Briefing
 from thbridge.roles.keeper.disclosure import plain_costs
 from thbridge.roles.keeper.keeper import GameRules, Keeper
-from thbridge.roles.notices import KEEPER, MoveResult, Order, Orders, RobotsReady, Status, Unfit, heard, tell
+from thbridge.roles.notices import (
+    KEEPER,
+    MoveOrder,
+    MoveResult,
+    Orders,
+    RobotsReady,
+    Status,
+    Unfit,
+    decode_notice,
+    encode_notice,
+)
 from thbridge.roles.role import Role
 from thbridge.roles.tabui import TabUI
 from thbridge.wire import legacy
 from thbridge.wire.notice import Notice, parse_notice
-from thbridge.wire.router import Router
-from thbridge.wire.text import Message
+from thbridge.wire.router import MessageRouter
+from thbridge.wire.text import TextMessage
 
 RULES = GameRules(seed=7, energy=100.0, picture_cost=5.0, identify_cost=1.0, wrong_share=1.0)
 
@@ -64,7 +74,7 @@ class Puppets:
         self.researchers: tuple[str | None, ...] = ()
         self.orders: list[Orders] = []
         self._introduce = False
-        self._ways: dict[int, tuple[Order, int]] = {}
+        self._ways: dict[int, tuple[MoveOrder, int]] = {}
         self._results: list[MoveResult | None] = [None] * robots
         self._game = 0
         self._recalled = False
@@ -72,17 +82,17 @@ class Puppets:
     def connected(self) -> None:
         self._introduce = True
 
-    def step(self, tick: int, messages: Sequence[Message]) -> list[Message]:
-        said: list[Message] = []
+    def step(self, tick: int, messages: Sequence[TextMessage]) -> list[TextMessage]:
+        said: list[TextMessage] = []
         if self._introduce:
             self._introduce = False
-            said.append(tell(self.name, KEEPER, RobotsReady("stage", self.robots, self.costs)))
+            said.append(encode_notice(self.name, KEEPER, RobotsReady("stage", self.robots, self.costs)))
         for message in messages:
             notice = parse_notice(message)
             if isinstance(notice, Notice):
-                if (orders := heard(notice, Orders)) is not None and len(orders.moves) == self.robots:
+                if (orders := decode_notice(notice, Orders)) is not None and len(orders.moves) == self.robots:
                     self._follow(orders, tick)
-                if (unfit := heard(notice, Unfit)) is not None:
+                if (unfit := decode_notice(notice, Unfit)) is not None:
                     self.unfit = unfit.sentence
         ended = [(robot, order) for robot, (order, due) in self._ways.items() if due <= tick]
         for robot, order in ended:
@@ -90,12 +100,12 @@ class Puppets:
             there = robot not in self.stuck
             self._results[robot] = MoveResult(order.move, there, "" if there else "There is no way.", 0.5)
             if there and not self.mute:
-                said.append(legacy.Arrived(robot, Room.of_people(order.room).wire).message())
+                said.append(legacy.RoomReached(robot, Room.of_people(order.room).wire).message())
         if ended or self._recalled or tick % 50 == 0:
             self._recalled = False
             poses = tuple((float(robot), 0.0, 0.0) for robot in range(self.robots))
             status = Status(self._game, poses, tuple(self._results), tuple(self.conditions), self.researchers)
-            said.append(tell(self.name, KEEPER, status))
+            said.append(encode_notice(self.name, KEEPER, status))
         return said
 
     def _follow(self, orders: Orders, tick: int) -> None:
@@ -139,7 +149,7 @@ class Stage:
             self.templates = replace(self.templates, kinds=tuple(kinds))
         self.log = Log()
         self.log.append(history)
-        self.router = Router()
+        self.router = MessageRouter()
         self.briefing = briefing or Briefing(names=tuple(sorted(kind.name for kind in self.templates.kinds)))
         last_game = 1 if history else 0
         self.keeper = Keeper(rules, lambda game: engine(self.templates, seed), history, last_game, self.briefing)
@@ -149,7 +159,7 @@ class Stage:
         if hider:
             roles.append(build_hider(self.templates, seed))
         self.session = Session(self.router, self.keeper, roles, self.log)
-        self.moments: list[Moment] = []
+        self.moments: list[TickRecord] = []
 
     def run(self, ticks: int) -> None:
         for _ in range(ticks):

@@ -3,7 +3,7 @@ from dataclasses import replace
 import pytest
 
 from thbridge.hunt.events import Condition
-from thbridge.roles.bots import Bot, BotStrategy, Knowledge
+from thbridge.roles.bots import Bot, BotStrategy, TreasureKnowledge
 from thbridge.roles.view import GiveUp, RobotView, RoomView, Select, Unsure, View
 
 COSTS = ((None, 5.0, 9.0, 7.0), (None, None, 5.0, 5.0), (None, 5.0, None, 5.0), (None, 5.0, 5.0, None))
@@ -29,7 +29,7 @@ def view_of(*moving_to: int | None) -> View:
 
 
 def bot(strategy: BotStrategy) -> Bot:
-    return Bot(strategy, Knowledge((), {}), seed=1)
+    return Bot(strategy, TreasureKnowledge((), {}), seed=1)
 
 
 @pytest.mark.parametrize(
@@ -37,23 +37,23 @@ def bot(strategy: BotStrategy) -> Bot:
 )
 def test_a_room_that_was_missed_is_left_for_last(strategy, first):
     player = bot(strategy)
-    assert list(player.wishes(view_of(None))) == [first]
+    assert list(player.requests(view_of(None))) == [first]
     for missed, then in ((1, 3), (3, 2), (2, 1)):
-        assert list(player.wishes(view_of(missed))) == []
-        assert list(player.wishes(view_of(None))) == [Select(0, then)]
+        assert list(player.requests(view_of(missed))) == []
+        assert list(player.requests(view_of(None))) == [Select(0, then)]
     for missed in (1, 3, 2, 1, 3, 2):
-        player.wishes(view_of(missed))
-    assert list(player.wishes(view_of(None))) == [GiveUp(1)]
+        player.requests(view_of(missed))
+    assert list(player.requests(view_of(None))) == [GiveUp(1)]
 
 
 def test_what_one_robot_missed_another_may_reach():
     player = bot(BotStrategy.NEAREST)
-    player.wishes(view_of(1, 3))
-    player.wishes(view_of(None, 3))
+    player.requests(view_of(1, 3))
+    player.requests(view_of(None, 3))
     visited = replace(view_of(None, None).rooms[2], state="visited", robot=1)
     arrived = view_of(None, None)
     arrived = replace(arrived, rooms=(*arrived.rooms[:2], visited))
-    assert list(player.wishes(arrived)) == [Select(0, 2), Select(1, 1)]
+    assert list(player.requests(arrived)) == [Select(0, 2), Select(1, 1)]
 
 
 def in_condition(view: View, *conditions: Condition) -> View:
@@ -63,19 +63,19 @@ def in_condition(view: View, *conditions: Condition) -> View:
 
 def test_a_robot_that_does_not_answer_is_asked_nothing_until_it_does():
     player = bot(BotStrategy.NEAREST)
-    assert list(player.wishes(in_condition(view_of(None, None), Condition.SILENT, Condition.WELL))) == [Select(1, 1)]
-    assert list(player.wishes(in_condition(view_of(None, 1), Condition.SILENT, Condition.WELL))) == []
-    assert list(player.wishes(view_of(None, 1))) == [Select(0, 3)]
+    assert list(player.requests(in_condition(view_of(None, None), Condition.SILENT, Condition.WELL))) == [Select(1, 1)]
+    assert list(player.requests(in_condition(view_of(None, 1), Condition.SILENT, Condition.WELL))) == []
+    assert list(player.requests(view_of(None, 1))) == [Select(0, 3)]
 
 
 def test_the_game_is_given_up_when_no_robot_answers():
-    assert list(bot(BotStrategy.NEAREST).wishes(in_condition(view_of(None), Condition.SILENT))) == [GiveUp(1)]
+    assert list(bot(BotStrategy.NEAREST).requests(in_condition(view_of(None), Condition.SILENT))) == [GiveUp(1)]
 
 
 def test_a_robot_that_stays_lost_is_sent_once_and_again_when_it_is_found():
     player = bot(BotStrategy.NEAREST)
     lost = in_condition(view_of(None), Condition.LOST)
-    assert list(player.wishes(lost)) == [Select(0, 1)]
-    player.wishes(in_condition(view_of(1), Condition.LOST))
-    assert list(player.wishes(lost)) == [GiveUp(1)]
-    assert list(player.wishes(view_of(None))) == [Select(0, 3)]
+    assert list(player.requests(lost)) == [Select(0, 1)]
+    player.requests(in_condition(view_of(1), Condition.LOST))
+    assert list(player.requests(lost)) == [GiveUp(1)]
+    assert list(player.requests(view_of(None))) == [Select(0, 3)]

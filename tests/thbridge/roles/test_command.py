@@ -20,7 +20,7 @@ from thbridge.hunt.events import (
 )
 from thbridge.hunt.rooms import CORRIDOR, Room
 from thbridge.roles.bots import BotStrategy
-from thbridge.roles.notices import KEEPER, Orders, Status, heard
+from thbridge.roles.notices import KEEPER, Orders, Status, decode_notice
 from thbridge.roles.robot_requests import (
     CallBackFor,
     CommandRequest,
@@ -39,13 +39,13 @@ from thbridge.roles.view import (
     Discuss,
     GiveUp,
     Identify,
+    ParticipantRequest,
     PlayAgain,
     Select,
     SendRobot,
     TakePicture,
     Unsure,
     View,
-    Wish,
 )
 from thbridge.wire.notice import Notice
 
@@ -62,7 +62,7 @@ class Play:
         self.stage = Stage(participant=TabUI(self.player), **options)
         self.stage.run(10)
 
-    def wish(self, *wishes: Wish, ticks: int = 6) -> View:
+    def wish(self, *wishes: ParticipantRequest, ticks: int = 6) -> View:
         self.player.wish = wishes
         self.stage.tabui.look_again()
         self.stage.run(ticks)
@@ -104,7 +104,7 @@ def test_the_participant_sees_who_commands_and_gets_the_robot_back(play: Play) -
 
 
 @pytest.mark.parametrize("wish", [Select(0, 3), Unsure(0), SendRobot(0, 3)])
-def test_what_the_participant_wishes_of_a_robot_of_others_is_refused(play: Play, wish: Wish) -> None:
+def test_what_the_participant_wishes_of_a_robot_of_others_is_refused(play: Play, wish: ParticipantRequest) -> None:
     play.ask(TAKE)
     refusal = play.wish(wish).refusal
     assert refusal is not None
@@ -263,10 +263,10 @@ def test_programs_of_before_are_understood(play: Play) -> None:
     assert view is not None and view.robots[0].commander is Commander.PARTICIPANT
     status = msgspec.to_builtins(Status(1, (), (), ()))
     del status["researchers"]
-    assert heard(Notice("SimR", KEEPER, "Status", status), Status) == Status(1, (), (), ())
+    assert decode_notice(Notice("SimR", KEEPER, "Status", status), Status) == Status(1, (), (), ())
     orders = msgspec.to_builtins(Orders(1, (), (), (), None))
     del orders["taken"]
-    assert heard(Notice(KEEPER, "SimR", "Orders", orders), Orders) == Orders(1, (), (), (), None)
+    assert decode_notice(Notice(KEEPER, "SimR", "Orders", orders), Orders) == Orders(1, (), (), (), None)
 
 
 def test_a_robot_is_asked_for_at_once_and_again_after_ten_seconds(play: Play) -> None:

@@ -6,7 +6,7 @@ from hypothesis import strategies as st
 from tests.thbridge.roles.stage import Stage
 from tests.thbridge.roles.test_hunt import Script
 from thbridge.hunt.events import AskedBack, Commanded, Commander, Departed, Started
-from thbridge.hunt.game import Command, apply, begin
+from thbridge.hunt.game import CommandHolder, apply, begin
 from thbridge.roles.robot_requests import (
     CallBackFor,
     IdentifyFor,
@@ -69,7 +69,7 @@ def test_only_commanders_send_robots_and_nobody_is_left_on_the_way(played):
         stage.session.ask("station", ReleaseCommand(robot))
     stage.run(80)
     assert all(robot.bound_for is None for robot in stage.session.game.robots)
-    assert all(robot.command == Command() for robot in stage.session.game.robots)
+    assert all(robot.command == CommandHolder() for robot in stage.session.game.robots)
     _judge(stage.log.events, sent)
 
 
@@ -94,5 +94,5 @@ def _judge(events, sent):
             assert state.robots[event.robot].command.by is not Commander.PARTICIPANT
         if isinstance(event, Commanded):
             now = state.robots[event.robot].command
-            assert now != Command(event.by, event.name) or state.robots[event.robot].intervention is not None
+            assert now != CommandHolder(event.by, event.name) or state.robots[event.robot].intervention is not None
         state = apply(state, event)

@@ -3,20 +3,20 @@ from typing import get_args
 import pytest
 
 from sim.robot.navigator.goals import NoPathReason
-from sim.robot.planning.path import RefusalCode
+from sim.robot.planning.path import PlanRefusalCode
 from thbridge.roles import failure_reasons as reasons
 
 CODES = sorted(
-    {*get_args(RefusalCode), *(code for part in get_args(NoPathReason) for code in get_args(part) or (part,))}
+    {*get_args(PlanRefusalCode), *(code for part in get_args(NoPathReason) for code in get_args(part) or (part,))}
 )
 
 
 @pytest.mark.parametrize("code", CODES)
 def test_every_reason_of_the_navigator_is_a_sentence_about_the_robot(code):
-    sentence = reasons.told(1, code)
+    sentence = reasons.failure_sentence(1, code)
     assert "robot 2" in sentence.lower()
     assert sentence[0].isupper() and sentence.endswith(".")
 
 
 def test_no_two_reasons_are_told_alike():
-    assert len({reasons.told(0, code) for code in CODES}) == len(CODES)
+    assert len({reasons.failure_sentence(0, code) for code in CODES}) == len(CODES)

@@ -1,8 +1,8 @@
 """Hider without a keeper: it answers by itself, as in 2016."""
 
 from thbridge.hunt.treasures import TreasureKind
-from thbridge.roles.hider import PATIENCE, Hider
-from thbridge.roles.notices import KEEPER, HidePlease, tell
+from thbridge.roles.hider import KEEPER_TIMEOUT, Hider
+from thbridge.roles.notices import KEEPER, HidePlease, encode_notice
 from thbridge.wire import legacy
 
 KINDS = [TreasureKind("Red", "Round and Large", 10, "Red Ball", "ball.jpg")]
@@ -11,7 +11,7 @@ KINDS = [TreasureKind("Red", "Round and Large", 10, "Red Ball", "ball.jpg")]
 def answers(hider: Hider, question) -> list[str]:
     said = [m.line() for m in hider.step(100, [question.message()])]
     assert said == []
-    return [m.line() for m in hider.step(100 + PATIENCE, [])]
+    return [m.line() for m in hider.step(100 + KEEPER_TIMEOUT, [])]
 
 
 def test_it_answers_by_itself_when_there_is_no_keeper():
@@ -19,15 +19,15 @@ def test_it_answers_by_itself_when_there_is_no_keeper():
     assert answers(hider, legacy.AskTreasure(2)) == [
         '%%found Hider TabUI 2 2 "(Colour: Red) (Footprint: Round and Large)" '
     ]
-    assert answers(hider, legacy.Snap(2)) == ["%%image Hider TabUI 2 ball.jpg "]
-    assert answers(hider, legacy.Identify(2, "red  ball")) == ["%%score Hider TabUI ,10 "]
-    assert answers(hider, legacy.Identify(2, "Blue Ball")) == ["%%score Hider TabUI ,-10 "]
+    assert answers(hider, legacy.SnapTreasure(2)) == ["%%image Hider TabUI 2 ball.jpg "]
+    assert answers(hider, legacy.NameTreasure(2, "red  ball")) == ["%%score Hider TabUI ,10 "]
+    assert answers(hider, legacy.NameTreasure(2, "Blue Ball")) == ["%%score Hider TabUI ,-10 "]
     assert answers(hider, legacy.AskTreasure(8)) == []
 
 
 def test_with_a_keeper_it_waits_to_be_told():
     hider = Hider(KINDS, seed=1, rooms=8)
-    assert len(hider.step(0, [tell(KEEPER, legacy.HIDER, HidePlease(1, 8))])) == 1
+    assert len(hider.step(0, [encode_notice(KEEPER, legacy.HIDER, HidePlease(1, 8))])) == 1
     assert answers(hider, legacy.AskTreasure(2)) == []
 
 
@@ -35,7 +35,7 @@ def test_a_game_is_hidden_by_its_seed_and_number():
     many = [TreasureKind("Red", "Round", 10, f"thing{i}", None) for i in range(20)]
 
     def hidden(seed: int, game: int) -> str:
-        (said,) = Hider(many, seed, 8).step(0, [tell(KEEPER, legacy.HIDER, HidePlease(game, 8))])
+        (said,) = Hider(many, seed, 8).step(0, [encode_notice(KEEPER, legacy.HIDER, HidePlease(game, 8))])
         return said.line().partition("treasures")[2]
 
     assert hidden(1, 1) == hidden(1, 1)

@@ -31,6 +31,7 @@ from thbridge.roles.view import (
     GiveUp,
     Identify,
     Leave,
+    ParticipantRequest,
     PlayAgain,
     Select,
     SendRobot,
@@ -38,7 +39,6 @@ from thbridge.roles.view import (
     TakePicture,
     Unsure,
     View,
-    Wish,
 )
 from thbridge.wire import legacy
 
@@ -49,9 +49,9 @@ class Script:
     """A player that wishes what the test tells it."""
 
     def __init__(self) -> None:
-        self.wish: tuple[Wish, ...] = ()
+        self.wish: tuple[ParticipantRequest, ...] = ()
 
-    def wishes(self, view: View):
+    def requests(self, view: View):
         return self.wish
 
 
@@ -60,7 +60,7 @@ def scripted():
     player = Script()
     played = Stage(participant=TabUI(player))
 
-    def say(*wishes: Wish, ticks: int = 8) -> View:
+    def say(*wishes: ParticipantRequest, ticks: int = 8) -> View:
         player.wish = wishes
         played.tabui.look_again()
         played.run(ticks)

@@ -13,12 +13,12 @@ from thbridge.hunt.game import fold
 from thbridge.roles import notices, view
 from thbridge.roles.bots import BotStrategy
 from thbridge.roles.keeper.briefing import Briefing
-from thbridge.roles.notices import KEEPER, tell
-from thbridge.roles.tabui import Seen, TabUI
+from thbridge.roles.notices import KEEPER, encode_notice
+from thbridge.roles.tabui import ParticipantUpdate, TabUI
 from thbridge.study.study_file import Study
 from thbridge.wire import legacy
 from thbridge.wire.notice import notice
-from thbridge.wire.text import Command, Message
+from thbridge.wire.text import TextCommand, TextMessage
 
 small = st.integers(-2, 10)
 number = st.one_of(small, st.integers(), st.floats(allow_nan=False, allow_infinity=False))
@@ -29,8 +29,8 @@ json = st.recursive(
     max_leaves=12,
 )
 KINDS = [
-    *(cls.__name__ for cls in notices.Level.__args__),
-    *(cls.__name__ for cls in view.Wish.__args__),
+    *(cls.__name__ for cls in notices.StateNotice.__args__),
+    *(cls.__name__ for cls in view.ParticipantRequest.__args__),
     "View",
     "undelivered",
 ]
@@ -40,7 +40,7 @@ names = st.sampled_from([KEEPER, legacy.SIMR, legacy.HIDER, legacy.TABUI, "Stran
 
 
 @st.composite
-def junk(draw) -> Message:
+def junk(draw) -> TextMessage:
     """A notice with the right words in the wrong places, or a line of 2016 with any numbers."""
     sender, receiver = draw(names), draw(names)
     if draw(st.booleans()):
@@ -50,14 +50,14 @@ def junk(draw) -> Message:
     line = draw(
         st.sampled_from(
             [
-                legacy.Goto(robot % 4, room),
-                legacy.Arrived(robot % 4, room),
+                legacy.GotoRoom(robot % 4, room),
+                legacy.RoomReached(robot % 4, room),
                 legacy.AskTreasure(room),
                 legacy.FoundTreasure(room, "Red", "Flat"),
-                legacy.Snap(room),
-                legacy.Image(room, "x.jpg"),
-                legacy.Identify(room, "thing"),
-                legacy.Score(robot),
+                legacy.SnapTreasure(room),
+                legacy.TreasureImage(room, "x.jpg"),
+                legacy.NameTreasure(room, "thing"),
+                legacy.PointsAwarded(robot),
             ]
         )
     ).message()
@@ -68,7 +68,7 @@ real = st.floats(-5.0, 5.0)
 pose = st.tuples(real, real, real)
 poses = st.lists(pose, max_size=3).map(tuple)
 costs = st.lists(st.lists(st.one_of(st.none(), real), max_size=3).map(tuple), max_size=3).map(tuple)
-order = st.builds(notices.Order, small, small)
+order = st.builds(notices.MoveOrder, small, small)
 result = st.builds(notices.MoveResult, small, st.booleans(), word, real)
 well_formed = st.one_of(
     st.builds(notices.RobotsReady, word, small, costs),
@@ -98,17 +98,17 @@ well_formed = st.one_of(
     st.builds(view.AskBack, small),
     st.builds(view.PlayAgain, small),
 )
-typed = st.builds(tell, names, names, well_formed)
+typed = st.builds(encode_notice, names, names, well_formed)
 
 
 class Forgetful:
-    def saw(self, level: Seen) -> None:
+    def observe(self, level: ParticipantUpdate) -> None:
         pass
 
 
 @settings(max_examples=40, deadline=None, suppress_health_check=[HealthCheck.too_slow])
 @given(st.lists(st.one_of(junk(), typed), max_size=20))
-@example([Message(Command.FOUND, legacy.TABUI, legacy.HIDER, ("8,thing",))])
+@example([TextMessage(TextCommand.FOUND, legacy.TABUI, legacy.HIDER, ("8,thing",))])
 def test_the_keeper_and_its_neighbours(said):
     briefing = Briefing(names=("Blue Bottle",), pictures={"x.jpg": bytes(50_000), "rsz_t1.jpg": b"1"}, consent="Yes?")
     bot = build_bot(templates(), BotStrategy.SUGGESTION, 7)

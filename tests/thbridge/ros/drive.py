@@ -10,7 +10,7 @@ from sim.common.grid import OccupancyGrid
 from sim.common.observations import STANDSTILL, Battery, Imu, LaserMount, Neighbour, Observations, Odometry, Scan, Twist
 from sim.parameters import WorldParameters
 from sim.robot.localization.estimate import Estimate
-from sim.robot.navigator import Arrived, Goal, Navigation, NoPath
+from sim.robot.navigator import Goal, GoalReached, Navigation, NoPath
 from sim.robot.software import RobotOutput
 from sim.team import TeamSnapshot
 from sim.world.physics import WorldState
@@ -18,18 +18,18 @@ from sim.world.sensor_noise import SensorNoise
 from thbridge.ros.messages.records import (
     GameEvent,
     InitialPose,
-    Input,
+    InputRecord,
     Record,
-    Score,
+    ScoreRecord,
     SendRobots,
-    Session,
+    SessionRecord,
     Success,
-    Utterance,
+    UtteranceRecord,
 )
 
 MOUNT = LaserMount(Pose2(0.1, 0.0, 0.0), -2.0, 4.0 / 180, 181, 0.05, 8.0)
 SCAN_PERIOD = 0.1
-SESSION = Session(
+SESSION = SessionRecord(
     "map: arena\nname: Müller's £ study\n",
     2**63 + 5,
     {"thbridge": "0.1", "python": "3.11"},
@@ -73,14 +73,16 @@ def records(tick: int) -> tuple[Record, ...]:
         return ()
     room = 1 + tick // 50 % 8
     return (
-        Input("said", "Hans", f"%%goto Hans SimR 0 {room - 1}", "{}"),
+        InputRecord("said", "Hans", f"%%goto Hans SimR 0 {room - 1}", "{}"),
         SendRobots(f"%%goto Hans SimR 0 {room - 1}"),
         Success("%%error SimR Hans 0"),
         GameEvent("arrived", 0, room, f'{{"event":"arrived","robot":0,"room":{room}}}'),
         GameEvent("identified", 0, room, '{"event":"identified","name":"Blue <Bottle>","points":-20}'),
         GameEvent("ended", None, None, '{"event":"ended","reason":"all-visited"}'),
-        Score(10 * room - 30, room, 8, (80.5, 70.25)),
-        Utterance(tick, "robot", 0, room, "select-room", f"It will cost me £{room} to go there", "claim", "robot"),
+        ScoreRecord(10 * room - 30, room, 8, (80.5, 70.25)),
+        UtteranceRecord(
+            tick, "robot", 0, room, "select-room", f"It will cost me £{room} to go there", "claim", "robot"
+        ),
         InitialPose(0, Pose2(1.0, 2.0, 0.5), np.diag([0.25, 0.25, 0.07])),
     )
 
@@ -158,9 +160,9 @@ def _navigation(robot: int, tick: int, twist: Twist) -> Navigation:
             result=None,
             remaining=1.0,
         )
-    result: Arrived | NoPath | None = None
+    result: GoalReached | NoPath | None = None
     if at == LEG:
-        result = Arrived(goal) if leg % 2 == 0 else NoPath(goal, "no-plan", "the goal is inside a wall")
+        result = GoalReached(goal) if leg % 2 == 0 else NoPath(goal, "no-plan", "the goal is inside a wall")
     return Navigation(
         command=STANDSTILL,
         goal=None,

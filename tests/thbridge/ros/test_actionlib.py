@@ -8,9 +8,18 @@ import pytest
 from sim.common.geometry import Pose2
 from sim.common.observations import STANDSTILL
 from sim.inputs import Go, Halt
-from sim.robot.navigator import Arrived, Cancelled, Goal, Navigation, NoPath, Result
-from thbridge.ros.actionlib import LISTED, ActionRequest, Ended, Feedback, GoalSet, MoveBaseServer, Said, StatusList
-from thbridge.ros.messages.goal_status import Status
+from sim.robot.navigator import Cancelled, Goal, GoalReached, GoalResult, Navigation, NoPath
+from thbridge.ros.actionlib import (
+    LISTED,
+    ActionRequest,
+    ActionServerMessage,
+    Feedback,
+    GoalEnded,
+    GoalSet,
+    MoveBaseServer,
+    StatusList,
+)
+from thbridge.ros.messages.goal_status import GoalStatusCode
 from thbridge.ros.messages.records import CancelRequest, GoalRequest, SimpleGoal
 
 HERE = Pose2(1.0, 2.0, 0.5)
@@ -25,7 +34,7 @@ class Robot:
         self.server = MoveBaseServer(0)
         self.tick = 0
         self.goal: Goal | None = None
-        self.results: list[Result] = []
+        self.results: list[GoalResult] = []
         self.told: list[Go | Halt] = []
 
     def go(self, goal: Goal) -> None:
@@ -37,12 +46,12 @@ class Robot:
             self.results.append(Cancelled(self.goal))
         self.goal = None
 
-    def end(self, result: type[Arrived]) -> None:
+    def end(self, result: type[GoalReached]) -> None:
         assert self.goal is not None
         self.results.append(result(self.goal))
         self.goal = None
 
-    def step(self, *requests: ActionRequest, dead: bool = False) -> list[Said]:
+    def step(self, *requests: ActionRequest, dead: bool = False) -> list[ActionServerMessage]:
         self.told = self.server.take(self.tick, requests)
         for item in self.told:
             self.go(item.goal) if isinstance(item, Go) else self.halt()
@@ -53,11 +62,11 @@ class Robot:
         self.tick += 1
         return said
 
-    def wait(self, ticks: int) -> list[Said]:
+    def wait(self, ticks: int) -> list[ActionServerMessage]:
         return [said for _ in range(ticks) for said in self.step()]
 
 
-def navigation(goal: Goal | None, result: Result | None) -> Navigation:
+def navigation(goal: Goal | None, result: GoalResult | None) -> Navigation:
     none = np.empty((0, 3))
     return Navigation(STANDSTILL, goal, "idle", none, np.empty(0), none, result, 0.0)
 
@@ -66,11 +75,11 @@ def goal(name: str, number: int, stamp_ns: int = 0) -> GoalRequest:
     return GoalRequest(0, name, stamp_ns, Pose2(float(number), 0.0, 0.0), number)
 
 
-def ends(said: Sequence[Said]) -> list[tuple[str, Status]]:
-    return [(item.entry.goal.id, item.entry.status) for item in said if isinstance(item, Ended)]
+def ends(said: Sequence[ActionServerMessage]) -> list[tuple[str, GoalStatusCode]]:
+    return [(item.entry.goal.id, item.entry.status) for item in said if isinstance(item, GoalEnded)]
 
 
-def lists(said: Sequence[Said]) -> list[list[tuple[str, Status]]]:
+def lists(said: Sequence[ActionServerMessage]) -> list[list[tuple[str, GoalStatusCode]]]:
     return [[(e.goal.id, e.status) for e in item.entries] for item in said if isinstance(item, StatusList)]
 
 
@@ -79,11 +88,11 @@ def test_a_goal_becomes_active_and_its_end_a_result() -> None:
     robot.step()
     said = robot.step(goal("a", 7))
     assert robot.told == [Go(0, Goal(7, Pose2(7.0, 0.0, 0.0)))]
-    assert lists(said) == [[("a", Status.ACTIVE)]]
-    robot.end(Arrived)
+    assert lists(said) == [[("a", GoalStatusCode.ACTIVE)]]
+    robot.end(GoalReached)
     said = robot.step()
-    assert ends(said) == [("a", Status.SUCCEEDED)]
-    assert lists(said)[-1] == [("a", Status.SUCCEEDED)]
+    assert ends(said) == [("a", GoalStatusCode.SUCCEEDED)]
+    assert lists(said)[-1] == [("a", GoalStatusCode.SUCCEEDED)]
 
 
 def test_a_goal_that_is_given_up_is_aborted_with_the_reason() -> None:
@@ -91,8 +100,8 @@ def test_a_goal_that_is_given_up_is_aborted_with_the_reason() -> None:
     robot.step(goal("a", 7))
     assert robot.goal is not None
     robot.results, robot.goal = [NoPath(robot.goal, "stuck", "it is stuck")], None
-    (ended,) = [item for item in robot.step() if isinstance(item, Ended)]
-    assert (ended.entry.status, ended.entry.text) == (Status.ABORTED, "it is stuck")
+    (ended,) = [item for item in robot.step() if isinstance(item, GoalEnded)]
+    assert (ended.entry.status, ended.entry.text) == (GoalStatusCode.ABORTED, "it is stuck")
 
 
 def test_a_newer_goal_preempts() -> None:
@@ -100,15 +109,15 @@ def test_a_newer_goal_preempts() -> None:
     robot.step(goal("a", 1))
     said = robot.step(goal("b", 2))
     assert robot.told == [Go(0, Goal(2, Pose2(2.0, 0.0, 0.0)))]
-    assert ends(said) == [("a", Status.PREEMPTED)]
-    assert lists(said)[-1] == [("a", Status.PREEMPTED), ("b", Status.ACTIVE)]
+    assert ends(said) == [("a", GoalStatusCode.PREEMPTED)]
+    assert lists(said)[-1] == [("a", GoalStatusCode.PREEMPTED), ("b", GoalStatusCode.ACTIVE)]
     assert ends(robot.wait(20)) == []
 
 
 def test_of_two_goals_in_one_tick_the_first_is_recalled() -> None:
     robot = Robot()
     said = robot.step(goal("a", 1), goal("b", 2))
-    assert ends(said) == [("a", Status.RECALLED)]
+    assert ends(said) == [("a", GoalStatusCode.RECALLED)]
     assert [item.goal.id for item in robot.told if isinstance(item, Go)] == [2]
 
 
@@ -116,7 +125,7 @@ def test_an_older_goal_than_the_one_under_way_is_recalled() -> None:
     robot = Robot()
     robot.step(goal("a", 1, 5 * SECOND))
     said = robot.step(goal("b", 2, 4 * SECOND))
-    assert ends(said) == [("b", Status.RECALLED)]
+    assert ends(said) == [("b", GoalStatusCode.RECALLED)]
     assert robot.told == []
 
 
@@ -128,8 +137,8 @@ def test_a_goal_is_taken_back_by_name_by_time_and_with_all(cancel: CancelRequest
     robot.step(goal("a", 1, 2 * SECOND))
     said = robot.step(cancel)
     assert robot.told == [Halt(0)]
-    assert [dict(entries)["a"] for entries in lists(said)] == [Status.PREEMPTING, Status.PREEMPTED]
-    assert ends(said) == [("a", Status.PREEMPTED)]
+    assert [dict(entries)["a"] for entries in lists(said)] == [GoalStatusCode.PREEMPTING, GoalStatusCode.PREEMPTED]
+    assert ends(said) == [("a", GoalStatusCode.PREEMPTED)]
 
 
 @pytest.mark.parametrize("cancel", [CancelRequest(0, "b", 0), CancelRequest(0, "", 1 * SECOND)])
@@ -142,22 +151,22 @@ def test_other_goals_go_on(cancel: CancelRequest) -> None:
 
 def test_a_goal_that_was_taken_back_before_it_came_is_recalled() -> None:
     robot = Robot()
-    assert lists(robot.step(CancelRequest(0, "a", 0)))[-1] == [("a", Status.RECALLING)]
-    assert ends(robot.step(goal("a", 1))) == [("a", Status.RECALLED)]
+    assert lists(robot.step(CancelRequest(0, "a", 0)))[-1] == [("a", GoalStatusCode.RECALLING)]
+    assert ends(robot.step(goal("a", 1))) == [("a", GoalStatusCode.RECALLED)]
     assert robot.told == []
 
 
 def test_goals_of_before_the_last_cancel_are_recalled_and_those_without_a_time_are_not() -> None:
     robot = Robot()
     robot.step(CancelRequest(0, "", 9 * SECOND))
-    assert ends(robot.step(goal("a", 1, 9 * SECOND))) == [("a", Status.RECALLED)]
+    assert ends(robot.step(goal("a", 1, 9 * SECOND))) == [("a", GoalStatusCode.RECALLED)]
     assert ends(robot.step(goal("b", 2))) == []
-    assert ends(robot.step(goal("c", 3, 9 * SECOND + 1))) == [("b", Status.PREEMPTED)]
+    assert ends(robot.step(goal("c", 3, 9 * SECOND + 1))) == [("b", GoalStatusCode.PREEMPTED)]
 
 
 def test_a_goal_that_is_taken_back_in_its_own_tick_never_moves_the_robot() -> None:
     robot = Robot()
-    assert ends(robot.step(goal("a", 1), CancelRequest(0, "a", 0))) == [("a", Status.PREEMPTED)]
+    assert ends(robot.step(goal("a", 1), CancelRequest(0, "a", 0))) == [("a", GoalStatusCode.PREEMPTED)]
     assert robot.told == []
 
 
@@ -180,9 +189,9 @@ def test_a_goal_that_cannot_be_used_is_aborted_and_stops_the_robot() -> None:
     robot = Robot()
     robot.step(goal("a", 1))
     said = robot.step(GoalRequest(0, "b", 0, None, 2, "its quaternion is none"))
-    assert ends(said) == [("a", Status.PREEMPTED), ("b", Status.ABORTED)]
+    assert ends(said) == [("a", GoalStatusCode.PREEMPTED), ("b", GoalStatusCode.ABORTED)]
     assert robot.told == [Halt(0)]
-    last = [item for item in said if isinstance(item, Ended)][-1]
+    last = [item for item in said if isinstance(item, GoalEnded)][-1]
     assert last.entry.text == "its quaternion is none"
 
 
@@ -190,7 +199,7 @@ def test_a_place_that_was_pointed_at_becomes_a_goal_with_a_name() -> None:
     robot = Robot()
     said = robot.step(SimpleGoal(0, Pose2(1.0, 1.0, 0.0), 4))
     (set_goal,) = [item for item in said if isinstance(item, GoalSet)]
-    assert lists(said)[-1] == [(set_goal.goal.id, Status.ACTIVE)]
+    assert lists(said)[-1] == [(set_goal.goal.id, GoalStatusCode.ACTIVE)]
     assert robot.told == [Go(0, Goal(4, Pose2(1.0, 1.0, 0.0)))]
 
 
@@ -200,19 +209,19 @@ def test_the_game_is_a_client_whose_goals_always_count() -> None:
     robot.go(Goal(5, HERE))
     said = robot.step()
     assert [item.goal.id for item in said if isinstance(item, GoalSet)] == ["robot1-5"]
-    assert ends(said) == [("a", Status.PREEMPTED)]
-    robot.end(Arrived)
-    assert ends(robot.step()) == [("robot1-5", Status.SUCCEEDED)]
+    assert ends(said) == [("a", GoalStatusCode.PREEMPTED)]
+    robot.end(GoalReached)
+    assert ends(robot.step()) == [("robot1-5", GoalStatusCode.SUCCEEDED)]
 
 
 def test_clients_can_take_back_the_games_goal_and_the_game_can_set_it_again() -> None:
     robot = Robot()
     robot.go(Goal(5, HERE))
     robot.step()
-    assert ends(robot.step(ALL)) == [("robot1-5", Status.PREEMPTED)]
+    assert ends(robot.step(ALL)) == [("robot1-5", GoalStatusCode.PREEMPTED)]
     assert robot.goal is None
     robot.go(Goal(5, HERE))
-    assert lists(robot.step())[-1] == [("robot1-5", Status.ACTIVE)]
+    assert lists(robot.step())[-1] == [("robot1-5", GoalStatusCode.ACTIVE)]
 
 
 def test_a_goal_of_the_game_that_ends_in_its_first_tick_is_told_whole() -> None:
@@ -220,8 +229,8 @@ def test_a_goal_of_the_game_that_ends_in_its_first_tick_is_told_whole() -> None:
     robot.go(Goal(5, HERE))
     robot.halt()
     said = robot.step()
-    assert [type(item) for item in said if not isinstance(item, StatusList)] == [GoalSet, Ended]
-    assert ends(said) == [("robot1-5", Status.PREEMPTED)]
+    assert [type(item) for item in said if not isinstance(item, StatusList)] == [GoalSet, GoalEnded]
+    assert ends(said) == [("robot1-5", GoalStatusCode.PREEMPTED)]
 
 
 def test_a_client_and_the_game_in_one_tick_end_each_goal_once() -> None:
@@ -232,8 +241,8 @@ def test_a_client_and_the_game_in_one_tick_end_each_goal_once() -> None:
     robot.go(Goal(100, Pose2(100.0, 0.0, 0.0)))
     robot.go(Goal(6, HERE))
     said = robot.step() + robot.wait(5)
-    assert ends(said) == [("robot1-5", Status.PREEMPTED), ("a", Status.PREEMPTED)]
-    assert lists(said)[-1][-1] == ("robot1-6", Status.ACTIVE)
+    assert ends(said) == [("robot1-5", GoalStatusCode.PREEMPTED), ("a", GoalStatusCode.PREEMPTED)]
+    assert lists(said)[-1][-1] == ("robot1-6", GoalStatusCode.ACTIVE)
 
 
 def test_status_comes_five_times_a_second_and_feedback_ten_times_while_under_way() -> None:
@@ -250,9 +259,9 @@ def test_status_comes_five_times_a_second_and_feedback_ten_times_while_under_way
 def test_goals_stay_listed_for_five_seconds_after_their_end() -> None:
     robot = Robot()
     robot.step(goal("a", 1))
-    robot.end(Arrived)
+    robot.end(GoalReached)
     robot.step()
-    assert lists(robot.wait(240))[-1] == [("a", Status.SUCCEEDED)]
+    assert lists(robot.wait(240))[-1] == [("a", GoalStatusCode.SUCCEEDED)]
     assert lists(robot.wait(30))[-1] == []
 
 
@@ -273,7 +282,7 @@ def test_a_dead_robot_hears_and_says_nothing_and_ends_its_goal_when_it_revives()
     assert robot.step(dead=True) == []
     assert robot.step(goal("b", 2), ALL, dead=True) == []
     said = robot.step()
-    assert ends(said) == [("a", Status.PREEMPTED)]
+    assert ends(said) == [("a", GoalStatusCode.PREEMPTED)]
     robot.step(goal("c", 3))
     assert robot.told == [Go(0, Goal(3, Pose2(3.0, 0.0, 0.0)))]
 

@@ -9,7 +9,7 @@ from hypothesis import strategies as st
 from sim.common.geometry import Pose2
 from sim.common.observations import Twist
 from thbridge.ros import clients
-from thbridge.ros.clients import ActionCancel, ActionGoal, PlanQuestion, PoseEstimate, Refused
+from thbridge.ros.clients import ActionCancel, ActionGoal, InvalidMessage, PlanRequest, PoseEstimate
 from thbridge.ros.messages.types import typestore
 
 STORE = typestore()
@@ -59,7 +59,7 @@ def test_frames_may_have_the_slash_of_old() -> None:
 )
 def test_a_goal_that_cannot_be_used_says_why(data: bytes, word: str) -> None:
     found = clients.goal_pose(data)
-    assert isinstance(found, Refused)
+    assert isinstance(found, InvalidMessage)
     assert word in found.sentence
 
 
@@ -72,7 +72,7 @@ def test_quaternions_need_not_have_length_one() -> None:
 def test_a_tilted_goal_is_refused() -> None:
     data = bytearray(stamped())
     data[-32:] = struct.pack("<4d", math.sin(0.5), 0.0, 0.0, math.cos(0.5))
-    assert isinstance(clients.goal_pose(bytes(data)), Refused)
+    assert isinstance(clients.goal_pose(bytes(data)), InvalidMessage)
 
 
 def estimate(covariance: np.ndarray) -> bytes:
@@ -88,7 +88,7 @@ def test_an_estimate_has_the_covariance_of_the_plane() -> None:
 
 @pytest.mark.parametrize("bad", [np.full((6, 6), np.nan), -np.eye(6), 1e308 * np.eye(6)])
 def test_an_estimate_with_an_impossible_covariance_is_refused(bad: np.ndarray) -> None:
-    assert isinstance(clients.pose_estimate(estimate(bad)), Refused)
+    assert isinstance(clients.pose_estimate(estimate(bad)), InvalidMessage)
 
 
 def test_goals_and_cancels_of_actions_keep_their_names_and_times() -> None:
@@ -105,24 +105,24 @@ def test_goals_and_cancels_of_actions_keep_their_names_and_times() -> None:
 
 
 def test_goals_with_endless_names_are_refused() -> None:
-    for length, kind in ((512, ActionCancel), (513, Refused)):
+    for length, kind in ((512, ActionCancel), (513, InvalidMessage)):
         data = struct.pack("<III", 0, 0, length) + b"x" * length
         assert isinstance(clients.action_cancel(data), kind)
         whole = packed("std_msgs/msg/Header", seq=0, stamp=header().stamp, frame_id="") + data + stamped()
-        assert isinstance(clients.action_goal(whole), ActionGoal if kind is ActionCancel else Refused)
+        assert isinstance(clients.action_goal(whole), ActionGoal if kind is ActionCancel else InvalidMessage)
 
 
 def test_a_velocity_is_forward_and_around() -> None:
     assert clients.velocity(struct.pack("<6d", 0.5, 9.0, 9.0, 9.0, 9.0, -0.25)) == Twist(0.5, -0.25)
-    assert isinstance(clients.velocity(struct.pack("<6d", math.nan, 0, 0, 0, 0, 0)), Refused)
+    assert isinstance(clients.velocity(struct.pack("<6d", math.nan, 0, 0, 0, 0, 0)), InvalidMessage)
 
 
 def test_a_question_without_a_start_is_about_the_robots_own_place() -> None:
-    found = clients.plan_question(stamped("") + stamped(x=4.0) + struct.pack("<f", 0.5))
-    assert isinstance(found, PlanQuestion)
+    found = clients.plan_request(stamped("") + stamped(x=4.0) + struct.pack("<f", 0.5))
+    assert isinstance(found, PlanRequest)
     assert (found.start, found.goal.x, found.tolerance) == (None, 4.0, 0.5)
-    both = clients.plan_question(stamped(x=3.0) + stamped(x=4.0) + struct.pack("<f", 0.5))
-    assert isinstance(both, PlanQuestion)
+    both = clients.plan_request(stamped(x=3.0) + stamped(x=4.0) + struct.pack("<f", 0.5))
+    assert isinstance(both, PlanRequest)
     assert both.start is not None
     assert both.start.x == 3.0
 
@@ -130,7 +130,7 @@ def test_a_question_without_a_start_is_about_the_robots_own_place() -> None:
 @given(st.binary(max_size=400))
 def test_no_bytes_at_all_make_any_of_them_raise(data: bytes) -> None:
     for read in (clients.goal_pose, clients.pose_estimate, clients.action_goal, clients.action_cancel,
-                 clients.velocity, clients.plan_question):  # fmt: skip
+                 clients.velocity, clients.plan_request):  # fmt: skip
         read(data)
 
 
@@ -139,4 +139,4 @@ def test_no_mutated_message_makes_them_raise(at: int, noise: bytes) -> None:
     data = bytearray(stamped())
     data[at : at + len(noise)] = noise
     clients.goal_pose(bytes(data))
-    clients.plan_question(bytes(data) + stamped() + struct.pack("<f", 0.5))
+    clients.plan_request(bytes(data) + stamped() + struct.pack("<f", 0.5))

@@ -11,18 +11,18 @@ from sim.parameters import RobotParameters
 from sim.robot.costmap.view import CostmapView
 from sim.robot.navigator import Cancelled, Goal
 from sim.team import TeamSnapshot
-from sim.world.things import Presence, Thing, polygons_of
+from sim.world.things import Thing, ThingState, polygons_of
 from tests.thbridge.ros.drive import LEG, MOUNT, SCAN_PERIOD, SESSION, arena, records, snapshots
 from thbridge.ros.messages import types, unpack
-from thbridge.ros.messages.goal_status import Status
+from thbridge.ros.messages.goal_status import GoalStatusCode
 from thbridge.ros.messages.records import CancelRequest, GoalRequest, SimpleGoal, VelocityCommand
 from thbridge.ros.messages.types import plain_definition, typestore
 from thbridge.ros.names import RobotNames
-from thbridge.ros.publisher import Message, Planners, Publisher, Topic, clock_message
+from thbridge.ros.publisher import Planners, RosMessage, TeamPublisher, Topic, clock_message
 
 
-def published(robots: int, ticks: int) -> list[Message]:
-    publisher = Publisher(robots, MOUNT, SCAN_PERIOD)
+def published(robots: int, ticks: int) -> list[RosMessage]:
+    publisher = TeamPublisher(robots, MOUNT, SCAN_PERIOD)
     messages = publisher.opening(0, SESSION, arena())
     for snapshot in snapshots(robots, ticks):
         messages += publisher.tick(snapshot, records(snapshot.tick))
@@ -37,14 +37,14 @@ def test_robots_count_from_one_and_frames_have_no_leading_slash() -> None:
 
 
 def test_opening_says_the_session_first_and_latches_everything() -> None:
-    opening = Publisher(2, MOUNT, SCAN_PERIOD).opening(0, SESSION, arena())
+    opening = TeamPublisher(2, MOUNT, SCAN_PERIOD).opening(0, SESSION, arena())
     assert [message.topic.name for message in opening] == ["/thbridge/session", "/tf_static", "/map", "/map_metadata"]
     assert all(message.topic.latched for message in opening)
     assert all(message.stamp_ns == 1_000_000_000 for message in opening)
 
 
 def test_one_static_message_leads_from_every_base_to_its_laser() -> None:
-    static = Publisher(2, MOUNT, SCAN_PERIOD).opening(0, SESSION, arena())[1]
+    static = TeamPublisher(2, MOUNT, SCAN_PERIOD).opening(0, SESSION, arena())[1]
     frames = [(transform.parent, transform.child) for _, transform in unpack.transforms(static.data)]
     assert frames == [
         ("robot1/base_footprint", "robot1/base_link"),
@@ -65,7 +65,7 @@ def test_rates() -> None:
 
 
 def test_a_change_of_energy_is_said_at_once() -> None:
-    publisher = Publisher(1, MOUNT, SCAN_PERIOD)
+    publisher = TeamPublisher(1, MOUNT, SCAN_PERIOD)
     said = [message.topic.name for snapshot in snapshots(1, 2, first=51) for message in publisher.tick(snapshot)]
     assert said.count("/robot1/battery") == 1
 
@@ -80,7 +80,7 @@ def test_every_message_has_a_known_type_and_stamps_never_go_back() -> None:
 
 def test_tf_composes_to_the_estimate() -> None:
     (snapshot,) = snapshots(1, 1, first=77)
-    tf = Publisher(1, MOUNT, SCAN_PERIOD).tick(snapshot)[0]
+    tf = TeamPublisher(1, MOUNT, SCAN_PERIOD).tick(snapshot)[0]
     (_, odom), (_, base) = unpack.transforms(tf.data)
     assert (odom.parent, odom.child, base.parent, base.child) == (
         "map",
@@ -109,7 +109,7 @@ def test_goals_and_results_come_in_pairs() -> None:
 
 def test_a_goal_that_another_replaces_ends_before_the_other_begins() -> None:
     first, second = snapshots(1, 2)
-    publisher = Publisher(1, MOUNT, SCAN_PERIOD)
+    publisher = TeamPublisher(1, MOUNT, SCAN_PERIOD)
     publisher.tick(first)
     old = first.robots[0].navigation.goal
     assert old is not None
@@ -126,18 +126,18 @@ def test_a_plan_is_said_when_new_and_when_gone_but_not_as_it_is_driven() -> None
 
 def test_plans_are_named_by_the_robots_own_planners() -> None:
     named = [Planners("GlobalPlanner", "DWAPlannerROS"), Planners.of(RobotParameters())]
-    topics = {topic.name for topic in Publisher(2, MOUNT, SCAN_PERIOD, named).topics}
+    topics = {topic.name for topic in TeamPublisher(2, MOUNT, SCAN_PERIOD, named).topics}
     assert {"/robot1/move_base/GlobalPlanner/plan", "/robot1/move_base/DWAPlannerROS/local_plan"} <= topics
     assert {"/robot2/move_base/NavfnROS/plan", "/robot2/move_base/TrajectoryPlannerROS/local_plan"} <= topics
 
 
 def test_whatever_is_said_is_on_one_of_the_topics_that_were_announced() -> None:
-    announced = set(Publisher(2, MOUNT, SCAN_PERIOD).topics)
+    announced = set(TeamPublisher(2, MOUNT, SCAN_PERIOD).topics)
     assert {message.topic for message in published(2, 200)} <= announced
 
 
 def test_a_local_plan_is_said_when_it_changes() -> None:
-    publisher = Publisher(1, MOUNT, SCAN_PERIOD)
+    publisher = TeamPublisher(1, MOUNT, SCAN_PERIOD)
     plan = np.array([[0.0, 0.0, 0.0], [1.0, 0.5, 0.1]])
     said = []
     for snapshot, local_plan in zip(snapshots(1, 4), (plan, plan.copy(), plan[:1], np.empty((0, 3))), strict=True):
@@ -152,7 +152,7 @@ def test_costmaps_are_said_when_they_are_shown() -> None:
     (snapshot,) = snapshots(1, 1)
     view = CostmapView(0, Pose2(-1.0, -2.0, 0.0), 0.05, np.array([[0, 1, 252], [253, 254, 255]], dtype=np.uint8))
     navigation = replace(snapshot.robots[0].navigation, local_costmap=view)
-    messages = Publisher(1, MOUNT, SCAN_PERIOD).tick(_with(snapshot, navigation=navigation))
+    messages = TeamPublisher(1, MOUNT, SCAN_PERIOD).tick(_with(snapshot, navigation=navigation))
     (shown,) = [m for m in messages if m.topic.name.endswith("_costmap/costmap")]
     assert shown.topic == Topic("/robot1/move_base/local_costmap/costmap", types.OCCUPANCY_GRID, latched=True)
     grid = unpack.occupancy_grid(shown.data)
@@ -165,7 +165,7 @@ def test_footprints_lie_where_the_robot_believes_it_is() -> None:
     square = np.array([[0.2, 0.1], [-0.2, 0.1], [-0.2, -0.1], [0.2, -0.1]])
     robot = snapshot.robots[0]
     snapshot = _with(snapshot, neighbour=replace(robot.neighbour, footprint=square))
-    messages = Publisher(1, MOUNT, SCAN_PERIOD).tick(snapshot)
+    messages = TeamPublisher(1, MOUNT, SCAN_PERIOD).tick(snapshot)
     shown = {m.topic.name: m.data for m in messages if m.topic.name.endswith("/footprint")}
     assert set(shown) == {"/robot1/move_base/global_costmap/footprint", "/robot1/move_base/local_costmap/footprint"}
     (data,) = set(shown.values())
@@ -175,7 +175,7 @@ def test_footprints_lie_where_the_robot_believes_it_is() -> None:
 
 def test_what_clients_said_is_recorded_as_they_said_it_before_what_follows() -> None:
     first, second = snapshots(1, 2, first=LEG)
-    publisher = Publisher(1, MOUNT, SCAN_PERIOD)
+    publisher = TeamPublisher(1, MOUNT, SCAN_PERIOD)
     publisher.tick(first)
     target = Pose2(1.0, 2.0, 0.5)
     asked = (
@@ -186,7 +186,7 @@ def test_what_clients_said_is_recorded_as_they_said_it_before_what_follows() -> 
         VelocityCommand(0, Twist(0.1, 0.0)),
     )
     messages = publisher.tick(second, asked)
-    heard = [message for message in messages if message.heard]
+    heard = [message for message in messages if message.foreign]
     assert heard == messages[: len(heard)]
     assert [m.topic.name for m in heard] == [
         "/robot1/move_base/goal",
@@ -199,7 +199,7 @@ def test_what_clients_said_is_recorded_as_they_said_it_before_what_follows() -> 
     log = b"".join(message.data for message in messages if message.topic.name == "/rosout")
     assert b"a client's goal rviz-1: (1.00, 2.00)" in log
     assert b"goal rviz-2 is given up: it is in another frame" in log
-    assert ended[-1] == unpack.GoalEnd("rviz-2", Status.ABORTED, "it is in another frame")
+    assert ended[-1] == unpack.MoveBaseResult("rviz-2", GoalStatusCode.ABORTED, "it is in another frame")
 
 
 def test_status_feedback_and_the_log_tell_of_a_goal() -> None:
@@ -213,7 +213,7 @@ def test_status_feedback_and_the_log_tell_of_a_goal() -> None:
 
 
 def test_the_log_tells_of_collisions_and_of_robots_that_are_lost_or_dead_once() -> None:
-    publisher = Publisher(1, MOUNT, SCAN_PERIOD)
+    publisher = TeamPublisher(1, MOUNT, SCAN_PERIOD)
     texts = []
     for snapshot in snapshots(1, 12, first=1):
         tick = snapshot.tick
@@ -259,7 +259,7 @@ def test_diagnostics_say_what_is_wrong(charge: float, lost: bool, dead: bool, pa
         observations=replace(robot.observations, battery=Battery(0, charge, 100.0)),
     )
     snapshot = replace(snapshot, dead=frozenset({0}) if dead else frozenset())
-    (data,) = [m.data for m in Publisher(1, MOUNT, SCAN_PERIOD).tick(snapshot) if m.topic.name == "/diagnostics"]
+    (data,) = [m.data for m in TeamPublisher(1, MOUNT, SCAN_PERIOD).tick(snapshot) if m.topic.name == "/diagnostics"]
     message = typestore().deserialize_ros1(data, "diagnostic_msgs/msg/DiagnosticArray")
     assert {status.name: status.level for status in message.status}[f"robot1: {part}"] == level
 
@@ -273,7 +273,7 @@ def test_the_clock_tells_the_stamp_of_a_tick() -> None:
 def test_a_localiser_without_particles_says_no_cloud() -> None:
     (snapshot,) = snapshots(1, 1)
     estimate = replace(snapshot.robots[0].estimate, updated=True, particles=np.empty((0, 3)))
-    names = {m.topic.name for m in Publisher(1, MOUNT, SCAN_PERIOD).tick(_with(snapshot, estimate=estimate))}
+    names = {m.topic.name for m in TeamPublisher(1, MOUNT, SCAN_PERIOD).tick(_with(snapshot, estimate=estimate))}
     assert "/robot1/amcl_pose" in names
     assert "/robot1/particlecloud" not in names
 
@@ -281,19 +281,19 @@ def test_a_localiser_without_particles_says_no_cloud() -> None:
 def test_a_team_of_another_size_is_refused() -> None:
     (snapshot,) = snapshots(2, 1)
     with pytest.raises(ValueError):
-        Publisher(3, MOUNT, SCAN_PERIOD).tick(snapshot)
+        TeamPublisher(3, MOUNT, SCAN_PERIOD).tick(snapshot)
 
 
 def _with(snapshot: TeamSnapshot, **changes: object) -> TeamSnapshot:
     return replace(snapshot, robots=(replace(snapshot.robots[0], **changes),))
 
 
-def crate(x: float) -> Presence:
-    return Presence(Thing("crate", ((0.1, 0.1), (-0.1, 0.1), (0.0, -0.1)), Pose2(x, 2.0, 0.0)), appeared=True)
+def crate(x: float) -> ThingState:
+    return ThingState(Thing("crate", ((0.1, 0.1), (-0.1, 0.1), (0.0, -0.1)), Pose2(x, 2.0, 0.0)), appeared=True)
 
 
 def test_things_are_said_when_they_come_and_go_and_at_ten_hertz_when_they_walk() -> None:
-    publisher = Publisher(1, MOUNT, SCAN_PERIOD)
+    publisher = TeamPublisher(1, MOUNT, SCAN_PERIOD)
     said = []
     for snapshot in snapshots(1, 40):
         things = (crate(1.0 + 0.01 * snapshot.tick),) if snapshot.tick in range(10, 31) else ()
@@ -310,7 +310,7 @@ def test_without_things_nothing_is_said_of_them() -> None:
 
 def test_of_a_dead_robot_only_the_truth_is_said() -> None:
     (snapshot,) = snapshots(2, 1, first=100)
-    messages = Publisher(2, MOUNT, SCAN_PERIOD).tick(replace(snapshot, dead=frozenset({1})))
+    messages = TeamPublisher(2, MOUNT, SCAN_PERIOD).tick(replace(snapshot, dead=frozenset({1})))
     of_second = [message.topic.name for message in messages if message.topic.name.startswith("/robot2")]
     assert of_second == ["/robot2/base_pose_ground_truth"]  # and the log says that it died
     assert {transform.child for _, transform in unpack.transforms(messages[0].data)} == {

@@ -13,14 +13,14 @@ from rosbags.typesys.msg import normalize_msgtype
 from sim.parameters import RobotParameters, reconfigurable
 from thbridge.roles.robot_requests import with_values
 from thbridge.ros import reconfigure
-from thbridge.ros.clients import Refused
+from thbridge.ros.clients import InvalidMessage
 from thbridge.ros.messages import types
 from thbridge.ros.names import RobotNames
-from thbridge.ros.reconfigure import Section, Value
+from thbridge.ros.reconfigure import ReconfigureServer, Value
 
 STORE = types.typestore()
 SOFTWARE = RobotParameters()
-SECTIONS = {section.path: section for section in reconfigure.sections()}
+SECTIONS = {section.path: section for section in reconfigure.reconfigure_servers()}
 LISTS = {"bools": "Bool", "ints": "Int", "strs": "Str", "doubles": "Double"}
 
 
@@ -49,8 +49,8 @@ def unpacked(data: bytes, msgtype: str):
 
 
 def asked(path: str, data: bytes, software: RobotParameters = SOFTWARE) -> dict[str, Value]:
-    found = reconfigure.asked(SECTIONS[path], software, data)
-    assert not isinstance(found, Refused), found
+    found = reconfigure.requested_changes(SECTIONS[path], software, data)
+    assert not isinstance(found, InvalidMessage), found
     return dict(found)
 
 
@@ -59,7 +59,7 @@ def test_the_servers_of_a_robot_are_those_of_ros_and_that_of_its_kalman_filter()
     layers = ("", "/static_layer", "/obstacle_layer", "/inflation_layer")
     inside = [f"{costmap}{layer}" for costmap in ("global_costmap", "local_costmap") for layer in layers]
     planners = ["GlobalPlanner", "TrajectoryPlannerROS", "DWAPlannerROS"]
-    assert {section.server(robot) for section in reconfigure.sections()} == {
+    assert {section.name(robot) for section in reconfigure.reconfigure_servers()} == {
         "/robot2/amcl",
         "/robot2/ekf",
         "/robot2/move_base",
@@ -68,12 +68,12 @@ def test_the_servers_of_a_robot_are_those_of_ros_and_that_of_its_kalman_filter()
 
 
 def test_every_live_parameter_is_with_one_server() -> None:
-    paths = [parameter.path for section in reconfigure.sections() for parameter in section.parameters]
+    paths = [parameter.path for section in reconfigure.reconfigure_servers() for parameter in section.parameters]
     assert sorted(paths) == sorted(reconfigurable())
 
 
-@pytest.mark.parametrize("section", reconfigure.sections(), ids=lambda section: section.path)
-def test_values_and_descriptions_can_be_read_by_everybody(section: Section) -> None:
+@pytest.mark.parametrize("section", reconfigure.reconfigure_servers(), ids=lambda section: section.path)
+def test_values_and_descriptions_can_be_read_by_everybody(section: ReconfigureServer) -> None:
     names = {parameter.name for parameter in section.parameters}
     config = unpacked(reconfigure.config(section, SOFTWARE), types.CONFIG)
     described = unpacked(reconfigure.description(section), types.CONFIG_DESCRIPTION)
@@ -175,9 +175,9 @@ def test_no_value_is_told_as_zero_and_stays_none_when_it_comes_back() -> None:
     assert asked("local_costmap", packed(doubles={"robot_radius": 0.3})) == {"local_costmap.robot_radius": 0.3}
 
 
-@pytest.mark.parametrize("section", reconfigure.sections(), ids=lambda section: section.path)
-def test_all_sent_back_as_it_was_told_changes_nothing(section: Section) -> None:
-    assert reconfigure.asked(section, SOFTWARE, reconfigure.config(section, SOFTWARE)) == ()
+@pytest.mark.parametrize("section", reconfigure.reconfigure_servers(), ids=lambda section: section.path)
+def test_all_sent_back_as_it_was_told_changes_nothing(section: ReconfigureServer) -> None:
+    assert reconfigure.requested_changes(section, SOFTWARE, reconfigure.config(section, SOFTWARE)) == ()
 
 
 def test_values_that_are_not_floats_in_the_study_are_doubles_all_the_same() -> None:
@@ -187,7 +187,7 @@ def test_values_that_are_not_floats_in_the_study_are_doubles_all_the_same() -> N
 
 @given(st.data())
 def test_what_is_asked_is_in_force_or_within_the_bounds(data: st.DataObject) -> None:
-    section = data.draw(st.sampled_from(reconfigure.sections()))
+    section = data.draw(st.sampled_from(reconfigure.reconfigure_servers()))
     numbers = [each for each in section.parameters if each.kind in {"int", "double"}]
     if not numbers:
         return
@@ -195,7 +195,7 @@ def test_what_is_asked_is_in_force_or_within_the_bounds(data: st.DataObject) -> 
     whole = parameter.kind == "int"
     value = data.draw(st.integers(-(2**31), 2**31 - 1) if whole else st.floats(allow_nan=False, allow_infinity=False))
     request = packed(**{"ints" if whole else "doubles": {parameter.name: value}})
-    found = asked(section.path, request).get(parameter.path, parameter.told(SOFTWARE))
+    found = asked(section.path, request).get(parameter.path, parameter.reported(SOFTWARE))
     assert parameter.minimum <= found <= parameter.maximum
     if parameter.minimum <= value <= parameter.maximum:
         assert found == value
@@ -203,12 +203,12 @@ def test_what_is_asked_is_in_force_or_within_the_bounds(data: st.DataObject) -> 
 
 @given(st.binary(max_size=200))
 def test_whatever_comes_is_a_change_or_refused(data: bytes) -> None:
-    for section in reconfigure.sections():
-        found = reconfigure.asked(section, SOFTWARE, data)
-        assert isinstance(found, tuple | Refused)
+    for section in reconfigure.reconfigure_servers():
+        found = reconfigure.requested_changes(section, SOFTWARE, data)
+        assert isinstance(found, tuple | InvalidMessage)
 
 
 def test_a_request_that_ends_too_early_is_refused() -> None:
-    found = reconfigure.asked(SECTIONS["amcl"], SOFTWARE, packed(doubles={"kld_err": 0.02})[:20])
-    assert isinstance(found, Refused)
+    found = reconfigure.requested_changes(SECTIONS["amcl"], SOFTWARE, packed(doubles={"kld_err": 0.02})[:20])
+    assert isinstance(found, InvalidMessage)
     assert "ends too early" in found.sentence

@@ -7,16 +7,16 @@ from typing import TypeVar
 
 import pytest
 
-from thbridge.sockets.text_client import LossReason, Lost, Patience, TextClient
-from thbridge.sockets.text_server import Listening, TextServer
-from thbridge.wire.client import Registered
-from thbridge.wire.router import Router
-from thbridge.wire.text import Message
+from thbridge.sockets.text_client import Backoff, ConnectionLost, LossReason, TextClient
+from thbridge.sockets.text_server import ListeningAddress, TextServer
+from thbridge.wire.client import NameRegistered
+from thbridge.wire.router import MessageRouter
+from thbridge.wire.text import TextMessage
 
 T = TypeVar("T")
 
-HURRIED = Patience(first=0.005, longest=0.02)
-HELLO = Message("%%error", "A", "B", ("hello",))
+HURRIED = Backoff(first=0.005, longest=0.02)
+HELLO = TextMessage("%%error", "A", "B", ("hello",))
 PATIENCE = 20
 
 
@@ -26,11 +26,11 @@ async def soon(event: Awaitable[T]) -> T:
 
 
 @asynccontextmanager
-async def serving(port: int = 0) -> AsyncIterator[tuple[Router, Listening]]:
-    router = Router()
+async def serving(port: int = 0) -> AsyncIterator[tuple[MessageRouter, ListeningAddress]]:
+    router = MessageRouter()
     server = TextServer(router)
     address = await server.start("127.0.0.1", port)
-    assert isinstance(address, Listening)
+    assert isinstance(address, ListeningAddress)
     try:
         yield router, address
     finally:
@@ -38,7 +38,7 @@ async def serving(port: int = 0) -> AsyncIterator[tuple[Router, Listening]]:
 
 
 @asynccontextmanager
-async def running(name: str, port: int, patience: Patience = HURRIED) -> AsyncIterator[TextClient]:
+async def running(name: str, port: int, patience: Backoff = HURRIED) -> AsyncIterator[TextClient]:
     client = TextClient(name, f"token-{name}", "127.0.0.1", port, patience)
     task = asyncio.create_task(client.run())
     try:
@@ -64,8 +64,8 @@ def run(test: Callable[[], Awaitable[None]]) -> Callable[[], None]:
 @run
 async def test_two_programs_talk_through_the_server() -> None:
     async with serving() as (_, address), running("A", address.port) as a, running("B", address.port) as b:
-        assert await soon(a.next_event()) == Registered()
-        assert await soon(b.next_event()) == Registered()
+        assert await soon(a.next_event()) == NameRegistered()
+        assert await soon(b.next_event()) == NameRegistered()
         assert a.take() == []
         assert a.send(HELLO)
         assert await soon(b.next_event()) == HELLO
@@ -77,15 +77,15 @@ async def test_it_waits_for_a_server_and_registers_again_with_the_next_one() -> 
         port = address.port
     async with running("A", port) as a:
         event = await soon(a.next_event())
-        assert isinstance(event, Lost)
+        assert isinstance(event, ConnectionLost)
         assert event.reason is LossReason.UNREACHABLE
         assert not a.send(HELLO)
         for _ in range(2):
             async with serving(port):
-                assert await soon(a.next_event()) == Registered()
-            assert await soon(a.next_event()) == Lost(LossReason.STOPPED)
+                assert await soon(a.next_event()) == NameRegistered()
+            assert await soon(a.next_event()) == ConnectionLost(LossReason.STOPPED)
             event = await soon(a.next_event())
-            assert isinstance(event, Lost)
+            assert isinstance(event, ConnectionLost)
             assert event.reason is LossReason.UNREACHABLE
 
 
@@ -94,9 +94,9 @@ async def test_a_taken_name_is_told_once_and_had_as_soon_as_it_is_free() -> None
     async with serving() as (router, address):
         router.attach("A")
         async with running("A", address.port) as a:
-            assert await soon(a.next_event()) == Lost(LossReason.REFUSED)
+            assert await soon(a.next_event()) == ConnectionLost(LossReason.REFUSED)
             router.detach("A")
-            assert await soon(a.next_event()) == Registered()
+            assert await soon(a.next_event()) == NameRegistered()
 
 
 @run
@@ -114,11 +114,11 @@ async def test_it_answers_a_ping_and_notices_a_broken_connection() -> None:
         async with running("A", port) as a:
             assert await soon(heard.get()) == b"%%setid A extended token-A\n"
             assert await soon(heard.get()) == b"%%pong \n"
-            assert await soon(a.next_event()) == Registered()
+            assert await soon(a.next_event()) == NameRegistered()
             event = await soon(a.next_event())
-            assert isinstance(event, Lost)
+            assert isinstance(event, ConnectionLost)
             assert event.reason is LossReason.BROKEN
-            assert await soon(a.next_event()) == Registered()
+            assert await soon(a.next_event()) == NameRegistered()
 
 
 @run
@@ -134,12 +134,12 @@ async def test_a_server_that_falls_silent_counts_as_broken() -> None:
 
     async with await asyncio.start_server(server, "127.0.0.1", 0) as listening:
         port = listening.sockets[0].getsockname()[1]
-        async with running("A", port, Patience(first=0.005, longest=0.005, silence=0.05)) as a:
-            assert await soon(a.next_event()) == Registered()
+        async with running("A", port, Backoff(first=0.005, longest=0.005, silence=0.05)) as a:
+            assert await soon(a.next_event()) == NameRegistered()
             event = await soon(a.next_event())
-            assert isinstance(event, Lost)
+            assert isinstance(event, ConnectionLost)
             assert event.reason is LossReason.BROKEN
-            assert await soon(a.next_event()) == Registered()
+            assert await soon(a.next_event()) == NameRegistered()
             assert connections == 2
 
 

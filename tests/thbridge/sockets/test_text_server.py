@@ -9,9 +9,9 @@ from contextlib import asynccontextmanager
 import pytest
 
 from thbridge.sockets import text_server
-from thbridge.sockets.text_server import CannotListen, Listening, TextServer
-from thbridge.wire.router import Forwarded, Router
-from thbridge.wire.text import Message
+from thbridge.sockets.text_server import CannotListen, ListeningAddress, TextServer
+from thbridge.wire.router import Forwarded, MessageRouter
+from thbridge.wire.text import TextMessage
 
 ACK = b"%%ack \n"
 SHUTDOWN = b"%%sshhuuttddoowwnn \n"
@@ -41,7 +41,7 @@ class Client:
 class House:
     """A running server and the clients of one test."""
 
-    def __init__(self, server: TextServer, address: Listening) -> None:
+    def __init__(self, server: TextServer, address: ListeningAddress) -> None:
         self.server = server
         self.address = address
         self.clients: list[Client] = []
@@ -57,13 +57,13 @@ class House:
 
 @asynccontextmanager
 async def serving(
-    router: Router | None = None,
+    router: MessageRouter | None = None,
     tap: Callable[[Forwarded], None] = lambda forwarded: None,
     clock: Callable[[], float] = lambda: 0.0,
 ) -> AsyncIterator[House]:
-    server = TextServer(router or Router(), tap, clock)
+    server = TextServer(router or MessageRouter(), tap, clock)
     address = await server.start("127.0.0.1", 0)
-    assert isinstance(address, Listening)
+    assert isinstance(address, ListeningAddress)
     house = House(server, address)
     try:
         yield house
@@ -215,7 +215,7 @@ async def test_a_stopping_server_says_farewell_and_frees_its_port() -> None:
         await stopping
         with pytest.raises(ConnectionRefusedError):
             await house.enter()
-        again = TextServer(Router())
+        again = TextServer(MessageRouter())
         assert await again.start(house.address.host, house.address.port) == house.address
         await again.stop()
 
@@ -231,7 +231,7 @@ async def test_a_client_that_ignores_the_farewell_does_not_keep_the_server_from_
 @run
 async def test_a_port_in_use_is_told_in_one_line() -> None:
     async with serving() as house:
-        refusal = await TextServer(Router()).start(house.address.host, house.address.port)
+        refusal = await TextServer(MessageRouter()).start(house.address.host, house.address.port)
         assert isinstance(refusal, CannotListen)
         assert str(refusal).startswith(f"cannot listen on 127.0.0.1:{house.address.port}: ")
         assert "\n" not in str(refusal)
@@ -241,7 +241,7 @@ async def test_a_port_in_use_is_told_in_one_line() -> None:
     ("host", "port"), [("127.0.0.1", 70_000), ("127.0.0.1", -1), ("not a host", 0), ("x" * 80, 0), ("203.0.113.7", 0)]
 )
 def test_a_bad_address_is_told_in_one_line(host: str, port: int) -> None:
-    refusal = asyncio.run(TextServer(Router()).start(host, port))
+    refusal = asyncio.run(TextServer(MessageRouter()).start(host, port))
     assert isinstance(refusal, CannotListen)
     assert str(refusal).startswith(f"cannot listen on {host}:{port}: ")
     assert "\n" not in str(refusal)
@@ -250,21 +250,21 @@ def test_a_bad_address_is_told_in_one_line(host: str, port: int) -> None:
 @run
 async def test_programs_of_this_process_talk_with_clients_and_the_tap_hears_all() -> None:
     heard: list[Forwarded] = []
-    router = Router()
+    router = MessageRouter()
     router.attach("SimR")
     async with serving(router, heard.append) as house:
         tabui = await house.enter("TabUI")
         await tabui.says(b"%%goto TabUI SimR 0 3 3 45\n%%snap TabUI Hider 3\n")
         assert [await tabui.hears(), await tabui.hears()] == [ACK, ACK]
         house.server.perform(router.exchange())
-        goto = Message("%%goto", "TabUI", "SimR", ("0", "3", "3", "45"))
+        goto = TextMessage("%%goto", "TabUI", "SimR", ("0", "3", "3", "45"))
         assert router.take("SimR") == [goto]
-        arrived = Message("%%error", "SimR", "TabUI", ('"0;3"',))
+        arrived = TextMessage("%%error", "SimR", "TabUI", ('"0;3"',))
         router.submit("SimR", arrived)
         house.server.perform(router.exchange())
         assert await tabui.hears() == b'%%error SimR TabUI "0;3" \n'
     assert heard == [
         Forwarded(goto, delivered=True, sender_extended=False),
-        Forwarded(Message("%%snap", "TabUI", "Hider", ("3",)), delivered=False, sender_extended=False),
+        Forwarded(TextMessage("%%snap", "TabUI", "Hider", ("3",)), delivered=False, sender_extended=False),
         Forwarded(arrived, delivered=True, sender_extended=True),
     ]

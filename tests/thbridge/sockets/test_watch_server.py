@@ -10,12 +10,12 @@ import pytest
 
 from thbridge.files.ros.definitions import Definitions
 from thbridge.ros.messages import pack, types
-from thbridge.ros.topics import Message, Topic
-from thbridge.sockets.text_client import LossReason, Lost, Patience
-from thbridge.sockets.text_server import CannotListen, Listening
-from thbridge.sockets.watch_client import Connected, WatchClient, WatchEvent
-from thbridge.sockets.watch_server import CALLERS, WATCHERS, Pace, WatchServer
-from thbridge.wire.watching import MISTAKES, STATUS, Said, Status, StreamReader, status_in
+from thbridge.ros.topics import RosMessage, Topic
+from thbridge.sockets.text_client import Backoff, ConnectionLost, LossReason
+from thbridge.sockets.text_server import CannotListen, ListeningAddress
+from thbridge.sockets.watch_client import WatchClient, WatchConnected, WatchEvent
+from thbridge.sockets.watch_server import CALLERS, WATCHERS, SessionPace, WatchServer
+from thbridge.wire.watch_protocol import MISTAKES, STATUS, BagStreamReader, SessionMessage, WatchStatus, status_in
 
 PATIENCE = 30
 SECOND = 1_000_000_000
@@ -23,7 +23,7 @@ LEVEL = Topic("/level", types.STRING, latched=True)
 OTHER = Topic("/other", types.STRING, latched=True)
 EVENT = Topic("/event", types.STRING)
 HEAVY = Topic("/heavy", types.STRING)
-SOON = Patience(first=0.01, longest=0.05, silence=10.0)
+SOON = Backoff(first=0.01, longest=0.05, silence=10.0)
 
 
 class House:
@@ -38,8 +38,8 @@ class House:
         self.asked.append((watcher, wish))
         return "no" if str(wish.get("request", "N")).startswith("N") else None
 
-    def pace(self) -> Pace:
-        return Pace(self.paused, 1.0, 0.25)
+    def pace(self) -> SessionPace:
+        return SessionPace(self.paused, 1.0, 0.25)
 
     def unwatched(self) -> None:
         self.left_alone += 1
@@ -51,13 +51,13 @@ class Door:
     def __init__(self, key: str | None) -> None:
         self.house = House()
         self.server = WatchServer(self.house, key, Definitions(()))
-        self.where = Listening("", 0)
+        self.where = ListeningAddress("", 0)
         self.tick = 0
         self.clients: list[asyncio.Task[None]] = []
 
     def say(self, *said: tuple[Topic, str]) -> None:
         self.tick += 1
-        self.server.take(self.tick, [Message(topic, self.tick * SECOND, pack.string(text)) for topic, text in said])
+        self.server.take(self.tick, [RosMessage(topic, self.tick * SECOND, pack.string(text)) for topic, text in said])
 
     def enter(self, key: str | None = None) -> "Visitor":
         visitor = Visitor(WatchClient(self.where.host, self.where.port, key, SOON))
@@ -84,22 +84,22 @@ class Visitor:
     async def until_text(self, text: str) -> None:
         await self.until(lambda: text in [said for _, said in self.texts])
 
-    async def until_status(self, true: Callable[[Status], bool]) -> None:
+    async def until_status(self, true: Callable[[WatchStatus], bool]) -> None:
         await self.until(lambda: any(true(status) for status in self.statuses))
 
     @property
     def texts(self) -> list[tuple[str, str]]:
-        said = [event for event in self.events if isinstance(event, Said) and event.topic != STATUS]
+        said = [event for event in self.events if isinstance(event, SessionMessage) and event.topic != STATUS]
         return [(event.topic, event.data[4:].decode()) for event in said]
 
     @property
-    def statuses(self) -> list[Status]:
-        found = [status_in(event) for event in self.events if isinstance(event, Said)]
+    def statuses(self) -> list[WatchStatus]:
+        found = [status_in(event) for event in self.events if isinstance(event, SessionMessage)]
         return [status for status in found if status is not None]
 
     @property
-    def losses(self) -> list[Lost]:
-        return [event for event in self.events if isinstance(event, Lost)]
+    def losses(self) -> list[ConnectionLost]:
+        return [event for event in self.events if isinstance(event, ConnectionLost)]
 
     def ask(self, **wish: object) -> None:
         assert self.client.send(json.dumps(wish).encode() + b"\n")
@@ -109,7 +109,7 @@ class Visitor:
 async def serving(key: str | None = None) -> AsyncIterator[Door]:
     door = Door(key)
     where = await door.server.start("127.0.0.1", 0)
-    assert isinstance(where, Listening)
+    assert isinstance(where, ListeningAddress)
     door.where = where
     try:
         yield door
@@ -144,9 +144,9 @@ async def test_who_comes_late_hears_what_is_in_force_then_the_latest_tick_then_a
         assert visitor.texts == [
             ("/level", "level"), ("/other", "newer"), ("/event", "just now"), ("/level", "next"), ("/event", "event"),
         ]  # fmt: skip
-        stamps = [event.stamp_ns for event in visitor.events if isinstance(event, Said)]
+        stamps = [event.stamp_ns for event in visitor.events if isinstance(event, SessionMessage)]
         assert stamps == sorted(stamps)
-        assert isinstance(visitor.events[0], Connected)
+        assert isinstance(visitor.events[0], WatchConnected)
 
 
 @run
@@ -155,7 +155,7 @@ async def test_wishes_are_passed_on_and_what_is_refused_is_told_to_who_asked() -
         door.say((LEVEL, "level"))
         one, other = door.enter(), door.enter()
         await one.until_status(lambda status: status.watchers == 2)
-        await other.until_heard(Connected)
+        await other.until_heard(WatchConnected)
         one.ask(request="Nonsense")
         one.client.send(b"nonsense\n")
         await one.until_status(lambda status: status.refusals == 2)
@@ -175,11 +175,11 @@ async def test_who_goes_on_asking_for_what_cannot_be_is_cut_off() -> None:
     async with serving() as door:
         door.say((LEVEL, "level"))
         visitor = door.enter()
-        await visitor.until_heard(Connected)
+        await visitor.until_heard(WatchConnected)
         for _ in range(MISTAKES + 5):
             visitor.ask(request="No")
-        await visitor.until_heard(Lost)
-        assert visitor.losses[0] == Lost(LossReason.BROKEN, "the session closed the connection")
+        await visitor.until_heard(ConnectionLost)
+        assert visitor.losses[0] == ConnectionLost(LossReason.BROKEN, "the session closed the connection")
         assert len(door.house.asked) == MISTAKES
         assert door.house.left_alone == 1
 
@@ -190,8 +190,8 @@ async def test_only_who_knows_the_key_gets_in() -> None:
         door.say((LEVEL, "level"))
         right, wrong = door.enter("sesame"), door.enter("open")
         await right.until_text("level")
-        await wrong.until_heard(Lost)
-        assert wrong.losses == [Lost(LossReason.REFUSED, "the key is wrong")]
+        await wrong.until_heard(ConnectionLost)
+        assert wrong.losses == [ConnectionLost(LossReason.REFUSED, "the key is wrong")]
         assert wrong.texts == []
         reader, writer = await asyncio.open_connection(door.where.host, door.where.port)
         writer.write(b'{"request":"Pause"}\n')
@@ -210,7 +210,7 @@ async def test_a_ninth_is_turned_away_until_somebody_leaves() -> None:
         visitors = [door.enter() for _ in range(WATCHERS)]
         await visitors[-1].until_status(lambda status: status.watchers == WATCHERS)
         ninth = door.enter()
-        await ninth.until_heard(Lost)
+        await ninth.until_heard(ConnectionLost)
         assert ninth.losses[0].reason is LossReason.REFUSED
         assert ninth.texts == []
         door.clients[0].cancel()
@@ -246,11 +246,11 @@ async def test_who_does_not_read_loses_of_the_heaviest_topic_and_nobody_else_doe
         await quick.until_text("event 39")
         door.say((LEVEL, "end"))
         slow = Visitor(WatchClient("", 0))
-        stream = StreamReader()
+        stream = BagStreamReader()
         async with asyncio.timeout(PATIENCE):
             while ("/level", "end") not in slow.texts:
                 heard = stream.feed(await reader.read(2**20))
-                slow.events += [event for event in heard if isinstance(event, Said)]
+                slow.events += [event for event in heard if isinstance(event, SessionMessage)]
         await asyncio.sleep(0)
         writer.close()
         assert [text for topic, text in slow.texts if topic == "/event"] == [f"event {n}" for n in range(40)]
@@ -266,12 +266,12 @@ async def test_a_client_comes_back_by_itself() -> None:
     async with serving() as door:
         door.say((LEVEL, "level"))
         visitor = door.enter()
-        await visitor.until_heard(Connected)
+        await visitor.until_heard(WatchConnected)
         await door.server.stop()
-        await visitor.until_heard(Lost)
+        await visitor.until_heard(ConnectionLost)
         assert not visitor.client.send(b"{}\n")
-        assert isinstance(await door.server.start(door.where.host, door.where.port), Listening)
-        await visitor.until(lambda: sum(isinstance(event, Connected) for event in visitor.events) == 2)
+        assert isinstance(await door.server.start(door.where.host, door.where.port), ListeningAddress)
+        await visitor.until(lambda: sum(isinstance(event, WatchConnected) for event in visitor.events) == 2)
 
 
 @run

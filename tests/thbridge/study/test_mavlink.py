@@ -8,11 +8,11 @@ from hypothesis import strategies as st
 
 from thbridge.files.errors import BadFiles
 from thbridge.sockets.addresses import Address, address_in
-from thbridge.sockets.mavlink.udp import Target
+from thbridge.sockets.mavlink.udp import UdpTarget
 from thbridge.study.mavlink import MavlinkSection
 from thbridge.study.study_file import Study, read_study_text
 from thbridge.study.text import resolved
-from thbridge.wire.mavlink.options import Failsafe, Identity
+from thbridge.wire.mavlink.options import AutopilotIdentity, Failsafe
 
 FILE = Path("study.yaml")
 
@@ -41,8 +41,8 @@ mavlink:
     section = study.mavlink
     assert section.on
     assert section.tlog
-    assert section.targets == (Target(Address("::1", 14550)), Target(Address("ground.example", 1), 1))
-    assert section.options.identity is Identity.ARDUPILOT
+    assert section.targets == (UdpTarget(Address("::1", 14550)), UdpTarget(Address("ground.example", 1), 1))
+    assert section.options.identity is AutopilotIdentity.ARDUPILOT
     assert section.options.failsafe is Failsafe.HOME
     assert (section.options.origin.latitude, section.options.origin.altitude) == (-33.9, 1080.0)
     assert read_study_text(FILE, resolved(study)) == study

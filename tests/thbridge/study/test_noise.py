@@ -5,7 +5,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from sim.robot.navigator import Arrived, Goal
+from sim.robot.navigator import Goal, GoalReached
 from sim.team import Go
 from thbridge.app.compose import read_setting
 from thbridge.study.noise import PRESETS, NoisePreset
@@ -22,7 +22,7 @@ HUNT = 120 * 50
 def test_robots_know_where_they_are(preset: NoisePreset, mean: float, worst: float) -> None:
     text = f"noise: {{preset: {preset}}}\neach: {{2: {{localization: ekf}}}}\n"
     setting = read_setting(read_study_text(Path("study.yaml"), text), Path())
-    team, rooms = setting.team(), setting.place.rooms
+    team, rooms = setting.team(), setting.map.rooms
     errors = np.empty((HUNT, 2))
     arrived = 0
     inputs = [Go(robot, Goal(robot, rooms[robot].goal)) for robot in range(2)]
@@ -34,7 +34,7 @@ def test_robots_know_where_they_are(preset: NoisePreset, mean: float, worst: flo
             assert np.isfinite(estimate.covariance).all()
             assert not estimate.lost
             errors[tick, robot] = np.hypot(*(snapshot.world.poses[robot, :2] - estimate.base_in_map.array()[:2]))
-            if isinstance(output.navigation.result, Arrived):
+            if isinstance(output.navigation.result, GoalReached):
                 arrived += 1
                 inputs.append(Go(robot, Goal(robot, rooms[(3 * arrived + robot) % len(rooms)].goal)))
     assert (errors.mean(axis=0) < mean).all()

@@ -5,7 +5,7 @@ import pytest
 
 from sim.parameters import RobotParameters
 from thbridge.files.errors import BadFile
-from thbridge.study.overrides import Change, changed
+from thbridge.study.overrides import StudyChange, with_changes
 from thbridge.study.study_file import Study, read_study_text
 
 RECORDED = read_study_text(
@@ -17,75 +17,77 @@ RECORDED = read_study_text(
 
 
 def test_nothing_changed_is_the_same_study() -> None:
-    assert changed(RECORDED, [], []) == RECORDED
-    assert changed(RECORDED, [], [Change("seed", "5")]) == RECORDED
+    assert with_changes(RECORDED, [], []) == RECORDED
+    assert with_changes(RECORDED, [], [StudyChange("seed", "5")]) == RECORDED
 
 
 def test_one_key_changes_and_nothing_else() -> None:
-    assert changed(RECORDED, [], [Change("seed", "6")]) == replace(RECORDED, seed=6)
-    assert changed(Study(), [], [Change("map", "office")]) == replace(Study(), map="office")
+    assert with_changes(RECORDED, [], [StudyChange("seed", "6")]) == replace(RECORDED, seed=6)
+    assert with_changes(Study(), [], [StudyChange("map", "office")]) == replace(Study(), map="office")
 
 
 def test_robots_with_software_of_their_own_follow_where_they_had_not_another() -> None:
-    study = changed(RECORDED, [], [Change("robot.amcl.max_particles", "300")])
+    study = with_changes(RECORDED, [], [StudyChange("robot.amcl.max_particles", "300")])
     assert [study.software(number).amcl.max_particles for number in (1, 2, 3)] == [300, 300, 900]
     assert study.software(2).localization == "ekf"
 
 
 def test_one_robot_alone() -> None:
-    study = changed(RECORDED, [], [Change("each.2.localization", "truth"), Change("each.1.localization", "ekf")])
+    study = with_changes(
+        RECORDED, [], [StudyChange("each.2.localization", "truth"), StudyChange("each.1.localization", "ekf")]
+    )
     assert [study.software(number).localization for number in (1, 2, 3)] == ["ekf", "truth", "amcl"]
     assert study.software(3).amcl.max_particles == 900
 
 
 def test_another_preset_brings_its_own_numbers() -> None:
-    study = changed(RECORDED, [], [Change("noise.preset", "perfect")])
-    assert study == replace(changed(RECORDED, [], []), world=study.world, robot=study.robot, each=study.each)
+    study = with_changes(RECORDED, [], [StudyChange("noise.preset", "perfect")])
+    assert study == replace(with_changes(RECORDED, [], []), world=study.world, robot=study.robot, each=study.each)
     fresh = read_study_text(Path("study.yaml"), "noise: {preset: perfect}\nrobot: {amcl: {max_particles: 700}}")
     assert (study.world, study.robot) == (fresh.world, fresh.robot)
 
 
 def test_values_that_only_fit_together() -> None:
-    both = [Change("robot.amcl.min_particles", "2000"), Change("robot.amcl.max_particles", "3000")]
-    amcl = changed(Study(), [], both).robot.amcl
+    both = [StudyChange("robot.amcl.min_particles", "2000"), StudyChange("robot.amcl.max_particles", "3000")]
+    amcl = with_changes(Study(), [], both).robot.amcl
     assert (amcl.min_particles, amcl.max_particles) == (2000, 3000)
 
 
 def test_files_come_first_in_their_order(tmp_path: Path) -> None:
     for name, text in (("a.yaml", "seed: 8\nrobots: 1\neach: {}\n"), ("b.yaml", "seed: 9\n")):
         (tmp_path / name).write_text(text)
-    study = changed(Study(), [tmp_path / "a.yaml", tmp_path / "b.yaml"], [Change("robots", "4")])
+    study = with_changes(Study(), [tmp_path / "a.yaml", tmp_path / "b.yaml"], [StudyChange("robots", "4")])
     assert (study.seed, study.robots) == (9, 4)
 
 
 @pytest.mark.parametrize(
     ("change", "told"),
     [
-        (Change("seeds", "1"), "--with, line 1, seeds: unknown key. The nearest right name is seed."),
-        (Change("seed", "many"), "--with, line 1, seed: 'many' is not a number."),
-        (Change("seed", ""), "--with, line 1, seed: no value."),
-        (Change("robot.amcl.min_particles", "2000"), "2000 is above robot.amcl.max_particles"),
-        (Change("seed", "[1"), "not YAML"),
-        (Change("seed..x", "1"), "--with, line 1, seed"),
+        (StudyChange("seeds", "1"), "--with, line 1, seeds: unknown key. The nearest right name is seed."),
+        (StudyChange("seed", "many"), "--with, line 1, seed: 'many' is not a number."),
+        (StudyChange("seed", ""), "--with, line 1, seed: no value."),
+        (StudyChange("robot.amcl.min_particles", "2000"), "2000 is above robot.amcl.max_particles"),
+        (StudyChange("seed", "[1"), "not YAML"),
+        (StudyChange("seed..x", "1"), "--with, line 1, seed"),
     ],
 )
-def test_faults_are_told_by_the_key(change: Change, told: str) -> None:
+def test_faults_are_told_by_the_key(change: StudyChange, told: str) -> None:
     with pytest.raises(BadFile) as caught:
-        changed(Study(), [], [change])
+        with_changes(Study(), [], [change])
     assert told in str(caught.value)
 
 
 def test_files_of_ros_are_refused(tmp_path: Path) -> None:
     (tmp_path / "a.yaml").write_text("ros_parameters: [amcl.yaml]\n")
     with pytest.raises(BadFile, match=r"line 1, ros_parameters: files of ROS would change nothing"):
-        changed(Study(), [tmp_path / "a.yaml"], [])
+        with_changes(Study(), [tmp_path / "a.yaml"], [])
 
 
 def test_a_study_that_is_no_section_is_refused(tmp_path: Path) -> None:
     (tmp_path / "a.yaml").write_text("- 1\n")
     with pytest.raises(BadFile, match=r"a\.yaml, line 1"):
-        changed(Study(), [tmp_path / "a.yaml"], [])
+        with_changes(Study(), [tmp_path / "a.yaml"], [])
 
 
 def test_the_software_of_the_defaults_is_kept() -> None:
-    assert changed(Study(), [], [Change("seed", "3")]).robot == RobotParameters()
+    assert with_changes(Study(), [], [StudyChange("seed", "3")]).robot == RobotParameters()

@@ -9,7 +9,7 @@ from hypothesis import strategies as st
 from sim.parameters import OdometryNoise, RobotParameters, WorldParameters
 from thbridge.files.errors import BadFile, BadFiles
 from thbridge.files.yaml.load import load_text
-from thbridge.recording.bag.parts import Splitting
+from thbridge.recording.bag.parts import SplitLimits
 from thbridge.recording.bag.records import Compression
 from thbridge.roles.bots import BotStrategy
 from thbridge.study.noise import NoisePreset
@@ -394,11 +394,11 @@ class TestRecording:
         text = "recording: {compression: lz4, split_size: 1.5, split_duration: 60}"
         recording = read_study_text(STUDY, text).recording
         assert recording.compression is Compression.LZ4
-        assert recording.splitting == Splitting(3 * 2**19, 60_000_000_000)
+        assert recording.splitting == SplitLimits(3 * 2**19, 60_000_000_000)
 
     def test_by_default_a_recording_is_one_file_that_is_not_packed(self) -> None:
         recording = read_study_text(STUDY, "").recording
-        assert (recording.compression, recording.splitting) == (Compression.NONE, Splitting())
+        assert (recording.compression, recording.splitting) == (Compression.NONE, SplitLimits())
 
     @pytest.mark.parametrize("line", ["compression: zip", "split_size: 0", "split_duration: 0.5"])
     def test_what_cannot_be_is_refused(self, line: str) -> None:

@@ -7,8 +7,8 @@ import pytest
 
 from sim.common.geometry import Pose2
 from sim.common.observations import TICKS_PER_SECOND
-from sim.robot.navigator import Arrived, Goal
-from sim.team import Carry, Die, Go, PutThing, RemoveThing, Revive, Timed
+from sim.robot.navigator import Goal, GoalReached
+from sim.team import Carry, Die, Go, PutThing, RemoveThing, Revive, ScheduledInput
 from thbridge.app.compose import read_setting
 from thbridge.files.errors import BadFile
 from thbridge.study.study_file import read_study_text
@@ -34,11 +34,15 @@ def test_they_become_inputs_at_their_ticks():
     assert isinstance(crate.input, PutThing) and crate.tick == 600
     assert crate.input.thing.base_in_map == Pose2(1, 2, 0.5)
     assert sorted(crate.input.thing.footprint) == [(-0.3, -0.3), (-0.3, 0.3), (0.3, -0.3), (0.3, 0.3)]
-    assert gone == Timed(3000, RemoveThing("crate"))
+    assert gone == ScheduledInput(3000, RemoveThing("crate"))
     assert isinstance(visitor.input, PutThing) and visitor.input.thing.length == 3.0
     assert visitor.input.thing.back_and_forth
     assert isinstance(slab.input, PutThing) and slab.input.thing.footprint == ((0, 0), (1, 0), (0, 1))
-    assert mishaps == [Timed(1500, Die(1)), Timed(1775, Revive(1)), Timed(2000, Carry(0, Pose2(4.5, 2.45, 0)))]
+    assert mishaps == [
+        ScheduledInput(1500, Die(1)),
+        ScheduledInput(1775, Revive(1)),
+        ScheduledInput(2000, Carry(0, Pose2(4.5, 2.45, 0))),
+    ]
 
 
 def test_the_resolved_study_reads_back_equal():
@@ -119,11 +123,11 @@ things:
     setting = read_setting(study, Path())
     team = setting.team()
     arrived = 0
-    inputs = [Go(robot, Goal(0, setting.place.rooms[robot].goal)) for robot in range(4)]
+    inputs = [Go(robot, Goal(0, setting.map.rooms[robot].goal)) for robot in range(4)]
     for number in range(1, 100 * TICKS_PER_SECOND):
         snapshot = team.step(inputs)
         assert snapshot.world.collisions.tolist() == [0] * 4
-        ended = [robot for robot, said in enumerate(snapshot.robots) if isinstance(said.navigation.result, Arrived)]
+        ended = [robot for robot, said in enumerate(snapshot.robots) if isinstance(said.navigation.result, GoalReached)]
         arrived += len(ended)
-        inputs = [Go(robot, Goal(number, setting.place.rooms[(robot + arrived) % 8].goal)) for robot in ended]
+        inputs = [Go(robot, Goal(number, setting.map.rooms[(robot + arrived) % 8].goal)) for robot in ended]
     assert arrived >= 8

@@ -27,7 +27,7 @@ def test_a_second_with_too_few_ticks_is_made_up_for(rate: float, ticks: int, bea
     keep_alive = KeepAlive(session, Pacer(rate))
     for _ in range(3):
         session.tick += ticks
-        keep_alive.look()
+        keep_alive.check()
     assert session.beats == beats
 
 
@@ -36,10 +36,10 @@ def test_a_pause_is(rate: float) -> None:
     session, pacer = Counted(), Pacer(rate)
     keep_alive = KeepAlive(session, pacer)
     pacer.pause()
-    keep_alive.look()
-    keep_alive.look()
+    keep_alive.check()
+    keep_alive.check()
     assert session.beats == 2
     pacer.resume()
     session.tick += 50
-    keep_alive.look()
+    keep_alive.check()
     assert session.beats == 2

@@ -7,7 +7,7 @@ import signal
 import sys
 from collections.abc import Awaitable, Callable
 
-from thbridge.timing.loop import Run, run_ticks
+from thbridge.timing.loop import LoopResult, run_ticks
 from thbridge.timing.pacer import Pacer
 
 PATIENCE = 20
@@ -34,8 +34,8 @@ class Loop:
         return ticks
 
 
-def driven(drive: Callable[[Loop], Awaitable[None]]) -> tuple[Run, Loop]:
-    async def whole() -> tuple[Run, Loop]:
+def driven(drive: Callable[[Loop], Awaitable[None]]) -> tuple[LoopResult, Loop]:
+    async def whole() -> tuple[LoopResult, Loop]:
         loop = Loop()
         async with asyncio.timeout(PATIENCE):
             running = asyncio.ensure_future(run_ticks(loop.tick, loop.pacer))
@@ -81,7 +81,7 @@ def test_a_pause_ends_when_nobody_wants_one_any_more():
 
     async def whole() -> int:
         nonlocal over
-        pacer, ticks = Pacer(0.0, let_go=lambda: over), 0
+        pacer, ticks = Pacer(0.0, pause_abandoned=lambda: over), 0
 
         def tick() -> bool:
             nonlocal ticks

@@ -2,11 +2,11 @@
 
 import pytest
 
-from thbridge.wire.client import ClientSession, Ended, Ending, Registered, Reply
-from thbridge.wire.text import Message, Overlong
+from thbridge.wire.client import ClientSession, ClosedByServer, NameRegistered, SendToServer, ServerCloseReason
+from thbridge.wire.text import OverlongLine, TextMessage
 
 SHUTDOWN = b"%%sshhuuttddoowwnn \n"
-ARRIVED = Message("%%error", "SimR", "TabUI", ('"0;3"',))
+ARRIVED = TextMessage("%%error", "SimR", "TabUI", ('"0;3"',))
 
 
 def session() -> ClientSession:
@@ -24,21 +24,21 @@ def test_it_registers_as_an_extended_client() -> None:
 
 
 def test_the_first_ack_means_registered_and_later_ones_nothing() -> None:
-    assert session().receive_data(b"%%ack \n%%ack \n") == [Registered()]
+    assert session().receive_data(b"%%ack \n%%ack \n") == [NameRegistered()]
 
 
 def test_a_farewell_before_the_first_ack_is_a_refusal() -> None:
-    assert session().receive_data(SHUTDOWN + b"%%ping \n") == [Ended(Ending.REFUSED)]
+    assert session().receive_data(SHUTDOWN + b"%%ping \n") == [ClosedByServer(ServerCloseReason.REFUSED)]
 
 
 def test_a_farewell_after_it_is_the_end_of_the_server() -> None:
     client = registered()
-    assert client.receive_data(SHUTDOWN) == [Ended(Ending.STOPPED)]
+    assert client.receive_data(SHUTDOWN) == [ClosedByServer(ServerCloseReason.STOPPED)]
     assert client.receive_data(b"%%ping \n" + SHUTDOWN) == []
 
 
 def test_a_ping_is_answered() -> None:
-    assert registered().receive_data(b"%%ping \n") == [Reply(b"%%pong \n")]
+    assert registered().receive_data(b"%%ping \n") == [SendToServer(b"%%pong \n")]
 
 
 def test_messages_come_through_and_the_servers_own_lines_do_not() -> None:
@@ -56,7 +56,13 @@ def test_segments_make_no_difference() -> None:
     whole = session().receive_data(data)
     client = session()
     assert [event for byte in data for event in client.receive_data(bytes([byte]))] == whole
-    assert whole == [Registered(), ARRIVED, Reply(b"%%pong \n"), Overlong(70_000), Ended(Ending.STOPPED)]
+    assert whole == [
+        NameRegistered(),
+        ARRIVED,
+        SendToServer(b"%%pong \n"),
+        OverlongLine(70_000),
+        ClosedByServer(ServerCloseReason.STOPPED),
+    ]
 
 
 @pytest.mark.parametrize(("name", "token"), [("two words", "t"), ("", "t"), ("A", ""), ("A", "a b"), ("A\n", "t")])

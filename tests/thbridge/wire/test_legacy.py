@@ -4,61 +4,72 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from thbridge.wire.legacy import Arrived, AskTreasure, FoundTreasure, Goto, Identify, Image, Legacy, Score, Snap, decode
-from thbridge.wire.text import Message, Unreadable, parse_line, tokens
+from thbridge.wire.legacy import (
+    AskTreasure,
+    FoundTreasure,
+    GotoRoom,
+    LegacyValue,
+    NameTreasure,
+    PointsAwarded,
+    RoomReached,
+    SnapTreasure,
+    TreasureImage,
+    decode,
+)
+from thbridge.wire.text import TextMessage, UnreadableText, parse_line, tokens
 
-LINES: list[tuple[Legacy, str]] = [
-    (Goto(1, 4), "%%goto TabUI SimR 1 4 4 45 "),
-    (Arrived(1, 4), '%%error SimR TabUI "1;4" '),
+LINES: list[tuple[LegacyValue, str]] = [
+    (GotoRoom(1, 4), "%%goto TabUI SimR 1 4 4 45 "),
+    (RoomReached(1, 4), '%%error SimR TabUI "1;4" '),
     (AskTreasure(4), '%%error TabUI Hider "4" '),
     (
         FoundTreasure(4, "Orange", "Round and Large"),
         '%%found Hider TabUI 4 4 "(Colour: Orange) (Footprint: Round and Large)" ',
     ),
-    (Snap(4), "%%snap TabUI Hider 4 "),
-    (Image(4, "rsz_t1.jpg"), "%%image Hider TabUI 4 rsz_t1.jpg "),
-    (Identify(4, "Orange Bottle"), '%%found TabUI Hider "4,Orange Bottle '),
-    (Score(10), "%%score Hider TabUI ,10 "),
-    (Score(-30), "%%score Hider TabUI ,-30 "),
+    (SnapTreasure(4), "%%snap TabUI Hider 4 "),
+    (TreasureImage(4, "rsz_t1.jpg"), "%%image Hider TabUI 4 rsz_t1.jpg "),
+    (NameTreasure(4, "Orange Bottle"), '%%found TabUI Hider "4,Orange Bottle '),
+    (PointsAwarded(10), "%%score Hider TabUI ,10 "),
+    (PointsAwarded(-30), "%%score Hider TabUI ,-30 "),
 ]
 
 
 @pytest.mark.parametrize(("value", "line"), LINES)
-def test_a_value_is_said_as_in_2016(value: Legacy, line: str) -> None:
+def test_a_value_is_said_as_in_2016(value: LegacyValue, line: str) -> None:
     assert value.message().line() == line
 
 
 @pytest.mark.parametrize(("value", "line"), LINES)
-def test_a_line_of_2016_is_understood(value: Legacy, line: str) -> None:
+def test_a_line_of_2016_is_understood(value: LegacyValue, line: str) -> None:
     message = parse_line(line)
-    assert isinstance(message, Message)
+    assert isinstance(message, TextMessage)
     assert decode(message) == value
 
 
 def test_the_double_blank_of_the_2016_question_makes_no_difference() -> None:
     message = parse_line('%%error TabUI Hider  "3"')
-    assert isinstance(message, Message)
+    assert isinstance(message, TextMessage)
     assert decode(message) == AskTreasure(3)
 
 
 ROOMS = st.integers(0, 99)
 PHRASES = st.lists(st.from_regex(r"[A-Za-zäöü0-9_£-]{1,8}", fullmatch=True), min_size=1, max_size=4).map(" ".join)
 VALUES = st.one_of(
-    st.builds(Goto, ROOMS, ROOMS),
-    st.builds(Arrived, ROOMS, ROOMS),
+    st.builds(GotoRoom, ROOMS, ROOMS),
+    st.builds(RoomReached, ROOMS, ROOMS),
     st.builds(AskTreasure, ROOMS),
     st.builds(FoundTreasure, ROOMS, PHRASES, PHRASES),
-    st.builds(Snap, ROOMS),
-    st.builds(Image, ROOMS, st.from_regex(r"[a-z0-9_]{1,8}\.jpg", fullmatch=True)),
-    st.builds(Identify, ROOMS, PHRASES),
-    st.builds(Score, st.integers(-999, 999)),
+    st.builds(SnapTreasure, ROOMS),
+    st.builds(TreasureImage, ROOMS, st.from_regex(r"[a-z0-9_]{1,8}\.jpg", fullmatch=True)),
+    st.builds(NameTreasure, ROOMS, PHRASES),
+    st.builds(PointsAwarded, st.integers(-999, 999)),
 )
 
 
 @given(VALUES)
-def test_every_value_survives_the_wire(value: Legacy) -> None:
+def test_every_value_survives_the_wire(value: LegacyValue) -> None:
     message = parse_line(value.message().line())
-    assert isinstance(message, Message)
+    assert isinstance(message, TextMessage)
     assert decode(message) == value
 
 
@@ -68,7 +79,7 @@ def test_parentheses_in_a_footprint_are_text() -> None:
 
 
 def test_a_closing_quotation_mark_that_a_newer_program_sends_is_not_part_of_the_name() -> None:
-    assert decode(Message.of("%%found", "TabUI", "Hider", '"4,Orange Bottle"')) == Identify(4, "Orange Bottle")
+    assert decode(TextMessage.of("%%found", "TabUI", "Hider", '"4,Orange Bottle"')) == NameTreasure(4, "Orange Bottle")
 
 
 @pytest.mark.parametrize(
@@ -102,17 +113,17 @@ def test_a_closing_quotation_mark_that_a_newer_program_sends_is_not_part_of_the_
 )
 def test_other_lines_are_unreadable_in_this_dialect(line: str) -> None:
     message = parse_line(line)
-    assert isinstance(message, Message)
-    assert isinstance(decode(message), Unreadable)
+    assert isinstance(message, TextMessage)
+    assert isinstance(decode(message), UnreadableText)
 
 
 @pytest.mark.parametrize("filename", ["my picture.jpg", "", "pictures/t1.jpg", "..", "a\\b.jpg"])
 def test_a_picture_that_the_old_client_could_not_show_is_refused(filename: str) -> None:
     with pytest.raises(ValueError, match="picture's file name"):
-        Image(0, filename)
+        TreasureImage(0, filename)
 
 
 @given(st.sampled_from(["%%goto", "%%error", "%%found", "%%image", "%%score"]), st.text(max_size=40))
 def test_no_content_makes_decoding_fail(command: str, text: str) -> None:
-    message = Message(command, "A", "B", tuple(tokens(text)))
+    message = TextMessage(command, "A", "B", tuple(tokens(text)))
     assert decode(message) is not None

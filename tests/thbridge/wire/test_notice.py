@@ -5,7 +5,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from thbridge.wire.notice import JsonValue, Notice, is_notice, notice, parse_notice
-from thbridge.wire.text import Message, Unreadable, parse_line
+from thbridge.wire.text import TextMessage, UnreadableText, parse_line
 
 JSON = st.recursive(
     st.none()
@@ -53,17 +53,17 @@ def test_a_notice_survives_the_wire(kind: str, fields: dict[str, JsonValue]) -> 
     ids=lambda text: text[:24],
 )
 def test_a_broken_notice_is_unreadable(text: str) -> None:
-    message = Message.of("%%error", "A", "B", f"thbridge {text}")
+    message = TextMessage.of("%%error", "A", "B", f"thbridge {text}")
     assert is_notice(message)
-    assert isinstance(parse_notice(message), Unreadable)
+    assert isinstance(parse_notice(message), UnreadableText)
 
 
 @pytest.mark.parametrize("line", ['%%error A B "0;3"', "%%error A B", '%%goto A B thbridge {"kind":"pose"}'])
 def test_other_messages_are_no_notices(line: str) -> None:
     message = parse_line(line)
-    assert isinstance(message, Message)
+    assert isinstance(message, TextMessage)
     assert not is_notice(message)
-    assert isinstance(parse_notice(message), Unreadable)
+    assert isinstance(parse_notice(message), UnreadableText)
 
 
 def test_what_json_cannot_hold_is_refused() -> None:

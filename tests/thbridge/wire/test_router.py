@@ -8,21 +8,21 @@ from hypothesis import strategies as st
 
 from thbridge.wire.notice import Notice, notice, parse_notice
 from thbridge.wire.router import (
-    Close,
+    ClientJoined,
+    ClientLeft,
+    CloseConnection,
     CloseReason,
     ConnectionId,
     Forwarded,
-    Joined,
-    Left,
-    Limits,
+    LineSkipped,
+    MessageRouter,
     NameTaken,
-    Output,
-    Router,
-    Send,
-    Skipped,
+    RouterLimits,
+    RouterOutput,
+    SendToClient,
     TurnedAway,
 )
-from thbridge.wire.text import ROUTED, Message
+from thbridge.wire.text import ROUTED, TextMessage
 
 ACK = b"%%ack \n"
 PING = b"%%ping \n"
@@ -32,14 +32,14 @@ SHUTDOWN = b"%%sshhuuttddoowwnn \n"
 class Room:
     """A router with people around it: what each connection was sent, and everything else that came out."""
 
-    def __init__(self, limits: Limits | None = None) -> None:
-        self.router = Router(limits)
+    def __init__(self, limits: RouterLimits | None = None) -> None:
+        self.router = MessageRouter(limits)
         self.now = 0.0
         self.sent: dict[ConnectionId, bytes] = {}
         self.closed: dict[ConnectionId, CloseReason] = {}
         self.forwarded: list[Forwarded] = []
-        self.skipped: list[Skipped] = []
-        self.presence: list[Joined | Left] = []
+        self.skipped: list[LineSkipped] = []
+        self.presence: list[ClientJoined | ClientLeft] = []
 
     def enter(self, name: str = "") -> ConnectionId:
         """A new connection, registered if it has a name; its own registration's ack is swallowed."""
@@ -63,19 +63,19 @@ class Room:
         self.now += seconds
         self.take_in(self.router.advance(self.now))
 
-    def take_in(self, outputs: list[Output]) -> None:
+    def take_in(self, outputs: list[RouterOutput]) -> None:
         for output in outputs:
             match output:
-                case Send(connection, data):
+                case SendToClient(connection, data):
                     assert connection not in self.closed, "sent to a closed connection"
                     self.sent[connection] += data
-                case Close(connection, reason):
+                case CloseConnection(connection, reason):
                     self.closed[connection] = reason
                 case Forwarded():
                     self.forwarded.append(output)
-                case Skipped():
+                case LineSkipped():
                     self.skipped.append(output)
-                case Joined() | Left():
+                case ClientJoined() | ClientLeft():
                     self.presence.append(output)
 
 
@@ -262,8 +262,8 @@ TRANSCRIPT = (
 )
 
 
-def outputs_of(segments: list[bytes]) -> list[Output]:
-    router = Router(Limits(line=128))
+def outputs_of(segments: list[bytes]) -> list[RouterOutput]:
+    router = MessageRouter(RouterLimits(line=128))
     connection = router.connect(0.0)
     assert not isinstance(connection, TurnedAway)
     return [output for segment in segments for output in router.receive_data(connection, segment, 0.0)]
@@ -305,7 +305,7 @@ def test_a_line_too_long_is_skipped_told_and_acknowledged_like_an_unknown_one() 
         room.says(client, b"x" * 65536)
         assert room.hears(client) == b""
     room.says(client, b"\n%%error A A still here\n")
-    assert room.skipped == [Skipped(client, 1 << 20)]
+    assert room.skipped == [LineSkipped(client, 1 << 20)]
     assert room.hears(client) == ACK + b"%%error A A still here \n" + ACK
 
 
@@ -351,7 +351,7 @@ def test_one_client_too_many_is_turned_away_politely_and_comes_in_when_another_h
 
 
 def test_a_client_that_never_reads_is_cut_off_and_hurts_nobody() -> None:
-    room = Room(Limits(backlog=1000))
+    room = Room(RouterLimits(backlog=1000))
     deaf, other = room.enter("deaf"), room.enter("other")
     room.take_in(room.router.report_backlog(deaf, 1000))
     assert not room.closed
@@ -418,8 +418,8 @@ def test_a_tap_hears_what_is_forwarded_and_what_nobody_gets() -> None:
     room.says(old, b"%%error old new hello\nhello\n%%ping\n")
     room.says(new, b"%%send new x %%snap new nobody 3\n")
     assert room.forwarded == [
-        Forwarded(Message("%%error", "old", "new", ("hello",)), delivered=True, sender_extended=False),
-        Forwarded(Message("%%snap", "new", "nobody", ("3",)), delivered=False, sender_extended=True),
+        Forwarded(TextMessage("%%error", "old", "new", ("hello",)), delivered=True, sender_extended=False),
+        Forwarded(TextMessage("%%snap", "new", "nobody", ("3",)), delivered=False, sender_extended=True),
     ]
 
 
@@ -431,14 +431,14 @@ def test_a_recorder_hears_who_holds_which_name_and_until_when() -> None:
     room.says(first, b"%%sshhuuttddoowwnn\n")
     room.take_in(room.router.eof(second))
     assert room.presence == [
-        Joined(first, "A", extended=False),
-        Left(first, "A"),
-        Joined(first, "1", extended=False),
-        Left(first, "1"),
-        Joined(first, "1", extended=True),
-        Joined(second, "A", extended=False),
-        Left(first, "1"),
-        Left(second, "A"),
+        ClientJoined(first, "A", extended=False),
+        ClientLeft(first, "A"),
+        ClientJoined(first, "1", extended=False),
+        ClientLeft(first, "1"),
+        ClientJoined(first, "1", extended=True),
+        ClientJoined(second, "A", extended=False),
+        ClientLeft(first, "1"),
+        ClientLeft(second, "A"),
     ]
 
 
@@ -539,10 +539,10 @@ def test_a_program_replaces_its_own_lost_connection_at_once() -> None:
 
 
 def test_local_endpoints_hear_in_the_next_exchange_what_was_said_in_this_one() -> None:
-    router = Router()
+    router = MessageRouter()
     assert router.attach("SimR") is None
     assert router.attach("TabUI") is None
-    question, answer = Message("%%where", "TabUI", "SimR", ("0",)), Message("%%pose", "SimR", "TabUI", ("0",))
+    question, answer = TextMessage("%%where", "TabUI", "SimR", ("0",)), TextMessage("%%pose", "SimR", "TabUI", ("0",))
     router.submit("TabUI", question)
     assert router.take("SimR") == []
     assert router.exchange() == [Forwarded(question, delivered=True, sender_extended=True)]
@@ -563,8 +563,8 @@ def test_connections_and_local_endpoints_talk_under_the_same_rules() -> None:
     assert room.hears(tabui) == ACK
     assert router.take("SimR") == []
     room.take_in(router.exchange())
-    assert router.take("SimR") == [Message("%%goto", "TabUI", "SimR", ("0", "3", "3", "45"))]
-    router.submit("SimR", Message("%%error", "SimR", "TabUI", ('"0;3"',)))
+    assert router.take("SimR") == [TextMessage("%%goto", "TabUI", "SimR", ("0", "3", "3", "45"))]
+    router.submit("SimR", TextMessage("%%error", "SimR", "TabUI", ('"0;3"',)))
     room.take_in(router.exchange())
     assert room.hears(tabui) == b'%%error SimR TabUI "0;3" \n'
     router.submit("SimR", notice("SimR", "TabUI", "pose"))
@@ -573,9 +573,9 @@ def test_connections_and_local_endpoints_talk_under_the_same_rules() -> None:
 
 
 def test_a_local_endpoint_is_told_of_a_failed_delivery() -> None:
-    router = Router()
+    router = MessageRouter()
     router.attach("SimR")
-    message = Message("%%error", "SimR", "TabUI", ('"0;3"',))
+    message = TextMessage("%%error", "SimR", "TabUI", ('"0;3"',))
     router.submit("SimR", message)
     assert router.exchange() == [Forwarded(message, delivered=False, sender_extended=True)]
     (told,) = router.take("SimR")
@@ -601,13 +601,13 @@ def test_a_local_endpoint_is_not_watched_for_life() -> None:
     room = Room()
     room.router.attach("Game")
     room.waits(1000)
-    room.router.submit("Game", Message("%%error", "Game", "Game", ("alive",)))
+    room.router.submit("Game", TextMessage("%%error", "Game", "Game", ("alive",)))
     room.take_in(room.router.exchange())
-    assert room.router.take("Game") == [Message("%%error", "Game", "Game", ("alive",))]
+    assert room.router.take("Game") == [TextMessage("%%error", "Game", "Game", ("alive",))]
 
 
 def test_what_waits_for_a_local_endpoint_is_bounded() -> None:
-    room = Room(Limits(backlog=100))
+    room = Room(RouterLimits(backlog=100))
     client = room.enter("A")
     room.router.attach("B")
     room.says(client, b"%%error A B hello\n" * 10)
@@ -619,12 +619,12 @@ def test_what_waits_for_a_local_endpoint_is_bounded() -> None:
 
 
 def test_the_order_in_which_local_endpoints_take_turns_is_the_order_of_what_they_said() -> None:
-    def run(order: list[str]) -> list[Message]:
-        router = Router()
+    def run(order: list[str]) -> list[TextMessage]:
+        router = MessageRouter()
         for name in ["a", "b", "z"]:
             router.attach(name)
         for name in order:
-            router.submit(name, Message("%%error", name, "z", ("hello",)))
+            router.submit(name, TextMessage("%%error", name, "z", ("hello",)))
         router.exchange()
         return router.take("z")
 
@@ -634,6 +634,6 @@ def test_the_order_in_which_local_endpoints_take_turns_is_the_order_of_what_they
 
 def test_an_endpoint_needs_a_name_of_one_token() -> None:
     with pytest.raises(ValueError, match="not one token"):
-        Router().attach("two words")
+        MessageRouter().attach("two words")
     with pytest.raises(KeyError):
-        Router().submit("nobody", Message("%%where", "nobody", "SimR"))
+        MessageRouter().submit("nobody", TextMessage("%%where", "nobody", "SimR"))

@@ -6,10 +6,19 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from thbridge.wire.text import ROUTED, LineSplitter, Message, Overlong, Unreadable, encode_line, parse_line, tokens
+from thbridge.wire.text import (
+    ROUTED,
+    LineSplitter,
+    OverlongLine,
+    TextMessage,
+    UnreadableText,
+    encode_line,
+    parse_line,
+    tokens,
+)
 
 WORDS = st.text(st.characters(exclude_characters=" \t\n\r\x0b\x0c", codec="utf-8"), min_size=1, max_size=8)
-MESSAGES = st.builds(Message, st.sampled_from(sorted(ROUTED)), WORDS, WORDS, st.lists(WORDS, max_size=5).map(tuple))
+MESSAGES = st.builds(TextMessage, st.sampled_from(sorted(ROUTED)), WORDS, WORDS, st.lists(WORDS, max_size=5).map(tuple))
 
 
 def cut(data: bytes, places: list[int]) -> list[bytes]:
@@ -18,34 +27,34 @@ def cut(data: bytes, places: list[int]) -> list[bytes]:
     return [data[start:end] for start, end in pairwise(ends)]
 
 
-def feed(segments: list[bytes], limit: int = 64) -> list[str | Overlong]:
+def feed(segments: list[bytes], limit: int = 64) -> list[str | OverlongLine]:
     splitter = LineSplitter(limit)
     return [line for segment in segments for line in splitter.feed(segment)]
 
 
 @given(MESSAGES)
-def test_a_message_survives_the_wire(message: Message) -> None:
+def test_a_message_survives_the_wire(message: TextMessage) -> None:
     assert parse_line(message.line()) == message
 
 
 @given(MESSAGES)
-def test_a_line_ends_in_exactly_one_blank(message: Message) -> None:
+def test_a_line_ends_in_exactly_one_blank(message: TextMessage) -> None:
     assert message.line().endswith(" ")
     assert not message.line().endswith("  ")
 
 
 def test_a_message_without_content_ends_in_one_blank_too() -> None:
-    assert Message("%%where", "TabUI", "SimR").line() == "%%where TabUI SimR "
+    assert TextMessage("%%where", "TabUI", "SimR").line() == "%%where TabUI SimR "
 
 
 def test_tokens_are_rejoined_by_single_blanks() -> None:
     message = parse_line(' %%error  TabUI\tHider   "3"  ')
-    assert isinstance(message, Message)
+    assert isinstance(message, TextMessage)
     assert message.line() == '%%error TabUI Hider "3" '
 
 
 def test_send_is_unwrapped_to_the_inner_message() -> None:
-    assert parse_line("%%send A B %%goto TabUI SimR 0 3 3 45") == Message(
+    assert parse_line("%%send A B %%goto TabUI SimR 0 3 3 45") == TextMessage(
         "%%goto", "TabUI", "SimR", ("0", "3", "3", "45")
     )
 
@@ -70,23 +79,23 @@ def test_send_is_unwrapped_to_the_inner_message() -> None:
     ],
 )
 def test_what_is_no_routed_message_is_unreadable(line: str) -> None:
-    assert isinstance(parse_line(line), Unreadable)
+    assert isinstance(parse_line(line), UnreadableText)
 
 
 def test_an_unreadable_line_says_what_it_lacks() -> None:
-    assert parse_line("%%goto  TabUI") == Unreadable("%%goto TabUI", "it does not name a receiver")
+    assert parse_line("%%goto  TabUI") == UnreadableText("%%goto TabUI", "it does not name a receiver")
 
 
 @pytest.mark.parametrize("token", ["", " ", "two words", "line\nbreak", "tab\t", "\r"])
 def test_a_message_refuses_a_token_that_would_break_its_line(token: str) -> None:
     with pytest.raises(ValueError, match="not one token"):
-        Message("%%error", "A", "B", (token,))
+        TextMessage("%%error", "A", "B", (token,))
     with pytest.raises(ValueError, match="not one token"):
-        Message("%%error", "A", token)
+        TextMessage("%%error", "A", token)
 
 
 def test_running_text_becomes_tokens() -> None:
-    message = Message.of("%%error", "A", "B", " no  path\nthere ")
+    message = TextMessage.of("%%error", "A", "B", " no  path\nthere ")
     assert message.content == ("no", "path", "there")
     assert message.text == "no path there"
 
@@ -112,7 +121,7 @@ def test_a_character_may_be_cut_in_two() -> None:
 
 
 def test_a_line_of_exactly_the_limit_is_read_and_one_byte_more_is_not() -> None:
-    assert feed([b"x" * 64 + b"\n" + b"y" * 65 + b"\nz\n"]) == ["x" * 64, Overlong(65), "z"]
+    assert feed([b"x" * 64 + b"\n" + b"y" * 65 + b"\nz\n"]) == ["x" * 64, OverlongLine(65), "z"]
 
 
 LINES = st.lists(st.binary(max_size=100) | st.sampled_from([b"%%ack ", b"x" * 63 + b"\r", b"y" * 65]), max_size=6)
@@ -135,4 +144,4 @@ def test_an_endless_line_takes_no_memory() -> None:
     for _ in range(1000):
         assert splitter.feed(b"x" * 1024) == []
         assert len(splitter._held) <= 64
-    assert splitter.feed(b"\n%%ack \n") == [Overlong(1_024_000), "%%ack "]
+    assert splitter.feed(b"\n%%ack \n") == [OverlongLine(1_024_000), "%%ack "]

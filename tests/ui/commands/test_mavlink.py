@@ -18,12 +18,12 @@ from tests.thbridge.app.replay.test_mavlink_replay import Station, record
 from tests.thbridge.wire.mavlink.rig import OPTIONS, Game
 from thbridge.app.session.session import Session
 from thbridge.sockets.addresses import Address
-from thbridge.sockets.mavlink.server import MavlinkServer, Ports
-from thbridge.sockets.mavlink.udp import Target
+from thbridge.sockets.mavlink.server import MavlinkPorts, MavlinkServer
+from thbridge.sockets.mavlink.udp import UdpTarget
 from thbridge.wire.mavlink.dialect import crc_extra, mav, payload_of
 from thbridge.wire.mavlink.frames.frame import Frame
 from thbridge.wire.mavlink.frames.signing import SigningKey, key_in
-from thbridge.wire.mavlink.hub import Hub, Sent
+from thbridge.wire.mavlink.hub import Hub, OutgoingFrame
 from thbridge.wire.mavlink.outgoing import LinkId
 from thbridge.wire.mavlink.station import ground_station, trip
 from thbridge.wire.mavlink.vehicle.vehicle import Vehicle
@@ -40,7 +40,7 @@ class Fleet:
         self._hub = Hub([Vehicle(number, game, OPTIONS) for number, game in enumerate(self.games, 1)], 5.0)
         self._links = 0
         self.transmit = lambda sent: None
-        self._server = MavlinkServer(Ports((Target(address),), Address("127.0.0.1", 0), key))
+        self._server = MavlinkServer(MavlinkPorts((UdpTarget(address),), Address("127.0.0.1", 0), key))
         self._over = False
         self._stands = threading.Event()
         self._thread = threading.Thread(target=lambda: asyncio.run(self._run()))
@@ -69,7 +69,7 @@ class Fleet:
     def close_link(self, link: LinkId) -> None:
         self._hub.close(link)
 
-    def receive_frame(self, link, frame) -> list[Sent]:
+    def receive_frame(self, link, frame) -> list[OutgoingFrame]:
         return self._hub.receive(link, frame)
 
     async def _run(self) -> None:

@@ -10,7 +10,7 @@ from typer.testing import CliRunner
 from tests.ui.test_cli import write_bag
 from thbridge.recording.bag.reader import messages
 from thbridge.recording.bag.writer import BagWriter
-from thbridge.ros.publisher import Message, Topic
+from thbridge.ros.publisher import RosMessage, Topic
 from ui.cli import app
 
 
@@ -55,7 +55,7 @@ def test_a_difference_is_told_and_ends_with_1(hunt: Path) -> None:
     with BagWriter(Path("forged.bag")) as writer:
         for number, message in enumerate(recorded):
             data = message.data[:-8] + bytes(8) if number == victim else message.data
-            writer.write(Message(Topic(message.topic, message.msgtype), message.stamp_ns, data))
+            writer.write(RosMessage(Topic(message.topic, message.msgtype), message.stamp_ns, data))
     done = thbridge("replay", "forged.bag")
     assert done.exit_code == 1
     assert f"The first difference: message {victim}," in done.stdout.replace("\n", " ")

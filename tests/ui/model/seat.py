@@ -23,11 +23,11 @@ class Seat:
         self.model.connected(self.now)
         self.run(6)
 
-    def saw(self, level) -> None:
-        self.model.hear(level, self.now)
+    def observe(self, level) -> None:
+        self.model.receive(level, self.now)
 
-    def wishes(self, view: View):
-        return self.model.wishes()
+    def requests(self, view: View):
+        return self.model.requests()
 
     def restart_server(self) -> None:
         """Kill the server with all its programs, and start them again on the journal."""
@@ -48,7 +48,7 @@ class Seat:
     def run(self, ticks: int = 12) -> Screen:
         for _ in range(ticks):
             self.now += TICK
-            self.tabui.look_again()
+            self.tabui.poll_player()
             self.stage.run(1)
         return self.screen
 

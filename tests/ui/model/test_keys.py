@@ -7,23 +7,23 @@ from ui.model.keys import PLAYING, QUESTION, act_for, choice_keys, help_lines, k
 from ui.model.participant import Participant
 from ui.model.screen import (
     AnotherGame,
+    AskAdvice,
+    Cancel,
     ChooseRoom,
-    DialoguePop,
-    DontKnow,
+    Confirm,
+    DialoguePopup,
     EndGame,
     FinishNumber,
     GiveAnswer,
-    Meant,
-    NameIt,
     NextRobot,
-    NotYet,
     Phase,
     PickName,
     ShowHelp,
     ShowNext,
     StopRobot,
+    SubmitName,
     TakeThePicture,
-    TreasurePop,
+    TreasurePopup,
     TypeDigit,
 )
 
@@ -48,18 +48,18 @@ def test_a_whole_hunt_by_keys_alone():
         screen = seat.screen
         if screen.phase is Phase.OVER:
             break
-        pop = screen.pop
-        if isinstance(pop, DialoguePop):
+        pop = screen.popup
+        if isinstance(pop, DialoguePopup):
             press("C" if pop.choices[0].key == "C" else "Enter")
-        elif isinstance(pop, TreasurePop) and pop.verdict is not None:
+        elif isinstance(pop, TreasurePopup) and pop.verdict is not None:
             press("Enter")
-        elif isinstance(pop, TreasurePop) and pop.take_picture is not None and pop.take_picture.enabled:
+        elif isinstance(pop, TreasurePopup) and pop.take_picture is not None and pop.take_picture.enabled:
             press("P")
-        elif isinstance(pop, TreasurePop) and not pop.leave.enabled:
+        elif isinstance(pop, TreasurePopup) and not pop.leave.enabled:
             seat.run()
-        elif isinstance(pop, TreasurePop):
+        elif isinstance(pop, TreasurePopup):
             press("Down", "N" if pop.robot == 0 else "Enter") if pop.name_it.hint.startswith("Pick") else press("L")
-        elif screen.dont_know.enabled:
+        elif screen.ask_advice.enabled:
             press("D")
         else:
             press("Tab")
@@ -77,8 +77,8 @@ def test_a_whole_hunt_by_keys_alone():
         ("Tab", NextRobot(1)),
         ("Shift+Tab", NextRobot(-1)),
         ("3", TypeDigit(3)),
-        ("?", DontKnow()),
-        ("D", DontKnow()),
+        ("?", AskAdvice()),
+        ("D", AskAdvice()),
         ("X", StopRobot()),
         ("E", EndGame()),
         ("Esc", ShowNext()),
@@ -94,7 +94,7 @@ def test_keys_while_playing(key, act):
 def test_a_question_hears_only_yes_no_and_help():
     seat = Seat()
     screen = seat.press(EndGame())
-    assert [act_for(key, screen) for key in ("Y", "N", "Esc", "F1")] == [Meant(), NotYet(), NotYet(), ShowHelp()]
+    assert [act_for(key, screen) for key in ("Y", "N", "Esc", "F1")] == [Confirm(), Cancel(), Cancel(), ShowHelp()]
     assert [act_for(key, screen) for key in ("3", "Tab", "Enter", "D", "E")] == [None] * 5
 
 
@@ -119,18 +119,18 @@ def test_names_are_picked_by_arrows():
     seat.do(GiveAnswer(0))
     seat.do(GiveAnswer(0), 40)
     screen = seat.screen
-    assert screen.pop.picked is None
-    assert act_for("Down", screen) == PickName(screen.pop.names[0])
-    assert act_for("Up", screen) == PickName(screen.pop.names[-1])
+    assert screen.popup.picked is None
+    assert act_for("Down", screen) == PickName(screen.popup.names[0])
+    assert act_for("Up", screen) == PickName(screen.popup.names[-1])
     screen = seat.press(act_for("Up", screen))
-    assert act_for("Down", screen) == PickName(screen.pop.names[0])
-    assert [act_for(key, screen) for key in ("Enter", "N", "P")] == [NameIt(), NameIt(), TakeThePicture()]
+    assert act_for("Down", screen) == PickName(screen.popup.names[0])
+    assert [act_for(key, screen) for key in ("Enter", "N", "P")] == [SubmitName(), SubmitName(), TakeThePicture()]
 
 
 def test_enter_and_esc_are_for_the_digits_while_some_are_typed():
     screen = replace(Seat().screen, typed="1")
     assert act_for("Enter", screen) == FinishNumber()
-    assert act_for("Esc", screen) == NotYet()
+    assert act_for("Esc", screen) == Cancel()
 
 
 def test_nothing_is_heard_before_there_is_a_game_but_help():

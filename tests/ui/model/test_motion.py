@@ -11,7 +11,7 @@ from hypothesis import strategies as st
 
 from sim.common.geometry import wrap_angle
 from thbridge.roles.notices import Ellipse, Ways, Whereabouts
-from ui.model.motion import KEPT, Motions
+from ui.model.motion import KEPT_SAMPLES, MotionPlayback
 from ui.model.trails import TRAIL_POINTS
 
 FRAME = 1.0 / 60.0
@@ -31,7 +31,9 @@ class Shown:
     theta: float
 
 
-def play(motions: Motions, arrivals: list[tuple[float, Whereabouts]], until: float, begin: float = 0.0) -> list[Shown]:
+def play(
+    motions: MotionPlayback, arrivals: list[tuple[float, Whereabouts]], until: float, begin: float = 0.0
+) -> list[Shown]:
     """Frames at 60 Hz while tellings arrive; what is shown of the first robot."""
     shown = []
     waiting = sorted(arrivals, key=lambda arrival: arrival[0])
@@ -39,7 +41,7 @@ def play(motions: Motions, arrivals: list[tuple[float, Whereabouts]], until: flo
         now = begin + frame * FRAME
         while waiting and waiting[0][0] <= now:
             moment, telling = waiting.pop(0)
-            motions.hear(telling, moment)
+            motions.receive(telling, moment)
         robots = motions.at(now)
         if robots:
             pose = robots[0].pose
@@ -79,7 +81,7 @@ def test_a_straight_drive_never_goes_back(
         for k, ((moment, telling), delay) in enumerate(zip(drive, jitter, strict=True))
         if k not in dropped
     ]
-    shown = play(Motions(), in_order(late), 3.5)
+    shown = play(MotionPlayback(), in_order(late), 3.5)
     highest = np.maximum.accumulate([one.x for one in shown])
     assert np.max(highest - [one.x for one in shown]) < 0.01
     assert all(one.x <= speed * 3.0 + 0.06 for one in shown)
@@ -90,7 +92,9 @@ def test_a_straight_drive_never_goes_back(
 def test_what_is_shown_is_at_most_a_tenth_of_a_second_behind(jitter: list[float], speed: float) -> None:
     drive = straight(3.0, speed)
     shown = play(
-        Motions(), in_order([(now + delay, telling) for (now, telling), delay in zip(drive, jitter, strict=True)]), 2.9
+        MotionPlayback(),
+        in_order([(now + delay, telling) for (now, telling), delay in zip(drive, jitter, strict=True)]),
+        2.9,
     )
     settled = [one for one in shown if one.now > 0.5]
     behind = [one.now - one.x / speed for one in settled]
@@ -101,7 +105,7 @@ def test_steps_between_frames_are_even_in_spite_of_jitter() -> None:
     delays = [0.012 * (k * 7 % 5) / 4 for k in range(75)]
     drive = straight(3.0, 1.0)
     late = [(now + delay, telling) for (now, telling), delay in zip(drive, delays, strict=True)]
-    xs = np.array([one.x for one in play(Motions(), in_order(late), 2.9) if one.now > 0.5])
+    xs = np.array([one.x for one in play(MotionPlayback(), in_order(late), 2.9) if one.now > 0.5])
     steps = np.diff(xs)
     assert steps.min() > 0.5 * FRAME
     assert steps.max() < 1.5 * FRAME
@@ -109,7 +113,7 @@ def test_steps_between_frames_are_even_in_spite_of_jitter() -> None:
 
 @pytest.mark.parametrize("rate", [0.25, 0.5, 2.0, 4.0])
 def test_a_simulation_at_another_rate_is_followed(rate: float) -> None:
-    shown = play(Motions(), straight(3.0, 0.5, rate), 2.9)
+    shown = play(MotionPlayback(), straight(3.0, 0.5, rate), 2.9)
     settled = [one for one in shown if one.now > 1.5]
     behind = [(one.now - one.x / (0.5 * rate)) for one in settled]
     assert max(behind) < 0.1 + 0.02 / rate
@@ -117,17 +121,17 @@ def test_a_simulation_at_another_rate_is_followed(rate: float) -> None:
 
 
 def test_a_late_telling_is_bridged_and_what_was_bridged_is_bounded() -> None:
-    motions = Motions()
+    motions = MotionPlayback()
     shown = play(motions, straight(1.0, 1.0), 3.0)
     newest = 0.96
     assert shown[-1].x > newest
     assert shown[-1].x < newest + 0.06
-    assert motions.still_since(3.0) == pytest.approx(2.04)
+    assert motions.stale_for(3.0) == pytest.approx(2.04)
 
 
 def test_tellings_held_up_and_delivered_in_one_go_are_caught_up_with() -> None:
     held_up = [(2.0 if 1.5 <= now < 2.0 else now, telling) for now, telling in straight(4.0)]
-    shown = play(Motions(), held_up, 3.9)
+    shown = play(MotionPlayback(), held_up, 3.9)
     settled = [one.now - one.x / 0.5 for one in shown if one.now > 2.4]
     assert max(settled) < 0.1
     assert min(settled) > -0.02
@@ -140,7 +144,7 @@ def test_a_pause_is_waited_out() -> None:
     resumed = [
         (now + 11.0, where(tick + telling.tick, (pose[0] + telling.poses[0][0], 0.0, 0.0))) for now, telling in after
     ]
-    shown = play(Motions(), before + resumed, 11.9)
+    shown = play(MotionPlayback(), before + resumed, 11.9)
     xs = [one.x for one in shown]
     assert np.max(np.maximum.accumulate(xs) - xs) < 0.01
     assert xs[-1] > 0.85
@@ -149,7 +153,7 @@ def test_a_pause_is_waited_out() -> None:
 def test_a_corrected_estimate_is_blended() -> None:
     drive = straight(2.0, 0.5)
     corrected = [(now, where(t.tick, (t.poses[0][0], 0.2 if now >= 1.0 else 0.0, 0.0))) for now, t in drive]
-    shown = play(Motions(), corrected, 1.9)
+    shown = play(MotionPlayback(), corrected, 1.9)
     ys = np.array([one.y for one in shown])
     assert np.diff(ys).max() < 0.06
     assert np.diff(ys).min() > -1e-9
@@ -159,12 +163,12 @@ def test_a_corrected_estimate_is_blended() -> None:
 
 def test_small_corrections_do_not_pull_a_robot_back() -> None:
     drive = [(now, where(t.tick, (t.poses[0][0] - 0.03 * int(now), 0.0, 0.0))) for now, t in straight(4.0, 0.5)]
-    xs = np.array([one.x for one in play(Motions(), drive, 3.9)])
+    xs = np.array([one.x for one in play(MotionPlayback(), drive, 3.9)])
     assert np.diff(xs).min() > -0.001
 
 
 def test_a_robot_that_was_carried_moves_at_once_and_leaves_no_trail() -> None:
-    motions = Motions()
+    motions = MotionPlayback()
     carried = [
         (now, where(t.tick, (t.poses[0][0] + (3.0 if now >= 1.0 else 0.0), 0.0, 0.0))) for now, t in straight(2.0, 0.5)
     ]
@@ -175,48 +179,48 @@ def test_a_robot_that_was_carried_moves_at_once_and_leaves_no_trail() -> None:
 
 def test_angles_turn_the_short_way() -> None:
     turning = [(k * TELLING, where(2 * k, (0.0, 0.0, wrap_angle(3.0 + 0.02 * k)))) for k in range(50)]
-    headings = [one.theta for one in play(Motions(), turning, 1.9)]
+    headings = [one.theta for one in play(MotionPlayback(), turning, 1.9)]
     steps = [abs(wrap_angle(other - one)) for one, other in itertools.pairwise(headings)]
     assert max(steps) < 0.03
     assert min(headings) < -3.0 < 3.0 < max(headings)
 
 
 def test_a_simulation_that_begins_anew_is_shown_from_its_start() -> None:
-    motions = Motions()
+    motions = MotionPlayback()
     play(motions, straight(2.0, 0.5), 2.0)
-    motions.hear(where(0, (7.0, 7.0, 0.0)), 2.0)
+    motions.receive(where(0, (7.0, 7.0, 0.0)), 2.0)
     (robot,) = motions.at(2.01)
     assert (robot.pose.x, robot.pose.y) == (7.0, 7.0)
     assert len(robot.trail) == 1
 
 
 def test_another_number_of_robots_begins_anew() -> None:
-    motions = Motions()
-    motions.hear(where(0, (0.0, 0.0, 0.0)), 0.0)
-    motions.hear(where(2, (0.0, 0.0, 0.0), (1.0, 1.0, 0.0)), 0.04)
+    motions = MotionPlayback()
+    motions.receive(where(0, (0.0, 0.0, 0.0)), 0.0)
+    motions.receive(where(2, (0.0, 0.0, 0.0), (1.0, 1.0, 0.0)), 0.04)
     assert [robot.pose.x for robot in motions.at(0.05)] == [0.0, 1.0]
 
 
 def test_robots_carried_while_the_simulation_stands_still_are_shown_there() -> None:
-    motions = Motions()
+    motions = MotionPlayback()
     play(motions, straight(1.0, 0.5), 2.0)
-    motions.hear(where(48, (5.0, 0.0, 0.0)), 2.0)
+    motions.receive(where(48, (5.0, 0.0, 0.0)), 2.0)
     assert motions.at(2.1)[0].pose.x == pytest.approx(5.0)
 
 
 def test_memory_is_bounded() -> None:
-    motions = Motions()
+    motions = MotionPlayback()
     circle = [
         (k * TELLING, where(2 * k, (3 * math.cos(0.02 * k), 3 * math.sin(0.02 * k), wrap_angle(0.02 * k + 1.57))))
         for k in range(2000)
     ]
     play(motions, circle, 80.0)
     assert len(motions.at(80.0)[0].trail) == TRAIL_POINTS
-    assert len(motions._samples) <= KEPT
+    assert len(motions._samples) <= KEPT_SAMPLES
 
 
 def test_trails_are_thinned_and_lie_where_the_robot_was() -> None:
-    motions = Motions()
+    motions = MotionPlayback()
     play(motions, straight(3.0, 0.5), 3.0)
     trail = motions.at(3.0)[0].trail
     assert np.diff(trail[:, 0]).min() > 0.05
@@ -224,34 +228,34 @@ def test_trails_are_thinned_and_lie_where_the_robot_was() -> None:
 
 
 def test_a_way_begins_at_the_robot_and_what_is_driven_does_not_come_back() -> None:
-    motions = Motions()
-    motions.hear(Ways(0, (tuple((0.1 * k, 0.0) for k in range(31)),)), 0.0)
+    motions = MotionPlayback()
+    motions.receive(Ways(0, (tuple((0.1 * k, 0.0) for k in range(31)),)), 0.0)
     play(motions, straight(2.0, 0.5), 2.0)
     (robot,) = motions.at(2.0)
-    assert robot.way[0] == pytest.approx([robot.pose.x, robot.pose.y])
-    assert robot.way[1, 0] > robot.pose.x
-    assert robot.way[-1] == pytest.approx([3.0, 0.0])
+    assert robot.path[0] == pytest.approx([robot.pose.x, robot.pose.y])
+    assert robot.path[1, 0] > robot.pose.x
+    assert robot.path[-1] == pytest.approx([3.0, 0.0])
 
 
 def test_a_way_told_again_with_anothers_stays_as_far_driven() -> None:
-    motions = Motions()
+    motions = MotionPlayback()
     out = tuple((0.1 * k, 0.0) for k in range(61))
-    motions.hear(Ways(0, (out,)), 0.0)
+    motions.receive(Ways(0, (out,)), 0.0)
     play(motions, straight(5.0, 1.0), 5.0)
-    before = len(motions.at(5.0)[0].way)
-    motions.hear(Ways(250, (out, ((0.0, 0.0), (1.0, 0.0)))), 5.0)
-    assert len(motions.at(5.0)[0].way) == before < 15
+    before = len(motions.at(5.0)[0].path)
+    motions.receive(Ways(250, (out, ((0.0, 0.0), (1.0, 0.0)))), 5.0)
+    assert len(motions.at(5.0)[0].path) == before < 15
 
 
 def test_who_comes_late_sees_what_still_lies_ahead() -> None:
-    motions = Motions()
-    motions.hear(Ways(0, (tuple((0.1 * k, 0.0) for k in range(61)),)), 0.0)
-    motions.hear(where(0, (5.0, 0.0, 0.0)), 0.0)
-    assert len(motions.at(0.0)[0].way) < 15
+    motions = MotionPlayback()
+    motions.receive(Ways(0, (tuple((0.1 * k, 0.0) for k in range(61)),)), 0.0)
+    motions.receive(where(0, (5.0, 0.0, 0.0)), 0.0)
+    assert len(motions.at(0.0)[0].path) < 15
 
 
 def test_the_same_moment_told_again_changes_nothing() -> None:
-    once, twice = Motions(), Motions()
+    once, twice = MotionPlayback(), MotionPlayback()
     drive = straight(1.0, 0.5)
     again = [arrival for now, telling in drive for arrival in ((now, telling), (now + 0.001, telling))]
     expected = [one.x for one in play(once, drive, 1.0)]
@@ -259,25 +263,25 @@ def test_the_same_moment_told_again_changes_nothing() -> None:
 
 
 def test_a_way_that_comes_back_near_itself_is_driven_in_its_order() -> None:
-    motions = Motions()
+    motions = MotionPlayback()
     out = [(0.1 * k, 0.0) for k in range(41)]
     back = [(4.0 - 0.1 * k, 0.2) for k in range(41)]
-    motions.hear(Ways(0, ((*out, *back),)), 0.0)
+    motions.receive(Ways(0, ((*out, *back),)), 0.0)
     play(motions, straight(1.0, 0.5), 1.0)
-    assert len(motions.at(1.0)[0].way) > 60
+    assert len(motions.at(1.0)[0].path) > 60
 
 
 def test_no_way_is_empty() -> None:
-    motions = Motions()
-    motions.hear(Ways(0, ((),)), 0.0)
-    motions.hear(where(0, (0.0, 0.0, 0.0)), 0.0)
-    assert motions.at(0.0)[0].way.shape == (0, 2)
+    motions = MotionPlayback()
+    motions.receive(Ways(0, ((),)), 0.0)
+    motions.receive(where(0, (0.0, 0.0, 0.0)), 0.0)
+    assert motions.at(0.0)[0].path.shape == (0, 2)
 
 
 def test_truth_and_ellipse_come_along() -> None:
-    motions = Motions()
+    motions = MotionPlayback()
     for k in range(50):
-        motions.hear(
+        motions.receive(
             where(2 * k, (0.02 * k, 0.0, 0.0), truth=((0.02 * k, 0.3, 0.0),), ellipses=(Ellipse(0.5, 0.2, 0.1),)),
             k * TELLING,
         )
@@ -289,11 +293,11 @@ def test_truth_and_ellipse_come_along() -> None:
 
 
 def test_nothing_is_shown_before_anything_was_told() -> None:
-    assert Motions().at(1.0) == ()
-    assert Motions().still_since(1.0) == math.inf
+    assert MotionPlayback().at(1.0) == ()
+    assert MotionPlayback().stale_for(1.0) == math.inf
 
 
 def test_numbers_that_are_none_are_not_taken() -> None:
-    motions = Motions()
-    motions.hear(where(0, (math.nan, 0.0, 0.0)), 0.0)
+    motions = MotionPlayback()
+    motions.receive(where(0, (math.nan, 0.0, 0.0)), 0.0)
     assert motions.at(0.0) == ()

@@ -13,25 +13,25 @@ from ui.model.participant import Participant
 from ui.model.screen import (
     AgreeToTakePart,
     AnotherGame,
+    AskAdvice,
+    Cancel,
     ChooseRobot,
     ChooseRoom,
-    DialoguePop,
-    DontKnow,
+    Confirm,
+    DialoguePopup,
     EndGame,
     FinishNumber,
     GiveAnswer,
-    LeaveIt,
-    Meant,
-    NameIt,
+    LeaveTreasure,
     NextRobot,
-    NotYet,
     Phase,
     PickName,
     ShowNext,
     ShowWaiting,
     StopRobot,
+    SubmitName,
     TakeThePicture,
-    TreasurePop,
+    TreasurePopup,
     TypeDigit,
 )
 
@@ -46,7 +46,7 @@ def go(seat, room):
 
 
 def agree(seat):
-    while isinstance(seat.screen.pop, DialoguePop) and seat.screen.pop.choices:
+    while isinstance(seat.screen.pop, DialoguePopup) and seat.screen.pop.choices:
         seat.do(GiveAnswer(0))
 
 
@@ -60,19 +60,19 @@ def test_a_whole_hunt_by_what_is_offered():
         screen = seat.screen
         if screen.phase is Phase.OVER:
             break
-        pop = screen.pop
-        if isinstance(pop, DialoguePop):
+        pop = screen.popup
+        if isinstance(pop, DialoguePopup):
             agree(seat)
-        elif isinstance(pop, TreasurePop) and pop.verdict is not None:
+        elif isinstance(pop, TreasurePopup) and pop.verdict is not None:
             seat.do(ShowNext())
-        elif isinstance(pop, TreasurePop) and pop.take_picture is not None and pop.take_picture.enabled:
+        elif isinstance(pop, TreasurePopup) and pop.take_picture is not None and pop.take_picture.enabled:
             seat.do(TakeThePicture())
-        elif isinstance(pop, TreasurePop):
+        elif isinstance(pop, TreasurePopup):
             right = seat.stage.session.game.treasures[pop.room - 1].name
             seat.press(PickName(right))
-            seat.do(NameIt() if seat.offered(NameIt()).enabled else LeaveIt())
-        elif screen.dont_know.enabled:
-            seat.do(DontKnow())
+            seat.do(SubmitName() if seat.offered(SubmitName()).enabled else LeaveTreasure())
+        elif screen.ask_advice.enabled:
+            seat.do(AskAdvice())
         elif len(screen.cards) > 1 and turn % 2:
             seat.do(ChooseRobot(1 - next(card.robot for card in screen.cards if card.selected)))
         else:
@@ -94,21 +94,21 @@ def test_a_whole_hunt_by_what_is_offered():
 def test_what_is_chosen_is_talked_about_at_once_and_then_done_by_itself():
     seat = Seat()
     seat.model.do(ChooseRoom(3), seat.now)
-    pop = seat.screen.pop
-    assert (pop.title, pop.said, pop.choices) == ("Asking robot 1 about room 3 …", (("you", "Go to room 3."),), ())
-    assert seat.screen.tiles[2].choose.busy
+    pop = seat.screen.popup
+    assert (pop.title, pop.sentences, pop.choices) == ("Asking robot 1 about room 3 …", (("you", "Go to room 3."),), ())
+    assert seat.screen.tiles[2].choose.pending
     assert not seat.screen.tiles[2].choose.enabled
-    pop = seat.run().pop
-    assert pop.said == (("you", "Go to room 3."), ("robot", "It will cost me 17 to go to room 3"))
+    pop = seat.run().popup
+    assert pop.sentences == (("you", "Go to room 3."), ("robot", "It will cost me 17 to go to room 3"))
     assert [(choice.label, choice.key) for choice in pop.choices] == [("Continue", "C"), ("Stop", "S")]
     seat.model.do(GiveAnswer(0), seat.now)
-    pop = seat.screen.pop
-    assert pop.said[-1] == ("you", "Continue")
+    pop = seat.screen.popup
+    assert pop.sentences[-1] == ("you", "Continue")
     assert [choice.enabled for choice in pop.choices] == [False, False]
-    assert pop.choices[0].busy
+    assert pop.choices[0].pending
     seat.run()
     agree(seat)
-    assert seat.screen.pop is None
+    assert seat.screen.popup is None
     assert seat.view.robots[0].moving_to == 3
     assert seat.screen.cards[0].state == "travelling to room 3"
     said = [told.text for told in seat.screen.history if told.speaker != "game"]
@@ -119,7 +119,7 @@ def test_stop_sends_nobody_and_the_same_can_be_asked_again():
     seat = Seat()
     for _ in range(2):
         seat.do(ChooseRoom(3))
-        assert seat.do(GiveAnswer(1)).pop is None
+        assert seat.do(GiveAnswer(1)).popup is None
     assert not events(seat, Departed)
     assert [told.text for told in seat.screen.history if told.speaker == "you"] == ["Go to room 3.", "Stop"] * 2
 
@@ -130,23 +130,23 @@ def test_an_answer_counts_for_what_was_on_the_screen_only():
     seat.model.do(GiveAnswer(0), seat.now)
     seat.model.do(GiveAnswer(0), seat.now)
     seat.run()
-    assert seat.screen.pop.said[-1] == ("robot", "Are you sure?")
+    assert seat.screen.popup.sentences[-1] == ("robot", "Are you sure?")
     # The robot's next question comes while the finger is on its way down to the button.
     before = seat.screen
     seat.model.do(GiveAnswer(0), seat.now)
     for _ in range(12):
         seat.now += 0.02
-        seat.tabui.look_again()
+        seat.tabui.poll_player()
         seat.stage.run(1)
     seat.model.do(GiveAnswer(1), seat.now)
-    assert before.pop.choices[1].label == "Stop"
+    assert before.popup.choices[1].label == "Stop"
     assert seat.view.robots[0].moving_to == 3
 
 
 def test_naming_needs_a_name_picked_and_is_talked_over_in_the_same_place():
     seat = Seat(set_name=TALKATIVE)
-    pop = go(seat, 3).pop
-    assert isinstance(pop, TreasurePop)
+    pop = go(seat, 3).popup
+    assert isinstance(pop, TreasurePopup)
     assert pop.names == seat.names
     assert pop.picked is None
     assert not pop.name_it.enabled
@@ -154,33 +154,33 @@ def test_naming_needs_a_name_picked_and_is_talked_over_in_the_same_place():
     treasure = seat.stage.session.game.treasures[2]
     assert (pop.colour, pop.footprint) == (treasure.colour, treasure.footprint)
     seat.press(PickName(treasure.name))
-    pop = seat.do(NameIt()).pop
-    assert isinstance(pop, DialoguePop)
+    pop = seat.do(SubmitName()).popup
+    assert isinstance(pop, DialoguePopup)
     assert pop.title == f"Robot 1: name it {treasure.name}?"
-    pop = seat.do(GiveAnswer(1)).pop
+    pop = seat.do(GiveAnswer(1)).popup
     assert (pop.picked, pop.verdict, pop.name_it.enabled) == (treasure.name, None, True)
     assert not events(seat, Identified)
-    seat.do(NameIt())
-    pop = seat.do(GiveAnswer(0)).pop
+    seat.do(SubmitName())
+    pop = seat.do(GiveAnswer(0)).popup
     assert pop.verdict == f"{treasure.name} is right, {treasure.points} points won."
-    assert pop.points == seat.screen.gained == seat.screen.score == treasure.points
+    assert pop.points == seat.screen.last_points == seat.screen.score == treasure.points
     assert pop.aside.label == "Close"
-    assert seat.do(ShowNext()).pop is None
+    assert seat.do(ShowNext()).popup is None
     assert seat.screen.waiting == ()
 
 
 def test_a_picture_is_talked_over_and_taken_once_agreed():
     seat = Seat(set_name=TALKATIVE)
-    pop = go(seat, 3).pop
+    pop = go(seat, 3).popup
     energy = seat.screen.cards[0].energy
     assert pop.take_picture.hint.startswith("Costs 5 of")
     seat.do(TakeThePicture())
-    pop = seat.do(GiveAnswer(0)).pop
-    assert isinstance(pop, TreasurePop)
+    pop = seat.do(GiveAnswer(0)).popup
+    assert isinstance(pop, TreasurePopup)
     assert pop.take_picture is None
     assert seat.screen.cards[0].energy == energy - 5
     assert pop.picture_note == "The picture is on its way."
-    assert seat.run(300).pop.picture_note.startswith("The picture cannot be shown here. It is called ")
+    assert seat.run(300).popup.picture_note.startswith("The picture cannot be shown here. It is called ")
 
 
 def test_a_wrong_name_costs_and_is_said_so():
@@ -189,7 +189,7 @@ def test_a_wrong_name_costs_and_is_said_so():
     treasure = seat.stage.session.game.treasures[2]
     wrong = next(name for name in seat.names if name != treasure.name)
     seat.press(PickName(wrong))
-    pop = seat.do(NameIt()).pop
+    pop = seat.do(SubmitName()).popup
     assert pop.verdict == f"{wrong} is wrong, {treasure.points} points lost."
     assert seat.screen.tiles[2].found == f"{wrong}, −{treasure.points}"
 
@@ -202,23 +202,23 @@ def test_arrivals_wait_behind_what_is_read_and_never_take_its_place():
         agree(seat)
     seat.do(ChooseRobot(2))
     seat.do(ChooseRoom(5), 3)
-    reading = seat.screen.pop
+    reading = seat.screen.popup
     screen = seat.run(60)
-    assert screen.pop.title == reading.title or screen.pop.robot == 2
+    assert screen.popup.title == reading.title or screen.popup.robot == 2
     assert [waiting.text for waiting in screen.waiting] == [
         "Robot 1 is in room 1 and found something",
         "Robot 2 is in room 2 and found something",
     ]
     assert [card.waits for card in screen.cards] == [1, 1, 0]
     agree(seat)
-    assert seat.screen.pop.room == 1
+    assert seat.screen.popup.room == 1
     # Put aside it waits until it is asked for.
-    assert seat.do(ShowNext()).pop.room == 2
+    assert seat.do(ShowNext()).popup.room == 2
     screen = seat.do(ShowNext())
-    assert screen.pop is None or screen.pop.robot == 2
+    assert screen.popup is None or screen.popup.robot == 2
     seat.do(ShowWaiting(0))
-    assert seat.screen.pop.room == 1
-    seat.do(LeaveIt())
+    assert seat.screen.popup.room == 1
+    seat.do(LeaveTreasure())
     assert [event.room.people for event in events(seat, Left)] == [1]
 
 
@@ -228,17 +228,17 @@ def test_a_robot_under_way_is_called_back_before_it_goes_elsewhere():
     seat.do(ChooseRoom(3))
     agree(seat)
     screen = seat.do(ChooseRoom(6))
-    assert screen.question.title == "Send robot 1 to room 6 instead?"
-    assert "is on its way to room 3" in screen.question.text
-    assert seat.do(NotYet()).question is None
+    assert screen.confirmation.title == "Send robot 1 to room 6 instead?"
+    assert "is on its way to room 3" in screen.confirmation.text
+    assert seat.do(Cancel()).confirmation is None
     assert seat.view.robots[0].moving_to == 3
     # A second press of the same key is no answer to a question.
     seat.press(ChooseRoom(6))
-    assert seat.press(ChooseRoom(6)).question is not None
-    screen = seat.do(Meant())
+    assert seat.press(ChooseRoom(6)).confirmation is not None
+    screen = seat.do(Confirm())
     assert [event.refund for event in events(seat, Failed)] == [8.5]
-    assert isinstance(screen.pop, DialoguePop)
-    assert screen.pop.title == "Robot 1: go to room 6?"
+    assert isinstance(screen.popup, DialoguePopup)
+    assert screen.popup.title == "Robot 1: go to room 6?"
     agree(seat)
     assert seat.view.robots[0].moving_to == 6
 
@@ -249,7 +249,7 @@ def test_a_robot_that_arrives_before_it_is_called_back_is_not_sent_on():
     agree(seat)
     seat.press(ChooseRoom(6), 0)
     screen = seat.run(60)
-    assert screen.question is None
+    assert screen.confirmation is None
     assert screen.banner.text == "Robot 1 is in room 3 now."
     assert not events(seat, Failed)
 
@@ -261,7 +261,7 @@ def test_stop_calls_a_robot_back():
     agree(seat)
     seat.model.do(StopRobot(), seat.now)
     card = seat.screen.cards[0]
-    assert (card.state, card.stop.busy, card.stop.enabled) == ("stopping", True, False)
+    assert (card.state, card.stop.pending, card.stop.enabled) == ("stopping", True, False)
     card = seat.run().cards[0]
     assert (card.state, card.stop, card.energy) == ("ready", None, 91.5)
 
@@ -270,14 +270,14 @@ def test_going_on_asks_before_it_leaves_a_treasure_behind():
     seat = Seat()
     go(seat, 3)
     screen = seat.do(ChooseRoom(4))
-    assert screen.question.title == "Leave what is in room 3?"
-    seat.do(NotYet())
+    assert screen.confirmation.title == "Leave what is in room 3?"
+    seat.do(Cancel())
     assert not events(seat, Left)
     seat.do(ChooseRoom(4))
-    seat.do(Meant())
+    seat.do(Confirm())
     agree(seat)
     assert [event.room.people for event in events(seat, Left)] == [3]
-    assert seat.screen.pop is None
+    assert seat.screen.popup is None
 
 
 def test_a_refusal_is_told_and_takes_back_what_was_shown_for_it():
@@ -305,9 +305,9 @@ def test_a_room_that_another_robot_asks_about_is_not_offered():
 def test_ending_asks_once():
     seat = Seat()
     screen = seat.do(EndGame())
-    assert screen.question.title == "End the game?"
+    assert screen.confirmation.title == "End the game?"
     assert seat.press(EndGame()).phase is Phase.PLAYING
-    screen = seat.do(Meant())
+    screen = seat.do(Confirm())
     assert screen.phase is Phase.OVER
     assert screen.ending.lines[0] == "You have ended the game."
 
@@ -326,10 +326,10 @@ def test_energy_that_does_not_do_to_name_what_is_there_is_warned_of():
 
 def test_digits_choose_rooms():
     seat = Seat()
-    assert seat.press(TypeDigit(3)).pop.title == "Robot 1: go to room 3?"
+    assert seat.press(TypeDigit(3)).popup.title == "Robot 1: go to room 3?"
     screen = seat.press(TypeDigit(9))
     assert screen.banner.text == "There is no room 9. The rooms are 1 to 8."
-    assert seat.press(FinishNumber()).pop.title == "Robot 1: go to room 3?"
+    assert seat.press(FinishNumber()).popup.title == "Robot 1: go to room 3?"
 
 
 @pytest.mark.parametrize(
@@ -346,7 +346,7 @@ def test_trouble_is_said_in_words(condition, state):
 def test_a_robot_that_somebody_speaks_for_is_thinking_until_they_do():
     seat = Seat()
     seat.stage.session.ask("wizard", Puppeteer(0, on=True))
-    seat.do(DontKnow())
+    seat.do(AskAdvice())
     assert seat.screen.cards[0].state == "is being asked"
     seat.model = Participant()  # a window that was closed and opened again
     seat.model.connected(seat.now)
@@ -364,8 +364,8 @@ def test_what_was_asked_and_lost_on_its_way_is_asked_again(monkeypatch):
     monkeypatch.setattr(seat.tabui, "step", lambda tick, messages: [step(tick, messages), []][1])
     seat.do(ChooseRoom(3))
     monkeypatch.undo()
-    assert seat.screen.pop.title == "Asking robot 1 about room 3 …"
-    assert seat.run(160).pop.title == "Robot 1: go to room 3?"
+    assert seat.screen.popup.title == "Asking robot 1 about room 3 …"
+    assert seat.run(160).popup.title == "Robot 1: go to room 3?"
 
 
 def test_a_server_that_comes_back_goes_on_where_it_was():
@@ -381,9 +381,9 @@ def test_a_server_that_comes_back_goes_on_where_it_was():
     seat.now += 5.0
     assert "lost for 5 seconds." in seat.screen.banner.text
     seat.model.do(ShowWaiting(0), seat.now)
-    assert seat.screen.pop.picked == name
-    seat.model.do(LeaveIt(), seat.now)
-    assert seat.screen.pop.leave.busy
+    assert seat.screen.popup.picked == name
+    seat.model.do(LeaveTreasure(), seat.now)
+    assert seat.screen.popup.leave.pending
     seat.model.connected(seat.now)
     seat.tabui.connected()
     screen = seat.run()
@@ -394,21 +394,21 @@ def test_a_server_that_comes_back_goes_on_where_it_was():
 def test_the_picture_comes_from_the_keeper_in_pieces():
     image = bytes(range(256)) * 300
     seat = Seat(briefing=Briefing(names=("ball",), pictures={f"rsz_t{number}.jpg": image for number in range(1, 5)}))
-    assert go(seat, 3).pop.picture is None
-    assert seat.do(TakeThePicture(), 60).pop.picture == image
+    assert go(seat, 3).popup.picture is None
+    assert seat.do(TakeThePicture(), 60).popup.picture == image
     seat.model = Participant()
     seat.model.connected(seat.now)
     seat.tabui.connected()
-    assert seat.run(60).pop.picture == image
+    assert seat.run(60).popup.picture == image
 
 
 def test_nothing_is_played_before_the_participant_agrees():
     seat = Seat(briefing=Briefing(names=("ball",), consent="May we record what you do?"))
     screen = seat.screen
-    assert (screen.phase, screen.consent, screen.pop) == (Phase.CONSENT, "May we record what you do?", None)
+    assert (screen.phase, screen.consent, screen.popup) == (Phase.CONSENT, "May we record what you do?", None)
     seat.press(ChooseRoom(3))
     assert seat.do(AgreeToTakePart()).phase is Phase.PLAYING
-    assert seat.do(ChooseRoom(3)).pop.title == "Robot 1: go to room 3?"
+    assert seat.do(ChooseRoom(3)).popup.title == "Robot 1: go to room 3?"
 
 
 def test_a_server_that_is_killed_in_the_middle_goes_on_by_its_journal():
@@ -433,8 +433,8 @@ def test_a_server_that_is_killed_in_the_middle_goes_on_by_its_journal():
     assert [event.at.people for event in events(seat, Failed)] == [0]
     assert len(screen.history) > told
     assert [waiting.text for waiting in screen.waiting] == ["Robot 1 is in room 3 and found something"]
-    assert seat.do(ShowWaiting(0)).pop.picked == name
-    assert seat.do(NameIt()).pop.verdict is not None
+    assert seat.do(ShowWaiting(0)).popup.picked == name
+    assert seat.do(SubmitName()).popup.verdict is not None
 
 
 def test_another_window_comes_into_the_middle_of_a_game():
@@ -449,7 +449,7 @@ def test_another_window_comes_into_the_middle_of_a_game():
     assert screen.history[0].text == "Game 1 is under way, with 2 robots and 8 rooms; the score is 0."
     assert len(screen.waiting) == 1
     treasure = seat.stage.session.game.treasures[2]
-    if not isinstance(screen.pop, TreasurePop):
+    if not isinstance(screen.popup, TreasurePopup):
         seat.do(ShowNext())
     seat.press(PickName(treasure.name))
-    assert seat.do(NameIt()).score == treasure.points
+    assert seat.do(SubmitName()).score == treasure.points

@@ -19,13 +19,13 @@ class Follower:
         self.model.connected(0.0)
         self.now = 0.0
 
-    def saw(self, level) -> None:
+    def observe(self, level) -> None:
         if isinstance(level, Whereabouts):
             self.now = level.tick * TICK
-        self.model.hear(level, self.now)
+        self.model.receive(level, self.now)
 
-    def wishes(self, view):
-        return self.model.wishes()
+    def requests(self, view):
+        return self.model.requests()
 
 
 def test_the_window_follows_a_hunt_that_a_ground_station_steers():

@@ -10,33 +10,33 @@ from tests.thbridge.roles.stage import RULES
 from tests.ui.model.seat import Seat
 from thbridge.hunt import rules
 from thbridge.hunt.events import Condition
-from thbridge.roles.notices import Motion, Picture, Whereabouts
-from thbridge.roles.view import Consent, DialogueView, RefusalView, RobotView, RoomView, Verdict, View
+from thbridge.roles.notices import Picture, RobotMotion, Whereabouts
+from thbridge.roles.view import Consent, DialogueView, IdentificationVerdict, RefusalView, RobotView, RoomView, View
 from ui.model.keys import act_for
 from ui.model.participant import Participant
 from ui.model.playing.offers import offers
 from ui.model.screen import (
+    AskAdvice,
     AskForRobot,
+    Cancel,
     ChooseRobot,
     ChooseRoom,
+    Confirm,
     ConsiderRoom,
-    DialoguePop,
-    DontKnow,
+    DialoguePopup,
     EndGame,
     GiveAnswer,
-    LeaveIt,
-    Meant,
-    NameIt,
+    LeaveTreasure,
     NextRobot,
-    NotYet,
     Phase,
     PickName,
     ShowHelp,
     ShowNext,
     ShowWaiting,
     StopRobot,
+    SubmitName,
     TakeThePicture,
-    TreasurePop,
+    TreasurePopup,
     TypeDigit,
 )
 
@@ -54,7 +54,17 @@ ACTS = st.one_of(
     st.builds(PickName, st.one_of(st.none(), st.sampled_from(("Orange Bottle", "Pink can", "nothing")))),
     st.builds(ShowWaiting, st.integers(0, 3)),
     st.sampled_from(
-        (DontKnow(), TakeThePicture(), NameIt(), LeaveIt(), ShowNext(), EndGame(), Meant(), NotYet(), ShowHelp())
+        (
+            AskAdvice(),
+            TakeThePicture(),
+            SubmitName(),
+            LeaveTreasure(),
+            ShowNext(),
+            EndGame(),
+            Confirm(),
+            Cancel(),
+            ShowHelp(),
+        )
     ),
 )
 
@@ -63,8 +73,8 @@ def check_offers(screen):
     """Every button says what it does, and why it does not."""
     for action in offers(screen):
         assert action.label
-        assert action.enabled or action.hint or action.busy or isinstance(action.act, GiveAnswer)
-    if isinstance(screen.pop, DialoguePop):
+        assert action.enabled or action.hint or action.pending or isinstance(action.act, GiveAnswer)
+    if isinstance(screen.pop, DialoguePopup):
         keys = [choice.key for choice in screen.pop.choices]
         assert len(set(keys)) == len(keys)
     printed = [action.key for action in offers(screen) if action.key and action.key != "W"]
@@ -98,12 +108,12 @@ class Game(RuleBasedStateMachine):
     @rule(data=st.data(), ticks=st.integers(5, 30))
     @precondition(lambda self: self.seat.screen.pop is not None)
     def go_along(self, data, ticks):
-        match self.seat.screen.pop:
-            case DialoguePop(choices=choices) if choices:
+        match self.seat.screen.popup:
+            case DialoguePopup(choices=choices) if choices:
                 self.seat.press(GiveAnswer(0), ticks)
-            case TreasurePop(names=names) if names:
+            case TreasurePopup(names=names) if names:
                 self.seat.press(PickName(data.draw(st.sampled_from(names))), 1)
-                self.seat.press(NameIt(), ticks)
+                self.seat.press(SubmitName(), ticks)
 
     @rule(key=st.sampled_from(KEYS), ticks=st.integers(0, 5))
     def press_a_key(self, key, ticks):
@@ -145,9 +155,9 @@ class Game(RuleBasedStateMachine):
             return
         seat = self.seat
         seat.run(12)
-        if seat.screen.question is not None:
-            assert {Meant(), NotYet()} <= {action.act for action in seat.offers()}
-            seat.press(NotYet())
+        if seat.screen.confirmation is not None:
+            assert {Confirm(), Cancel()} <= {action.act for action in seat.offers()}
+            seat.press(Cancel())
         if seat.screen.help:
             seat.press(ShowHelp())
         state, screen = seat.stage.session.game, seat.screen
@@ -155,20 +165,20 @@ class Game(RuleBasedStateMachine):
             assert screen.phase is Phase.OVER
             return
         assert screen.phase is Phase.PLAYING
-        looked_at = {waiting.robot for waiting in screen.waiting} | ({screen.pop.robot} if screen.pop else set())
+        looked_at = {waiting.robot for waiting in screen.waiting} | ({screen.popup.robot} if screen.popup else set())
         selected = next(card.robot for card in screen.cards if card.selected)
         spoken = {(talk.robot, talk.room) for talk in (*seat.view.dialogues, *seat.view.consents)}
         for robot, card in enumerate(screen.cards):
             if state.robots[robot].bound_for is not None:
                 assert card.stop is not None
-                assert card.stop.enabled or card.stop.busy
+                assert card.stop.enabled or card.stop.pending
             tiles = seat.press(ChooseRobot(robot), 0).tiles
             for room in state.started.costs.rooms:
                 tile = tiles[room.people - 1].choose
                 allowed = isinstance(rules.move(state, robot, room), tuple)
                 others = {other for other, about in spoken if about == room.people} - {robot}
                 if allowed and not others:
-                    assert tile.enabled or tile.busy, (robot, room, tile)
+                    assert tile.enabled or tile.pending, (robot, room, tile)
                 if not allowed and state.robots[robot].bound_for is None:
                     assert not tile.enabled, (robot, room, tile)
                 if allowed and others:
@@ -181,7 +191,7 @@ class Game(RuleBasedStateMachine):
                 assert stander is not None
         for dialogue in seat.view.dialogues:
             assert dialogue.robot in looked_at
-        assert screen.end.enabled == isinstance(rules.give_up(state), tuple) or screen.end.busy
+        assert screen.end.enabled == isinstance(rules.give_up(state), tuple) or screen.end.pending
         check_cards(seat, state)
 
 
@@ -225,7 +235,7 @@ def views(draw, robots=2, rooms=3):
             st.one_of(st.none(), robot),
             sensed,
             st.sampled_from((None, "a.jpg")),
-            st.one_of(st.none(), st.builds(Verdict, st.sampled_from(("", "can")), st.integers(-9, 9))),
+            st.one_of(st.none(), st.builds(IdentificationVerdict, st.sampled_from(("", "can")), st.integers(-9, 9))),
             st.booleans(),
         )
 
@@ -264,7 +274,7 @@ def views(draw, robots=2, rooms=3):
 
 MOTIONS = st.builds(
     lambda tick, doing, progress: Whereabouts(
-        tick, ((0.0, 0.0, 0.0), (1.0, 0.0, 0.0)), (Motion(doing, 1, progress, 1.0), Motion())
+        tick, ((0.0, 0.0, 0.0), (1.0, 0.0, 0.0)), (RobotMotion(doing, 1, progress, 1.0), RobotMotion())
     ),
     st.integers(0, 999),
     st.sampled_from(("resting", "planning", "driving", "waiting", "clearing", "silent")),
@@ -289,12 +299,12 @@ def test_nothing_that_is_heard_or_done_raises(steps):
         if isinstance(step, float):
             now += step
         elif isinstance(step, View | Whereabouts | Picture):
-            model.hear(step, now)
+            model.receive(step, now)
         else:
             model.do(step, now)
         screen = model.screen(now)
         check_offers(screen)
         assert model.screen(now) is screen
-        model.wishes()
+        model.requests()
         model.rooms(now)
         model.robots(now)

@@ -8,13 +8,14 @@ import pytest
 
 from tests.ui.model.views import asking, refusal, view, with_robot, with_room
 from thbridge.hunt.events import Condition
-from thbridge.roles.notices import Ellipse, House, Motion, Picture, RoomOutline, Ways, Whereabouts
+from thbridge.roles.notices import Ellipse, House, Picture, RobotMotion, RoomOutline, Ways, Whereabouts
 from thbridge.roles.view import (
     Agree,
     Answer,
     CallBack,
     Consent,
     GiveUp,
+    IdentificationVerdict,
     Identify,
     Leave,
     PlayAgain,
@@ -22,28 +23,27 @@ from thbridge.roles.view import (
     SendRobot,
     Sense,
     Unsure,
-    Verdict,
 )
 from ui.model.participant import Participant
 from ui.model.screen import (
     AgreeToTakePart,
     AnotherGame,
+    AskAdvice,
     ChooseRobot,
     ChooseRoom,
+    Confirm,
     ConsiderRoom,
-    DontKnow,
     EndGame,
     FitMap,
     FollowRobot,
     GiveAnswer,
-    LeaveIt,
-    Meant,
-    NameIt,
+    LeaveTreasure,
     Phase,
     PickName,
     ShowHelp,
     ShowNext,
     StopRobot,
+    SubmitName,
     TypeDigit,
 )
 
@@ -68,14 +68,14 @@ HOUSE = House(
 
 
 def where(tick, *motions, x=0.0, ellipses=None):
-    return Whereabouts(tick, ((x, 0.0, 0.0),) * 2, motions or (Motion(), Motion()), ellipses)
+    return Whereabouts(tick, ((x, 0.0, 0.0),) * 2, motions or (RobotMotion(), RobotMotion()), ellipses)
 
 
 def model_of(*levels, now=0.0):
     model = Participant()
     model.connected(0.0)
     for level in levels:
-        model.hear(level, now)
+        model.receive(level, now)
     model.screen(now)
     return model
 
@@ -91,7 +91,7 @@ def test_before_there_is_a_game_it_says_what_it_waits_for():
         Phase.CONNECTING,
         "Looking for the game.",
     )
-    model.hear(view(ready=False), 0.1)
+    model.receive(view(ready=False), 0.1)
     assert model.screen(0.1).phase is Phase.CONNECTING
     model.connected(0.2)
     assert model.screen(0.2).waiting_for == "The game is there. Its robots are getting ready."
@@ -100,7 +100,7 @@ def test_before_there_is_a_game_it_says_what_it_waits_for():
     assert screen.waiting_for == "The game cannot be reached. It is tried again by itself."
     assert screen.banner.text.startswith("The connection to the game is lost. Nobody answers. It is tried again")
     model.connected(2.0)
-    model.hear(view(), 2.0)
+    model.receive(view(), 2.0)
     assert model.screen(2.0).phase is Phase.PLAYING
 
 
@@ -109,21 +109,21 @@ def test_consent_comes_before_everything_else():
     screen = model.screen(0.0)
     assert (screen.phase, screen.consent) == (Phase.CONSENT, "May we record what you do?")
     model.do(ChooseRoom(1), 0.0)
-    assert model.wishes() == ()
+    assert model.requests() == ()
     model.do(AgreeToTakePart(), 0.0)
-    assert model.wishes() == (Agree(),)
-    assert model.screen(0.0).agree.busy
-    model.hear(view(), 1.0)
-    assert (model.screen(1.0).phase, model.wishes()) == (Phase.PLAYING, ())
+    assert model.requests() == (Agree(),)
+    assert model.screen(0.0).agree.pending
+    model.receive(view(), 1.0)
+    assert (model.screen(1.0).phase, model.requests()) == (Phase.PLAYING, ())
 
 
 def test_the_screen_is_the_same_object_while_nothing_changes():
-    model = model_of(UNDER_WAY, where(1, Motion("driving", None, 0.101), Motion()))
+    model = model_of(UNDER_WAY, where(1, RobotMotion("driving", None, 0.101), RobotMotion()))
     screen = model.screen(0.0)
     for tick in range(2, 20):
-        model.hear(where(tick, Motion("driving", None, 0.1 + tick * 0.0001), Motion()), tick * 0.04)
+        model.receive(where(tick, RobotMotion("driving", None, 0.1 + tick * 0.0001), RobotMotion()), tick * 0.04)
         assert model.screen(tick * 0.04) is screen
-    model.hear(where(21, Motion("driving", None, 0.2), Motion()), 0.84)
+    model.receive(where(21, RobotMotion("driving", None, 0.2), RobotMotion()), 0.84)
     assert model.screen(0.84) is not screen
     assert model.screen(0.84).cards[0].progress == 0.2
 
@@ -131,27 +131,27 @@ def test_the_screen_is_the_same_object_while_nothing_changes():
 @pytest.mark.parametrize(
     ("motion", "state"),
     [
-        (Motion("driving", None, 0.5), "travelling to room 3"),
-        (Motion("waiting", 1), "waiting for robot 2"),
-        (Motion("waiting"), "waiting for another robot"),
-        (Motion("clearing"), "getting free"),
-        (Motion("planning"), "looking for a way to room 3"),
+        (RobotMotion("driving", None, 0.5), "travelling to room 3"),
+        (RobotMotion("waiting", 1), "waiting for robot 2"),
+        (RobotMotion("waiting"), "waiting for another robot"),
+        (RobotMotion("clearing"), "getting free"),
+        (RobotMotion("planning"), "looking for a way to room 3"),
     ],
 )
 def test_what_a_robot_under_way_does_is_said_in_words(motion, state):
-    card = model_of(UNDER_WAY, where(1, motion, Motion())).screen(0.0).cards[0]
+    card = model_of(UNDER_WAY, where(1, motion, RobotMotion())).screen(0.0).cards[0]
     assert (card.state, card.trouble, card.progress) == (state, False, motion.progress)
     assert card.place == "from the corridor"
 
 
 def test_a_robot_that_came_to_rest_is_at_the_end_of_its_way_until_the_game_knows():
-    model = model_of(UNDER_WAY, where(1, Motion("driving", None, 0.98), Motion()))
-    model.hear(where(2), 0.04)
+    model = model_of(UNDER_WAY, where(1, RobotMotion("driving", None, 0.98), RobotMotion()))
+    model.receive(where(2), 0.04)
     card = model.screen(0.04).cards[0]
     assert (card.progress, card.state) == (0.98, "travelling to room 3")
-    model.hear(FOUND, 0.08)
-    model.hear(where(3), 0.12)
-    model.hear(with_robot(FOUND, 0, moving_to=2), 0.16)
+    model.receive(FOUND, 0.08)
+    model.receive(where(3), 0.12)
+    model.receive(with_robot(FOUND, 0, moving_to=2), 0.16)
     assert model.screen(0.16).cards[0].progress == 0.0
 
 
@@ -177,7 +177,7 @@ def test_the_cost_of_the_room_looked_at_is_on_the_card_of_the_robot_commanded():
     screen = model.screen(0.0)
     assert [card.cost for card in screen.cards] == [9.0, None]
     assert [tile.considered for tile in screen.tiles] == [False, True, False]
-    model.hear(with_robot(with_robot(view(), 0, energy=8.0), 1, energy=50.0), 0.1)
+    model.receive(with_robot(with_robot(view(), 0, energy=8.0), 1, energy=50.0), 0.1)
     card = model.screen(0.1).cards[0]
     assert (card.cost, card.affordable, card.energy_at_start) == (9.0, False, 100.0)
     model.do(ConsiderRoom(None), 0.2)
@@ -192,7 +192,7 @@ def test_the_cost_of_the_room_talked_about_is_on_its_robots_card():
 def test_a_talk_about_a_room_warns_as_its_tile_does():
     poor = with_robot(view(dialogues=(asking(0, 3),)), 0, energy=7.5)
     screen = model_of(poor).screen(0.0)
-    assert screen.pop.warning == "Enough to get there, not to name what is there."
+    assert screen.popup.warning == "Enough to get there, not to name what is there."
     assert (
         screen.tiles[0].choose.hint
         == "Costs 5; robot 1 keeps 2.5. Enough to name what is there, not to take a picture first."
@@ -220,33 +220,33 @@ def test_a_robot_may_spend_all_it_has():
 
 def test_what_follows_from_agreements_is_wanted_without_being_asked_again():
     model = model_of(view(consents=(Consent(0, "select-room", 3),)))
-    assert model.wishes() == (SendRobot(0, 3),)
+    assert model.requests() == (SendRobot(0, 3),)
     assert model.screen(0.0).cards[0].state == "about to set out for room 3"
-    model.hear(with_room(FOUND, 3, colour=None, footprint=None), 0.1)
-    assert model.wishes() == (Sense(3),)
-    model.hear(with_robot(with_room(FOUND, 3, colour=None, footprint=None), 0, condition=Condition.SILENT), 0.05)
-    assert model.wishes() == ()
-    assert model.screen(0.1).pop.title == "Robot 1 looks around in room 3"
+    model.receive(with_room(FOUND, 3, colour=None, footprint=None), 0.1)
+    assert model.requests() == (Sense(3),)
+    model.receive(with_robot(with_room(FOUND, 3, colour=None, footprint=None), 0, condition=Condition.SILENT), 0.05)
+    assert model.requests() == ()
+    assert model.screen(0.1).popup.title == "Robot 1 looks around in room 3"
 
 
 def test_an_agreed_name_is_said_only_as_it_was_picked():
     agreed = replace(FOUND, consents=(Consent(0, "take-treasure", 3),))
     model = model_of(agreed)
-    assert model.wishes() == ()
+    assert model.requests() == ()
     model.do(PickName("no such thing"), 0.0)
-    model.do(NameIt(), 0.0)
-    assert model.wishes() == ()
+    model.do(SubmitName(), 0.0)
+    assert model.requests() == ()
     model.do(PickName("can"), 0.0)
-    assert model.wishes() == ()
-    model.do(NameIt(), 0.0)
-    assert model.wishes() == (Identify(3, "can"),)
+    assert model.requests() == ()
+    model.do(SubmitName(), 0.0)
+    assert model.requests() == (Identify(3, "can"),)
     model.do(PickName("ball"), 0.0)
-    assert model.wishes() == (Identify(3, "can"),)
-    assert model.screen(0.0).pop.name_it.busy
-    model.hear(replace(agreed, refusal=refusal(1, "Identify")), 0.1)
-    assert model.wishes() == ()
-    assert model.screen(0.1).pop.name_it.enabled
-    assert model.screen(0.1).pop.picked == "can"
+    assert model.requests() == (Identify(3, "can"),)
+    assert model.screen(0.0).popup.name_it.pending
+    model.receive(replace(agreed, refusal=refusal(1, "Identify")), 0.1)
+    assert model.requests() == ()
+    assert model.screen(0.1).popup.name_it.enabled
+    assert model.screen(0.1).popup.picked == "can"
 
 
 def test_an_act_for_what_has_gone_from_the_screen_meanwhile_does_nothing():
@@ -254,66 +254,66 @@ def test_an_act_for_what_has_gone_from_the_screen_meanwhile_does_nothing():
         with_robot(FOUND, 1, place=2), 2, state="visited", robot=1, colour="Blue", footprint="Square and Small"
     )
     model = model_of(FOUND)
-    model.hear(two, 0.1)
-    assert model.screen(0.1).pop.room == 3
-    model.hear(with_room(two, 3, left=True), 0.2)
-    model.do(LeaveIt(), 0.2)
-    assert model.wishes() == ()
-    assert model.screen(0.2).pop.room == 2
-    model.do(LeaveIt(), 0.3)
-    assert model.wishes() == (Leave(2),)
+    model.receive(two, 0.1)
+    assert model.screen(0.1).popup.room == 3
+    model.receive(with_room(two, 3, left=True), 0.2)
+    model.do(LeaveTreasure(), 0.2)
+    assert model.requests() == ()
+    assert model.screen(0.2).popup.room == 2
+    model.do(LeaveTreasure(), 0.3)
+    assert model.requests() == (Leave(2),)
 
 
 def test_what_came_up_meanwhile_is_not_put_aside_unseen():
     two = with_room(with_robot(FOUND, 1, place=2), 2, state="visited", robot=1, colour="Blue", footprint="Square")
     model = model_of(FOUND)
-    model.hear(with_room(two, 3, left=True), 0.1)
+    model.receive(with_room(two, 3, left=True), 0.1)
     model.do(ShowNext(), 0.1)
-    assert model.screen(0.1).pop.room == 2
+    assert model.screen(0.1).popup.room == 2
 
 
 def test_a_robot_that_arrives_as_it_is_called_back_stays_with_what_it_found():
     model = model_of(UNDER_WAY)
     model.do(ChooseRoom(1), 0.0)
     model.screen(0.0)
-    model.do(Meant(), 0.0)
-    assert model.wishes() == (CallBack(0),)
-    model.hear(FOUND, 0.1)
-    assert model.wishes() == ()
+    model.do(Confirm(), 0.0)
+    assert model.requests() == (CallBack(0),)
+    model.receive(FOUND, 0.1)
+    assert model.requests() == ()
     assert model.screen(0.1).banner.text == "Robot 1 was already in room 3 when you called it back."
-    assert model.screen(0.1).pop.room == 3
+    assert model.screen(0.1).popup.room == 3
 
 
 def test_a_robot_that_is_stopped_after_all_is_sent_nowhere_else():
     model = model_of(UNDER_WAY)
     model.do(ChooseRoom(1), 0.0)
     model.screen(0.0)
-    model.do(Meant(), 0.0)
+    model.do(Confirm(), 0.0)
     model.do(StopRobot(), 0.0)
-    model.hear(view(), 0.1)
-    assert model.wishes() == ()
-    assert model.screen(0.1).pop is None
+    model.receive(view(), 0.1)
+    assert model.requests() == ()
+    assert model.screen(0.1).popup is None
 
 
 def test_an_act_for_one_game_is_none_for_the_next():
     model = model_of(view())
-    model.hear(view(game=2), 0.1)
+    model.receive(view(game=2), 0.1)
     model.do(ChooseRoom(3), 0.1)
-    assert model.wishes() == ()
+    assert model.requests() == ()
 
 
 def test_advice_is_asked_for_once():
     model = model_of(view())
-    model.do(DontKnow(), 0.0)
-    asked = model.screen(0.0).dont_know
-    assert (asked.enabled, asked.busy, model.wishes()) == (False, True, (Unsure(0),))
+    model.do(AskAdvice(), 0.0)
+    asked = model.screen(0.0).ask_advice
+    assert (asked.enabled, asked.pending, model.requests()) == (False, True, (Unsure(0),))
 
 
 def test_a_picture_after_which_nothing_could_be_named_is_warned_of():
     poor = with_robot(FOUND, 0, energy=5.5)
     screen = model_of(poor).screen(0.0)
-    assert screen.pop.take_picture.hint == "Costs 5 of 5.5 energy. Then too little is left to name what it is."
-    assert model_of(FOUND).screen(0.0).pop.take_picture.hint == "Costs 5 of 100 energy."
+    assert screen.popup.take_picture.hint == "Costs 5 of 5.5 energy. Then too little is left to name what it is."
+    assert model_of(FOUND).screen(0.0).popup.take_picture.hint == "Costs 5 of 100 energy."
     # It cannot go anywhere any more, but there is something left to do.
     assert model_of(with_robot(FOUND, 0, energy=2.0)).screen(0.0).cards[0].state == "found something"
 
@@ -321,49 +321,49 @@ def test_a_picture_after_which_nothing_could_be_named_is_warned_of():
 def test_what_follows_on_an_act_before_the_screen_does_is_for_nothing_shown():
     model = model_of(FOUND)
     model.do(ShowNext(), 0.0)
-    model.do(LeaveIt(), 0.0)
-    assert model.wishes() == ()
+    model.do(LeaveTreasure(), 0.0)
+    assert model.requests() == ()
     model.do(ShowNext(), 0.0)
-    assert model.screen(0.0).pop is None
+    assert model.screen(0.0).popup is None
 
 
 def test_a_question_is_answered_by_nobody_who_has_not_seen_it():
     model = model_of(view())
     model.do(EndGame(), 0.0)
-    model.do(Meant(), 0.0)
-    assert model.wishes() == ()
-    assert model.screen(0.0).question is not None
-    model.do(Meant(), 0.0)
-    assert model.wishes() == (GiveUp(1),)
+    model.do(Confirm(), 0.0)
+    assert model.requests() == ()
+    assert model.screen(0.0).confirmation is not None
+    model.do(Confirm(), 0.0)
+    assert model.requests() == (GiveUp(1),)
 
 
 def test_nobody_is_asked_about_a_treasure_that_the_robot_cannot_name():
     model = model_of(with_robot(replace(FOUND, identify_cost=50.0), 0, energy=20.0))
     model.do(ChooseRoom(1), 0.0)
-    assert model.screen(0.0).question is None
-    assert model.wishes() == (Select(0, 1),)
+    assert model.screen(0.0).confirmation is None
+    assert model.requests() == (Select(0, 1),)
 
 
 def test_an_answer_names_the_turn_that_was_read():
     model = model_of(view(dialogues=(asking(0, 3, turn=1),)))
-    model.hear(view(dialogues=(asking(0, 3, turn=3),)), 0.1)
+    model.receive(view(dialogues=(asking(0, 3, turn=3),)), 0.1)
     model.do(GiveAnswer(0), 0.1)
-    assert model.wishes() == ()
+    assert model.requests() == ()
     model.screen(0.1)
     model.do(GiveAnswer(0), 0.2)
-    assert model.wishes() == (Answer(1, 3, 0),)
+    assert model.requests() == (Answer(1, 3, 0),)
 
 
 def test_wishes_outlive_a_connection():
     model = model_of(view())
     model.do(ChooseRoom(3), 0.0)
     model.lost("", 1.0)
-    assert model.wishes() == (Select(0, 3),)
+    assert model.requests() == (Select(0, 3),)
     model.connected(9.0)
-    model.hear(view(), 9.0)
-    assert model.wishes() == (Select(0, 3),)
-    model.hear(view(dialogues=(asking(0, 3),)), 9.1)
-    assert model.wishes() == ()
+    model.receive(view(), 9.0)
+    assert model.requests() == (Select(0, 3),)
+    model.receive(view(dialogues=(asking(0, 3),)), 9.1)
+    assert model.requests() == ()
 
 
 def test_a_game_that_stands_still_is_said_so_and_no_more_when_it_moves():
@@ -373,13 +373,13 @@ def test_a_game_that_stands_still_is_said_so_and_no_more_when_it_moves():
         model.screen(1.6).banner.text
         == "There is no news of the robots just now. The game goes on as soon as there is."
     )
-    model.hear(where(2), 1.7)
+    model.receive(where(2), 1.7)
     assert model.screen(1.7).banner is None
 
 
 def test_robots_that_are_not_there_are_said_so_in_the_middle_of_a_game():
     model = model_of(view())
-    model.hear(view(ready=False), 1.0)
+    model.receive(view(ready=False), 1.0)
     screen = model.screen(1.0)
     assert screen.phase is Phase.PLAYING
     assert screen.banner.text == "The robots are not there just now. The game goes on as soon as they are."
@@ -388,13 +388,13 @@ def test_robots_that_are_not_there_are_said_so_in_the_middle_of_a_game():
 def test_a_refusal_is_shown_for_some_seconds_and_only_once():
     model = model_of(view(refusal=refusal(1, "Select")))
     assert model.screen(0.0).banner is None
-    model.hear(view(refusal=refusal(2, "Select")), 1.0)
+    model.receive(view(refusal=refusal(2, "Select")), 1.0)
     assert model.screen(1.0).banner.text == "No Select."
-    model.hear(view(refusal=refusal(2, "Select"), score=1), 2.0)
+    model.receive(view(refusal=refusal(2, "Select"), score=1), 2.0)
     assert model.screen(6.9).banner.text == "No Select."
     assert model.screen(7.1).banner is None
-    model.hear(view(), 8.0)
-    model.hear(view(refusal=refusal(1, "Select")), 8.0)
+    model.receive(view(), 8.0)
+    model.receive(view(refusal=refusal(1, "Select")), 8.0)
     assert model.screen(8.0).banner.text == "No Select."
 
 
@@ -404,27 +404,27 @@ def test_a_refusal_is_shown_for_some_seconds_and_only_once():
         view(game=2),
         view(),
         view(robots=3),
-        with_room(FOUND, 3, state="unvisited", robot=None, verdict=Verdict("can", 5)),
-        with_room(FOUND, 3, verdict=Verdict("ball", 5)),
-        replace(with_room(FOUND, 3, verdict=Verdict("can", 5)), costs=((5.0,) * 4,) * 4),
+        with_room(FOUND, 3, state="unvisited", robot=None, verdict=IdentificationVerdict("can", 5)),
+        with_room(FOUND, 3, verdict=IdentificationVerdict("ball", 5)),
+        replace(with_room(FOUND, 3, verdict=IdentificationVerdict("can", 5)), costs=((5.0,) * 4,) * 4),
     ],
     ids=["number", "began anew", "robots", "rooms", "verdicts", "house"],
 )
 def test_another_game_begins_with_nothing_of_the_last_one(other):
-    verdict = with_room(FOUND, 3, verdict=Verdict("can", 5))
+    verdict = with_room(FOUND, 3, verdict=IdentificationVerdict("can", 5))
     model = model_of(FOUND)
     model.do(PickName("can"), 0.0)
-    model.hear(verdict, 0.5)
-    assert model.screen(0.5).gained == 5
+    model.receive(verdict, 0.5)
+    assert model.screen(0.5).last_points == 5
     model.do(ChooseRoom(2), 0.6)
-    model.hear(other, 1.0)
+    model.receive(other, 1.0)
     screen = model.screen(1.0)
-    assert (screen.gained, screen.pop, screen.waiting, model.wishes()) == (None, None, (), ())
+    assert (screen.last_points, screen.popup, screen.waiting, model.requests()) == (None, None, (), ())
     assert len(screen.history) == 1
 
 
 def test_the_end_says_why_and_what_came_of_it():
-    played = with_room(with_room(FOUND, 3, verdict=Verdict("can", 20)), 1, state="visited", left=True)
+    played = with_room(with_room(FOUND, 3, verdict=IdentificationVerdict("can", 20)), 1, state="visited", left=True)
     model = model_of(replace(played, score=20, over="no-move-left"))
     screen = model.screen(0.0)
     assert screen.phase is Phase.OVER
@@ -437,30 +437,30 @@ def test_the_end_says_why_and_what_came_of_it():
         "Room 3: can is right, 20 points won.",
     )
     model.do(AnotherGame(), 0.0)
-    assert model.wishes() == (PlayAgain(1),)
-    assert model.screen(0.0).ending.again.busy
+    assert model.requests() == (PlayAgain(1),)
+    assert model.screen(0.0).ending.again.pending
 
 
 def test_a_picture_is_shown_when_all_of_it_is_there():
     model = model_of(Picture(1, 3, 0, 1, b64encode(b"image").decode()), FOUND)
-    assert model.screen(0.0).pop.picture is None
-    model.hear(with_room(FOUND, 3, picture="a.jpg"), 0.1)
-    pop = model.screen(0.1).pop
+    assert model.screen(0.0).popup.picture is None
+    model.receive(with_room(FOUND, 3, picture="a.jpg"), 0.1)
+    pop = model.screen(0.1).popup
     assert (pop.picture, pop.picture_note, pop.take_picture) == (b"image", "", None)
 
 
 def test_a_picture_of_another_game_by_the_same_number_is_not_shown():
     pictured = with_room(FOUND, 3, picture="a.jpg")
     model = model_of(Picture(1, 3, 0, 1, b64encode(b"image").decode()), pictured)
-    assert model.screen(0.0).pop.picture == b"image"
-    model.hear(view(), 0.1)
-    model.hear(pictured, 0.2)
-    assert model.screen(0.2).pop.picture is None
+    assert model.screen(0.0).popup.picture == b"image"
+    model.receive(view(), 0.1)
+    model.receive(pictured, 0.2)
+    assert model.screen(0.2).popup.picture is None
 
 
 def test_a_game_that_is_over_does_not_go_on():
     model = model_of(replace(FOUND, over="given-up"))
-    model.hear(FOUND, 0.1)
+    model.receive(FOUND, 0.1)
     assert texts(model.screen(0.1)) == ["Game 1 is under way, with 2 robots and 3 rooms; the score is 0."]
 
 
@@ -469,10 +469,10 @@ def test_with_ten_rooms_a_number_has_two_digits_or_ends_with_enter():
     assert model.screen(0.0).tiles[3].choose.key == "04"
     model.do(TypeDigit(1), 0.0)
     screen = model.screen(0.0)
-    assert (screen.typed, screen.tiles[0].considered, model.wishes()) == ("1", True, ())
+    assert (screen.typed, screen.tiles[0].considered, model.requests()) == ("1", True, ())
     assert screen.announcement == "1, and another digit, or Enter."
     model.do(TypeDigit(2), 0.5)
-    assert model.wishes() == (Select(0, 12),)
+    assert model.requests() == (Select(0, 12),)
     model.do(TypeDigit(4), 1.0)
     assert model.screen(4.9).typed == "4"
     assert model.screen(5.1).typed == ""
@@ -498,15 +498,15 @@ def test_the_help_sheet_opens_at_any_time():
 
 def test_whoever_listens_is_told_what_matters_and_the_same_words_twice():
     model = model_of(view())
-    before = model.screen(0.0).announced
+    before = model.screen(0.0).announcement_number
     model.do(ChooseRobot(1), 0.0)
     screen = model.screen(0.0)
     assert screen.announcement == "Robot 2: in the corridor, ready, 100 energy."
     model.do(ChooseRobot(0), 0.0)
     model.do(ChooseRobot(1), 0.0)
-    assert model.screen(0.0).announced > screen.announced > before
-    model.hear(UNDER_WAY, 1.0)
-    model.hear(FOUND, 2.0)
+    assert model.screen(0.0).announcement_number > screen.announcement_number > before
+    model.receive(UNDER_WAY, 1.0)
+    model.receive(FOUND, 2.0)
     assert model.screen(2.0).announcement == (
         "Robot 1 sets out for room 3; it has 93 energy left. Robot 1 is in room 3. In room 3 is something pink, round "
         "and large. Robot 1 found something in room 3"
@@ -518,10 +518,10 @@ def test_whoever_listens_is_told_what_matters_and_the_same_words_twice():
 def test_everything_that_happened_is_in_the_history():
     model = model_of(view(dialogues=(asking(0, 3),)))
     model.do(GiveAnswer(0), 0.1)
-    model.hear(view(), 0.2)
-    model.hear(UNDER_WAY, 0.3)
-    model.hear(with_robot(view(), 0, energy=96.5), 0.4)
-    model.hear(with_robot(view(), 0, energy=96.5, condition=Condition.LOST), 0.5)
+    model.receive(view(), 0.2)
+    model.receive(UNDER_WAY, 0.3)
+    model.receive(with_robot(view(), 0, energy=96.5), 0.4)
+    model.receive(with_robot(view(), 0, energy=96.5, condition=Condition.LOST), 0.5)
     assert texts(model.screen(0.5)) == [
         "Game 1 begins, with 2 robots and 3 rooms.",
         "Shall I go?",
@@ -542,14 +542,14 @@ def test_the_map_shows_rooms_and_robots():
     assert model.rooms(0.5) is model.rooms(0.6)
     first, other = model.robots(0.1)
     assert (first.label, first.selected, first.trouble, other.selected) == ("1", True, False, False)
-    assert np.array_equal(first.way[-1], (1.0, 0.0))
+    assert np.array_equal(first.path[-1], (1.0, 0.0))
     assert first.ellipse.major == 0.3
-    assert model.house is HOUSE
+    assert model.floor_plan is HOUSE
 
 
 def test_a_house_that_is_told_late_is_drawn():
     model = model_of(view())
     assert model.rooms(0.0) == ()
-    model.hear(replace(HOUSE, rooms=(replace(HOUSE.rooms[0], name=""),)), 0.1)
+    model.receive(replace(HOUSE, rooms=(replace(HOUSE.rooms[0], name=""),)), 0.1)
     model.screen(0.1)
     assert [room.room for room in model.rooms(0.1)] == [1]

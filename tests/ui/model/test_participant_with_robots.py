@@ -11,10 +11,10 @@ from thbridge.app.session.session import Session
 from thbridge.roles.tabui import TabUI
 from thbridge.roles.view import View
 from thbridge.study.study_file import Study
-from thbridge.wire.router import Router
+from thbridge.wire.router import MessageRouter
 from ui.model.keys import act_for
 from ui.model.participant import Participant
-from ui.model.screen import DialoguePop, Phase, Screen, TreasurePop
+from ui.model.screen import DialoguePopup, Phase, Screen, TreasurePopup
 
 ROBOTS = 2
 MINUTES = 12
@@ -22,18 +22,18 @@ MINUTES = 12
 
 def key_for(screen: Screen) -> str | None:
     """What a participant who trusts the robots presses now."""
-    match screen.pop:
-        case DialoguePop(choices=choices):
+    match screen.popup:
+        case DialoguePopup(choices=choices):
             return "Enter" if choices else None
-        case TreasurePop() as found if found.verdict is not None:
+        case TreasurePopup() as found if found.verdict is not None:
             return "Enter"
-        case TreasurePop() as found if found.take_picture is not None and found.take_picture.enabled:
+        case TreasurePopup() as found if found.take_picture is not None and found.take_picture.enabled:
             return "P"
-        case TreasurePop() as found if found.picked is None and found.names:
+        case TreasurePopup() as found if found.picked is None and found.names:
             return "Down"
-        case TreasurePop() as found:
+        case TreasurePopup() as found:
             return "N" if found.name_it.enabled else "L" if found.name_it.hint.startswith("Naming") else None
-    return "D" if screen.dont_know.enabled else "Tab"
+    return "D" if screen.ask_advice.enabled else "Tab"
 
 
 class Table:
@@ -42,18 +42,18 @@ class Table:
         self.model, self.now = Participant(), 0.0
         self.tabui = TabUI(self, self)
         roles = [setting.simr(), setting.hider()]
-        self.session = Session(Router(), setting.keeper(), roles, NoLog(), [], self.tabui)
+        self.session = Session(MessageRouter(), setting.keeper(), roles, NoLog(), [], self.tabui)
         self.model.connected(0.0)
 
-    def saw(self, level) -> None:
-        self.model.hear(level, self.now)
+    def observe(self, level) -> None:
+        self.model.receive(level, self.now)
 
-    def wishes(self, view: View):
-        return self.model.wishes()
+    def requests(self, view: View):
+        return self.model.requests()
 
     def step(self) -> Screen:
         self.now += 0.02
-        self.tabui.look_again()
+        self.tabui.poll_player()
         self.session.step()
         return self.model.screen(self.now)
 
@@ -75,7 +75,7 @@ def test_a_hunt_with_robots_is_shown_as_it_goes():
             assert card.progress is None or card.progress >= progress[card.robot] - 0.35
             progress[card.robot] = card.progress or 0.0
             if marks and card.progress is not None and 0.1 < card.progress < 0.9:
-                assert len(marks[card.robot].way) > 1
+                assert len(marks[card.robot].path) > 1
                 assert len(marks[card.robot].trail) > 1
         if screen.phase is Phase.PLAYING and tick % 20 == 0 and (key := key_for(screen)) is not None:
             act = act_for(key, screen)

@@ -7,13 +7,13 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from thbridge.files.yaml.tree import parse
-from thbridge.hunt.outcomes import Refused
-from thbridge.study.noise import NoisePreset, preset, value_at, view_of, with_value
+from thbridge.hunt.refusals import RequestRefused
+from thbridge.study.noise import NoisePreset, noise_section_of, preset, value_at, with_value
 from thbridge.study.study_file import Study, load_study_tree, study_before
 from thbridge.study.text import as_yaml, commented_study
-from ui.model.study_form.draft import HEADER, Draft, History, draft_of, found
-from ui.model.study_form.form import Field, Kind, form_of, hint_of, said_of, typed
-from ui.model.study_form.noise import noise_said, preview_of
+from ui.model.study_form.draft import HEADER, StudyDraft, UndoHistory, draft_of, search_fields
+from ui.model.study_form.form import FieldKind, FormField, editable_text, form_of, hint_of, typed_as_yaml
+from ui.model.study_form.noise import noise_from_form, preview_of
 
 PATH = Path("study.yaml")
 WRITTEN = """\
@@ -35,14 +35,14 @@ world:
 """
 
 
-def quick(text: str) -> Draft:
+def quick(text: str) -> StudyDraft:
     """A draft as `draft_of` makes it, without what the study names being read."""
     tree = parse(PATH, text)
     study = load_study_tree(PATH, tree).value
-    return Draft(PATH, text, tree, form_of(text, tree, study_before(PATH, tree)), study, (), ())
+    return StudyDraft(PATH, text, tree, form_of(text, tree, study_before(PATH, tree)), study, (), ())
 
 
-def text_of(outcome: str | Refused) -> str:
+def text_of(outcome: str | RequestRefused) -> str:
     assert isinstance(outcome, str), outcome
     return outcome
 
@@ -52,7 +52,7 @@ def test_every_parameter_of_a_study_is_a_field_with_words() -> None:
     assert {"robots", "game.energy", "robot.amcl.kld_err", "noise.odometry.alpha1", "fleet.robot.odom"} <= set(fields)
     assert all(field.help and field.written is None for field in fields.values())
     field = fields["robot.amcl.kld_err"]
-    assert (field.kind, field.minimum, field.maximum, field.default) == (Kind.NUMBER, 0, 1, "0.05")
+    assert (field.kind, field.minimum, field.maximum, field.default) == (FieldKind.NUMBER, 0, 1, "0.05")
     assert fields["robot.localization"].choices == ("amcl", "ekf", "truth", "fake_localization")
     assert hint_of(fields["rate"]) == "0 to 1000, or null"
 
@@ -75,13 +75,17 @@ def test_defaults_are_those_of_presets_and_of_all_robots() -> None:
 
 def test_the_commented_file_and_an_empty_one_show_the_same_values() -> None:
     all_written, none_written = quick(commented_study()).fields(), quick("").fields()
-    assert {key: said_of(field) for key, field in all_written.items()} == {
-        key: said_of(field) for key, field in none_written.items()
+    assert {key: editable_text(field) for key, field in all_written.items()} == {
+        key: editable_text(field) for key, field in none_written.items()
     }
 
 
 EDITED = quick(WRITTEN).fields()
-KEYS = sorted(key for key, field in EDITED.items() if field.kind in {Kind.NUMBER, Kind.WHOLE, Kind.TRUTH, Kind.CHOICE})
+KEYS = sorted(
+    key
+    for key, field in EDITED.items()
+    if field.kind in {FieldKind.NUMBER, FieldKind.INTEGER, FieldKind.BOOLEAN, FieldKind.CHOICE}
+)
 
 
 @st.composite
@@ -89,12 +93,12 @@ def changes(draw: st.DrawFn) -> tuple[str, str]:
     """A field and something that may stand in it."""
     key = draw(st.sampled_from(KEYS))
     field = EDITED[key]
-    if field.kind is Kind.CHOICE:
+    if field.kind is FieldKind.CHOICE:
         return key, draw(st.sampled_from(field.choices))
-    if field.kind is Kind.TRUTH:
+    if field.kind is FieldKind.BOOLEAN:
         return key, draw(st.sampled_from(["true", "false"]))
     low, high = max(field.minimum, -1e6), min(field.maximum, 1e6)
-    if field.kind is Kind.WHOLE:
+    if field.kind is FieldKind.INTEGER:
         return key, str(draw(st.integers(round(low), round(high))))
     return key, repr(draw(st.floats(low, high, allow_nan=False)))
 
@@ -114,11 +118,11 @@ def test_a_changed_file_means_what_was_wished_and_keeps_all_other_lines(
         if key not in fields:
             continue
         field = fields[key]
-        draft = Draft(PATH, text, tree, form, None, (), ())
+        draft = StudyDraft(PATH, text, tree, form, None, (), ())
         before, text = text, text_of(draft.set(field, said))
         tree = parse(PATH, text)
         after = {field.key: field for field in form_of(text, tree, study_before(PATH, tree)).all_fields()}
-        assert as_number(said_of(after[key])) == as_number(said)
+        assert as_number(editable_text(after[key])) == as_number(said)
         untouched(before, text, field)
         for other, was in fields.items():
             # A preset changes defaults, and so does what all robots have; what is written stays.
@@ -126,7 +130,7 @@ def test_a_changed_file_means_what_was_wished_and_keeps_all_other_lines(
                 assert after[other].written == was.written
 
 
-def untouched(before: str, after: str, field: Field) -> None:
+def untouched(before: str, after: str, field: FormField) -> None:
     """All lines but the field's own are there, to the byte and in order."""
     lines = before.splitlines(keepends=True)
     codes = difflib.SequenceMatcher(None, lines, after.splitlines(keepends=True), autojunk=False).get_opcodes()
@@ -156,7 +160,7 @@ def test_resetting_takes_back_just_what_was_set(change: tuple[str, str]) -> None
     tree = parse(PATH, changed)
     form = form_of(changed, tree, study_before(PATH, tree))
     field = next(field for field in form.all_fields() if field.key == key)
-    assert text_of(Draft(PATH, changed, tree, form, None, (), ()).reset(field)) == draft.text
+    assert text_of(StudyDraft(PATH, changed, tree, form, None, (), ()).reset(field)) == draft.text
 
 
 def test_typing_nothing_resets_a_number() -> None:
@@ -166,11 +170,11 @@ def test_typing_nothing_resets_a_number() -> None:
 
 def test_words_are_quoted_where_they_must_be() -> None:
     fields = quick("").fields()
-    assert typed(fields["map"], "./my map: new") == '"./my map: new"'
-    assert typed(fields["map"], "arena8") == "arena8"
-    assert typed(fields["map"], "true") == '"true"'
-    assert typed(fields["robots"], "#3") == '"#3"'
-    assert typed(fields["rate"], "null") == "null"
+    assert typed_as_yaml(fields["map"], "./my map: new") == '"./my map: new"'
+    assert typed_as_yaml(fields["map"], "arena8") == "arena8"
+    assert typed_as_yaml(fields["map"], "true") == '"true"'
+    assert typed_as_yaml(fields["robots"], "#3") == '"#3"'
+    assert typed_as_yaml(fields["rate"], "null") == "null"
 
 
 def test_faults_are_told_at_their_fields() -> None:
@@ -228,24 +232,26 @@ def test_a_robot_gets_software_of_its_own() -> None:
 
 @pytest.mark.parametrize("words", ["kld_err", "kld err", "largest error between", "KLD_ERR", "amcl kld"])
 def test_search_finds_by_name_and_by_meaning(words: str) -> None:
-    assert "robot.amcl.kld_err" in [field.key for field in found(quick("").form, words)]
+    assert "robot.amcl.kld_err" in [field.key for field in search_fields(quick("").form, words)]
 
 
 def test_search_puts_exact_names_first_and_knows_old_ones() -> None:
     form = quick(WRITTEN).form
-    assert found(form, "alpha1")[0].key == "noise.odometry.alpha1"
-    assert found(form, "pdist_scale")[0].key == "robot.TrajectoryPlannerROS.path_distance_bias"
-    assert [field.key for field in found(quick("").form, "pdist")] == ["robot.TrajectoryPlannerROS.path_distance_bias"]
-    assert found(form, "  ") == ()
+    assert search_fields(form, "alpha1")[0].key == "noise.odometry.alpha1"
+    assert search_fields(form, "pdist_scale")[0].key == "robot.TrajectoryPlannerROS.path_distance_bias"
+    assert [field.key for field in search_fields(quick("").form, "pdist")] == [
+        "robot.TrajectoryPlannerROS.path_distance_bias"
+    ]
+    assert search_fields(form, "  ") == ()
 
 
 def test_history_goes_back_and_forth_and_takes_typing_together() -> None:
-    history = History("a").said("ab", "k").said("abc", "k")
+    history = UndoHistory("a").changed("ab", "k").changed("abc", "k")
     assert history.undone().text == "a"
     assert history.undone().redone() == dataclasses.replace(history, key="")
-    apart = History("a").said("ab", "k").settled().said("abc", "k")
+    apart = UndoHistory("a").changed("ab", "k").settled().changed("abc", "k")
     assert apart.undone().text == "ab"
-    assert history.undone().said("x").redone().text == "x"
+    assert history.undone().changed("x").redone().text == "x"
 
 
 def test_as_it_stands_the_value_of_a_field_is_the_loaders() -> None:
@@ -257,15 +263,15 @@ def test_as_it_stands_the_value_of_a_field_is_the_loaders() -> None:
 def test_noise_is_what_is_typed_before_it_is_in_the_file() -> None:
     draft = quick("noise: {odometry: {alpha1: 0.3}}\n")
     fields = list(draft.groups()["noise"].all_fields())
-    typing = noise_said(fields, {"noise.odometry.alpha2": "0.4", "noise.laser.dropout": "much"})
+    typing = noise_from_form(fields, {"noise.odometry.alpha2": "0.4", "noise.laser.dropout": "much"})
     assert (typing.odometry.alpha1, typing.odometry.alpha2, typing.laser.dropout) == (0.3, 0.4, 0.005)
-    chosen = noise_said(fields, {"noise.preset": "bad wheels"})
+    chosen = noise_from_form(fields, {"noise.preset": "bad wheels"})
     assert (chosen.odometry.alpha1, chosen.odometry.alpha2, chosen.odometry.angular_scale) == (0.3, 0.1, 1.1)
 
 
 def test_a_verdict_tells_a_belief_that_fits_from_one_that_does_not() -> None:
-    quiet = preview_of(Study(), preset(NoisePreset.PERFECT, view_of(Study())))
+    quiet = preview_of(Study(), preset(NoisePreset.PERFECT, noise_section_of(Study())))
     assert "too sure" not in quiet.straight.verdict
-    sure = noise_said([], {})
+    sure = noise_from_form([], {})
     sure = with_value(with_value(sure, "believed.amcl.odom_alpha2", 0.0), "believed.amcl.odom_alpha1", 0.0)
     assert "too sure" in preview_of(Study(), with_value(sure, "odometry.alpha2", 0.5)).straight.verdict

@@ -9,14 +9,14 @@ from sim.team import Carry, Die, PutThing, Revive
 from thbridge.app.compose import build_bot, read_setting
 from thbridge.app.play import PLAY, NoLog
 from thbridge.app.session.broadcast import Broadcast
-from thbridge.app.session.recording import BagWitness
+from thbridge.app.session.recording import BagRecorder
 from thbridge.app.session.session import Session
 from thbridge.recording.bag.records import Compression
 from thbridge.roles.robot_requests import Request
 from thbridge.roles.tabui import TabUI
 from thbridge.study.study_file import RecordingSection, Study
 from thbridge.wire import legacy
-from thbridge.wire.router import Router
+from thbridge.wire.router import MessageRouter
 from ui.model.watching.tools import obstacle
 
 STUDY = dataclasses.replace(Study(), seed=7, robots=3)
@@ -36,9 +36,9 @@ def record(bag: Path, study: Study, ticks: int, done: Mapping[int, Request] = DO
     participant = TabUI(build_bot(setting.templates, study.participant.strategy, study.seed))
     session_record = setting.record(PLAY, [legacy.SIMR, legacy.HIDER, legacy.TABUI], "suggestion")
     with setting.writer(bag) as writer:
-        witness = BagWitness(Broadcast(setting.publisher(), session_record, setting.place.grid, [writer]))
+        witness = BagRecorder(Broadcast(setting.publisher(), session_record, setting.map.grid, [writer]))
         roles = [setting.simr(), setting.hider()]
-        session = Session(Router(), setting.keeper(), roles, NoLog(), [witness], participant)
+        session = Session(MessageRouter(), setting.keeper(), roles, NoLog(), [witness], participant)
         for tick in range(ticks):
             if tick in done:
                 session.ask("watch", done[tick])

@@ -14,10 +14,10 @@ from thbridge.analysis.report.gathering import read_report
 from thbridge.files.errors import BadFile
 from thbridge.recording.bag import reader as bag_reader
 from ui.model.watching.live import LiveSource
-from ui.model.watching.scene import RobotScene, Scene, Shown
+from ui.model.watching.scene import RobotScene, Scene, ShownLayers
 from ui.sources.bag import TICK_NS, BagSource, open_bag
 
-ALL = Shown(selected=0, global_costmap=True, local_costmap=True)
+ALL = ShownLayers(selected=0, global_costmap=True, local_costmap=True)
 
 
 def opened(path: Path) -> BagSource:
@@ -129,21 +129,21 @@ class TestScene:
 
     def test_clouds_of_others_are_thinned_and_the_same_every_time(self, source: BagSource) -> None:
         at = source.start_ns + 200 * TICK_NS
-        scene = source.scene(at, Shown(selected=1, thinned=10))
+        scene = source.scene(at, ShownLayers(selected=1, thinned=10))
         assert [len(robot.cloud) for robot in scene.robots] == [10, scene.robots[1].particles, 10]
         assert scene.robots[1].particles > 10
-        again = source.scene(at, Shown(selected=1, thinned=10))
+        again = source.scene(at, ShownLayers(selected=1, thinned=10))
         assert np.array_equal(scene.robots[0].cloud, again.robots[0].cloud)
 
     def test_what_is_not_wanted_is_not_there(self, source: BagSource) -> None:
-        none = Shown(None, clouds=False, scans=False, plans=False, paths=False, footprints=False)
+        none = ShownLayers(None, clouds=False, scans=False, plans=False, paths=False, footprints=False)
         for robot in source.scene(source.start_ns + 200 * TICK_NS, none).robots:
             parts = (robot.cloud, robot.scan, robot.plan, robot.local_plan, robot.footprint, robot.truth_path)
             assert [len(part) for part in parts] == [0] * len(parts)
             assert (robot.global_costmap, robot.local_costmap) == (None, None)
 
     def test_costmaps_are_those_of_the_selected_robot(self, source: BagSource) -> None:
-        scene = source.scene(source.start_ns + 200 * TICK_NS, Shown(selected=2, local_costmap=True))
+        scene = source.scene(source.start_ns + 200 * TICK_NS, ShownLayers(selected=2, local_costmap=True))
         assert [robot.local_costmap is not None for robot in scene.robots] == [False, False, True]
 
     def test_rooms_and_things_and_goals_are_those_of_the_moment(self, source: BagSource) -> None:
@@ -197,18 +197,18 @@ class TestStory:
         told = dict.fromkeys(("/hunt/events", "/dialogue/utterances", "/inputs", "/rosout"), 0)
         for message in bag_reader.messages(hunt, told):
             told[message.topic] += 1
-        story = source.story
+        story = source.log
         kinds = ("event", "said", "input", "log")
         assert [len(story.entries(kind)) for kind in kinds] == list(told.values())
         assert [entry.text.split()[0] for entry in story.entries("line")] == ["%%goto"] * 3
 
     def test_marks_are_where_it_matters(self, source: BagSource) -> None:
-        marks = {entry.what: (entry.stamp_ns - source.start_ns) // TICK_NS - 1 for entry in source.story.marks()}
+        marks = {entry.what: (entry.stamp_ns - source.start_ns) // TICK_NS - 1 for entry in source.log.marks()}
         assert (marks["died"], marks["revived"], marks["carried"]) == (250, 450, 350)
 
     def test_lists_are_cut_at_a_time(self, source: BagSource) -> None:
-        events = source.story.entries("event")
-        count = source.story.count("event", source.start_ns + 251 * TICK_NS)
+        events = source.log.entries("event")
+        count = source.log.count("event", source.start_ns + 251 * TICK_NS)
         assert "died" in {entry.what for entry in events[:count]}
         assert "revived" not in {entry.what for entry in events[:count]}
 

@@ -2,15 +2,15 @@ from pathlib import Path
 
 from tests.ui.sources.conftest import STUDY, record
 from tests.ui.sources.test_bag_source import scanned
-from thbridge.hunt.outcomes import Refused
+from thbridge.hunt.refusals import RequestRefused
 from thbridge.roles.robot_requests import Puppeteer, Request
-from ui.model.watching.scene import Scene, Shown
+from ui.model.watching.scene import Scene, ShownLayers
 from ui.model.watching.tools import Tools
 
 
 def last(bag: Path) -> Scene:
     source = scanned(bag)
-    return source.scene(source.end_ns, Shown())
+    return source.scene(source.end_ns, ShownLayers())
 
 
 def test_a_person_sees_what_waits_and_what_was_said_instead(tmp_path: Path) -> None:
@@ -31,10 +31,10 @@ def test_a_person_sees_what_waits_and_what_was_said_instead(tmp_path: Path) -> N
     done[40] = _granted(Tools().speak(waits, turn, 0, "As you like"))
 
     record(tmp_path / "spoken.bag", STUDY, 50, done)
-    said = [entry for entry in scanned(tmp_path / "spoken.bag").story.entries("said") if entry.text == "As you like"]
+    said = [entry for entry in scanned(tmp_path / "spoken.bag").log.entries("said") if entry.text == "As you like"]
     assert [(entry.who, entry.robot) for entry in said] == [("robot 1 (spoken for)", 0)]
 
 
-def _granted(request: Request | Refused) -> Request:
-    assert not isinstance(request, Refused)
+def _granted(request: Request | RequestRefused) -> Request:
+    assert not isinstance(request, RequestRefused)
     return request

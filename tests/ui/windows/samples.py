@@ -19,23 +19,23 @@ from ui.model.screen import (
     Action,
     AgreeToTakePart,
     AnotherGame,
+    AskAdvice,
     AskForRobot,
     Banner,
+    Cancel,
     ChooseRobot,
     ChooseRoom,
-    DialoguePop,
-    DontKnow,
+    Confirm,
+    Confirmation,
+    DialoguePopup,
     EndGame,
-    Ending,
     FitMap,
     FollowRobot,
+    GameOverPage,
     GiveAnswer,
-    LeaveIt,
-    Meant,
-    NameIt,
-    NotYet,
+    HistoryLine,
+    LeaveTreasure,
     Phase,
-    Question,
     RobotCard,
     RoomTile,
     Screen,
@@ -43,10 +43,10 @@ from ui.model.screen import (
     ShowNext,
     ShowWaiting,
     StopRobot,
+    SubmitName,
     TakeThePicture,
-    Told,
-    TreasurePop,
-    Waiting,
+    TreasurePopup,
+    WaitingItem,
 )
 
 PROJECT = Path(__file__).resolve().parents[3]
@@ -165,39 +165,39 @@ def playing(robots: int = 3, rooms: int = 8, considered: int | None = None) -> S
         banner=None,
         game=1,
         score=120,
-        gained=None,
+        last_points=None,
         cards=cards,
         tiles=tuple(tile(number, rooms, considered=number == considered) for number in range(1, rooms + 1)),
-        dont_know=Action(DontKnow(), "Don't know", "D", hint="Ask robot 1 where to go."),
+        ask_advice=Action(AskAdvice(), "Don't know", "D", hint="Ask robot 1 where to go."),
         end=Action(EndGame(), "End the game", "E", hint="Robots could still do something."),
         tools=(
             Action(FollowRobot(), "Follow", "F", hint="Keeps robot 1 in the middle of the map."),
             Action(FitMap(), "Whole map", "M", hint="Shows all of the map."),
             Action(ShowHelp(), "Help", "F1", hint="All keys on one sheet."),
         ),
-        pop=None,
-        question=None,
+        popup=None,
+        confirmation=None,
         waiting=(),
         history=(
-            Told("game", None, "The game begins."),
-            Told("you", 0, "Go to room 4."),
-            Told("robot", 0, "It will cost me 13 to go to room 4. Are you sure?"),
-            Told("you", 0, "Continue."),
-            Told("game", None, "Robot 1 is under way to room 4."),
+            HistoryLine("game", None, "The game begins."),
+            HistoryLine("you", 0, "Go to room 4."),
+            HistoryLine("robot", 0, "It will cost me 13 to go to room 4. Are you sure?"),
+            HistoryLine("you", 0, "Continue."),
+            HistoryLine("game", None, "Robot 1 is under way to room 4."),
         ),
         ending=None,
         help=(),
         typed="",
         announcement="",
-        announced=0,
+        announcement_number=0,
     )
 
 
-def dialogue() -> DialoguePop:
-    return DialoguePop(
+def dialogue() -> DialoguePopup:
+    return DialoguePopup(
         robot=0,
         title="Robot 1 talks about room 5",
-        said=(
+        sentences=(
             ("you", "I don't know where to go."),
             ("robot", "Do you want me to go to room 5?"),
             ("you", "Continue"),
@@ -213,9 +213,9 @@ def dialogue() -> DialoguePop:
 
 def treasure(
     *, picture: bool = False, picked: str | None = None, verdict: str | None = None, points: int | None = None
-) -> TreasurePop:
+) -> TreasurePopup:
     data = (PROJECT / "templates/original-2016/pictures/rsz_t4.jpg").read_bytes() if picture else None
-    return TreasurePop(
+    return TreasurePopup(
         robot=1,
         room=4,
         title="Robot 2 found something in room 4",
@@ -226,22 +226,22 @@ def treasure(
         names=NAMES,
         picked=picked,
         name_it=Action(
-            NameIt(),
+            SubmitName(),
             "Name it",
             "N",
             picked is not None,
             "Costs 5 energy." if picked is not None else "Pick a name from the list first.",
         ),
-        leave=Action(LeaveIt(), "Leave it", "L", hint="For good; it costs nothing."),
+        leave=Action(LeaveTreasure(), "Leave it", "L", hint="For good; it costs nothing."),
         verdict=verdict,
         points=points,
         aside=LATER if verdict is None else Action(ShowNext(), "Close", "Esc"),
     )
 
 
-def waiting(number: int) -> tuple[Waiting, ...]:
+def waiting(number: int) -> tuple[WaitingItem, ...]:
     return tuple(
-        Waiting(
+        WaitingItem(
             robot,
             f"Robot {robot + 1} is in room {robot + 3} and found something",
             Action(ShowWaiting(robot), "Show", "W" if robot == 1 else "", hint="Its answer waits."),
@@ -250,14 +250,14 @@ def waiting(number: int) -> tuple[Waiting, ...]:
     )
 
 
-QUESTION = Question(
+QUESTION = Confirmation(
     "Stop robot 1?",
     "Robot 1 is on its way to room 4. It would be called back first; the energy of the way driven so far is gone.",
-    Action(Meant(), "Stop it, then room 5", "Y"),
-    Action(NotYet(), "Let it go on", "N"),
+    Action(Confirm(), "Stop it, then room 5", "Y"),
+    Action(Cancel(), "Let it go on", "N"),
 )
 
-ENDING = Ending(
+ENDING = GameOverPage(
     "The game is over",
     (
         "No robot can do anything more.",
@@ -360,7 +360,7 @@ class Shown:
                     selected=shown.selected,
                     trouble=shown.trouble,
                     trail=trail if shown.progress is not None else np.zeros((0, 2)),
-                    way=way if shown.progress is not None else np.zeros((0, 2)),
+                    path=way if shown.progress is not None else np.zeros((0, 2)),
                 )
             )
         return tuple(marks)

@@ -8,15 +8,15 @@ from PySide6.QtWidgets import QApplication, QLineEdit, QWidget
 from pytestqt.qtbot import QtBot
 
 from ui.model.theme import DARK, LIGHT, Palette, contrast
-from ui.windows.controls import Choices, Tick
-from ui.windows.look import dress
+from ui.windows.controls import CheckBox, ChoiceBox
+from ui.windows.look import apply_palette
 
 
 @pytest.fixture(params=[LIGHT, DARK], ids=["light", "dark"])
 def worn(request: pytest.FixtureRequest, qapp: QApplication) -> Iterator[Palette]:
-    dress(qapp, request.param)
+    apply_palette(qapp, request.param)
     yield request.param
-    dress(qapp, LIGHT)
+    apply_palette(qapp, LIGHT)
 
 
 def drawn(qtbot: QtBot, widget: QWidget) -> QImage:
@@ -31,7 +31,7 @@ def colours_across(image: QImage, row: int, least: int, most: int) -> set[str]:
     return {image.pixelColor(x, row).name() for x in range(least, most)}
 
 
-@pytest.mark.parametrize("made", [QLineEdit, Choices, lambda: Tick("")], ids=["line", "choices", "tick"])
+@pytest.mark.parametrize("made", [QLineEdit, ChoiceBox, lambda: CheckBox("")], ids=["line", "choices", "tick"])
 def test_edges_stand_out(qtbot: QtBot, worn: Palette, made) -> None:
     image = drawn(qtbot, made())
     inside = image.pixelColor(8, 16).name()
@@ -39,12 +39,12 @@ def test_edges_stand_out(qtbot: QtBot, worn: Palette, made) -> None:
 
 
 def test_a_tick_is_told_by_its_shape_too(qtbot: QtBot, worn: Palette) -> None:
-    tick = Tick("")
+    tick = CheckBox("")
     tick.setChecked(True)
     within = colours_across(drawn(qtbot, tick), 16, 4, 12)
     assert max(contrast(colour, worn.accent) for colour in within) >= 3.0
 
 
 def test_choices_have_an_arrow(qtbot: QtBot, worn: Palette) -> None:
-    image = drawn(qtbot, Choices())
+    image = drawn(qtbot, ChoiceBox())
     assert max(contrast(colour, worn.panel) for colour in colours_across(image, 16, 138, 150)) >= 3.0

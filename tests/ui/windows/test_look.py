@@ -20,15 +20,15 @@ def test_a_choice_is_worn_and_told(qapp: QApplication, qtbot: QtBot) -> None:
 
 
 def test_type_is_never_smaller_than_what_reads_well(qapp: QApplication) -> None:
-    look.dress(qapp, LIGHT)
+    look.apply_palette(qapp, LIGHT)
     once = look.font().pointSizeF()
-    look.dress(qapp, LIGHT)
+    look.apply_palette(qapp, LIGHT)
     assert look.font().pointSizeF() == once >= 10.5, "dressing twice does not grow the type"
     assert look.font("small").pointSizeF() >= 9.0
 
 
 @pytest.mark.parametrize("palette", [LIGHT, DARK], ids=["light", "dark"])
 def test_the_number_on_a_robots_chip_can_be_read(qapp: QApplication, palette) -> None:
-    look.dress(qapp, palette)
-    assert all(contrast(look.on(robot), robot) >= 4.5 for robot in palette.robots)
-    look.dress(qapp, LIGHT)
+    look.apply_palette(qapp, palette)
+    assert all(contrast(look.text_colour_on(robot), robot) >= 4.5 for robot in palette.robots)
+    look.apply_palette(qapp, LIGHT)

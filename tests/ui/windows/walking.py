@@ -7,7 +7,7 @@ from PySide6.QtCore import QPoint, Qt
 from PySide6.QtGui import QAccessible
 from PySide6.QtWidgets import QAbstractScrollArea, QWidget
 
-from ui.windows.participant.widgets.buttons import AskingButton
+from ui.windows.participant.widgets.buttons import ParticipantButton
 
 
 def stops(inside: QWidget) -> list[QWidget]:
@@ -31,7 +31,7 @@ def nameless(inside: QWidget) -> list[str]:
     return [
         f"{type(widget).__name__} {widget.objectName()} in {type(widget.parent()).__name__}"
         for widget in inside.findChildren(QWidget)
-        if widget.isVisible() and (_stops_at(widget) or isinstance(widget, AskingButton)) and not _spoken(widget)
+        if widget.isVisible() and (_stops_at(widget) or isinstance(widget, ParticipantButton)) and not _spoken(widget)
     ]
 
 

@@ -3,21 +3,21 @@
 import re
 from collections.abc import Iterator
 
-from thbridge.analysis.check.finding import EVO_TYPES, TF_TYPES, Finding, Severity, Structure, Tool
+from thbridge.analysis.check.finding import EVO_TYPES, TF_TYPES, BagStructure, BagTool, Finding, FindingSeverity
 from thbridge.analysis.check.reading import fields_of
-from thbridge.recording.bag.scan import Source
+from thbridge.recording.bag.scan import ConnectionRecord
 from thbridge.ros.messages.types import OCCUPANCY_GRID, OWN_TYPES, md5_of, plain_definition
 
-READERS = (Tool.ROSBAG, Tool.FOXGLOVE, Tool.PLOTJUGGLER)
+READERS = (BagTool.ROSBAG, BagTool.FOXGLOVE, BagTool.PLOTJUGGLER)
 """They read messages by the definition in the bag; rviz and evo have definitions of their own."""
-LIVE = (Tool.ROSBAG, Tool.RVIZ)
+LIVE = (BagTool.ROSBAG, BagTool.RVIZ)
 """rviz sees what `rosbag play` publishes."""
 MAP_PERIOD = 5.0
 """Seconds; a map that is said at least that often needs no latching."""
 _PART = re.compile(r"^={40,}\r?\nMSG: *(\S+)\r?$", re.MULTILINE)
 
 
-def definition_missing(bag: Structure) -> Iterator[Finding]:
+def definition_missing(bag: BagStructure) -> Iterator[Finding]:
     """Without its whole definition a message is a row of bytes."""
     for source in _used(bag):
         try:
@@ -28,10 +28,10 @@ def definition_missing(bag: Structure) -> Iterator[Finding]:
         if problem:
             what = f"{source.msgtype}: {problem}"
             remedy = "record it anew with the definitions of all nested types"
-            yield Finding("definition-missing", Severity.ERROR, READERS, source.topic, what, remedy)
+            yield Finding("definition-missing", FindingSeverity.ERROR, READERS, source.topic, what, remedy)
 
 
-def definition_twice(bag: Structure) -> Iterator[Finding]:
+def definition_twice(bag: BagStructure) -> Iterator[Finding]:
     """Foxglove refuses a whole bag in which a definition has two words on one type; the same word twice is no harm."""
     for source in _used(bag):
         parts = _PART.split(source.definition)[1:]
@@ -42,17 +42,17 @@ def definition_twice(bag: Structure) -> Iterator[Finding]:
         if twice:
             what = f"the definition says different things of {', '.join(twice)}"
             remedy = "record it anew with one definition for each type"
-            yield Finding("definition-twice", Severity.ERROR, (Tool.FOXGLOVE,), source.topic, what, remedy)
+            yield Finding("definition-twice", FindingSeverity.ERROR, (BagTool.FOXGLOVE,), source.topic, what, remedy)
 
 
-def md5_wrong(bag: Structure) -> Iterator[Finding]:
+def md5_wrong(bag: BagStructure) -> Iterator[Finding]:
     """Subscribers compare sums: a wrong one is refused, and so is another release's."""
     for source in _used(bag):
         given = md5_of(source.msgtype, source.definition) if source.definition.strip() else None
         if given is not None and source.md5 not in (given, "*"):
             what = f"the md5 of {source.msgtype} is {source.md5}, and its definition gives {given}"
             remedy = "mend it by `rosrun rosbag fix_msg_defs.py`, or record it anew"
-            yield Finding("md5-wrong", Severity.ERROR, LIVE, source.topic, what, remedy)
+            yield Finding("md5-wrong", FindingSeverity.ERROR, LIVE, source.topic, what, remedy)
             continue
         try:
             ours = plain_definition(source.msgtype).md5
@@ -62,112 +62,116 @@ def md5_wrong(bag: Structure) -> Iterator[Finding]:
         if source.msgtype not in OWN_TYPES and source.md5 not in (ours, "*") and given is not None:
             what = f"{source.msgtype} has other fields than in ROS Noetic"
             remedy = "migrate it by `rosbag fix`"
-            tools = bag.tools_of(source.topic, (Tool.RVIZ, Tool.EVO))
-            yield Finding("other-release", Severity.WARNING, tools, source.topic, what, remedy)
+            tools = bag.tools_of(source.topic, (BagTool.RVIZ, BagTool.EVO))
+            yield Finding("other-release", FindingSeverity.WARNING, tools, source.topic, what, remedy)
 
 
-def latching_word(bag: Structure) -> Iterator[Finding]:
+def latching_word(bag: BagStructure) -> Iterator[Finding]:
     """rosbag latches where it says 1; rosbags, and so evo, takes nothing but a number."""
     for source in _used(bag):
         if source.latching not in (None, "", "0", "1"):
             what = f"latching is {source.latching!r}: `rosbag play` does not latch it, and rosbags refuses the bag"
-            tools = (Tool.ROSBAG, Tool.EVO)
+            tools = (BagTool.ROSBAG, BagTool.EVO)
             remedy = "run `thbridge bag reindex`, which writes 0 for it"
-            yield Finding("latching-word", Severity.ERROR, tools, source.topic, what, remedy)
+            yield Finding("latching-word", FindingSeverity.ERROR, tools, source.topic, what, remedy)
 
 
-def unlatched(bag: Structure) -> Iterator[Finding]:
+def unlatched(bag: BagStructure) -> Iterator[Finding]:
     """What is said once and not latched is lost to whoever listens later."""
-    for topic, sources in bag.of_topic().items():
+    for topic, sources in bag.connections_by_topic().items():
         latched = all(source.latched for source in sources)
         types = {source.msgtype for source in sources}
         rare = sum(bag.counts[source.number] for source in sources) * MAP_PERIOD <= max(bag.seconds, MAP_PERIOD)
         is_static = topic.endswith("tf_static") and not types.isdisjoint(TF_TYPES)
         if latched or not (is_static or (OCCUPANCY_GRID in types and rare)):
             continue
-        severity = Severity.ERROR if is_static or topic.endswith("/map") else Severity.WARNING
+        severity = FindingSeverity.ERROR if is_static or topic.endswith("/map") else FindingSeverity.WARNING
         what = "it is not latched: an rviz that comes after its message, and every seek in play, goes without"
         remedy = "record it from a latching publisher, latching=1 in its connection"
         yield Finding("unlatched", severity, LIVE, topic, what, remedy)
 
 
-def two_latched(bag: Structure) -> Iterator[Finding]:
+def two_latched(bag: BagStructure) -> Iterator[Finding]:
     """Of a topic that several latch, many know the last message only.
 
     Source: ros_comm 1.15 (Noetic) latches for each publisher, roscpp before it for each topic of a node, and
     `rosbag play` is one node. Foxglove asks for one message of a topic when it seeks (BagIterableSource.ts).
     """
-    for topic, sources in bag.of_topic().items():
+    for topic, sources in bag.connections_by_topic().items():
         # Every node's log is latched, and nobody minds.
         if sources[0].msgtype == "rosgraph_msgs/Log" or len(sources) < 2:
             continue
         if topic.endswith("tf_static") or any(source.latched for source in sources):
-            severity = Severity.ERROR if topic.endswith("tf_static") else Severity.WARNING
+            severity = FindingSeverity.ERROR if topic.endswith("tf_static") else FindingSeverity.WARNING
             names = ", ".join(source.caller or "?" for source in sources)
             what = (
                 f"{len(sources)} publishers latch it ({names}): each one's message replaces the others' "
                 "in `rosbag play` before Noetic, and in Foxglove after a seek"
             )
             remedy = "let one publisher say all of it in one message"
-            tools = (*LIVE, Tool.FOXGLOVE)
+            tools = (*LIVE, BagTool.FOXGLOVE)
             yield Finding("two-latched", severity, tools, topic, what, remedy)
 
 
-def two_types(bag: Structure) -> Iterator[Finding]:
+def two_types(bag: BagStructure) -> Iterator[Finding]:
     """A topic has one type."""
-    for topic, sources in bag.of_topic().items():
+    for topic, sources in bag.connections_by_topic().items():
         kinds = sorted({f"{source.msgtype} {source.md5[:8]}" for source in sources})
         if len(kinds) > 1:
             what = f"its publishers disagree on the type: {', '.join(kinds)}"
-            tools = (Tool.ROSBAG, Tool.RVIZ, Tool.FOXGLOVE, Tool.EVO)
-            yield Finding("two-types", Severity.ERROR, tools, topic, what, "give each type a topic of its own")
+            tools = (BagTool.ROSBAG, BagTool.RVIZ, BagTool.FOXGLOVE, BagTool.EVO)
+            yield Finding("two-types", FindingSeverity.ERROR, tools, topic, what, "give each type a topic of its own")
 
 
-def unused(bag: Structure) -> Iterator[Finding]:
+def unused(bag: BagStructure) -> Iterator[Finding]:
     """A topic in the index without a message: `rosbag info` may give it a negative duration."""
-    for source in bag.sources.values():
-        if not bag.counts.get(source.number) and not bag.tears:
+    for source in bag.connections.values():
+        if not bag.counts.get(source.number) and not bag.unreadable:
             what = "it has a connection and no message"
             remedy = "register a topic with its first message; `thbridge bag cut` leaves it out"
-            yield Finding("unused", Severity.WARNING, (Tool.ROSBAG,), source.topic, what, remedy)
+            yield Finding("unused", FindingSeverity.WARNING, (BagTool.ROSBAG,), source.topic, what, remedy)
 
 
-def unknown_source(bag: Structure) -> Iterator[Finding]:
+def unknown_connection(bag: BagStructure) -> Iterator[Finding]:
     """Messages of which nothing says what they are."""
-    lost = sum(count for number, count in bag.counts.items() if number not in bag.sources)
+    lost = sum(count for number, count in bag.counts.items() if number not in bag.connections)
     if lost:
         what = f"{lost} messages belong to no connection of the bag"
-        tools = (Tool.ROSBAG, Tool.FOXGLOVE, Tool.PLOTJUGGLER, Tool.EVO)
-        yield Finding("unknown-source", Severity.ERROR, tools, None, what, "run `thbridge bag reindex`", None, lost)
+        tools = (BagTool.ROSBAG, BagTool.FOXGLOVE, BagTool.PLOTJUGGLER, BagTool.EVO)
+        yield Finding(
+            "unknown-source", FindingSeverity.ERROR, tools, None, what, "run `thbridge bag reindex`", None, lost
+        )
 
 
-def clock_recorded(bag: Structure) -> Iterator[Finding]:
+def clock_recorded(bag: BagStructure) -> Iterator[Finding]:
     """`rosbag play --clock` makes a clock of its own: with the recorded one, time jumps to and fro."""
-    if "/clock" in bag.of_topic():
+    if "/clock" in bag.connections_by_topic():
         what = "it is recorded, and `rosbag play --clock` publishes another"
         remedy = "play the other topics only, or cut it away by `thbridge bag cut --topics`"
-        yield Finding("clock-recorded", Severity.WARNING, LIVE, "/clock", what, remedy)
+        yield Finding("clock-recorded", FindingSeverity.WARNING, LIVE, "/clock", what, remedy)
 
 
-def no_trajectory(bag: Structure) -> Iterator[Finding]:
+def no_trajectory(bag: BagStructure) -> Iterator[Finding]:
     """evo can do nothing with a bag without poses."""
-    types = {source.msgtype for sources in bag.of_topic().values() for source in sources}
+    types = {source.msgtype for sources in bag.connections_by_topic().values() for source in sources}
     if types and types.isdisjoint(EVO_TYPES):
         what = f"there is no topic to make a trajectory of: evo reads {', '.join(EVO_TYPES)}"
-        yield Finding("no-trajectory", Severity.NOTE, (Tool.EVO,), None, what, "record odometry or tf with it")
+        yield Finding(
+            "no-trajectory", FindingSeverity.NOTE, (BagTool.EVO,), None, what, "record odometry or tf with it"
+        )
 
 
-def _used(bag: Structure) -> Iterator[Source]:
+def _used(bag: BagStructure) -> Iterator[ConnectionRecord]:
     """One connection of each kind that has messages."""
     seen = set()
-    for source in bag.sources.values():
+    for source in bag.connections.values():
         kind = (source.topic, source.msgtype, source.md5, source.definition, source.latching)
         if bag.counts.get(source.number) and kind not in seen:
             seen.add(kind)
             yield source
 
 
-def _is_empty(source: Source) -> bool:
+def _is_empty(source: ConnectionRecord) -> bool:
     """Whether the type has no fields at all."""
     return source.md5 == "d41d8cd98f00b204e9800998ecf8427e"
 
@@ -181,7 +185,7 @@ RULES = (
     two_latched,
     two_types,
     unused,
-    unknown_source,
+    unknown_connection,
     clock_recorded,
     no_trajectory,
 )

@@ -3,62 +3,72 @@
 import math
 from collections.abc import Callable, Iterator, Mapping
 
-from thbridge.analysis.check.finding import ALL, TF_TYPES, Finding, Heard, Listener, Severity, Structure, Tally, Tool
+from thbridge.analysis.check.finding import (
+    ALL,
+    TF_TYPES,
+    BagStructure,
+    BagTool,
+    CheckedMessage,
+    Finding,
+    FindingSeverity,
+    MessageHandler,
+    OccurrenceCounter,
+)
 from thbridge.analysis.check.reading import Quaternion
-from thbridge.recording.bag.scan import Source
+from thbridge.recording.bag.scan import ConnectionRecord
 from thbridge.ros.messages.types import LASER_SCAN, OCCUPANCY_GRID, ODOMETRY, POSE_WITH_COVARIANCE
 
 UNIT_TOLERANCE = 1e-2
 """Of a quaternion's squared length (tf2, buffer_core.cpp, and rviz, validate_quaternions.h: 10e-3)."""
 ALL_ZERO = "all zero"
-POSES: tuple[Tool, ...] = (Tool.RVIZ, Tool.FOXGLOVE, Tool.EVO)
+POSES: tuple[BagTool, ...] = (BagTool.RVIZ, BagTool.FOXGLOVE, BagTool.EVO)
 PLOTTED_ARRAY = 500
 """Longest array that PlotJuggler plots element by element unless told otherwise; older ones take 100."""
 _GROUND_TRUTH = "ground_truth"
 
 
-class DataFits:
+class MessageSizes:
     """Bytes that are no message of their type: whoever reads the topic stops there."""
 
     def __init__(self) -> None:
-        self._off: Tally[tuple[str, str]] = Tally()
+        self._off: OccurrenceCounter[tuple[str, str]] = OccurrenceCounter()
 
-    def listen(self, source: Source) -> Listener:
+    def listen(self, source: ConnectionRecord) -> MessageHandler:
         """Every topic."""
         topic = source.topic
 
-        def hear(heard: Heard) -> None:
+        def hear(heard: CheckedMessage) -> None:
             if heard.fault is not None:
                 self._off.add((topic, heard.fault), heard.stamp_ns)
 
         return hear
 
-    def findings(self, bag: Structure) -> Iterator[Finding]:
+    def findings(self, bag: BagStructure) -> Iterator[Finding]:
         """One for each topic and fault."""
         for (topic, fault), first, count in self._off.items():
             what = f"messages do not fit their definition: {fault}"
             remedy = "record the topic anew, or leave it out by `thbridge bag cut --topics`"
             tools = bag.tools_of(topic, ALL)
-            yield Finding("data-wrong", Severity.ERROR, tools, topic, what, remedy, first, count)
+            yield Finding("data-wrong", FindingSeverity.ERROR, tools, topic, what, remedy, first, count)
 
 
-class Rotations:
+class UnitQuaternions:
     """A rotation is a quaternion of length one: tf2 ignores transforms with others, rviz refuses messages.
 
     All zero is what nobody filled in: rviz takes it for no rotation, though not in tf.
     """
 
     def __init__(self) -> None:
-        self._off: Tally[tuple[str, str]] = Tally()
+        self._off: OccurrenceCounter[tuple[str, str]] = OccurrenceCounter()
         self._tf: set[str] = set()
 
-    def listen(self, source: Source) -> Listener:
+    def listen(self, source: ConnectionRecord) -> MessageHandler:
         """Every topic; an IMU without orientation may have none, its driver says so elsewhere."""
         topic, imu = source.topic, source.msgtype == "sensor_msgs/Imu"
         if source.msgtype in TF_TYPES:
             self._tf.add(topic)
 
-        def hear(heard: Heard) -> None:
+        def hear(heard: CheckedMessage) -> None:
             for quaternion in heard.reading.quaternions:
                 x, y, z, w = quaternion
                 # Written so that NaN fails it.
@@ -70,15 +80,15 @@ class Rotations:
 
         return hear
 
-    def findings(self, bag: Structure) -> Iterator[Finding]:
+    def findings(self, bag: BagStructure) -> Iterator[Finding]:
         """One for each topic and kind of fault."""
         for (topic, fault), first, count in self._off.items():
-            severity, tools = Severity.ERROR, POSES
+            severity, tools = FindingSeverity.ERROR, POSES
             what = f"quaternions are {fault}"
             if topic in self._tf:
                 what += ": tf2 ignores such transforms"
             elif fault == ALL_ZERO:
-                severity, tools = Severity.WARNING, POSES[1:]
+                severity, tools = FindingSeverity.WARNING, POSES[1:]
                 what += ": taken for no rotation, if at all"
             remedy = "make their length one; no rotation is 0 0 0 1"
             yield Finding("quaternion", severity, bag.tools_of(topic, tools), topic, what, remedy, first, count)
@@ -90,32 +100,32 @@ def _fault(quaternion: Quaternion) -> str:
     return "not of length one" if any(quaternion) else ALL_ZERO
 
 
-class Places:
+class FinitePositions:
     """A point that is not a number cannot be drawn: rviz refuses its whole message."""
 
     def __init__(self) -> None:
-        self._off: Tally[str] = Tally()
+        self._off: OccurrenceCounter[str] = OccurrenceCounter()
 
-    def listen(self, source: Source) -> Listener:
+    def listen(self, source: ConnectionRecord) -> MessageHandler:
         """Every topic."""
         topic = source.topic
 
-        def hear(heard: Heard) -> None:
+        def hear(heard: CheckedMessage) -> None:
             if not heard.reading.finite:
                 self._off.add(topic, heard.stamp_ns)
 
         return hear
 
-    def findings(self, bag: Structure) -> Iterator[Finding]:
+    def findings(self, bag: BagStructure) -> Iterator[Finding]:
         """One for each topic."""
         for topic, first, count in self._off.items():
             what = "positions or vectors are NaN or infinite"
             remedy = "leave out what is not known"
             tools = bag.tools_of(topic, POSES)
-            yield Finding("not-finite", Severity.ERROR, tools, topic, what, remedy, first, count)
+            yield Finding("not-finite", FindingSeverity.ERROR, tools, topic, what, remedy, first, count)
 
 
-class Covariances:
+class FilledCovariances:
     """An odometry that is perfectly sure of itself was not filled in; the truth of a simulator may be."""
 
     def __init__(self) -> None:
@@ -123,13 +133,13 @@ class Covariances:
         self._first_ns: dict[str, int] = {}
         self._count: dict[str, int] = {}
 
-    def listen(self, source: Source) -> Listener | None:
+    def listen(self, source: ConnectionRecord) -> MessageHandler | None:
         """Odometry and poses with covariance."""
         topic = source.topic
         if source.msgtype not in (ODOMETRY, POSE_WITH_COVARIANCE) or topic.endswith(_GROUND_TRUTH):
             return None
 
-        def hear(heard: Heard) -> None:
+        def hear(heard: CheckedMessage) -> None:
             if not self._filled.get(topic, False):
                 self._first_ns.setdefault(topic, heard.stamp_ns)
                 self._count[topic] = self._count.get(topic, 0) + 1
@@ -138,15 +148,15 @@ class Covariances:
 
         return hear
 
-    def findings(self, bag: Structure) -> Iterator[Finding]:
+    def findings(self, bag: BagStructure) -> Iterator[Finding]:
         """One for each topic."""
         for topic, filled in self._filled.items():
             if not filled:
                 what = "the covariance of its pose is zero in every message: filters that fuse it refuse or diverge"
                 remedy = "let the driver fill it in"
                 first, count = self._first_ns[topic], self._count[topic]
-                tools = (Tool.RVIZ,)
-                yield Finding("covariance-zero", Severity.WARNING, tools, topic, what, remedy, first, count)
+                tools = (BagTool.RVIZ,)
+                yield Finding("covariance-zero", FindingSeverity.WARNING, tools, topic, what, remedy, first, count)
 
 
 Numbers = Mapping[str, float]
@@ -193,20 +203,20 @@ def numbers_of(msgtype: str) -> tuple[str, ...]:
     return _AGREEMENTS[msgtype][0] if msgtype in _AGREEMENTS else ()
 
 
-class Lengths:
+class ArrayLengths:
     """Arrays must have the length that their message's other fields give them."""
 
     def __init__(self) -> None:
-        self._off: Tally[tuple[str, str]] = Tally()
+        self._off: OccurrenceCounter[tuple[str, str]] = OccurrenceCounter()
 
-    def listen(self, source: Source) -> Listener | None:
+    def listen(self, source: ConnectionRecord) -> MessageHandler | None:
         """Scans, grids, clouds and images."""
         if source.msgtype not in _AGREEMENTS:
             return None
         names, fault_of = _AGREEMENTS[source.msgtype]
         topic = source.topic
 
-        def hear(heard: Heard) -> None:
+        def hear(heard: CheckedMessage) -> None:
             # A type of the same name with other fields is none of ours.
             if all(name in heard.reading.numbers for name in names):
                 fault = fault_of(heard.reading.numbers)
@@ -215,12 +225,12 @@ class Lengths:
 
         return hear
 
-    def findings(self, bag: Structure) -> Iterator[Finding]:
+    def findings(self, bag: BagStructure) -> Iterator[Finding]:
         """One for each topic and fault."""
         for (topic, fault), first, count in self._off.items():
             remedy = "mend the driver that fills them in"
-            tools = (Tool.RVIZ, Tool.FOXGLOVE)
-            yield Finding("length-wrong", Severity.ERROR, tools, topic, fault, remedy, first, count)
+            tools = (BagTool.RVIZ, BagTool.FOXGLOVE)
+            yield Finding("length-wrong", FindingSeverity.ERROR, tools, topic, fault, remedy, first, count)
 
 
 class LongArrays:
@@ -229,23 +239,23 @@ class LongArrays:
     def __init__(self) -> None:
         self._longest: dict[str, int] = {}
 
-    def listen(self, source: Source) -> Listener:
+    def listen(self, source: ConnectionRecord) -> MessageHandler:
         """Every topic."""
         topic = source.topic
 
-        def hear(heard: Heard) -> None:
+        def hear(heard: CheckedMessage) -> None:
             if heard.reading.longest > PLOTTED_ARRAY:
                 self._longest[topic] = max(self._longest.get(topic, 0), heard.reading.longest)
 
         return hear
 
-    def findings(self, bag: Structure) -> Iterator[Finding]:
+    def findings(self, bag: BagStructure) -> Iterator[Finding]:
         """One for all topics."""
         if self._longest:
             told = ", ".join(f"{topic} ({length})" for topic, length in sorted(self._longest.items()))
             what = f"it plots {PLOTTED_ARRAY} elements of an array unless told otherwise, and there are more in {told}"
             remedy = "raise its maximum array size, or leave these topics out"
-            yield Finding("long-array", Severity.NOTE, (Tool.PLOTJUGGLER,), None, what, remedy)
+            yield Finding("long-array", FindingSeverity.NOTE, (BagTool.PLOTJUGGLER,), None, what, remedy)
 
 
-RULES = (DataFits, Rotations, Places, Covariances, Lengths, LongArrays)
+RULES = (MessageSizes, UnitQuaternions, FinitePositions, FilledCovariances, ArrayLengths, LongArrays)

@@ -6,13 +6,13 @@ from enum import StrEnum
 from typing import Generic, Protocol, TypeVar
 
 from thbridge.analysis.check.reading import Reading
-from thbridge.recording.bag.scan import Chunk, ChunkIndex, FileHeader, Source, Tear
+from thbridge.recording.bag.scan import BagHeaderRecord, ChunkInfoRecord, ChunkRecord, ConnectionRecord, UnreadableSpan
 from thbridge.ros.messages.types import ODOMETRY, POSE_WITH_COVARIANCE, TFMESSAGE
 
 K = TypeVar("K")
 
 
-class Tool(StrEnum):
+class BagTool(StrEnum):
     """Whose acceptance is judged. `rosbag` stands for info, play, check, reindex and the topics that play makes."""
 
     ROSBAG = "rosbag"
@@ -22,7 +22,7 @@ class Tool(StrEnum):
     EVO = "evo"
 
 
-class Severity(StrEnum):
+class FindingSeverity(StrEnum):
     """How bad: a tool refuses or shows wrong things; it works with a loss; good to know."""
 
     ERROR = "error"
@@ -30,7 +30,7 @@ class Severity(StrEnum):
     NOTE = "note"
 
 
-ALL = tuple(Tool)
+ALL = tuple(BagTool)
 TF_TYPES = (TFMESSAGE, "tf/tfMessage")
 POINT = "geometry_msgs/PointStamped"
 STAMPED_POSES = (ODOMETRY, POSE_WITH_COVARIANCE, "geometry_msgs/PoseStamped", "geometry_msgs/TransformStamped", POINT)
@@ -54,8 +54,8 @@ class Finding:
     """
 
     rule: str
-    severity: Severity
-    tools: tuple[Tool, ...]
+    severity: FindingSeverity
+    tools: tuple[BagTool, ...]
     topic: str | None
     what: str
     remedy: str
@@ -64,7 +64,7 @@ class Finding:
 
 
 @dataclass(slots=True)
-class KnownChunk:
+class ScannedChunk:
     """A chunk as it is in the file.
 
     Attributes:
@@ -75,7 +75,7 @@ class KnownChunk:
         end_ns: greatest stamp.
     """
 
-    chunk: Chunk
+    chunk: ChunkRecord
     counts: dict[int, int]
     indexed: dict[int, int]
     start_ns: int | None = None
@@ -83,7 +83,7 @@ class KnownChunk:
 
 
 @dataclass(frozen=True, slots=True)
-class Structure:
+class BagStructure:
     """All of a bag but its messages' contents.
 
     Attributes:
@@ -98,13 +98,13 @@ class Structure:
         end_ns: greatest.
     """
 
-    header: FileHeader | None
-    sources: dict[int, Source]
+    header: BagHeaderRecord | None
+    connections: dict[int, ConnectionRecord]
     counts: dict[int, int]
-    chunks: tuple[KnownChunk, ...]
-    index: tuple[ChunkIndex, ...]
-    indexed_sources: int
-    tears: tuple[Tear, ...]
+    chunks: tuple[ScannedChunk, ...]
+    index: tuple[ChunkInfoRecord, ...]
+    indexed_connections: int
+    unreadable: tuple[UnreadableSpan, ...]
     start_ns: int | None
     end_ns: int | None
 
@@ -113,22 +113,22 @@ class Structure:
         """From the first message to the last."""
         return 0.0 if self.start_ns is None or self.end_ns is None else (self.end_ns - self.start_ns) / 1e9
 
-    def tools_of(self, topic: str, tools: tuple[Tool, ...]) -> tuple[Tool, ...]:
+    def tools_of(self, topic: str, tools: tuple[BagTool, ...]) -> tuple[BagTool, ...]:
         """Those tools that read a topic: evo makes trajectories of some types only."""
-        types = {source.msgtype for source in self.sources.values() if source.topic == topic}
-        return tools if types.intersection(EVO_TYPES) else tuple(tool for tool in tools if tool is not Tool.EVO)
+        types = {source.msgtype for source in self.connections.values() if source.topic == topic}
+        return tools if types.intersection(EVO_TYPES) else tuple(tool for tool in tools if tool is not BagTool.EVO)
 
-    def of_topic(self) -> dict[str, list[Source]]:
+    def connections_by_topic(self) -> dict[str, list[ConnectionRecord]]:
         """The connections of each topic that have messages."""
-        topics: dict[str, list[Source]] = {}
-        for source in self.sources.values():
+        topics: dict[str, list[ConnectionRecord]] = {}
+        for source in self.connections.values():
             if self.counts.get(source.number):
                 topics.setdefault(source.topic, []).append(source)
         return topics
 
 
 @dataclass(frozen=True, slots=True)
-class Heard:
+class CheckedMessage:
     """One message.
 
     Attributes:
@@ -142,25 +142,25 @@ class Heard:
     fault: str | None = None
 
 
-Listener = Callable[[Heard], None]
+MessageHandler = Callable[[CheckedMessage], None]
 
-StructureRule = Callable[[Structure], Iterator[Finding]]
+StructureRule = Callable[[BagStructure], Iterator[Finding]]
 """A rule that needs no message."""
 
 
 class MessageRule(Protocol):
     """A rule that listens to messages; made anew for each bag."""
 
-    def listen(self, source: Source) -> Listener | None:
+    def listen(self, source: ConnectionRecord) -> MessageHandler | None:
         """What shall hear each message of a connection; None to leave it out."""
         ...
 
-    def findings(self, bag: Structure) -> Iterator[Finding]:
+    def findings(self, bag: BagStructure) -> Iterator[Finding]:
         """What was found, once everything was heard."""
         ...
 
 
-class Tally(Generic[K]):
+class OccurrenceCounter(Generic[K]):
     """Counts what happens and remembers when it first did."""
 
     def __init__(self) -> None:

@@ -6,11 +6,20 @@ Source: geometry2, tf2/buffer_core.cpp (what setTransform ignores, what lookups 
 from collections.abc import Iterator
 from dataclasses import dataclass
 
-from thbridge.analysis.check.finding import TF_TYPES, Finding, Heard, Listener, Severity, Structure, Tally, Tool
-from thbridge.recording.bag.scan import Source
+from thbridge.analysis.check.finding import (
+    TF_TYPES,
+    BagStructure,
+    BagTool,
+    CheckedMessage,
+    Finding,
+    FindingSeverity,
+    MessageHandler,
+    OccurrenceCounter,
+)
+from thbridge.recording.bag.scan import ConnectionRecord
 from thbridge.ros.frames import frame_name
 
-SHOWN = (Tool.RVIZ, Tool.FOXGLOVE)
+SHOWN = (BagTool.RVIZ, BagTool.FOXGLOVE)
 FIXED_FRAMES = ("map", "world", "odom")
 """What tools take for the frame that stands still, in this order."""
 SHOWN_TYPES = frozenset(
@@ -33,10 +42,10 @@ class SlashedFrames:
     """tf2 looks up no name that begins with a slash; in transforms it drops the slash, as Foxglove does everywhere."""
 
     def __init__(self) -> None:
-        self._slashed: Tally[tuple[str, str]] = Tally()
+        self._slashed: OccurrenceCounter[tuple[str, str]] = OccurrenceCounter()
         self._tf: set[str] = set()
 
-    def listen(self, source: Source) -> Listener | None:
+    def listen(self, source: ConnectionRecord) -> MessageHandler | None:
         """Every topic that has frames."""
         topic = source.topic
         if source.msgtype in FRAMELESS_TYPES:
@@ -44,7 +53,7 @@ class SlashedFrames:
         if source.msgtype in TF_TYPES:
             self._tf.add(topic)
 
-        def hear(heard: Heard) -> None:
+        def hear(heard: CheckedMessage) -> None:
             for _, frame in heard.reading.headers:
                 if frame.startswith("/"):
                     self._slashed.add((topic, frame), heard.stamp_ns)
@@ -54,13 +63,17 @@ class SlashedFrames:
 
         return hear
 
-    def findings(self, bag: Structure) -> Iterator[Finding]:
+    def findings(self, bag: BagStructure) -> Iterator[Finding]:
         """One for each topic and frame."""
         for (topic, frame), first, count in self._slashed.items():
             if topic in self._tf:
-                severity, tools, harm = Severity.WARNING, (Tool.EVO,), "evo knows it by this name only"
+                severity, tools, harm = FindingSeverity.WARNING, (BagTool.EVO,), "evo knows it by this name only"
             else:
-                severity, tools, harm = Severity.ERROR, (Tool.RVIZ,), "tf2 refuses such names, and rviz shows nothing"
+                severity, tools, harm = (
+                    FindingSeverity.ERROR,
+                    (BagTool.RVIZ,),
+                    "tf2 refuses such names, and rviz shows nothing",
+                )
             what = f"the frame {frame!r} begins with a slash: {harm}"
             remedy = f"call it {frame_name(frame)!r}"
             yield Finding("frame-slash", severity, tools, topic, what, remedy, first, count)
@@ -86,27 +99,27 @@ class _Use:
     count: int = 0
 
 
-class Tree:
+class TransformTree:
     """The tree of frames: whole, without loops, in time."""
 
     def __init__(self) -> None:
         self._edges: dict[str, dict[str, _Edge]] = {}
         self._above: dict[str, str] = {}
-        self._switches: Tally[str] = Tally()
-        self._bad: Tally[tuple[str, str]] = Tally()
+        self._switches: OccurrenceCounter[str] = OccurrenceCounter()
+        self._bad: OccurrenceCounter[tuple[str, str]] = OccurrenceCounter()
         self._uses: dict[tuple[str, str], _Use] = {}
-        self._unnamed: Tally[str] = Tally()
+        self._unnamed: OccurrenceCounter[str] = OccurrenceCounter()
 
-    def listen(self, source: Source) -> Listener | None:
+    def listen(self, source: ConnectionRecord) -> MessageHandler | None:
         """Transforms, and every topic that has frames."""
         if source.msgtype in FRAMELESS_TYPES:
             return None
         return self._transforms(source) if source.msgtype in TF_TYPES else self._users(source)
 
-    def _transforms(self, source: Source) -> Listener:
+    def _transforms(self, source: ConnectionRecord) -> MessageHandler:
         topic, static = source.topic, source.topic.endswith("tf_static")
 
-        def hear(heard: Heard) -> None:
+        def hear(heard: CheckedMessage) -> None:
             for (stamp_ns, parent), child in zip(heard.reading.headers, heard.reading.children, strict=False):
                 above, below = frame_name(parent), frame_name(child)
                 if not above or not below or above == below:
@@ -124,11 +137,11 @@ class Tree:
 
         return hear
 
-    def _users(self, source: Source) -> Listener:
+    def _users(self, source: ConnectionRecord) -> MessageHandler:
         topic = source.topic
         shown = source.msgtype in SHOWN_TYPES
 
-        def hear(heard: Heard) -> None:
+        def hear(heard: CheckedMessage) -> None:
             headers = heard.reading.headers
             if not headers:
                 return
@@ -144,15 +157,15 @@ class Tree:
 
         return hear
 
-    def findings(self, bag: Structure) -> Iterator[Finding]:
+    def findings(self, bag: BagStructure) -> Iterator[Finding]:
         """What is wrong with the tree, and what does not hang on it."""
         for (topic, edge), first, count in self._bad.items():
             what = f"a transform {edge} is ignored: two different names are needed"
-            yield Finding("tf-names", Severity.ERROR, SHOWN, topic, what, "name both frames", first, count)
+            yield Finding("tf-names", FindingSeverity.ERROR, SHOWN, topic, what, "name both frames", first, count)
         for topic, first, count in self._unnamed.items():
             what = "the header names no frame: nobody knows where to show it"
             remedy = "let the driver fill in frame_id"
-            yield Finding("frame-empty", Severity.ERROR, SHOWN, topic, what, remedy, first, count)
+            yield Finding("frame-empty", FindingSeverity.ERROR, SHOWN, topic, what, remedy, first, count)
         yield from self._two_parents()
         looped = self._loop()
         if looped is not None:
@@ -169,7 +182,7 @@ class Tree:
             last = max(parents.values(), key=lambda edge: edge.heard_ns)
             mixed = len({edge.static for edge in parents.values()}) > 1
             # Once may be meant: a thing that is handed over.
-            severity = Severity.ERROR if mixed or switches.get(child, 0) > 1 else Severity.WARNING
+            severity = FindingSeverity.ERROR if mixed or switches.get(child, 0) > 1 else FindingSeverity.WARNING
             what = f"the frame {child!r} hangs on {names} by turns: the tree breaks at each change"
             remedy = "let one publisher say where it is, on one parent"
             first, count = last.heard_ns, switches.get(child, 0)
@@ -184,7 +197,7 @@ class Tree:
                     edge = self._edges[chain[-1]][above]
                     what = f"transforms go round: {' -> '.join(ring)}"
                     remedy = "take one of them out"
-                    return Finding("tf-loop", Severity.ERROR, SHOWN, edge.topic, what, remedy, edge.heard_ns)
+                    return Finding("tf-loop", FindingSeverity.ERROR, SHOWN, edge.topic, what, remedy, edge.heard_ns)
                 chain.append(above)
         return None
 
@@ -222,10 +235,10 @@ class Tree:
                 if self._root(frame) != frame:
                     what += f", it hangs on {self._root(frame)!r}"
                 remedy = "record /tf and /tf_static with it, base to sensor included"
-                severity = Severity.ERROR if use.shown else Severity.WARNING
+                severity = FindingSeverity.ERROR if use.shown else FindingSeverity.WARNING
                 yield Finding("tf-missing", severity, SHOWN, topic, what, remedy, use.heard_ns, use.count)
             elif (late := self._since_ns(frame) - use.stamp_ns) > 0:
-                severity = Severity.WARNING if late > LATE_NS else Severity.NOTE
+                severity = FindingSeverity.WARNING if late > LATE_NS else FindingSeverity.NOTE
                 what = f"its first message is {late / 1e9:.3f} s older than the first transforms of {frame!r}"
                 remedy = "begin to record transforms before the sensors"
                 yield Finding("tf-late", severity, SHOWN, topic, what, remedy, use.heard_ns, 1)
@@ -235,39 +248,41 @@ class Tree:
         if len(shown) > 1:
             what = f"there are no transforms in the bag, and its messages are in frames {', '.join(sorted(shown))}"
             first = min(use.heard_ns for use in shown.values())
-            yield Finding("tf-missing", Severity.ERROR, SHOWN, None, what, "record /tf and /tf_static with it", first)
+            yield Finding(
+                "tf-missing", FindingSeverity.ERROR, SHOWN, None, what, "record /tf and /tf_static with it", first
+            )
 
 
-class StaticWhole:
+class CompleteStaticTransforms:
     """Whoever listens late hears the last message of /tf_static alone: all frames must be in it."""
 
     def __init__(self) -> None:
         self._said: dict[int, set[str]] = {}
         self._last: dict[int, tuple[int, set[str]]] = {}
 
-    def listen(self, source: Source) -> Listener | None:
+    def listen(self, source: ConnectionRecord) -> MessageHandler | None:
         """The topics of static transforms."""
         if source.msgtype not in TF_TYPES or not source.topic.endswith("tf_static"):
             return None
         said = self._said.setdefault(source.number, set())
 
-        def hear(heard: Heard) -> None:
+        def hear(heard: CheckedMessage) -> None:
             children = set(heard.reading.children)
             said.update(children)
             self._last[source.number] = (heard.stamp_ns, children)
 
         return hear
 
-    def findings(self, bag: Structure) -> Iterator[Finding]:
+    def findings(self, bag: BagStructure) -> Iterator[Finding]:
         """One for each publisher."""
         for number, (stamp_ns, last) in self._last.items():
             lacking = sorted(self._said[number] - last)
             if lacking:
                 what = f"its last message lacks {', '.join(lacking)}, and replaces the one that had them"
                 remedy = "say all static transforms in one message"
-                tools = (Tool.ROSBAG, Tool.RVIZ)
-                topic = bag.sources[number].topic
-                yield Finding("static-partial", Severity.ERROR, tools, topic, what, remedy, stamp_ns, 1)
+                tools = (BagTool.ROSBAG, BagTool.RVIZ)
+                topic = bag.connections[number].topic
+                yield Finding("static-partial", FindingSeverity.ERROR, tools, topic, what, remedy, stamp_ns, 1)
 
 
-RULES = (SlashedFrames, Tree, StaticWhole)
+RULES = (SlashedFrames, TransformTree, CompleteStaticTransforms)

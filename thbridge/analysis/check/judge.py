@@ -5,11 +5,28 @@ from contextlib import suppress
 from dataclasses import dataclass
 
 from thbridge.analysis.check import connections, contents, frames, structure, times
-from thbridge.analysis.check.finding import Finding, Heard, KnownChunk, MessageRule, Severity, Structure, Tool
-from thbridge.analysis.check.reading import Layout, Reading, Unreadable
-from thbridge.recording.bag.scan import Chunk, ChunkIndex, FileHeader, MessageIndex, Record, Said, Source, Tear
+from thbridge.analysis.check.finding import (
+    BagStructure,
+    BagTool,
+    CheckedMessage,
+    Finding,
+    FindingSeverity,
+    MessageRule,
+    ScannedChunk,
+)
+from thbridge.analysis.check.reading import MessageReader, Reading, UnreadableMessage
+from thbridge.recording.bag.scan import (
+    BagHeaderRecord,
+    BagRecord,
+    ChunkInfoRecord,
+    ChunkRecord,
+    ConnectionRecord,
+    IndexDataRecord,
+    MessageRecord,
+    UnreadableSpan,
+)
 
-_ORDER = tuple(Severity)
+_ORDER = tuple(FindingSeverity)
 
 
 @dataclass(frozen=True, slots=True)
@@ -28,7 +45,7 @@ class Judgement:
     seconds: float
     start_ns: int | None
 
-    def worst(self, tool: Tool) -> Severity | None:
+    def worst(self, tool: BagTool) -> FindingSeverity | None:
         """The worst that a tool will meet; None for nothing."""
         mine = {finding.severity for finding in self.findings if tool in finding.tools}
         return next((severity for severity in _ORDER if severity in mine), None)
@@ -36,10 +53,10 @@ class Judgement:
     @property
     def ok(self) -> bool:
         """Whether every tool takes the bag."""
-        return all(finding.severity is not Severity.ERROR for finding in self.findings)
+        return all(finding.severity is not FindingSeverity.ERROR for finding in self.findings)
 
 
-def judge(records: Iterable[Record]) -> Judgement:
+def judge(records: Iterable[BagRecord]) -> Judgement:
     """Judge a bag by its records, as `bag_scan.scan` reads them."""
     hearing = _Hearing()
     for record in records:
@@ -55,17 +72,17 @@ def judge(records: Iterable[Record]) -> Judgement:
 class _Line:
     """One connection: reads its messages and passes them to whoever listens."""
 
-    def __init__(self, source: Source, rules: Iterable[MessageRule]) -> None:
+    def __init__(self, source: ConnectionRecord, rules: Iterable[MessageRule]) -> None:
         self._listeners = [hear for rule in rules if (hear := rule.listen(source)) is not None]
-        self._layout: Layout | None = None
+        self._layout: MessageReader | None = None
         with suppress(ValueError):  # a rule about connections says why
-            self._layout = Layout(source.msgtype, source.definition, contents.numbers_of(source.msgtype))
+            self._layout = MessageReader(source.msgtype, source.definition, contents.numbers_of(source.msgtype))
 
-    def hear(self, said: Said) -> None:
+    def hear(self, said: MessageRecord) -> None:
         try:
-            heard = Heard(said.stamp_ns, Reading() if self._layout is None else self._layout.read(said.data))
-        except Unreadable as fault:
-            heard = Heard(said.stamp_ns, Reading(), str(fault))
+            heard = CheckedMessage(said.stamp_ns, Reading() if self._layout is None else self._layout.read(said.data))
+        except UnreadableMessage as fault:
+            heard = CheckedMessage(said.stamp_ns, Reading(), str(fault))
         for hear in self._listeners:
             hear(heard)
 
@@ -76,42 +93,42 @@ class _Hearing:
     def __init__(self) -> None:
         rules = (*times.RULES, *frames.RULES, *contents.RULES)
         self.rules: tuple[MessageRule, ...] = tuple(rule() for rule in rules)
-        self._header: FileHeader | None = None
-        self._sources: dict[int, Source] = {}
+        self._header: BagHeaderRecord | None = None
+        self._sources: dict[int, ConnectionRecord] = {}
         self._lines: dict[int, _Line] = {}
         self._counts: dict[int, int] = {}
-        self._chunks: list[KnownChunk] = []
-        self._index: list[ChunkIndex] = []
+        self._chunks: list[ScannedChunk] = []
+        self._index: list[ChunkInfoRecord] = []
         self._indexed_sources: set[int] = set()
-        self._tears: list[Tear] = []
+        self._tears: list[UnreadableSpan] = []
 
-    def take(self, record: Record) -> None:
+    def take(self, record: BagRecord) -> None:
         """The next record."""
         match record:
-            case Said():
+            case MessageRecord():
                 self._said(record)
-            case MessageIndex(number, count):
+            case IndexDataRecord(number, count):
                 self._indexed_sources.clear()
                 if self._chunks:
                     indexed = self._chunks[-1].indexed
                     indexed[number] = indexed.get(number, 0) + count
-            case Source(number):
+            case ConnectionRecord(number):
                 if number not in self._sources:
                     self._sources[number] = record
                     self._lines[number] = _Line(record, self.rules)
                 # Those that come after the last chunk and its places are the index's.
                 self._indexed_sources.add(number)
-            case Chunk():
-                self._chunks.append(KnownChunk(record, {}, {}))
+            case ChunkRecord():
+                self._chunks.append(ScannedChunk(record, {}, {}))
                 self._indexed_sources.clear()
-            case ChunkIndex():
+            case ChunkInfoRecord():
                 self._index.append(record)
-            case FileHeader():
+            case BagHeaderRecord():
                 self._header = record
-            case Tear():
+            case UnreadableSpan():
                 self._tears.append(record)
 
-    def _said(self, said: Said) -> None:
+    def _said(self, said: MessageRecord) -> None:
         self._counts[said.number] = self._counts.get(said.number, 0) + 1
         if self._chunks:
             known = self._chunks[-1]
@@ -124,11 +141,11 @@ class _Hearing:
         if line is not None:
             line.hear(said)
 
-    def structure(self) -> Structure:
+    def structure(self) -> BagStructure:
         """All that was collected."""
         starts = [known.start_ns for known in self._chunks if known.start_ns is not None]
         ends = [known.end_ns for known in self._chunks if known.end_ns is not None]
-        return Structure(
+        return BagStructure(
             self._header,
             self._sources,
             self._counts,

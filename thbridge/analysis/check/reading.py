@@ -40,7 +40,7 @@ Fields = Mapping[str, Sequence[tuple[str, object]]]
 """Of each type, named as rosbags names it: its fields, each with rosbags' description of its type."""
 
 
-class Unreadable(ValueError):  # noqa: N818 - it names the fault of a message
+class UnreadableMessage(ValueError):  # noqa: N818 - it names the fault of a message
     """The bytes are not a message of the type; says why, as a clause."""
 
 
@@ -73,7 +73,7 @@ class _Step(Protocol):
     def __call__(self, data: bytes, at: int, into: Reading) -> int: ...
 
 
-class Layout:
+class MessageReader:
     """How messages of one type lie in their bytes.
 
     Args:
@@ -99,9 +99,9 @@ class Layout:
             for step in self._steps:
                 at = step(data, at, into)
         except struct.error:
-            raise Unreadable("it ends too early") from None
+            raise UnreadableMessage("it ends too early") from None
         if at != len(data):
-            raise Unreadable("it ends too early" if at > len(data) else f"{len(data) - at} bytes are left over")
+            raise UnreadableMessage("it ends too early" if at > len(data) else f"{len(data) - at} bytes are left over")
         return into
 
     def _message(self, name: str, path: str, above: tuple[str, ...]) -> list[_Step]:
@@ -286,7 +286,7 @@ class _Records:
         count, at = _counted(data, at, self.count, self.asked, into)
         end = at + count * self.size
         if end > len(data):
-            raise Unreadable("it ends too early")
+            raise UnreadableMessage("it ends too early")
         if count:
             for place in self.vectors:
                 if not np.isfinite(self._column(data, at, place, count, 3)).all():
@@ -332,7 +332,7 @@ class _Loop:
         count, at = _counted(data, at, self.count, self.asked, into)
         # Each element takes a byte or more: a forged count is found out at once.
         if at + count > len(data):
-            raise Unreadable("it ends too early")
+            raise UnreadableMessage("it ends too early")
         for _ in range(count):
             for step in self.steps:
                 at = step(data, at, into)

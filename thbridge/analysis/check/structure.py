@@ -2,7 +2,7 @@
 
 from collections.abc import Iterator
 
-from thbridge.analysis.check.finding import ALL, Finding, Severity, Structure, Tool
+from thbridge.analysis.check.finding import ALL, BagStructure, BagTool, Finding, FindingSeverity
 
 HEADER_BYTES = 4096
 """Header and padding of the first record as ROS 1 writes it (rosbag, bag.py, _FILE_HEADER_LENGTH)."""
@@ -13,25 +13,27 @@ CUT = "run `thbridge bag cut` on it, which sorts"
 REINDEX = "run `thbridge bag reindex`"
 
 
-def index_missing(bag: Structure) -> Iterator[Finding]:
+def index_missing(bag: BagStructure) -> Iterator[Finding]:
     """A recording that was killed has no index: nothing opens it."""
     if bag.header is None or bag.header.index_pos == 0:
-        yield Finding("no-index", Severity.ERROR, ALL, None, "the bag has no index: its writer was killed", REINDEX)
-    elif not bag.tears and bag.header.chunks and not bag.index:
+        yield Finding(
+            "no-index", FindingSeverity.ERROR, ALL, None, "the bag has no index: its writer was killed", REINDEX
+        )
+    elif not bag.unreadable and bag.header.chunks and not bag.index:
         problem = "the first record names an index, and there is none"
-        yield Finding("no-index", Severity.ERROR, ALL, None, problem, REINDEX)
+        yield Finding("no-index", FindingSeverity.ERROR, ALL, None, problem, REINDEX)
 
 
-def index_wrong(bag: Structure) -> Iterator[Finding]:
+def index_wrong(bag: BagStructure) -> Iterator[Finding]:
     """An index that says other things than the chunks hides messages, or leads readers astray."""
     if bag.header is None or not bag.index:
         return
-    if (bag.header.connections, bag.header.chunks) != (bag.indexed_sources, len(bag.index)):
+    if (bag.header.connections, bag.header.chunks) != (bag.indexed_connections, len(bag.index)):
         problem = (
             f"the first record says {bag.header.connections} connections and {bag.header.chunks} chunks, "
-            f"the index has {bag.indexed_sources} and {len(bag.index)}"
+            f"the index has {bag.indexed_connections} and {len(bag.index)}"
         )
-        yield Finding("index-wrong", Severity.ERROR, ALL, None, problem, REINDEX)
+        yield Finding("index-wrong", FindingSeverity.ERROR, ALL, None, problem, REINDEX)
     said = {entry.position: entry.counts for entry in bag.index}
     wrong = [
         known
@@ -41,37 +43,39 @@ def index_wrong(bag: Structure) -> Iterator[Finding]:
     if wrong:
         position = wrong[0].chunk.position
         problem = f"the index of {len(wrong)} chunks does not have the messages in them, first at byte {position}"
-        yield Finding("index-wrong", Severity.ERROR, ALL, None, problem, REINDEX, wrong[0].start_ns)
+        yield Finding("index-wrong", FindingSeverity.ERROR, ALL, None, problem, REINDEX, wrong[0].start_ns)
 
 
-def torn(bag: Structure) -> Iterator[Finding]:
+def unreadable_bytes(bag: BagStructure) -> Iterator[Finding]:
     """Bytes that cannot be read."""
-    if bag.tears:
-        first = bag.tears[0]
-        lost = sum(tear.lost for tear in bag.tears)
+    if bag.unreadable:
+        first = bag.unreadable[0]
+        lost = sum(tear.lost for tear in bag.unreadable)
         problem = f"{lost} bytes cannot be read, first at byte {first.position}: {first.problem}"
-        yield Finding("torn", Severity.ERROR, ALL, None, problem, f"{REINDEX}; what cannot be read is lost")
+        yield Finding("torn", FindingSeverity.ERROR, ALL, None, problem, f"{REINDEX}; what cannot be read is lost")
 
 
-def header_padding(bag: Structure) -> Iterator[Finding]:
+def header_padding(bag: BagStructure) -> Iterator[Finding]:
     """rosbag writes the first record anew in its own length, over whatever comes there."""
     if bag.header is not None and bag.header.length != HEADER_BYTES:
         problem = (
             f"the first record takes {bag.header.length} bytes where ROS 1 makes it {HEADER_BYTES}: "
             "`rosbag reindex` and appending would overwrite the first chunk"
         )
-        yield Finding("header-padding", Severity.WARNING, (Tool.ROSBAG,), None, problem, "run `thbridge bag cut` on it")
+        yield Finding(
+            "header-padding", FindingSeverity.WARNING, (BagTool.ROSBAG,), None, problem, "run `thbridge bag cut` on it"
+        )
 
 
-def encrypted(bag: Structure) -> Iterator[Finding]:
+def encrypted(bag: BagStructure) -> Iterator[Finding]:
     """Only ROS's own C++ reads encrypted bags, where it has the key."""
     if bag.header is not None and bag.header.encryptor:
         problem = f"the bag is encrypted ({bag.header.encryptor})"
-        tools = (Tool.FOXGLOVE, Tool.EVO)
-        yield Finding("encrypted", Severity.ERROR, tools, None, problem, "decrypt it by `rosbag decrypt`")
+        tools = (BagTool.FOXGLOVE, BagTool.EVO)
+        yield Finding("encrypted", FindingSeverity.ERROR, tools, None, problem, "decrypt it by `rosbag decrypt`")
 
 
-def chunk_order(bag: Structure) -> Iterator[Finding]:
+def chunk_order(bag: BagStructure) -> Iterator[Finding]:
     """`rosbag info` takes the first chunk's start and the last chunk's end for the bag's, empty ones among them.
 
     Foxglove's reader begins at the first chunk's start, and leaves out what is before it.
@@ -87,12 +91,12 @@ def chunk_order(bag: Structure) -> Iterator[Finding]:
     )
     if first.start_ns > bag.start_ns:
         problem += f", and Foxglove leaves out all before {(first.start_ns - bag.start_ns) / 1e9:.1f} s"
-        yield Finding("chunk-order", Severity.ERROR, (Tool.ROSBAG, Tool.FOXGLOVE), None, problem, CUT)
+        yield Finding("chunk-order", FindingSeverity.ERROR, (BagTool.ROSBAG, BagTool.FOXGLOVE), None, problem, CUT)
     else:
-        yield Finding("chunk-order", Severity.WARNING, (Tool.ROSBAG,), None, problem, CUT)
+        yield Finding("chunk-order", FindingSeverity.WARNING, (BagTool.ROSBAG,), None, problem, CUT)
 
 
-def chunks_overlap(bag: Structure) -> Iterator[Finding]:
+def chunks_overlap(bag: BagStructure) -> Iterator[Finding]:
     """Foxglove keeps overlapping chunks in memory together, and complains (BagIterableSource.ts)."""
     latest_ns, overlapping = 0, 0
     for entry in bag.index:
@@ -100,23 +104,35 @@ def chunks_overlap(bag: Structure) -> Iterator[Finding]:
         latest_ns = max(latest_ns, entry.end_ns)
     if overlapping > OVERLAP_SHARE * len(bag.index):
         problem = f"{overlapping} of {len(bag.index)} chunks overlap others in time"
-        yield Finding("chunks-overlap", Severity.WARNING, (Tool.FOXGLOVE,), None, problem, CUT)
+        yield Finding("chunks-overlap", FindingSeverity.WARNING, (BagTool.FOXGLOVE,), None, problem, CUT)
 
 
-def lz4_frames(bag: Structure) -> Iterator[Finding]:
+def lz4_frames(bag: BagStructure) -> Iterator[Finding]:
     """roslz4 unpacks one kind of frame only: independent blocks, and a checksum of the content, not of each block."""
     other = [known for known in bag.chunks if known.chunk.lz4_flags not in (None, ROS_LZ4_FLAGS)]
     if other:
         problem = f"{len(other)} chunks are LZ4 frames that ROS cannot unpack, first at byte {other[0].chunk.position}"
-        tools = (Tool.ROSBAG, Tool.RVIZ, Tool.PLOTJUGGLER)
+        tools = (BagTool.ROSBAG, BagTool.RVIZ, BagTool.PLOTJUGGLER)
         remedy = "run `thbridge bag cut --compression lz4` on it"
-        yield Finding("lz4-frames", Severity.ERROR, tools, None, problem, remedy, other[0].start_ns)
+        yield Finding("lz4-frames", FindingSeverity.ERROR, tools, None, problem, remedy, other[0].start_ns)
 
 
-def nothing(bag: Structure) -> Iterator[Finding]:
+def no_messages(bag: BagStructure) -> Iterator[Finding]:
     """A bag without messages."""
     if bag.start_ns is None:
-        yield Finding("empty", Severity.WARNING, ALL, None, "there are no messages in the bag", "record it again")
+        yield Finding(
+            "empty", FindingSeverity.WARNING, ALL, None, "there are no messages in the bag", "record it again"
+        )
 
 
-RULES = (index_missing, index_wrong, torn, header_padding, encrypted, chunk_order, chunks_overlap, lz4_frames, nothing)
+RULES = (
+    index_missing,
+    index_wrong,
+    unreadable_bytes,
+    header_padding,
+    encrypted,
+    chunk_order,
+    chunks_overlap,
+    lz4_frames,
+    no_messages,
+)

@@ -2,9 +2,18 @@
 
 from collections.abc import Iterator
 
-from thbridge.analysis.check.finding import STAMPED_POSES, Finding, Heard, Listener, Severity, Structure, Tally, Tool
+from thbridge.analysis.check.finding import (
+    STAMPED_POSES,
+    BagStructure,
+    BagTool,
+    CheckedMessage,
+    Finding,
+    FindingSeverity,
+    MessageHandler,
+    OccurrenceCounter,
+)
 from thbridge.analysis.check.structure import CUT
-from thbridge.recording.bag.scan import Source
+from thbridge.recording.bag.scan import ConnectionRecord
 
 TF_CACHE = 10.0
 """Seconds that tf2 remembers (tf2, buffer_core.h, DEFAULT_CACHE_TIME)."""
@@ -14,24 +23,26 @@ class StampZero:
     """`rosbag play` drops messages whose stamp is zero."""
 
     def __init__(self) -> None:
-        self._zero: Tally[str] = Tally()
+        self._zero: OccurrenceCounter[str] = OccurrenceCounter()
 
-    def listen(self, source: Source) -> Listener:
+    def listen(self, source: ConnectionRecord) -> MessageHandler:
         """Every topic."""
         topic = source.topic
 
-        def hear(heard: Heard) -> None:
+        def hear(heard: CheckedMessage) -> None:
             if heard.stamp_ns == 0:
                 self._zero.add(topic, 0)
 
         return hear
 
-    def findings(self, bag: Structure) -> Iterator[Finding]:
+    def findings(self, bag: BagStructure) -> Iterator[Finding]:
         """One for each topic."""
         for topic, first, count in self._zero.items():
             what = "messages are stamped 0, and `rosbag play` drops them"
             remedy = "start the clock above zero"
-            yield Finding("stamp-zero", Severity.ERROR, (Tool.ROSBAG, Tool.RVIZ), topic, what, remedy, first, count)
+            yield Finding(
+                "stamp-zero", FindingSeverity.ERROR, (BagTool.ROSBAG, BagTool.RVIZ), topic, what, remedy, first, count
+            )
 
 
 class BackInTime:
@@ -43,11 +54,11 @@ class BackInTime:
         self._count = 0
         self._worst_ns = 0
 
-    def listen(self, source: Source) -> Listener:
+    def listen(self, source: ConnectionRecord) -> MessageHandler:
         """Every topic, all with one clock."""
         return self._hear
 
-    def _hear(self, heard: Heard) -> None:
+    def _hear(self, heard: CheckedMessage) -> None:
         back = self._latest_ns - heard.stamp_ns
         if back <= 0:
             self._latest_ns = heard.stamp_ns
@@ -57,31 +68,31 @@ class BackInTime:
         if self._first_ns is None:
             self._first_ns = heard.stamp_ns
 
-    def findings(self, bag: Structure) -> Iterator[Finding]:
+    def findings(self, bag: BagStructure) -> Iterator[Finding]:
         """One for the bag."""
         if self._count:
             what = f"messages are out of the order of time, by up to {self._worst_ns / 1e9:.3f} s"
-            tools = (Tool.ROSBAG, Tool.PLOTJUGGLER)
-            yield Finding("back-in-time", Severity.WARNING, tools, None, what, CUT, self._first_ns, self._count)
+            tools = (BagTool.ROSBAG, BagTool.PLOTJUGGLER)
+            yield Finding("back-in-time", FindingSeverity.WARNING, tools, None, what, CUT, self._first_ns, self._count)
 
 
-class HeaderFar:
+class HeaderStampOffset:
     """Tools place a message by its header at one time and show it at another.
 
     What is latched may be old when a recording begins, and is left out.
     """
 
     def __init__(self) -> None:
-        self._far: Tally[str] = Tally()
+        self._far: OccurrenceCounter[str] = OccurrenceCounter()
         self._worst_ns: dict[str, int] = {}
 
-    def listen(self, source: Source) -> Listener | None:
+    def listen(self, source: ConnectionRecord) -> MessageHandler | None:
         """Every topic that is not latched."""
         if source.latched:
             return None
         topic = source.topic
 
-        def hear(heard: Heard) -> None:
+        def hear(heard: CheckedMessage) -> None:
             headers = heard.reading.headers
             if not headers or headers[0][0] == 0:
                 return
@@ -92,7 +103,7 @@ class HeaderFar:
 
         return hear
 
-    def findings(self, bag: Structure) -> Iterator[Finding]:
+    def findings(self, bag: BagStructure) -> Iterator[Finding]:
         """One for each topic."""
         for topic, first, count in self._far.items():
             off = self._worst_ns[topic] / 1e9
@@ -101,26 +112,26 @@ class HeaderFar:
                 f"more than the {TF_CACHE:.0f} s that tf2 remembers"
             )
             remedy = "record with one clock: `use_sim_time` for the recorder too where the robots have it"
-            tools = (Tool.RVIZ, Tool.FOXGLOVE, Tool.PLOTJUGGLER)
-            yield Finding("header-far", Severity.WARNING, tools, topic, what, remedy, first, count)
+            tools = (BagTool.RVIZ, BagTool.FOXGLOVE, BagTool.PLOTJUGGLER)
+            yield Finding("header-far", FindingSeverity.WARNING, tools, topic, what, remedy, first, count)
 
 
-class Trajectories:
+class TrajectoryStamps:
     """evo takes the headers' stamps, which must rise."""
 
     def __init__(self) -> None:
-        self._zero: Tally[str] = Tally()
-        self._back: Tally[str] = Tally()
-        self._again: Tally[str] = Tally()
+        self._zero: OccurrenceCounter[str] = OccurrenceCounter()
+        self._back: OccurrenceCounter[str] = OccurrenceCounter()
+        self._again: OccurrenceCounter[str] = OccurrenceCounter()
         self._latest_ns: dict[str, int] = {}
 
-    def listen(self, source: Source) -> Listener | None:
+    def listen(self, source: ConnectionRecord) -> MessageHandler | None:
         """What evo reads."""
         if source.msgtype not in STAMPED_POSES:
             return None
         topic = source.topic
 
-        def hear(heard: Heard) -> None:
+        def hear(heard: CheckedMessage) -> None:
             if not heard.reading.headers:
                 return
             stamp_ns, _ = heard.reading.headers[0]
@@ -135,21 +146,21 @@ class Trajectories:
 
         return hear
 
-    def findings(self, bag: Structure) -> Iterator[Finding]:
+    def findings(self, bag: BagStructure) -> Iterator[Finding]:
         """One for each topic and fault."""
-        tools = (Tool.EVO,)
+        tools = (BagTool.EVO,)
         for topic, first, count in self._zero.items():
             what = "headers are stamped 0: evo has no time for them"
             remedy = "let the driver stamp its messages"
-            yield Finding("header-zero", Severity.ERROR, tools, topic, what, remedy, first, count)
+            yield Finding("header-zero", FindingSeverity.ERROR, tools, topic, what, remedy, first, count)
         for topic, first, count in self._back.items():
             what = "stamps of headers go back: evo's check fails, and its association is wrong"
             remedy = "let one publisher speak on the topic, with one clock"
-            yield Finding("header-back", Severity.ERROR, tools, topic, what, remedy, first, count)
+            yield Finding("header-back", FindingSeverity.ERROR, tools, topic, what, remedy, first, count)
         for topic, first, count in self._again.items():
             what = "headers repeat the stamp before them: evo computes no speeds"
             remedy = "leave out what is said twice"
-            yield Finding("header-repeated", Severity.WARNING, tools, topic, what, remedy, first, count)
+            yield Finding("header-repeated", FindingSeverity.WARNING, tools, topic, what, remedy, first, count)
 
 
-RULES = (StampZero, BackInTime, HeaderFar, Trajectories)
+RULES = (StampZero, BackInTime, HeaderStampOffset, TrajectoryStamps)

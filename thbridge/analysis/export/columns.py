@@ -13,24 +13,24 @@ from typing import TypeAlias, assert_never
 import numpy as np
 from numpy.typing import NDArray
 
-from thbridge.analysis.export import words
-from thbridge.analysis.export.gathering import Rows
+from thbridge.analysis.export import meanings as words
+from thbridge.analysis.export.gathering import GatheredRows
 from thbridge.analysis.export.layout import (
     BYTES,
     DURATION,
     TEXT,
     TIME,
     Array,
-    Items,
-    Leaf,
-    Numbers,
-    Part,
+    FieldStep,
+    FixedBlock,
+    FixedValue,
+    LayoutPart,
+    MessageArray,
+    MessageLayout,
+    NumberArray,
     Path,
-    Record,
-    Run,
-    Step,
-    Text,
-    Texts,
+    StringArray,
+    StringField,
 )
 
 WRAPPERS = frozenset(
@@ -45,25 +45,25 @@ MOST_COLUMNS = 64
 _COVARIANCES = {"geometry_msgs/PoseWithCovariance": False, "geometry_msgs/TwistWithCovariance": True}
 """Types with a covariance of 6 x 6, and whether it is one of speeds."""
 _QUATERNION = "geometry_msgs/Quaternion"
-_HEADER_FRAME = Step("std_msgs/Header", "frame_id")
-_CHILD_FRAME = Step("nav_msgs/Odometry", "child_frame_id")
+_HEADER_FRAME = FieldStep("std_msgs/Header", "frame_id")
+_CHILD_FRAME = FieldStep("nav_msgs/Odometry", "child_frame_id")
 _SPATIAL = frozenset(
     {"geometry_msgs/Point", "geometry_msgs/Point32", "geometry_msgs/Vector3", "geometry_msgs/Pose2D", _QUATERNION}
     | set(_COVARIANCES)
 )
-_OF_CHILD = Step("nav_msgs/Odometry", "twist")
+_OF_CHILD = FieldStep("nav_msgs/Odometry", "twist")
 """The one field of common types that is not in its header's frame but in the child's."""
 
 
 @dataclass(frozen=True, slots=True, eq=False)
-class Lists:
+class ListColumn:
     """A column of arrays: how long each is, and what is in all of them, one behind the other."""
 
     lengths: NDArray[np.int64]
     elements: "Array | list[str]"
 
 
-Values: TypeAlias = "Array | list[str] | list[str | None] | list[bytes] | Lists"
+Values: TypeAlias = "Array | list[str] | list[str | None] | list[bytes] | ListColumn"
 
 
 @dataclass(frozen=True, slots=True)
@@ -86,11 +86,11 @@ class Column:
 
 
 @dataclass(frozen=True, slots=True, eq=False)
-class Field:
+class ColumnReader:
     """A column, and how to take its values out of rows."""
 
     column: Column
-    values: Callable[[Rows], Values]
+    values: Callable[[GatheredRows], Values]
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -111,7 +111,7 @@ class _Draft:
     kind: str
     unit: str
     meaning: str
-    values: Callable[[Rows], Values]
+    values: Callable[[GatheredRows], Values]
 
     def name(self, whole: bool) -> str:
         """Its name, with or without the words that only wrap."""
@@ -125,7 +125,7 @@ class _Draft:
         return "_".join([*parts, suffix] if suffix and self.ending[:1] != ("cov",) else parts)
 
 
-def fields_of(record: Record, reserved: Iterable[str], outer_frame: str = "") -> tuple[Field, ...]:
+def fields_of(record: MessageLayout, reserved: Iterable[str], outer_frame: str = "") -> tuple[ColumnReader, ...]:
     """The columns of a record; arrays of messages in it are tables of their own.
 
     Args:
@@ -152,7 +152,7 @@ def fields_of(record: Record, reserved: Iterable[str], outer_frame: str = "") ->
         elif draft.path[-1:] == (_CHILD_FRAME,):
             frames[draft.path[:-1], True] = name
     return tuple(
-        Field(
+        ColumnReader(
             Column(name, draft.kind, draft.unit, draft.meaning, _frame_column(draft.path, frames, outer_frame)),
             draft.values,
         )
@@ -171,36 +171,36 @@ def _frame_column(path: Path, frames: dict[tuple[Path, bool], str], outer: str) 
     return outer
 
 
-def _drafts(index: int, part: Part) -> Iterator[_Draft]:
+def _drafts(index: int, part: LayoutPart) -> Iterator[_Draft]:
     """The columns of the part at an index."""
     match part:
-        case Run(leaves):
+        case FixedBlock(leaves):
             for position, leaf in enumerate(leaves):
                 yield from _of_leaf(index, part, position, leaf)
-                if leaf.path and leaf.path[-1] == Step(_QUATERNION, "w"):
+                if leaf.path and leaf.path[-1] == FieldStep(_QUATERNION, "w"):
                     yield _yaw(index, part, position)
-        case Text(path):
+        case StringField(path):
             yield _plain(path, TEXT, lambda rows: rows.texts(index))
-        case Numbers(path, "uint8"):
+        case NumberArray(path, "uint8"):
             yield _plain(path, BYTES, lambda rows: rows.blobs(index))
-        case Numbers(path, kind):
-            yield _plain(path, f"{kind}[]", lambda rows: Lists(rows.lengths(index), rows.numbers(index, part)))
-        case Texts(path, _):
-            yield _plain(path, "string[]", lambda rows: Lists(rows.lengths(index), rows.texts(index)))
-        case Items():
+        case NumberArray(path, kind):
+            yield _plain(path, f"{kind}[]", lambda rows: ListColumn(rows.lengths(index), rows.numbers(index, part)))
+        case StringArray(path, _):
+            yield _plain(path, "string[]", lambda rows: ListColumn(rows.lengths(index), rows.texts(index)))
+        case MessageArray():
             return
         case _:
             assert_never(part)
 
 
-def _plain(path: Path, kind: str, values: Callable[[Rows], Values], ending: tuple[str, ...] = ()) -> _Draft:
+def _plain(path: Path, kind: str, values: Callable[[GatheredRows], Values], ending: tuple[str, ...] = ()) -> _Draft:
     return _Draft(path, ending, kind, words.unit_of(path), words.meaning_of(path), values)
 
 
-def _of_leaf(index: int, run: Run, position: int, leaf: Leaf) -> Iterator[_Draft]:
+def _of_leaf(index: int, run: FixedBlock, position: int, leaf: FixedValue) -> Iterator[_Draft]:
     name = str(position)
 
-    def whole(rows: Rows) -> Array:
+    def whole(rows: GatheredRows) -> Array:
         return np.ascontiguousarray(rows.run(index, run)[name])
 
     if leaf.kind in {TIME, DURATION}:
@@ -220,15 +220,15 @@ def _of_leaf(index: int, run: Run, position: int, leaf: Leaf) -> Iterator[_Draft
         yield _plain(
             leaf.path,
             f"{leaf.kind}[]",
-            lambda rows: Lists(np.full(rows.count, size, dtype=np.int64), whole(rows).reshape(-1)),
+            lambda rows: ListColumn(np.full(rows.count, size, dtype=np.int64), whole(rows).reshape(-1)),
         )
 
 
-def _element(whole: Callable[[Rows], Array], element: int) -> Callable[[Rows], Values]:
+def _element(whole: Callable[[GatheredRows], Array], element: int) -> Callable[[GatheredRows], Values]:
     return lambda rows: np.ascontiguousarray(whole(rows)[:, element])
 
 
-def _covariance(leaf: Leaf, whole: Callable[[Rows], Array]) -> Iterator[_Draft]:
+def _covariance(leaf: FixedValue, whole: Callable[[GatheredRows], Array]) -> Iterator[_Draft]:
     """Standard deviations in the plane, then all 36."""
     units = words.axis_units(_COVARIANCES[leaf.path[-1].msgtype])
     for axis in (0, 1, 5):
@@ -246,8 +246,8 @@ def _squared(unit: str) -> str:
     return "/".join(f"{part}2" for part in unit.split("/"))
 
 
-def _deviation(whole: Callable[[Rows], Array], axis: int) -> Callable[[Rows], Values]:
-    def values(rows: Rows) -> Values:
+def _deviation(whole: Callable[[GatheredRows], Array], axis: int) -> Callable[[GatheredRows], Values]:
+    def values(rows: GatheredRows) -> Values:
         variances = whole(rows)[:, 7 * axis].astype(np.float64)
         # Some drivers mark what they do not know by -1.
         return np.sqrt(np.where(variances >= 0.0, variances, np.nan))
@@ -255,10 +255,10 @@ def _deviation(whole: Callable[[Rows], Array], axis: int) -> Callable[[Rows], Va
     return values
 
 
-def _yaw(index: int, run: Run, position: int) -> _Draft:
+def _yaw(index: int, run: FixedBlock, position: int) -> _Draft:
     """The yaw of the quaternion whose w is at a position."""
 
-    def values(rows: Rows) -> Values:
+    def values(rows: GatheredRows) -> Values:
         table = rows.run(index, run)
         x, y, z, w = (table[str(position - 3 + axis)] for axis in range(4))
         yaw: NDArray[np.float64] = np.arctan2(2.0 * (w * z + x * y), 1.0 - 2.0 * (y * y + z * z))

@@ -4,12 +4,12 @@ import csv
 import io
 import json
 
-from thbridge.analysis.export.exporting import Exported
+from thbridge.analysis.export.exporting import ExportSummary
 
 HEADER = ("table", "column", "type", "unit", "frame", "meaning")
 
 
-def dictionary_csv(exported: Exported) -> str:
+def dictionary_csv(exported: ExportSummary) -> str:
     """Every column of every table: dictionary.csv."""
     text = io.StringIO()
     writer = csv.writer(text, lineterminator="\n")
@@ -21,7 +21,7 @@ def dictionary_csv(exported: Exported) -> str:
     return text.getvalue()
 
 
-def session_json(exported: Exported, bag: str, start_ns: int, duration: float) -> str:
+def session_json(exported: ExportSummary, bag: str, start_ns: int, duration: float) -> str:
     """What the session was run with, as far as the recording says: session.json."""
     session = exported.session
     told = {
@@ -38,7 +38,7 @@ def session_json(exported: Exported, bag: str, start_ns: int, duration: float) -
     return json.dumps(told, indent=2, ensure_ascii=False) + "\n"
 
 
-def readme(exported: Exported, bag: str, start_ns: int, duration: float) -> str:
+def readme(exported: ExportSummary, bag: str, start_ns: int, duration: float) -> str:
     """What is in the folder: README.md."""
     rows = [
         f"| `{name}` | {_cell(table.source)} | {_cell(table.msgtype)} | {count} | {_cell(table.meaning)} |"

@@ -7,10 +7,10 @@ from dataclasses import dataclass, field
 
 from thbridge.analysis.export import poses
 from thbridge.analysis.export.layout import layout_of
-from thbridge.analysis.export.tables import Piece, Table, TopicTables
-from thbridge.recording.bag.records import Connection
+from thbridge.analysis.export.tables import Table, TableRows, TopicTables
+from thbridge.recording.bag.records import BagConnection
 from thbridge.ros.messages import unpack
-from thbridge.ros.messages.records import Session
+from thbridge.ros.messages.records import SessionRecord
 from thbridge.ros.messages.types import SESSION
 
 EMPTY_MD5 = "d41d8cd98f00b204e9800998ecf8427e"
@@ -20,7 +20,7 @@ PIECE = 4 << 20
 
 
 @dataclass(slots=True)
-class Exported:
+class ExportSummary:
     """What was exported; filled while it is.
 
     Attributes:
@@ -32,11 +32,13 @@ class Exported:
 
     tables: dict[str, tuple[Table, int]] = field(default_factory=dict)
     frames: dict[tuple[str, str], str] = field(default_factory=dict)
-    session: Session | None = None
+    session: SessionRecord | None = None
     notices: list[str] = field(default_factory=list)
 
 
-def export(recorded: Iterable[tuple[Connection, int, bytes]], start_ns: int, exported: Exported) -> Iterator[Piece]:
+def export(
+    recorded: Iterable[tuple[BagConnection, int, bytes]], start_ns: int, exported: ExportSummary
+) -> Iterator[TableRows]:
     """The rows of every topic, piece by piece, those of one table in order.
 
     Args:
@@ -72,7 +74,7 @@ def export(recorded: Iterable[tuple[Connection, int, bytes]], start_ns: int, exp
     exported.notices += [f"{count} messages of {what}." for what, count in broken.items()]
 
 
-def _begun(publisher: Connection, names: set[str], start_ns: int, notices: list[str]) -> TopicTables | None:
+def _begun(publisher: BagConnection, names: set[str], start_ns: int, notices: list[str]) -> TopicTables | None:
     if not publisher.definition.strip() and publisher.md5 != EMPTY_MD5:
         notices.append(f"{publisher.topic} is left out: the bag has no definition of {publisher.msgtype}.")
         return None
@@ -84,7 +86,7 @@ def _begun(publisher: Connection, names: set[str], start_ns: int, notices: list[
     return TopicTables(_file_name(publisher.topic, names), publisher.topic, record, start_ns)
 
 
-def _session(data: bytes) -> Session | None:
+def _session(data: bytes) -> SessionRecord | None:
     """The session, if this is the release that recorded it; else its table has what it says."""
     try:
         return unpack.session(data)
@@ -102,7 +104,7 @@ def _file_name(topic: str, taken: set[str]) -> str:
     return name
 
 
-def _counted(pieces: Iterable[Piece], together: poses.PosesTable, exported: Exported) -> Iterator[Piece]:
+def _counted(pieces: Iterable[TableRows], together: poses.PosesTable, exported: ExportSummary) -> Iterator[TableRows]:
     for piece in pieces:
         together.see(piece)
         _, before = exported.tables.get(piece.table.name, (piece.table, 0))

@@ -4,11 +4,11 @@ from collections.abc import Collection, Iterator
 from pathlib import Path
 
 from thbridge.analysis.export.dictionary import dictionary_csv, readme, session_json
-from thbridge.analysis.export.exporting import Exported, export
+from thbridge.analysis.export.exporting import ExportSummary, export
 from thbridge.files.errors import BadFile, reason_of
 from thbridge.files.table_files import TableFiles, TableFormat
 from thbridge.recording.bag.reader import info, recorded
-from thbridge.recording.bag.records import Connection
+from thbridge.recording.bag.records import BagConnection
 
 
 def export_bag(
@@ -18,7 +18,7 @@ def export_bag(
     topics: Collection[str] | None = None,
     start: float = 0.0,
     until: float | None = None,
-) -> Exported:
+) -> ExportSummary:
     """Write the tables of a recording, its data dictionary, a README and its session.json.
 
     Args:
@@ -35,13 +35,13 @@ def export_bag(
     found = info(bag)
     first_ns = found.start_ns or 0
 
-    def wanted() -> Iterator[tuple[Connection, int, bytes]]:
+    def wanted() -> Iterator[tuple[BagConnection, int, bytes]]:
         for publisher, stamp_ns, data in recorded(bag, topics):
             seconds = (stamp_ns - first_ns) / 1e9
             if start <= seconds and (until is None or seconds <= until):
                 yield publisher, stamp_ns, data
 
-    exported = Exported()
+    exported = ExportSummary()
     try:
         folder.mkdir(parents=True, exist_ok=True)
         if next(folder.iterdir(), None) is not None:

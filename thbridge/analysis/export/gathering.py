@@ -7,13 +7,22 @@ from struct import Struct
 import numpy as np
 from numpy.typing import NDArray
 
-from thbridge.analysis.export.layout import DTYPES, Array, Items, Numbers, Record, Run, Text, Texts
+from thbridge.analysis.export.layout import (
+    DTYPES,
+    Array,
+    FixedBlock,
+    MessageArray,
+    MessageLayout,
+    NumberArray,
+    StringArray,
+    StringField,
+)
 
 _COUNT = Struct("<I")
 _TOO_SHORT = "the message ends too early"
 
 
-class Rows:
+class GatheredRows:
     """The rows of one record that were gathered and not taken yet.
 
     Attributes:
@@ -22,11 +31,11 @@ class Rows:
         inner: rows of its arrays of messages, in the record's order.
     """
 
-    def __init__(self, record: Record) -> None:
+    def __init__(self, record: MessageLayout) -> None:
         self.record = record
-        self.inner = tuple(Rows(items.record) for items in record.items())
+        self.inner = tuple(GatheredRows(items.record) for items in record.items())
         self._inner_of = dict(zip(map(id, record.items()), self.inner, strict=True))
-        self._only_run = record.parts[0] if len(record.parts) == 1 and isinstance(record.parts[0], Run) else None
+        self._only_run = record.parts[0] if len(record.parts) == 1 and isinstance(record.parts[0], FixedBlock) else None
         self.clear()
 
     def clear(self) -> None:
@@ -63,26 +72,26 @@ class Rows:
         """Gather the record that begins at a byte; where it ends."""
         start = at
         for index, part in enumerate(self.record.parts):
-            if isinstance(part, Run):
+            if isinstance(part, FixedBlock):
                 end = at + part.dtype.itemsize
                 if end > len(data):
                     raise ValueError(_TOO_SHORT)
                 self._runs[index] += data[at:end]
                 at = end
-            elif isinstance(part, Text):
+            elif isinstance(part, StringField):
                 text, at = _text(data, at)
                 self._texts[index].append(text)
             else:
-                count = part.count if not isinstance(part, Numbers) else None
+                count = part.count if not isinstance(part, NumberArray) else None
                 if count is None:
                     count, at = _count(data, at)
-                if isinstance(part, Numbers):
+                if isinstance(part, NumberArray):
                     end = at + count * np.dtype(DTYPES[part.kind]).itemsize
                     if end > len(data):
                         raise ValueError(_TOO_SHORT)
                     self._runs[index] += data[at:end]
                     at = end
-                elif isinstance(part, Texts):
+                elif isinstance(part, StringArray):
                     for _ in range(_sane(count, data, at, 4)):
                         text, at = _text(data, at)
                         self._texts[index].append(text)
@@ -111,22 +120,22 @@ class Rows:
         """Leave the first rows only; what a broken message left behind goes."""
         self.count = rows
         for index, part in enumerate(self.record.parts):
-            if isinstance(part, Run):
+            if isinstance(part, FixedBlock):
                 del self._runs[index][rows * part.dtype.itemsize :]
                 continue
-            if isinstance(part, Text):
+            if isinstance(part, StringField):
                 del self._texts[index][rows:]
                 continue
             del self._lengths[index][rows:]
             elements = sum(self._lengths[index])
-            if isinstance(part, Numbers):
+            if isinstance(part, NumberArray):
                 del self._runs[index][elements * np.dtype(DTYPES[part.kind]).itemsize :]
-            elif isinstance(part, Texts):
+            elif isinstance(part, StringArray):
                 del self._texts[index][elements:]
             else:
                 self._inner_of[id(part)]._truncate(elements)
 
-    def run(self, index: int, run: Run) -> NDArray[np.void]:
+    def run(self, index: int, run: FixedBlock) -> NDArray[np.void]:
         """(count,) structures of the part at an index."""
         return np.frombuffer(self._runs[index], dtype=run.dtype)
 
@@ -138,7 +147,7 @@ class Rows:
         """(count,) how long the array of the part at an index is in each row."""
         return np.array(self._lengths[index], dtype=np.int64)
 
-    def numbers(self, index: int, part: Numbers) -> Array:
+    def numbers(self, index: int, part: NumberArray) -> Array:
         """The numbers of all rows of the part at an index."""
         return np.frombuffer(self._runs[index], dtype=DTYPES[part.kind])
 
@@ -148,10 +157,10 @@ class Rows:
         whole = bytes(self._runs[index])
         return [whole[start:end] for start, end in pairwise([0, *ends])]
 
-    def items(self) -> Iterator[tuple[int, Items, "Rows"]]:
+    def items(self) -> Iterator[tuple[int, MessageArray, "GatheredRows"]]:
         """Each array of messages with its index among the parts and its rows."""
         for index, part in enumerate(self.record.parts):
-            if isinstance(part, Items):
+            if isinstance(part, MessageArray):
                 yield index, part, self._inner_of[id(part)]
 
 

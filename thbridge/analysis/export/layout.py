@@ -54,18 +54,18 @@ _DEEPEST = 40
 
 
 @dataclass(frozen=True, slots=True)
-class Step:
+class FieldStep:
     """One field on the way down to a value: the type that has it, and its name."""
 
     msgtype: str
     field: str
 
 
-Path = tuple[Step, ...]
+Path = tuple[FieldStep, ...]
 
 
 @dataclass(frozen=True, slots=True)
-class Leaf:
+class FixedValue:
     """A value of fixed size.
 
     Attributes:
@@ -80,7 +80,7 @@ class Leaf:
 
 
 @dataclass(frozen=True, slots=True)
-class Run:
+class FixedBlock:
     """Values of fixed size, one behind the other.
 
     Attributes:
@@ -88,19 +88,19 @@ class Run:
         dtype: their numpy structure; field i is leaf i.
     """
 
-    leaves: tuple[Leaf, ...]
+    leaves: tuple[FixedValue, ...]
     dtype: "np.dtype[np.void]"
 
 
 @dataclass(frozen=True, slots=True)
-class Text:
+class StringField:
     """A string."""
 
     path: Path
 
 
 @dataclass(frozen=True, slots=True)
-class Numbers:
+class NumberArray:
     """An array of numbers, of any length; `kind` uint8 is bytes."""
 
     path: Path
@@ -108,7 +108,7 @@ class Numbers:
 
 
 @dataclass(frozen=True, slots=True)
-class Texts:
+class StringArray:
     """An array of strings; `count` is its length, None when each message says it."""
 
     path: Path
@@ -116,19 +116,19 @@ class Texts:
 
 
 @dataclass(frozen=True, slots=True)
-class Items:
+class MessageArray:
     """An array of messages; `count` is its length, None when each message says it."""
 
     path: Path
     count: int | None
-    record: "Record"
+    record: "MessageLayout"
 
 
-Part = Run | Text | Numbers | Texts | Items
+LayoutPart = FixedBlock | StringField | NumberArray | StringArray | MessageArray
 
 
 @dataclass(frozen=True, slots=True)
-class Record:
+class MessageLayout:
     """A message's parts in the order of their bytes; those of messages within it are among them.
 
     Attributes:
@@ -137,14 +137,14 @@ class Record:
     """
 
     msgtype: str
-    parts: tuple[Part, ...]
+    parts: tuple[LayoutPart, ...]
 
-    def items(self) -> tuple[Items, ...]:
+    def items(self) -> tuple[MessageArray, ...]:
         """Its arrays of messages."""
-        return tuple(part for part in self.parts if isinstance(part, Items))
+        return tuple(part for part in self.parts if isinstance(part, MessageArray))
 
 
-def layout_of(msgtype: str, definition: str) -> Record:
+def layout_of(msgtype: str, definition: str) -> MessageLayout:
     """The layout of a type.
 
     Args:
@@ -161,7 +161,7 @@ def layout_of(msgtype: str, definition: str) -> Record:
         raise ValueError(f"the definition of {msgtype} cannot be read: {error}") from None
     compiler = _Compiler({**types, **{normalize_msgtype(name): ((), ()) for name in empty}})
     compiler.add(normalize_msgtype(msgtype), ())
-    return Record(msgtype, compiler.parts())
+    return MessageLayout(msgtype, compiler.parts())
 
 
 def _without_empty_types(msgtype: str, definition: str) -> tuple[str, list[str]]:
@@ -193,10 +193,10 @@ class _Compiler:
 
     def __init__(self, types: Mapping[str, tuple[object, Sequence[_Field]]]) -> None:
         self._types = types
-        self._parts: list[Part] = []
-        self._leaves: list[Leaf] = []
+        self._parts: list[LayoutPart] = []
+        self._leaves: list[FixedValue] = []
 
-    def parts(self) -> tuple[Part, ...]:
+    def parts(self) -> tuple[LayoutPart, ...]:
         self._close_run()
         return tuple(self._parts)
 
@@ -206,7 +206,7 @@ class _Compiler:
         if name not in self._types:
             raise ValueError(f"the definition of {denormalize_msgtype(name)} is missing")
         for field, (node, inner) in self._types[name][1]:
-            here = (*path, Step(denormalize_msgtype(name), field))
+            here = (*path, FieldStep(denormalize_msgtype(name), field))
             if node is Nodetype.BASE:
                 self._single(_base(inner), here)
             elif node is Nodetype.NAME:
@@ -216,13 +216,13 @@ class _Compiler:
 
     def _single(self, kind: str, path: Path) -> None:
         if kind == TEXT:
-            self._append(Text(path))
+            self._append(StringField(path))
         else:
-            self._leaves.append(Leaf(path, kind, None))
+            self._leaves.append(FixedValue(path, kind, None))
 
     def _named(self, name: str, path: Path) -> None:
         if name in _MOMENTS:
-            self._leaves.append(Leaf(path, _MOMENTS[name], None))
+            self._leaves.append(FixedValue(path, _MOMENTS[name], None))
         else:
             self.add(name, path)
 
@@ -236,21 +236,21 @@ class _Compiler:
                 within._named(element_type, path)  # has no fields to be named after
             else:
                 within.add(element_type, ())
-            self._append(Items(path, count, Record(denormalize_msgtype(element_type), within.parts())))
+            self._append(MessageArray(path, count, MessageLayout(denormalize_msgtype(element_type), within.parts())))
         elif (kind := _base(of)) == TEXT:
-            self._append(Texts(path, count))
+            self._append(StringArray(path, count))
         elif count is not None:
-            self._leaves.append(Leaf(path, kind, count))
+            self._leaves.append(FixedValue(path, kind, count))
         else:
-            self._append(Numbers(path, kind))
+            self._append(NumberArray(path, kind))
 
-    def _append(self, part: Part) -> None:
+    def _append(self, part: LayoutPart) -> None:
         self._close_run()
         self._parts.append(part)
 
     def _close_run(self) -> None:
         if self._leaves:
-            self._parts.append(Run(tuple(self._leaves), _dtype(self._leaves)))
+            self._parts.append(FixedBlock(tuple(self._leaves), _dtype(self._leaves)))
             self._leaves = []
 
 
@@ -260,7 +260,7 @@ def _base(node: object) -> str:
     return str(name)
 
 
-def _dtype(leaves: Sequence[Leaf]) -> "np.dtype[np.void]":
+def _dtype(leaves: Sequence[FixedValue]) -> "np.dtype[np.void]":
     fields = []
     for index, leaf in enumerate(leaves):
         single = _MOMENT_DTYPES.get(leaf.kind) or np.dtype(DTYPES[leaf.kind])

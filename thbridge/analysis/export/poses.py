@@ -8,9 +8,9 @@ import numpy as np
 
 from sim.common.geometry import FloatArray
 from thbridge.analysis.export.columns import Column, Values
-from thbridge.analysis.export.tables import SECONDS, Piece, Table
+from thbridge.analysis.export.tables import SECONDS, Table, TableRows
 from thbridge.analysis.report.paths import at_times, wrapped
-from thbridge.analysis.report.tracks import Heard, Poses
+from thbridge.analysis.report.tracks import PoseSeries, SeriesByTopic
 from thbridge.analysis.report.values import Track
 from thbridge.ros.messages.types import ODOMETRY, POSE_STAMPED, POSE_WITH_COVARIANCE
 from thbridge.ros.robots import is_map_frame, is_odom_frame
@@ -42,9 +42,9 @@ class PosesTable:
     """Watches pieces of other tables go by, and makes of their poses one of its own."""
 
     def __init__(self) -> None:
-        self._heard = Heard()
+        self._heard = SeriesByTopic()
 
-    def see(self, piece: Piece) -> None:
+    def see(self, piece: TableRows) -> None:
         """Keep the poses in a piece, if there are any."""
         table = piece.table
         if table.msgtype not in {ODOMETRY, POSE_WITH_COVARIANCE, POSE_STAMPED, _TRANSFORM} or not piece.rows:
@@ -57,10 +57,10 @@ class PosesTable:
         if table.msgtype == _TRANSFORM:
             self._see_frames(table.source.partition(":")[0], frames, children, rows)
         elif table.msgtype == ODOMETRY:
-            poses = self._heard.odometry.setdefault(table.source, Poses(frames[0], children[0]))
+            poses = self._heard.odometry.setdefault(table.source, PoseSeries(frames[0], children[0]))
             poses.rows.frombytes(rows.tobytes())
         else:
-            poses = self._heard.poses.setdefault(table.source, Poses(frames[0], ""))
+            poses = self._heard.poses.setdefault(table.source, PoseSeries(frames[0], ""))
             poses.rows.frombytes(rows.tobytes())
 
     def _see_frames(self, topic: str, parents: list[str], children: list[str], rows: FloatArray) -> None:
@@ -69,10 +69,10 @@ class PosesTable:
             parent, child = (frame.lstrip("/") for frame in pair.split("\n"))
             if is_map_frame(parent) or is_odom_frame(parent):
                 key = (topic.strip("/").rpartition("/")[0], parent, child)
-                edge = self._heard.edges.setdefault(key, Poses(parent, child))
+                edge = self._heard.edges.setdefault(key, PoseSeries(parent, child))
                 edge.rows.frombytes(rows[said == pair].tobytes())
 
-    def pieces(self) -> list[Piece]:
+    def pieces(self) -> list[TableRows]:
         """The table: one robot's rows after the other's; none where nobody's pose was heard."""
         return [piece for track in self._heard.tracks(0.0) if (piece := _piece(track)).rows]
 
@@ -81,7 +81,7 @@ def _texts(values: Values) -> list[str]:
     return [str(value) for value in values] if isinstance(values, list) else []
 
 
-def _piece(track: Track) -> Piece:
+def _piece(track: Track) -> TableRows:
     paths = (track.truth, track.estimate, track.odometry)
     # Odometry has no gaps; where there is none, whatever is said most often.
     times = (track.odometry if len(track.odometry) else max(paths, key=len))[:, 0]
@@ -93,7 +93,7 @@ def _piece(track: Track) -> Piece:
         np.hypot(estimated[:, 0] - true[:, 0], estimated[:, 1] - true[:, 1]),
         wrapped(estimated[:, 2] - true[:, 2]),
     )
-    return Piece(TABLE, len(times), values)
+    return TableRows(TABLE, len(times), values)
 
 
 FRAMES = {

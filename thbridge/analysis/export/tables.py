@@ -7,10 +7,10 @@ from dataclasses import dataclass, field
 import numpy as np
 from numpy.typing import NDArray
 
-from thbridge.analysis.export import words
-from thbridge.analysis.export.columns import Column, Field, Values, fields_of
-from thbridge.analysis.export.gathering import Rows
-from thbridge.analysis.export.layout import Items, Record
+from thbridge.analysis.export import meanings as words
+from thbridge.analysis.export.columns import Column, ColumnReader, Values, fields_of
+from thbridge.analysis.export.gathering import GatheredRows
+from thbridge.analysis.export.layout import MessageArray, MessageLayout
 from thbridge.ros.messages.types import GAME_EVENT
 
 SECONDS = Column("t_s", "float64", "s", "since the beginning of the recording, when the message was recorded")
@@ -44,7 +44,7 @@ class Table:
 
 
 @dataclass(frozen=True, slots=True, eq=False)
-class Piece:
+class TableRows:
     """Some rows of a table.
 
     Attributes:
@@ -68,8 +68,8 @@ class TopicTables:
         start_ns: beginning of the recording.
     """
 
-    def __init__(self, name: str, topic: str, record: Record, start_ns: int) -> None:
-        self._rows = Rows(record)
+    def __init__(self, name: str, topic: str, record: MessageLayout, start_ns: int) -> None:
+        self._rows = GatheredRows(record)
         self._stamps: list[int] = []
         self._start_ns = start_ns
         self._open_ended = record.msgtype == GAME_EVENT
@@ -85,7 +85,7 @@ class TopicTables:
         self._rows.add(data)
         self._stamps.append(stamp_ns)
 
-    def take(self) -> Iterator[Piece]:
+    def take(self) -> Iterator[TableRows]:
         """The rows gathered so far, which are forgotten then."""
         stamps = np.array(self._stamps, dtype=np.int64)
         seconds = (stamps - self._start_ns) / 1e9
@@ -116,12 +116,12 @@ class _Shape:
     name: str
     source: str
     meaning: str
-    record: Record
+    record: MessageLayout
     top: bool
     outer: str = ""
     done: int = 0
-    fields: tuple[Field, ...] = field(init=False)
-    inner: tuple[tuple[Items, "_Shape"], ...] = field(init=False)
+    fields: tuple[ColumnReader, ...] = field(init=False)
+    inner: tuple[tuple[MessageArray, "_Shape"], ...] = field(init=False)
     said: dict[str, set[str]] = field(init=False, default_factory=dict)
 
     def __post_init__(self) -> None:
@@ -129,7 +129,7 @@ class _Shape:
         own_frame = next((f.column.name for f in self.fields if f.column.name == "frame_id"), self.outer)
         self.inner = tuple((items, self._within(items, own_frame)) for items in self.record.items())
 
-    def _within(self, items: Items, own_frame: str) -> "_Shape":
+    def _within(self, items: MessageArray, own_frame: str) -> "_Shape":
         path = ".".join(step.field for step in items.path)
         meaning = words.meaning_of(items.path)
         if self._only_array:
@@ -143,11 +143,11 @@ class _Shape:
 
     def pieces(
         self,
-        rows: Rows,
+        rows: GatheredRows,
         seconds: NDArray[np.float64],
         recorded: tuple[NDArray[np.int64], ...],
         keys: "_Keys | None" = None,
-    ) -> Iterator[Piece]:
+    ) -> Iterator[TableRows]:
         """The tables' values; `seconds` and `recorded` are those of each row, `keys` say what each belongs to."""
         if not self._only_array:
             yield self._own(rows, seconds, recorded, keys)
@@ -160,8 +160,12 @@ class _Shape:
         self.done += rows.count
 
     def _own(
-        self, rows: Rows, seconds: NDArray[np.float64], recorded: tuple[NDArray[np.int64], ...], keys: "_Keys | None"
-    ) -> Piece:
+        self,
+        rows: GatheredRows,
+        seconds: NDArray[np.float64],
+        recorded: tuple[NDArray[np.int64], ...],
+        keys: "_Keys | None",
+    ) -> TableRows:
         columns: list[Column] = [SECONDS]
         values: list[Values] = [seconds]
         if recorded:
@@ -184,7 +188,7 @@ class _Shape:
             self.meaning,
             (*columns, *(each.column for each in self.fields)),
         )
-        return Piece(table, rows.count, (*values, *own))
+        return TableRows(table, rows.count, (*values, *own))
 
     def _see(self, column: str, frames: list[str] | list[str | None] | list[bytes]) -> None:
         self.said.setdefault(column, set()).update(str(frame) for frame in frames)
@@ -214,7 +218,7 @@ class _Keys:
         return cls(row + done, np.arange(int(lengths.sum()), dtype=np.int64) - np.repeat(starts, lengths))
 
 
-def _with_events(piece: Piece) -> Piece:
+def _with_events(piece: TableRows) -> TableRows:
     """Events with the plain values of their JSON as columns, in the order of their first appearance."""
     table = piece.table
     texts = next(v for column, v in zip(table.columns, piece.values, strict=True) if column.name == "json")
@@ -230,7 +234,7 @@ def _with_events(piece: Piece) -> Piece:
         added.append(Column(f"{EVENT}{name}", kind, "", f"{name.replace('_', ' ')}, of the events that have it"))
         found.append(converted)
     wide = Table(table.name, table.source, table.msgtype, table.meaning, (*table.columns, *added))
-    return Piece(wide, piece.rows, (*piece.values, *found))
+    return TableRows(wide, piece.rows, (*piece.values, *found))
 
 
 def _object(text: object) -> dict[str, object]:

@@ -11,11 +11,11 @@ from matplotlib.patches import Patch
 from matplotlib.ticker import FuncFormatter, LogLocator, MultipleLocator, NullFormatter
 
 from sim.common.geometry import FloatArray
-from thbridge.analysis.plot.look import FAINT, INK, Look, clock, colour, label_above, robot_handles
 from thbridge.analysis.plot.paths import paths
+from thbridge.analysis.plot.style import FAINT, INK, FigureStyle, clock, colour, label_above, robot_handles
 from thbridge.analysis.plot.thinning import changes, peaks
-from thbridge.analysis.report.values import Leg, Moment, Report
-from thbridge.hunt.outcomes import Refused
+from thbridge.analysis.report.values import GoalAttempt, Report, TimelineEntry
+from thbridge.hunt.refusals import RequestRefused
 
 SIGMAS = 2.0
 """Standard deviations within a band: 95 of 100 errors, if the localiser is honest and they are normal."""
@@ -25,7 +25,7 @@ _CLOCK_STEPS = (1.0, 2.0, 5.0, 10.0, 15.0, 30.0, 60.0, 120.0, 300.0, 600.0, 900.
 """Seconds between labels of the time."""
 
 
-class What(StrEnum):
+class FigureKind(StrEnum):
     """Figures there are."""
 
     PATHS = "paths"
@@ -36,14 +36,14 @@ class What(StrEnum):
     TIMELINE = "timeline"
 
 
-def draw(what: What, report: Report, look: Look) -> Figure | Refused:
+def draw(what: FigureKind, report: Report, look: FigureStyle) -> Figure | RequestRefused:
     """A figure, or what the recording lacks for it."""
     with look.style():
         drawn = _FIGURES[what](report, look)
-    return Refused("nothing-to-plot", f"There is nothing to plot: {_MISSING[what]}.") if drawn is None else drawn
+    return RequestRefused("nothing-to-plot", f"There is nothing to plot: {_MISSING[what]}.") if drawn is None else drawn
 
 
-def error(report: Report, look: Look) -> Figure | None:
+def error(report: Report, look: FigureStyle) -> Figure | None:
     """How far the belief was from the truth, over what the localiser admits; a row a robot."""
     shown = [(index, track) for index, track in enumerate(report.tracks) if len(track.errors)]
     if not shown:
@@ -69,7 +69,7 @@ def error(report: Report, look: Look) -> Figure | None:
     return figure
 
 
-def covariance(report: Report, look: Look) -> Figure | None:
+def covariance(report: Report, look: FigureStyle) -> Figure | None:
     """The standard deviations that the localiser admits."""
     shown = [(index, track) for index, track in enumerate(report.tracks) if len(track.deviations)]
     if not shown:
@@ -90,7 +90,7 @@ def covariance(report: Report, look: Look) -> Figure | None:
     return figure
 
 
-def energy(report: Report, look: Look) -> Figure | None:
+def energy(report: Report, look: FigureStyle) -> Figure | None:
     """What each robot had left."""
     shown = [index for index, track in enumerate(report.tracks) if len(track.energy)]
     if not shown:
@@ -106,7 +106,7 @@ def energy(report: Report, look: Look) -> Figure | None:
     return figure
 
 
-def velocity(report: Report, look: Look) -> Figure | None:
+def velocity(report: Report, look: FigureStyle) -> Figure | None:
     """Speeds by odometry beneath those commanded; a row a robot."""
     shown = [(index, track) for index, track in enumerate(report.tracks) if len(track.speeds) or len(track.commands)]
     if not shown:
@@ -126,9 +126,9 @@ def velocity(report: Report, look: Look) -> Figure | None:
     return figure
 
 
-def timeline(report: Report, look: Look) -> Figure | None:
+def timeline(report: Report, look: FigureStyle) -> Figure | None:
     """Goals under way with their rooms, events of the game, and the talk."""
-    if not report.moments and not any(track.legs for track in report.tracks):
+    if not report.moments and not any(track.attempts for track in report.tracks):
         return None
     names = [track.name for track in report.tracks]
     talk = [moment for moment in report.moments if moment.kind == "said"]
@@ -137,7 +137,7 @@ def timeline(report: Report, look: Look) -> Figure | None:
     line = 3.0 * look.font / 72.0
     figure, ((axes,),) = look.figure(4.5 * look.font / 72.0 + line * max(len(labels), 2))
     for index, track in enumerate(report.tracks):
-        _draw_legs(axes, index, track.legs, events, track.name, report.duration, look)
+        _draw_legs(axes, index, track.attempts, events, track.name, report.duration, look)
     for event in events:
         row = names.index(event.who) if event.who in names else len(names)
         axes.plot(event.time, row, "D", ms=0.45 * look.font, color=INK, mec="white", mew=0.5, zorder=3)
@@ -151,7 +151,11 @@ def timeline(report: Report, look: Look) -> Figure | None:
     label_above(
         axes,
         [
-            *([Patch(color=colour(0), lw=0, label="to a room, reached")] if any(t.legs for t in report.tracks) else []),
+            *(
+                [Patch(color=colour(0), lw=0, label="to a room, reached")]
+                if any(t.attempts for t in report.tracks)
+                else []
+            ),
             *([Patch(color=colour(0), alpha=0.3, lw=0, label="not reached")] if _failed(report) else []),
             *([Line2D([], [], color=INK, marker="D", ms=0.45 * look.font, lw=0, label="event")] if events else []),
             *([Line2D([], [], color="#52606d", marker="|", ms=look.font, lw=0, label="said")] if talk else []),
@@ -162,29 +166,29 @@ def timeline(report: Report, look: Look) -> Figure | None:
     return figure
 
 
-_FIGURES: Mapping[What, Callable[[Report, Look], Figure | None]] = {
-    What.PATHS: paths,
-    What.ERROR: error,
-    What.COVARIANCE: covariance,
-    What.ENERGY: energy,
-    What.VELOCITY: velocity,
-    What.TIMELINE: timeline,
+_FIGURES: Mapping[FigureKind, Callable[[Report, FigureStyle], Figure | None]] = {
+    FigureKind.PATHS: paths,
+    FigureKind.ERROR: error,
+    FigureKind.COVARIANCE: covariance,
+    FigureKind.ENERGY: energy,
+    FigureKind.VELOCITY: velocity,
+    FigureKind.TIMELINE: timeline,
 }
-_MISSING: Mapping[What, str] = {
-    What.PATHS: "the bag has neither a map nor poses of a robot",
-    What.ERROR: "there is no robot whose true and estimated paths are both in the bag",
-    What.COVARIANCE: "there is no amcl_pose, nor another pose on the map with a covariance",
-    What.ENERGY: "there is no topic of type sensor_msgs/BatteryState",
-    What.VELOCITY: "there is neither odometry nor a topic cmd_vel",
-    What.TIMELINE: "there are no goals of move_base, no events of a game, and no talk",
+_MISSING: Mapping[FigureKind, str] = {
+    FigureKind.PATHS: "the bag has neither a map nor poses of a robot",
+    FigureKind.ERROR: "there is no robot whose true and estimated paths are both in the bag",
+    FigureKind.COVARIANCE: "there is no amcl_pose, nor another pose on the map with a covariance",
+    FigureKind.ENERGY: "there is no topic of type sensor_msgs/BatteryState",
+    FigureKind.VELOCITY: "there is neither odometry nor a topic cmd_vel",
+    FigureKind.TIMELINE: "there are no goals of move_base, no events of a game, and no talk",
 }
 
 
 def _failed(report: Report) -> bool:
-    return any(leg.outcome in {"no path", "cancelled"} for track in report.tracks for leg in track.legs)
+    return any(leg.outcome in {"no path", "cancelled"} for track in report.tracks for leg in track.attempts)
 
 
-def _panels(look: Look, robots: int, labels: tuple[str, str]) -> tuple[Figure, list[list[Axes]]]:
+def _panels(look: FigureStyle, robots: int, labels: tuple[str, str]) -> tuple[Figure, list[list[Axes]]]:
     """For each robot a pair of panels: side by side, or one below the other where that is too narrow."""
     height = 3.0 * look.font / 72.0
     if not look.narrow:
@@ -200,7 +204,7 @@ def _panels(look: Look, robots: int, labels: tuple[str, str]) -> tuple[Figure, l
     return figure, pairs
 
 
-def _time_below(rows: Sequence[Sequence[Axes]], duration: float, look: Look) -> None:
+def _time_below(rows: Sequence[Sequence[Axes]], duration: float, look: FigureStyle) -> None:
     """Minutes and seconds along the lowest panels."""
     for axes in (axes for row in rows for axes in row):
         axes.set_xlim(0.0, max(duration, 1e-3))
@@ -221,7 +225,13 @@ def _until(series: FloatArray, end: float) -> FloatArray:
 
 
 def _draw_legs(
-    axes: Axes, row: int, legs: Sequence[Leg], events: Sequence[Moment], name: str, duration: float, look: Look
+    axes: Axes,
+    row: int,
+    legs: Sequence[GoalAttempt],
+    events: Sequence[TimelineEntry],
+    name: str,
+    duration: float,
+    look: FigureStyle,
 ) -> None:
     for leg in legs:
         alpha = _OUTCOME_ALPHA.get(leg.outcome, 0.6)

@@ -12,14 +12,14 @@ from matplotlib.ticker import MaxNLocator
 
 from sim.common.geometry import FloatArray
 from sim.common.grid import OCCUPIED, UNKNOWN, OccupancyGrid
-from thbridge.analysis.plot.look import FAINT, INK, Look, colour, label_above, robot_handles
+from thbridge.analysis.plot.style import FAINT, INK, FigureStyle, colour, label_above, robot_handles
 from thbridge.analysis.plot.thinning import simplified
 from thbridge.analysis.report.values import Report
 
 _THING = "#f0b429"
 
 
-def paths(report: Report, look: Look) -> Figure | None:
+def paths(report: Report, look: FigureStyle) -> Figure | None:
     """The map with things and ways: broad the true ones, narrow those believed.
 
     Where no pose on the map is known, the ways by odometry, without the map: they begin wherever the wheels began to

@@ -15,23 +15,27 @@ import numpy as np
 
 from sim.common.geometry import FloatArray
 from sim.common.grid import OccupancyGrid
-from thbridge.analysis.report.tracks import Heard, Poses, deviations
-from thbridge.analysis.report.values import Leg, Moment, Report, Thing, Track
+from thbridge.analysis.report.tracks import PoseSeries, SeriesByTopic, deviations
+from thbridge.analysis.report.values import GoalAttempt, ObstacleTrack, Report, TimelineEntry, Track
 from thbridge.ros.frames import frame_name
 from thbridge.ros.messages import types, unpack
-from thbridge.ros.messages.goal_status import Status
-from thbridge.ros.messages.records import GameEvent, Score, Session, Utterance
+from thbridge.ros.messages.goal_status import GoalStatusCode
+from thbridge.ros.messages.records import GameEvent, ScoreRecord, SessionRecord, UtteranceRecord
 from thbridge.ros.messages.unpack import PoseInFrame
 from thbridge.ros.names import MAP, THINGS
 from thbridge.ros.robots import is_map_frame, is_odom_frame, usual_first
 
-OUTCOMES: dict[int, str] = {Status.SUCCEEDED: "arrived", Status.ABORTED: "no path", Status.PREEMPTED: "cancelled"}
+OUTCOMES: dict[int, str] = {
+    GoalStatusCode.SUCCEEDED: "arrived",
+    GoalStatusCode.ABORTED: "no path",
+    GoalStatusCode.PREEMPTED: "cancelled",
+}
 
 _TF_OLD = "tf/tfMessage"
 """tf's name for the message, before tf2; the same fields."""
 
 
-class Recorded(Protocol):
+class RecordedMessage(Protocol):
     """A message of a bag."""
 
     @property
@@ -55,7 +59,7 @@ class Recorded(Protocol):
         """Its bytes."""
 
 
-def read_report(messages: Iterable[Recorded], grid: OccupancyGrid | None = None) -> Report:
+def read_report(messages: Iterable[RecordedMessage], grid: OccupancyGrid | None = None) -> Report:
     """The report of a bag's messages, oldest first; what cannot be read is left out and told.
 
     Args:
@@ -74,11 +78,11 @@ class _Gathered:
     def __init__(self) -> None:
         self._first_ns: int | None = None
         self._last_ns = 0
-        self._heard = Heard()
-        self._session: Session | None = None
+        self._heard = SeriesByTopic()
+        self._session: SessionRecord | None = None
         self._grids: dict[str, OccupancyGrid] = {}
-        self._score: Score | None = None
-        self._moments: list[Moment] = []
+        self._score: ScoreRecord | None = None
+        self._moments: list[TimelineEntry] = []
         self._inputs = 0
         self._outlines: defaultdict[str, list[FloatArray]] = defaultdict(list)
         self._unread: dict[str, str] = {}
@@ -100,7 +104,7 @@ class _Gathered:
             types.INPUT: self._input,
         }
 
-    def take(self, message: Recorded) -> None:
+    def take(self, message: RecordedMessage) -> None:
         if self._first_ns is None:
             self._first_ns = message.stamp_ns
         self._last_ns = max(self._last_ns, message.stamp_ns)
@@ -151,7 +155,7 @@ class _Gathered:
 
     def _odometry(self, time: float, topic: str, data: bytes) -> None:
         said = unpack.odometry(data)
-        poses = self._heard.odometry.setdefault(topic, Poses(said.frame, said.child_frame))
+        poses = self._heard.odometry.setdefault(topic, PoseSeries(said.frame, said.child_frame))
         poses.add(time, said.pose)
         poses.speeds.extend((time, said.twist.linear, said.twist.angular))
 
@@ -159,7 +163,7 @@ class _Gathered:
         for _, (parent, child, pose) in unpack.transforms(data):
             if is_map_frame(parent) or is_odom_frame(parent):
                 key = (topic.strip("/").rpartition("/")[0], frame_name(parent), frame_name(child))
-                self._heard.edges.setdefault(key, Poses(key[1], key[2])).add(time, pose)
+                self._heard.edges.setdefault(key, PoseSeries(key[1], key[2])).add(time, pose)
 
     def _pose_with_covariance(self, time: float, topic: str, data: bytes) -> None:
         self._add_pose(time, topic, unpack.pose_with_covariance(data))
@@ -168,7 +172,7 @@ class _Gathered:
         self._add_pose(time, topic, unpack.pose_stamped(data))
 
     def _add_pose(self, time: float, topic: str, said: PoseInFrame) -> None:
-        poses = self._heard.poses.setdefault(topic, Poses(said.frame, ""))
+        poses = self._heard.poses.setdefault(topic, PoseSeries(said.frame, ""))
         poses.add(time, said.pose)
         if (row := deviations(time, said.covariance)) is not None:
             poses.deviations.extend(row)
@@ -191,7 +195,7 @@ class _Gathered:
         start = self._heard.goals[_action(topic)].pop(said.goal_id, None)
         if start is not None:
             outcome = OUTCOMES.get(said.status, f"status {said.status}")
-            self._heard.legs[_action(topic)].append(Leg(start, time, outcome, said.text))
+            self._heard.attempts[_action(topic)].append(GoalAttempt(start, time, outcome, said.text))
 
     def _map(self, time: float, topic: str, data: bytes) -> None:
         if "costmap" not in topic:
@@ -212,13 +216,13 @@ class _Gathered:
         event = unpack.game_event(data)
         who = "" if event.robot is None else f"robot{event.robot + 1}"
         text, points = _told(event)
-        self._moments.append(Moment(time, event.kind, who, event.room, text, points))
+        self._moments.append(TimelineEntry(time, event.kind, who, event.room, text, points))
 
     def _utterance(self, time: float, topic: str, data: bytes) -> None:
-        said: Utterance = unpack.utterance(data)
+        said: UtteranceRecord = unpack.utterance(data)
         who = f"robot{said.robot + 1}" if said.speaker == "robot" else f"participant to robot{said.robot + 1}"
         who += " (by a wizard)" if said.author == "wizard" else ""
-        self._moments.append(Moment(time, "said", who, said.room, said.text or said.move))
+        self._moments.append(TimelineEntry(time, "said", who, said.room, said.text or said.move))
 
     def _input(self, time: float, topic: str, data: bytes) -> None:
         self._inputs += unpack.outside_input(data).kind in {"said", "received", "asked"}
@@ -233,10 +237,10 @@ def _names_without(tracks: tuple[Track, ...], part: Callable[[Track], FloatArray
     return ", ".join(track.name for track in tracks if not len(part(track)))
 
 
-def _thing(name: str, outlines: list[FloatArray]) -> Thing:
+def _thing(name: str, outlines: list[FloatArray]) -> ObstacleTrack:
     middles = np.array([outline[:-1].mean(axis=0) for outline in outlines])
     moved = np.hypot(*np.diff(middles, axis=0).T) > 0.0
-    return Thing(name, outlines[0], middles[np.concatenate(([True], moved))])
+    return ObstacleTrack(name, outlines[0], middles[np.concatenate(([True], moved))])
 
 
 def _told(event: GameEvent) -> tuple[str, int | None]:

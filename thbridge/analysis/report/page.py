@@ -11,8 +11,8 @@ from matplotlib.figure import Figure
 from sim.common.geometry import FloatArray
 from sim.common.grid import OccupancyGrid
 from thbridge.analysis.plot.figures import energy, error, timeline
-from thbridge.analysis.plot.look import PAGE, Kind, Look, clock, colour
 from thbridge.analysis.plot.paths import paths
+from thbridge.analysis.plot.style import PAGE, FigureFormat, FigureStyle, clock, colour
 from thbridge.analysis.report.gathering import read_report
 from thbridge.analysis.report.values import Report, Track
 from thbridge.recording.bag.reader import messages
@@ -56,7 +56,7 @@ def render(report: Report, name: str) -> str:
     )
 
 
-_FIGURES: tuple[tuple[str, str, Callable[[Report, Look], Figure | None]], ...] = (
+_FIGURES: tuple[tuple[str, str, Callable[[Report, FigureStyle], Figure | None]], ...] = (
     (
         "Paths",
         "Broad: where the robot was. Narrow: where it believed itself to be. A ring marks the start, a dot the end. "
@@ -102,12 +102,12 @@ def _rms(values: FloatArray) -> float:
 def _robot_row(index: int, track: Track) -> dict[str, str]:
     unknown = "–"
     errors, energy = track.errors, track.energy
-    arrived = sum(leg.outcome == "arrived" for leg in track.legs)
+    arrived = sum(leg.outcome == "arrived" for leg in track.attempts)
     return {
         "name": track.name,
         "colour": colour(index),
         "distance": f"{track.distance:.1f}",
-        "goals": f"{arrived} of {len(track.legs)}" if track.legs else unknown,
+        "goals": f"{arrived} of {len(track.attempts)}" if track.attempts else unknown,
         "rmse": f"{100 * _rms(errors[:, 1]):.1f}" if len(errors) else unknown,
         "worst": f"{100 * errors[:, 1].max():.1f}" if len(errors) else unknown,
         "turn": f"{np.degrees(_rms(errors[:, 2])):.2f}" if len(errors) else unknown,
@@ -117,6 +117,6 @@ def _robot_row(index: int, track: Track) -> dict[str, str]:
 
 def _svg(figure: Figure, salt: str) -> Markup:
     """The figure as an element for the page; `salt` keeps the names in it apart from those of other figures."""
-    drawn = PAGE.rendered(figure, Kind.SVG, salt, transparent=True).decode()
+    drawn = PAGE.rendered(figure, FigureFormat.SVG, salt, transparent=True).decode()
     # Matplotlib made it and it escapes the words in it.
     return Markup(drawn[drawn.index("<svg") :])

@@ -9,7 +9,7 @@ import numpy as np
 
 from sim.common.geometry import FloatArray, Pose2
 from thbridge.analysis.report.paths import corrected, distance, errors, table
-from thbridge.analysis.report.values import Leg, Track
+from thbridge.analysis.report.values import GoalAttempt, Track
 from thbridge.ros.frames import frame_name
 from thbridge.ros.robots import (
     ODOM_FRAME,
@@ -40,7 +40,7 @@ def numbers() -> "array[float]":
 
 
 @dataclass(slots=True)
-class Poses:
+class PoseSeries:
     """Poses of one topic or transform.
 
     Attributes:
@@ -63,7 +63,7 @@ class Poses:
 
 
 @dataclass(slots=True)
-class Heard:
+class SeriesByTopic:
     """What was heard of robots, by topic.
 
     Attributes:
@@ -76,13 +76,13 @@ class Heard:
         legs: by topic: goals that ended.
     """
 
-    odometry: dict[str, Poses] = field(default_factory=dict)
-    poses: dict[str, Poses] = field(default_factory=dict)
-    edges: dict[tuple[str, str, str], Poses] = field(default_factory=dict)
+    odometry: dict[str, PoseSeries] = field(default_factory=dict)
+    poses: dict[str, PoseSeries] = field(default_factory=dict)
+    edges: dict[tuple[str, str, str], PoseSeries] = field(default_factory=dict)
     energy: "defaultdict[str, array[float]]" = field(default_factory=lambda: defaultdict(numbers))
     commands: "defaultdict[str, array[float]]" = field(default_factory=lambda: defaultdict(numbers))
     goals: defaultdict[str, dict[str, float]] = field(default_factory=lambda: defaultdict(dict))
-    legs: defaultdict[str, list[Leg]] = field(default_factory=lambda: defaultdict(list))
+    attempts: defaultdict[str, list[GoalAttempt]] = field(default_factory=lambda: defaultdict(list))
 
     def tracks(self, duration: float) -> tuple[Track, ...]:
         """One for each robot, in the order of their numbers."""
@@ -93,16 +93,16 @@ class Heard:
         """Prefixes of frames and namespaces that are robots; "" is one without."""
         odometry = {topic: poses.child for topic, poses in self.odometry.items()}
         edges = (key for key, poses in self.edges.items() if is_odom_frame(poses.frame))
-        return robots_among(odometry, edges, (*self.energy, *self.goals, *self.legs, *_estimates(self.poses)))
+        return robots_among(odometry, edges, (*self.energy, *self.goals, *self.attempts, *_estimates(self.poses)))
 
     def _track(self, robot: str, robots: frozenset[str], duration: float) -> Track:
         sources = _Sources(self, robot, robots)
         truth, odometry = sources.truth(), sources.odometry()
         estimate = sources.estimate(odometry)
         true_path, driven = table(truth.rows, 4), table(odometry.rows, 4)
-        legs = [leg for topic in sources.own(self.legs) for leg in self.legs[topic]]
+        legs = [leg for topic in sources.own(self.attempts) for leg in self.attempts[topic]]
         legs += [
-            Leg(start, duration, UNDER_WAY, "")
+            GoalAttempt(start, duration, UNDER_WAY, "")
             for topic in sources.own(self.goals)
             for start in self.goals[topic].values()
         ]
@@ -112,7 +112,7 @@ class Heard:
             estimate=estimate,
             errors=errors(estimate, true_path),
             energy=table(_first(self.energy, sources.own(self.energy), BATTERIES), 2),
-            legs=tuple(sorted(legs, key=lambda leg: leg.start)),
+            attempts=tuple(sorted(legs, key=lambda leg: leg.start)),
             distance=distance(next((path for path in (true_path, estimate, driven) if len(path)), true_path)),
             odometry=driven,
             speeds=table(odometry.speeds, 3),
@@ -129,7 +129,7 @@ class _Sources:
         told: what was taken, for people.
     """
 
-    def __init__(self, heard: Heard, robot: str, robots: frozenset[str]) -> None:
+    def __init__(self, heard: SeriesByTopic, robot: str, robots: frozenset[str]) -> None:
         self.told: list[str] = []
         self._robot, self._robots = robot, robots
         self._odometry = self._own_poses(heard.odometry)
@@ -144,10 +144,10 @@ class _Sources:
         """Those of the robot's namespace."""
         return [topic for topic in topics if owner_of(topic, self._robots) == self._robot]
 
-    def truth(self) -> Poses:
+    def truth(self) -> PoseSeries:
         """Where it was, without rows where nobody says."""
 
-        def known(topic: str, _: Poses) -> bool:
+        def known(topic: str, _: PoseSeries) -> bool:
             return is_truth(topic)
 
         truth = self._take("truth", (_chosen(self._odometry, known), ()), (_chosen(self._poses, known), ()))
@@ -155,13 +155,13 @@ class _Sources:
             self.told.append(f"the truth is in the frame {frame_name(truth.frame)}, and is taken as places on the map")
         return truth
 
-    def odometry(self) -> Poses:
+    def odometry(self) -> PoseSeries:
         """What its wheels counted, likewise."""
         topics = _chosen(self._odometry, lambda topic, said: not is_truth(topic) and not is_map_frame(said.frame))
         edges = _chosen(self._edges, lambda _, said: is_odom_frame(said.frame))
         return self._take("odometry", (topics, (ODOM_FRAME,)), (edges, ()))
 
-    def estimate(self, odometry: Poses) -> FloatArray:
+    def estimate(self, odometry: PoseSeries) -> FloatArray:
         """(n, 4) time, x, y, theta: where it believed itself to be; the correction of its odometry before all."""
         corrections = _chosen(
             self._edges,
@@ -179,7 +179,7 @@ class _Sources:
         names = usual_first(_estimates(self._poses), ESTIMATES)
         return self._poses[names[0]].deviations if names else numbers()
 
-    def _own_poses(self, heard: Mapping[str, Poses]) -> dict[str, Poses]:
+    def _own_poses(self, heard: Mapping[str, PoseSeries]) -> dict[str, PoseSeries]:
         """By the prefix of the frame, if that is a robot's, else by the namespace."""
         named = self._robots - {""}
         return {
@@ -188,14 +188,14 @@ class _Sources:
             if (prefix if (prefix := prefix_of(poses.child)) in named else owner_of(topic, self._robots)) == self._robot
         }
 
-    def _take(self, what: str, *choices: tuple[Mapping[str, Poses], tuple[str, ...]]) -> Poses:
+    def _take(self, what: str, *choices: tuple[Mapping[str, PoseSeries], tuple[str, ...]]) -> PoseSeries:
         """Of the first choice that there is the usual one; none is poses without rows."""
         for candidates, usual in choices:
             if names := usual_first(candidates, usual):
                 others = f"; there is also {', '.join(names[1:])}" if len(names) > 1 else ""
                 self.told.append(f"{what} from {names[0]}{others}")
                 return candidates[names[0]]
-        return Poses("", "")
+        return PoseSeries("", "")
 
 
 def _first(heard: Mapping[str, "array[float]"], topics: Iterable[str], usual: tuple[str, ...]) -> "array[float]":
@@ -204,11 +204,11 @@ def _first(heard: Mapping[str, "array[float]"], topics: Iterable[str], usual: tu
     return heard[names[0]] if names else numbers()
 
 
-def _chosen(heard: Mapping[str, Poses], wanted: Callable[[str, Poses], bool]) -> dict[str, Poses]:
+def _chosen(heard: Mapping[str, PoseSeries], wanted: Callable[[str, PoseSeries], bool]) -> dict[str, PoseSeries]:
     return {name: poses for name, poses in heard.items() if wanted(name, poses)}
 
 
-def _estimates(poses: Mapping[str, Poses]) -> dict[str, Poses]:
+def _estimates(poses: Mapping[str, PoseSeries]) -> dict[str, PoseSeries]:
     """Poses on the map that may be a localiser's."""
     return _chosen(
         poses,

@@ -4,11 +4,11 @@ from dataclasses import dataclass
 
 from sim.common.geometry import FloatArray
 from sim.common.grid import OccupancyGrid
-from thbridge.ros.messages.records import Score, Session
+from thbridge.ros.messages.records import ScoreRecord, SessionRecord
 
 
 @dataclass(frozen=True, slots=True)
-class Leg:
+class GoalAttempt:
     """A robot's way to one goal.
 
     Attributes:
@@ -48,7 +48,7 @@ class Track:
     estimate: FloatArray
     errors: FloatArray
     energy: FloatArray
-    legs: tuple[Leg, ...]
+    attempts: tuple[GoalAttempt, ...]
     distance: float
     odometry: FloatArray
     speeds: FloatArray
@@ -58,7 +58,7 @@ class Track:
 
 
 @dataclass(frozen=True, slots=True, eq=False)
-class Thing:
+class ObstacleTrack:
     """Something that stood or walked in the way.
 
     Attributes:
@@ -73,7 +73,7 @@ class Thing:
 
 
 @dataclass(frozen=True, slots=True)
-class Moment:
+class TimelineEntry:
     """Something that happened or was said.
 
     Attributes:
@@ -110,11 +110,11 @@ class Report:
     """
 
     duration: float
-    session: Session | None
+    session: SessionRecord | None
     grid: OccupancyGrid | None
     tracks: tuple[Track, ...]
-    things: tuple[Thing, ...]
-    moments: tuple[Moment, ...]
-    score: Score | None
+    things: tuple[ObstacleTrack, ...]
+    moments: tuple[TimelineEntry, ...]
+    score: ScoreRecord | None
     inputs: int
     missing: tuple[str, ...]

@@ -12,12 +12,12 @@ from dataclasses import dataclass
 from pathlib import Path
 
 from sim.common.observations import TICK, TICKS_PER_SECOND
-from thbridge.app.compose import Setting
+from thbridge.app.compose import StudySetting
 from thbridge.app.play import PLAY, NoLog
 from thbridge.app.session.broadcast import Broadcast, Listener
 from thbridge.app.session.mavros import frame_in
-from thbridge.app.session.recording import BagWitness
-from thbridge.app.session.session import Moment, Session
+from thbridge.app.session.recording import BagRecorder
+from thbridge.app.session.session import Session, TickRecord
 from thbridge.files.errors import BadFile
 from thbridge.hunt.events import Arrived
 from thbridge.recording.bag import reader as bag_reader
@@ -27,12 +27,12 @@ from thbridge.ros.messages import types, unpack
 from thbridge.ros.messages.records import GameEvent
 from thbridge.ros.messages.stamps import START_NS, TICK_NS
 from thbridge.ros.names import RobotNames
-from thbridge.ros.publisher import Message
+from thbridge.ros.publisher import RosMessage
 from thbridge.ros.topics import VehicleTopics
 from thbridge.timing.loop import run_ticks
 from thbridge.timing.pacer import Pacer
 from thbridge.wire.mavlink.outgoing import LinkId
-from thbridge.wire.router import Router
+from thbridge.wire.router import MessageRouter
 
 _TOPIC = re.compile(r"(?:/robot([1-9]\d{0,2}))?/mavlink/to")
 _LEAD = 1_000_000_000
@@ -70,7 +70,7 @@ class Arrival:
 
 
 @dataclass(frozen=True, slots=True)
-class Hunt:
+class HuntResult:
     """What became of a game.
 
     Attributes:
@@ -106,8 +106,8 @@ class FramesReplayed:
     frames: int
     unusable: int
     ticks: int
-    recorded: Hunt | None
-    replayed: Hunt
+    recorded: HuntResult | None
+    replayed: HuntResult
     compared: int
     parted: float | None
     finished: bool
@@ -134,7 +134,7 @@ def _tells_hunt(info: BagInfo) -> bool:
     return _is_ours(info) and any(topic.name == names.GAME_EVENTS for topic in info.topics)
 
 
-def hunt_of(path: Path) -> Hunt:
+def hunt_result_of(path: Path) -> HuntResult:
     """What became of a recorded game. Raises BadFile."""
     arrivals: list[Arrival] = []
     score = 0
@@ -146,7 +146,7 @@ def hunt_of(path: Path) -> Hunt:
                 arrivals += _arrival(unpack.game_event(message.data), message.stamp_ns)
         except ValueError as error:
             raise BadFile(path, None, message.topic, str(error), "name another recording") from None
-    return Hunt(tuple(arrivals), score)
+    return HuntResult(tuple(arrivals), score)
 
 
 def _arrival(event: GameEvent, stamp_ns: int) -> Iterator[Arrival]:
@@ -155,7 +155,7 @@ def _arrival(event: GameEvent, stamp_ns: int) -> Iterator[Arrival]:
 
 
 async def replay_frames(
-    path: Path, setting: Setting, options: FramesOptions, progress: Callable[[Moment], None]
+    path: Path, setting: StudySetting, options: FramesOptions, progress: Callable[[TickRecord], None]
 ) -> FramesReplayed:
     """Give the frames of a recording to a fresh session.
 
@@ -170,20 +170,20 @@ async def replay_frames(
     """
     setting = _with_vehicles(setting)
     info = bag_reader.info(path)
-    heard = _Heard(path, info)
+    heard = _RecordedFrames(path, info)
     last_tick = heard.tick_at(info.end_ns or 0) + round(options.longer * TICKS_PER_SECOND)
-    recorded = hunt_of(path) if _tells_hunt(info) else None
+    recorded = hunt_result_of(path) if _tells_hunt(info) else None
     # Other programs' robots may have a truth of their own, which is none here.
-    ways, hunt = _Ways(path, setting.study.robots if _is_ours(info) else 0), _HuntWitness()
+    ways, hunt = _PoseComparison(path, setting.study.robots if _is_ours(info) else 0), _HuntRecorder()
     with ExitStack() as opened:
         listening: list[Listener] = [ways]
         if options.to is not None:
             listening.append(opened.enter_context(setting.writer(options.to)))
         simr, hider = setting.simr(), setting.hider()
         record = setting.record(PLAY, [simr.name, hider.name], "")
-        witness = BagWitness(Broadcast(setting.publisher(), record, setting.place.grid, listening))
+        witness = BagRecorder(Broadcast(setting.publisher(), record, setting.map.grid, listening))
         vehicles = setting.vehicles(simr)
-        session = Session(Router(), setting.keeper(), [simr, hider], NoLog(), [witness, hunt], None, vehicles)
+        session = Session(MessageRouter(), setting.keeper(), [simr, hider], NoLog(), [witness, hunt], None, vehicles)
 
         def tick() -> bool:
             heard.give(session, setting.study.robots)
@@ -196,7 +196,7 @@ async def replay_frames(
         unusable=heard.unusable,
         ticks=session.tick,
         recorded=recorded,
-        replayed=Hunt(tuple(hunt.arrivals), hunt.score),
+        replayed=HuntResult(tuple(hunt.arrivals), hunt.score),
         compared=ways.compared,
         parted=ways.parted,
         finished=run.finished,
@@ -204,13 +204,13 @@ async def replay_frames(
     )
 
 
-def _with_vehicles(setting: Setting) -> Setting:
+def _with_vehicles(setting: StudySetting) -> StudySetting:
     study = setting.study
     mavlink = dataclasses.replace(study.mavlink, on=True)
     return dataclasses.replace(setting, study=dataclasses.replace(study, mavlink=mavlink))
 
 
-class _Heard:
+class _RecordedFrames:
     """The frames of a recording, which vehicles hear again.
 
     Attributes:
@@ -222,7 +222,7 @@ class _Heard:
         robots = {topic.name: _robot_of(topic.name) for topic in info.topics if topic.msgtype == types.MAVLINK}
         self._robots = {name: robot for name, robot in robots.items() if robot is not None}
         if not self._robots:
-            problem = f"it has no topic {VehicleTopics.of(RobotNames.of(0)).heard.name} of type {types.MAVLINK}"
+            problem = f"it has no topic {VehicleTopics.of(RobotNames.of(0)).received.name} of type {types.MAVLINK}"
             raise BadFile(path, None, None, problem, "name a recording of robots that were MAVLink vehicles")
         self.given = self.unusable = 0
         self._start_ns = START_NS if _is_ours(info) else (info.start_ns or 0) - _LEAD
@@ -260,7 +260,7 @@ def _robot_of(topic: str) -> int | None:
     return None if match is None else int(match[1] or 1) - 1
 
 
-class _Ways:
+class _PoseComparison:
     """Holds where robots truly are against a recording.
 
     Attributes:
@@ -274,7 +274,7 @@ class _Ways:
         self._topics = {RobotNames.of(robot).topic("base_pose_ground_truth") for robot in range(robots)}
         self._recorded = bag_reader.messages(path, self._topics)
 
-    def take(self, tick: int, messages: Sequence[Message]) -> None:
+    def take(self, tick: int, messages: Sequence[RosMessage]) -> None:
         """See `Listener`."""
         if self.parted is not None:
             return
@@ -290,14 +290,14 @@ class _Ways:
                 return
 
 
-class _HuntWitness:
+class _HuntRecorder:
     """Takes down what becomes of a game."""
 
     def __init__(self) -> None:
         self.arrivals: list[Arrival] = []
         self.score = 0
 
-    def saw(self, moment: Moment) -> None:
+    def record(self, moment: TickRecord) -> None:
         """See `Witness`."""
         for event in moment.events:
             if isinstance(event, Arrived) and moment.snapshot is not None:

@@ -14,7 +14,7 @@ from pathlib import Path
 from typing import Protocol
 
 from sim.common.observations import TICK, TICKS_PER_SECOND
-from thbridge.app.compose import Setting, build_bot
+from thbridge.app.compose import StudySetting, build_bot
 from thbridge.app.play import PLAY, NoLog
 from thbridge.app.programs import SIMR
 from thbridge.app.session.broadcast import Broadcast
@@ -35,9 +35,9 @@ from thbridge.app.session.inputs import (
     Said,
     from_record,
 )
-from thbridge.app.session.recording import BagWitness
-from thbridge.app.session.remote_robots import Outpost
-from thbridge.app.session.session import Moment, Session, Witness
+from thbridge.app.session.recording import BagRecorder
+from thbridge.app.session.session import Session, TickRecord, TickRecorder
+from thbridge.app.session.simr_session import SimrSession
 from thbridge.files.errors import BadFile
 from thbridge.recording.bag import reader as bag_reader
 from thbridge.recording.bag.reader import RawMessage
@@ -47,15 +47,15 @@ from thbridge.roles.tabui import TabUI
 from thbridge.ros import names
 from thbridge.ros.messages import types, unpack
 from thbridge.ros.messages.differences import FieldDifference, differences
-from thbridge.ros.messages.records import Session as SessionRecord
+from thbridge.ros.messages.records import SessionRecord
 from thbridge.ros.messages.stamps import START_NS, TICK_NS
-from thbridge.ros.publisher import Message
+from thbridge.ros.publisher import RosMessage
 from thbridge.study.real_robots import RobotsFrom
 from thbridge.study.study_file import read_study_text
 from thbridge.timing.loop import run_ticks
 from thbridge.timing.pacer import Pacer
 from thbridge.wire import legacy, text
-from thbridge.wire.router import Router
+from thbridge.wire.router import MessageRouter
 
 
 @dataclass(frozen=True, slots=True)
@@ -121,7 +121,7 @@ class ReplayOptions:
 
 
 @dataclass(frozen=True, slots=True)
-class Tick:
+class RecordedTick:
     """One tick of a recording: what came from outside, and all that was said."""
 
     number: int
@@ -154,12 +154,12 @@ def session_of(path: Path) -> SessionRecord:
     return record
 
 
-def ticks_of(path: Path) -> Iterator[Tick]:
+def ticks_of(path: Path) -> Iterator[RecordedTick]:
     """A recording, tick by tick. Raises BadFile."""
     for stamp_ns, messages in groupby(bag_reader.messages(path), key=lambda message: message.stamp_ns):
         said = tuple(message for message in messages if message.topic != names.SESSION)
         inputs = tuple(_input(path, message) for message in said if message.topic == names.INPUTS)
-        yield Tick((stamp_ns - START_NS) // TICK_NS, inputs, said)
+        yield RecordedTick((stamp_ns - START_NS) // TICK_NS, inputs, said)
 
 
 def _input(path: Path, message: RawMessage) -> Input:
@@ -169,7 +169,7 @@ def _input(path: Path, message: RawMessage) -> Input:
         raise BadFile(path, None, names.INPUTS, str(error), "replay it with the release that recorded it") from None
 
 
-class Stage(Protocol):
+class ReplayedSession(Protocol):
     """A session that is run again."""
 
     @property
@@ -183,7 +183,9 @@ class Stage(Protocol):
         """One tick."""
 
 
-async def replay(path: Path, setting: Setting, options: ReplayOptions, progress: Callable[[Moment], None]) -> Replayed:
+async def replay(
+    path: Path, setting: StudySetting, options: ReplayOptions, progress: Callable[[TickRecord], None]
+) -> Replayed:
     """Run a recording again.
 
     Args:
@@ -197,11 +199,13 @@ async def replay(path: Path, setting: Setting, options: ReplayOptions, progress:
     """
     record = session_of(path)
     fresh = setting.record(record.program, record.roles, options.participant or record.participant)
-    tape = _Tape()
+    tape = _MessageBuffer()
     with ExitStack() as opened:
         kept = [] if options.to is None else [opened.enter_context(setting.writer(options.to))]
-        broadcast = Broadcast(setting.publisher(), fresh, setting.place.grid, [tape, *kept])
-        stage = _stage(setting, record, options.participant, [BagWitness(broadcast), _Teller(progress, options.start)])
+        broadcast = Broadcast(setting.publisher(), fresh, setting.map.grid, [tape, *kept])
+        stage = _replayed_session(
+            setting, record, options.participant, [BagRecorder(broadcast), _ProgressReporter(progress, options.start)]
+        )
         comparison = Comparison()
         recorded = ticks_of(path)
         over = False
@@ -216,7 +220,7 @@ async def replay(path: Path, setting: Setting, options: ReplayOptions, progress:
                 for item in was.inputs:
                     stage.take(item)
                 stage.step()
-            comparison.compare(was.messages, tape.unwind())
+            comparison.compare(was.messages, tape.drain())
             over = comparison.difference is not None and not options.to_the_end
             return not over
 
@@ -230,49 +234,51 @@ async def replay(path: Path, setting: Setting, options: ReplayOptions, progress:
     return Replayed(stage.tick, comparison.messages, comparison.difference, comparison.cut_off, run.finished, wall)
 
 
-def _stage(
-    setting: Setting, record: SessionRecord, participant: BotStrategy | None, witnesses: Sequence[Witness]
-) -> Stage:
+def _replayed_session(
+    setting: StudySetting, record: SessionRecord, participant: BotStrategy | None, witnesses: Sequence[TickRecorder]
+) -> ReplayedSession:
     """The programs that ran inside the recorded session; lines of its participant are inputs."""
     simr = setting.simr()
     if record.program == SIMR:
-        return _Alone(Outpost(simr, witnesses))
+        return _ReplayedSimr(SimrSession(simr, witnesses))
     roles: list[Role] = [simr]
     if legacy.HIDER in record.roles:
         roles.append(setting.hider())
-    prompter = _Prompter() if legacy.TABUI in record.roles and participant is None else None
+    prompter = _RecordedParticipant() if legacy.TABUI in record.roles and participant is None else None
     player: Role | None = prompter
     if participant is not None:
         player = TabUI(build_bot(setting.templates, participant, setting.study.seed))
     vehicles = setting.vehicles(simr)
-    return _Together(Session(Router(), setting.keeper(), roles, NoLog(), witnesses, player, vehicles), prompter)
+    return _ReplayedPlay(
+        Session(MessageRouter(), setting.keeper(), roles, NoLog(), witnesses, player, vehicles), prompter
+    )
 
 
-class _Prompter:
+class _RecordedParticipant:
     """The participant of a replay: says what the recorded one said."""
 
     name = legacy.TABUI
 
     def __init__(self) -> None:
-        self._lines: list[text.Message] = []
+        self._lines: list[text.TextMessage] = []
 
     def connected(self) -> None:
         """The recorded participant introduced itself, which is one of the lines."""
 
-    def prompt(self, line: text.Message) -> None:
+    def prompt(self, line: text.TextMessage) -> None:
         """Say this with the next step."""
         self._lines.append(line)
 
-    def step(self, tick: int, messages: Sequence[text.Message]) -> list[text.Message]:
+    def step(self, tick: int, messages: Sequence[text.TextMessage]) -> list[text.TextMessage]:
         """See `Role`."""
         said, self._lines = self._lines, []
         return said
 
 
-class _Together:
+class _ReplayedPlay:
     """A session of `thbridge play`."""
 
-    def __init__(self, session: Session, prompter: _Prompter | None) -> None:
+    def __init__(self, session: Session, prompter: _RecordedParticipant | None) -> None:
         self._session = session
         self._prompter = prompter
 
@@ -310,10 +316,10 @@ class _Together:
         self._session.step()
 
 
-class _Alone:
+class _ReplayedSimr:
     """A session of `thbridge simr`."""
 
-    def __init__(self, outpost: Outpost) -> None:
+    def __init__(self, outpost: SimrSession) -> None:
         self._outpost = outpost
 
     @property
@@ -325,7 +331,7 @@ class _Alone:
             case Registered():
                 self._outpost.connected()
             case Heard(message):
-                self._outpost.hear(message)
+                self._outpost.receive(message)
             case Asked(sender, request):
                 self._outpost.ask(sender, request)
 
@@ -333,28 +339,28 @@ class _Alone:
         self._outpost.step()
 
 
-class _Teller:
+class _ProgressReporter:
     """Passes moments on, from some time on."""
 
-    def __init__(self, progress: Callable[[Moment], None], start: float) -> None:
+    def __init__(self, progress: Callable[[TickRecord], None], start: float) -> None:
         self._progress = progress
         self._start = start
 
-    def saw(self, moment: Moment) -> None:
+    def record(self, moment: TickRecord) -> None:
         if moment.tick * TICK >= self._start:
             self._progress(moment)
 
 
-class _Tape:
+class _MessageBuffer:
     """Holds what was said since somebody asked."""
 
     def __init__(self) -> None:
-        self._messages: list[Message] = []
+        self._messages: list[RosMessage] = []
 
-    def take(self, tick: int, messages: Sequence[Message]) -> None:
+    def take(self, tick: int, messages: Sequence[RosMessage]) -> None:
         self._messages += messages
 
-    def unwind(self) -> list[Message]:
+    def drain(self) -> list[RosMessage]:
         """What was said since the last call, but for the session's own record."""
         messages, self._messages = self._messages, []
         return [message for message in messages if message.topic.name != names.SESSION]
@@ -379,7 +385,7 @@ class Comparison:
         """Whether the recording ends amid its last tick, as that of a program that was killed does."""
         return self._missing is not None
 
-    def compare(self, was: Sequence[RawMessage], now: Sequence[Message]) -> None:
+    def compare(self, was: Sequence[RawMessage], now: Sequence[RosMessage]) -> None:
         """Compare all that was said in the next tick."""
         if self.difference is not None:
             return
@@ -396,7 +402,7 @@ class Comparison:
             self.messages += 1
             self._of_topic[before.topic] += 1
 
-    def _compared(self, was: RawMessage, now: Message | None) -> Difference | None:
+    def _compared(self, was: RawMessage, now: RosMessage | None) -> Difference | None:
         if now is None:
             return self._difference(was.topic, was.stamp_ns, "it was recorded, and is not said any more")
         topic, stamp_ns, data, _ = now

@@ -18,25 +18,25 @@ from sim.common.geometry import FloatArray, Pose2
 from sim.common.grid import OccupancyGrid
 from sim.inputs import ClearCostmaps, Globalize, Localize, RequestUpdate
 from sim.parameters import RobotParameters
-from sim.robot.planning.path import Refused as NoPlan
+from sim.robot.planning.path import PlanRefusal as NoPlan
 from thbridge.app.rosgraph.live_parameters import LiveParameters, sendable
-from thbridge.app.rosgraph.rate_limiter import Door
+from thbridge.app.rosgraph.rate_limiter import RateLimiter
 from thbridge.app.rosgraph.typed_node import TypedNode
 from thbridge.app.session.mavros import frame_in
 from thbridge.files.ros.definitions import Definitions
 from thbridge.roles.robot_requests import Request
 from thbridge.ros import clients, names
-from thbridge.ros.clients import Refused
+from thbridge.ros.clients import InvalidMessage
 from thbridge.ros.messages import pack, types, unpack
 from thbridge.ros.messages.records import CancelRequest, GoalRequest, InitialPose, SimpleGoal, VelocityCommand
 from thbridge.ros.messages.stamps import stamp_ns
 from thbridge.ros.names import CALLER, MAP_FRAME, RobotNames
 from thbridge.ros.parameters import Tree
-from thbridge.ros.topics import CLOCK, Message, Topic, VehicleTopics
-from thbridge.sockets.rosgraph.connections import Complaints
-from thbridge.sockets.rosgraph.joining import Graph, Master, master_of
-from thbridge.sockets.rosgraph.node import RosNode, Started
-from thbridge.sockets.rosgraph.turns import Turns
+from thbridge.ros.topics import CLOCK, RosMessage, Topic, VehicleTopics
+from thbridge.sockets.rosgraph.connections import WarnOnce
+from thbridge.sockets.rosgraph.joining import GraphAddress, MasterPresence, master_of
+from thbridge.sockets.rosgraph.node import NodeStarted, RosNode
+from thbridge.sockets.rosgraph.request_queue import RequestQueue
 from thbridge.sockets.text_server import CannotListen
 from thbridge.wire.mavlink.frames.frame import Frame
 from thbridge.wire.rosgraph.links import ServiceFailed
@@ -49,7 +49,7 @@ FIRST_GOAL = 1_000_000_000
 """Number of the first goal of a client; those of the game are far below."""
 
 
-class Simulated(Protocol):
+class SimulatedTeam(Protocol):
     """A team of ours, as a graph looks at it; see `sim.team.Team`."""
 
     @property
@@ -61,7 +61,7 @@ class Simulated(Protocol):
 
 
 @dataclass(frozen=True, slots=True, eq=False)
-class Facts:
+class TeamDescription:
     """What a graph is told of a team.
 
     Attributes:
@@ -88,38 +88,38 @@ class LiveGraph:
 
     def __init__(
         self,
-        graph: Graph,
-        facts: Facts,
-        team: Simulated,
+        graph: GraphAddress,
+        description: TeamDescription,
+        team: SimulatedTeam,
         ask: Callable[[str, Request], None],
-        hear: Callable[[int, Frame], None] | None = None,
+        receive_frame: Callable[[int, Frame], None] | None = None,
     ) -> None:
         node = RosNode(CALLER, graph.master_uri, graph.host, on_shutdown=self._told_to_go)
         self._node = TypedNode(node, Definitions())
-        self._facts = facts
+        self._facts = description
         self._team = team
         self._ask = ask
         self._robots = [RobotNames.of(robot) for robot in range(len(team.parameters))]
         self._goals = count(FIRST_GOAL)
-        self._door = Door()
-        self._turns = Turns()
-        self._complaints = Complaints(_log)
+        self._door = RateLimiter()
+        self._turns = RequestQueue()
+        self._complaints = WarnOnce(_log)
         self._tick = 0
         self._publications = {
             topic.name: self._node.advertise(topic.name, topic.msgtype, topic.latched)
-            for topic in (CLOCK, *facts.topics)
+            for topic in (CLOCK, *description.topics)
         }
         self._offer_map()
         for robot, named in enumerate(self._robots):
             self._listen_to_clients(robot, named)
-            if hear is not None:
-                self._listen_to_stations(robot, hear)
+            if receive_frame is not None:
+                self._listen_to_stations(robot, receive_frame)
             self._offer_services(robot, named)
         node.declare_param(names.USE_SIM_TIME, True)
-        node.declare_param(CALLER, sendable(facts.rest))
+        node.declare_param(CALLER, sendable(description.rest))
         self._parameters = LiveParameters(self._node, team.parameters, self._door, ask)
 
-    async def start(self) -> Started | CannotListen:
+    async def start(self) -> NodeStarted | CannotListen:
         """Join the graph; its master need not be there yet."""
         return await self._node.ros.start()
 
@@ -137,14 +137,14 @@ class LiveGraph:
         """Messages that slow subscribers did not get."""
         return sum(publication.dropped for publication in self._publications.values())
 
-    def take(self, tick: int, messages: Iterable[Message]) -> None:
+    def take(self, tick: int, messages: Iterable[RosMessage]) -> None:
         """Say what is said in one tick, the time first."""
         self._tick = tick
         self._door.tick()
         self._parameters.follow(self._team.parameters)
         self._publications[CLOCK.name].publish(pack.clock(tick))
         for message in messages:
-            if not message.heard:
+            if not message.foreign:
                 self._publications[message.topic.name].publish(message.data)
 
     # What clients want
@@ -160,19 +160,19 @@ class LiveGraph:
             name = named.topic(topic)
             self._node.subscribe(name, msgtype, partial(self._heard, name, partial(heard, robot)))
 
-    def _heard(self, topic: str, read: Callable[[bytes], Request | Refused], data: bytes, caller: str) -> None:
+    def _heard(self, topic: str, read: Callable[[bytes], Request | InvalidMessage], data: bytes, caller: str) -> None:
         if caller == CALLER:
             return  # The game's own goals and commands are on the same topics.
         if not self._door.admits(topic, caller):
             return
         request = read(data)
-        if isinstance(request, Refused):
+        if isinstance(request, InvalidMessage):
             self._complaints.tell(f"{topic}: what {caller} said is of no use: {request.sentence}")
         else:
             self._ask(caller, request)
 
     def _listen_to_stations(self, robot: int, hear: Callable[[int, Frame], None]) -> None:
-        topic = VehicleTopics.of(self._robots[robot]).heard
+        topic = VehicleTopics.of(self._robots[robot]).received
         heard = partial(self._frame_heard, topic.name, partial(hear, robot))
         self._node.subscribe(topic.name, topic.msgtype, heard)
 
@@ -186,30 +186,30 @@ class LiveGraph:
         else:
             hear(frame)
 
-    def _pose_heard(self, robot: int, data: bytes) -> Request | Refused:
+    def _pose_heard(self, robot: int, data: bytes) -> Request | InvalidMessage:
         found = clients.pose_estimate(data)
-        return found if isinstance(found, Refused) else InitialPose(robot, found.base_in_map, found.covariance)
+        return found if isinstance(found, InvalidMessage) else InitialPose(robot, found.base_in_map, found.covariance)
 
-    def _velocity_heard(self, robot: int, data: bytes) -> Request | Refused:
+    def _velocity_heard(self, robot: int, data: bytes) -> Request | InvalidMessage:
         found = clients.velocity(data)
-        return found if isinstance(found, Refused) else VelocityCommand(robot, found)
+        return found if isinstance(found, InvalidMessage) else VelocityCommand(robot, found)
 
-    def _simple_goal_heard(self, robot: int, data: bytes) -> Request | Refused:
+    def _simple_goal_heard(self, robot: int, data: bytes) -> Request | InvalidMessage:
         found = clients.goal_pose(data)
-        return found if isinstance(found, Refused) else SimpleGoal(robot, found, next(self._goals))
+        return found if isinstance(found, InvalidMessage) else SimpleGoal(robot, found, next(self._goals))
 
-    def _goal_heard(self, robot: int, data: bytes) -> Request | Refused:
+    def _goal_heard(self, robot: int, data: bytes) -> Request | InvalidMessage:
         found = clients.action_goal(data)
-        if isinstance(found, Refused):
+        if isinstance(found, InvalidMessage):
             return found
         number, stamp = next(self._goals), self._not_ahead(found.stamp_ns)
-        if isinstance(found.pose, Refused):  # Its client waits for an answer, and gets one.
+        if isinstance(found.pose, InvalidMessage):  # Its client waits for an answer, and gets one.
             return GoalRequest(robot, found.goal_id, stamp, None, number, found.pose.sentence)
         return GoalRequest(robot, found.goal_id, stamp, found.pose, number)
 
-    def _cancel_heard(self, robot: int, data: bytes) -> Request | Refused:
+    def _cancel_heard(self, robot: int, data: bytes) -> Request | InvalidMessage:
         found = clients.action_cancel(data)
-        if isinstance(found, Refused):
+        if isinstance(found, InvalidMessage):
             return found
         return CancelRequest(robot, found.goal_id, self._not_ahead(found.stamp_ns))
 
@@ -248,14 +248,14 @@ class LiveGraph:
         if not self._door.admits(service, "clients"):
             return ServiceFailed("it is asked too often")
         found = clients.pose_estimate(data)
-        if isinstance(found, Refused):
+        if isinstance(found, InvalidMessage):
             return ServiceFailed(found.sentence)
         self._ask(service, Localize(robot, found.base_in_map, found.covariance))
         return b""
 
     def _make_plan(self, robot: int, data: bytes) -> bytes | ServiceFailed:
-        question = clients.plan_question(data)
-        if isinstance(question, Refused):
+        question = clients.plan_request(data)
+        if isinstance(question, InvalidMessage):
             return ServiceFailed(question.sentence)
         plan = self._team.make_plan(robot, question.start, question.goal, question.tolerance)
         if isinstance(plan, NoPlan):
@@ -267,7 +267,7 @@ class LiveGraph:
 
 @asynccontextmanager
 async def on_graph(
-    live: LiveGraph, graph: Graph, joined: Callable[[Master | CannotListen], None]
+    live: LiveGraph, graph: GraphAddress, joined: Callable[[MasterPresence | CannotListen], None]
 ) -> AsyncIterator[None]:
     """While it lasts the session is on the graph.
 

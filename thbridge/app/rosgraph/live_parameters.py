@@ -10,18 +10,18 @@ from functools import partial
 from typing import cast
 
 from sim.parameters import RobotParameters, reconfigurable
-from sim.parameters.reconfiguration import Rejected
-from thbridge.app.rosgraph.rate_limiter import Door
+from sim.parameters.reconfiguration import ParameterRejection
+from thbridge.app.rosgraph.rate_limiter import RateLimiter
 from thbridge.app.rosgraph.typed_node import TypedNode
 from thbridge.roles.robot_requests import ParameterValue as SetValue
 from thbridge.roles.robot_requests import Request, SetParameters, with_values
 from thbridge.ros import reconfigure
-from thbridge.ros.clients import Refused
+from thbridge.ros.clients import InvalidMessage
 from thbridge.ros.messages import types
 from thbridge.ros.names import RobotNames
 from thbridge.ros.parameters import ParameterValue, has, leaves, name_of, path_of, robot_tree, value_at
-from thbridge.ros.reconfigure import Section
-from thbridge.sockets.rosgraph.connections import Complaints
+from thbridge.ros.reconfigure import ReconfigureServer
+from thbridge.sockets.rosgraph.connections import WarnOnce
 from thbridge.wire.rosgraph.links import ServiceFailed
 from thbridge.wire.rosgraph.xmlrpc import XmlRpcValue
 
@@ -42,25 +42,29 @@ class LiveParameters:
     """
 
     def __init__(
-        self, node: TypedNode, software: Sequence[RobotParameters], door: Door, ask: Callable[[str, Request], None]
+        self,
+        node: TypedNode,
+        software: Sequence[RobotParameters],
+        limiter: RateLimiter,
+        ask: Callable[[str, Request], None],
     ) -> None:
         self._node = node
         self._software = list(software)
-        self._door = door
+        self._door = limiter
         self._ask = ask
-        self._complaints = Complaints(_log)
+        self._complaints = WarnOnce(_log)
         self._robots = [RobotNames.of(robot) for robot in range(len(software))]
         self._updates = {
             (robot, section.path): node.advertise(
-                f"{section.server(named)}/parameter_updates", types.CONFIG, latched=True
+                f"{section.name(named)}/parameter_updates", types.CONFIG, latched=True
             )
             for robot, named in enumerate(self._robots)
-            for section in reconfigure.sections()
+            for section in reconfigure.reconfigure_servers()
         }
         for robot, named in enumerate(self._robots):
             node.ros.declare_param(named.namespace, sendable(robot_tree(self._software[robot])))
             node.ros.subscribe_param(named.namespace, partial(self._set, robot))
-            for section in reconfigure.sections():
+            for section in reconfigure.reconfigure_servers():
                 self._offer(robot, section)
 
     def follow(self, software: Sequence[RobotParameters]) -> None:
@@ -70,21 +74,21 @@ class LiveParameters:
             if now is not before and now != before:
                 self._tell(robot, [path for path in reconfigurable() if value_at(now, path) != value_at(before, path)])
 
-    def _offer(self, robot: int, section: Section) -> None:
+    def _offer(self, robot: int, section: ReconfigureServer) -> None:
         """Be the dynamic_reconfigure server of a section."""
-        name = section.server(self._robots[robot])
+        name = section.name(self._robots[robot])
         described = self._node.advertise(f"{name}/parameter_descriptions", types.CONFIG_DESCRIPTION, latched=True)
         described.publish(reconfigure.description(section))
         self._publish(robot, section)
         service = f"{name}/set_parameters"
         self._node.serve(service, types.RECONFIGURE, partial(self._reconfigure, robot, section, service))
 
-    def _reconfigure(self, robot: int, section: Section, service: str, data: bytes) -> bytes | ServiceFailed:
+    def _reconfigure(self, robot: int, section: ReconfigureServer, service: str, data: bytes) -> bytes | ServiceFailed:
         """A client of dynamic_reconfigure turns parameters; the answer is what they are then."""
         if not self._door.admits(service, "clients"):
             return ServiceFailed("it is asked too often")
-        changes = reconfigure.asked(section, self._software[robot], data)
-        if isinstance(changes, Refused):
+        changes = reconfigure.requested_changes(section, self._software[robot], data)
+        if isinstance(changes, InvalidMessage):
             return ServiceFailed(changes.sentence)
         self._change(robot, changes, service)
         self._declare(robot, (path for path, _ in changes))
@@ -106,9 +110,9 @@ class LiveParameters:
     def _change(self, robot: int, changes: Sequence[tuple[str, SetValue]], sender: str) -> None:
         """Turn parameters: what cannot be done together is done one by one, as far as it goes."""
         whole = with_values(self._software[robot], changes)
-        for values in [changes] if not isinstance(whole, Rejected) else [[one] for one in changes]:
+        for values in [changes] if not isinstance(whole, ParameterRejection) else [[one] for one in changes]:
             after = with_values(self._software[robot], values)
-            if isinstance(after, Rejected):
+            if isinstance(after, ParameterRejection):
                 self._complaints.tell(f"{name_of(self._robots[robot], after.path)} keeps its value: {after.sentence}")
             elif after != self._software[robot]:
                 self._software[robot] = after
@@ -118,7 +122,7 @@ class LiveParameters:
         """Tell everybody what some parameters are now."""
         self._declare(robot, paths)
         touched = {path.rpartition(".")[0] for path in paths}
-        for section in reconfigure.sections():
+        for section in reconfigure.reconfigure_servers():
             if section.path in touched:
                 self._publish(robot, section)
 
@@ -129,7 +133,7 @@ class LiveParameters:
             if now is not None:
                 self._node.ros.declare_param(name_of(self._robots[robot], path), sendable(now))
 
-    def _publish(self, robot: int, section: Section) -> bytes:
+    def _publish(self, robot: int, section: ReconfigureServer) -> bytes:
         """Tell dynamic_reconfigure's clients what a section's parameters are now; returns what they are told."""
         now = reconfigure.config(section, self._software[robot])
         self._updates[robot, section.path].publish(now)

@@ -3,20 +3,20 @@
 import logging
 from collections import Counter
 
-from thbridge.sockets.rosgraph.connections import Complaints
+from thbridge.sockets.rosgraph.connections import WarnOnce
 
-REQUESTS = 10
+REQUESTS_PER_TICK = 10
 """What one client may ask by one topic between two ticks: 500 commands a second, ten times what a robot can obey."""
 
 _log = logging.getLogger(__name__)
 
 
-class Door:
+class RateLimiter:
     """Counts what comes in between two ticks."""
 
     def __init__(self) -> None:
         self._asked: Counter[tuple[str, str]] = Counter()
-        self._complaints = Complaints(_log)
+        self._complaints = WarnOnce(_log)
 
     def tick(self) -> None:
         """What came in so far is taken; count anew."""
@@ -25,9 +25,11 @@ class Door:
     def admits(self, topic: str, client: str) -> bool:
         """Whether a client may ask once more; the log says once that it may not."""
         self._asked[topic, client] += 1
-        if self._asked[topic, client] <= REQUESTS:
+        if self._asked[topic, client] <= REQUESTS_PER_TICK:
             return True
-        self._complaints.tell(f"{topic}: {client} asks more than {REQUESTS} times in a tick; what is more is dropped")
+        self._complaints.tell(
+            f"{topic}: {client} asks more than {REQUESTS_PER_TICK} times in a tick; what is more is dropped"
+        )
         return False
 
     def is_first(self, service: str) -> bool:

@@ -7,7 +7,7 @@ from thbridge.files.ros.definitions import Definitions
 from thbridge.ros.messages.types import service_type
 from thbridge.sockets.rosgraph.node import RosNode
 from thbridge.sockets.rosgraph.publications import Publication
-from thbridge.sockets.rosgraph.tcpros_server import Handler
+from thbridge.sockets.rosgraph.tcpros_server import ServiceHandler
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -27,11 +27,11 @@ class TypedNode:
         definition = self.definitions.of(msgtype)
         return self.ros.advertise(topic, msgtype, definition.md5, definition.text, latched)
 
-    def subscribe(self, topic: str, msgtype: str, heard: Callable[[bytes, str], None]) -> None:
+    def subscribe(self, topic: str, msgtype: str, on_message: Callable[[bytes, str], None]) -> None:
         """Subscribe to a topic; see `RosNode.subscribe`."""
-        self.ros.subscribe(topic, msgtype, self.definitions.of(msgtype).md5, heard)
+        self.ros.subscribe(topic, msgtype, self.definitions.of(msgtype).md5, on_message)
 
-    def serve(self, service: str, kind: str, handler: Handler) -> None:
+    def serve(self, service: str, kind: str, handler: ServiceHandler) -> None:
         """Serve a service; see `RosNode.serve`."""
         known = service_type(kind)
         self.ros.serve(service, kind, known.md5, known.request, known.response, handler)

@@ -5,14 +5,14 @@ from typing import Protocol
 
 from sim.common.grid import OccupancyGrid
 from sim.team import TeamSnapshot
-from thbridge.ros.messages.records import Record, Session
-from thbridge.ros.publisher import Message, Publisher
+from thbridge.ros.messages.records import Record, SessionRecord
+from thbridge.ros.publisher import RosMessage, TeamPublisher
 
 
 class Listener(Protocol):
     """Whoever takes the messages of a session."""
 
-    def take(self, tick: int, messages: Sequence[Message]) -> None:
+    def take(self, tick: int, messages: Sequence[RosMessage]) -> None:
         """Take all that is said in one tick; ticks come in order. May raise; the session then ends."""
 
 
@@ -27,7 +27,7 @@ class Broadcast:
     """
 
     def __init__(
-        self, publisher: Publisher, session: Session, grid: OccupancyGrid, listeners: Iterable[Listener]
+        self, publisher: TeamPublisher, session: SessionRecord, grid: OccupancyGrid, listeners: Iterable[Listener]
     ) -> None:
         self._publisher = publisher
         self._listeners = tuple(listeners)
@@ -37,6 +37,6 @@ class Broadcast:
         """Say one tick. Ticks come in order, from 0 on. Raises what a listener raises."""
         self._say(snapshot.tick, self._publisher.tick(snapshot, records))
 
-    def _say(self, tick: int, messages: Sequence[Message]) -> None:
+    def _say(self, tick: int, messages: Sequence[RosMessage]) -> None:
         for listener in self._listeners:
             listener.take(tick, messages)

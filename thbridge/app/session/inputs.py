@@ -13,12 +13,12 @@ import msgspec
 import numpy as np
 
 from thbridge.roles.robot_requests import PaceRequest, Request
-from thbridge.ros.messages.records import Input as InputRecord
+from thbridge.ros.messages.records import InputRecord
 from thbridge.wire.mavlink.dialect import name_of
 from thbridge.wire.mavlink.frames.frame import Frame
 from thbridge.wire.mavlink.outgoing import LinkId
 from thbridge.wire.router import ConnectionId
-from thbridge.wire.text import Message
+from thbridge.wire.text import TextMessage
 
 
 @dataclass(frozen=True, slots=True)
@@ -67,7 +67,7 @@ class Advanced:
 class Said:
     """The participant inside this process said something."""
 
-    message: Message
+    message: TextMessage
 
 
 @dataclass(frozen=True, slots=True)
@@ -79,7 +79,7 @@ class Registered:
 class Heard:
     """The server passed a message on to a program that runs by itself."""
 
-    message: Message
+    message: TextMessage
 
 
 @dataclass(frozen=True, slots=True)
@@ -161,7 +161,7 @@ def to_record(item: Input) -> InputRecord:
     kind = type(item).__name__.lower()
     if isinstance(item, Asked):
         line = _readable(f"{type(item.request).__name__} {_json(item.request)}")
-        return InputRecord(kind, item.sender, line, request_text(item.sender, item.request))
+        return InputRecord(kind, item.sender, line, encode_request(item.sender, item.request))
     return InputRecord(kind, *_for_people(item), _json(item))
 
 
@@ -175,16 +175,16 @@ def from_record(record: InputRecord) -> Input:
     if kind is None:
         raise ValueError(f"no input is of the kind {record.kind!r}")
     value: object = json.loads(record.json)
-    return asked_in(value) if kind is Asked else value_in(value, kind)
+    return decode_request(value) if kind is Asked else decode_value(value, kind)
 
 
-def request_text(sender: str, request: Request | PaceRequest) -> str:
+def encode_request(sender: str, request: Request | PaceRequest) -> str:
     """A request as JSON, in one line: who asks, its name, its fields."""
     name = type(request).__name__
     return f'{{"sender":{json.dumps(sender)},"request":{json.dumps(name)},"fields":{_json(request)}}}'
 
 
-def asked_in(value: object) -> Asked:
+def decode_request(value: object) -> Asked:
     """What the JSON of a request asks.
 
     Raises:
@@ -192,7 +192,7 @@ def asked_in(value: object) -> Asked:
     """
     match value:
         case {"sender": str(sender), "request": str(name), "fields": fields} if name in _REQUESTS:
-            return Asked(sender, value_in(fields, _REQUESTS[name]))
+            return Asked(sender, decode_value(fields, _REQUESTS[name]))
     raise ValueError("nobody can be asked for that")
 
 
@@ -242,7 +242,7 @@ def _plain(value: object) -> object:
     raise NotImplementedError(f"no way to record a {type(value).__name__}")
 
 
-def value_in(value: object, kind: type[T]) -> T:
+def decode_value(value: object, kind: type[T]) -> T:
     """The dataclass that JSON tells. Raises ValueError."""
     try:
         return msgspec.convert(value, kind, dec_hook=_array)

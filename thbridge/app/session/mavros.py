@@ -4,7 +4,7 @@ from thbridge.ros.messages.records import MavlinkFrame, VehicleFrame, VehicleSta
 from thbridge.wire.mavlink.dialect import crc_extra
 from thbridge.wire.mavlink.frames.frame import V1, V2, Frame
 from thbridge.wire.mavlink.hub import Traffic
-from thbridge.wire.mavlink.outgoing import Status
+from thbridge.wire.mavlink.outgoing import VehicleStatus
 
 
 def frame_record(traffic: Traffic) -> VehicleFrame:
@@ -25,7 +25,7 @@ def frame_record(traffic: Traffic) -> VehicleFrame:
     return VehicleFrame(traffic.robot, traffic.heard, told)
 
 
-def state_record(robot: int, status: Status) -> VehicleState:
+def state_record(robot: int, status: VehicleStatus) -> VehicleState:
     """How a vehicle stands, for its topic."""
     return VehicleState(
         robot=robot,

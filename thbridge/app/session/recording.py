@@ -11,7 +11,7 @@ from sim.common.observations import TICKS_PER_SECOND
 from sim.team import TeamSnapshot
 from thbridge.app.session.inputs import Asked, to_record
 from thbridge.app.session.mavros import frame_record, state_record
-from thbridge.app.session.session import Moment
+from thbridge.app.session.session import TickRecord
 from thbridge.dialogue import moves
 from thbridge.hunt import events
 from thbridge.hunt.codec import to_json
@@ -19,20 +19,20 @@ from thbridge.hunt.game import GameState
 from thbridge.hunt.rooms import Room
 from thbridge.recording.tlog import TlogFile
 from thbridge.roles.keeper.dialogues import MATTERS
-from thbridge.roles.keeper.wizard import Held
+from thbridge.roles.keeper.wizard import WizardState
 from thbridge.ros.messages.records import (
     GameEvent,
     GraphRequest,
     HeldTurns,
     Record,
-    Score,
+    ScoreRecord,
     SendRobots,
     Success,
-    Utterance,
+    UtteranceRecord,
 )
 from thbridge.ros.messages.stamps import stamp_ns
 from thbridge.wire import legacy
-from thbridge.wire.mavlink.outgoing import Status
+from thbridge.wire.mavlink.outgoing import VehicleStatus
 from thbridge.wire.router import Forwarded
 
 JUMP = 0.2
@@ -42,36 +42,36 @@ STATE_PERIOD = TICKS_PER_SECOND
 """Ticks after which the state of a vehicle is said again when it has not changed."""
 
 
-class Speaker(Protocol):
+class TickPublisher(Protocol):
     """Says ticks to whoever listens; see `Broadcast`."""
 
     def record(self, snapshot: TeamSnapshot, records: tuple[Record, ...]) -> None:
         """Say one tick."""
 
 
-class BagWitness:
+class BagRecorder:
     """Takes down every tick of a session that has robots.
 
     Args:
         speaker: says them.
     """
 
-    def __init__(self, speaker: Speaker) -> None:
-        self._speaker = speaker
-        self._score: Score | None = None
-        self._held = Held()
+    def __init__(self, publisher: TickPublisher) -> None:
+        self._speaker = publisher
+        self._score: ScoreRecord | None = None
+        self._held = WizardState()
         self._collisions: tuple[int, ...] = ()
         self._things: tuple[str, ...] = ()
         self._dead: frozenset[int] = frozenset()
         self._places: FloatArray | None = None
-        self._vehicles: tuple[Status, ...] = ()
+        self._vehicles: tuple[VehicleStatus, ...] = ()
 
-    def saw(self, moment: Moment) -> None:
+    def record(self, moment: TickRecord) -> None:
         """Write down one tick; raises what the speaker raises."""
         if moment.snapshot is not None:
             self._speaker.record(moment.snapshot, tuple(self._records(moment)))
 
-    def _records(self, moment: Moment) -> Iterator[Record]:
+    def _records(self, moment: TickRecord) -> Iterator[Record]:
         for item in moment.inputs:
             yield to_record(item)
             if isinstance(item, Asked) and isinstance(item.request, GraphRequest):
@@ -82,9 +82,9 @@ class BagWitness:
             yield _event(event)
         for utterance in moment.utterances:
             yield _utterance(utterance)
-        if moment.held != self._held:
-            self._held = moment.held
-            yield HeldTurns(moment.held.json())
+        if moment.wizard != self._held:
+            self._held = moment.wizard
+            yield HeldTurns(moment.wizard.json())
         if moment.snapshot is not None and moment.snapshot.world is not None:
             yield from self._touches(moment.snapshot)
             yield from self._incidents(moment.snapshot)
@@ -95,12 +95,12 @@ class BagWitness:
             self._score = score
             yield score
 
-    def _asked(self, moment: Moment, request: GraphRequest) -> Iterator[Record]:
+    def _asked(self, moment: TickRecord, request: GraphRequest) -> Iterator[Record]:
         """What a ROS client said, if there is such a robot."""
         if moment.snapshot is not None and request.robot < len(moment.snapshot.robots):
             yield request
 
-    def _states(self, moment: Moment) -> Iterator[Record]:
+    def _states(self, moment: TickRecord) -> Iterator[Record]:
         """How vehicles stand, of those for which it has changed, and now and then of all."""
         before, self._vehicles = self._vehicles, moment.vehicles
         for robot, status in enumerate(moment.vehicles):
@@ -135,7 +135,7 @@ class BagWitness:
         self._places = places.copy()
 
 
-class TlogWitness:
+class TlogRecorder:
     """Takes down what vehicles hear and say.
 
     Args:
@@ -145,7 +145,7 @@ class TlogWitness:
     def __init__(self, tlog: TlogFile) -> None:
         self._tlog = tlog
 
-    def saw(self, moment: Moment) -> None:
+    def record(self, moment: TickRecord) -> None:
         """Write down one tick. Raises BadFile when it cannot be written."""
         if moment.snapshot is not None and moment.traffic:
             self._tlog.record(stamp_ns(moment.snapshot.tick), moment.traffic)
@@ -158,9 +158,9 @@ def _befell(kind: str, robot: int) -> GameEvent:
 def _lines(forwarded: Forwarded) -> Iterator[Record]:
     message = forwarded.message
     match legacy.decode(message):
-        case legacy.Goto() if message.receiver == legacy.SIMR:
+        case legacy.GotoRoom() if message.receiver == legacy.SIMR:
             yield SendRobots(message.line())
-        case legacy.Arrived() if message.sender == legacy.SIMR:
+        case legacy.RoomReached() if message.sender == legacy.SIMR:
             yield Success(message.line())
 
 
@@ -170,8 +170,8 @@ def _event(event: events.Event) -> GameEvent:
     return GameEvent(type(event).__name__.lower(), robot, None if room is None else room.people, to_json(event))
 
 
-def _utterance(said: moves.Utterance) -> Utterance:
-    return Utterance(
+def _utterance(said: moves.DialogueUtterance) -> UtteranceRecord:
+    return UtteranceRecord(
         dialogue=said.dialogue,
         speaker="robot" if said.speaker is moves.Speaker.ROBOT else "human",
         robot=said.topic.robot,
@@ -183,8 +183,8 @@ def _utterance(said: moves.Utterance) -> Utterance:
     )
 
 
-def _score(game: GameState) -> Score:
-    return Score(
+def _score(game: GameState) -> ScoreRecord:
+    return ScoreRecord(
         score=game.score,
         visited=sum(room.visited for room in game.rooms),
         rooms=len(game.rooms),

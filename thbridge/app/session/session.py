@@ -23,25 +23,25 @@ from thbridge.app.session.inputs import (
     Received,
     Said,
 )
-from thbridge.dialogue.moves import Utterance
+from thbridge.dialogue.moves import DialogueUtterance
 from thbridge.hunt.events import Event
 from thbridge.hunt.game import GameState
 from thbridge.roles.keeper.keeper import Keeper
-from thbridge.roles.keeper.wizard import Held
+from thbridge.roles.keeper.wizard import WizardState
 from thbridge.roles.robot_requests import GameRequest, Request
 from thbridge.roles.role import Role
 from thbridge.roles.simr.simr import SimR
-from thbridge.roles.vehicles.vehicles import Ask, Vehicles
+from thbridge.roles.vehicles.vehicles import RequestSink, Vehicles
 from thbridge.wire.mavlink.frames.frame import Frame
-from thbridge.wire.mavlink.hub import Sent, Traffic
-from thbridge.wire.mavlink.links import Drop, LinkReport
-from thbridge.wire.mavlink.outgoing import LinkId, Status
-from thbridge.wire.router import ConnectionId, Forwarded, Output, Router, TurnedAway
-from thbridge.wire.text import Message
+from thbridge.wire.mavlink.hub import OutgoingFrame, Traffic
+from thbridge.wire.mavlink.links import DropReason, LinkReport
+from thbridge.wire.mavlink.outgoing import LinkId, VehicleStatus
+from thbridge.wire.router import ConnectionId, Forwarded, MessageRouter, RouterOutput, TurnedAway
+from thbridge.wire.text import TextMessage
 
 
 @dataclass(frozen=True, slots=True)
-class Moment:
+class TickRecord:
     """All that happened in one tick.
 
     Attributes:
@@ -62,17 +62,17 @@ class Moment:
     snapshot: TeamSnapshot | None
     forwarded: tuple[Forwarded, ...]
     events: tuple[Event, ...]
-    utterances: tuple[Utterance, ...]
-    held: Held
+    utterances: tuple[DialogueUtterance, ...]
+    wizard: WizardState
     game: GameState | None
     traffic: tuple[Traffic, ...] = ()
-    vehicles: tuple[Status, ...] = ()
+    vehicles: tuple[VehicleStatus, ...] = ()
 
 
-class Witness(Protocol):
+class TickRecorder(Protocol):
     """Whoever keeps a record of a session."""
 
-    def saw(self, moment: Moment) -> None:
+    def record(self, moment: TickRecord) -> None:
         """Take down one tick. May raise; the session then ends."""
 
 
@@ -108,22 +108,22 @@ class Session:
 
     def __init__(
         self,
-        router: Router,
+        router: MessageRouter,
         keeper: Keeper,
         roles: Sequence[Role],
         log: EventLog,
-        witnesses: Sequence[Witness] = (),
+        recorders: Sequence[TickRecorder] = (),
         participant: Role | None = None,
-        vehicles: Callable[[Ask], Vehicles] | None = None,
+        vehicles: Callable[[RequestSink], Vehicles] | None = None,
     ) -> None:
         self.tick = 0
-        self.perform: Callable[[Sequence[Output]], None] = self._hear_all
-        self.transmit: Callable[[Sequence[Sent]], None] = _untransmitted
+        self.perform: Callable[[Sequence[RouterOutput]], None] = self._hear_all
+        self.transmit: Callable[[Sequence[OutgoingFrame]], None] = _untransmitted
         self._router = router
         self._keeper = keeper
         self._roles = tuple(roles)
         self._log = log
-        self._witnesses = tuple(witnesses)
+        self._witnesses = tuple(recorders)
         self._participant = participant
         self._simr = next((role for role in roles if isinstance(role, SimR)), None)
         self._inputs: list[Input] = []
@@ -145,7 +145,7 @@ class Session:
         """The game as it stands."""
         return self._keeper.state
 
-    def hear(self, forwarded: Forwarded) -> None:
+    def note_forwarded(self, forwarded: Forwarded) -> None:
         """The router passed a line on: the tap of this session."""
         self._heard.append(forwarded)
 
@@ -167,9 +167,9 @@ class Session:
             self._inputs.append(Opened(connection, now))
         return connection
 
-    def receive_data(self, connection: ConnectionId, data: bytes, now: float) -> list[Output]:
+    def receive_data(self, connection: ConnectionId, data: bytes, now: float) -> list[RouterOutput]:
         """Each line is an input of its own."""
-        outputs: list[Output] = []
+        outputs: list[RouterOutput] = []
         for line in data.splitlines(keepends=True):
             sender = self._router.called(connection)
             if sender is None:
@@ -178,14 +178,14 @@ class Session:
             outputs += self._router.receive_data(connection, line, now)
         return outputs
 
-    def eof(self, connection: ConnectionId) -> list[Output]:
+    def eof(self, connection: ConnectionId) -> list[RouterOutput]:
         """A connection that is open ends."""
         sender = self._router.called(connection)
         if sender is not None:
             self._inputs.append(Closed(connection, sender))
         return self._router.eof(connection)
 
-    def report_backlog(self, connection: ConnectionId, size: int) -> list[Output]:
+    def report_backlog(self, connection: ConnectionId, size: int) -> list[RouterOutput]:
         """Somebody does not read."""
         sender = self._router.called(connection)
         outputs = self._router.report_backlog(connection, size)
@@ -193,14 +193,14 @@ class Session:
             self._inputs.append(Backlogged(connection, sender, size))
         return outputs
 
-    def advance(self, now: float) -> list[Output]:
+    def advance(self, now: float) -> list[RouterOutput]:
         """Time has passed."""
         outputs = self._router.advance(now)
         if outputs:
             self._inputs.append(Advanced(now))
         return outputs
 
-    def stop(self) -> list[Output]:
+    def stop(self) -> list[RouterOutput]:
         """The end: nothing comes in any more."""
         return self._router.stop()
 
@@ -231,11 +231,11 @@ class Session:
         """How a link stands; None: there is no such link."""
         return None if self._vehicles is None else self._vehicles.report(link)
 
-    def why_not(self, link: LinkId, frame: Frame) -> Drop | None:
+    def why_not(self, link: LinkId, frame: Frame) -> DropReason | None:
         """Why a frame that comes in on a link would be dropped; None: it would be taken."""
         return None if self._vehicles is None else self._vehicles.why_not(link, frame)
 
-    def receive_frame(self, link: LinkId, frame: Frame, robot: int | None = None) -> list[Sent]:
+    def receive_frame(self, link: LinkId, frame: Frame, robot: int | None = None) -> list[OutgoingFrame]:
         """A frame came in.
 
         It acts at once on vehicles, as these stood after the last tick; what they ask of robots and game for it, is
@@ -265,7 +265,7 @@ class Session:
 
     # The tick
 
-    def step(self) -> Moment:
+    def step(self) -> TickRecord:
         """One tick.
 
         Raises:
@@ -277,7 +277,7 @@ class Session:
         heard, self._heard = tuple(self._heard), []
         self._keeper.tap(heard)
         self._step_role(self._keeper)
-        decided = self._keeper.decided
+        decided = self._keeper.decisions
         self._log.append(decided.events)
         for role in self._roles:
             self._step_role(role)
@@ -285,20 +285,20 @@ class Session:
             inputs += [Said(message) for message in self._step_role(self._participant)]
         snapshot = None if self._simr is None else self._simr.snapshot
         sent = [] if self._vehicles is None or snapshot is None else self._vehicles.step(snapshot, self._keeper.state)
-        moment = Moment(
+        moment = TickRecord(
             self.tick,
             tuple(inputs),
             snapshot,
             heard,
             decided.events,
             decided.utterances,
-            decided.held,
+            decided.wizard,
             self._keeper.state,
             () if self._vehicles is None else self._vehicles.take_traffic(),
             () if self._vehicles is None else self._vehicles.statuses,
         )
         for witness in self._witnesses:
-            witness.saw(moment)
+            witness.record(moment)
         self.transmit(sent)
         self.tick += 1
         return moment
@@ -312,17 +312,17 @@ class Session:
         else:
             self._simr.ask(request, researcher)
 
-    def _step_role(self, role: Role) -> Sequence[Message]:
+    def _step_role(self, role: Role) -> Sequence[TextMessage]:
         said = role.step(self.tick, self._router.take(role.name))
         for message in said:
             self._router.submit(role.name, message)
         return said
 
-    def _hear_all(self, outputs: Sequence[Output]) -> None:
+    def _hear_all(self, outputs: Sequence[RouterOutput]) -> None:
         for output in outputs:
             if isinstance(output, Forwarded):
-                self.hear(output)
+                self.note_forwarded(output)
 
 
-def _untransmitted(sent: Sequence[Sent]) -> None:
+def _untransmitted(sent: Sequence[OutgoingFrame]) -> None:
     """Nobody serves links."""

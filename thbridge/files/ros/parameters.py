@@ -14,8 +14,8 @@ from typing import TYPE_CHECKING, Never, TypeVar, cast, get_type_hints
 
 from sim.parameters import RobotParameters
 from thbridge.files.errors import BadFile, BadFiles
+from thbridge.files.ros.normalize import Entry, RosYamlNormalizer
 from thbridge.files.ros.recoveries import behaviour_names, with_our_behaviours
-from thbridge.files.ros.words import Cleaner, Entry
 from thbridge.files.yaml.load import load_tree
 from thbridge.files.yaml.tree import Listing, Node, Scalar, Section, parse, read_text
 
@@ -83,7 +83,7 @@ def read_ros_parameters(paths: Sequence[Path], start: RobotParameters) -> RosPar
         BadFiles: every fault of all files; or one BadFile when one cannot be read at all.
     """
     notices: list[str] = []
-    trees = [(path, Cleaner(path, notices).section(parse(path, read_text(path), ros=True))) for path in paths]
+    trees = [(path, RosYamlNormalizer(path, notices).section(parse(path, read_text(path), ros=True))) for path in paths]
     layers = {name: layer for _, tree in trees for name, layer in _layers_listed(tree).items()}
     faults: list[BadFile] = []
     value = start

@@ -1,6 +1,6 @@
 """Recovery behaviours as files of ROS have them: of any name, with a plugin's type and a section of settings each."""
 
-from thbridge.files.ros.words import Entry
+from thbridge.files.ros.normalize import Entry
 from thbridge.files.yaml.tree import Listing, Node, Scalar, Section
 
 CONSERVATIVE, AGGRESSIVE, ROTATE = "conservative_reset", "aggressive_reset", "rotate_recovery"

@@ -25,7 +25,7 @@ from thbridge.files.yaml.places import (
     steps_of,
 )
 from thbridge.files.yaml.tree import Listing, Node, Scalar, Section, parse, quoted
-from thbridge.hunt.outcomes import Refused
+from thbridge.hunt.refusals import RequestRefused
 
 Names = Callable[[str], Sequence[str]]
 """The keys of the section at a path, in the order in which a file should have them."""
@@ -36,14 +36,16 @@ _SCRATCH = Path("text")
 _INDENT = 2
 
 
-class Reason(StrEnum):
+class EditRefusalReason(StrEnum):
     """Why a change is refused."""
 
     NOT_YAML = "not-yaml"
     NOT_UNDERSTOOD = "not-understood"
 
 
-def with_value(text: str, key: str, value: str, names: Names = lambda _: (), tree: Node | None = None) -> str | Refused:
+def with_value(
+    text: str, key: str, value: str, names: Names = lambda _: (), tree: Node | None = None
+) -> str | RequestRefused:
     """The text with another value at a path; sections that are missing are added.
 
     Args:
@@ -58,11 +60,11 @@ def with_value(text: str, key: str, value: str, names: Names = lambda _: (), tre
     try:
         wanted = _with_changed(tree, steps, parse(_SCRATCH, value))
     except BadFile as fault:
-        return Refused(Reason.NOT_YAML, f"{value!r} cannot be read: {fault.problem}. {fault.remedy}.")
+        return RequestRefused(EditRefusalReason.NOT_YAML, f"{value!r} cannot be read: {fault.problem}. {fault.remedy}.")
     return _verified(_Edit(text, tree, names).put(steps, value), wanted, steps)
 
 
-def without(text: str, key: str, tree: Node | None = None) -> str | Refused:
+def without(text: str, key: str, tree: Node | None = None) -> str | RequestRefused:
     """The text without a key or an item, and without the sections that are empty then.
 
     A comment behind the value keeps a line of its own.
@@ -329,7 +331,7 @@ def _with_dropped(tree: Node, steps: tuple[Step, ...]) -> list[Leaf]:
     return [leaf for leaf in _leaves(tree) if not _is_under(leaf[0], path_of(steps))]
 
 
-def _verified(text: str, wanted: list[Leaf], steps: tuple[Step, ...]) -> str | Refused:
+def _verified(text: str, wanted: list[Leaf], steps: tuple[Step, ...]) -> str | RequestRefused:
     """The text, if it says what is wanted. A section that stands empty says as little as none."""
     above = {path_of(steps[:depth]) for depth in range(len(steps))}
 
@@ -345,4 +347,4 @@ def _verified(text: str, wanted: list[Leaf], steps: tuple[Step, ...]) -> str | R
     if sound:
         return text
     sentence = f"{path_of(steps)} stands in the file in a way that cannot be changed here. Change it in the text."
-    return Refused(Reason.NOT_UNDERSTOOD, sentence)
+    return RequestRefused(EditRefusalReason.NOT_UNDERSTOOD, sentence)

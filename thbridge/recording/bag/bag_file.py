@@ -4,12 +4,12 @@ import errno
 import os
 from pathlib import Path
 
-from thbridge.recording.bag.chunks import Chunk, Chunks
-from thbridge.recording.bag.disk_room import set_aside
+from thbridge.recording.bag.chunks import Chunk, ChunkBuilder
+from thbridge.recording.bag.disk_room import reserve_space
 from thbridge.recording.bag.records import (
     MAGIC,
+    BagConnection,
     Compression,
-    Connection,
     bag_header,
     chunk_info_record,
     chunk_record,
@@ -43,7 +43,7 @@ class ChunkFile:
         self.path = path
         self.size = 0
         self._compression = compression
-        self._known: set[Connection] = set()
+        self._known: set[BagConnection] = set()
         self._infos: list[bytes] = []
         self._index_bytes = 0
         self._end = 0
@@ -144,7 +144,7 @@ class ChunkFile:
     def _set_aside(self, size: int) -> None:
         """Have room for so many bytes behind all that is kept, and for the index behind them. Raises OSError."""
         if size + self._index_bytes:
-            set_aside(self._file.fileno(), self.size, size + self._index_bytes)
+            reserve_space(self._file.fileno(), self.size, size + self._index_bytes)
 
 
 def _records(head: bytes, chunk: Chunk, compression: Compression) -> bytes:
@@ -166,19 +166,19 @@ class BagFile:
 
     def __init__(self, path: Path, compression: Compression = Compression.NONE) -> None:
         self._file = ChunkFile(path, compression)
-        self._chunks = Chunks()
+        self._chunks = ChunkBuilder()
         self._connections = 0
 
     def connect(
         self, topic: str, msgtype: str, md5: str, definition: str, caller: str | None, latching: bool | None
-    ) -> Connection:
+    ) -> BagConnection:
         """Announce a publisher of a topic; see `Connection` for the arguments."""
         self._connections += 1
-        return Connection(self._connections - 1, topic, msgtype, md5, definition, caller, latching)
+        return BagConnection(self._connections - 1, topic, msgtype, md5, definition, caller, latching)
 
-    def write(self, connection: Connection, stamp_ns: int, data: bytes) -> None:
+    def write(self, connection: BagConnection, stamp_ns: int, data: bytes) -> None:
         """Write a message."""
-        if not self._chunks.takes(stamp_ns):
+        if not self._chunks.accepts(stamp_ns):
             self._file.append(self._chunks.take())
         self._chunks.add(connection, stamp_ns, data)
 

@@ -9,7 +9,7 @@ from typing import BinaryIO
 
 from rosbags.rosbag1.reader import Header, RecordType, decompressors, read_bytes, read_uint32
 
-from thbridge.recording.bag.reader import damage_told, damaged
+from thbridge.recording.bag.reader import damage_as_bad_file, damaged
 from thbridge.recording.bag.records import Compression
 
 BYTES_KEPT = 32 * 1024 * 1024
@@ -22,7 +22,7 @@ _CONNECTION = b"\x09\x00\x00\x00conn="
 
 
 @dataclass(frozen=True, slots=True, eq=False)
-class Chunk:
+class ChunkInfo:
     """What a file's end says of a chunk.
 
     Attributes:
@@ -59,8 +59,8 @@ class ChunkReader:
 
     def __init__(self, parts: Sequence[Path], files: Sequence[BinaryIO]) -> None:
         self._parts, self._files = parts, files
-        self._packed: dict[Chunk, _Packed] = {}
-        self._unpacked: OrderedDict[Chunk, bytes] = OrderedDict()
+        self._packed: dict[ChunkInfo, _Packed] = {}
+        self._unpacked: OrderedDict[ChunkInfo, bytes] = OrderedDict()
         self._bytes = 0
 
     def close(self) -> None:
@@ -68,10 +68,10 @@ class ChunkReader:
         for file in self._files:
             file.close()
 
-    def index_of(self, chunk: Chunk) -> dict[int, bytes]:
+    def index_of(self, chunk: ChunkInfo) -> dict[int, bytes]:
         """Where the messages of each publisher lie in a chunk, by its number: the data of its index record."""
         file = self._files[chunk.file]
-        with damage_told(self._parts[chunk.file]):
+        with damage_as_bad_file(self._parts[chunk.file]):
             packed = self._packed_at(chunk)
             file.seek(packed.position + packed.size)
             found: dict[int, bytes] = {}
@@ -85,11 +85,11 @@ class ChunkReader:
                 raise ValueError("a chunk's index is not what the file's end says")
             return found
 
-    def message(self, chunk: Chunk, offset: int) -> bytes:
+    def message(self, chunk: ChunkInfo, offset: int) -> bytes:
         """The message whose record is at an offset of the unpacked chunk."""
         packed = self._packed.get(chunk)
         if packed is None:
-            with damage_told(self._parts[chunk.file]):
+            with damage_as_bad_file(self._parts[chunk.file]):
                 packed = self._packed_at(chunk)
         if packed.unpack is None and packed.size > WHOLE:
             return self._message_alone(chunk, packed, offset)
@@ -100,7 +100,7 @@ class ChunkReader:
         except ValueError as error:
             raise damaged(self._parts[chunk.file]) from error
 
-    def _packed_at(self, chunk: Chunk) -> _Packed:
+    def _packed_at(self, chunk: ChunkInfo) -> _Packed:
         known = self._packed.get(chunk)
         if known is None:
             file = self._files[chunk.file]
@@ -111,22 +111,22 @@ class ChunkReader:
             known = self._packed[chunk] = _Packed(file.tell(), size, unpack)
         return known
 
-    def _message_alone(self, chunk: Chunk, packed: _Packed, offset: int) -> bytes:
+    def _message_alone(self, chunk: ChunkInfo, packed: _Packed, offset: int) -> bytes:
         """A message without the pictures, say, that share its chunk."""
         file = self._files[chunk.file]
-        with damage_told(self._parts[chunk.file]):
+        with damage_as_bad_file(self._parts[chunk.file]):
             file.seek(packed.position + offset)
             file.seek(read_uint32(file), os.SEEK_CUR)
             return read_bytes(file, read_uint32(file))
 
-    def _data(self, chunk: Chunk, packed: _Packed) -> bytes:
+    def _data(self, chunk: ChunkInfo, packed: _Packed) -> bytes:
         """The records of a chunk, unpacked."""
         known = self._unpacked.get(chunk)
         if known is not None:
             self._unpacked.move_to_end(chunk)
             return known
         file = self._files[chunk.file]
-        with damage_told(self._parts[chunk.file]):
+        with damage_as_bad_file(self._parts[chunk.file]):
             file.seek(packed.position)
             known = read_bytes(file, packed.size)
             known = known if packed.unpack is None else packed.unpack(known)

@@ -6,7 +6,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from thbridge.recording.bag.records import U32, Connection, message_head, time_bytes
+from thbridge.recording.bag.records import U32, BagConnection, message_head, time_bytes
 
 CHUNK_BYTES = 128 * 1024
 CHUNK_NS = 1_000_000_000
@@ -33,17 +33,17 @@ class Chunk:
     data: bytes
     start_ns: int
     end_ns: int
-    entries: Mapping[Connection, bytes]
-    counts: Mapping[Connection, int]
+    entries: Mapping[BagConnection, bytes]
+    counts: Mapping[BagConnection, int]
 
-    def moved_entries(self, connection: Connection, by: int) -> bytes:
+    def moved_entries(self, connection: BagConnection, by: int) -> bytes:
         """What the index says of a connection where `data` has so many bytes before it."""
         entries = np.frombuffer(self.entries[connection], _ENTRY).copy()
         entries["offset"] += by
         return entries.tobytes()
 
 
-class Chunks:
+class ChunkBuilder:
     """Gathers messages.
 
     Attributes:
@@ -51,7 +51,7 @@ class Chunks:
     """
 
     def __init__(self) -> None:
-        self._heads: dict[Connection, bytes] = {}
+        self._heads: dict[BagConnection, bytes] = {}
         self._stamp_ns = -1
         self._time = b""
         self._begin()
@@ -59,10 +59,10 @@ class Chunks:
     def _begin(self) -> None:
         self.size = 0
         self._pieces: list[bytes] = []
-        self._entries: defaultdict[Connection, list[bytes]] = defaultdict(list)
+        self._entries: defaultdict[BagConnection, list[bytes]] = defaultdict(list)
         self._start_ns = self._end_ns = 0
 
-    def takes(self, stamp_ns: int) -> bool:
+    def accepts(self, stamp_ns: int) -> bool:
         """Whether a message of this stamp belongs to those that have gathered."""
         if not self.size:
             return True
@@ -70,7 +70,7 @@ class Chunks:
             return self.size <= MOST_BYTES
         return self.size <= CHUNK_BYTES and stamp_ns - self._start_ns < CHUNK_NS
 
-    def add(self, connection: Connection, stamp_ns: int, data: bytes) -> None:
+    def add(self, connection: BagConnection, stamp_ns: int, data: bytes) -> None:
         """Add a message."""
         head = self._heads.get(connection)
         if head is None:
@@ -87,7 +87,7 @@ class Chunks:
         self._pieces += (head, self._time, U32.pack(len(data)), data)
         self.size += len(head) + len(self._time) + U32.size + len(data)
 
-    def so_far(self) -> Chunk:
+    def snapshot(self) -> Chunk:
         """What has gathered, and goes on gathering."""
         return Chunk(
             b"".join(self._pieces),
@@ -99,6 +99,6 @@ class Chunks:
 
     def take(self) -> Chunk:
         """What has gathered; the next message begins another chunk."""
-        chunk = self.so_far()
+        chunk = self.snapshot()
         self._begin()
         return chunk

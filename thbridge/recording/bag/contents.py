@@ -14,7 +14,7 @@ _PACKING = {unpack: name for name, unpack in decompressors.items()}
 
 
 @dataclass(frozen=True, slots=True, eq=False)
-class Indexed:
+class ConnectionStamps:
     """One publisher of one topic.
 
     Attributes:
@@ -48,7 +48,7 @@ class BagContents:
     path: Path
     size: int
     compressions: dict[str, int]
-    publishers: tuple[Indexed, ...]
+    publishers: tuple[ConnectionStamps, ...]
 
 
 def contents(path: Path) -> BagContents:
@@ -63,7 +63,7 @@ def contents(path: Path) -> BagContents:
             name = _PACKING[chunk.decompressor]
             compressions[name] = compressions.get(name, 0) + 1
         publishers = tuple(
-            Indexed(
+            ConnectionStamps(
                 connection.topic,
                 denormalize_msgtype(connection.msgtype),
                 connection.digest,

@@ -10,7 +10,7 @@ _CANNOT = {errno.EOPNOTSUPP, errno.ENOSYS, errno.EINVAL}
 _fallocate = getattr(ctypes.CDLL(None, use_errno=True), "fallocate", None)
 
 
-def set_aside(file: int, start: int, size: int) -> None:
+def reserve_space(file: int, start: int, size: int) -> None:
     """Make sure that a file can be written between two places, without making it longer (fallocate(2)).
 
     The room is the file's until it is truncated. Where system or file system know nothing of this, nothing happens.

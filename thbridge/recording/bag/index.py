@@ -17,8 +17,8 @@ from numpy.typing import NDArray
 from rosbags.rosbag1.reader import Header, RecordType, normalize, read_bytes, read_uint32
 
 from thbridge.files.errors import BadFile
-from thbridge.recording.bag.chunk_reader import Chunk, ChunkReader
-from thbridge.recording.bag.reader import MAGIC, VERSION, RawMessage, check_is_bag, damage_told
+from thbridge.recording.bag.chunk_reader import ChunkInfo, ChunkReader
+from thbridge.recording.bag.reader import MAGIC, VERSION, RawMessage, check_is_bag, damage_as_bad_file
 from thbridge.recording.recordings import ACTIVE, active_of, parts_of
 
 STEP = 64
@@ -28,7 +28,7 @@ CHUNKS_KEPT = 2048
 
 
 @dataclass(frozen=True, slots=True)
-class Publisher:
+class IndexedConnection:
     """One publisher of one topic in one file.
 
     Attributes:
@@ -46,7 +46,7 @@ class Publisher:
     md5: str
 
 
-class Place(NamedTuple):
+class MessageLocation(NamedTuple):
     """Where a message is; places are ordered by time, those of one time as they were recorded.
 
     Attributes:
@@ -63,7 +63,7 @@ class Place(NamedTuple):
     position: int
     offset: int
     chunk: int
-    publisher: Publisher
+    publisher: IndexedConnection
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -75,7 +75,7 @@ class _Where:
     reach: list[int]
 
     @classmethod
-    def of(cls, chunks: list[int], all_chunks: list[Chunk]) -> "_Where":
+    def of(cls, chunks: list[int], all_chunks: list[ChunkInfo]) -> "_Where":
         ends = accumulate((all_chunks[chunk].end_ns for chunk in chunks), max)
         return cls(chunks, [all_chunks[chunk].start_ns for chunk in chunks], list(ends))
 
@@ -84,12 +84,12 @@ class _Where:
 class _Entries:
     """Messages of one publisher in one chunk: (n,) stamps, rising, and (n,) offsets in the unpacked chunk."""
 
-    publisher: Publisher
+    publisher: IndexedConnection
     stamps_ns: NDArray[np.int64]
     offsets: NDArray[np.int64]
 
     @classmethod
-    def of(cls, publisher: Publisher, data: bytes) -> "_Entries":
+    def of(cls, publisher: IndexedConnection, data: bytes) -> "_Entries":
         """From the data of an index record."""
         table = np.frombuffer(data, dtype="<u4").reshape(-1, 3).astype(np.int64)
         stamps, offsets = table[:, 0] * 1_000_000_000 + table[:, 1], table[:, 2]
@@ -115,8 +115,8 @@ class BagIndex:
         path: Path,
         parts: tuple[Path, ...],
         files: list[BinaryIO],
-        publishers: list[Publisher],
-        chunks: list[Chunk],
+        publishers: list[IndexedConnection],
+        chunks: list[ChunkInfo],
     ) -> None:
         self.path = path
         self._parts, self._reader = parts, ChunkReader(parts, files)
@@ -135,7 +135,7 @@ class BagIndex:
         self._inner: OrderedDict[int, dict[int, bytes | _Entries]] = OrderedDict()
 
     @property
-    def publishers(self) -> tuple[Publisher, ...]:
+    def publishers(self) -> tuple[IndexedConnection, ...]:
         """All of them, in the order of the files."""
         return tuple(self._publishers.values())
 
@@ -148,9 +148,9 @@ class BagIndex:
         """Close the files."""
         self._reader.close()
 
-    def last(self, topic: str, at_ns: int) -> Place | None:
+    def last(self, topic: str, at_ns: int) -> MessageLocation | None:
         """Where the last message of a topic up to a time is, that time included."""
-        best: Place | None = None
+        best: MessageLocation | None = None
         where = self._whereabouts(topic)
         for turn in range(bisect_right(where.starts, at_ns) - 1, -1, -1):
             if best is not None and where.reach[turn] < best.stamp_ns:
@@ -163,9 +163,9 @@ class BagIndex:
                     best = found if best is None else max(best, found)
         return best
 
-    def next(self, topic: str, after_ns: int) -> Place | None:
+    def next(self, topic: str, after_ns: int) -> MessageLocation | None:
         """Where the first message of a topic later than a time is."""
-        best: Place | None = None
+        best: MessageLocation | None = None
         where = self._whereabouts(topic)
         for turn in range(bisect_right(where.reach, after_ns), len(where.chunks)):
             if best is not None and where.starts[turn] > best.stamp_ns:
@@ -186,14 +186,14 @@ class BagIndex:
                 return
             yield where.chunks[turn]
 
-    def places(self, topic: str, chunk: int) -> list[Place]:
+    def locations(self, topic: str, chunk: int) -> list[MessageLocation]:
         """Where in a chunk the messages of a topic are, in order of time."""
         return sorted(place for entries in self._entries_of(chunk, topic) for place in self._places(chunk, entries))
 
-    def walk(self, topics: Collection[str]) -> Iterator[list[Place]]:
+    def walk(self, topics: Collection[str]) -> Iterator[list[MessageLocation]]:
         """Where all messages of these topics are, in order of time; a list for each chunk, so that one can pause."""
         wanted = frozenset[tuple[int, int]]().union(*(self._of_topic.get(topic, set()) for topic in topics))
-        pending: list[Place] = []
+        pending: list[MessageLocation] = []
         for index, chunk in enumerate(self._chunks):
             numbers = [number for number in chunk.counts if (chunk.file, number) in wanted]
             if numbers:
@@ -206,20 +206,20 @@ class BagIndex:
             pending = pending[len(ready) :]
             yield ready
 
-    def read(self, place: Place) -> RawMessage:
+    def read(self, place: MessageLocation) -> RawMessage:
         """The message at a place."""
         publisher, data = place.publisher, self._reader.message(self._chunks[place.chunk], place.offset)
         return RawMessage(publisher.topic, publisher.msgtype, publisher.md5, place.stamp_ns, data)
 
-    def _place(self, index: int, entries: _Entries, row: int) -> Place:
+    def _place(self, index: int, entries: _Entries, row: int) -> MessageLocation:
         chunk = self._chunks[index]
         stamp_ns, offset = int(entries.stamps_ns[row]), int(entries.offsets[row])
-        return Place(stamp_ns, chunk.file, chunk.position, offset, index, entries.publisher)
+        return MessageLocation(stamp_ns, chunk.file, chunk.position, offset, index, entries.publisher)
 
-    def _places(self, index: int, entries: _Entries) -> Iterator[Place]:
+    def _places(self, index: int, entries: _Entries) -> Iterator[MessageLocation]:
         chunk, publisher = self._chunks[index], entries.publisher
         for stamp_ns, offset in zip(entries.stamps_ns.tolist(), entries.offsets.tolist(), strict=True):
-            yield Place(stamp_ns, chunk.file, chunk.position, offset, index, publisher)
+            yield MessageLocation(stamp_ns, chunk.file, chunk.position, offset, index, publisher)
 
     def _whereabouts(self, topic: str) -> _Where:
         known = self._where.get(topic)
@@ -240,7 +240,7 @@ class BagIndex:
         for number in numbers:
             entries = inner.get(number)
             if isinstance(entries, bytes):
-                with damage_told(self._parts[file]):
+                with damage_as_bad_file(self._parts[file]):
                     entries = inner[number] = _Entries.of(self._publishers[file, number], entries)
             if entries is not None:
                 found.append(entries)
@@ -274,12 +274,12 @@ def open_index(path: Path) -> Generator[float, None, BagIndex]:
     if parts == (path,) and not path.exists() and active_of(path).exists():
         raise _unfinished(active_of(path))
     files: list[BinaryIO] = []
-    publishers: list[Publisher] = []
-    chunks: list[Chunk] = []
+    publishers: list[IndexedConnection] = []
+    chunks: list[ChunkInfo] = []
     try:
         for number, part in enumerate(parts):
             check_is_bag(part)
-            with damage_told(part):
+            with damage_as_bad_file(part):
                 files.append(part.open("rb"))
                 for share in _read_end(files[-1], number, part, publishers, chunks):
                     yield (number + share) / len(parts)
@@ -291,7 +291,7 @@ def open_index(path: Path) -> Generator[float, None, BagIndex]:
 
 
 def _read_end(
-    file: BinaryIO, number: int, part: Path, publishers: list[Publisher], chunks: list[Chunk]
+    file: BinaryIO, number: int, part: Path, publishers: list[IndexedConnection], chunks: list[ChunkInfo]
 ) -> Iterator[float]:
     """Add what the end of a file says of its publishers and chunks; tells which share is read."""
     file.seek(len(MAGIC) + len(VERSION))
@@ -306,7 +306,7 @@ def _read_end(
         outer = Header.read(file, RecordType.CONNECTION)
         inner = Header.read(file)  # the record's data has the form of a head
         publishers.append(
-            Publisher(
+            IndexedConnection(
                 number,
                 outer.get_uint32("conn"),
                 normalize(outer.get_string("topic")),
@@ -320,7 +320,7 @@ def _read_end(
         counts = {publisher: messages for publisher, messages in table.tolist() if messages}
         if counts:
             times = info.get_time("start_time"), info.get_time("end_time")
-            chunks.append(Chunk(number, info.get_uint64("chunk_pos"), *times, counts))
+            chunks.append(ChunkInfo(number, info.get_uint64("chunk_pos"), *times, counts))
         if index % STEP == STEP - 1:
             yield index / count
 

@@ -5,14 +5,14 @@ from dataclasses import dataclass
 from pathlib import Path
 
 from thbridge.recording.bag.bag_file import ChunkFile
-from thbridge.recording.bag.chunks import Chunk, Chunks
-from thbridge.recording.bag.records import Compression, Connection
-from thbridge.recording.bag.worker import Lane
+from thbridge.recording.bag.chunks import Chunk, ChunkBuilder
+from thbridge.recording.bag.records import BagConnection, Compression
+from thbridge.recording.bag.worker import JobQueue
 from thbridge.recording.recordings import ACTIVE, active_of, part_of
 
 
 @dataclass(frozen=True, slots=True)
-class Splitting:
+class SplitLimits:
     """When a recording goes on in another file.
 
     Attributes:
@@ -31,7 +31,7 @@ class Splitting:
 
 
 @dataclass(frozen=True, slots=True)
-class Piece:
+class QueuedChunk:
     """A chunk with what it takes to begin a file with it.
 
     Attributes:
@@ -41,11 +41,11 @@ class Piece:
     """
 
     chunk: Chunk
-    latched: tuple[tuple[Connection, bytes], ...]
+    latched: tuple[tuple[BagConnection, bytes], ...]
     period: int
 
 
-class Parts:
+class SplitBagWriter:
     """Writes chunks into a bag, or into one bag after another.
 
     A further file begins with the latched messages so far, at the stamp of its first message. One thread at a time.
@@ -60,7 +60,7 @@ class Parts:
         OSError: the first file cannot be created.
     """
 
-    def __init__(self, path: Path, compression: Compression, splitting: Splitting, syncing: Lane) -> None:
+    def __init__(self, path: Path, compression: Compression, splitting: SplitLimits, syncing: JobQueue) -> None:
         self._path = path
         self._compression = compression
         self._splitting = splitting
@@ -82,7 +82,7 @@ class Parts:
         """The name of the last bag."""
         return _finished(self._file)
 
-    def append(self, piece: Piece) -> None:
+    def append(self, piece: QueuedChunk) -> None:
         """Add a chunk. Raises OSError; then everything before it is kept."""
         self._turn_to(piece)
         self._file.append(piece.chunk)
@@ -90,7 +90,7 @@ class Parts:
         self._full = self._splitting.size is not None and said > self._splitting.size
         self._end_ns = piece.chunk.end_ns
 
-    def preview(self, piece: Piece) -> None:
+    def preview(self, piece: QueuedChunk) -> None:
         """Bring a chunk that is still growing onto the disk, with all before it. Raises OSError."""
         self._turn_to(piece)
         self._file.preview(piece.chunk)
@@ -98,14 +98,14 @@ class Parts:
 
     def sync(self) -> None:
         """Force everything onto the disk, unless that is being done."""
-        if not self._syncing.behind():
-            self._syncing.give(self._file.sync)
+        if not self._syncing.oldest_wait():
+            self._syncing.submit(self._file.sync)
 
     def finish(self) -> None:
         """Complete the file, and give it its name once it is on the disk. Raises OSError."""
         file = self._file
         file.finish()
-        self._syncing.give(lambda: self._settle(file))
+        self._syncing.submit(lambda: self._settle(file))
 
     def salvage(self) -> None:
         """After an error, complete what can be completed, at once. Raises OSError; this can be tried again."""
@@ -118,7 +118,7 @@ class Parts:
         for file in self._open:
             file.close()
 
-    def _turn_to(self, piece: Piece) -> None:
+    def _turn_to(self, piece: QueuedChunk) -> None:
         """Go on in another file where a chunk does not belong into this one."""
         # What was said at one stamp stays together, and keeps its order.
         if not (self._full and piece.chunk.start_ns > self._end_ns) and piece.period == self._period:
@@ -126,7 +126,7 @@ class Parts:
         self.finish()
         self._file = self._begin(self._number + 1)
         self._number, self._period, self._full = self._number + 1, piece.period, False
-        opening = Chunks()
+        opening = ChunkBuilder()
         for connection, data in piece.latched:
             opening.add(connection, piece.chunk.start_ns, data)
         if opening.size:

@@ -12,7 +12,7 @@ from rosbags.rosbag1.reader import IndexData
 from rosbags.typesys.msg import denormalize_msgtype
 
 from thbridge.files.errors import BadFile
-from thbridge.recording.bag.records import Connection
+from thbridge.recording.bag.records import BagConnection
 from thbridge.recording.recordings import parts_of
 
 MAGIC = b"#ROSBAG V"
@@ -145,7 +145,7 @@ def messages(path: Path, topics: Collection[str] | None = None) -> Iterator[RawM
         yield RawMessage(connection.topic, connection.msgtype, connection.md5, stamp_ns, data)
 
 
-def recorded(path: Path, topics: Collection[str] | None = None) -> Iterator[tuple[Connection, int, bytes]]:
+def recorded(path: Path, topics: Collection[str] | None = None) -> Iterator[tuple[BagConnection, int, bytes]]:
     """Every message, oldest first: its publisher, when it was recorded (nanoseconds), and its bytes.
 
     Those of one stamp come in the order in which they were recorded.
@@ -162,7 +162,7 @@ def recorded(path: Path, topics: Collection[str] | None = None) -> Iterator[tupl
         BadFile: there is no such file, it is not a ROS 1 bag, or it is cut off or damaged.
     """
     latched: dict[str, bytes] = {}
-    known: dict[tuple[str | bool | None, ...], Connection] = {}
+    known: dict[tuple[str | bool | None, ...], BagConnection] = {}
     for part in parts_of(path):
         with opened(part) as reader:
             repeatable, start_ns = dict(latched), reader.start_time
@@ -180,12 +180,12 @@ def recorded(path: Path, topics: Collection[str] | None = None) -> Iterator[tupl
                 yield publisher, stamp, data
 
 
-def _publisher(said: ConnectionInIndex, known: dict[tuple[str | bool | None, ...], Connection]) -> Connection:
+def _publisher(said: ConnectionInIndex, known: dict[tuple[str | bool | None, ...], BagConnection]) -> BagConnection:
     caller = getattr(said.ext, "callerid", None)
     latching = None if getattr(said.ext, "latching", None) is None else _latched(said.ext)
     topic, msgtype, md5, definition = said.topic, denormalize_msgtype(said.msgtype), said.digest, said.msgdef.data
     key = (topic, msgtype, md5, definition, caller, latching)
-    return known.setdefault(key, Connection(len(known), topic, msgtype, md5, definition, caller, latching))
+    return known.setdefault(key, BagConnection(len(known), topic, msgtype, md5, definition, caller, latching))
 
 
 class _Place(IndexData):
@@ -231,7 +231,7 @@ def opened(path: Path) -> Iterator[Reader]:
     check_is_bag(path)
     reader = Reader(path)
     try:
-        with damage_told(path):
+        with damage_as_bad_file(path):
             reader.open()
             yield reader
     finally:
@@ -240,7 +240,7 @@ def opened(path: Path) -> Iterator[Reader]:
 
 
 @contextmanager
-def damage_told(path: Path) -> Iterator[None]:
+def damage_as_bad_file(path: Path) -> Iterator[None]:
     """A block in which what parser and decompressors stumble over is told in our words. Raises BadFile."""
     try:
         yield

@@ -34,7 +34,7 @@ class Compression(StrEnum):
 
 
 @dataclass(frozen=True, slots=True, eq=False)
-class Connection:
+class BagConnection:
     """One publisher of one topic. Two are the same only if they are one object.
 
     Attributes:
@@ -72,7 +72,7 @@ def bag_header(index_pos: int, connections: int, chunks: int) -> bytes:
     return header + _sized(b" " * (HEADER_BYTES - len(header) + 4))
 
 
-def connection_record(connection: Connection) -> bytes:
+def connection_record(connection: BagConnection) -> bytes:
     """What a bag says of a connection."""
     said = {
         "topic": connection.topic,
@@ -89,7 +89,7 @@ def connection_record(connection: Connection) -> bytes:
     return head + _fields(fields)
 
 
-def message_head(connection: Connection) -> bytes:
+def message_head(connection: BagConnection) -> bytes:
     """The beginning of a message's record; there follow `time_bytes`, the message's length (`U32`) and the message."""
     fields = (b"op=" + bytes((RecordType.MSGDATA,)), b"conn=" + U32.pack(connection.number))
     head = b"".join(map(_sized, fields)) + U32.pack(len(b"time=") + _TIME.size) + b"time="
@@ -108,7 +108,7 @@ def chunk_record(data: bytes, compression: Compression) -> bytes:
     return header + _sized(_packed(data, compression))
 
 
-def index_record(connection: Connection, entries: bytes) -> bytes:
+def index_record(connection: BagConnection, entries: bytes) -> bytes:
     """Where in the chunk before it a connection's messages are: a stamp and an offset of 4 bytes for each."""
     return _index_head(connection.number, len(entries) // INDEX_ENTRY_BYTES) + _sized(entries)
 
@@ -121,7 +121,7 @@ def _index_head(number: int, count: int) -> bytes:
     return _header(RecordType.IDXDATA, ver=U32.pack(1), conn=U32.pack(number), count=U32.pack(count))
 
 
-def chunk_info_record(position: int, start_ns: int, end_ns: int, counts: Mapping[Connection, int]) -> bytes:
+def chunk_info_record(position: int, start_ns: int, end_ns: int, counts: Mapping[BagConnection, int]) -> bytes:
     """What the index says of a chunk: its place, first and last stamp, and number of messages by connection."""
     head = _header(
         RecordType.CHUNK_INFO,

@@ -12,7 +12,7 @@ from rosbags.rosbag1.reader import Header, ReaderError, RecordType, decompressor
 from thbridge.files.errors import BadFile
 from thbridge.recording.bag.bag_file import BagFile
 from thbridge.recording.bag.reader import check_is_bag
-from thbridge.recording.bag.records import MAGIC, Compression, Connection
+from thbridge.recording.bag.records import MAGIC, BagConnection, Compression
 from thbridge.recording.recordings import ACTIVE
 
 _TORN = (ReaderError, struct.error, ValueError, LookupError, EOFError, OSError, RuntimeError, MemoryError)
@@ -20,7 +20,7 @@ _TORN = (ReaderError, struct.error, ValueError, LookupError, EOFError, OSError, 
 
 
 @dataclass(frozen=True, slots=True)
-class Reindexed:
+class RepairResult:
     """What a repair recovered.
 
     Attributes:
@@ -47,7 +47,7 @@ class _Said:
     data: bytes
 
 
-def reindex(path: Path) -> Reindexed:
+def reindex(path: Path) -> RepairResult:
     """Write a bag's readable messages into a new bag of its name and keep the old one beside it.
 
     `NAME.bag` and `NAME.bag.active` give `NAME.bag`, and the old file becomes `NAME.orig.bag`. Every complete message
@@ -72,19 +72,19 @@ def reindex(path: Path) -> Reindexed:
         fresh.unlink(missing_ok=True)
         reason = (error.strerror or str(error)).lower()
         raise BadFile(path, None, None, f"it cannot be repaired here: {reason}", "make room beside it") from error
-    return Reindexed(repaired, backup, messages, end_ns, lost)
+    return RepairResult(repaired, backup, messages, end_ns, lost)
 
 
 def _copy(path: Path, fresh: Path) -> tuple[int, int | None, int]:
     """Number of messages copied, the last stamp, and the bytes left over."""
     count, end_ns = 0, None
-    connections: dict[int, Connection] = {}
+    connections: dict[int, BagConnection] = {}
     with path.open("rb") as source:
         scan = _Scan(source)
         target = BagFile(fresh, scan.compression())
         for record in scan.records():
             match record:
-                case Connection(number):
+                case BagConnection(number):
                     connections.setdefault(number, record)
                 case _Said(number, stamp_ns, data):
                     if number in connections:
@@ -119,7 +119,7 @@ class _Scan:
             pass
         return Compression.NONE
 
-    def records(self) -> Iterator[Connection | _Said]:
+    def records(self) -> Iterator[BagConnection | _Said]:
         """Connections and messages in the file's order, up to the end or the first unreadable record."""
         end = self._source.seek(0, SEEK_END)
         at = self._source.seek(len(MAGIC))
@@ -142,7 +142,7 @@ class _Scan:
     def _inside(self, header: Header, data: bytes) -> BytesIO:
         return BytesIO(decompressors[header.get_string("compression")](data))
 
-    def _chunk(self, inner: BytesIO) -> Iterator[Connection | _Said]:
+    def _chunk(self, inner: BytesIO) -> Iterator[BagConnection | _Said]:
         end = len(inner.getbuffer())
         at = 0
         while at < end:
@@ -155,7 +155,7 @@ class _Scan:
             at = inner.tell()
 
 
-def _inner_record(source: BinaryIO) -> Connection | _Said:
+def _inner_record(source: BinaryIO) -> BagConnection | _Said:
     header = Header.read(source)
     kind = header.get_uint8("op")
     if kind == RecordType.MSGDATA:
@@ -165,7 +165,7 @@ def _inner_record(source: BinaryIO) -> Connection | _Said:
         raise ReaderError(f"no record of kind {kind} belongs into a chunk")
     number, topic = header.get_uint32("conn"), header.get_string("topic")
     said = Header.read(source)
-    return Connection(
+    return BagConnection(
         number,
         topic,
         said.get_string("type"),

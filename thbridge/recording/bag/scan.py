@@ -31,7 +31,7 @@ _CONN_OP_TIME = Struct("<II5sII3sBI5sII")
 
 
 @dataclass(frozen=True, slots=True)
-class FileHeader:
+class BagHeaderRecord:
     """The first record.
 
     Attributes:
@@ -50,7 +50,7 @@ class FileHeader:
 
 
 @dataclass(frozen=True, slots=True)
-class Source:
+class ConnectionRecord:
     """A connection record: one publisher of one topic.
 
     Attributes:
@@ -78,7 +78,7 @@ class Source:
 
 
 @dataclass(frozen=True, slots=True)
-class Chunk:
+class ChunkRecord:
     """A chunk begins; connections and messages in it follow.
 
     Attributes:
@@ -97,7 +97,7 @@ class Chunk:
 
 
 @dataclass(frozen=True, slots=True)
-class Said:
+class MessageRecord:
     """A message record.
 
     Attributes:
@@ -112,7 +112,7 @@ class Said:
 
 
 @dataclass(frozen=True, slots=True)
-class ChunkIndex:
+class ChunkInfoRecord:
     """What the index says of a chunk: its place, first and last stamp, and number of messages by connection."""
 
     position: int
@@ -122,7 +122,7 @@ class ChunkIndex:
 
 
 @dataclass(frozen=True, slots=True)
-class MessageIndex:
+class IndexDataRecord:
     """After its chunk: where the messages of one connection lie in it.
 
     Attributes:
@@ -135,7 +135,7 @@ class MessageIndex:
 
 
 @dataclass(frozen=True, slots=True)
-class Tear:
+class UnreadableSpan:
     """Bytes that cannot be read.
 
     Attributes:
@@ -149,14 +149,22 @@ class Tear:
     problem: str
 
 
-Record = FileHeader | Source | Chunk | Said | MessageIndex | ChunkIndex | Tear
+BagRecord = (
+    BagHeaderRecord
+    | ConnectionRecord
+    | ChunkRecord
+    | MessageRecord
+    | IndexDataRecord
+    | ChunkInfoRecord
+    | UnreadableSpan
+)
 
 
 class _Torn(Exception):  # noqa: N818 - it is no error of the program
     """Here the file cannot be read."""
 
 
-def scan(path: Path) -> Iterator[Record]:
+def scan(path: Path) -> Iterator[BagRecord]:
     """Every record in the file's order, damage among them as `Tear`.
 
     A chunk that is cut off is read as far as it goes, unless it is compressed.
@@ -176,21 +184,21 @@ def scan(path: Path) -> Iterator[Record]:
                 data = file.read(min(size, left))
                 yield from _outer(at, fields, data, size)
             except _Torn as torn:
-                yield Tear(at, end - at, str(torn))
+                yield UnreadableSpan(at, end - at, str(torn))
                 return
             if size > left:
-                yield Tear(at, left, f"the file ends {size - left} bytes too early")
+                yield UnreadableSpan(at, left, f"the file ends {size - left} bytes too early")
                 return
             at = file.tell()
 
 
-def _outer(at: int, fields: dict[bytes, bytes], data: bytes, size: int) -> Iterator[Record]:
+def _outer(at: int, fields: dict[bytes, bytes], data: bytes, size: int) -> Iterator[BagRecord]:
     match _kind(fields):
         case RecordType.BAGHEADER:
             encryptor = fields.get(b"encryptor", b"").decode(errors="replace")
             # Each field has its own length before it.
             length = sum(len(name) + len(value) + 5 for name, value in fields.items()) + size
-            yield FileHeader(
+            yield BagHeaderRecord(
                 _unpack(_UINT64, fields, b"index_pos"),
                 _unpack(_UINT32, fields, b"conn_count"),
                 _unpack(_UINT32, fields, b"chunk_count"),
@@ -201,27 +209,27 @@ def _outer(at: int, fields: dict[bytes, bytes], data: bytes, size: int) -> Itera
             compression = _word(fields, b"compression")
             unpacked = _unpack(_UINT32, fields, b"size")
             flags = data[_LZ4_FLAGS] if compression == "lz4" and len(data) > _LZ4_FLAGS else None
-            yield Chunk(at, compression, size, unpacked, flags)
+            yield ChunkRecord(at, compression, size, unpacked, flags)
             yield from _chunk(at, compression, data, unpacked)
         case RecordType.CHUNK_INFO:
             start, end = _time(fields, b"start_time"), _time(fields, b"end_time")
             counts = dict(_PAIR.iter_unpack(data[: len(data) // 8 * 8]))
-            yield ChunkIndex(_unpack(_UINT64, fields, b"chunk_pos"), start, end, counts)
+            yield ChunkInfoRecord(_unpack(_UINT64, fields, b"chunk_pos"), start, end, counts)
         case RecordType.CONNECTION:
             yield _source(fields, data)
         case RecordType.MSGDATA:
-            yield Said(_unpack(_UINT32, fields, b"conn"), _time(fields, b"time"), data)
+            yield MessageRecord(_unpack(_UINT32, fields, b"conn"), _time(fields, b"time"), data)
         case RecordType.IDXDATA:
-            yield MessageIndex(_unpack(_UINT32, fields, b"conn"), _unpack(_UINT32, fields, b"count"))
+            yield IndexDataRecord(_unpack(_UINT32, fields, b"conn"), _unpack(_UINT32, fields, b"count"))
         case kind:
             raise _Torn(f"there is no kind of record {kind}")
 
 
-def _chunk(at: int, compression: str, packed: bytes, size: int) -> Iterator[Record]:
+def _chunk(at: int, compression: str, packed: bytes, size: int) -> Iterator[BagRecord]:
     try:
         data = _unpacked(compression, packed, size)
     except (OSError, RuntimeError, EOFError, ValueError, MemoryError) as error:
-        yield Tear(at, len(packed), f"a chunk cannot be unpacked ({error})")
+        yield UnreadableSpan(at, len(packed), f"a chunk cannot be unpacked ({error})")
         return
     place = 0
     try:
@@ -236,17 +244,17 @@ def _chunk(at: int, compression: str, packed: bytes, size: int) -> Iterator[Reco
             fields = _fields(head)
             match _kind(fields):
                 case RecordType.MSGDATA:
-                    yield Said(_unpack(_UINT32, fields, b"conn"), _time(fields, b"time"), body)
+                    yield MessageRecord(_unpack(_UINT32, fields, b"conn"), _time(fields, b"time"), body)
                 case RecordType.CONNECTION:
                     yield _source(fields, body)
                 case kind:
                     raise _Torn(f"no record of kind {kind} belongs into a chunk")
             place = place_after
     except _Torn as torn:
-        yield Tear(at, len(data) - place, str(torn))
+        yield UnreadableSpan(at, len(data) - place, str(torn))
 
 
-def _usual_message(data: bytes, at: int) -> tuple[Said, int] | None:
+def _usual_message(data: bytes, at: int) -> tuple[MessageRecord, int] | None:
     """A message whose head has one of the usual forms, and where it ends."""
     start = at + 4 + _MESSAGE_HEADER + 4
     if start > len(data) or data[at] != _MESSAGE_HEADER:
@@ -259,7 +267,7 @@ def _usual_message(data: bytes, at: int) -> tuple[Said, int] | None:
     end = start + _UINT32.unpack_from(data, start - 4)[0]
     if end > len(data):
         return None
-    return Said(number, seconds * 1_000_000_000 + nanoseconds, data[start:end]), end
+    return MessageRecord(number, seconds * 1_000_000_000 + nanoseconds, data[start:end]), end
 
 
 def _unpacked(compression: str, packed: bytes, size: int) -> bytes:
@@ -275,9 +283,9 @@ def _unpacked(compression: str, packed: bytes, size: int) -> bytes:
             raise ValueError(f"compression {other!r} is not known")
 
 
-def _source(fields: dict[bytes, bytes], data: bytes) -> Source:
+def _source(fields: dict[bytes, bytes], data: bytes) -> ConnectionRecord:
     said = _fields(data)
-    return Source(
+    return ConnectionRecord(
         _unpack(_UINT32, fields, b"conn"),
         _word(fields, b"topic"),
         _word(said, b"type"),

@@ -7,8 +7,8 @@ from thbridge.files.ros.definitions import Definitions
 from thbridge.recording.bag.records import (
     MAGIC,
     U32,
+    BagConnection,
     Compression,
-    Connection,
     bag_header,
     chunk_record,
     connection_record,
@@ -18,7 +18,7 @@ from thbridge.recording.bag.records import (
     time_in,
 )
 from thbridge.ros.names import CALLER
-from thbridge.ros.topics import Message, Topic
+from thbridge.ros.topics import RosMessage, Topic
 
 BEGINNING = MAGIC + bag_header(0, 0, 0)
 """What every reader gets first."""
@@ -35,13 +35,13 @@ class BagStream:
     """
 
     def __init__(self, definitions: Definitions) -> None:
-        self.connections: list[Connection] = []
+        self.connections: list[BagConnection] = []
         self._definitions = definitions
-        self._of_topic: dict[Topic, tuple[Connection, bytes]] = {}
+        self._of_topic: dict[Topic, tuple[BagConnection, bytes]] = {}
         self._stamp_ns = -1
         self._time = b""
 
-    def record(self, message: Message) -> tuple[Connection, bytes]:
+    def record(self, message: RosMessage) -> tuple[BagConnection, bytes]:
         """A message's record, and the connection that it belongs to."""
         topic, stamp_ns, data, _ = message
         connection, head = self._of_topic.get(topic) or self._connect(topic)
@@ -49,10 +49,10 @@ class BagStream:
             self._stamp_ns, self._time = stamp_ns, time_bytes(stamp_ns)
         return connection, b"".join((head, self._time, U32.pack(len(data)), data))
 
-    def _connect(self, topic: Topic) -> tuple[Connection, bytes]:
+    def _connect(self, topic: Topic) -> tuple[BagConnection, bytes]:
         definition = self._definitions.of(topic.msgtype)
         number = len(self.connections)
-        connection = Connection(
+        connection = BagConnection(
             number, topic.name, topic.msgtype, definition.md5, definition.text, CALLER, topic.latched
         )
         self.connections.append(connection)

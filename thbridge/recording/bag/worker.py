@@ -9,7 +9,7 @@ from typing import Protocol
 Job = Callable[[], None]
 
 
-class Lane(Protocol):
+class JobQueue(Protocol):
     """Does jobs one after another. The first that fails is the last that is done.
 
     Attributes:
@@ -20,10 +20,10 @@ class Lane(Protocol):
     failure: Exception | None
     waiting: int
 
-    def give(self, job: Job, size: int = 0) -> None:
+    def submit(self, job: Job, size: int = 0) -> None:
         """Have a job done, now or later; `size` says how many bytes it holds on to."""
 
-    def behind(self) -> float:
+    def oldest_wait(self) -> float:
         """Seconds that the oldest job not done yet has waited; 0 when there is none."""
 
     def wait(self, size: int, seconds: float) -> bool:
@@ -37,14 +37,14 @@ class Lane(Protocol):
         """Take no more jobs; those that wait are not done any more once the one in hand is."""
 
 
-class Inline:
+class InlineQueue:
     """A lane that does each job at once, in the thread that gives it."""
 
     def __init__(self) -> None:
         self.failure: Exception | None = None
         self.waiting = 0
 
-    def give(self, job: Job, size: int = 0) -> None:
+    def submit(self, job: Job, size: int = 0) -> None:
         """Do a job."""
         if self.failure is None:
             try:
@@ -52,7 +52,7 @@ class Inline:
             except Exception as error:  # whoever gave the job asks for it
                 self.failure = error
 
-    def behind(self) -> float:
+    def oldest_wait(self) -> float:
         """Nothing ever waits."""
         return 0.0
 
@@ -64,7 +64,7 @@ class Inline:
         """There is nothing to end."""
 
 
-class Worker:
+class WorkerThread:
     """A lane with a thread of its own, which ends with the program.
 
     Args:
@@ -81,7 +81,7 @@ class Worker:
         self._ended = False
         threading.Thread(target=self._run, name=name, daemon=True).start()
 
-    def give(self, job: Job, size: int = 0) -> None:
+    def submit(self, job: Job, size: int = 0) -> None:
         """Have a job done after those that wait."""
         with self._changed:
             if self.failure is None and not self._ended:
@@ -89,7 +89,7 @@ class Worker:
                 self.waiting += size
                 self._changed.notify_all()
 
-    def behind(self) -> float:
+    def oldest_wait(self) -> float:
         """Seconds that the oldest job not done yet has waited; 0 when there is none."""
         with self._changed:
             return self._clock() - self._jobs[0][0] if self._jobs else 0.0

@@ -9,13 +9,13 @@ from typing import Self
 
 from thbridge.files.errors import BadFile
 from thbridge.files.ros.definitions import Definitions
-from thbridge.recording.bag.chunks import Chunk, Chunks
-from thbridge.recording.bag.parts import Parts, Piece, Splitting
-from thbridge.recording.bag.records import Compression, Connection
-from thbridge.recording.bag.worker import Lane, Worker
+from thbridge.recording.bag.chunks import Chunk, ChunkBuilder
+from thbridge.recording.bag.parts import QueuedChunk, SplitBagWriter, SplitLimits
+from thbridge.recording.bag.records import BagConnection, Compression
+from thbridge.recording.bag.worker import JobQueue, WorkerThread
 from thbridge.recording.recordings import active_of, part_of, parts_of
 from thbridge.ros.names import CALLER
-from thbridge.ros.publisher import Message, Topic
+from thbridge.ros.publisher import RosMessage, Topic
 
 SYNC_SECONDS = 0.5
 """Wall time after which everything said so far is forced onto the disk: at most a second is lost, with half of it for a
@@ -27,12 +27,12 @@ BEHIND_SECONDS = 10.0
 WAITING_BYTES = 2 * 2**20
 """Beyond so many bytes that wait for the disk, the session waits too: what bz2 packs in a tenth of a second."""
 
-LAST_SECONDS = 60.0
+CLOSE_SECONDS = 60.0
 """How long the end of a recording waits for the disk."""
 
 ALMOST_ALL = "it holds all but the last second"
 
-WHOLE = Splitting()
+WHOLE = SplitLimits()
 
 
 class BagNotWritten(BadFile):
@@ -46,7 +46,7 @@ class BagNotWritten(BadFile):
 
 
 @dataclass(frozen=True, slots=True)
-class Heard:
+class ForeignTopic:
     """What another node says of a topic of its own, exactly so.
 
     Attributes:
@@ -91,8 +91,8 @@ class BagWriter:
         definitions: Definitions | None = None,
         clock: Callable[[], float] = time.monotonic,
         compression: Compression = Compression.NONE,
-        splitting: Splitting = WHOLE,
-        lane: Callable[[str], Lane] = Worker,
+        splitting: SplitLimits = WHOLE,
+        make_queue: Callable[[str], JobQueue] = WorkerThread,
         caller: str = CALLER,
     ) -> None:
         self.path = path
@@ -100,25 +100,25 @@ class BagWriter:
         self._definitions = definitions or Definitions()
         self._clock = clock
         self._splitting = splitting
-        self._connections: dict[Topic | Heard, Connection] = {}
-        self._latched: dict[Connection, bytes] = {}
-        self._latched_before: tuple[tuple[Connection, bytes], ...] = ()
-        self._chunks = Chunks()
+        self._connections: dict[Topic | ForeignTopic, BagConnection] = {}
+        self._latched: dict[BagConnection, bytes] = {}
+        self._latched_before: tuple[tuple[BagConnection, bytes], ...] = ()
+        self._chunks = ChunkBuilder()
         self._first_ns: int | None = None
         self._stamp_ns = -1
         self._period = 0
         self._open = True
         _refuse_taken(path)
-        self._syncing = lane("bag sync")
-        self._writing = lane("bag writer")
+        self._syncing = make_queue("bag sync")
+        self._writing = make_queue("bag writer")
         try:
-            self._parts = Parts(path, compression, splitting, self._syncing)
+            self._parts = SplitBagWriter(path, compression, splitting, self._syncing)
         except OSError as error:
             self._end_lanes()
             raise BagNotWritten(path, _reason(error), "name a folder that exists and may be written to") from error
         self._synced = clock()
 
-    def write(self, message: Message) -> None:
+    def write(self, message: RosMessage) -> None:
         """Write one message; its topic is registered with its first.
 
         Raises:
@@ -128,21 +128,21 @@ class BagWriter:
         topic, stamp_ns, data, _ = message
         self._add(topic, stamp_ns, data)
 
-    def write_heard(self, source: Heard, stamp_ns: int, data: bytes) -> None:
+    def write_foreign(self, source: ForeignTopic, stamp_ns: int, data: bytes) -> None:
         """Write one message of somebody else's; raises as `write` does."""
         self._add(source, stamp_ns, data)
 
-    def _add(self, topic: Topic | Heard, stamp_ns: int, data: bytes) -> None:
+    def _add(self, topic: Topic | ForeignTopic, stamp_ns: int, data: bytes) -> None:
         if stamp_ns != self._stamp_ns or not self._open:
             self._turn_to(stamp_ns)
-        if not self._chunks.takes(stamp_ns):
+        if not self._chunks.accepts(stamp_ns):
             self._hand_over()
         connection = self._connections.get(topic) or self._connect(topic)
         self._chunks.add(connection, stamp_ns, data)
         if topic.latched:
             self._latched[connection] = data
 
-    def take(self, tick: int, messages: Iterable[Message]) -> None:
+    def take(self, tick: int, messages: Iterable[RosMessage]) -> None:
         """Write what is said in a tick, and see that all is safe once a second; raises as `write` does."""
         for message in messages:
             self.write(message)
@@ -160,10 +160,10 @@ class BagWriter:
         if self._clock() - self._synced < SYNC_SECONDS:
             return
         if self._chunks.size:
-            piece = self._piece(self._chunks.so_far())
-            self._writing.give(lambda: self._parts.preview(piece))
+            piece = self._piece(self._chunks.snapshot())
+            self._writing.submit(lambda: self._parts.preview(piece))
         else:
-            self._writing.give(self._parts.sync)
+            self._writing.submit(self._parts.sync)
         self._synced = self._clock()
         self._check()
 
@@ -204,15 +204,15 @@ class BagWriter:
             self._hand_over()
         self._period = period
 
-    def _connect(self, topic: Topic | Heard) -> Connection:
+    def _connect(self, topic: Topic | ForeignTopic) -> BagConnection:
         number = len(self._connections)
-        if isinstance(topic, Heard):
-            connection = Connection(
+        if isinstance(topic, ForeignTopic):
+            connection = BagConnection(
                 number, topic.name, topic.msgtype, topic.md5, topic.definition, topic.caller, topic.latched
             )
         else:
             definition = self._definitions.of(topic.msgtype)
-            connection = Connection(
+            connection = BagConnection(
                 number, topic.name, topic.msgtype, definition.md5, definition.text, self._caller, topic.latched
             )
         self._connections[topic] = connection
@@ -229,21 +229,21 @@ class BagWriter:
         if self._chunks.size:
             piece = self._piece(self._chunks.take())
             self._latched_before = tuple(self._latched.items()) if self._splitting.wanted else ()
-            self._writing.give(lambda: self._parts.append(piece), len(piece.chunk.data))
+            self._writing.submit(lambda: self._parts.append(piece), len(piece.chunk.data))
 
-    def _piece(self, chunk: Chunk) -> Piece:
-        return Piece(chunk, self._latched_before, self._period)
+    def _piece(self, chunk: Chunk) -> QueuedChunk:
+        return QueuedChunk(chunk, self._latched_before, self._period)
 
     def _complete(self) -> bool:
         """Have everything written; whether that was done, or failed, in time."""
         self._give_chunk()
-        self._writing.give(self._parts.finish)
-        return self._writing.wait(0, LAST_SECONDS) and self._syncing.wait(0, LAST_SECONDS)
+        self._writing.submit(self._parts.finish)
+        return self._writing.wait(0, CLOSE_SECONDS) and self._syncing.wait(0, CLOSE_SECONDS)
 
     def _check(self) -> None:
         """Go on only if the disk does."""
         self._check_failures()
-        behind = max(self._writing.behind(), self._syncing.behind())
+        behind = max(self._writing.oldest_wait(), self._syncing.oldest_wait())
         if behind > BEHIND_SECONDS:
             in_time = self._complete()
             self._check_failures()
@@ -262,10 +262,10 @@ class BagWriter:
     def _saved(self, failure: Exception) -> Exception:
         """Save what can be saved, and put it into words."""
         self._give_chunk()  # the file may well be whole, and only its folder gone or its name taken
-        in_time = self._writing.wait(0, LAST_SECONDS)
+        in_time = self._writing.wait(0, CLOSE_SECONDS)
         self._open = False
         self._end_lanes()
-        if not (in_time and self._syncing.wait(0, LAST_SECONDS)):
+        if not (in_time and self._syncing.wait(0, CLOSE_SECONDS)):
             return self._stuck()
         if not isinstance(failure, OSError):
             self._parts.abandon()
@@ -281,7 +281,7 @@ class BagWriter:
         """The disk takes nothing any more; its threads are left to themselves."""
         self._open = False
         self._end_lanes()
-        problem = f"the disk does not answer, not even within {LAST_SECONDS:.0f} s"
+        problem = f"the disk does not answer, not even within {CLOSE_SECONDS:.0f} s"
         return self._left(problem, "it holds what reached the disk: when that works again,")
 
     def _left(self, problem: str, remedy: str) -> BagNotWritten:

@@ -17,7 +17,7 @@ class Briefing:
         consent: what participants have to agree to before anything else; None asks nothing.
     """
 
-    house: House | None = None
+    floor_plan: House | None = None
     names: tuple[str, ...] = ()
     pictures: Mapping[str, bytes] = field(default_factory=dict)
     consent: str | None = None

@@ -2,15 +2,15 @@
 
 from dataclasses import dataclass
 
-from thbridge.dialogue.engine import Dialogues, Engine, Step
-from thbridge.dialogue.moves import Outcome, Scenario, Speaker, Topic, Utterance
+from thbridge.dialogue.engine import Dialogues, DialogueStep, Engine
+from thbridge.dialogue.moves import DialogueOutcome, DialogueTopic, DialogueUtterance, Scenario, Speaker
 from thbridge.hunt import rules
 from thbridge.hunt.game import GameState
-from thbridge.hunt.outcomes import Refused
+from thbridge.hunt.refusals import RequestRefused
 from thbridge.hunt.rooms import Room
-from thbridge.roles.view import Consent, DialogueView, Matter
+from thbridge.roles.view import Consent, DialogueMatter, DialogueView
 
-MATTERS: dict[Scenario, Matter] = {
+MATTERS: dict[Scenario, DialogueMatter] = {
     Scenario.SPECIFIC_ROOM: "select-room",
     Scenario.DONT_KNOW: "select-room",
     Scenario.TAKE_PICTURE: "take-picture",
@@ -34,12 +34,12 @@ class HeldTurn:
     dialogue: int
     turn: int
     robot: int
-    scenario: Matter
+    scenario: DialogueMatter
     room: int
     sentences: tuple[str, ...]
 
 
-class Talks:
+class GameDialogues:
     """The open dialogues of one game and the consents they led to.
 
     Args:
@@ -57,19 +57,19 @@ class Talks:
         self._engine = engine
         self._dialogues = Dialogues()
         self._consents: tuple[Consent, ...] = ()
-        self._utterances: list[Utterance] = []
+        self._utterances: list[DialogueUtterance] = []
 
     @property
     def consents(self) -> tuple[Consent, ...]:
         """Agreements not yet acted upon, oldest first."""
         return self._consents
 
-    def take_utterances(self) -> list[Utterance]:
+    def take_utterances(self) -> list[DialogueUtterance]:
         """What was said since the last call, in order."""
         said, self._utterances = self._utterances, []
         return said
 
-    def open(self, state: GameState, scenario: Scenario, robot: int, room: Room) -> Refused | None:
+    def open(self, state: GameState, scenario: Scenario, robot: int, room: Room) -> RequestRefused | None:
         """Open a dialogue; what was being said or agreed with this robot before no longer holds."""
         self._forget(robot, MATTERS[scenario])
         topic = _topic(state, scenario, robot, room)
@@ -87,7 +87,7 @@ class Talks:
             self._forget(robot, "select-room")
             self.asked_for_advice += (robot,)
 
-    def answer(self, number: int, turn: int, choice: int) -> Refused | None:
+    def answer(self, number: int, turn: int, choice: int) -> RequestRefused | None:
         """Make the participant's choice; one for a turn that is past changes nothing."""
         dialogue = self._dialogues.numbered(number)
         if dialogue is None or len(dialogue.turns) != turn:
@@ -110,7 +110,7 @@ class Talks:
         self._forget_advice(robot)
         dialogue = self._dialogues.of_robot(robot)
         if dialogue is not None:
-            self._follow(self._engine.go_on(self._dialogues, dialogue.number))
+            self._follow(self._engine.release(self._dialogues, dialogue.number))
 
     def speak_for(self, number: int, turn: int, move: int, text: str) -> None:
         """Make the move of a puppet that is waited for; one for a turn that is past changes nothing."""
@@ -138,15 +138,15 @@ class Talks:
 
     # What holds
 
-    def agreed(self, robot: int, matter: Matter, room: Room) -> bool:
+    def is_agreed(self, robot: int, matter: DialogueMatter, room: Room) -> bool:
         """Whether the participant may act on this now."""
         return Consent(robot, matter, room.people) in self._consents
 
-    def use(self, robot: int, matter: Matter) -> None:
+    def use_consent(self, robot: int, matter: DialogueMatter) -> None:
         """An agreement was acted upon."""
         self._withdraw_consent(robot, matter)
 
-    def spoken_for(self, room: Room, robot: int) -> int | None:
+    def other_candidate(self, room: Room, robot: int) -> int | None:
         """Another robot that is being talked with, or was agreed with, about going to this room."""
         talks = [(d.topic.robot, MATTERS[d.topic.scenario], d.topic.room.people) for d in self._dialogues.open]
         talks += [(consent.robot, consent.matter, consent.room) for consent in self._consents]
@@ -185,18 +185,18 @@ class Talks:
             for dialogue in self._dialogues.open
         )
 
-    def _follow(self, step: Step | Refused) -> Refused | None:
-        if isinstance(step, Refused):
+    def _follow(self, step: DialogueStep | RequestRefused) -> RequestRefused | None:
+        if isinstance(step, RequestRefused):
             return step
         self._dialogues = step.dialogues
         self._utterances += step.utterances
-        if step.outcome is Outcome.CONSENSUS:
+        if step.outcome is DialogueOutcome.CONSENSUS:
             topic = step.dialogue.topic
             consent = Consent(topic.robot, MATTERS[topic.scenario], topic.room.people)
             self._consents = (*self._consents, consent)
         return None
 
-    def _forget(self, robot: int, matter: Matter) -> None:
+    def _forget(self, robot: int, matter: DialogueMatter) -> None:
         """What was being said with a robot, and agreed on this matter, no longer holds."""
         self._withdraw_consent(robot, matter)
         self._forget_advice(robot)
@@ -207,13 +207,13 @@ class Talks:
     def _forget_advice(self, robot: int) -> None:
         self.asked_for_advice = tuple(asked for asked in self.asked_for_advice if asked != robot)
 
-    def _withdraw_consent(self, robot: int, matter: Matter) -> None:
+    def _withdraw_consent(self, robot: int, matter: DialogueMatter) -> None:
         self._consents = tuple(
             consent for consent in self._consents if (consent.robot, consent.matter) != (robot, matter)
         )
 
 
-def _topic(state: GameState, scenario: Scenario, robot: int, room: Room) -> Topic:
+def _topic(state: GameState, scenario: Scenario, robot: int, room: Room) -> DialogueTopic:
     here = state.robots[robot]
     match scenario:
         case Scenario.TAKE_PICTURE:
@@ -224,11 +224,11 @@ def _topic(state: GameState, scenario: Scenario, robot: int, room: Room) -> Topi
             cost = state.started.costs.cost(here.at, room)
     sensed = state.room(room).sensed
     if sensed is None:
-        return Topic(scenario, robot, room, cost, here.energy)
-    return Topic(scenario, robot, room, cost, here.energy, sensed.colour, sensed.footprint)
+        return DialogueTopic(scenario, robot, room, cost, here.energy)
+    return DialogueTopic(scenario, robot, room, cost, here.energy, sensed.colour, sensed.footprint)
 
 
-def _still_open(state: GameState, robot: int, matter: Matter, room: Room) -> bool:
+def _still_open(state: GameState, robot: int, matter: DialogueMatter, room: Room) -> bool:
     if state.ended is not None:
         return False
     if matter == "select-room":

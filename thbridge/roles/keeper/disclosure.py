@@ -8,13 +8,13 @@ from thbridge.hunt.events import Commander
 from thbridge.hunt.game import GameState
 from thbridge.hunt.rooms import Room
 from thbridge.roles.keeper.briefing import Briefing
-from thbridge.roles.keeper.dialogues import Talks
-from thbridge.roles.view import RefusalView, RobotView, RoomView, Verdict, View
+from thbridge.roles.keeper.dialogues import GameDialogues
+from thbridge.roles.view import IdentificationVerdict, RefusalView, RobotView, RoomView, View
 
 
 def view_of(
     state: GameState,
-    talks: Talks,
+    talks: GameDialogues,
     refusal: RefusalView | None,
     briefing: Briefing,
     *,
@@ -74,6 +74,6 @@ def _room(state: GameState, room: Room) -> RoomView:
         colour=None if known.sensed is None else known.sensed.colour,
         footprint=None if known.sensed is None else known.sensed.footprint,
         picture=known.image,
-        verdict=None if known.points is None else Verdict(known.name or "", known.points),
+        verdict=None if known.points is None else IdentificationVerdict(known.name or "", known.points),
         left=known.left,
     )

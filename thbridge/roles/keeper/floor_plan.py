@@ -21,7 +21,7 @@ _OF_CODE: Cells = np.array([FREE, OCCUPIED, -1], dtype=np.int8)
 """What the codes 0, 1 and 2 of `House.cells` are in an occupancy grid."""
 
 
-def house_of(
+def floor_plan_of(
     name: str, grid: OccupancyGrid, rooms: Sequence[RoomOutline], footprint: tuple[tuple[float, float], ...]
 ) -> House:
     """The house that this map shows.

@@ -6,7 +6,7 @@ _AGAIN = 10 * TICKS_PER_SECOND
 """Ticks after which the participant may ask for the same robot again."""
 
 
-class Pleas:
+class HandbackRequests:
     """The robots that were asked for just now, and since when."""
 
     def __init__(self) -> None:
@@ -14,11 +14,11 @@ class Pleas:
         self._since: dict[int, int] = {}
 
     @property
-    def fresh(self) -> frozenset[int]:
+    def recent(self) -> frozenset[int]:
         """Robots that were asked for in the last ten seconds."""
         return frozenset(self._since)
 
-    def pass_time(self, tick: int) -> bool:
+    def advance(self, tick: int) -> bool:
         """It is this tick now; whether there is a robot that may be asked for again."""
         self._tick = tick
         over = [robot for robot, since in self._since.items() if tick - since >= _AGAIN]
@@ -26,7 +26,7 @@ class Pleas:
             del self._since[robot]
         return bool(over)
 
-    def told(self, robot: int) -> None:
+    def add(self, robot: int) -> None:
         """Whoever commands this robot was just told that the participant asks for it."""
         self._since[robot] = self._tick
 
@@ -34,6 +34,6 @@ class Pleas:
         """The robot has another commander, whom nobody has asked yet."""
         self._since.pop(robot, None)
 
-    def forget_all(self) -> None:
+    def clear(self) -> None:
         """Another game begins."""
         self._since.clear()

@@ -10,47 +10,52 @@ from dataclasses import dataclass, replace
 from typing import get_args
 
 from thbridge.dialogue.engine import Engine
-from thbridge.dialogue.moves import Utterance
+from thbridge.dialogue.moves import DialogueUtterance
 from thbridge.hunt import rules
 from thbridge.hunt.costs import CostMatrix
 from thbridge.hunt.events import Agreed, Commander, Event, Hidden, Started
 from thbridge.hunt.game import GameState
-from thbridge.hunt.outcomes import Refused
+from thbridge.hunt.refusals import RequestRefused
 from thbridge.roles.keeper.briefing import Briefing
 from thbridge.roles.keeper.disclosure import view_of
-from thbridge.roles.keeper.legacy_lines import Overhearing, wish_in
-from thbridge.roles.keeper.open_game import Book, Reason
-from thbridge.roles.keeper.participant_requests import grant
-from thbridge.roles.keeper.participants import Audience
-from thbridge.roles.keeper.station_requests import give_back, handed_on, look_around, serve
-from thbridge.roles.keeper.wizard import Held, held_in, obey
+from thbridge.roles.keeper.legacy_lines import LegacyLines, request_kind
+from thbridge.roles.keeper.open_game import KeeperReason, OpenGame
+from thbridge.roles.keeper.participant_requests import handle_participant_request
+from thbridge.roles.keeper.participants import Participants
+from thbridge.roles.keeper.station_requests import (
+    handle_station_request,
+    kept_commands,
+    return_robots,
+    sense_for_stations,
+)
+from thbridge.roles.keeper.wizard import WizardState, handle_wizard_request, wizard_state
 from thbridge.roles.notices import (
     KEEPER,
     HidePlease,
     HiderReady,
     HideTreasures,
-    Level,
     Orders,
     ParticipantReady,
     Reply,
     RobotsReady,
+    StateNotice,
     Status,
     Unfit,
-    heard,
-    tell,
+    decode_notice,
+    encode_notice,
 )
 from thbridge.roles.robot_requests import CommandRequest, GameRequest
-from thbridge.roles.view import Agree, PlayAgain, SendRobot, Wish
+from thbridge.roles.view import Agree, ParticipantRequest, PlayAgain, SendRobot
 from thbridge.wire import legacy
 from thbridge.wire.notice import Notice, is_notice, parse_notice
 from thbridge.wire.router import Forwarded
-from thbridge.wire.text import Message
+from thbridge.wire.text import TextMessage
 
 MOST_ROBOTS = 250
 """In a team: MAVLink numbers vehicles up to there, and leaves the numbers above to ground stations."""
 
-_BEFORE_AGREEING = Refused(Reason.NOT_AGREED, "You have not agreed to take part yet.")
-_AFTER_AGREEING = {wish.__name__ for wish in get_args(Wish)} - {Agree.__name__}
+_BEFORE_AGREEING = RequestRefused(KeeperReason.NOT_AGREED, "You have not agreed to take part yet.")
+_AFTER_AGREEING = {wish.__name__ for wish in get_args(ParticipantRequest)} - {Agree.__name__}
 
 
 @dataclass(frozen=True, slots=True)
@@ -73,12 +78,12 @@ class GameRules:
 
 
 @dataclass(frozen=True, slots=True)
-class Decided:
+class KeeperDecisions:
     """What one step of the keeper brought about, in order; and what waits for whoever speaks in robots' place."""
 
     events: tuple[Event, ...]
-    utterances: tuple[Utterance, ...]
-    held: Held
+    utterances: tuple[DialogueUtterance, ...]
+    wizard: WizardState
 
 
 class Keeper:
@@ -104,21 +109,21 @@ class Keeper:
     ) -> None:
         self._rules = rules
         self._briefing = briefing or Briefing()
-        self._book = Book(engine, last_game)
-        self._book.read(history)
-        give_back(self._book)
-        self._overhearing = Overhearing(self._book)
+        self._book = OpenGame(engine, last_game)
+        self._book.restore(history)
+        return_robots(self._book)
+        self._overhearing = LegacyLines(self._book)
         # Who is there, and what they were told last.
         self._team: RobotsReady | None = None
         self._hider_ready = False
-        self._audience = Audience(KEEPER, self._briefing)
+        self._audience = Participants(KEEPER, self._briefing)
         self._poses: tuple[tuple[float, float, float], ...] | None = None
         self._ordered: Orders | None = None
         # Of the step under way, and of the last one.
         self._heard_anything = False
         self._asked: list[GameRequest] = []
-        self._said: list[Message] = []
-        self._decided = Decided((), (), Held())
+        self._said: list[TextMessage] = []
+        self._decided = KeeperDecisions((), (), WizardState())
 
     @property
     def state(self) -> GameState | None:
@@ -126,7 +131,7 @@ class Keeper:
         return self._book.state
 
     @property
-    def decided(self) -> Decided:
+    def decisions(self) -> KeeperDecisions:
         """Events and utterances of the last step; the events belong in the journal before anything else is done."""
         return self._decided
 
@@ -142,11 +147,11 @@ class Keeper:
             if self.state is not None:
                 # The programs of 2016 hold their dialogues themselves, where nobody can hear them.
                 ours = item.sender_extended and item.message.sender in self._audience
-                wish = wish_in(item.message)
+                wish = request_kind(item.message)
                 if ours and wish is not None and self._must_agree(self.state):
                     self._book.refuse(wish, _BEFORE_AGREEING)
                     continue
-                reply = self._overhearing.hear(self.state, item.message, needs_consent=ours)
+                reply = self._overhearing.handle(self.state, item.message, needs_consent=ours)
                 if reply is not None:
                     self._tell(legacy.HIDER, Reply(reply.command, reply.text))
 
@@ -154,56 +159,60 @@ class Keeper:
         """Do this with the next step, before what is said to the keeper then."""
         self._asked.append(request)
 
-    def step(self, tick: int, messages: Sequence[Message]) -> list[Message]:
+    def step(self, tick: int, messages: Sequence[TextMessage]) -> list[TextMessage]:
         """One tick; see `Role`."""
-        if self._book.pleas.pass_time(tick):
+        if self._book.handback_requests.advance(tick):
             self._heard_anything = True
         asked, self._asked = self._asked, []
         for request in asked:
             self._heard_anything = True
             if not isinstance(request, CommandRequest):
-                obey(self._book, self.state, request)
+                handle_wizard_request(self._book, self.state, request)
             elif self.state is not None:
-                serve(self._book, self.state, request, awaits_treasures=self._awaits_treasures(self.state))
+                handle_station_request(
+                    self._book, self.state, request, awaits_treasures=self._awaits_treasures(self.state)
+                )
         for message in messages:
             value = parse_notice(message)
             if isinstance(value, Notice):
                 self._heard_anything = True
                 self._heed(value)
-        held = self._decided.held
+        held = self._decided.wizard
         # Whatever changes does so because of something heard; most ticks are silent.
         if self._heard_anything:
             self._heard_anything = False
             if self.state is not None:
-                look_around(self._book, self.state)
+                sense_for_stations(self._book, self.state)
             self._see_to_end()
             self._tell_levels()
-            held = held_in(self._book, self.state)
+            held = wizard_state(self._book, self.state)
         self._said += self._audience.pieces(tick)
-        self._decided = Decided(self._book.take_events(), tuple(self._book.talks.take_utterances()), held)
+        self._decided = KeeperDecisions(self._book.take_events(), tuple(self._book.dialogues.take_utterances()), held)
         said, self._said = self._said, []
         return said
 
     # What our own programs say
 
     def _heed(self, notice: Notice) -> None:
-        if (robots := heard(notice, RobotsReady)) is not None:
+        if (robots := decode_notice(notice, RobotsReady)) is not None:
             self._robots(notice.sender, robots)
-        elif (status := heard(notice, Status)) is not None:
+        elif (status := decode_notice(notice, Status)) is not None:
             self._status(status)
-        elif heard(notice, HiderReady) is not None:
+        elif decode_notice(notice, HiderReady) is not None:
             self._hider_ready = True
             self._ask_to_hide()
-        elif (hidden := heard(notice, HideTreasures)) is not None:
+        elif (hidden := decode_notice(notice, HideTreasures)) is not None:
             self._hide(hidden)
-        elif heard(notice, ParticipantReady) is not None:
+        elif decode_notice(notice, ParticipantReady) is not None:
             self._said += self._audience.join(notice.sender, None if self._team is None else self._team.map)
         elif self.state is not None and notice.kind in _AFTER_AGREEING and self._must_agree(self.state):
             self._book.refuse(notice.kind, _BEFORE_AGREEING)
-        elif (again := heard(notice, PlayAgain)) is not None:
+        elif (again := decode_notice(notice, PlayAgain)) is not None:
             self._play_again(again.game)
         elif self.state is not None:
-            grant(self._book, self.state, notice, awaits_treasures=self._awaits_treasures(self.state))
+            handle_participant_request(
+                self._book, self.state, notice, awaits_treasures=self._awaits_treasures(self.state)
+            )
 
     def _awaits_treasures(self, state: GameState) -> bool:
         """Whether Hider is about to hide them."""
@@ -216,7 +225,7 @@ class Keeper:
     def _robots(self, sender: str, robots: RobotsReady) -> None:
         state = self.state
         costs = costs_of(robots.costs)
-        if isinstance(costs, Refused):
+        if isinstance(costs, RequestRefused):
             self._tell(sender, Unfit(costs.sentence))
         elif not 0 < robots.robots <= MOST_ROBOTS:
             self._tell(sender, Unfit(f"A team has 1 to {MOST_ROBOTS} robots, not {robots.robots}."))
@@ -246,8 +255,8 @@ class Keeper:
         # Whoever agreed, and whoever commands a robot, goes on doing so.
         former = self.state
         agreed = (Agreed(),) if former is not None and former.agreed else ()
-        kept = () if former is None else handed_on(former, robots)
-        self._book.happen((started, *agreed, *kept))
+        kept = () if former is None else kept_commands(former, robots)
+        self._book.record((started, *agreed, *kept))
         self._poses = None
         self._ask_to_hide()
 
@@ -268,7 +277,7 @@ class Keeper:
         state = self.state
         fresh = state is not None and state.treasures is None and state.started.game == hidden.game
         if state is not None and fresh and len(hidden.treasures) == len(state.rooms):
-            self._book.happen((Hidden(hidden.treasures),))
+            self._book.record((Hidden(hidden.treasures),))
 
     def _status(self, status: Status) -> None:
         state = self.state
@@ -278,32 +287,32 @@ class Keeper:
             return
         self._poses = status.poses
         for robot, result in enumerate(status.results):
-            if result is None or self.state is None or not self._book.is_under(robot, result.move):
+            if result is None or self.state is None or not self._book.is_executing(robot, result.move):
                 continue
             bound_for = self.state.robots[robot].bound_for
             if result.arrived and bound_for is not None:
-                self._book.take("Arrived", rules.arrive(self.state, robot, bound_for))
+                self._book.apply_ruling("Arrived", rules.arrive(self.state, robot, bound_for))
             else:
                 recalled = self._book.is_recalled(robot)
-                self._book.take("Failed", rules.fail(self.state, robot, result.sentence, result.share))
+                self._book.apply_ruling("Failed", rules.fail(self.state, robot, result.sentence, result.share))
                 if not recalled:
-                    self._book.refuse(SendRobot.__name__, Refused(Reason.NO_PATH, result.sentence))
+                    self._book.refuse(SendRobot.__name__, RequestRefused(KeeperReason.NO_PATH, result.sentence))
         for robot, condition in enumerate(status.conditions):
             if self.state is not None:
-                self._book.take("Reported", rules.report(self.state, robot, condition))
+                self._book.apply_ruling("Reported", rules.report(self.state, robot, condition))
         for robot, researcher in enumerate(status.researchers):
             if self.state is not None:
-                self._book.take("Commanded", rules.intervene(self.state, robot, researcher))
+                self._book.apply_ruling("Commanded", rules.intervene(self.state, robot, researcher))
 
     def _see_to_end(self) -> None:
         """Programs of 2016 never say that they give a treasure up, so nobody waits for them to."""
         if self.state is not None:
-            self._book.happen(rules.ending(self.state, wait_for_decisions=not self._audience.is_empty))
+            self._book.record(rules.ending(self.state, wait_for_decisions=not self._audience.is_empty))
 
     # What the keeper says
 
-    def _tell(self, receiver: str, value: Level) -> None:
-        self._said.append(tell(self.name, receiver, value))
+    def _tell(self, receiver: str, value: StateNotice) -> None:
+        self._said.append(encode_notice(self.name, receiver, value))
 
     def _tell_levels(self) -> None:
         state = self.state
@@ -311,7 +320,7 @@ class Keeper:
             return
         if self._team is not None:
             self._give_orders(state, with_poses=False)
-        talks, refusal = self._book.talks, self._book.refusal
+        talks, refusal = self._book.dialogues, self._book.refusal
         self._said += self._audience.show(
             view_of(
                 state,
@@ -319,7 +328,7 @@ class Keeper:
                 refusal,
                 self._briefing,
                 robots_ready=self._team is not None,
-                asked_back=self._book.pleas.fresh,
+                asked_back=self._book.handback_requests.recent,
             )
         )
 
@@ -339,12 +348,12 @@ class Keeper:
             self._tell(legacy.SIMR, orders)
 
 
-def costs_of(rows: Sequence[Sequence[float | None]]) -> CostMatrix | Refused:
+def costs_of(rows: Sequence[Sequence[float | None]]) -> CostMatrix | RequestRefused:
     """The cost matrix that `plain_costs` wrote."""
     try:
         return CostMatrix(tuple(tuple(math.inf if cost is None else cost for cost in row) for row in rows))
     except ValueError as error:
-        return Refused("bad-costs", str(error))
+        return RequestRefused("bad-costs", str(error))
 
 
 def _unfit(state: GameState, robots: RobotsReady) -> str:

@@ -8,39 +8,39 @@ from collections.abc import Callable, Mapping
 
 from thbridge.hunt import rules
 from thbridge.hunt.game import GameState
-from thbridge.hunt.outcomes import Refused
+from thbridge.hunt.refusals import RequestRefused
 from thbridge.hunt.rooms import Room
-from thbridge.roles.keeper.open_game import Book, Reason
-from thbridge.roles.view import Identify, Matter, SendRobot, Sense, TakePicture
+from thbridge.roles.keeper.open_game import KeeperReason, OpenGame
+from thbridge.roles.view import DialogueMatter, Identify, SendRobot, Sense, TakePicture
 from thbridge.wire import legacy
-from thbridge.wire.text import Message
+from thbridge.wire.text import TextMessage
 
 _WISHES: Mapping[type, str] = {
-    legacy.Goto: SendRobot.__name__,
+    legacy.GotoRoom: SendRobot.__name__,
     legacy.AskTreasure: Sense.__name__,
-    legacy.Snap: TakePicture.__name__,
-    legacy.Identify: Identify.__name__,
+    legacy.SnapTreasure: TakePicture.__name__,
+    legacy.NameTreasure: Identify.__name__,
 }
 
 
-def wish_in(message: Message) -> str | None:
+def request_kind(message: TextMessage) -> str | None:
     """The kind of the wish that a line of 2016 says; None when it says none."""
     return _WISHES.get(type(legacy.decode(message)))
 
 
-class Overhearing:
+class LegacyLines:
     """Hears one line after the other.
 
     Args:
         book: of the game.
     """
 
-    def __init__(self, book: Book) -> None:
+    def __init__(self, book: OpenGame) -> None:
         self._book = book
         # An identification whose verdict a Hider of 2016 has not told yet: the game's number, the room, the name.
         self._named: tuple[int, Room, str] | None = None
 
-    def hear(self, state: GameState, message: Message, *, needs_consent: bool) -> Message | None:
+    def handle(self, state: GameState, message: TextMessage, *, needs_consent: bool) -> TextMessage | None:
         """Take in a line that was forwarded.
 
         Args:
@@ -53,21 +53,21 @@ class Overhearing:
         """
         book = self._book
         match legacy.decode(message):
-            case legacy.Goto(robot, room) if message.receiver == legacy.SIMR:
+            case legacy.GotoRoom(robot, room) if message.receiver == legacy.SIMR:
                 self._send(state, robot, Room.of_wire(room), needs_consent)
-            case legacy.Arrived(robot, room) if message.sender == legacy.SIMR:
+            case legacy.RoomReached(robot, room) if message.sender == legacy.SIMR:
                 self._arrived(state, robot, Room.of_wire(room))
             case legacy.AskTreasure(room) if message.receiver == legacy.HIDER:
                 return self._sense(state, Room.of_wire(room))
-            case legacy.Snap(room) if message.receiver == legacy.HIDER:
+            case legacy.SnapTreasure(room) if message.receiver == legacy.HIDER:
                 return self._picture(state, Room.of_wire(room), needs_consent)
-            case legacy.Identify(room, name) if message.receiver == legacy.HIDER:
+            case legacy.NameTreasure(room, name) if message.receiver == legacy.HIDER:
                 return self._identify(state, Room.of_wire(room), name, needs_consent)
             case legacy.FoundTreasure(room, colour, footprint) if message.sender == legacy.HIDER:
                 self._if_told(state, lambda: rules.sense(state, Room.of_wire(room), (colour, footprint)))
-            case legacy.Image(room, filename) if message.sender == legacy.HIDER:
+            case legacy.TreasureImage(room, filename) if message.sender == legacy.HIDER:
                 self._if_told(state, lambda: rules.picture(state, Room.of_wire(room), filename))
-            case legacy.Score(points) if message.sender == legacy.HIDER and self._named is not None:
+            case legacy.PointsAwarded(points) if message.sender == legacy.HIDER and self._named is not None:
                 (number, place, name), self._named = self._named, None
                 if book.last_game == number:
                     self._if_told(state, lambda: rules.identify(state, place, name, points))
@@ -75,63 +75,71 @@ class Overhearing:
 
     def _send(self, state: GameState, robot: int, room: Room, needs_consent: bool) -> None:
         ruling = rules.move(state, robot, room)
-        if isinstance(ruling, tuple) and needs_consent and not self._book.talks.agreed(robot, "select-room", room):
+        if (
+            isinstance(ruling, tuple)
+            and needs_consent
+            and not self._book.dialogues.is_agreed(robot, "select-room", room)
+        ):
             name = rules.robot_name(robot)
-            ruling = Refused(Reason.NO_CONSENSUS, f"You have not agreed with {name} that it goes to {room}.")
-        if self._book.take(SendRobot.__name__, ruling):
-            self._book.talks.use(robot, "select-room")
+            ruling = RequestRefused(
+                KeeperReason.NO_CONSENSUS, f"You have not agreed with {name} that it goes to {room}."
+            )
+        if self._book.apply_ruling(SendRobot.__name__, ruling):
+            self._book.dialogues.use_consent(robot, "select-room")
 
     def _arrived(self, state: GameState, robot: int, room: Room) -> None:
         here = state.robots[robot] if state.has_robot(robot) else None
         # SimR says it again when it cannot know whether it was heard.
         if here is not None and (here.bound_for is not None or here.at != room):
-            self._book.take("Arrived", rules.arrive(state, robot, room))
+            self._book.apply_ruling("Arrived", rules.arrive(state, robot, room))
 
-    def _sense(self, state: GameState, room: Room) -> Message | None:
-        if state.treasures is None or not self._book.take(Sense.__name__, rules.sense(state, room)):
+    def _sense(self, state: GameState, room: Room) -> TextMessage | None:
+        if state.treasures is None or not self._book.apply_ruling(Sense.__name__, rules.sense(state, room)):
             return None
         treasure = state.treasure(room)
         if treasure is None:
             return None
         return legacy.FoundTreasure(room.wire, treasure.colour, treasure.footprint).message()
 
-    def _picture(self, state: GameState, room: Room, needs_consent: bool) -> Message | None:
+    def _picture(self, state: GameState, room: Room, needs_consent: bool) -> TextMessage | None:
         if state.treasures is None:
             return None
         ruling = rules.picture(state, room)
         # A picture that was taken is shown again without talking about it again.
         if needs_consent and state.has_room(room) and state.room(room).image is None:
             ruling = self._agreed(ruling, state, room, "take-picture")
-        if not self._book.take(TakePicture.__name__, ruling):
+        if not self._book.apply_ruling(TakePicture.__name__, ruling):
             return None
         treasure = state.treasure(room)
         if treasure is None or treasure.image is None:
             return None
-        return legacy.Image(room.wire, treasure.image).message()
+        return legacy.TreasureImage(room.wire, treasure.image).message()
 
-    def _identify(self, state: GameState, room: Room, name: str, needs_consent: bool) -> Message | None:
+    def _identify(self, state: GameState, room: Room, name: str, needs_consent: bool) -> TextMessage | None:
         if state.treasures is None:
             self._named = (self._book.last_game, room, name)
             return None
         decided = state.room(room).points if state.has_room(room) else None
         if decided is not None:
             # The answer got lost: the verdict stands, and is said again.
-            return legacy.Score(decided).message()
+            return legacy.PointsAwarded(decided).message()
         ruling = rules.identify(state, room, name)
         if needs_consent:
             ruling = self._agreed(ruling, state, room, "take-treasure")
-        if not self._book.take(Identify.__name__, ruling) or self._book.state is None:
+        if not self._book.apply_ruling(Identify.__name__, ruling) or self._book.state is None:
             return None
-        return legacy.Score(self._book.state.room(room).points or 0).message()
+        return legacy.PointsAwarded(self._book.state.room(room).points or 0).message()
 
-    def _agreed(self, ruling: rules.Ruling, state: GameState, room: Room, matter: Matter) -> rules.Ruling:
+    def _agreed(self, ruling: rules.Ruling, state: GameState, room: Room, matter: DialogueMatter) -> rules.Ruling:
         """The ruling, if robot and participant agreed on it; the agreement is used up."""
         robot = state.decider(room)
-        if isinstance(ruling, Refused) or robot is None:
+        if isinstance(ruling, RequestRefused) or robot is None:
             return ruling
-        if not self._book.talks.agreed(robot, matter, room):
-            return Refused(Reason.NO_CONSENSUS, f"You have not agreed on that with {rules.robot_name(robot)}.")
-        self._book.talks.use(robot, matter)
+        if not self._book.dialogues.is_agreed(robot, matter, room):
+            return RequestRefused(
+                KeeperReason.NO_CONSENSUS, f"You have not agreed on that with {rules.robot_name(robot)}."
+            )
+        self._book.dialogues.use_consent(robot, matter)
         return ruling
 
     def _if_told(self, state: GameState, rule: Callable[[], rules.Ruling]) -> None:
@@ -139,4 +147,4 @@ class Overhearing:
         if state.treasures is None:
             ruling = rule()
             if isinstance(ruling, tuple):
-                self._book.happen(ruling)
+                self._book.record(ruling)

@@ -7,15 +7,15 @@ from thbridge.dialogue.engine import Engine
 from thbridge.hunt import game, rules
 from thbridge.hunt.events import Arrived, AskedBack, Commanded, Departed, Event, Failed, Started
 from thbridge.hunt.game import GameState
-from thbridge.hunt.outcomes import Refused
+from thbridge.hunt.refusals import RequestRefused
 from thbridge.roles.failure_reasons import CALLED_BACK
-from thbridge.roles.keeper.dialogues import Talks
-from thbridge.roles.keeper.handback_requests import Pleas
-from thbridge.roles.notices import Order
+from thbridge.roles.keeper.dialogues import GameDialogues
+from thbridge.roles.keeper.handback_requests import HandbackRequests
+from thbridge.roles.notices import MoveOrder
 from thbridge.roles.view import RefusalView
 
 
-class Reason(StrEnum):
+class KeeperReason(StrEnum):
     """Why the keeper refuses what the rules would allow."""
 
     NO_CONSENSUS = "no-consensus"
@@ -26,7 +26,7 @@ class Reason(StrEnum):
     STOPPED = "stopped"
 
 
-class Book:
+class OpenGame:
     """Everything the keeper knows of the game; all changes are events and go through here.
 
     Args:
@@ -38,8 +38,8 @@ class Book:
         self._engine = engine
         self.last_game = last_game
         self.state: GameState | None = None
-        self.talks = Talks(engine(last_game))
-        self.pleas = Pleas()
+        self.dialogues = GameDialogues(engine(last_game))
+        self.handback_requests = HandbackRequests()
         self.refusal: RefusalView | None = None
         self._refusals = 0
         # The number of each robot's latest move in this game, and how many moves there were.
@@ -50,28 +50,28 @@ class Book:
         self._recalled: set[int] = set()
         self._events: list[Event] = []
 
-    def read(self, history: Iterable[Event]) -> None:
+    def restore(self, history: Iterable[Event]) -> None:
         """Take in the events of a game that was cut off; they are not decided anew."""
         for event in history:
             self._apply(event)
 
-    def happen(self, events: Sequence[Event]) -> None:
+    def record(self, events: Sequence[Event]) -> None:
         """These events are decided."""
         for event in events:
             self._apply(event)
             self._events.append(event)
         if events and self.state is not None:
-            self.talks.drop_stale(self.state)
+            self.dialogues.drop_stale(self.state)
 
-    def take(self, request: str, ruling: rules.Ruling) -> bool:
+    def apply_ruling(self, request: str, ruling: rules.Ruling) -> bool:
         """Let happen what the rules allow; remember what they refuse. Whether it was allowed."""
-        if isinstance(ruling, Refused):
+        if isinstance(ruling, RequestRefused):
             self.refuse(request, ruling)
             return False
-        self.happen(ruling)
+        self.record(ruling)
         return True
 
-    def refuse(self, request: str, refused: Refused) -> None:
+    def refuse(self, request: str, refused: RequestRefused) -> None:
         """Remember that a wish was not granted, and why."""
         self._refusals += 1
         self.refusal = RefusalView(self._refusals, request, refused.reason, refused.sentence)
@@ -79,7 +79,7 @@ class Book:
     def recall(self, robot: int) -> None:
         """A robot under way shall stop; its move ends when SimR reports how far it came, or now if it never set out."""
         if self.state is not None and self._ordered[robot] != self._moves[robot]:
-            self.take("Failed", rules.fail(self.state, robot, CALLED_BACK, 0.0))
+            self.apply_ruling("Failed", rules.fail(self.state, robot, CALLED_BACK, 0.0))
         else:
             self._recalled.add(robot)
 
@@ -87,7 +87,7 @@ class Book:
         """Whether a robot under way was told to stop."""
         return robot in self._recalled
 
-    def is_under(self, robot: int, move: int) -> bool:
+    def is_executing(self, robot: int, move: int) -> bool:
         """Whether a robot is under way by the move of this number."""
         return (
             self.state is not None
@@ -96,13 +96,13 @@ class Book:
             and self._moves[robot] == move
         )
 
-    def orders(self, state: GameState) -> tuple[Order | None, ...]:
+    def orders(self, state: GameState) -> tuple[MoveOrder | None, ...]:
         """What each robot shall do; they are told of it now."""
         self._ordered = list(self._moves)
         return tuple(
             None
             if robot.bound_for is None or number in self._recalled
-            else Order(self._moves[number], robot.bound_for.people)
+            else MoveOrder(self._moves[number], robot.bound_for.people)
             for number, robot in enumerate(state.robots)
         )
 
@@ -116,8 +116,8 @@ class Book:
         if isinstance(event, Started):
             self.state = game.begin(event)
             self.last_game = event.game
-            self.talks = Talks(self._engine(event.game), self.talks.puppets)
-            self.pleas.forget_all()
+            self.dialogues = GameDialogues(self._engine(event.game), self.dialogues.puppets)
+            self.handback_requests.clear()
             self.refusal = None
             self._moves, self._ordered = [0] * event.robots, [0] * event.robots
             self._departures = 0
@@ -128,8 +128,8 @@ class Book:
             self._departures += 1
             self._moves[event.robot] = self._departures
         if isinstance(event, AskedBack):
-            self.pleas.told(event.robot)
+            self.handback_requests.add(event.robot)
         if isinstance(event, Commanded):
-            self.pleas.forget(event.robot)
+            self.handback_requests.forget(event.robot)
         if isinstance(event, Arrived | Failed):
             self._recalled.discard(event.robot)

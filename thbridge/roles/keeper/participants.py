@@ -6,18 +6,18 @@ from collections.abc import Iterator
 
 from sim.common.observations import TICKS_PER_SECOND
 from thbridge.roles.keeper.briefing import Briefing
-from thbridge.roles.notices import Picture, tell
+from thbridge.roles.notices import Picture, encode_notice
 from thbridge.roles.view import View
 from thbridge.wire.notice import notice
-from thbridge.wire.text import Message
+from thbridge.wire.text import TextMessage
 
-PIECE = 30_000
+PIECE_SIZE = 30_000
 """Bytes of a picture in one line; in base 64 they are 40000."""
 PIECE_PERIOD = TICKS_PER_SECOND // 12
 """Ticks from one piece to the next: a large picture must not be what a slow connection is cut off for."""
 
 
-class Audience:
+class Participants:
     """Knows who is there, and tells each what changed, and newcomers everything.
 
     Args:
@@ -44,7 +44,7 @@ class Audience:
         """Whether nobody is there."""
         return not self._members
 
-    def join(self, name: str, map_name: str | None) -> list[Message]:
+    def join(self, name: str, map_name: str | None) -> list[TextMessage]:
         """Somebody is there, perhaps again: what is to be told at once.
 
         Args:
@@ -54,13 +54,13 @@ class Audience:
         self._members[name] = None
         self._newcomers[name] = None
         self._pieces = deque(piece for piece in self._pieces if piece[0] != name)
-        house = self._briefing.house
+        house = self._briefing.floor_plan
         # Robots may have been started on another map than the server's; a wrong one is worse than none.
         if house is None or map_name not in {None, house.map}:
             return []
-        return [tell(self._sender, name, house)]
+        return [encode_notice(self._sender, name, house)]
 
-    def show(self, view: View) -> list[Message]:
+    def show(self, view: View) -> list[TextMessage]:
         """The view for those who do not have it; pictures that it names follow by and by (`pieces`)."""
         self._queue_pictures(view)
         listeners = self._newcomers if view == self._shown else self._members
@@ -69,13 +69,13 @@ class Audience:
         self._newcomers = {}
         return said
 
-    def pieces(self, tick: int) -> list[Message]:
+    def pieces(self, tick: int) -> list[TextMessage]:
         """The next piece of a picture, if one is due."""
         if not self._pieces or tick < self._next_piece:
             return []
         self._next_piece = tick + PIECE_PERIOD
         name, piece = self._pieces.popleft()
-        return [tell(self._sender, name, piece)]
+        return [encode_notice(self._sender, name, piece)]
 
     def _queue_pictures(self, view: View) -> None:
         if self._shown is not None and self._shown.game != view.game:
@@ -92,7 +92,7 @@ class Audience:
 
 def _pieces(game: int, room: int, image: bytes) -> Iterator[Picture]:
     """A picture taken apart."""
-    starts = range(0, len(image), PIECE)
+    starts = range(0, len(image), PIECE_SIZE)
     for number, start in enumerate(starts):
-        data = base64.b64encode(image[start : start + PIECE]).decode("ascii")
+        data = base64.b64encode(image[start : start + PIECE_SIZE]).decode("ascii")
         yield Picture(game, room, number, len(starts), data)

@@ -4,10 +4,10 @@ from typing import TypeAlias
 
 from thbridge.hunt import rules
 from thbridge.hunt.events import Commanded, Commander
-from thbridge.hunt.game import Command, GameState
-from thbridge.hunt.outcomes import Refused
+from thbridge.hunt.game import CommandHolder, GameState
+from thbridge.hunt.refusals import RequestRefused
 from thbridge.hunt.rooms import Room
-from thbridge.roles.keeper.open_game import Book, Reason
+from thbridge.roles.keeper.open_game import KeeperReason, OpenGame
 from thbridge.roles.robot_requests import (
     CallBackFor,
     CommandRequest,
@@ -23,7 +23,9 @@ from thbridge.roles.view import SendRobot
 _Judged: TypeAlias = TakeCommand | ReleaseCommand | SendFor | PictureFor | IdentifyFor | LeaveFor
 
 
-def serve(book: Book, state: GameState, request: CommandRequest, *, awaits_treasures: bool) -> None:
+def handle_station_request(
+    book: OpenGame, state: GameState, request: CommandRequest, *, awaits_treasures: bool
+) -> None:
     """Do what a ground station asks; what the rules refuse is left, and the participant is not bothered with it.
 
     Args:
@@ -41,10 +43,10 @@ def serve(book: Book, state: GameState, request: CommandRequest, *, awaits_treas
         case _:
             ruling = _ruling(state, request)
             if isinstance(ruling, tuple):
-                book.happen(ruling)
+                book.record(ruling)
 
 
-def look_around(book: Book, state: GameState) -> None:
+def sense_for_stations(book: OpenGame, state: GameState) -> None:
     """Let robots that a ground station commands tell what they see where they arrived: no wish asks them to.
 
     A Hider of 2016 keeps the treasures to itself: then there is nothing to tell.
@@ -54,10 +56,10 @@ def look_around(book: Book, state: GameState) -> None:
         if held and robot.bound_for is None and not robot.at.is_corridor and state.treasures is not None:
             seen = rules.sense(state, robot.at)
             if isinstance(seen, tuple):
-                book.happen(seen)
+                book.record(seen)
 
 
-def handed_on(former: GameState, robots: int) -> tuple[Commanded, ...]:
+def kept_commands(former: GameState, robots: int) -> tuple[Commanded, ...]:
     """What makes ground stations command the same robots in another game, of so many robots."""
     return tuple(
         Commanded(number, robot.holder.by, robot.holder.name)
@@ -66,32 +68,32 @@ def handed_on(former: GameState, robots: int) -> tuple[Commanded, ...]:
     )
 
 
-def give_back(book: Book) -> None:
+def return_robots(book: OpenGame) -> None:
     """Give all robots to the participant: after a restart nobody is there any more who commanded them."""
     robots = () if book.state is None else book.state.robots
-    book.happen(
+    book.record(
         tuple(
             Commanded(number, Commander.PARTICIPANT, "")
             for number, robot in enumerate(robots)
-            if robot.command != Command()
+            if robot.command != CommandHolder()
         )
     )
 
 
-def _stop(book: Book, state: GameState, robot: int) -> None:
+def _stop(book: OpenGame, state: GameState, robot: int) -> None:
     """Call a robot back, once; whose robot it is, if it is the participant's, has to know who did that."""
     if not book.is_recalled(robot) and state.robots[robot].command.by is Commander.PARTICIPANT:
         sentence = f"A ground station has stopped {rules.robot_name(robot)}."
-        book.refuse(SendRobot.__name__, Refused(Reason.STOPPED, sentence))
+        book.refuse(SendRobot.__name__, RequestRefused(KeeperReason.STOPPED, sentence))
     book.recall(robot)
 
 
 def _ruling(state: GameState, request: _Judged) -> rules.Ruling:
     match request:
         case TakeCommand(robot, name):
-            return rules.command(state, robot, Command(Commander.GROUND_STATION, name))
+            return rules.command(state, robot, CommandHolder(Commander.GROUND_STATION, name))
         case ReleaseCommand(robot):
-            return rules.command(state, robot, Command())
+            return rules.command(state, robot, CommandHolder())
         case SendFor(robot, room):
             return rules.move(state, robot, Room(max(room, 0)), Commander.GROUND_STATION)
         case PictureFor() | IdentifyFor() | LeaveFor():
@@ -100,7 +102,7 @@ def _ruling(state: GameState, request: _Judged) -> rules.Ruling:
 
 def _about_treasure(state: GameState, request: PictureFor | IdentifyFor | LeaveFor) -> rules.Ruling:
     if not state.has_robot(request.robot):
-        return Refused(rules.Reason.UNKNOWN_ROBOT, f"There is no {rules.robot_name(request.robot)}.")
+        return RequestRefused(rules.RuleReason.UNKNOWN_ROBOT, f"There is no {rules.robot_name(request.robot)}.")
     refused = rules.commanded_by_other(state, request.robot, Commander.GROUND_STATION)
     if refused is not None:
         return refused

@@ -10,11 +10,11 @@ import msgspec
 
 from thbridge.hunt import rules
 from thbridge.hunt.game import GameState
-from thbridge.hunt.outcomes import Refused
+from thbridge.hunt.refusals import RequestRefused
 from thbridge.hunt.rooms import Room
 from thbridge.roles.keeper.dialogues import HeldTurn
-from thbridge.roles.keeper.open_game import Book
-from thbridge.roles.keeper.participant_requests import advise, say_where_to_go, tour_of
+from thbridge.roles.keeper.open_game import OpenGame
+from thbridge.roles.keeper.participant_requests import open_suggestion, suggest_or_await, suggested_room
 from thbridge.roles.robot_requests import AdviseFor, Puppeteer, SpeakFor, WizardRequest
 
 
@@ -34,7 +34,7 @@ class HeldAdvice:
 
 
 @dataclass(frozen=True, slots=True)
-class Held:
+class WizardState:
     """For which robots a person speaks, and what waits for that person."""
 
     puppets: tuple[int, ...] = ()
@@ -46,42 +46,42 @@ class Held:
         return msgspec.json.encode(self).decode()
 
 
-def held_in(book: Book, state: GameState | None) -> Held:
+def wizard_state(book: OpenGame, state: GameState | None) -> WizardState:
     """What waits in this game."""
-    talks = book.talks
+    talks = book.dialogues
     advice = () if state is None else tuple(_advice(book, state, robot) for robot in talks.asked_for_advice)
-    return Held(tuple(sorted(talks.puppets)), talks.held_turns(), advice)
+    return WizardState(tuple(sorted(talks.puppets)), talks.held_turns(), advice)
 
 
-def obey(book: Book, state: GameState | None, request: WizardRequest) -> None:
+def handle_wizard_request(book: OpenGame, state: GameState | None, request: WizardRequest) -> None:
     """Do what is asked in a robot's place; what is not waited for any more changes nothing."""
     match request:
         case Puppeteer(robot, True):
-            book.talks.hold(robot)
+            book.dialogues.hold(robot)
         case Puppeteer(robot):
-            asked = robot in book.talks.asked_for_advice
-            book.talks.release(robot)
+            asked = robot in book.dialogues.asked_for_advice
+            book.dialogues.release(robot)
             if asked and state is not None:
-                say_where_to_go(book, state, robot)
+                suggest_or_await(book, state, robot)
         case SpeakFor(dialogue, turn, move, text):
-            book.talks.speak_for(dialogue, turn, move, text)
+            book.dialogues.speak_for(dialogue, turn, move, text)
         case AdviseFor(robot, number):
-            waits = state is not None and robot in book.talks.asked_for_advice
+            waits = state is not None and robot in book.dialogues.asked_for_advice
             if state is not None and waits and Room(max(number, 0)) in _rooms(book, state, robot):
-                advise(book, state, robot, Room(number))
+                open_suggestion(book, state, robot, Room(number))
 
 
-def _advice(book: Book, state: GameState, robot: int) -> HeldAdvice:
+def _advice(book: OpenGame, state: GameState, robot: int) -> HeldAdvice:
     at = state.robots[robot].at
     costs = tuple((room.people, state.started.costs.cost(at, room)) for room in _rooms(book, state, robot))
-    own = tour_of(book, state, robot)
-    return HeldAdvice(robot, costs, None if isinstance(own, Refused) else own.people)
+    own = suggested_room(book, state, robot)
+    return HeldAdvice(robot, costs, None if isinstance(own, RequestRefused) else own.people)
 
 
-def _rooms(book: Book, state: GameState, robot: int) -> list[Room]:
+def _rooms(book: OpenGame, state: GameState, robot: int) -> list[Room]:
     """Where a robot may be advised to go."""
     return [
         room
         for room in state.free_rooms
-        if isinstance(rules.move(state, robot, room), tuple) and book.talks.spoken_for(room, robot) is None
+        if isinstance(rules.move(state, robot, room), tuple) and book.dialogues.other_candidate(room, robot) is None
     ]

@@ -4,38 +4,38 @@ from collections.abc import Sequence
 from dataclasses import dataclass, replace
 
 from sim.common.observations import TICKS_PER_SECOND
-from sim.parameters.reconfiguration import Rejected
+from sim.parameters.reconfiguration import ParameterRejection
 from sim.team import Configure, Disturb, Drive, Go, Halt, Localize, PutThing, RemoveThing, TeamInput, TeamSnapshot
 from thbridge.roles.robot_requests import ParameterValue, RobotRequest, SetParameters, Tuning
-from thbridge.roles.simr.team import Robots
+from thbridge.roles.simr.team import RobotTeam
 from thbridge.ros.actionlib import ActionRequest, MoveBaseServer
 from thbridge.ros.messages.records import CancelRequest, GoalRequest, InitialPose, SimpleGoal, VelocityCommand
 
-HAND_TICKS = TICKS_PER_SECOND // 2
+MANUAL_DRIVE_TICKS = TICKS_PER_SECOND // 2
 """Ticks that one command of somebody who drives by hand lasts; then the base stops, as real ones do."""
 
 
 @dataclass(frozen=True, slots=True)
-class _Hand:
+class _ManualDrive:
     """Somebody drives a robot by hand for so many more ticks; a researcher of this name, or None."""
 
     ticks: int
     researcher: str | None
 
 
-class Controls:
+class RobotControls:
     """Takes requests between two ticks of a team, and turns them into its inputs for the next.
 
     Args:
         robots: somebody else steps them.
     """
 
-    def __init__(self, robots: Robots) -> None:
+    def __init__(self, robots: RobotTeam) -> None:
         self._robots = robots
         self._servers = tuple(MoveBaseServer(robot) for robot in range(robots.size))
         self._actions: list[ActionRequest] = []
         self._inputs: list[TeamInput] = []
-        self._by_hand: dict[int, _Hand] = {}
+        self._by_hand: dict[int, _ManualDrive] = {}
         # Researchers by robot and number of the goal that they have set.
         self._goals: dict[tuple[int, int], str] = {}
         self._researchers: tuple[str | None, ...] = (None,) * robots.size
@@ -59,7 +59,7 @@ class Controls:
             case GoalRequest() | SimpleGoal() | CancelRequest():
                 self._actions.append(request)
             case VelocityCommand(robot, twist):
-                self._take(Drive(robot, twist, HAND_TICKS), researcher)
+                self._take(Drive(robot, twist, MANUAL_DRIVE_TICKS), researcher)
             case InitialPose(robot, base_in_map, covariance):
                 self._take(Localize(robot, base_in_map, covariance))
             case SetParameters(robot, values):
@@ -102,7 +102,7 @@ class Controls:
     def _take(self, item: TeamInput, researcher: str | None = None) -> None:
         match item:
             case Drive(robot, _, ticks):
-                self._by_hand[robot] = _Hand(ticks, researcher)
+                self._by_hand[robot] = _ManualDrive(ticks, researcher)
             case Go(robot) | Halt(robot):
                 self._by_hand.pop(robot, None)
         self._inputs.append(item)
@@ -128,7 +128,7 @@ class Controls:
         if before is None:
             return
         after = before.changed(values)
-        if isinstance(after, Rejected):
+        if isinstance(after, ParameterRejection):
             return
         if after.software != before.software:
             self._take(Configure(robot, after.software))

@@ -6,7 +6,7 @@ from numpy.typing import NDArray
 from sim.common.geometry import FloatArray
 
 
-def enough(points: FloatArray, tolerance: float) -> NDArray[np.bool_]:
+def needed_points(points: FloatArray, tolerance: float) -> NDArray[np.bool_]:
     """Which of a line's points are enough to draw it.
 
     Args:

@@ -15,24 +15,24 @@ from sim.common.observations import TICKS_PER_SECOND
 from sim.robot.software import RobotOutput
 from sim.team import TeamSnapshot
 from thbridge.hunt.events import Condition
-from thbridge.roles.notices import Doing, Ellipse, Level, Motion, Ways, Whereabouts, tell
-from thbridge.roles.simr.polyline import enough
-from thbridge.wire.text import Message
+from thbridge.roles.notices import Activity, Ellipse, RobotMotion, StateNotice, Ways, Whereabouts, encode_notice
+from thbridge.roles.simr.polyline import needed_points
+from thbridge.wire.text import TextMessage
 
-WHEREABOUTS_PERIOD = TICKS_PER_SECOND // 25
+POSE_PERIOD = TICKS_PER_SECOND // 25
 """Ticks from one word about the robots' whereabouts to the next."""
-WAYS_PERIOD = TICKS_PER_SECOND // 10
+PATH_PERIOD = TICKS_PER_SECOND // 10
 """Ticks from one word about the ways that lie ahead of them to the next, if they change."""
-SUBSCRIPTION = 60 * TICKS_PER_SECOND
+SUBSCRIPTION_TICKS = 60 * TICKS_PER_SECOND
 """Ticks a subscription lasts unless it is renewed: long enough for windows that renew it in real time, where the
 simulation runs many times as fast."""
 
-OFF_THE_WAY = 0.01
+PATH_TOLERANCE = 0.01
 """Metres by which points left out may be off a way. It may be twice as much where the robot is, that is not quite on it
 either; with the rounding to centimetres a way that is told is off by less than 0.03 m."""
-MOST_POINTS = 2000
+MOST_PATH_POINTS = 2000
 """Of all ways in one line."""
-NINETY_FIVE_PERCENT = 5.991
+CHI_SQUARE_95 = 5.991
 """Of a normal distribution in the plane lie within this squared Mahalanobis distance (chi-square, 2 dof)."""
 
 Triple = tuple[float, float, float]
@@ -40,7 +40,7 @@ Line = tuple[tuple[float, float], ...]
 
 
 @dataclass(frozen=True, slots=True)
-class Shows:
+class TelemetryOptions:
     """What a study shows of robots, beside where they believe they are and what they do.
 
     Attributes:
@@ -49,12 +49,12 @@ class Shows:
         truth: where they really are.
     """
 
-    way: bool = True
+    path: bool = True
     uncertainty: bool = False
     truth: bool = False
 
 
-class Bulletin:
+class TelemetryPublisher:
     """Knows who wants to be told, and what they were told last.
 
     Args:
@@ -62,7 +62,7 @@ class Bulletin:
         shows: what they may know.
     """
 
-    def __init__(self, sender: str, shows: Shows) -> None:
+    def __init__(self, sender: str, shows: TelemetryOptions) -> None:
         self._sender = sender
         self._shows = shows
         self._until: dict[str, int] = {}
@@ -72,17 +72,17 @@ class Bulletin:
 
     def subscribe(self, name: str, tick: int) -> None:
         """Somebody wants to be told from now on, or goes on wanting it."""
-        self._until[name] = tick + SUBSCRIPTION
-        if self._shows.way:
+        self._until[name] = tick + SUBSCRIPTION_TICKS
+        if self._shows.path:
             self._newcomers[name] = None
 
-    def told(
+    def messages(
         self,
         tick: int,
         snapshot: TeamSnapshot,
         conditions: Sequence[Condition],
         progress: Mapping[int, float],
-    ) -> list[Message]:
+    ) -> list[TextMessage]:
         """What there is to say in this tick.
 
         Args:
@@ -92,26 +92,26 @@ class Bulletin:
             progress: share of its way that is driven, of each robot that is under way.
         """
         self._until = {name: until for name, until in self._until.items() if until > tick}
-        said: list[Message] = []
+        said: list[TextMessage] = []
         if not self._until:
             return said
-        if tick % WHEREABOUTS_PERIOD == 0:
+        if tick % POSE_PERIOD == 0:
             said += self._tell(self._whereabouts(snapshot, conditions, progress), self._until)
-        if tick % WAYS_PERIOD == 0 and self._shows.way:
+        if tick % PATH_PERIOD == 0 and self._shows.path:
             before, self._ways = self._ways, self._ahead(snapshot, conditions)
             listeners = self._newcomers if self._ways == before else self._until
             said += self._tell(Ways(snapshot.tick, self._ways), listeners)
             self._newcomers.clear()
         return said
 
-    def _tell(self, value: Level, names: Mapping[str, object]) -> list[Message]:
-        return [tell(self._sender, name, value) for name in names]
+    def _tell(self, value: StateNotice, names: Mapping[str, object]) -> list[TextMessage]:
+        return [encode_notice(self._sender, name, value) for name in names]
 
     def _ahead(self, snapshot: TeamSnapshot, conditions: Sequence[Condition]) -> tuple[Line, ...]:
         """The way ahead of each robot that answers."""
         count = len(snapshot.robots)
         if len(self._plans) != count:
-            self._plans = tuple(_Plan(max(2, MOST_POINTS // count)) for _ in range(count))
+            self._plans = tuple(_Plan(max(2, MOST_PATH_POINTS // count)) for _ in range(count))
         return tuple(
             () if condition is Condition.SILENT else plan.ahead(output)
             for plan, output, condition in zip(self._plans, snapshot.robots, conditions, strict=True)
@@ -140,14 +140,14 @@ def ellipse_of(covariance: FloatArray) -> Ellipse:
     """Where 95 % of a belief of this (2 or more, 2 or more) covariance lie; of a pose, its place. In m^2."""
     (xx, xy), (_, yy) = covariance[:2, :2].tolist()
     mean, spread = 0.5 * (xx + yy), math.hypot(0.5 * (xx - yy), xy)
-    major, minor = (math.sqrt(NINETY_FIVE_PERCENT * max(0.0, variance)) for variance in (mean + spread, mean - spread))
+    major, minor = (math.sqrt(CHI_SQUARE_95 * max(0.0, variance)) for variance in (mean + spread, mean - spread))
     return Ellipse(_milli(major), _milli(minor), _milli(0.5 * math.atan2(2.0 * xy, xx - yy)))
 
 
-def _motion(output: RobotOutput, condition: Condition, progress: float) -> Motion:
+def _motion(output: RobotOutput, condition: Condition, progress: float) -> RobotMotion:
     navigation = output.navigation
     waits_for = None if condition is Condition.SILENT else navigation.waits_for
-    doing: Doing
+    doing: Activity
     match navigation.state:
         case _ if condition is Condition.SILENT:
             doing = "silent"
@@ -161,7 +161,7 @@ def _motion(output: RobotOutput, condition: Condition, progress: float) -> Motio
             doing = "driving"
         case "idle":
             doing = "resting"
-    return Motion(doing, waits_for, _milli(progress), _milli(navigation.remaining))
+    return RobotMotion(doing, waits_for, _milli(progress), _milli(navigation.remaining))
 
 
 class _Plan:
@@ -191,8 +191,8 @@ class _Plan:
         return tuple((round(x, 2), round(y, 2)) for x, y in few)
 
     def _few(self, points: FloatArray) -> NDArray[np.bool_]:
-        tolerance = OFF_THE_WAY
-        while (kept := enough(points, tolerance)).sum() > self._most:
+        tolerance = PATH_TOLERANCE
+        while (kept := needed_points(points, tolerance)).sum() > self._most:
             tolerance *= 2.0
         return kept
 

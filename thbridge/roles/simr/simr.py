@@ -6,44 +6,55 @@ from dataclasses import dataclass, replace
 
 from sim.common.geometry import Pose2
 from sim.common.observations import TICKS_PER_SECOND, Twist
-from sim.robot.navigator import Arrived, Goal, NoPath
+from sim.robot.navigator import Goal, GoalReached, NoPath
 from sim.robot.software import RobotOutput
 from sim.team import Drive, Go, Halt, Place, SetCharge, TeamInput, TeamSnapshot
 from thbridge.hunt.events import Condition
 from thbridge.hunt.rooms import Room
 from thbridge.roles import failure_reasons as reasons
-from thbridge.roles.notices import KEEPER, MoveResult, Order, Orders, RobotsReady, Status, Subscribe, Unfit, heard, tell
+from thbridge.roles.notices import (
+    KEEPER,
+    MoveOrder,
+    MoveResult,
+    Orders,
+    RobotsReady,
+    Status,
+    Subscribe,
+    Unfit,
+    decode_notice,
+    encode_notice,
+)
 from thbridge.roles.robot_requests import RobotRequest, Tuning
-from thbridge.roles.simr.controls import HAND_TICKS, Controls
-from thbridge.roles.simr.pose_telemetry import Bulletin, Shows
-from thbridge.roles.simr.team import Robots
+from thbridge.roles.simr.controls import MANUAL_DRIVE_TICKS, RobotControls
+from thbridge.roles.simr.pose_telemetry import TelemetryOptions, TelemetryPublisher
+from thbridge.roles.simr.team import RobotTeam
 from thbridge.wire import canonical, legacy
-from thbridge.wire.canonical import Dialect, GotoPoint, Move, Where, decode_goto
+from thbridge.wire.canonical import Dialect, GotoPoint, MoveByHand, PoseQuery, decode_goto
 from thbridge.wire.notice import Notice, parse_notice
-from thbridge.wire.text import Command, Message
+from thbridge.wire.text import TextCommand, TextMessage
 
 STATUS_PERIOD = TICKS_PER_SECOND
 """Ticks from one status to the next; one is also sent whenever a move ends."""
 
-PATIENCE = TICKS_PER_SECOND
+KEEPER_TIMEOUT = TICKS_PER_SECOND
 """Ticks that a `%%goto` waits for a keeper; when none was ever heard, it is obeyed as in 2016."""
 
-SILENCE = 5 * TICKS_PER_SECOND
+RESPONSE_TIMEOUT = 5 * TICKS_PER_SECOND
 """What `SimR` takes for silence, unless it is told otherwise, ticks."""
 
-HAND_SPEEDS = {
-    canonical.Drive.FORWARD: (1.0, 0.0),
-    canonical.Drive.BACKWARD: (-1.0, 0.0),
-    canonical.Drive.WIDE_CLOCKWISE: (1.0, -1.0),
-    canonical.Drive.WIDE_ANTICLOCKWISE: (1.0, 1.0),
-    canonical.Drive.TURN_CLOCKWISE: (0.0, -1.0),
-    canonical.Drive.TURN_ANTICLOCKWISE: (0.0, 1.0),
+MANUAL_SPEEDS = {
+    canonical.MoveDirection.FORWARD: (1.0, 0.0),
+    canonical.MoveDirection.BACKWARD: (-1.0, 0.0),
+    canonical.MoveDirection.WIDE_CLOCKWISE: (1.0, -1.0),
+    canonical.MoveDirection.WIDE_ANTICLOCKWISE: (1.0, 1.0),
+    canonical.MoveDirection.TURN_CLOCKWISE: (0.0, -1.0),
+    canonical.MoveDirection.TURN_ANTICLOCKWISE: (0.0, 1.0),
 }
 """Shares of forward speed and rate of turn, at full intensity 0.5 m/s and 1 rad/s."""
 
 
 @dataclass(frozen=True, slots=True)
-class Field:
+class GameMap:
     """Where robots may be sent: the map as SimR needs it.
 
     Attributes:
@@ -60,10 +71,10 @@ class Field:
 
 
 @dataclass(frozen=True, slots=True)
-class _Way:
+class _Move:
     """A move under way. `length` is the longest plan it has had, metres; 0 until there is one."""
 
-    order: Order
+    order: MoveOrder
     recalled: bool = False
     length: float = 0.0
     remaining: float = 0.0
@@ -90,30 +101,30 @@ class SimR:
 
     def __init__(
         self,
-        robots: Robots,
-        field: Field,
+        robots: RobotTeam,
+        game_map: GameMap,
         dialect: Dialect = Dialect.LEGACY_2016,
-        silence: int = SILENCE,
-        shows: Shows | None = None,
+        response_timeout: int = RESPONSE_TIMEOUT,
+        telemetry: TelemetryOptions | None = None,
     ) -> None:
         self._team = robots
-        self._controls = Controls(robots)
-        self._field = field
+        self._controls = RobotControls(robots)
+        self._field = game_map
         self._dialect = dialect
-        self._silence = silence
+        self._silence = response_timeout
         self._introduce = False
         self._snapshot: TeamSnapshot | None = None
         self._inputs: list[TeamInput] = []
-        self._ways: dict[int, _Way] = {}
+        self._ways: dict[int, _Move] = {}
         self._results: list[MoveResult | None] = [None] * robots.size
         self._conditions = (Condition.WELL,) * robots.size
         self._researchers: tuple[str | None, ...] = (None,) * robots.size
         self._taken: tuple[int, ...] = ()
         self._obeyed = [0] * robots.size
         self._game = 0
-        self._waiting: list[tuple[int, legacy.Goto]] = []
+        self._waiting: list[tuple[int, legacy.GotoRoom]] = []
         self._without_keeper = 0
-        self._bulletin = Bulletin(self.name, shows or Shows())
+        self._bulletin = TelemetryPublisher(self.name, telemetry or TelemetryOptions())
         self._unfit: str | None = None
 
     @property
@@ -122,7 +133,7 @@ class SimR:
         return self._snapshot
 
     @property
-    def unfit(self) -> str | None:
+    def rejection(self) -> str | None:
         """Why the keeper does not take these robots into its game; None when it does."""
         return self._unfit
 
@@ -143,14 +154,16 @@ class SimR:
         """What can be changed of a robot; see `Controls.tuning`."""
         return self._controls.tuning(robot)
 
-    def step(self, tick: int, messages: Sequence[Message]) -> list[Message]:
+    def step(self, tick: int, messages: Sequence[TextMessage]) -> list[TextMessage]:
         """One tick of the role and of the team; see `Role`."""
-        said: list[Message] = []
+        said: list[TextMessage] = []
         # What robots had forgotten comes first: what is asked of them is newer, and what is ordered now even more so.
         resumed, self._inputs = self._inputs, []
         if self._introduce:
             self._introduce = False
-            said.append(tell(self.name, KEEPER, RobotsReady(self._field.name, self._team.size, self._field.costs)))
+            said.append(
+                encode_notice(self.name, KEEPER, RobotsReady(self._field.name, self._team.size, self._field.costs))
+            )
         for message in messages:
             said += self._hear(tick, message)
         self._obey_unjudged(tick)
@@ -163,46 +176,46 @@ class SimR:
         self._conditions, self._researchers = self._conditions_in(self._snapshot), self._controls.researchers
         changed = before != (self._conditions, self._researchers, tuple(self._results))
         if changed or tick % STATUS_PERIOD == 0:
-            said.append(tell(self.name, KEEPER, self._status(self._snapshot)))
+            said.append(encode_notice(self.name, KEEPER, self._status(self._snapshot)))
         progress = {robot: way.share() for robot, way in self._ways.items()}
-        return said + self._bulletin.told(tick, self._snapshot, self._conditions, progress)
+        return said + self._bulletin.messages(tick, self._snapshot, self._conditions, progress)
 
     # What is said to SimR
 
-    def _hear(self, tick: int, message: Message) -> list[Message]:
+    def _hear(self, tick: int, message: TextMessage) -> list[TextMessage]:
         match message.command:
-            case Command.ERROR:
+            case TextCommand.ERROR:
                 notice = parse_notice(message)
                 if isinstance(notice, Notice):
                     self._heed(tick, notice)
-            case Command.GOTO:
+            case TextCommand.GOTO:
                 goto = decode_goto(message, self._dialect, len(self._field.goals))
-                if isinstance(goto, legacy.Goto) and goto.robot < self._team.size:
+                if isinstance(goto, legacy.GotoRoom) and goto.robot < self._team.size:
                     self._waiting.append((tick, goto))
                 elif isinstance(goto, GotoPoint) and self._is_free(goto.robot):
                     self._go_to_point(goto)
-            case Command.WHERE:
+            case TextCommand.WHERE:
                 where = canonical.decode(message)
-                if isinstance(where, Where) and 0 <= where.robot < self._team.size and self._snapshot is not None:
+                if isinstance(where, PoseQuery) and 0 <= where.robot < self._team.size and self._snapshot is not None:
                     pose = self._snapshot.robots[where.robot].estimate.base_in_map
-                    answer = canonical.Pose(where.robot, pose.x, pose.y, pose.theta)
+                    answer = canonical.PoseReport(where.robot, pose.x, pose.y, pose.theta)
                     return [canonical.encode(answer, self.name, message.sender)]
-            case Command.MOVE:
+            case TextCommand.MOVE:
                 move = canonical.decode(message)
-                if isinstance(move, Move) and self._is_free(move.robot):
-                    linear, angular = HAND_SPEEDS[move.drive]
+                if isinstance(move, MoveByHand) and self._is_free(move.robot):
+                    linear, angular = MANUAL_SPEEDS[move.drive]
                     share = move.intensity / 5.0
                     twist = Twist(0.5 * share * linear, share * angular)
-                    self._inputs.append(Drive(move.robot, twist, HAND_TICKS))
+                    self._inputs.append(Drive(move.robot, twist, MANUAL_DRIVE_TICKS))
         return []
 
     def _heed(self, tick: int, notice: Notice) -> None:
-        if (orders := heard(notice, Orders)) is not None:
+        if (orders := decode_notice(notice, Orders)) is not None:
             if self._can_follow(orders):
                 self._follow(orders)
-        elif heard(notice, Subscribe) is not None:
+        elif decode_notice(notice, Subscribe) is not None:
             self._bulletin.subscribe(notice.sender, tick)
-        elif (unfit := heard(notice, Unfit)) is not None:
+        elif (unfit := decode_notice(notice, Unfit)) is not None:
             self._unfit = unfit.sentence
 
     def _can_follow(self, orders: Orders) -> bool:
@@ -249,23 +262,23 @@ class SimR:
     def _place(self, robot: int, room: int) -> Pose2:
         return self._field.starts[robot] if room == 0 else self._field.goals[Room.of_people(room).wire]
 
-    def _go(self, robot: int, order: Order) -> None:
+    def _go(self, robot: int, order: MoveOrder) -> None:
         self._obeyed[robot] = order.move
         self._results[robot] = None
-        self._ways[robot] = _Way(order)
+        self._ways[robot] = _Move(order)
         self._inputs.append(Go(robot, self._goal(order)))
 
-    def _goal(self, order: Order) -> Goal:
+    def _goal(self, order: MoveOrder) -> Goal:
         return Goal(order.move, self._field.goals[Room.of_people(order.room).wire])
 
     def _obey_unjudged(self, tick: int) -> None:
         """Obey what has waited for a keeper long enough; with a keeper there is nothing to obey but its orders."""
         if self._game != 0:
             self._waiting.clear()
-        while self._waiting and tick - self._waiting[0][0] >= PATIENCE:
+        while self._waiting and tick - self._waiting[0][0] >= KEEPER_TIMEOUT:
             _, goto = self._waiting.pop(0)
             self._without_keeper += 1
-            self._go(goto.robot, Order(self._without_keeper, Room.of_wire(goto.room).people))
+            self._go(goto.robot, MoveOrder(self._without_keeper, Room.of_wire(goto.room).people))
 
     def _is_free(self, robot: int) -> bool:
         """Whether a line may drive a robot beside the game: it is under way in it nowhere, and nobody has taken it."""
@@ -280,7 +293,7 @@ class SimR:
 
     # What SimR tells
 
-    def _ended(self, snapshot: TeamSnapshot) -> list[Message]:
+    def _ended(self, snapshot: TeamSnapshot) -> list[TextMessage]:
         said = []
         for robot, output in enumerate(snapshot.robots):
             way = self._ways.get(robot)
@@ -294,15 +307,15 @@ class SimR:
                 )
             result = navigation.result
             if self._is_silent(snapshot, output):
-                self._fail(robot, way, reasons.unanswered(robot))
+                self._fail(robot, way, reasons.unresponsive_sentence(robot))
             elif result is not None and result.goal != goal:
                 pass  # The end of an earlier goal, or of one that somebody else set.
-            elif isinstance(result, Arrived):
+            elif isinstance(result, GoalReached):
                 del self._ways[robot]
                 self._results[robot] = MoveResult(way.order.move, True, "", 1.0)
-                said.append(legacy.Arrived(robot, Room.of_people(way.order.room).wire).message())
+                said.append(legacy.RoomReached(robot, Room.of_people(way.order.room).wire).message())
             elif isinstance(result, NoPath):
-                self._fail(robot, way, reasons.told(robot, result.reason))
+                self._fail(robot, way, reasons.failure_sentence(robot, result.reason))
             elif navigation.goal is None and output.observations.tick == snapshot.tick:
                 if way.recalled:
                     self._fail(robot, way, reasons.CALLED_BACK)
@@ -311,7 +324,7 @@ class SimR:
                     self._inputs.append(Go(robot, goal))
         return said
 
-    def _fail(self, robot: int, way: _Way, sentence: str) -> None:
+    def _fail(self, robot: int, way: _Move, sentence: str) -> None:
         del self._ways[robot]
         self._results[robot] = MoveResult(way.order.move, False, sentence, way.share())
 

@@ -8,7 +8,7 @@ from sim.parameters import RobotParameters, WorldParameters
 from sim.team import TeamSnapshot
 
 
-class Robots(Protocol):
+class RobotTeam(Protocol):
     """A team of robots."""
 
     @property

@@ -14,11 +14,11 @@ from typing import Protocol, cast
 
 import numpy as np
 
-from sim.parameters import LiveKnob, Rejected, WorldParameters, live_knobs
-from sim.parameters.reconfiguration import WORLD
+from sim.parameters import LiveParameter, ParameterRejection, WorldParameters, live_parameters
+from sim.parameters.reconfiguration import WORLD_PREFIX
 from thbridge.roles.robot_requests import ParameterValue, SetParameters, Tuning
 from thbridge.roles.vehicles.parameter_names import GROUPS, group_of, name_of
-from thbridge.wire.mavlink.vehicle_interface import Denied, Description, Setting
+from thbridge.wire.mavlink.vehicle_interface import Denied, ParameterDescription, ParameterSetting
 
 
 @dataclass(frozen=True, slots=True)
@@ -31,17 +31,17 @@ class VehicleParameter:
     """
 
     name: str
-    knob: LiveKnob
+    declaration: LiveParameter
 
-    def told(self, value: ParameterValue) -> float:
+    def to_number(self, value: ParameterValue) -> float:
         """The number that a value is told as: of words their place among the choices; 0 where there is none."""
         if isinstance(value, str):
-            return float(self.knob.choices.index(value))
+            return float(self.declaration.choices.index(value))
         return float(value or 0)
 
-    def meant(self, told: float) -> ParameterValue | Denied:
+    def from_number(self, told: float) -> ParameterValue | Denied:
         """The value that is meant by a number, which is one of 32 bits; its bounds are not looked at."""
-        types, choices = self.knob.types, self.knob.choices
+        types, choices = self.declaration.types, self.declaration.choices
         if float in types:
             return None if told == 0.0 and NoneType in types else float(str(np.float32(told)))
         if bool in types:
@@ -54,19 +54,19 @@ class VehicleParameter:
             return Denied(f"{self.name} is a whole number from 0 to {len(choices) - 1}, not {told:g}.")
         return choices[int(told)]
 
-    def described(self, default: ParameterValue) -> Description:
+    def description(self, default: ParameterValue) -> ParameterDescription:
         """What it means; `default` is its value at first."""
-        knob = self.knob
-        path = knob.path if knob.path.startswith(WORLD) else f"robot.{knob.path}"
+        knob = self.declaration
+        path = knob.path if knob.path.startswith(WORLD_PREFIX) else f"robot.{knob.path}"
         may_be_none = NoneType in knob.types
-        return Description(
+        return ParameterDescription(
             self.name,
             knob.help,
             f"{path} of the study{'; 0: null' if may_be_none else ''}",
             path.partition(".")[0],
             GROUPS[group_of(self.name)],
             knob.unit,
-            self.told(default),
+            self.to_number(default),
             knob.minimum,
             knob.maximum,
             float not in knob.types,
@@ -74,13 +74,13 @@ class VehicleParameter:
         )
 
 
-def _is_numeric(knob: LiveKnob) -> bool:
+def _is_numeric(knob: LiveParameter) -> bool:
     return bool({bool, int, float} & {*knob.types}) or bool(knob.choices)
 
 
 PARAMETERS = tuple(
     VehicleParameter(name_of(knob.path), knob)
-    for knob in (*live_knobs(), *live_knobs(WorldParameters, WORLD[:-1]))
+    for knob in (*live_parameters(), *live_parameters(WorldParameters, WORLD_PREFIX[:-1]))
     if _is_numeric(knob)
 )
 """All of them, in the order in which they are told: those of the software, then how true sensors err."""
@@ -88,7 +88,10 @@ PARAMETERS = tuple(
 _PLACES = {parameter.name: place for place, parameter in enumerate(PARAMETERS)}
 
 _IN_TUNING = attrgetter(
-    *(path if path.startswith(WORLD) else f"software.{path}" for path in (each.knob.path for each in PARAMETERS))
+    *(
+        path if path.startswith(WORLD_PREFIX) else f"software.{path}"
+        for path in (each.declaration.path for each in PARAMETERS)
+    )
 )
 
 
@@ -122,31 +125,31 @@ class VehicleParameters:
         self._robots = robots
         self._at_first = robots.tuning(robot)
         self._of: Tuning | None = None
-        self._settings: tuple[Setting, ...] = ()
+        self._settings: tuple[ParameterSetting, ...] = ()
 
-    def descriptions(self) -> Sequence[Description]:
+    def descriptions(self) -> Sequence[ParameterDescription]:
         """What each of them means, and was when the session began."""
         if self._at_first is None:
             return ()
         values = values_of(self._at_first)
-        return tuple(parameter.described(value) for parameter, value in zip(PARAMETERS, values, strict=True))
+        return tuple(parameter.description(value) for parameter, value in zip(PARAMETERS, values, strict=True))
 
-    def settings(self) -> Sequence[Setting]:
+    def settings(self) -> Sequence[ParameterSetting]:
         """All of them, always in the same order, as they are or are about to be."""
         tuning = self._robots.tuning(self._robot)
         if tuning is not None and tuning != self._of:
-            told = (parameter.told(value) for parameter, value in zip(PARAMETERS, values_of(tuning), strict=True))
+            told = (parameter.to_number(value) for parameter, value in zip(PARAMETERS, values_of(tuning), strict=True))
             nearest = np.fromiter(told, dtype=np.float32).tolist()
-            self._settings = tuple(Setting(name, value) for name, value in zip(_PLACES, nearest, strict=True))
+            self._settings = tuple(ParameterSetting(name, value) for name, value in zip(_PLACES, nearest, strict=True))
             self._of = tuning
         return self._settings
 
-    def setting(self, name: str) -> Setting | None:
+    def setting(self, name: str) -> ParameterSetting | None:
         """One of them; None where there is none of this name."""
         place, settings = _PLACES.get(name), self.settings()
         return None if place is None or not settings else settings[place]
 
-    def change(self, name: str, value: float) -> Setting | Denied:
+    def change(self, name: str, value: float) -> ParameterSetting | Denied:
         """Set one of them; what it is now, or why it keeps its value.
 
         Args:
@@ -163,12 +166,12 @@ class VehicleParameters:
             return Denied(f"{name} is a number, not {wanted:g}.")
         if wanted == before.value:
             return before
-        meant = parameter.meant(wanted)
+        meant = parameter.from_number(wanted)
         if isinstance(meant, Denied):
             return meant
-        values = ((parameter.knob.path, meant),)
+        values = ((parameter.declaration.path, meant),)
         changed = tuning.changed(values)
-        if isinstance(changed, Rejected):
+        if isinstance(changed, ParameterRejection):
             return Denied(f"{changed.sentence}.")
         self._robots.ask(SetParameters(self._robot, values))
-        return Setting(name, wanted)
+        return ParameterSetting(name, wanted)

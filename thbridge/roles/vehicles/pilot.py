@@ -12,14 +12,14 @@ import numpy as np
 
 from sim.common.geometry import Pose2
 from sim.common.observations import Twist
-from sim.common.traversability import Floor, inside
+from sim.common.traversability import TraversabilityMap, inside
 from sim.inputs import Drive, Go, Halt
 from sim.robot.navigator import Goal
 from sim.team import TeamSnapshot
 from thbridge.hunt import rules
 from thbridge.hunt.events import Commanded, Commander
-from thbridge.hunt.game import Command, GameState, apply
-from thbridge.hunt.outcomes import Refused
+from thbridge.hunt.game import CommandHolder, GameState, apply
+from thbridge.hunt.refusals import RequestRefused
 from thbridge.hunt.rooms import Room
 from thbridge.roles import failure_reasons as reasons
 from thbridge.roles.notices import RoomOutline
@@ -34,26 +34,26 @@ from thbridge.roles.robot_requests import (
     SetParameters,
     TakeCommand,
 )
-from thbridge.roles.simr.controls import HAND_TICKS
-from thbridge.roles.vehicles.speed_limit import Speeds
-from thbridge.roles.vehicles.station_texts import asked_of, news_of
-from thbridge.roles.vehicles.trips import Stage, Trip, answers, followed
+from thbridge.roles.simr.controls import MANUAL_DRIVE_TICKS
+from thbridge.roles.vehicles.speed_limit import SpeedLimit
+from thbridge.roles.vehicles.station_texts import game_texts, handback_texts
+from thbridge.roles.vehicles.trips import TripStage, VehicleTrip, advanced, is_responding
 from thbridge.wire.mavlink.vehicle_interface import (
+    DenialKind,
     Denied,
-    Description,
-    Leg,
+    HelmLeg,
     LegState,
-    Readings,
-    Refusal,
-    Setting,
-    Settings,
+    ParameterDescription,
+    ParameterSetting,
+    ParameterSettings,
+    RobotReadings,
     Station,
     Target,
 )
 
 
 @dataclass(frozen=True, slots=True)
-class Premises:
+class GameSetup:
     """What all pilots of a team know of the game before it begins.
 
     Attributes:
@@ -63,7 +63,7 @@ class Premises:
         energy: what each robot starts with.
     """
 
-    floor: Floor
+    floor: TraversabilityMap
     rooms: tuple[RoomOutline, ...]
     names: tuple[str, ...]
     energy: float
@@ -89,24 +89,24 @@ class Pilot:
     def __init__(
         self,
         robot: int,
-        premises: Premises,
+        setup: GameSetup,
         start: Pose2,
-        speeds: Speeds,
-        settings: Settings,
+        speeds: SpeedLimit,
+        settings: ParameterSettings,
         ask: Callable[[Request], None],
     ) -> None:
         self._robot = robot
-        self._premises = premises
+        self._premises = setup
         self._start = start
         self._speeds = speeds
         self._settings = settings
         self._ask = ask
         self._legs = 0
-        self._trip: Trip | None = None
+        self._trip: VehicleTrip | None = None
         self._snapshot: TeamSnapshot | None = None
         self._game: GameState | None = None
         # What was asked of the game since the last tick, and whether its move under way has to end.
-        self._given: Command | None = None
+        self._given: CommandHolder | None = None
         self._sent = False
         self._stopping = False
 
@@ -116,16 +116,16 @@ class Pilot:
         """See `Helm`; a robot that does not answer cannot be taken."""
         if self._game is None or self._snapshot is None:
             return _NO_GAME
-        if not answers(self._snapshot, self._robot):
-            return Denied(reasons.unanswered(self._robot))
-        self._give(TakeCommand(self._robot, str(station)), Command(Commander.GROUND_STATION, str(station)))
+        if not is_responding(self._snapshot, self._robot):
+            return Denied(reasons.unresponsive_sentence(self._robot))
+        self._give(TakeCommand(self._robot, str(station)), CommandHolder(Commander.GROUND_STATION, str(station)))
         return None
 
     def release(self) -> None:
         """See `Helm`."""
-        self._give(ReleaseCommand(self._robot), Command())
+        self._give(ReleaseCommand(self._robot), CommandHolder())
 
-    def _give(self, request: TakeCommand | ReleaseCommand, command: Command) -> None:
+    def _give(self, request: TakeCommand | ReleaseCommand, command: CommandHolder) -> None:
         self._ask(request)
         self._given = command
 
@@ -145,12 +145,12 @@ class Pilot:
         else:
             trip = self._trip_to(Pose2(*outline.goal), room)
             if robot.bound_for == room and not self._stopping:
-                trip = replace(trip, stage=Stage.GOING)
-            elif isinstance(ruling := self._judge(state, room), Refused):
+                trip = replace(trip, stage=TripStage.GOING)
+            elif isinstance(ruling := self._judge(state, room), RequestRefused):
                 return Denied(ruling.sentence)
         self._legs += 1
         self._trip = trip
-        if trip.stage is Stage.WAITING:
+        if trip.stage is TripStage.WAITING:
             self._trip = self._set_out(trip, state)
         return trip.leg.number
 
@@ -167,7 +167,7 @@ class Pilot:
             return state
         self._give_up(reasons.BY_HAND)
         self._stop_move()
-        self._ask(Drive(self._robot, self._speeds.bounded(twist), HAND_TICKS))
+        self._ask(Drive(self._robot, self._speeds.bounded(twist), MANUAL_DRIVE_TICKS))
         return None
 
     def fastest(self) -> Twist:
@@ -190,26 +190,26 @@ class Pilot:
         """See `Helm`; told in the words in which a way there would fail."""
         floor, point = self._premises.floor, Pose2(x, y, 0.0)
         if not floor.grid.contains(*floor.grid.cell_of(x, y)):
-            return Denied(reasons.told(self._robot, "goal_outside"))
+            return Denied(reasons.failure_sentence(self._robot, "goal_outside"))
         if floor.clearance_at(point) <= floor.inscribed:
-            return Denied(reasons.told(self._robot, "goal_occupied"))
+            return Denied(reasons.failure_sentence(self._robot, "goal_occupied"))
         return None
 
     # Parameters
 
-    def descriptions(self) -> Sequence[Description]:
+    def descriptions(self) -> Sequence[ParameterDescription]:
         """See `Settings`."""
         return self._settings.descriptions()
 
-    def settings(self) -> Sequence[Setting]:
+    def settings(self) -> Sequence[ParameterSetting]:
         """See `Settings`."""
         return self._settings.settings()
 
-    def setting(self, name: str) -> Setting | None:
+    def setting(self, name: str) -> ParameterSetting | None:
         """See `Settings`."""
         return self._settings.setting(name)
 
-    def change(self, name: str, value: float) -> Setting | Denied:
+    def change(self, name: str, value: float) -> ParameterSetting | Denied:
         """See `Settings`."""
         return self._settings.change(name, value)
 
@@ -236,28 +236,28 @@ class Pilot:
         if isinstance(state, Denied):
             return state
         ruling = rule(state, state.robots[self._robot].at)
-        if isinstance(ruling, Refused):
+        if isinstance(ruling, RequestRefused):
             return Denied(ruling.sentence)
         self._ask(request)
         return None
 
     # What becomes of it
 
-    def follow(self, snapshot: TeamSnapshot, game: GameState | None) -> Readings:
+    def follow(self, snapshot: TeamSnapshot, game: GameState | None) -> RobotReadings:
         """A tick has passed: go on with what is under way, and read the robot's instruments."""
-        news = () if game is None else tuple(news_of(self._robot, self._game, game))
-        asked = () if game is None else tuple(asked_of(self._robot, self._game, game))
+        news = () if game is None else tuple(game_texts(self._robot, self._game, game))
+        asked = () if game is None else tuple(handback_texts(self._robot, self._game, game))
         self._snapshot, self._game, self._given, self._sent = snapshot, game, None, False
         if game is not None:
             self._stopping = self._stopping and game.robots[self._robot].bound_for is not None
             if self._stopping:
                 self._ask(CallBackFor(self._robot))
             if self._trip is not None and self._trip.under_way:
-                trip = followed(self._trip, snapshot, game, self._robot)
-                self._trip = self._set_out(trip, game) if trip.stage is Stage.WAITING else trip
+                trip = advanced(self._trip, snapshot, game, self._robot)
+                self._trip = self._set_out(trip, game) if trip.stage is TripStage.WAITING else trip
         return replace(self._readings(snapshot, game), news=news, asked=asked)
 
-    def _set_out(self, trip: Trip, state: GameState) -> Trip:
+    def _set_out(self, trip: VehicleTrip, state: GameState) -> VehicleTrip:
         """Ask for a trip, unless a move of the game has to end first.
 
         A way home outlives the command of a station that was lost, as long as nobody else sends the robot anywhere.
@@ -273,20 +273,20 @@ class Pilot:
             if mover.intervention is not None:
                 return trip.failed(reasons.ELSEWHERE)
             self._ask(Go(self._robot, Goal(trip.goal, trip.target)))
-            return replace(trip, stage=Stage.GOING)
+            return replace(trip, stage=TripStage.GOING)
         ruling = rules.move(state, self._robot, trip.room, Commander.GROUND_STATION)
-        if isinstance(ruling, Refused):
+        if isinstance(ruling, RequestRefused):
             return trip.failed(ruling.sentence)
         self._ask(SendFor(self._robot, trip.room.people))
         self._sent = True
-        return replace(trip, stage=Stage.ASKED)
+        return replace(trip, stage=TripStage.ASKED)
 
-    def _readings(self, snapshot: TeamSnapshot, game: GameState | None) -> Readings:
+    def _readings(self, snapshot: TeamSnapshot, game: GameState | None) -> RobotReadings:
         output = snapshot.robots[self._robot]
         robot = None if game is None else game.robots[self._robot]
-        holder = Command() if robot is None else robot.holder
-        goal, heard = output.navigation.goal, answers(snapshot, self._robot)
-        return Readings(
+        holder = CommandHolder() if robot is None else robot.holder
+        goal, heard = output.navigation.goal, is_responding(snapshot, self._robot)
+        return RobotReadings(
             base_in_map=output.estimate.base_in_map,
             twist=output.observations.odometry.twist,
             goal_in_map=None if goal is None else goal.base_in_map,
@@ -296,7 +296,7 @@ class Pilot:
             lost=output.estimate.lost,
             under_way=heard and goal is not None,
             commander=holder.name if holder.by is Commander.GROUND_STATION else None,
-            commanded_by=_words(Command() if robot is None else robot.command),
+            commanded_by=_words(CommandHolder() if robot is None else robot.command),
             leg=None if self._trip is None else self._trip.leg,
         )
 
@@ -310,12 +310,12 @@ class Pilot:
         if self._given is not None:
             state = apply(state, Commanded(self._robot, self._given.by, self._given.name))
         robot = state.robots[self._robot]
-        if robot.is_silent or not answers(self._snapshot, self._robot):
-            return Denied(reasons.unanswered(self._robot))
+        if robot.is_silent or not is_responding(self._snapshot, self._robot):
+            return Denied(reasons.unresponsive_sentence(self._robot))
         refused = rules.commanded_by_other(state, self._robot, Commander.GROUND_STATION)
         if refused is not None:
             intervenes = robot.command.by is Commander.RESEARCHER
-            return Denied(refused.sentence, Refusal.NOT_NOW if intervenes else Refusal.DENIED)
+            return Denied(refused.sentence, DenialKind.NOT_NOW if intervenes else DenialKind.DENIED)
         if robot.is_blocked:
             return Denied(f"{rules.robot_name(self._robot).capitalize()} has no energy left.")
         return state
@@ -323,12 +323,12 @@ class Pilot:
     def _judge(self, state: GameState, room: Room) -> rules.Ruling:
         """What the rules say to a move; of a robot under way, as if it had not set out, for it will be called back."""
         back = rules.fail(state, self._robot, "", 0.0)
-        for event in () if isinstance(back, Refused) else back:
+        for event in () if isinstance(back, RequestRefused) else back:
             state = apply(state, event)
         return rules.move(state, self._robot, room, Commander.GROUND_STATION)
 
-    def _trip_to(self, target: Pose2, room: Room | None) -> Trip:
-        return Trip(Leg(self._legs + 1, LegState.UNDER_WAY, self._here().distance(target)), target, room)
+    def _trip_to(self, target: Pose2, room: Room | None) -> VehicleTrip:
+        return VehicleTrip(HelmLeg(self._legs + 1, LegState.UNDER_WAY, self._here().distance(target)), target, room)
 
     def _pose_at(self, target: Target) -> Pose2:
         """Where any heading will do, the one in which the target lies from here."""
@@ -352,7 +352,7 @@ class Pilot:
         self._stopping = under_way or self._sent
 
 
-def _words(command: Command) -> str:
+def _words(command: CommandHolder) -> str:
     """Who commands, in words without an article."""
     match command.by:
         case Commander.GROUND_STATION:
@@ -361,4 +361,4 @@ def _words(command: Command) -> str:
             return command.by.value
 
 
-_NO_GAME = Denied("The game has not begun yet.", Refusal.NOT_NOW)
+_NO_GAME = Denied("The game has not begun yet.", DenialKind.NOT_NOW)

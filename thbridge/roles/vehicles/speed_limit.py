@@ -4,15 +4,15 @@ import math
 
 from sim.common.observations import Twist
 from sim.parameters import RobotParameters
-from sim.parameters.reconfiguration import Rejected, reconfigured
+from sim.parameters.reconfiguration import ParameterRejection, reconfigured
 from thbridge.roles.vehicles.parameters import Tunable
-from thbridge.wire.mavlink.vehicle_interface import Denied, Refusal
+from thbridge.wire.mavlink.vehicle_interface import DenialKind, Denied
 
-USUAL = Twist(0.5, 1.0)
+DEFAULT_FASTEST = Twist(0.5, 1.0)
 """The fastest that hands drive robots whose software is not ours."""
 
 
-class Speeds:
+class SpeedLimit:
     """The speeds of one robot.
 
     Args:
@@ -31,7 +31,7 @@ class Speeds:
         """What the local planner in use keeps to, if that is known; both positive."""
         now = self._robots.tuning(self._robot)
         if now is None:
-            return USUAL
+            return DEFAULT_FASTEST
         planner = now.software.DWAPlannerROS if _uses_dwa(now.software) else now.software.TrajectoryPlannerROS
         return Twist(min(max(planner.max_vel_x, 0.0), self._limit), planner.max_vel_theta)
 
@@ -43,14 +43,14 @@ class Speeds:
         """Set the limit, m/s, or lift it by a negative one; the parameters that then hold, by path."""
         now = self._robots.tuning(self._robot)
         if now is None:
-            return Denied("The speed of this robot is not ours to change.", Refusal.UNSUPPORTED)
+            return Denied("The speed of this robot is not ours to change.", DenialKind.UNSUPPORTED)
         if math.isnan(speed):
             return Denied("That is no speed.")
         limited, values = now.software, []
         for path, own in self._bounds(_uses_dwa(now.software)):
             value = own if speed < 0.0 else min(own, speed)
             changed = reconfigured(limited, path, value)
-            if isinstance(changed, Rejected):
+            if isinstance(changed, ParameterRejection):
                 return Denied(changed.sentence)
             limited = changed
             values.append((path, value))

@@ -8,7 +8,7 @@ from thbridge.hunt.rooms import Room
 from thbridge.hunt.rules import robot_name
 
 
-def news_of(robot: int, before: GameState | None, now: GameState) -> Iterator[str]:
+def game_texts(robot: int, before: GameState | None, now: GameState) -> Iterator[str]:
     """What is new about a robot and the room where it stands since the game was as `before`; sentences."""
     if before is None or before.started != now.started:
         return
@@ -21,7 +21,7 @@ def news_of(robot: int, before: GameState | None, now: GameState) -> Iterator[st
         yield f"The game is over. The score is {now.score}."
 
 
-def asked_of(robot: int, before: GameState | None, now: GameState) -> Iterator[str]:
+def handback_texts(robot: int, before: GameState | None, now: GameState) -> Iterator[str]:
     """What the participant asks of the ground station in command of a robot, since the game was as `before`."""
     if before is None or now.robots[robot].holder.by is not Commander.GROUND_STATION:
         return

@@ -8,21 +8,21 @@ from sim.team import TeamSnapshot
 from thbridge.hunt.game import GameState
 from thbridge.roles.robot_requests import Request
 from thbridge.wire.mavlink.frames.frame import Frame
-from thbridge.wire.mavlink.hub import Hub, Sent, Traffic
-from thbridge.wire.mavlink.links import Drop, LinkReport
+from thbridge.wire.mavlink.hub import Hub, OutgoingFrame, Traffic
+from thbridge.wire.mavlink.links import DropReason, LinkReport
 from thbridge.wire.mavlink.options import VehicleOptions
-from thbridge.wire.mavlink.outgoing import LinkId, Status
+from thbridge.wire.mavlink.outgoing import LinkId, VehicleStatus
 from thbridge.wire.mavlink.vehicle.vehicle import Vehicle
-from thbridge.wire.mavlink.vehicle_interface import Helm, Readings
+from thbridge.wire.mavlink.vehicle_interface import RobotReadings, VehicleInterface
 
-Ask: TypeAlias = Callable[[Request], None]
+RequestSink: TypeAlias = Callable[[Request], None]
 """Takes what is wanted of the robots or of the game; it is done with the next tick."""
 
 
-class Steersman(Helm, Protocol):
+class VehiclePilot(VehicleInterface, Protocol):
     """Holds a robot's helm, and knows how robot and game stand."""
 
-    def follow(self, snapshot: TeamSnapshot, game: GameState | None) -> Readings:
+    def follow(self, snapshot: TeamSnapshot, game: GameState | None) -> RobotReadings:
         """A tick has passed; what the robot knows of itself now."""
 
 
@@ -34,15 +34,15 @@ class Vehicles:
         options: what the study says.
     """
 
-    def __init__(self, steersmen: Sequence[Steersman], options: VehicleOptions) -> None:
-        self._steersmen = tuple(steersmen)
-        systems = [Vehicle(number, steersman, options) for number, steersman in enumerate(steersmen, 1)]
+    def __init__(self, pilots: Sequence[VehiclePilot], options: VehicleOptions) -> None:
+        self._steersmen = tuple(pilots)
+        systems = [Vehicle(number, steersman, options) for number, steersman in enumerate(pilots, 1)]
         self._hub = Hub(systems, options.lost_after)
         self._numbers = count()
         self._names: dict[LinkId, str] = {}
 
     @property
-    def statuses(self) -> tuple[Status, ...]:
+    def statuses(self) -> tuple[VehicleStatus, ...]:
         """How each vehicle stands."""
         return tuple(vehicle.status for vehicle in self._hub.vehicles)
 
@@ -66,22 +66,22 @@ class Vehicles:
         """See `Hub.report`."""
         return self._hub.report(link)
 
-    def why_not(self, link: LinkId, frame: Frame) -> Drop | None:
+    def why_not(self, link: LinkId, frame: Frame) -> DropReason | None:
         """See `Hub.why_not`."""
         return self._hub.why_not(link, frame)
 
-    def receive(self, link: LinkId, frame: Frame, robot: int | None) -> list[Sent]:
+    def receive(self, link: LinkId, frame: Frame, robot: int | None) -> list[OutgoingFrame]:
         """See `Hub.receive`; a frame for a robot that there is not is nobody's."""
         if robot is not None and not 0 <= robot < len(self._steersmen):
             return []
         return self._hub.receive(link, frame, robot)
 
-    def step(self, snapshot: TeamSnapshot, game: GameState | None) -> list[Sent]:
+    def step(self, snapshot: TeamSnapshot, game: GameState | None) -> list[OutgoingFrame]:
         """A tick of robots and game has passed; what the vehicles say by themselves."""
         readings = [steersman.follow(snapshot, game) for steersman in self._steersmen]
         return self._hub.step(snapshot.tick, readings)
 
-    def keep_alive(self) -> list[Sent]:
+    def keep_alive(self) -> list[OutgoingFrame]:
         """See `Hub.keep_alive`."""
         return self._hub.keep_alive()
 

@@ -25,7 +25,7 @@ class Cursor:
         self._at = 0
 
     @property
-    def is_left(self) -> bool:
+    def has_more(self) -> bool:
         """Whether there is anything more."""
         return self._at < len(self._data)
 
@@ -38,7 +38,7 @@ class Cursor:
         self._at = end
         return taken
 
-    def rest(self) -> bytes:
+    def remaining(self) -> bytes:
         """All that is left, which stays left."""
         return self._data[self._at :]
 
@@ -74,13 +74,13 @@ class Cursor:
         self.take(UINT32.size)
         return self.stamp(), self.string()
 
-    def seven(self) -> tuple[float, float, float, float, float, float, float]:
+    def spatial_pose(self) -> tuple[float, float, float, float, float, float, float]:
         """A pose: x, y, z and a quaternion x, y, z, w."""
         x, y, z, qx, qy, qz, qw = POSE.unpack(self.take(POSE.size))
         return x, y, z, qx, qy, qz, qw
 
     def pose(self) -> Pose2:
         """A pose, seen from above; its yaw is NaN when its quaternion is."""
-        x, y, _, qx, qy, qz, qw = self.seven()
+        x, y, _, qx, qy, qz, qw = self.spatial_pose()
         yaw = math.atan2(2.0 * (qw * qz + qx * qy), 1.0 - 2.0 * (qy * qy + qz * qz))
         return Pose2(x, y, yaw if yaw < math.pi else -math.pi)

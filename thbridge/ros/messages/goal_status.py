@@ -4,7 +4,7 @@ from enum import IntEnum
 from typing import NamedTuple
 
 
-class Status(IntEnum):
+class GoalStatusCode(IntEnum):
     """How a goal stands, in the codes of actionlib_msgs/GoalStatus."""
 
     PENDING = 0
@@ -19,7 +19,16 @@ class Status(IntEnum):
     LOST = 9
 
 
-ENDED = frozenset({Status.PREEMPTED, Status.SUCCEEDED, Status.ABORTED, Status.REJECTED, Status.RECALLED, Status.LOST})
+ENDED = frozenset(
+    {
+        GoalStatusCode.PREEMPTED,
+        GoalStatusCode.SUCCEEDED,
+        GoalStatusCode.ABORTED,
+        GoalStatusCode.REJECTED,
+        GoalStatusCode.RECALLED,
+        GoalStatusCode.LOST,
+    }
+)
 """What a goal does not come back from."""
 
 
@@ -34,5 +43,5 @@ class GoalStatus(NamedTuple):
     """actionlib_msgs/GoalStatus: how a goal stands, and why, for people."""
 
     goal: GoalId
-    status: Status
+    status: GoalStatusCode
     text: str

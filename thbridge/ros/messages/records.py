@@ -12,7 +12,7 @@ from sim.common.observations import Twist
 
 
 @dataclass(frozen=True, slots=True)
-class Session:
+class SessionRecord:
     """What is needed to run the session again; the first record of its bag.
 
     Attributes:
@@ -50,7 +50,7 @@ class GameEvent:
 
 
 @dataclass(frozen=True, slots=True)
-class Score:
+class ScoreRecord:
     """How the game stands; recorded whenever that changes.
 
     Attributes:
@@ -67,7 +67,7 @@ class Score:
 
 
 @dataclass(frozen=True, slots=True)
-class Utterance:
+class UtteranceRecord:
     """One thing said in a dialogue.
 
     Attributes:
@@ -103,7 +103,7 @@ class HeldTurns:
 
 
 @dataclass(frozen=True, slots=True)
-class Input:
+class InputRecord:
     """Something that came into a session from outside, exactly as it came; said before what follows from it.
 
     Attributes:
@@ -267,7 +267,7 @@ class VehicleFrame:
     """
 
     robot: int
-    heard: bool
+    received: bool
     frame: MavlinkFrame
 
 
@@ -301,5 +301,14 @@ VehicleRecord = VehicleFrame | VehicleState
 """What there is of a robot only where it is a MAVLink vehicle."""
 
 Record = (
-    GameEvent | Score | Utterance | HeldTurns | Input | SendRobots | Success | LogLine | GraphRequest | VehicleRecord
+    GameEvent
+    | ScoreRecord
+    | UtteranceRecord
+    | HeldTurns
+    | InputRecord
+    | SendRobots
+    | Success
+    | LogLine
+    | GraphRequest
+    | VehicleRecord
 )

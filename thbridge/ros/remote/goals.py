@@ -12,22 +12,22 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 
 from sim.common.geometry import Pose2
-from sim.robot.navigator import Arrived, Cancelled, Goal, NoPath, Result
+from sim.robot.navigator import Cancelled, Goal, GoalReached, GoalResult, NoPath
 from sim.robot.navigator.goals import NoPathReason
-from thbridge.ros.messages.goal_status import ENDED, GoalId, GoalStatus, Status
-from thbridge.ros.remote.pose import SILENCE_NS
+from thbridge.ros.messages.goal_status import ENDED, GoalId, GoalStatus, GoalStatusCode
+from thbridge.ros.remote.pose import STALE_NS
 
-UNLISTED_NS = 2_000_000_000
+UNLISTED_TIMEOUT_NS = 2_000_000_000
 """A goal that the server's lists have not had for so long is not known to it."""
-OBEYED_NS = 5_000_000_000
+CANCEL_TIMEOUT_NS = 5_000_000_000
 """A server that has not let go of a goal for so long after it was taken back is not waited for."""
-LOST_NS = 10_000_000_000
+LOST_TIMEOUT_NS = 10_000_000_000
 """A robot that does not know for so long where it is gives its goal up."""
-HINDSIGHT_NS = 1_000_000_000
+PREEMPTION_WINDOW_NS = 1_000_000_000
 """Between the end of a goal and the word about whatever took its place, at most."""
-AGAIN_NS = 1_000_000_000
+CANCEL_RETRY_NS = 1_000_000_000
 """From one attempt to cancel a stray goal to the next."""
-OTHERS = -1
+FOREIGN_GOAL = -1
 """The number of goals that other clients set."""
 
 _REASONS: tuple[tuple[str, NoPathReason], ...] = (
@@ -90,22 +90,22 @@ class MoveBaseClient:
         results: how goals ended, oldest first; whoever tells of them takes them out.
     """
 
-    def __init__(self, prefix: str, silence_ns: int = SILENCE_NS) -> None:
-        self.said: list[SetGoal | CancelGoal] = []
-        self.results: list[Result] = []
+    def __init__(self, prefix: str, stale_ns: int = STALE_NS) -> None:
+        self.outgoing: list[SetGoal | CancelGoal] = []
+        self.results: list[GoalResult] = []
         self._prefix = prefix
-        self._silence_ns = silence_ns
+        self._silence_ns = stale_ns
         self._sent = 0
         self._stamp_ns = 0
         self._pursuit: _Pursuit | None = None
         self._status_ns: int | None = None
-        self._listed: dict[str, Status] = {}
+        self._listed: dict[str, GoalStatusCode] = {}
         self._others: dict[str, tuple[Pose2, int]] = {}
         self._last_cancel_ns: dict[str, int] = {}
         self._lost_ns: int | None = None
 
     @property
-    def heard(self) -> bool:
+    def server_seen(self) -> bool:
         """Whether the server was ever heard."""
         return self._status_ns is not None
 
@@ -124,7 +124,7 @@ class MoveBaseClient:
         if self._pursuit is not None:
             return self._pursuit.goal
         name = self._other(now_ns)
-        return None if name is None else Goal(OTHERS, self._others[name][0] if name in self._others else here)
+        return None if name is None else Goal(FOREIGN_GOAL, self._others[name][0] if name in self._others else here)
 
     def go(self, goal: Goal, now_ns: int) -> None:
         """Send the robot there; the goal before ends."""
@@ -137,20 +137,20 @@ class MoveBaseClient:
         pursuit = self._pursuit
         if pursuit is not None and pursuit.cancelled_ns is None:
             pursuit.cancelled_ns = now_ns
-            self.said.append(CancelGoal(pursuit.goal_id.id))
+            self.outgoing.append(CancelGoal(pursuit.goal_id.id))
 
-    def hear_goal(self, name: str, base_in_map: Pose2, now_ns: int) -> None:
+    def receive_goal(self, name: str, base_in_map: Pose2, now_ns: int) -> None:
         """Another client set a goal."""
         self._others[name] = (base_in_map, now_ns)
 
-    def hear_status(self, entries: Sequence[GoalStatus], now_ns: int) -> None:
+    def receive_status(self, entries: Sequence[GoalStatus], now_ns: int) -> None:
         """The server told how all goals stand."""
         self._status_ns = now_ns
         self._listed = {entry.goal.id: entry.status for entry in entries}
         self._others = {
             name: (pose, heard_ns)
             for name, (pose, heard_ns) in self._others.items()
-            if name in self._listed or now_ns - heard_ns < HINDSIGHT_NS
+            if name in self._listed or now_ns - heard_ns < PREEMPTION_WINDOW_NS
         }
         pursuit = self._pursuit
         if pursuit is not None and pursuit.withdrawn_ns is None:
@@ -159,18 +159,18 @@ class MoveBaseClient:
                 pursuit.unlisted_ns = now_ns if pursuit.unlisted_ns is None else pursuit.unlisted_ns
             else:
                 pursuit.unlisted_ns = None
-                pursuit.active = entry.status in {Status.ACTIVE, Status.PREEMPTING}
-                self.hear_end(entry, now_ns)
+                pursuit.active = entry.status in {GoalStatusCode.ACTIVE, GoalStatusCode.PREEMPTING}
+                self.receive_result(entry, now_ns)
         self._cancel_strays(now_ns)
 
-    def hear_end(self, entry: GoalStatus, now_ns: int) -> None:
+    def receive_result(self, entry: GoalStatus, now_ns: int) -> None:
         """A result came, or a list told how our goal stands; the ends of other goals are not ours."""
         pursuit = self._pursuit
         if pursuit is None or entry.goal.id != pursuit.goal_id.id or entry.status not in ENDED:
             return
-        if entry.status is Status.SUCCEEDED:
-            self._finish(Arrived(pursuit.goal))
-        elif entry.status not in {Status.PREEMPTED, Status.RECALLED}:
+        if entry.status is GoalStatusCode.SUCCEEDED:
+            self._finish(GoalReached(pursuit.goal))
+        elif entry.status not in {GoalStatusCode.PREEMPTED, GoalStatusCode.RECALLED}:
             text = entry.text or f"the goal was {entry.status.name.lower()}, without a reason"
             self._finish(NoPath(pursuit.goal, reason_of(entry.text), text))
         elif pursuit.cancelled_ns is not None:
@@ -178,7 +178,7 @@ class MoveBaseClient:
         elif pursuit.withdrawn_ns is None:
             pursuit.withdrawn_ns, pursuit.active = now_ns, False
 
-    def step(self, now_ns: int, *, lost: bool, silent: bool) -> None:
+    def step(self, now_ns: int, *, lost: bool, stale: bool) -> None:
         """Time has passed: end what will not end by itself.
 
         Args:
@@ -194,17 +194,17 @@ class MoveBaseClient:
         if pursuit.withdrawn_ns is not None:
             if self._other(now_ns) is not None:
                 self._finish(Cancelled(goal))
-            elif now_ns - pursuit.withdrawn_ns >= HINDSIGHT_NS:
+            elif now_ns - pursuit.withdrawn_ns >= PREEMPTION_WINDOW_NS:
                 self._finish(NoPath(goal, "called_off", "somebody else took the goal back"))
-        elif silent:
+        elif stale:
             self._finish(NoPath(goal, "unanswered", "the robot says nothing any more"))
         elif now_ns - max(pursuit.sent_ns, self._status_ns or 0) > self._silence_ns:
             self._finish(NoPath(goal, "unanswered", "the action server says nothing any more"))
-        elif pursuit.cancelled_ns is not None and now_ns - pursuit.cancelled_ns > OBEYED_NS:
+        elif pursuit.cancelled_ns is not None and now_ns - pursuit.cancelled_ns > CANCEL_TIMEOUT_NS:
             self._finish(Cancelled(goal))
-        elif pursuit.unlisted_ns is not None and now_ns - pursuit.unlisted_ns > UNLISTED_NS:
+        elif pursuit.unlisted_ns is not None and now_ns - pursuit.unlisted_ns > UNLISTED_TIMEOUT_NS:
             self._forgotten(pursuit, now_ns)
-        elif self._lost_ns is not None and now_ns - max(self._lost_ns, pursuit.sent_ns) > LOST_NS:
+        elif self._lost_ns is not None and now_ns - max(self._lost_ns, pursuit.sent_ns) > LOST_TIMEOUT_NS:
             self.halt(now_ns)
             self._finish(NoPath(goal, "lost", "the robot does not know where it is"))
 
@@ -224,9 +224,9 @@ class MoveBaseClient:
         seconds, nanoseconds = divmod(self._stamp_ns, 1_000_000_000)
         goal_id = GoalId(f"{self._prefix}{self._sent}-{seconds}.{nanoseconds:09d}", self._stamp_ns)
         self._pursuit = _Pursuit(goal, goal_id, now_ns, again)
-        self.said.append(SetGoal(goal_id, goal.base_in_map))
+        self.outgoing.append(SetGoal(goal_id, goal.base_in_map))
 
-    def _finish(self, result: Result) -> None:
+    def _finish(self, result: GoalResult) -> None:
         self._pursuit = None
         self.results.append(result)
 
@@ -236,18 +236,22 @@ class MoveBaseClient:
             for name, status in self._listed.items():
                 if status not in ENDED and not name.startswith(self._prefix):
                     return name
-        fresh = (name for name, (_, heard_ns) in self._others.items() if now_ns - heard_ns < HINDSIGHT_NS)
+        fresh = (name for name, (_, heard_ns) in self._others.items() if now_ns - heard_ns < PREEMPTION_WINDOW_NS)
         return next((name for name in fresh if self._listed.get(name) not in ENDED), None)
 
     def _cancel_strays(self, now_ns: int) -> None:
         current = None if self._pursuit is None else self._pursuit.goal_id.id
         waiting = {name: at for name, at in self._last_cancel_ns.items() if name in self._listed}
         for name, status in self._listed.items():
-            if not name.startswith(self._prefix) or name == current or status not in {Status.PENDING, Status.ACTIVE}:
+            if (
+                not name.startswith(self._prefix)
+                or name == current
+                or status not in {GoalStatusCode.PENDING, GoalStatusCode.ACTIVE}
+            ):
                 continue
-            if name not in waiting or now_ns - waiting[name] >= AGAIN_NS:
+            if name not in waiting or now_ns - waiting[name] >= CANCEL_RETRY_NS:
                 waiting[name] = now_ns
-                self.said.append(CancelGoal(name))
+                self.outgoing.append(CancelGoal(name))
         self._last_cancel_ns = waiting
 
 

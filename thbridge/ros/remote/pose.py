@@ -13,17 +13,17 @@ import numpy as np
 from sim.common.geometry import FloatArray, Pose2
 from sim.common.observations import STANDSTILL, Twist
 from sim.robot.localization.estimate import Estimate
-from thbridge.ros.clients import Refused
+from thbridge.ros.clients import InvalidMessage
 from thbridge.ros.frames import frame_name
 from thbridge.ros.messages.pack import Transform
-from thbridge.ros.messages.unpack import Odometry, PoseInFrame
+from thbridge.ros.messages.unpack import OdometryMessage, PoseInFrame
 from thbridge.ros.remote.names import RemoteNames
 
-SILENCE_NS = 5_000_000_000
+STALE_NS = 5_000_000_000
 """What is taken for silence, unless somebody says otherwise."""
 SET_BACK_NS = 5_000_000_000
 """What is older than the last word by more is not late: the robot's clock was set back, or its program started anew."""
-BLIND_WAY = 3.0
+UNLOCALIZED_DISTANCE = 3.0
 """Metres that a robot drives unlocalised where only amcl_pose is heard: amcl says one every 0.2 m."""
 
 _REMEMBERED = 500
@@ -48,10 +48,10 @@ class RemotePose:
         twist: by the last odometry.
     """
 
-    def __init__(self, names: RemoteNames, silence_ns: int = SILENCE_NS) -> None:
+    def __init__(self, names: RemoteNames, stale_ns: int = STALE_NS) -> None:
         self._names = names
-        self._silence_ns = silence_ns
-        self.heard_ns: int | None = None
+        self._silence_ns = stale_ns
+        self.received_ns: int | None = None
         self.base_in_odom = Pose2(0.0, 0.0, 0.0)
         self.twist = STANDSTILL
         self._stamp_ns = 0
@@ -70,19 +70,23 @@ class RemotePose:
         """Whether its place on the map is, or was once, known."""
         return self._odom_in_map is not None
 
-    def hear_odometry(self, said: Odometry, now_ns: int) -> Refused | None:
+    def receive_odometry(self, said: OdometryMessage, now_ns: int) -> InvalidMessage | None:
         """nav_msgs/Odometry came."""
         if frame_name(said.frame) != self._names.odom_frame:
-            return Refused(f"its frame is {said.frame!r}, not {self._names.odom_frame!r}: see odom_frame in the study")
+            return InvalidMessage(
+                f"its frame is {said.frame!r}, not {self._names.odom_frame!r}: see odom_frame in the study"
+            )
         self._from_topic_ns = now_ns
         return self._moved(said.stamp_ns, said.pose, said.twist, now_ns)
 
-    def hear_pose(self, said: PoseInFrame) -> Refused | None:
+    def receive_pose(self, said: PoseInFrame) -> InvalidMessage | None:
         """The localiser's PoseWithCovarianceStamped came."""
         if frame_name(said.frame) != self._names.map_frame:
-            return Refused(f"its frame is {said.frame!r}, not {self._names.map_frame!r}: see map_frame in the study")
+            return InvalidMessage(
+                f"its frame is {said.frame!r}, not {self._names.map_frame!r}: see map_frame in the study"
+            )
         if not _is_finite(said.pose):
-            return Refused("its pose is not finite")
+            return InvalidMessage("its pose is not finite")
         if said.stamp_ns < self._amcl_stamp_ns and self._amcl_stamp_ns - said.stamp_ns < SET_BACK_NS:
             return None  # Late. What is much older is the word of a robot whose clock was set back.
         self._amcl_stamp_ns = said.stamp_ns
@@ -95,7 +99,7 @@ class RemotePose:
                 self._correct(said.pose.compose(base_in_odom.inverse()))
         return None
 
-    def hear_transforms(self, said: Iterable[tuple[int, Transform]], now_ns: int) -> None:
+    def receive_transforms(self, said: Iterable[tuple[int, Transform]], now_ns: int) -> None:
         """A message of /tf came; transforms of others are in it too."""
         names = self._names
         for stamp_ns, transform in said:
@@ -110,7 +114,7 @@ class RemotePose:
 
     def estimate(self, tick: int, now_ns: int) -> Estimate | None:
         """Where it is; None before anything is known of that."""
-        if self._odom_in_map is None or self.heard_ns is None:
+        if self._odom_in_map is None or self.received_ns is None:
             return None
         updated, self._updated = self._updated, False
         base_in_map = self._odom_in_map.compose(self.base_in_odom)
@@ -121,7 +125,7 @@ class RemotePose:
     def _is_lost(self, now_ns: int) -> bool:
         if self._restarted:
             return True
-        return self._blind > BLIND_WAY if self._tf_ns is None else now_ns - self._tf_ns > self._silence_ns
+        return self._blind > UNLOCALIZED_DISTANCE if self._tf_ns is None else now_ns - self._tf_ns > self._silence_ns
 
     def _correct(self, odom_in_map: Pose2) -> None:
         self._odom_in_map = odom_in_map
@@ -133,24 +137,24 @@ class RemotePose:
 
     def _twist_to(self, stamp_ns: int, base_in_odom: Pose2) -> Twist:
         seconds = (stamp_ns - self._stamp_ns) / 1e9
-        if self.heard_ns is None or not 0.0 < seconds < 1.0:
+        if self.received_ns is None or not 0.0 < seconds < 1.0:
             return STANDSTILL
         moved = self.base_in_odom.between(base_in_odom)
         return Twist(moved.x / seconds, moved.theta / seconds)
 
-    def _moved(self, stamp_ns: int, base_in_odom: Pose2, twist: Twist, now_ns: int) -> Refused | None:
+    def _moved(self, stamp_ns: int, base_in_odom: Pose2, twist: Twist, now_ns: int) -> InvalidMessage | None:
         if not (_is_finite(base_in_odom) and math.isfinite(twist.linear + twist.angular)):
-            return Refused("its pose or its speed is not finite")
+            return InvalidMessage("its pose or its speed is not finite")
         late_ns = self._stamp_ns - stamp_ns
-        if self.heard_ns is not None:
+        if self.received_ns is not None:
             if 0 < late_ns < SET_BACK_NS:
                 return None
             way = self.base_in_odom.distance(base_in_odom)
-            if (way > _JUMP and now_ns - self.heard_ns < SET_BACK_NS) or late_ns > 0:
+            if (way > _JUMP and now_ns - self.received_ns < SET_BACK_NS) or late_ns > 0:
                 self._odometry.clear()
                 self._restarted = True
             self._blind += way
-        self.heard_ns, self._stamp_ns = now_ns, stamp_ns
+        self.received_ns, self._stamp_ns = now_ns, stamp_ns
         self.base_in_odom, self.twist = base_in_odom, twist
         self._odometry.append((stamp_ns, base_in_odom))
         return None

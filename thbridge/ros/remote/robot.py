@@ -17,15 +17,15 @@ from sim.inputs import Drive, Go, Halt, Localize
 from sim.robot.navigator import Navigation
 from sim.robot.software import RobotOutput
 from thbridge.ros import clients, names
-from thbridge.ros.clients import Refused
+from thbridge.ros.clients import InvalidMessage
 from thbridge.ros.frames import FrameTree, PlanarMount, frame_name
 from thbridge.ros.messages import pack, types, unpack
 from thbridge.ros.messages.goal_status import GoalId
 from thbridge.ros.messages.stamps import START_NS, TICK_NS
 from thbridge.ros.remote.goals import CancelGoal, MoveBaseClient, SetGoal
 from thbridge.ros.remote.names import RemoteNames
-from thbridge.ros.remote.pose import SILENCE_NS, RemotePose
-from thbridge.ros.topics import Message, Topic
+from thbridge.ros.remote.pose import STALE_NS, RemotePose
+from thbridge.ros.topics import RosMessage, Topic
 
 RemoteInput = Go | Halt | Drive | Localize
 """What can be asked of real robots."""
@@ -67,21 +67,21 @@ class RemoteRobot:
     """
 
     def __init__(
-        self, number: int, named: RemoteNames, caller: str, footprint: FloatArray, silence_ns: int = SILENCE_NS
+        self, number: int, named: RemoteNames, caller: str, footprint: FloatArray, stale_ns: int = STALE_NS
     ) -> None:
-        self.said: list[Message] = []
+        self.outgoing: list[RosMessage] = []
         self._number = number
         self.names = named
-        self._silence_ns = silence_ns
+        self._silence_ns = stale_ns
         self._footprint = footprint
-        self._pose = RemotePose(named, silence_ns)
-        self._goals = MoveBaseClient(f"{caller}-robot{number + 1}-", silence_ns)
+        self._pose = RemotePose(named, stale_ns)
+        self._goals = MoveBaseClient(f"{caller}-robot{number + 1}-", stale_ns)
         self._set_goal = Topic(named.action("goal"), types.MOVE_BASE_GOAL)
         self._cancel = Topic(named.action("cancel"), types.GOAL_ID)
         self._cmd_vel = Topic(named.cmd_vel, types.TWIST)
         self._initialpose = Topic(named.initialpose, types.POSE_WITH_COVARIANCE)
-        self.speaks = (self._set_goal, self._cancel, self._cmd_vel, self._initialpose)
-        self._ears: dict[str, tuple[str, Callable[[bytes, int], Refused | None]]] = {
+        self.publications = (self._set_goal, self._cancel, self._cmd_vel, self._initialpose)
+        self._ears: dict[str, tuple[str, Callable[[bytes, int], InvalidMessage | None]]] = {
             names.TF: (types.TFMESSAGE, self._hear_tf),
             names.TF_STATIC: (types.TFMESSAGE, self._hear_static),
             named.odom: (types.ODOMETRY, self._hear_odometry),
@@ -94,7 +94,7 @@ class RemoteRobot:
             named.action("status"): (types.GOAL_STATUS_ARRAY, self._hear_status),
             named.action("result"): (types.MOVE_BASE_RESULT, self._hear_result),
         }
-        self.heard = {topic: kind for topic, (kind, _) in self._ears.items()}
+        self.subscriptions = {topic: kind for topic, (kind, _) in self._ears.items()}
         self._frames = FrameTree()
         self._scan: tuple[unpack.LaserScan, int] | None = None
         self._battery = (math.nan, math.nan, 0)
@@ -108,20 +108,20 @@ class RemoteRobot:
         """What has to be heard before it can take part, each with its topic."""
         named = self.names
         parts = []
-        if self._pose.heard_ns is None:
+        if self._pose.received_ns is None:
             parts.append(f"no odometry on {named.odom}, or {named.odom_frame} -> {named.base_frame} on {names.TF}")
         if not self._pose.localized:
             parts.append(f"no pose on {named.amcl_pose}, or {named.map_frame} -> {named.odom_frame} on {names.TF}")
-        if not self._goals.heard:
+        if not self._goals.server_seen:
             parts.append(f"no action server on {named.action('status')}")
         return parts
 
-    def hear(self, topic: str, data: bytes, now_ns: int) -> Refused | None:
+    def receive(self, topic: str, data: bytes, now_ns: int) -> InvalidMessage | None:
         """A message came on one of the topics in `heard`, of the type that stands there; why it is of no use, if so."""
         try:
             return self._ears[topic][1](data, now_ns)
         except ValueError as error:
-            return Refused(str(error))
+            return InvalidMessage(str(error))
 
     def take(self, item: RemoteInput, now_ns: int) -> None:
         """Ask this of the robot."""
@@ -151,10 +151,10 @@ class RemoteRobot:
     def step(self, now_ns: int) -> RobotOutput | None:
         """What is known of it now; None before that is enough (see `missing`)."""
         tick = tick_of(now_ns)
-        estimate, heard_ns = self._pose.estimate(tick, now_ns), self._pose.heard_ns
+        estimate, heard_ns = self._pose.estimate(tick, now_ns), self._pose.received_ns
         if estimate is None or heard_ns is None:
             return None
-        self._goals.step(now_ns, lost=estimate.lost, silent=now_ns - heard_ns > self._silence_ns)
+        self._goals.step(now_ns, lost=estimate.lost, stale=now_ns - heard_ns > self._silence_ns)
         self._drive_on(now_ns)
         navigation = self._navigation(estimate.base_in_map, now_ns)
         self._say_goals(now_ns)
@@ -173,17 +173,17 @@ class RemoteRobot:
     # What is heard
 
     def _hear_tf(self, data: bytes, now_ns: int) -> None:
-        self._pose.hear_transforms(_transforms(data), now_ns)
+        self._pose.receive_transforms(_transforms(data), now_ns)
 
     def _hear_static(self, data: bytes, now_ns: int) -> None:
         for transform in unpack.spatial_transforms(data):
             self._frames.add(transform)
 
-    def _hear_odometry(self, data: bytes, now_ns: int) -> Refused | None:
-        return self._pose.hear_odometry(unpack.odometry(data), now_ns)
+    def _hear_odometry(self, data: bytes, now_ns: int) -> InvalidMessage | None:
+        return self._pose.receive_odometry(unpack.odometry(data), now_ns)
 
-    def _hear_pose(self, data: bytes, now_ns: int) -> Refused | None:
-        return self._pose.hear_pose(unpack.pose_with_covariance(data))
+    def _hear_pose(self, data: bytes, now_ns: int) -> InvalidMessage | None:
+        return self._pose.receive_pose(unpack.pose_with_covariance(data))
 
     def _hear_scan(self, data: bytes, now_ns: int) -> None:
         self._scan = unpack.laser_scan(data), now_ns
@@ -192,29 +192,29 @@ class RemoteRobot:
         said = unpack.battery_state(data)
         self._battery = said.charge, said.charge / said.percentage if said.percentage else math.nan, now_ns
 
-    def _hear_command(self, data: bytes, now_ns: int) -> Refused | None:
+    def _hear_command(self, data: bytes, now_ns: int) -> InvalidMessage | None:
         command = clients.velocity(data)
-        if isinstance(command, Refused):
+        if isinstance(command, InvalidMessage):
             return command
         self._command = command, now_ns
         return None
 
-    def _hear_plan(self, data: bytes, now_ns: int) -> Refused | None:
+    def _hear_plan(self, data: bytes, now_ns: int) -> InvalidMessage | None:
         plan = unpack.path(data)
         if not np.isfinite(plan).all():
-            return Refused("its poses are not finite")
+            return InvalidMessage("its poses are not finite")
         self._plan, self._plan_ns = plan, now_ns
         return None
 
     def _hear_goal(self, data: bytes, now_ns: int) -> None:
         said = unpack.move_base_goal(data)
-        self._goals.hear_goal(said.goal_id, said.pose, now_ns)
+        self._goals.receive_goal(said.goal_id, said.pose, now_ns)
 
     def _hear_status(self, data: bytes, now_ns: int) -> None:
-        self._goals.hear_status(unpack.goal_status_array(data), now_ns)
+        self._goals.receive_status(unpack.goal_status_array(data), now_ns)
 
     def _hear_result(self, data: bytes, now_ns: int) -> None:
-        self._goals.hear_end(unpack.goal_result(data), now_ns)
+        self._goals.receive_result(unpack.goal_result(data), now_ns)
 
     # What is known
 
@@ -286,7 +286,7 @@ class RemoteRobot:
             self._command = STANDSTILL, now_ns
 
     def _say_goals(self, now_ns: int) -> None:
-        said, self._goals.said = self._goals.said, []
+        said, self._goals.outgoing = self._goals.outgoing, []
         for item in said:
             match item:
                 case SetGoal(goal_id, base_in_map):
@@ -298,7 +298,7 @@ class RemoteRobot:
                     assert_never(item)
 
     def _say(self, topic: Topic, data: bytes, now_ns: int) -> None:
-        self.said.append(Message(topic, now_ns, data))
+        self.outgoing.append(RosMessage(topic, now_ns, data))
 
 
 def missing_of(robots: Sequence[RemoteRobot]) -> list[str]:

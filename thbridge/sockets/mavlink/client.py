@@ -13,7 +13,7 @@ from thbridge.files.errors import reason_of
 from thbridge.sockets.addresses import Address
 from thbridge.sockets.mavlink.udp import BUFFER, SocketAddress
 from thbridge.wire.mavlink.frames.channel import Channel
-from thbridge.wire.mavlink.frames.signing import Signing, SigningKey, Timestamps
+from thbridge.wire.mavlink.frames.signing import SignatureTimestamps, Signing, SigningKey
 from thbridge.wire.mavlink.station.ground_station import GroundStation, StationEvent
 
 CONNECT_SECONDS = 5.0
@@ -29,7 +29,7 @@ class Unreachable(Exception):  # noqa: N818 - nothing went wrong with the progra
     """There is no way to speak to robots there; as text, why, as a clause without its full stop."""
 
 
-class StationLink:
+class StationSocket:
     """A ground station at a socket.
 
     Args:
@@ -48,7 +48,7 @@ class StationLink:
         self._stream = own.type == socket.SOCK_STREAM
         self.waits = not self._stream and peer is None
         self._peers = set() if peer is None else {peer}
-        signing = None if key is None else Signing(key, 0, Timestamps())
+        signing = None if key is None else Signing(key, 0, SignatureTimestamps())
         self._channel = Channel(signing, datagrams=not self._stream)
 
     @property
@@ -117,7 +117,7 @@ class StationLink:
 
 
 @asynccontextmanager
-async def linked(address: Address, tcp: bool, key: SigningKey | None) -> AsyncIterator[StationLink]:
+async def linked(address: Address, tcp: bool, key: SigningKey | None) -> AsyncIterator[StationSocket]:
     """A ground station at an address, while it lasts.
 
     By UDP it takes the address for its own, as ground stations do, where that can be; else it speaks to it.
@@ -151,4 +151,4 @@ async def linked(address: Address, tcp: bool, key: SigningKey | None) -> AsyncIt
                 own.bind(there)
             except OSError:
                 peer = there
-        yield StationLink(own, peer, key)
+        yield StationSocket(own, peer, key)

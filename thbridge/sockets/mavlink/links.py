@@ -11,12 +11,12 @@ from collections.abc import Callable, Iterable, Sequence
 from dataclasses import dataclass
 from typing import Protocol
 
-from thbridge.sockets.rosgraph.connections import Complaints
+from thbridge.sockets.rosgraph.connections import WarnOnce
 from thbridge.wire.mavlink.frames.channel import Channel
 from thbridge.wire.mavlink.frames.frame import Frame
-from thbridge.wire.mavlink.frames.signing import Signing, SigningKey, Timestamps
-from thbridge.wire.mavlink.hub import Sent
-from thbridge.wire.mavlink.links import Drop, LinkReport
+from thbridge.wire.mavlink.frames.signing import SignatureTimestamps, Signing, SigningKey
+from thbridge.wire.mavlink.hub import OutgoingFrame
+from thbridge.wire.mavlink.links import DropReason, LinkReport
 from thbridge.wire.mavlink.outgoing import LinkId
 
 GARBAGE = 16 * 1024
@@ -25,14 +25,14 @@ GARBAGE = 16 * 1024
 _log = logging.getLogger(__name__)
 
 
-class Exchange(Protocol):
+class MavlinkSession(Protocol):
     """What is behind the links: the session, with its vehicles.
 
     Attributes:
         transmit: sends what vehicles say by themselves; the links take it over.
     """
 
-    transmit: Callable[[Sequence[Sent]], None]
+    transmit: Callable[[Sequence[OutgoingFrame]], None]
 
     def open_link(self, name: str, robot: int | None = None) -> LinkId:
         """From now on there is a link of this name, to this robot alone if one is given, from 0."""
@@ -43,14 +43,14 @@ class Exchange(Protocol):
     def report(self, link: LinkId) -> LinkReport | None:
         """How a link stands; None: there is no such link."""
 
-    def why_not(self, link: LinkId, frame: Frame) -> Drop | None:
+    def why_not(self, link: LinkId, frame: Frame) -> DropReason | None:
         """Why a frame would be dropped that comes in on a link."""
 
-    def receive_frame(self, link: LinkId, frame: Frame) -> Sequence[Sent]:
+    def receive_frame(self, link: LinkId, frame: Frame) -> Sequence[OutgoingFrame]:
         """A frame has come in; what goes out at once."""
 
 
-class Carrier(Protocol):
+class FrameSender(Protocol):
     """What takes the bytes of one link."""
 
     def carry(self, frames: Sequence[bytes]) -> int:
@@ -58,7 +58,7 @@ class Carrier(Protocol):
 
 
 @dataclass(frozen=True, slots=True)
-class Totals:
+class FrameTotals:
     """What all links together have carried.
 
     Attributes:
@@ -76,10 +76,10 @@ class Totals:
 class _Link:
     name: str
     channel: Channel
-    carrier: Carrier
+    carrier: FrameSender
 
 
-class Links:
+class MavlinkLinks:
     """Brings frames to and fro between links and a session.
 
     Args:
@@ -88,21 +88,21 @@ class Links:
     """
 
     def __init__(self, key: SigningKey | None, clock: Callable[[], float] = time.time) -> None:
-        self.complaints = Complaints(_log)
+        self.complaints = WarnOnce(_log)
         self._key = key
-        self._timestamps = Timestamps()
+        self._timestamps = SignatureTimestamps()
         self._clock = clock
-        self._exchange: Exchange | None = None
+        self._exchange: MavlinkSession | None = None
         self._links: dict[LinkId, _Link] = {}
         self._met = 0
         self._received = self._sent = self._unsent = 0
 
     @property
-    def totals(self) -> Totals:
+    def totals(self) -> FrameTotals:
         """What was carried until now."""
-        return Totals(self._received, self._sent, self._unsent)
+        return FrameTotals(self._received, self._sent, self._unsent)
 
-    def serve(self, exchange: Exchange) -> None:
+    def serve(self, exchange: MavlinkSession) -> None:
         """From now on links may be opened, and lead there."""
         self._exchange = exchange
         exchange.transmit = self.transmit
@@ -113,7 +113,7 @@ class Links:
         signing = None if self._key is None else Signing(self._key, self._met % 256, self._timestamps)
         return Channel(signing, datagrams=datagrams)
 
-    def open(self, name: str, channel: Channel, carrier: Carrier, robot: int | None = None) -> LinkId | None:
+    def open(self, name: str, channel: Channel, carrier: FrameSender, robot: int | None = None) -> LinkId | None:
         """A new link, to this robot alone if one is given, from 0; None as long as nothing is served."""
         if self._exchange is None:
             return None
@@ -139,7 +139,7 @@ class Links:
         """Frames have come in on a link; they are answered at once."""
         if self._exchange is None:
             return
-        answers: list[Sent] = []
+        answers: list[OutgoingFrame] = []
         for frame in frames:
             why = self._exchange.why_not(link, frame)
             if why is not None:
@@ -147,7 +147,7 @@ class Links:
             answers += self._exchange.receive_frame(link, frame)
         self.transmit(answers)
 
-    def transmit(self, sent: Sequence[Sent]) -> None:
+    def transmit(self, sent: Sequence[OutgoingFrame]) -> None:
         """Send frames, each on its link."""
         now = self._clock()
         waiting: defaultdict[LinkId, list[bytes]] = defaultdict(list)

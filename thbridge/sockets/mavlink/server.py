@@ -5,9 +5,9 @@ from contextlib import AsyncExitStack
 from dataclasses import dataclass
 
 from thbridge.sockets.addresses import Address
-from thbridge.sockets.mavlink.links import Exchange, Links
+from thbridge.sockets.mavlink.links import MavlinkLinks, MavlinkSession
 from thbridge.sockets.mavlink.tcp import TcpPort, tcp_port
-from thbridge.sockets.mavlink.udp import Target, UdpPort, udp_listener, udp_port
+from thbridge.sockets.mavlink.udp import UdpPort, UdpTarget, udp_listener, udp_port
 from thbridge.sockets.text_server import CannotListen
 from thbridge.wire.mavlink.frames.signing import SigningKey
 
@@ -15,7 +15,7 @@ _log = logging.getLogger(__name__)
 
 
 @dataclass(frozen=True, slots=True)
-class Ports:
+class MavlinkPorts:
     """Where ground stations reach a session.
 
     Attributes:
@@ -25,7 +25,7 @@ class Ports:
         udp_listen: where to listen by UDP for those who speak first; None for nowhere.
     """
 
-    udp: tuple[Target, ...]
+    udp: tuple[UdpTarget, ...]
     tcp: Address | None
     key: SigningKey | None
     udp_listen: Address | None = None
@@ -34,9 +34,9 @@ class Ports:
 class MavlinkServer:
     """Speaks MAVLink for a session."""
 
-    def __init__(self, ports: Ports) -> None:
+    def __init__(self, ports: MavlinkPorts) -> None:
         self._ports = ports
-        self._links = Links(ports.key)
+        self._links = MavlinkLinks(ports.key)
         self._udp_ports: list[UdpPort] = []
         self._tcp_port: TcpPort | None = None
         self._opened = AsyncExitStack()
@@ -70,7 +70,7 @@ class MavlinkServer:
             self._udp_ports.append(port)
         return port
 
-    async def serve(self, exchange: Exchange) -> None:
+    async def serve(self, exchange: MavlinkSession) -> None:
         """Bring everything that comes in there, and take from there what is said."""
         self._links.serve(exchange)
         for port in self._udp_ports:

@@ -9,7 +9,7 @@ from collections.abc import Sequence
 
 from thbridge.files.errors import reason_of
 from thbridge.sockets.addresses import Address
-from thbridge.sockets.mavlink.links import GARBAGE, Links
+from thbridge.sockets.mavlink.links import GARBAGE, MavlinkLinks
 from thbridge.sockets.text_server import CannotListen
 from thbridge.wire.mavlink.frames.channel import Channel
 from thbridge.wire.mavlink.outgoing import LinkId
@@ -35,7 +35,7 @@ class TcpPort:
         where: how it is reached.
     """
 
-    def __init__(self, links: Links, own: socket.socket) -> None:
+    def __init__(self, links: MavlinkLinks, own: socket.socket) -> None:
         self.links = links
         where = own.getsockname()
         self.where = Address(where[0], where[1])
@@ -76,7 +76,7 @@ class TcpPort:
         self._all_closed.set()
 
 
-async def tcp_port(links: Links, address: Address) -> TcpPort | CannotListen:
+async def tcp_port(links: MavlinkLinks, address: Address) -> TcpPort | CannotListen:
     """Take a port; 0 takes any that is free."""
     try:
         found = await asyncio.get_running_loop().getaddrinfo(address.host, address.port, type=socket.SOCK_STREAM)

@@ -11,7 +11,7 @@ from typing import NamedTuple, cast
 
 from thbridge.files.errors import reason_of
 from thbridge.sockets.addresses import Address, address_in
-from thbridge.sockets.mavlink.links import GARBAGE, Links
+from thbridge.sockets.mavlink.links import GARBAGE, MavlinkLinks
 from thbridge.sockets.text_server import CannotListen
 from thbridge.wire.mavlink.frames.channel import Channel
 from thbridge.wire.mavlink.outgoing import LinkId
@@ -39,7 +39,7 @@ SocketAddress = tuple[str, int] | tuple[str, int, int, int]
 """As sockets have it: of IPv4, or of IPv6."""
 
 
-class Target(NamedTuple):
+class UdpTarget(NamedTuple):
     """To whom a socket speaks from the start.
 
     Attributes:
@@ -54,15 +54,15 @@ class Target(NamedTuple):
         return f"{self.address}" if self.robot is None else f"{self.address}/{self.robot + 1}"
 
 
-def target_in(text: str) -> Target | None:
+def target_in(text: str) -> UdpTarget | None:
     """The target that HOST:PORT means, or HOST:PORT/ROBOT with a robot's number from 1. None: it means none."""
     where, slash, number = text.partition("/")
     address = address_in(where)
     if address is None or not slash:
-        return None if address is None else Target(address)
+        return None if address is None else UdpTarget(address)
     if not (number.isascii() and number.isdecimal() and int(number) > 0):
         return None
-    return Target(address, int(number) - 1)
+    return UdpTarget(address, int(number) - 1)
 
 
 @dataclass(slots=True)
@@ -118,7 +118,7 @@ class UdpPort:
     """
 
     def __init__(
-        self, links: Links, own: socket.socket, target: SocketAddress | None, robot: int | None = None
+        self, links: MavlinkLinks, own: socket.socket, target: SocketAddress | None, robot: int | None = None
     ) -> None:
         self._links = links
         self._robot = robot
@@ -204,13 +204,13 @@ class UdpPort:
             peer.link = self._links.open(_name(address), peer.channel, outlet, self._robot)
 
 
-async def udp_port(links: Links, target: Target) -> UdpPort | CannotListen:
+async def udp_port(links: MavlinkLinks, target: UdpTarget) -> UdpPort | CannotListen:
     """A socket for a target, on this machine alone if the target is on it; not in use yet."""
     found = await _bound(target.address, lambda there, family: (_local(there[0], family), 0))
     return found if isinstance(found, CannotListen) else UdpPort(links, found.socket, found.given, target.robot)
 
 
-async def udp_listener(links: Links, where: Address) -> UdpPort | CannotListen:
+async def udp_listener(links: MavlinkLinks, where: Address) -> UdpPort | CannotListen:
     """A socket at this address, for whoever speaks to it first; not in use yet."""
     found = await _bound(where, lambda there, family: there)
     return found if isinstance(found, CannotListen) else UdpPort(links, found.socket, None)

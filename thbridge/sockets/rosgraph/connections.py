@@ -39,7 +39,7 @@ def endpoints(transport: Transport) -> tuple[int, str, int, int]:
     return here[1], there[0], there[1], transport.get_extra_info("socket").fileno()
 
 
-class Complaints:
+class WarnOnce:
     """Warns of each thing once, however often a peer tries."""
 
     def __init__(self, log: logging.Logger) -> None:

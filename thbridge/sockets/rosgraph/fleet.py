@@ -13,16 +13,16 @@ from sim.parameters import RobotParameters, WorldParameters
 from sim.team import TeamSnapshot
 from thbridge.files.ros.definitions import Definitions
 from thbridge.ros import names
-from thbridge.ros.clients import Refused
+from thbridge.ros.clients import InvalidMessage
 from thbridge.ros.messages import types
 from thbridge.ros.messages.cursor import Cursor
 from thbridge.ros.remote import RemoteRobot
 from thbridge.ros.remote.clock import RosClock
 from thbridge.ros.remote.robot import missing_of, tick_of
-from thbridge.ros.topics import Message
-from thbridge.sockets.rosgraph.connections import Complaints
-from thbridge.sockets.rosgraph.joining import Graph
-from thbridge.sockets.rosgraph.node import RosNode, Started
+from thbridge.ros.topics import RosMessage
+from thbridge.sockets.rosgraph.connections import WarnOnce
+from thbridge.sockets.rosgraph.joining import GraphAddress
+from thbridge.sockets.rosgraph.node import NodeStarted, RosNode
 from thbridge.sockets.rosgraph.publications import Publication
 from thbridge.sockets.text_server import CannotListen
 from thbridge.wire.rosgraph import links
@@ -37,13 +37,13 @@ AT_HOME = 0.5
 _log = logging.getLogger(__name__)
 
 
-class Ear(Protocol):
+class TrafficRecorder(Protocol):
     """Whoever takes down what goes to and fro; it must not raise."""
 
-    def heard(self, topic: links.Topic, publisher: str, stamp_ns: int, data: bytes) -> None:
+    def heard(self, topic: links.TopicHeader, publisher: str, stamp_ns: int, data: bytes) -> None:
         """A message came, exactly so, at this ROS time."""
 
-    def said(self, message: Message) -> None:
+    def said(self, message: RosMessage) -> None:
         """A message was said to a robot."""
 
 
@@ -59,9 +59,9 @@ class Fleet:
 
     def __init__(
         self,
-        graph: Graph,
+        graph: GraphAddress,
         robots: Sequence[RemoteRobot],
-        ear: Ear,
+        ear: TrafficRecorder,
         wall: Callable[[], int] = time.time_ns,
     ) -> None:
         self._node = RosNode(CALLER, graph.master_uri, graph.host, on_shutdown=self._told_to_go)
@@ -71,17 +71,19 @@ class Fleet:
         self._clock: RosClock | None = None
         self._definitions = Definitions()
         self._publications: dict[str, Publication] = {
-            topic.name: self._advertise(topic.name, topic.msgtype) for robot in self._robots for topic in robot.speaks
+            topic.name: self._advertise(topic.name, topic.msgtype)
+            for robot in self._robots
+            for topic in robot.publications
         }
-        self._met: dict[tuple[str, str], links.Topic] = {}
+        self._met: dict[tuple[str, str], links.TopicHeader] = {}
         self._joining: asyncio.Task[None] | None = None
-        self._complaints = Complaints(_log)
+        self._complaints = WarnOnce(_log)
         self._last: TeamSnapshot | None = None
 
-    async def start(self) -> Started | CannotListen:
+    async def start(self) -> NodeStarted | CannotListen:
         """Join the graph; neither master nor robots need be there yet."""
         started = await self._node.start()
-        if isinstance(started, Started):
+        if isinstance(started, NodeStarted):
             self._joining = asyncio.get_running_loop().create_task(self._join())
         return started
 
@@ -185,16 +187,16 @@ class Fleet:
             named = robot.names
             for topic in (*named.recorded, named.action("feedback"), named.action("cancel"), named.initialpose):
                 wanted.setdefault(topic, [])
-            for topic in robot.heard:
+            for topic in robot.subscriptions:
                 wanted.setdefault(topic, []).append(robot)
         wanted.pop(names.CLOCK, None)  # No bag holds it: who plays a bag makes the time.
         for topic, robots in wanted.items():
-            self._listen(topic, {robot: robot.heard[topic] for robot in robots})
+            self._listen(topic, {robot: robot.subscriptions[topic] for robot in robots})
 
     def _follow_time(self, clock: RosClock) -> None:
         def heard(data: bytes, publisher: str) -> None:
             try:
-                clock.hear(Cursor(data).stamp(), self._wall())
+                clock.receive(Cursor(data).stamp(), self._wall())
             except ValueError as error:
                 self._complaints.tell(f"{names.CLOCK}: what {publisher} says is of no use: {error}")
 
@@ -203,7 +205,7 @@ class Fleet:
     def _listen(self, topic: str, robots: Mapping[RemoteRobot, str]) -> None:
         wanted = {robot: self._definitions.of(kind).md5 for robot, kind in robots.items()}
 
-        def met(publisher: str, said: links.Topic) -> None:
+        def met(publisher: str, said: links.TopicHeader) -> None:
             self._met[topic, publisher] = said
             if said.md5 not in wanted.values() and wanted:
                 kind = next(iter(robots.values()))
@@ -216,7 +218,7 @@ class Fleet:
             said = self._met[topic, publisher]
             self._ear.heard(said, publisher, now_ns, data)
             for robot, md5 in wanted.items():
-                if said.md5 == md5 and isinstance(refused := robot.hear(topic, data, now_ns), Refused):
+                if said.md5 == md5 and isinstance(refused := robot.receive(topic, data, now_ns), InvalidMessage):
                     self._complaints.tell(f"{topic}: what {publisher} says is of no use: {refused.sentence}")
 
         self._node.subscribe(topic, "*", "*", heard, met=met)
@@ -226,7 +228,7 @@ class Fleet:
         return self._node.advertise(topic, msgtype, definition.md5, definition.text)
 
     def _speak(self, robot: RemoteRobot) -> None:
-        said, robot.said = robot.said, []
+        said, robot.outgoing = robot.outgoing, []
         for message in said:
             self._publications[message.topic.name].publish(message.data)
             self._ear.said(message)

@@ -16,8 +16,8 @@ from thbridge.files.errors import reason_of
 from thbridge.wire.rosgraph.xmlrpc import (
     MAX_BYTES,
     Fault,
-    Malformed,
-    Response,
+    MalformedDocument,
+    MethodResponse,
     XmlRpcValue,
     decode_response,
     encode_call,
@@ -83,7 +83,7 @@ class XmlRpcClient:
 
     async def call(
         self, uri: str, method: str, *params: XmlRpcValue, timeout: float = 5.0
-    ) -> Response | Fault | CallFailed:
+    ) -> MethodResponse | Fault | CallFailed:
         """Call a method.
 
         Args:
@@ -110,7 +110,7 @@ class XmlRpcClient:
             return CallFailed(uri, "it hung up")
         except (h11.ProtocolError, _NotAnAnswerError, UnicodeError) as error:  # the last: a host's name that is none
             return CallFailed(uri, str(error))
-        if isinstance(answer, Malformed):
+        if isinstance(answer, MalformedDocument):
             return CallFailed(uri, f"the answer is no XML-RPC: {answer.reason}")
         return answer
 

@@ -15,12 +15,12 @@ from typing import TypeAlias
 import h11
 
 from thbridge.files.errors import reason_of
-from thbridge.sockets.text_server import CannotListen, Listening
+from thbridge.sockets.text_server import CannotListen, ListeningAddress
 from thbridge.wire.rosgraph.xmlrpc import (
     MAX_BYTES,
-    Call,
     Fault,
-    Malformed,
+    MalformedDocument,
+    MethodCall,
     XmlRpcValue,
     decode_call,
     encode_fault,
@@ -38,12 +38,12 @@ _APPLICATION_ERROR = 1
 _PARSE_ERROR = -32700
 """The code of a call that cannot be read. Source: http://xmlrpc-epi.sourceforge.net/specs/rfc.fault_codes.php."""
 
-Handler: TypeAlias = Callable[[Call, str], XmlRpcValue | Fault | Awaitable[XmlRpcValue | Fault]]
+CallHandler: TypeAlias = Callable[[MethodCall, str], XmlRpcValue | Fault | Awaitable[XmlRpcValue | Fault]]
 """Carries out a call from a peer's address, at once or in time."""
 
 
 @dataclass(frozen=True, slots=True)
-class ServerLimits:
+class HttpLimits:
     """What a server bears with.
 
     Args:
@@ -72,10 +72,10 @@ class XmlRpcServer:
         limits: what is borne with.
     """
 
-    def __init__(self, methods: Collection[str], handler: Handler, limits: ServerLimits | None = None) -> None:
+    def __init__(self, methods: Collection[str], handler: CallHandler, limits: HttpLimits | None = None) -> None:
         self._methods = frozenset(methods)
         self._handler = handler
-        self._limits = limits or ServerLimits()
+        self._limits = limits or HttpLimits()
         self._server: asyncio.Server | None = None
         self._connections: OrderedDict[asyncio.Task[None], None] = OrderedDict()
         """Longest silent first."""
@@ -86,7 +86,7 @@ class XmlRpcServer:
         """How many are open."""
         return len(self._connections)
 
-    async def start(self, host: str = "127.0.0.1", port: int = 0) -> Listening | CannotListen:
+    async def start(self, host: str = "127.0.0.1", port: int = 0) -> ListeningAddress | CannotListen:
         """Begin to serve; port 0 takes any that is free."""
         if not 0 <= port <= 65535:
             return CannotListen(host, port, "a port is a number from 0 to 65535")
@@ -97,7 +97,7 @@ class XmlRpcServer:
         except UnicodeError:
             return CannotListen(host, port, "that is not a host's name")
         address = self._server.sockets[0].getsockname()
-        return Listening(address[0], address[1])
+        return ListeningAddress(address[0], address[1])
 
     async def stop(self) -> None:
         """Close the port and cut off every connection."""
@@ -111,7 +111,7 @@ class XmlRpcServer:
         await self._server.wait_closed()
         self._server = None
 
-    async def answer(self, call: Call, peer: str) -> XmlRpcValue | Fault:
+    async def answer(self, call: MethodCall, peer: str) -> XmlRpcValue | Fault:
         """Carry out a call; one of this process as well, without a socket."""
         if call.method == "system.listMethods":
             return [*sorted(self._methods), "system.listMethods", "system.multicall"]
@@ -126,7 +126,7 @@ class XmlRpcServer:
             _log.exception("the call %s of %s failed", call.method, peer)
             return Fault(_APPLICATION_ERROR, f"internal error: {error!r}")
 
-    async def _multicall(self, multicall: Call, peer: str) -> XmlRpcValue | Fault:
+    async def _multicall(self, multicall: MethodCall, peer: str) -> XmlRpcValue | Fault:
         """Several calls at once: a list of one-element lists, or of faults as structs.
 
         Source: https://mirrors.talideon.com/articles/multicall.html
@@ -142,7 +142,7 @@ class XmlRpcServer:
             case {"methodName": "system.multicall"}:
                 answer: XmlRpcValue | Fault = Fault(_APPLICATION_ERROR, "system.multicall must not call itself")
             case {"methodName": str(method), "params": list(params)}:
-                answer = await self.answer(Call(method, params), peer)
+                answer = await self.answer(MethodCall(method, params), peer)
             case _:
                 answer = Fault(_APPLICATION_ERROR, "a call is a struct of methodName and params")
         if isinstance(answer, Fault):
@@ -231,7 +231,7 @@ class XmlRpcServer:
 
     async def _answer_to(self, body: bytes, peer: str) -> bytes:
         call = decode_call(body)
-        if isinstance(call, Malformed):
+        if isinstance(call, MalformedDocument):
             return encode_fault(_PARSE_ERROR, f"this is no XML-RPC call: {call.reason}")
         answer = await self.answer(call, peer)
         if isinstance(answer, Fault):

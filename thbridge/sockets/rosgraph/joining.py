@@ -18,7 +18,7 @@ _OURS = frozenset({"127.0.0.1", "localhost", "::1"})
 
 
 @dataclass(frozen=True, slots=True)
-class Graph:
+class GraphAddress:
     """Where to meet ROS.
 
     Attributes:
@@ -30,7 +30,7 @@ class Graph:
     host: str = "127.0.0.1"
 
 
-class Master(Enum):
+class MasterPresence(Enum):
     """Who is the master of a graph."""
 
     FOUND = "a master was there"
@@ -48,16 +48,16 @@ def is_master_uri(text: str) -> bool:
 
 
 @asynccontextmanager
-async def master_of(graph: Graph) -> AsyncIterator[Master | CannotListen]:
+async def master_of(graph: GraphAddress) -> AsyncIterator[MasterPresence | CannotListen]:
     """While it lasts there is a master, where none is there and the address is this machine's: then it is ours."""
     client = XmlRpcClient()
     answer = await client.call(graph.master_uri, "getPid", "/thbridge", timeout=_PATIENCE)
     await client.close()
     parts = urlsplit(graph.master_uri)
     if not isinstance(answer, CallFailed):
-        yield Master.FOUND
+        yield MasterPresence.FOUND
     elif parts.hostname not in _OURS | {graph.host}:
-        yield Master.AWAITED
+        yield MasterPresence.AWAITED
     else:
         async with MasterServer(graph.host, parts.port or DEFAULT_PORT) as own:
-            yield own if isinstance(own, CannotListen) else Master.OURS
+            yield own if isinstance(own, CannotListen) else MasterPresence.OURS

@@ -14,19 +14,19 @@ from types import TracebackType
 from thbridge.sockets.rosgraph.http_client import CallFailed, XmlRpcClient
 from thbridge.sockets.rosgraph.http_server import XmlRpcServer
 from thbridge.sockets.rosgraph.rosout import rosout_node
-from thbridge.sockets.text_server import CannotListen, Listening
+from thbridge.sockets.text_server import CannotListen, ListeningAddress
 from thbridge.timing.loop import stopping
 from thbridge.wire.rosgraph.master import (
     ERROR,
     METHODS,
+    ApiReply,
     Master,
+    NodeShutdown,
     Notification,
     ParamUpdate,
     PublisherUpdate,
-    Reply,
-    Shutdown,
 )
-from thbridge.wire.rosgraph.xmlrpc import Call, Fault, Response, XmlRpcValue
+from thbridge.wire.rosgraph.xmlrpc import Fault, MethodCall, MethodResponse, XmlRpcValue
 
 DEFAULT_HOST = "127.0.0.1"
 DEFAULT_PORT = 11311
@@ -75,7 +75,7 @@ class MasterServer:
         """How many connections of nodes and tools are open."""
         return self._server.connections
 
-    async def start(self) -> Listening | CannotListen:
+    async def start(self) -> ListeningAddress | CannotListen:
         """Begin to serve."""
         where = await self._server.start(self._host, self._port)
         if isinstance(where, CannotListen):
@@ -107,18 +107,18 @@ class MasterServer:
         """Wait until a node calls ``shutdown``."""
         await self._stopped.wait()
 
-    def call(self, method: str, caller_id: str, *params: XmlRpcValue) -> Reply:
+    def call(self, method: str, caller_id: str, *params: XmlRpcValue) -> ApiReply:
         """Carry out a call of this process, as if it had come over a socket.
 
         Raises:
             KeyError: there is no such method.
         """
-        return self._carry_out(Call(method, [caller_id, *params]))
+        return self._carry_out(MethodCall(method, [caller_id, *params]))
 
-    def _handle(self, call: Call, peer: str) -> XmlRpcValue:
+    def _handle(self, call: MethodCall, peer: str) -> XmlRpcValue:
         return self._carry_out(call).as_value()
 
-    def _carry_out(self, call: Call) -> Reply:
+    def _carry_out(self, call: MethodCall) -> ApiReply:
         reply, notifications = self._master.handle(call)
         for notification in notifications:
             self._deliveries.post(notification)
@@ -130,24 +130,24 @@ class MasterServer:
         match notification:
             case PublisherUpdate(api, topic, publishers):
                 answer = await self._tell(api, "publisherUpdate", topic, [*publishers])
-            case Shutdown(api, node, reason):
+            case NodeShutdown(api, node, reason):
                 answer = await self._tell(api, "shutdown", f"[{node}] Reason: {reason}")
             case ParamUpdate(api, key, value):
                 answer = await self._tell(api, "paramUpdate", key, value)
                 match answer:
-                    case Response([int(status), *_]) if status == ERROR:
+                    case MethodResponse([int(status), *_]) if status == ERROR:
                         self._master.refuse_update(api, key)
-        if not isinstance(answer, Response):
+        if not isinstance(answer, MethodResponse):
             _log.info("could not be told (%s): %s", answer, notification)
 
-    async def _tell(self, api: str, method: str, *params: XmlRpcValue) -> Response | Fault | CallFailed:
+    async def _tell(self, api: str, method: str, *params: XmlRpcValue) -> MethodResponse | Fault | CallFailed:
         try:
             return await self._client.call(api, method, CALLER_ID, *params, timeout=self._patience)
         except ValueError as error:  # a parameter that somebody set, and that is too long once it is written
             return CallFailed(api, str(error))
 
 
-async def serve(host: str, port: int, ready: Callable[[Listening | CannotListen], None]) -> None:
+async def serve(host: str, port: int, ready: Callable[[ListeningAddress | CannotListen], None]) -> None:
     """Be what roscore is, master and log, until Ctrl-C, SIGTERM, or a node's call of ``shutdown``.
 
     Args:
@@ -219,7 +219,7 @@ def _subject(notification: Notification) -> tuple[str, str]:
             return "topic", topic
         case ParamUpdate(_, key, _):
             return "parameter", key
-        case Shutdown(_, node, _):
+        case NodeShutdown(_, node, _):
             return "node", node
 
 

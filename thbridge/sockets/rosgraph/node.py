@@ -23,28 +23,40 @@ from typing import TypeAlias
 
 from thbridge.files.errors import reason_of
 from thbridge.sockets.rosgraph.http_client import CallFailed, XmlRpcClient
-from thbridge.sockets.rosgraph.http_server import ServerLimits, XmlRpcServer
+from thbridge.sockets.rosgraph.http_server import HttpLimits, XmlRpcServer
 from thbridge.sockets.rosgraph.publications import Publication
-from thbridge.sockets.rosgraph.registrar import Addresses, Happenings, Kind, Registrar, Registration
+from thbridge.sockets.rosgraph.registrar import (
+    MasterCallbacks,
+    NodeAddresses,
+    Registrar,
+    Registration,
+    RegistrationKind,
+)
 from thbridge.sockets.rosgraph.replies import value_of
 from thbridge.sockets.rosgraph.service_calls import ask
-from thbridge.sockets.rosgraph.subscriptions import Heard, Met, Subscribing, Subscription, take_no_notice
-from thbridge.sockets.rosgraph.tcpros_server import Handler, TcprosServer
+from thbridge.sockets.rosgraph.subscriptions import (
+    MessageCallback,
+    PublisherCallback,
+    Subscription,
+    SubscriptionRequest,
+    take_no_notice,
+)
+from thbridge.sockets.rosgraph.tcpros_server import ServiceHandler, TcprosServer
 from thbridge.sockets.text_server import CannotListen
-from thbridge.wire.rosgraph.links import Service, ServiceFailed, Topic
+from thbridge.wire.rosgraph.links import ServiceFailed, ServiceHeader, TopicHeader
 from thbridge.wire.rosgraph.outbound import ServiceClientLink
 from thbridge.wire.rosgraph.slave import (
     METHODS,
     Consequence,
-    Node,
+    NodeDescription,
     ParameterChanged,
     PublishersChanged,
-    ShutdownAsked,
+    ShutdownRequested,
     answer,
 )
-from thbridge.wire.rosgraph.xmlrpc import Call, XmlRpcValue
+from thbridge.wire.rosgraph.xmlrpc import MethodCall, XmlRpcValue
 
-Changed: TypeAlias = Callable[[str, XmlRpcValue], None]
+ParamCallback: TypeAlias = Callable[[str, XmlRpcValue], None]
 """Hears the key of a parameter and its new value."""
 
 _CALLERS = 128
@@ -54,7 +66,7 @@ _log = logging.getLogger(__name__)
 
 
 @dataclass(frozen=True, slots=True)
-class Started:
+class NodeStarted:
     """That a node can be reached.
 
     Attributes:
@@ -112,19 +124,22 @@ class RosNode:
         self._on_shutdown = on_shutdown
         self._numbers = itertools.count(1)
         self._client = XmlRpcClient()
-        self._slave = XmlRpcServer(METHODS, self._answer, ServerLimits(connections=_CALLERS))
+        self._slave = XmlRpcServer(METHODS, self._answer, HttpLimits(connections=_CALLERS))
         self._tcpros = TcprosServer(name, self._numbers)
         self._tcpros_port = 0
         self._subscriptions: dict[str, Subscription] = {}
-        self._parameters: dict[str, Changed] = {}
+        self._parameters: dict[str, ParamCallback] = {}
         self._registrar = Registrar(
-            self._client, master_uri, name, Happenings(on_lost, on_found, lambda: self._go("another node has its name"))
+            self._client,
+            master_uri,
+            name,
+            MasterCallbacks(on_lost, on_found, lambda: self._go("another node has its name")),
         )
-        self._addresses = Addresses("", "")
+        self._addresses = NodeAddresses("", "")
         self._registering: asyncio.Task[None] | None = None
         self._leaving: asyncio.Task[None] | None = None
 
-    async def start(self) -> Started | CannotListen:
+    async def start(self) -> NodeStarted | CannotListen:
         """Listen, and begin to register; the master need not be there yet."""
         address = await self._address()
         if isinstance(address, CannotListen):
@@ -137,9 +152,9 @@ class RosNode:
             await self._tcpros.stop()
             return slave
         self._tcpros_port = tcpros.port
-        self._addresses = Addresses(f"http://{self._told}:{slave.port}/", f"rosrpc://{self._told}:{tcpros.port}")
+        self._addresses = NodeAddresses(f"http://{self._told}:{slave.port}/", f"rosrpc://{self._told}:{tcpros.port}")
         self._registering = asyncio.get_running_loop().create_task(self._registrar.run(self._addresses))
-        return Started(self._addresses.slave)
+        return NodeStarted(self._addresses.slave)
 
     async def _address(self) -> str | CannotListen:
         """The one address of our host: ROS's nodes know IPv4 only, and a name may have others beside."""
@@ -193,8 +208,8 @@ class RosNode:
         """
         if topic in self._tcpros.publications:
             raise ValueError(f"{topic} is published already")
-        publication = self._tcpros.offer(Topic(topic, kind, md5, definition, latched))
-        self._registrar.want(Registration(Kind.PUBLISHER, topic, kind), _ignore_value)
+        publication = self._tcpros.offer(TopicHeader(topic, kind, md5, definition, latched))
+        self._registrar.want(Registration(RegistrationKind.PUBLISHER, topic, kind), _ignore_value)
         return publication
 
     def subscribe(
@@ -202,9 +217,9 @@ class RosNode:
         topic: str,
         kind: str,
         md5: str,
-        heard: Heard,
+        heard: MessageCallback,
         tcp_nodelay: bool = True,
-        met: Met = take_no_notice,
+        met: PublisherCallback = take_no_notice,
     ) -> None:
         """Subscribe to a topic, whoever publishes it, this node included.
 
@@ -221,7 +236,7 @@ class RosNode:
         """
         if topic in self._subscriptions:
             raise ValueError(f"{topic} is subscribed to already")
-        what = Subscribing(topic, kind, md5, tcp_nodelay)
+        what = SubscriptionRequest(topic, kind, md5, tcp_nodelay)
         subscription = Subscription(self.name, what, heard, self._client, self._numbers, met)
         self._subscriptions[topic] = subscription
 
@@ -229,9 +244,11 @@ class RosNode:
             if isinstance(publishers, list):
                 subscription.name_publishers([each for each in publishers if isinstance(each, str)])
 
-        self._registrar.want(Registration(Kind.SUBSCRIBER, topic, kind), registered)
+        self._registrar.want(Registration(RegistrationKind.SUBSCRIBER, topic, kind), registered)
 
-    def serve(self, service: str, kind: str, md5: str, request_type: str, response_type: str, handler: Handler) -> None:
+    def serve(
+        self, service: str, kind: str, md5: str, request_type: str, response_type: str, handler: ServiceHandler
+    ) -> None:
         """Serve a service.
 
         Args:
@@ -247,8 +264,8 @@ class RosNode:
         """
         if self._tcpros.service(service) is not None:
             raise ValueError(f"{service} is served already")
-        self._tcpros.serve(Service(service, kind, md5, request_type, response_type), handler)
-        self._registrar.want(Registration(Kind.SERVICE, service), _ignore_value)
+        self._tcpros.serve(ServiceHeader(service, kind, md5, request_type, response_type), handler)
+        self._registrar.want(Registration(RegistrationKind.SERVICE, service), _ignore_value)
 
     async def call_service(self, service: str, md5: str, request: bytes, timeout: float) -> bytes | ServiceFailed:
         """Call a service of any node.
@@ -284,7 +301,7 @@ class RosNode:
         """
         self._registrar.declare(key, value)
 
-    def subscribe_param(self, key: str, changed: Changed) -> None:
+    def subscribe_param(self, key: str, changed: ParamCallback) -> None:
         """Hear of changes that others make to a parameter or to any below it.
 
         Args:
@@ -298,22 +315,22 @@ class RosNode:
         if key in self._parameters:
             raise ValueError(f"{key} is subscribed to already")
         self._parameters[key] = changed
-        self._registrar.want(Registration(Kind.PARAMETER, key), _ignore_value)
+        self._registrar.want(Registration(RegistrationKind.PARAMETER, key), _ignore_value)
 
     async def _ask_master(self, method: str, *params: XmlRpcValue) -> XmlRpcValue | CallFailed:
         reply = await self._client.call(self.master_uri, method, self.name, *params)
         return value_of(self.master_uri, reply)
 
-    def _answer(self, call: Call, peer: str) -> XmlRpcValue:
+    def _answer(self, call: MethodCall, peer: str) -> XmlRpcValue:
         told = answer(call, self._described())
         if told.consequence is not None:
             # The caller has its reply first: what follows may be the end of this node.
             asyncio.get_running_loop().call_soon(self._carry_out, told.consequence)
         return told.reply
 
-    def _described(self) -> Node:
+    def _described(self) -> NodeDescription:
         subscribed = [connection for each in self._subscriptions.values() for connection in each.connections()]
-        return Node(
+        return NodeDescription(
             name=self.name,
             uri=self._addresses.slave,
             master_uri=self.master_uri,
@@ -333,7 +350,7 @@ class RosNode:
             case ParameterChanged(key, value, wanted):
                 for each in wanted:
                     self._parameters[each](key, value)
-            case ShutdownAsked(reason):
+            case ShutdownRequested(reason):
                 self._go(reason)
 
     def _go(self, reason: str) -> None:

@@ -8,8 +8,8 @@ from collections import deque
 from collections.abc import Iterable
 
 from thbridge.sockets.rosgraph.connections import endpoints
-from thbridge.wire.rosgraph.links import Topic
-from thbridge.wire.rosgraph.slave import Connection
+from thbridge.wire.rosgraph.links import TopicHeader
+from thbridge.wire.rosgraph.slave import BusConnection
 from thbridge.wire.rosgraph.tcpros import frame
 
 _log = logging.getLogger(__name__)
@@ -21,7 +21,7 @@ A single message may be longer.
 """
 
 
-class Outlet:
+class SubscriberQueue:
     """The way to one subscriber.
 
     Its protocol is told by the transport when the socket takes no more (`pause`) and when it does again (`resume`).
@@ -75,10 +75,10 @@ class Outlet:
         self._waiting.clear()
         self._transport.close()
 
-    def connection(self) -> Connection:
+    def connection(self) -> BusConnection:
         """This link as the node tells of it."""
         ends = endpoints(self._transport)
-        return Connection(self._number, self._caller, True, self._topic, ends, self._bytes, self._messages)
+        return BusConnection(self._number, self._caller, True, self._topic, ends, self._bytes, self._messages)
 
     @property
     def open(self) -> bool:
@@ -101,10 +101,10 @@ class Publication:
             per such subscriber.
     """
 
-    def __init__(self, topic: Topic) -> None:
+    def __init__(self, topic: TopicHeader) -> None:
         self.topic = topic
         self.dropped = 0
-        self._outlets: list[Outlet] = []
+        self._outlets: list[SubscriberQueue] = []
         self._last: bytes | None = None
 
     @property
@@ -123,16 +123,16 @@ class Publication:
             if not outlet.write(message):
                 self.dropped += 1
 
-    def add(self, outlet: Outlet) -> None:
+    def add(self, outlet: SubscriberQueue) -> None:
         """Take on a subscriber; it gets the last message at once if the topic is latched."""
         self._outlets.append(outlet)
         if self._last is not None:
             outlet.write(self._last)
 
-    def remove(self, outlet: Outlet) -> None:
+    def remove(self, outlet: SubscriberQueue) -> None:
         """Forget a subscriber that is gone."""
         self._outlets.remove(outlet)
 
-    def connections(self) -> Iterable[Connection]:
+    def connections(self) -> Iterable[BusConnection]:
         """The subscribers as the node tells of them."""
         return [outlet.connection() for outlet in self._outlets if outlet.open]

@@ -9,10 +9,10 @@ from contextlib import suppress
 from dataclasses import dataclass
 from enum import Enum
 
-from thbridge.sockets.rosgraph.connections import Complaints
+from thbridge.sockets.rosgraph.connections import WarnOnce
 from thbridge.sockets.rosgraph.http_client import CallFailed, XmlRpcClient
 from thbridge.sockets.rosgraph.replies import value_of
-from thbridge.wire.rosgraph.xmlrpc import Fault, Response, XmlRpcValue
+from thbridge.wire.rosgraph.xmlrpc import Fault, MethodResponse, XmlRpcValue
 
 _HEARTBEAT = 1.0
 """Seconds between two looks at the master."""
@@ -28,7 +28,7 @@ _FAREWELL_SECONDS = 3.0
 _log = logging.getLogger(__name__)
 
 
-class Kind(Enum):
+class RegistrationKind(Enum):
     """What can be registered."""
 
     PUBLISHER = "Publisher"
@@ -38,7 +38,7 @@ class Kind(Enum):
 
 
 @dataclass(frozen=True, slots=True)
-class Addresses:
+class NodeAddresses:
     """Where a node is found.
 
     Attributes:
@@ -60,33 +60,33 @@ class Registration:
         type: of the topic, else empty.
     """
 
-    kind: Kind
+    kind: RegistrationKind
     name: str
     type: str = ""
 
-    def doing(self, at: Addresses) -> tuple[str, tuple[str, ...]]:
+    def doing(self, at: NodeAddresses) -> tuple[str, tuple[str, ...]]:
         """The method of the master that registers this, and its arguments after the caller's name."""
         match self.kind:
-            case Kind.SERVICE:
+            case RegistrationKind.SERVICE:
                 return "registerService", (self.name, at.services, at.slave)
-            case Kind.PARAMETER:
+            case RegistrationKind.PARAMETER:
                 return "subscribeParam", (at.slave, self.name)
             case _:
                 return f"register{self.kind.value}", (self.name, self.type, at.slave)
 
-    def undoing(self, at: Addresses) -> tuple[str, tuple[str, ...]]:
+    def undoing(self, at: NodeAddresses) -> tuple[str, tuple[str, ...]]:
         """The method that takes it back, and its arguments after the caller's name."""
         match self.kind:
-            case Kind.SERVICE:
+            case RegistrationKind.SERVICE:
                 return "unregisterService", (self.name, at.services)
-            case Kind.PARAMETER:
+            case RegistrationKind.PARAMETER:
                 return "unsubscribeParam", (at.slave, self.name)
             case _:
                 return f"unregister{self.kind.value}", (self.name, at.slave)
 
 
 @dataclass(frozen=True, slots=True)
-class Happenings:
+class MasterCallbacks:
     """Whom the registrar tells of what.
 
     Attributes:
@@ -113,7 +113,7 @@ class Registrar:
         happenings: whom to tell.
     """
 
-    def __init__(self, client: XmlRpcClient, master_uri: str, caller: str, happenings: Happenings) -> None:
+    def __init__(self, client: XmlRpcClient, master_uri: str, caller: str, happenings: MasterCallbacks) -> None:
         self._client = client
         self._master_uri = master_uri
         self._caller = caller
@@ -125,7 +125,7 @@ class Registrar:
         self._reached = False
         self._woken = asyncio.Event()
         self._settled = asyncio.Event()
-        self._complaints = Complaints(_log)
+        self._complaints = WarnOnce(_log)
 
     def want(self, registration: Registration, registered: Callable[[XmlRpcValue], None]) -> None:
         """Register something, now and with every master to come; hear what each master says to it."""
@@ -144,7 +144,7 @@ class Registrar:
         """Wait until the master knows everything that is wanted."""
         await self._settled.wait()
 
-    async def run(self, addresses: Addresses) -> None:
+    async def run(self, addresses: NodeAddresses) -> None:
         """Keep the master informed until another node has our name."""
         pause = _FIRST_PAUSE
         while True:
@@ -154,10 +154,10 @@ class Registrar:
                 case CallFailed():
                     self._miss(where)
                     pause = min(2 * pause, _LAST_PAUSE)
-                case Response([1, _, str(uri)]) if uri != addresses.slave and self._registered:
+                case MethodResponse([1, _, str(uri)]) if uri != addresses.slave and self._registered:
                     self._happenings.replaced()
                     return
-                case Response([1, _, str(uri)]) if uri == addresses.slave and self._reached:
+                case MethodResponse([1, _, str(uri)]) if uri == addresses.slave and self._reached:
                     await self._register(addresses)
                     pause = _HEARTBEAT
                 case _:
@@ -167,12 +167,12 @@ class Registrar:
                 async with asyncio.timeout(pause):
                     await self._woken.wait()
 
-    async def leave(self, addresses: Addresses) -> None:
+    async def leave(self, addresses: NodeAddresses) -> None:
         """Take back what is registered, as far as the master is there."""
         with suppress(TimeoutError):
             async with asyncio.timeout(_FAREWELL_SECONDS):
                 match await self._call("lookupNode", self._caller):
-                    case Response([1, _, str(uri)]) if uri != addresses.slave:
+                    case MethodResponse([1, _, str(uri)]) if uri != addresses.slave:
                         ours: Iterable[str] = ()  # a successor of our name has set them anew
                     case _:
                         ours = self._parameters.keys() - self._unset.keys()
@@ -184,7 +184,7 @@ class Registrar:
                     if isinstance(await self._call(method, *params), CallFailed):
                         return
 
-    async def _register_afresh(self, addresses: Addresses) -> None:
+    async def _register_afresh(self, addresses: NodeAddresses) -> None:
         news = not self._reached or bool(self._registered)
         self._registered.clear()
         self._unset = dict.fromkeys(self._parameters)
@@ -193,7 +193,7 @@ class Registrar:
             _log.info("the master at %s knows %s now", self._master_uri, self._caller)
             self._happenings.found()
 
-    async def _register(self, addresses: Addresses) -> bool:
+    async def _register(self, addresses: NodeAddresses) -> bool:
         """Register what is not yet; whether the master answered to everything.
 
         Parameters come first: a node that sees ours, and then looks for `/use_sim_time`, finds it.
@@ -235,5 +235,5 @@ class Registrar:
         else:
             self._complaints.tell(f"the master is not there: {failed}; it is waited for")
 
-    async def _call(self, method: str, *params: XmlRpcValue) -> Response | Fault | CallFailed:
+    async def _call(self, method: str, *params: XmlRpcValue) -> MethodResponse | Fault | CallFailed:
         return await self._client.call(self._master_uri, method, self._caller, *params)

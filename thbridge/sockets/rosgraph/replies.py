@@ -3,17 +3,17 @@
 from __future__ import annotations
 
 from thbridge.sockets.rosgraph.http_client import CallFailed
-from thbridge.wire.rosgraph.xmlrpc import Fault, Response, XmlRpcValue
+from thbridge.wire.rosgraph.xmlrpc import Fault, MethodResponse, XmlRpcValue
 
 
-def value_of(uri: str, reply: Response | Fault | CallFailed) -> XmlRpcValue | CallFailed:
+def value_of(uri: str, reply: MethodResponse | Fault | CallFailed) -> XmlRpcValue | CallFailed:
     """What a call to the master or a node returned, or why it returned nothing."""
     match reply:
-        case Response([1, _, value]):
+        case MethodResponse([1, _, value]):
             return value
-        case Response([int(), str(message), _]):
+        case MethodResponse([int(), str(message), _]):
             return CallFailed(uri, message)
-        case Response():
+        case MethodResponse():
             return CallFailed(uri, "its answer is not one of ROS")
         case Fault(_, text):
             return CallFailed(uri, text)

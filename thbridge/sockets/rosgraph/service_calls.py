@@ -7,7 +7,7 @@ from asyncio import Transport
 from urllib.parse import urlsplit
 
 from thbridge.files.errors import reason_of
-from thbridge.wire.rosgraph.links import Answered, Ended, Refused, Send, ServiceFailed
+from thbridge.wire.rosgraph.links import LinkEnded, LinkRefused, SendToPeer, ServiceAnswered, ServiceFailed
 from thbridge.wire.rosgraph.outbound import ServiceClientLink
 
 
@@ -55,11 +55,11 @@ class _Client(asyncio.Protocol):
     def data_received(self, data: bytes) -> None:
         for event in self._link.receive(data):
             match event:
-                case Send(data) if self._transport is not None:
+                case SendToPeer(data) if self._transport is not None:
                     self._transport.write(data)
-                case Answered(answer):
+                case ServiceAnswered(answer):
                     self._settle(answer)
-                case Refused(reason) | Ended(reason):
+                case LinkRefused(reason) | LinkEnded(reason):
                     self._settle(ServiceFailed(reason))
 
     def connection_lost(self, exc: Exception | None) -> None:

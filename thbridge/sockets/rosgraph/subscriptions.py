@@ -10,12 +10,12 @@ from dataclasses import dataclass
 from typing import TypeAlias
 
 from thbridge.files.errors import reason_of
-from thbridge.sockets.rosgraph.connections import HANDSHAKE_SECONDS, Complaints, endpoints, keep_alive
+from thbridge.sockets.rosgraph.connections import HANDSHAKE_SECONDS, WarnOnce, endpoints, keep_alive
 from thbridge.sockets.rosgraph.http_client import CallFailed, XmlRpcClient
 from thbridge.sockets.rosgraph.replies import value_of
-from thbridge.wire.rosgraph.links import Accepted, Ended, Received, Refused, Topic
+from thbridge.wire.rosgraph.links import LinkEnded, LinkRefused, MessageReceived, PublisherAccepted, TopicHeader
 from thbridge.wire.rosgraph.outbound import SubscriberLink
-from thbridge.wire.rosgraph.slave import TRANSPORT, Connection
+from thbridge.wire.rosgraph.slave import TRANSPORT, BusConnection
 from thbridge.wire.rosgraph.tcpros import LENGTH_BYTES
 
 PUBLISHER_LIMIT = 256
@@ -26,14 +26,14 @@ _FIRST_PAUSE = 0.25
 
 _LAST_PAUSE = 8.0
 
-Heard: TypeAlias = Callable[[bytes, str], None]
+MessageCallback: TypeAlias = Callable[[bytes, str], None]
 """Hears a serialised message and the name of the node that published it."""
 
-Met: TypeAlias = Callable[[str, Topic], None]
+PublisherCallback: TypeAlias = Callable[[str, TopicHeader], None]
 """Hears the name of a publisher, and what it says about the topic, before its first message."""
 
 
-def take_no_notice(publisher: str, topic: Topic) -> None:
+def take_no_notice(publisher: str, topic: TopicHeader) -> None:
     """For those who know what they subscribe to."""
 
 
@@ -41,7 +41,7 @@ _log = logging.getLogger(__name__)
 
 
 @dataclass(frozen=True, slots=True)
-class Subscribing:
+class SubscriptionRequest:
     """What is subscribed to.
 
     Attributes:
@@ -75,11 +75,11 @@ class Subscription:
     def __init__(
         self,
         caller: str,
-        what: Subscribing,
-        heard: Heard,
+        what: SubscriptionRequest,
+        heard: MessageCallback,
         client: XmlRpcClient,
         numbers: Iterator[int],
-        met: Met = take_no_notice,
+        met: PublisherCallback = take_no_notice,
     ) -> None:
         self.what = what
         self._caller = caller
@@ -90,7 +90,7 @@ class Subscription:
         self._named: frozenset[str] = frozenset()
         self._followed: dict[str, asyncio.Task[None]] = {}
         self._listening: dict[str, _Listener] = {}
-        self._complaints = Complaints(_log)
+        self._complaints = WarnOnce(_log)
 
     def name_publishers(self, uris: Sequence[str]) -> None:
         """Hear who publishes the topic now."""
@@ -100,7 +100,7 @@ class Subscription:
         for uri in self._named - self._followed.keys():
             self._followed[uri] = asyncio.ensure_future(self._follow(uri))
 
-    def connections(self) -> Iterable[Connection]:
+    def connections(self) -> Iterable[BusConnection]:
         """The open connections as the node tells of them."""
         return [each.connection(uri, self.what.topic) for uri, each in self._listening.items() if each.open]
 
@@ -123,7 +123,7 @@ class Subscription:
                 finally:
                     self._listening.pop(uri, None)
                     listener.cut_off()
-                if isinstance(end, Refused):
+                if isinstance(end, LinkRefused):
                     self._complaints.tell(f"{uri} does not let us hear {self.what.topic}: {end.reason}")
                 else:
                     _log.debug("%s is not heard from %s: %s", self.what.topic, uri, end.reason)
@@ -137,7 +137,7 @@ class Subscription:
         what = self.what
         return SubscriberLink(self._caller, what.topic, what.kind, what.md5, what.tcp_nodelay)
 
-    async def _listen(self, uri: str, listener: _Listener) -> Refused | Ended:
+    async def _listen(self, uri: str, listener: _Listener) -> LinkRefused | LinkEnded:
         """Listen to a publisher as long as it goes."""
         reply = await self._client.call(uri, "requestTopic", self._caller, self.what.topic, [[TRANSPORT]])
         offered = value_of(uri, reply)
@@ -145,17 +145,17 @@ class Subscription:
             case [str(transport), str(host), int(port)] if transport == TRANSPORT:
                 pass
             case CallFailed():
-                return Ended(offered.reason)
+                return LinkEnded(offered.reason)
             case _:
-                return Ended(f"it does not offer {TRANSPORT}")
+                return LinkEnded(f"it does not offer {TRANSPORT}")
         try:
             async with asyncio.timeout(HANDSHAKE_SECONDS):
                 await asyncio.get_running_loop().create_connection(lambda: listener, host, port)
                 await asyncio.wait((listener.accepted, listener.ended), return_when=asyncio.FIRST_COMPLETED)
         except TimeoutError:
-            return Ended("it does not answer in time")
+            return LinkEnded("it does not answer in time")
         except (OSError, OverflowError, UnicodeError) as error:  # the last two: no port, no host's name
-            return Ended(reason_of(error) if isinstance(error, OSError) else str(error))
+            return LinkEnded(reason_of(error) if isinstance(error, OSError) else str(error))
         self._listening[uri] = listener
         return await listener.ended
 
@@ -163,10 +163,10 @@ class Subscription:
 class _Listener(asyncio.Protocol):
     """The connection to one publisher; carries out what its link decides."""
 
-    def __init__(self, link: SubscriberLink, heard: Heard, met: Met, number: int) -> None:
+    def __init__(self, link: SubscriberLink, heard: MessageCallback, met: PublisherCallback, number: int) -> None:
         loop = asyncio.get_running_loop()
         self.accepted: asyncio.Future[None] = loop.create_future()
-        self.ended: asyncio.Future[Refused | Ended] = loop.create_future()
+        self.ended: asyncio.Future[LinkRefused | LinkEnded] = loop.create_future()
         self._link = link
         self._heard = heard
         self._met = met
@@ -185,20 +185,20 @@ class _Listener(asyncio.Protocol):
     def data_received(self, data: bytes) -> None:
         for event in self._link.receive(data):
             match event:
-                case Received(message):
+                case MessageReceived(message):
                     self._bytes += LENGTH_BYTES + len(message)
                     self._messages += 1
                     self._heard(message, self._publisher)
-                case Accepted(publisher, topic):
+                case PublisherAccepted(publisher, topic):
                     self._publisher = publisher
                     self._met(publisher, topic)
                     self.accepted.set_result(None)
-                case Refused() | Ended():
+                case LinkRefused() | LinkEnded():
                     self._end(event)
                     self.cut_off()
 
     def connection_lost(self, exc: Exception | None) -> None:
-        self._end(Ended("the connection is closed"))
+        self._end(LinkEnded("the connection is closed"))
 
     @property
     def open(self) -> bool:
@@ -210,11 +210,11 @@ class _Listener(asyncio.Protocol):
         if self._transport is not None:
             self._transport.abort()
 
-    def connection(self, uri: str, topic: str) -> Connection:
+    def connection(self, uri: str, topic: str) -> BusConnection:
         """This link, while it is open, as the node tells of it."""
         ends = endpoints(self._transport) if self._transport is not None else (0, "", 0, 0)
-        return Connection(self._number, uri, False, topic, ends, self._bytes, self._messages)
+        return BusConnection(self._number, uri, False, topic, ends, self._bytes, self._messages)
 
-    def _end(self, end: Refused | Ended) -> None:
+    def _end(self, end: LinkRefused | LinkEnded) -> None:
         if not self.ended.done():
             self.ended.set_result(end)

@@ -13,22 +13,22 @@ from dataclasses import dataclass
 from typing import TypeAlias
 
 from thbridge.files.errors import reason_of
-from thbridge.sockets.rosgraph.connections import HANDSHAKE_SECONDS, Complaints, close_gently, keep_alive
-from thbridge.sockets.rosgraph.publications import WAITING_LIMIT, Outlet, Publication
-from thbridge.sockets.text_server import CannotListen, Listening
+from thbridge.sockets.rosgraph.connections import HANDSHAKE_SECONDS, WarnOnce, close_gently, keep_alive
+from thbridge.sockets.rosgraph.publications import WAITING_LIMIT, Publication, SubscriberQueue
+from thbridge.sockets.text_server import CannotListen, ListeningAddress
 from thbridge.wire.rosgraph.inbound import InboundLink
 from thbridge.wire.rosgraph.links import (
-    Ended,
     InboundEvent,
-    Refused,
-    Requested,
-    Send,
-    Service,
+    LinkEnded,
+    LinkRefused,
+    SendToPeer,
     ServiceFailed,
-    Subscribed,
-    Topic,
+    ServiceHeader,
+    ServiceRequested,
+    SubscriberAccepted,
+    TopicHeader,
 )
-from thbridge.wire.rosgraph.slave import Connection
+from thbridge.wire.rosgraph.slave import BusConnection
 
 CONNECTION_LIMIT = 6144
 """Connections taken at a time, of subscribers and clients together: all topics of 64 robots for four recorders."""
@@ -42,7 +42,7 @@ _FAREWELL_SECONDS = 1.0
 """What subscribers may take, altogether, to read what they were sent last."""
 
 ServiceAnswer: TypeAlias = bytes | ServiceFailed
-Handler: TypeAlias = Callable[[bytes], ServiceAnswer | Awaitable[ServiceAnswer]]
+ServiceHandler: TypeAlias = Callable[[bytes], ServiceAnswer | Awaitable[ServiceAnswer]]
 """Answers a serialised request, at once or in time."""
 
 _log = logging.getLogger(__name__)
@@ -50,8 +50,8 @@ _log = logging.getLogger(__name__)
 
 @dataclass(frozen=True, slots=True)
 class _Served:
-    service: Service
-    handler: Handler
+    service: ServiceHeader
+    handler: ServiceHandler
 
 
 class TcprosServer:
@@ -66,7 +66,7 @@ class TcprosServer:
         self.caller = caller
         self.numbers = numbers
         self.publications: dict[str, Publication] = {}
-        self.complaints = Complaints(_log)
+        self.complaints = WarnOnce(_log)
         self._services: dict[str, _Served] = {}
         self._connections: set[_Inbound] = set()
         self._one_gone = asyncio.Event()
@@ -74,7 +74,7 @@ class TcprosServer:
         self._limit = min(CONNECTION_LIMIT, _open_files() * 3 // 4)
         self._server: asyncio.Server | None = None
 
-    async def start(self, host: str) -> Listening | CannotListen:
+    async def start(self, host: str) -> ListeningAddress | CannotListen:
         """Begin to listen, on a port that is free."""
         try:
             self._server = await asyncio.get_running_loop().create_server(lambda: _Inbound(self), host, 0, backlog=300)
@@ -83,7 +83,7 @@ class TcprosServer:
         except UnicodeError:
             return CannotListen(host, 0, "that is not a host's name")
         address = self._server.sockets[0].getsockname()
-        return Listening(address[0], address[1])
+        return ListeningAddress(address[0], address[1])
 
     async def stop(self) -> None:
         """Close the port, give up what is being answered, and close every connection.
@@ -104,26 +104,26 @@ class TcprosServer:
         for connection in self._connections:
             connection.cut_off()
 
-    def offer(self, topic: Topic) -> Publication:
+    def offer(self, topic: TopicHeader) -> Publication:
         """Publish a topic."""
         publication = self.publications[topic.name] = Publication(topic)
         return publication
 
-    def serve(self, service: Service, handler: Handler) -> None:
+    def serve(self, service: ServiceHeader, handler: ServiceHandler) -> None:
         """Serve a service."""
         self._services[service.name] = _Served(service, handler)
 
-    def topic(self, name: str) -> Topic | None:
+    def topic(self, name: str) -> TopicHeader | None:
         """The topic of that name, if it is published here."""
         publication = self.publications.get(name)
         return publication.topic if publication else None
 
-    def service(self, name: str) -> Service | None:
+    def service(self, name: str) -> ServiceHeader | None:
         """The service of that name, if it is served here."""
         served = self._services.get(name)
         return served.service if served else None
 
-    def connections(self) -> Iterable[Connection]:
+    def connections(self) -> Iterable[BusConnection]:
         """The subscribers' connections."""
         return [connection for each in self.publications.values() for connection in each.connections()]
 
@@ -166,7 +166,7 @@ class _Inbound(asyncio.Protocol):
         self._transport: Transport | None = None
         self._patience: asyncio.TimerHandle | None = None
         self._publication: Publication | None = None
-        self._outlet: Outlet | None = None
+        self._outlet: SubscriberQueue | None = None
 
     def connection_made(self, transport: asyncio.BaseTransport) -> None:
         if not isinstance(transport, Transport):
@@ -219,23 +219,23 @@ class _Inbound(asyncio.Protocol):
         waiting = deque(events)
         while waiting and self._transport is not None:
             match waiting.popleft():
-                case Send(data):
+                case SendToPeer(data):
                     self._transport.write(data)
-                case Subscribed(topic, caller):
+                case SubscriberAccepted(topic, caller):
                     self._publication = self._server.publications[topic]
-                    self._outlet = Outlet(self._transport, topic, next(self._server.numbers), caller)
+                    self._outlet = SubscriberQueue(self._transport, topic, next(self._server.numbers), caller)
                     self._publication.add(self._outlet)
-                case Requested() if self._transport.get_write_buffer_size() > WAITING_LIMIT:
+                case ServiceRequested() if self._transport.get_write_buffer_size() > WAITING_LIMIT:
                     _log.debug("a client is cut off: it asks, and does not read the answers")
                     self.cut_off()
-                case Requested(service, request):
+                case ServiceRequested(service, request):
                     answer = self._server.handle(service, request, self._respond)
                     if answer is not None:
                         waiting.extend(self._link.respond(answer))
-                case Refused(reason):
+                case LinkRefused(reason):
                     self._server.complaints.tell(f"a peer is refused: {reason}")
                     self._end(self._transport)
-                case Ended(reason):
+                case LinkEnded(reason):
                     _log.debug("a connection ends: %s", reason)
                     self._end(self._transport)
 

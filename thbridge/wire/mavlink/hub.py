@@ -13,14 +13,14 @@ from dataclasses import dataclass
 from sim.common.observations import TICKS_PER_SECOND
 from thbridge.wire.mavlink.dialect import EVERYBODY, SECRETS, crc_extra, decoded, payload_of, target_of
 from thbridge.wire.mavlink.frames.frame import Frame
-from thbridge.wire.mavlink.links import Drop, Link, LinkReport
-from thbridge.wire.mavlink.outgoing import COMPONENT, LinkId, Said
+from thbridge.wire.mavlink.links import DropReason, HubLink, LinkReport
+from thbridge.wire.mavlink.outgoing import COMPONENT, LinkId, OutgoingMessage
 from thbridge.wire.mavlink.vehicle.vehicle import Vehicle
-from thbridge.wire.mavlink.vehicle_interface import Readings, Station
+from thbridge.wire.mavlink.vehicle_interface import RobotReadings, Station
 
 
 @dataclass(frozen=True, slots=True)
-class Sent:
+class OutgoingFrame:
     """A frame that goes out on a link."""
 
     link: LinkId
@@ -56,7 +56,7 @@ class Hub:
         self._vehicles = tuple(vehicles)
         self._by_system = {vehicle.system: robot for robot, vehicle in enumerate(vehicles)}
         self._patience = round(patience * TICKS_PER_SECOND)
-        self._links: dict[LinkId, Link] = {}
+        self._links: dict[LinkId, HubLink] = {}
         self._traffic: list[Traffic] = []
         self._tick = 0
 
@@ -75,7 +75,7 @@ class Hub:
                 that know one vehicle may take a station's words for the vehicle's. None: all are.
         """
         self.close(link)
-        self._links[link] = Link(name, self._patience, robot)
+        self._links[link] = HubLink(name, self._patience, robot)
 
     def close(self, link: LinkId) -> None:
         """A link is gone, and whoever was reached by it."""
@@ -88,22 +88,22 @@ class Hub:
         there = self._links.get(link)
         return None if there is None else there.report(self._tick)
 
-    def why_not(self, link: LinkId, frame: Frame) -> Drop | None:
+    def why_not(self, link: LinkId, frame: Frame) -> DropReason | None:
         """Why a frame that comes in on a link would be dropped; None: it would not."""
         there = self._links.get(link)
         if frame.system in self._by_system and frame.component == COMPONENT:
             # Other components may have a robot's system id: its companion computer, mavros or MAVSDK on it.
-            return Drop.OURS
+            return DropReason.OURS
         if frame.system == EVERYBODY:
-            return Drop.NOBODY
+            return DropReason.NOBODY
         if frame.message_id in SECRETS:
-            return Drop.SECRET
+            return DropReason.SECRET
         if crc_extra(frame.message_id) is None:
-            return Drop.UNKNOWN
+            return DropReason.UNKNOWN
         sender = Station(frame.system, frame.component)
-        return None if there is None or there.has_room_for(sender, self._tick) else Drop.CROWDED
+        return None if there is None or there.has_room_for(sender, self._tick) else DropReason.CROWDED
 
-    def receive(self, link: LinkId, frame: Frame, robot: int | None = None) -> list[Sent]:
+    def receive(self, link: LinkId, frame: Frame, robot: int | None = None) -> list[OutgoingFrame]:
         """A frame has come in.
 
         Args:
@@ -119,12 +119,12 @@ class Hub:
             return []
         why = self.why_not(link, frame)
         if message is None or why is not None:
-            there.dropped[why or Drop.UNKNOWN] += 1
+            there.dropped[why or DropReason.UNKNOWN] += 1
             return []
         sender = Station(frame.system, frame.component)
         there.hear(sender, frame.sequence, self._tick)
         system, component = target_of(message)
-        sent: list[Sent] = []
+        sent: list[OutgoingFrame] = []
         meant = self._meant(system, component) if robot is None else (robot,)
         for number in filter(there.reaches, meant):
             self._traffic.append(Traffic(number, True, there.name, frame))
@@ -133,10 +133,10 @@ class Hub:
         if is_shared and (system not in self._by_system or component != COMPONENT):
             for other in self._beyond(link, sender, system, component):
                 self._links[other].sent += 1
-                sent.append(Sent(other, frame))
+                sent.append(OutgoingFrame(other, frame))
         return sent
 
-    def step(self, tick: int, readings: Sequence[Readings]) -> list[Sent]:
+    def step(self, tick: int, readings: Sequence[RobotReadings]) -> list[OutgoingFrame]:
         """A tick has passed: what vehicles say by themselves.
 
         Args:
@@ -144,12 +144,12 @@ class Hub:
             readings: of each robot, in the team's order.
         """
         self._tick = tick
-        sent: list[Sent] = []
+        sent: list[OutgoingFrame] = []
         for robot, (vehicle, reading) in enumerate(zip(self._vehicles, readings, strict=True)):
             sent += self._said(robot, vehicle.step(tick, reading))
         return sent
 
-    def keep_alive(self) -> list[Sent]:
+    def keep_alive(self) -> list[OutgoingFrame]:
         """No tick has passed for a while: the heartbeats of all vehicles."""
         return [
             frame for robot, vehicle in enumerate(self._vehicles) for frame in self._said(robot, vehicle.keep_alive())
@@ -181,8 +181,8 @@ class Hub:
             and (link.is_awake(self._tick) if system == EVERYBODY else link.leads_to(system, wanted, self._tick))
         ]
 
-    def _said(self, robot: int, said: Iterable[Said]) -> list[Sent]:
-        sent: list[Sent] = []
+    def _said(self, robot: int, said: Iterable[OutgoingMessage]) -> list[OutgoingFrame]:
+        sent: list[OutgoingFrame] = []
         system = self._vehicles[robot].system
         for word in said:
             message_id, payload = word.message.get_msgId(), payload_of(word.message)
@@ -190,10 +190,10 @@ class Hub:
             for number, link in self._reached(word, robot):
                 frame = Frame(system, COMPONENT, link.next_sequence(system), message_id, payload, seed)
                 self._traffic.append(Traffic(robot, False, link.name, frame))
-                sent.append(Sent(number, frame))
+                sent.append(OutgoingFrame(number, frame))
         return sent
 
-    def _reached(self, word: Said, robot: int) -> list[tuple[LinkId, Link]]:
+    def _reached(self, word: OutgoingMessage, robot: int) -> list[tuple[LinkId, HubLink]]:
         """The links on which a vehicle's word goes out."""
         if word.link is not None:
             there = self._links.get(word.link)

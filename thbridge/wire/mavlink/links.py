@@ -12,7 +12,7 @@ MOST_STATIONS = 16
 """Senders that are listened to on one link: whoever makes up more is not heard."""
 
 
-class Drop(StrEnum):
+class DropReason(StrEnum):
     """Why a frame that was whole goes nowhere, as the end of the sentence "a frame goes nowhere: ..."."""
 
     OURS = "its sender has the ids of one of our vehicles"
@@ -39,7 +39,7 @@ class LinkReport:
     stations: tuple[Station, ...]
     received: int
     lost: int
-    dropped: Mapping[Drop, int]
+    dropped: Mapping[DropReason, int]
     sent: int
 
     def __str__(self) -> str:
@@ -57,7 +57,7 @@ class _Heard:
 
 
 @dataclass(slots=True)
-class Link:
+class HubLink:
     """What the hub knows of a link.
 
     Attributes:
@@ -72,7 +72,7 @@ class Link:
     patience: int
     robot: int | None = None
     sent: int = 0
-    dropped: Counter[Drop] = field(default_factory=Counter)
+    dropped: Counter[DropReason] = field(default_factory=Counter)
     _received: int = 0
     _lost: int = 0
     _tick: int | None = None

@@ -9,7 +9,7 @@ Source: ArduPilot, Rover, `Mode::Number`; PX4, `px4_custom_mode.h`.
 from enum import StrEnum
 
 from thbridge.wire.mavlink.dialect import mav
-from thbridge.wire.mavlink.options import Identity
+from thbridge.wire.mavlink.options import AutopilotIdentity
 
 
 class Mode(StrEnum):
@@ -45,15 +45,15 @@ _ASKED_GENERIC = (
 _STANDARD = {Mode.RETURN: mav.MAV_STANDARD_MODE_SAFE_RECOVERY, Mode.AUTO: mav.MAV_STANDARD_MODE_MISSION}
 
 
-def custom_mode(identity: Identity, mode: Mode) -> int:
+def custom_mode(identity: AutopilotIdentity, mode: Mode) -> int:
     """The number by which heartbeats show a mode."""
-    if identity is Identity.ARDUPILOT:
+    if identity is AutopilotIdentity.ARDUPILOT:
         return _ARDUPILOT[mode]
     main, sub = _PX4[mode]
     return main << 16 | sub << 24
 
 
-def mode_asked(identity: Identity, main: int, sub: int) -> Mode | None:
+def mode_asked(identity: AutopilotIdentity, main: int, sub: int) -> Mode | None:
     """The mode that is meant; None where there is none of these numbers.
 
     Args:
@@ -61,7 +61,7 @@ def mode_asked(identity: Identity, main: int, sub: int) -> Mode | None:
         main: a main mode, or a whole number as heartbeats show it.
         sub: the mode below a main one; else 0.
     """
-    if identity is Identity.ARDUPILOT:
+    if identity is AutopilotIdentity.ARDUPILOT:
         return _ASKED_ARDUPILOT.get(main) if sub == 0 else None
     if main > 0xFFFF:
         main, sub = main >> 16 & 0xFF, main >> 24
@@ -80,5 +80,7 @@ def mode_of_standard(code: int) -> Mode | None:
 
 def mode_shown(autopilot: int, number: int) -> str:
     """The name of the mode that a heartbeat shows; of one that is none of ours, its number."""
-    identity = Identity.ARDUPILOT if autopilot == mav.MAV_AUTOPILOT_ARDUPILOTMEGA else Identity.GENERIC
+    identity = (
+        AutopilotIdentity.ARDUPILOT if autopilot == mav.MAV_AUTOPILOT_ARDUPILOTMEGA else AutopilotIdentity.GENERIC
+    )
     return next((mode.value for mode in Mode if custom_mode(identity, mode) == number), f"mode {number}")

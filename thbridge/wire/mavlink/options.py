@@ -7,7 +7,7 @@ SHORTEST_PATIENCE, LONGEST_PATIENCE = 1.0, 600.0
 """Seconds without a heartbeat after which a ground station may count as lost."""
 
 
-class Identity(StrEnum):
+class AutopilotIdentity(StrEnum):
     """Whose autopilot a vehicle says it has; ground stations offer more to those that they know."""
 
     GENERIC = "generic"
@@ -23,7 +23,7 @@ class Failsafe(StrEnum):
 
 
 @dataclass(frozen=True, slots=True)
-class Origin:
+class GeoOrigin:
     """Where on earth the map's origin lies, WGS84: degrees north and east, metres above sea level; north is map y."""
 
     latitude: float
@@ -43,8 +43,8 @@ class VehicleOptions:
         position_rate: of position, attitude and speed, Hz, as long as nobody asks for another rate.
     """
 
-    identity: Identity
-    origin: Origin
+    identity: AutopilotIdentity
+    origin: GeoOrigin
     lost_after: float
     failsafe: Failsafe
     position_rate: float

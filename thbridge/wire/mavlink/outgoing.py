@@ -12,7 +12,7 @@ COMPONENT = mav.MAV_COMP_ID_AUTOPILOT1
 
 
 @dataclass(frozen=True, slots=True)
-class Said:
+class OutgoingMessage:
     """Something that a vehicle says.
 
     Attributes:
@@ -29,7 +29,7 @@ class Said:
 
 
 @dataclass(frozen=True, slots=True)
-class Status:
+class VehicleStatus:
     """How a vehicle stands, as mavros tells it.
 
     Attributes:

@@ -32,7 +32,7 @@ PARTICIPANT = "participant"
 """The words for the participant in `Readings.commanded_by`."""
 
 
-class Refusal(Enum):
+class DenialKind(Enum):
     """How firmly something is refused."""
 
     DENIED = "denied"
@@ -50,7 +50,7 @@ class Denied:
     """
 
     sentence: str
-    refusal: Refusal = Refusal.DENIED
+    refusal: DenialKind = DenialKind.DENIED
 
 
 @dataclass(frozen=True, slots=True)
@@ -69,7 +69,7 @@ class Target:
 
 
 @dataclass(frozen=True, slots=True)
-class Leg:
+class HelmLeg:
     """Where a robot was last told to go from its helm.
 
     Attributes:
@@ -94,7 +94,7 @@ class LegState(StrEnum):
 
 
 @dataclass(frozen=True, slots=True)
-class Readings:
+class RobotReadings:
     """A robot as its own software knows it, after one tick.
 
     Attributes:
@@ -124,12 +124,12 @@ class Readings:
     under_way: bool
     commander: str | None
     commanded_by: str
-    leg: Leg | None
+    leg: HelmLeg | None
     news: tuple[str, ...] = ()
     asked: tuple[str, ...] = ()
 
 
-NOTHING_KNOWN = Readings(
+NOTHING_KNOWN = RobotReadings(
     base_in_map=IDENTITY,
     twist=STANDSTILL,
     goal_in_map=None,
@@ -146,7 +146,7 @@ NOTHING_KNOWN = Readings(
 
 
 @dataclass(frozen=True, slots=True)
-class Setting:
+class ParameterSetting:
     """A numeric parameter as MAVLink has it.
 
     Attributes:
@@ -159,7 +159,7 @@ class Setting:
 
 
 @dataclass(frozen=True, slots=True)
-class Description:
+class ParameterDescription:
     """What a numeric parameter means, for people who set it.
 
     Attributes:
@@ -191,23 +191,23 @@ class Description:
     fixed: bool = False
 
 
-class Settings(Protocol):
+class ParameterSettings(Protocol):
     """Numeric parameters."""
 
-    def descriptions(self) -> Sequence[Description]:
+    def descriptions(self) -> Sequence[ParameterDescription]:
         """What each of them means, in the order of `settings`; always the same."""
 
-    def settings(self) -> Sequence[Setting]:
+    def settings(self) -> Sequence[ParameterSetting]:
         """All of them, always in the same order, as they are or are about to be."""
 
-    def setting(self, name: str) -> Setting | None:
+    def setting(self, name: str) -> ParameterSetting | None:
         """One of them; None: there is none of this name."""
 
-    def change(self, name: str, value: float) -> Setting | Denied:
+    def change(self, name: str, value: float) -> ParameterSetting | Denied:
         """Change one of this name, which exists; what it is now."""
 
 
-class Helm(Settings, Protocol):
+class VehicleInterface(ParameterSettings, Protocol):
     """A robot's controls. Each call answers at once; what is granted is done with the next tick."""
 
     def take(self, station: Station) -> Denied | None:

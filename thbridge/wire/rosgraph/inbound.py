@@ -6,29 +6,37 @@ from enum import Enum, auto
 from typing import Protocol
 
 from thbridge.wire.rosgraph.links import (
-    Ended,
     InboundEvent,
-    Refused,
-    Requested,
-    Send,
-    Service,
+    LinkEnded,
+    LinkRefused,
+    SendToPeer,
     ServiceFailed,
-    Subscribed,
-    Topic,
+    ServiceHeader,
+    ServiceRequested,
+    SubscriberAccepted,
+    TopicHeader,
     objection,
     quoted,
     take_header,
 )
-from thbridge.wire.rosgraph.tcpros import REQUEST_LIMIT, Fields, FrameBuffer, Malformed, Overlong, encode_header, frame
+from thbridge.wire.rosgraph.tcpros import (
+    REQUEST_LIMIT,
+    FrameBuffer,
+    HeaderFields,
+    MalformedHeader,
+    OverlongFrame,
+    encode_header,
+    frame,
+)
 
 
-class Offers(Protocol):
+class NodeOffers(Protocol):
     """What a node has to offer."""
 
-    def topic(self, name: str) -> Topic | None:
+    def topic(self, name: str) -> TopicHeader | None:
         """The topic of that name, if this node publishes it."""
 
-    def service(self, name: str) -> Service | None:
+    def service(self, name: str) -> ServiceHeader | None:
         """The service of that name, if this node serves it."""
 
 
@@ -47,12 +55,12 @@ class InboundLink:
         offers: asked when the other side has said what it wants.
     """
 
-    def __init__(self, caller: str, offers: Offers) -> None:
+    def __init__(self, caller: str, offers: NodeOffers) -> None:
         self._caller = caller
         self._offers = offers
         self._buffer = FrameBuffer()
         self._phase = _Phase.HANDSHAKE
-        self._service: Service | None = None
+        self._service: ServiceHeader | None = None
         self._persistent = False
 
     @property
@@ -72,16 +80,16 @@ class InboundLink:
                 return self._next_request()
             case _:
                 if len(self._buffer) > REQUEST_LIMIT:
-                    return self._over(Ended("it sends requests faster than they are answered"))
+                    return self._over(LinkEnded("it sends requests faster than they are answered"))
                 return []
 
     def respond(self, answer: bytes | ServiceFailed) -> list[InboundEvent]:
         """Answer the request that was handed out last."""
         if self._phase is not _Phase.ANSWERING:
             return []
-        sent: list[InboundEvent] = [Send(_encode_answer(answer))]
+        sent: list[InboundEvent] = [SendToPeer(_encode_answer(answer))]
         if not self._persistent:
-            return sent + self._over(Ended("the request is answered"))
+            return sent + self._over(LinkEnded("the request is answered"))
         self._phase = _Phase.IDLE
         return sent + self._next_request()
 
@@ -89,15 +97,15 @@ class InboundLink:
         fields = take_header(self._buffer)
         if fields is None:
             return []
-        if isinstance(fields, Malformed):
-            return self._over(Ended(fields.reason))
+        if isinstance(fields, MalformedHeader):
+            return self._over(LinkEnded(fields.reason))
         if "topic" in fields:
             return self._meet_subscriber(fields)
         if "service" in fields:
             return self._meet_client(fields)
         return self._refuse("the header names neither a topic nor a service")
 
-    def _meet_subscriber(self, fields: Fields) -> list[InboundEvent]:
+    def _meet_subscriber(self, fields: HeaderFields) -> list[InboundEvent]:
         topic = self._offers.topic(fields["topic"])
         if topic is None:
             return self._refuse(f"{self._caller} does not publish {quoted(fields['topic'])}")
@@ -115,16 +123,16 @@ class InboundLink:
                 "type": topic.type,
             }
         )
-        return [Send(header), Subscribed(topic.name, quoted(fields.get("callerid", "")))]
+        return [SendToPeer(header), SubscriberAccepted(topic.name, quoted(fields.get("callerid", "")))]
 
-    def _meet_client(self, fields: Fields) -> list[InboundEvent]:
+    def _meet_client(self, fields: HeaderFields) -> list[InboundEvent]:
         service = self._offers.service(fields["service"])
         if service is None:
             return self._refuse(f"{self._caller} does not serve {quoted(fields['service'])}")
         against = objection(service.name, service.type, service.md5, fields)
         if against:
             return self._refuse(against)
-        header = Send(
+        header = SendToPeer(
             encode_header(
                 {
                     "callerid": self._caller,
@@ -137,7 +145,7 @@ class InboundLink:
             )
         )
         if fields.get("probe") == "1":
-            return [header, *self._over(Ended("it wanted the header only"))]
+            return [header, *self._over(LinkEnded("it wanted the header only"))]
         self._service = service
         self._persistent = fields.get("persistent", "").lower() in ("1", "true")
         self._phase = _Phase.IDLE
@@ -147,15 +155,15 @@ class InboundLink:
         request = self._buffer.take(REQUEST_LIMIT)
         if request is None or self._service is None:
             return []
-        if isinstance(request, Overlong):
-            return self._over(Ended(f"it sends {request}"))
+        if isinstance(request, OverlongFrame):
+            return self._over(LinkEnded(f"it sends {request}"))
         self._phase = _Phase.ANSWERING
-        return [Requested(self._service.name, request)]
+        return [ServiceRequested(self._service.name, request)]
 
     def _refuse(self, reason: str) -> list[InboundEvent]:
-        return [Send(encode_header({"error": reason})), *self._over(Refused(reason))]
+        return [SendToPeer(encode_header({"error": reason})), *self._over(LinkRefused(reason))]
 
-    def _over(self, event: Refused | Ended) -> list[InboundEvent]:
+    def _over(self, event: LinkRefused | LinkEnded) -> list[InboundEvent]:
         self._phase = _Phase.DEAF
         self._buffer = FrameBuffer()
         return [event]

@@ -17,14 +17,22 @@ from __future__ import annotations
 from dataclasses import dataclass
 from typing import TypeAlias
 
-from thbridge.wire.rosgraph.tcpros import ANY, HEADER_LIMIT, Fields, FrameBuffer, Malformed, Overlong, decode_header
+from thbridge.wire.rosgraph.tcpros import (
+    ANY,
+    HEADER_LIMIT,
+    FrameBuffer,
+    HeaderFields,
+    MalformedHeader,
+    OverlongFrame,
+    decode_header,
+)
 
 _QUOTED = 200
 """Letters of a stranger's text that are repeated."""
 
 
 @dataclass(frozen=True, slots=True)
-class Topic:
+class TopicHeader:
     """What a publisher says about its topic.
 
     Attributes:
@@ -43,7 +51,7 @@ class Topic:
 
 
 @dataclass(frozen=True, slots=True)
-class Service:
+class ServiceHeader:
     """What a server says about its service.
 
     Attributes:
@@ -73,14 +81,14 @@ class ServiceFailed:
 
 
 @dataclass(frozen=True, slots=True)
-class Send:
+class SendToPeer:
     """Bytes for the other side."""
 
     data: bytes
 
 
 @dataclass(frozen=True, slots=True)
-class Subscribed:
+class SubscriberAccepted:
     """The caller is a subscriber and awaits messages.
 
     Attributes:
@@ -93,7 +101,7 @@ class Subscribed:
 
 
 @dataclass(frozen=True, slots=True)
-class Requested:
+class ServiceRequested:
     """A client's request, to be answered by `InboundLink.respond`; no other comes before that."""
 
     service: str
@@ -101,7 +109,7 @@ class Requested:
 
 
 @dataclass(frozen=True, slots=True)
-class Accepted:
+class PublisherAccepted:
     """The publisher has accepted us.
 
     Attributes:
@@ -110,51 +118,51 @@ class Accepted:
     """
 
     caller: str
-    topic: Topic
+    topic: TopicHeader
 
 
 @dataclass(frozen=True, slots=True)
-class Received:
+class MessageReceived:
     """A message of the topic."""
 
     data: bytes
 
 
 @dataclass(frozen=True, slots=True)
-class Answered:
+class ServiceAnswered:
     """The service's answer."""
 
     answer: bytes | ServiceFailed
 
 
 @dataclass(frozen=True, slots=True)
-class Refused:
+class LinkRefused:
     """The two sides do not fit; to be closed once everything is sent. Somebody should be told."""
 
     reason: str
 
 
 @dataclass(frozen=True, slots=True)
-class Ended:
+class LinkEnded:
     """The link has done its work or is of no more use; to be closed once everything is sent."""
 
     reason: str
 
 
-InboundEvent: TypeAlias = Send | Subscribed | Requested | Refused | Ended
-SubscriberEvent: TypeAlias = Accepted | Received | Refused | Ended
-ClientEvent: TypeAlias = Send | Answered | Refused | Ended
+InboundEvent: TypeAlias = SendToPeer | SubscriberAccepted | ServiceRequested | LinkRefused | LinkEnded
+SubscriberEvent: TypeAlias = PublisherAccepted | MessageReceived | LinkRefused | LinkEnded
+ServiceClientEvent: TypeAlias = SendToPeer | ServiceAnswered | LinkRefused | LinkEnded
 
 
-def take_header(buffer: FrameBuffer) -> Fields | Malformed | None:
+def take_header(buffer: FrameBuffer) -> HeaderFields | MalformedHeader | None:
     """The header that a connection begins with, None while it is incomplete."""
     body = buffer.take(HEADER_LIMIT)
     if body is None:
         return None
-    return Malformed(f"it sends {body} for a header") if isinstance(body, Overlong) else decode_header(body)
+    return MalformedHeader(f"it sends {body} for a header") if isinstance(body, OverlongFrame) else decode_header(body)
 
 
-def objection(name: str, kind: str, md5: str, theirs: Fields) -> str:
+def objection(name: str, kind: str, md5: str, theirs: HeaderFields) -> str:
     """Why their header does not fit what we know of a topic or service, else nothing.
 
     As in ROS the md5 sums alone decide: the same message may go by two names.

@@ -26,15 +26,15 @@ from thbridge.wire.rosgraph.arguments import (
 )
 from thbridge.wire.rosgraph.names import ANY_TYPE, SEPARATOR
 from thbridge.wire.rosgraph.parameter_tree import ParameterTree, updates
-from thbridge.wire.rosgraph.registrations import Kind, Registrations
-from thbridge.wire.rosgraph.xmlrpc import Call, XmlRpcValue
+from thbridge.wire.rosgraph.registrations import ProviderKind, Registrations
+from thbridge.wire.rosgraph.xmlrpc import MethodCall, XmlRpcValue
 
 ERROR, FAILURE, SUCCESS = -1, 0, 1
 """Status codes: the caller's mistake, ours, none."""
 
 
 @dataclass(frozen=True, slots=True)
-class Reply:
+class ApiReply:
     """What a method of the master or slave API returns: a status code, a sentence for people, a value."""
 
     status: int
@@ -65,7 +65,7 @@ class ParamUpdate:
 
 
 @dataclass(frozen=True, slots=True)
-class Shutdown:
+class NodeShutdown:
     """A node is to end, because another took its name."""
 
     api: str
@@ -73,7 +73,7 @@ class Shutdown:
     reason: str
 
 
-Notification: TypeAlias = PublisherUpdate | ParamUpdate | Shutdown
+Notification: TypeAlias = PublisherUpdate | ParamUpdate | NodeShutdown
 
 _VALUE_ON_ERROR: Mapping[str, XmlRpcValue] = {
     "registerService": 0,
@@ -126,7 +126,7 @@ class Master:
         """Whether somebody called ``shutdown``."""
         return self._stopped
 
-    def handle(self, call: Call) -> tuple[Reply, list[Notification]]:
+    def handle(self, call: MethodCall) -> tuple[ApiReply, list[Notification]]:
         """Carry out a call of the master or the parameter server API.
 
         Args:
@@ -141,25 +141,25 @@ class Master:
         on_error = _VALUE_ON_ERROR[call.method]
         self._notifications = []
         if not call.params:
-            return Reply(ERROR, "missing required caller_id parameter", on_error), []
+            return ApiReply(ERROR, "missing required caller_id parameter", on_error), []
         caller, *given = call.params
         try:
             if not isinstance(caller, str):
                 raise InvalidArgumentError("caller_id must be a string")
             reply = self._carry_out(call.method, caller, given)
         except InvalidArgumentError as error:
-            reply = Reply(ERROR, str(error), on_error)
+            reply = ApiReply(ERROR, str(error), on_error)
         except ValueError as error:
-            reply = Reply(FAILURE, f"Internal failure: {error}", on_error)
+            reply = ApiReply(FAILURE, f"Internal failure: {error}", on_error)
         if reply.value is None:
-            reply = Reply(ERROR, "Internal error (None value returned)", on_error)
+            reply = ApiReply(ERROR, "Internal error (None value returned)", on_error)
         return reply, self._notifications
 
     def refuse_update(self, api: str, key: str) -> None:
         """Hear that a node does not want to be told of a parameter (with a slash at its end) any more."""
         self._registrations.unsubscribe_all(key, api)
 
-    def _carry_out(self, method: str, caller: str, given: list[XmlRpcValue]) -> Reply:
+    def _carry_out(self, method: str, caller: str, given: list[XmlRpcValue]) -> ApiReply:
         # The patterns are the API's signatures; arguments are checked from left to right.
         match method, given:
             case "registerPublisher", [topic, type_, api]:
@@ -171,7 +171,9 @@ class Master:
                 name = graph_name(topic, "topic", caller)
                 return self._register_subscriber(caller, name, topic_type(type_), api_uri(api))
             case "unregisterSubscriber", [topic, api]:
-                return self._unregister(Kind.SUBSCRIBER, caller, graph_name(topic, "topic", caller), api_uri(api))
+                return self._unregister(
+                    ProviderKind.SUBSCRIBER, caller, graph_name(topic, "topic", caller), api_uri(api)
+                )
             case "registerService", [service, service_api, api]:
                 name = graph_name(service, "service", caller)
                 return self._register_service(caller, name, api_uri(service_api, "service_api"), api_uri(api))
@@ -185,17 +187,17 @@ class Master:
             case "getPublishedTopics", [namespace]:
                 return self._published_topics(subgraph(namespace, caller))
             case "getTopicTypes", []:
-                return Reply(SUCCESS, "current system state", [[name, type_] for name, type_ in self._types.items()])
+                return ApiReply(SUCCESS, "current system state", [[name, type_] for name, type_ in self._types.items()])
             case "getSystemState", []:
-                shown = (Kind.PUBLISHER, Kind.SUBSCRIBER, Kind.SERVICE)
-                return Reply(SUCCESS, "current system state", [self._registrations.state(kind) for kind in shown])
+                shown = (ProviderKind.PUBLISHER, ProviderKind.SUBSCRIBER, ProviderKind.SERVICE)
+                return ApiReply(SUCCESS, "current system state", [self._registrations.state(kind) for kind in shown])
             case "getUri", []:
-                return Reply(SUCCESS, "", self._uri)
+                return ApiReply(SUCCESS, "", self._uri)
             case "getPid", []:
-                return Reply(SUCCESS, "", self._pid)
+                return ApiReply(SUCCESS, "", self._pid)
             case "shutdown", [_]:
                 self._stopped = True
-                return Reply(SUCCESS, "shutdown", 0)
+                return ApiReply(SUCCESS, "shutdown", 0)
             case "setParam", [key, value]:
                 return self._set_param(caller, global_key(key, caller), value)
             case "getParam", [key]:
@@ -204,7 +206,7 @@ class Master:
                 return self._delete_param(global_key(key, caller))
             case "hasParam", [key]:
                 name = global_key(key, caller)
-                return Reply(SUCCESS, name, name in self._parameters)
+                return ApiReply(SUCCESS, name, name in self._parameters)
             case "searchParam", [key]:
                 return self._search_param(caller, relative_key(key))
             case "subscribeParam", [api, key]:
@@ -212,125 +214,125 @@ class Master:
             case "unsubscribeParam", [api, key]:
                 return self._unsubscribe_param(caller, api_uri(api), global_key(key, caller))
             case "getParamNames", []:
-                return Reply(SUCCESS, "Parameter names", [*self._parameters.names()])
+                return ApiReply(SUCCESS, "Parameter names", [*self._parameters.names()])
             case _:
                 raise InvalidArgumentError("Error: bad call arity")
 
     # -- publishers, subscribers, services -----------------------------------------------------------------------------
 
-    def _register(self, kind: Kind, key: str, caller: str, caller_api: str, api: str | None = None) -> None:
+    def _register(self, kind: ProviderKind, key: str, caller: str, caller_api: str, api: str | None = None) -> None:
         replaced = self._registrations.register(kind, key, caller, caller_api, api)
         if replaced is not None:
-            self._notifications.append(Shutdown(replaced, caller, "new node registered with same name"))
+            self._notifications.append(NodeShutdown(replaced, caller, "new node registered with same name"))
 
-    def _unregister(self, kind: Kind, caller: str, key: str, api: str) -> Reply:
+    def _unregister(self, kind: ProviderKind, caller: str, key: str, api: str) -> ApiReply:
         if self._registrations.api_of(caller) is None:
-            return Reply(SUCCESS, f"[{caller}] is not a registered node", 0)
+            return ApiReply(SUCCESS, f"[{caller}] is not a registered node", 0)
         if self._registrations.unregister(kind, key, caller, api):
-            return Reply(SUCCESS, f"Unregistered [{caller}] as provider of [{key}]", 1)
-        return Reply(SUCCESS, f"[{caller}] is not a known provider of [{key}]", 0)
+            return ApiReply(SUCCESS, f"Unregistered [{caller}] as provider of [{key}]", 1)
+        return ApiReply(SUCCESS, f"[{caller}] is not a known provider of [{key}]", 0)
 
     def _tell_subscribers(self, topic: str) -> list[str]:
         """Have all subscribers of a topic told who publishes it; returns where they are."""
-        publishers = tuple(self._registrations.apis(Kind.PUBLISHER, topic))
-        subscribers = self._registrations.apis(Kind.SUBSCRIBER, topic)
+        publishers = tuple(self._registrations.apis(ProviderKind.PUBLISHER, topic))
+        subscribers = self._registrations.apis(ProviderKind.SUBSCRIBER, topic)
         self._notifications += [PublisherUpdate(api, topic, publishers) for api in subscribers]
         return subscribers
 
-    def _register_publisher(self, caller: str, topic: str, type_: str, api: str) -> Reply:
-        self._register(Kind.PUBLISHER, topic, caller, api)
+    def _register_publisher(self, caller: str, topic: str, type_: str, api: str) -> ApiReply:
+        self._register(ProviderKind.PUBLISHER, topic, caller, api)
         if type_ != ANY_TYPE or topic not in self._types:
             self._types[topic] = type_
         subscribers = self._tell_subscribers(topic)
-        return Reply(SUCCESS, f"Registered [{caller}] as publisher of [{topic}]", [*subscribers])
+        return ApiReply(SUCCESS, f"Registered [{caller}] as publisher of [{topic}]", [*subscribers])
 
-    def _unregister_publisher(self, caller: str, topic: str, api: str) -> Reply:
-        reply = self._unregister(Kind.PUBLISHER, caller, topic, api)
+    def _unregister_publisher(self, caller: str, topic: str, api: str) -> ApiReply:
+        reply = self._unregister(ProviderKind.PUBLISHER, caller, topic, api)
         if reply.value:
             self._tell_subscribers(topic)
         return reply
 
-    def _register_subscriber(self, caller: str, topic: str, type_: str, api: str) -> Reply:
-        self._register(Kind.SUBSCRIBER, topic, caller, api)
+    def _register_subscriber(self, caller: str, topic: str, type_: str, api: str) -> ApiReply:
+        self._register(ProviderKind.SUBSCRIBER, topic, caller, api)
         if type_ != ANY_TYPE:
             self._types.setdefault(topic, type_)
-        publishers = self._registrations.apis(Kind.PUBLISHER, topic)
-        return Reply(SUCCESS, f"Subscribed to [{topic}]", [*publishers])
+        publishers = self._registrations.apis(ProviderKind.PUBLISHER, topic)
+        return ApiReply(SUCCESS, f"Subscribed to [{topic}]", [*publishers])
 
-    def _register_service(self, caller: str, service: str, service_api: str, api: str) -> Reply:
-        self._register(Kind.SERVICE, service, caller, api, service_api)
-        return Reply(SUCCESS, f"Registered [{caller}] as provider of [{service}]", 1)
+    def _register_service(self, caller: str, service: str, service_api: str, api: str) -> ApiReply:
+        self._register(ProviderKind.SERVICE, service, caller, api, service_api)
+        return ApiReply(SUCCESS, f"Registered [{caller}] as provider of [{service}]", 1)
 
-    def _unregister_service(self, caller: str, service: str, service_api: str) -> Reply:
-        reply = self._unregister(Kind.SERVICE, caller, service, service_api)
+    def _unregister_service(self, caller: str, service: str, service_api: str) -> ApiReply:
+        reply = self._unregister(ProviderKind.SERVICE, caller, service, service_api)
         if reply.value == 0 and self._registrations.api_of(caller) is not None:
             message = f"[{service_api}] is no longer the current service api handle for [{service}]"
-            return Reply(SUCCESS, message, 0)
+            return ApiReply(SUCCESS, message, 0)
         return reply
 
-    def _lookup_service(self, service: str) -> Reply:
-        match self._registrations.apis(Kind.SERVICE, service):
+    def _lookup_service(self, service: str) -> ApiReply:
+        match self._registrations.apis(ProviderKind.SERVICE, service):
             case [api]:
-                return Reply(SUCCESS, f"rosrpc URI: [{api}]", api)
+                return ApiReply(SUCCESS, f"rosrpc URI: [{api}]", api)
             case _:
-                return Reply(ERROR, "no provider", "")
+                return ApiReply(ERROR, "no provider", "")
 
-    def _lookup_node(self, node: str) -> Reply:
+    def _lookup_node(self, node: str) -> ApiReply:
         api = self._registrations.api_of(node)
-        return Reply(ERROR, f"unknown node [{node}]", "") if api is None else Reply(SUCCESS, "node api", api)
+        return ApiReply(ERROR, f"unknown node [{node}]", "") if api is None else ApiReply(SUCCESS, "node api", api)
 
-    def _published_topics(self, namespace: str) -> Reply:
+    def _published_topics(self, namespace: str) -> ApiReply:
         inside = namespace and namespace.removesuffix(SEPARATOR) + SEPARATOR
-        topics = [topic for topic in self._registrations.keys(Kind.PUBLISHER) if topic.startswith(inside)]
-        return Reply(SUCCESS, "current topics", [[topic, self._types[topic]] for topic in topics])
+        topics = [topic for topic in self._registrations.keys(ProviderKind.PUBLISHER) if topic.startswith(inside)]
+        return ApiReply(SUCCESS, "current topics", [[topic, self._types[topic]] for topic in topics])
 
     # -- parameters ----------------------------------------------------------------------------------------------------
 
     def _tell_of_change(self, key: str, value: XmlRpcValue, author: str | None) -> None:
-        subscribed = self._registrations.keys(Kind.PARAMETER)
+        subscribed = self._registrations.keys(ProviderKind.PARAMETER)
         for update in updates(subscribed, key, value):
-            for provider in self._registrations.providers(Kind.PARAMETER, update.subscription):
+            for provider in self._registrations.providers(ProviderKind.PARAMETER, update.subscription):
                 if not (update.own and provider.node == author):
                     self._notifications.append(ParamUpdate(provider.api, update.key, update.value))
 
-    def _set_param(self, caller: str, key: str, value: XmlRpcValue) -> Reply:
+    def _set_param(self, caller: str, key: str, value: XmlRpcValue) -> ApiReply:
         if value is None:
             raise InvalidArgumentError("ERROR: parameter [value] must be specified")
         try:
             self._parameters.set(key, value)
         except ValueError as error:
-            return Reply(ERROR, f"Error: invalid arguments: {error}", 0)
+            return ApiReply(ERROR, f"Error: invalid arguments: {error}", 0)
         self._tell_of_change(key, value, author=caller)
-        return Reply(SUCCESS, f"parameter {key} set", 0)
+        return ApiReply(SUCCESS, f"parameter {key} set", 0)
 
-    def _get_param(self, key: str) -> Reply:
+    def _get_param(self, key: str) -> ApiReply:
         try:
-            return Reply(SUCCESS, f"Parameter [{key}]", self._parameters.get(key))
+            return ApiReply(SUCCESS, f"Parameter [{key}]", self._parameters.get(key))
         except KeyError:
-            return Reply(ERROR, f"Parameter [{key}] is not set", 0)
+            return ApiReply(ERROR, f"Parameter [{key}] is not set", 0)
 
-    def _delete_param(self, key: str) -> Reply:
+    def _delete_param(self, key: str) -> ApiReply:
         try:
             self._parameters.delete(key)
         except KeyError:
-            return Reply(ERROR, f"parameter [{key}] is not set", 0)
+            return ApiReply(ERROR, f"parameter [{key}] is not set", 0)
         self._tell_of_change(key, {}, author=None)
-        return Reply(SUCCESS, f"parameter {key} deleted", 0)
+        return ApiReply(SUCCESS, f"parameter {key} deleted", 0)
 
-    def _search_param(self, caller: str, key: str) -> Reply:
+    def _search_param(self, caller: str, key: str) -> ApiReply:
         found = self._parameters.search(caller, key)
         if found is None:
-            return Reply(ERROR, f"Cannot find parameter [{key}] in an upwards search", "")
-        return Reply(SUCCESS, f"Found [{found}]", found)
+            return ApiReply(ERROR, f"Cannot find parameter [{key}] in an upwards search", "")
+        return ApiReply(SUCCESS, f"Found [{found}]", found)
 
-    def _subscribe_param(self, caller: str, api: str, key: str) -> Reply:
-        self._register(Kind.PARAMETER, _subscription(key), caller, api)
+    def _subscribe_param(self, caller: str, api: str, key: str) -> ApiReply:
+        self._register(ProviderKind.PARAMETER, _subscription(key), caller, api)
         value: XmlRpcValue = self._parameters.get(key) if key in self._parameters else {}
-        return Reply(SUCCESS, f"Subscribed to parameter [{key}]", value)
+        return ApiReply(SUCCESS, f"Subscribed to parameter [{key}]", value)
 
-    def _unsubscribe_param(self, caller: str, api: str, key: str) -> Reply:
-        self._registrations.unregister(Kind.PARAMETER, _subscription(key), caller, api)
-        return Reply(SUCCESS, f"Unsubscribe to parameter [{key}]", 1)
+    def _unsubscribe_param(self, caller: str, api: str, key: str) -> ApiReply:
+        self._registrations.unregister(ProviderKind.PARAMETER, _subscription(key), caller, api)
+        return ApiReply(SUCCESS, f"Unsubscribe to parameter [{key}]", 1)
 
 
 def _subscription(key: str) -> str:

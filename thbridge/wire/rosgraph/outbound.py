@@ -6,21 +6,29 @@ from collections.abc import Mapping
 from enum import Enum, auto
 
 from thbridge.wire.rosgraph.links import (
-    Accepted,
-    Answered,
-    ClientEvent,
-    Ended,
-    Received,
-    Refused,
-    Send,
+    LinkEnded,
+    LinkRefused,
+    MessageReceived,
+    PublisherAccepted,
+    SendToPeer,
+    ServiceAnswered,
+    ServiceClientEvent,
     ServiceFailed,
     SubscriberEvent,
-    Topic,
+    TopicHeader,
     objection,
     quoted,
     take_header,
 )
-from thbridge.wire.rosgraph.tcpros import BODY_LIMIT, Fields, FrameBuffer, Malformed, Overlong, encode_header, frame
+from thbridge.wire.rosgraph.tcpros import (
+    BODY_LIMIT,
+    FrameBuffer,
+    HeaderFields,
+    MalformedHeader,
+    OverlongFrame,
+    encode_header,
+    frame,
+)
 
 
 class _Phase(Enum):
@@ -65,24 +73,24 @@ class SubscriberLink:
             fields = _judge_header(self._buffer, self._asked["topic"], self._asked)
             if fields is None:
                 return []
-            if isinstance(fields, Refused | Ended):
+            if isinstance(fields, LinkRefused | LinkEnded):
                 return [self._over(fields)]
             self._phase = _Phase.OPEN
-            said = Topic(
+            said = TopicHeader(
                 self._asked["topic"],
                 fields.get("type", self._asked["type"]),
                 fields["md5sum"],
                 fields.get("message_definition", ""),
                 fields.get("latching") == "1",
             )
-            events.append(Accepted(quoted(fields.get("callerid", "")), said))
+            events.append(PublisherAccepted(quoted(fields.get("callerid", "")), said))
         while (message := self._buffer.take(BODY_LIMIT)) is not None:
-            if isinstance(message, Overlong):
-                return [*events, self._over(Refused(f"it sends {message}"))]
-            events.append(Received(message))
+            if isinstance(message, OverlongFrame):
+                return [*events, self._over(LinkRefused(f"it sends {message}"))]
+            events.append(MessageReceived(message))
         return events
 
-    def _over(self, event: Refused | Ended) -> Refused | Ended:
+    def _over(self, event: LinkRefused | LinkEnded) -> LinkRefused | LinkEnded:
         self._phase = _Phase.OVER
         self._buffer = FrameBuffer()
         return event
@@ -109,23 +117,23 @@ class ServiceClientLink:
         """What is sent once connected."""
         return encode_header(self._asked)
 
-    def receive(self, data: bytes) -> list[ClientEvent]:
+    def receive(self, data: bytes) -> list[ServiceClientEvent]:
         """Hear bytes of the server."""
         if self._phase is _Phase.OVER:
             return []
         self._buffer.feed(data)
-        events: list[ClientEvent] = []
+        events: list[ServiceClientEvent] = []
         if self._phase is _Phase.HANDSHAKE:
             fields = _judge_header(self._buffer, self._asked["service"], self._asked)
             if fields is None:
                 return []
-            if isinstance(fields, Refused | Ended):
+            if isinstance(fields, LinkRefused | LinkEnded):
                 return [self._over(fields)]
             self._phase = _Phase.OPEN
-            events.append(Send(frame(self._request)))
+            events.append(SendToPeer(frame(self._request)))
         return events + self._take_answer()
 
-    def _take_answer(self) -> list[ClientEvent]:
+    def _take_answer(self) -> list[ServiceClientEvent]:
         if self._ok is None:
             self._ok = self._buffer.take_byte()
         if self._ok is None:
@@ -133,25 +141,27 @@ class ServiceClientLink:
         body = self._buffer.take(BODY_LIMIT)
         if body is None:
             return []
-        if isinstance(body, Overlong):
-            return [self._over(Ended(f"it sends {body}"))]
+        if isinstance(body, OverlongFrame):
+            return [self._over(LinkEnded(f"it sends {body}"))]
         answer = body if self._ok else ServiceFailed(body.decode(errors="replace"))
-        return [Answered(answer), self._over(Ended("the request is answered"))]
+        return [ServiceAnswered(answer), self._over(LinkEnded("the request is answered"))]
 
-    def _over(self, event: Refused | Ended) -> Refused | Ended:
+    def _over(self, event: LinkRefused | LinkEnded) -> LinkRefused | LinkEnded:
         self._phase = _Phase.OVER
         self._buffer = FrameBuffer()
         return event
 
 
-def _judge_header(buffer: FrameBuffer, what: str, asked: Mapping[str, str]) -> Fields | Refused | Ended | None:
+def _judge_header(
+    buffer: FrameBuffer, what: str, asked: Mapping[str, str]
+) -> HeaderFields | LinkRefused | LinkEnded | None:
     """The header that answers ours, if it means agreement."""
     fields = take_header(buffer)
     if fields is None:
         return None
-    if isinstance(fields, Malformed):
-        return Ended(fields.reason)
+    if isinstance(fields, MalformedHeader):
+        return LinkEnded(fields.reason)
     if "error" in fields:
-        return Refused(quoted(fields["error"]))
+        return LinkRefused(quoted(fields["error"]))
     against = objection(what, asked.get("type", "the type"), asked["md5sum"], fields)
-    return Refused(against) if against else fields
+    return LinkRefused(against) if against else fields

@@ -19,7 +19,7 @@ _REPLY_DEPTH = 8
 
 
 @dataclass(frozen=True, slots=True)
-class Update:
+class ParameterUpdate:
     """That a subscribed parameter has another value.
 
     Args:
@@ -123,7 +123,7 @@ class ParameterTree:
         return [*_leaves(SEPARATOR, self._root)]
 
 
-def updates(subscriptions: Iterable[str], key: str, value: XmlRpcValue) -> list[Update]:
+def updates(subscriptions: Iterable[str], key: str, value: XmlRpcValue) -> list[ParameterUpdate]:
     """Who hears of a change, of which key and value.
 
     Args:
@@ -133,14 +133,14 @@ def updates(subscriptions: Iterable[str], key: str, value: XmlRpcValue) -> list[
     """
     changed = key.removesuffix(SEPARATOR) + SEPARATOR
     below = dict(_branches(changed, value))
-    told: list[Update] = []
+    told: list[ParameterUpdate] = []
     subscribed = list(subscriptions)
     for subscription in subscribed:
         if changed.startswith(subscription):
-            told.append(Update(subscription, changed, value, own=True))
+            told.append(ParameterUpdate(subscription, changed, value, own=True))
         elif isinstance(value, dict) and subscription.startswith(changed) and subscription not in below:
-            told.append(Update(subscription, subscription, {}, own=False))
-    told += [Update(name, name, inner, own=False) for name, inner in below.items() if name in subscribed]
+            told.append(ParameterUpdate(subscription, subscription, {}, own=False))
+    told += [ParameterUpdate(name, name, inner, own=False) for name, inner in below.items() if name in subscribed]
     return told
 
 

@@ -11,7 +11,7 @@ from enum import Enum
 from thbridge.wire.rosgraph.xmlrpc import XmlRpcValue
 
 
-class Kind(Enum):
+class ProviderKind(Enum):
     """What a node can be registered for."""
 
     PUBLISHER = "publisher"
@@ -38,7 +38,7 @@ class _Node:
     """A node while it is registered for anything."""
 
     api: str
-    registered: set[tuple[Kind, str]] = field(default_factory=set)
+    registered: set[tuple[ProviderKind, str]] = field(default_factory=set)
 
 
 class Registrations:
@@ -50,17 +50,17 @@ class Registrations:
 
     def __init__(self) -> None:
         self._nodes: dict[str, _Node] = {}
-        self._providers: dict[Kind, dict[str, list[Provider]]] = {kind: {} for kind in Kind}
+        self._providers: dict[ProviderKind, dict[str, list[Provider]]] = {kind: {} for kind in ProviderKind}
 
-    def keys(self, kind: Kind) -> list[str]:
+    def keys(self, kind: ProviderKind) -> list[str]:
         """The topics, services or parameters that anybody is registered for."""
         return [*self._providers[kind]]
 
-    def providers(self, kind: Kind, key: str) -> tuple[Provider, ...]:
+    def providers(self, kind: ProviderKind, key: str) -> tuple[Provider, ...]:
         """Who is registered, first come first."""
         return tuple(self._providers[kind].get(key, ()))
 
-    def apis(self, kind: Kind, key: str) -> list[str]:
+    def apis(self, kind: ProviderKind, key: str) -> list[str]:
         """Where those who are registered can be called, first come first."""
         return [provider.api for provider in self.providers(kind, key)]
 
@@ -69,11 +69,11 @@ class Registrations:
         known = self._nodes.get(node)
         return None if known is None else known.api
 
-    def state(self, kind: Kind) -> list[XmlRpcValue]:
+    def state(self, kind: ProviderKind) -> list[XmlRpcValue]:
         """Pairs of a key and the names of the nodes registered for it."""
         return [[key, [provider.node for provider in providers]] for key, providers in self._providers[kind].items()]
 
-    def register(self, kind: Kind, key: str, node: str, node_api: str, api: str | None = None) -> str | None:
+    def register(self, kind: ProviderKind, key: str, node: str, node_api: str, api: str | None = None) -> str | None:
         """Register a node.
 
         Args:
@@ -96,13 +96,13 @@ class Registrations:
         known.registered.add((kind, key))
         provider = Provider(node, api or node_api)
         there = self._providers[kind].setdefault(key, [])
-        if kind is Kind.SERVICE:
+        if kind is ProviderKind.SERVICE:
             there[:] = [provider]
         elif provider not in there:
             there.append(provider)
         return replaced
 
-    def unregister(self, kind: Kind, key: str, node: str, api: str) -> bool:
+    def unregister(self, kind: ProviderKind, key: str, node: str, api: str) -> bool:
         """Take back a registration; False when there is none like this."""
         known = self._nodes.get(node)
         if known is None:
@@ -121,9 +121,9 @@ class Registrations:
 
     def unsubscribe_all(self, key: str, api: str) -> None:
         """Take back the subscriptions to a parameter of whatever nodes are at a slave API."""
-        for provider in self.providers(Kind.PARAMETER, key):
+        for provider in self.providers(ProviderKind.PARAMETER, key):
             if provider.api == api:
-                self.unregister(Kind.PARAMETER, key, provider.node, api)
+                self.unregister(ProviderKind.PARAMETER, key, provider.node, api)
 
     def _forget(self, node: str) -> None:
         for kind, by_key in self._providers.items():

@@ -10,13 +10,13 @@ from collections.abc import Callable, Iterable, Mapping, Sequence
 from dataclasses import dataclass
 from typing import TypeAlias
 
-from thbridge.wire.rosgraph.xmlrpc import Call, XmlRpcValue
+from thbridge.wire.rosgraph.xmlrpc import MethodCall, XmlRpcValue
 
 TRANSPORT = "TCPROS"
 
 
 @dataclass(frozen=True, slots=True)
-class Connection:
+class BusConnection:
     """One open TCPROS connection of a topic.
 
     Attributes:
@@ -39,7 +39,7 @@ class Connection:
 
 
 @dataclass(frozen=True, slots=True)
-class Node:
+class NodeDescription:
     """What a node is at the moment.
 
     Attributes:
@@ -62,7 +62,7 @@ class Node:
     publications: Mapping[str, str]
     subscriptions: Mapping[str, str]
     parameters: Iterable[str]
-    connections: Sequence[Connection]
+    connections: Sequence[BusConnection]
 
 
 @dataclass(frozen=True, slots=True)
@@ -89,24 +89,24 @@ class ParameterChanged:
 
 
 @dataclass(frozen=True, slots=True)
-class ShutdownAsked:
+class ShutdownRequested:
     """The node is told to go: by the master when another has taken its name, or by ``rosnode kill``."""
 
     reason: str
 
 
-Consequence: TypeAlias = PublishersChanged | ParameterChanged | ShutdownAsked
+Consequence: TypeAlias = PublishersChanged | ParameterChanged | ShutdownRequested
 
 
 @dataclass(frozen=True, slots=True)
-class Answer:
+class SlaveReply:
     """What a call comes to."""
 
     reply: XmlRpcValue
     consequence: Consequence | None = None
 
 
-def answer(call: Call, node: Node) -> Answer:
+def answer(call: MethodCall, node: NodeDescription) -> SlaveReply:
     """Answer a call of the slave API."""
     method = _METHODS.get(call.method)
     if method is None:
@@ -116,15 +116,15 @@ def answer(call: Call, node: Node) -> Answer:
     return method(node, call.params[1:])
 
 
-def _done(value: XmlRpcValue, message: str = "", consequence: Consequence | None = None) -> Answer:
-    return Answer([1, message, value], consequence)
+def _done(value: XmlRpcValue, message: str = "", consequence: Consequence | None = None) -> SlaveReply:
+    return SlaveReply([1, message, value], consequence)
 
 
-def _wrong(message: str, value: XmlRpcValue = 0) -> Answer:
-    return Answer([-1, message, value])
+def _wrong(message: str, value: XmlRpcValue = 0) -> SlaveReply:
+    return SlaveReply([-1, message, value])
 
 
-def _get_bus_stats(node: Node, _: Sequence[XmlRpcValue]) -> Answer:
+def _get_bus_stats(node: NodeDescription, _: Sequence[XmlRpcValue]) -> SlaveReply:
     # After rospy, which for subscribers has the number of messages where the specification has none.
     sent: list[XmlRpcValue] = []
     for topic in node.publications:
@@ -137,11 +137,11 @@ def _get_bus_stats(node: Node, _: Sequence[XmlRpcValue]) -> Answer:
     return _done([sent, heard, []], "bus stats")
 
 
-def _get_bus_info(node: Node, _: Sequence[XmlRpcValue]) -> Answer:
+def _get_bus_info(node: NodeDescription, _: Sequence[XmlRpcValue]) -> SlaveReply:
     return _done([_bus_info(each) for each in node.connections], "bus info")
 
 
-def _bus_info(connection: Connection) -> XmlRpcValue:
+def _bus_info(connection: BusConnection) -> XmlRpcValue:
     port, host, other_port, socket = connection.endpoints
     # rosnode reads the ports out of this sentence.
     text = f"{TRANSPORT} connection on port {port} to [{host}:{other_port} on socket {socket}]"
@@ -149,36 +149,36 @@ def _bus_info(connection: Connection) -> XmlRpcValue:
     return [connection.id, connection.peer, direction, TRANSPORT, connection.topic, True, text]
 
 
-def _get_master_uri(node: Node, _: Sequence[XmlRpcValue]) -> Answer:
+def _get_master_uri(node: NodeDescription, _: Sequence[XmlRpcValue]) -> SlaveReply:
     return _done(node.master_uri)
 
 
-def _get_name(node: Node, _: Sequence[XmlRpcValue]) -> Answer:
+def _get_name(node: NodeDescription, _: Sequence[XmlRpcValue]) -> SlaveReply:
     return _done(node.name)
 
 
-def _get_uri(node: Node, _: Sequence[XmlRpcValue]) -> Answer:
+def _get_uri(node: NodeDescription, _: Sequence[XmlRpcValue]) -> SlaveReply:
     return _done(node.uri)
 
 
-def _get_pid(node: Node, _: Sequence[XmlRpcValue]) -> Answer:
+def _get_pid(node: NodeDescription, _: Sequence[XmlRpcValue]) -> SlaveReply:
     return _done(node.pid)
 
 
-def _get_publications(node: Node, _: Sequence[XmlRpcValue]) -> Answer:
+def _get_publications(node: NodeDescription, _: Sequence[XmlRpcValue]) -> SlaveReply:
     return _done([[topic, kind] for topic, kind in node.publications.items()], "publications")
 
 
-def _get_subscriptions(node: Node, _: Sequence[XmlRpcValue]) -> Answer:
+def _get_subscriptions(node: NodeDescription, _: Sequence[XmlRpcValue]) -> SlaveReply:
     return _done([[topic, kind] for topic, kind in node.subscriptions.items()], "subscriptions")
 
 
-def _shutdown(node: Node, params: Sequence[XmlRpcValue]) -> Answer:
+def _shutdown(node: NodeDescription, params: Sequence[XmlRpcValue]) -> SlaveReply:
     reason = params[0] if params and isinstance(params[0], str) else ""
-    return _done(0, "shutdown", ShutdownAsked(reason))
+    return _done(0, "shutdown", ShutdownRequested(reason))
 
 
-def _param_update(node: Node, params: Sequence[XmlRpcValue]) -> Answer:
+def _param_update(node: NodeDescription, params: Sequence[XmlRpcValue]) -> SlaveReply:
     match params:
         case [str(key), value]:
             key = "/" + key.strip("/")
@@ -189,7 +189,7 @@ def _param_update(node: Node, params: Sequence[XmlRpcValue]) -> Answer:
     return _wrong("paramUpdate takes a key and a value")
 
 
-def _publisher_update(node: Node, params: Sequence[XmlRpcValue]) -> Answer:
+def _publisher_update(node: NodeDescription, params: Sequence[XmlRpcValue]) -> SlaveReply:
     match params:
         case [str(topic), list(publishers)]:
             uris = tuple(each for each in publishers if isinstance(each, str))
@@ -198,7 +198,7 @@ def _publisher_update(node: Node, params: Sequence[XmlRpcValue]) -> Answer:
     return _wrong("publisherUpdate takes a topic and a list of URIs")
 
 
-def _request_topic(node: Node, params: Sequence[XmlRpcValue]) -> Answer:
+def _request_topic(node: NodeDescription, params: Sequence[XmlRpcValue]) -> SlaveReply:
     match params:
         case [str(topic), list(protocols)]:
             if topic not in node.publications:
@@ -206,11 +206,11 @@ def _request_topic(node: Node, params: Sequence[XmlRpcValue]) -> Answer:
             if any(isinstance(each, list) and each[:1] == [TRANSPORT] for each in protocols):
                 host, port = node.tcpros
                 return _done([TRANSPORT, host, port], f"ready on {host}:{port}")
-            return Answer([0, f"{TRANSPORT} is the only protocol here", []])
+            return SlaveReply([0, f"{TRANSPORT} is the only protocol here", []])
     return _wrong("requestTopic takes a topic and a list of protocols", [])
 
 
-_METHODS: Mapping[str, Callable[[Node, Sequence[XmlRpcValue]], Answer]] = {
+_METHODS: Mapping[str, Callable[[NodeDescription, Sequence[XmlRpcValue]], SlaveReply]] = {
     "getBusInfo": _get_bus_info,
     "getBusStats": _get_bus_stats,
     "getMasterUri": _get_master_uri,

@@ -23,7 +23,7 @@ REQUEST_LIMIT = 1 << 18
 ANY = "*"
 """The type or md5 sum of whoever takes everything."""
 
-Fields: TypeAlias = dict[str, str]
+HeaderFields: TypeAlias = dict[str, str]
 
 _LENGTH = struct.Struct("<I")
 
@@ -32,7 +32,7 @@ LENGTH_BYTES = _LENGTH.size
 
 
 @dataclass(frozen=True, slots=True)
-class Malformed:
+class MalformedHeader:
     """Bytes that are no header.
 
     Attributes:
@@ -43,7 +43,7 @@ class Malformed:
 
 
 @dataclass(frozen=True, slots=True)
-class Overlong:
+class OverlongFrame:
     """A frame longer than the reader takes.
 
     Attributes:
@@ -68,24 +68,24 @@ def encode_header(fields: Mapping[str, str]) -> bytes:
     return frame(b"".join(frame(f"{name}={value}".encode()) for name, value in sorted(fields.items())))
 
 
-def decode_header(body: bytes) -> Fields | Malformed:
+def decode_header(body: bytes) -> HeaderFields | MalformedHeader:
     """The fields of a header, given without its own length.
 
     Of a field that is there twice the last counts, as for ROS. Text that is not UTF-8 (some message definitions have
     Latin-1 in a comment) loses those characters to U+FFFD.
     """
-    fields: Fields = {}
+    fields: HeaderFields = {}
     at = 0
     while at < len(body):
         if len(body) - at < LENGTH_BYTES:
-            return Malformed("the header ends inside a field's length")
+            return MalformedHeader("the header ends inside a field's length")
         (length,) = _LENGTH.unpack_from(body, at)
         at += LENGTH_BYTES
         if length > len(body) - at:
-            return Malformed("a field is longer than what is left of the header")
+            return MalformedHeader("a field is longer than what is left of the header")
         name, equals, value = body[at : at + length].partition(b"=")
         if not equals:
-            return Malformed("a field has no '='")
+            return MalformedHeader("a field has no '='")
         fields[name.decode(errors="replace").strip()] = value.decode(errors="replace")
         at += length
     return fields
@@ -108,14 +108,14 @@ class FrameBuffer:
         """Add bytes as they came."""
         self._held += data
 
-    def take(self, limit: int) -> bytes | Overlong | None:
+    def take(self, limit: int) -> bytes | OverlongFrame | None:
         """The next frame's body, None while it is incomplete. After `Overlong` the stream is of no more use."""
         if len(self._held) < LENGTH_BYTES:
             return None
         (length,) = _LENGTH.unpack_from(self._held)
         if length > limit:
             self._held.clear()
-            return Overlong(length, limit)
+            return OverlongFrame(length, limit)
         end = LENGTH_BYTES + length
         if len(self._held) < end:
             return None

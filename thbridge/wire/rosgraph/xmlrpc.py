@@ -47,7 +47,7 @@ XmlRpcValue: TypeAlias = (
 
 
 @dataclass(frozen=True, slots=True)
-class Call:
+class MethodCall:
     """A method called with parameters by position."""
 
     method: str
@@ -55,7 +55,7 @@ class Call:
 
 
 @dataclass(frozen=True, slots=True)
-class Response:
+class MethodResponse:
     """What a method returned."""
 
     value: XmlRpcValue
@@ -70,7 +70,7 @@ class Fault:
 
 
 @dataclass(frozen=True, slots=True)
-class Malformed:
+class MalformedDocument:
     """Why bytes are not the document they should be."""
 
     reason: str
@@ -106,17 +106,17 @@ def encode_fault(code: int, text: str) -> bytes:
     return _document(f"<methodResponse>\n<fault>\n{value}\n</fault>\n</methodResponse>")
 
 
-def decode_call(data: bytes) -> Call | Malformed:
+def decode_call(data: bytes) -> MethodCall | MalformedDocument:
     """Read a call."""
     try:
         root = _parsed(data, "methodCall")
         name = root.only_child("methodName", others=("params",)).leaf()
-        return Call(name.strip(), _params(root))
+        return MethodCall(name.strip(), _params(root))
     except _MalformedError as error:
-        return Malformed(str(error))
+        return MalformedDocument(str(error))
 
 
-def decode_response(data: bytes) -> Response | Fault | Malformed:
+def decode_response(data: bytes) -> MethodResponse | Fault | MalformedDocument:
     """Read the answer to a call."""
     try:
         root = _parsed(data, "methodResponse")
@@ -124,18 +124,18 @@ def decode_response(data: bytes) -> Response | Fault | Malformed:
             return _fault(_value(root.only_child("fault").only_child("value")))
         params = _params(root)
         if len(params) != 1:
-            return Malformed(f"an answer holds one value, this one {len(params)}")
-        return Response(params[0])
+            return MalformedDocument(f"an answer holds one value, this one {len(params)}")
+        return MethodResponse(params[0])
     except _MalformedError as error:
-        return Malformed(str(error))
+        return MalformedDocument(str(error))
 
 
-def _fault(value: XmlRpcValue) -> Fault | Malformed:
+def _fault(value: XmlRpcValue) -> Fault | MalformedDocument:
     match value:
         case {"faultCode": int(code), "faultString": str(text)}:
             return Fault(code, text)
         case _:
-            return Malformed("a fault without code or text")
+            return MalformedDocument("a fault without code or text")
 
 
 # -- writing ----------------------------------------------------------------------------------------------------------

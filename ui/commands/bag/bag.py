@@ -9,9 +9,9 @@ from typing import Annotated
 import msgspec
 import typer
 
-from thbridge.analysis.check import Finding, Judgement, Severity, Tool, judge
-from thbridge.analysis.cut import Piece, cut
-from thbridge.analysis.summary import Summary, summarise
+from thbridge.analysis.check import BagTool, Finding, FindingSeverity, Judgement, judge
+from thbridge.analysis.cut import CutRange, cut
+from thbridge.analysis.summary import RecordingSummary, summarise
 from thbridge.recording.bag.records import Compression
 from thbridge.recording.bag.repair import reindex as reindex_bag
 from thbridge.recording.bag.scan import scan
@@ -46,7 +46,7 @@ def bag_info_command(bag: Bag, as_json: AsJson = False) -> None:
         _show_summary(found)
 
 
-def _show_summary(found: Summary) -> None:
+def _show_summary(found: RecordingSummary) -> None:
     files = f" in {len(found.parts)} files" if len(found.parts) > 1 else ""
     _say(f"{found.path}: {found.duration:.1f} s, {found.messages} messages, {found.size / 1e6:.1f} MB{files}")
     _say(f"compression: {found.compression}")
@@ -97,17 +97,19 @@ def bag_check_command(bag: Bag, as_json: AsJson = False) -> None:
 
 
 _VERDICTS = {
-    Severity.ERROR: "stumbles: see its errors",
-    Severity.WARNING: "takes it, with losses",
-    Severity.NOTE: "takes it",
+    FindingSeverity.ERROR: "stumbles: see its errors",
+    FindingSeverity.WARNING: "takes it, with losses",
+    FindingSeverity.NOTE: "takes it",
     None: "takes it",
 }
 
 
-def _verdicts(judgements: Mapping[Path, Judgement]) -> dict[Tool, Severity | None]:
+def _verdicts(judgements: Mapping[Path, Judgement]) -> dict[BagTool, FindingSeverity | None]:
     """The worst that each tool meets in any part."""
-    worst = {tool: [judgement.worst(tool) for judgement in judgements.values()] for tool in Tool}
-    return {tool: next((severity for severity in Severity if severity in met), None) for tool, met in worst.items()}
+    worst = {tool: [judgement.worst(tool) for judgement in judgements.values()] for tool in BagTool}
+    return {
+        tool: next((severity for severity in FindingSeverity if severity in met), None) for tool, met in worst.items()
+    }
 
 
 def _told(judgements: Mapping[Path, Judgement]) -> dict[str, object]:
@@ -188,7 +190,7 @@ def bag_cut_command(
 ) -> None:
     """Cut a piece out of a bag; it begins with what was latched before. Parts become one bag."""
     names = None if topics is None else tuple(name.strip() for name in topics.split(","))
-    piece = Piece(start, math.inf if end is None else end, names, compression)
+    piece = CutRange(start, math.inf if end is None else end, names, compression)
     with bad_input():
         done = cut(bag, piece, new or bag.with_name(f"{bag.stem}-cut.bag"), overwrite)
     if as_json:

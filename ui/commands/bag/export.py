@@ -12,7 +12,7 @@ from ui.options import AsJson
 from ui.terminal import BAD_INPUT, bad_input, fail, note, out, print_json
 
 
-class Formats(StrEnum):
+class ExportFormat(StrEnum):
     """Kinds of files to write."""
 
     CSV = "csv"
@@ -26,7 +26,7 @@ def bag_export(
     topics: Annotated[
         str | None, typer.Option(help="Names or patterns such as `*/scan`, with commas between; by default all.")
     ] = None,
-    form: Annotated[Formats, typer.Option("--format", help="Kind of files.")] = Formats.PARQUET,
+    form: Annotated[ExportFormat, typer.Option("--format", help="Kind of files.")] = ExportFormat.PARQUET,
     start: Annotated[float, typer.Option("--from", help="Seconds after the beginning.", min=0.0)] = 0.0,
     until: Annotated[
         float | None, typer.Option(help="Seconds after the beginning; by default to the end.", min=0.0)
@@ -40,7 +40,7 @@ def bag_export(
 
     with bad_input():
         chosen = None if topics is None else _chosen(bag, [name.strip() for name in topics.split(",")])
-        formats = tuple(TableFormat) if form is Formats.BOTH else (TableFormat(form),)
+        formats = tuple(TableFormat) if form is ExportFormat.BOTH else (TableFormat(form),)
         exported = export_bag(bag, to, formats, chosen, start, until)
     for notice in exported.notices:
         note(notice)

@@ -8,12 +8,12 @@ import typer
 
 from thbridge.files.errors import BadFile, reason_of
 from thbridge.files.map_files import read_grid
-from thbridge.hunt.outcomes import Refused
+from thbridge.hunt.refusals import RequestRefused
 from thbridge.recording.bag.reader import messages
 from ui.terminal import BAD_INPUT, FAILED, bad_input, fail, note
 
 
-class Figures(StrEnum):
+class FigureChoice(StrEnum):
     """What can be plotted."""
 
     PATHS = "paths"
@@ -24,7 +24,7 @@ class Figures(StrEnum):
     TIMELINE = "timeline"
 
 
-class Width(StrEnum):
+class FigureWidth(StrEnum):
     """Columns of a page that a figure takes."""
 
     ONE = "one"
@@ -33,31 +33,33 @@ class Width(StrEnum):
 
 def bag_plot(
     bag: Annotated[Path, typer.Argument(help="A ROS 1 bag, or the name of a split one.")],
-    what: Annotated[Figures, typer.Option(help="What to plot.")],
+    what: Annotated[FigureChoice, typer.Option(help="What to plot.")],
     to: Annotated[Path, typer.Option("--to", help="The figure: a .png, .svg or .pdf.", metavar="FILE")],
-    width: Annotated[Width, typer.Option(help="Columns of a page: `one` is 88 mm, `two` are 183 mm.")] = Width.TWO,
+    width: Annotated[
+        FigureWidth, typer.Option(help="Columns of a page: `one` is 88 mm, `two` are 183 mm.")
+    ] = FigureWidth.TWO,
     map_yaml: Annotated[
         Path | None, typer.Option("--map", help="The map, a map_server YAML file; by default the bag's own.")
     ] = None,
 ) -> None:
     """Plot a bag for print: paths, errors, covariance, energy, speeds, or what happened when."""
     # Half a second of imports that no other command needs.
-    from thbridge.analysis.plot.figures import What, draw  # noqa: PLC0415
-    from thbridge.analysis.plot.look import ONE_COLUMN, TWO_COLUMNS, Kind  # noqa: PLC0415
+    from thbridge.analysis.plot.figures import FigureKind, draw  # noqa: PLC0415
+    from thbridge.analysis.plot.style import ONE_COLUMN, TWO_COLUMNS, FigureFormat  # noqa: PLC0415
     from thbridge.analysis.report.gathering import read_report  # noqa: PLC0415
 
     kind = to.suffix.lower().removeprefix(".")
-    if kind not in set(Kind):
+    if kind not in set(FigureFormat):
         fail(BAD_INPUT, f"--to: {to} is no figure. Give a file name that ends in .png, .svg or .pdf.")
-    look = ONE_COLUMN if width is Width.ONE else TWO_COLUMNS
+    look = ONE_COLUMN if width is FigureWidth.ONE else TWO_COLUMNS
     with bad_input():
         grid = None if map_yaml is None else read_grid(map_yaml)
         report = read_report(messages(bag), grid)
-    drawn = draw(What(what), report, look)
-    if isinstance(drawn, Refused):
+    drawn = draw(FigureKind(what), report, look)
+    if isinstance(drawn, RequestRefused):
         fail(FAILED, f"{bag}: {drawn.sentence}")
     with bad_input():
-        _write(to, look.rendered(drawn, Kind(kind)))
+        _write(to, look.rendered(drawn, FigureFormat(kind)))
     for track in report.tracks:
         note(f"{track.name}: {'; '.join(track.sources)}.")
     note(f"Figure: {to}")

@@ -1,18 +1,18 @@
 """The robots' cards, and the sentences that say what a robot does."""
 
-from thbridge.hunt.costs import spoken_energy
+from thbridge.hunt.costs import energy_text
 from thbridge.hunt.events import Condition
 from thbridge.hunt.rules import robot_name
-from thbridge.roles.notices import Motion
+from thbridge.roles.notices import RobotMotion
 from thbridge.roles.view import AskBack, CallBack, RobotView
 from ui.model.keys import key_of
 from ui.model.playing.possible import undecided_beside, why_not_command
-from ui.model.playing.state import Hunt, Memory
+from ui.model.playing.state import HuntMemory, ParticipantMemory
 from ui.model.playing.words import as_sentence, how_it_comes_back, place_name, titled
 from ui.model.screen import Action, AskForRobot, ChooseRobot, NextRobot, RobotCard, StopRobot
 
 
-def cards(memory: Memory, hunt: Hunt) -> tuple[RobotCard, ...]:
+def cards(memory: ParticipantMemory, hunt: HuntMemory) -> tuple[RobotCard, ...]:
     """One card a robot, in the team's order."""
     return tuple(_card(memory, hunt, robot) for robot in hunt.view.robots)
 
@@ -22,19 +22,19 @@ def is_in_trouble(robot: RobotView) -> bool:
     return robot.blocked or robot.condition is not Condition.WELL
 
 
-def described(memory: Memory, hunt: Hunt, robot: int) -> str:
+def card_sentence(memory: ParticipantMemory, hunt: HuntMemory, robot: int) -> str:
     """A robot's card as one would read it out."""
     card = _card(memory, hunt, hunt.view.robots[robot])
     commanded = f", {card.commanded}" if card.commanded else ""
-    return f"{card.name}: {card.place}, {card.state}, {spoken_energy(card.energy)} energy{commanded}."
+    return f"{card.name}: {card.place}, {card.state}, {energy_text(card.energy)} energy{commanded}."
 
 
-def _card(memory: Memory, hunt: Hunt, robot: RobotView) -> RobotCard:
+def _card(memory: ParticipantMemory, hunt: HuntMemory, robot: RobotView) -> RobotCard:
     number = robot.robot
     selected = number == memory.selected
     considered = memory.considered() if selected else None
     if considered is None:
-        considered = hunt.goal_considered(number)
+        considered = hunt.destination_considered(number)
     cost = None
     if considered is not None and robot.moving_to is None and hunt.view.room(considered).state == "unvisited":
         cost = hunt.view.costs[robot.place][considered]
@@ -46,7 +46,7 @@ def _card(memory: Memory, hunt: Hunt, robot: RobotView) -> RobotCard:
         name=titled(number),
         selected=selected,
         energy=robot.energy,
-        energy_at_start=hunt.richest,
+        energy_at_start=hunt.most_energy,
         cost=cost,
         affordable=cost is None or cost <= robot.energy,
         place=f"in {place}" if robot.moving_to is None else f"from {place}",
@@ -61,7 +61,7 @@ def _card(memory: Memory, hunt: Hunt, robot: RobotView) -> RobotCard:
     )
 
 
-def _select(memory: Memory, hunt: Hunt, robot: int) -> Action:
+def _select(memory: ParticipantMemory, hunt: HuntMemory, robot: int) -> Action:
     team = len(hunt.view.robots)
     key = ""
     for step in (-1, 1):
@@ -72,18 +72,18 @@ def _select(memory: Memory, hunt: Hunt, robot: int) -> Action:
     return Action(ChooseRobot(robot), titled(robot), key, hint=why_not_command(hunt.view, robot) or yours)
 
 
-def _stop(hunt: Hunt, robot: RobotView, selected: bool) -> Action | None:
+def _stop(hunt: HuntMemory, robot: RobotView, selected: bool) -> Action | None:
     if robot.moving_to is None or robot.other_commander:
         return None
-    stopping = CallBack(robot.robot) in hunt.asked or robot.robot in hunt.reroutes
+    stopping = CallBack(robot.robot) in hunt.pending or robot.robot in hunt.reroutes
     hint = f"{titled(robot.robot)} is about to stop." if stopping else "The energy for the rest of the way comes back."
     return Action(StopRobot(robot.robot), "Stop", key_of(StopRobot()) if selected else "", not stopping, hint, stopping)
 
 
-def _ask_back(hunt: Hunt, robot: RobotView, selected: bool) -> Action | None:
+def _ask_back(hunt: HuntMemory, robot: RobotView, selected: bool) -> Action | None:
     if not robot.other_commander or hunt.view.over is not None:
         return None
-    busy = AskBack(robot.robot) in hunt.asked
+    busy = AskBack(robot.robot) in hunt.pending
     asked = robot.asked_back or busy
     commander = as_sentence(f"{robot.other_commander} commands {robot_name(robot.robot)}")
     hint = f"{commander} {how_it_comes_back(robot)}"
@@ -99,7 +99,7 @@ def _ask_back(hunt: Hunt, robot: RobotView, selected: bool) -> Action | None:
     )
 
 
-def _state(hunt: Hunt, robot: RobotView, motion: Motion) -> str:
+def _state(hunt: HuntMemory, robot: RobotView, motion: RobotMotion) -> str:
     if robot.condition is Condition.SILENT:
         return "does not answer"
     if robot.blocked and robot.moving_to is None:
@@ -111,8 +111,8 @@ def _state(hunt: Hunt, robot: RobotView, motion: Motion) -> str:
     return _resting(hunt, robot)
 
 
-def _moving(hunt: Hunt, robot: RobotView, motion: Motion, goal: str) -> str:
-    if CallBack(robot.robot) in hunt.asked or robot.robot in hunt.reroutes:
+def _moving(hunt: HuntMemory, robot: RobotView, motion: RobotMotion, goal: str) -> str:
+    if CallBack(robot.robot) in hunt.pending or robot.robot in hunt.reroutes:
         return "stopping"
     if robot.condition is Condition.LOST:
         return "lost, looking for its place"
@@ -129,18 +129,18 @@ def _moving(hunt: Hunt, robot: RobotView, motion: Motion, goal: str) -> str:
             return f"travelling to {goal}"
 
 
-def _resting(hunt: Hunt, robot: RobotView) -> str:
+def _resting(hunt: HuntMemory, robot: RobotView) -> str:
     number = robot.robot
     if hunt.view.over is not None:
         return "done"
-    if hunt.asked.going(number) is not None:
+    if hunt.pending.destination_request(number) is not None:
         return "is being asked"
     if number in hunt.view.thinking:
         return "is thinking about where to go"
-    talk = hunt.talk(number)
+    talk = hunt.destination_dialogue(number)
     if talk is not None:
         return "asks you something" if talk.choices else "is thinking"
-    goal = hunt.goal_considered(number)
+    goal = hunt.destination_considered(number)
     if goal is not None:
         return f"about to set out for {place_name(goal)}"
     room = undecided_beside(hunt.view, number)
@@ -149,7 +149,7 @@ def _resting(hunt: Hunt, robot: RobotView) -> str:
     return "at rest" if robot.other_commander else "ready"
 
 
-def _is_stranded(hunt: Hunt, robot: RobotView) -> bool:
+def _is_stranded(hunt: HuntMemory, robot: RobotView) -> bool:
     """Whether rooms are left, and this robot at rest can reach none of them for want of energy alone."""
     view = hunt.view
     free = [room.room for room in view.rooms if room.state == "unvisited"]

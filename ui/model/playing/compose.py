@@ -5,21 +5,21 @@ from thbridge.hunt.rules import robot_name
 from thbridge.roles.view import Agree
 from ui.model.keys import HELP, help_lines, key_of
 from ui.model.playing.cards import cards
-from ui.model.playing.popups.ending import ending
-from ui.model.playing.popups.finds import PATIENCE, find
-from ui.model.playing.popups.questions import question
-from ui.model.playing.popups.talks import going, title
-from ui.model.playing.possible import standing_in
-from ui.model.playing.queue import Find, Item, Talk
-from ui.model.playing.state import Hunt, Memory
+from ui.model.playing.popup_queue import DestinationItem, PopupItem, TreasureItem
+from ui.model.playing.popups.confirmations import confirmation
+from ui.model.playing.popups.dialogues import destination_popup, dialogue_title
+from ui.model.playing.popups.game_over import game_over_page
+from ui.model.playing.popups.treasures import PICTURE_TIMEOUT, treasure_popup
+from ui.model.playing.possible import robot_in_room
+from ui.model.playing.state import HuntMemory, ParticipantMemory
 from ui.model.playing.tiles import dont_know, end, tiles
 from ui.model.playing.words import titled, verdict_words
 from ui.model.screen import (
     Action,
     AgreeToTakePart,
+    AskAdvice,
     Banner,
-    DialoguePop,
-    DontKnow,
+    DialoguePopup,
     EndGame,
     FitMap,
     FollowRobot,
@@ -27,15 +27,15 @@ from ui.model.screen import (
     Screen,
     ShowHelp,
     ShowWaiting,
-    TreasurePop,
-    Waiting,
+    TreasurePopup,
+    WaitingItem,
 )
 
 WAITING_KEY = "W"
 """The second key of `ShowNext`: for a button that shows what waits, "Esc" would be a riddle."""
 
 
-def compose(memory: Memory, now: float) -> Screen:
+def compose(memory: ParticipantMemory, now: float) -> Screen:
     """What is shown at this moment; what is to be read out is not in it yet."""
     hunt = memory.hunt
     phase = phase_of(memory)
@@ -48,25 +48,25 @@ def compose(memory: Memory, now: float) -> Screen:
         banner=_banner(memory, now),
         game=0 if hunt is None else hunt.view.game,
         score=0 if hunt is None else hunt.view.score,
-        gained=None if hunt is None else hunt.gained,
+        last_points=None if hunt is None else hunt.last_points,
         cards=() if hunt is None else cards(memory, hunt),
         tiles=() if hunt is None else tiles(memory, hunt),
-        dont_know=_not_now(DontKnow(), "Don't know") if playing is None else dont_know(memory, playing),
+        ask_advice=_not_now(AskAdvice(), "Don't know") if playing is None else dont_know(memory, playing),
         end=_not_now(EndGame(), "End the game") if playing is None else end(playing),
         tools=_tools(memory, phase),
-        pop=None if playing is None else _pop(memory, playing, now),
-        question=None if playing is None else question(memory, playing),
+        popup=None if playing is None else _pop(memory, playing, now),
+        confirmation=None if playing is None else confirmation(memory, playing),
         waiting=() if playing is None else _waiting(playing),
         history=memory.history.lines,
-        ending=ending(hunt) if hunt is not None and phase is Phase.OVER else None,
-        help=help_lines(0 if hunt is None else len(hunt.view.rooms)) if memory.helping else (),
+        ending=game_over_page(hunt) if hunt is not None and phase is Phase.OVER else None,
+        help=help_lines(0 if hunt is None else len(hunt.view.rooms)) if memory.help_open else (),
         typed=memory.typed,
         announcement="",
-        announced=0,
+        announcement_number=0,
     )
 
 
-def phase_of(memory: Memory) -> Phase:
+def phase_of(memory: ParticipantMemory) -> Phase:
     """Which page is to be shown."""
     if memory.hunt is None:
         return Phase.CONNECTING
@@ -75,17 +75,17 @@ def phase_of(memory: Memory) -> Phase:
     return Phase.PLAYING if memory.hunt.view.over is None else Phase.OVER
 
 
-def changes(memory: Memory, now: float) -> float:
+def next_change(memory: ParticipantMemory, now: float) -> float:
     """When the screen will be another if nothing happens until then."""
-    due = [memory.connection.changes(now), memory.typed_until]
+    due = [memory.connection.next_change(now), memory.typed_until]
     if memory.note is not None:
         due.append(memory.note[1])
     if memory.hunt is not None:
-        due += [since + PATIENCE for since in memory.hunt.pictured.values()]
+        due += [since + PICTURE_TIMEOUT for since in memory.hunt.picture_times.values()]
     return min((time for time in due if time > now), default=float("inf"))
 
 
-def _waiting_for(memory: Memory) -> str:
+def _waiting_for(memory: ParticipantMemory) -> str:
     if memory.connection.is_lost:
         return "The game cannot be reached. It is tried again by itself."
     if memory.connection.is_there:
@@ -93,7 +93,7 @@ def _waiting_for(memory: Memory) -> str:
     return "Looking for the game."
 
 
-def _banner(memory: Memory, now: float) -> Banner | None:
+def _banner(memory: ParticipantMemory, now: float) -> Banner | None:
     trouble = memory.connection.trouble(now)
     view = None if memory.hunt is None else memory.hunt.view
     if trouble is not None and memory.connection.is_lost:
@@ -111,20 +111,22 @@ def _banner(memory: Memory, now: float) -> Banner | None:
     return None
 
 
-def _agree(hunt: Hunt | None) -> Action:
+def _agree(hunt: HuntMemory | None) -> Action:
     act = AgreeToTakePart()
     if hunt is None or hunt.view.consent is None:
         return _not_now(act, "I agree")
-    busy = Agree() in hunt.asked
+    busy = Agree() in hunt.pending
     return Action(act, "I agree", key_of(act), not busy, "You take part in the study.", busy)
 
 
-def _not_now(act: AgreeToTakePart | DontKnow | EndGame, label: str) -> Action:
+def _not_now(act: AgreeToTakePart | AskAdvice | EndGame, label: str) -> Action:
     return Action(act, label, key_of(act), enabled=False, hint="Not just now.")
 
 
-def _tools(memory: Memory, phase: Phase) -> tuple[Action, ...]:
-    sheet = Action(ShowHelp(), "Close help" if memory.helping else "Help", HELP.keys[0], hint="All keys on one sheet.")
+def _tools(memory: ParticipantMemory, phase: Phase) -> tuple[Action, ...]:
+    sheet = Action(
+        ShowHelp(), "Close help" if memory.help_open else "Help", HELP.keys[0], hint="All keys on one sheet."
+    )
     if phase is not Phase.PLAYING:
         return (sheet,)
     robot = robot_name(memory.selected)
@@ -136,20 +138,20 @@ def _tools(memory: Memory, phase: Phase) -> tuple[Action, ...]:
     )
 
 
-def _pop(memory: Memory, hunt: Hunt, now: float) -> DialoguePop | TreasurePop | None:
+def _pop(memory: ParticipantMemory, hunt: HuntMemory, now: float) -> DialoguePopup | TreasurePopup | None:
     match hunt.popups.shown:
-        case Talk() as talk:
-            return going(hunt, talk)
-        case Find() as found:
-            return find(hunt, memory.pictures, found, now)
+        case DestinationItem() as talk:
+            return destination_popup(hunt, talk)
+        case TreasureItem() as found:
+            return treasure_popup(hunt, memory.pictures, found, now)
         case None:
             return None
 
 
-def _waiting(hunt: Hunt) -> tuple[Waiting, ...]:
+def _waiting(hunt: HuntMemory) -> tuple[WaitingItem, ...]:
     first = hunt.popups.next
     return tuple(
-        Waiting(
+        WaitingItem(
             item.robot,
             _waits(hunt, item),
             Action(_showing(item), "Show", WAITING_KEY if item == first else "", hint=_waits(hunt, item)),
@@ -158,21 +160,21 @@ def _waiting(hunt: Hunt) -> tuple[Waiting, ...]:
     )
 
 
-def _showing(item: Item) -> ShowWaiting:
-    return ShowWaiting(item.robot, item.room) if isinstance(item, Find) else ShowWaiting(item.robot)
+def _showing(item: PopupItem) -> ShowWaiting:
+    return ShowWaiting(item.robot, item.room) if isinstance(item, TreasureItem) else ShowWaiting(item.robot)
 
 
-def _waits(hunt: Hunt, item: Item) -> str:
+def _waits(hunt: HuntMemory, item: PopupItem) -> str:
     name = titled(item.robot)
-    if isinstance(item, Talk):
-        dialogue = hunt.talk(item.robot)
-        return f"{name} is being asked" if dialogue is None else title(hunt, dialogue)
-    about = hunt.talk_about(item)
+    if isinstance(item, DestinationItem):
+        dialogue = hunt.destination_dialogue(item.robot)
+        return f"{name} is being asked" if dialogue is None else dialogue_title(hunt, dialogue)
+    about = hunt.treasure_dialogue(item)
     if about is not None:
-        return title(hunt, about)
+        return dialogue_title(hunt, about)
     room = hunt.view.room(item.room)
     if room.verdict is not None:
         return f"Room {item.room}: {verdict_words(room.verdict.name, room.verdict.points)}"
-    if standing_in(hunt.view, item.room) is None:
+    if robot_in_room(hunt.view, item.room) is None:
         return f"{name} found something in room {item.room}"
     return f"{name} is in room {item.room}" + (" and found something" if room.sensed else "")

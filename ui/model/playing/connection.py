@@ -4,11 +4,11 @@ import math
 
 from ui.model.playing.words import as_sentence
 
-STILL = 1.5
+STALE_AFTER = 1.5
 """Seconds without news of the robots after which the game stands still; they come 25 times a second."""
 
 
-class Connection:
+class ConnectionStatus:
     """What is known of the connection; `now` is monotonic seconds."""
 
     def __init__(self) -> None:
@@ -36,7 +36,7 @@ class Connection:
         """It is not there, for the reason in this sentence; how long is counted from the first time."""
         self._lost = (sentence, self._lost[1] if self._lost else now)
 
-    def hear(self, now: float) -> None:
+    def receive(self, now: float) -> None:
         """News of the robots came."""
         self._heard = now
 
@@ -52,18 +52,18 @@ class Connection:
                 cut = "The game has not been reached" if lasting else "The game is not reached yet"
             again = "It is tried again by itself" + (", and you go on where you were." if self._was_there else ".")
             return " ".join(part for part in (f"{cut}{lasting}.", as_sentence(sentence), again) if part)
-        if self._still_since() + STILL <= now:
+        if self._last_received() + STALE_AFTER <= now:
             return "There is no news of the robots just now. The game goes on as soon as there is."
         return None
 
-    def changes(self, now: float) -> float:
+    def next_change(self, now: float) -> float:
         """When `trouble` will say something else if nothing is heard until then."""
         if self._lost is not None:
             since = self._lost[1]
             return since + math.floor(now - since) + 1.0
-        due = self._still_since() + STILL
+        due = self._last_received() + STALE_AFTER
         return due if due > now else math.inf
 
-    def _still_since(self) -> float:
+    def _last_received(self) -> float:
         """When there was last news of the robots; a connection that never had any is not waited for."""
         return math.inf if self._heard is None else self._heard

@@ -4,14 +4,14 @@ from collections import deque
 from collections.abc import Iterator
 from typing import Literal
 
-from thbridge.hunt.costs import spoken_energy
+from thbridge.hunt.costs import energy_text
 from thbridge.hunt.events import Condition
 from thbridge.hunt.rules import robot_name
 from thbridge.roles.view import DialogueView, RobotView, RoomView, View
 from ui.model.playing.words import counted, place_name, scored, seen_words, titled, verdict_words
-from ui.model.screen import Told
+from ui.model.screen import HistoryLine
 
-KEPT = 500
+MAX_LINES = 500
 """Lines kept."""
 
 _CONDITIONS = {
@@ -21,81 +21,83 @@ _CONDITIONS = {
 }
 
 
-class History:
+class GameHistory:
     """The lines so far, and what is to be announced."""
 
     def __init__(self) -> None:
-        self._lines: deque[Told] = deque(maxlen=KEPT)
+        self._lines: deque[HistoryLine] = deque(maxlen=MAX_LINES)
         # How many lines of each open dialogue are told already.
-        self._said: dict[int, int] = {}
-        self._news: list[str] = []
+        self._known_sentences: dict[int, int] = {}
+        self._announcements: list[str] = []
 
     @property
-    def lines(self) -> tuple[Told, ...]:
+    def lines(self) -> tuple[HistoryLine, ...]:
         """Oldest first."""
         return tuple(self._lines)
 
-    def take_news(self) -> str:
+    def take_announcements(self) -> str:
         """What is to be announced since the last call; empty when nothing is."""
-        news = " ".join(self._news)
-        self._news.clear()
+        news = " ".join(self._announcements)
+        self._announcements.clear()
         return news
 
     def announce(self, sentence: str) -> None:
         """Something to hear that is no part of the history."""
-        self._news.append(sentence)
+        self._announcements.append(sentence)
 
-    def happened(self, sentence: str, robot: int | None = None) -> None:
+    def add_event(self, sentence: str, robot: int | None = None) -> None:
         """Something happened in the game."""
-        self._tell("game", robot, sentence)
-        self._news.append(sentence)
+        self._append("game", robot, sentence)
+        self._announcements.append(sentence)
 
-    def requested(self, robot: int, sentence: str) -> None:
+    def add_request(self, robot: int, sentence: str) -> None:
         """The participant said this to a robot, to open a talk."""
-        self._tell("you", robot, sentence)
+        self._append("you", robot, sentence)
 
-    def answered(self, dialogue: DialogueView, choice: int) -> None:
+    def add_answer(self, dialogue: DialogueView, choice: int) -> None:
         """The participant made a choice; once the dialogue is over, nobody says it again."""
-        self._tell("you", dialogue.robot, dialogue.choices[choice])
-        self._said[dialogue.dialogue] = len(dialogue.said) + 1
+        self._append("you", dialogue.robot, dialogue.choices[choice])
+        self._known_sentences[dialogue.dialogue] = len(dialogue.said) + 1
 
-    def hear(self, before: View | None, view: View) -> None:
+    def receive(self, before: View | None, view: View) -> None:
         """Tell what is new in a view; `before` is None when the game is new to this program."""
         if before is None:
             self._begin(view)
         else:
             for was, now in zip(before.robots, view.robots, strict=True):
                 for sentence in _robot_news(was, now, view):
-                    self.happened(sentence, now.robot)
+                    self.add_event(sentence, now.robot)
             for old, new in zip(before.rooms, view.rooms, strict=True):
                 for sentence in _room_news(old, new):
-                    self.happened(sentence, new.robot)
+                    self.add_event(sentence, new.robot)
         for dialogue in view.dialogues:
-            self._hear_dialogue(dialogue)
-        self._said = {dialogue.dialogue: self._said[dialogue.dialogue] for dialogue in view.dialogues}
+            self._receive_dialogue(dialogue)
+        self._known_sentences = {
+            dialogue.dialogue: self._known_sentences[dialogue.dialogue] for dialogue in view.dialogues
+        }
         if view.over is not None and (before is None or before.over is None):
-            self.happened(f"The game is over. The score is {scored(view.score)}.")
+            self.add_event(f"The game is over. The score is {scored(view.score)}.")
 
     def _begin(self, view: View) -> None:
         team = f"{counted(len(view.robots), 'robot')} and {counted(len(view.rooms), 'room')}"
         fresh = all(room.state == "unvisited" for room in view.rooms)
-        self.happened(
+        self.add_event(
             f"Game {view.game} begins, with {team}."
             if fresh
             else f"Game {view.game} is under way, with {team}; the score is {scored(view.score)}."
         )
 
-    def _hear_dialogue(self, dialogue: DialogueView) -> None:
-        known = self._said.get(dialogue.dialogue, 0)
+    def _receive_dialogue(self, dialogue: DialogueView) -> None:
+        known = self._known_sentences.get(dialogue.dialogue, 0)
         for index, sentence in enumerate(dialogue.said[known:], known):
             speaker = speaker_of(index)
-            self._tell(speaker, dialogue.robot, sentence)
+            self._append(speaker, dialogue.robot, sentence)
             if speaker == "robot":
-                self._news.append(f"{titled(dialogue.robot)}: {sentence}")
-        self._said[dialogue.dialogue] = max(known, len(dialogue.said))
+                self._announcements.append(f"{titled(dialogue.robot)}: {sentence}")
+        self._known_sentences[dialogue.dialogue] = max(known, len(dialogue.said))
 
-    def _tell(self, speaker: Literal["robot", "you", "game"], robot: int | None, text: str) -> None:
-        self._lines.append(Told(speaker, robot, text))
+    def _append(self, speaker: Literal["robot", "you", "game"], robot: int | None, text: str) -> None:
+        self._lines.append(HistoryLine(speaker, robot, text))
 
 
 def speaker_of(index: int) -> Literal["robot", "you"]:
@@ -110,10 +112,10 @@ def _robot_news(was: RobotView, now: RobotView, view: View) -> Iterator[str]:
             yield f"{name} is in {place_name(was.moving_to)}."
         else:
             back = now.energy - was.energy
-            refund = f" {spoken_energy(back)} energy comes back." if now.moving_to is None and back > 0.0 else ""
+            refund = f" {energy_text(back)} energy comes back." if now.moving_to is None and back > 0.0 else ""
             yield f"{name} has stopped before {place_name(was.moving_to)}.{refund}"
     if now.moving_to is not None and was.moving_to != now.moving_to:
-        yield f"{name} sets out for {place_name(now.moving_to)}; it has {spoken_energy(now.energy)} energy left."
+        yield f"{name} sets out for {place_name(now.moving_to)}; it has {energy_text(now.energy)} energy left."
     if now.condition is not was.condition:
         yield f"{name} {_CONDITIONS[now.condition]}"
     if now.blocked and not was.blocked:

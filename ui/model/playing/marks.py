@@ -5,13 +5,13 @@ import numpy as np
 from sim.common.geometry import FloatArray
 from thbridge.roles.notices import House
 from thbridge.roles.view import View
-from ui.model.motion import Moving
+from ui.model.motion import DisplayedRobot
 from ui.model.playing.cards import is_in_trouble
 from ui.model.scene import EllipseMark, RobotMark, RoomMark
 from ui.model.screen import RoomTile
 
 
-class Outlines:
+class MapMarks:
     """The shapes in a house, as arrays.
 
     Args:
@@ -39,7 +39,7 @@ class Outlines:
             if tile.room in self._rooms
         )
 
-    def robots(self, moving: tuple[Moving, ...], view: View, selected: int) -> tuple[RobotMark, ...]:
+    def robots(self, moving: tuple[DisplayedRobot, ...], view: View, selected: int) -> tuple[RobotMark, ...]:
         """The robots where they are in this frame."""
         return tuple(
             RobotMark(
@@ -50,12 +50,12 @@ class Outlines:
                 selected=robot.robot == selected,
                 trouble=is_in_trouble(robot),
                 trail=motion.trail,
-                way=motion.way,
+                path=motion.path,
                 ellipse=None
                 if motion.ellipse is None
                 else EllipseMark(motion.ellipse.major, motion.ellipse.minor, motion.ellipse.angle),
                 truth=motion.truth,
-                taken=robot.other_commander,
+                commander=robot.other_commander,
             )
             for robot, motion in zip(view.robots, moving, strict=False)
         )

@@ -2,7 +2,17 @@
 
 from collections.abc import Iterator
 
-from ui.model.screen import Act, Action, AskForRobot, DialoguePop, Phase, Screen, ShowWaiting, StopRobot, TreasurePop
+from ui.model.screen import (
+    Act,
+    Action,
+    AskForRobot,
+    DialoguePopup,
+    Phase,
+    Screen,
+    ShowWaiting,
+    StopRobot,
+    TreasurePopup,
+)
 
 
 def offers(screen: Screen) -> Iterator[Action]:
@@ -17,7 +27,7 @@ def offers(screen: Screen) -> Iterator[Action]:
             yield from _playing(screen)
         case Phase.CONNECTING:
             pass
-    if screen.question is None:
+    if screen.confirmation is None:
         yield from screen.tools
 
 
@@ -36,11 +46,11 @@ def offer(screen: Screen, act: Act) -> Action | None:
 
 
 def _playing(screen: Screen) -> Iterator[Action]:
-    if screen.question is not None:
-        yield screen.question.yes
-        yield screen.question.no
+    if screen.confirmation is not None:
+        yield screen.confirmation.yes
+        yield screen.confirmation.no
         return
-    yield screen.dont_know
+    yield screen.ask_advice
     yield screen.end
     for card in screen.cards:
         yield card.select
@@ -50,11 +60,11 @@ def _playing(screen: Screen) -> Iterator[Action]:
             yield card.ask_back
     yield from (tile.choose for tile in screen.tiles)
     yield from (waiting.show for waiting in screen.waiting)
-    match screen.pop:
-        case DialoguePop() as talk:
+    match screen.popup:
+        case DialoguePopup() as talk:
             yield from talk.choices
             yield talk.aside
-        case TreasurePop() as found:
+        case TreasurePopup() as found:
             if found.take_picture is not None:
                 yield found.take_picture
             yield from (found.name_it, found.leave, found.aside)

@@ -14,7 +14,7 @@ class Pictures:
         self._pieces: dict[int, dict[int, bytes]] = {}
         self._whole: dict[int, bytes] = {}
 
-    def hear(self, piece: Picture) -> None:
+    def receive(self, piece: Picture) -> None:
         """Take a piece. Those that are none are passed over."""
         if piece.game != self._game:
             self.forget()

@@ -4,40 +4,40 @@ The game's own rules (`thbridge.hunt.rules`, `thbridge.roles.keeper.participant_
 beforehand, so that nothing is offered which would be refused.
 """
 
-from thbridge.hunt.costs import spoken_energy
+from thbridge.hunt.costs import energy_text
 from thbridge.hunt.events import Condition
 from thbridge.hunt.rules import robot_name
-from thbridge.roles.view import Consent, DialogueView, Matter, RobotView, View
+from thbridge.roles.view import Consent, DialogueMatter, DialogueView, RobotView, View
 from ui.model.playing.words import how_it_comes_back, place_name, titled
 
 
-def standing_in(view: View, room: int) -> int | None:
+def robot_in_room(view: View, room: int) -> int | None:
     """The robot that stands in a room and is not under way."""
     return next((robot.robot for robot in view.robots if robot.place == room and robot.moving_to is None), None)
 
 
-def decider(view: View, room: int) -> int | None:
+def deciding_robot(view: View, room: int) -> int | None:
     """The robot by which what is in a room is named: that stands there, or found it and was sent on by others."""
-    stander, known = standing_in(view, room), view.room(room)
+    stander, known = robot_in_room(view, room), view.room(room)
     return known.robot if stander is None and known.undecided else stander
 
 
 def undecided_beside(view: View, robot: int) -> int | None:
     """The room in which this robot stands beside a treasure that nobody has decided on."""
     place = view.robots[robot].place
-    found = place > 0 and view.room(place).undecided and standing_in(view, place) == robot
+    found = place > 0 and view.room(place).undecided and robot_in_room(view, place) == robot
     return place if found else None
 
 
-def talks(view: View) -> tuple[tuple[int, Matter, int], ...]:
+def discussed_matters(view: View) -> tuple[tuple[int, DialogueMatter, int], ...]:
     """(robot, matter, room) of all that is talked about, or agreed and not done yet."""
     said: list[DialogueView | Consent] = [*view.dialogues, *view.consents]
     return tuple((talk.robot, talk.matter, talk.room) for talk in said)
 
 
-def spoken_for(view: View, robot: int, room: int) -> int | None:
+def competing_robot(view: View, robot: int, room: int) -> int | None:
     """Another robot that is talking, or agreed, with the participant about going to this room."""
-    others = (other for other, matter, about in talks(view) if (matter, about) == ("select-room", room))
+    others = (other for other, matter, about in discussed_matters(view) if (matter, about) == ("select-room", room))
     return next((other for other in others if other != robot), None)
 
 
@@ -65,7 +65,7 @@ def why_not_free(view: View, robot: int, room: int) -> str | None:
         return "This room has been visited."
     if known.state == "reserved":
         return f"{titled(robot if known.robot is None else known.robot)} is on its way there."
-    other = spoken_for(view, robot, room)
+    other = competing_robot(view, robot, room)
     return None if other is None else f"{titled(other)} is asking you about this room."
 
 
@@ -77,12 +77,12 @@ def why_not_go(view: View, robot: int, room: int) -> str | None:
     mover = view.robots[robot]
     # Where a robot stops under way is the corridor to the game.
     place = mover.place if mover.moving_to is None else 0
-    energy = mover.energy if mover.moving_to is None else mover.energy + paid(view, mover)
+    energy = mover.energy if mover.moving_to is None else mover.energy + energy_paid(view, mover)
     cost = view.costs[place][room]
     if cost is None:
         return f"There is no way there from {place_name(place)}."
     if cost > energy:
-        return f"This costs {spoken_energy(cost)}; {robot_name(robot)} has {spoken_energy(energy)} energy."
+        return f"This costs {energy_text(cost)}; {robot_name(robot)} has {energy_text(energy)} energy."
     return None
 
 
@@ -101,14 +101,14 @@ def why_not_ask(view: View, robot: int) -> str | None:
 
 def why_not_picture(view: View, robot: int, room: int) -> str | None:
     """Why a robot cannot take a picture of what is in the room where it stands, or None."""
-    return _why_not_pay(view, robot, room, standing_in(view, room), "A picture", view.picture_cost)
+    return _why_not_pay(view, robot, room, robot_in_room(view, room), "A picture", view.picture_cost)
 
 
 def why_not_name(view: View, robot: int, room: int) -> str | None:
     """Why what is in the room where a robot stands cannot be named, or None."""
     if view.room(room).verdict is not None or view.room(room).left:
         return "This is decided."
-    return _why_not_pay(view, robot, room, decider(view, room), "Naming it", view.identify_cost)
+    return _why_not_pay(view, robot, room, deciding_robot(view, room), "Naming it", view.identify_cost)
 
 
 def why_not_end(view: View) -> str | None:
@@ -122,12 +122,12 @@ def why_not_end(view: View) -> str | None:
     return f"{titled(moving.robot)} is still on its way. {theirs or 'Stop it, or wait for it.'}"
 
 
-def paid(view: View, robot: RobotView) -> float:
+def energy_paid(view: View, robot: RobotView) -> float:
     """What a robot paid for the way it is on."""
     return 0.0 if robot.moving_to is None else view.costs[robot.place][robot.moving_to] or 0.0
 
 
-def warning(view: View, robot: int, room: int) -> str:
+def energy_warning(view: View, robot: int, room: int) -> str:
     """What to mind before a robot at rest goes to a room: whether its energy will do to name what is there."""
     mover = view.robots[robot]
     cost = view.costs[mover.place][room]
@@ -145,5 +145,5 @@ def _why_not_pay(view: View, robot: int, room: int, worker: int | None, what: st
         return f"{titled(robot)} is not in room {room} any more."
     energy = view.robots[robot].energy
     if cost > energy:
-        return f"{what} costs {spoken_energy(cost)}; {robot_name(robot)} has {spoken_energy(energy)} energy."
+        return f"{what} costs {energy_text(cost)}; {robot_name(robot)} has {energy_text(energy)} energy."
     return None

@@ -3,13 +3,13 @@
 import math
 from dataclasses import dataclass, field
 
-from thbridge.roles.notices import House, Motion
+from thbridge.roles.notices import House, RobotMotion
 from thbridge.roles.view import DialogueView, Select, Unsure, View
-from ui.model.playing.asked import Asked
-from ui.model.playing.connection import Connection
-from ui.model.playing.history import History
+from ui.model.playing.connection import ConnectionStatus
+from ui.model.playing.history import GameHistory
+from ui.model.playing.pending import PendingRequests
 from ui.model.playing.pictures import Pictures
-from ui.model.playing.queue import Find, Item, Popups, Talk
+from ui.model.playing.popup_queue import DestinationItem, PopupItem, PopupQueue, TreasureItem
 
 
 @dataclass(frozen=True, slots=True)
@@ -21,7 +21,7 @@ class Reroute:
 
 
 @dataclass(frozen=True, slots=True)
-class MoveOn:
+class LeaveUndecided:
     """A robot shall go on although what it found in this room is not decided."""
 
     wish: Select | Unsure
@@ -29,16 +29,16 @@ class MoveOn:
 
 
 @dataclass(frozen=True, slots=True)
-class End:
+class EndGameEarly:
     """The game shall end although robots could still do something."""
 
 
-Doubt = Reroute | MoveOn | End
+PendingStep = Reroute | LeaveUndecided | EndGameEarly
 """What the participant is asked about: is that meant?"""
 
 
 @dataclass(slots=True)
-class Hunt:
+class HuntMemory:
     """One game: what is forgotten when another begins.
 
     Attributes:
@@ -57,31 +57,31 @@ class Hunt:
     """
 
     view: View
-    asked: Asked = field(default_factory=Asked)
-    requests: dict[int, str] = field(default_factory=dict)
+    pending: PendingRequests = field(default_factory=PendingRequests)
+    opening_sentences: dict[int, str] = field(default_factory=dict)
     reroutes: dict[int, int] = field(default_factory=dict)
-    picked: dict[int, str] = field(default_factory=dict)
-    named: dict[int, str] = field(default_factory=dict)
+    picked_names: dict[int, str] = field(default_factory=dict)
+    submitted_names: dict[int, str] = field(default_factory=dict)
     verdicts: dict[int, int] = field(default_factory=dict)
-    popups: Popups = field(default_factory=Popups)
-    pictured: dict[int, float] = field(default_factory=dict)
-    richest: float = 0.0
-    gained: int | None = None
-    doubt: Doubt | None = None
+    popups: PopupQueue = field(default_factory=PopupQueue)
+    picture_times: dict[int, float] = field(default_factory=dict)
+    most_energy: float = 0.0
+    last_points: int | None = None
+    pending_step: PendingStep | None = None
 
     def ask_to_go(self, wish: Select | Unsure) -> str:
         """Ask a robot to go somewhere, and show the talk at once; what was said to it."""
         said = f"Go to room {wish.room}." if isinstance(wish, Select) else "I don't know where to go."
-        self.asked.ask(wish, self.view)
-        self.requests[wish.robot] = said
-        self.popups.show(Talk(wish.robot))
+        self.pending.ask(wish, self.view)
+        self.opening_sentences[wish.robot] = said
+        self.popups.show(DestinationItem(wish.robot))
         return said
 
-    def talk(self, robot: int) -> DialogueView | None:
+    def destination_dialogue(self, robot: int) -> DialogueView | None:
         """What a robot and the participant talk about, if it is where to go."""
         return next((d for d in self.view.dialogues if d.robot == robot and d.matter == "select-room"), None)
 
-    def talk_about(self, find: Find) -> DialogueView | None:
+    def treasure_dialogue(self, find: TreasureItem) -> DialogueView | None:
         """What is talked about the treasure beside a robot."""
         return next(
             (
@@ -92,24 +92,24 @@ class Hunt:
             None,
         )
 
-    def goal_considered(self, robot: int) -> int | None:
+    def destination_considered(self, robot: int) -> int | None:
         """The room that a robot is asked to go to, or talks about."""
-        match self.doubt:
+        match self.pending_step:
             case Reroute(rerouted, room) if rerouted == robot:
                 return room
-            case MoveOn(Select() as wish, _) if wish.robot == robot:
+            case LeaveUndecided(Select() as wish, _) if wish.robot == robot:
                 return wish.room
-        asked = self.asked.going(robot)
+        asked = self.pending.destination_request(robot)
         if isinstance(asked, Select):
             return asked.room
-        talk = self.talk(robot)
+        talk = self.destination_dialogue(robot)
         agreed = (consent for consent in self.view.consents if consent.robot == robot)
         consent = next((consent.room for consent in agreed if consent.matter == "select-room"), None)
         return consent if talk is None else talk.room
 
 
 @dataclass(frozen=True, slots=True)
-class Drawn:
+class DrawnState:
     """What the last screen showed, by which the next act is judged: what came since was not meant by it.
 
     Attributes:
@@ -119,14 +119,14 @@ class Drawn:
         game: the game's number.
     """
 
-    item: Item | None = None
+    item: PopupItem | None = None
     dialogue: tuple[int, int] | None = None
-    doubt: Doubt | None = None
+    pending_step: PendingStep | None = None
     game: int = 0
 
 
 @dataclass(slots=True)
-class Memory:
+class ParticipantMemory:
     """Everything.
 
     Attributes:
@@ -147,25 +147,25 @@ class Memory:
         drawn: what the last screen showed.
     """
 
-    hunt: Hunt | None = None
-    house: House | None = None
-    motions: tuple[Motion, ...] = ()
+    hunt: HuntMemory | None = None
+    floor_plan: House | None = None
+    motions: tuple[RobotMotion, ...] = ()
     selected: int = 0
     hovered: int | None = None
     typed: str = ""
     typed_until: float = math.inf
     followed: int | None = None
-    helping: bool = False
+    help_open: bool = False
     note: tuple[str, float] | None = None
-    connection: Connection = field(default_factory=Connection)
-    history: History = field(default_factory=History)
+    connection: ConnectionStatus = field(default_factory=ConnectionStatus)
+    history: GameHistory = field(default_factory=GameHistory)
     pictures: Pictures = field(default_factory=Pictures)
-    refusals: int = 0
-    drawn: Drawn = field(default_factory=Drawn)
+    last_refusal: int = 0
+    last_drawn: DrawnState = field(default_factory=DrawnState)
 
-    def motion(self, robot: int) -> Motion:
+    def motion(self, robot: int) -> RobotMotion:
         """How a robot is on its way, as last told; nothing is told where robots are moved by an older program."""
-        return self.motions[robot] if robot < len(self.motions) else Motion("driving")
+        return self.motions[robot] if robot < len(self.motions) else RobotMotion("driving")
 
     def considered(self) -> int | None:
         """The room looked at, by mouse or by the digits typed so far."""

@@ -2,40 +2,40 @@
 
 from collections.abc import Mapping
 
-from thbridge.hunt.costs import spoken_energy
+from thbridge.hunt.costs import energy_text
 from thbridge.hunt.rules import robot_name
 from thbridge.roles.view import GiveUp, RoomView, Select, Unsure
 from ui.model.keys import key_of
-from ui.model.playing.possible import warning, why_not_ask, why_not_end, why_not_go
-from ui.model.playing.state import Hunt, Memory
+from ui.model.playing.possible import energy_warning, why_not_ask, why_not_end, why_not_go
+from ui.model.playing.state import HuntMemory, ParticipantMemory
 from ui.model.playing.words import gained, place_name, titled
-from ui.model.screen import Action, ChooseRoom, DontKnow, EndGame, RoomTile
+from ui.model.screen import Action, AskAdvice, ChooseRoom, EndGame, RoomTile
 
 
-def tiles(memory: Memory, hunt: Hunt) -> tuple[RoomTile, ...]:
+def tiles(memory: ParticipantMemory, hunt: HuntMemory) -> tuple[RoomTile, ...]:
     """One tile a room, room 1 first."""
-    names = {} if memory.house is None else {room.room: room.name for room in memory.house.rooms}
+    names = {} if memory.floor_plan is None else {room.room: room.name for room in memory.floor_plan.rooms}
     return tuple(_tile(memory, hunt, room, names) for room in hunt.view.rooms)
 
 
-def dont_know(memory: Memory, hunt: Hunt) -> Action:
+def dont_know(memory: ParticipantMemory, hunt: HuntMemory) -> Action:
     """Asks the robot commanded for its advice."""
     robot = memory.selected
     refused = why_not_ask(hunt.view, robot)
-    asked = isinstance(hunt.asked.going(robot), Unsure)
+    asked = isinstance(hunt.pending.destination_request(robot), Unsure)
     hint = f"{titled(robot)} suggests where to go." if refused is None else refused
-    return Action(DontKnow(), "Don't know", key_of(DontKnow()), refused is None and not asked, hint, asked)
+    return Action(AskAdvice(), "Don't know", key_of(AskAdvice()), refused is None and not asked, hint, asked)
 
 
-def end(hunt: Hunt) -> Action:
+def end(hunt: HuntMemory) -> Action:
     """Ends the game."""
     refused = why_not_end(hunt.view)
-    asked = GiveUp(hunt.view.game) in hunt.asked
+    asked = GiveUp(hunt.view.game) in hunt.pending
     hint = "End the game as it stands." if refused is None else refused
     return Action(EndGame(), "End the game", key_of(EndGame()), refused is None and not asked, hint, asked)
 
 
-def _tile(memory: Memory, hunt: Hunt, room: RoomView, names: Mapping[int, str]) -> RoomTile:
+def _tile(memory: ParticipantMemory, hunt: HuntMemory, room: RoomView, names: Mapping[int, str]) -> RoomTile:
     robot = memory.selected
     mover = hunt.view.robots[robot]
     costs = hunt.view.costs[mover.place if mover.moving_to is None else 0]
@@ -45,18 +45,18 @@ def _tile(memory: Memory, hunt: Hunt, room: RoomView, names: Mapping[int, str]) 
         state=room.state,
         robot=room.robot,
         cost=costs[room.room] if room.state == "unvisited" else None,
-        considered=room.room == (memory.considered() or hunt.goal_considered(robot)),
+        considered=room.room == (memory.considered() or hunt.destination_considered(robot)),
         found=_found(room),
         choose=_choose(memory, hunt, room),
-        warning="" if why_not_go(hunt.view, robot, room.room) else warning(hunt.view, robot, room.room),
+        warning="" if why_not_go(hunt.view, robot, room.room) else energy_warning(hunt.view, robot, room.room),
     )
 
 
-def _choose(memory: Memory, hunt: Hunt, room: RoomView) -> Action:
+def _choose(memory: ParticipantMemory, hunt: HuntMemory, room: RoomView) -> Action:
     robot, number = memory.selected, room.room
     refused = why_not_go(hunt.view, robot, number)
-    busy = Select(robot, number) in hunt.asked or hunt.reroutes.get(robot) == number
-    talked_of = hunt.goal_considered(robot) == number
+    busy = Select(robot, number) in hunt.pending or hunt.reroutes.get(robot) == number
+    talked_of = hunt.destination_considered(robot) == number
     if refused is not None:
         hint = refused
     elif busy:
@@ -69,14 +69,14 @@ def _choose(memory: Memory, hunt: Hunt, room: RoomView) -> Action:
     return Action(ChooseRoom(number), f"Room {number}", key, refused is None and not busy, hint, busy)
 
 
-def _price(hunt: Hunt, robot: int, room: int) -> str:
+def _price(hunt: HuntMemory, robot: int, room: int) -> str:
     view, mover = hunt.view, hunt.view.robots[robot]
     if mover.moving_to is not None:
         return f"{titled(robot)} is on its way to {place_name(mover.moving_to)} and would be called back first."
     cost = view.costs[mover.place][room] or 0.0
     left = mover.energy - cost
-    hint = f"Costs {spoken_energy(cost)}; {robot_name(robot)} keeps {spoken_energy(left)}."
-    concern = warning(view, robot, room)
+    hint = f"Costs {energy_text(cost)}; {robot_name(robot)} keeps {energy_text(left)}."
+    concern = energy_warning(view, robot, room)
     if concern:
         return f"{hint} {concern}"
     if left < view.picture_cost + view.identify_cost:

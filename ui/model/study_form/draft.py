@@ -11,10 +11,10 @@ from thbridge.files.errors import BadFile, BadFiles
 from thbridge.files.yaml.edit import with_value, without
 from thbridge.files.yaml.places import node_at, steps_of
 from thbridge.files.yaml.tree import Node, Section, parse
-from thbridge.hunt.outcomes import Refused
-from thbridge.study.noise import HOMES
+from thbridge.hunt.refusals import RequestRefused
+from thbridge.study.noise import TARGET_PATHS
 from thbridge.study.study_file import Study, StudyFile, load_study_tree, study_before
-from ui.model.study_form.form import Field, Group, Repeats, form_of, typed
+from ui.model.study_form.form import FormField, FormGroup, RepeatKind, form_of, typed_as_yaml
 
 HEADER = "# A study. Every key may be left out; what is not written here is as by default.\n"
 """What a new file begins with."""
@@ -26,7 +26,7 @@ _NEW_ITEMS: Mapping[str, str] = {
 
 
 @dataclass(frozen=True, slots=True)
-class Draft:
+class StudyDraft:
     """A text of a study file, and all that follows from it.
 
     Attributes:
@@ -42,61 +42,61 @@ class Draft:
     path: Path
     text: str
     tree: Node | None
-    form: Group
+    form: FormGroup
     study: Study | None
     faults: tuple[BadFile, ...]
     notices: tuple[str, ...]
 
-    def faults_of(self, field: Field) -> tuple[BadFile, ...]:
+    def faults_of(self, field: FormField) -> tuple[BadFile, ...]:
         """What is wrong with one field."""
         return tuple(fault for fault in self.faults if self._is_of(fault, field))
 
-    def field_of(self, fault: BadFile) -> Field | None:
+    def field_of(self, fault: BadFile) -> FormField | None:
         """The field that a fault belongs to, if it is one's."""
         return next((field for field in self.form.all_fields() if self._is_of(fault, field)), None)
 
-    def _is_of(self, fault: BadFile, field: Field) -> bool:
+    def _is_of(self, fault: BadFile, field: FormField) -> bool:
         if fault.key is None or fault.path != self.path:
             return False
         keys = {field.key, field.place}
         section, _, inner = field.key.partition(".")
-        if section == "noise" and inner in HOMES:
-            keys.add(HOMES[inner])
+        if section == "noise" and inner in TARGET_PATHS:
+            keys.add(TARGET_PATHS[inner])
         return any(fault.key == key or fault.key.startswith(f"{key}[") for key in keys)
 
-    def fields(self) -> Mapping[str, Field]:
+    def fields(self) -> Mapping[str, FormField]:
         """All fields by their keys."""
         return {field.key: field for field in self.form.all_fields()}
 
-    def groups(self) -> Mapping[str, Group]:
+    def groups(self) -> Mapping[str, FormGroup]:
         """All sections by their keys."""
         return {group.key: group for group in self.form.all_groups()}
 
-    def set(self, field: Field, said: str) -> str | Refused:
+    def set(self, field: FormField, said: str) -> str | RequestRefused:
         """The text with what a person typed or chose in a field; nothing typed, where words do not do, resets it."""
         if not said.strip() and (field.optional or not field.is_text):
             return self.reset(field)
         # Saying the default of what the file leaves out would only make the file longer.
-        value = typed(field, said)
+        value = typed_as_yaml(field, said)
         if field.written is None and value == field.default:
             return self.text
         return with_value(self.text, field.place, value, self._order, self.tree)
 
-    def reset(self, field: Field) -> str | Refused:
+    def reset(self, field: FormField) -> str | RequestRefused:
         """The text without a field's key, so that its default holds."""
         return without(self.text, field.place, self.tree)
 
-    def reset_group(self, group: Group) -> str | Refused:
+    def reset_group(self, group: FormGroup) -> str | RequestRefused:
         """The text without any key of a section."""
-        text: str | Refused = self.text
+        text: str | RequestRefused = self.text
         for field in reversed(list(group.all_fields())):
             if field.written is not None and isinstance(text, str):
                 text = without(text, field.place)
         return text
 
-    def add(self, group: Group, robot: int | None = None) -> str | Refused:
+    def add(self, group: FormGroup, robot: int | None = None) -> str | RequestRefused:
         """The text with another item in a section that repeats; of robots, the one with this number, or the next."""
-        if group.repeats is Repeats.ROBOTS:
+        if group.repeats is RepeatKind.ROBOTS:
             taken = {item.key.rpartition(".")[2] for item in group.groups}
             number = robot or next(n for n in range(1, len(taken) + 2) if str(n) not in taken)
             return with_value(self.text, f"{group.key}.{number}", "{}", self._order, self.tree)
@@ -108,7 +108,7 @@ class Draft:
             return with_value(self.text, group.key, f"[{value}]", self._order, self.tree)
         return with_value(self.text, f"{group.key}[{number}]", value, self._order, self.tree)
 
-    def remove(self, item: Group) -> str | Refused:
+    def remove(self, item: FormGroup) -> str | RequestRefused:
         """The text without an item of a section that repeats."""
         return without(self.text, item.key, self.tree)
 
@@ -123,20 +123,20 @@ class Draft:
         return tuple(lines)
 
 
-def draft_of(path: Path, text: str) -> Draft:
+def draft_of(path: Path, text: str) -> StudyDraft:
     """Read and check a text as `thbridge study check` does; takes some 0.1 s."""
     try:
         tree = parse(path, text)
     except BadFile as fault:
         empty = Section(1, [])
-        return Draft(path, text, None, form_of("", empty, StudyFile.of(Study())), None, (fault,), ())
+        return StudyDraft(path, text, None, form_of("", empty, StudyFile.of(Study())), None, (fault,), ())
     try:
         start = study_before(path, tree)
     except BadFile:
         # It is told below.
         start = StudyFile.of(Study())
     form = form_of(text, tree, start)
-    draft = Draft(path, text, tree, form, None, (), ())
+    draft = StudyDraft(path, text, tree, form, None, (), ())
     try:
         loaded = load_study_tree(path, tree)
         read_setting(loaded.value, path.parent)
@@ -147,16 +147,16 @@ def draft_of(path: Path, text: str) -> Draft:
     return dataclasses.replace(draft, study=loaded.value, notices=loaded.notices)
 
 
-def found(form: Group, words: str) -> tuple[Field, ...]:
+def search_fields(form: FormGroup, words: str) -> tuple[FormField, ...]:
     """The fields in whose key, name (old ones, too) or help each of these words occurs, exact names first."""
     wanted = [word.replace(" ", "_") for word in words.lower().split()]
     if not wanted:
         return ()
 
-    def told(field: Field) -> str:
+    def told(field: FormField) -> str:
         return f"{field.key} {' '.join(field.places)} {field.label} {field.help} {' '.join(field.choices)}".lower()
 
-    def rank(field: Field) -> tuple[bool, bool, bool]:
+    def rank(field: FormField) -> tuple[bool, bool, bool]:
         name, said = field.key.rpartition(".")[2].lower(), "_".join(wanted)
         return name != said, said not in name, field.key.startswith("each.")
 
@@ -164,7 +164,7 @@ def found(form: Group, words: str) -> tuple[Field, ...]:
 
 
 @dataclass(frozen=True, slots=True)
-class History:
+class UndoHistory:
     """The texts that were, and those that were taken back.
 
     Attributes:
@@ -179,29 +179,29 @@ class History:
     future: tuple[str, ...] = ()
     key: str = ""
 
-    def said(self, text: str, key: str = "") -> "History":
+    def changed(self, text: str, key: str = "") -> "UndoHistory":
         """After a change of text; another change of the same field belongs to the same step."""
         if text == self.text:
             return self
-        past = self.past if key and key == self.key and self.past else (*self.past, self.text)[-LONGEST_HISTORY:]
-        return History(text, past, (), key)
+        past = self.past if key and key == self.key and self.past else (*self.past, self.text)[-MAX_UNDO_STEPS:]
+        return UndoHistory(text, past, (), key)
 
-    def undone(self) -> "History":
+    def undone(self) -> "UndoHistory":
         """One step back; where there is none, as it is."""
         if not self.past:
             return self
-        return History(self.past[-1], self.past[:-1], (self.text, *self.future))
+        return UndoHistory(self.past[-1], self.past[:-1], (self.text, *self.future))
 
-    def redone(self) -> "History":
+    def redone(self) -> "UndoHistory":
         """One step forward again."""
         if not self.future:
             return self
-        return History(self.future[0], (*self.past, self.text), self.future[1:])
+        return UndoHistory(self.future[0], (*self.past, self.text), self.future[1:])
 
-    def settled(self) -> "History":
+    def settled(self) -> "UndoHistory":
         """The next change begins a step of its own."""
         return dataclasses.replace(self, key="")
 
 
-LONGEST_HISTORY = 200
+MAX_UNDO_STEPS = 200
 """Steps."""

@@ -23,7 +23,7 @@ from thbridge.files.yaml.declarations import (
 from thbridge.files.yaml.edit import in_brackets
 from thbridge.files.yaml.places import node_at, source_of, steps_of
 from thbridge.files.yaml.tree import Listing, Node, Scalar, Section, parse, quoted
-from thbridge.study.noise import HOMES
+from thbridge.study.noise import TARGET_PATHS
 from thbridge.study.study_file import StudyFile
 from thbridge.study.text import SHOWN_ELSEWHERE, as_yaml, is_plain_word
 
@@ -34,11 +34,11 @@ if TYPE_CHECKING:
 _PLAIN = re.compile(r"[\w.+-]+")
 
 
-class Kind(StrEnum):
+class FieldKind(StrEnum):
     """What a field holds."""
 
-    TRUTH = "truth"
-    WHOLE = "whole number"
+    BOOLEAN = "truth"
+    INTEGER = "whole number"
     NUMBER = "number"
     CHOICE = "choice"
     TEXT = "text"
@@ -46,7 +46,7 @@ class Kind(StrEnum):
     LIST = "list"
 
 
-class Repeats(StrEnum):
+class RepeatKind(StrEnum):
     """Of what a group has any number."""
 
     ITEMS = "items"
@@ -54,7 +54,7 @@ class Repeats(StrEnum):
 
 
 @dataclass(frozen=True, slots=True)
-class Field:
+class FormField:
     """One value of a study.
 
     Attributes:
@@ -77,7 +77,7 @@ class Field:
     key: str
     label: str
     help: str
-    kind: Kind
+    kind: FieldKind
     unit: str
     minimum: float
     maximum: float
@@ -97,11 +97,11 @@ class Field:
     @property
     def is_text(self) -> bool:
         """Whether people type words into it rather than YAML."""
-        return self.kind in {Kind.TEXT, Kind.PATH}
+        return self.kind in {FieldKind.TEXT, FieldKind.PATH}
 
 
 @dataclass(frozen=True, slots=True)
-class Group:
+class FormGroup:
     """A section of a study.
 
     Attributes:
@@ -117,18 +117,18 @@ class Group:
     key: str
     label: str
     help: str
-    fields: tuple[Field, ...]
-    groups: tuple["Group", ...]
-    repeats: Repeats | None = None
+    fields: tuple[FormField, ...]
+    groups: tuple["FormGroup", ...]
+    repeats: RepeatKind | None = None
     order: tuple[str, ...] = ()
 
-    def all_fields(self) -> Iterator[Field]:
+    def all_fields(self) -> Iterator[FormField]:
         """Its fields and those of all sections in it."""
         yield from self.fields
         for group in self.groups:
             yield from group.all_fields()
 
-    def all_groups(self) -> Iterator["Group"]:
+    def all_groups(self) -> Iterator["FormGroup"]:
         """Itself and all sections in it."""
         yield self
         for group in self.groups:
@@ -139,7 +139,7 @@ class Group:
         return sum(field.written is not None for field in self.all_fields())
 
 
-_NOISE_OF = {home: f"noise.{path}" for path, home in HOMES.items()}
+_NOISE_OF = {home: f"noise.{path}" for path, home in TARGET_PATHS.items()}
 """The place in the section `noise` of each number that has another home."""
 
 
@@ -155,7 +155,7 @@ _LABELS = {
 }
 
 
-def form_of(text: str, tree: Node, start: StudyFile) -> Group:
+def form_of(text: str, tree: Node, start: StudyFile) -> FormGroup:
     """The form of a study file.
 
     Args:
@@ -166,24 +166,24 @@ def form_of(text: str, tree: Node, start: StudyFile) -> Group:
     return _Builder(text, tree).group(start, "", "Study", "everything that can be set")
 
 
-def typed(field: Field, said: str) -> str:
+def typed_as_yaml(field: FormField, said: str) -> str:
     """What a person typed or chose, as YAML for the file."""
     said = said.strip() if not field.is_text else said
     if field.optional and said == "null":
         return said
-    if field.kind in {Kind.TEXT, Kind.PATH, Kind.CHOICE}:
+    if field.kind in {FieldKind.TEXT, FieldKind.PATH, FieldKind.CHOICE}:
         return said if is_plain_word(said) else quoted(said)
-    if field.kind is Kind.LIST or all(sign.isalnum() or sign in "+-._" for sign in said):
+    if field.kind is FieldKind.LIST or all(sign.isalnum() or sign in "+-._" for sign in said):
         return said
     return quoted(said)
 
 
-def said_of(field: Field) -> str:
+def editable_text(field: FormField) -> str:
     """What holds, as a person would type it: a text without its quotes."""
     if _PLAIN.fullmatch(field.value):
         return field.value
     one_line = "\n" not in field.value
-    if field.kind is Kind.LIST and one_line:
+    if field.kind is FieldKind.LIST and one_line:
         return field.value
     try:
         node = parse(Path("value"), field.value if one_line else _outdented(field.value))
@@ -192,7 +192,7 @@ def said_of(field: Field) -> str:
     return node.text if isinstance(node, Scalar) else field.value if one_line else in_brackets(node)
 
 
-def hint_of(field: Field) -> str:
+def hint_of(field: FormField) -> str:
     """What may be written: `0 to 20`, `at least 1`, `null allowed`."""
     limits = {"minimum": field.minimum, "maximum": field.maximum}
     words = [] if field.choices else [allowed(float, limits)]
@@ -211,7 +211,7 @@ class _Builder:
     def __init__(self, text: str, tree: Node) -> None:
         self._text = text
         self._tree = tree
-        self._made: dict[str, Field] = {}
+        self._made: dict[str, FormField] = {}
 
     def group(
         self,
@@ -221,7 +221,7 @@ class _Builder:
         help_text: str,
         handed: Mapping[str, str] | None = None,
         like: str = "",
-    ) -> Group:
+    ) -> FormGroup:
         """A section.
 
         Args:
@@ -234,8 +234,8 @@ class _Builder:
         """
         section = type(start)
         hints = cast(Mapping[str, object], get_type_hints(section))
-        fields: list[Field] = []
-        groups: list[Group] = []
+        fields: list[FormField] = []
+        groups: list[FormGroup] = []
         # The noise comes first: what each robot believes of it is by default what all believe.
         for knob in sorted(dataclasses.fields(start), key=lambda knob: knob.name != "noise"):
             name, place = knob.name, _joined(key, knob.name)
@@ -271,12 +271,12 @@ class _Builder:
                 default = as_yaml(value) if inherited is None else inherited.value
                 fields.append(self._field(place, hint, knob.metadata, default, places))
         order = tuple(knob.name for knob in dataclasses.fields(start))
-        return Group(key, label, help_text, tuple(fields), tuple(groups), None, order)
+        return FormGroup(key, label, help_text, tuple(fields), tuple(groups), None, order)
 
-    def _inherited(self, key: str) -> Field | None:
+    def _inherited(self, key: str) -> FormField | None:
         return self._made.get(_NOISE_OF.get(key, key))
 
-    def _field(self, key: str, hint: object, metadata: Metadata, default: str, places: list[str]) -> Field:
+    def _field(self, key: str, hint: object, metadata: Metadata, default: str, places: list[str]) -> FormField:
         optional = get_origin(hint) in {Union, UnionType}
         if optional:
             (hint,) = (argument for argument in get_args(hint) if argument is not NoneType)
@@ -285,7 +285,7 @@ class _Builder:
         node = node_at(self._tree, steps_of(place))
         minimum, maximum = bounds(metadata)
         choices = choices_of(hint, metadata)
-        made = Field(
+        made = FormField(
             key=key,
             label=_label(key),
             help=cast(str, metadata.get("help", "")),
@@ -306,13 +306,13 @@ class _Builder:
 
     def _homes(self, place: str) -> list[str]:
         section, _, inner = place.partition(".")
-        return [HOMES[inner]] if section == "noise" and inner in HOMES else []
+        return [TARGET_PATHS[inner]] if section == "noise" and inner in TARGET_PATHS else []
 
-    def _names(self, key: str, told: str, named: tuple["DataclassInstance", ...], above: str | None) -> Field:
+    def _names(self, key: str, told: str, named: tuple["DataclassInstance", ...], above: str | None) -> FormField:
         default = as_yaml(" ".join(_name_of(section) for section in named))
         return self._field(key, str, {"help": told}, default, [*([above] if above else []), key])
 
-    def _named_sections(self, named: tuple["DataclassInstance", ...], names_at: str, like: str) -> Iterator[Group]:
+    def _named_sections(self, named: tuple["DataclassInstance", ...], names_at: str, like: str) -> Iterator[FormGroup]:
         """The sections that a text of names, at this path, has beside it."""
         holder = names_at.rpartition(".")[0]
         node = node_at(self._tree, steps_of(names_at))
@@ -326,22 +326,22 @@ class _Builder:
             group = self.group(start, _joined(holder, name), name, "one use of the laser", None, "")
             yield dataclasses.replace(group, fields=tuple(f for f in group.fields if not f.key.endswith(".name")))
 
-    def _robots(self, model: "DataclassInstance", key: str, told: str, like: str) -> Group:
+    def _robots(self, model: "DataclassInstance", key: str, told: str, like: str) -> FormGroup:
         node = node_at(self._tree, steps_of(key))
         entries = node.entries if isinstance(node, Section) else []
         groups = [
             self.group(model, f"{key}.{name.text}", f"Robot {name.text}", "what differs from all robots", None, like)
             for name, _ in entries
         ]
-        return Group(key, _label(key), told, (), tuple(groups), Repeats.ROBOTS)
+        return FormGroup(key, _label(key), told, (), tuple(groups), RepeatKind.ROBOTS)
 
-    def _items(self, into: "type[DataclassInstance]", key: str, told: str) -> Group:
+    def _items(self, into: "type[DataclassInstance]", key: str, told: str) -> FormGroup:
         node = node_at(self._tree, steps_of(key))
         count = len(node.items) if isinstance(node, Listing) else 0
         groups = [self._item(into, f"{key}[{index}]", index) for index in range(count)]
-        return Group(key, _label(key), told, (), tuple(groups), Repeats.ITEMS)
+        return FormGroup(key, _label(key), told, (), tuple(groups), RepeatKind.ITEMS)
 
-    def _item(self, into: "type[DataclassInstance]", key: str, index: int) -> Group:
+    def _item(self, into: "type[DataclassInstance]", key: str, index: int) -> FormGroup:
         hints = cast(Mapping[str, object], get_type_hints(into))
         fields = []
         for knob in dataclasses.fields(into):
@@ -351,7 +351,7 @@ class _Builder:
         name = next((field.written for field in fields if field.key == f"{key}.name"), None)
         label = f"{index + 1}" if name is None else f"{index + 1}: {name.strip(chr(34))}"
         order = tuple(knob.name for knob in dataclasses.fields(into))
-        return Group(key, label, "", tuple(fields), (), None, order)
+        return FormGroup(key, label, "", tuple(fields), (), None, order)
 
 
 def _name_of(section: "DataclassInstance") -> str:
@@ -364,11 +364,16 @@ def _item_class(hint: object) -> type | None:
     return item if isinstance(item, type) and dataclasses.is_dataclass(item) else None
 
 
-def _kind(hint: object, choices: tuple[str, ...]) -> Kind:
+def _kind(hint: object, choices: tuple[str, ...]) -> FieldKind:
     if choices:
-        return Kind.CHOICE
-    kinds: Mapping[object, Kind] = {bool: Kind.TRUTH, int: Kind.WHOLE, float: Kind.NUMBER, Path: Kind.PATH}
-    return kinds.get(hint, Kind.LIST if get_origin(hint) is tuple else Kind.TEXT)
+        return FieldKind.CHOICE
+    kinds: Mapping[object, FieldKind] = {
+        bool: FieldKind.BOOLEAN,
+        int: FieldKind.INTEGER,
+        float: FieldKind.NUMBER,
+        Path: FieldKind.PATH,
+    }
+    return kinds.get(hint, FieldKind.LIST if get_origin(hint) is tuple else FieldKind.TEXT)
 
 
 def _joined(key: str, name: str) -> str:

@@ -3,42 +3,50 @@
 from collections.abc import Iterable, Mapping
 from dataclasses import dataclass
 
-from thbridge.offline.noise import Fan, RoomScan, believed_fan, covered, room_scan, wheels_fan
-from thbridge.study.noise import HOMES, NoisePreset, NoiseSection, applied, preset, view_of, with_value
+from thbridge.offline.noise import PathSpread, RoomScan, belief_spread, covered, odometry_spread, room_scan
+from thbridge.study.noise import (
+    TARGET_PATHS,
+    NoisePreset,
+    NoiseSection,
+    noise_section_of,
+    preset,
+    with_noise,
+    with_value,
+)
 from thbridge.study.study_file import Study
-from ui.model.study_form.form import Field, Kind, said_of
+from ui.model.study_form.form import FieldKind, FormField, editable_text
 
 _ALMOST_NONE = 1e-3
 """Metres: an ellipse as small as this is a point."""
 
 
 @dataclass(frozen=True, slots=True, eq=False)
-class Drive:
+class CourseComparison:
     """One course: where the wheels say the robot went, where the particle filter believes it may be, and a verdict."""
 
-    wheels: Fan
-    believed: Fan
+    wheels: PathSpread
+    believed: PathSpread
     verdict: str
 
 
 @dataclass(frozen=True, slots=True, eq=False)
-class Preview:
+class NoisePreview:
     """Everything that is drawn of noise."""
 
-    straight: Drive
-    square: Drive
+    straight: CourseComparison
+    square: CourseComparison
     scan: RoomScan
     scan_words: str
 
 
-def noise_said(fields: Iterable[Field], said: Mapping[str, str]) -> NoiseSection:
+def noise_from_form(fields: Iterable[FormField], said: Mapping[str, str]) -> NoiseSection:
     """The noise of a form's fields; what is typed and not yet in the file comes first, and what is wrong is left out.
 
     Args:
         fields: of the section `noise`.
         said: what was typed last, by the fields' keys.
     """
-    noise = view_of(Study())
+    noise = noise_section_of(Study())
     chosen = said.get("noise.preset")
     if chosen in set(NoisePreset):
         noise = preset(NoisePreset(chosen), noise)
@@ -46,14 +54,14 @@ def noise_said(fields: Iterable[Field], said: Mapping[str, str]) -> NoiseSection
         if chosen is not None and field.written is None and field.key not in said:
             continue  # its default is that of the preset before
         path = field.key.removeprefix("noise.")
-        value = _value(field, said.get(field.key, said_of(field)))
-        if path in HOMES and value is not None:
+        value = _value(field, said.get(field.key, editable_text(field)))
+        if path in TARGET_PATHS and value is not None:
             noise = with_value(noise, path, value)
     return noise
 
 
-def _value(field: Field, said: str) -> float | str | None:
-    if field.kind is Kind.CHOICE:
+def _value(field: FormField, said: str) -> float | str | None:
+    if field.kind is FieldKind.CHOICE:
         return said if said in field.choices else None
     try:
         value = float(said)
@@ -62,20 +70,20 @@ def _value(field: Field, said: str) -> float | str | None:
     return value if field.minimum <= value <= field.maximum else None
 
 
-def preview_of(study: Study, noise: NoiseSection) -> Preview:
+def preview_of(study: Study, noise: NoiseSection) -> NoisePreview:
     """Drives and a sweep with this noise, by robots that are otherwise those of the study; takes some 50 ms."""
-    study = applied(noise, study)
+    study = with_noise(noise, study)
     world, amcl = study.world, study.robot.amcl
     drives = []
     for course in ("straight", "square"):
-        wheels = wheels_fan(world.odometry, course, world.max_vel_x, world.max_vel_theta)
-        believed = believed_fan(amcl, course, world.max_vel_x, world.max_vel_theta)
-        drives.append(Drive(wheels, believed, _verdict(wheels, believed)))
+        wheels = odometry_spread(world.odometry, course, world.max_vel_x, world.max_vel_theta)
+        believed = belief_spread(amcl, course, world.max_vel_x, world.max_vel_theta)
+        drives.append(CourseComparison(wheels, believed, _verdict(wheels, believed)))
     scan = room_scan(world)
-    return Preview(drives[0], drives[1], scan, _words_of(scan))
+    return NoisePreview(drives[0], drives[1], scan, _words_of(scan))
 
 
-def _verdict(wheels: Fan, believed: Fan) -> str:
+def _verdict(wheels: PathSpread, believed: PathSpread) -> str:
     """What a comparison of truth and belief comes to, for people."""
     share = covered(wheels, believed)
     told = f"{100 * share:.0f} % of the drives end where the filter expects 95 % of them"
@@ -93,6 +101,6 @@ def _words_of(scan: RoomScan) -> str:
     return f"Of {scan.beams} beams {len(scan.seen)} tell a range; {lost}."
 
 
-def extent_of(fan: Fan) -> str:
+def extent_of(fan: PathSpread) -> str:
     """How far apart the ends of a fan lie, for people."""
     return f"95 % of the ends lie within ± {fan.along:.2f} m by ± {fan.across:.2f} m"

@@ -6,10 +6,10 @@ import numpy as np
 
 from sim.common.geometry import FloatArray
 
-MOST = 20_000
+MAX_SAMPLES = 20_000
 """Samples that a curve keeps: half an hour of ten a second as they were, then the older half ever thinner."""
 
-LINE = 1000
+MAX_LINE_POINTS = 1000
 """Points that a line on the map has at most."""
 
 
@@ -27,7 +27,7 @@ class Curve:
         time: of the last sample; minus infinity before the first.
     """
 
-    def __init__(self, columns: int = 1, peaks: bool = False, most: int = MOST) -> None:
+    def __init__(self, columns: int = 1, peaks: bool = False, most: int = MAX_SAMPLES) -> None:
         self._rows = np.empty((most, 1 + columns))
         self._peaks = peaks
         self._count = 0
@@ -61,7 +61,7 @@ class Curve:
         times = self._rows[: self._count, 0]
         count = self._count if until >= self.time else int(np.searchsorted(times, until, side="right"))
         if self._drawn is None or self._drawn[0] != count:
-            step = 1 << max(0, math.ceil(math.log2(max(count, 1) / LINE)))
+            step = 1 << max(0, math.ceil(math.log2(max(count, 1) / MAX_LINE_POINTS)))
             self._drawn = (count, self._rows[:count:step, 1:3].copy())
         return self._drawn[1]
 

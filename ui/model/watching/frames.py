@@ -10,7 +10,7 @@ from thbridge.ros.frames import PlanarMount, frame_name, matrix
 from thbridge.ros.messages import unpack
 from thbridge.ros.messages.unpack import SpatialTransform
 from thbridge.ros.robots import is_map_frame, is_odom_frame
-from ui.model.watching.received import Said
+from ui.model.watching.messages import WatchedMessage
 
 HORIZON_NS = 10_000_000_000
 """What was said longer ago than this of a frame that moves does not hold any more; tf2 forgets it, too."""
@@ -58,7 +58,7 @@ class Frames:
             odometry, as a rule.
     """
 
-    def __init__(self, messages: Iterable[Said], mapped: bool = True) -> None:
+    def __init__(self, messages: Iterable[WatchedMessage], mapped: bool = True) -> None:
         self._above: dict[str, tuple[str, SpatialTransform]] = {}
         for said in messages:
             namespace = namespace_of_tf(said.topic)

@@ -9,15 +9,15 @@ from dataclasses import dataclass, field
 from thbridge.files.map_files import MapRoom
 from thbridge.ros import names
 from thbridge.ros.messages import unpack
-from thbridge.ros.messages.records import Session
-from ui.model.watching.cast import Introductions
-from ui.model.watching.decoded import Decoded
+from thbridge.ros.messages.records import SessionRecord
+from ui.model.watching.decode_cache import DecodeCache
 from ui.model.watching.frames import HORIZON_NS, children_of
-from ui.model.watching.received import TF_TYPES, Said
-from ui.model.watching.scene import Scene, Shown
-from ui.model.watching.scenes import Scenes, Watched
+from ui.model.watching.messages import TF_TYPES, WatchedMessage
+from ui.model.watching.robots import RobotDiscovery
+from ui.model.watching.scene import Scene, ShownLayers
+from ui.model.watching.scene_builder import SceneBuilder, SceneInputs
 from ui.model.watching.series import Series
-from ui.model.watching.story import Story, tells
+from ui.model.watching.session_log import SessionLog, is_logged
 
 REMEMBERED_NS = 2_000_000_000
 """How far back frames are known of a session that runs: longer than a scan waits to be drawn."""
@@ -30,18 +30,18 @@ class _Levels:
     """The last message of each topic, and the frames of the last moments by what they are about."""
 
     at_ns: int = 0
-    last: dict[str, Said] = field(default_factory=dict)
-    spoken: dict[tuple[str, bytes], deque[Said]] = field(default_factory=dict)
+    last: dict[str, WatchedMessage] = field(default_factory=dict)
+    spoken: dict[tuple[str, bytes], deque[WatchedMessage]] = field(default_factory=dict)
     types: dict[str, str] = field(default_factory=dict)
 
     @property
     def topics(self) -> Mapping[str, str]:
         return self.types
 
-    def newest(self, topic: str) -> Said | None:
+    def newest(self, topic: str) -> WatchedMessage | None:
         return self.last.get(topic)
 
-    def frames(self, at_ns: int) -> Sequence[Said]:
+    def frames(self, at_ns: int) -> Sequence[WatchedMessage]:
         held = []
         for (topic, _), said in self.spoken.items():
             before = bisect_right(said, at_ns, key=lambda each: each.stamp_ns) - 1
@@ -51,7 +51,7 @@ class _Levels:
                 held.append(chosen)
         return sorted(held, key=lambda each: each.stamp_ns)
 
-    def take(self, said: Said) -> None:
+    def take(self, said: WatchedMessage) -> None:
         self.at_ns = max(self.at_ns, said.stamp_ns)
         self.last[said.topic] = said
         if said.topic not in self.types:
@@ -76,27 +76,27 @@ class LiveSource:
     def __init__(self) -> None:
         self.rooms: tuple[MapRoom, ...] = ()
         self.sessions = 0
-        self._scenes = Scenes()
-        self._sessions = Decoded[Session](unpack.session)
+        self._scenes = SceneBuilder()
+        self._sessions = DecodeCache[SessionRecord](unpack.session)
         self._heard = -math.inf
         # What was said since a session introduced itself, until its robots speak: that says which session it is.
-        self._opening: list[Said] | None = None
+        self._opening: list[WatchedMessage] | None = None
         self._begin()
 
     def _begin(self) -> None:
-        self.story = Story()
+        self.log = SessionLog()
         self.series = Series(0)
         self._start_ns = 0
         self._tf_ns = 0
         self._levels = _Levels()
-        self._introductions = Introductions()
-        self._cast = self._introductions.cast()
+        self._introductions = RobotDiscovery()
+        self._robots = self._introductions.robots()
         self._newcomers = False
-        self._unsorted: list[Said] = []
+        self._unsorted: list[WatchedMessage] = []
         self._messages = 0
 
     @property
-    def session(self) -> Session | None:
+    def session(self) -> SessionRecord | None:
         """What the session says of itself; None until it has."""
         return self._sessions.of(self._levels.newest(names.SESSION))
 
@@ -115,7 +115,7 @@ class LiveSource:
         """How many have been taken."""
         return self._messages
 
-    def take(self, said: Sequence[Said], now: float) -> None:
+    def take(self, said: Sequence[WatchedMessage], now: float) -> None:
         """Take messages, in their order, at a time (monotonic seconds)."""
         for message in said:
             self._take(message)
@@ -125,16 +125,18 @@ class LiveSource:
         if self._tf_ns:
             self._sort()
 
-    def silent_for(self, now: float) -> float:
+    def stale_for(self, now: float) -> float:
         """Seconds since the last message came; infinite before the first."""
         return now - self._heard
 
-    def scene(self, shown: Shown) -> Scene:
+    def scene(self, shown: ShownLayers) -> Scene:
         """How things stand."""
-        watched = Watched(self._cast, self._introductions.mapped, self.series, self.story, self.rooms, self._start_ns)
-        return self._scenes.scene(self._levels, watched, shown)
+        watched = SceneInputs(
+            self._robots, self._introductions.mapped, self.series, self.log, self.rooms, self._start_ns
+        )
+        return self._scenes.build(self._levels, watched, shown)
 
-    def _take(self, said: Said) -> None:
+    def _take(self, said: WatchedMessage) -> None:
         if said.topic == names.SESSION:
             self._opening = []
         if said.msgtype in TF_TYPES and not said.topic.endswith("tf_static"):
@@ -149,7 +151,7 @@ class LiveSource:
             self._opening.append(said)
         self._absorb(said)
 
-    def _absorb(self, said: Said) -> None:
+    def _absorb(self, said: WatchedMessage) -> None:
         if not self._messages:
             self._start_ns = said.stamp_ns
             self.series = Series(said.stamp_ns)
@@ -159,8 +161,8 @@ class LiveSource:
             self._levels.take(said)
         except ValueError:
             return
-        if tells(said.topic, said.msgtype):
-            self.story.take(said)
+        if is_logged(said.topic, said.msgtype):
+            self.log.take(said)
         if new:
             self._introductions.take(said)
             self._newcomers = True
@@ -170,8 +172,8 @@ class LiveSource:
         """Give each robot what is told of it; to find out who is who takes a while, and is done once for all topics."""
         if self._newcomers:
             self._newcomers = False
-            self._cast = self._introductions.cast()
-            self.series.follow(self._cast, self._introductions.mapped)
+            self._robots = self._introductions.robots()
+            self.series.follow(self._robots, self._introductions.mapped)
         for said in self._unsorted:
             self.series.take(said)
         self._unsorted.clear()

@@ -25,7 +25,7 @@ def _no_poses() -> FloatArray:
 
 
 @dataclass(frozen=True, slots=True)
-class Shown:
+class ShownLayers:
     """What is wanted on the map; what is not wanted is not unpacked, and missing in the scene.
 
     Attributes:

@@ -8,14 +8,14 @@ from sim.common.geometry import Pose2, wrap_angle
 from thbridge.analysis.report.tracks import deviations
 from thbridge.ros.messages import types, unpack
 from thbridge.ros.robots import is_map_frame
-from ui.model.watching.cast import Member
 from ui.model.watching.curves import Curve
 from ui.model.watching.frames import Frames, children_of, namespace_of_tf
-from ui.model.watching.received import TF_TYPES, Said
+from ui.model.watching.messages import TF_TYPES, WatchedMessage
+from ui.model.watching.robots import WatchedRobot
 
 PERIOD = 0.1
 """Seconds from one sample to the next, at least."""
-PATIENCE = 1.0
+ODOMETRY_TIMEOUT = 1.0
 """Seconds in which a robot that tf speaks of may begin to tell its odometry."""
 _SLACK = 1e-6
 _WAITING = 64
@@ -56,26 +56,26 @@ class Series:
 
     def __init__(self, start_ns: int) -> None:
         self._start_ns = start_ns
-        self._tellers: dict[int, _Teller] = {}
-        self._takers: dict[str, list[Callable[[Said, float], None]]] = {}
+        self._builders: dict[int, _SeriesBuilder] = {}
+        self._handlers: dict[str, list[Callable[[WatchedMessage, float], None]]] = {}
         self._tf = _Tf()
 
     @property
     def topics(self) -> frozenset[str]:
         """What has to be taken, beside the messages of tf; all else changes nothing."""
-        return frozenset(self._takers)
+        return frozenset(self._handlers)
 
-    def follow(self, cast: Sequence[Member], mapped: bool) -> None:
+    def follow(self, cast: Sequence[WatchedRobot], mapped: bool) -> None:
         """Go by these robots from now on; those that were there before keep what is known of them.
 
         Args:
             cast: the robots.
             mapped: whether there is a map.
         """
-        self._takers = {}
+        self._handlers = {}
         self._tf.mapped = mapped
         for member in cast:
-            teller = self._tellers.setdefault(member.robot, _Teller(self._tf))
+            teller = self._builders.setdefault(member.robot, _SeriesBuilder(self._tf))
             teller.member = member
             for topic, taker in (
                 (member.truth, teller.truth),
@@ -84,16 +84,16 @@ class Series:
                 (member.battery, teller.energy),
             ):
                 if topic is not None:
-                    self._takers.setdefault(topic, []).append(taker)
+                    self._handlers.setdefault(topic, []).append(taker)
 
-    def take(self, said: Said) -> None:
+    def take(self, said: WatchedMessage) -> None:
         """Take a message; one that cannot be read changes nothing."""
         if said.msgtype in TF_TYPES:
             self._tf.take(said)
-            for teller in self._tellers.values():
+            for teller in self._builders.values():
                 teller.frames((said.stamp_ns - self._start_ns) / 1e9)
             return
-        for taker in self._takers.get(said.topic, ()):
+        for taker in self._handlers.get(said.topic, ()):
             try:
                 taker(said, (said.stamp_ns - self._start_ns) / 1e9)
             except ValueError:
@@ -101,7 +101,7 @@ class Series:
 
     def of(self, robot: int) -> RobotSeries:
         """What is known of a robot; nothing of one that there is not."""
-        teller = self._tellers.get(robot)
+        teller = self._builders.get(robot)
         return RobotSeries() if teller is None else teller.series
 
 
@@ -109,11 +109,11 @@ class _Tf:
     """The frames that hold now, unpacked when somebody asks."""
 
     def __init__(self) -> None:
-        self._said: dict[tuple[str, bytes], Said] = {}
+        self._said: dict[tuple[str, bytes], WatchedMessage] = {}
         self._frames: Frames | None = None
         self.mapped = False
 
-    def take(self, said: Said) -> None:
+    def take(self, said: WatchedMessage) -> None:
         try:
             key = (namespace_of_tf(said.topic), children_of(said.data))
         except ValueError:
@@ -128,19 +128,19 @@ class _Tf:
         return self._frames
 
 
-class _Teller:
+class _SeriesBuilder:
     """Makes one robot's series."""
 
     def __init__(self, tf: _Tf) -> None:
         self.series = RobotSeries()
-        self.member: Member | None = None
+        self.member: WatchedRobot | None = None
         self._tf = tf
-        self._told: tuple[float, Said] | None = None
+        self._told: tuple[float, WatchedMessage] | None = None
         self._known: tuple[float, Pose2] | None = None
         self._waiting: list[tuple[float, Pose2]] = []
         self._alone_since = math.inf
 
-    def truth(self, said: Said, time: float) -> None:
+    def truth(self, said: WatchedMessage, time: float) -> None:
         """Between two words of the truth lies what it was meanwhile."""
         due = _due(self.series.truth, time)
         if not due and not self._waiting:
@@ -175,7 +175,7 @@ class _Teller:
         heading = abs(wrap_angle(estimate.theta - truth.theta))
         self.series.errors.append(time, estimate.distance(truth), heading)
 
-    def odometry(self, said: Said, time: float) -> None:
+    def odometry(self, said: WatchedMessage, time: float) -> None:
         """What its wheels count, and with it where it believes to be."""
         if self.member is None or not _due(self.series.odometry, time):
             return
@@ -196,12 +196,12 @@ class _Teller:
         if member is None or member.odom is not None or member.estimate is not None or not member.base:
             return
         self._alone_since = min(self._alone_since, time)
-        if time - self._alone_since >= PATIENCE and _due(self.series.estimate, time):
+        if time - self._alone_since >= ODOMETRY_TIMEOUT and _due(self.series.estimate, time):
             base_in_map = self._tf.frames().planar(member.base, member.key)
             if base_in_map is not None:
                 self._believe(time, base_in_map)
 
-    def belief(self, said: Said, time: float) -> None:
+    def belief(self, said: WatchedMessage, time: float) -> None:
         """What its localiser says of where it is, and how sure it is."""
         told = unpack.pose_with_covariance(said.data)
         admitted = deviations(time, told.covariance)
@@ -211,7 +211,7 @@ class _Teller:
         if self.member is not None and self.member.odom is None and is_map_frame(told.frame):
             self._believe(time, told.pose)
 
-    def energy(self, said: Said, time: float) -> None:
+    def energy(self, said: WatchedMessage, time: float) -> None:
         """What it has left."""
         told = unpack.battery_state(said.data)
         left = told.charge if math.isfinite(told.charge) else 100.0 * told.percentage
@@ -233,7 +233,7 @@ def _due(curve: Curve, time: float) -> bool:
     return time - curve.time >= PERIOD - _SLACK
 
 
-def _pose_of(said: Said) -> Pose2:
+def _pose_of(said: WatchedMessage) -> Pose2:
     match said.msgtype:
         case types.ODOMETRY:
             return unpack.odometry(said.data).pose

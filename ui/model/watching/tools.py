@@ -12,7 +12,7 @@ from sim.common.geometry import Pose2
 from sim.common.traversability import inside
 from sim.team import Carry, ClearCostmaps, Die, PutThing, RemoveThing, Revive
 from sim.world.things import Thing
-from thbridge.hunt.outcomes import Refused
+from thbridge.hunt.refusals import RequestRefused
 from thbridge.roles.robot_requests import AdviseFor, Puppeteer, Request, SpeakFor, WizardRequest
 from thbridge.ros.messages.records import InitialPose, SimpleGoal
 from ui.model.watching.scene import PendingTurn, RobotScene, Scene
@@ -34,7 +34,7 @@ CORNERS = 16
 Shape = Literal["circle", "box"]
 
 
-class Reason(StrEnum):
+class ToolRefusalReason(StrEnum):
     """Why something cannot be done."""
 
     RECORDED = "recorded"
@@ -46,7 +46,7 @@ class Reason(StrEnum):
     NOT_WAITING = "not-waiting"
 
 
-RECORDED = Refused(Reason.RECORDED, "This is a recording: nothing can be asked of its robots.")
+RECORDED = RequestRefused(ToolRefusalReason.RECORDED, "This is a recording: nothing can be asked of its robots.")
 
 
 class Tools:
@@ -61,80 +61,82 @@ class Tools:
     def __init__(self, first_goal: int = FIRST_GOAL) -> None:
         self._goals = count(first_goal)
 
-    def goal(self, scene: Scene, robot: int, base_in_map: Pose2) -> Request | Refused:
+    def goal(self, scene: Scene, robot: int, base_in_map: Pose2) -> Request | RequestRefused:
         """Send a robot somewhere (rviz: 2D Nav Goal)."""
-        found = _living(scene, robot)
-        if isinstance(found, Refused):
+        found = _alive_robot(scene, robot)
+        if isinstance(found, RequestRefused):
             return found
         return _off_map(scene, base_in_map) or SimpleGoal(robot, base_in_map, next(self._goals))
 
-    def pose(self, scene: Scene, robot: int, base_in_map: Pose2) -> Request | Refused:
+    def pose(self, scene: Scene, robot: int, base_in_map: Pose2) -> Request | RequestRefused:
         """Tell a robot where it is (rviz: 2D Pose Estimate)."""
-        found = _living(scene, robot)
-        if isinstance(found, Refused):
+        found = _alive_robot(scene, robot)
+        if isinstance(found, RequestRefused):
             return found
         return _off_map(scene, base_in_map) or InitialPose(robot, base_in_map, COVARIANCE)
 
-    def clear_costmaps(self, scene: Scene, robot: int) -> Request | Refused:
+    def clear_costmaps(self, scene: Scene, robot: int) -> Request | RequestRefused:
         """Let a robot forget what its laser has seen."""
-        found = _living(scene, robot)
-        return found if isinstance(found, Refused) else ClearCostmaps(robot)
+        found = _alive_robot(scene, robot)
+        return found if isinstance(found, RequestRefused) else ClearCostmaps(robot)
 
-    def carry(self, scene: Scene, robot: int, x: float, y: float, heading: float | None = None) -> Request | Refused:
+    def carry(
+        self, scene: Scene, robot: int, x: float, y: float, heading: float | None = None
+    ) -> Request | RequestRefused:
         """Kidnap a robot; it keeps its heading where none is given."""
         found = _robot(scene, robot)
-        if isinstance(found, Refused):
+        if isinstance(found, RequestRefused):
             return found
         known = found.truth or found.estimate
         kept = 0.0 if known is None else known.theta
         place = Pose2(x, y, kept if heading is None else heading)
         return _off_map(scene, place) or Carry(robot, place)
 
-    def kill(self, scene: Scene, robot: int) -> Request | Refused:
+    def kill(self, scene: Scene, robot: int) -> Request | RequestRefused:
         """Stop a robot's software."""
-        found = _living(scene, robot)
-        return found if isinstance(found, Refused) else Die(robot)
+        found = _alive_robot(scene, robot)
+        return found if isinstance(found, RequestRefused) else Die(robot)
 
-    def revive(self, scene: Scene, robot: int) -> Request | Refused:
+    def revive(self, scene: Scene, robot: int) -> Request | RequestRefused:
         """Let a dead robot go on."""
         found = _robot(scene, robot)
-        if isinstance(found, Refused):
+        if isinstance(found, RequestRefused):
             return found
-        return Revive(robot) if found.dead else Refused(Reason.ALIVE, f"{_named(found)} is alive.")
+        return Revive(robot) if found.dead else RequestRefused(ToolRefusalReason.ALIVE, f"{_named(found)} is alive.")
 
-    def put(self, scene: Scene, shape: Shape, x: float, y: float, size: float) -> Request | Refused:
+    def put(self, scene: Scene, shape: Shape, x: float, y: float, size: float) -> Request | RequestRefused:
         """Put an obstacle in the way; it appears once its place is free."""
         place = Pose2(x, y, 0.0)
         thing = obstacle(_new_name(thing.name for thing in scene.things), shape, place, size)
         return _off_map(scene, place) or PutThing(thing)
 
-    def remove(self, scene: Scene, x: float, y: float) -> Request | Refused:
+    def remove(self, scene: Scene, x: float, y: float) -> Request | RequestRefused:
         """Take away the thing at a place."""
         for thing in scene.things:
             corners = tuple((float(cx), float(cy)) for cx, cy in thing.outline[:-1])
             if inside(corners, np.array([x]), np.array([y]))[0]:
                 return RemoveThing(thing.name)
-        return Refused(Reason.NO_THING, "Nothing stands there that could be taken away.")
+        return RequestRefused(ToolRefusalReason.NO_THING, "Nothing stands there that could be taken away.")
 
-    def puppeteer(self, scene: Scene, robot: int, on: bool) -> WizardRequest | Refused:
+    def puppeteer(self, scene: Scene, robot: int, on: bool) -> WizardRequest | RequestRefused:
         """Speak for a robot from now on, or no more."""
         found = _robot(scene, robot)
-        return found if isinstance(found, Refused) else Puppeteer(robot, on)
+        return found if isinstance(found, RequestRefused) else Puppeteer(robot, on)
 
-    def speak(self, scene: Scene, turn: PendingTurn, move: int, text: str = "") -> WizardRequest | Refused:
+    def speak(self, scene: Scene, turn: PendingTurn, move: int, text: str = "") -> WizardRequest | RequestRefused:
         """Make a robot's move, in one's own words where there are any."""
         if turn not in scene.wizard.turns or not 0 <= move < len(turn.sentences):
-            return Refused(Reason.NOT_WAITING, "That answer is not waited for any more.")
+            return RequestRefused(ToolRefusalReason.NOT_WAITING, "That answer is not waited for any more.")
         return SpeakFor(turn.dialogue, turn.turn, move, text.strip())
 
-    def advise(self, scene: Scene, robot: int, room: int) -> WizardRequest | Refused:
+    def advise(self, scene: Scene, robot: int, room: int) -> WizardRequest | RequestRefused:
         """Answer a participant's "don't know" for a robot."""
         if not any(waiting.robot == robot for waiting in scene.wizard.advice):
-            return Refused(Reason.NOT_WAITING, "No advice is waited for any more.")
+            return RequestRefused(ToolRefusalReason.NOT_WAITING, "No advice is waited for any more.")
         return AdviseFor(robot, room)
 
 
-def aimed(x: float, y: float, to_x: float, to_y: float, heading: float = 0.0) -> Pose2:
+def dragged_pose(x: float, y: float, to_x: float, to_y: float, heading: float = 0.0) -> Pose2:
     """Where one pressed, facing where one dragged to; `heading` where that is nearer than a hand's breadth."""
     dragged = math.hypot(to_x - x, to_y - y) >= 0.1
     return Pose2(x, y, math.atan2(to_y - y, to_x - x) if dragged else heading)
@@ -161,15 +163,15 @@ def _new_name(taken: Iterable[str]) -> str:
     return next(name for number in count(1) if (name := f"obstacle {number}") not in known)
 
 
-def _robot(scene: Scene, robot: int) -> RobotScene | Refused:
+def _robot(scene: Scene, robot: int) -> RobotScene | RequestRefused:
     found = next((each for each in scene.robots if each.robot == robot), None)
-    return found or Refused(Reason.NO_ROBOT, "Select a robot first.")
+    return found or RequestRefused(ToolRefusalReason.NO_ROBOT, "Select a robot first.")
 
 
-def _living(scene: Scene, robot: int) -> RobotScene | Refused:
+def _alive_robot(scene: Scene, robot: int) -> RobotScene | RequestRefused:
     found = _robot(scene, robot)
     if isinstance(found, RobotScene) and found.dead:
-        return Refused(Reason.DEAD, f"The software of {found.name} has stopped. Revive it first (R).")
+        return RequestRefused(ToolRefusalReason.DEAD, f"The software of {found.name} has stopped. Revive it first (R).")
     return found
 
 
@@ -177,7 +179,7 @@ def _named(robot: RobotScene) -> str:
     return robot.name[:1].upper() + robot.name[1:]
 
 
-def _off_map(scene: Scene, place: Pose2) -> Refused | None:
+def _off_map(scene: Scene, place: Pose2) -> RequestRefused | None:
     """Why a place is none, where the map is known."""
     grid = scene.grid
     if grid is None:
@@ -185,4 +187,4 @@ def _off_map(scene: Scene, place: Pose2) -> Refused | None:
     at = grid.origin.between(place)
     if 0.0 <= at.x < grid.cols * grid.resolution and 0.0 <= at.y < grid.rows * grid.resolution:
         return None
-    return Refused(Reason.OFF_MAP, "That place is not on the map.")
+    return RequestRefused(ToolRefusalReason.OFF_MAP, "That place is not on the map.")

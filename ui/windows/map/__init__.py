@@ -1,5 +1,5 @@
 """The map of both windows."""
 
-from ui.windows.map.view import Layer, MapView
+from ui.windows.map.view import MapLayer, MapView
 
-__all__ = ["Layer", "MapView"]
+__all__ = ["MapLayer", "MapView"]

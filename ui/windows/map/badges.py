@@ -10,23 +10,23 @@ from PySide6.QtGui import QColor, QFont, QFontMetricsF, QPainter, QPen, QPixmap,
 from sim.common.geometry import FloatArray
 from ui.model.theme import Palette
 
-HEIGHT = 20.0
+LABEL_HEIGHT = 20.0
 """Of a label, pixels."""
 
-TEXT = 12
+TEXT_HEIGHT = 12
 """Height of its letters, pixels."""
 
 GAP = 4.0
 """Pixels between a robot and its label."""
 
-SIGN = 19.0
+SIGN_WIDTH = 19.0
 """Width of a sign in a label, pixels."""
 
 _SIDES = np.array([(0, -1), (0, 1), (1, 0), (-1, 0), (1, -1), (-1, -1), (1, 1), (-1, 1)], dtype=np.float64)
 _REACHES = (1.0, 1.9, 2.8)
 """Where labels may lie about their robot, best first; and how far off, in heights of a label."""
 
-OVERLAP, COVERS, HIDES, LESS_GOOD, MOVED = 4.0, 1.0, 2.0, 6.0, 30.0
+OVERLAP_WEIGHT, ROBOT_WEIGHT, WORDS_WEIGHT, RANK_WEIGHT, MOVE_WEIGHT = 4.0, 1.0, 2.0, 6.0, 30.0
 """Weights: square pixels over another label, over a robot, over words; a less good place; leaving the place it has."""
 
 
@@ -41,7 +41,7 @@ class Anchor:
     height: float
 
 
-def placed(anchors: Sequence[Anchor], before: Sequence[int], words: FloatArray) -> tuple[FloatArray, list[int]]:
+def place_labels(anchors: Sequence[Anchor], before: Sequence[int], words: FloatArray) -> tuple[FloatArray, list[int]]:
     """Where labels go, first come first served.
 
     Args:
@@ -61,13 +61,13 @@ def placed(anchors: Sequence[Anchor], before: Sequence[int], words: FloatArray) 
         return kept[:, :2], list(before)
     numbers: list[int] = []
     taken = np.zeros((len(anchors), 4))
-    best = LESS_GOOD * np.arange(len(_SIDES) * len(_REACHES), dtype=np.float64)
+    best = RANK_WEIGHT * np.arange(len(_SIDES) * len(_REACHES), dtype=np.float64)
     for at, had in enumerate(before):
         boxes = places[at]
-        cost = best + OVERLAP * _overlap(boxes, taken[:at])
-        cost += COVERS * _overlap(boxes, bodies) + HIDES * _overlap(boxes, words)
+        cost = best + OVERLAP_WEIGHT * _overlap(boxes, taken[:at])
+        cost += ROBOT_WEIGHT * _overlap(boxes, bodies) + WORDS_WEIGHT * _overlap(boxes, words)
         if had >= 0:
-            cost[had] -= MOVED
+            cost[had] -= MOVE_WEIGHT
         number = int(np.argmin(cost))
         taken[at] = boxes[number]
         numbers.append(number)
@@ -99,7 +99,7 @@ def _overlap(boxes: FloatArray, others: FloatArray) -> FloatArray:
 
 
 @dataclass(frozen=True, slots=True)
-class Lettering:
+class BadgeText:
     """What a label says of its robot.
 
     Attributes:
@@ -130,13 +130,13 @@ class Badges:
     """Labels as pictures, each made once."""
 
     def __init__(self) -> None:
-        self._made: dict[tuple[Lettering, float, str], Badge] = {}
+        self._made: dict[tuple[BadgeText, float, str], Badge] = {}
 
     def clear(self) -> None:
         """Another palette or font."""
         self._made.clear()
 
-    def of(self, lettering: Lettering, palette: Palette, font: QFont, ratio: float) -> Badge:
+    def of(self, lettering: BadgeText, palette: Palette, font: QFont, ratio: float) -> Badge:
         """The picture of a label."""
         key = (lettering, ratio, palette.panel)
         badge = self._made.get(key)
@@ -145,16 +145,16 @@ class Badges:
         return badge
 
 
-def _made(lettering: Lettering, palette: Palette, font: QFont, ratio: float) -> Badge:
+def _made(lettering: BadgeText, palette: Palette, font: QFont, ratio: float) -> Badge:
     face = QFont(font)
-    face.setPixelSize(TEXT)
+    face.setPixelSize(TEXT_HEIGHT)
     face.setWeight(QFont.Weight.Bold)
     metrics = QFontMetricsF(face)
-    warning = SIGN if lettering.trouble else 0.0
+    warning = SIGN_WIDTH if lettering.trouble else 0.0
     own, other = metrics.horizontalAdvance(lettering.label), metrics.horizontalAdvance(lettering.taken)
-    taken = SIGN + other + GAP if lettering.taken else 0.0
-    width = float(round(max(own + warning + taken + 13.0, HEIGHT)))
-    picture = QPixmap(round(width * ratio), round(HEIGHT * ratio))
+    taken = SIGN_WIDTH + other + GAP if lettering.taken else 0.0
+    width = float(round(max(own + warning + taken + 13.0, LABEL_HEIGHT)))
+    picture = QPixmap(round(width * ratio), round(LABEL_HEIGHT * ratio))
     picture.setDevicePixelRatio(ratio)
     picture.fill(Qt.GlobalColor.transparent)
     painter = QPainter(picture)
@@ -163,27 +163,27 @@ def _made(lettering: Lettering, palette: Palette, font: QFont, ratio: float) -> 
     ink = QColor(palette.panel if selected else palette.text)
     painter.setPen(QPen(QColor(palette.panel if selected else colour), 1.5))
     painter.setBrush(QColor(colour if selected else palette.panel))
-    pill = QRectF(0.75, 0.75, width - 1.5, HEIGHT - 1.5)
+    pill = QRectF(0.75, 0.75, width - 1.5, LABEL_HEIGHT - 1.5)
     painter.drawRoundedRect(pill, pill.height() / 2.0, pill.height() / 2.0)
     if lettering.trouble:
         _paint_warning(painter, palette, face, on_colour=selected)
     painter.setFont(face)
     painter.setPen(ink)
-    baseline = (HEIGHT + metrics.capHeight()) / 2.0
+    baseline = (LABEL_HEIGHT + metrics.capHeight()) / 2.0
     left = warning + (width - warning - taken - own) / 2.0
     painter.drawText(QPointF(left, baseline), lettering.label)
     if lettering.taken:
         _paint_mast(painter, left + own + GAP, ink)
-        painter.drawText(QPointF(left + own + SIGN + GAP, baseline), lettering.taken)
+        painter.drawText(QPointF(left + own + SIGN_WIDTH + GAP, baseline), lettering.taken)
     painter.end()
-    return Badge(picture, width, HEIGHT)
+    return Badge(picture, width, LABEL_HEIGHT)
 
 
 def _paint_mast(painter: QPainter, left: float, ink: QColor) -> None:
     """A mast that sends to both sides: somebody elsewhere commands this robot."""
     painter.setPen(QPen(ink, 1.4))
     painter.setBrush(Qt.BrushStyle.NoBrush)
-    middle = left + SIGN / 2.0 - 2.0
+    middle = left + SIGN_WIDTH / 2.0 - 2.0
     painter.drawLine(QPointF(middle, 8.0), QPointF(middle, 15.0))
     for reach in (3.0, 6.0):
         around = QRectF(middle - reach, 8.0 - reach, 2.0 * reach, 2.0 * reach)

@@ -5,10 +5,10 @@ from dataclasses import dataclass, replace
 
 from sim.common.geometry import FloatArray
 
-CLOSEST = 400.0
+MAX_SCALE = 400.0
 """Most pixels a metre."""
 
-FARTHEST = 2.0
+MIN_SCALE = 2.0
 """Fewest pixels a metre."""
 
 
@@ -36,7 +36,7 @@ class Camera:
         left, bottom, right, top = bounds
         across = max(width - 2.0 * margin, 1.0) / max(right - left, 1e-6)
         up = max(height - 2.0 * margin, 1.0) / max(top - bottom, 1e-6)
-        scale = min(max(min(across, up), FARTHEST), CLOSEST)
+        scale = min(max(min(across, up), MIN_SCALE), MAX_SCALE)
         return cls((left + right) / 2.0, (bottom + top) / 2.0, scale, width, height)
 
     def to_screen(self, points: FloatArray) -> FloatArray:
@@ -61,7 +61,7 @@ class Camera:
 
     def zoomed(self, factor: float, px: float, py: float) -> "Camera":
         """Larger by a factor; the map point under a pixel stays under it."""
-        scale = min(max(self.scale * factor, FARTHEST), CLOSEST)
+        scale = min(max(self.scale * factor, MIN_SCALE), MAX_SCALE)
         x, y = self.point(px, py)
         keep = self.scale / scale
         return replace(self, x=x + (self.x - x) * keep, y=y + (self.y - y) * keep, scale=scale)

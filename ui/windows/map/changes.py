@@ -7,10 +7,10 @@ import numpy as np
 from sim.common.geometry import Pose2
 from ui.model.scene import RobotMark, RoomMark
 
-SEEN = 0.1
+VISIBLE_SHIFT = 0.1
 """A change of so many pixels shows."""
 
-TURN_SEEN = 0.005
+VISIBLE_TURN = 0.005
 """A turn by so many radians shows."""
 
 
@@ -40,12 +40,12 @@ def _same_robot(one: RobotMark, other: RobotMark, scale: float) -> bool:
         and _same_pose(one.truth, other.truth, scale)
         and one.footprint is other.footprint
         and (one.trail is other.trail or np.array_equal(one.trail, other.trail))
-        and one.way.shape == other.way.shape
-        and bool(np.all(np.abs(one.way - other.way) * scale < SEEN))
+        and one.path.shape == other.path.shape
+        and bool(np.all(np.abs(one.path - other.path) * scale < VISIBLE_SHIFT))
     )
 
 
 def _same_pose(one: Pose2 | None, other: Pose2 | None, scale: float) -> bool:
     if one is None or other is None:
         return one is other
-    return one.distance(other) * scale < SEEN and abs(one.theta - other.theta) < TURN_SEEN
+    return one.distance(other) * scale < VISIBLE_SHIFT and abs(one.theta - other.theta) < VISIBLE_TURN

@@ -20,7 +20,7 @@ UNDER, OVER = -1, 1
 """Below the robots, and above them."""
 
 
-class _Inked:
+class _ColouredLayer:
     """A layer of one colour.
 
     Args:
@@ -40,7 +40,7 @@ class _Inked:
         return colour
 
 
-class Points(_Inked):
+class PointLayer(_ColouredLayer):
     """A cloud of particles, or the ends of a scan's beams: thousands of dots.
 
     Args:
@@ -68,7 +68,7 @@ class Points(_Inked):
         painter.drawPoints(polygon(view.camera.to_screen(self._points)))
 
 
-class Lines(_Inked):
+class LineLayer(_ColouredLayer):
     """Plans: lines through points.
 
     Args:
@@ -97,7 +97,7 @@ class Lines(_Inked):
                 painter.drawLines(lines(pixels[:-1], pixels[1:]))
 
 
-class Arrows(_Inked):
+class PoseLayer(_ColouredLayer):
     """Poses, as arrows that start there.
 
     Args:
@@ -160,7 +160,7 @@ def _cost_colours() -> NDArray[np.uint8]:
 _COST_COLOURS = _cost_colours()
 
 
-class Costs:
+class CostmapImageLayer:
     """A costmap as a picture in rviz's colours.
 
     Args:

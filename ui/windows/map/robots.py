@@ -11,11 +11,11 @@ from PySide6.QtGui import QColor, QFont, QPainter, QPen, QPolygonF, QTransform
 from sim.common.geometry import FloatArray, Pose2
 from ui.model.scene import EllipseMark, RobotMark
 from ui.model.theme import Palette
-from ui.windows.map.badges import Anchor, Badges, Lettering, placed
+from ui.windows.map.badges import Anchor, Badges, BadgeText, place_labels
 from ui.windows.map.camera import Camera
 from ui.windows.map.points import lines, polygon
 
-SMALLEST = 8.0
+MIN_RADIUS = 8.0
 """A robot is drawn at least with this radius, pixels, however far away the view is."""
 
 RING = 5.0
@@ -27,7 +27,7 @@ TRAIL_STEPS = 4
 TRAIL_ALPHA = 0.5
 """Opacity of a trail where its robot left it last."""
 
-LABELS_REACH = 40.0
+LABEL_MARGIN = 40.0
 """A robot so many pixels outside the view may still show its label in it."""
 
 DASH, SPACE = 7.0, 5.0
@@ -63,7 +63,7 @@ class _Body:
 
     def scale(self, camera: Camera) -> float:
         """Pixels a metre at which it is drawn: never too small to be seen."""
-        return max(camera.scale, SMALLEST / self.reach)
+        return max(camera.scale, MIN_RADIUS / self.reach)
 
     def transform(self, camera: Camera, pose: Pose2) -> QTransform:
         """From its own frame to pixels."""
@@ -81,7 +81,7 @@ class _Trail:
     lines: list[QLineF]
 
 
-class Robots:
+class RobotPainter:
     """Paints the robots of one frame; what stays the same from frame to frame is kept."""
 
     def __init__(self, palette: Palette) -> None:
@@ -96,7 +96,7 @@ class Robots:
         self._palette = palette
         self._badges.clear()
 
-    def paint_anew(self) -> None:
+    def invalidate(self) -> None:
         """Something else has changed by which labels are painted, as the font."""
         self._badges.clear()
 
@@ -115,7 +115,7 @@ class Robots:
         for mark in order:
             self._paint_trail(painter, camera, mark)
         for mark in order:
-            self._paint_way(painter, camera, mark)
+            self._paint_path(painter, camera, mark)
         for mark in order:
             self._paint_belief(painter, camera, mark)
         for mark in order:
@@ -154,10 +154,10 @@ class Robots:
             kept = self._trails[mark.robot] = _Trail(mark.trail, camera, lines(pixels[:-1], pixels[1:]))
         return kept.lines
 
-    def _paint_way(self, painter: QPainter, camera: Camera, mark: RobotMark) -> None:
-        if len(mark.way) < 2:
+    def _paint_path(self, painter: QPainter, camera: Camera, mark: RobotMark) -> None:
+        if len(mark.path) < 2:
             return
-        pixels = camera.to_screen(mark.way)
+        pixels = camera.to_screen(mark.path)
         colour = QColor(self._colour(mark))
         pen = QPen(colour, 2.5 if mark.selected else 1.8)
         pen.setCapStyle(Qt.PenCapStyle.FlatCap)
@@ -231,12 +231,12 @@ class Robots:
         font: QFont,
         ratio: float,
     ) -> None:
-        seen = [mark for mark in robots if camera.sees(mark.pose.x, mark.pose.y, LABELS_REACH)]
+        seen = [mark for mark in robots if camera.sees(mark.pose.x, mark.pose.y, LABEL_MARGIN)]
         if not seen:
             return
         badges = [
             self._badges.of(
-                Lettering(mark.label, self._colour(mark), mark.selected, mark.trouble, mark.taken),
+                BadgeText(mark.label, self._colour(mark), mark.selected, mark.trouble, mark.commander),
                 self._palette,
                 font,
                 ratio,
@@ -246,7 +246,7 @@ class Robots:
         anchors = [
             self._anchor(camera, mark, badge.width, badge.height) for mark, badge in zip(seen, badges, strict=True)
         ]
-        corners, places = placed(anchors, [self._places.get(mark.robot, -1) for mark in seen], words)
+        corners, places = place_labels(anchors, [self._places.get(mark.robot, -1) for mark in seen], words)
         self._places = {mark.robot: place for mark, place in zip(seen, places, strict=True)}
         for badge, (x, y) in zip(badges, corners.tolist(), strict=True):
             painter.drawPixmap(QPointF(round(x * ratio) / ratio, round(y * ratio) / ratio), badge.picture)

@@ -22,22 +22,22 @@ from sim.common.geometry import FloatArray
 from ui.model.scene import RoomMark
 from ui.model.theme import Palette
 from ui.windows.map.camera import Camera
-from ui.windows.map.plan import Plan, holds
+from ui.windows.map.geometry import MapGeometry, contains
 from ui.windows.map.points import polygon
 
-HATCH = 11.0
+HATCH_SPACING = 11.0
 """Pixels between two stripes of the pattern of a reserved room."""
 
-DOTS = 16.0
+DOT_SPACING = 16.0
 """Pixels between two dots of the pattern of a visited room."""
 
-SIGN = 11.0
+SIGN_RADIUS = 11.0
 """Radius of a room's sign, pixels."""
 
 PATTERN_ALPHA = 46
 """Of a pattern: seen, yet not in the way of what drives over it."""
 
-NUMBER_LEAST, NUMBER_MOST = 15.0, 40.0
+NUMBER_MIN, NUMBER_MAX = 15.0, 40.0
 """Height of a room's number, pixels."""
 
 POSITIONS = 14
@@ -46,10 +46,10 @@ POSITIONS = 14
 FRAME_INSET = 4.0
 """Between a wall and the frame of a room that can be chosen, pixels."""
 
-WALL = 0.06
+HALF_WALL = 0.06
 """Half of how thick walls are usually, metres."""
 
-NAME = 13.0
+NAME_HEIGHT = 13.0
 """Height of a room's name, pixels."""
 
 
@@ -74,7 +74,12 @@ def paint_floors(painter: QPainter, camera: Camera, rooms: Sequence[RoomMark], p
 
 
 def paint_signs(
-    painter: QPainter, camera: Camera, rooms: Sequence[RoomMark], palette: Palette, font: QFont, plan: Plan | None
+    painter: QPainter,
+    camera: Camera,
+    rooms: Sequence[RoomMark],
+    palette: Palette,
+    font: QFont,
+    plan: MapGeometry | None,
 ) -> FloatArray:
     """Edges, numbers, names, signs of state and what was found: over walls, under robots, clear of furniture.
 
@@ -101,7 +106,7 @@ def _paint_edge(painter: QPainter, camera: Camera, mark: RoomMark, palette: Pale
     path.addPolygon(polygon(camera.to_screen(mark.region)))
     path.closeSubpath()
     border = QPainterPathStroker()
-    border.setWidth(2.0 * (FRAME_INSET + WALL * camera.scale))
+    border.setWidth(2.0 * (FRAME_INSET + HALF_WALL * camera.scale))
     pen = QPen(QColor(palette.accent), 4.0 if mark.considered else 2.0)
     pen.setJoinStyle(Qt.PenJoinStyle.RoundJoin)
     if not mark.choosable:
@@ -128,11 +133,11 @@ class _Space:
         taken: where something lies already.
     """
 
-    def __init__(self, camera: Camera, region: FloatArray, plan: Plan | None) -> None:
+    def __init__(self, camera: Camera, region: FloatArray, plan: MapGeometry | None) -> None:
         corners = camera.to_screen(region)
         (self._left, self._top), (right, bottom) = corners.min(axis=0).tolist(), corners.max(axis=0).tolist()
         self.width, self.height = right - self._left, bottom - self._top
-        self.inset = FRAME_INSET + WALL * camera.scale + min(max(0.04 * min(self.width, self.height), 4.0), 14.0)
+        self.inset = FRAME_INSET + HALF_WALL * camera.scale + min(max(0.04 * min(self.width, self.height), 4.0), 14.0)
         self._camera = camera
         self._region = region
         self._plan = plan
@@ -160,16 +165,16 @@ class _Space:
         least = -self.inset / 2.0
         around = np.array([[least, least], [x, least], [x, y], [least, y]])
         corners = self._camera.to_map((places[:, None] + around).reshape(-1, 2))
-        free: NDArray[np.bool_] = np.all(holds(self._region, corners).reshape(-1, 4), axis=1)
+        free: NDArray[np.bool_] = np.all(contains(self._region, corners).reshape(-1, 4), axis=1)
         return free if self._plan is None else free & self._plan.is_clear(corners.reshape(-1, 4, 2))
 
 
 def _paint_words(painter: QPainter, space: _Space, mark: RoomMark, palette: Palette, font: QFont) -> None:
-    sign = space.put(2.0 * SIGN, 2.0 * SIGN, right=True, low=False)
+    sign = space.put(2.0 * SIGN_RADIUS, 2.0 * SIGN_RADIUS, right=True, low=False)
     if sign is not None:
         _paint_sign(painter, sign.center(), mark, palette)
-    number = min(max(min(space.width, space.height) * 0.2, NUMBER_LEAST), NUMBER_MOST)
-    large, small = _sized(font, number, QFont.Weight.DemiBold), _sized(font, NAME, QFont.Weight.Normal)
+    number = min(max(min(space.width, space.height) * 0.2, NUMBER_MIN), NUMBER_MAX)
+    large, small = _sized(font, number, QFont.Weight.DemiBold), _sized(font, NAME_HEIGHT, QFont.Weight.Normal)
     heading, caption = QFontMetricsF(large), QFontMetricsF(small)
     name = caption.elidedText(mark.name, Qt.TextElideMode.ElideRight, space.width - 2.0 * space.inset)
     text = str(mark.room)
@@ -192,7 +197,7 @@ def _paint_words(painter: QPainter, space: _Space, mark: RoomMark, palette: Pale
 
 
 def _paint_found(painter: QPainter, space: _Space, found: str, palette: Palette, font: QFont) -> None:
-    painter.setFont(_sized(font, NAME, QFont.Weight.Medium))
+    painter.setFont(_sized(font, NAME_HEIGHT, QFont.Weight.Medium))
     metrics = QFontMetricsF(painter.font())
     words = metrics.elidedText(found, Qt.TextElideMode.ElideRight, space.width - 2.0 * space.inset - 16.0)
     pill = space.put(metrics.horizontalAdvance(words) + 16.0, metrics.height() + 6.0, right=False, low=True)
@@ -212,17 +217,17 @@ def _paint_sign(painter: QPainter, centre: QPointF, mark: RoomMark, palette: Pal
     if mark.state == "unvisited":
         painter.setPen(QPen(QColor(palette.line), 2.0))
         painter.setBrush(Qt.BrushStyle.NoBrush)
-        painter.drawEllipse(centre, SIGN - 3.0, SIGN - 3.0)
+        painter.drawEllipse(centre, SIGN_RADIUS - 3.0, SIGN_RADIUS - 3.0)
         return
     if mark.state == "reserved":
         painter.setPen(QPen(colour, 2.0))
         painter.setBrush(QColor(palette.panel))
-        painter.drawEllipse(centre, SIGN, SIGN)
+        painter.drawEllipse(centre, SIGN_RADIUS, SIGN_RADIUS)
         strokes = [[(-5.0, -4.5), (-0.5, 0.0), (-5.0, 4.5)], [(0.5, -4.5), (5.0, 0.0), (0.5, 4.5)]]
     else:
         painter.setPen(Qt.PenStyle.NoPen)
         painter.setBrush(colour)
-        painter.drawEllipse(centre, SIGN, SIGN)
+        painter.drawEllipse(centre, SIGN_RADIUS, SIGN_RADIUS)
         colour = QColor(palette.panel)
         strokes = [[(-5.0, 0.5), (-1.5, 4.0), (5.0, -3.5)]]
     pen = QPen(colour, 2.4)
@@ -235,7 +240,7 @@ def _paint_sign(painter: QPainter, centre: QPointF, mark: RoomMark, palette: Pal
 
 def _pattern(state: str, palette: Palette, ratio: float) -> QBrush:
     """Stripes for a reserved room, dots for a visited one: a tile fills a room far faster than single strokes."""
-    step = HATCH if state == "reserved" else DOTS
+    step = HATCH_SPACING if state == "reserved" else DOT_SPACING
     tile = QPixmap(round(step * ratio), round(step * ratio))
     tile.fill(Qt.GlobalColor.transparent)
     size = float(tile.width())

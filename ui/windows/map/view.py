@@ -20,40 +20,40 @@ from PySide6.QtWidgets import QSizePolicy, QWidget
 from thbridge.roles.notices import House
 from ui.model.scene import RobotMark, RoomMark
 from ui.model.theme import Palette
+from ui.windows.map.background import MapBackground
 from ui.windows.map.camera import Camera
 from ui.windows.map.changes import same_robots, same_rooms
-from ui.windows.map.ground import Ground
-from ui.windows.map.plan import Plan, holds, unpack
-from ui.windows.map.robots import Robots
+from ui.windows.map.geometry import MapGeometry, contains, unpack
+from ui.windows.map.robots import RobotPainter
 from ui.windows.map.scale_bar import paint_scale_bar
 from ui.windows.map.words import describe
 
 FIT_MARGIN = 30.0
 """Pixels around the house when all of it is shown."""
 
-REACH = 24.0
+HIT_RADIUS = 24.0
 """A robot is hit within so many pixels of its middle."""
 
-DRAG = 4.0
+DRAG_THRESHOLD = 4.0
 """A press that moves so many pixels is a drag and no click."""
 
-NEAR = 60.0
+FOLLOW_SCALE = 60.0
 """Following a robot begins at least so near, pixels a metre."""
 
-CHASE = 0.15
+FOLLOW_SHARE = 0.15
 """Share of the way to the followed robot that the view goes in one frame."""
 
-CHASED = 1.0
+FOLLOW_TOLERANCE = 1.0
 """The followed robot is in the middle when it is so near to it, pixels."""
 
-DESCRIBED = 1000
+DESCRIPTION_PERIOD = 1000
 """Milliseconds between two descriptions in words."""
 
-WHEEL = 1.0015
+WHEEL_FACTOR = 1.0015
 """Zoom of an eighth of a degree of the wheel."""
 
 
-class Layer(Protocol):
+class MapLayer(Protocol):
     """Something more that is drawn on the map."""
 
     @property
@@ -84,12 +84,12 @@ class MapView(QWidget):
     def __init__(self, palette: Palette, parent: QWidget | None = None) -> None:
         super().__init__(parent)
         self._palette = palette
-        self._ground = Ground(palette)
-        self._painted_robots = Robots(palette)
-        self._plan: Plan | None = None
+        self._background = MapBackground(palette)
+        self._robot_painter = RobotPainter(palette)
+        self._plan: MapGeometry | None = None
         self._rooms: tuple[RoomMark, ...] = ()
         self._robots: tuple[RobotMark, ...] = ()
-        self._layers: list[Layer] = []
+        self._layers: list[MapLayer] = []
         self._camera = Camera(0.0, 0.0, 50.0, 1.0, 1.0)
         self._fitted = True
         self._followed: int | None = None
@@ -104,21 +104,21 @@ class MapView(QWidget):
         self.setAccessibleName("Map")
         self._describing = QTimer(self)
         self._describing.timeout.connect(self._describe)
-        self._describing.start(DESCRIBED)
+        self._describing.start(DESCRIPTION_PERIOD)
 
     # What is shown ----------------------------------------------------------------------------------------------------
 
-    def show_house(self, house: House) -> None:
+    def show_floor_plan(self, house: House) -> None:
         """Another house; all of it is shown."""
         self._plan = unpack(house)
-        self._ground.show_plan(self._plan)
+        self._background.show_geometry(self._plan)
         self.fit()
 
     def show_rooms(self, rooms: Sequence[RoomMark]) -> None:
         """The rooms as they are now; nothing is done when they are as they were."""
         if not same_rooms(self._rooms, rooms):
             self._rooms = tuple(rooms)
-            self._ground.show_rooms(self._rooms)
+            self._background.show_rooms(self._rooms)
             self.update()
 
     def show_robots(self, robots: Sequence[RobotMark]) -> None:
@@ -127,24 +127,24 @@ class MapView(QWidget):
         if not same_robots(self._robots, robots, self._camera.scale):
             self._robots = tuple(robots)
             self.update()
-        self._chase()
+        self._follow()
         if self._layers or self._camera != before:
             self.update()
 
     def set_palette(self, palette: Palette) -> None:
         """Other colours."""
         self._palette = palette
-        self._ground.set_palette(palette)
-        self._painted_robots.set_palette(palette)
+        self._background.set_palette(palette)
+        self._robot_painter.set_palette(palette)
         self.update()
 
-    def add_layer(self, layer: Layer) -> None:
+    def add_layer(self, layer: MapLayer) -> None:
         """Draw this as well from now on, whenever robots are shown or `update` is called."""
         self._layers.append(layer)
         self._layers.sort(key=lambda one: one.z)
         self.update()
 
-    def remove_layer(self, layer: Layer) -> None:
+    def remove_layer(self, layer: MapLayer) -> None:
         """Draw this no more."""
         self._layers = [one for one in self._layers if one is not layer]
         self.update()
@@ -180,10 +180,10 @@ class MapView(QWidget):
             self._followed = None
             return
         self._followed, self._fitted = robot, False
-        if self._camera.scale < NEAR:
+        if self._camera.scale < FOLLOW_SCALE:
             middle = self._camera.width / 2.0, self._camera.height / 2.0
-            self._camera = self._camera.zoomed(NEAR / self._camera.scale, *middle)
-        self._chase()
+            self._camera = self._camera.zoomed(FOLLOW_SCALE / self._camera.scale, *middle)
+        self._follow()
         self.update()
 
     @property
@@ -202,7 +202,7 @@ class MapView(QWidget):
     def room_at(self, position: QPointF) -> int | None:
         """The room under a pixel of this widget."""
         here = np.array([self._camera.point(position.x(), position.y())])
-        return next((mark.room for mark in self._rooms if holds(mark.region, here)[0]), None)
+        return next((mark.room for mark in self._rooms if contains(mark.region, here)[0]), None)
 
     def robot_at(self, position: QPointF) -> int | None:
         """The robot nearest to a pixel of this widget, if one is near."""
@@ -210,8 +210,8 @@ class MapView(QWidget):
             (QPointF(*self._camera.pixel(mark.pose.x, mark.pose.y)) - position, mark.robot) for mark in self._robots
         ]
         near = [(gap.x() ** 2 + gap.y() ** 2, robot) for gap, robot in reached]
-        distance, robot = min(near, default=(REACH**2 + 1.0, -1))
-        return robot if distance <= REACH**2 else None
+        distance, robot = min(near, default=(HIT_RADIUS**2 + 1.0, -1))
+        return robot if distance <= HIT_RADIUS**2 else None
 
     def sizeHint(self) -> QSize:
         """Room for a map."""
@@ -226,19 +226,19 @@ class MapView(QWidget):
         painter = QPainter(self)
         painter.setFont(self.font())
         moving = self._followed is not None or self._dragging
-        self._ground.paint(painter, camera, ratio, self.font(), moving)
+        self._background.paint(painter, camera, ratio, self.font(), moving)
         for layer in self._layers:
             if layer.z < 0:
                 self._paint_layer(painter, layer)
-        words = self._ground.words(camera)
-        self._painted_robots.paint(painter, camera, self._robots, words, self.font(), ratio)
+        words = self._background.words(camera)
+        self._robot_painter.paint(painter, camera, self._robots, words, self.font(), ratio)
         for layer in self._layers:
             if layer.z >= 0:
                 self._paint_layer(painter, layer)
         paint_scale_bar(painter, camera, self._palette, self.font())
         painter.end()
 
-    def _paint_layer(self, painter: QPainter, layer: Layer) -> None:
+    def _paint_layer(self, painter: QPainter, layer: MapLayer) -> None:
         painter.save()
         layer.paint(painter, self)
         painter.restore()
@@ -254,13 +254,13 @@ class MapView(QWidget):
     def changeEvent(self, event: QEvent) -> None:
         """Letter in another font."""
         if event.type() == QEvent.Type.FontChange:
-            self._ground.paint_anew()
-            self._painted_robots.paint_anew()
+            self._background.invalidate()
+            self._robot_painter.invalidate()
         super().changeEvent(event)
 
     def wheelEvent(self, event: QWheelEvent) -> None:
         """Zoom about the pointer."""
-        self._zoom(WHEEL ** event.angleDelta().y(), event.position())
+        self._zoom(WHEEL_FACTOR ** event.angleDelta().y(), event.position())
         event.accept()
 
     def event(self, event: QEvent) -> bool:
@@ -280,13 +280,13 @@ class MapView(QWidget):
             width, height = float(max(self.width(), 1)), float(max(self.height(), 1))
             self._camera = Camera.fitted(self._plan.bounds, width, height, FIT_MARGIN)
 
-    def _chase(self) -> None:
+    def _follow(self) -> None:
         target = next((mark.pose for mark in self._robots if mark.robot == self._followed), None)
         if target is not None:
             camera = self._camera
             x, y = target.x - camera.x, target.y - camera.y
-            if math.hypot(x, y) * camera.scale > CHASED:
-                self._camera = camera.centred(camera.x + CHASE * x, camera.y + CHASE * y)
+            if math.hypot(x, y) * camera.scale > FOLLOW_TOLERANCE:
+                self._camera = camera.centred(camera.x + FOLLOW_SHARE * x, camera.y + FOLLOW_SHARE * y)
 
     # Pointing ---------------------------------------------------------------------------------------------------------
 
@@ -306,7 +306,7 @@ class MapView(QWidget):
             self.point_dragged.emit(*self._camera.point(position.x(), position.y()))
         else:
             moved = position - self._pressed
-            if self._dragging or moved.manhattanLength() > DRAG:
+            if self._dragging or moved.manhattanLength() > DRAG_THRESHOLD:
                 if not self._dragging:
                     self._last = self._pressed
                 self._drag(position - self._last)

@@ -5,7 +5,7 @@ from collections.abc import Sequence
 import numpy as np
 
 from ui.model.scene import RobotMark, RoomMark
-from ui.windows.map.plan import holds
+from ui.windows.map.geometry import contains
 
 
 def describe(rooms: Sequence[RoomMark], robots: Sequence[RobotMark]) -> str:
@@ -18,7 +18,7 @@ def describe(rooms: Sequence[RoomMark], robots: Sequence[RobotMark]) -> str:
         where = _where(robot, rooms)
         going = _going(robot, rooms)
         trouble = ", in trouble" if robot.trouble else ""
-        taken = f", commanded by {robot.taken}" if robot.taken else ""
+        taken = f", commanded by {robot.commander}" if robot.commander else ""
         chosen = ", selected" if robot.selected else ""
         sentences.append(f"robot {robot.robot + 1} {where}{going}{trouble}{taken}{chosen}")
     return "; ".join(sentences) + "."
@@ -26,7 +26,7 @@ def describe(rooms: Sequence[RoomMark], robots: Sequence[RobotMark]) -> str:
 
 def _where(robot: RobotMark, rooms: Sequence[RoomMark]) -> str:
     here = np.array([[robot.pose.x, robot.pose.y]])
-    room = next((mark.room for mark in rooms if holds(mark.region, here)[0]), None)
+    room = next((mark.room for mark in rooms if contains(mark.region, here)[0]), None)
     return "in the corridor" if room is None else f"in room {room}"
 
 

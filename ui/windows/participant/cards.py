@@ -4,10 +4,10 @@ from PySide6.QtCore import QPointF, QRect, QRectF, QSize, Qt, Signal
 from PySide6.QtGui import QColor, QFontMetricsF, QPainter, QPaintEvent, QPen, QResizeEvent
 from PySide6.QtWidgets import QSizePolicy, QVBoxLayout, QWidget
 
-from thbridge.hunt.costs import spoken_energy
+from thbridge.hunt.costs import energy_text
 from ui.model.screen import Action, RobotCard
 from ui.windows.look import GAP, RADIUS, colours, font
-from ui.windows.participant.widgets.buttons import ActionButton, AskingButton
+from ui.windows.participant.widgets.buttons import ActionButton, ParticipantButton
 from ui.windows.participant.widgets.painting import (
     Sign,
     box,
@@ -31,7 +31,7 @@ BETWEEN = 3.0
 """Between who else commands it and what it does."""
 
 
-class CardFace(AskingButton):
+class CardFace(ParticipantButton):
     """All of a card but its buttons; pressing it selects the robot."""
 
     def __init__(self, parent: QWidget) -> None:
@@ -51,7 +51,7 @@ class CardFace(AskingButton):
             self.updateGeometry()
         self._card, self._button_width = card, button_width
         self.setChecked(card.selected)
-        self.take(card.select, spoken_card(card))
+        self.bind(card.select, spoken_card(card))
         self.update()
 
     def sizeHint(self) -> QSize:
@@ -335,11 +335,11 @@ def draw_energy(painter: QPainter, rect: QRectF, card: RobotCard) -> None:
 def energy_words(card: RobotCard) -> str:
     """ "72", or "72 - 13 = 59" while a move is considered, or "72 of 90 needed"."""
     if card.cost is None:
-        return spoken_energy(card.energy)
+        return energy_text(card.energy)
     if not card.affordable:
-        return f"{spoken_energy(card.energy)} of {spoken_energy(card.cost)} needed"
+        return f"{energy_text(card.energy)} of {energy_text(card.cost)} needed"
     left = max(0.0, card.energy - card.cost)
-    return f"{spoken_energy(card.energy)} − {spoken_energy(card.cost)} = {spoken_energy(left)}"
+    return f"{energy_text(card.energy)} − {energy_text(card.cost)} = {energy_text(left)}"
 
 
 def spoken_card(card: RobotCard) -> str:
@@ -348,8 +348,8 @@ def spoken_card(card: RobotCard) -> str:
         card.name,
         "selected" if card.selected else "",
         card.commanded,
-        f"energy {spoken_energy(card.energy)} of {spoken_energy(card.energy_at_start)}",
-        f"this move costs {spoken_energy(card.cost)}" if card.cost is not None else "",
+        f"energy {energy_text(card.energy)} of {energy_text(card.energy_at_start)}",
+        f"this move costs {energy_text(card.cost)}" if card.cost is not None else "",
         "" if card.affordable else "which it cannot pay",
         card.state,
         card.place,

@@ -9,13 +9,13 @@ from ui.windows.look import GAP
 from ui.windows.participant.cards import Cards
 from ui.windows.participant.tiles import Tiles
 from ui.windows.participant.widgets.buttons import ActionButton
-from ui.windows.participant.widgets.focus import region
+from ui.windows.participant.widgets.focus import make_region
 
 _SECTION = int(1.5 * GAP)
 """Between robots and rooms."""
 
 
-class Column(QWidget):
+class SideColumn(QWidget):
     """Shares its height: rooms get what they need, robots come closer together, and only then something scrolls.
 
     Attributes:
@@ -27,14 +27,14 @@ class Column(QWidget):
     def __init__(self) -> None:
         super().__init__()
         self.cards, self.tiles = Cards(), Tiles()
-        self.card_area, self.rooms = Area(self.cards, self), QWidget(self)
-        self.tile_area = Area(self.tiles, self.rooms)
+        self.card_area, self.rooms = ColumnScrollArea(self.cards, self), QWidget(self)
+        self.tile_area = ColumnScrollArea(self.tiles, self.rooms)
         self.dont_know = ActionButton(parent=self.rooms)
         self.hint = look.label(size="small", muted=True)
         self.hint.setParent(self.rooms)
         self.hint.setAlignment(Qt.AlignmentFlag.AlignTop)
-        region(self.cards, "Robots")
-        region(self.rooms, "Rooms")
+        make_region(self.cards, "Robots")
+        make_region(self.rooms, "Rooms")
         for part in (self.cards, self.tiles, self.dont_know):
             part.asked.connect(self.asked)
         self.cards.reveal.connect(lambda card: self.card_area.ensureWidgetVisible(card, 0, GAP))
@@ -75,7 +75,7 @@ class Column(QWidget):
         self.hint.setGeometry(0, tiles + button + 2 * (GAP - 2), wide, hint)
 
 
-class Area(QScrollArea):
+class ColumnScrollArea(QScrollArea):
     """Scrolls a widget where there is too little room for it, and is not seen otherwise."""
 
     def __init__(self, inside: QWidget, parent: QWidget) -> None:

@@ -4,31 +4,31 @@ from PySide6.QtGui import QColor, QFont, QTextCharFormat, QTextCursor
 from PySide6.QtWidgets import QFrame, QPlainTextEdit, QWidget
 
 from thbridge.hunt.rules import robot_name
-from ui.model.screen import Told
+from ui.model.screen import HistoryLine
 from ui.windows import look
 from ui.windows.look import GAP, colours, font
 
-KEPT = 500
+MAX_LINES = 500
 """Lines shown at the most."""
 
 
-class History(QPlainTextEdit):
+class HistoryView(QPlainTextEdit):
     """All that was said and all that happened, the newest at the bottom; can be read, searched through and copied."""
 
     def __init__(self, parent: QWidget | None = None) -> None:
         super().__init__(parent)
-        look.panel(self)
+        look.style_as_panel(self)
         self.setAccessibleName("History")
         self.setReadOnly(True)
         self.setFrameShape(QFrame.Shape.NoFrame)
         self.setFont(font("small"))
-        self.setMaximumBlockCount(KEPT)
+        self.setMaximumBlockCount(MAX_LINES)
         self.setTabChangesFocus(True)
         self.document().setDocumentMargin(GAP)
         self.setFixedHeight(20 * GAP)
-        self._shown: tuple[Told, ...] = ()
+        self._shown: tuple[HistoryLine, ...] = ()
 
-    def show_history(self, history: tuple[Told, ...]) -> None:
+    def show_history(self, history: tuple[HistoryLine, ...]) -> None:
         """Show this; only what is new is written."""
         if history == self._shown:
             return
@@ -44,7 +44,7 @@ class History(QPlainTextEdit):
         shown, self._shown = self._shown, ()
         self.show_history(shown)
 
-    def _write(self, told: Told) -> None:
+    def _write(self, told: HistoryLine) -> None:
         worn = colours()
         plain, strong = QTextCharFormat(), QTextCharFormat()
         plain.setForeground(QColor(worn.muted if told.speaker == "game" else worn.text))
@@ -62,7 +62,7 @@ class History(QPlainTextEdit):
         bar.setValue(bar.maximum())
 
 
-def _new(shown: tuple[Told, ...], history: tuple[Told, ...]) -> tuple[Told, ...]:
+def _new(shown: tuple[HistoryLine, ...], history: tuple[HistoryLine, ...]) -> tuple[HistoryLine, ...]:
     """The lines that follow what is shown, of which the oldest may be gone by now."""
     for gone in range(len(shown) + 1):
         kept = len(shown) - gone
@@ -71,7 +71,7 @@ def _new(shown: tuple[Told, ...], history: tuple[Told, ...]) -> tuple[Told, ...]
     return history
 
 
-def _speaker(told: Told) -> str:
+def _speaker(told: HistoryLine) -> str:
     if told.speaker == "game":
         return ""
     robot = robot_name(told.robot) if told.robot is not None else ""

@@ -18,7 +18,7 @@ _NAMES = {
 _REPEATING = ("Tab", "Shift+Tab", "Up", "Down")
 
 
-class Keyboard:
+class KeyboardShortcuts:
     """Turns keys into acts.
 
     A key that means nothing on the screen shown stays with the widget that has the focus: Tab goes from button to

@@ -6,11 +6,11 @@ from PySide6.QtWidgets import QSizePolicy, QWidget
 
 from ui.windows.look import GAP, colours, font
 
-COUNTING = 900
+COUNT_DURATION = 900
 """Milliseconds in which a score counts up and what was gained floats away."""
 
 
-class Score(QWidget):
+class ScoreLabel(QWidget):
     """The score. When it changes it counts to the new one, and the gain is shown beside it for a moment."""
 
     def __init__(self, parent: QWidget | None = None) -> None:
@@ -20,7 +20,7 @@ class Score(QWidget):
         self._counting = QVariantAnimation(self)
         self._counting.setStartValue(0.0)
         self._counting.setEndValue(1.0)
-        self._counting.setDuration(COUNTING)
+        self._counting.setDuration(COUNT_DURATION)
         self._counting.setEasingCurve(QEasingCurve.Type.OutCubic)
         self._counting.valueChanged.connect(lambda _value: self.update())
         self.setSizePolicy(QSizePolicy.Policy.Fixed, QSizePolicy.Policy.Fixed)

@@ -4,10 +4,10 @@ from PySide6.QtCore import QEvent, QPointF, QRectF, QSize, Qt, Signal
 from PySide6.QtGui import QColor, QEnterEvent, QFocusEvent, QFontMetricsF, QPainter, QPaintEvent, QResizeEvent
 from PySide6.QtWidgets import QSizePolicy, QWidget
 
-from thbridge.hunt.costs import spoken_energy
+from thbridge.hunt.costs import energy_text
 from ui.model.screen import ConsiderRoom, RoomTile
 from ui.windows.look import GAP, RADIUS, colours, font
-from ui.windows.participant.widgets.buttons import AskingButton
+from ui.windows.participant.widgets.buttons import ParticipantButton
 from ui.windows.participant.widgets.painting import Sign, box, chip, chip_size, elided, ring, sign
 
 SIGNS: dict[str, Sign] = {"unvisited": "open", "reserved": "way", "visited": "tick"}
@@ -20,7 +20,7 @@ _NARROW, _WIDE = 76, 140
 """Logical pixels: a tile has at least the one; from the other on it shows the room's name."""
 
 
-class Tile(AskingButton):
+class Tile(ParticipantButton):
     """One room: its number, which is its key too, a sign of its state, and what it costs or what was found in it."""
 
     def __init__(self, parent: QWidget | None = None) -> None:
@@ -33,7 +33,7 @@ class Tile(AskingButton):
         if tile == self._tile:
             return
         self._tile = tile
-        self.take(tile.choose, spoken_tile(tile))
+        self.bind(tile.choose, spoken_tile(tile))
         self.update()
 
     def sizeHint(self) -> QSize:
@@ -107,7 +107,7 @@ class Tile(AskingButton):
         painter.drawText(line, Qt.AlignmentFlag.AlignLeft | Qt.AlignmentFlag.AlignVCenter, number)
         side = metrics.height() * 0.7
         mark = QRectF(line.right() - side, line.center().y() - side / 2, side, side)
-        kind: Sign = "busy" if tile.choose.busy else SIGNS[tile.state]
+        kind: Sign = "busy" if tile.choose.pending else SIGNS[tile.state]
         sign(painter, mark, kind, worn.text if tile.choose.enabled or kind != "open" else worn.muted)
         if tile.robot is not None:
             chip(painter, QPointF(mark.left() - chip_size() / 2 - 3, line.center().y()), tile.robot)
@@ -224,7 +224,7 @@ def below(tile: RoomTile) -> tuple[str, ...]:
         return ("on the way", "taken") if tile.state == "reserved" else ("",)
     if tile.cost is None:
         return ("no way",)
-    cost = spoken_energy(tile.cost)
+    cost = energy_text(tile.cost)
     return f"costs {cost}", cost
 
 
@@ -232,6 +232,6 @@ def spoken_tile(tile: RoomTile) -> str:
     """A room as it is read out."""
     who = f"robot {tile.robot + 1}" if tile.robot is not None else ""
     state = {"visited": f"visited by {who}", "reserved": f"{who} is under way"}.get(tile.state) if who else None
-    cost = f"costs {spoken_energy(tile.cost)}" if tile.cost is not None and tile.state == "unvisited" else ""
+    cost = f"costs {energy_text(tile.cost)}" if tile.cost is not None and tile.state == "unvisited" else ""
     parts = [f"Room {tile.room}", tile.name, state or STATES[tile.state], tile.found, cost, tile.warning]
     return ", ".join(part for part in parts if part)

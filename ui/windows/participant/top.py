@@ -7,7 +7,7 @@ from PySide6.QtWidgets import QHBoxLayout, QWidget
 from ui.model.screen import Action, Banner
 from ui.windows import look
 from ui.windows.look import GAP, RADIUS, colours, font
-from ui.windows.participant.score import Score
+from ui.windows.participant.score import ScoreLabel
 from ui.windows.participant.widgets.buttons import ActionButton, ActionRow
 from ui.windows.participant.widgets.painting import box, sign
 from ui.windows.participant.widgets.panels import set_text
@@ -29,7 +29,7 @@ class TopStrip(QWidget):
         row.setSpacing(GAP)
         self._game = look.label(size="small", muted=True)
         self._game.setWordWrap(False)
-        self.score = Score()
+        self.score = ScoreLabel()
         row.addWidget(self._game)
         row.addSpacing(GAP)
         row.addWidget(self.score)

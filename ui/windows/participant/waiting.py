@@ -4,28 +4,28 @@ from PySide6.QtCore import QPointF, QRectF, QSize, Qt, Signal
 from PySide6.QtGui import QColor, QFontMetricsF, QPainter, QPaintEvent, QWheelEvent
 from PySide6.QtWidgets import QFrame, QHBoxLayout, QScrollArea, QSizePolicy, QWidget
 
-from ui.model.screen import Waiting
+from ui.model.screen import WaitingItem
 from ui.windows import look
 from ui.windows.look import GAP, RADIUS, colours, font
-from ui.windows.participant.widgets.buttons import ActionButton, AskingButton, Face
+from ui.windows.participant.widgets.buttons import ActionButton, ButtonFace, ParticipantButton
 from ui.windows.participant.widgets.painting import box, chip, chip_size, key_cap, key_size, ring
 from ui.windows.participant.widgets.panels import set_text
 
 
-class WaitingChip(AskingButton):
+class WaitingChip(ParticipantButton):
     """One thing that waits: whose, and what, in two lines."""
 
     def __init__(self, parent: QWidget | None = None) -> None:
         super().__init__(parent)
-        self._waiting: Waiting | None = None
+        self._waiting: WaitingItem | None = None
         self.setSizePolicy(QSizePolicy.Policy.Fixed, QSizePolicy.Policy.Fixed)
 
-    def show_waiting(self, waiting: Waiting) -> None:
+    def show_waiting(self, waiting: WaitingItem) -> None:
         """Show this."""
         if waiting == self._waiting:
             return
         self._waiting = waiting
-        self.take(waiting.show, waiting.text)
+        self.bind(waiting.show, waiting.text)
         self.setToolTip(waiting.text)
         self.updateGeometry()
         self.update()
@@ -65,7 +65,7 @@ class WaitingChip(AskingButton):
         return key_size(key)[0] + GAP / 2.0 if key else 0.0
 
 
-class Sideways(QScrollArea):
+class HorizontalScrollArea(QScrollArea):
     """Scrolls sideways, by the usual wheel too."""
 
     def __init__(self) -> None:
@@ -101,7 +101,7 @@ class WaitingStrip(QWidget):
         self._count = look.label(size="small", muted=True)
         self._count.setWordWrap(False)
         row.addWidget(self._count)
-        area = Sideways()
+        area = HorizontalScrollArea()
         inside = QWidget()
         self._chips = QHBoxLayout(inside)
         self._chips.setContentsMargins(0, 0, 0, 0)
@@ -112,15 +112,15 @@ class WaitingStrip(QWidget):
         row.addWidget(area, 1)
         self.history = ActionButton()
         self.history.setCheckable(True)
-        self.history.wear(Face("History"), "History: what was said and what happened")
+        self.history.show_face(ButtonFace("History"), "History: what was said and what happened")
         row.addWidget(self.history)
         self.chips: list[WaitingChip] = []
-        self._shown: tuple[Waiting, ...] | None = None
+        self._shown: tuple[WaitingItem, ...] | None = None
         probe = WaitingChip()
         self.setFixedHeight(probe.sizeHint().height() + 2)
         probe.deleteLater()
 
-    def show_waiting(self, waiting: tuple[Waiting, ...]) -> None:
+    def show_waiting(self, waiting: tuple[WaitingItem, ...]) -> None:
         """Show these; nothing is done when they are shown already."""
         if waiting == self._shown:
             return

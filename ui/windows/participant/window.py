@@ -29,41 +29,41 @@ from ui.model.screen import (
     ChooseRobot,
     ChooseRoom,
     ConsiderRoom,
-    DialoguePop,
+    DialoguePopup,
     FitMap,
     Phase,
     RoomTile,
     Screen,
-    TreasurePop,
+    TreasurePopup,
 )
 from ui.model.theme import Palette
 from ui.windows.look import GAP
 from ui.windows.map import MapView
-from ui.windows.participant.column import Column
-from ui.windows.participant.history import History
-from ui.windows.participant.keyboard import Keyboard
-from ui.windows.participant.pages.pages import Connecting, ConsentPage, EndingPanel, HelpSheet, QuestionPanel
+from ui.windows.participant.column import SideColumn
+from ui.windows.participant.history import HistoryView
+from ui.windows.participant.keyboard import KeyboardShortcuts
+from ui.windows.participant.map_area import MapArea
+from ui.windows.participant.pages.pages import ConnectingPage, ConsentPage, EndingPanel, HelpSheet, QuestionPanel
 from ui.windows.participant.popups.dialogue import DialoguePanel
 from ui.windows.participant.popups.treasure import TreasurePanel
-from ui.windows.participant.stage import Stage
 from ui.windows.participant.top import TopStrip
 from ui.windows.participant.waiting import WaitingStrip
 from ui.windows.participant.widgets import focus
-from ui.windows.participant.widgets.panels import Panel, Veil, set_text
+from ui.windows.participant.widgets.panels import ModalOverlay, TitledPanel, set_text
 
 FRAME = 16
 """Milliseconds between two looks at the model."""
 
-UNREAD = 0.3
+ANSWER_DELAY = 0.3
 """Seconds for which what has just popped up cannot be answered: nobody has read it, so a press was meant for what was
 there before. That holds for the next turn of the same talk too: the second half of a double click is no answer."""
 
 
-class Model(Protocol):
+class ParticipantModel(Protocol):
     """What the window shows; time is monotonic seconds."""
 
     @property
-    def house(self) -> House | None:
+    def floor_plan(self) -> House | None:
         """The house, once it is known."""
 
     @property
@@ -93,7 +93,7 @@ class ParticipantWindow(QWidget):
         clock: monotonic seconds.
     """
 
-    def __init__(self, model: Model, clock: Callable[[], float], palette: Palette) -> None:
+    def __init__(self, model: ParticipantModel, clock: Callable[[], float], palette: Palette) -> None:
         super().__init__()
         self._model = model
         self._clock = clock
@@ -101,13 +101,13 @@ class ParticipantWindow(QWidget):
         self._house: House | None = None
         self._announced: int | None = None
         self._popped: tuple[Act, ...] = ()
-        self._popped_at = -UNREAD
+        self._popped_at = -ANSWER_DELAY
         self.setWindowTitle("Treasure hunt")
         self.setMinimumSize(860, 540)
         self.resize(1200, 800)
         self.map = MapView(palette)
         self._build()
-        self._keyboard = Keyboard(self, self.do)
+        self._keyboard = KeyboardShortcuts(self, self.do)
         for keys, step in ((("F6", "Ctrl+Tab"), 1), (("Shift+F6", "Ctrl+Shift+Tab"), -1)):
             for key in keys:
                 QShortcut(QKeySequence(key), self, self._stepper(step))
@@ -122,18 +122,18 @@ class ParticipantWindow(QWidget):
     # What is where ----------------------------------------------------------------------------------------------------
 
     def _build(self) -> None:
-        self.connecting, self.consent = Connecting(), ConsentPage()
-        self.top, self.stage = TopStrip(), Stage(self.map)
-        self.column, self.waiting, self.history = Column(), WaitingStrip(), History()
+        self.connecting, self.consent = ConnectingPage(), ConsentPage()
+        self.top, self.map_area = TopStrip(), MapArea(self.map)
+        self.column, self.waiting, self.history = SideColumn(), WaitingStrip(), HistoryView()
         self.dialogue, self.treasure, self.ending = DialoguePanel(), TreasurePanel(), EndingPanel()
         self.question, self.help = QuestionPanel(), HelpSheet()
-        focus.region(self.top, "Score and tools")
-        focus.region(self.waiting, "What waits for you")
+        focus.make_region(self.top, "Score and tools")
+        focus.make_region(self.waiting, "What waits for you")
         self.history.hide()
         self.waiting.history.toggled.connect(self.history.setVisible)
         left = QVBoxLayout()
         left.setSpacing(GAP)
-        left.addWidget(self.stage, 1)
+        left.addWidget(self.map_area, 1)
         left.addWidget(self.history)
         left.addWidget(self.waiting)
         playing = QWidget()
@@ -156,7 +156,7 @@ class ParticipantWindow(QWidget):
         around.setContentsMargins(0, 0, 0, 0)
         around.addWidget(self.pages)
         # Not a child of the pages: to assistive technology those have no other children than the page shown.
-        self.veil = Veil(self)
+        self.overlay = ModalOverlay(self)
         self._connect()
 
     def _connect(self) -> None:
@@ -171,7 +171,7 @@ class ParticipantWindow(QWidget):
     @property
     def regions(self) -> list[QWidget]:
         """Where F6 goes, in the order of the eye; only what is in front when something is."""
-        if self.veil.isVisible():
+        if self.overlay.isVisible():
             return [self.question if self.question.isVisible() else self.help]
         if self._screen is not None and self._screen.phase in self._page_of:
             return [self._page_of[self._screen.phase]]
@@ -195,7 +195,7 @@ class ParticipantWindow(QWidget):
     def do(self, act: Act) -> None:
         """Have the model do this, unless it was meant for what was there a moment ago."""
         now = self._clock()
-        if act in self._popped and now - self._popped_at < UNREAD:
+        if act in self._popped and now - self._popped_at < ANSWER_DELAY:
             return
         self._model.do(act, now)
         if isinstance(act, FitMap):
@@ -208,13 +208,13 @@ class ParticipantWindow(QWidget):
         self.history.repaint_words()
 
     def _show_map(self, now: float) -> None:
-        house = self._model.house
+        house = self._model.floor_plan
         if house is None or self.pages.currentWidget() is not self._playing:
             return
         if house is not self._house:
             before, self._house = self._house, house
             if house != before:
-                self.map.show_house(house)
+                self.map.show_floor_plan(house)
                 return  # What is in it comes with the next frame: both together would hold the window up.
         self.map.show_rooms(self._model.rooms(now))
         self.map.show_robots(self._model.robots(now))
@@ -231,7 +231,7 @@ class ParticipantWindow(QWidget):
         self.top.show_strip(screen.game, screen.score, moving=moving, tools=(*screen.tools, screen.end))
         self.column.cards.show_cards(screen.cards)
         self.column.tiles.show_tiles(screen.tiles)
-        self.column.dont_know.show_action(screen.dont_know)
+        self.column.dont_know.show_action(screen.ask_advice)
         set_text(self.column.hint, _hint(screen))
         self.waiting.show_waiting(screen.waiting)
         self.history.show_history(screen.history)
@@ -241,29 +241,29 @@ class ParticipantWindow(QWidget):
         self._keep_focus(focused)
 
     def _show_pops(self, screen: Screen, before: Screen | None, now: float) -> None:
-        moved = self.stage.banner.show_banner(screen.banner)
-        panel: Panel | None = None
-        match screen.pop:
-            case DialoguePop() as pop:
+        moved = self.map_area.banner.show_banner(screen.banner)
+        panel: TitledPanel | None = None
+        match screen.popup:
+            case DialoguePopup() as pop:
                 self.dialogue.show_pop(pop)
                 panel = self.dialogue
-            case TreasurePop() as pop:
+            case TreasurePopup() as pop:
                 self.treasure.show_pop(pop)
                 panel = self.treasure
             case None:
                 if screen.ending is not None:
                     self.ending.show_ending(screen.ending)
                     panel = self.ending
-        if moved or before is None or (screen.pop, screen.ending) != (before.pop, before.ending):
-            self.stage.hold(panel)
-        if screen.question is not None:
-            self.question.show_question(screen.question)
-            self.veil.hold(self.question)
+        if moved or before is None or (screen.popup, screen.ending) != (before.popup, before.ending):
+            self.map_area.show_panel(panel)
+        if screen.confirmation is not None:
+            self.question.show_question(screen.confirmation)
+            self.overlay.show_panel(self.question)
         elif screen.help:
             self.help.show_help(screen.help, HELP.keys[0])
-            self.veil.hold(self.help, 720)
+            self.overlay.show_panel(self.help, 720)
         else:
-            self.veil.hold(None)
+            self.overlay.show_panel(None)
         offered = _offered(screen)
         if before is None or offered != self._popped or _subject(screen) != _subject(before):
             self._popped, self._popped_at = offered, now
@@ -281,11 +281,11 @@ class ParticipantWindow(QWidget):
     def _keep_focus(self, before: QWidget | None) -> None:
         """Whoever goes through the window by keyboard is led from what has gone to what has come in its place."""
         if before is not None and before not in self.regions and self.regions:
-            focus.enter(self.regions[0])
+            focus.focus_region(self.regions[0])
 
     def _announce(self, screen: Screen) -> None:
-        if screen.announced != self._announced:
-            self._announced = screen.announced
+        if screen.announcement_number != self._announced:
+            self._announced = screen.announcement_number
             if screen.announcement:
                 QAccessible.updateAccessibility(QAccessibleAnnouncementEvent(self, screen.announcement))
 
@@ -305,18 +305,18 @@ class ParticipantWindow(QWidget):
         """The column beside the map takes three tenths, within reason; the veil covers all."""
         super().resizeEvent(event)
         self.column.setFixedWidth(min(max(336, int(self.width() * 0.3)), 480))
-        self.veil.setGeometry(self.rect())
+        self.overlay.setGeometry(self.rect())
 
 
 def _offered(screen: Screen) -> tuple[Act, ...]:
     """What can be answered to the pop-up, the question and the end, which all come by themselves."""
     acts: list[Act] = []
-    if screen.question is not None:
-        acts += [screen.question.yes.act, screen.question.no.act]
-    match screen.pop:
-        case DialoguePop(choices=choices):
+    if screen.confirmation is not None:
+        acts += [screen.confirmation.yes.act, screen.confirmation.no.act]
+    match screen.popup:
+        case DialoguePopup(choices=choices):
             acts += [choice.act for choice in choices]
-        case TreasurePop() as pop:
+        case TreasurePopup() as pop:
             acts += [pop.name_it.act, pop.leave.act]
             acts += [pop.take_picture.act] if pop.take_picture is not None else []
         case None:
@@ -328,9 +328,9 @@ def _offered(screen: Screen) -> tuple[Act, ...]:
 
 def _subject(screen: Screen) -> tuple[object, ...]:
     """What a person has to read before answering."""
-    pop = screen.pop
-    about = (pop.robot, pop.said) if isinstance(pop, DialoguePop) else (pop.room,) if pop is not None else ()
-    return screen.question, *about
+    pop = screen.popup
+    about = (pop.robot, pop.sentences) if isinstance(pop, DialoguePopup) else (pop.room,) if pop is not None else ()
+    return screen.confirmation, *about
 
 
 def _hint(screen: Screen) -> str:

@@ -6,9 +6,9 @@ from ui.windows.look import font
 from ui.windows.researcher.docks.displays import SWITCHES
 from ui.windows.researcher.map.tools import TOOLS
 
-Keys = tuple[tuple[str, str], ...]
+KeyLines = tuple[tuple[str, str], ...]
 
-GROUPS: tuple[tuple[str, Keys], ...] = (
+GROUPS: tuple[tuple[str, KeyLines], ...] = (
     (
         "Time",
         (
@@ -73,7 +73,7 @@ class KeySheet(QDialog):
         layout.addWidget(close)
 
 
-def _group(title: str, keys: Keys) -> QGridLayout:
+def _group(title: str, keys: KeyLines) -> QGridLayout:
     grid = QGridLayout()
     grid.setHorizontalSpacing(16)
     grid.setVerticalSpacing(4)

@@ -9,33 +9,35 @@ from PySide6.QtGui import QCloseEvent
 
 from sim.common.geometry import FloatArray
 from thbridge.hunt.rules import robot_name
-from thbridge.roles.keeper.floor_plan import house_of
+from thbridge.roles.keeper.floor_plan import floor_plan_of
 from ui.model.scene import RobotMark
 from ui.model.theme import Palette
-from ui.model.watching.scene import RobotScene, Scene, Shown
+from ui.model.watching.scene import RobotScene, Scene, ShownLayers
 from ui.model.watching.series import RobotSeries
 from ui.windows.map import MapView
-from ui.windows.researcher.chronicle import Chronicle
-from ui.windows.researcher.deck import Deck
-from ui.windows.researcher.docks.displays import Display
-from ui.windows.researcher.docks.plots import BAND, PANELS, Curves
+from ui.windows.researcher.docked_window import DockedWindow
+from ui.windows.researcher.docks.displays import MapDisplay
+from ui.windows.researcher.docks.playback import SPEEDS
+from ui.windows.researcher.docks.plots import BAND, PANELS, RobotCurves
 from ui.windows.researcher.docks.team import RobotRow
-from ui.windows.researcher.docks.transport import SPEEDS
 from ui.windows.researcher.feeds.feed import Feed
-from ui.windows.researcher.hand import Hand
-from ui.windows.researcher.map.overlays import Overlays, drawn
-from ui.windows.researcher.map.sign import Sign
+from ui.windows.researcher.log_updater import LogUpdater
+from ui.windows.researcher.map.overlays import Overlays, thinned_path
+from ui.windows.researcher.map.sign import TroubleSign
+from ui.windows.researcher.tool_controller import ToolController
 
 FRAME = 33
 """Milliseconds from one picture of the map to the next."""
 SLOW, PLOTTED = 5, 2
 """Pictures of the map to one of the lists, and to one of the plots, which take turns."""
 NO_POINTS: FloatArray = np.empty((0, 2))
-ROUND: FloatArray = 0.2 * np.array([[math.cos(a), math.sin(a)] for a in np.linspace(0.0, 2.0 * math.pi, 17)[:-1]])
+DEFAULT_FOOTPRINT: FloatArray = 0.2 * np.array(
+    [[math.cos(a), math.sin(a)] for a in np.linspace(0.0, 2.0 * math.pi, 17)[:-1]]
+)
 """The body of a robot that never told of its own, metres."""
 
 
-class ResearcherWindow(Deck):
+class ResearcherWindow(DockedWindow):
     """A recording or a session under way, in a window.
 
     Args:
@@ -51,16 +53,16 @@ class ResearcherWindow(Deck):
         self._feed = feed
         self._clock = clock
         self._selected = 0
-        self._edition = feed.edition
+        self._edition = feed.generation
         self._scene: Scene | None = None
         self._bodies: dict[int, FloatArray] = {}
         self._frames = 0
         self._overlays = Overlays(self._map)
-        self._hand = Hand(feed, self, self._map, self._bodies, self.select)
-        self._chronicle = Chronicle(feed, self)
-        self._sign = Sign(self._map)
+        self._tool_controller = ToolController(feed, self, self._map, self._bodies, self.select)
+        self._log_updater = LogUpdater(feed, self)
+        self._sign = TroubleSign(self._map)
         self._connect()
-        self._hand.take(self.tool)
+        self._tool_controller.use_tool(self.tool)
         if feed.refusal:
             self.disable_tools(feed.refusal)
         self._timer = QTimer(self)
@@ -72,14 +74,14 @@ class ResearcherWindow(Deck):
         self._working.start(0)
 
     def _connect(self) -> None:
-        feed, bar = self._feed, self.transport
+        feed, bar = self._feed, self.playback
         bar.play_toggled.connect(lambda: feed.play(not feed.playing))
         bar.stepped.connect(feed.step)
         bar.speed_chosen.connect(feed.set_speed)
         bar.seek.connect(feed.seek)
         self.speed_stepped.connect(self._change_speed)
-        self.jumped.connect(lambda way: feed.seek(self._chronicle.mark_beside(way)))
-        self.ended.connect(lambda way: feed.seek(0.0 if way < 0 else feed.span))
+        self.jumped.connect(lambda way: feed.seek(self._log_updater.neighbouring_mark(way)))
+        self.jumped_to_end.connect(lambda way: feed.seek(0.0 if way < 0 else feed.span))
         self.plots.seek.connect(feed.seek)
         for log in self.logs:
             log.chosen.connect(feed.seek)
@@ -105,22 +107,22 @@ class ResearcherWindow(Deck):
         """Show what has become of it since the last time."""
         feed, now = self._feed, self._clock()
         feed.advance(now)
-        if feed.edition != self._edition:
+        if feed.generation != self._edition:
             self._begin_anew()
         scene = feed.scene(self._shown())
         if scene is not None:
             self._show_map(scene)
-        self._sign.say(feed.trouble())
-        for news in feed.take_news():
-            self.say(news)
+        self._sign.show_sentence(feed.trouble())
+        for news in feed.take_notices():
+            self.show_status(news)
         time = feed.time
-        self.transport.show_time(time)
-        self.transport.show_playing(feed.playing)
-        self.transport.show_speed(feed.speed)
-        self.transport.show_state(feed.state(now))
+        self.playback.show_time(time)
+        self.playback.show_playing(feed.playing)
+        self.playback.show_speed(feed.speed)
+        self.playback.show_state(feed.state(now))
         self._frames += 1
         if self._frames % SLOW == 1:
-            self._chronicle.show()
+            self._log_updater.show()
             if scene is not None:
                 self._show_figures(scene)
         if self._frames % PLOTTED == 1:
@@ -135,29 +137,29 @@ class ResearcherWindow(Deck):
             self._working.setInterval(0)
 
     def _begin_anew(self) -> None:
-        self._edition = self._feed.edition
-        self._scene = self._hand.scene = None
+        self._edition = self._feed.generation
+        self._scene = self._tool_controller.scene = None
         self._bodies.clear()
         self.plots.clear()
-        self._chronicle.clear()
+        self._log_updater.clear()
 
-    def _shown(self) -> Shown:
+    def _shown(self) -> ShownLayers:
         on = self.displays.shows
-        return Shown(
+        return ShownLayers(
             selected=self._selected,
-            clouds=on(Display.CLOUDS),
-            scans=on(Display.SCANS),
-            global_costmap=on(Display.GLOBAL_COSTMAP),
-            local_costmap=on(Display.LOCAL_COSTMAP),
-            plans=on(Display.PLANS) or on(Display.LOCAL_PLANS),
-            paths=on(Display.PATHS) or on(Display.TRUE_PATHS) or on(Display.ODOMETRY),
+            clouds=on(MapDisplay.CLOUDS),
+            scans=on(MapDisplay.SCANS),
+            global_costmap=on(MapDisplay.GLOBAL_COSTMAP),
+            local_costmap=on(MapDisplay.LOCAL_COSTMAP),
+            plans=on(MapDisplay.PLANS) or on(MapDisplay.LOCAL_PLANS),
+            paths=on(MapDisplay.PATHS) or on(MapDisplay.TRUE_PATHS) or on(MapDisplay.ODOMETRY),
         )
 
     def _show_map(self, scene: Scene) -> None:
-        before, self._scene, self._hand.scene = self._scene, scene, scene
+        before, self._scene, self._tool_controller.scene = self._scene, scene, scene
         if scene.grid is not None and (before is None or before.grid is not scene.grid):
-            self._map.show_house(house_of("", scene.grid, (), ()))
-        self._map.show_rooms(scene.rooms if self.displays.shows(Display.ROOMS) else ())
+            self._map.show_floor_plan(floor_plan_of("", scene.grid, (), ()))
+        self._map.show_rooms(scene.rooms if self.displays.shows(MapDisplay.ROOMS) else ())
         self._overlays.show(scene, self._selected, self.displays)
         self._map.show_robots([mark for robot in scene.robots if (mark := self._mark(robot)) is not None])
 
@@ -173,25 +175,25 @@ class ResearcherWindow(Deck):
             robot=robot.robot,
             label=str(robot.robot + 1) if robot.name == robot_name(robot.robot) else robot.name,
             pose=place,
-            footprint=self._bodies.get(robot.robot, ROUND),
+            footprint=self._bodies.get(robot.robot, DEFAULT_FOOTPRINT),
             selected=robot.robot == self._selected,
             trouble=robot.trouble or robot.dead,
-            trail=drawn(robot.estimate_path) if on(Display.PATHS) else NO_POINTS,
-            way=robot.plan if on(Display.PLANS) else NO_POINTS,
-            ellipse=robot.ellipse if on(Display.ELLIPSES) else None,
-            truth=robot.truth if on(Display.TRUTH) else None,
-            taken=robot.commander,
+            trail=thinned_path(robot.estimate_path) if on(MapDisplay.PATHS) else NO_POINTS,
+            path=robot.plan if on(MapDisplay.PLANS) else NO_POINTS,
+            ellipse=robot.ellipse if on(MapDisplay.ELLIPSES) else None,
+            truth=robot.truth if on(MapDisplay.TRUTH) else None,
+            commander=robot.commander,
         )
 
     def _show_figures(self, scene: Scene) -> None:
         self.team.show_rows([_row_of(robot) for robot in scene.robots], self._place(self._selected))
         self.wizard.show_wizard(scene.wizard, len(scene.robots))
-        self.tell_waiting(len(scene.wizard.turns) + len(scene.wizard.advice))
+        self.show_waiting(len(scene.wizard.turns) + len(scene.wizard.advice))
 
     def _show_plots(self, panel: str) -> None:
         if self._scene is not None and self.plots.isVisible():
             series = self._feed.series
-            curves = [Curves(robot.robot, _figures(series.of(robot.robot), panel)) for robot in self._scene.robots]
+            curves = [RobotCurves(robot.robot, _figures(series.of(robot.robot), panel)) for robot in self._scene.robots]
             self.plots.show_curves(curves, self._feed.span)
         self.plots.show_time(self._feed.time)
 
@@ -206,11 +208,11 @@ class ResearcherWindow(Deck):
         """Have to do with this robot from now on."""
         if robot == self._selected:
             return
-        self._selected = self._hand.selected = robot
+        self._selected = self._tool_controller.selected = robot
         self.plots.select(robot)
         if self.follow.isChecked():
             self._map.follow(robot)
-        self._hand.take(self.tool)
+        self._tool_controller.use_tool(self.tool)
 
     def _choose_row(self, row: int) -> None:
         if self._scene is not None and row < len(self._scene.robots):

@@ -6,7 +6,7 @@ from concurrent.futures import Future, ThreadPoolExecutor
 from PySide6.QtCore import QObject, Signal, Slot
 
 
-class Background(QObject):
+class BackgroundWorker(QObject):
     """A thread for one kind of work. Of what is asked for meanwhile only the newest is done.
 
     Attributes:

@@ -6,19 +6,19 @@ from pathlib import Path
 
 from PySide6.QtCore import QFileSystemWatcher, QObject, QTimer, Signal, Slot
 
-from thbridge.files.edited_file import OnDisk, read_edited, write_edited
+from thbridge.files.edited_file import TextOnDisk, read_edited, write_edited
 from thbridge.files.errors import BadFile
-from thbridge.hunt.outcomes import Refused
-from ui.model.study_form.draft import HEADER, Draft, History, draft_of
-from ui.windows.study.background import Background
+from thbridge.hunt.refusals import RequestRefused
+from ui.model.study_form.draft import HEADER, StudyDraft, UndoHistory, draft_of
+from ui.windows.study.background import BackgroundWorker
 
 _TYPING = 120
 """Milliseconds: what is typed faster is checked together."""
 _SETTLING = 150
 """Milliseconds until a file that others write is complete."""
 
-Change = Callable[[Draft], str | Refused]
-_Taken = Callable[[Draft, History], History | Refused]
+TextChange = Callable[[StudyDraft], str | RequestRefused]
+_Taken = Callable[[StudyDraft, UndoHistory], UndoHistory | RequestRefused]
 
 
 @dataclass(frozen=True, slots=True)
@@ -29,14 +29,14 @@ class _Step:
 
 @dataclass(frozen=True, slots=True)
 class _Outcome:
-    draft: Draft
-    history: History
+    draft: StudyDraft
+    history: UndoHistory
     refused: tuple[tuple[str, str], ...]
 
 
 @dataclass(frozen=True, slots=True)
 class _Conflict:
-    now: OnDisk
+    now: TextOnDisk
 
 
 class StudyEditor(QObject):
@@ -54,7 +54,7 @@ class StudyEditor(QObject):
 
     drafted = Signal()
     refused = Signal(str, str)
-    unsound = Signal()
+    found_faulty = Signal()
     conflicted = Signal()
     changed_outside = Signal()
     failed = Signal(str)
@@ -70,10 +70,10 @@ class StudyEditor(QObject):
         self._path = path
         self.on_disk = read_edited(path)
         text = self.on_disk.text if self.on_disk.exists else HEADER
-        self.history = History(text)
+        self.history = UndoHistory(text)
         self.draft = draft_of(path, text)
         self._steps: list[_Step] = []
-        self._work = Background(self, "study")
+        self._work = BackgroundWorker(self, "study")
         self._work.done.connect(self._done)
         self._typing = QTimer(self, singleShot=True, interval=_TYPING)
         self._typing.timeout.connect(self._flush)
@@ -101,25 +101,25 @@ class StudyEditor(QObject):
         """Whether the draft shows everything that was wished."""
         return not self._steps and not self._work.busy
 
-    def change(self, key: str, change: Change, *, at_once: bool = False) -> None:
+    def change(self, key: str, change: TextChange, *, at_once: bool = False) -> None:
         """Change the text; another change with the same key, before it was made, takes this one's place."""
 
-        def take(draft: Draft, history: History) -> History | Refused:
+        def take(draft: StudyDraft, history: UndoHistory) -> UndoHistory | RequestRefused:
             text = change(draft)
-            return text if isinstance(text, Refused) else history.said(text, key)
+            return text if isinstance(text, RequestRefused) else history.changed(text, key)
 
         if self._steps and self._steps[-1].key == key:
             self._steps.pop()
-        self._wish(_Step(key, take), at_once)
+        self._queue_step(_Step(key, take), at_once)
 
-    def set(self, key: str, said: str, *, at_once: bool = False) -> None:
+    def set(self, key: str, text: str, *, at_once: bool = False) -> None:
         """Write what a person typed or chose into the field with this key."""
-        self.change(key, lambda draft: draft.set(draft.fields()[key], said), at_once=at_once)
+        self.change(key, lambda draft: draft.set(draft.fields()[key], text), at_once=at_once)
 
     def reset(self, key: str) -> None:
         """Let a field's default hold again."""
         self.change(key, lambda draft: draft.reset(draft.fields()[key]), at_once=True)
-        self._wish(_Step("", lambda _, history: history.settled()), at_once=True)
+        self._queue_step(_Step("", lambda _, history: history.settled()), at_once=True)
 
     def say(self, text: str) -> None:
         """Take another text altogether."""
@@ -127,15 +127,15 @@ class StudyEditor(QObject):
 
     def undo(self) -> None:
         """One step back."""
-        self._wish(_Step("", lambda _, history: history.undone()), at_once=True)
+        self._queue_step(_Step("", lambda _, history: history.undone()), at_once=True)
 
     def redo(self) -> None:
         """One step forward again."""
-        self._wish(_Step("", lambda _, history: history.redone()), at_once=True)
+        self._queue_step(_Step("", lambda _, history: history.redone()), at_once=True)
 
     def settle(self) -> None:
         """The next change of the same field is a step of its own."""
-        self._wish(_Step("", lambda _, history: history.settled()), at_once=False)
+        self._queue_step(_Step("", lambda _, history: history.settled()), at_once=False)
 
     def load_again(self) -> None:
         """Take what is on disk now; what was here can be had back by undo."""
@@ -148,14 +148,14 @@ class StudyEditor(QObject):
         self._watch()
         self.change("disk", lambda _: text, at_once=True)
 
-    def save(self, *, anyway: bool = False, over: bool = False) -> None:
+    def save(self, *, with_faults: bool = False, overwrite: bool = False) -> None:
         """Write the file.
 
         Args:
             anyway: although there are faults.
             over: although the file is not what was read.
         """
-        self._save_wanted = anyway, over
+        self._save_wanted = with_faults, overwrite
         self._flush()
 
     def close(self) -> None:
@@ -163,7 +163,7 @@ class StudyEditor(QObject):
         self._typing.stop()
         self._work.close()
 
-    def _wish(self, step: _Step, at_once: bool) -> None:
+    def _queue_step(self, step: _Step, at_once: bool) -> None:
         self._steps.append(step)
         if at_once:
             self._flush()
@@ -187,7 +187,7 @@ class StudyEditor(QObject):
             return
         (anyway, over), self._save_wanted = self._save_wanted, None
         if self.draft.faults and not anyway:
-            self.unsound.emit()
+            self.found_faulty.emit()
             return
         path, text, read = self._path, self.history.text, self.on_disk
         self._saving = True
@@ -201,7 +201,7 @@ class StudyEditor(QObject):
                 for key, sentence in refused:
                     self.refused.emit(key, sentence)
                 self.drafted.emit()
-            case OnDisk():
+            case TextOnDisk():
                 self._saving = False
                 self.on_disk = outcome
                 self.history = self.history.settled()
@@ -235,11 +235,11 @@ class StudyEditor(QObject):
             self.changed_outside.emit()
 
 
-def _taken(draft: Draft, history: History, steps: tuple[_Step, ...]) -> _Outcome:
+def _taken(draft: StudyDraft, history: UndoHistory, steps: tuple[_Step, ...]) -> _Outcome:
     refused = []
     for step in steps:
         after = step.take(draft, history)
-        if isinstance(after, Refused):
+        if isinstance(after, RequestRefused):
             refused.append((step.key, after.sentence))
             continue
         history = after
@@ -248,7 +248,7 @@ def _taken(draft: Draft, history: History, steps: tuple[_Step, ...]) -> _Outcome
     return _Outcome(draft, history, tuple(refused))
 
 
-def _written(path: Path, text: str, read: OnDisk, over: bool) -> OnDisk | _Conflict | BadFile:
+def _written(path: Path, text: str, read: TextOnDisk, over: bool) -> TextOnDisk | _Conflict | BadFile:
     try:
         now = read_edited(path)
         if not over and (now.text, now.exists) != (read.text, read.exists):

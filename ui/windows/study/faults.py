@@ -5,13 +5,13 @@ from pathlib import Path
 from PySide6.QtCore import Signal, Slot
 from PySide6.QtWidgets import QListWidget, QListWidgetItem, QVBoxLayout, QWidget
 
-from ui.model.study_form.draft import Draft
+from ui.model.study_form.draft import StudyDraft
 from ui.windows.look import GAP, label
 
 _TALLEST = 104
 
 
-class Faults(QWidget):
+class FaultList(QWidget):
     """A verdict, and below it every fault and notice.
 
     Attributes:
@@ -34,7 +34,7 @@ class Faults(QWidget):
         column.addWidget(self._verdict)
         column.addWidget(self.list)
 
-    def show_draft(self, draft: Draft) -> None:
+    def show_draft(self, draft: StudyDraft) -> None:
         """Show what there is to say of a draft."""
         self._count = len(draft.faults)
         told = [f"⚠ {_short(str(fault), draft.path)}" for fault in draft.faults]

@@ -7,12 +7,12 @@ from PySide6.QtGui import QImage
 from PySide6.QtWidgets import QGridLayout, QScrollArea, QVBoxLayout, QWidget
 
 from thbridge.study.study_file import Study
-from ui.model.study_form.draft import Draft
-from ui.model.study_form.noise import Preview, extent_of, noise_said, preview_of
-from ui.windows.look import GAP, colours, label, panel
+from ui.model.study_form.draft import StudyDraft
+from ui.model.study_form.noise import NoisePreview, extent_of, noise_from_form, preview_of
+from ui.windows.look import GAP, colours, label, style_as_panel
 from ui.windows.study import pictures
-from ui.windows.study.background import Background
-from ui.windows.study.pictures import Canvas, Painted, Picture
+from ui.windows.study.background import BackgroundWorker
+from ui.windows.study.pictures import Canvas, NoisePicture, PaintFunction
 
 
 class NoiseView(QScrollArea):
@@ -23,9 +23,9 @@ class NoiseView(QScrollArea):
         self.setWidgetResizable(True)
         self.setHorizontalScrollBarPolicy(Qt.ScrollBarPolicy.ScrollBarAlwaysOff)
         self.setAccessibleName("What this noise does")
-        self._work = Background(self, "noise")
+        self._work = BackgroundWorker(self, "noise")
         self._work.done.connect(self._show)
-        self._asked: tuple[Draft, dict[str, str]] | None = None
+        self._requested: tuple[StudyDraft, dict[str, str]] | None = None
         self.drawn = 0
         waits = "Drawing ..."
         self._straight, self._square = label(waits, "small"), label(waits, "small")
@@ -55,22 +55,22 @@ class NoiseView(QScrollArea):
         """Whether something is being drawn."""
         return self._work.busy
 
-    def ask(self, draft: Draft, said: Mapping[str, str]) -> None:
+    def draw(self, draft: StudyDraft, values: Mapping[str, str]) -> None:
         """Draw the noise of a draft, with what was typed since."""
-        self._asked = draft, dict(said)
+        self._requested = draft, dict(values)
         group = draft.groups().get("noise")
         if group is None or not self.isVisible():
             return
         study = draft.study or Study()
-        fields, typed = tuple(group.all_fields()), dict(said)
+        fields, typed = tuple(group.all_fields()), dict(values)
         palette = colours()
         jobs = [(name, picture.paint, picture.canvas(palette)) for name, picture in self._pictures.items()]
-        self._work.ask(lambda: _drawn(preview_of(study, noise_said(fields, typed)), jobs))
+        self._work.ask(lambda: _drawn(preview_of(study, noise_from_form(fields, typed)), jobs))
 
-    def again(self) -> None:
+    def redraw(self) -> None:
         """Draw the same in another size or in other colours."""
-        if self._asked is not None:
-            self.ask(*self._asked)
+        if self._requested is not None:
+            self.draw(*self._requested)
 
     def close_work(self) -> None:
         """Finish what is being drawn."""
@@ -98,12 +98,12 @@ class NoiseView(QScrollArea):
         self._scan.setText(preview.scan_words)
         self.drawn += 1
 
-    def _picture(self, paint: Painted, name: str, height: int) -> Picture:
-        return Picture(paint, name, height, self.again)
+    def _picture(self, paint: PaintFunction, name: str, height: int) -> NoisePicture:
+        return NoisePicture(paint, name, height, self.redraw)
 
     def _drives(self) -> QWidget:
         card = QWidget()
-        panel(card)
+        style_as_panel(card)
         column = QVBoxLayout(card)
         column.setContentsMargins(2 * GAP, 2 * GAP, 2 * GAP, 2 * GAP)
         column.setSpacing(GAP)
@@ -129,7 +129,7 @@ class NoiseView(QScrollArea):
 
     def _sweep(self) -> QWidget:
         card = QWidget()
-        panel(card)
+        style_as_panel(card)
         column = QVBoxLayout(card)
         column.setContentsMargins(2 * GAP, 2 * GAP, 2 * GAP, 2 * GAP)
         column.setSpacing(GAP)
@@ -147,10 +147,10 @@ class NoiseView(QScrollArea):
 class _Drawn:
     """A preview and its images, finished."""
 
-    def __init__(self, preview: Preview, images: Mapping[str, QImage]) -> None:
+    def __init__(self, preview: NoisePreview, images: Mapping[str, QImage]) -> None:
         self.preview = preview
         self.images = images
 
 
-def _drawn(preview: Preview, jobs: list[tuple[str, Painted, Canvas]]) -> _Drawn:
+def _drawn(preview: NoisePreview, jobs: list[tuple[str, PaintFunction, Canvas]]) -> _Drawn:
     return _Drawn(preview, {name: paint(preview, canvas) for name, paint, canvas in jobs})

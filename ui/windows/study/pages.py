@@ -14,10 +14,10 @@ from PySide6.QtWidgets import (
     QWidget,
 )
 
-from ui.model.study_form.draft import Draft, found
-from ui.model.study_form.form import Field, Group, Repeats
-from ui.windows.look import GAP, colours, font, label, panel
-from ui.windows.study.row import Row
+from ui.model.study_form.draft import StudyDraft, search_fields
+from ui.model.study_form.form import FormField, FormGroup, RepeatKind
+from ui.windows.look import GAP, colours, font, label, style_as_panel
+from ui.windows.study.row import FieldRow
 
 _FOUND = "found"
 _MOST_FOUND = 40
@@ -39,8 +39,8 @@ class FieldsPage(QScrollArea):
         built: everything is there.
     """
 
-    said = Signal(str, str)
-    left = Signal(str)
+    edited = Signal(str, str)
+    edit_finished = Signal(str)
     reset = Signal(str)
     opened = Signal(str)
     added = Signal(str)
@@ -53,20 +53,20 @@ class FieldsPage(QScrollArea):
         self.setAccessibleName("Settings")
         self.setWidgetResizable(True)
         self.setHorizontalScrollBarPolicy(Qt.ScrollBarPolicy.ScrollBarAlwaysOff)
-        self._rows: dict[str, Row] = {}
+        self._rows: dict[str, FieldRow] = {}
         self._clearing: dict[str, QPushButton] = {}
         self._shape: tuple[str, ...] = ()
-        self._draft: Draft | None = None
+        self._draft: StudyDraft | None = None
         self._building: Iterator[None] = iter(())
         self._next = QTimer(self, singleShot=True, interval=0)
         self._next.timeout.connect(self._build_on)
 
     @property
-    def rows(self) -> Mapping[str, Row]:
+    def rows(self) -> Mapping[str, FieldRow]:
         """What is shown, by the fields' keys."""
         return self._rows
 
-    def show_groups(self, draft: Draft, groups: tuple[Group, ...], *, narrow: bool = False) -> None:
+    def show_groups(self, draft: StudyDraft, groups: tuple[FormGroup, ...], *, narrow: bool = False) -> None:
         """Show the fields of these sections, the first one's heading large."""
         shape = tuple(part for group in groups for part in _shape_of(group))
         self._draft = draft
@@ -91,16 +91,16 @@ class FieldsPage(QScrollArea):
                 self._next.start()
                 return
 
-    def show_found(self, draft: Draft, words: str) -> None:
+    def show_found(self, draft: StudyDraft, words: str) -> None:
         """Show the fields that a search found."""
-        fields = found(draft.form, words)
+        fields = search_fields(draft.form, words)
         told = f"{len(fields)} found" if len(fields) <= _MOST_FOUND else f"{len(fields)} found; the first {_MOST_FOUND}"
-        group = Group(
+        group = FormGroup(
             _FOUND, f"“{words}”: {told}" if fields else f"“{words}”: nothing found", "", fields[:_MOST_FOUND], ()
         )
         self.show_groups(draft, (group,))
 
-    def _refresh(self, draft: Draft) -> None:
+    def _refresh(self, draft: StudyDraft) -> None:
         self._draft = draft
         fields = draft.fields()
         for key, row in self._rows.items():
@@ -110,13 +110,13 @@ class FieldsPage(QScrollArea):
         for key, button in self._clearing.items():
             button.setEnabled(key in groups and groups[key].written() > 0)
 
-    def _refresh_row(self, row: Row) -> None:
+    def _refresh_row(self, row: FieldRow) -> None:
         draft = self._draft
         if draft is not None and draft.faults:
             field = draft.fields().get(row.field.key, row.field)
             row.show_field(field, draft.faults_of(field))
 
-    def _build(self, groups: tuple[Group, ...], *, narrow: bool) -> Iterator[None]:
+    def _build(self, groups: tuple[FormGroup, ...], *, narrow: bool) -> Iterator[None]:
         """Make the page anew, row by row."""
         inside = QWidget()
         column = QVBoxLayout(inside)
@@ -138,13 +138,13 @@ class FieldsPage(QScrollArea):
                     self._fill_link(_row(column), inner, removable=group.repeats is not None)
         self.built.emit()
 
-    def _head(self, group: Group, *, first: bool, whole: Group) -> QVBoxLayout:
+    def _head(self, group: FormGroup, *, first: bool, whole: FormGroup) -> QVBoxLayout:
         """A section's name and meaning, and what can be done with all of it."""
         head = QVBoxLayout()
         head.setSpacing(GAP // 2)
         row = QHBoxLayout()
         row.addWidget(label(group.label, "title" if first else "body", bold=True), 1)
-        if not first and whole.repeats is Repeats.ITEMS:
+        if not first and whole.repeats is RepeatKind.ITEMS:
             row.addWidget(self._button("Remove", f"Remove {group.label}", self.removed, group.key))
         elif first and group.key not in {"", _FOUND} and group.repeats is None:
             clear = self._button("Reset all", f"Reset all of {group.label}", self.cleared, group.key)
@@ -162,31 +162,31 @@ class FieldsPage(QScrollArea):
         button.clicked.connect(lambda: signal.emit(key))
         return button
 
-    def _fill_card(self, card: QWidget, fields: tuple[Field, ...], *, narrow: bool) -> Iterator[None]:
-        panel(card)
+    def _fill_card(self, card: QWidget, fields: tuple[FormField, ...], *, narrow: bool) -> Iterator[None]:
+        style_as_panel(card)
         column = QVBoxLayout(card)
         column.setContentsMargins(2 * GAP, GAP, 2 * GAP, GAP)
         column.setSpacing(0)
         for index, field in enumerate(fields):
             if index:
                 column.addWidget(_rule())
-            row = Row(field, narrow=narrow)
-            row.said.connect(self.said)
-            row.left.connect(self.left)
+            row = FieldRow(field, narrow=narrow)
+            row.edited.connect(self.edited)
+            row.edit_finished.connect(self.edit_finished)
             row.reset.connect(self.reset)
             column.addWidget(row)
             self._rows[field.key] = row
             self._refresh_row(row)
             yield
 
-    def _fill_adding(self, row: QHBoxLayout, group: Group) -> None:
-        what = "Add a robot with software of its own" if group.repeats is Repeats.ROBOTS else f"Add to {group.label}"
+    def _fill_adding(self, row: QHBoxLayout, group: FormGroup) -> None:
+        what = "Add a robot with software of its own" if group.repeats is RepeatKind.ROBOTS else f"Add to {group.label}"
         button = QPushButton(what)
         button.clicked.connect(lambda: self.added.emit(group.key))
         row.addWidget(button)
         row.addStretch(1)
 
-    def _fill_link(self, row: QHBoxLayout, group: Group, *, removable: bool) -> None:
+    def _fill_link(self, row: QHBoxLayout, group: FormGroup, *, removable: bool) -> None:
         open_it = QPushButton(f"{group.label} ›")
         open_it.setAccessibleDescription(group.help)
         open_it.clicked.connect(lambda: self.opened.emit(group.key))
@@ -217,7 +217,7 @@ def _rule() -> QWidget:
     return rule
 
 
-def _shape_of(group: Group) -> tuple[str, ...]:
+def _shape_of(group: FormGroup) -> tuple[str, ...]:
     """What makes the same widgets do."""
     return (group.key, group.label, *(field.key for field in group.fields), *(inner.label for inner in group.groups))
 
@@ -229,7 +229,7 @@ class TextPage(QWidget):
         said: a person wrote something: the whole text.
     """
 
-    said = Signal(str)
+    edited = Signal(str)
 
     def __init__(self) -> None:
         super().__init__()
@@ -249,7 +249,7 @@ class TextPage(QWidget):
         self._showing = False
         self._newline = "\n"
 
-    def show_draft(self, draft: Draft) -> None:
+    def show_draft(self, draft: StudyDraft) -> None:
         """Show the text of the draft, and where it is wrong."""
         self._newline = "\r\n" if "\r\n" in draft.text else "\n"
         text = draft.text.replace("\r\n", "\n")
@@ -273,13 +273,13 @@ class TextPage(QWidget):
         self.editor.centerCursor()
         self.editor.setFocus()
 
-    def done(self) -> None:
+    def mark_unmodified(self) -> None:
         """What is shown is what was said."""
         self.editor.document().setModified(False)
 
     def _typed(self) -> None:
         if not self._showing:
-            self.said.emit(self.editor.toPlainText().replace("\n", self._newline))
+            self.edited.emit(self.editor.toPlainText().replace("\n", self._newline))
 
     def _selection(self, line: int) -> QTextEdit.ExtraSelection:
         selection = QTextEdit.ExtraSelection()
@@ -309,7 +309,7 @@ class ChangesPage(QWidget):
         column.addWidget(self._words)
         column.addWidget(self.view, 1)
 
-    def show_draft(self, draft: Draft, saved: str) -> None:
+    def show_draft(self, draft: StudyDraft, saved: str) -> None:
         """Show the lines that differ from what is on disk."""
         lines = draft.differences(saved)
         added = sum(line.startswith("+") and not line.startswith("+++") for line in lines)

@@ -11,8 +11,8 @@ from PySide6.QtGui import QColor, QImage, QPainter, QPaintEvent, QPen, QPolygonF
 from PySide6.QtWidgets import QSizePolicy, QWidget
 
 from sim.common.geometry import FloatArray
-from thbridge.offline.noise import Fan, RoomScan
-from ui.model.study_form.noise import Preview
+from thbridge.offline.noise import PathSpread, RoomScan
+from ui.model.study_form.noise import NoisePreview
 from ui.model.theme import Palette
 from ui.windows.look import GAP
 
@@ -30,17 +30,17 @@ class Canvas:
     palette: Palette
 
 
-Painted = Callable[[Preview, Canvas], QImage]
+PaintFunction = Callable[[NoisePreview, Canvas], QImage]
 
 
-class Picture(QWidget):
+class NoisePicture(QWidget):
     """Shows one drawing.
 
     Attributes:
         paint: makes it.
     """
 
-    def __init__(self, paint: Painted, name: str, height: int, resized: Callable[[], None]) -> None:
+    def __init__(self, paint: PaintFunction, name: str, height: int, resized: Callable[[], None]) -> None:
         super().__init__()
         self.paint = paint
         self.setAccessibleName(name)
@@ -148,7 +148,7 @@ class _Sheet:
         return self.image
 
 
-def fan_image(fan: Fan, other: Fan, canvas: Canvas, colour: str, *, dashed: bool) -> QImage:
+def fan_image(fan: PathSpread, other: PathSpread, canvas: Canvas, colour: str, *, dashed: bool) -> QImage:
     """A fan: what was driven, 200 paths, the ellipse of their ends; to the scale at which the other one fits, too."""
     everything = np.concatenate([each.reshape(-1, 2) for one in (fan, other) for each in (one.paths, one.ellipse)])
     sheet = _Sheet(canvas, np.concatenate([everything, fan.driven]))
@@ -173,30 +173,30 @@ def scan_image(scan: RoomScan, canvas: Canvas) -> QImage:
     return sheet.finished()
 
 
-def wheels_straight(preview: Preview, canvas: Canvas) -> QImage:
+def wheels_straight(preview: NoisePreview, canvas: Canvas) -> QImage:
     """Ten metres straight, by the wheels."""
     drive = preview.straight
     return fan_image(drive.wheels, drive.believed, canvas, canvas.palette.robot(0), dashed=False)
 
 
-def believed_straight(preview: Preview, canvas: Canvas) -> QImage:
+def believed_straight(preview: NoisePreview, canvas: Canvas) -> QImage:
     """Ten metres straight, as the filter believes."""
     drive = preview.straight
     return fan_image(drive.believed, drive.wheels, canvas, canvas.palette.robot(1), dashed=True)
 
 
-def wheels_square(preview: Preview, canvas: Canvas) -> QImage:
+def wheels_square(preview: NoisePreview, canvas: Canvas) -> QImage:
     """Around a square, by the wheels."""
     drive = preview.square
     return fan_image(drive.wheels, drive.believed, canvas, canvas.palette.robot(0), dashed=False)
 
 
-def believed_square(preview: Preview, canvas: Canvas) -> QImage:
+def believed_square(preview: NoisePreview, canvas: Canvas) -> QImage:
     """Around a square, as the filter believes."""
     drive = preview.square
     return fan_image(drive.believed, drive.wheels, canvas, canvas.palette.robot(1), dashed=True)
 
 
-def room(preview: Preview, canvas: Canvas) -> QImage:
+def room(preview: NoisePreview, canvas: Canvas) -> QImage:
     """A sweep in a room."""
     return scan_image(preview.scan, canvas)

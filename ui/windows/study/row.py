@@ -7,8 +7,8 @@ from PySide6.QtGui import QFocusEvent, QWheelEvent
 from PySide6.QtWidgets import QBoxLayout, QHBoxLayout, QLineEdit, QPushButton, QSlider, QVBoxLayout, QWidget
 
 from thbridge.files.errors import BadFile
-from ui.model.study_form.form import Field, Kind, hint_of, said_of
-from ui.windows.controls import Choices
+from ui.model.study_form.form import FieldKind, FormField, editable_text, hint_of
+from ui.windows.controls import ChoiceBox
 from ui.windows.look import GAP, font, label
 
 _EDITOR_WIDTH = 240
@@ -30,7 +30,7 @@ class _Line(QLineEdit):
         self.left.emit()
 
 
-class _Combo(Choices):
+class _Combo(ChoiceBox):
     """Choices that a wheel over a page does not change by accident."""
 
     def wheelEvent(self, event: QWheelEvent) -> None:
@@ -47,7 +47,7 @@ class _Slider(QSlider):
         event.ignore()
 
 
-class Row(QWidget):
+class FieldRow(QWidget):
     """A field.
 
     Attributes:
@@ -56,11 +56,11 @@ class Row(QWidget):
         reset: a person wants its default back.
     """
 
-    said = Signal(str, str)
-    left = Signal(str)
+    edited = Signal(str, str)
+    edit_finished = Signal(str)
     reset = Signal(str)
 
-    def __init__(self, field: Field, *, narrow: bool = False) -> None:
+    def __init__(self, field: FormField, *, narrow: bool = False) -> None:
         super().__init__()
         self._field = field
         self.setObjectName(field.key)
@@ -71,9 +71,11 @@ class Row(QWidget):
         self._fault.setProperty("bad", True)
         self._line: _Line | None = None
         self._combo: _Combo | None = None
-        editor = self._made_combo(field) if field.kind in {Kind.CHOICE, Kind.TRUTH} else self._made_line(field)
+        editor = (
+            self._made_combo(field) if field.kind in {FieldKind.CHOICE, FieldKind.BOOLEAN} else self._made_line(field)
+        )
         self._slider = self._made_slider(field) if narrow and _slides(field) else None
-        editor.setFixedWidth(_NARROW if narrow else _WIDE if field.kind is Kind.LIST else _EDITOR_WIDTH)
+        editor.setFixedWidth(_NARROW if narrow else _WIDE if field.kind is FieldKind.LIST else _EDITOR_WIDTH)
         editor.setAccessibleName(field.label if not field.unit else f"{field.label}, {field.unit}")
         self._editor = editor
         unit = label(field.unit, "small", muted=True)
@@ -108,7 +110,7 @@ class Row(QWidget):
         self.show_field(field, ())
 
     @property
-    def field(self) -> Field:
+    def field(self) -> FormField:
         """What is shown."""
         return self._field
 
@@ -118,7 +120,7 @@ class Row(QWidget):
         return self._editor
 
     @property
-    def last(self) -> QWidget:
+    def last_widget(self) -> QWidget:
         """What Tab comes to last in it."""
         return self._reset
 
@@ -128,10 +130,10 @@ class Row(QWidget):
             return self._combo.currentText()
         return "" if self._line is None else self._line.text()
 
-    def show_field(self, field: Field, faults: tuple[BadFile, ...]) -> None:
+    def show_field(self, field: FormField, faults: tuple[BadFile, ...]) -> None:
         """Show what the file says now; what is being typed stays."""
         self._field = field
-        said = said_of(field)
+        said = editable_text(field)
         if self._line is not None and not (self._line.hasFocus() and self._line.isModified()):
             if self._line.text() != said:
                 with QSignalBlocker(self._line):
@@ -163,7 +165,7 @@ class Row(QWidget):
         self._fault.setText(told)
         self._fault.setVisible(bool(told))
 
-    def _made_line(self, field: Field) -> QWidget:
+    def _made_line(self, field: FormField) -> QWidget:
         line = self._line = _Line()
         line.textChanged.connect(self._typed)
         line.left.connect(self._done)
@@ -172,15 +174,15 @@ class Row(QWidget):
             line.setPlaceholderText("null")
         return line
 
-    def _made_combo(self, field: Field) -> QWidget:
+    def _made_combo(self, field: FormField) -> QWidget:
         combo = self._combo = _Combo()
-        choices = field.choices if field.kind is Kind.CHOICE else ("true", "false")
+        choices = field.choices if field.kind is FieldKind.CHOICE else ("true", "false")
         combo.addItems([*choices, *(["null"] if field.optional else [])])
         combo.setFocusPolicy(Qt.FocusPolicy.StrongFocus)
         combo.currentTextChanged.connect(self._typed)
         return combo
 
-    def _made_slider(self, field: Field) -> QSlider:
+    def _made_slider(self, field: FormField) -> QSlider:
         slider = _Slider(Qt.Orientation.Horizontal)
         slider.setProperty("fine", True)
         slider.setRange(0, _STEPS)
@@ -210,12 +212,12 @@ class Row(QWidget):
         if self._line is not None:
             self._set_muted(self._line, False)
         self._show_slider(said)
-        self.said.emit(self._field.key, said)
+        self.edited.emit(self._field.key, said)
 
     def _done(self) -> None:
         if self._line is not None:
             self._line.setModified(False)
-        self.left.emit(self._field.key)
+        self.edit_finished.emit(self._field.key)
 
     def _reset_clicked(self) -> None:
         if self._line is not None:
@@ -231,11 +233,11 @@ class Row(QWidget):
 
 
 def connect_row(
-    row: Row, said: Callable[[str, str], None], left: Callable[[str], None], reset: Callable[[str], None]
+    row: FieldRow, said: Callable[[str, str], None], left: Callable[[str], None], reset: Callable[[str], None]
 ) -> None:
     """Tell these of what happens in a row."""
-    row.said.connect(said)
-    row.left.connect(left)
+    row.edited.connect(said)
+    row.edit_finished.connect(left)
     row.reset.connect(reset)
 
 
@@ -243,11 +245,11 @@ def _sentence(words: str) -> str:
     return words[:1].upper() + words[1:].rstrip(".") + "." if words else ""
 
 
-def _slides(field: Field) -> bool:
-    return field.kind is Kind.NUMBER and abs(field.minimum) < 1e9 and field.maximum < 1e9
+def _slides(field: FormField) -> bool:
+    return field.kind is FieldKind.NUMBER and abs(field.minimum) < 1e9 and field.maximum < 1e9
 
 
-def _value_at(field: Field, place: int) -> str:
+def _value_at(field: FormField, place: int) -> str:
     """The number at a slider's place: small ones have more room, since most noise is small."""
     share = place / _STEPS
     if field.minimum < 0:
@@ -255,6 +257,6 @@ def _value_at(field: Field, place: int) -> str:
     return f"{field.minimum + (field.maximum - field.minimum) * share**3:.3g}"
 
 
-def _place_of(field: Field, value: float) -> int:
+def _place_of(field: FormField, value: float) -> int:
     share = min(1.0, max(0.0, (value - field.minimum) / (field.maximum - field.minimum)))
     return round(_STEPS * (share if field.minimum < 0 else share ** (1 / 3)))

@@ -3,8 +3,8 @@
 from PySide6.QtCore import Qt, Signal
 from PySide6.QtWidgets import QTreeWidget, QTreeWidgetItem
 
-from ui.model.study_form.draft import Draft
-from ui.model.study_form.form import Group
+from ui.model.study_form.draft import StudyDraft
+from ui.model.study_form.form import FormGroup
 from ui.windows.look import GAP
 
 NOISE = "noise"
@@ -12,7 +12,7 @@ NOISE = "noise"
 _KEY = Qt.ItemDataRole.UserRole
 
 
-class Sections(QTreeWidget):
+class SectionTree(QTreeWidget):
     """The tree.
 
     Attributes:
@@ -29,7 +29,7 @@ class Sections(QTreeWidget):
         self.setStyleSheet(f"QTreeView::item {{ padding: {GAP // 2}px 0; }}")
         self.currentItemChanged.connect(self._choose)
 
-    def show_draft(self, draft: Draft, key: str) -> None:
+    def show_draft(self, draft: StudyDraft, key: str) -> None:
         """Show the sections of a draft, that with this key as chosen."""
         groups = {group.key: group for group in draft.form.all_groups() if not group.key.startswith(f"{NOISE}.")}
         if set(groups) != set(self._items()):
@@ -54,7 +54,7 @@ class Sections(QTreeWidget):
         self.blockSignals(False)
         return True
 
-    def _fill(self, form: Group, key: str) -> None:
+    def _fill(self, form: FormGroup, key: str) -> None:
         """The tree anew; what was open stays open."""
         opened = {own for own, item in self._items().items() if item.isExpanded()}
         self.blockSignals(True)
@@ -82,7 +82,7 @@ class Sections(QTreeWidget):
             self.chosen.emit(str(item.data(0, _KEY)))
 
 
-def _made_item(group: Group) -> QTreeWidgetItem:
+def _made_item(group: FormGroup) -> QTreeWidgetItem:
     item = QTreeWidgetItem([group.label])
     item.setData(0, _KEY, group.key)
     if group.key != NOISE:

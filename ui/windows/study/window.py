@@ -19,13 +19,13 @@ from PySide6.QtWidgets import (
     QWidget,
 )
 
-from ui.model.study_form.form import Kind, Repeats
-from ui.windows.look import GAP, label, panel
+from ui.model.study_form.form import FieldKind, RepeatKind
+from ui.windows.look import GAP, label, style_as_panel
 from ui.windows.study.editor import StudyEditor
-from ui.windows.study.faults import Faults
+from ui.windows.study.faults import FaultList
 from ui.windows.study.noise_page import NoiseView
 from ui.windows.study.pages import ChangesPage, FieldsPage, TextPage
-from ui.windows.study.sections import NOISE, Sections
+from ui.windows.study.sections import NOISE, SectionTree
 
 _FIELDS_WIDTH = 400
 
@@ -41,19 +41,19 @@ class StudyWindow(QMainWindow):
         """
         super().__init__()
         self.editor = StudyEditor(path)
-        self._said: dict[str, str] = {}
+        self._typed: dict[str, str] = {}
         self._key = ""
         self._closing = False
         self.search = QLineEdit(placeholderText="Find a setting   Ctrl+F", clearButtonEnabled=True)
         self.search.setAccessibleName("Find a setting by its name, meaning or ROS name")
-        self.sections = Sections()
+        self.sections = SectionTree()
         self.fields = FieldsPage()
         self.noise_fields = FieldsPage()
         self.noise = NoiseView()
         self.found = FieldsPage()
         self.text = TextPage()
         self.changes = ChangesPage()
-        self.faults = Faults()
+        self.faults = FaultList()
         self._title = label(path.name, "title", bold=True)
         self._state = label("", "small", muted=True)
         self._buttons: dict[str, QPushButton] = {}
@@ -119,7 +119,7 @@ class StudyWindow(QMainWindow):
     @Slot()
     def repaint_all(self) -> None:
         """Take over other colours."""
-        self.noise.again()
+        self.noise.redraw()
         self._show()
 
     def _open(self, key: str) -> None:
@@ -135,11 +135,11 @@ class StudyWindow(QMainWindow):
         group = groups.get(self._key, draft.form)
         page = self._stack.currentWidget()
         if page is self.fields:
-            items = group.groups if group.repeats is Repeats.ITEMS else ()
+            items = group.groups if group.repeats is RepeatKind.ITEMS else ()
             self.fields.show_groups(draft, (group, *items))
         elif page is self._noise_page:
             self.noise_fields.show_groups(draft, tuple(groups[NOISE].all_groups()), narrow=True)
-            self.noise.ask(draft, self._said)
+            self.noise.draw(draft, self._typed)
         elif page is self.found:
             self.found.show_found(draft, self.search.text().strip())
         elif page is self.text:
@@ -173,13 +173,13 @@ class StudyWindow(QMainWindow):
 
     # What is wished ---------------------------------------------------------------------------------------------------
 
-    def _field_said(self, key: str, said: str) -> None:
-        self._said[key] = said
+    def _field_edited(self, key: str, said: str) -> None:
+        self._typed[key] = said
         field = self.editor.draft.fields().get(key)
-        chosen = field is not None and field.kind in {Kind.CHOICE, Kind.TRUTH}
+        chosen = field is not None and field.kind in {FieldKind.CHOICE, FieldKind.BOOLEAN}
         self.editor.set(key, said, at_once=chosen)
         if key.startswith(f"{NOISE}."):
-            self.noise.ask(self.editor.draft, self._said)
+            self.noise.draw(self.editor.draft, self._typed)
         self.setWindowModified(True)
         self._let_save(True)
 
@@ -187,19 +187,19 @@ class StudyWindow(QMainWindow):
         self._buttons["save"].setEnabled(wanted)
         self._buttons["save"].setDefault(wanted)
 
-    def _field_left(self, key: str) -> None:
-        if self._said.get(key) is not None:
+    def _field_finished(self, key: str) -> None:
+        if self._typed.get(key) is not None:
             self.editor.settle()
 
     def _field_reset(self, key: str) -> None:
-        self._said.pop(key, None)
+        self._typed.pop(key, None)
         self.editor.reset(key)
 
     @Slot()
     def _drafted(self) -> None:
         if self.editor.settled:
-            self._said.clear()
-            self.text.done()
+            self._typed.clear()
+            self.text.mark_unmodified()
         self._show()
 
     def _refused(self, key: str, sentence: str) -> None:
@@ -228,7 +228,7 @@ class StudyWindow(QMainWindow):
         self.editor.change(f"-{key}", lambda draft: draft.remove(draft.groups()[key]), at_once=True)
 
     def _clear(self, key: str) -> None:
-        self._said.clear()
+        self._typed.clear()
         self.editor.change(f"0{key}", lambda draft: draft.reset_group(draft.groups()[key]), at_once=True)
 
     @Slot()
@@ -249,14 +249,14 @@ class StudyWindow(QMainWindow):
         count = len(self.editor.draft.faults)
         words = "fault is" if count == 1 else "faults are"
         if self._asked(f"{count} {words} left. Programs will refuse this study.", "Save anyway"):
-            self.editor.save(anyway=True)
+            self.editor.save(with_faults=True)
         else:
             self._closing = False
 
     @Slot()
     def _ask_over(self) -> None:
         if self._asked("The file was changed by another program since it was read here.", "Write over it"):
-            self.editor.save(anyway=True, over=True)
+            self.editor.save(with_faults=True, overwrite=True)
         else:
             self._closing = False
             self._changed_outside()
@@ -358,13 +358,13 @@ class StudyWindow(QMainWindow):
         for before, after in pairwise(order):
             self.setTabOrder(before, after)
         if page.rows:
-            order = [list(page.rows.values())[-1].last, *([self.noise] if page is self.noise_fields else [])]
+            order = [list(page.rows.values())[-1].last_widget, *([self.noise] if page is self.noise_fields else [])]
             for before, after in pairwise([*order, self.faults.list]):
                 self.setTabOrder(before, after)
 
     def _made_banner(self) -> tuple[QWidget, QLabel]:
         banner = QWidget()
-        panel(banner)
+        style_as_panel(banner)
         row = QHBoxLayout(banner)
         words = label("")
         row.addWidget(words, 1)
@@ -381,20 +381,20 @@ class StudyWindow(QMainWindow):
         editor.drafted.connect(self._drafted)
         editor.refused.connect(self._refused)
         editor.saved.connect(self._saved)
-        editor.unsound.connect(self._ask_unsound)
+        editor.found_faulty.connect(self._ask_unsound)
         editor.conflicted.connect(self._ask_over)
         editor.changed_outside.connect(self._changed_outside)
         editor.failed.connect(self._failed)
         for page in (self.fields, self.noise_fields, self.found):
-            page.said.connect(self._field_said)
-            page.left.connect(self._field_left)
+            page.edited.connect(self._field_edited)
+            page.edit_finished.connect(self._field_finished)
             page.reset.connect(self._field_reset)
             page.opened.connect(self.open_section)
             page.added.connect(self._add)
             page.removed.connect(self._remove)
             page.cleared.connect(self._clear)
             page.built.connect(partial(self._order, page))
-        self.text.said.connect(editor.say)
+        self.text.edited.connect(editor.say)
         self.search.textChanged.connect(self._searched)
         self.sections.chosen.connect(self._section_chosen)
         self.faults.chosen.connect(self._open_fault)

@@ -15,7 +15,7 @@ from sim.robot.control.braking import (
     gap,
     placed,
     safe,
-    stopping,
+    stopping_poses,
     surroundings,
     wall_clearance,
 )
@@ -63,7 +63,7 @@ def test_one_inside_the_other_has_no_gap():
 
 
 def test_stopping_obeys_then_brakes():
-    poses = stopping(0.0, 0.0, 0.0, 1.0, 0.0, 1.0, 0.0, HOLD, 10.0, 10.0)
+    poses = stopping_poses(0.0, 0.0, 0.0, 1.0, 0.0, 1.0, 0.0, HOLD, 10.0, 10.0)
     # 0.12 s at 1 m/s, then v^2 / 2a.
     assert poses[-1, 0] == pytest.approx(0.12 + 0.05, abs=0.03)
 

@@ -9,8 +9,8 @@ from sim.common.observations import STANDSTILL, Twist
 from sim.parameters import DwaPlannerParameters, InflationParameters, TrajectoryPlannerParameters, WorldParameters
 from sim.robot.control.braking import surroundings
 from sim.robot.control.dwa import DwaPlanner
-from sim.robot.control.local_planner import PATIENCE
-from sim.robot.control.rollout import Motion
+from sim.robot.control.local_planner import STALL_TIMEOUT
+from sim.robot.control.rollout import MotionState
 from sim.robot.control.trajectory_rollout import TrajectoryPlanner
 from sim.robot.costmap.costs import CostFrame
 
@@ -110,7 +110,7 @@ def test_what_turned_one_way_in_place_does_not_turn_back_at_once() -> None:
 
 
 def motion(theta):
-    return Motion(0.0, 0.0, theta, 0.0, 0.0)
+    return MotionState(0.0, 0.0, theta, 0.0, 0.0)
 
 
 @pytest.mark.parametrize("make", [dwa, rollout])
@@ -118,7 +118,9 @@ def test_where_costs_outweigh_the_way_it_goes_on_after_a_while(make) -> None:
     costs = np.full_like(OPEN, 200)
     costs[:, :57] = 0
     planner = make(occdist_scale=5.0)
-    commands = [follow(planner, twist=STANDSTILL, costs=costs).command for _ in range(round(PATIENCE / PERIOD) + 2)]
+    commands = [
+        follow(planner, twist=STANDSTILL, costs=costs).command for _ in range(round(STALL_TIMEOUT / PERIOD) + 2)
+    ]
     assert follow(make(occdist_scale=0.0), twist=STANDSTILL, costs=costs).command.linear > 0.2
     # It may go to the edge of what costs something, or turn; it does not go in.
     assert commands[0].linear * 1.7 < 0.37

@@ -10,7 +10,7 @@ from sim.common.geometry import Pose2
 from sim.common.observations import STANDSTILL, Twist
 from sim.parameters import InflationParameters, RobotParameters, WorldParameters
 from sim.robot.control.braking import surroundings
-from sim.robot.control.map_grid import grids, index_of, spread, survey
+from sim.robot.control.map_grid import index_of, map_grids, spread, survey
 from sim.robot.control.trajectory_rollout import TrajectoryPlanner
 from sim.robot.costmap.costs import CostFrame
 
@@ -41,7 +41,7 @@ def test_steps_are_counted_as_a_breadth_first_search_does(walls, seed_col):
     for row, col in walls:
         costs[row, col] = 254
     frame = CostFrame(0.0, 0.0, 1.0)
-    grid = grids(20, 20)
+    grid = map_grids(20, 20)
     survey(costs, frame, -9.0, -9.0, 0.0, grid.terrain)
     spread(grid, 20, np.array([index_of(costs, frame, seed_col + 0.5, 3.5)], np.int32), ALL, grid.path)
     steps = grid.path.reshape(22, 22)[1:-1, 1:-1]
@@ -66,7 +66,7 @@ def test_steps_that_are_asked_for_are_the_same_without_the_others(walls, asked):
     for row, col in walls:
         costs[row, col] = 254
     frame = CostFrame(0.0, 0.0, 1.0)
-    grid = grids(20, 20)
+    grid = map_grids(20, 20)
     survey(costs, frame, -9.0, -9.0, 0.0, grid.terrain)
     seeds = np.array([index_of(costs, frame, 4.5, 3.5)], np.int32)
     looked_at = np.array([index_of(costs, frame, col + 0.5, row + 0.5) for row, col in asked], np.int32)

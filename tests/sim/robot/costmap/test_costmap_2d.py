@@ -19,7 +19,7 @@ from sim.parameters import (
     StaticParameters,
     WorldParameters,
 )
-from sim.robot.costmap.costmap_2d import Costmap2D, Look
+from sim.robot.costmap.costmap_2d import Costmap2D, CostmapObservation
 from sim.robot.costmap.costs import FREE, LETHAL, UNKNOWN
 
 BODY = np.array(WorldParameters().footprint)
@@ -68,7 +68,7 @@ def test_the_robots_can_be_thought_away():
     costmap = Costmap2D(HUNT.global_costmap, BODY, grid())
     costmap.update(0.0, 0.0)
     before = costmap.costs.copy()
-    costmap.see([neighbour(Pose2(1.5, 1.5, 0.3))])
+    costmap.update_neighbours([neighbour(Pose2(1.5, 1.5, 0.3))])
     costmap.update(0.0, 0.0)
     assert not np.array_equal(costmap.costs, before)
     assert np.array_equal(costmap.without_robots(), before)
@@ -89,9 +89,9 @@ def test_a_local_costmap_moves_along_and_keeps_what_the_laser_saw():
 def seeing(parameters):
     """A costmap that has seen an obstacle before a wall, and heard of a robot."""
     costmap = Costmap2D(parameters, BODY, grid())
-    look = Look(Pose2(1.0, 2.0, 0.0), Scan(0, MOUNT, np.array([0.8], np.float32)), np.empty((0, 3)))
+    look = CostmapObservation(Pose2(1.0, 2.0, 0.0), Scan(0, MOUNT, np.array([0.8], np.float32)), np.empty((0, 3)))
     costmap.observe(*look)
-    costmap.see([neighbour(Pose2(1.5, 1.2, 0.3))])
+    costmap.update_neighbours([neighbour(Pose2(1.5, 1.2, 0.3))])
     costmap.update(1.0, 2.0)
     return costmap
 
@@ -131,14 +131,14 @@ def test_a_layer_switched_off_and_on_again_has_forgotten_nothing():
 def test_what_an_update_would_make_of_a_costmap_is_what_it_makes():
     costmap = seeing(HUNT.local_costmap)
     before, marks = costmap.costs.copy(), costmap.marks.copy()
-    look = Look(Pose2(1.1, 1.8, 0.1), Scan(25, MOUNT, np.array([0.6], np.float32)), np.empty((0, 3)))
+    look = CostmapObservation(Pose2(1.1, 1.8, 0.1), Scan(25, MOUNT, np.array([0.6], np.float32)), np.empty((0, 3)))
     others = [neighbour(Pose2(0.4, 2.9, -1.0))]
     costs, frame = costmap.as_updated(1.1, 1.8, others, look)
     assert np.array_equal(costmap.costs, before)
     assert np.array_equal(costmap.marks, marks)
     assert not np.array_equal(costs, before)
     costmap.observe(*look)
-    costmap.see(others)
+    costmap.update_neighbours(others)
     costmap.update(1.1, 1.8)
     assert np.array_equal(costmap.costs, costs)
     assert costmap.frame == frame
@@ -156,7 +156,7 @@ def test_a_local_costmap_is_shown_with_all_robots_that_reach_into_it(path_length
         for number, (pose, way) in enumerate(zip(poses, ways, strict=True))
     ]
     shown, _ = costmap.as_updated(2.0, 2.0, others)
-    costmap.see(others)
+    costmap.update_neighbours(others)
     costmap.update(2.0, 2.0)
     assert np.array_equal(costmap.costs, shown)
 
@@ -164,5 +164,5 @@ def test_a_local_costmap_is_shown_with_all_robots_that_reach_into_it(path_length
 def test_what_the_laser_saw_can_be_thought_away_too():
     costmap, unseeing = seeing(HUNT.global_costmap), Costmap2D(HUNT.global_costmap, BODY, grid())
     unseeing.update(0.0, 0.0)
-    assert np.array_equal(costmap.unseen(), unseeing.costs)
+    assert np.array_equal(costmap.without_observations(), unseeing.costs)
     assert not np.array_equal(costmap.without_robots(), unseeing.costs)

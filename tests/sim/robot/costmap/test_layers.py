@@ -89,10 +89,10 @@ class TestUpdates:
                 neighbour(Pose2(x + 0.6, 0.9, x), 2, [(x + 0.6, 0.9), (x + 0.9, 1.2), (x + 1.4, 2.2)]),
                 neighbour(Pose2(6.0 - x, 4.0, x), 3),
             ]
-            robots.see(seen)
+            robots.update_neighbours(seen)
             costmap.update()
             fresh_robots = RobotsLayer(RobotsParameters(path_length=0.6), grid)
-            fresh_robots.see(seen)
+            fresh_robots.update_neighbours(seen)
             fresh = LayeredCostmap(grid, [StaticLayer(STATIC, grid), fresh_robots, inflation()])
             fresh.update()
             assert np.array_equal(costmap.costs, fresh.costs)
@@ -102,7 +102,7 @@ class TestUpdates:
         robots = RobotsLayer(RobotsParameters(), grid)
         costmap = LayeredCostmap(grid, [StaticLayer(STATIC, grid), robots, inflation()])
         costmap.update()
-        robots.see([neighbour(Pose2(1.0, 1.0, 0.0), 1), neighbour(Pose2(17.0, 17.0, 0.0), 2)])
+        robots.update_neighbours([neighbour(Pose2(1.0, 1.0, 0.0), 1), neighbour(Pose2(17.0, 17.0, 0.0), 2)])
         windows = costmap.update()
         assert len(windows) == 2
         assert sum((end - row) * (right - left) for row, left, end, right in windows) < 4000
@@ -136,7 +136,7 @@ class TestRobots:
     def test_a_footprint_is_lethal_where_the_robot_is(self):
         grid = grid_of()
         layer = RobotsLayer(RobotsParameters(), grid)
-        layer.see([neighbour(Pose2(0.5, 0.5, 0.4))])
+        layer.update_neighbours([neighbour(Pose2(0.5, 0.5, 0.4))])
         costmap = LayeredCostmap(grid, [StaticLayer(STATIC, grid), layer])
         costmap.update()
         assert costmap.costs[grid.cell_of(0.5, 0.5)] == LETHAL
@@ -146,7 +146,9 @@ class TestRobots:
     def test_the_first_part_of_its_path_costs_more_than_free_space_and_bars_nothing(self):
         grid = grid_of()
         layer = RobotsLayer(RobotsParameters(path_length=1.0, path_cost=99), grid)
-        layer.see([neighbour(Pose2(0.0, 0.0, 0.0), path=[(0.0, 0.0), (0.7, 0.0), (0.7, 1.5)], times=(1.0, 2.0, 3.0))])
+        layer.update_neighbours(
+            [neighbour(Pose2(0.0, 0.0, 0.0), path=[(0.0, 0.0), (0.7, 0.0), (0.7, 1.5)], times=(1.0, 2.0, 3.0))]
+        )
         costmap = LayeredCostmap(grid, [StaticLayer(STATIC, grid), layer])
         costmap.update()
         assert costmap.costs[grid.cell_of(0.6, 0.0)] == 99
@@ -156,9 +158,9 @@ class TestRobots:
     def test_robots_under_way_need_not_bar_plans(self):
         grid = grid_of()
         layer = RobotsLayer(RobotsParameters(under_way=False), grid)
-        layer.see([neighbour(Pose2(0.5, 0.5, 0.0))])
+        layer.update_neighbours([neighbour(Pose2(0.5, 0.5, 0.0))])
         assert layer.bounds()
-        layer.see([neighbour(Pose2(0.5, 0.5, 0.0), times=(1.0, 2.0))])
+        layer.update_neighbours([neighbour(Pose2(0.5, 0.5, 0.0), times=(1.0, 2.0))])
         assert layer.bounds()
         costmap = LayeredCostmap(grid, [StaticLayer(STATIC, grid), layer])
         costmap.update()
@@ -167,7 +169,7 @@ class TestRobots:
     def test_what_nobody_asks_for_is_not_heaped_up_and_not_lost(self):
         layer = RobotsLayer(RobotsParameters(), grid_of())
         for step in range(1000):
-            layer.see([neighbour(Pose2(0.002 * step, 0.5, 0.1 * step))])
+            layer.update_neighbours([neighbour(Pose2(0.002 * step, 0.5, 0.1 * step))])
         windows = layer.bounds()
         assert len(windows) <= 101
         assert min(window.col for window in windows) <= 14

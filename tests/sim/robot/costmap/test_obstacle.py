@@ -203,7 +203,7 @@ class TestThingsThatComeAndGo:
     @pytest.mark.parametrize("reading", [0.6, 1.45])
     def test_only_robots_within_a_certain_distance_do_so(self, reading):
         layer, radius = layer_of(HUNT), 0.35
-        farthest = layer.explains_within + radius
+        farthest = layer.explained_range + radius
         layer.observe(AHEAD, scan(reading), np.array([[farthest + 0.001, 0.0, radius]]))
         assert lethal(layer)
         layer = layer_of(HUNT)

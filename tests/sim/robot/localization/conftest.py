@@ -10,7 +10,7 @@ import pytest
 
 from sim.common.geometry import FloatArray, Pose2
 from sim.common.grid import OccupancyGrid
-from sim.common.noise import Stream
+from sim.common.noise import NoiseStream
 from sim.common.observations import TICK, Imu, LaserMount, Odometry, Scan, Twist
 from sim.common.raycast import cast_beams, directions_of, free_squares_of, shorten_by_polygon
 from sim.parameters import OdometryNoise
@@ -105,9 +105,9 @@ def _drive(seed: int, seconds: float, noise: float, others: int, speed: float, f
     alpha1, alpha2, alpha3, alpha4 = (
         noise * alpha for alpha in (wheels.alpha1, wheels.alpha2, wheels.alpha3, wheels.alpha4)
     )
-    wheel_noise = Stream.named(seed, "wheels").normals(0, 3 * ticks).reshape(ticks, 3)
-    gyro_noise = Stream.named(seed, "gyro").normals(0, ticks) * 0.01 * noise
-    laser_noise, lost = Stream.named(seed, "laser"), Stream.named(seed, "lost")
+    wheel_noise = NoiseStream.named(seed, "wheels").normals(0, 3 * ticks).reshape(ticks, 3)
+    gyro_noise = NoiseStream.named(seed, "gyro").normals(0, ticks) * 0.01 * noise
+    laser_noise, lost = NoiseStream.named(seed, "laser"), NoiseStream.named(seed, "lost")
     directions = directions_of(LASER.angles())
     square = np.array([[0.25, 0.25], [-0.25, 0.25], [-0.25, -0.25], [0.25, -0.25]])
     truth, odom = Pose2(*TOUR[0], -math.pi), Pose2(0.0, 0.0, 0.0)

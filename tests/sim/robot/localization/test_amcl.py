@@ -7,7 +7,7 @@ import pytest
 from sim.common.geometry import Pose2
 from sim.common.observations import STANDSTILL, Imu, Odometry, Scan
 from sim.parameters import RobotParameters
-from sim.robot.localization.amcl import Amcl, Belief, saved
+from sim.robot.localization.amcl import Amcl, ParticleBelief, saved
 
 PARAMETERS = RobotParameters().amcl
 VAGUE = np.diag((0.25, 0.25, 0.07))
@@ -190,9 +190,9 @@ def test_a_blind_scan_changes_no_weights(drive):
     blind = Scan(0, tour.mount, np.full(tour.mount.beams, np.nan, dtype=np.float32))
     estimate = amcl.update(tour.moments[0].odometry, tour.moments[0].imu, blind)
     state = amcl.state
-    assert isinstance(state, Belief)
+    assert isinstance(state, ParticleBelief)
     assert np.ptp(state.weights) < 1e-12
-    assert state.recovery.count == 0
+    assert state.agreement.count == 0
     assert estimate.base_in_map.distance(tour.start) < 0.1
 
 
@@ -231,7 +231,7 @@ def test_with_both_decays_zero_no_particles_are_scattered(drive):
     run(amcl, tour.moments[:750])
     run(amcl, kidnapped(tour, 750, 2000))
     state = amcl.state
-    assert isinstance(state, Belief)
+    assert isinstance(state, ParticleBelief)
     assert len(state.particles) < 200
 
 

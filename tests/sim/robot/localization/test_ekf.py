@@ -11,7 +11,7 @@ from sim.common.geometry import Pose2, wrap_angle
 from sim.common.grid import OccupancyGrid
 from sim.common.observations import Imu
 from sim.parameters import EkfParameters
-from sim.robot.localization.ekf import Ekf, EkfBelief
+from sim.robot.localization.ekf import Ekf, GaussianBelief
 from sim.robot.localization.scan_matching import ScanMatcher
 
 PARAMETERS = EkfParameters()
@@ -223,7 +223,7 @@ def test_the_same_again_and_a_state_is_a_new_beginning(drive):
     ekf = ekf_of(tour)
     run(ekf, tour.moments[:503])
     state = ekf.state
-    assert isinstance(state.belief, EkfBelief)
+    assert isinstance(state.belief, GaussianBelief)
     expected = run(ekf, tour.moments[503:])
     other = Ekf(PARAMETERS, tour.grid, tour.mount)
     other.restore(state)

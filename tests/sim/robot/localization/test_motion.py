@@ -6,17 +6,17 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from sim.common.geometry import Pose2
-from sim.common.noise import Stream
+from sim.common.noise import NoiseStream
 from sim.robot.localization.motion import (
     Alphas,
-    Increment,
+    DiffIncrement,
+    DiffSpread,
     MotionModel,
-    Spread,
-    increment,
-    move,
-    slide,
-    slide_spread,
-    spread,
+    diff_increment,
+    diff_move,
+    diff_spread,
+    omni_increment,
+    omni_spread,
 )
 
 ALPHAS = Alphas(0.1, 0.2, 0.3, 0.4)
@@ -27,7 +27,7 @@ poses = st.builds(Pose2, coordinate, coordinate, heading)
 
 @given(poses, poses, poses)
 def test_without_noise_a_particle_moves_as_the_odometry_does(before, after, particle):
-    moved = move(particle.array()[None, :], increment(before, after), Spread(0, 0, 0), np.zeros(3))[0]
+    moved = diff_move(particle.array()[None, :], diff_increment(before, after), DiffSpread(0, 0, 0), np.zeros(3))[0]
     expected = particle.compose(before.between(after))
     if before.distance(after) < 0.01:
         # A centimetre without a bearing may go any way.
@@ -38,31 +38,31 @@ def test_without_noise_a_particle_moves_as_the_odometry_does(before, after, part
 
 
 def test_turning_in_place_has_no_bearing():
-    assert increment(Pose2(0, 0, 0), Pose2(0.003, -0.004, 1.0)) == pytest.approx((0.0, 0.005, 1.0))
+    assert diff_increment(Pose2(0, 0, 0), Pose2(0.003, -0.004, 1.0)) == pytest.approx((0.0, 0.005, 1.0))
 
 
 def test_driving_backwards_is_as_noisy_as_driving_forwards():
     here = Pose2(1.0, 2.0, 0.5)
-    forwards = increment(here, here.compose(Pose2(0.3, 0.02, 0.1)))
-    backwards = increment(here, here.compose(Pose2(-0.3, -0.02, 0.1)))
+    forwards = diff_increment(here, here.compose(Pose2(0.3, 0.02, 0.1)))
+    backwards = diff_increment(here, here.compose(Pose2(-0.3, -0.02, 0.1)))
     assert abs(backwards.rot1) > 3
     for corrected in (False, True):
-        assert spread(backwards, ALPHAS, corrected) == pytest.approx(spread(forwards, ALPHAS, corrected))
+        assert diff_spread(backwards, ALPHAS, corrected) == pytest.approx(diff_spread(forwards, ALPHAS, corrected))
 
 
 def test_spread_is_that_of_table_5_6():
-    moved = Increment(0.2, 0.5, -0.1)
+    moved = DiffIncrement(0.2, 0.5, -0.1)
     rot1 = 0.1 * 0.2**2 + 0.2 * 0.5**2
     trans = 0.3 * 0.5**2 + 0.4 * (0.2**2 + 0.1**2)
     rot2 = 0.1 * 0.1**2 + 0.2 * 0.5**2
-    assert spread(moved, ALPHAS, corrected=False) == pytest.approx((rot1, trans, rot2))
-    assert spread(moved, ALPHAS, corrected=True) == pytest.approx(np.sqrt((rot1, trans, rot2)))
+    assert diff_spread(moved, ALPHAS, corrected=False) == pytest.approx((rot1, trans, rot2))
+    assert diff_spread(moved, ALPHAS, corrected=True) == pytest.approx(np.sqrt((rot1, trans, rot2)))
 
 
 def test_particles_scatter_with_the_spread():
     n = 20000
-    noise = Stream.named(3, "motion").normals(0, 3 * n)
-    moved = move(np.zeros((n, 3)), Increment(0.0, 1.0, 0.0), Spread(0.02, 0.05, 0.03), noise)
+    noise = NoiseStream.named(3, "motion").normals(0, 3 * n)
+    moved = diff_move(np.zeros((n, 3)), DiffIncrement(0.0, 1.0, 0.0), DiffSpread(0.02, 0.05, 0.03), noise)
     assert moved[:, 0].mean() == pytest.approx(1.0, abs=0.003)
     assert moved[:, 0].std() == pytest.approx(0.05, rel=0.03)
     assert moved[:, 1].std() == pytest.approx(0.02, rel=0.03)
@@ -70,7 +70,7 @@ def test_particles_scatter_with_the_spread():
 
 
 def test_headings_stay_wrapped():
-    moved = move(np.array([[0.0, 0.0, 3.0]]), Increment(0.5, 0.0, 0.5), Spread(0, 0, 0), np.zeros(3))
+    moved = diff_move(np.array([[0.0, 0.0, 3.0]]), DiffIncrement(0.5, 0.0, 0.5), DiffSpread(0, 0, 0), np.zeros(3))
     assert moved[0, 2] == pytest.approx(4.0 - 2 * math.pi)
 
 
@@ -86,9 +86,9 @@ def test_believed_perfect_wheels_are_followed_exactly(name, before, after, parti
 
 
 def test_a_slide_spreads_as_amcl_says():
-    moved = slide(Pose2(0, 0, 0), Pose2(0.3, 0.4, 0.2))
+    moved = omni_increment(Pose2(0, 0, 0), Pose2(0.3, 0.4, 0.2))
     alphas = Alphas(0.1, 0.2, 0.3, 0.4, 0.5)
     first = (0.3 * 0.25 + 0.1 * 0.04, 0.5 * 0.25 + 0.1 * 0.04, 0.4 * 0.04 + 0.2 * 0.25)
-    assert slide_spread(moved, alphas, corrected=False) == pytest.approx(first)
+    assert omni_spread(moved, alphas, corrected=False) == pytest.approx(first)
     variances = (0.3 * 0.25 + 0.4 * 0.04, 0.5 * 0.25 + 0.4 * 0.04, 0.1 * 0.04 + 0.2 * 0.25)
-    assert slide_spread(moved, alphas, corrected=True) == pytest.approx(np.sqrt(variances))
+    assert omni_spread(moved, alphas, corrected=True) == pytest.approx(np.sqrt(variances))

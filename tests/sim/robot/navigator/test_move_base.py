@@ -16,8 +16,8 @@ from sim.parameters import RobotParameters, WorldParameters
 from sim.robot.control.braking import gap, placed
 from sim.robot.costmap.costs import LETHAL
 from sim.robot.costmap.footprint import outline
-from sim.robot.navigator import NEARER, STALEMATE, Arrived, Cancelled, Goal, Navigator, NoPath
-from sim.team import Go, PutThing, RemoveThing, Team, Timed
+from sim.robot.navigator import PROGRESS_DISTANCE, PROGRESS_TIMEOUT, Cancelled, Goal, GoalReached, Navigator, NoPath
+from sim.team import Go, PutThing, RemoveThing, ScheduledInput, Team
 from sim.world.things import Thing
 from thbridge.files.map_files import read_map
 
@@ -144,7 +144,7 @@ class Rig:
 
 
 def everybody_arrived(rig):
-    return all(results and isinstance(results[-1], Arrived) for results in rig.results)
+    return all(results and isinstance(results[-1], GoalReached) for results in rig.results)
 
 
 def hunt(rig, legs, seed, places=ROOMS, patience=150):
@@ -165,7 +165,7 @@ def hunt(rig, legs, seed, places=ROOMS, patience=150):
         before = sum(map(len, rig.results))
         rig.step()
         reached += sum(map(len, rig.results)) - before
-    assert all(isinstance(result, Arrived) for results in rig.results for result in results), rig.describe()
+    assert all(isinstance(result, GoalReached) for results in rig.results for result in results), rig.describe()
 
 
 def test_a_robot_arrives_at_the_pose_asked_for():
@@ -303,7 +303,7 @@ def test_one_that_rests_in_a_door_makes_way():
     rig = Rig([(0, 0, 0), (-1.0, 2.0, 0)])
     rig.go(0, *ROOMS[1])
     rig.run(60, lambda rig: rig.results[0])
-    assert isinstance(rig.results[0][0], Arrived)
+    assert isinstance(rig.results[0][0], GoalReached)
     assert not rig.results[1]
     assert rig.said[1].goal is None
 
@@ -313,14 +313,14 @@ def bounded(rig, robot):
     rig.step()
     rig.run(1, lambda rig: rig.said[robot].state != "planning" or len(rig.said[robot].plan) > 0)
     length = rig.said[robot].remaining
-    return rig.run((length / NEARER + 2) * STALEMATE, lambda rig: rig.results[robot])
+    return rig.run((length / PROGRESS_DISTANCE + 2) * PROGRESS_TIMEOUT, lambda rig: rig.results[robot])
 
 
 def test_who_has_the_right_of_way_and_never_goes_cannot_hold_up_a_goal_for_ever():
     rig = Rig([(0, 0, 0)])
     rig.strangers = [Neighbour(1, Pose2(0, 3, 0), STANDSTILL, STUDY, np.array([[0.0, 3.0], [3.0, 2.0]]), np.zeros(2))]
     rig.go(0, 0, 6)
-    assert bounded(rig, 0) < 3 * STALEMATE
+    assert bounded(rig, 0) < 3 * PROGRESS_TIMEOUT
     assert rig.results[0][0].reason == "robots_in_the_way"
     assert rig.waits == {(0, 1)}
 
@@ -399,7 +399,7 @@ def touch_nothing_and_arrive(grid, starts, goals, seed, waits=0):
             if output.navigation.result:
                 results[i] = output.navigation.result
     assert len(results) == count
-    assert all(isinstance(result, Arrived) for result in results.values()), results
+    assert all(isinstance(result, GoalReached) for result in results.values()), results
     assert not snapshot.world.collisions.any()
 
 
@@ -428,7 +428,7 @@ def test_a_map_whose_origin_is_turned_is_driven_like_any_other():
     goal = turn.compose(Pose2(*ROOMS[3], 1.0))
     rig.navigators[0].go(Goal(1, goal))
     rig.run(60, lambda rig: rig.results[0])
-    assert isinstance(rig.results[0][0], Arrived)
+    assert isinstance(rig.results[0][0], GoalReached)
     assert rig.results[0][0].goal.base_in_map == goal
     assert rig.poses[0].distance(goal) <= 0.1
     assert abs(wrap_angle(rig.poses[0].theta - goal.theta)) <= 0.05
@@ -446,7 +446,7 @@ def test_goals_that_change_under_way_end_once_each_and_hardly_slow_the_robot_dow
             rig.step()
             slowest = min(slowest, rig.twists[0].linear)
     rig.run(60, lambda rig: rig.said[0].goal is None)
-    assert [type(result) for result in rig.results[0]] == [Cancelled, Cancelled, Cancelled, Arrived]
+    assert [type(result) for result in rig.results[0]] == [Cancelled, Cancelled, Cancelled, GoalReached]
     assert slowest > 0.3
 
 
@@ -463,7 +463,7 @@ def test_a_lost_robot_that_sees_nothing_stands_until_it_knows_its_place_and_not_
     rig.run(60, everybody_arrived)
     rig.lost = {0}
     rig.go(0, 0, -4)
-    assert rig.run(STALEMATE + 60, lambda rig: len(rig.results[0]) == 2) > STALEMATE
+    assert rig.run(PROGRESS_TIMEOUT + 60, lambda rig: len(rig.results[0]) == 2) > PROGRESS_TIMEOUT
     assert rig.results[0][1].reason == "lost"
 
 
@@ -511,7 +511,7 @@ def test_those_in_the_way_of_those_in_the_way_are_asked_in_the_name_of_whoever_w
     rig.go(0, 8, 1.2)
     rig.run(10, lambda rig: rig.tick == 100)
     rig.run(120, lambda rig: rig.results[0])
-    assert isinstance(rig.results[0][0], Arrived)
+    assert isinstance(rig.results[0][0], GoalReached)
 
 
 def closed(seconds, *, opens, parameters=None):
@@ -522,7 +522,7 @@ def closed(seconds, *, opens, parameters=None):
     cells[28:52, 79:82] = 0
     grid = OccupancyGrid(cells, 0.05, Pose2(0, 0, 0))
     crate = Thing("crate", ((0.2, 0.5), (-0.2, 0.5), (-0.2, -0.5), (0.2, -0.5)), Pose2(4.0, 2.0, 0.0))
-    schedule = [Timed(1, PutThing(crate)), Timed(round(opens / TICK), RemoveThing("crate"))]
+    schedule = [ScheduledInput(1, PutThing(crate)), ScheduledInput(round(opens / TICK), RemoveThing("crate"))]
     robot = replace(parameters or RobotParameters(), localization="truth")
     team = Team(grid, WorldParameters(), [robot], [Pose2(1.5, 2.0, 0.0)], 1, 1000.0, schedule)
     snapshot = team.step([Go(0, Goal(1, Pose2(6.0, 2.0, 0.0)))])
@@ -543,7 +543,7 @@ def test_a_closed_door_is_waited_for_then_given_up_with_its_reason():
 
 def test_a_door_that_opens_in_time_is_passed():
     result, seconds = closed(60, opens=12)
-    assert isinstance(result, Arrived)
+    assert isinstance(result, GoalReached)
     assert seconds < 35
 
 

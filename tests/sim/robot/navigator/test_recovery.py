@@ -1,10 +1,10 @@
 from sim.common.geometry import Pose2
 from sim.common.observations import TICKS_PER_SECOND
 from sim.parameters import MoveBaseParameters, RecoveryBehavior
-from sim.robot.navigator.recovery import Oscillation, Recovery
+from sim.robot.navigator.recovery import OscillationDetector, RecoveryBehaviours
 
 
-def tried(recovery: Recovery) -> list[str]:
+def tried(recovery: RecoveryBehaviours) -> list[str]:
     names = []
     while (name := recovery.next()) is not None:
         names.append(name)
@@ -12,7 +12,7 @@ def tried(recovery: Recovery) -> list[str]:
 
 
 def test_the_order_is_that_of_ros() -> None:
-    recovery = Recovery(MoveBaseParameters(), 0.4)
+    recovery = RecoveryBehaviours(MoveBaseParameters(), 0.4)
     order = ["conservative_reset", "rotate_recovery", "aggressive_reset", "rotate_recovery"]
     assert tried(recovery) == order
     assert tried(recovery) == []
@@ -22,20 +22,20 @@ def test_the_order_is_that_of_ros() -> None:
 
 def test_the_list_may_be_another_or_without_turns_or_off() -> None:
     one = (RecoveryBehavior("aggressive_reset"),)
-    assert tried(Recovery(MoveBaseParameters(recovery_behaviors=one), 0.4)) == ["aggressive_reset"]
+    assert tried(RecoveryBehaviours(MoveBaseParameters(recovery_behaviors=one), 0.4)) == ["aggressive_reset"]
     still = MoveBaseParameters(clearing_rotation_allowed=False)
-    assert tried(Recovery(still, 0.4)) == ["conservative_reset", "aggressive_reset"]
-    assert tried(Recovery(MoveBaseParameters(recovery_behavior_enabled=False), 0.4)) == []
+    assert tried(RecoveryBehaviours(still, 0.4)) == ["conservative_reset", "aggressive_reset"]
+    assert tried(RecoveryBehaviours(MoveBaseParameters(recovery_behavior_enabled=False), 0.4)) == []
 
 
 def test_resets_spare_a_square_around_the_robot() -> None:
-    recovery = Recovery(MoveBaseParameters(conservative_reset_dist=5.0), 0.4)
-    assert recovery.square("conservative_reset") == 5.0
-    assert recovery.square("aggressive_reset") == 1.6
+    recovery = RecoveryBehaviours(MoveBaseParameters(conservative_reset_dist=5.0), 0.4)
+    assert recovery.reset_side("conservative_reset") == 5.0
+    assert recovery.reset_side("aggressive_reset") == 1.6
 
 
 def test_a_robot_oscillates_when_it_has_not_got_far_for_long() -> None:
-    oscillation = Oscillation(2.0, 0.5)
+    oscillation = OscillationDetector(2.0, 0.5)
     oscillation.restart(0)
     oscillation.watch(0, Pose2(0, 0, 0))
     late = 2 * TICKS_PER_SECOND + 1
@@ -48,6 +48,6 @@ def test_a_robot_oscillates_when_it_has_not_got_far_for_long() -> None:
 
 
 def test_without_a_timeout_nothing_oscillates() -> None:
-    oscillation = Oscillation(0.0, 0.5)
+    oscillation = OscillationDetector(0.0, 0.5)
     oscillation.restart(0)
     assert not oscillation.due(10**9)

@@ -9,8 +9,8 @@ from scipy.ndimage import label
 from sim.common.geometry import Pose2
 from sim.parameters import GlobalPlannerParameters, NavfnParameters
 from sim.robot.costmap.costs import CostFrame
-from sim.robot.planning.global_planner import GlobalPlanner, orientations, translation
-from sim.robot.planning.path import Path, Refused
+from sim.robot.planning.global_planner import GlobalPlanner, orientations, passage_costs
+from sim.robot.planning.path import Path, PlanRefusal
 from sim.robot.planning.planners import global_planner
 from sim.robot.planning.potential_planner import PotentialPlanner
 
@@ -22,11 +22,11 @@ def plan(costs, start, goal, **parameters):
 
 
 def test_costs_are_translated_as_global_planner_does():
-    table = translation(GlobalPlannerParameters())
+    table = passage_costs(GlobalPlannerParameters())
     assert (table[0], table[10], table[100], table[251], table[255]) == (50, 80, 252, 252, 252)
     assert np.isinf(table[252:255]).all()
-    assert np.isinf(translation(GlobalPlannerParameters(allow_unknown=False))[255])
-    table = translation(GlobalPlannerParameters(use_dijkstra=False))
+    assert np.isinf(passage_costs(GlobalPlannerParameters(allow_unknown=False))[255])
+    table = passage_costs(GlobalPlannerParameters(use_dijkstra=False))
     assert (table[0], table[10], table[252], table[255]) == (50, 60, 255, 255)
     assert np.isinf(table[[253, 254]]).all()
 
@@ -60,7 +60,7 @@ def test_a_way_is_found_exactly_when_there_is_one(walls, place, use_dijkstra, us
     passable[[0, -1]] = passable[:, [0, -1]] = False
     regions, _ = label(passable)
     if regions[2, 2] != regions[17, 17]:
-        assert isinstance(path, Refused)
+        assert isinstance(path, PlanRefusal)
         assert path.code == "no_way"
         return
     assert isinstance(path, Path)

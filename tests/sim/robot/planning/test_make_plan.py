@@ -9,7 +9,7 @@ from sim.common.geometry import Pose2
 from sim.parameters import GlobalPlannerParameters, NavfnParameters
 from sim.robot.costmap.costs import INSCRIBED, LETHAL, CostFrame
 from sim.robot.planning.make_plan import make_plan
-from sim.robot.planning.path import Path, Refused
+from sim.robot.planning.path import Path, PlanRefusal
 from sim.robot.planning.planners import global_planner
 
 FRAME = CostFrame(-1.0, 2.0, 0.05)
@@ -53,7 +53,7 @@ def test_the_plan_is_that_to_the_first_place_to_which_there_is_one(name, seed, t
     paths = [planner.plan(costs, FRAME, START, place) for place in in_the_order_of_ros(goal, tolerance)]
     expected = next((path.poses for path in paths if isinstance(path, Path)), paths[0])
     found = make_plan(planner_of(name), costs, FRAME, START, goal, tolerance, add_unreachable_goal=False)
-    if isinstance(expected, Refused):
+    if isinstance(expected, PlanRefusal):
         assert found == expected
     else:
         assert np.array_equal(found, expected)
@@ -69,7 +69,9 @@ def test_the_goal_itself_follows_where_that_is_asked_for():
 
 def test_from_within_an_obstacle_there_is_no_plan():
     costs = np.full(SHAPE, LETHAL, np.uint8)
-    assert isinstance(make_plan(planner_of(PLANNERS[0]), costs, FRAME, START, Pose2(1.0, 3.0, 0.0), 1.0, True), Refused)
+    assert isinstance(
+        make_plan(planner_of(PLANNERS[0]), costs, FRAME, START, Pose2(1.0, 3.0, 0.0), 1.0, True), PlanRefusal
+    )
 
 
 @pytest.mark.parametrize("name", PLANNERS)

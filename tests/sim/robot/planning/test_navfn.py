@@ -11,8 +11,8 @@ from scipy.sparse.csgraph import dijkstra
 from sim.common.geometry import Pose2
 from sim.parameters import NavfnParameters
 from sim.robot.costmap.costs import CostFrame
-from sim.robot.planning.navfn import Navfn, translation
-from sim.robot.planning.path import Path, Refused, thinned
+from sim.robot.planning.navfn import Navfn, passage_costs
+from sim.robot.planning.path import Path, PlanRefusal, thinned
 from sim.robot.planning.potential_planner import PotentialPlanner
 from sim.robot.planning.wave import Workspace, prepare
 
@@ -39,10 +39,10 @@ def cells_of(points):
 
 
 def test_costs_are_translated_as_navfn_does():
-    table = translation(allow_unknown=True)
+    table = passage_costs(allow_unknown=True)
     assert (table[0], table[100], table[252], table[255]) == (50, 130, 251, 253)
     assert np.isinf(table[[253, 254]]).all()
-    assert np.isinf(translation(allow_unknown=False)[255])
+    assert np.isinf(passage_costs(allow_unknown=False)[255])
 
 
 def test_a_free_way_is_nearly_straight_and_ends_with_the_goals_heading():
@@ -62,7 +62,7 @@ def test_a_free_way_is_nearly_straight_and_ends_with_the_goals_heading():
 def cheapest(costs, start, goal):
     """Length in cells of a cheapest way from centre to centre of cells, eight neighbours each, none across a corner."""
     rows, cols = costs.shape
-    price = translation(allow_unknown=True)[costs]
+    price = passage_costs(allow_unknown=True)[costs]
     price[[0, -1]] = price[:, [0, -1]] = np.inf
     index = np.arange(costs.size).reshape(costs.shape)
     begins, ends, prices = [], [], []
@@ -102,7 +102,7 @@ def test_a_way_is_found_exactly_when_there_is_one_and_it_never_crosses_a_wall(wa
     passable[[0, -1]] = passable[:, [0, -1]] = False
     regions, _ = label(passable)
     if regions[2, 2] != regions[27, 27]:
-        assert isinstance(path, Refused)
+        assert isinstance(path, PlanRefusal)
         assert path.code == "no_way"
         return
     assert isinstance(path, Path)
@@ -165,7 +165,7 @@ def test_refusals_say_why(start, goal, code):
     costs = open_room()
     costs[30, :] = 254
     refusal = plan(costs, start, goal)
-    assert isinstance(refusal, Refused)
+    assert isinstance(refusal, PlanRefusal)
     assert refusal.code == code
     assert refusal.sentence
 
@@ -182,7 +182,7 @@ def test_within_the_tolerance_a_path_ends_as_near_as_can_be(astar):
     costs = open_room()
     costs[28:33, 38:43] = 254
     goal = at(30, 39, 0.5)
-    assert isinstance(plan(costs, at(10, 10), goal, default_tolerance=0.09, use_astar=astar), Refused)
+    assert isinstance(plan(costs, at(10, 10), goal, default_tolerance=0.09, use_astar=astar), PlanRefusal)
     path = plan(costs, at(10, 10), goal, default_tolerance=0.2, use_astar=astar)
     assert isinstance(path, Path)
     assert path.poses[-1] == pytest.approx([at(30, 37).x, at(30, 37).y, 0.5])
@@ -198,7 +198,7 @@ def test_unknown_space_is_crossed_only_when_allowed():
     costs = open_room()
     costs[30, :] = 255
     assert isinstance(plan(costs, at(10, 10), at(50, 10)), Path)
-    assert isinstance(plan(costs, at(10, 10), at(50, 10), allow_unknown=False), Refused)
+    assert isinstance(plan(costs, at(10, 10), at(50, 10), allow_unknown=False), PlanRefusal)
 
 
 def test_being_there_is_a_path_too():
@@ -217,8 +217,8 @@ def test_planners_that_share_their_room_plan_as_alone(shared):
     alone = plan(walls, at(10, 10), at(50, 10))
     for _ in range(2):
         assert np.array_equal(one.plan(walls, FRAME, at(10, 10), at(50, 10)).poses, alone.poses)
-        assert not isinstance(other.plan(open_room(), FRAME, at(50, 5), at(5, 70)), Refused)
-        assert not isinstance(other.plan(open_room(20, 20), FRAME, at(5, 5), at(15, 15)), Refused)
+        assert not isinstance(other.plan(open_room(), FRAME, at(50, 5), at(5, 70)), PlanRefusal)
+        assert not isinstance(other.plan(open_room(20, 20), FRAME, at(5, 5), at(15, 15)), PlanRefusal)
 
 
 def test_a_planner_keeps_nothing_from_plan_to_plan():

@@ -22,7 +22,7 @@ from tests.thbridge.analysis.planting import (
     tf,
 )
 from tests.thbridge.offline.foreign import transform
-from thbridge.analysis.check import Severity, Tool, judge
+from thbridge.analysis.check import BagTool, FindingSeverity, judge
 from thbridge.recording.bag.scan import scan
 from thbridge.ros.messages.types import plain_definition
 
@@ -33,8 +33,8 @@ def test_unlatched(tmp_path: Path, topic: str, latching: str | None) -> None:
     planted = clean()
     planted.change(topic, latching=latching)
     finding = found(judged(tmp_path, planted), "unlatched")
-    assert (finding.topic, finding.severity) == (topic, Severity.ERROR)
-    assert Tool.RVIZ in finding.tools
+    assert (finding.topic, finding.severity) == (topic, FindingSeverity.ERROR)
+    assert BagTool.RVIZ in finding.tools
 
 
 def test_a_map_that_is_said_again_and_again_needs_no_latching(tmp_path: Path) -> None:
@@ -50,7 +50,7 @@ def test_latching_that_is_neither_0_nor_1(tmp_path: Path, latching: str) -> None
     planted.change("/odom", latching=latching)
     finding = found(judged(tmp_path, planted), "latching-word")
     assert finding.topic == "/odom"
-    assert {Tool.ROSBAG, Tool.EVO} <= set(finding.tools)
+    assert {BagTool.ROSBAG, BagTool.EVO} <= set(finding.tools)
 
 
 def test_two_publishers_of_static_transforms(tmp_path: Path) -> None:
@@ -58,7 +58,7 @@ def test_two_publishers_of_static_transforms(tmp_path: Path) -> None:
     other = replace(STATIC_LINE, caller="/camera")
     planted.entries.insert(2, Entry(other, START, tf(transform(START, "base_link", "camera", IDENTITY))))
     finding = found(judged(tmp_path, planted), "two-latched")
-    assert (finding.topic, finding.severity) == ("/tf_static", Severity.ERROR)
+    assert (finding.topic, finding.severity) == ("/tf_static", FindingSeverity.ERROR)
     assert "/camera" in finding.what
 
 
@@ -72,7 +72,7 @@ def test_wrong_md5(tmp_path: Path) -> None:
     planted = clean()
     planted.change("/odom", md5="0" * 32)
     finding = found(judged(tmp_path, planted), "md5-wrong")
-    assert (finding.topic, finding.severity) == ("/odom", Severity.ERROR)
+    assert (finding.topic, finding.severity) == ("/odom", FindingSeverity.ERROR)
     assert plain_definition("nav_msgs/Odometry").md5 in finding.what
 
 
@@ -111,7 +111,7 @@ def test_definition_that_says_two_things_of_a_type(tmp_path: Path) -> None:
         "/odom", definition=f"{text}{separator}\nMSG: std_msgs/Header\nuint32 seq\ntime stamp\nstring name\n"
     )
     finding = found(judged(tmp_path, planted), "definition-twice")
-    assert (finding.severity, finding.tools) == (Severity.ERROR, (Tool.FOXGLOVE,))
+    assert (finding.severity, finding.tools) == (FindingSeverity.ERROR, (BagTool.FOXGLOVE,))
     assert "std_msgs/Header" in finding.what
 
 
@@ -140,14 +140,14 @@ def test_everybody_latches_the_log(tmp_path: Path) -> None:
 def test_a_clock_in_the_bag(tmp_path: Path) -> None:
     planted = clean()
     planted.entries.append(Entry(Line("/clock", "rosgraph_msgs/Clock"), START + 30 * STEP, data=b"\0" * 8))
-    assert found(judged(tmp_path, planted), "clock-recorded").tools == (Tool.ROSBAG, Tool.RVIZ)
+    assert found(judged(tmp_path, planted), "clock-recorded").tools == (BagTool.ROSBAG, BagTool.RVIZ)
 
 
 def test_nothing_for_evo(tmp_path: Path) -> None:
     planted = clean()
     planted.entries = planted.of("/scan")
     finding = found(judged(tmp_path, planted), "no-trajectory")
-    assert (finding.severity, finding.tools) == (Severity.NOTE, (Tool.EVO,))
+    assert (finding.severity, finding.tools) == (FindingSeverity.NOTE, (BagTool.EVO,))
 
 
 def test_messages_of_no_connection(tmp_path: Path) -> None:
@@ -157,4 +157,4 @@ def test_messages_of_no_connection(tmp_path: Path) -> None:
     path = tmp_path / "a.bag"
     path.write_bytes(data[:at] + b"\x63" + data[at + 1 :])
     finding = found(judge(scan(path)), "unknown-source")
-    assert (finding.severity, finding.count) == (Severity.ERROR, 1)
+    assert (finding.severity, finding.count) == (FindingSeverity.ERROR, 1)

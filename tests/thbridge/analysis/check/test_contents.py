@@ -19,7 +19,7 @@ from tests.thbridge.analysis.planting import (
     rules,
     scan_message,
 )
-from thbridge.analysis.check import Severity, Tool
+from thbridge.analysis.check import BagTool, FindingSeverity
 
 
 @pytest.mark.parametrize(
@@ -34,9 +34,9 @@ def test_quaternions(tmp_path: Path, topic: str, quaternion: tuple[float, ...], 
     rotation.x, rotation.y, rotation.z, rotation.w = map(float, quaternion)
     finding = found(judged(tmp_path, planted), "quaternion")
     forgiven = topic == "/odom" and fault == "all zero"
-    severity = Severity.WARNING if forgiven else Severity.ERROR
+    severity = FindingSeverity.WARNING if forgiven else FindingSeverity.ERROR
     assert (finding.topic, finding.count, finding.severity) == (topic, 1, severity)
-    assert (Tool.RVIZ in finding.tools) is not forgiven
+    assert (BagTool.RVIZ in finding.tools) is not forgiven
     assert fault in finding.what
 
 
@@ -95,7 +95,7 @@ def test_arrays_too_long_to_plot(tmp_path: Path) -> None:
     planted = clean()
     planted.entries[0] = replace(planted.entries[0], message=grid(START, 40, 30, 1200))
     finding = found(judged(tmp_path, planted), "long-array")
-    assert (finding.severity, finding.tools) == (Severity.NOTE, (Tool.PLOTJUGGLER,))
+    assert (finding.severity, finding.tools) == (FindingSeverity.NOTE, (BagTool.PLOTJUGGLER,))
 
 
 @pytest.mark.parametrize("change", [lambda data: data[:-3], lambda data: data + b"\0\0", lambda data: b""])
@@ -105,4 +105,4 @@ def test_data_that_do_not_fit_the_definition(tmp_path: Path, change: object) -> 
     planted.entries[-1] = Entry(last.line, last.ns, data=change(last.bytes()))  # type: ignore[operator]
     finding = found(judged(tmp_path, planted), "data-wrong")
     assert (finding.topic, finding.count, finding.first_ns) == ("/scan", 1, last.ns)
-    assert set(finding.tools) == set(Tool) - {Tool.EVO}, "evo does not read scans"
+    assert set(finding.tools) == set(BagTool) - {BagTool.EVO}, "evo does not read scans"

@@ -23,7 +23,7 @@ from tests.thbridge.analysis.planting import (
     write,
 )
 from tests.thbridge.offline.foreign import transform
-from thbridge.analysis.check import Severity, Tool, judge
+from thbridge.analysis.check import BagTool, FindingSeverity, judge
 from thbridge.recording.bag.scan import scan
 
 
@@ -40,7 +40,7 @@ def test_frame_that_nothing_joins(tmp_path: Path) -> None:
     assert (finding.topic, finding.count, finding.first_ns) == ("/scan", 30, START)
     assert "'laser'" in finding.what
     assert "'map'" in finding.what
-    assert set(finding.tools) == {Tool.RVIZ, Tool.FOXGLOVE}
+    assert set(finding.tools) == {BagTool.RVIZ, BagTool.FOXGLOVE}
 
 
 def test_no_transforms_at_all_are_one_finding(tmp_path: Path) -> None:
@@ -48,7 +48,7 @@ def test_no_transforms_at_all_are_one_finding(tmp_path: Path) -> None:
     planted.drop("/tf_static")
     planted.drop("/tf")
     (finding,) = judged(tmp_path, planted).findings
-    assert (finding.rule, finding.topic, finding.severity) == ("tf-missing", None, Severity.ERROR)
+    assert (finding.rule, finding.topic, finding.severity) == ("tf-missing", None, FindingSeverity.ERROR)
     assert "laser, map, odom" in finding.what
 
 
@@ -63,7 +63,7 @@ def test_what_is_not_shown_hangs_loose_with_a_warning(tmp_path: Path) -> None:
     line = Line("/battery", "sensor_msgs/BatteryState")
     data = b"\0" * 4 + (START // 10**9).to_bytes(4, "little") + b"\0" * 4 + b"\x03\0\0\0gps" + b"\0" * 48
     planted.entries.append(Entry(line, START + 30 * STEP, data=data))
-    assert found(judged(tmp_path, planted), "tf-missing").severity is Severity.WARNING
+    assert found(judged(tmp_path, planted), "tf-missing").severity is FindingSeverity.WARNING
 
 
 def test_tree_in_two_pieces(tmp_path: Path) -> None:
@@ -82,7 +82,7 @@ def test_transforms_that_come_late(tmp_path: Path) -> None:
     planted = clean()
     planted.entries = [e for e in planted.entries if e.line.topic != "/tf" or e.ns >= START + 15 * STEP]
     finding = found(judged(tmp_path, planted), "tf-late")
-    assert finding.severity is Severity.WARNING
+    assert finding.severity is FindingSeverity.WARNING
     assert "1.500 s" in finding.what
 
 
@@ -91,13 +91,13 @@ def test_slashed_frames(tmp_path: Path) -> None:
     planted.entries[-1] = replace(planted.entries[-1], message=scan_message(START + 29 * STEP, "/laser"))
     judgement = judged(tmp_path, planted)
     finding = found(judgement, "frame-slash")
-    assert (finding.topic, finding.severity, finding.tools) == ("/scan", Severity.ERROR, (Tool.RVIZ,))
+    assert (finding.topic, finding.severity, finding.tools) == ("/scan", FindingSeverity.ERROR, (BagTool.RVIZ,))
     assert "tf-missing" not in rules(judgement)
 
 
 def test_slashes_in_transforms_hurt_less(tmp_path: Path) -> None:
     judgement = judged(tmp_path, extra_tf(clean(), transform(START, "/map", "/box", IDENTITY)))
-    assert {finding.severity for finding in judgement.findings} == {Severity.WARNING}
+    assert {finding.severity for finding in judgement.findings} == {FindingSeverity.WARNING}
     assert {finding.rule for finding in judgement.findings} == {"frame-slash"}
 
 
@@ -116,7 +116,7 @@ def extra_tf(planted: Planted, *transforms: object) -> Planted:
 def test_frame_with_two_parents(tmp_path: Path) -> None:
     both = (transform(START, "map", "box", IDENTITY), transform(START, "odom", "box", IDENTITY))
     finding = found(judged(tmp_path, extra_tf(clean(), *both)), "tf-two-parents")
-    assert finding.severity is Severity.ERROR
+    assert finding.severity is FindingSeverity.ERROR
     assert "'box'" in finding.what
 
 

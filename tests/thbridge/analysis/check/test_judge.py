@@ -8,12 +8,12 @@ from hypothesis import strategies as st
 
 from tests.thbridge.analysis.planting import START, Form, clean, content, judged
 from tests.thbridge.ros.drive import MOUNT, SCAN_PERIOD, SESSION, arena, records, snapshots
-from thbridge.analysis.check import Severity, Tool, judge
+from thbridge.analysis.check import BagTool, FindingSeverity, judge
 from thbridge.app.session.broadcast import Broadcast
 from thbridge.recording.bag.scan import scan
 from thbridge.recording.bag.writer import BagWriter
 from thbridge.ros.messages.records import MavlinkFrame, VehicleFrame, VehicleState
-from thbridge.ros.publisher import Publisher
+from thbridge.ros.publisher import TeamPublisher
 
 
 def test_the_bag_that_faults_are_planted_in_is_clean(tmp_path: Path) -> None:
@@ -25,7 +25,7 @@ def test_the_bag_that_faults_are_planted_in_is_clean(tmp_path: Path) -> None:
 def test_a_recording_of_ours_is_clean(tmp_path: Path) -> None:
     path = tmp_path / "ours.bag"
     with BagWriter(path) as writer:
-        recorder = Broadcast(Publisher(2, MOUNT, SCAN_PERIOD), SESSION, arena(), [writer])
+        recorder = Broadcast(TeamPublisher(2, MOUNT, SCAN_PERIOD), SESSION, arena(), [writer])
         for snapshot in snapshots(2, 120):
             recorder.record(snapshot, records(snapshot.tick))
     judgement = judge(scan(path))
@@ -36,7 +36,7 @@ def test_a_recording_of_ours_is_clean(tmp_path: Path) -> None:
 def test_a_recording_of_vehicles_is_clean(tmp_path: Path) -> None:
     path = tmp_path / "ours.bag"
     with BagWriter(path) as writer:
-        recorder = Broadcast(Publisher(2, MOUNT, SCAN_PERIOD, vehicles=True), SESSION, arena(), [writer])
+        recorder = Broadcast(TeamPublisher(2, MOUNT, SCAN_PERIOD, vehicles=True), SESSION, arena(), [writer])
         for snapshot in snapshots(2, 120):
             heard = MavlinkFrame("/dev/ttyACM0", 253, 0, 0, 7, 255, 190, 0, 11100, bytes(9))
             frames = [VehicleFrame(robot, True, heard) for robot in range(2 if snapshot.tick % 50 == 0 else 0)]
@@ -54,8 +54,8 @@ def test_verdict_of_each_tool(tmp_path: Path) -> None:
     planted = clean()
     planted.drop("/tf_static")
     judgement = judged(tmp_path, planted)
-    assert judgement.worst(Tool.RVIZ) is Severity.ERROR
-    assert judgement.worst(Tool.ROSBAG) is None
+    assert judgement.worst(BagTool.RVIZ) is FindingSeverity.ERROR
+    assert judgement.worst(BagTool.ROSBAG) is None
     assert not judgement.ok
 
 

@@ -5,14 +5,14 @@ from pathlib import Path
 import pytest
 
 from tests.thbridge.analysis.planting import Planted, clean, content, fields, found, judged, record, uint32, uint64
-from thbridge.analysis.check import Severity, Tool, judge
+from thbridge.analysis.check import BagTool, FindingSeverity, judge
 from thbridge.recording.bag.scan import scan
 
 
 def test_missing_index(tmp_path: Path) -> None:
     finding = found(judged(tmp_path, clean(), indexed=False), "no-index")
-    assert finding.severity is Severity.ERROR
-    assert set(finding.tools) == set(Tool)
+    assert finding.severity is FindingSeverity.ERROR
+    assert set(finding.tools) == set(BagTool)
     assert "thbridge bag reindex" in finding.remedy
 
 
@@ -22,29 +22,29 @@ def test_index_that_lacks_messages(tmp_path: Path) -> None:
     at = data.index(b"count=") + len(b"count=")
     path = tmp_path / "a.bag"
     path.write_bytes(data[:at] + bytes([data[at] - 1]) + data[at + 1 :])
-    assert found(judge(scan(path)), "index-wrong").severity is Severity.ERROR
+    assert found(judge(scan(path)), "index-wrong").severity is FindingSeverity.ERROR
 
 
 @pytest.mark.parametrize("padded_to", [4088, 4092, 4097])
 def test_first_record_of_another_length(tmp_path: Path, padded_to: int) -> None:
     finding = found(judged(tmp_path, clean(), padded_to=padded_to), "header-padding")
-    assert finding.tools == (Tool.ROSBAG,)
+    assert finding.tools == (BagTool.ROSBAG,)
     assert str(padded_to) in finding.what
 
 
 def test_chunks_out_of_order(tmp_path: Path) -> None:
     judgement = judged(tmp_path, clean(), reverse_chunks=True)
     finding = found(judgement, "chunk-order")
-    assert (finding.severity, finding.tools) == (Severity.ERROR, (Tool.ROSBAG, Tool.FOXGLOVE))
+    assert (finding.severity, finding.tools) == (FindingSeverity.ERROR, (BagTool.ROSBAG, BagTool.FOXGLOVE))
     assert "says it lasts -2.7 s where it does 2.9 s, and Foxglove leaves out all before 2.9 s" in finding.what
-    assert found(judgement, "chunks-overlap").tools == (Tool.FOXGLOVE,)
+    assert found(judgement, "chunks-overlap").tools == (BagTool.FOXGLOVE,)
     assert found(judgement, "back-in-time").count > 1
 
 
 def test_an_empty_chunk_at_the_end(tmp_path: Path) -> None:
     finding = found(judged(tmp_path, clean(), empty_chunk=True), "chunk-order")
     assert "-100.0 s" in finding.what
-    assert (finding.severity, finding.tools) == (Severity.WARNING, (Tool.ROSBAG,))
+    assert (finding.severity, finding.tools) == (FindingSeverity.WARNING, (BagTool.ROSBAG,))
 
 
 ROS_LZ4 = {"block_linked": False, "store_size": False, "content_checksum": True}
@@ -54,8 +54,8 @@ ROS_LZ4 = {"block_linked": False, "store_size": False, "content_checksum": True}
 def test_lz4_that_ros_cannot_unpack(tmp_path: Path, change: dict[str, bool]) -> None:
     assert judged(tmp_path, clean(), lz4_flags=ROS_LZ4).findings == ()
     finding = found(judged(tmp_path, clean(), lz4_flags={**ROS_LZ4, **change}), "lz4-frames")
-    assert Tool.ROSBAG in finding.tools
-    assert Tool.FOXGLOVE not in finding.tools
+    assert BagTool.ROSBAG in finding.tools
+    assert BagTool.FOXGLOVE not in finding.tools
 
 
 def test_a_cut_off_file(tmp_path: Path) -> None:
@@ -64,7 +64,7 @@ def test_a_cut_off_file(tmp_path: Path) -> None:
     assert "100 bytes" not in found(judge(scan(path)), "torn").what
     path.write_bytes(content(clean())[:20000])
     judgement = judge(scan(path))
-    assert found(judgement, "torn").severity is Severity.ERROR
+    assert found(judgement, "torn").severity is FindingSeverity.ERROR
     assert judgement.messages > 10
 
 
@@ -87,4 +87,4 @@ def test_an_encrypted_bag(tmp_path: Path) -> None:
     head = fields(op=b"\x03", index_pos=uint64(0), conn_count=uint32(0), chunk_count=uint32(0), encryptor=b"rosbag/Aes")
     path = tmp_path / "a.bag"
     path.write_bytes(data[:13] + record(head, b" " * (4096 - len(head))) + data[13 + 4104 :])
-    assert Tool.FOXGLOVE in found(judge(scan(path)), "encrypted").tools
+    assert BagTool.FOXGLOVE in found(judge(scan(path)), "encrypted").tools

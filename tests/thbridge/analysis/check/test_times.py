@@ -16,7 +16,7 @@ from tests.thbridge.analysis.planting import (
     rules,
     scan_message,
 )
-from thbridge.analysis.check import Severity, Tool
+from thbridge.analysis.check import BagTool, FindingSeverity
 
 
 def test_messages_out_of_order_within_a_chunk(tmp_path: Path) -> None:
@@ -32,7 +32,7 @@ def test_stamp_of_zero(tmp_path: Path) -> None:
     planted.entries.insert(0, Entry(SCAN_LINE, 0, scan_message(START)))
     finding = found(judged(tmp_path, planted), "stamp-zero")
     assert (finding.topic, finding.count, finding.first_ns) == ("/scan", 1, 0)
-    assert Tool.ROSBAG in finding.tools
+    assert BagTool.ROSBAG in finding.tools
 
 
 def test_headers_far_from_the_recording(tmp_path: Path) -> None:
@@ -55,14 +55,14 @@ def test_odometry_that_is_not_stamped(tmp_path: Path) -> None:
         replace(entry, message=odom_message(0)) if entry.line.topic == "/odom" else entry for entry in planted.entries
     ]
     finding = found(judged(tmp_path, planted), "header-zero")
-    assert (finding.tools, finding.count) == ((Tool.EVO,), 30)
+    assert (finding.tools, finding.count) == ((BagTool.EVO,), 30)
 
 
 def test_headers_that_go_back(tmp_path: Path) -> None:
     planted = clean()
     last = planted.of("/odom")[-1]
     planted.entries[planted.entries.index(last)] = replace(last, message=odom_message(START))
-    assert found(judged(tmp_path, planted), "header-back").tools == (Tool.EVO,)
+    assert found(judged(tmp_path, planted), "header-back").tools == (BagTool.EVO,)
 
 
 def test_headers_that_repeat(tmp_path: Path) -> None:
@@ -70,4 +70,4 @@ def test_headers_that_repeat(tmp_path: Path) -> None:
     last = planted.of("/odom")[-1]
     planted.entries[planted.entries.index(last)] = replace(last, message=odom_message(last.ns - STEP))
     finding = found(judged(tmp_path, planted), "header-repeated")
-    assert (finding.severity, finding.count, finding.tools) == (Severity.WARNING, 1, (Tool.EVO,))
+    assert (finding.severity, finding.count, finding.tools) == (FindingSeverity.WARNING, 1, (BagTool.EVO,))

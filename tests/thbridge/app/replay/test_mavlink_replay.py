@@ -16,27 +16,26 @@ from thbridge.app.compose import read_setting
 from thbridge.app.play import PLAY, NoLog
 from thbridge.app.replay.mavlink_replay import FramesOptions, FramesReplayed, has_session, replay_frames
 from thbridge.app.session.broadcast import Broadcast
-from thbridge.app.session.recording import BagWitness
+from thbridge.app.session.recording import BagRecorder
 from thbridge.app.session.session import Session
 from thbridge.files.errors import BadFile
 from thbridge.recording.bag.reader import messages
 from thbridge.recording.bag.writer import BagWriter
-from thbridge.roles.tabui import Seen, TabUI
+from thbridge.roles.tabui import ParticipantUpdate, TabUI
 from thbridge.roles.vehicles.parameters import PARAMETERS
-from thbridge.roles.view import View, Wish
+from thbridge.roles.view import ParticipantRequest, View
 from thbridge.ros import names
 from thbridge.ros.messages import types, unpack
-from thbridge.ros.topics import Message as RosMessage
-from thbridge.ros.topics import Topic
+from thbridge.ros.topics import RosMessage, Topic
 from thbridge.study.mavlink import MavlinkSection
-from thbridge.study.overrides import Change
+from thbridge.study.overrides import StudyChange
 from thbridge.study.study_file import Study
 from thbridge.wire import legacy
 from thbridge.wire.mavlink.dialect import Message, crc_extra, decoded, mav, payload_of
 from thbridge.wire.mavlink.frames.frame import Frame
-from thbridge.wire.mavlink.frames.framer import Framer
+from thbridge.wire.mavlink.frames.framer import FrameParser
 from thbridge.wire.mavlink.outgoing import LinkId
-from thbridge.wire.router import Router
+from thbridge.wire.router import MessageRouter
 
 STUDY = replace(Study(), seed=7, robots=2, mavlink=MavlinkSection(on=True))
 OPEN, BURST = 4, 15
@@ -73,10 +72,10 @@ class Station:
 class Follower:
     """A participant who follows the hunt, and wishes nothing."""
 
-    def wishes(self, view: View) -> tuple[Wish, ...]:
+    def requests(self, view: View) -> tuple[ParticipantRequest, ...]:
         return ()
 
-    def saw(self, level: Seen) -> None:
+    def observe(self, level: ParticipantUpdate) -> None:
         pass
 
 
@@ -90,9 +89,9 @@ def record(
         window = None if follower is None else TabUI(follower, follower)
         roles_within = [legacy.SIMR, legacy.HIDER, *([] if window is None else [window.name])]
         opening = setting.record(PLAY, roles_within, "" if window is None else "person")
-        witness = BagWitness(Broadcast(setting.publisher(), opening, setting.place.grid, [writer]))
+        witness = BagRecorder(Broadcast(setting.publisher(), opening, setting.map.grid, [writer]))
         roles = [simr, setting.hider()]
-        session = Session(Router(), setting.keeper(), roles, NoLog(), [witness], window, setting.vehicles(simr))
+        session = Session(MessageRouter(), setting.keeper(), roles, NoLog(), [witness], window, setting.vehicles(simr))
         for tick in range(ticks):
             doing(tick, session)
             session.step()
@@ -164,7 +163,7 @@ def test_a_file_that_a_station_read_is_read_again_bit_for_bit(tmp_path: Path):
 def test_frames_say_nothing_to_robots_that_are_no_vehicles_any_more(tmp_path: Path):
     bag = tmp_path / "hunt.bag"
     record(bag, 120, beating({}))
-    done = again(bag, Change("mavlink.on", "false"), to_the_end=True)
+    done = again(bag, StudyChange("mavlink.on", "false"), to_the_end=True)
     assert done.difference is not None
     assert done.ticks == 120
 
@@ -232,7 +231,7 @@ class Tour:
 
     def __init__(self, rooms: dict[int, list[int]], study: Study = STUDY) -> None:
         self._left = rooms
-        self._goals = [room.goal for room in read_setting(study, Path()).place.rooms]
+        self._goals = [room.goal for room in read_setting(study, Path()).map.rooms]
         self._arrived = dict.fromkeys(rooms, 0)
         self._bound = dict.fromkeys(rooms, 0)
 
@@ -296,7 +295,7 @@ class Storm:
     def __init__(self, seed: int) -> None:
         self._chance = random.Random(seed)
         self._foe = Foe(self._chance, range(1, STUDY.robots + 1), [parameter.name for parameter in PARAMETERS])
-        self._framer = Framer()
+        self._framer = FrameParser()
 
     def __call__(self, tick: int, session: Session) -> None:
         if tick % 40 == 10:
@@ -323,7 +322,7 @@ def test_a_storm_of_frames_does_the_same_again(tmp_path: Path, ticks: int):
 def test_a_whole_hunt_by_ground_stations_comes_out_the_same_and_with_another_seed_it_goes_other_ways(tmp_path: Path):
     bag = tmp_path / "hunt.bag"
     study = replace(STUDY, map="practice", templates="practice")
-    rooms = len(read_setting(study, Path()).place.rooms)
+    rooms = len(read_setting(study, Path()).map.rooms)
     numbers = [*range(1, rooms + 1)]
     tour = Tour({1: numbers[: rooms // 2], 2: numbers[rooms // 2 :]}, study)
     record(bag, 6000, tour, study, Follower())

@@ -24,24 +24,24 @@ from sim.team import (
     Revive,
 )
 from sim.world.things import Thing
-from thbridge.app.compose import Setting, build_bot, read_setting
-from thbridge.app.listeners import Hosts, Watch
-from thbridge.app.play import PLAY, NoLog, PlayOptions, Unfinished, play
+from thbridge.app.compose import StudySetting, build_bot, read_setting
+from thbridge.app.listeners import StartupCallbacks, WatchAddress
+from thbridge.app.play import PLAY, HuntUnfinished, NoLog, PlayOptions, play
 from thbridge.app.programs import SIMR
 from thbridge.app.replay.replay import Replayed, ReplayOptions, replay, session_of, ticks_of
 from thbridge.app.session.broadcast import Broadcast
 from thbridge.app.session.inputs import Advanced, Asked, Backlogged, Closed, Input, Opened, Received, Said
-from thbridge.app.session.recording import BagWitness
-from thbridge.app.session.remote_robots import Outpost
-from thbridge.app.session.session import Moment, Session
-from thbridge.app.session.watching import request_line
+from thbridge.app.session.recording import BagRecorder
+from thbridge.app.session.session import Session, TickRecord
+from thbridge.app.session.simr_session import SimrSession
+from thbridge.app.session.watch_requests import request_line
 from thbridge.files.errors import BadFile
 from thbridge.recording.bag.reader import messages
 from thbridge.recording.bag.records import Compression
 from thbridge.recording.bag.repair import reindex
 from thbridge.recording.bag.writer import BagWriter
 from thbridge.roles.bots import BotStrategy
-from thbridge.roles.notices import KEEPER, Order, Orders, Subscribe, tell
+from thbridge.roles.notices import KEEPER, MoveOrder, Orders, Subscribe, encode_notice
 from thbridge.roles.robot_requests import (
     AdviseFor,
     PaceRequest,
@@ -58,24 +58,25 @@ from thbridge.ros import names
 from thbridge.ros.messages import unpack
 from thbridge.ros.messages.records import CancelRequest, GoalRequest, InitialPose, SimpleGoal, VelocityCommand
 from thbridge.ros.messages.stamps import START_NS, TICK_NS
-from thbridge.ros.publisher import Message, Topic
+from thbridge.ros.publisher import RosMessage, Topic
 from thbridge.sockets.text_client import TextClient
-from thbridge.sockets.text_server import CannotListen, Listening
+from thbridge.sockets.text_server import CannotListen, ListeningAddress
 from thbridge.sockets.watch_client import WatchClient
-from thbridge.study.overrides import Change, changed
+from thbridge.study.overrides import StudyChange, with_changes
 from thbridge.study.study_file import RecordingSection, Study, read_study_text
-from thbridge.wire import legacy, text, watching
-from thbridge.wire.client import Registered
-from thbridge.wire.router import ConnectionId, Forwarded, Output, Router, Send
+from thbridge.wire import legacy, text
+from thbridge.wire import watch_protocol as watching
+from thbridge.wire.client import NameRegistered
+from thbridge.wire.router import ConnectionId, Forwarded, MessageRouter, RouterOutput, SendToClient
 
 STUDY = dataclasses.replace(Study(), seed=7, server=dataclasses.replace(Study().server, port=0))
 
 
-def setting_of(study: Study) -> Setting:
+def setting_of(study: Study) -> StudySetting:
     return read_setting(study, Path())
 
 
-def bot_of(setting: Setting) -> TabUI:
+def bot_of(setting: StudySetting) -> TabUI:
     return TabUI(build_bot(setting.templates, setting.study.participant.strategy, setting.study.seed))
 
 
@@ -83,7 +84,7 @@ def record(bag: Path, study: Study, seconds: float) -> None:
     """A hunt with a simulated participant, given up after some time."""
     setting = setting_of(study)
     options = PlayOptions(0.0, bag, frozenset(), "suggestion", seconds)
-    with pytest.raises(Unfinished):
+    with pytest.raises(HuntUnfinished):
         asyncio.run(play(setting, bot_of(setting), options, lambda where: None, lambda moment: None))
 
 
@@ -93,8 +94,8 @@ def watched(bag: Path, study: Study, seconds: float, plan: Sequence[tuple[int, R
     setting, waiting, clients = setting_of(study), list(plan), list[WatchClient]()
     running: list[asyncio.Task[None]] = []
 
-    def come(where: Listening | CannotListen) -> None:
-        assert isinstance(where, Listening)
+    def come(where: ListeningAddress | CannotListen) -> None:
+        assert isinstance(where, ListeningAddress)
         clients.append(WatchClient(where.host, where.port))
         running.extend((asyncio.ensure_future(clients[0].run()), asyncio.ensure_future(look())))
 
@@ -102,22 +103,22 @@ def watched(bag: Path, study: Study, seconds: float, plan: Sequence[tuple[int, R
         tick = 0
         while waiting:
             for event in clients[0].take():
-                if isinstance(event, watching.Said) and event.topic == names.TF:
+                if isinstance(event, watching.SessionMessage) and event.topic == names.TF:
                     tick = (event.stamp_ns - START_NS) // TICK_NS
             while waiting and tick >= waiting[0][0]:
                 assert clients[0].send(request_line("researcher", waiting.pop(0)[1]))
             await asyncio.sleep(0)
 
     async def whole() -> None:
-        options = PlayOptions(20.0, bag, frozenset(), "suggestion", seconds, watch=Watch("127.0.0.1", 0, None))
-        told = Hosts(lambda master: None, come)
+        options = PlayOptions(20.0, bag, frozenset(), "suggestion", seconds, watch=WatchAddress("127.0.0.1", 0, None))
+        told = StartupCallbacks(lambda master: None, come)
         try:
             await play(setting, bot_of(setting), options, lambda where: None, lambda moment: None, told)
         finally:
             for task in running:
                 task.cancel()
 
-    with pytest.raises(Unfinished):
+    with pytest.raises(HuntUnfinished):
         asyncio.run(whole())
     assert not waiting
     return [type(item.request) for item in inputs(bag) if isinstance(item, Asked) and item.sender == "researcher"]
@@ -129,15 +130,15 @@ def act(bag: Path, study: Study, ticks: int, doing: Callable[[int, Session], Non
     roles = [setting.simr(), setting.hider()]
     session_record = setting.record(PLAY, [legacy.SIMR, legacy.HIDER, legacy.TABUI], "suggestion")
     with setting.writer(bag) as writer:
-        witness = BagWitness(Broadcast(setting.publisher(), session_record, setting.place.grid, [writer]))
-        session = Session(Router(), setting.keeper(), roles, NoLog(), [witness], bot_of(setting))
+        witness = BagRecorder(Broadcast(setting.publisher(), session_record, setting.map.grid, [writer]))
+        session = Session(MessageRouter(), setting.keeper(), roles, NoLog(), [witness], bot_of(setting))
         for tick in range(ticks):
             doing(tick, session)
             session.step()
 
 
-def again(bag: Path, *changes: Change, to: Path | None = None, to_the_end: bool = False) -> Replayed:
-    study = changed(read_study_text(bag, session_of(bag).study), [], changes)
+def again(bag: Path, *changes: StudyChange, to: Path | None = None, to_the_end: bool = False) -> Replayed:
+    study = with_changes(read_study_text(bag, session_of(bag).study), [], changes)
     return asyncio.run(replay(bag, setting_of(study), ReplayOptions(0.0, 0.0, to, to_the_end), lambda moment: None))
 
 
@@ -149,7 +150,7 @@ def equal(bag: Path, ticks: int) -> None:
 
 
 def subscription(name: str) -> bytes:
-    return (tell(name, legacy.SIMR, Subscribe()).line() + "\n").encode()
+    return (encode_notice(name, legacy.SIMR, Subscribe()).line() + "\n").encode()
 
 
 def inputs(bag: Path) -> Iterator[Input]:
@@ -313,11 +314,11 @@ class TestSame:
 
     def test_a_reader_that_lags_behind_while_it_is_sent_something(self, tmp_path: Path) -> None:
         def doing(tick: int, session: Session) -> None:
-            def perform(outputs: Sequence[Output]) -> None:
+            def perform(outputs: Sequence[RouterOutput]) -> None:
                 for output in outputs:
                     if isinstance(output, Forwarded):
-                        session.hear(output)
-                    if isinstance(output, Send) and tick > 30:
+                        session.note_forwarded(output)
+                    if isinstance(output, SendToClient) and tick > 30:
                         perform(session.report_backlog(output.connection, 2**30))
 
             session.perform = perform
@@ -335,22 +336,26 @@ class TestSame:
         simr = setting.simr()
         record = setting.record(SIMR, [simr.name], "")
         with setting.writer(tmp_path / "simr.bag") as writer:
-            said = Broadcast(setting.publisher(), record, setting.place.grid, [writer])
-            outpost = Outpost(simr, [BagWitness(said)])
+            said = Broadcast(setting.publisher(), record, setting.map.grid, [writer])
+            outpost = SimrSession(simr, [BagRecorder(said)])
             for tick in range(400):
                 if tick in {3, 200}:
                     outpost.connected()
                 if tick == 10:
-                    outpost.hear(tell(KEEPER, legacy.SIMR, Orders(1, (Order(1, 2), None), (90.0, 80.0), (0, 0), None)))
+                    outpost.receive(
+                        encode_notice(
+                            KEEPER, legacy.SIMR, Orders(1, (MoveOrder(1, 2), None), (90.0, 80.0), (0, 0), None)
+                        )
+                    )
                 if tick == 100:
-                    outpost.hear(legacy.Goto(1, 3).message())
+                    outpost.receive(legacy.GotoRoom(1, 3).message())
                     outpost.ask("/teleop", VelocityCommand(0, Twist(0.1, 0.0)))
                 outpost.step()
         equal(tmp_path / "simr.bag", 400)
 
     def test_a_program_from_outside_that_comes_goes_and_comes_again(self, tmp_path: Path) -> None:
         setting = setting_of(STUDY)
-        where: list[Listening] = []
+        where: list[ListeningAddress] = []
 
         async def outside() -> None:
             while not where:
@@ -362,9 +367,9 @@ class TestSame:
                     for tick in range(turns):
                         heard = []
                         for event in client.take():
-                            if isinstance(event, Registered):
+                            if isinstance(event, NameRegistered):
                                 role.connected()
-                            elif isinstance(event, text.Message):
+                            elif isinstance(event, text.TextMessage):
                                 heard.append(event)
                         for message in role.step(tick, heard):
                             client.send(message)
@@ -378,7 +383,7 @@ class TestSame:
             finally:
                 participant.cancel()
 
-        with pytest.raises(Unfinished):
+        with pytest.raises(HuntUnfinished):
             asyncio.run(both())
         assert session_of(tmp_path / "hunt.bag").participant == ""
         opened = [item for item in inputs(tmp_path / "hunt.bag") if isinstance(item, Opened)]
@@ -388,7 +393,7 @@ class TestSame:
 
 class TestDifferent:
     def test_another_seed_is_found_where_it_first_shows(self, hunt: Path) -> None:
-        difference = again(hunt, Change("seed", "8")).difference
+        difference = again(hunt, StudyChange("seed", "8")).difference
         assert difference is not None
         assert (difference.topic, difference.topic_number, difference.seconds) == ("/hunt/events", 1, 0.04)
         (field,) = difference.fields
@@ -396,12 +401,12 @@ class TestDifferent:
         assert '"seed":8' in field.now
 
     def test_one_parameter_of_one_robot_is_found(self, hunt: Path) -> None:
-        done = again(hunt, Change("robot.amcl.max_particles", "300"))
+        done = again(hunt, StudyChange("robot.amcl.max_particles", "300"))
         assert done.difference is not None
         assert done.ticks < 250
 
     def test_a_larger_team_says_more(self, hunt: Path) -> None:
-        difference = again(hunt, Change("robots", "3")).difference
+        difference = again(hunt, StudyChange("robots", "3")).difference
         assert difference is not None
         assert difference.topic == "/tf_static"
 
@@ -412,7 +417,7 @@ class TestDifferent:
                 session.ask("/rviz", InitialPose(1, Pose2(0.0, 0.0, 0.0), np.eye(3)))
 
         act(tmp_path / "a.bag", STUDY, 50, doing)
-        assert again(tmp_path / "a.bag", Change("robots", "1"), to_the_end=True).ticks == 50
+        assert again(tmp_path / "a.bag", StudyChange("robots", "1"), to_the_end=True).ticks == 50
 
     @pytest.mark.parametrize("forged", ["missing", "new", "changed", "moved"])
     def test_a_message_that_was_tampered_with_is_named(self, hunt: Path, tmp_path: Path, forged: str) -> None:
@@ -429,8 +434,8 @@ class TestDifferent:
                     if forged == "changed":
                         data = data[:-1] + bytes([data[-1] ^ 1])
                     if forged == "new":
-                        writer.write(Message(topic, message.stamp_ns, data))
-                writer.write(Message(topic, message.stamp_ns, data))
+                        writer.write(RosMessage(topic, message.stamp_ns, data))
+                writer.write(RosMessage(topic, message.stamp_ns, data))
         difference = again(tmp_path / "forged.bag").difference
         assert difference is not None
         assert difference.number == victim + (forged == "new")
@@ -453,7 +458,7 @@ def again_seconds(bag: Path, number: int) -> float:
 
 
 def test_it_tells_what_happens_from_the_time_asked_for(hunt: Path) -> None:
-    told: list[Moment] = []
+    told: list[TickRecord] = []
     setting = setting_of(read_study_text(hunt, session_of(hunt).study))
     asyncio.run(replay(hunt, setting, ReplayOptions(0.0, 12.0, None, False), told.append))
     assert [moment.tick for moment in told] == list(range(600, 800))
@@ -471,7 +476,7 @@ def test_a_participant_who_plays_anew_makes_the_best_of_a_changed_study(hunt: Pa
 
 def test_bags_that_are_not_ours_are_refused(tmp_path: Path) -> None:
     with BagWriter(tmp_path / "foreign.bag") as writer:
-        writer.write(Message(Topic("/chatter", "std_msgs/String"), 10**9, b"\0\0\0\0"))
+        writer.write(RosMessage(Topic("/chatter", "std_msgs/String"), 10**9, b"\0\0\0\0"))
     with pytest.raises(BadFile, match="no session of ours"):
         session_of(tmp_path / "foreign.bag")
 
@@ -480,14 +485,14 @@ def test_an_input_of_another_release_is_refused(hunt: Path, tmp_path: Path) -> N
     with BagWriter(tmp_path / "other.bag") as writer:
         for message in messages(hunt):
             data = message.data.replace(b"said", b"sung") if message.topic == names.INPUTS else message.data
-            writer.write(Message(Topic(message.topic, message.msgtype), message.stamp_ns, data))
+            writer.write(RosMessage(Topic(message.topic, message.msgtype), message.stamp_ns, data))
     with pytest.raises(BadFile, match="no input is of the kind 'sung'"):
         again(tmp_path / "other.bag")
 
 
 @pytest.mark.slow
 def test_ten_minutes_of_three_robots_are_the_same_again(tmp_path: Path) -> None:
-    rooms = [room.goal for room in setting_of(dataclasses.replace(STUDY, map="office")).place.rooms]
+    rooms = [room.goal for room in setting_of(dataclasses.replace(STUDY, map="office")).map.rooms]
 
     def doing(tick: int, session: Session) -> None:
         # A hunt that is over leaves robots standing; then, and before, somebody else sends them about.
@@ -498,6 +503,6 @@ def test_ten_minutes_of_three_robots_are_the_same_again(tmp_path: Path) -> None:
 
     act(tmp_path / "long.bag", dataclasses.replace(STUDY, map="office", robots=3), 30_000, doing)
     equal(tmp_path / "long.bag", 30_000)
-    difference = again(tmp_path / "long.bag", Change("seed", "8")).difference
+    difference = again(tmp_path / "long.bag", StudyChange("seed", "8")).difference
     assert difference is not None
     assert difference.seconds < 1.0

@@ -9,23 +9,23 @@ import pytest
 
 from sim.team import TeamSnapshot
 from tests.thbridge.ros.test_clients import STORE, header, packed, pose
-from thbridge.app.compose import Setting
+from thbridge.app.compose import StudySetting
 from thbridge.app.play import PLAY, NoLog
 from thbridge.app.rosgraph import live
 from thbridge.app.rosgraph.live import LiveGraph
 from thbridge.app.session.broadcast import Broadcast
 from thbridge.app.session.inputs import Asked
-from thbridge.app.session.recording import BagWitness
-from thbridge.app.session.session import Moment, Session
+from thbridge.app.session.recording import BagRecorder
+from thbridge.app.session.session import Session, TickRecord
 from thbridge.roles.robot_requests import Request
 from thbridge.ros.names import GRAPH_LINK
-from thbridge.sockets.rosgraph.joining import Graph
+from thbridge.sockets.rosgraph.joining import GraphAddress
 from thbridge.wire import legacy
 from thbridge.wire.mavlink.frames.frame import Frame
 from thbridge.wire.mavlink.outgoing import LinkId
 from thbridge.wire.rosgraph.links import ServiceFailed
 from thbridge.wire.rosgraph.xmlrpc import XmlRpcValue
-from thbridge.wire.router import Router
+from thbridge.wire.router import MessageRouter
 
 Answer = bytes | ServiceFailed
 
@@ -68,7 +68,7 @@ class Doors:
 class Visited:
     """A hunt that nobody plays, on a graph whose clients knock by hand."""
 
-    def __init__(self, setting: Setting, bag: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    def __init__(self, setting: StudySetting, bag: Path, monkeypatch: pytest.MonkeyPatch) -> None:
         made: list[Doors] = []
 
         def doors(*_: object, **__: object) -> Doors:
@@ -78,13 +78,13 @@ class Visited:
         monkeypatch.setattr(live, "RosNode", doors)
         team, publisher = setting.team(), setting.publisher()
         simr = setting.simr(team)
-        graph = LiveGraph(Graph(), setting.facts(publisher), team, self.ask, self._hear)
+        graph = LiveGraph(GraphAddress(), setting.team_description(publisher), team, self.ask, self._hear)
         self.doors = made[0]
         self.writer = setting.writer(bag)
         record = setting.record(PLAY, [legacy.SIMR, legacy.HIDER], "")
-        witness = BagWitness(Broadcast(publisher, record, setting.place.grid, [graph, self.writer]))
+        witness = BagRecorder(Broadcast(publisher, record, setting.map.grid, [graph, self.writer]))
         roles, vehicles = [simr, setting.hider()], setting.vehicles(simr)
-        self._session = Session(Router(), setting.keeper(), roles, NoLog(), [witness], vehicles=vehicles)
+        self._session = Session(MessageRouter(), setting.keeper(), roles, NoLog(), [witness], vehicles=vehicles)
         self._link = self._session.open_link(GRAPH_LINK) if setting.study.mavlink.on else LinkId(0)
 
     def ask(self, sender: str, request: Request) -> None:
@@ -108,7 +108,7 @@ class Visited:
             if key.startswith(below):
                 changed(key, value)
 
-    def step(self) -> Moment:
+    def step(self) -> TickRecord:
         return self._session.step()
 
     def robots(self) -> TeamSnapshot:
@@ -117,7 +117,7 @@ class Visited:
         return snapshot
 
 
-def asked(moment: Moment) -> list[Request]:
+def asked(moment: TickRecord) -> list[Request]:
     return [item.request for item in moment.inputs if isinstance(item, Asked)]
 
 

@@ -14,7 +14,7 @@ from sim.team import RequestUpdate
 from tests.thbridge.app.rosgraph.knocking import Visited, asked, cancel, goal
 from tests.thbridge.ros.test_clients import stamped
 from thbridge.app.compose import read_setting
-from thbridge.app.rosgraph.rate_limiter import REQUESTS
+from thbridge.app.rosgraph.rate_limiter import REQUESTS_PER_TICK
 from thbridge.app.session.inputs import Framed
 from thbridge.app.session.mavros import frame_record
 from thbridge.roles.robot_requests import SetParameters
@@ -48,7 +48,7 @@ def test_a_client_that_floods_a_topic_gets_in_so_often_a_tick_and_the_log_says_s
         for _ in range(2):
             for _ in range(500):
                 visited.say("/robot1/move_base_simple/goal", stamped(), "/flood")
-            assert len(asked(visited.step())) == REQUESTS
+            assert len(asked(visited.step())) == REQUESTS_PER_TICK
     told = [line.getMessage() for line in caplog.records]
     assert len(told) == 1
     assert "/flood" in told[0]
@@ -62,7 +62,7 @@ def test_a_flood_costs_nobody_else_a_request(visited: Visited) -> None:
     visited.say("/robot2/cmd_vel", FORWARD, "/flood")
     visited.say("/robot1/move_base_simple/goal", stamped(), "/flood")
     requests = asked(visited.step())
-    assert sum(item == VelocityCommand(0, Twist(0.1, 0.0)) for item in requests) == REQUESTS + 1
+    assert sum(item == VelocityCommand(0, Twist(0.1, 0.0)) for item in requests) == REQUESTS_PER_TICK + 1
     assert VelocityCommand(1, Twist(0.1, 0.0)) in requests
     assert isinstance(requests[-1], SimpleGoal)
 
@@ -98,9 +98,9 @@ def test_a_frame_on_a_robots_topic_is_heard_by_that_robot_and_none_else(
 def test_a_flood_of_estimates_is_told_no(visited: Visited) -> None:
     estimate = stamped() + bytes(36 * 8)
     answers = [visited.call("/robot1/set_pose", estimate) for _ in range(50)]
-    assert answers.count(b"") == REQUESTS
+    assert answers.count(b"") == REQUESTS_PER_TICK
     assert isinstance(answers[-1], ServiceFailed)
-    assert len(asked(visited.step())) == REQUESTS
+    assert len(asked(visited.step())) == REQUESTS_PER_TICK
 
 
 def test_of_many_questions_about_plans_one_is_answered_at_a_turn(visited: Visited) -> None:

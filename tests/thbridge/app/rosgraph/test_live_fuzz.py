@@ -11,11 +11,11 @@ import pytest
 from hypothesis import HealthCheck, given, settings
 from hypothesis import strategies as st
 
-from sim.robot.navigator import Arrived
+from sim.robot.navigator import GoalReached
 from tests.thbridge.app.replay.test_replay import equal
 from tests.thbridge.app.rosgraph.knocking import Visited, cancel, goal
 from tests.thbridge.ros.test_clients import STORE, header, packed, pose, stamped
-from thbridge.app.compose import Setting, read_setting
+from thbridge.app.compose import StudySetting, read_setting
 from thbridge.study.study_file import Study
 from thbridge.wire.rosgraph.xmlrpc import XmlRpcValue
 
@@ -80,7 +80,7 @@ VALUES: tuple[XmlRpcValue, ...] = (
 )  # fmt: skip
 
 
-def setting_of(robots: int) -> Setting:
+def setting_of(robots: int) -> StudySetting:
     return read_setting(dataclasses.replace(Study(), robots=robots), Path())
 
 
@@ -131,7 +131,7 @@ def test_after_a_storm_robots_obey_and_a_replay_is_the_same(tmp_path: Path, monk
         arrived: set[int] = set()
         while len(arrived) < len(ROBOTS) and ticks < 120 * 50:
             for index, output in enumerate(session.robots().robots):
-                if isinstance(output.navigation.result, Arrived):
+                if isinstance(output.navigation.result, GoalReached):
                     arrived.add(index)
             ticks += 1
     assert arrived == {0, 1}

@@ -9,15 +9,15 @@ import pytest
 
 from sim.parameters import RobotParameters
 from thbridge.app.rosgraph.live_parameters import LiveParameters
-from thbridge.app.rosgraph.rate_limiter import REQUESTS, Door
+from thbridge.app.rosgraph.rate_limiter import REQUESTS_PER_TICK, RateLimiter
 from thbridge.app.rosgraph.typed_node import TypedNode
 from thbridge.files.ros.definitions import Definitions
 from thbridge.roles.robot_requests import Request, SetParameters
 from thbridge.ros.messages import types
 from thbridge.ros.messages.types import service_type
 from thbridge.sockets.rosgraph.master_server import MasterServer
-from thbridge.sockets.rosgraph.node import RosNode, Started
-from thbridge.sockets.text_server import Listening
+from thbridge.sockets.rosgraph.node import NodeStarted, RosNode
+from thbridge.sockets.text_server import ListeningAddress
 from thbridge.wire.rosgraph.links import ServiceFailed
 
 PATIENCE = 30.0
@@ -31,7 +31,7 @@ class Beside:
         self,
         master: MasterServer,
         client: RosNode,
-        door: Door,
+        door: RateLimiter,
         asks: list[tuple[str, Request]],
         ours: LiveParameters,
     ) -> None:
@@ -82,10 +82,10 @@ def beside(test: Callable[[Beside], Coroutine[None, None, None]]) -> None:
     async def run() -> None:
         async with asyncio.timeout(PATIENCE):
             master = MasterServer(port=0)
-            assert isinstance(await master.start(), Listening)
+            assert isinstance(await master.start(), ListeningAddress)
             asks: list[tuple[str, Request]] = []
             ours, client = RosNode("/ours", master.uri), RosNode("/client", master.uri)
-            door = Door()
+            door = RateLimiter()
             parameters = LiveParameters(
                 TypedNode(ours, Definitions(())),
                 [RobotParameters()] * 2,
@@ -93,7 +93,7 @@ def beside(test: Callable[[Beside], Coroutine[None, None, None]]) -> None:
                 lambda sender, what: asks.append((sender, what)),
             )
             for node in (ours, client):
-                assert isinstance(await node.start(), Started)
+                assert isinstance(await node.start(), NodeStarted)
                 await node.registered()
             graph = Beside(master, client, door, asks, parameters)
             try:
@@ -190,7 +190,7 @@ def test_a_master_that_is_started_again_hears_what_the_parameters_are_now() -> N
         port = int(graph.master.uri.rstrip("/").rpartition(":")[2])
         await graph.master.stop()
         graph.master = MasterServer(port=port)
-        assert isinstance(await graph.master.start(), Listening)
+        assert isinstance(await graph.master.start(), ListeningAddress)
         await graph.until(lambda: graph.param(f"{AMCL}/laser_z_hit") == 0.5)
         assert graph.param(f"{AMCL}/kld_err") == 0.25
 
@@ -199,17 +199,17 @@ def test_a_master_that_is_started_again_hears_what_the_parameters_are_now() -> N
 
 def test_who_turns_too_often_between_two_ticks_is_not_heard_until_the_next() -> None:
     async def test(graph: Beside) -> None:
-        values = [0.1 * (number + 1) for number in range(REQUESTS)]
+        values = [0.1 * (number + 1) for number in range(REQUESTS_PER_TICK)]
         answers = [await graph.reconfigure(AMCL, kld_err=value) for value in (*values, 0.05)]
-        assert [isinstance(answer, ServiceFailed) for answer in answers] == [False] * REQUESTS + [True]
-        assert len(graph.asks) == REQUESTS
+        assert [isinstance(answer, ServiceFailed) for answer in answers] == [False] * REQUESTS_PER_TICK + [True]
+        assert len(graph.asks) == REQUESTS_PER_TICK
         name = "/robot1/amcl/kld_err"
         for number, value in enumerate(values):
             await graph.set_param(name, value)
-            await graph.until(lambda heard=REQUESTS + number + 1: len(graph.asks) == heard)
+            await graph.until(lambda heard=REQUESTS_PER_TICK + number + 1: len(graph.asks) == heard)
         await graph.set_param(name, 0.05)
         await graph.until(lambda: graph.param(name) == values[-1])  # put back
-        assert len(graph.asks) == 2 * REQUESTS
+        assert len(graph.asks) == 2 * REQUESTS_PER_TICK
         graph.door.tick()
         assert not isinstance(await graph.reconfigure(AMCL, kld_err=0.05), ServiceFailed)
 

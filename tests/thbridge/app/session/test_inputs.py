@@ -31,13 +31,13 @@ from thbridge.app.session.inputs import (
 )
 from thbridge.roles.robot_requests import Request
 from thbridge.ros.messages import pack, unpack
-from thbridge.ros.messages.records import Input as InputRecord
+from thbridge.ros.messages.records import InputRecord
 from thbridge.wire.mavlink.frames.frame import Frame
-from thbridge.wire.text import Message, tokens
+from thbridge.wire.text import TextMessage, tokens
 
 FLOATS = st.floats()
 WORDS = st.text(min_size=1, max_size=20).filter(lambda text: tokens(text) == [text])
-MESSAGES = st.builds(Message, WORDS, WORDS, WORDS, st.lists(WORDS, max_size=4).map(tuple))
+MESSAGES = st.builds(TextMessage, WORDS, WORDS, WORDS, st.lists(WORDS, max_size=4).map(tuple))
 NUMBERS = st.integers(1, 2**40)
 st.register_type_strategy(Pose2, st.builds(Pose2, FLOATS, FLOATS, FLOATS))
 THINGS = st.builds(

@@ -18,8 +18,8 @@ from thbridge.roles.robot_requests import SetParameters
 from thbridge.roles.vehicles.parameters import PARAMETERS
 from thbridge.ros.messages import unpack
 from thbridge.wire.mavlink.dialect import Message, decoded, mav
-from thbridge.wire.mavlink.hub import Sent
-from thbridge.wire.router import Router
+from thbridge.wire.mavlink.hub import OutgoingFrame
+from thbridge.wire.router import MessageRouter
 
 REAL32 = mav.MAV_PARAM_TYPE_REAL32
 
@@ -36,12 +36,12 @@ class Played:
         self.team = setting.team()
         simr = setting.simr(self.team)
         roles, vehicles = [simr, setting.hider()], setting.vehicles(simr)
-        self.session = Session(Router(), setting.keeper(), roles, NoLog(), vehicles=vehicles)
+        self.session = Session(MessageRouter(), setting.keeper(), roles, NoLog(), vehicles=vehicles)
         self._said: list[tuple[int, Message | None]] = []
         self.session.transmit = self._take
         self.station = Station(self.session)
 
-    def _take(self, sent: Sequence[Sent]) -> None:
+    def _take(self, sent: Sequence[OutgoingFrame]) -> None:
         for each in sent:
             self._said.append((each.frame.system, decoded(each.frame.message_id, each.frame.payload)))
 

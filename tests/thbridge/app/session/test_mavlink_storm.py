@@ -18,8 +18,8 @@ from thbridge.study.mavlink import MavlinkSection
 from thbridge.study.study_file import Study
 from thbridge.wire.mavlink.dialect import mav
 from thbridge.wire.mavlink.frames.frame import Frame
-from thbridge.wire.mavlink.frames.framer import Framer
-from thbridge.wire.router import Router
+from thbridge.wire.mavlink.frames.framer import FrameParser
+from thbridge.wire.router import MessageRouter
 
 ROBOTS = 2
 SYSTEMS = range(1, ROBOTS + 1)
@@ -30,11 +30,13 @@ def stormed(seed, ticks, bytes_a_tick):
     study = replace(Study(), robots=ROBOTS, mavlink=MavlinkSection(on=True), seed=1)
     setting = read_setting(study, Path())
     simr = setting.simr()
-    session = Session(Router(), setting.keeper(), [simr, setting.hider()], NoLog(), vehicles=setting.vehicles(simr))
+    session = Session(
+        MessageRouter(), setting.keeper(), [simr, setting.hider()], NoLog(), vehicles=setting.vehicles(simr)
+    )
     chance = random.Random(seed)
     session.step()
     names = [parameter.name for parameter in VehicleParameters(0, simr).settings()]
-    foe, framer, link = Foe(chance, SYSTEMS, names), Framer(), session.open_link("storm")
+    foe, framer, link = Foe(chance, SYSTEMS, names), FrameParser(), session.open_link("storm")
     digest, beats = hashlib.sha256(), dict.fromkeys(SYSTEMS, 0)
     for tick in range(1, ticks):
         some = 0

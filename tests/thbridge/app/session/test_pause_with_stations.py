@@ -9,17 +9,17 @@ from pathlib import Path
 import pytest
 
 from thbridge.app.compose import read_setting
-from thbridge.app.listeners import Hosts, Watch
-from thbridge.app.play import PlayOptions, Unfinished, play
+from thbridge.app.listeners import StartupCallbacks, WatchAddress
+from thbridge.app.play import HuntUnfinished, PlayOptions, play
 from thbridge.app.replay.replay import ReplayOptions, replay, ticks_of
 from thbridge.app.session.inputs import KeptAlive
-from thbridge.app.session.session import Moment
-from thbridge.app.session.watching import request_line
+from thbridge.app.session.session import TickRecord
+from thbridge.app.session.watch_requests import request_line
 from thbridge.roles.robot_requests import PaceRequest, Pause, Resume
 from thbridge.sockets.addresses import Address
-from thbridge.sockets.mavlink.server import Ports
-from thbridge.sockets.mavlink.udp import Target
-from thbridge.sockets.text_server import CannotListen, Listening
+from thbridge.sockets.mavlink.server import MavlinkPorts
+from thbridge.sockets.mavlink.udp import UdpTarget
+from thbridge.sockets.text_server import CannotListen, ListeningAddress
 from thbridge.sockets.watch_client import WatchClient
 from thbridge.study.mavlink import MavlinkSection
 from thbridge.study.study_file import Study
@@ -46,21 +46,21 @@ class Afternoon:
         self._tasks: list[asyncio.Task[None]] = []
 
     async def pass_by(self) -> None:
-        ports = Ports((Target(Address("127.0.0.1", self._station.getsockname()[1])),), None, None)
-        watch = Watch("127.0.0.1", 0, None)
+        ports = MavlinkPorts((UdpTarget(Address("127.0.0.1", self._station.getsockname()[1])),), None, None)
+        watch = WatchAddress("127.0.0.1", 0, None)
         options = PlayOptions(1.0, self.bag, OUTSIDE, "", 2.0, watch=watch, mavlink=ports)
-        told = Hosts(lambda master: None, self._come)
-        with self._station, pytest.raises(Unfinished):
+        told = StartupCallbacks(lambda master: None, self._come)
+        with self._station, pytest.raises(HuntUnfinished):
             async with asyncio.timeout(PATIENCE):
                 await play(read_setting(STUDY, Path()), None, options, lambda where: None, self._passed, told)
         for task in self._tasks:
             task.cancel()
 
-    def _passed(self, moment: Moment) -> None:
+    def _passed(self, moment: TickRecord) -> None:
         self.tick = moment.tick
 
-    def _come(self, where: Listening | CannotListen) -> None:
-        assert isinstance(where, Listening)
+    def _come(self, where: ListeningAddress | CannotListen) -> None:
+        assert isinstance(where, ListeningAddress)
         self._client = WatchClient(where.host, where.port)
         self._tasks += [asyncio.ensure_future(self._client.run()), asyncio.ensure_future(self._pause())]
 

@@ -2,14 +2,14 @@ import json
 from dataclasses import replace
 
 from sim.common.geometry import Pose2
-from sim.world.things import Presence, Thing
+from sim.world.things import Thing, ThingState
 from tests.thbridge.ros.drive import snapshots
-from thbridge.app.session.recording import BagWitness
-from thbridge.app.session.session import Moment
-from thbridge.roles.keeper.wizard import Held
+from thbridge.app.session.recording import BagRecorder
+from thbridge.app.session.session import TickRecord
+from thbridge.roles.keeper.wizard import WizardState
 from thbridge.ros.messages.records import GameEvent
 
-CRATE = Presence(Thing("crate", ((0.1, 0.1), (-0.1, 0.1), (0.0, -0.1)), Pose2(1.0, 2.0, 0.0)))
+CRATE = ThingState(Thing("crate", ((0.1, 0.1), (-0.1, 0.1), (0.0, -0.1)), Pose2(1.0, 2.0, 0.0)))
 
 
 class Tape:
@@ -24,23 +24,23 @@ class Tape:
 
 def test_a_robot_that_is_put_elsewhere_is_an_event_and_one_that_drives_is_not():
     tape = Tape()
-    witness = BagWitness(tape)
+    witness = BagRecorder(tape)
     for snapshot in snapshots(2, 100):
         poses = snapshot.world.poses.copy()
         poses[1, 0] += 0.3 * (snapshot.tick > 50)
         carried = replace(snapshot, world=replace(snapshot.world, poses=poses))
-        witness.saw(Moment(snapshot.tick, (), carried, (), (), (), Held(), None))
+        witness.record(TickRecord(snapshot.tick, (), carried, (), (), (), WizardState(), None))
     assert [json.loads(record.json) for record in tape.records] == [{"event": "carried", "robot": 1}]
 
 
 def test_what_befalls_robots_and_things_is_an_event():
     tape = Tape()
-    witness = BagWitness(tape)
+    witness = BagRecorder(tape)
     (snapshot,) = snapshots(2, 1)
     for things, dead in (((CRATE,), ()), ((replace(CRATE, appeared=True),), (1,)), ((), (1,)), ((), ())):
         world = replace(snapshot.world, things=things)
         snapshot = replace(snapshot, world=world, dead=frozenset(dead))
-        witness.saw(Moment(1, (), snapshot, (), (), (), Held(), None))
+        witness.record(TickRecord(1, (), snapshot, (), (), (), WizardState(), None))
     assert all(isinstance(record, GameEvent) for record in tape.records)
     assert [json.loads(record.json) for record in tape.records] == [
         {"event": "appeared", "thing": "crate"},

@@ -15,20 +15,20 @@ from thbridge.app.compose import read_setting
 from thbridge.app.play import PLAY, NoLog
 from thbridge.app.session.broadcast import Broadcast
 from thbridge.app.session.inputs import Framed, KeptAlive, LinkClosed, LinkOpened, from_record, to_record
-from thbridge.app.session.recording import BagWitness, TlogWitness
-from thbridge.app.session.session import Moment, Session
+from thbridge.app.session.recording import BagRecorder, TlogRecorder
+from thbridge.app.session.session import Session, TickRecord
 from thbridge.recording.tlog import TlogFile
-from thbridge.roles.keeper.wizard import Held
+from thbridge.roles.keeper.wizard import WizardState
 from thbridge.ros.messages import unpack
 from thbridge.ros.messages.stamps import stamp_ns
-from thbridge.ros.publisher import Message
+from thbridge.ros.publisher import RosMessage
 from thbridge.study.mavlink import MavlinkSection
 from thbridge.study.study_file import Study
 from thbridge.wire.mavlink.dialect import crc_extra, mav, payload_of
 from thbridge.wire.mavlink.frames.frame import Frame
-from thbridge.wire.mavlink.hub import Sent
-from thbridge.wire.mavlink.outgoing import Status
-from thbridge.wire.router import Router
+from thbridge.wire.mavlink.hub import OutgoingFrame
+from thbridge.wire.mavlink.outgoing import VehicleStatus
+from thbridge.wire.router import MessageRouter
 
 WITH_VEHICLES = replace(Study(), mavlink=MavlinkSection(on=True))
 HEARTBEAT = mav.MAVLink_heartbeat_message(mav.MAV_TYPE_GCS, mav.MAV_AUTOPILOT_INVALID, 0, 0, 0, 3)
@@ -39,10 +39,10 @@ FRAME = Frame(255, 190, 7, HEARTBEAT.id, payload_of(HEARTBEAT), crc_extra(HEARTB
 def session() -> Session:
     setting = read_setting(WITH_VEHICLES, Path())
     simr = setting.simr()
-    return Session(Router(), setting.keeper(), [simr], NoLog(), vehicles=setting.vehicles(simr))
+    return Session(MessageRouter(), setting.keeper(), [simr], NoLog(), vehicles=setting.vehicles(simr))
 
 
-def steps(session: Session, ticks: int) -> list[Moment]:
+def steps(session: Session, ticks: int) -> list[TickRecord]:
     return [session.step() for _ in range(ticks)]
 
 
@@ -97,7 +97,7 @@ def test_what_a_vehicle_hears_and_says_is_told_with_the_tick_it_acts_in(session:
 
 
 def test_heartbeats_go_out_on_every_link_once_a_second_and_are_told(session: Session):
-    transmitted: list[Sent] = []
+    transmitted: list[OutgoingFrame] = []
     session.transmit = transmitted.extend
     links = [session.open_link("a"), session.open_link("b")]
     moments = steps(session, TICKS_PER_SECOND)
@@ -119,22 +119,22 @@ def test_frames_of_links_or_for_robots_that_there_are_not_change_nothing(session
 
 
 def test_what_vehicles_hear_and_say_goes_to_the_topics_of_mavros(session: Session):
-    messages: list[Message] = []
+    messages: list[RosMessage] = []
     setting = read_setting(WITH_VEHICLES, Path())
 
     class Ear:
-        def take(self, tick: int, said: Sequence[Message]) -> None:
+        def take(self, tick: int, said: Sequence[RosMessage]) -> None:
             messages.extend(said)
 
     publisher = setting.publisher()
-    ear = BagWitness(Broadcast(publisher, setting.record(PLAY, [], ""), setting.place.grid, [Ear()]))
+    ear = BagRecorder(Broadcast(publisher, setting.record(PLAY, [], ""), setting.map.grid, [Ear()]))
     session.step()
     link, graph = session.open_link("a"), session.open_link("ros")
     session.receive_frame(link, FRAME, 1)
     session.receive_frame(graph, FRAME, 0)
     moments = steps(session, 2 * TICKS_PER_SECOND)
     for moment in moments:
-        ear.saw(moment)
+        ear.record(moment)
     by_topic = defaultdict(list)
     for message in messages:
         by_topic[message.topic.name].append(message)
@@ -153,12 +153,15 @@ def test_what_vehicles_hear_and_say_goes_to_the_topics_of_mavros(session: Sessio
 
 def test_states_are_said_when_they_change_and_every_second():
     tape = Tape()
-    witness = BagWitness(tape)
-    rest, armed = Status(True, False, False, False, "HOLD", 4), Status(True, True, True, False, "GUIDED", 4)
+    witness = BagRecorder(tape)
+    rest, armed = (
+        VehicleStatus(True, False, False, False, "HOLD", 4),
+        VehicleStatus(True, True, True, False, "GUIDED", 4),
+    )
     (snapshot,) = snapshots(2, 1)
     for tick in range(1, 102):
         states = (rest, armed) if tick > 30 else (rest, rest)
-        witness.saw(Moment(tick, (), snapshot, (), (), (), Held(), None, (), states))
+        witness.record(TickRecord(tick, (), snapshot, (), (), (), WizardState(), None, (), states))
     assert [record.robot for record in tape.records] == [0, 1, 1, 0, 1, 0, 1]
     assert tape.records[2].mode == "GUIDED"
 
@@ -168,8 +171,10 @@ def test_a_telemetry_log_has_all_traffic_with_the_stamps_of_the_bag(tmp_path: Pa
     simr = setting.simr()
     log = tmp_path / "hunt.tlog"
     with TlogFile(log) as file:
-        witnesses = [TlogWitness(file)]
-        session = Session(Router(), setting.keeper(), [simr], NoLog(), witnesses, vehicles=setting.vehicles(simr))
+        witnesses = [TlogRecorder(file)]
+        session = Session(
+            MessageRouter(), setting.keeper(), [simr], NoLog(), witnesses, vehicles=setting.vehicles(simr)
+        )
         session.step()
         session.receive_frame(session.open_link("a"), FRAME)
         moment = session.step()
@@ -181,13 +186,13 @@ def test_a_telemetry_log_has_all_traffic_with_the_stamps_of_the_bag(tmp_path: Pa
 def test_where_robots_are_no_vehicles_there_is_no_link():
     setting = read_setting(Study(), Path())
     simr = setting.simr()
-    session = Session(Router(), setting.keeper(), [simr], NoLog(), vehicles=setting.vehicles(simr))
+    session = Session(MessageRouter(), setting.keeper(), [simr], NoLog(), vehicles=setting.vehicles(simr))
     with pytest.raises(ValueError, match="no vehicles"):
         session.open_link("a")
 
 
 def test_between_two_ticks_that_are_long_apart_vehicles_say_that_they_are_there(session: Session):
-    transmitted: list[Sent] = []
+    transmitted: list[OutgoingFrame] = []
     link = session.open_link("a")
     steps(session, 60)
     session.transmit = transmitted.extend
@@ -207,7 +212,7 @@ def test_a_robot_that_does_not_answer_says_nothing_between_ticks_either(session:
     session.open_link("a")
     session.ask("researcher", Die(0))
     steps(session, TICKS_PER_SECOND + 5)
-    transmitted: list[Sent] = []
+    transmitted: list[OutgoingFrame] = []
     session.transmit = transmitted.extend
     session.keep_alive()
     assert [sent.frame.system for sent in transmitted] == [2]

@@ -5,10 +5,10 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from thbridge.files.yaml.edit import Reason, with_value, without
+from thbridge.files.yaml.edit import EditRefusalReason, with_value, without
 from thbridge.files.yaml.places import path_of, source_of, steps_of
 from thbridge.files.yaml.tree import Node, parse
-from thbridge.hunt.outcomes import Refused
+from thbridge.hunt.refusals import RequestRefused
 
 TEXT = """\
 # mine
@@ -87,16 +87,16 @@ def test_lines_keep_the_ends_they_have() -> None:
 
 def test_what_is_no_yaml_is_refused() -> None:
     refused = with_value(TEXT, "robots", "[1")
-    assert isinstance(refused, Refused)
-    assert refused.reason == Reason.NOT_YAML
+    assert isinstance(refused, RequestRefused)
+    assert refused.reason == EditRefusalReason.NOT_YAML
 
 
 def test_a_file_written_in_another_way_is_refused_rather_than_spoilt() -> None:
     refused = with_value("? a\n: b: 1\n", "a.c", "2")
-    assert isinstance(refused, Refused) or "b: 1" in refused
-    assert isinstance(with_value("a: 1\n...\n", "b.c", "2"), str | Refused)
-    assert isinstance(with_value("a: word\n", "a.b", "2"), Refused)
-    assert isinstance(with_value("a:\n- 1\nd:\nb: 1\n", "a.d", "1"), Refused)
+    assert isinstance(refused, RequestRefused) or "b: 1" in refused
+    assert isinstance(with_value("a: 1\n...\n", "b.c", "2"), str | RequestRefused)
+    assert isinstance(with_value("a: word\n", "a.b", "2"), RequestRefused)
+    assert isinstance(with_value("a:\n- 1\nd:\nb: 1\n", "a.d", "1"), RequestRefused)
 
 
 @pytest.mark.parametrize("path", ["a", "a.b", "things[0]", "things[0].at[2]", "each.2.amcl"])
@@ -140,7 +140,7 @@ def test_any_change_is_made_and_nothing_else_moves(
 ) -> None:
     text = newline.join(lines) + (newline if ended else "")
     changed = with_value(text, key, value)
-    if isinstance(changed, Refused):
+    if isinstance(changed, RequestRefused):
         return
     assert source_of(changed, parse_of(changed), key) == value
     before, after = text.splitlines(), changed.splitlines()

@@ -10,10 +10,10 @@ from thbridge.files.errors import BadFile
 from thbridge.recording.bag import reader as bag_reader
 from thbridge.recording.bag.bag_file import BagFile, ChunkFile
 from thbridge.recording.bag.chunk_reader import WHOLE
-from thbridge.recording.bag.chunks import Chunks
+from thbridge.recording.bag.chunks import ChunkBuilder
 from thbridge.recording.bag.index import BagIndex, open_index
 from thbridge.recording.bag.reader import RawMessage
-from thbridge.recording.bag.records import Compression, Connection
+from thbridge.recording.bag.records import BagConnection, Compression
 from thbridge.ros.messages import types
 from thbridge.ros.messages.pack.fields import string
 
@@ -34,11 +34,11 @@ def opened(path: Path) -> BagIndex:
         assert 0.0 <= share <= 1.0
 
 
-def connections() -> list[Connection]:
+def connections() -> list[BagConnection]:
     """Two topics; the second has two publishers."""
     topics = ("/a", "/b", "/b")
     return [
-        Connection(number, topic, types.STRING, DEFINITION.md5, DEFINITION.text, f"/node{number}", False)
+        BagConnection(number, topic, types.STRING, DEFINITION.md5, DEFINITION.text, f"/node{number}", False)
         for number, topic in enumerate(topics)
     ]
 
@@ -48,7 +48,7 @@ def write(path: Path, chunks: Sequence[Sequence[Spoken]], compression: Compressi
     path.unlink(missing_ok=True)
     known, file, number = connections(), ChunkFile(path, compression), 0
     for spoken in chunks:
-        gathered = Chunks()
+        gathered = ChunkBuilder()
         for who, stamp in spoken:
             gathered.add(known[who], stamp, string(str(number)))
             number += 1
@@ -90,7 +90,7 @@ class TestAnyBag:
             back = [
                 index.read(place)
                 for chunk in index.chunks_back(topic, at, until)
-                for place in index.places(topic, chunk)
+                for place in index.locations(topic, chunk)
                 if until <= place.stamp_ns <= at
             ]
             expected = [message for message in of_topic if until <= message.stamp_ns <= at]
@@ -112,7 +112,7 @@ def test_packed_chunks_are_unpacked(tmp_path: Path, compression: Compression) ->
 def test_large_chunks_are_not_read_whole_for_one_message(tmp_path: Path) -> None:
     path = tmp_path / "a.bag"
     picture = "x" * (2 * WHOLE)
-    known, file, gathered = connections(), ChunkFile(path), Chunks()
+    known, file, gathered = connections(), ChunkFile(path), ChunkBuilder()
     for stamp, text in ((1, "before"), (2, picture), (3, "after")):
         gathered.add(known[0], stamp, string(text))
     file.append(gathered.take())

@@ -10,7 +10,7 @@ from thbridge.recording.bag.bag_file import BagFile
 from thbridge.recording.bag.reader import BagInfo, TopicInfo, info, messages
 from thbridge.recording.bag.records import Compression
 from thbridge.recording.bag.writer import BagWriter
-from thbridge.ros.publisher import Message, Topic
+from thbridge.ros.publisher import RosMessage, Topic
 
 PLAIN = Definitions(())
 CHATTER = Topic("/chatter", "std_msgs/String")
@@ -20,9 +20,9 @@ HELLO = b"\x05\x00\x00\x00hello"
 
 def bag(path: Path) -> Path:
     with BagWriter(path, PLAIN) as writer:
-        writer.write(Message(MAP, 1_000_000_000, HELLO))
+        writer.write(RosMessage(MAP, 1_000_000_000, HELLO))
         for second in range(1, 4):
-            writer.write(Message(CHATTER, second * 1_000_000_000, HELLO))
+            writer.write(RosMessage(CHATTER, second * 1_000_000_000, HELLO))
     return path
 
 

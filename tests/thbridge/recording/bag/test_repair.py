@@ -14,17 +14,17 @@ from thbridge.files.ros.definitions import Definitions
 from thbridge.recording.bag.reader import info, messages
 from thbridge.recording.bag.repair import reindex
 from thbridge.recording.bag.writer import BagWriter
-from thbridge.ros.publisher import Message, Topic
+from thbridge.ros.publisher import RosMessage, Topic
 
 PLAIN = Definitions(())
 TOPICS = [Topic("/chatter", "std_msgs/String"), Topic("/news", "std_msgs/String", latched=True)]
 TICK_NS = 20_000_000
 
 
-def said(count: int) -> list[Message]:
+def said(count: int) -> list[RosMessage]:
     texts = (f"message {number}".encode() * 20 for number in range(count))
     return [
-        Message(TOPICS[number % 2], 1_000_000_000 + number * TICK_NS, len(text).to_bytes(4, "little") + text)
+        RosMessage(TOPICS[number % 2], 1_000_000_000 + number * TICK_NS, len(text).to_bytes(4, "little") + text)
         for number, text in enumerate(texts)
     ]
 

@@ -18,27 +18,27 @@ from thbridge.recording.bag import bag_file
 from thbridge.recording.bag import chunks as bag_chunks
 from thbridge.recording.bag import writer as bag_writer
 from thbridge.recording.bag.bag_file import BagFile
-from thbridge.recording.bag.parts import Splitting
+from thbridge.recording.bag.parts import SplitLimits
 from thbridge.recording.bag.reader import info, messages
 from thbridge.recording.bag.records import Compression
 from thbridge.recording.bag.repair import reindex
-from thbridge.recording.bag.worker import Inline, Lane, Worker
+from thbridge.recording.bag.worker import InlineQueue, JobQueue, WorkerThread
 from thbridge.recording.bag.writer import WHOLE, BagNotWritten, BagWriter
 from thbridge.recording.recordings import make_room, parts_of
-from thbridge.ros.publisher import Message, Publisher, Topic
+from thbridge.ros.publisher import RosMessage, TeamPublisher, Topic
 
 CHATTER = Topic("/chatter", "std_msgs/String")
 PLAIN = Definitions(())
 
 
-def text(tick: int, size: int = 100) -> Message:
+def text(tick: int, size: int = 100) -> RosMessage:
     data = b"x" * size
-    return Message(CHATTER, 1_000_000_000 + tick * 20_000_000, len(data).to_bytes(4, "little") + data)
+    return RosMessage(CHATTER, 1_000_000_000 + tick * 20_000_000, len(data).to_bytes(4, "little") + data)
 
 
-def inline(_: str) -> Inline:
+def inline(_: str) -> InlineQueue:
     """No threads: what goes wrong is told at once."""
-    return Inline()
+    return InlineQueue()
 
 
 def recorded(
@@ -47,15 +47,15 @@ def recorded(
     ticks: int,
     clock: Callable[[], float] = lambda: 0.0,
     compression: Compression = Compression.NONE,
-    splitting: Splitting = WHOLE,
-) -> list[Message]:
-    publisher = Publisher(robots, MOUNT, SCAN_PERIOD)
+    splitting: SplitLimits = WHOLE,
+) -> list[RosMessage]:
+    publisher = TeamPublisher(robots, MOUNT, SCAN_PERIOD)
     writer = BagWriter(path, PLAIN, clock=clock, compression=compression, splitting=splitting)
     with writer:
         recorder = Broadcast(publisher, SESSION, arena(), [writer])
         for snapshot in snapshots(robots, ticks):
             recorder.record(snapshot, records(snapshot.tick))
-    twin = Publisher(robots, MOUNT, SCAN_PERIOD)
+    twin = TeamPublisher(robots, MOUNT, SCAN_PERIOD)
     said = twin.opening(0, SESSION, arena())
     for snapshot in snapshots(robots, ticks):
         said += twin.tick(snapshot, records(snapshot.tick))
@@ -218,12 +218,12 @@ def room(monkeypatch: pytest.MonkeyPatch) -> Iterator[list[int]]:
     yield left
 
 
-@pytest.mark.parametrize("lane", [inline, Worker])
+@pytest.mark.parametrize("lane", [inline, WorkerThread])
 def test_a_full_disk_is_told_and_all_before_it_is_kept(
-    tmp_path: Path, room: list[int], lane: Callable[[str], Lane]
+    tmp_path: Path, room: list[int], lane: Callable[[str], JobQueue]
 ) -> None:
     path = tmp_path / "a.bag"
-    writer = BagWriter(path, PLAIN, lane=lane)
+    writer = BagWriter(path, PLAIN, make_queue=lane)
     for tick in range(200):
         writer.write(text(tick, 1000))
     room[0] = 4117 + 170_000
@@ -241,7 +241,7 @@ def test_a_full_disk_is_told_and_all_before_it_is_kept(
 
 def test_a_disk_too_full_for_an_index_leaves_a_bag_to_reindex(tmp_path: Path, room: list[int]) -> None:
     path = tmp_path / "a.bag"
-    writer = BagWriter(path, PLAIN, lane=inline)
+    writer = BagWriter(path, PLAIN, make_queue=inline)
     for tick in range(151):
         writer.write(text(tick, 1000))
     room[0] = (tmp_path / "a.bag.active").stat().st_size + 10
@@ -254,7 +254,7 @@ def test_a_disk_too_full_for_an_index_leaves_a_bag_to_reindex(tmp_path: Path, ro
 
 def test_a_full_disk_at_the_regular_sync_is_told(tmp_path: Path, room: list[int]) -> None:
     seconds = iter(range(100))
-    writer = BagWriter(tmp_path / "a.bag", PLAIN, clock=lambda: float(next(seconds)), lane=inline)
+    writer = BagWriter(tmp_path / "a.bag", PLAIN, clock=lambda: float(next(seconds)), make_queue=inline)
     writer.write(text(0, 1000))
     writer.sync_if_due()
     room[0] = (tmp_path / "a.bag.active").stat().st_size + 10
@@ -267,7 +267,7 @@ def test_a_folder_that_vanishes_is_told(tmp_path: Path) -> None:
     folder = tmp_path / "bags"
     folder.mkdir()
     seconds = iter(range(100))
-    writer = BagWriter(folder / "a.bag", PLAIN, clock=lambda: float(next(seconds)), lane=inline)
+    writer = BagWriter(folder / "a.bag", PLAIN, clock=lambda: float(next(seconds)), make_queue=inline)
     writer.write(text(0))
     (folder / "a.bag.active").unlink()
     folder.rmdir()
@@ -305,7 +305,7 @@ def test_whichever_write_fails_all_that_was_written_can_be_read(
                 PLAIN,
                 lambda: next(twentieths) / 20,
                 compression,
-                lane=inline,
+                make_queue=inline,
             ) as writer:
                 for message in said:
                     writer.write(message)
@@ -326,7 +326,7 @@ def test_whichever_write_fails_all_that_was_written_can_be_read(
 
 def test_the_regular_sync_puts_every_message_on_the_disk(tmp_path: Path) -> None:
     seconds = iter(range(100))
-    writer = BagWriter(tmp_path / "a.bag", PLAIN, clock=lambda: float(next(seconds)), lane=inline)
+    writer = BagWriter(tmp_path / "a.bag", PLAIN, clock=lambda: float(next(seconds)), make_queue=inline)
     writer.write(text(0))
     writer.sync_if_due()
     size = (tmp_path / "a.bag.active").stat().st_size
@@ -337,7 +337,7 @@ def test_the_regular_sync_puts_every_message_on_the_disk(tmp_path: Path) -> None
 
 
 def test_memory_does_not_keep_what_was_written(tmp_path: Path) -> None:
-    with BagWriter(tmp_path / "a.bag", PLAIN, lane=inline) as writer:
+    with BagWriter(tmp_path / "a.bag", PLAIN, make_queue=inline) as writer:
         tracemalloc.start()
         for tick in range(500):
             writer.write(text(tick, 10_000))
@@ -346,13 +346,13 @@ def test_memory_does_not_keep_what_was_written(tmp_path: Path) -> None:
     assert held < 1_000_000
 
 
-class Stalled(Worker):
+class Stalled(WorkerThread):
     """A disk that answers nothing until it is let go."""
 
     def __init__(self, name: str, gate: threading.Event, clock: Callable[[], float]) -> None:
         super().__init__(name, clock)
         if name == "bag writer":
-            self.give(lambda: bool(gate.wait(30)) or None)
+            self.submit(lambda: bool(gate.wait(30)) or None)
 
 
 def test_a_disk_that_is_too_slow_ends_the_recording_with_everything_in_it(
@@ -360,7 +360,7 @@ def test_a_disk_that_is_too_slow_ends_the_recording_with_everything_in_it(
 ) -> None:
     gate, now = threading.Event(), [0.0]
     path = tmp_path / "a.bag"
-    writer = BagWriter(path, PLAIN, clock=lambda: now[0], lane=lambda name: Stalled(name, gate, lambda: now[0]))
+    writer = BagWriter(path, PLAIN, clock=lambda: now[0], make_queue=lambda name: Stalled(name, gate, lambda: now[0]))
     for tick in range(120):
         writer.write(text(tick))
         writer.sync_if_due()
@@ -376,7 +376,7 @@ def test_a_disk_that_does_not_answer_leaves_the_file_to_be_mended(
 ) -> None:
     monkeypatch.setattr(bag_writer, "LAST_SECONDS", 0.05)
     gate = threading.Event()
-    writer = BagWriter(tmp_path / "a.bag", PLAIN, lane=lambda name: Stalled(name, gate, time.monotonic))
+    writer = BagWriter(tmp_path / "a.bag", PLAIN, make_queue=lambda name: Stalled(name, gate, time.monotonic))
     writer.write(text(0))
     with pytest.raises(BagNotWritten, match=r"does not answer.*reindex"):
         writer.close()
@@ -393,12 +393,12 @@ def test_packed_bags_hold_the_same_in_less_room(tmp_path: Path, compression: Com
         assert {chunk.decompressor for chunk in reader.chunks.values()} == {decompressors[compression]}
 
 
-SPLITTINGS = [Splitting(size=200_000), Splitting(duration_ns=700_000_000), Splitting(150_000, 1_500_000_000)]
+SPLITTINGS = [SplitLimits(size=200_000), SplitLimits(duration_ns=700_000_000), SplitLimits(150_000, 1_500_000_000)]
 
 
 @pytest.mark.parametrize("splitting", SPLITTINGS)
 @pytest.mark.parametrize("compression", Compression)
-def test_parts_read_as_one_are_the_whole(tmp_path: Path, splitting: Splitting, compression: Compression) -> None:
+def test_parts_read_as_one_are_the_whole(tmp_path: Path, splitting: SplitLimits, compression: Compression) -> None:
     recorded(tmp_path / "whole.bag", 2, 200)
     recorded(tmp_path / "a.bag", 2, 200, compression=compression, splitting=splitting)
     parts = parts_of(tmp_path / "a.bag")
@@ -412,7 +412,7 @@ def test_parts_read_as_one_are_the_whole(tmp_path: Path, splitting: Splitting, c
 
 
 @pytest.mark.parametrize("splitting", SPLITTINGS)
-def test_each_part_stands_alone(tmp_path: Path, splitting: Splitting) -> None:
+def test_each_part_stands_alone(tmp_path: Path, splitting: SplitLimits) -> None:
     said = {message.topic.name: message for message in recorded(tmp_path / "a.bag", 2, 200, splitting=splitting)}
     for part in parts_of(tmp_path / "a.bag"):
         assert b"topic=/thbridge/session" in part.read_bytes()[4117:4300]
@@ -429,7 +429,7 @@ def test_each_part_stands_alone(tmp_path: Path, splitting: Splitting) -> None:
 
 def test_parts_smaller_than_what_they_begin_with_still_take_more_than_a_chunk(tmp_path: Path) -> None:
     map_topic = Topic("/map", "std_msgs/String", latched=True)
-    with BagWriter(tmp_path / "a.bag", PLAIN, splitting=Splitting(size=250_000), lane=inline) as writer:
+    with BagWriter(tmp_path / "a.bag", PLAIN, splitting=SplitLimits(size=250_000), make_queue=inline) as writer:
         writer.write(text(0, 400_000)._replace(topic=map_topic))
         for tick in range(1, 200):
             writer.write(text(tick, 5000))
@@ -437,13 +437,13 @@ def test_parts_smaller_than_what_they_begin_with_still_take_more_than_a_chunk(tm
 
 
 def test_a_new_part_begins_at_multiples_of_the_duration(tmp_path: Path) -> None:
-    recorded(tmp_path / "a.bag", 1, 200, splitting=Splitting(duration_ns=1_500_000_000))
+    recorded(tmp_path / "a.bag", 1, 200, splitting=SplitLimits(duration_ns=1_500_000_000))
     starts = [info(part).start_ns for part in parts_of(tmp_path / "a.bag")]
     assert starts == [1_000_000_000, 2_500_000_000, 4_000_000_000]
 
 
 @pytest.mark.parametrize("splitting", SPLITTINGS)
-def test_parts_do_not_depend_on_the_wall_clock(tmp_path: Path, splitting: Splitting) -> None:
+def test_parts_do_not_depend_on_the_wall_clock(tmp_path: Path, splitting: SplitLimits) -> None:
     slow = iter(float(second) for second in range(10_000))
     for folder, clock in (("slow", lambda: next(slow)), ("fast", lambda: 0.0)):
         (tmp_path / folder).mkdir()
@@ -453,7 +453,7 @@ def test_parts_do_not_depend_on_the_wall_clock(tmp_path: Path, splitting: Splitt
 
 
 def test_a_folder_that_vanishes_between_parts_is_told(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
-    writer = BagWriter(tmp_path / "a.bag", PLAIN, splitting=Splitting(size=1000), lane=inline)
+    writer = BagWriter(tmp_path / "a.bag", PLAIN, splitting=SplitLimits(size=1000), make_queue=inline)
     for tick in range(60):
         writer.write(text(tick, 1000))
     (tmp_path / "a_1.bag.active").mkdir()
@@ -464,7 +464,7 @@ def test_a_folder_that_vanishes_between_parts_is_told(tmp_path: Path, monkeypatc
 
 
 def test_an_older_split_recording_is_not_mixed_in(tmp_path: Path) -> None:
-    recorded(tmp_path / "a.bag", 1, 100, splitting=Splitting(duration_ns=1_000_000_000))
+    recorded(tmp_path / "a.bag", 1, 100, splitting=SplitLimits(duration_ns=1_000_000_000))
     with pytest.raises(BagNotWritten, match="already"):
         BagWriter(tmp_path / "a.bag", PLAIN)
     assert make_room(tmp_path / "a.bag") == tmp_path / "a-1.bag"

@@ -12,8 +12,8 @@ from hypothesis.extra.numpy import array_shapes, arrays
 from sim.common.geometry import Pose2
 from sim.common.grid import FREE, OCCUPIED, OccupancyGrid
 from thbridge.app.compose import read_setting
-from thbridge.roles.keeper.floor_plan import MOST_PACKED, grid_of, house_of
-from thbridge.roles.notices import KEEPER, House, heard, tell
+from thbridge.roles.keeper.floor_plan import MOST_PACKED, floor_plan_of, grid_of
+from thbridge.roles.notices import KEEPER, House, decode_notice, encode_notice
 from thbridge.study.study_file import Study
 from thbridge.wire.notice import parse_notice
 from thbridge.wire.text import LINE_LIMIT
@@ -24,7 +24,7 @@ cells = arrays(np.int8, array_shapes(min_dims=2, max_dims=2, max_side=30), eleme
 @given(cells)
 def test_a_map_comes_back_as_it_went(cells):
     grid = OccupancyGrid(cells, 0.05, Pose2(-1.0, 2.0, 0.5))
-    back = grid_of(house_of("small", grid, [], ()))
+    back = grid_of(floor_plan_of("small", grid, [], ()))
     assert (back.cells == cells).all()
     assert (back.resolution, back.origin) == (grid.resolution, grid.origin)
 
@@ -32,18 +32,18 @@ def test_a_map_comes_back_as_it_went(cells):
 @pytest.mark.parametrize("name", ["arena8", "office", "warehouse12"])
 def test_a_house_fits_into_a_line(name):
     setting = read_setting(replace(Study(), map=name), Path())
-    line = tell(KEEPER, "TabUI", setting.house())
-    house = heard(parse_notice(line), House)
+    line = encode_notice(KEEPER, "TabUI", setting.floor_plan())
+    house = decode_notice(parse_notice(line), House)
     assert len(line.line()) < LINE_LIMIT
-    assert (grid_of(house).cells == setting.place.grid.cells).all()
-    assert [room.name for room in house.rooms] == [room.name for room in setting.place.rooms]
+    assert (grid_of(house).cells == setting.map.grid.cells).all()
+    assert [room.name for room in house.rooms] == [room.name for room in setting.map.rooms]
     assert house.footprint == setting.study.world.footprint
 
 
 def test_of_a_large_map_every_wall_stays():
     cells = np.random.default_rng(1).choice(np.array([0, 100, -1], np.int8), (1001, 703), p=[0.5, 0.1, 0.4])
     grid = OccupancyGrid(cells, 0.05, Pose2(-3.0, 4.0, 0.0))
-    house = house_of("large", grid, [], ())
+    house = floor_plan_of("large", grid, [], ())
     assert len(house.cells) <= MOST_PACKED
     thin = grid_of(house)
     assert thin.resolution in [0.05 * 2**n for n in range(1, 8)]
@@ -71,6 +71,6 @@ def centres(grid, kind):
     ],
 )
 def test_what_is_no_map_is_refused(wrong):
-    house = house_of("small", OccupancyGrid(np.zeros((2, 3), np.int8), 0.05, Pose2(0, 0, 0)), [], ())
+    house = floor_plan_of("small", OccupancyGrid(np.zeros((2, 3), np.int8), 0.05, Pose2(0, 0, 0)), [], ())
     with pytest.raises(ValueError):
         grid_of(replace(house, **wrong))

@@ -16,9 +16,9 @@ from thbridge.hunt.treasures import TreasureKind
 from thbridge.roles.bots import BotStrategy
 from thbridge.roles.keeper.briefing import Briefing
 from thbridge.roles.keeper.keeper import Keeper
-from thbridge.roles.keeper.participants import PIECE, PIECE_PERIOD, Audience
-from thbridge.roles.notices import KEEPER, House, Picture, Subscribe, Ways, Whereabouts, heard, tell
-from thbridge.roles.tabui import RENEWAL, TabUI
+from thbridge.roles.keeper.participants import PIECE_PERIOD, PIECE_SIZE, Participants
+from thbridge.roles.notices import KEEPER, House, Picture, Subscribe, Ways, Whereabouts, decode_notice, encode_notice
+from thbridge.roles.tabui import RENEWAL_PERIOD, TabUI
 from thbridge.roles.view import (
     Agree,
     Answer,
@@ -28,6 +28,7 @@ from thbridge.roles.view import (
     GiveUp,
     Identify,
     Leave,
+    ParticipantRequest,
     PlayAgain,
     Select,
     SendRobot,
@@ -35,7 +36,6 @@ from thbridge.roles.view import (
     TakePicture,
     Unsure,
     View,
-    Wish,
 )
 from thbridge.study.study_file import Study
 from thbridge.wire import legacy
@@ -52,7 +52,7 @@ class Eyes:
     def __init__(self) -> None:
         self.seen = []
 
-    def saw(self, level) -> None:
+    def observe(self, level) -> None:
         self.seen.append(level)
 
     def of(self, kind: type) -> list:
@@ -68,9 +68,9 @@ class Played:
         self.stage = Stage(participant=self.tabui, briefing=briefing)
         self.stage.run(5)
 
-    def say(self, *wishes: Wish, ticks: int = 8) -> View:
+    def say(self, *wishes: ParticipantRequest, ticks: int = 8) -> View:
         self.player.wish = wishes
-        self.tabui.look_again()
+        self.tabui.poll_player()
         self.stage.run(ticks)
         return self.tabui.view
 
@@ -103,12 +103,12 @@ def test_the_house_is_told_when_somebody_joins_and_when_they_join_again():
 
 
 def test_a_house_that_the_robots_are_not_in_is_kept():
-    audience = Audience(KEEPER, Briefing(HOUSE))
+    audience = Participants(KEEPER, Briefing(HOUSE))
     assert [len(audience.join("TabUI", robots_on)) for robots_on in (None, "stage", "elsewhere")] == [1, 1, 0]
 
 
 def test_a_picture_is_told_once_it_is_taken():
-    files = images(2 * PIECE + 7)
+    files = images(2 * PIECE_SIZE + 7)
     played = Played(Briefing(HOUSE, pictures=files))
     played.go(0, 3)
     assert played.eyes.of(Picture) == []
@@ -125,7 +125,7 @@ def test_a_picture_is_told_once_it_is_taken():
 
 
 def test_who_comes_back_is_told_all_pictures_again_from_the_first_piece():
-    played = Played(Briefing(HOUSE, pictures=images(2 * PIECE)))
+    played = Played(Briefing(HOUSE, pictures=images(2 * PIECE_SIZE)))
     played.picture(0, 3)
     played.stage.run(2 * PIECE_PERIOD)
     played.eyes.seen.clear()
@@ -142,7 +142,7 @@ def test_a_picture_that_nobody_has_is_told_by_its_name_alone():
 
 
 def test_a_large_picture_leaves_slow_readers_time():
-    audience = Audience(KEEPER, Briefing(pictures={"a.jpg": bytes(10 * PIECE)}))
+    audience = Participants(KEEPER, Briefing(pictures={"a.jpg": bytes(10 * PIECE_SIZE)}))
     played = Played(Briefing(HOUSE))
     view = played.tabui.view
     audience.join("TabUI", None)
@@ -180,7 +180,7 @@ EVERY_WISH = [
 
 def test_before_agreeing_nothing_else_is_granted():
     played = Played(Briefing(consent=CONSENT))
-    assert {type(wish) for wish in EVERY_WISH} | {Agree} == set(Wish.__args__)
+    assert {type(wish) for wish in EVERY_WISH} | {Agree} == set(ParticipantRequest.__args__)
     for number, wish in enumerate(EVERY_WISH, start=1):
         view = played.say(wish)
         assert (view.consent, view.over, view.dialogues) == (CONSENT, None, ())
@@ -238,12 +238,12 @@ def test_only_who_watches_asks_where_the_robots_are():
         tabui = TabUI(Script(), onlooker)
         assert tabui.step(0, []) == []
         tabui.connected()
-        ticks = range(1, 2 * RENEWAL)
+        ticks = range(1, 2 * RENEWAL_PERIOD)
         said = [(tick, message) for tick in ticks for message in tabui.step(tick, [])]
-        return [tick for tick, message in said if heard(parse_notice(message), Subscribe) is not None]
+        return [tick for tick, message in said if decode_notice(parse_notice(message), Subscribe) is not None]
 
     assert subscriptions(None) == []
-    assert subscriptions(Eyes()) == [1, 1 + RENEWAL]
+    assert subscriptions(Eyes()) == [1, 1 + RENEWAL_PERIOD]
 
 
 def test_who_watches_sees_all_that_is_told_in_its_order():
@@ -256,7 +256,7 @@ def test_who_watches_sees_all_that_is_told_in_its_order():
         Picture(1, 3, 0, 1, ""),
         Whereabouts(2, ((0.0, 0.0, 0.0),)),
     ]
-    tabui.step(0, [tell(KEEPER, legacy.TABUI, level) for level in levels])
+    tabui.step(0, [encode_notice(KEEPER, legacy.TABUI, level) for level in levels])
     assert eyes.seen == levels
 
 
@@ -273,7 +273,7 @@ def hidden_kinds() -> list[TreasureKind]:
 def test_nothing_of_a_treasure_is_told_before_the_game_reveals_it(strategy, seed):
     kinds = hidden_kinds()
     files = {kind.image: f"bytes of {kind.name}".encode() for kind in kinds}
-    house = read_setting(Study(), Path()).house()
+    house = read_setting(Study(), Path()).floor_plan()
     briefing = Briefing(house, tuple(kind.name for kind in kinds), files, CONSENT)
     played = Stage(robots=2, strategy=strategy, seed=seed, briefing=briefing, kinds=kinds)
     played.finish()

@@ -8,10 +8,10 @@ from thbridge.dialogue.moves import Author
 from thbridge.hunt.events import Condition
 from thbridge.hunt.rooms import Room
 from thbridge.roles.bots import BotStrategy
-from thbridge.roles.keeper.wizard import Held
+from thbridge.roles.keeper.wizard import WizardState
 from thbridge.roles.robot_requests import AdviseFor, Puppeteer, SpeakFor, WizardRequest
 from thbridge.roles.tabui import TabUI
-from thbridge.roles.view import Answer, GiveUp, PlayAgain, Select, Unsure, View, Wish
+from thbridge.roles.view import Answer, GiveUp, ParticipantRequest, PlayAgain, Select, Unsure, View
 
 ON, OFF = Puppeteer(0, on=True), Puppeteer(0, on=False)
 
@@ -24,7 +24,7 @@ class Oz:
         self.stage = Stage(participant=TabUI(self.player))
         self.stage.run(10)
 
-    def wish(self, *wishes: Wish) -> View:
+    def wish(self, *wishes: ParticipantRequest) -> View:
         self.player.wish = wishes
         self.stage.tabui.look_again()
         self.stage.run(5)
@@ -44,8 +44,8 @@ class Oz:
         return view
 
     @property
-    def held(self) -> Held:
-        return self.stage.moments[-1].held
+    def held(self) -> WizardState:
+        return self.stage.moments[-1].wizard
 
     @property
     def said(self) -> list[tuple[Author, str]]:
@@ -69,7 +69,7 @@ def test_a_puppets_turn_waits_and_is_made_in_the_wizards_words(oz: Oz) -> None:
     (dialogue,) = oz.ask(SpeakFor(1, 0, 0, "Room 3? Are you serious?")).dialogues
     assert dialogue.said == ("Room 3? Are you serious?",)
     assert dialogue.choices == ("Continue", "Stop")
-    assert oz.held == Held(puppets=(0,))
+    assert oz.held == WizardState(puppets=(0,))
     (dialogue,) = oz.wish(Answer(1, 1, 0)).dialogues
     assert dialogue.choices == ()
     (turn,) = oz.held.turns
@@ -101,7 +101,7 @@ def test_a_robot_that_is_released_goes_on_at_once_as_it_would_have(oz: Oz) -> No
     other = Oz()
     assert released.dialogues == other.wish(Select(0, 3)).dialogues
     assert [author for author, _ in oz.said] == [Author.ROBOT]
-    assert oz.held == Held()
+    assert oz.held == WizardState()
 
 
 def test_advice_waits_and_is_the_wizards(oz: Oz) -> None:
@@ -176,7 +176,7 @@ def test_puppets_stay_puppets_in_the_next_game(oz: Oz) -> None:
     oz.wish(PlayAgain(1))
     oz.stage.run(10)
     assert oz.view.game == 2
-    assert oz.held == Held(puppets=(0,))
+    assert oz.held == WizardState(puppets=(0,))
     assert oz.wish(Select(0, 2)).dialogues[0].choices == ()
 
 

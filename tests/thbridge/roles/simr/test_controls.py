@@ -8,12 +8,12 @@ import pytest
 from sim.common.geometry import Pose2
 from sim.common.observations import Twist
 from sim.parameters import RobotParameters
-from sim.parameters.reconfiguration import Rejected
+from sim.parameters.reconfiguration import ParameterRejection
 from tests.thbridge.roles.simr.test_simr import Driver, orders
 from thbridge.app.compose import read_setting
-from thbridge.roles.notices import KEEPER, Order, Orders, Status, tell
+from thbridge.roles.notices import KEEPER, MoveOrder, Orders, Status, encode_notice
 from thbridge.roles.robot_requests import SetParameters, with_values
-from thbridge.roles.simr.controls import HAND_TICKS
+from thbridge.roles.simr.controls import MANUAL_DRIVE_TICKS
 from thbridge.ros.messages.records import CancelRequest, GoalRequest, InitialPose, SimpleGoal, VelocityCommand
 from thbridge.study.study_file import Study
 from thbridge.wire import canonical, legacy
@@ -26,7 +26,7 @@ CLIENT = 10**6
 def driver():
     """Two robots; the first is under way for the game to room 2, its move 1."""
     driver = Driver(read_setting(replace(Study(), robots=2), Path()).simr())
-    driver.run(30, orders(1, Order(1, 2), None))
+    driver.run(30, orders(1, MoveOrder(1, 2), None))
     assert goal_of(driver) == 1
     return driver
 
@@ -80,7 +80,7 @@ def test_the_newest_goal_of_clients_wins(driver):
 def test_an_order_of_the_game_takes_the_robot_from_a_client(driver):
     ask_for(driver)
     driver.run(1)
-    driver.run(1, orders(1, Order(2, 3), None))
+    driver.run(1, orders(1, MoveOrder(2, 3), None))
     assert goal_of(driver) == 2
 
 
@@ -116,7 +116,7 @@ def test_a_goal_that_cannot_be_used_is_none(driver):
 def test_hands_on_the_wheel_hold_the_order_back_and_no_longer(driver):
     for _ in range(4):
         driver.simr.ask(VelocityCommand(0, Twist(0.0, 0.5)))
-        driver.run(HAND_TICKS - 1)
+        driver.run(MANUAL_DRIVE_TICKS - 1)
         assert goal_of(driver) is None
         assert driver.simr.snapshot.commands[0].tolist() == [0.0, 0.5]
     driver.run(4)
@@ -159,7 +159,7 @@ def test_values_that_only_fit_together_come_in_any_order():
         changed = with_values(parameters, values)
         assert isinstance(changed, RobotParameters)
         assert (changed.amcl.min_particles, changed.amcl.max_particles) == (greatest + 1, greatest + 2)
-    assert isinstance(with_values(parameters, together[:1]), Rejected)
+    assert isinstance(with_values(parameters, together[:1]), ParameterRejection)
 
 
 def researchers(driver: Driver) -> tuple[str | None, ...]:
@@ -180,7 +180,7 @@ def test_whoever_sets_a_goal_is_told_to_intervene_until_it_ends(driver):
 
 def test_whoever_drives_by_hand_intervenes_until_the_last_command_is_over(driver):
     driver.simr.ask(VelocityCommand(1, Twist(0.1, 0.0)), "/teleop")
-    driver.run(HAND_TICKS - 1)
+    driver.run(MANUAL_DRIVE_TICKS - 1)
     assert researchers(driver) == (None, "/teleop")
     driver.run(2)
     assert researchers(driver) == (None, None)
@@ -194,9 +194,9 @@ def test_what_is_asked_in_nobody_s_name_is_no_intervention(driver):
 
 
 def test_no_line_drives_a_robot_that_somebody_has_taken(driver):
-    taken = Orders(1, (Order(1, 2), None), (90.0, 80.0), (0, 0), None, taken=(1,))
-    driver.run(1, tell(KEEPER, legacy.SIMR, taken))
-    lines = (canonical.GotoPoint(1, 0.5, 0.0), canonical.Move(1, canonical.Drive.FORWARD, 5))
+    taken = Orders(1, (MoveOrder(1, 2), None), (90.0, 80.0), (0, 0), None, taken=(1,))
+    driver.run(1, encode_notice(KEEPER, legacy.SIMR, taken))
+    lines = (canonical.GotoPoint(1, 0.5, 0.0), canonical.MoveByHand(1, canonical.MoveDirection.FORWARD, 5))
     driver.run(1, *(canonical.encode(line, "Me", "SimR") for line in lines))
     driver.run(3)
     assert driver.simr.snapshot.robots[1].navigation.goal is None

@@ -14,13 +14,13 @@ from sim.robot.navigator import Goal
 from sim.team import Go
 from thbridge.app.compose import read_setting
 from thbridge.hunt.events import Condition
-from thbridge.roles.notices import Ways, Whereabouts, heard
-from thbridge.roles.simr.pose_telemetry import WAYS_PERIOD, Bulletin, Shows, ellipse_of
+from thbridge.roles.notices import Ways, Whereabouts, decode_notice
+from thbridge.roles.simr.pose_telemetry import PATH_PERIOD, TelemetryOptions, TelemetryPublisher, ellipse_of
 from thbridge.study.study_file import Study
 from thbridge.wire.notice import parse_notice
 from thbridge.wire.text import LINE_LIMIT
 
-TICKS = range(0, 2 * WAYS_PERIOD)
+TICKS = range(0, 2 * PATH_PERIOD)
 
 
 @pytest.fixture(scope="module")
@@ -28,7 +28,7 @@ def team():
     """Two robots some way on their ways, and three ticks of theirs."""
     setting = read_setting(replace(Study(), robots=2), Path())
     team = setting.team()
-    goals = [Go(robot, Goal(1, setting.place.rooms[room].goal)) for robot, room in ((0, 4), (1, 7))]
+    goals = [Go(robot, Goal(1, setting.map.rooms[room].goal)) for robot, room in ((0, 4), (1, 7))]
     team.step(goals)
     for _ in range(150):
         team.step()
@@ -36,14 +36,14 @@ def team():
 
 
 def told(snapshot, shows=None, ticks=TICKS, conditions=None, bulletin=None):
-    bulletin = bulletin or Bulletin("SimR", shows or Shows())
+    bulletin = bulletin or TelemetryPublisher("SimR", shows or TelemetryOptions())
     bulletin.subscribe("Window", 0)
     conditions = conditions or [Condition.WELL] * len(snapshot.robots)
-    return [m for tick in ticks for m in bulletin.told(tick, snapshot, conditions, {0: 0.25})]
+    return [m for tick in ticks for m in bulletin.messages(tick, snapshot, conditions, {0: 0.25})]
 
 
 def levels(messages, kind):
-    return [level for message in messages if (level := heard(parse_notice(message), kind)) is not None]
+    return [level for message in messages if (level := decode_notice(parse_notice(message), kind)) is not None]
 
 
 def test_robots_under_way_are_told_with_what_they_do(team):
@@ -80,7 +80,7 @@ def test_what_a_robot_does_has_a_word(team, changes, condition, doing):
 
 @given(st.booleans(), st.booleans(), st.booleans())
 def test_what_the_study_does_not_show_is_not_told(team, way, uncertainty, truth):
-    messages = told(team[0], Shows(way, uncertainty, truth))
+    messages = told(team[0], TelemetryOptions(way, uncertainty, truth))
     (whereabouts, *_), ways = levels(messages, Whereabouts), levels(messages, Ways)
     assert bool(ways) == way
     assert (whereabouts.ellipses is not None) == uncertainty
@@ -92,7 +92,7 @@ def test_what_the_study_does_not_show_is_not_told(team, way, uncertainty, truth)
 
 
 def test_of_real_robots_nobody_tells_the_truth(team):
-    assert levels(told(replace(team[0], world=None), Shows(truth=True)), Whereabouts)[0].truth is None
+    assert levels(told(replace(team[0], world=None), TelemetryOptions(truth=True)), Whereabouts)[0].truth is None
 
 
 def test_a_way_leads_from_the_robot_to_its_goal_and_is_off_by_less_than_three_centimetres(team):
@@ -107,7 +107,7 @@ def test_a_way_leads_from_the_robot_to_its_goal_and_is_off_by_less_than_three_ce
 
 
 def test_a_way_stays_true_while_it_is_driven(team):
-    bulletin = Bulletin("SimR", Shows())
+    bulletin = TelemetryPublisher("SimR", TelemetryOptions())
     bulletin.subscribe("Window", 0)
     whole = team[0].robots[0].navigation.plan
     for passed in range(0, len(whole) - 1, 7):
@@ -121,7 +121,7 @@ def test_a_way_stays_true_while_it_is_driven(team):
             for each in team[0].robots
         ]
         snapshot = replace(team[0], robots=tuple(robots))
-        (ways,) = levels(bulletin.told(passed * WAYS_PERIOD, snapshot, [Condition.WELL] * 2, {}), Ways)
+        (ways,) = levels(bulletin.messages(passed * PATH_PERIOD, snapshot, [Condition.WELL] * 2, {}), Ways)
         line = np.array(ways.ways[0])
         assert math.dist(line[0], (here.x, here.y)) < 0.01
         assert max(off(point, line) for point in whole[passed + 1 :, :2]) < 0.03
@@ -143,12 +143,15 @@ def test_a_robot_that_does_not_answer_has_no_way_ahead(team):
 
 
 def test_ways_are_told_when_they_change_and_to_those_who_ask_anew(team):
-    bulletin = Bulletin("SimR", Shows())
+    bulletin = TelemetryPublisher("SimR", TelemetryOptions())
     assert len(levels(told(team[0], bulletin=bulletin), Ways)) == 1
-    again = [m for tick in range(10, 20) for m in bulletin.told(tick, team[0], [Condition.WELL] * 2, {})]
+    again = [m for tick in range(10, 20) for m in bulletin.messages(tick, team[0], [Condition.WELL] * 2, {})]
     assert levels(again, Ways) == []
     moved = navigating(team[0], plan=team[0].robots[0].navigation.plan[10:])
-    assert len(levels([m for t in range(20, 30) for m in bulletin.told(t, moved, [Condition.WELL] * 2, {})], Ways)) == 1
+    assert (
+        len(levels([m for t in range(20, 30) for m in bulletin.messages(t, moved, [Condition.WELL] * 2, {})], Ways))
+        == 1
+    )
     assert len(levels(told(moved, bulletin=bulletin, ticks=range(30, 40)), Ways)) == 1
 
 
@@ -157,7 +160,7 @@ def test_sixty_four_robots_fit_into_lines(team):
     world = replace(team[0].truth, poses=np.tile(np.array([-123.456, -123.456, -3.141]), (64, 1)))
     wiggle = np.random.default_rng(1).uniform(-123, -100, (100, 3))
     snapshot = navigating(replace(team[0], robots=robots, world=world), plan=wiggle, waits_for=63)
-    messages = told(snapshot, Shows(True, True, True), range(1))
+    messages = told(snapshot, TelemetryOptions(True, True, True), range(1))
     assert len(messages) == 2
     assert max(len(message.line()) for message in messages) < LINE_LIMIT / 2
 

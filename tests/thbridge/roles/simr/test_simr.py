@@ -8,32 +8,32 @@ import pytest
 
 from sim.common.observations import TICKS_PER_SECOND
 from sim.team import Team, TeamSnapshot
-from thbridge.app.compose import Setting, read_setting
+from thbridge.app.compose import StudySetting, read_setting
 from thbridge.hunt.events import Condition
 from thbridge.roles.notices import (
     KEEPER,
+    MoveOrder,
     MoveResult,
-    Order,
     Orders,
     RobotsReady,
     Status,
     Subscribe,
     Whereabouts,
-    heard,
-    tell,
+    decode_notice,
+    encode_notice,
 )
 from thbridge.roles.robot_requests import SetParameters
-from thbridge.roles.simr.pose_telemetry import SUBSCRIPTION, WHEREABOUTS_PERIOD
-from thbridge.roles.simr.simr import PATIENCE, SILENCE, SimR
+from thbridge.roles.simr.pose_telemetry import POSE_PERIOD, SUBSCRIPTION_TICKS
+from thbridge.roles.simr.simr import KEEPER_TIMEOUT, RESPONSE_TIMEOUT, SimR
 from thbridge.study.study_file import Study
 from thbridge.study.things import Mishap, MishapEntry, Shape, ThingEntry
 from thbridge.wire import canonical, legacy
 from thbridge.wire.notice import Notice, parse_notice
-from thbridge.wire.text import Message
+from thbridge.wire.text import TextMessage
 
 
 @pytest.fixture(scope="module")
-def setting() -> Setting:
+def setting() -> StudySetting:
     return read_setting(replace(Study(), robots=2), Path())
 
 
@@ -43,9 +43,9 @@ class Driver:
     def __init__(self, simr: SimR) -> None:
         self.simr = simr
         self.tick = 0
-        self.said: list[Message] = []
+        self.said: list[TextMessage] = []
 
-    def run(self, ticks: int, *messages: Message) -> list[Message]:
+    def run(self, ticks: int, *messages: TextMessage) -> list[TextMessage]:
         said = []
         for step in range(ticks):
             said += self.simr.step(self.tick, messages if step == 0 else ())
@@ -61,7 +61,7 @@ class Driver:
 
     def levels(self, kind: type) -> list:
         notices = [parse_notice(message) for message in self.said]
-        return [level for n in notices if isinstance(n, Notice) and (level := heard(n, kind)) is not None]
+        return [level for n in notices if isinstance(n, Notice) and (level := decode_notice(n, kind)) is not None]
 
 
 @pytest.fixture
@@ -69,8 +69,8 @@ def driver(setting):
     return Driver(setting.simr())
 
 
-def orders(game: int, *moves: Order | None, at=(0, 0), poses=None) -> Message:
-    return tell(KEEPER, legacy.SIMR, Orders(game, moves, (90.0, 80.0), at, poses))
+def orders(game: int, *moves: MoveOrder | None, at=(0, 0), poses=None) -> TextMessage:
+    return encode_notice(KEEPER, legacy.SIMR, Orders(game, moves, (90.0, 80.0), at, poses))
 
 
 def test_it_introduces_itself_when_connected(driver):
@@ -81,16 +81,16 @@ def test_it_introduces_itself_when_connected(driver):
 
 
 def test_without_a_keeper_it_obeys_as_in_2016(driver):
-    driver.run(PATIENCE, legacy.Goto(0, 1).message())
+    driver.run(KEEPER_TIMEOUT, legacy.GotoRoom(0, 1).message())
     assert driver.simr.snapshot.robots[0].navigation.goal is None
     driver.until('%%error SimR TabUI "0;1" ')
 
 
 def test_with_a_keeper_only_its_orders_count(driver):
     driver.run(1, orders(1, None, None))
-    driver.run(PATIENCE + 5, legacy.Goto(0, 1).message())
+    driver.run(KEEPER_TIMEOUT + 5, legacy.GotoRoom(0, 1).message())
     assert driver.simr.snapshot.robots[0].navigation.goal is None
-    driver.run(2, orders(1, Order(1, 2), None))
+    driver.run(2, orders(1, MoveOrder(1, 2), None))
     assert driver.simr.snapshot.robots[0].navigation.goal is not None
     assert driver.simr.snapshot.robots[1].observations.battery.charge == 80.0
     driver.until('%%error SimR TabUI "0;1" ')
@@ -99,14 +99,14 @@ def test_with_a_keeper_only_its_orders_count(driver):
 
 
 def test_an_order_heard_twice_is_obeyed_once(driver):
-    driver.run(2, orders(1, Order(1, 2), None))
+    driver.run(2, orders(1, MoveOrder(1, 2), None))
     first = driver.simr.snapshot.robots[0].navigation.goal
-    driver.run(2, orders(1, Order(1, 2), None))
+    driver.run(2, orders(1, MoveOrder(1, 2), None))
     assert driver.simr.snapshot.robots[0].navigation.goal is first
 
 
 def test_a_withdrawn_order_stops_the_robot_and_is_reported(driver):
-    driver.run(100, orders(1, Order(1, 8), None))
+    driver.run(100, orders(1, MoveOrder(1, 8), None))
     driver.run(5, orders(1, None, None))
     assert driver.simr.snapshot.robots[0].navigation.goal is None
     result = driver.levels(Status)[-1].results[0]
@@ -115,10 +115,10 @@ def test_a_withdrawn_order_stops_the_robot_and_is_reported(driver):
 
 
 def test_a_robot_called_back_under_way_goes_where_it_is_sent_next(driver):
-    driver.run(150, orders(1, Order(1, 8), None))
+    driver.run(150, orders(1, MoveOrder(1, 8), None))
     driver.run(5, orders(1, None, None))
     assert driver.levels(Status)[-1].results[0].sentence == "It was called back."
-    driver.run(2, orders(1, Order(2, 2), None))
+    driver.run(2, orders(1, MoveOrder(2, 2), None))
     driver.until('%%error SimR TabUI "0;1" ')
     driver.run(1)
     assert driver.levels(Status)[-1].results[0] == MoveResult(2, True, "", 1.0)
@@ -139,16 +139,16 @@ def test_back_in_a_game_without_poses_robots_stand_in_their_rooms(driver, settin
 
 def test_where_is_answered_with_what_the_robot_believes(driver):
     driver.run(1)
-    (answer,) = [m for m in driver.run(1, canonical.encode(canonical.Where(1), "Me", "SimR")) if m.receiver == "Me"]
+    (answer,) = [m for m in driver.run(1, canonical.encode(canonical.PoseQuery(1), "Me", "SimR")) if m.receiver == "Me"]
     pose = canonical.decode(answer)
-    assert isinstance(pose, canonical.Pose)
+    assert isinstance(pose, canonical.PoseReport)
     believed = driver.simr.snapshot.robots[1].estimate.base_in_map
     assert (pose.robot, pose.x, pose.y) == (1, pytest.approx(believed.x, abs=0.05), pytest.approx(believed.y, abs=0.05))
 
 
 def test_a_robot_is_driven_by_hand_for_half_a_second(driver):
     driver.run(1)
-    driver.run(40, canonical.encode(canonical.Move(0, canonical.Drive.FORWARD, 5), "Me", "SimR"))
+    driver.run(40, canonical.encode(canonical.MoveByHand(0, canonical.MoveDirection.FORWARD, 5), "Me", "SimR"))
     # 0.5 m/s for 25 ticks of 20 ms.
     assert driver.simr.snapshot.world.poses[0][0] == pytest.approx(0.25, abs=0.02)
 
@@ -161,24 +161,24 @@ def test_a_robot_goes_to_a_point_in_metres(driver):
 
 
 def test_whereabouts_go_to_those_who_asked_for_as_long_as_they_ask(driver):
-    driver.run(20, tell("Window", legacy.SIMR, Subscribe()))
-    assert len(driver.levels(Whereabouts)) == 20 // WHEREABOUTS_PERIOD
-    driver.run(SUBSCRIPTION)
+    driver.run(20, encode_notice("Window", legacy.SIMR, Subscribe()))
+    assert len(driver.levels(Whereabouts)) == 20 // POSE_PERIOD
+    driver.run(SUBSCRIPTION_TICKS)
     told = len(driver.levels(Whereabouts))
     driver.run(50)
     assert len(driver.levels(Whereabouts)) == told
 
 
-def with_mishaps(setting: Setting, *mishaps: tuple[Mishap, float]) -> Driver:
+def with_mishaps(setting: StudySetting, *mishaps: tuple[Mishap, float]) -> Driver:
     entries = tuple(MishapEntry(robot=1, what=what, time=time) for what, time in mishaps)
     return Driver(replace(setting, study=replace(setting.study, mishaps=entries)).simr())
 
 
 def test_the_move_of_a_robot_that_died_fails_with_its_reason(setting):
     driver = with_mishaps(setting, (Mishap.DIES, 1.0))
-    driver.run(60, orders(1, Order(1, 2), None))
+    driver.run(60, orders(1, MoveOrder(1, 2), None))
     assert driver.levels(Status)[-1].results[0] is None
-    driver.run(SILENCE)
+    driver.run(RESPONSE_TIMEOUT)
     result = driver.levels(Status)[-1].results[0]
     assert (result.arrived, result.sentence) == (False, "Robot 1 does not answer any more.")
     assert driver.levels(Status)[-1].conditions == (Condition.SILENT, Condition.WELL)
@@ -197,7 +197,7 @@ def test_a_robot_that_was_dead_for_a_moment_goes_where_it_was_sent(setting, orde
     """Whether it has forgotten its order by that or has never heard it."""
     driver = with_mishaps(setting, (Mishap.DIES, 1.0), (Mishap.REVIVES, 3.0))
     driver.run(ordered, orders(1, None, None))
-    driver.run(200 - ordered, orders(1, Order(1, 2), None))
+    driver.run(200 - ordered, orders(1, MoveOrder(1, 2), None))
     assert driver.simr.snapshot.robots[0].navigation.goal is not None
     driver.run(5, orders(1, None, None))
     assert driver.levels(Status)[-1].results[0].sentence == "It was called back."
@@ -205,7 +205,7 @@ def test_a_robot_that_was_dead_for_a_moment_goes_where_it_was_sent(setting, orde
 
 def test_a_robot_called_back_while_it_was_dead_for_a_moment_stays(setting):
     driver = with_mishaps(setting, (Mishap.DIES, 1.0), (Mishap.REVIVES, 3.0))
-    driver.run(80, orders(1, Order(1, 2), None))
+    driver.run(80, orders(1, MoveOrder(1, 2), None))
     driver.run(120, orders(1, None, None))
     assert driver.simr.snapshot.robots[0].navigation.goal is None
     assert driver.levels(Status)[-1].results[0].sentence == "It was called back."
@@ -214,7 +214,7 @@ def test_a_robot_called_back_while_it_was_dead_for_a_moment_stays(setting):
 def test_a_room_behind_a_closed_door_is_told_of_in_words(setting):
     door = ThingEntry(name="door", shape=Shape.DOOR, at=(7.0, -4.0, math.pi / 2), size=(2.0, 0.1))
     driver = Driver(replace(setting, study=replace(setting.study, things=(door,))).simr())
-    driver.run(100 * TICKS_PER_SECOND, orders(1, Order(1, 8), None))
+    driver.run(100 * TICKS_PER_SECOND, orders(1, MoveOrder(1, 8), None))
     result = driver.levels(Status)[-1].results[0]
     assert result.sentence == "Something that is not on the map blocks the way of robot 1."
 
@@ -235,7 +235,7 @@ class Real:
 def test_of_real_robots_it_tells_what_they_believe_and_sets_no_parameters(setting):
     driver = Driver(setting.simr(Real(setting.team())))
     driver.simr.ask(SetParameters(0, (("amcl.kld_err", 0.2),)))
-    driver.run(2, orders(1, Order(1, 2), None))
+    driver.run(2, orders(1, MoveOrder(1, 2), None))
     driver.until('%%error SimR TabUI "0;1" ')
     believed = driver.simr.snapshot.robots[0].estimate.base_in_map
     driver.run(1)

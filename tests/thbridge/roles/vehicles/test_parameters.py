@@ -10,14 +10,14 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from sim.parameters import Rejected, RobotParameters, WorldParameters
+from sim.parameters import ParameterRejection, RobotParameters, WorldParameters
 from sim.team import Configure, Disturb, TeamInput
 from thbridge.app.compose import read_setting
 from thbridge.roles.robot_requests import ParameterValue, SetParameters, Tuning
 from thbridge.roles.simr.simr import SimR
 from thbridge.roles.vehicles.parameters import PARAMETERS, VehicleParameters, values_of
 from thbridge.study.study_file import Study
-from thbridge.wire.mavlink.vehicle_interface import Denied, Description, Setting
+from thbridge.wire.mavlink.vehicle_interface import Denied, ParameterDescription, ParameterSetting
 
 SINGLES = st.floats(width=32, allow_nan=False, allow_infinity=False)
 OF_NAME = {parameter.name: parameter for parameter in PARAMETERS}
@@ -42,7 +42,7 @@ class Bench:
         self.asked.append(request.values)
         assert self.now is not None
         changed = self.now.changed(request.values)
-        assert not isinstance(changed, Rejected)
+        assert not isinstance(changed, ParameterRejection)
         self.now = changed
 
     def value(self, name: str) -> object:
@@ -76,7 +76,7 @@ def test_all_are_described_in_the_same_order_and_begin_within_their_bounds(bench
 
 def test_what_a_parameter_means_is_what_the_study_says_of_it(bench: Bench) -> None:
     described = {each.name: each for each in bench.vehicle.descriptions()}
-    assert described["AMCL_UPD_MIN_D"] == Description(
+    assert described["AMCL_UPD_MIN_D"] == ParameterDescription(
         "AMCL_UPD_MIN_D", "metres to drive before the filter is updated", "robot.amcl.update_min_d of the study",
         "robot", "amcl", "m", 0.2, 0.0, 5.0,
     )  # fmt: skip
@@ -107,7 +107,7 @@ def test_its_default_is_that_of_the_session_s_beginning(bench: Bench) -> None:
     ],
 )
 def test_numbers_switches_and_words_are_told_as_numbers(bench: Bench, name: str, told: float) -> None:
-    assert bench.vehicle.setting(name) == Setting(name, told)
+    assert bench.vehicle.setting(name) == ParameterSetting(name, told)
 
 
 def test_to_send_back_what_was_read_changes_nothing(bench: Bench) -> None:
@@ -134,15 +134,15 @@ def test_to_send_back_what_was_read_changes_nothing(bench: Bench) -> None:
 def test_what_is_set_is_the_studys_own_value_and_is_told_at_once(
     bench: Bench, name: str, value: float, meant: object
 ) -> None:
-    assert bench.vehicle.change(name, value) == Setting(name, single(value))
-    assert bench.asked == [((OF_NAME[name].knob.path, meant),)]
+    assert bench.vehicle.change(name, value) == ParameterSetting(name, single(value))
+    assert bench.asked == [((OF_NAME[name].declaration.path, meant),)]
     assert (bench.value(name), type(bench.value(name))) == (meant, type(meant))
-    assert bench.vehicle.setting(name) == Setting(name, single(value))
+    assert bench.vehicle.setting(name) == ParameterSetting(name, single(value))
 
 
 def test_what_has_no_value_is_zero_both_ways(bench: Bench) -> None:
-    assert bench.vehicle.change("LC_ROBOT_RADIUS", 0.25) == Setting("LC_ROBOT_RADIUS", 0.25)
-    assert bench.vehicle.change("LC_ROBOT_RADIUS", 0.0) == Setting("LC_ROBOT_RADIUS", 0.0)
+    assert bench.vehicle.change("LC_ROBOT_RADIUS", 0.25) == ParameterSetting("LC_ROBOT_RADIUS", 0.25)
+    assert bench.vehicle.change("LC_ROBOT_RADIUS", 0.0) == ParameterSetting("LC_ROBOT_RADIUS", 0.0)
     assert bench.value("LC_ROBOT_RADIUS") is None
 
 
@@ -185,7 +185,9 @@ def test_every_bound_that_a_number_has_can_be_set(parameter) -> None:
             for name, value in ((wide.get(parameter.name), 0.0), ("TP_MAX_VEL_X", 20.0), ("TP_MAX_VEL_TH", 20.0)):
                 if name is not None:
                     bench.vehicle.change(name, value)
-            assert bench.vehicle.change(parameter.name, single(bound)) == Setting(parameter.name, single(bound))
+            assert bench.vehicle.change(parameter.name, single(bound)) == ParameterSetting(
+                parameter.name, single(bound)
+            )
 
 
 @given(SINGLES.filter(lambda value: abs(value) <= 5.0))
@@ -195,7 +197,7 @@ def test_every_number_is_told_back_as_it_was_sent_and_means_the_shortest_decimal
     if value < 0.0:
         assert isinstance(result, Denied)
         return
-    assert result == Setting(parameter.name, value) == bench.vehicle.setting(parameter.name)
+    assert result == ParameterSetting(parameter.name, value) == bench.vehicle.setting(parameter.name)
     meant = bench.value(parameter.name)
     assert isinstance(meant, float)
     if value != single(0.02):
@@ -209,7 +211,7 @@ def test_a_value_of_the_study_outlives_any_ground_station(value: float) -> None:
     laser = replace(bench.now.world.laser, range_noise=value)
     bench.now = replace(bench.now, world=replace(bench.now.world, laser=laser))
     told = bench.vehicle.setting("SIM_LASER_NOISE")
-    assert told == Setting("SIM_LASER_NOISE", single(value))
+    assert told == ParameterSetting("SIM_LASER_NOISE", single(value))
     bench.vehicle.change(told.name, told.value)
     assert bench.value("SIM_LASER_NOISE") == value
 
@@ -264,9 +266,9 @@ def vehicles(simr: SimR) -> tuple[VehicleParameters, VehicleParameters]:
 def test_several_in_one_tick_all_hold_and_are_told_before_it(noted: Noted) -> None:
     one, other = vehicles(noted.simr)
     for name, value in (("AMCL_MAX_PART", 400.0), ("AMCL_MIN_PART", 200.0), ("SIM_LASER_DROP", 0.5)):
-        assert one.change(name, value) == Setting(name, value) == one.setting(name)
+        assert one.change(name, value) == ParameterSetting(name, value) == one.setting(name)
     one.change("SIM_GYRO_NOISE", 0.25)
-    assert other.setting("AMCL_MAX_PART") == Setting("AMCL_MAX_PART", 1000.0)
+    assert other.setting("AMCL_MAX_PART") == ParameterSetting("AMCL_MAX_PART", 1000.0)
     noted.simr.step(0, ())
     software, world = noted.parameters[0], noted.worlds[0]
     assert (software.amcl.min_particles, software.amcl.max_particles) == (200, 400)
@@ -278,10 +280,10 @@ def test_several_in_one_tick_all_hold_and_are_told_before_it(noted: Noted) -> No
 def test_what_others_change_is_told_too(noted: Noted) -> None:
     _, other = vehicles(noted.simr)
     noted.simr.ask(SetParameters(1, (("amcl.kld_err", 0.125), ("world.odometry.alpha1", 0.5))))
-    assert other.setting("AMCL_KLD_ERR") == Setting("AMCL_KLD_ERR", 0.125)
+    assert other.setting("AMCL_KLD_ERR") == ParameterSetting("AMCL_KLD_ERR", 0.125)
     noted.simr.step(1, ())
-    assert other.setting("AMCL_KLD_ERR") == Setting("AMCL_KLD_ERR", 0.125)
-    assert other.setting("SIM_ODOM_ALPHA1") == Setting("SIM_ODOM_ALPHA1", 0.5)
+    assert other.setting("AMCL_KLD_ERR") == ParameterSetting("AMCL_KLD_ERR", 0.125)
+    assert other.setting("SIM_ODOM_ALPHA1") == ParameterSetting("SIM_ODOM_ALPHA1", 0.5)
 
 
 def test_robots_of_others_have_none(bench: Bench) -> None:

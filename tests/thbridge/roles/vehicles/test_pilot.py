@@ -14,8 +14,8 @@ from sim.inputs import Die
 from sim.parameters import RobotParameters
 from tests.thbridge.roles.stage import Log
 from tests.thbridge.roles.test_hunt import Script
-from thbridge.app.compose import Setting, read_setting
-from thbridge.app.session.session import Moment, Session
+from thbridge.app.compose import StudySetting, read_setting
+from thbridge.app.session.session import Session, TickRecord
 from thbridge.hunt.costs import CostMatrix
 from thbridge.hunt.events import (
     Arrived,
@@ -32,18 +32,18 @@ from thbridge.hunt.events import (
 from thbridge.hunt.game import GameState, apply, begin
 from thbridge.hunt.rooms import Room
 from thbridge.roles.robot_requests import GameRequest, Request, SetParameters
-from thbridge.roles.simr.controls import HAND_TICKS
+from thbridge.roles.simr.controls import MANUAL_DRIVE_TICKS
 from thbridge.roles.simr.simr import SimR
 from thbridge.roles.tabui import TabUI
 from thbridge.roles.vehicles.pilot import Pilot
-from thbridge.roles.vehicles.speed_limit import Speeds
-from thbridge.roles.vehicles.station_texts import asked_of
-from thbridge.roles.view import Answer, AskBack, Select, SendRobot, Wish
+from thbridge.roles.vehicles.speed_limit import SpeedLimit
+from thbridge.roles.vehicles.station_texts import handback_texts
+from thbridge.roles.view import Answer, AskBack, ParticipantRequest, Select, SendRobot
 from thbridge.ros.messages.records import SimpleGoal
 from thbridge.study.study_file import Study
-from thbridge.wire.mavlink.vehicle_interface import Denied, LegState, Readings, Refusal, Station, Target
-from thbridge.wire.mavlink.vehicle_interface import Setting as Parameter
-from thbridge.wire.router import Router
+from thbridge.wire.mavlink.vehicle_interface import DenialKind, Denied, LegState, RobotReadings, Station, Target
+from thbridge.wire.mavlink.vehicle_interface import ParameterSetting as Parameter
+from thbridge.wire.router import MessageRouter
 
 STATION = Station(255, 190)
 UNDER_WAY, ARRIVED, FAILED = LegState.UNDER_WAY, LegState.ARRIVED, LegState.FAILED
@@ -72,11 +72,11 @@ class RealRobots:
         """Nobody does it."""
 
 
-OF_OTHERS = Speeds(0, RobotParameters(), RealRobots())
+OF_OTHERS = SpeedLimit(0, RobotParameters(), RealRobots())
 
 
 @cache
-def setting(energy: float = 100.0) -> Setting:
+def setting(energy: float = 100.0) -> StudySetting:
     study = Study(robots=2)
     software = replace(study.robot, localization="truth")
     return read_setting(replace(study, robot=software, game=replace(study.game, energy=energy)), Path())
@@ -93,17 +93,19 @@ class Flight:
         self.simr: SimR = made.simr()
         self.keeper = made.keeper()
         self.tabui = participant or TabUI(self.player)
-        self.session = Session(Router(), self.keeper, [self.simr, made.hider(), self.tabui], self.log)
+        self.session = Session(MessageRouter(), self.keeper, [self.simr, made.hider(), self.tabui], self.log)
         self.asked: list[Request] = []
-        premises = made.premises()
+        premises = made.game_setup()
         software = made.study.software(1)
         self.pilots = [
-            Pilot(robot, premises, made.place.starts[robot], Speeds(robot, software, self.simr), Parameters(), self.ask)
+            Pilot(
+                robot, premises, made.map.starts[robot], SpeedLimit(robot, software, self.simr), Parameters(), self.ask
+            )
             for robot in range(2)
         ]
         self.pilot = self.pilots[0]
-        self.readings: list[Readings] = []
-        self.moments: list[Moment] = []
+        self.readings: list[RobotReadings] = []
+        self.moments: list[TickRecord] = []
         self.news: list[str] = []
         self.run(10)
 
@@ -114,7 +116,7 @@ class Flight:
         else:
             self.simr.ask(request)
 
-    def run(self, ticks: int = 1) -> Readings:
+    def run(self, ticks: int = 1) -> RobotReadings:
         for _ in range(ticks):
             moment = self.session.step()
             self.moments.append(moment)
@@ -122,7 +124,7 @@ class Flight:
             self.news += self.readings[0].news
         return self.readings[0]
 
-    def until(self, state: LegState, ticks: int = 4000) -> Readings:
+    def until(self, state: LegState, ticks: int = 4000) -> RobotReadings:
         for _ in range(ticks):
             if self.run().leg.state is state:
                 return self.readings[0]
@@ -140,14 +142,14 @@ class Flight:
             self._wish(Answer(dialogue.dialogue, dialogue.turn, 0))
         self._wish(SendRobot(0, room))
 
-    def _wish(self, wish: Wish) -> None:
+    def _wish(self, wish: ParticipantRequest) -> None:
         self.player.wish = (wish,)
-        self.tabui.look_again()
+        self.tabui.poll_player()
         self.run(6)
         self.player.wish = ()
 
     def goal_of(self, room: int) -> tuple[float, float]:
-        goal = self.setting.place.rooms[room - 1].goal
+        goal = self.setting.map.rooms[room - 1].goal
         return goal.x, goal.y
 
     def events(self, *kinds: type) -> list:
@@ -199,7 +201,7 @@ def test_a_point_in_a_room_is_a_move_of_the_game(taken: Flight) -> None:
     readings = taken.run(3)
     assert readings.leg.number == number and readings.leg.state is UNDER_WAY and readings.leg.remaining > 0.5
     readings = taken.run(20)
-    assert readings.under_way and readings.goal_in_map.distance(taken.setting.place.rooms[3].goal) < 1e-9
+    assert readings.under_way and readings.goal_in_map.distance(taken.setting.map.rooms[3].goal) < 1e-9
     assert readings.energy == 100.0 - taken.events(Departed)[0].cost
     readings = taken.until(ARRIVED)
     assert readings.leg.number == number and readings.leg.remaining == 0.0
@@ -241,10 +243,10 @@ def test_a_point_that_cannot_be_reached_fails_with_the_navigators_words(taken: F
 
 
 def test_what_can_be_no_home_is_where_no_way_could_end(taken: Flight) -> None:
-    start, (x, y), grid = taken.pilot.start(), taken.goal_of(4), taken.setting.place.grid
+    start, (x, y), grid = taken.pilot.start(), taken.goal_of(4), taken.setting.map.grid
     assert taken.pilot.misplaced(start.x, start.y) is None and taken.pilot.misplaced(x, y) is None
     walls = (grid.centre_of(int(row), int(col)) for row, col in np.argwhere(grid.cells == OCCUPIED))
-    wall = next(point for point in walls if taken.setting.premises().room_at(*point) is None)
+    wall = next(point for point in walls if taken.setting.game_setup().room_at(*point) is None)
     for point in (wall, (500.0, 500.0)):
         denied = taken.pilot.misplaced(*point)
         taken.pilot.go_to(Target(*point))
@@ -346,7 +348,7 @@ def test_hand_driving_needs_repeating_and_takes_the_place_of_a_leg(taken: Flight
     assert (readings.leg.number, readings.leg.state) == (number, FAILED)
     assert taken.session.game.robots[0].bound_for is None
     assert readings.twist.angular > 0.3
-    taken.run(HAND_TICKS + 20)
+    taken.run(MANUAL_DRIVE_TICKS + 20)
     assert abs(taken.readings[0].twist.angular) < 0.1
     assert taken.readings[0].commanded_by == "ground station 255"
 
@@ -359,7 +361,7 @@ def test_a_researcher_goes_before_and_is_named(taken: Flight) -> None:
     # The station keeps the robot, and has it again when the researcher is done.
     assert (readings.commander, readings.commanded_by) == ("ground station 255", "researcher")
     denied = taken.pilot.go_to(Target(*taken.goal_of(3)))
-    assert denied == Denied("Robot 1 is commanded by a researcher just now.", Refusal.NOT_NOW)
+    assert denied == Denied("Robot 1 is commanded by a researcher just now.", DenialKind.NOT_NOW)
     for _ in range(600):
         if taken.run().commanded_by != "researcher":
             break
@@ -412,7 +414,7 @@ def test_a_station_is_told_what_the_participant_asks_of_it_and_no_other_is(taken
     taken.run(2)
     asked = []
     taken.player.wish = (AskBack(0),)
-    taken.tabui.look_again()
+    taken.tabui.poll_player()
     for _ in range(10):
         taken.run()
         asked.append([readings.asked for readings in taken.readings])
@@ -421,7 +423,7 @@ def test_a_station_is_told_what_the_participant_asks_of_it_and_no_other_is(taken
 
 def test_what_a_participant_asks_of_a_researcher_alone_is_told_to_no_station() -> None:
     def asks(state: GameState) -> list[str]:
-        return [*asked_of(0, state, apply(state, AskedBack(0)))]
+        return [*handback_texts(0, state, apply(state, AskedBack(0)))]
 
     costs = CostMatrix(((0.0, 1.0), (1.0, 0.0)))
     state = begin(Started(1, 1, 1, 10.0, 1.0, 1.0, 1.0, costs))
@@ -467,13 +469,13 @@ def test_who_changes_a_speed_by_a_parameter_finds_it_changed(taken: Flight) -> N
 
 def test_real_robots_speeds_are_not_ours() -> None:
     flight = Flight()
-    pilot = Pilot(0, setting().premises(), Pose2(0.0, 0.0, 0.0), OF_OTHERS, Parameters(), flight.ask)
+    pilot = Pilot(0, setting().game_setup(), Pose2(0.0, 0.0, 0.0), OF_OTHERS, Parameters(), flight.ask)
     denied = pilot.limit_speed(0.5)
-    assert isinstance(denied, Denied) and denied.refusal is Refusal.UNSUPPORTED
+    assert isinstance(denied, Denied) and denied.refusal is DenialKind.UNSUPPORTED
 
 
 def test_nothing_is_granted_before_there_is_a_game() -> None:
-    pilot = Pilot(0, setting().premises(), Pose2(0.0, 0.0, 0.0), OF_OTHERS, Parameters(), lambda _: None)
+    pilot = Pilot(0, setting().game_setup(), Pose2(0.0, 0.0, 0.0), OF_OTHERS, Parameters(), lambda _: None)
     for refused in (pilot.take(STATION), pilot.go_to(Target(0.0, 0.0)), pilot.drive(Twist(0.0, 0.0)), pilot.leave()):
-        assert isinstance(refused, Denied) and refused.refusal is Refusal.NOT_NOW
+        assert isinstance(refused, Denied) and refused.refusal is DenialKind.NOT_NOW
     pilot.halt()

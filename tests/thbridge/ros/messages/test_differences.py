@@ -8,7 +8,7 @@ from sim.common.geometry import Pose2
 from sim.common.observations import Twist
 from thbridge.ros.messages import pack, types
 from thbridge.ros.messages.differences import MOST, FieldDifference, differences
-from thbridge.ros.messages.records import GameEvent, Score
+from thbridge.ros.messages.records import GameEvent, ScoreRecord
 
 
 def odometry(x: float) -> bytes:
@@ -30,7 +30,7 @@ def test_the_sign_of_zero_counts() -> None:
 
 
 def test_lists_may_have_other_lengths() -> None:
-    was, now = (pack.score(1, Score(3, 2, 8, energy)) for energy in ((1.0, 2.0), (1.5,)))
+    was, now = (pack.score(1, ScoreRecord(3, 2, 8, energy)) for energy in ((1.0, 2.0), (1.5,)))
     assert differences(types.SCORE, was, now) == (
         FieldDifference("energy[0]", "1.0", "1.5"),
         FieldDifference("energy[1]", "2.0", "nothing"),

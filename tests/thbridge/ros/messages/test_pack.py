@@ -13,9 +13,9 @@ from sim.common.observations import Battery, Scan, Twist
 from sim.robot.costmap.view import CostmapView
 from tests.thbridge.ros.drive import MOUNT, SESSION, arena
 from thbridge.ros.messages import pack, types, unpack
-from thbridge.ros.messages.goal_status import GoalId, GoalStatus, Status
-from thbridge.ros.messages.pack import Diagnosis, DiagnosticLevel, Transform
-from thbridge.ros.messages.records import GameEvent, Input, LogLevel, LogLine, Score, Utterance
+from thbridge.ros.messages.goal_status import GoalId, GoalStatus, GoalStatusCode
+from thbridge.ros.messages.pack import DiagnosticLevel, DiagnosticStatus, Transform
+from thbridge.ros.messages.records import GameEvent, InputRecord, LogLevel, LogLine, ScoreRecord, UtteranceRecord
 
 TICKS = st.integers(0, 50 * 86400)
 REALS = st.floats(-1e6, 1e6)
@@ -171,7 +171,7 @@ def test_battery_state() -> None:
         "robot2",
     )  # fmt: skip
     assert data == serialised(types.BATTERY_STATE, expected)
-    assert unpack.battery_state(data) == unpack.Charge(62.5, 0.625)
+    assert unpack.battery_state(data) == unpack.BatteryCharge(62.5, 0.625)
 
 
 def test_command_and_string() -> None:
@@ -189,13 +189,13 @@ def test_goal_and_result() -> None:
     assert (unpack.move_base_goal(data).goal_id, unpack.move_base_goal(data).frame) == ("robot1-4", "map")
     status = message("actionlib_msgs/GoalStatus", goal_id, 4, "no way")
     result = message(types.MOVE_BASE_RESULT, ros_header(9), status, message("move_base_msgs/MoveBaseResult"))
-    data = pack.move_base_result(9, GoalStatus(GoalId("robot1-4", 1_020_000_000), Status.ABORTED, "no way"))
+    data = pack.move_base_result(9, GoalStatus(GoalId("robot1-4", 1_020_000_000), GoalStatusCode.ABORTED, "no way"))
     assert data == serialised(types.MOVE_BASE_RESULT, result)
-    assert unpack.move_base_result(data) == unpack.GoalEnd("robot1-4", 4, "no way")
+    assert unpack.move_base_result(data) == unpack.MoveBaseResult("robot1-4", 4, "no way")
 
 
-@given(TICKS, st.lists(st.tuples(TEXTS, st.integers(0, 10**12), st.sampled_from(Status), TEXTS), max_size=4))
-def test_status_array(tick: int, rows: list[tuple[str, int, Status, str]]) -> None:
+@given(TICKS, st.lists(st.tuples(TEXTS, st.integers(0, 10**12), st.sampled_from(GoalStatusCode), TEXTS), max_size=4))
+def test_status_array(tick: int, rows: list[tuple[str, int, GoalStatusCode, str]]) -> None:
     entries = [GoalStatus(GoalId(goal_id, stamp_ns), status, text) for goal_id, stamp_ns, status, text in rows]
     data = pack.goal_status_array(tick, entries)
     expected = message(types.GOAL_STATUS_ARRAY, ros_header(tick), [ros_status(entry) for entry in entries])
@@ -211,7 +211,7 @@ def ros_status(entry: GoalStatus) -> object:
 
 
 def test_feedback_and_cancel() -> None:
-    entry = GoalStatus(GoalId("robot1-4", 1_020_000_000), Status.ACTIVE, "under way")
+    entry = GoalStatus(GoalId("robot1-4", 1_020_000_000), GoalStatusCode.ACTIVE, "under way")
     base = message("geometry_msgs/PoseStamped", ros_header(7, "map"), ros_pose(POSE))
     feedback = message("move_base_msgs/MoveBaseFeedback", base)
     data = pack.move_base_feedback(7, entry, "map", POSE)
@@ -244,7 +244,9 @@ def test_log_and_clock(tick: int, name: str, text: str, level: LogLevel) -> None
 
 
 def test_diagnostics() -> None:
-    entry = Diagnosis(DiagnosticLevel.WARN, "robot1: energy", "little left", "robot1", {"charge": "9.5", "unit": "£"})
+    entry = DiagnosticStatus(
+        DiagnosticLevel.WARN, "robot1: energy", "little left", "robot1", {"charge": "9.5", "unit": "£"}
+    )
     values = [message("diagnostic_msgs/KeyValue", key, value) for key, value in entry.values.items()]
     status = message("diagnostic_msgs/DiagnosticStatus", 1, entry.name, entry.message, entry.hardware_id, values)
     expected = message(types.DIAGNOSTIC_ARRAY, ros_header(50), [status])
@@ -282,7 +284,7 @@ def test_game_event(tick: int, kind: str, robot: int | None, room: int | None, j
 
 @given(TICKS, st.integers(-1000, 1000), st.lists(REALS, max_size=10))
 def test_score(tick: int, points: int, energy: list[float]) -> None:
-    record = Score(points, 3, 8, tuple(energy))
+    record = ScoreRecord(points, 3, 8, tuple(energy))
     data = pack.score(tick, record)
     expected = message(types.SCORE, ros_header(tick), points, 3, 8, np.array(energy, dtype=np.float64))
     assert data == serialised(types.SCORE, expected)
@@ -291,7 +293,7 @@ def test_score(tick: int, points: int, energy: list[float]) -> None:
 
 @given(TICKS, st.integers(-(2**63), 2**63 - 1), TEXTS, TEXTS, st.none() | st.integers(0, 99))
 def test_utterance(tick: int, dialogue: int, speaker: str, text: str, room: int | None) -> None:
-    record = Utterance(dialogue, speaker, 2, room, "select-room", text, "continue", "wizard")
+    record = UtteranceRecord(dialogue, speaker, 2, room, "select-room", text, "continue", "wizard")
     data = pack.utterance(tick, record)
     fields = (dialogue, speaker, 3, -1 if room is None else room, "select-room", text, "continue", "wizard")
     assert data == serialised(types.UTTERANCE, message(types.UTTERANCE, ros_header(tick), *fields))
@@ -300,7 +302,7 @@ def test_utterance(tick: int, dialogue: int, speaker: str, text: str, room: int 
 
 @given(TICKS, TEXTS, TEXTS, TEXTS)
 def test_outside_input(tick: int, sender: str, line: str, json: str) -> None:
-    record = Input("received", sender, line, json)
+    record = InputRecord("received", sender, line, json)
     data = pack.outside_input(tick, record)
     assert data == serialised(types.INPUT, message(types.INPUT, ros_header(tick), "received", sender, line, json))
     assert unpack.outside_input(data) == record
@@ -314,8 +316,8 @@ def test_cut_messages_are_value_errors(data: st.DataObject) -> None:
         unpack.occupancy_grid: pack.occupancy_grid(0, "map", arena()),
         unpack.battery_state: pack.battery_state(Battery(1, 2.0, 3.0), "x"),
         unpack.session: pack.session(0, SESSION),
-        unpack.score: pack.score(1, Score(1, 2, 3, (4.0,))),
-        unpack.utterance: pack.utterance(1, Utterance(1, "robot", 0, 1, "s", "t", "m", "robot")),
+        unpack.score: pack.score(1, ScoreRecord(1, 2, 3, (4.0,))),
+        unpack.utterance: pack.utterance(1, UtteranceRecord(1, "robot", 0, 1, "s", "t", "m", "robot")),
     }
     read = data.draw(st.sampled_from(list(samples)))
     sample = samples[read]

@@ -3,21 +3,21 @@
 import pytest
 
 from sim.common.geometry import Pose2
-from sim.robot.navigator import Arrived, Cancelled, Goal, NoPath
-from thbridge.ros.messages.goal_status import GoalId, GoalStatus, Status
+from sim.robot.navigator import Cancelled, Goal, GoalReached, NoPath
+from thbridge.ros.messages.goal_status import GoalId, GoalStatus, GoalStatusCode
 from thbridge.ros.remote.goals import (
-    AGAIN_NS,
-    HINDSIGHT_NS,
-    LOST_NS,
-    OBEYED_NS,
-    OTHERS,
-    UNLISTED_NS,
+    CANCEL_RETRY_NS,
+    CANCEL_TIMEOUT_NS,
+    FOREIGN_GOAL,
+    LOST_TIMEOUT_NS,
+    PREEMPTION_WINDOW_NS,
+    UNLISTED_TIMEOUT_NS,
     CancelGoal,
     MoveBaseClient,
     SetGoal,
     reason_of,
 )
-from thbridge.ros.remote.pose import SILENCE_NS
+from thbridge.ros.remote.pose import STALE_NS
 
 SECOND = 1_000_000_000
 HERE, THERE = Pose2(0.0, 0.0, 0.0), Pose2(3.0, 1.0, 0.5)
@@ -31,12 +31,12 @@ class Server:
     def __init__(self) -> None:
         self.client = MoveBaseClient(PREFIX)
         self.now = 100 * SECOND
-        self.listed: dict[str, tuple[Status, str]] = {}
+        self.listed: dict[str, tuple[GoalStatusCode, str]] = {}
         self.lost = self.silent = False
-        self.client.hear_status([], self.now)
+        self.client.receive_status([], self.now)
 
     def sent(self) -> list[str]:
-        said, self.client.said = self.client.said, []
+        said, self.client.outgoing = self.client.outgoing, []
         self.cancels = [item.name for item in said if isinstance(item, CancelGoal)]
         return [item.goal_id.id for item in said if isinstance(item, SetGoal)]
 
@@ -52,8 +52,8 @@ class Server:
         for _ in range(round(seconds * 10)):
             self.now += SECOND // 10
             if status:
-                self.client.hear_status(self.entries(), self.now)
-            self.client.step(self.now, lost=self.lost, silent=self.silent)
+                self.client.receive_status(self.entries(), self.now)
+            self.client.step(self.now, lost=self.lost, stale=self.silent)
 
 
 @pytest.fixture
@@ -65,15 +65,15 @@ def server() -> Server:
 @pytest.mark.parametrize(
     ("status", "text", "end"),
     [
-        (Status.SUCCEEDED, "Goal reached.", Arrived(GOAL)),
-        (Status.ABORTED, "Not a valid plan.", NoPath(GOAL, "no_way", "Not a valid plan.")),
-        (Status.REJECTED, "", NoPath(GOAL, "gave_up", "the goal was rejected, without a reason")),
-        (Status.LOST, "", NoPath(GOAL, "gave_up", "the goal was lost, without a reason")),
+        (GoalStatusCode.SUCCEEDED, "Goal reached.", GoalReached(GOAL)),
+        (GoalStatusCode.ABORTED, "Not a valid plan.", NoPath(GOAL, "no_way", "Not a valid plan.")),
+        (GoalStatusCode.REJECTED, "", NoPath(GOAL, "gave_up", "the goal was rejected, without a reason")),
+        (GoalStatusCode.LOST, "", NoPath(GOAL, "gave_up", "the goal was lost, without a reason")),
     ],
 )  # fmt: skip
 def test_a_goal_ends_as_the_server_says_by_result_or_by_list(server, by_result, status, text, end):
     name = server.go()
-    server.listed[name] = (Status.ACTIVE, "")
+    server.listed[name] = (GoalStatusCode.ACTIVE, "")
     server.run(1)
     assert server.client.goal(server.now, HERE) == GOAL
     assert server.client.active
@@ -95,26 +95,26 @@ def test_texts_of_move_base_are_understood():
 
 def test_a_goal_that_is_taken_back_is_cancelled(server):
     name = server.go()
-    server.listed[name] = (Status.ACTIVE, "")
+    server.listed[name] = (GoalStatusCode.ACTIVE, "")
     server.run(0.5)
     server.client.halt(server.now)
     server.client.halt(server.now)
     assert server.sent() == []
     assert server.cancels == [name]
-    server.listed[name] = (Status.PREEMPTED, "")
+    server.listed[name] = (GoalStatusCode.PREEMPTED, "")
     server.run(0.1)
     assert server.client.results == [Cancelled(GOAL)]
 
 
 def test_a_cancel_that_nobody_obeys_ends_the_goal_all_the_same_and_is_repeated(server):
     name = server.go()
-    server.listed[name] = (Status.ACTIVE, "")
+    server.listed[name] = (GoalStatusCode.ACTIVE, "")
     server.run(0.5)
     server.client.halt(server.now)
     server.sent()
-    server.run(OBEYED_NS / SECOND + 0.5)
+    server.run(CANCEL_TIMEOUT_NS / SECOND + 0.5)
     assert server.client.results == [Cancelled(GOAL)]
-    server.run(3 * AGAIN_NS / SECOND)
+    server.run(3 * CANCEL_RETRY_NS / SECOND)
     server.sent()
     assert 2 <= len(server.cancels) <= 4
     assert set(server.cancels) == {name}
@@ -124,8 +124,8 @@ def test_a_newer_goal_ends_the_older_one_whose_end_is_then_nobodys(server):
     old = server.go()
     new = server.go(Goal(8, HERE))
     assert server.client.results == [Cancelled(GOAL)]
-    server.client.hear_end(GoalStatus(GoalId(old, 0), Status.SUCCEEDED, ""), server.now)
-    server.listed[new] = (Status.ACTIVE, "")
+    server.client.hear_end(GoalStatus(GoalId(old, 0), GoalStatusCode.SUCCEEDED, ""), server.now)
+    server.listed[new] = (GoalStatusCode.ACTIVE, "")
     server.run(0.5)
     assert server.client.results == [Cancelled(GOAL)]
     assert server.client.goal(server.now, HERE) == Goal(8, HERE)
@@ -141,21 +141,21 @@ def test_stamps_of_goals_rise_even_within_one_moment(server):
 
 def test_a_restarted_server_gets_the_goal_once_more(server):
     name = server.go()
-    server.listed[name] = (Status.ACTIVE, "")
+    server.listed[name] = (GoalStatusCode.ACTIVE, "")
     server.run(1)
     server.listed.clear()
-    server.run(UNLISTED_NS / SECOND + 0.5)
+    server.run(UNLISTED_TIMEOUT_NS / SECOND + 0.5)
     (again,) = server.sent()
     assert again != name
     assert server.client.goal(server.now, HERE) == GOAL
-    server.listed[again] = (Status.SUCCEEDED, "")
+    server.listed[again] = (GoalStatusCode.SUCCEEDED, "")
     server.run(0.1)
-    assert server.client.results == [Arrived(GOAL)]
+    assert server.client.results == [GoalReached(GOAL)]
 
 
 def test_a_server_that_takes_no_goal_is_given_up(server):
     server.go()
-    server.run(2 * UNLISTED_NS / SECOND + 1.0)
+    server.run(2 * UNLISTED_TIMEOUT_NS / SECOND + 1.0)
     assert len(server.sent()) == 1
     (end,) = server.client.results
     assert (end.goal, end.reason) == (GOAL, "unanswered")
@@ -163,9 +163,9 @@ def test_a_server_that_takes_no_goal_is_given_up(server):
 
 def test_a_server_that_falls_silent_is_given_up_and_its_goal_cancelled_when_it_is_back(server):
     name = server.go()
-    server.listed[name] = (Status.ACTIVE, "")
+    server.listed[name] = (GoalStatusCode.ACTIVE, "")
     server.run(1)
-    server.run(SILENCE_NS / SECOND - 0.5, status=False)
+    server.run(STALE_NS / SECOND - 0.5, status=False)
     assert server.client.results == []
     server.run(1, status=False)
     (end,) = server.client.results
@@ -185,13 +185,13 @@ def test_a_silent_robot_has_no_goal(server):
 
 def test_a_robot_that_stays_lost_gives_up_and_is_stopped(server):
     name = server.go()
-    server.listed[name] = (Status.ACTIVE, "")
+    server.listed[name] = (GoalStatusCode.ACTIVE, "")
     server.lost = True
-    server.run(LOST_NS / SECOND - 0.5)
+    server.run(LOST_TIMEOUT_NS / SECOND - 0.5)
     server.lost = False
     server.run(1)
     server.lost = True
-    server.run(LOST_NS / SECOND - 0.5)
+    server.run(LOST_TIMEOUT_NS / SECOND - 0.5)
     assert server.client.results == []
     server.run(1)
     server.sent()
@@ -202,26 +202,26 @@ def test_a_robot_that_stays_lost_gives_up_and_is_stopped(server):
 
 def test_another_clients_goal_takes_over_and_is_not_fought(server):
     name = server.go()
-    server.listed[name] = (Status.ACTIVE, "")
+    server.listed[name] = (GoalStatusCode.ACTIVE, "")
     server.run(1)
     server.client.hear_goal("rviz-1", HERE, server.now)
-    server.listed[name] = (Status.PREEMPTED, "")
-    server.listed["rviz-1"] = (Status.ACTIVE, "")
+    server.listed[name] = (GoalStatusCode.PREEMPTED, "")
+    server.listed["rviz-1"] = (GoalStatusCode.ACTIVE, "")
     server.run(1)
     assert server.client.results == [Cancelled(GOAL)]
-    assert server.client.goal(server.now, THERE) == Goal(OTHERS, HERE)
+    assert server.client.goal(server.now, THERE) == Goal(FOREIGN_GOAL, HERE)
     server.client.halt(server.now)
     assert server.sent() == []
     assert server.cancels == []
-    server.listed["rviz-1"] = (Status.SUCCEEDED, "")
+    server.listed["rviz-1"] = (GoalStatusCode.SUCCEEDED, "")
     server.run(2)
     assert server.client.goal(server.now, HERE) is None
 
 
 def test_a_goal_that_somebody_else_cancels_is_called_off(server):
     name = server.go()
-    server.listed[name] = (Status.PREEMPTED, "")
-    server.run(HINDSIGHT_NS / SECOND - 0.2)
+    server.listed[name] = (GoalStatusCode.PREEMPTED, "")
+    server.run(PREEMPTION_WINDOW_NS / SECOND - 0.2)
     assert server.client.goal(server.now, HERE) == GOAL
     server.run(0.5)
     (end,) = server.client.results
@@ -229,8 +229,8 @@ def test_a_goal_that_somebody_else_cancels_is_called_off(server):
 
 
 def test_goals_of_an_earlier_run_are_cancelled(server):
-    server.listed[PREFIX + "3-1.0"] = (Status.ACTIVE, "")
-    server.listed["somebody"] = (Status.ACTIVE, "")
+    server.listed[PREFIX + "3-1.0"] = (GoalStatusCode.ACTIVE, "")
+    server.listed["somebody"] = (GoalStatusCode.ACTIVE, "")
     server.run(0.2)
     server.sent()
     assert server.cancels == [PREFIX + "3-1.0"]

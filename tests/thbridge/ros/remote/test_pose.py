@@ -9,19 +9,19 @@ from hypothesis import strategies as st
 
 from sim.common.geometry import Pose2
 from sim.common.observations import Twist
-from thbridge.ros.clients import Refused
+from thbridge.ros.clients import InvalidMessage
 from thbridge.ros.messages.pack import Transform
-from thbridge.ros.messages.unpack import Odometry, PoseInFrame
+from thbridge.ros.messages.unpack import OdometryMessage, PoseInFrame
 from thbridge.ros.remote.names import RemoteNames
-from thbridge.ros.remote.pose import BLIND_WAY, SILENCE_NS, RemotePose
+from thbridge.ros.remote.pose import STALE_NS, UNLOCALIZED_DISTANCE, RemotePose
 
 SECOND = 1_000_000_000
 NAMES = RemoteNames("map", "odom", "base", *(f"/{name}" for name in "abcdefgh"))
 COVARIANCE = np.diag([0.1, 0.2, 0.3])
 
 
-def odometry(seconds: float, x: float, y: float = 0.0, theta: float = 0.0, frame: str = "odom") -> Odometry:
-    return Odometry(round(seconds * SECOND), frame, "base", Pose2(x, y, theta), Twist(0.5, 0.1))
+def odometry(seconds: float, x: float, y: float = 0.0, theta: float = 0.0, frame: str = "odom") -> OdometryMessage:
+    return OdometryMessage(round(seconds * SECOND), frame, "base", Pose2(x, y, theta), Twist(0.5, 0.1))
 
 
 def located(seconds: float, x: float, y: float = 0.0, theta: float = 0.0, frame: str = "map") -> PoseInFrame:
@@ -29,7 +29,7 @@ def located(seconds: float, x: float, y: float = 0.0, theta: float = 0.0, frame:
 
 
 def heard(robot: RemotePose, seconds: float, x: float) -> None:
-    assert robot.hear_odometry(odometry(seconds, x), round(seconds * SECOND)) is None
+    assert robot.receive_odometry(odometry(seconds, x), round(seconds * SECOND)) is None
 
 
 @pytest.fixture
@@ -63,9 +63,9 @@ def test_a_pose_belongs_to_the_odometry_of_its_stamp_and_is_carried_on_by_what_c
     robot = RemotePose(NAMES)
     later = then.compose(step)
     for seconds, base_in_odom in ((10.0, then), (10.1, later)):
-        robot.hear_odometry(Odometry(round(seconds * SECOND), "odom", "", base_in_odom, Twist(0, 0)), 0)
+        robot.receive_odometry(OdometryMessage(round(seconds * SECOND), "odom", "", base_in_odom, Twist(0, 0)), 0)
     base_in_map = drift.compose(then)
-    robot.hear_pose(PoseInFrame(10 * SECOND, "map", base_in_map, COVARIANCE))
+    robot.receive_pose(PoseInFrame(10 * SECOND, "map", base_in_map, COVARIANCE))
     estimate = robot.estimate(0, 0)
     expected = drift.compose(later)
     assert math.hypot(estimate.base_in_map.x - expected.x, estimate.base_in_map.y - expected.y) < 1e-6
@@ -98,20 +98,20 @@ def test_tf_wins_over_single_poses_and_brings_its_own_odometry(robot):
 
 def test_other_frames_are_refused_and_say_which_key_to_change(robot):
     refused = robot.hear_odometry(odometry(1, 0, frame="robot7/odom"), 0)
-    assert isinstance(refused, Refused)
+    assert isinstance(refused, InvalidMessage)
     assert "'robot7/odom'" in refused.sentence
     assert "odom_frame" in refused.sentence
-    assert isinstance(robot.hear_pose(located(1, 0, frame="world")), Refused)
-    assert isinstance(robot.hear_pose(located(1, math.nan)), Refused)
-    assert isinstance(robot.hear_odometry(odometry(1, math.inf), 0), Refused)
+    assert isinstance(robot.hear_pose(located(1, 0, frame="world")), InvalidMessage)
+    assert isinstance(robot.hear_pose(located(1, math.nan)), InvalidMessage)
+    assert isinstance(robot.hear_odometry(odometry(1, math.inf), 0), InvalidMessage)
     assert robot.estimate(0, 0) is None
 
 
 def test_a_localiser_that_falls_silent_makes_the_robot_lost(robot):
     heard(robot, 1, 0.0)
     robot.hear_transforms([(SECOND, Transform("map", "odom", Pose2(0, 0, 0)))], SECOND)
-    assert not robot.estimate(0, SECOND + SILENCE_NS).lost
-    assert robot.estimate(0, SECOND + SILENCE_NS + 1).lost
+    assert not robot.estimate(0, SECOND + STALE_NS).lost
+    assert robot.estimate(0, SECOND + STALE_NS + 1).lost
     robot.hear_transforms([(SECOND, Transform("map", "odom", Pose2(0, 0, 0)))], 9 * SECOND)
     assert not robot.estimate(0, 9 * SECOND).lost
 
@@ -121,7 +121,7 @@ def test_without_tf_a_way_driven_blindly_makes_it_lost_and_standing_does_not(rob
     robot.hear_pose(located(1, 0))
     assert not robot.estimate(0, 1000 * SECOND).lost
     for step in range(1, 12):
-        heard(robot, 1 + step, step * BLIND_WAY / 10)
+        heard(robot, 1 + step, step * UNLOCALIZED_DISTANCE / 10)
     assert robot.estimate(0, 13 * SECOND).lost
     robot.hear_pose(located(12, 3))
     assert not robot.estimate(0, 13 * SECOND).lost

@@ -8,18 +8,18 @@ import pytest
 from sim.common.geometry import Pose2
 from sim.common.observations import STANDSTILL, Battery, LaserMount, Scan, Twist
 from sim.inputs import Drive, Go, Halt, Localize
-from sim.robot.navigator import Arrived, Goal
+from sim.robot.navigator import Goal, GoalReached
 from thbridge.ros import names
-from thbridge.ros.clients import Refused
+from thbridge.ros.clients import InvalidMessage
 from thbridge.ros.messages import pack, unpack
-from thbridge.ros.messages.goal_status import GoalId, GoalStatus, Status
+from thbridge.ros.messages.goal_status import GoalId, GoalStatus, GoalStatusCode
 from thbridge.ros.messages.pack import Transform
 from thbridge.ros.messages.stamps import stamp_ns
 from thbridge.ros.remote import RemoteRobot
 from thbridge.ros.remote.robot import missing_of, tick_of
-from thbridge.study.real_robots import RobotNames
+from thbridge.study.real_robots import FleetNames
 
-NAMED = RobotNames().names(2)
+NAMED = FleetNames().names(2)
 FOOTPRINT = np.array([[0.2, 0.2], [-0.2, 0.2], [-0.2, -0.2], [0.2, -0.2]])
 START = 88_000_000_000
 """A tick of the wall clock of our days: greater than 32 bits."""
@@ -38,7 +38,7 @@ class Rig:
         return stamp_ns(self.tick)
 
     def hear(self, topic: str, data: bytes) -> None:
-        assert self.robot.hear(topic, data, self.now) is None
+        assert self.robot.receive(topic, data, self.now) is None
 
     def place(self, x: float) -> None:
         self.hear(NAMED.odom, pack.odometry(self.tick, NAMED.odom_frame, "", Pose2(x, 0, 0), Twist(0.4, 0.1)))
@@ -53,7 +53,7 @@ class Rig:
         return output
 
     def said(self) -> list[tuple[str, bytes]]:
-        said, self.robot.said = self.robot.said, []
+        said, self.robot.outgoing = self.robot.outgoing, []
         return [(message.topic.name, message.data) for message in said]
 
 
@@ -105,12 +105,12 @@ def test_a_goal_goes_out_with_a_name_and_comes_to_its_end(rig):
     goal = unpack.move_base_goal(data)
     assert (topic, goal.frame, goal.pose) == ("/robot2/move_base/goal", "map", GOAL.base_in_map)
     assert goal.goal_id.startswith("/us-robot2-")
-    entry = GoalStatus(GoalId(goal.goal_id, 0), Status.ACTIVE, "")
+    entry = GoalStatus(GoalId(goal.goal_id, 0), GoalStatusCode.ACTIVE, "")
     rig.status(entry)
     navigation = rig.step().navigation
     assert (navigation.state, navigation.remaining) == ("controlling", 3.0)
-    rig.hear(NAMED.action("result"), pack.move_base_result(rig.tick, entry._replace(status=Status.SUCCEEDED)))
-    assert rig.step().navigation.result == Arrived(GOAL)
+    rig.hear(NAMED.action("result"), pack.move_base_result(rig.tick, entry._replace(status=GoalStatusCode.SUCCEEDED)))
+    assert rig.step().navigation.result == GoalReached(GOAL)
     assert rig.step().navigation.result is None
 
 
@@ -180,13 +180,13 @@ def test_a_scan_is_seen_where_the_laser_is_known_to_sit_and_once(rig, roll):
 
 def test_bytes_that_are_no_message_are_refused(rig):
     for topic in rig.robot.heard:
-        assert isinstance(rig.robot.hear(topic, b"\x01\x02\x03", rig.now), Refused), topic
+        assert isinstance(rig.robot.hear(topic, b"\x01\x02\x03", rig.now), InvalidMessage), topic
     assert rig.step().estimate.base_in_map == Pose2(1, 0, 0)
 
 
 def test_a_network_that_breaks_for_less_than_the_silence_costs_no_goal(rig):
     patient = Rig()
-    patient.robot = RemoteRobot(1, NAMED, "/us", FOOTPRINT, silence_ns=20_000_000_000)
+    patient.robot = RemoteRobot(1, NAMED, "/us", FOOTPRINT, stale_ns=20_000_000_000)
     for each in (patient, rig):
         each.place(0.0)
         each.hear(NAMED.amcl_pose, pack.pose_with_covariance(each.tick, "map", Pose2(1, 0, 0), np.eye(3)))

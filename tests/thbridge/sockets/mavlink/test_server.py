@@ -14,14 +14,14 @@ from thbridge.sockets.addresses import Address
 from thbridge.sockets.mavlink import tcp as mavlink_tcp
 from thbridge.sockets.mavlink import udp as mavlink_udp
 from thbridge.sockets.mavlink.links import GARBAGE
-from thbridge.sockets.mavlink.server import MavlinkServer, Ports
-from thbridge.sockets.mavlink.udp import Target, target_in
+from thbridge.sockets.mavlink.server import MavlinkPorts, MavlinkServer
+from thbridge.sockets.mavlink.udp import UdpTarget, target_in
 from thbridge.sockets.text_server import CannotListen
 from thbridge.wire.mavlink.dialect import crc_extra, mav, payload_of
 from thbridge.wire.mavlink.frames.frame import Frame
-from thbridge.wire.mavlink.frames.framer import Framer
-from thbridge.wire.mavlink.hub import Sent
-from thbridge.wire.mavlink.links import Drop, LinkReport
+from thbridge.wire.mavlink.frames.framer import FrameParser
+from thbridge.wire.mavlink.hub import OutgoingFrame
+from thbridge.wire.mavlink.links import DropReason, LinkReport
 from thbridge.wire.mavlink.outgoing import LinkId
 
 PATIENCE = 20
@@ -45,7 +45,7 @@ class Exchange:
         self.robots: dict[str, int | None] = {}
         self.gone: list[str] = []
         self.heard: list[tuple[str, Frame]] = []
-        self.transmit: Callable[[Sequence[Sent]], None] = lambda sent: None
+        self.transmit: Callable[[Sequence[OutgoingFrame]], None] = lambda sent: None
 
     def open_link(self, name: str, robot: int | None = None) -> LinkId:
         link = LinkId(len(self.names) + len(self.gone))
@@ -58,15 +58,15 @@ class Exchange:
     def report(self, link: LinkId) -> LinkReport | None:
         return None
 
-    def why_not(self, link: LinkId, frame: Frame) -> Drop | None:
-        return Drop.OURS if frame.system == 1 else None
+    def why_not(self, link: LinkId, frame: Frame) -> DropReason | None:
+        return DropReason.OURS if frame.system == 1 else None
 
-    def receive_frame(self, link: LinkId, frame: Frame) -> Sequence[Sent]:
+    def receive_frame(self, link: LinkId, frame: Frame) -> Sequence[OutgoingFrame]:
         self.heard.append((self.names[link], frame))
-        return [Sent(link, ANSWER)]
+        return [OutgoingFrame(link, ANSWER)]
 
     def say(self, *frames: Frame) -> None:
-        self.transmit([Sent(link, each) for each in frames for link in self.names])
+        self.transmit([OutgoingFrame(link, each) for each in frames for link in self.names])
 
 
 class Station:
@@ -100,10 +100,10 @@ def station():
 
 @asynccontextmanager
 async def served(
-    *udp: Address | Target, tcp: Address | None = None, listen: Address | None = None
+    *udp: Address | UdpTarget, tcp: Address | None = None, listen: Address | None = None
 ) -> AsyncIterator[tuple[Exchange, list[str]]]:
-    targets = tuple(there if isinstance(there, Target) else Target(there) for there in udp)
-    server, exchange = MavlinkServer(Ports(targets, tcp, None, listen)), Exchange()
+    targets = tuple(there if isinstance(there, UdpTarget) else UdpTarget(there) for there in udp)
+    server, exchange = MavlinkServer(MavlinkPorts(targets, tcp, None, listen)), Exchange()
     try:
         names = await server.open()
         assert not isinstance(names, CannotListen), names
@@ -133,7 +133,7 @@ def test_the_target_is_spoken_to_before_it_says_anything(station: Station) -> No
 
 def test_a_target_of_one_robot_has_links_of_that_robot_alone(station: Station) -> None:
     async def whole() -> None:
-        async with served(Target(station.address, 2)) as (exchange, names):
+        async with served(UdpTarget(station.address, 2)) as (exchange, names):
             assert names == [f"udp {station.address}/3"]
             assert exchange.robots == {f"udp {station.address}": 2}
 
@@ -142,7 +142,7 @@ def test_a_target_of_one_robot_has_links_of_that_robot_alone(station: Station) -
 
 @given(st.none() | st.integers(0, 249))
 def test_a_target_is_read_as_it_is_written(robot: int | None) -> None:
-    target = Target(Address("::1", 14550), robot)
+    target = UdpTarget(Address("::1", 14550), robot)
     assert target_in(str(target)) == target
 
 
@@ -179,7 +179,7 @@ def test_who_speaks_first_is_answered_and_heard_from_then_on(station: Station) -
 
 def test_a_udp_port_that_is_taken_is_told_before_anything_starts(station: Station) -> None:
     async def whole() -> None:
-        server = MavlinkServer(Ports((), None, None, station.address))
+        server = MavlinkServer(MavlinkPorts((), None, None, station.address))
         why = await server.open()
         assert isinstance(why, CannotListen)
         assert str(station.address) in str(why)
@@ -199,7 +199,7 @@ def test_what_goes_nowhere_is_told_once(station: Station, caplog: pytest.LogCapt
 
     asyncio.run(whole())
     told = [record.message for record in caplog.records if record.levelname == "WARNING"]
-    assert told == [f"MAVLink: udp {station.address}: a frame goes nowhere: {Drop.OURS}"]
+    assert told == [f"MAVLink: udp {station.address}: a frame goes nowhere: {DropReason.OURS}"]
 
 
 def test_whoever_else_speaks_to_the_socket_is_a_link_of_its_own(station: Station) -> None:
@@ -286,7 +286,7 @@ def test_frames_of_one_tick_share_datagrams_of_limited_size(station: Station) ->
     async def whole() -> None:
         async with served(station.address) as (exchange, _):
             exchange.say(*frames)
-            sizes, heard, framer = [], [], Framer()
+            sizes, heard, framer = [], [], FrameParser()
             while len(heard) < len(frames):
                 data, _ = await station.hear()
                 sizes.append(len(data))
@@ -398,7 +398,7 @@ def test_ipv6() -> None:
 @pytest.mark.parametrize("host", ["256.1.1.1", "no.such.host.invalid", "ä" * 80])
 def test_a_target_that_has_no_address_is_told_before_anything_starts(host: str) -> None:
     async def whole() -> None:
-        server = MavlinkServer(Ports((Target(Address(host, 14550)),), None, None))
+        server = MavlinkServer(MavlinkPorts((UdpTarget(Address(host, 14550)),), None, None))
         why = await server.open()
         assert isinstance(why, CannotListen)
         assert host in str(why)
@@ -488,7 +488,7 @@ def test_a_port_that_is_taken_is_told_before_anything_starts() -> None:
     async def whole() -> None:
         async with served(tcp=LISTEN) as (_, names):
             port = int(names[0].rpartition(":")[2])
-            server = MavlinkServer(Ports((), Address("127.0.0.1", port), None))
+            server = MavlinkServer(MavlinkPorts((), Address("127.0.0.1", port), None))
             why = await server.open()
             assert isinstance(why, CannotListen)
             assert f"127.0.0.1:{port}: Address already in use" in str(why)

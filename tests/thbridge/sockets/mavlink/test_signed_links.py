@@ -5,13 +5,13 @@ from collections.abc import Callable, Sequence
 import pytest
 from pymavlink.dialects.v20 import all as mav
 
-from thbridge.sockets.mavlink.links import Links
+from thbridge.sockets.mavlink.links import MavlinkLinks
 from thbridge.wire.mavlink.dialect import payload_of
 from thbridge.wire.mavlink.frames.channel import Channel
 from thbridge.wire.mavlink.frames.frame import Frame
-from thbridge.wire.mavlink.frames.signing import EPOCH, Reason, SigningKey
-from thbridge.wire.mavlink.hub import Sent
-from thbridge.wire.mavlink.links import Drop, LinkReport
+from thbridge.wire.mavlink.frames.signing import EPOCH, SignatureFault, SigningKey
+from thbridge.wire.mavlink.hub import OutgoingFrame
+from thbridge.wire.mavlink.links import DropReason, LinkReport
 from thbridge.wire.mavlink.outgoing import LinkId
 
 KEY = SigningKey(bytes(range(32)))
@@ -24,7 +24,7 @@ class Exchange:
 
     def __init__(self) -> None:
         self.heard: list[Frame] = []
-        self.transmit: Callable[[Sequence[Sent]], None] = lambda sent: None
+        self.transmit: Callable[[Sequence[OutgoingFrame]], None] = lambda sent: None
         self._opened = 0
 
     def open_link(self, name: str, robot: int | None = None) -> LinkId:
@@ -37,18 +37,18 @@ class Exchange:
     def report(self, link: LinkId) -> LinkReport | None:
         return None
 
-    def why_not(self, link: LinkId, frame: Frame) -> Drop | None:
+    def why_not(self, link: LinkId, frame: Frame) -> DropReason | None:
         return None
 
-    def receive_frame(self, link: LinkId, frame: Frame) -> Sequence[Sent]:
+    def receive_frame(self, link: LinkId, frame: Frame) -> Sequence[OutgoingFrame]:
         self.heard.append(frame)
-        return [Sent(link, Frame(1, 1, 0, 4, payload_of(PING), PING.crc_extra))]
+        return [OutgoingFrame(link, Frame(1, 1, 0, 4, payload_of(PING), PING.crc_extra))]
 
 
 class Peer:
     """Somebody on a link; `received` is what came to them."""
 
-    def __init__(self, links: Links, name: str) -> None:
+    def __init__(self, links: MavlinkLinks, name: str) -> None:
         self.received: list[bytes] = []
         self._links, self._name = links, name
         self._channel: Channel = links.channel(datagrams=True)
@@ -70,8 +70,8 @@ def exchange() -> Exchange:
 
 
 @pytest.fixture
-def links(exchange: Exchange) -> Links:
-    made = Links(KEY, clock=lambda: NOW)
+def links(exchange: Exchange) -> MavlinkLinks:
+    made = MavlinkLinks(KEY, clock=lambda: NOW)
     made.serve(exchange)
     return made
 
@@ -85,7 +85,7 @@ def pymavlink(key: SigningKey | None = KEY, late: float = 0.0) -> mav.MAVLink:
     return peer
 
 
-def test_who_has_the_key_is_heard_and_can_verify_the_answer(links: Links, exchange: Exchange) -> None:
+def test_who_has_the_key_is_heard_and_can_verify_the_answer(links: MavlinkLinks, exchange: Exchange) -> None:
     peer, theirs = Peer(links, "a"), pymavlink()
     peer.says(PING.pack(theirs))
     assert [frame.signature for frame in exchange.heard] == [b""]
@@ -96,13 +96,17 @@ def test_who_has_the_key_is_heard_and_can_verify_the_answer(links: Links, exchan
 @pytest.mark.parametrize(
     ("theirs", "reason"),
     [
-        (pymavlink(None), Reason.UNSIGNED),
-        (pymavlink(SigningKey(bytes(32))), Reason.WRONG),
-        (pymavlink(late=61), Reason.OLD),
+        (pymavlink(None), SignatureFault.UNSIGNED),
+        (pymavlink(SigningKey(bytes(32))), SignatureFault.WRONG),
+        (pymavlink(late=61), SignatureFault.OLD),
     ],
 )
 def test_who_has_not_is_told_once_in_the_log_and_nothing_on_the_link(
-    links: Links, exchange: Exchange, caplog: pytest.LogCaptureFixture, theirs: mav.MAVLink, reason: Reason
+    links: MavlinkLinks,
+    exchange: Exchange,
+    caplog: pytest.LogCaptureFixture,
+    theirs: mav.MAVLink,
+    reason: SignatureFault,
 ) -> None:
     peer = Peer(links, "a")
     for _ in range(3):
@@ -111,7 +115,7 @@ def test_who_has_not_is_told_once_in_the_log_and_nothing_on_the_link(
     assert [record.message for record in caplog.records] == [f"MAVLink: a: thrown away: {reason}"]
 
 
-def test_what_was_listened_to_on_one_link_counts_on_no_other(links: Links, exchange: Exchange) -> None:
+def test_what_was_listened_to_on_one_link_counts_on_no_other(links: MavlinkLinks, exchange: Exchange) -> None:
     said = PING.pack(pymavlink())
     Peer(links, "a").says(said)
     thief = Peer(links, "b")
@@ -120,7 +124,7 @@ def test_what_was_listened_to_on_one_link_counts_on_no_other(links: Links, excha
     assert thief.received == []
 
 
-def test_links_sign_as_links_of_their_own_and_never_twice_at_the_same_time(links: Links) -> None:
+def test_links_sign_as_links_of_their_own_and_never_twice_at_the_same_time(links: MavlinkLinks) -> None:
     peers = [Peer(links, name) for name in "ab"]
     theirs = pymavlink()
     for peer in peers:

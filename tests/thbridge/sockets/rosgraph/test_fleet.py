@@ -13,26 +13,26 @@ from rosbags.rosbag1 import Reader
 from sim.common.geometry import Pose2
 from sim.common.observations import STANDSTILL
 from sim.inputs import Carry, Go, Place, SetCharge
-from sim.robot.navigator import Arrived, Cancelled, Goal, NoPath
+from sim.robot.navigator import Cancelled, Goal, GoalReached, NoPath
 from sim.team import TeamSnapshot
 from thbridge.recording.bag.reader import messages
 from thbridge.recording.bag.writer import BagWriter
 from thbridge.recording.real_robots import FleetRecorder
 from thbridge.ros import names
 from thbridge.ros.messages import pack, types, unpack
-from thbridge.ros.messages.goal_status import ENDED, GoalId, GoalStatus, Status
-from thbridge.ros.messages.records import Input, SendRobots, Session
+from thbridge.ros.messages.goal_status import ENDED, GoalId, GoalStatus, GoalStatusCode
+from thbridge.ros.messages.records import InputRecord, SendRobots, SessionRecord
 from thbridge.ros.remote import RemoteNames, RemoteRobot
 from thbridge.sockets.rosgraph.fleet import CALLER, Fleet
-from thbridge.sockets.rosgraph.joining import Graph
+from thbridge.sockets.rosgraph.joining import GraphAddress
 from thbridge.sockets.rosgraph.master_server import MasterServer
-from thbridge.sockets.rosgraph.node import RosNode, Started
-from thbridge.sockets.text_server import Listening
-from thbridge.study.real_robots import RobotNames
+from thbridge.sockets.rosgraph.node import NodeStarted, RosNode
+from thbridge.sockets.text_server import ListeningAddress
+from thbridge.study.real_robots import FleetNames
 
 PATIENCE = 30.0
-SESSION = Session("robots_from: ros\n", 1, {}, "simr", ("SimR",), "")
-NAMED = RobotNames().names(1)
+SESSION = SessionRecord("robots_from: ros\n", 1, {}, "simr", ("SimR",), "")
+NAMED = FleetNames().names(1)
 GOAL = Goal(5, Pose2(2.0, 0.0, 0.0))
 
 
@@ -46,7 +46,7 @@ class Actor:
     def __init__(self, uri: str, named: RemoteNames = NAMED, name: str = "/robot", hears: bool = True) -> None:
         self.node = RosNode(name, uri)
         self.named = named
-        self.obeys: Status | None = Status.SUCCEEDED
+        self.obeys: GoalStatusCode | None = GoalStatusCode.SUCCEEDED
         self.goals: list[str] = []
         self.cancelled: list[str] = []
         self.listed: list[GoalStatus] = []
@@ -72,11 +72,11 @@ class Actor:
     def _goal(self, data: bytes, publisher: str) -> None:
         assert publisher == CALLER
         self.goals.append(unpack.move_base_goal(data).goal_id)
-        self.listed = [GoalStatus(GoalId(self.goals[-1], 0), Status.ACTIVE, "")]
+        self.listed = [GoalStatus(GoalId(self.goals[-1], 0), GoalStatusCode.ACTIVE, "")]
 
     def _cancel(self, data: bytes, publisher: str) -> None:
         self.cancelled.append(unpack.goal_id(data).id)
-        self.listed = [entry._replace(status=Status.PREEMPTED) for entry in self.listed]
+        self.listed = [entry._replace(status=GoalStatusCode.PREEMPTED) for entry in self.listed]
 
     async def live(self) -> None:
         while True:
@@ -126,7 +126,7 @@ async def eventually(true: Callable[[], object]) -> None:
 @asynccontextmanager
 async def master() -> AsyncIterator[MasterServer]:
     made = MasterServer(port=0)
-    assert isinstance(await made.start(), Listening)
+    assert isinstance(await made.start(), ListeningAddress)
     try:
         yield made
     finally:
@@ -135,7 +135,7 @@ async def master() -> AsyncIterator[MasterServer]:
 
 @asynccontextmanager
 async def alive(actor: Actor) -> AsyncIterator[Actor]:
-    assert isinstance(await actor.node.start(), Started)
+    assert isinstance(await actor.node.start(), NodeStarted)
     task = asyncio.create_task(actor.live())
     try:
         yield actor
@@ -147,8 +147,8 @@ async def alive(actor: Actor) -> AsyncIterator[Actor]:
 
 @asynccontextmanager
 async def fleet_at(uri: str, ear: object) -> AsyncIterator[Fleet]:
-    fleet = Fleet(Graph(uri), [RemoteRobot(0, NAMED, CALLER, np.zeros((0, 2)))], ear)
-    assert isinstance(await fleet.start(), Started)
+    fleet = Fleet(GraphAddress(uri), [RemoteRobot(0, NAMED, CALLER, np.zeros((0, 2)))], ear)
+    assert isinstance(await fleet.start(), NodeStarted)
     try:
         yield fleet
     finally:
@@ -173,7 +173,7 @@ async def test_it_waits_for_master_and_robots_says_for_which_and_goes_on_when_th
         with pytest.raises(ValueError, match="not known"):
             fleet.step()
         again = MasterServer(port=int(uri.rstrip("/").rpartition(":")[2]))
-        assert isinstance(await again.start(), Listening)
+        assert isinstance(await again.start(), ListeningAddress)
         await eventually(lambda: "/robot1/odom" in fleet.missing()[0])
         async with alive(Actor(uri)):
             await eventually(lambda: not fleet.missing())
@@ -196,8 +196,8 @@ async def test_goals_reach_the_robot_and_their_ends_come_back():
     notes = Notes()
     async with master() as ros, alive(Actor(ros.uri)) as actor, fleet_at(ros.uri, notes) as fleet:
         await eventually(lambda: not fleet.missing())
-        assert await ended(fleet, Go(0, GOAL)) == Arrived(GOAL)
-        actor.obeys = Status.ABORTED
+        assert await ended(fleet, Go(0, GOAL)) == GoalReached(GOAL)
+        actor.obeys = GoalStatusCode.ABORTED
         assert await ended(fleet, Go(0, GOAL)) == NoPath(GOAL, "gave_up", "so be it")
         actor.obeys = None
         fleet.step([Go(0, GOAL)])
@@ -217,7 +217,7 @@ async def test_a_robot_whose_node_is_restarted_gets_its_goal_again():
             fleet.step([Go(0, GOAL)])
             await eventually(lambda: actor.goals and fleet.step())
         async with alive(Actor(ros.uri)) as reborn:
-            assert await ended(fleet) == Arrived(GOAL)
+            assert await ended(fleet) == GoalReached(GOAL)
             assert len(reborn.goals) == 1
             assert reborn.goals != actor.goals
 
@@ -254,7 +254,7 @@ async def test_a_topic_of_another_type_is_complained_of_and_not_read(caplog):
         text = types.plain_definition(types.STRING)
         wrong = stranger.advertise(NAMED.odom, types.STRING, text.md5, text.text, latched=True)
         wrong.publish(pack.string("hello"))
-        assert isinstance(await stranger.start(), Started)
+        assert isinstance(await stranger.start(), NodeStarted)
         async with fleet_at(ros.uri, notes := Notes()) as fleet:
             await eventually(lambda: (NAMED.odom, "/stranger") in notes.came)
             assert NAMED.odom in fleet.missing()[0]
@@ -269,7 +269,7 @@ async def test_time_is_simulated_where_the_graph_says_so():
         text = types.plain_definition(types.CLOCK)
         ticking = clock.advertise(names.CLOCK, types.CLOCK, text.md5, text.text, latched=True)
         clock.declare_param(names.USE_SIM_TIME, True)
-        assert isinstance(await clock.start(), Started)
+        assert isinstance(await clock.start(), NodeStarted)
         await clock.registered()
         async with fleet_at(ros.uri, Notes()) as fleet:
             await eventually(lambda: fleet.missing() == ["/use_sim_time is set, but there is no time on /clock yet"])
@@ -290,7 +290,7 @@ async def test_a_bag_holds_what_robots_said_as_they_said_it_after_the_session(tm
                     recorder.flush()
                     await asyncio.sleep(0.01)
                 actor.out[names.TF_STATIC].publish(static)
-                records = (Input("heard", "TabUI", "a line", "{}"), SendRobots("%%goto"))
+                records = (InputRecord("heard", "TabUI", "a line", "{}"), SendRobots("%%goto"))
                 last: TeamSnapshot = fleet.step([Go(0, GOAL)])
                 recorder.record(last, records)
                 while not actor.goals or fleet.step().robots[0].navigation.goal is not None:

@@ -10,7 +10,7 @@ import pytest
 
 from thbridge.sockets.rosgraph.http_client import XmlRpcClient
 from thbridge.sockets.rosgraph.master_server import MasterServer
-from thbridge.wire.rosgraph.xmlrpc import Response, XmlRpcValue, encode_call
+from thbridge.wire.rosgraph.xmlrpc import MethodResponse, XmlRpcValue, encode_call
 
 ROUNDS = 6
 PEERS = 400
@@ -98,7 +98,7 @@ def test_rude_peers_leave_nothing_behind():
                     peers = [rude_peer(draw, host, int(port)) for draw in draws]
                     await asyncio.gather(*peers)
                 answer = await client.call(master.uri, "setParam", "/x", "/round", round_)
-                assert answer == Response([1, "parameter /round set", 0])
+                assert answer == MethodResponse([1, "parameter /round set", 0])
                 while master.connections > 1:
                     await asyncio.sleep(0.01)
                 while len(asyncio.all_tasks()) > 3:  # this one, its timeout, the client's connection

@@ -11,10 +11,10 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from thbridge.sockets.rosgraph.http_client import CallFailed, XmlRpcClient
-from thbridge.sockets.rosgraph.http_server import Handler, ServerLimits, XmlRpcServer
-from thbridge.sockets.text_server import CannotListen, Listening
+from thbridge.sockets.rosgraph.http_server import CallHandler, HttpLimits, XmlRpcServer
+from thbridge.sockets.text_server import CannotListen, ListeningAddress
 from thbridge.wire.rosgraph import xmlrpc as codec
-from thbridge.wire.rosgraph.xmlrpc import Call, Fault, Response, XmlRpcValue
+from thbridge.wire.rosgraph.xmlrpc import Fault, MethodCall, MethodResponse, XmlRpcValue
 
 METHODS = ("echo", "later", "fail", "refuse", "unwritable")
 PATIENCE = 20
@@ -25,7 +25,7 @@ async def _later(value: XmlRpcValue) -> XmlRpcValue:
     return value
 
 
-def handle(call: Call, peer: str) -> XmlRpcValue | Fault | Awaitable[XmlRpcValue | Fault]:
+def handle(call: MethodCall, peer: str) -> XmlRpcValue | Fault | Awaitable[XmlRpcValue | Fault]:
     match call.method:
         case "echo":
             return call.params
@@ -41,11 +41,11 @@ def handle(call: Call, peer: str) -> XmlRpcValue | Fault | Awaitable[XmlRpcValue
 
 @asynccontextmanager
 async def serving(
-    limits: ServerLimits | None = None, handler: Handler = handle
-) -> AsyncIterator[tuple[XmlRpcServer, Listening]]:
+    limits: HttpLimits | None = None, handler: CallHandler = handle
+) -> AsyncIterator[tuple[XmlRpcServer, ListeningAddress]]:
     server = XmlRpcServer(METHODS, handler, limits)
     address = await server.start()
-    assert isinstance(address, Listening)
+    assert isinstance(address, ListeningAddress)
     try:
         yield server, address
     finally:
@@ -76,8 +76,8 @@ def test_calls_and_their_answers():
     async def scenario():
         async with serving() as (server, at):
             client, uri = XmlRpcClient(), f"http://{at.host}:{at.port}/"
-            assert await client.call(uri, "echo", 1, "two", [3.0]) == Response([1, "two", [3.0]])
-            assert await client.call(uri, "later", {"a": True}) == Response({"a": True})
+            assert await client.call(uri, "echo", 1, "two", [3.0]) == MethodResponse([1, "two", [3.0]])
+            assert await client.call(uri, "later", {"a": True}) == MethodResponse({"a": True})
             assert await client.call(uri, "refuse") == Fault(7, "not now")
             assert await client.call(uri, "unwritable") == Fault(
                 1, "the answer cannot be written: 9223372036854775808 does not fit into 64 bits"
@@ -103,12 +103,12 @@ def test_multicall_and_list_methods():
                 17,
             ]
             answer = await client.call(uri, "system.multicall", calls)
-            assert isinstance(answer, Response) and isinstance(answer.value, list)
+            assert isinstance(answer, MethodResponse) and isinstance(answer.value, list)
             assert answer.value[0] == [["x"]]
             assert [set(fault) for fault in answer.value[1:]] == [{"faultCode", "faultString"}] * 3
             assert isinstance(await client.call(uri, "system.multicall", 1), Fault)
             names = await client.call(uri, "system.listMethods")
-            assert isinstance(names, Response) and set(names.value) == {
+            assert isinstance(names, MethodResponse) and set(names.value) == {
                 *METHODS,
                 "system.listMethods",
                 "system.multicall",
@@ -194,7 +194,7 @@ def test_a_call_that_is_none_is_a_fault_and_the_connection_goes_on():
 
 def test_slow_silent_and_half_open_peers_are_cut_off():
     async def scenario():
-        limits = ServerLimits(request_seconds=0.1, idle_seconds=0.1)
+        limits = HttpLimits(request_seconds=0.1, idle_seconds=0.1)
         async with serving(limits) as (server, at):
             for sent in (b"", b"POST /", request("echo")[:-5], request("echo") + b"POST"):
                 reader, writer = await asyncio.open_connection(at.host, at.port)
@@ -209,7 +209,7 @@ def test_slow_silent_and_half_open_peers_are_cut_off():
 
 def test_a_peer_that_does_not_read_is_cut_off():
     async def scenario():
-        async with serving(ServerLimits(request_seconds=0.1)) as (server, at):
+        async with serving(HttpLimits(request_seconds=0.1)) as (server, at):
             _reader, writer = await asyncio.open_connection(at.host, at.port)
             writer.write(request("echo", "x" * 8_000_000))
             await until(lambda: server.connections == 1)
@@ -221,7 +221,7 @@ def test_a_peer_that_does_not_read_is_cut_off():
 
 def test_one_connection_too_many_ends_the_one_that_is_silent_longest():
     async def scenario():
-        async with serving(ServerLimits(connections=3)) as (server, at):
+        async with serving(HttpLimits(connections=3)) as (server, at):
             peers = [await asyncio.open_connection(at.host, at.port) for _ in range(3)]
             await until(lambda: server.connections == 3)
             for reader, writer in (peers[0], peers[2]):
@@ -240,9 +240,9 @@ def test_one_connection_too_many_ends_the_one_that_is_silent_longest():
 
 def test_a_connection_that_is_cut_off_before_its_first_word_is_closed():
     async def scenario():
-        server = XmlRpcServer(METHODS, handle, ServerLimits(connections=1))
+        server = XmlRpcServer(METHODS, handle, HttpLimits(connections=1))
         at = await server.start()
-        assert isinstance(at, Listening)
+        assert isinstance(at, ListeningAddress)
         peers = [await asyncio.open_connection(at.host, at.port) for _ in range(20)]
         await until(lambda: server.connections == 1)
         await server.stop()
@@ -255,7 +255,7 @@ def test_a_connection_that_is_cut_off_before_its_first_word_is_closed():
 
 def test_what_is_held_at_a_time_is_bounded():
     async def scenario():
-        async with serving(ServerLimits(held_bytes=100_000)) as (server, at):
+        async with serving(HttpLimits(held_bytes=100_000)) as (server, at):
             peers = [await asyncio.open_connection(at.host, at.port) for _ in range(3)]
             for _, writer in peers:
                 writer.write(request("echo", "x" * 60_000)[:-1])
@@ -269,7 +269,9 @@ def test_what_is_held_at_a_time_is_bounded():
             await asyncio.wait(answers)
             await until(lambda: server.connections == 0)
             client = XmlRpcClient()
-            assert await client.call(f"http://{at.host}:{at.port}", "later", "x" * 60_000) == Response("x" * 60_000)
+            assert await client.call(f"http://{at.host}:{at.port}", "later", "x" * 60_000) == MethodResponse(
+                "x" * 60_000
+            )
             await client.close()
 
     run(scenario)
@@ -291,16 +293,16 @@ def test_a_client_outlives_its_servers():
         client = XmlRpcClient()
         async with serving() as (_, at):
             uri = f"http://{at.host}:{at.port}/"
-            assert await client.call(uri, "later", 1) == Response(1)
+            assert await client.call(uri, "later", 1) == MethodResponse(1)
         failed = await client.call(uri, "later", 1)
         assert isinstance(failed, CallFailed) and uri in str(failed)
         again = XmlRpcServer(METHODS, handle)
-        assert isinstance(await again.start(at.host, at.port), Listening)
-        assert await client.call(uri, "later", 2) == Response(2)
+        assert isinstance(await again.start(at.host, at.port), ListeningAddress)
+        assert await client.call(uri, "later", 2) == MethodResponse(2)
         await again.stop()
         again = XmlRpcServer(METHODS, handle)
-        assert isinstance(await again.start(at.host, at.port), Listening)
-        assert await client.call(uri, "later", 3) == Response(3)  # the kept connection is stale, and replaced
+        assert isinstance(await again.start(at.host, at.port), ListeningAddress)
+        assert await client.call(uri, "later", 3) == MethodResponse(3)  # the kept connection is stale, and replaced
         await client.close()
         await again.stop()
 
@@ -362,10 +364,10 @@ def test_the_client_keeps_few_connections():
         servers = [XmlRpcServer(METHODS, handle) for _ in range(4)]
         for server in servers:
             at = await server.start()
-            assert isinstance(at, Listening)
+            assert isinstance(at, ListeningAddress)
             uri = f"http://{at.host}:{at.port}/"
             many = await asyncio.gather(*(client.call(uri, "later", number) for number in range(5)))
-            assert many == [Response(number) for number in range(5)]
+            assert many == [MethodResponse(number) for number in range(5)]
         assert client.idle_connections == 2
         await client.close()
         for server in servers:
@@ -390,7 +392,7 @@ bits = st.sampled_from(
 @settings(max_examples=40, deadline=None)
 def test_arbitrary_bytes_over_sockets_leave_nothing_behind(streams):
     async def scenario():
-        async with serving(ServerLimits(request_seconds=1)) as (server, at):
+        async with serving(HttpLimits(request_seconds=1)) as (server, at):
             for stream in streams:
                 reader, writer = await asyncio.open_connection(at.host, at.port)
                 writer.write(stream)
@@ -400,7 +402,7 @@ def test_arbitrary_bytes_over_sockets_leave_nothing_behind(streams):
                 writer.close()
             await until(lambda: server.connections == 0)
             client = XmlRpcClient()
-            assert await client.call(f"http://{at.host}:{at.port}", "later", 1) == Response(1)
+            assert await client.call(f"http://{at.host}:{at.port}", "later", 1) == MethodResponse(1)
             await client.close()
 
     run(scenario)

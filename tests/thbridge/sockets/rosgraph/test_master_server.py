@@ -9,8 +9,8 @@ import pytest
 from thbridge.sockets.rosgraph.http_client import XmlRpcClient
 from thbridge.sockets.rosgraph.http_server import XmlRpcServer
 from thbridge.sockets.rosgraph.master_server import MasterServer
-from thbridge.sockets.text_server import CannotListen, Listening
-from thbridge.wire.rosgraph.xmlrpc import Call, Fault, Response, XmlRpcValue
+from thbridge.sockets.text_server import CannotListen, ListeningAddress
+from thbridge.wire.rosgraph.xmlrpc import Fault, MethodCall, MethodResponse, XmlRpcValue
 
 PATIENCE = 20
 STRING = "std_msgs/String"
@@ -38,7 +38,7 @@ class Slave:
         self._status = status
         self._server = XmlRpcServer(("publisherUpdate", "paramUpdate", "shutdown"), self._answer)
 
-    async def _answer(self, call: Call, peer: str) -> XmlRpcValue:
+    async def _answer(self, call: MethodCall, peer: str) -> XmlRpcValue:
         assert call.params[0] == "/master"
         self.at_once += 1
         self.most_at_once = max(self.most_at_once, self.at_once)
@@ -49,7 +49,7 @@ class Slave:
 
     async def __aenter__(self) -> "Slave":
         where = await self._server.start()
-        assert isinstance(where, Listening)
+        assert isinstance(where, ListeningAddress)
         self.uri = f"http://{where.host}:{where.port}/"
         return self
 
@@ -68,11 +68,11 @@ def test_calls_over_sockets_and_without():
     async def scenario():
         async with serving() as master:
             client = XmlRpcClient()
-            assert await client.call(master.uri, "setParam", "/x", "/speed", 1.5) == Response(
+            assert await client.call(master.uri, "setParam", "/x", "/speed", 1.5) == MethodResponse(
                 [1, "parameter /speed set", 0]
             )
             assert master.call("getParam", "/y", "/speed").value == 1.5
-            assert await client.call(master.uri, "getUri", "/x") == Response([1, "", master.uri])
+            assert await client.call(master.uri, "getUri", "/x") == MethodResponse([1, "", master.uri])
             await client.close()
 
     run(scenario)
@@ -154,7 +154,7 @@ def test_what_is_asked_for_too_often_at_once_is_refused_and_the_master_goes_on()
             calls: list[XmlRpcValue] = [{"methodName": "getParam", "params": ["/x", "/"]}] * 200
             refused = await client.call(master.uri, "system.multicall", calls)
             assert isinstance(refused, Fault) and "longer" in refused.text
-            assert isinstance(await client.call(master.uri, "getParam", "/x", "/big"), Response)
+            assert isinstance(await client.call(master.uri, "getParam", "/x", "/big"), MethodResponse)
             await client.close()
 
     run(scenario)
@@ -175,7 +175,7 @@ def test_shutdown_ends_it():
     async def scenario():
         async with serving() as master:
             client = XmlRpcClient()
-            assert await client.call(master.uri, "shutdown", "/x", "enough") == Response([1, "shutdown", 0])
+            assert await client.call(master.uri, "shutdown", "/x", "enough") == MethodResponse([1, "shutdown", 0])
             await master.stopped()
             await client.close()
 
@@ -200,7 +200,7 @@ def test_its_uri_leads_to_it(host, uri):
                 pytest.skip(str(master))
             assert master.uri.startswith(uri)
             client = XmlRpcClient()
-            assert await client.call(master.uri, "getUri", "/x") == Response([1, "", master.uri])
+            assert await client.call(master.uri, "getUri", "/x") == MethodResponse([1, "", master.uri])
             await client.close()
 
     run(scenario)

@@ -20,11 +20,11 @@ from thbridge.sockets.rosgraph import publications, registrar, subscriptions, tc
 from thbridge.sockets.rosgraph.http_client import CallFailed, XmlRpcClient
 from thbridge.sockets.rosgraph.http_server import XmlRpcServer
 from thbridge.sockets.rosgraph.master_server import MasterServer
-from thbridge.sockets.rosgraph.node import RosNode, Started
-from thbridge.sockets.text_server import CannotListen, Listening
+from thbridge.sockets.rosgraph.node import NodeStarted, RosNode
+from thbridge.sockets.text_server import CannotListen, ListeningAddress
 from thbridge.wire.rosgraph.links import ServiceFailed
 from thbridge.wire.rosgraph.tcpros import decode_header, encode_header, frame
-from thbridge.wire.rosgraph.xmlrpc import Response
+from thbridge.wire.rosgraph.xmlrpc import MethodResponse
 
 PATIENCE = 30.0
 STRING = ("std_msgs/String", "992ce8a1687cec8c8bd883ec73ca41d1", "string data\n")
@@ -60,7 +60,7 @@ async def eventually(true: Callable[[], object]) -> None:
 @asynccontextmanager
 async def master(port: int = 0) -> AsyncIterator[MasterServer]:
     made = MasterServer(port=port)
-    assert isinstance(await made.start(), Listening)
+    assert isinstance(await made.start(), ListeningAddress)
     try:
         yield made
     finally:
@@ -82,7 +82,7 @@ def port_of(ros: MasterServer) -> int:
 @asynccontextmanager
 async def running(*nodes: RosNode) -> AsyncIterator[None]:
     for node in nodes:
-        assert isinstance(await node.start(), Started)
+        assert isinstance(await node.start(), NodeStarted)
     try:
         for node in nodes:
             await node.registered()
@@ -98,13 +98,13 @@ async def where(node: RosNode, uri: str) -> tuple[str, int]:
     topic = next(iter(await published(client, uri)))
     reply = await client.call(uri, "requestTopic", "/them", topic, [["TCPROS"]])
     await client.close()
-    assert isinstance(reply, Response)
+    assert isinstance(reply, MethodResponse)
     return reply.value[2][1], reply.value[2][2]
 
 
 async def published(client: XmlRpcClient, uri: str) -> list[str]:
     reply = await client.call(uri, "getPublications", "/them")
-    assert isinstance(reply, Response)
+    assert isinstance(reply, MethodResponse)
     return [topic for topic, _ in reply.value[2]]
 
 
@@ -387,7 +387,7 @@ async def test_a_master_that_is_late_or_lost_or_restarted_is_told_everything(mon
     us.serve("/now", *TRIGGER, lambda request: request)
     us.subscribe_param("/key", lambda key, value: log.append(f"{key} is {value}"))
     us.declare_param("/use_sim_time", True)
-    assert isinstance(await us.start(), Started)
+    assert isinstance(await us.start(), NodeStarted)
     async with master(port) as ros:
         await us.registered()
         await eventually(lambda: log == ["found"])
@@ -445,7 +445,7 @@ async def test_without_a_master_nothing_fails_and_stopping_is_quick():
         nobody = f"http://127.0.0.1:{taken.getsockname()[1]}"
     us = RosNode("/us", nobody)
     us.advertise("/chatter", *STRING, latched=True).publish(b"unheard")
-    assert isinstance(await us.start(), Started)
+    assert isinstance(await us.start(), NodeStarted)
     assert isinstance(await us.get_param("/key"), CallFailed)
     assert isinstance(await us.set_param("/key", 1), CallFailed)
     assert isinstance(await us.call_service("/now", "*", b"", 1.0), ServiceFailed)
@@ -663,7 +663,7 @@ async def test_mutated_traffic_harms_nobody_and_leaves_nothing_behind(rounds):
 
 
 def test_complaints_come_to_an_end(caplog):
-    complaints = sockets.Complaints(logging.getLogger("test"))
+    complaints = sockets.WarnOnce(logging.getLogger("test"))
     with caplog.at_level(logging.WARNING):
         for number in range(10_000):
             complaints.tell(f"stranger {number}")

@@ -4,9 +4,16 @@ from dataclasses import dataclass, field, replace
 
 from sim.common.geometry import Pose2
 from sim.common.observations import Twist
-from thbridge.wire.mavlink.vehicle_interface import Denied, Description, Leg, LegState, Readings, Setting
+from thbridge.wire.mavlink.vehicle_interface import (
+    Denied,
+    HelmLeg,
+    LegState,
+    ParameterDescription,
+    ParameterSetting,
+    RobotReadings,
+)
 
-AT_REST = Readings(
+AT_REST = RobotReadings(
     base_in_map=Pose2(1.0, 2.0, 0.0),
     twist=Twist(0.0, 0.0),
     goal_in_map=None,
@@ -35,7 +42,7 @@ class ModelRobot:
     asked: list[tuple] = field(default_factory=list)
     refusal: Denied | None = None
     values: dict[str, float] = field(default_factory=lambda: {f"PARAM_{n:02}": n / 2 for n in range(20)})
-    readings: Readings = AT_REST
+    readings: RobotReadings = AT_REST
 
     def arrive(self):
         """The leg under way ends well."""
@@ -60,7 +67,7 @@ class ModelRobot:
             return self.refusal
         leg = self.readings.leg
         number = 1 if leg is None else leg.number + 1
-        self.readings = replace(self.readings, leg=Leg(number, LegState.UNDER_WAY, 1.0))
+        self.readings = replace(self.readings, leg=HelmLeg(number, LegState.UNDER_WAY, 1.0))
         return number
 
     def halt(self):
@@ -79,22 +86,22 @@ class ModelRobot:
         return Pose2(1.0, 2.0, 0.0)
 
     def descriptions(self):
-        return [Description(name, "a number", "", "robot", "tests", default=0.0) for name in self.values]
+        return [ParameterDescription(name, "a number", "", "robot", "tests", default=0.0) for name in self.values]
 
     def misplaced(self, x, y):
         return None if max(abs(x), abs(y)) < 20.0 else Denied("There the map has nothing.")
 
     def settings(self):
-        return [Setting(name, value) for name, value in self.values.items()]
+        return [ParameterSetting(name, value) for name, value in self.values.items()]
 
     def setting(self, name):
-        return Setting(name, self.values[name]) if name in self.values else None
+        return ParameterSetting(name, self.values[name]) if name in self.values else None
 
     def change(self, name, value):
         if self._done("change", name, value):
             return self.refusal
         self.values[name] = value
-        return Setting(name, value)
+        return ParameterSetting(name, value)
 
     def photograph(self):
         return self._done("photograph")

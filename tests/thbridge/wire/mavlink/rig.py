@@ -5,13 +5,13 @@ from dataclasses import replace
 
 from tests.thbridge.wire.mavlink.model_robot import ModelRobot
 from thbridge.wire.mavlink.dialect import decoded, mav, payload_of
-from thbridge.wire.mavlink.options import Failsafe, Identity, Origin, VehicleOptions
+from thbridge.wire.mavlink.options import AutopilotIdentity, Failsafe, GeoOrigin, VehicleOptions
 from thbridge.wire.mavlink.outgoing import LinkId
-from thbridge.wire.mavlink.vehicle.mode.home import Home
+from thbridge.wire.mavlink.vehicle.mode.home import HomePosition
 from thbridge.wire.mavlink.vehicle.vehicle import Vehicle
 from thbridge.wire.mavlink.vehicle_interface import LegState, Station
 
-OPTIONS = VehicleOptions(Identity.GENERIC, Origin(52.4, 9.7, 55.0), 5.0, Failsafe.STOP, 5.0)
+OPTIONS = VehicleOptions(AutopilotIdentity.GENERIC, GeoOrigin(52.4, 9.7, 55.0), 5.0, Failsafe.STOP, 5.0)
 HERE, THERE = LinkId(0), LinkId(1)
 US, THEM = Station(255, 190), Station(245, 190)
 NAN = math.nan
@@ -142,7 +142,7 @@ class Rig:
 
 def home_of(robot, earth):
     """The home of a robot alone."""
-    home = Home(robot, earth)
+    home = HomePosition(robot, earth)
     list(home.step(0, robot.readings))
     return home
 

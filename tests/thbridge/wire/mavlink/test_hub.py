@@ -9,14 +9,14 @@ from sim.common.observations import TICKS_PER_SECOND, Twist
 from thbridge.wire.mavlink.dialect import crc_extra, mav, payload_of
 from thbridge.wire.mavlink.frames.frame import Frame, missing_between
 from thbridge.wire.mavlink.hub import Hub
-from thbridge.wire.mavlink.links import MOST_STATIONS, Drop
-from thbridge.wire.mavlink.outgoing import LinkId, Said
-from thbridge.wire.mavlink.vehicle_interface import Readings, Station
+from thbridge.wire.mavlink.links import MOST_STATIONS, DropReason
+from thbridge.wire.mavlink.outgoing import LinkId, OutgoingMessage
+from thbridge.wire.mavlink.vehicle_interface import RobotReadings, Station
 
 A, B, C = LinkId(0), LinkId(1), LinkId(2)
 PATIENCE = 5.0
 HEARTBEAT = mav.MAVLink_heartbeat_message(6, 8, 0, 0, 4, 3)
-READINGS = Readings(Pose2(0, 0, 0), Twist(0, 0), None, 1, 1, True, False, False, None, "participant", None)
+READINGS = RobotReadings(Pose2(0, 0, 0), Twist(0, 0), None, 1, 1, True, False, False, None, "participant", None)
 
 
 class Parrot:
@@ -31,7 +31,7 @@ class Parrot:
     def hear(self, link, sender, message):
         self.heard.append((link, sender, message.get_type()))
         if isinstance(message, mav.MAVLink_ping_message):
-            yield Said(message, link)
+            yield OutgoingMessage(message, link)
 
     def step(self, tick, readings):
         yield from self.says
@@ -103,7 +103,7 @@ def test_on_a_link_of_one_robot_it_alone_hears_and_speaks(hub, vehicles):
     hub.receive(C, frame_of(command(1), 255, sequence=1))
     assert [len(vehicle.heard) for vehicle in vehicles] == [0, 1, 0]
     for vehicle in vehicles:
-        vehicle.says = [Said(HEARTBEAT, to_sleepers=True), Said(HEARTBEAT, C)]
+        vehicle.says = [OutgoingMessage(HEARTBEAT, to_sleepers=True), OutgoingMessage(HEARTBEAT, C)]
     sent = step(hub)
     assert [one.frame.system for one in sent if one.link == C] == [2, 2]
     assert [one.frame.system for one in sent if one.link == A] == [1, 2, 3]
@@ -191,11 +191,11 @@ def test_a_link_that_is_closed_is_gone(hub, vehicles):
 
 def test_a_vehicles_own_id_from_outside_is_counted_and_heard_by_nobody(hub, vehicles):
     hub.receive(B, frame_of(HEARTBEAT, 254))
-    vehicles[0].says = [Said(HEARTBEAT, to_sleepers=True)]
+    vehicles[0].says = [OutgoingMessage(HEARTBEAT, to_sleepers=True)]
     for one in step(hub):
         assert hub.receive(one.link, one.frame) == []
     assert [vehicle.heard for vehicle in vehicles] == [[(B, Station(254, 190), "HEARTBEAT")]] * 3
-    assert [hub.report(link).dropped for link in (A, B, C)] == [{Drop.OURS: 1}] * 3
+    assert [hub.report(link).dropped for link in (A, B, C)] == [{DropReason.OURS: 1}] * 3
 
 
 def test_a_robots_companion_has_its_system_id_and_is_somebody(hub, vehicles):
@@ -210,7 +210,7 @@ def test_a_robots_companion_has_its_system_id_and_is_somebody(hub, vehicles):
 def test_nobody_is_called_0(hub, vehicles):
     hub.receive(A, frame_of(HEARTBEAT, 0))
     assert vehicles[0].heard == []
-    assert hub.report(A).dropped == {Drop.NOBODY: 1}
+    assert hub.report(A).dropped == {DropReason.NOBODY: 1}
 
 
 def test_a_signing_key_is_told_to_nobody(hub, vehicles):
@@ -220,12 +220,12 @@ def test_a_signing_key_is_told_to_nobody(hub, vehicles):
     assert hub.receive(A, frame_of(setup, 255)) == []
     assert before
     assert hub.take_traffic() == ()
-    assert hub.report(A).dropped == {Drop.SECRET: 1}
+    assert hub.report(A).dropped == {DropReason.SECRET: 1}
 
 
 def test_a_message_that_nobody_knows_is_counted(hub):
     assert hub.receive(A, Frame(255, 190, 0, 54_321, b"x", 0)) == []
-    assert hub.report(A).dropped == {Drop.UNKNOWN: 1}
+    assert hub.report(A).dropped == {DropReason.UNKNOWN: 1}
 
 
 def test_whoever_makes_up_senders_is_not_heard_and_others_are(hub, vehicles):
@@ -233,7 +233,7 @@ def test_whoever_makes_up_senders_is_not_heard_and_others_are(hub, vehicles):
         for system in (255, 254):
             hub.receive(A, frame_of(HEARTBEAT, system, component))
     assert len(vehicles[0].heard) == MOST_STATIONS
-    assert hub.report(A).dropped == {Drop.CROWDED: 512 - MOST_STATIONS}
+    assert hub.report(A).dropped == {DropReason.CROWDED: 512 - MOST_STATIONS}
     hub.receive(B, frame_of(HEARTBEAT, 253))
     assert vehicles[0].heard[-1] == (B, Station(253, 190), "HEARTBEAT")
 
@@ -248,8 +248,8 @@ def test_who_has_been_silent_for_long_makes_room(hub, vehicles):
 
 def test_sequence_numbers_count_by_vehicle_and_link(hub, vehicles):
     hub.receive(A, frame_of(HEARTBEAT, 255))
-    vehicles[0].says = [Said(HEARTBEAT), Said(HEARTBEAT, to_sleepers=True)]
-    vehicles[1].says = [Said(HEARTBEAT, A)]
+    vehicles[0].says = [OutgoingMessage(HEARTBEAT), OutgoingMessage(HEARTBEAT, to_sleepers=True)]
+    vehicles[1].says = [OutgoingMessage(HEARTBEAT, A)]
     sent = [one for tick in range(300) for one in step(hub, tick)]
     for link, system in ((A, 1), (A, 2), (B, 1), (C, 1)):
         counts = [one.frame.sequence for one in sent if (one.link, one.frame.system) == (link, system)]
@@ -258,14 +258,14 @@ def test_sequence_numbers_count_by_vehicle_and_link(hub, vehicles):
 
 
 def test_a_link_that_is_opened_again_counts_from_0(hub, vehicles):
-    vehicles[0].says = [Said(HEARTBEAT, to_sleepers=True)]
+    vehicles[0].says = [OutgoingMessage(HEARTBEAT, to_sleepers=True)]
     step(hub)
     hub.open(A, "a")
     assert {one.link: one.frame.sequence for one in step(hub)} == {A: 0, B: 1, C: 1}
 
 
 def test_a_link_sleeps_until_somebody_is_heard_and_when_they_are_not_any_more(hub, vehicles):
-    vehicles[0].says = [Said(HEARTBEAT)]
+    vehicles[0].says = [OutgoingMessage(HEARTBEAT)]
     assert step(hub) == []
     hub.receive(A, frame_of(HEARTBEAT, 255))
     assert links_of(step(hub, 1)) == [A]
@@ -276,7 +276,7 @@ def test_a_link_sleeps_until_somebody_is_heard_and_when_they_are_not_any_more(hu
 def test_a_link_may_be_left_out(hub, vehicles):
     for link, system in ((A, 255), (B, 254)):
         hub.receive(link, frame_of(HEARTBEAT, system))
-    vehicles[0].says = [Said(HEARTBEAT, besides=frozenset({A}))]
+    vehicles[0].says = [OutgoingMessage(HEARTBEAT, besides=frozenset({A}))]
     assert links_of(step(hub)) == [B]
 
 
@@ -300,7 +300,7 @@ def test_what_comes_twice_or_late_is_no_gap(last, now, missing):
 def test_what_goes_out_is_counted(hub, vehicles):
     hub.receive(A, frame_of(HEARTBEAT, 255))
     hub.receive(B, frame_of(HEARTBEAT, 254))
-    vehicles[0].says = [Said(HEARTBEAT)]
+    vehicles[0].says = [OutgoingMessage(HEARTBEAT)]
     step(hub)
     assert [hub.report(link).sent for link in (A, B, C)] == [2, 1, 0]
 

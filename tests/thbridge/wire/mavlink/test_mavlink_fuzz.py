@@ -16,18 +16,25 @@ from tests.thbridge.wire.mavlink.hostile import Foe
 from tests.thbridge.wire.mavlink.speech import frames
 from thbridge.wire.mavlink.dialect import crc_extra, mav, payload_of
 from thbridge.wire.mavlink.frames.frame import LARGEST, Frame
-from thbridge.wire.mavlink.frames.framer import Framer, frame_of
+from thbridge.wire.mavlink.frames.framer import FrameParser, frame_of
 from thbridge.wire.mavlink.hub import Hub
-from thbridge.wire.mavlink.options import Failsafe, Identity, Origin, VehicleOptions
+from thbridge.wire.mavlink.options import AutopilotIdentity, Failsafe, GeoOrigin, VehicleOptions
 from thbridge.wire.mavlink.outgoing import LinkId
 from thbridge.wire.mavlink.vehicle.vehicle import Vehicle
-from thbridge.wire.mavlink.vehicle_interface import Denied, Description, Leg, LegState, Readings, Setting
+from thbridge.wire.mavlink.vehicle_interface import (
+    Denied,
+    HelmLeg,
+    LegState,
+    ParameterDescription,
+    ParameterSetting,
+    RobotReadings,
+)
 
 ROBOTS = 3
 SYSTEMS = range(1, ROBOTS + 1)
 FOE, FRIEND = LinkId(0), LinkId(1)
 FOES_BYTES_A_TICK = 1000
-STILL = Readings(Pose2(1, 2, 0), Twist(0, 0), None, 50, 100, True, False, False, None, "participant", None)
+STILL = RobotReadings(Pose2(1, 2, 0), Twist(0, 0), None, 50, 100, True, False, False, None, "participant", None)
 HEARTBEAT = mav.MAVLink_heartbeat_message(6, 8, 0, 0, 4, 3)
 
 
@@ -62,7 +69,7 @@ class Sailor:
         if self._chance.random() < 0.2:
             return Denied("there is a wall")
         number = 1 if self._leg is None else self._leg.number + 1
-        self._leg = Leg(number, LegState.UNDER_WAY, 1.0)
+        self._leg = HelmLeg(number, LegState.UNDER_WAY, 1.0)
         return number
 
     def halt(self):
@@ -84,7 +91,7 @@ class Sailor:
         return Pose2(1.0, 2.0, 0.0)
 
     def descriptions(self):
-        return [Description(name, "a number", "", "robot", "tests") for name in self._values]
+        return [ParameterDescription(name, "a number", "", "robot", "tests") for name in self._values]
 
     def misplaced(self, x, y):
         assert max(abs(x), abs(y)) < 1e8  # metres: cells can be counted, and there are none farther away on earth
@@ -93,17 +100,17 @@ class Sailor:
         return None
 
     def settings(self):
-        return [Setting(name, value) for name, value in self._values.items()]
+        return [ParameterSetting(name, value) for name, value in self._values.items()]
 
     def setting(self, name):
-        return Setting(name, self._values[name]) if name in self._values else None
+        return ParameterSetting(name, self._values[name]) if name in self._values else None
 
     def change(self, name, value):
         assert name in self._values
         if not math.isfinite(value):
             return Denied("that is no number")
         self._values[name] = value
-        return Setting(name, value)
+        return ParameterSetting(name, value)
 
     def photograph(self):
         return None
@@ -118,13 +125,13 @@ class Sailor:
 class Rig:
     """Three vehicles, a foe on one link and a friend on another."""
 
-    def __init__(self, seed, identity=Identity.ARDUPILOT, failsafe=Failsafe.STOP):
+    def __init__(self, seed, identity=AutopilotIdentity.ARDUPILOT, failsafe=Failsafe.STOP):
         self.chance = random.Random(seed)
-        options = VehicleOptions(identity, Origin(51.5, -0.1, 20.0), 5.0, failsafe, 5.0)
+        options = VehicleOptions(identity, GeoOrigin(51.5, -0.1, 20.0), 5.0, failsafe, 5.0)
         self.sailors = [Sailor(self.chance) for _ in SYSTEMS]
         pairs = zip(SYSTEMS, self.sailors, strict=True)
         self.hub = Hub([Vehicle(system, sailor, options) for system, sailor in pairs], 5.0)
-        self.framer = Framer()
+        self.framer = FrameParser()
         self.tick = 0
         self.beaten = {}
         for link in (FOE, FRIEND):
@@ -185,7 +192,7 @@ pieces = st.one_of(
 
 
 @settings(max_examples=60)
-@given(st.lists(pieces, max_size=30), st.sampled_from(Identity), st.sampled_from(Failsafe))
+@given(st.lists(pieces, max_size=30), st.sampled_from(AutopilotIdentity), st.sampled_from(Failsafe))
 def test_nothing_that_comes_in_stops_a_heart(said, identity, failsafe):
     rig = Rig(1, identity, failsafe)
     for data in said:
@@ -195,7 +202,7 @@ def test_nothing_that_comes_in_stops_a_heart(said, identity, failsafe):
         rig.step()
 
 
-@pytest.mark.parametrize("identity", Identity)
+@pytest.mark.parametrize("identity", AutopilotIdentity)
 def test_a_flood_stops_no_heart_and_others_are_still_served(identity):
     rig = Rig(2, identity)
     rig.suffer(200_000)

@@ -10,25 +10,27 @@ from hypothesis import strategies as st
 from tests.thbridge.wire.rosgraph.streams import cut, places
 from thbridge.wire.rosgraph.inbound import InboundLink
 from thbridge.wire.rosgraph.links import (
-    Accepted,
-    Answered,
-    Ended,
-    Received,
-    Refused,
-    Requested,
-    Send,
-    Service,
+    LinkEnded,
+    LinkRefused,
+    MessageReceived,
+    PublisherAccepted,
+    SendToPeer,
+    ServiceAnswered,
     ServiceFailed,
-    Subscribed,
-    Topic,
+    ServiceHeader,
+    ServiceRequested,
+    SubscriberAccepted,
+    TopicHeader,
 )
 from thbridge.wire.rosgraph.outbound import ServiceClientLink, SubscriberLink
 from thbridge.wire.rosgraph.tcpros import BODY_LIMIT, HEADER_LIMIT, REQUEST_LIMIT, decode_header, encode_header, frame
 
 MD5 = "992ce8a1687cec8c8bd883ec73ca41d1"
 SERVICE_MD5 = "937c9679a518e3a18d831e57125ea522"
-CHATTER = Topic("/chatter", "std_msgs/String", MD5, "string data\n", latched=True)
-TRIGGER = Service("/trigger", "std_srvs/Trigger", SERVICE_MD5, "std_srvs/TriggerRequest", "std_srvs/TriggerResponse")
+CHATTER = TopicHeader("/chatter", "std_msgs/String", MD5, "string data\n", latched=True)
+TRIGGER = ServiceHeader(
+    "/trigger", "std_srvs/Trigger", SERVICE_MD5, "std_srvs/TriggerRequest", "std_srvs/TriggerResponse"
+)
 
 
 class OneOfEach:
@@ -55,7 +57,7 @@ def caller(**fields: str) -> bytes:
 
 
 def header_of(event) -> dict[str, str]:
-    assert isinstance(event, Send)
+    assert isinstance(event, SendToPeer)
     fields = decode_header(event.data[4:])
     assert isinstance(fields, dict)
     return fields
@@ -68,7 +70,9 @@ def told(link, data: bytes, where: list[int]) -> list:
         fresh = link.receive(segment)
         while fresh:
             events += fresh
-            fresh = [after for each in fresh if isinstance(each, Requested) for after in link.respond(each.request)]
+            fresh = [
+                after for each in fresh if isinstance(each, ServiceRequested) for after in link.respond(each.request)
+            ]
     return events
 
 
@@ -86,18 +90,18 @@ def test_a_subscriber_hears_what_is_published_under_the_publishers_name():
         "topic": "/chatter",
         "type": "std_msgs/String",
     }
-    assert subscribed == Subscribed("/chatter", "/them")
+    assert subscribed == SubscriberAccepted("/chatter", "/them")
     assert link.receive(answer.data + frame(b"one") + frame(b"")) == [
-        Accepted("/us", CHATTER),
-        Received(b"one"),
-        Received(b""),
+        PublisherAccepted("/us", CHATTER),
+        MessageReceived(b"one"),
+        MessageReceived(b""),
     ]
 
 
 def test_who_takes_any_type_is_accepted_and_told_the_type():
     publisher, link = inbound(), subscriber("*", "*")
     answer, _ = publisher.receive(link.opening())
-    assert link.receive(answer.data) == [Accepted("/us", CHATTER)]
+    assert link.receive(answer.data) == [PublisherAccepted("/us", CHATTER)]
 
 
 @pytest.mark.parametrize(
@@ -111,7 +115,7 @@ def test_who_does_not_fit_is_told_why_on_both_sides(asking, reason):
     answer, refused = inbound().receive(asking.opening())
     assert reason in refused.reason
     assert header_of(answer) == {"error": refused.reason}
-    assert asking.receive(answer.data) == [Refused(refused.reason)]
+    assert asking.receive(answer.data) == [LinkRefused(refused.reason)]
 
 
 def test_a_publisher_of_another_type_is_not_listened_to():
@@ -153,10 +157,10 @@ def test_a_client_gets_the_answer_and_the_connection_ends():
         "type": "std_srvs/Trigger",
     }
     (request,) = link.receive(answer.data)
-    assert server.receive(request.data) == [Requested("/trigger", b"do")]
+    assert server.receive(request.data) == [ServiceRequested("/trigger", b"do")]
     response, ended = server.respond(b"done")
-    assert isinstance(ended, Ended)
-    assert link.receive(response.data)[0] == Answered(b"done")
+    assert isinstance(ended, LinkEnded)
+    assert link.receive(response.data)[0] == ServiceAnswered(b"done")
 
 
 def test_a_failure_reaches_the_client_as_its_sentence():
@@ -166,22 +170,22 @@ def test_a_failure_reaches_the_client_as_its_sentence():
     server.receive(request.data)
     response, _ = server.respond(ServiceFailed("the door is shut"))
     assert response.data[0] == 0
-    assert link.receive(response.data)[0] == Answered(ServiceFailed("the door is shut"))
+    assert link.receive(response.data)[0] == ServiceAnswered(ServiceFailed("the door is shut"))
 
 
 def test_a_persistent_client_asks_again_and_again_but_one_thing_at_a_time():
     server = inbound()
     _, first = server.receive(caller(persistent="1") + frame(b"1") + frame(b"2"))
-    assert first == Requested("/trigger", b"1")
-    assert server.respond(b"")[1:] == [Requested("/trigger", b"2")]
+    assert first == ServiceRequested("/trigger", b"1")
+    assert server.respond(b"")[1:] == [ServiceRequested("/trigger", b"2")]
     assert len(server.respond(b"")) == 1
-    assert server.receive(frame(b"3")) == [Requested("/trigger", b"3")]
+    assert server.receive(frame(b"3")) == [ServiceRequested("/trigger", b"3")]
 
 
 def test_a_probe_gets_the_header_and_no_more():
     answer, ended = inbound().receive(caller(probe="1", md5sum="*"))
     assert header_of(answer)["type"] == "std_srvs/Trigger"
-    assert isinstance(ended, Ended)
+    assert isinstance(ended, LinkEnded)
 
 
 def test_a_client_of_another_type_or_service_is_refused():
@@ -199,7 +203,7 @@ def test_a_client_that_floods_while_it_waits_is_cut_off():
     events = []
     for _ in range(40):
         events += server.receive(b"\x00" * (REQUEST_LIMIT // 32))
-    assert [type(event) for event in events] == [Ended]
+    assert [type(event) for event in events] == [LinkEnded]
 
 
 # -- any bytes
@@ -209,8 +213,8 @@ def test_a_client_that_floods_while_it_waits_is_cut_off():
 def test_a_publishers_stream_means_the_same_however_it_is_cut(messages, where):
     answer = encode_header({"callerid": "/us", "md5sum": MD5, "type": CHATTER.type})
     stream = answer + b"".join(map(frame, messages))
-    said = Topic(CHATTER.name, CHATTER.type, MD5, "")  # the stream's header tells no more
-    assert told(subscriber(), stream, where) == [Accepted("/us", said), *map(Received, messages)]
+    said = TopicHeader(CHATTER.name, CHATTER.type, MD5, "")  # the stream's header tells no more
+    assert told(subscriber(), stream, where) == [PublisherAccepted("/us", said), *map(MessageReceived, messages)]
 
 
 @given(st.lists(st.binary(max_size=50), max_size=5), places)
@@ -226,9 +230,9 @@ def test_a_servers_stream_means_the_same_however_it_is_cut(answer, where):
     server.receive(frame(b"?"))
     response, _ = server.respond(answer)
     events = told(ServiceClientLink("/them", "/trigger", "*", b"?"), header.data + response.data, where)
-    assert [type(event) for event in events] == [Send, Answered, Ended]
+    assert [type(event) for event in events] == [SendToPeer, ServiceAnswered, LinkEnded]
     if isinstance(answer, bytes):
-        assert events[1] == Answered(answer)
+        assert events[1] == ServiceAnswered(answer)
 
 
 LINKS = [inbound, subscriber, lambda: ServiceClientLink("/them", "/trigger", SERVICE_MD5, b"?")]
@@ -268,12 +272,12 @@ def test_nor_do_real_ones_with_faults(made, which, seed, where):
 @pytest.mark.parametrize("length", [HEADER_LIMIT + 1, 2**32 - 1])
 def test_a_header_that_claims_to_be_huge_ends_the_link_at_once(made, length):
     (ended,) = made().receive(struct.pack("<I", length))
-    assert isinstance(ended, Ended)
+    assert isinstance(ended, LinkEnded)
 
 
 def test_so_does_a_message_a_request_or_an_answer():
     header = encode_header({"callerid": "/us", "md5sum": MD5, "type": CHATTER.type})
-    assert isinstance(subscriber().receive(header + struct.pack("<I", BODY_LIMIT + 1))[-1], Refused)
-    assert isinstance(inbound().receive(caller() + struct.pack("<I", REQUEST_LIMIT + 1))[-1], Ended)
+    assert isinstance(subscriber().receive(header + struct.pack("<I", BODY_LIMIT + 1))[-1], LinkRefused)
+    assert isinstance(inbound().receive(caller() + struct.pack("<I", REQUEST_LIMIT + 1))[-1], LinkEnded)
     client = ServiceClientLink("/them", "/trigger", MD5, b"")
-    assert isinstance(client.receive(header + b"\x01" + struct.pack("<I", BODY_LIMIT + 1))[-1], Ended)
+    assert isinstance(client.receive(header + b"\x01" + struct.pack("<I", BODY_LIMIT + 1))[-1], LinkEnded)

@@ -4,8 +4,8 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from thbridge.wire.rosgraph.master import METHODS, Master, ParamUpdate, PublisherUpdate, Reply, Shutdown
-from thbridge.wire.rosgraph.xmlrpc import Call, XmlRpcValue, encode_response
+from thbridge.wire.rosgraph.master import METHODS, ApiReply, Master, NodeShutdown, ParamUpdate, PublisherUpdate
+from thbridge.wire.rosgraph.xmlrpc import MethodCall, XmlRpcValue, encode_response
 
 TALKER, LISTENER, SECOND = "http://localhost:1/", "http://localhost:2/", "http://localhost:3/"
 STRING = "std_msgs/String"
@@ -16,8 +16,8 @@ class Asked:
         self.master = Master("http://localhost:11311/", 17)
         self.told: list[object] = []
 
-    def __call__(self, method: str, *params: XmlRpcValue) -> Reply:
-        reply, told = self.master.handle(Call(method, [*params]))
+    def __call__(self, method: str, *params: XmlRpcValue) -> ApiReply:
+        reply, told = self.master.handle(MethodCall(method, [*params]))
         self.told = [*told]
         return reply
 
@@ -35,7 +35,7 @@ def ask() -> Asked:
 def test_subscribers_are_told_who_publishes(ask):
     assert ask("registerSubscriber", "/listener", "/chat", STRING, LISTENER).value == []
     reply = ask("registerPublisher", "/talker", "/chat", STRING, TALKER)
-    assert reply == Reply(1, "Registered [/talker] as publisher of [/chat]", [LISTENER])
+    assert reply == ApiReply(1, "Registered [/talker] as publisher of [/chat]", [LISTENER])
     assert ask.told == [PublisherUpdate(LISTENER, "/chat", (TALKER,))]
     ask("registerPublisher", "/second", "/chat", STRING, SECOND)
     assert ask.told == [PublisherUpdate(LISTENER, "/chat", (TALKER, SECOND))]
@@ -61,7 +61,7 @@ def test_a_node_of_the_same_name_takes_the_place_of_the_old_one(ask):
     ask("registerPublisher", "/node", "/chat", STRING, TALKER)
     ask("registerService", "/node", "/serve", "rosrpc://localhost:9", TALKER)
     ask("registerSubscriber", "/node", "/other", STRING, SECOND)
-    assert ask.told == [Shutdown(TALKER, "/node", "new node registered with same name")]
+    assert ask.told == [NodeShutdown(TALKER, "/node", "new node registered with same name")]
     assert ask.value("getSystemState") == [[], [["/other", ["/node"]]], []]
     assert ask.value("lookupNode", "/node") == SECOND
     assert ask("unregisterPublisher", "/node", "/chat", TALKER).value == 0
@@ -73,7 +73,7 @@ def test_a_service_has_one_provider_the_last(ask):
     assert ask.value("lookupService", "/serve") == "rosrpc://localhost:9"
     assert ask("unregisterService", "/first", "/serve", "rosrpc://localhost:8").value == 0
     assert ask("unregisterService", "/second", "/serve", "rosrpc://localhost:9").value == 1
-    assert ask("lookupService", "/test", "/serve") == Reply(-1, "no provider", "")
+    assert ask("lookupService", "/test", "/serve") == ApiReply(-1, "no provider", "")
 
 
 def test_a_node_is_known_while_it_is_registered_for_something(ask):
@@ -111,7 +111,7 @@ def test_about_itself(ask):
     assert ask.value("getUri") == "http://localhost:11311/"
     assert ask.value("getPid") == 17
     assert not ask.master.stopped
-    assert ask("shutdown", "/test", "enough") == Reply(1, "shutdown", 0)
+    assert ask("shutdown", "/test", "enough") == ApiReply(1, "shutdown", 0)
     assert ask.master.stopped
 
 
@@ -140,6 +140,6 @@ calls = st.tuples(st.sampled_from(sorted(METHODS)), st.lists(names | values, max
 def test_whatever_is_called_gets_a_reply_that_can_be_sent(sequence):
     master = Master("http://localhost:11311/", 17)
     for method, params in sequence:
-        reply, _ = master.handle(Call(method, params))
+        reply, _ = master.handle(MethodCall(method, params))
         assert reply.status in {-1, 0, 1}
         assert encode_response(reply.as_value())

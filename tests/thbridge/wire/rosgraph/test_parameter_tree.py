@@ -4,7 +4,7 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from thbridge.wire.rosgraph.parameter_tree import ParameterTree, Update, updates
+from thbridge.wire.rosgraph.parameter_tree import ParameterTree, ParameterUpdate, updates
 
 names = st.sampled_from("abc")
 values = st.recursive(st.integers(), lambda inner: st.dictionaries(names, inner, max_size=3), max_leaves=6)
@@ -75,13 +75,13 @@ def test_a_search_goes_up_by_the_first_word():
 def test_who_hears_of_a_change():
     subscribed = ["/", "/a/", "/a/b/", "/a/x/", "/other/"]
     assert updates(subscribed, "/a", {"b": 1}) == [
-        Update("/", "/a/", {"b": 1}, own=True),
-        Update("/a/", "/a/", {"b": 1}, own=True),
-        Update("/a/x/", "/a/x/", {}, own=False),  # gone with the new value of /a
-        Update("/a/b/", "/a/b/", 1, own=False),
+        ParameterUpdate("/", "/a/", {"b": 1}, own=True),
+        ParameterUpdate("/a/", "/a/", {"b": 1}, own=True),
+        ParameterUpdate("/a/x/", "/a/x/", {}, own=False),  # gone with the new value of /a
+        ParameterUpdate("/a/b/", "/a/b/", 1, own=False),
     ]
     assert updates(subscribed, "/a/b", 2) == [
-        Update("/", "/a/b/", 2, own=True),
-        Update("/a/", "/a/b/", 2, own=True),
-        Update("/a/b/", "/a/b/", 2, own=True),
+        ParameterUpdate("/", "/a/b/", 2, own=True),
+        ParameterUpdate("/a/", "/a/b/", 2, own=True),
+        ParameterUpdate("/a/b/", "/a/b/", 2, own=True),
     ]

@@ -6,17 +6,17 @@ from hypothesis import strategies as st
 
 from thbridge.wire.rosgraph.slave import (
     METHODS,
-    Answer,
-    Connection,
-    Node,
+    BusConnection,
+    NodeDescription,
     ParameterChanged,
     PublishersChanged,
-    ShutdownAsked,
+    ShutdownRequested,
+    SlaveReply,
     answer,
 )
-from thbridge.wire.rosgraph.xmlrpc import Call
+from thbridge.wire.rosgraph.xmlrpc import MethodCall
 
-NODE = Node(
+NODE = NodeDescription(
     name="/us",
     uri="http://127.0.0.1:5000/",
     master_uri="http://127.0.0.1:11311",
@@ -26,14 +26,14 @@ NODE = Node(
     subscriptions={"/tf": "tf2_msgs/TFMessage"},
     parameters=["/robot1/amcl/odom_alpha1", "/robot1/move_base"],
     connections=[
-        Connection(1, "/rviz", True, "/chatter", (6000, "127.0.0.1", 40000, 9), 300, 3),
-        Connection(2, "http://127.0.0.1:5001/", False, "/tf", (40001, "127.0.0.1", 6001, 10), 200, 2),
+        BusConnection(1, "/rviz", True, "/chatter", (6000, "127.0.0.1", 40000, 9), 300, 3),
+        BusConnection(2, "http://127.0.0.1:5001/", False, "/tf", (40001, "127.0.0.1", 6001, 10), 200, 2),
     ],
 )
 
 
-def asked(method: str, *params) -> Answer:
-    return answer(Call(method, ["/them", *params]), NODE)
+def asked(method: str, *params) -> SlaveReply:
+    return answer(MethodCall(method, ["/them", *params]), NODE)
 
 
 @pytest.mark.parametrize(
@@ -119,7 +119,7 @@ def test_another_parameter_is_not(key):
 
 
 def test_the_word_to_go_is_passed_on():
-    assert asked("shutdown", "new node registered").consequence == ShutdownAsked("new node registered")
+    assert asked("shutdown", "new node registered").consequence == ShutdownRequested("new node registered")
 
 
 values = st.recursive(
@@ -130,6 +130,6 @@ values = st.recursive(
 
 @given(st.sampled_from(sorted(METHODS | {"system.exit"})), st.lists(values, max_size=4))
 def test_no_arguments_make_it_raise_and_every_reply_is_one_of_ros(method, params):
-    code, message, _ = answer(Call(method, params), NODE).reply
+    code, message, _ = answer(MethodCall(method, params), NODE).reply
     assert code in (-1, 0, 1)
     assert isinstance(message, str)

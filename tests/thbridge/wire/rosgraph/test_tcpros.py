@@ -7,7 +7,14 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from tests.thbridge.wire.rosgraph.streams import cut, places
-from thbridge.wire.rosgraph.tcpros import FrameBuffer, Malformed, Overlong, decode_header, encode_header, frame
+from thbridge.wire.rosgraph.tcpros import (
+    FrameBuffer,
+    MalformedHeader,
+    OverlongFrame,
+    decode_header,
+    encode_header,
+    frame,
+)
 
 LIMIT = 64
 names = st.text(st.characters(exclude_characters="=", exclude_categories=["Cs"]), min_size=1).filter(
@@ -42,7 +49,7 @@ def test_a_value_may_hold_equals_signs_and_letters_of_another_encoding():
 
 @pytest.mark.parametrize("body", [b"\x01\x00", frame(b"abc"), frame(b""), struct.pack("<I", 9) + b"a=1"])
 def test_what_is_no_header_is_told(body):
-    assert isinstance(decode_header(body), Malformed)
+    assert isinstance(decode_header(body), MalformedHeader)
 
 
 @given(st.binary())
@@ -66,4 +73,4 @@ def test_frames_come_out_however_the_stream_is_cut(bodies, where):
 def test_a_frame_beyond_the_limit_is_told_before_it_came():
     buffer = FrameBuffer()
     buffer.feed(struct.pack("<I", LIMIT + 1))
-    assert buffer.take(LIMIT) == Overlong(LIMIT + 1, LIMIT)
+    assert buffer.take(LIMIT) == OverlongFrame(LIMIT + 1, LIMIT)

@@ -8,7 +8,7 @@ from hypothesis import example, given
 from hypothesis import strategies as st
 
 from thbridge.wire.rosgraph import xmlrpc as ours
-from thbridge.wire.rosgraph.xmlrpc import Call, DateTime, Fault, Malformed, Response
+from thbridge.wire.rosgraph.xmlrpc import DateTime, Fault, MalformedDocument, MethodCall, MethodResponse
 
 # Every character of XML 1.0.
 text = st.text(st.characters(exclude_categories=["Cs", "Cc"], exclude_characters="\ufffe\uffff", codec="utf-8")) | (
@@ -25,13 +25,13 @@ def response(inner: str) -> bytes:
 @given(values)
 def test_values_survive_the_way_there_and_back(value):
     back = ours.decode_response(ours.encode_response(value))
-    assert back == Response(value)
-    assert repr(back) == repr(Response(value))  # True is no 1
+    assert back == MethodResponse(value)
+    assert repr(back) == repr(MethodResponse(value))  # True is no 1
 
 
 @given(text.map(str.strip).filter(bool), st.lists(values))
 def test_calls_survive_too(method, params):
-    assert ours.decode_call(ours.encode_call(method, params)) == Call(method, params)
+    assert ours.decode_call(ours.encode_call(method, params)) == MethodCall(method, params)
 
 
 @given(values)
@@ -46,14 +46,14 @@ def test_we_read_what_pythons_own_client_writes(value):
         written = xmlrpc.client.dumps((value,), methodresponse=True, allow_none=True)
     except OverflowError:  # it reads i8 but does not write it
         return
-    assert ours.decode_response(written.encode()) == Response(value)
+    assert ours.decode_response(written.encode()) == MethodResponse(value)
 
 
 def test_special_doubles():
     for value in (math.inf, -math.inf):
-        assert ours.decode_response(ours.encode_response(value)) == Response(value)
+        assert ours.decode_response(ours.encode_response(value)) == MethodResponse(value)
     nan = ours.decode_response(ours.encode_response(math.nan))
-    assert isinstance(nan, Response) and isinstance(nan.value, float) and math.isnan(nan.value)
+    assert isinstance(nan, MethodResponse) and isinstance(nan.value, float) and math.isnan(nan.value)
 
 
 def test_faults_are_told_from_answers():
@@ -83,7 +83,7 @@ def test_faults_are_told_from_answers():
     ],
 )
 def test_what_ros_nodes_write_is_read(written, value):
-    assert ours.decode_response(response(written)) == Response(value)
+    assert ours.decode_response(response(written)) == MethodResponse(value)
 
 
 @pytest.mark.parametrize(
@@ -115,35 +115,36 @@ def test_what_ros_nodes_write_is_read(written, value):
 )
 def test_what_is_no_answer_is_malformed(data):
     found = ours.decode_response(data)
-    assert isinstance(found, Malformed) and found.reason
+    assert isinstance(found, MalformedDocument) and found.reason
 
 
 def test_bombs_do_not_go_off():
     laughs = "".join(f'<!ENTITY l{i + 1} "{f"&l{i};" * 10}">' for i in range(9))
     doctype = f'<!DOCTYPE bomb [<!ENTITY l0 "ha">{laughs}]>'
-    assert isinstance(ours.decode_response(doctype.encode() + response("<value>&l9;</value>")), Malformed)
+    assert isinstance(ours.decode_response(doctype.encode() + response("<value>&l9;</value>")), MalformedDocument)
     outside = b'<!DOCTYPE x [<!ENTITY e SYSTEM "file:///etc/passwd">]>' + response("<value>&e;</value>")
-    assert isinstance(ours.decode_response(outside), Malformed)
+    assert isinstance(ours.decode_response(outside), MalformedDocument)
 
 
 def test_limits(monkeypatch):
     def nested(levels: int) -> bytes:
         return response(f"{'<value><array><data>' * levels}{'</data></array></value>' * levels}")
 
-    assert isinstance(ours.decode_response(nested(ours.MAX_DEPTH - 1)), Response)
-    assert isinstance(ours.decode_response(nested(ours.MAX_DEPTH + 1)), Malformed)
-    assert isinstance(ours.decode_response(nested(50_000)), Malformed)
-    assert isinstance(ours.decode_response(b"<a>" * 100_000), Malformed)
+    assert isinstance(ours.decode_response(nested(ours.MAX_DEPTH - 1)), MethodResponse)
+    assert isinstance(ours.decode_response(nested(ours.MAX_DEPTH + 1)), MalformedDocument)
+    assert isinstance(ours.decode_response(nested(50_000)), MalformedDocument)
+    assert isinstance(ours.decode_response(b"<a>" * 100_000), MalformedDocument)
     monkeypatch.setattr(ours, "MAX_ELEMENTS", 100)
     assert isinstance(
-        ours.decode_response(response(f"<value><array><data>{'<value/>' * 100}</data></array></value>")), Malformed
+        ours.decode_response(response(f"<value><array><data>{'<value/>' * 100}</data></array></value>")),
+        MalformedDocument,
     )
     monkeypatch.setattr(ours, "MAX_BYTES", 100)
-    assert isinstance(ours.decode_response(response(f"<value>{'a' * 100}</value>")), Malformed)
+    assert isinstance(ours.decode_response(response(f"<value>{'a' * 100}</value>")), MalformedDocument)
 
 
 def test_what_xml_cannot_hold_is_replaced():
-    assert ours.decode_response(ours.encode_response("a\0b\ud800c")) == Response("a\ufffdb\ufffdc")
+    assert ours.decode_response(ours.encode_response("a\0b\ud800c")) == MethodResponse("a\ufffdb\ufffdc")
 
 
 def test_what_cannot_be_written_is_a_bug_of_the_caller():
@@ -174,8 +175,8 @@ traffic = [
 @given(st.binary() | st.text().map(str.encode))
 @example(b"\xff\xfe<\x00")
 def test_arbitrary_bytes_are_read_or_malformed(data):
-    assert isinstance(ours.decode_call(data), Call | Malformed)
-    assert isinstance(ours.decode_response(data), Response | Fault | Malformed)
+    assert isinstance(ours.decode_call(data), MethodCall | MalformedDocument)
+    assert isinstance(ours.decode_response(data), MethodResponse | Fault | MalformedDocument)
 
 
 @given(st.sampled_from(traffic), st.data())
@@ -188,5 +189,5 @@ def test_spoilt_traffic_is_read_or_malformed(data, draw):
             st.binary(max_size=8) | st.sampled_from([b"<value>", b"</value>", b"<nil/>", b"&lt;", b"<!DOCTYPE a>"])
         )
         spoilt[at : at + cut] = put
-    assert isinstance(ours.decode_call(bytes(spoilt)), Call | Malformed)
-    assert isinstance(ours.decode_response(bytes(spoilt)), Response | Fault | Malformed)
+    assert isinstance(ours.decode_call(bytes(spoilt)), MethodCall | MalformedDocument)
+    assert isinstance(ours.decode_response(bytes(spoilt)), MethodResponse | Fault | MalformedDocument)

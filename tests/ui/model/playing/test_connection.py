@@ -1,17 +1,17 @@
 import math
 
-from ui.model.playing.connection import Connection
+from ui.model.playing.connection import ConnectionStatus
 
 
 def test_how_long_it_is_lost_is_told_each_second():
-    link = Connection()
+    link = ConnectionStatus()
     link.connected(0.0)
     assert link.trouble(0.5) is None
     link.lose("Nobody answers.", 10.0)
     assert link.trouble(10.2) == (
         "The connection to the game is lost. Nobody answers. It is tried again by itself, and you go on where you were."
     )
-    assert link.changes(10.2) == 11.0
+    assert link.next_change(10.2) == 11.0
     link.lose("refused", 11.0)
     assert link.trouble(11.0).startswith("The connection to the game has been lost for 1 second. Refused.")
     assert "for 2 seconds" in link.trouble(12.9)
@@ -20,21 +20,21 @@ def test_how_long_it_is_lost_is_told_each_second():
 
 
 def test_before_there_ever_was_a_connection_none_is_lost():
-    link = Connection()
+    link = ConnectionStatus()
     link.lose("", 0.0)
     assert link.trouble(0.0) == "The game is not reached yet. It is tried again by itself."
 
 
 def test_a_game_without_news_of_its_robots_stands_still():
-    link = Connection()
+    link = ConnectionStatus()
     link.connected(0.0)
     assert link.trouble(99.0) is None
-    assert link.changes(99.0) == math.inf
-    link.hear(100.0)
-    assert link.changes(100.0) == 101.5
+    assert link.next_change(99.0) == math.inf
+    link.receive(100.0)
+    assert link.next_change(100.0) == 101.5
     assert link.trouble(101.4) is None
     assert link.trouble(101.5) == "There is no news of the robots just now. The game goes on as soon as there is."
-    link.hear(102.0)
+    link.receive(102.0)
     assert link.trouble(102.0) is None
     link.lose("", 103.0)
     link.connected(110.0)

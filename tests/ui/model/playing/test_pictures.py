@@ -17,7 +17,7 @@ def test_pieces_in_any_order_and_twice_are_the_picture(data, size, chance):
     album = Pictures()
     parts = pieces(data, size)
     for piece in chance.sample(parts, len(parts)) + parts:
-        album.hear(piece)
+        album.receive(piece)
     assert album.of(1, 3) == data
     assert album.of(1, 2) is album.of(2, 3) is None
 
@@ -25,21 +25,21 @@ def test_pieces_in_any_order_and_twice_are_the_picture(data, size, chance):
 def test_a_picture_is_not_there_before_its_last_piece():
     album = Pictures()
     first, second = pieces(b"abcd", 2)
-    album.hear(second)
+    album.receive(second)
     assert album.of(1, 3) is None
-    album.hear(first)
+    album.receive(first)
     assert album.of(1, 3) == b"abcd"
 
 
 def test_another_game_has_other_pictures():
     album = Pictures()
     for piece in (*pieces(b"old", 9), *pieces(b"new", 9, game=2)):
-        album.hear(piece)
+        album.receive(piece)
     assert (album.of(1, 3), album.of(2, 3)) == (None, b"new")
 
 
 def test_what_is_no_piece_is_passed_over():
     album = Pictures()
     for piece in (Picture(1, 3, 0, 1, "?"), Picture(1, 3, 5, 2, "aGE="), Picture(1, 3, -1, 2, "aGE=")):
-        album.hear(piece)
+        album.receive(piece)
     assert album.of(1, 3) is None

@@ -2,7 +2,7 @@ import numpy as np
 from hypothesis import given
 from hypothesis import strategies as st
 
-from ui.model.watching.curves import LINE, Curve
+from ui.model.watching.curves import MAX_LINE_POINTS, Curve
 
 TIMES = st.lists(st.floats(0.0, 100.0), max_size=60)
 
@@ -47,9 +47,9 @@ def test_rows_until_a_time_include_it() -> None:
 
 def test_a_line_has_few_points_and_is_the_same_while_it_does_not_grow() -> None:
     curve = Curve(3)
-    for time in range(3 * LINE):
+    for time in range(3 * MAX_LINE_POINTS):
         curve.append(float(time), float(time), -float(time), 0.0)
     line = curve.path(np.inf)
-    assert len(line) <= LINE
+    assert len(line) <= MAX_LINE_POINTS
     assert curve.path(np.inf) is line
     assert curve.path(4.0).tolist() == [[float(t), -float(t)] for t in range(5)]

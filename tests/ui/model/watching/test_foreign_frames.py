@@ -10,7 +10,7 @@ from sim.common.grid import OccupancyGrid
 from tests.ui.model.watching.hear import Heard, odometry, tf
 from thbridge.ros.messages import pack, types
 from ui.model.watching.live import LiveSource
-from ui.model.watching.scene import RobotScene, Shown
+from ui.model.watching.scene import RobotScene, ShownLayers
 
 ODOM_IN_MAP = Pose2(10.0, 20.0, math.pi / 2)
 CELLS = OccupancyGrid(np.zeros((3, 4), dtype=np.int8), 0.5, Pose2(1.0, 0.0, 0.0))
@@ -30,7 +30,7 @@ def seen(frame: str) -> RobotScene:
         ],
         0.0,
     )
-    (robot,) = live.scene(Shown(local_costmap=True)).robots
+    (robot,) = live.scene(ShownLayers(local_costmap=True)).robots
     return robot
 
 

@@ -5,21 +5,21 @@ import pytest
 from sim.common.geometry import Pose2
 from tests.thbridge.ros.drive import MOUNT, SCAN_PERIOD, SESSION, arena, records, snapshots
 from tests.ui.model.watching.hear import SECOND, Heard, odometry, tf
-from thbridge.ros.publisher import Message, Publisher
+from thbridge.ros.publisher import RosMessage, TeamPublisher
 from ui.model.watching.live import LiveSource
-from ui.model.watching.scene import Shown
+from ui.model.watching.scene import ShownLayers
 
 
-def heard(messages: list[Message]) -> list[Heard]:
+def heard(messages: list[RosMessage]) -> list[Heard]:
     return [Heard(message.topic.name, message.topic.msgtype, message.stamp_ns, message.data) for message in messages]
 
 
 def opening() -> list[Heard]:
-    return heard(Publisher(2, MOUNT, SCAN_PERIOD).opening(0, SESSION, arena()))
+    return heard(TeamPublisher(2, MOUNT, SCAN_PERIOD).opening(0, SESSION, arena()))
 
 
 def ticks(first: int, count: int) -> list[Heard]:
-    publisher = Publisher(2, MOUNT, SCAN_PERIOD)
+    publisher = TeamPublisher(2, MOUNT, SCAN_PERIOD)
     return [said for each in snapshots(2, count, first) for said in heard(publisher.tick(each, records(each.tick)))]
 
 
@@ -32,18 +32,18 @@ def source() -> LiveSource:
 
 def test_nothing_is_there_before_anything_is_heard() -> None:
     live = LiveSource()
-    assert (live.scene(Shown()).robots, live.session, live.messages) == ((), None, 0)
-    assert live.silent_for(5.0) == math.inf
+    assert (live.scene(ShownLayers()).robots, live.session, live.messages) == ((), None, 0)
+    assert live.stale_for(5.0) == math.inf
 
 
 def test_it_shows_what_was_said_last(source: LiveSource) -> None:
-    scene = source.scene(Shown())
+    scene = source.scene(ShownLayers())
     assert scene.time == pytest.approx(99 / 50)
     assert source.session == SESSION
     assert scene.grid == arena()
     assert [robot.name for robot in scene.robots] == ["robot 1", "robot 2"]
     assert all(robot.error is not None and robot.error < 0.2 for robot in scene.robots)
-    assert source.silent_for(12.5) == 2.5
+    assert source.stale_for(12.5) == 2.5
 
 
 def test_what_was_said_before_robots_are_told_apart_is_taken_for_its_own_robots() -> None:
@@ -60,11 +60,11 @@ def test_what_was_said_before_robots_are_told_apart_is_taken_for_its_own_robots(
 
 
 def test_another_session_begins_anew(source: LiveSource) -> None:
-    events = len(source.story.entries("event"))
+    events = len(source.log.entries("event"))
     source.take([*opening(), *ticks(0, 1)], 20.0)
     assert source.sessions == 1
-    assert len(source.story.entries("event")) < events
-    scene = source.scene(Shown())
+    assert len(source.log.entries("event")) < events
+    scene = source.scene(ShownLayers())
     assert scene.time == 0.0
     assert scene.grid == arena()  # said before anybody could know that it is another's
     assert len(source.series.of(0).truth) == 1
@@ -81,24 +81,24 @@ def test_the_same_session_met_again_goes_on(source: LiveSource) -> None:
 def test_frames_of_a_while_ago_are_those_that_held_then() -> None:
     live = LiveSource()
     live.take([tf(second, ("map", "odom", Pose2(second, 0, 0))) for second in (1.0, 1.5, 2.0)], 0.0)
-    scene = live.scene(Shown())
+    scene = live.scene(ShownLayers())
     assert scene.robots == ()
     live.take([odometry(2.0, Pose2(1, 0, 0))], 0.0)
-    (robot,) = live.scene(Shown()).robots
+    (robot,) = live.scene(ShownLayers()).robots
     assert robot.estimate == Pose2(3, 0, 0)
 
 
 def test_frames_that_nobody_speaks_of_any_more_are_forgotten() -> None:
     live = LiveSource()
     live.take([tf(1, ("map", "odom", Pose2(1, 0, 0))), odometry(1, Pose2(0, 0, 0))], 0.0)
-    assert live.scene(Shown()).robots[0].estimate is not None
+    assert live.scene(ShownLayers()).robots[0].estimate is not None
     live.take([odometry(12, Pose2(0, 0, 0), speed=1.0)], 0.0)
-    (robot,) = live.scene(Shown()).robots
+    (robot,) = live.scene(ShownLayers()).robots
     assert (robot.speed, robot.estimate) == (1.0, None)
 
 
 def test_messages_that_cannot_be_read_are_left_out(source: LiveSource) -> None:
     broken = [Heard(said.topic, said.msgtype, said.stamp_ns, said.data[:9]) for said in ticks(100, 20)]
     source.take(broken, 11.0)
-    scene = source.scene(Shown())
+    scene = source.scene(ShownLayers())
     assert [robot.truth for robot in scene.robots] == [None, None]

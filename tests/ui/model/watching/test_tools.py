@@ -9,11 +9,11 @@ from sim.common.geometry import Pose2
 from sim.common.grid import OccupancyGrid
 from sim.common.traversability import inside
 from sim.team import Carry, ClearCostmaps, Die, PutThing, RemoveThing, Revive
-from thbridge.hunt.outcomes import Refused
+from thbridge.hunt.refusals import RequestRefused
 from thbridge.roles.robot_requests import AdviseFor, Puppeteer, Request, SpeakFor, WizardRequest
 from thbridge.ros.messages.records import InitialPose, SimpleGoal
 from ui.model.watching.scene import PendingAdvice, PendingTurn, RobotScene, Scene, ThingScene, Wizard
-from ui.model.watching.tools import LEAST_SIZE, MOST_SIZE, Reason, Tools, aimed, obstacle
+from ui.model.watching.tools import LEAST_SIZE, MOST_SIZE, ToolRefusalReason, Tools, dragged_pose, obstacle
 
 GRID = OccupancyGrid(np.zeros((40, 40), dtype=np.int8), 0.1, Pose2(-2.0, -2.0, 0.0))
 TURN = PendingTurn(3, 5, 0, "select-room", 4, ("Continue", "Stop"))
@@ -27,8 +27,8 @@ def scene() -> Scene:
     return Scene(0, 0.0, GRID, robots, (CRATE,), (), None, wizard, ())
 
 
-def reason(outcome: Request | WizardRequest | Refused) -> str:
-    assert isinstance(outcome, Refused)
+def reason(outcome: Request | WizardRequest | RequestRefused) -> str:
+    assert isinstance(outcome, RequestRefused)
     assert outcome.sentence.endswith((".", ")."))
     return outcome.reason
 
@@ -55,14 +55,14 @@ def test_every_goal_has_another_number(scene: Scene) -> None:
 
 def test_what_makes_no_sense_is_refused_in_words(scene: Scene) -> None:
     tools, place = Tools(), Pose2(0.0, 0.0, 0.0)
-    assert reason(tools.goal(scene, 1, place)) == Reason.DEAD
-    assert reason(tools.kill(scene, 1)) == Reason.DEAD
-    assert reason(tools.clear_costmaps(scene, 1)) == Reason.DEAD
-    assert reason(tools.revive(scene, 0)) == Reason.ALIVE
-    assert reason(tools.goal(scene, 7, place)) == Reason.NO_ROBOT
-    assert reason(tools.goal(scene, 0, Pose2(5.0, 0.0, 0.0))) == Reason.OFF_MAP
-    assert reason(tools.carry(scene, 0, 0.0, -2.1)) == Reason.OFF_MAP
-    assert reason(tools.remove(scene, 0.0, 0.0)) == Reason.NO_THING
+    assert reason(tools.goal(scene, 1, place)) == ToolRefusalReason.DEAD
+    assert reason(tools.kill(scene, 1)) == ToolRefusalReason.DEAD
+    assert reason(tools.clear_costmaps(scene, 1)) == ToolRefusalReason.DEAD
+    assert reason(tools.revive(scene, 0)) == ToolRefusalReason.ALIVE
+    assert reason(tools.goal(scene, 7, place)) == ToolRefusalReason.NO_ROBOT
+    assert reason(tools.goal(scene, 0, Pose2(5.0, 0.0, 0.0))) == ToolRefusalReason.OFF_MAP
+    assert reason(tools.carry(scene, 0, 0.0, -2.1)) == ToolRefusalReason.OFF_MAP
+    assert reason(tools.remove(scene, 0.0, 0.0)) == ToolRefusalReason.NO_THING
 
 
 def test_things_get_names_of_their_own_and_are_taken_away_where_they_stand(scene: Scene) -> None:
@@ -76,15 +76,18 @@ def test_a_wizard_answers_only_what_is_waited_for(scene: Scene) -> None:
     tools = Tools()
     assert tools.puppeteer(scene, 0, True) == Puppeteer(0, True)
     assert tools.speak(scene, TURN, 1, " No, thank you ") == SpeakFor(3, 5, 1, "No, thank you")
-    assert reason(tools.speak(scene, TURN, 2)) == Reason.NOT_WAITING
-    assert reason(tools.speak(scene, PendingTurn(3, 4, 0, "select-room", 4, ("Continue",)), 0)) == Reason.NOT_WAITING
+    assert reason(tools.speak(scene, TURN, 2)) == ToolRefusalReason.NOT_WAITING
+    assert (
+        reason(tools.speak(scene, PendingTurn(3, 4, 0, "select-room", 4, ("Continue",)), 0))
+        == ToolRefusalReason.NOT_WAITING
+    )
     assert tools.advise(scene, 0, 2) == AdviseFor(0, 2)
-    assert reason(tools.advise(scene, 1, 2)) == Reason.NOT_WAITING
+    assert reason(tools.advise(scene, 1, 2)) == ToolRefusalReason.NOT_WAITING
 
 
 def test_a_drag_tells_the_heading_and_a_click_keeps_it() -> None:
-    assert aimed(1.0, 1.0, 1.0, 2.0) == Pose2(1.0, 1.0, math.pi / 2)
-    assert aimed(1.0, 1.0, 1.02, 1.0, 0.7) == Pose2(1.0, 1.0, 0.7)
+    assert dragged_pose(1.0, 1.0, 1.0, 2.0) == Pose2(1.0, 1.0, math.pi / 2)
+    assert dragged_pose(1.0, 1.0, 1.02, 1.0, 0.7) == Pose2(1.0, 1.0, 0.7)
 
 
 @given(size=st.floats(-1.0, 100.0))

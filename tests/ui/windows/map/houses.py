@@ -65,7 +65,7 @@ def busy_robots(shown: Map, count: int) -> list[RobotMark]:
                 selected=number == 0,
                 trouble=number == 2,
                 trail=here - share[::-1] * [5.0, 0.3] + np.hstack((0.0 * bend, 0.3 * bend)),
-                way=here + share * ([[goal.x, goal.y]] - here) + np.hstack((0.2 * bend, 0.0 * bend)),
+                path=here + share * ([[goal.x, goal.y]] - here) + np.hstack((0.2 * bend, 0.0 * bend)),
                 ellipse=EllipseMark(0.5, 0.3, 0.5),
             )
         )

@@ -9,7 +9,7 @@ from PySide6.QtGui import QFont
 
 from tests.ui.windows.map.houses import robot_at
 from ui.model.theme import LIGHT
-from ui.windows.map.badges import SIGN, Anchor, Badges, Lettering, placed
+from ui.windows.map.badges import SIGN_WIDTH, Anchor, Badges, BadgeText, place_labels
 from ui.windows.map.words import describe
 
 NOWHERE = np.empty((0, 4))
@@ -32,48 +32,48 @@ def overlap(corners: np.ndarray) -> float:
 
 
 def test_a_lone_label_lies_above_its_robot() -> None:
-    corners, _ = placed(anchors([(100.0, 100.0)]), [-1], NOWHERE)
+    corners, _ = place_labels(anchors([(100.0, 100.0)]), [-1], NOWHERE)
     assert corners[0, 0] == 100.0 - 11.0
     assert corners[0, 1] + 20.0 < 100.0 - 18.0
 
 
 def test_labels_of_a_row_of_robots_do_not_overlap() -> None:
     row = [(100.0 + 24.0 * k, 100.0 + 10.0 * (k % 3)) for k in range(20)]
-    assert overlap(placed(anchors(row), [-1] * 20, NOWHERE)[0]) == 0.0
+    assert overlap(place_labels(anchors(row), [-1] * 20, NOWHERE)[0]) == 0.0
 
 
 def test_labels_of_robots_in_one_place_do_not_overlap() -> None:
-    assert overlap(placed(anchors([(100.0, 100.0)] * 10), [-1] * 10, NOWHERE)[0]) == 0.0
+    assert overlap(place_labels(anchors([(100.0, 100.0)] * 10), [-1] * 10, NOWHERE)[0]) == 0.0
 
 
 @given(spots)
 def test_a_second_look_changes_nothing(at: list[tuple[float, float]]) -> None:
-    first, places = placed(anchors(at), [-1] * len(at), NOWHERE)
-    second, again = placed(anchors(at), places, NOWHERE)
-    third, _ = placed(anchors(at), again, NOWHERE)
+    first, places = place_labels(anchors(at), [-1] * len(at), NOWHERE)
+    second, again = place_labels(anchors(at), places, NOWHERE)
+    third, _ = place_labels(anchors(at), again, NOWHERE)
     assert np.array_equal(second, third)
     assert overlap(second) <= overlap(first) + 1e-9
 
 
 def test_a_label_stays_while_it_is_in_nobodys_way() -> None:
-    _, places = placed(anchors([(100.0, 100.0), (100.0, 70.0)]), [-1, -1], NOWHERE)
-    _, later = placed(anchors([(300.0, 100.0), (100.0, 70.0)]), places, NOWHERE)
+    _, places = place_labels(anchors([(100.0, 100.0), (100.0, 70.0)]), [-1, -1], NOWHERE)
+    _, later = place_labels(anchors([(300.0, 100.0), (100.0, 70.0)]), places, NOWHERE)
     assert later == places
 
 
 def test_a_label_leaves_words_readable() -> None:
     above = np.array([[80.0, 50.0, 160.0, 90.0]])
-    corners, places = placed(anchors([(100.0, 100.0)]), [-1], above)
+    corners, places = place_labels(anchors([(100.0, 100.0)]), [-1], above)
     assert corners[0, 1] > 90.0
-    assert placed(anchors([(100.0, 100.0)]), [0], above)[1] == places, "it moves away where it lay on words"
+    assert place_labels(anchors([(100.0, 100.0)]), [0], above)[1] == places, "it moves away where it lay on words"
 
 
 def test_a_label_grows_by_the_words_on_who_commands_its_robot(qtbot) -> None:
     badges, font = Badges(), QFont()
-    own = Lettering("1", LIGHT.robot(0), selected=False, trouble=False, taken="")
+    own = BadgeText("1", LIGHT.robot(0), selected=False, trouble=False, taken="")
     narrow = badges.of(own, LIGHT, font, 1.0)
     wide = badges.of(replace(own, taken="ground station 255"), LIGHT, font, 1.0)
-    assert wide.width > narrow.width + SIGN and badges.of(own, LIGHT, font, 1.0) is narrow
+    assert wide.width > narrow.width + SIGN_WIDTH and badges.of(own, LIGHT, font, 1.0) is narrow
 
 
 def test_the_map_in_words_says_who_commands_a_robot() -> None:

@@ -7,7 +7,7 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from ui.windows.map.camera import CLOSEST, Camera
+from ui.windows.map.camera import MAX_SCALE, Camera
 
 metres = st.floats(-50.0, 50.0)
 cameras = st.builds(Camera, metres, metres, st.floats(5.0, 300.0), st.floats(100.0, 2000.0), st.floats(100.0, 2000.0))
@@ -25,7 +25,7 @@ def test_to_the_screen_and_back(camera: Camera, x: float, y: float) -> None:
 def test_the_point_zoomed_about_stays(camera: Camera, factor: float, px: float, py: float) -> None:
     zoomed = camera.zoomed(factor, px, py)
     assert zoomed.point(px, py) == pytest.approx(camera.point(px, py), abs=1e-6)
-    assert zoomed.scale <= CLOSEST
+    assert zoomed.scale <= MAX_SCALE
 
 
 @given(cameras, st.sampled_from([1.0, 1.25, 1.5, 2.0]))

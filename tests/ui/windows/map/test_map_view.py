@@ -14,7 +14,7 @@ from tests.ui.windows.map.houses import busy_robots, house_of, robot_at, rooms_o
 from thbridge.files.map_files import Map
 from ui.model.theme import DARK, LIGHT
 from ui.windows.map import MapView
-from ui.windows.map.layers import Arrows, Costs, Lines, Points
+from ui.windows.map.layers import CostmapImageLayer, LineLayer, PointLayer, PoseLayer
 
 MAPS = ("arena8", "office", "warehouse12")
 
@@ -33,7 +33,7 @@ def shown(qtbot: QtBot, house: Map) -> MapView:
     view = MapView(LIGHT)
     qtbot.addWidget(view)
     view.resize(1000, 700)
-    view.show_house(house_of(house))
+    view.show_floor_plan(house_of(house))
     view.show_rooms(rooms_of(house))
     view.show()
     return view
@@ -289,7 +289,7 @@ def test_layers_are_painted_below_and_above_robots(view: MapView) -> None:
 
 
 def test_points_lines_and_arrows_lie_where_they_belong(view: MapView) -> None:
-    points, lines, arrows = Points(size=4.0), Lines(width=4.0), Arrows(width=4.0)
+    points, lines, arrows = PointLayer(size=4.0), LineLayer(width=4.0), PoseLayer(width=4.0)
     points.show(np.array([[0.0, 0.0]]))
     lines.show([np.array([[-0.4, 0.5], [0.4, 0.5]])])
     arrows.show(np.array([[0.0, 1.0, 0.0]]))
@@ -304,7 +304,7 @@ def test_points_lines_and_arrows_lie_where_they_belong(view: MapView) -> None:
 def test_costs_lie_the_right_way_up(view: MapView, arena: Map) -> None:
     costs = np.zeros((20, 20), dtype=np.int8)
     costs[0:5, :] = 100
-    layer = Costs()
+    layer = CostmapImageLayer()
     layer.show(costs, arena.starts[0], 0.05)
     view.add_layer(layer)
     image = view.grab().toImage()

@@ -39,7 +39,7 @@ def opened(qtbot: QtBot, qapp: QApplication) -> Callable[..., Opened]:
     """Opens a window on a screen."""
 
     def make(screen: Screen, width: int = 1024, height: int = 768) -> Opened:
-        look.dress(qapp, LIGHT)
+        look.apply_palette(qapp, LIGHT)
         rooms = {8: "arena8", 12: "warehouse12"}[len(screen.tiles)]
         model = samples.Shown(screen, samples.house(rooms))
         made = Opened.__new__(Opened)

@@ -13,16 +13,16 @@ from tests.ui.windows.participant.test_window import buttons, press, that_asks
 from ui.model.screen import (
     Act,
     AnotherGame,
-    DialoguePop,
-    DontKnow,
+    AskAdvice,
+    DialoguePopup,
     GiveAnswer,
-    LeaveIt,
-    NameIt,
+    LeaveTreasure,
     NextRobot,
     Phase,
     ShowNext,
+    SubmitName,
     TakeThePicture,
-    TreasurePop,
+    TreasurePopup,
 )
 from ui.model.theme import LIGHT
 from ui.windows import look
@@ -56,7 +56,7 @@ class Player:
 @pytest.fixture
 def player(qtbot: QtBot, qapp: QApplication) -> Callable[..., Player]:
     def sit(robots: int) -> Player:
-        look.dress(qapp, LIGHT)
+        look.apply_palette(qapp, LIGHT)
         seat = Seat(robots=robots)
         window = ParticipantWindow(seat.model, lambda: seat.now, LIGHT)
         qtbot.addWidget(window)
@@ -70,22 +70,22 @@ def player(qtbot: QtBot, qapp: QApplication) -> Callable[..., Player]:
 
 def by_mouse(player: Player, right: str) -> None:
     screen, window = player.seat.screen, player.window
-    pop = screen.pop
-    if isinstance(pop, DialoguePop) and pop.choices:
+    pop = screen.popup
+    if isinstance(pop, DialoguePopup) and pop.choices:
         player.click(GiveAnswer(0))
-    elif isinstance(pop, TreasurePop) and pop.verdict is not None:
+    elif isinstance(pop, TreasurePopup) and pop.verdict is not None:
         player.click(ShowNext())
-    elif isinstance(pop, TreasurePop) and pop.take_picture is not None and pop.take_picture.enabled:
+    elif isinstance(pop, TreasurePopup) and pop.take_picture is not None and pop.take_picture.enabled:
         player.click(TakeThePicture())
-    elif isinstance(pop, TreasurePop) and pop.picked is None and pop.names:
+    elif isinstance(pop, TreasurePopup) and pop.picked is None and pop.names:
         names = window.treasure.names
         item = names.findItems(right, Qt.MatchFlag.MatchExactly)[0]
         player.qtbot.mouseClick(names.viewport(), LEFT, pos=names.visualItemRect(item).center())
         player.wait()
-    elif isinstance(pop, TreasurePop) and (pop.name_it.enabled or pop.leave.enabled):
-        player.click(NameIt() if pop.name_it.enabled else LeaveIt())
-    elif pop is None and screen.dont_know.enabled:
-        player.click(DontKnow())
+    elif isinstance(pop, TreasurePopup) and (pop.name_it.enabled or pop.leave.enabled):
+        player.click(SubmitName() if pop.name_it.enabled else LeaveTreasure())
+    elif pop is None and screen.ask_advice.enabled:
+        player.click(AskAdvice())
     elif pop is None and len(screen.cards) > 1:
         player.click(next(card.select.act for card in screen.cards if not card.selected))
     else:
@@ -94,18 +94,18 @@ def by_mouse(player: Player, right: str) -> None:
 
 def by_keyboard(player: Player, right: str) -> None:
     screen = player.seat.screen
-    pop = screen.pop
-    if isinstance(pop, DialoguePop) and pop.choices:
+    pop = screen.popup
+    if isinstance(pop, DialoguePopup) and pop.choices:
         player.key("Return")
-    elif isinstance(pop, TreasurePop) and pop.verdict is not None:
+    elif isinstance(pop, TreasurePopup) and pop.verdict is not None:
         player.key("Esc")
-    elif isinstance(pop, TreasurePop) and pop.take_picture is not None and pop.take_picture.enabled:
+    elif isinstance(pop, TreasurePopup) and pop.take_picture is not None and pop.take_picture.enabled:
         player.key("P")
-    elif isinstance(pop, TreasurePop) and pop.names and pop.picked != right and pop.verdict is None:
+    elif isinstance(pop, TreasurePopup) and pop.names and pop.picked != right and pop.verdict is None:
         player.key("Down")
-    elif isinstance(pop, TreasurePop) and (pop.name_it.enabled or pop.leave.enabled):
+    elif isinstance(pop, TreasurePopup) and (pop.name_it.enabled or pop.leave.enabled):
         player.key("N" if pop.name_it.enabled else "L")
-    elif pop is None and screen.dont_know.enabled:
+    elif pop is None and screen.ask_advice.enabled:
         player.key("D")
     elif pop is None and len(screen.cards) > 1:
         player.key("Tab")
@@ -120,8 +120,8 @@ def test_a_whole_hunt(player: Callable[..., Player], play: Callable[[Player, str
     for _ in range(TURNS):
         if seat.screen.phase is Phase.OVER:
             break
-        pop = seat.screen.pop
-        right = seat.stage.session.game.treasures[pop.room - 1].name if isinstance(pop, TreasurePop) else ""
+        pop = seat.screen.popup
+        right = seat.stage.session.game.treasures[pop.room - 1].name if isinstance(pop, TreasurePopup) else ""
         play(sitting, right)
     assert seat.screen.phase is Phase.OVER
     assert seat.screen.score > 0

@@ -19,50 +19,50 @@ from ui.model.screen import (
     Act,
     AgreeToTakePart,
     AnotherGame,
+    AskAdvice,
     AskForRobot,
+    Cancel,
     ChooseRobot,
     ChooseRoom,
+    Confirm,
     ConsiderRoom,
-    DontKnow,
     EndGame,
     FitMap,
     FollowRobot,
     GiveAnswer,
-    LeaveIt,
-    Meant,
-    NameIt,
+    HistoryLine,
+    LeaveTreasure,
     NextRobot,
-    NotYet,
     Phase,
     PickName,
     ShowHelp,
     ShowNext,
     ShowWaiting,
     StopRobot,
+    SubmitName,
     TakeThePicture,
-    Told,
     TypeDigit,
 )
 from ui.windows.look import GAP, font
 from ui.windows.map import MapView
 from ui.windows.participant.cards import EDGE, PAD
-from ui.windows.participant.pages.pages import Keys
-from ui.windows.participant.popups.finding import Facts, Picture, Verdict
-from ui.windows.participant.score import Score
+from ui.windows.participant.pages.pages import KeyCap
+from ui.windows.participant.popups.finding import NamingResult, SensedFacts, TreasurePicture
+from ui.windows.participant.score import ScoreLabel
 from ui.windows.participant.top import BannerLine
-from ui.windows.participant.widgets.buttons import ActionButton, AskingButton
-from ui.windows.participant.widgets.panels import Bubble, Chip, Panel
+from ui.windows.participant.widgets.buttons import ActionButton, ParticipantButton
+from ui.windows.participant.widgets.panels import RobotChip, SpeechBubble, TitledPanel
 
 Open = Callable[..., Opened]
 STATES = samples.states()
 LEFT = Qt.MouseButton.LeftButton
 
 
-def buttons(window: QWidget) -> list[AskingButton]:
-    return [button for button in window.findChildren(AskingButton) if button.isVisible()]
+def buttons(window: QWidget) -> list[ParticipantButton]:
+    return [button for button in window.findChildren(ParticipantButton) if button.isVisible()]
 
 
-def that_asks(window: QWidget, act: Act) -> AskingButton:
+def that_asks(window: QWidget, act: Act) -> ParticipantButton:
     return next(button for button in buttons(window) if button.act == act)
 
 
@@ -72,7 +72,7 @@ def that_asks(window: QWidget, act: Act) -> AskingButton:
 CLICKS: list[tuple[str, Act]] = [
     ("playing", ChooseRobot(1)),
     ("playing", ChooseRoom(5)),
-    ("playing", DontKnow()),
+    ("playing", AskAdvice()),
     ("playing", StopRobot(0)),
     ("commanded", AskForRobot(1)),
     ("playing", EndGame()),
@@ -84,10 +84,10 @@ CLICKS: list[tuple[str, Act]] = [
     ("dialogue", ShowNext()),
     ("dialogue", ShowWaiting(2)),
     ("treasure", TakeThePicture()),
-    ("treasure", LeaveIt()),
-    ("picture", NameIt()),
-    ("question", Meant()),
-    ("question", NotYet()),
+    ("treasure", LeaveTreasure()),
+    ("picture", SubmitName()),
+    ("question", Confirm()),
+    ("question", Cancel()),
     ("consent", AgreeToTakePart()),
     ("over", AnotherGame()),
 ]
@@ -133,7 +133,7 @@ def test_the_map_takes_clicks_and_pointing(opened: Open) -> None:
 
 KEYS: list[tuple[str, str, Act]] = [
     ("playing", "5", TypeDigit(5)),
-    ("playing", "D", DontKnow()),
+    ("playing", "D", AskAdvice()),
     ("playing", "X", StopRobot()),
     ("commanded", "B", AskForRobot()),
     ("playing", "E", EndGame()),
@@ -148,11 +148,11 @@ KEYS: list[tuple[str, str, Act]] = [
     ("dialogue", "S", GiveAnswer(1)),
     ("dialogue", "Esc", ShowNext()),
     ("treasure", "P", TakeThePicture()),
-    ("treasure", "L", LeaveIt()),
+    ("treasure", "L", LeaveTreasure()),
     ("treasure", "Down", PickName("Blue bottle")),
-    ("picture", "N", NameIt()),
-    ("question", "Y", Meant()),
-    ("question", "N", NotYet()),
+    ("picture", "N", SubmitName()),
+    ("question", "Y", Confirm()),
+    ("question", "N", Cancel()),
     ("consent", "A", AgreeToTakePart()),
     ("over", "A", AnotherGame()),
 ]
@@ -237,7 +237,7 @@ def test_everything_can_be_reached_by_keyboard(qtbot: QtBot, opened: Open) -> No
 def test_a_press_meant_for_what_was_there_before_is_no_answer(qtbot: QtBot, opened: Open) -> None:
     shown = opened(STATES["dialogue"])
     pop = samples.dialogue()
-    following = replace(pop, said=(*pop.said, ("you", "Continue"), ("robot", "Sure?")))
+    following = replace(pop, said=(*pop.sentences, ("you", "Continue"), ("robot", "Sure?")))
     other = (replace(pop.choices[0], act=GiveAnswer(7)), pop.choices[1])
     button = shown.window.dialogue.choices.buttons[0]
     qtbot.mousePress(button, LEFT)
@@ -255,7 +255,9 @@ def test_a_press_meant_for_what_was_there_before_is_no_answer(qtbot: QtBot, open
 def test_the_next_turn_with_the_same_answers_wants_to_be_read_too(qtbot: QtBot, opened: Open) -> None:
     shown = opened(STATES["dialogue"])
     pop = samples.dialogue()
-    shown.show(replace(STATES["dialogue"], pop=replace(pop, said=(*pop.said, ("you", "Continue"), ("robot", "Sure?")))))
+    shown.show(
+        replace(STATES["dialogue"], pop=replace(pop, said=(*pop.sentences, ("you", "Continue"), ("robot", "Sure?"))))
+    )
     qtbot.mouseClick(shown.window.dialogue.choices.buttons[0], LEFT)
     assert shown.done == []
 
@@ -283,8 +285,8 @@ def test_the_focus_goes_to_what_takes_the_place_of_what_has_gone(opened: Open) -
 def test_what_is_said_later_is_shown_whole(qtbot: QtBot, opened: Open) -> None:
     pop = samples.dialogue()
     shown = opened(replace(STATES["playing"], pop=replace(pop, said=(), choices=())))
-    shown.show(replace(STATES["playing"], pop=replace(pop, said=pop.said[:2])))
-    talk = shown.window.dialogue.talk
+    shown.show(replace(STATES["playing"], pop=replace(pop, said=pop.sentences[:2])))
+    talk = shown.window.dialogue.transcript
     qtbot.waitUntil(lambda: talk.height() >= talk.heightForWidth(talk.width()) > 0)
     shown.show(replace(STATES["playing"], pop=pop))
     qtbot.waitUntil(lambda: talk.verticalScrollBar().maximum() == 0 and talk.height() > 150)
@@ -292,13 +294,13 @@ def test_what_is_said_later_is_shown_whole(qtbot: QtBot, opened: Open) -> None:
 
 def test_answers_stay_where_they_are_while_the_talk_goes_on(opened: Open) -> None:
     pop = samples.dialogue()
-    shown = opened(replace(STATES["playing"], pop=replace(pop, said=pop.said[:2])))
+    shown = opened(replace(STATES["playing"], pop=replace(pop, said=pop.sentences[:2])))
     button = shown.window.dialogue.choices.buttons[0]
     before = button.mapTo(shown.window, QPoint(0, 0))
     shown.show(replace(STATES["playing"], pop=pop))
     for _ in range(5):
         QApplication.processEvents()
-    assert shown.window.dialogue.talk.height() > 150
+    assert shown.window.dialogue.transcript.height() > 150
     assert button.mapTo(shown.window, QPoint(0, 0)) == before
 
 
@@ -315,21 +317,32 @@ def test_news_are_announced_once(opened: Open, monkeypatch: pytest.MonkeyPatch) 
 
 
 def test_the_history_keeps_up_when_its_oldest_lines_go(qtbot: QtBot, opened: Open) -> None:
-    told = tuple(Told("robot", 0, f"Sentence {number}.") for number in range(8))
+    told = tuple(HistoryLine("robot", 0, f"Sentence {number}.") for number in range(8))
     shown = opened(replace(STATES["playing"], history=told[:5]))
     qtbot.mouseClick(shown.window.waiting.history, LEFT)
     assert shown.window.history.isVisible()
     shown.show(replace(STATES["playing"], history=told[2:]))
     words = shown.window.history.toPlainText()
     assert words.splitlines() == [f"Robot 1: Sentence {number}." for number in range(8)]
-    shown.show(replace(STATES["playing"], history=(Told("game", None, "Game 2 begins."),)))
+    shown.show(replace(STATES["playing"], history=(HistoryLine("game", None, "Game 2 begins."),)))
     assert shown.window.history.toPlainText() == "Game 2 begins."
 
 
 # How it looks ---------------------------------------------------------------------------------------------------------
 
 
-SHOWS = MapView | Score | Facts | Picture | Verdict | Bubble | Chip | Keys | BannerLine | Panel
+SHOWS = (
+    MapView
+    | ScoreLabel
+    | SensedFacts
+    | TreasurePicture
+    | NamingResult
+    | SpeechBubble
+    | RobotChip
+    | KeyCap
+    | BannerLine
+    | TitledPanel
+)
 """What shows something without being a button or words that Qt reads out itself."""
 
 
@@ -341,7 +354,7 @@ def test_everything_has_a_name_for_assistive_technology(opened: Open) -> None:
             f"{type(widget).__name__} {widget.geometry()}"
             for widget in shown.window.findChildren(QWidget)
             if widget.isVisible()
-            and (widget.focusPolicy() & Qt.FocusPolicy.TabFocus or isinstance(widget, AskingButton | SHOWS))
+            and (widget.focusPolicy() & Qt.FocusPolicy.TabFocus or isinstance(widget, ParticipantButton | SHOWS))
             and not widget.accessibleName()
         ]
         assert nameless == [], state

@@ -10,7 +10,7 @@ from contextlib import contextmanager
 from pathlib import Path
 
 from thbridge.app.compose import build_bot, read_setting
-from thbridge.app.play import PlayOptions, Unfinished, play
+from thbridge.app.play import HuntUnfinished, PlayOptions, play
 from thbridge.roles.tabui import TabUI
 from thbridge.study.study_file import Study
 
@@ -23,7 +23,7 @@ def record(bag: Path, robots: int = 3, seconds: float = 15.0) -> Path:
     options = PlayOptions(0.0, bag, frozenset(), "suggestion", seconds)
     try:
         asyncio.run(play(setting, bot, options, lambda where: None, lambda moment: None))
-    except Unfinished:
+    except HuntUnfinished:
         return bag
     return bag
 

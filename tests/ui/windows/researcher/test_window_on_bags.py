@@ -14,10 +14,10 @@ from pytestqt.qtbot import QtBot
 from tests.ui.windows.researcher.hunts import record
 from tests.ui.windows.walking import against_the_eye, nameless, stops
 from ui.model.theme import DARK, LIGHT
-from ui.windows.researcher.docks.displays import SWITCHES, Display
+from ui.windows.researcher.docks.displays import SWITCHES, MapDisplay
 from ui.windows.researcher.docks.plots import PANELS
-from ui.windows.researcher.feeds.recording import Opening, Recording
-from ui.windows.researcher.map.tools import Tool
+from ui.windows.researcher.feeds.recording import BagOpener, RecordingFeed
+from ui.windows.researcher.map.tools import MapTool
 from ui.windows.researcher.window import ResearcherWindow
 
 
@@ -29,9 +29,9 @@ def bag(tmp_path_factory: pytest.TempPathFactory) -> Path:
 @pytest.fixture(scope="module")
 def opened(bag: Path, qapp: QApplication) -> Iterator[ResearcherWindow]:
     """One window for all tests: reading a bag takes its time."""
-    made = ResearcherWindow(Recording(Opening(bag)), "hunt.bag", LIGHT, time.monotonic)
+    made = ResearcherWindow(RecordingFeed(BagOpener(bag)), "hunt.bag", LIGHT, time.monotonic)
     made.show()
-    while made.transport.state.text() != "recording" or not made.lines.model.size:
+    while made.playback.state.text() != "recording" or not made.lines.model.size:
         qapp.processEvents()
     yield made
     made.close()
@@ -51,15 +51,15 @@ def picture(window: ResearcherWindow) -> QImage:
 
 
 def go_to(window: ResearcherWindow, seconds: float) -> None:
-    window.transport.timeline.setValue(round(seconds * 1000.0))
+    window.playback.timeline.setValue(round(seconds * 1000.0))
     window.refresh()
 
 
 def test_lists_robots_and_plots_are_filled(window: ResearcherWindow, qtbot: QtBot) -> None:
     assert window.team.model.rowCount() == 3
-    assert min(log.model.size for log in (window.lines, window.talk, window.events, window.inputs)) > 0
+    assert min(log.model.size for log in (window.lines, window.dialogue, window.events, window.inputs)) > 0
     qtbot.waitUntil(lambda: all(window.plots.points(panel.name, robot) > 2 for panel in PANELS for robot in range(3)))
-    assert window.transport.span == pytest.approx(15.0, abs=1.0)
+    assert window.playback.span == pytest.approx(15.0, abs=1.0)
 
 
 def test_seeking_moves_the_robots_and_the_time(window: ResearcherWindow) -> None:
@@ -67,7 +67,7 @@ def test_seeking_moves_the_robots_and_the_time(window: ResearcherWindow) -> None
     early = picture(window)
     go_to(window, 9.0)
     assert picture(window) != early
-    assert window.transport.time.text().startswith("0:09.00")
+    assert window.playback.time.text().startswith("0:09.00")
     go_to(window, 3.0)
     assert picture(window) == early
 
@@ -76,30 +76,31 @@ def test_steps_are_ticks(window: ResearcherWindow) -> None:
     go_to(window, 5.0)
     QTest.keyClick(window.canvas, ".")
     window.refresh()
-    assert window.transport.time.text().startswith("0:05.02")
+    assert window.playback.time.text().startswith("0:05.02")
     for _ in range(2):
         QTest.keyClick(window.canvas, ",")
     window.refresh()
-    assert window.transport.time.text().startswith("0:04.98")
+    assert window.playback.time.text().startswith("0:04.98")
 
 
 def test_space_plays_and_pauses(window: ResearcherWindow, qtbot: QtBot) -> None:
     go_to(window, 2.0)
     QTest.keyClick(window.canvas, Qt.Key.Key_Space)
-    qtbot.waitUntil(lambda: window.transport.timeline.value() > 2200)
-    assert "Pause" in window.transport.play.text()
+    qtbot.waitUntil(lambda: window.playback.timeline.value() > 2200)
+    assert "Pause" in window.playback.play.text()
     QTest.keyClick(window.canvas, Qt.Key.Key_Space)
     window.refresh()
-    stands = window.transport.timeline.value()
+    stands = window.playback.timeline.value()
     window.refresh()
-    assert window.transport.timeline.value() == stands
-    assert "Play" in window.transport.play.text()
+    assert window.playback.timeline.value() == stands
+    assert "Play" in window.playback.play.text()
 
 
 @pytest.mark.parametrize(
-    "display", [display for display in Display if display not in {Display.THINGS, Display.ELLIPSES, Display.TRUTH}]
+    "display",
+    [display for display in MapDisplay if display not in {MapDisplay.THINGS, MapDisplay.ELLIPSES, MapDisplay.TRUTH}],
 )
-def test_what_is_switched_on_is_seen(window: ResearcherWindow, display: Display) -> None:
+def test_what_is_switched_on_is_seen(window: ResearcherWindow, display: MapDisplay) -> None:
     go_to(window, 8.0)
     before = picture(window)
     if SWITCHES[display].key:
@@ -130,20 +131,20 @@ def test_a_row_takes_us_to_its_moment(window: ResearcherWindow) -> None:
     window.events.table.setCurrentIndex(window.events.model.index(last, 0))
     QTest.keyClick(window.events.table, Qt.Key.Key_Return)
     window.refresh()
-    assert window.transport.timeline.value() == pytest.approx(1000.0 * window.events.model.row(last).time, abs=1.0)
+    assert window.playback.timeline.value() == pytest.approx(1000.0 * window.events.model.row(last).time, abs=1.0)
 
 
 def test_page_keys_go_from_mark_to_mark(window: ResearcherWindow) -> None:
     go_to(window, 0.0)
     QTest.keyClick(window.canvas, Qt.Key.Key_PageDown)
     window.refresh()
-    first = window.transport.timeline.value()
+    first = window.playback.timeline.value()
     QTest.keyClick(window.canvas, Qt.Key.Key_PageDown)
     window.refresh()
-    assert 0 < first < window.transport.timeline.value()
+    assert 0 < first < window.playback.timeline.value()
     QTest.keyClick(window.canvas, Qt.Key.Key_Home)
     window.refresh()
-    assert window.transport.timeline.value() == 0
+    assert window.playback.timeline.value() == 0
 
 
 def test_of_a_recording_nothing_can_be_asked_and_the_buttons_say_why(window: ResearcherWindow) -> None:
@@ -151,7 +152,7 @@ def test_of_a_recording_nothing_can_be_asked_and_the_buttons_say_why(window: Res
         assert not action.isEnabled()
         assert "recording" in action.toolTip()
     QTest.keyClick(window.canvas, "g")
-    assert window.tool is Tool.LOOK
+    assert window.tool is MapTool.LOOK
 
 
 def test_the_sheet_of_keys(window: ResearcherWindow, qtbot: QtBot) -> None:
@@ -180,7 +181,7 @@ def test_whatever_takes_the_focus_has_a_name_and_tab_goes_as_the_eye_does(window
         assert all(window.rect().intersects(place) for place in places), "Tab goes nowhere that nobody sees"
     next(dock for dock in docks if dock.windowTitle() == "Lines").raise_()
     QApplication.processEvents()
-    parts = (window.displays, window.canvas, window.lines, window.transport)
+    parts = (window.displays, window.canvas, window.lines, window.playback)
     firsts = [next(at for at, stop in enumerate(stops(window)) if _within(stop, part)) for part in parts]
     assert firsts == sorted(firsts)
 
@@ -203,8 +204,8 @@ def test_f6_goes_around_the_parts(window: ResearcherWindow, qtbot: QtBot) -> Non
 def test_a_bag_that_is_none_is_told_in_the_window(tmp_path: Path, qtbot: QtBot) -> None:
     path = tmp_path / "none.bag"
     path.write_bytes(b"this is no bag, whatever it is called")
-    opening = Opening(path)
-    window = ResearcherWindow(Recording(opening), path.name, LIGHT, time.monotonic)
+    opening = BagOpener(path)
+    window = ResearcherWindow(RecordingFeed(opening), path.name, LIGHT, time.monotonic)
     qtbot.addWidget(window)
     window.show()
     qtbot.waitUntil(lambda: "not a ROS 1 bag" in window.trouble)
@@ -212,9 +213,9 @@ def test_a_bag_that_is_none_is_told_in_the_window(tmp_path: Path, qtbot: QtBot) 
 
 
 def test_a_click_on_a_plot_goes_there(window: ResearcherWindow) -> None:
-    place = window.plots.place_of(6.0)
+    place = window.plots.position_of(6.0)
     QTest.mouseClick(
         window.plots.canvas.viewport(), Qt.MouseButton.LeftButton, pos=QPoint(round(place.x()), round(place.y()) - 5)
     )
     window.refresh()
-    assert window.transport.timeline.value() == pytest.approx(6000.0, abs=400.0)
+    assert window.playback.timeline.value() == pytest.approx(6000.0, abs=400.0)

@@ -15,8 +15,8 @@ from tests.ui.windows.researcher.hunts import door
 from thbridge.sockets.watch_client import WatchClient
 from ui.model.theme import LIGHT
 from ui.model.watching.scene import RobotScene
-from ui.windows.researcher.feeds.session import Connection, Session
-from ui.windows.researcher.map.tools import Tool
+from ui.windows.researcher.feeds.session import SessionFeed, WatchConnection
+from ui.windows.researcher.map.tools import MapTool
 from ui.windows.researcher.window import ResearcherWindow
 
 PATIENCE = 60_000
@@ -26,7 +26,7 @@ PATIENCE = 60_000
 def window_on(port: int) -> ResearcherWindow:
     address = f"127.0.0.1:{port}"
     return ResearcherWindow(
-        Session(Connection(WatchClient("127.0.0.1", port)), address), address, LIGHT, time.monotonic
+        SessionFeed(WatchConnection(WatchClient("127.0.0.1", port)), address), address, LIGHT, time.monotonic
     )
 
 
@@ -45,7 +45,7 @@ def window(opened: ResearcherWindow, qtbot: QtBot) -> ResearcherWindow:
     qtbot.waitUntil(lambda: opened.scene is not None and len(opened.scene.robots) == 2, timeout=PATIENCE)
     opened.activateWindow()
     opened.canvas.setFocus()
-    opened.take(Tool.LOOK)
+    opened.select_tool(MapTool.LOOK)
     opened.select(0)
     return opened
 
@@ -79,17 +79,17 @@ def waits(qtbot: QtBot, until: Callable[[], bool]) -> None:
 
 
 def test_it_shows_the_session_live(window: ResearcherWindow, qtbot: QtBot) -> None:
-    waits(qtbot, lambda: window.transport.state.text().startswith("live"))
+    waits(qtbot, lambda: window.playback.state.text().startswith("live"))
     waits(qtbot, lambda: window.plots.points("speed", 1) > 3 and window.team.model.rowCount() == 2)
     assert window.trouble == ""
-    assert "Pause" in window.transport.play.text()
+    assert "Pause" in window.playback.play.text()
 
 
 def test_a_goal_by_mouse_is_an_input_of_the_session(window: ResearcherWindow, qtbot: QtBot) -> None:
     QTest.keyClick(window.canvas, "g")
-    assert window.tool is Tool.GOAL
+    assert window.tool is MapTool.GOAL
     stroke(window, (3.0, -4.0), (3.0, -3.0))
-    assert window.tool is Tool.LOOK
+    assert window.tool is MapTool.LOOK
     waits(qtbot, lambda: any(line.startswith("SimpleGoal") for line in asked(window)))
     waits(qtbot, lambda: (goal := robot(window, 0).goal) is not None and goal.distance(Pose2(3.0, -4.0, 0.0)) < 0.1)
 
@@ -155,21 +155,21 @@ def test_costmaps_are_cleared_by_a_key(window: ResearcherWindow, qtbot: QtBot) -
 
 def test_the_session_pauses_steps_and_goes_on(window: ResearcherWindow, qtbot: QtBot) -> None:
     QTest.keyClick(window.canvas, Qt.Key.Key_Space)
-    waits(qtbot, lambda: window.transport.state.text() == "live, paused")
+    waits(qtbot, lambda: window.playback.state.text() == "live, paused")
     stands = window.scene.stamp_ns if window.scene else 0
     QTest.keyClick(window.canvas, ".")
     waits(qtbot, lambda: window.scene is not None and window.scene.stamp_ns > stands)
     assert window.scene is not None
     assert window.scene.stamp_ns - stands < 100_000_000
     QTest.keyClick(window.canvas, Qt.Key.Key_Space)
-    waits(qtbot, lambda: window.transport.state.text() != "live, paused")
+    waits(qtbot, lambda: window.playback.state.text() != "live, paused")
 
 
 def test_its_speed_is_asked_for(window: ResearcherWindow, qtbot: QtBot) -> None:
     QTest.keyClick(window.canvas, "]")
-    waits(qtbot, lambda: window.transport.speed.currentText() == "2 x")
+    waits(qtbot, lambda: window.playback.speed.currentText() == "2 x")
     QTest.keyClick(window.canvas, "[")
-    waits(qtbot, lambda: window.transport.speed.currentText() == "1 x")
+    waits(qtbot, lambda: window.playback.speed.currentText() == "1 x")
 
 
 @pytest.mark.slow
@@ -195,7 +195,7 @@ def test_the_wizard_speaks_in_a_robots_place(tmp_path: Path, qtbot: QtBot) -> No
         waits(qtbot, lambda: any(button.text() == turn.sentences[0] for button in wizard.findChildren(QPushButton)))
         next(edit for edit in wizard.findChildren(QLineEdit) if edit.isEnabled()).setText("By the way, hello.")
         next(button for button in wizard.findChildren(QPushButton) if button.text() == turn.sentences[0]).click()
-        rows = window.talk.model
+        rows = window.dialogue.model
         waits(qtbot, lambda: any("By the way, hello." in rows.row(n).cells for n in range(rows.rowCount())))
         said = next(row for n in range(rows.rowCount()) if "By the way, hello." in (row := rows.row(n)).cells)
         assert "spoken for" in said.cells[0]

@@ -9,7 +9,7 @@ from pytestqt.qtbot import QtBot
 
 from tests.ui.windows.walking import against_the_eye, nameless, stops
 from ui.model.theme import DARK, LIGHT
-from ui.windows.look import dress
+from ui.windows.look import apply_palette
 from ui.windows.study import StudyWindow, study_window
 
 TEXT = """\
@@ -29,7 +29,7 @@ def file(tmp_path: Path) -> Path:
 
 @pytest.fixture
 def window(qtbot: QtBot, qapp: QApplication, file: Path) -> Iterator[StudyWindow]:
-    dress(qapp, LIGHT)
+    apply_palette(qapp, LIGHT)
     window = opened(qtbot, file)
     yield window
     leave(window)
@@ -101,7 +101,7 @@ def texts_of(window: StudyWindow) -> str:
 def test_a_faulty_study_is_saved_only_when_that_is_meant(qtbot: QtBot, window: StudyWindow, file: Path) -> None:
     retype(qtbot, window, "game.energy", "-3")
     QTimer.singleShot(300, lambda: answer("Cancel"))
-    with qtbot.waitSignal(window.editor.unsound, timeout=20_000):
+    with qtbot.waitSignal(window.editor.found_faulty, timeout=20_000):
         window.save()
     qtbot.waitUntil(lambda: QApplication.activeModalWidget() is None)
     assert file.read_text() == TEXT
@@ -293,7 +293,7 @@ def test_a_section_goes_back_to_its_defaults(qtbot: QtBot, window: StudyWindow) 
 
 def test_light_and_dark_differ(qtbot: QtBot, qapp: QApplication, window: StudyWindow) -> None:
     light = window.grab().toImage().pixelColor(5, 5)
-    dress(qapp, DARK)
+    apply_palette(qapp, DARK)
     window.repaint_all()
     assert window.grab().toImage().pixelColor(5, 5) != light
-    dress(qapp, LIGHT)
+    apply_palette(qapp, LIGHT)

@@ -16,7 +16,7 @@ from thbridge.ros.messages.pack.actions import (
 )
 from thbridge.ros.messages.pack.fields import header, string
 from thbridge.ros.messages.pack.game import game_event, outside_input, score, session, utterance
-from thbridge.ros.messages.pack.logs import Diagnosis, DiagnosticLevel, clock, diagnostic_array, log
+from thbridge.ros.messages.pack.logs import DiagnosticLevel, DiagnosticStatus, clock, diagnostic_array, log
 from thbridge.ros.messages.pack.maps import ADD, costmap, map_meta_data, occupancy_grid, outlines
 from thbridge.ros.messages.pack.motion import (
     NO_COVARIANCE,
@@ -37,8 +37,8 @@ from thbridge.ros.messages.pack.vehicles import mavlink, vehicle_state
 __all__ = [
     "ADD",
     "NO_COVARIANCE",
-    "Diagnosis",
     "DiagnosticLevel",
+    "DiagnosticStatus",
     "Transform",
     "battery_state",
     "clock",

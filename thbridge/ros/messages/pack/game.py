@@ -6,7 +6,7 @@ from struct import Struct
 import numpy as np
 
 from thbridge.ros.messages.pack.fields import UINT32, header, string
-from thbridge.ros.messages.records import GameEvent, Input, Score, Session, Utterance
+from thbridge.ros.messages.records import GameEvent, InputRecord, ScoreRecord, SessionRecord, UtteranceRecord
 
 _GAME_EVENT = Struct("<ii")
 _SCORE = Struct("<iII")
@@ -14,7 +14,7 @@ _UINT64 = Struct("<Q")
 _INT64 = Struct("<q")
 
 
-def session(tick: int, record: Session) -> bytes:
+def session(tick: int, record: SessionRecord) -> bytes:
     """thbridge_msgs/Session."""
     versions = json.dumps(record.versions, sort_keys=True)
     return b"".join(
@@ -37,14 +37,14 @@ def game_event(tick: int, record: GameEvent) -> bytes:
     return header(tick) + string(record.kind) + numbers + string(record.json)
 
 
-def score(tick: int, record: Score) -> bytes:
+def score(tick: int, record: ScoreRecord) -> bytes:
     """thbridge_msgs/Score."""
     energy = np.array(record.energy, dtype="<f8")
     numbers = _SCORE.pack(record.score, record.visited, record.rooms)
     return header(tick) + numbers + UINT32.pack(len(energy)) + energy.tobytes()
 
 
-def utterance(tick: int, record: Utterance) -> bytes:
+def utterance(tick: int, record: UtteranceRecord) -> bytes:
     """thbridge_msgs/Utterance; room -1 means none."""
     return b"".join(
         (
@@ -60,7 +60,7 @@ def utterance(tick: int, record: Utterance) -> bytes:
     )
 
 
-def outside_input(tick: int, record: Input) -> bytes:
+def outside_input(tick: int, record: InputRecord) -> bytes:
     """thbridge_msgs/Input."""
     return header(tick) + b"".join(string(text) for text in (record.kind, record.sender, record.line, record.json))
 

@@ -18,7 +18,7 @@ class DiagnosticLevel(IntEnum):
     STALE = 3
 
 
-class Diagnosis(NamedTuple):
+class DiagnosticStatus(NamedTuple):
     """diagnostic_msgs/DiagnosticStatus: how one part of a robot is.
 
     Attributes:
@@ -57,12 +57,12 @@ def log(tick: int, line: LogLine) -> bytes:
     )
 
 
-def diagnostic_array(tick: int, entries: Sequence[Diagnosis]) -> bytes:
+def diagnostic_array(tick: int, entries: Sequence[DiagnosticStatus]) -> bytes:
     """diagnostic_msgs/DiagnosticArray."""
     return header(tick) + UINT32.pack(len(entries)) + b"".join(map(_diagnosis, entries))
 
 
-def _diagnosis(entry: Diagnosis) -> bytes:
+def _diagnosis(entry: DiagnosticStatus) -> bytes:
     values = [string(key) + string(value) for key, value in entry.values.items()]
     return b"".join(
         (

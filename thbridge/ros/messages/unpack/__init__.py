@@ -5,8 +5,8 @@ are not a message of its type.
 """
 
 from thbridge.ros.messages.unpack.actions import (
-    GoalEnd,
-    GoalStart,
+    MoveBaseGoal,
+    MoveBaseResult,
     goal_id,
     goal_result,
     goal_status_array,
@@ -17,9 +17,9 @@ from thbridge.ros.messages.unpack.actions import (
 from thbridge.ros.messages.unpack.game import game_event, outside_input, score, session, utterance
 from thbridge.ros.messages.unpack.logs import diagnostic_array, log, string
 from thbridge.ros.messages.unpack.robots import (
-    Charge,
+    BatteryCharge,
     LaserScan,
-    Odometry,
+    OdometryMessage,
     PoseInFrame,
     SpatialTransform,
     battery_state,
@@ -40,11 +40,11 @@ from thbridge.ros.messages.unpack.robots import (
 from thbridge.ros.messages.unpack.vehicles import mavlink
 
 __all__ = [
-    "Charge",
-    "GoalEnd",
-    "GoalStart",
+    "BatteryCharge",
     "LaserScan",
-    "Odometry",
+    "MoveBaseGoal",
+    "MoveBaseResult",
+    "OdometryMessage",
     "PoseInFrame",
     "SpatialTransform",
     "battery_state",

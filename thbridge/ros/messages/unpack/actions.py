@@ -4,11 +4,11 @@ from dataclasses import dataclass
 
 from sim.common.geometry import Pose2
 from thbridge.ros.messages.cursor import UINT8, UINT32, Cursor
-from thbridge.ros.messages.goal_status import GoalId, GoalStatus, Status
+from thbridge.ros.messages.goal_status import GoalId, GoalStatus, GoalStatusCode
 
 
 @dataclass(frozen=True, slots=True)
-class GoalStart:
+class MoveBaseGoal:
     """move_base_msgs/MoveBaseActionGoal: the goal's name and its pose in `frame`."""
 
     goal_id: str
@@ -17,7 +17,7 @@ class GoalStart:
 
 
 @dataclass(frozen=True, slots=True)
-class GoalEnd:
+class MoveBaseResult:
     """move_base_msgs/MoveBaseActionResult: the goal's name, its status in actionlib's codes, and why."""
 
     goal_id: str
@@ -25,22 +25,22 @@ class GoalEnd:
     text: str
 
 
-def move_base_goal(data: bytes) -> GoalStart:
+def move_base_goal(data: bytes) -> MoveBaseGoal:
     """move_base_msgs/MoveBaseActionGoal."""
     cursor = Cursor(data)
     cursor.header()
     cursor.stamp()
     goal_id = cursor.string()
     _, frame = cursor.header()
-    return GoalStart(goal_id, frame, cursor.pose())
+    return MoveBaseGoal(goal_id, frame, cursor.pose())
 
 
-def move_base_result(data: bytes) -> GoalEnd:
+def move_base_result(data: bytes) -> MoveBaseResult:
     """move_base_msgs/MoveBaseActionResult."""
     cursor = Cursor(data)
     cursor.header()
     cursor.stamp()
-    return GoalEnd(cursor.string(), cursor.integer(UINT8), cursor.string())
+    return MoveBaseResult(cursor.string(), cursor.integer(UINT8), cursor.string())
 
 
 def goal_result(data: bytes) -> GoalStatus:
@@ -77,4 +77,4 @@ def _goal_id(cursor: Cursor) -> GoalId:
 
 
 def _status(cursor: Cursor) -> GoalStatus:
-    return GoalStatus(_goal_id(cursor), Status(cursor.integer(UINT8)), cursor.string())
+    return GoalStatus(_goal_id(cursor), GoalStatusCode(cursor.integer(UINT8)), cursor.string())

@@ -5,10 +5,10 @@ import json
 import numpy as np
 
 from thbridge.ros.messages.cursor import INT32, INT64, UINT32, UINT64, Cursor
-from thbridge.ros.messages.records import GameEvent, Input, Score, Session, Utterance
+from thbridge.ros.messages.records import GameEvent, InputRecord, ScoreRecord, SessionRecord, UtteranceRecord
 
 
-def session(data: bytes) -> Session:
+def session(data: bytes) -> SessionRecord:
     """thbridge_msgs/Session."""
     cursor = Cursor(data)
     cursor.header()
@@ -19,7 +19,7 @@ def session(data: bytes) -> Session:
     told = {str(name): str(version) for name, version in versions.items()}
     program = cursor.string()
     roles = tuple(cursor.string() for _ in range(cursor.integer(UINT32)))
-    return Session(study, seed, told, program, roles, cursor.string())
+    return SessionRecord(study, seed, told, program, roles, cursor.string())
 
 
 def game_event(data: bytes) -> GameEvent:
@@ -31,31 +31,31 @@ def game_event(data: bytes) -> GameEvent:
     return GameEvent(kind, robot, room, cursor.string())
 
 
-def score(data: bytes) -> Score:
+def score(data: bytes) -> ScoreRecord:
     """thbridge_msgs/Score."""
     cursor = Cursor(data)
     cursor.header()
     points, visited, rooms = cursor.integer(INT32), cursor.integer(UINT32), cursor.integer(UINT32)
     energy = np.frombuffer(cursor.take(8 * cursor.integer(UINT32)), dtype="<f8")
-    return Score(points, visited, rooms, tuple(energy.tolist()))
+    return ScoreRecord(points, visited, rooms, tuple(energy.tolist()))
 
 
-def utterance(data: bytes) -> Utterance:
+def utterance(data: bytes) -> UtteranceRecord:
     """thbridge_msgs/Utterance; recordings from before robots could be spoken for have no author."""
     cursor = Cursor(data)
     cursor.header()
     dialogue, speaker = cursor.integer(INT64), cursor.string()
     robot, room = cursor.integer(INT32) - 1, _room(cursor.integer(INT32))
     scenario, text, move = cursor.string(), cursor.string(), cursor.string()
-    author = cursor.string() if cursor.is_left else "robot" if speaker == "robot" else "person"
-    return Utterance(dialogue, speaker, robot, room, scenario, text, move, author)
+    author = cursor.string() if cursor.has_more else "robot" if speaker == "robot" else "person"
+    return UtteranceRecord(dialogue, speaker, robot, room, scenario, text, move, author)
 
 
-def outside_input(data: bytes) -> Input:
+def outside_input(data: bytes) -> InputRecord:
     """thbridge_msgs/Input."""
     cursor = Cursor(data)
     cursor.header()
-    return Input(cursor.string(), cursor.string(), cursor.string(), cursor.string())
+    return InputRecord(cursor.string(), cursor.string(), cursor.string(), cursor.string())
 
 
 def _robot(number: int) -> int | None:

@@ -1,7 +1,7 @@
 """What nodes tell the people who watch over them, and lines of text."""
 
 from thbridge.ros.messages.cursor import UINT8, UINT32, Cursor
-from thbridge.ros.messages.pack import Diagnosis, DiagnosticLevel
+from thbridge.ros.messages.pack import DiagnosticLevel, DiagnosticStatus
 from thbridge.ros.messages.records import LogLevel, LogLine
 
 _LOG_LEVELS, _DIAGNOSTIC_LEVELS = frozenset(LogLevel), frozenset(DiagnosticLevel)
@@ -21,7 +21,7 @@ def log(data: bytes) -> LogLine:
     return LogLine(known, cursor.string(), cursor.string())
 
 
-def diagnostic_array(data: bytes) -> list[Diagnosis]:
+def diagnostic_array(data: bytes) -> list[DiagnosticStatus]:
     """diagnostic_msgs/DiagnosticArray; a level that ROS does not know counts as an error."""
     cursor = Cursor(data)
     cursor.header()
@@ -31,5 +31,5 @@ def diagnostic_array(data: bytes) -> list[Diagnosis]:
         known = DiagnosticLevel(level) if level in _DIAGNOSTIC_LEVELS else DiagnosticLevel.ERROR
         name, message, hardware_id = cursor.string(), cursor.string(), cursor.string()
         values = {cursor.string(): cursor.string() for _ in range(cursor.integer(UINT32))}
-        found.append(Diagnosis(known, name, message, hardware_id, values))
+        found.append(DiagnosticStatus(known, name, message, hardware_id, values))
     return found

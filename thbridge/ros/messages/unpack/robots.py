@@ -21,7 +21,7 @@ _MARKER_REST = 3 * 8 + 4 * 4 + 2 * 4 + 1
 
 
 @dataclass(frozen=True, slots=True)
-class Odometry:
+class OdometryMessage:
     """nav_msgs/Odometry: pose of `child_frame` in `frame`, speeds in `child_frame`; covariances are left out."""
 
     stamp_ns: int
@@ -49,7 +49,7 @@ class PoseInFrame:
 
 
 @dataclass(frozen=True, slots=True)
-class Charge:
+class BatteryCharge:
     """sensor_msgs/BatteryState: what is left of what there was, NaN where nobody measured it."""
 
     charge: float
@@ -91,13 +91,13 @@ class LaserScan:
     ranges: NDArray[np.float32]
 
 
-def odometry(data: bytes) -> Odometry:
+def odometry(data: bytes) -> OdometryMessage:
     """nav_msgs/Odometry."""
     cursor = Cursor(data)
     stamp_ns, frame = cursor.header()
     child_frame, pose = cursor.string(), cursor.pose()
     cursor.reals(_COVARIANCE)
-    return Odometry(stamp_ns, frame, child_frame, pose, _twist(cursor))
+    return OdometryMessage(stamp_ns, frame, child_frame, pose, _twist(cursor))
 
 
 def twist(data: bytes) -> Twist:
@@ -127,7 +127,7 @@ def spatial_transforms(data: bytes) -> list[SpatialTransform]:
     for _ in range(cursor.integer(UINT32)):
         stamp_ns, parent = cursor.header()
         child = cursor.string()
-        x, y, z, qx, qy, qz, qw = cursor.seven()
+        x, y, z, qx, qy, qz, qw = cursor.spatial_pose()
         entries.append(SpatialTransform(stamp_ns, parent, child, (x, y, z), (qx, qy, qz, qw)))
     return entries
 
@@ -211,12 +211,12 @@ def outlines(data: bytes) -> list[tuple[str, FloatArray]]:
     return found
 
 
-def battery_state(data: bytes) -> Charge:
+def battery_state(data: bytes) -> BatteryCharge:
     """sensor_msgs/BatteryState."""
     cursor = Cursor(data)
     cursor.header()
     _voltage, _temperature, _current, charge, _capacity, _design, percentage = (cursor.real() for _ in range(7))
-    return Charge(charge, percentage)
+    return BatteryCharge(charge, percentage)
 
 
 def path(data: bytes) -> FloatArray:
@@ -224,7 +224,7 @@ def path(data: bytes) -> FloatArray:
     cursor = Cursor(data)
     cursor.header()
     count = cursor.integer(UINT32)
-    alike = _poses_alike(cursor.rest(), count)
+    alike = _poses_alike(cursor.remaining(), count)
     if alike is not None:
         return _planar(alike)
     poses = np.empty((count, 3))

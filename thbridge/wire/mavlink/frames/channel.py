@@ -6,12 +6,12 @@ Without sockets and clocks.
 from dataclasses import dataclass
 
 from thbridge.wire.mavlink.frames.frame import Frame
-from thbridge.wire.mavlink.frames.framer import Framer, Noise, frames_of
-from thbridge.wire.mavlink.frames.signing import Rejected, Signing
+from thbridge.wire.mavlink.frames.framer import DiscardedBytes, FrameParser, frames_of
+from thbridge.wire.mavlink.frames.signing import RejectedFrame, Signing
 
 
 @dataclass(slots=True)
-class Tally:
+class ChannelCounts:
     """What has come in on a link.
 
     Attributes:
@@ -39,10 +39,10 @@ class Channel:
     """
 
     def __init__(self, signing: Signing | None, *, datagrams: bool) -> None:
-        self.tally = Tally()
+        self.tally = ChannelCounts()
         self.spoiled = 0
         self.complaint = ""
-        self._find = frames_of if datagrams else Framer().receive_data
+        self._find = frames_of if datagrams else FrameParser().receive_data
         self._signing = signing
 
     def receive_data(self, data: bytes, now: float) -> list[Frame]:
@@ -54,12 +54,12 @@ class Channel:
         """
         good: list[Frame] = []
         for found in self._find(data):
-            if isinstance(found, Noise):
+            if isinstance(found, DiscardedBytes):
                 self.tally.noise += found.size
                 self._spoil(found.size, found.reason)
                 continue
             frame = found.unsigned() if self._signing is None else self._signing.unwrap(found, now)
-            if isinstance(frame, Rejected):
+            if isinstance(frame, RejectedFrame):
                 self.tally.refused += 1
                 self._spoil(len(found.payload), frame.reason)
                 continue

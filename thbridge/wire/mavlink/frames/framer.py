@@ -30,7 +30,7 @@ _LIKELY = re.compile(rb"\xfe|\xfd(?:.[\x00\x01]|.?\Z)", re.DOTALL)
 """The same, but for frames with flags that nobody here knows: quicker through a flood of such."""
 
 
-class Fault(StrEnum):
+class FrameFault(StrEnum):
     """What is wrong with bytes that are thrown away, as the end of the sentence "thrown away: ..."."""
 
     GARBAGE = "no frame begins here"
@@ -43,7 +43,7 @@ class Fault(StrEnum):
 
 
 @dataclass(frozen=True, slots=True)
-class Noise:
+class DiscardedBytes:
     """Bytes that were thrown away; what they were is not kept.
 
     Attributes:
@@ -52,7 +52,7 @@ class Noise:
     """
 
     size: int
-    reason: Fault
+    reason: FrameFault
 
 
 @dataclass(frozen=True, slots=True)
@@ -65,16 +65,16 @@ class _Bad:
     """
 
     size: int
-    reason: Fault
+    reason: FrameFault
 
 
-class Framer:
+class FrameParser:
     """Takes bytes as they come and gives the frames in them; keeps less than one frame back."""
 
     def __init__(self) -> None:
         self._held = b""
 
-    def receive_data(self, data: bytes) -> list[Frame | Noise]:
+    def receive_data(self, data: bytes) -> list[Frame | DiscardedBytes]:
         """Frames, and what was thrown away, in order; each as soon as it is certain.
 
         The sizes of frames and noise are those of the bytes that came in; only how noise is divided depends on the
@@ -83,13 +83,13 @@ class Framer:
         found, self._held = _search(self._held + data, ended=False)
         return found
 
-    def end(self) -> list[Frame | Noise]:
+    def end(self) -> list[Frame | DiscardedBytes]:
         """Nothing follows: what is in the bytes kept back. Afterwards the framer is as new."""
         found, self._held = _search(self._held, ended=True)
         return found
 
 
-def frames_of(datagram: bytes) -> list[Frame | Noise]:
+def frames_of(datagram: bytes) -> list[Frame | DiscardedBytes]:
     """What is in a datagram whose sender puts whole frames in each."""
     return _search(datagram, ended=True)[0]
 
@@ -102,10 +102,10 @@ def frame_of(data: bytes) -> Frame | None:
     return None
 
 
-def _search(held: bytes, ended: bool) -> tuple[list[Frame | Noise], bytes]:
+def _search(held: bytes, ended: bool) -> tuple[list[Frame | DiscardedBytes], bytes]:
     """What is in bytes, and those of them that more has to follow to know."""
-    found: list[Frame | Noise] = []
-    lost, reason, claimed = 0, Fault.GARBAGE, 0  # Where noise begins, what it is, and where it says that it ends.
+    found: list[Frame | DiscardedBytes] = []
+    lost, reason, claimed = 0, FrameFault.GARBAGE, 0  # Where noise begins, what it is, and where it says that it ends.
     place = 0
     while (magic := (_LIKELY if place < claimed else _MAGIC).search(held, place)) is not None:
         start = magic.start()
@@ -113,24 +113,24 @@ def _search(held: bytes, ended: bool) -> tuple[list[Frame | Noise], bytes]:
         if what is None:
             if not ended:
                 break
-            what = _Bad(len(held) - start, Fault.CUT)
+            what = _Bad(len(held) - start, FrameFault.CUT)
         end = start + what.size
         if isinstance(what, Frame):
             if start > lost:
-                found.append(Noise(start - lost, reason))
+                found.append(DiscardedBytes(start - lost, reason))
             secret = what.message_id in SECRETS
-            found.append(Noise(what.size, Fault.SECRET) if secret else what)
-            lost, reason, claimed, place = end, Fault.GARBAGE, end, end
+            found.append(DiscardedBytes(what.size, FrameFault.SECRET) if secret else what)
+            lost, reason, claimed, place = end, FrameFault.GARBAGE, end, end
             continue
         # Inside what is no frame there may be one; that another is none either is no news.
         if start >= claimed:
             if start > lost:
-                found.append(Noise(start - lost, reason))
+                found.append(DiscardedBytes(start - lost, reason))
             lost, reason, claimed = start, what.reason, end
         place = start + 1
     kept = len(held) if magic is None else magic.start()
     if kept > lost:
-        found.append(Noise(kept - lost, reason))
+        found.append(DiscardedBytes(kept - lost, reason))
     return found, held[kept:]
 
 
@@ -148,14 +148,14 @@ def _frame_v1_at(held: bytes, start: int) -> Frame | _Bad | None:
     size = end + CHECKSUM_SIZE - start
     seed = crc_extra(message_id)
     if seed is None:
-        return _Bad(size, Fault.UNKNOWN)
+        return _Bad(size, FrameFault.UNKNOWN)
     # Only version 2 lets a newer dialect make a message longer.
     if length > longest_payload(message_id):
-        return _Bad(size, Fault.LENGTH)
+        return _Bad(size, FrameFault.LENGTH)
     if len(held) < start + size:
         return None
     if not _is_intact(held, start, end, seed):
-        return _Bad(size, Fault.CHECKSUM)
+        return _Bad(size, FrameFault.CHECKSUM)
     return Frame(system, component, sequence, message_id, held[begin:end], seed, V1)
 
 
@@ -168,15 +168,15 @@ def _frame_v2_at(held: bytes, start: int) -> Frame | _Bad | None:
     sealed = end + CHECKSUM_SIZE
     size = sealed - start + (SIGNATURE_SIZE if incompat & SIGNED else 0)
     if incompat & ~SIGNED:
-        return _Bad(size, Fault.FLAGS)
+        return _Bad(size, FrameFault.FLAGS)
     message_id = low | high << 16
     seed = crc_extra(message_id)
     if seed is None:
-        return _Bad(size, Fault.UNKNOWN)
+        return _Bad(size, FrameFault.UNKNOWN)
     if len(held) < start + size:
         return None
     if not _is_intact(held, start, end, seed):
-        return _Bad(size, Fault.CHECKSUM)
+        return _Bad(size, FrameFault.CHECKSUM)
     payload, signature = held[begin:end], held[sealed : start + size]
     return Frame(system, component, sequence, message_id, payload, seed, V2, incompat, compat, signature)
 

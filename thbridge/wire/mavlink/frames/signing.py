@@ -55,7 +55,7 @@ class SigningKey:
 
 
 @dataclass(frozen=True, slots=True)
-class NoKey:
+class InvalidKey:
     """Why what a key's file holds is none.
 
     Attributes:
@@ -65,7 +65,7 @@ class NoKey:
     problem: str
 
 
-class Reason(StrEnum):
+class SignatureFault(StrEnum):
     """Why a frame is not believed, as the end of the sentence "refused: ..."."""
 
     UNSIGNED = "it is not signed"
@@ -77,13 +77,13 @@ class Reason(StrEnum):
 
 
 @dataclass(frozen=True, slots=True)
-class Rejected:
+class RejectedFrame:
     """A frame that is not believed."""
 
-    reason: Reason
+    reason: SignatureFault
 
 
-def key_in(content: bytes) -> SigningKey | NoKey:
+def key_in(content: bytes) -> SigningKey | InvalidKey:
     """The key in a file: 32 bytes as they are, 64 hexadecimal digits, or a passphrase.
 
     A line of text is a passphrase, and its SHA-256 the key, as MAVProxy and Mission Planner make it; QGroundControl
@@ -103,11 +103,11 @@ def key_in(content: bytes) -> SigningKey | NoKey:
     if len(content) == KEY_SIZE:
         return SigningKey(content)
     if not content.strip():
-        return NoKey("it is empty")
-    return NoKey(f"it is neither one line of text nor {KEY_SIZE} bytes, but {len(content)} bytes")
+        return InvalidKey("it is empty")
+    return InvalidKey(f"it is neither one line of text nor {KEY_SIZE} bytes, but {len(content)} bytes")
 
 
-class Timestamps:
+class SignatureTimestamps:
     """What all links with one key know of time: which timestamps were used, by us and by others.
 
     They share it so that what was said on one link is not believed again on another.
@@ -122,16 +122,16 @@ class Timestamps:
         self._latest = max(self._latest + 1, _timestamp_at(now))
         return self._latest
 
-    def why_not(self, stream: tuple[int, int, int], timestamp: int, now: float) -> Reason | None:
+    def why_not(self, stream: tuple[int, int, int], timestamp: int, now: float) -> SignatureFault | None:
         """Why a frame of a stream (link, system, component) with this timestamp is not to be believed."""
         if timestamp > LATEST:
-            return Reason.FAR_AHEAD
+            return SignatureFault.FAR_AHEAD
         last = self._streams.get(stream)
         if last is not None:
-            return Reason.REPEATED if timestamp <= last else None
+            return SignatureFault.REPEATED if timestamp <= last else None
         if timestamp + BEHIND < max(self._latest, _timestamp_at(now)):
-            return Reason.OLD
-        return Reason.CROWDED if len(self._streams) >= MOST_STREAMS else None
+            return SignatureFault.OLD
+        return SignatureFault.CROWDED if len(self._streams) >= MOST_STREAMS else None
 
     def believe(self, stream: tuple[int, int, int], timestamp: int) -> None:
         """A frame with this timestamp was rightly signed."""
@@ -148,12 +148,12 @@ class Signing:
         timestamps: of all links with this key.
     """
 
-    def __init__(self, key: SigningKey, link_id: int, timestamps: Timestamps) -> None:
+    def __init__(self, key: SigningKey, link_id: int, timestamps: SignatureTimestamps) -> None:
         self._key: Final = key
         self._link_id: Final = link_id
         self._timestamps: Final = timestamps
 
-    def unwrap(self, frame: Frame, now: float) -> Frame | Rejected:
+    def unwrap(self, frame: Frame, now: float) -> Frame | RejectedFrame:
         """The frame without its signature, if that is right and new.
 
         Args:
@@ -161,15 +161,15 @@ class Signing:
             now: seconds of Unix time.
         """
         if not frame.signature:
-            return Rejected(Reason.UNSIGNED)
+            return RejectedFrame(SignatureFault.UNSIGNED)
         stamped, digest = frame.signature[:-_DIGEST_SIZE], frame.signature[-_DIGEST_SIZE:]
         if not hmac.compare_digest(digest, self._digest(_sealed(frame) + stamped)):
-            return Rejected(Reason.WRONG)
+            return RejectedFrame(SignatureFault.WRONG)
         stream = (stamped[0], frame.system, frame.component)
         timestamp = int.from_bytes(stamped[1:], "little")
         reason = self._timestamps.why_not(stream, timestamp, now)
         if reason is not None:
-            return Rejected(reason)
+            return RejectedFrame(reason)
         self._timestamps.believe(stream, timestamp)
         return frame.unsigned()
 

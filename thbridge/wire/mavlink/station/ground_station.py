@@ -27,7 +27,7 @@ _MOST_SYSTEMS = 255
 
 
 @dataclass(frozen=True, slots=True)
-class Order:
+class StationCommand:
     """A command to a robot.
 
     Attributes:
@@ -42,7 +42,7 @@ class Order:
 
 
 @dataclass(frozen=True, slots=True)
-class Acked:
+class CommandAcked:
     """A robot has answered a command, for good; `result` is of MAV_RESULT."""
 
     system: int
@@ -51,7 +51,7 @@ class Acked:
 
 
 @dataclass(frozen=True, slots=True)
-class Unanswered:
+class CommandUnanswered:
     """A robot has not answered a command, however often it was sent."""
 
     system: int
@@ -59,7 +59,7 @@ class Unanswered:
 
 
 @dataclass(frozen=True, slots=True)
-class Texted:
+class StatusTextReceived:
     """A robot said something to people; `severity` is of MAV_SEVERITY."""
 
     system: int
@@ -67,11 +67,11 @@ class Texted:
     text: str
 
 
-StationEvent: TypeAlias = Acked | Unanswered | Texted
+StationEvent: TypeAlias = CommandAcked | CommandUnanswered | StatusTextReceived
 
 
 @dataclass(slots=True)
-class Sighting:
+class KnownRobot:
     """What is known of a robot.
 
     Attributes:
@@ -122,7 +122,7 @@ class Sighting:
 class _Pending:
     """A command that waits for its answer until `due`."""
 
-    order: Order
+    order: StationCommand
     tries: int
     due: float
     in_progress: bool = False
@@ -137,7 +137,7 @@ class GroundStation:
     """
 
     def __init__(self, system: int = SYSTEM, component: int = COMPONENT) -> None:
-        self.robots: dict[int, Sighting] = {}
+        self.robots: dict[int, KnownRobot] = {}
         """Those that have been heard, by their system ids."""
         self._system = system
         self._component = component
@@ -153,13 +153,13 @@ class GroundStation:
         frames, self._outgoing = self._outgoing, []
         return frames
 
-    def order(self, system: int, order: Order, now: float) -> None:
+    def order(self, system: int, order: StationCommand, now: float) -> None:
         """Command a robot; `Acked` or `Unanswered` follows. The same command on its way is given up for it."""
         self._send_order(system, _Pending(order, 1, now + ANSWER_SECONDS))
 
     def request(self, system: int, message_id: int, now: float) -> None:
         """Ask a robot for one message."""
-        self.order(system, Order(mav.MAV_CMD_REQUEST_MESSAGE, (float(message_id),)), now)
+        self.order(system, StationCommand(mav.MAV_CMD_REQUEST_MESSAGE, (float(message_id),)), now)
 
     def advance(self, now: float) -> list[StationEvent]:
         """Time has passed."""
@@ -173,7 +173,7 @@ class GroundStation:
                 continue
             if waiting.in_progress or waiting.tries >= TRIES:
                 del self._pending[system, command]
-                events.append(Unanswered(system, command))
+                events.append(CommandUnanswered(system, command))
             else:
                 again = replace(waiting, tries=waiting.tries + 1, due=now + ANSWER_SECONDS)
                 self._send_order(system, again)
@@ -194,15 +194,15 @@ class GroundStation:
         robot.last = now
         return self._understood(robot, message, now)
 
-    def _seen(self, system: int, message: Message, now: float) -> Sighting | None:
+    def _seen(self, system: int, message: Message, now: float) -> KnownRobot | None:
         """The robot of this id; None: it has not said by a heartbeat that it is one."""
         robot = self.robots.get(system)
         if robot is None and isinstance(message, mav.MAVLink_heartbeat_message) and len(self.robots) < _MOST_SYSTEMS:
-            robot = Sighting(system, message.autopilot, message.custom_mode, message.base_mode, now, now, now)
+            robot = KnownRobot(system, message.autopilot, message.custom_mode, message.base_mode, now, now, now)
             self.robots[system] = robot
         return robot
 
-    def _understood(self, robot: Sighting, message: Message, now: float) -> list[StationEvent]:
+    def _understood(self, robot: KnownRobot, message: Message, now: float) -> list[StationEvent]:
         match message:
             case mav.MAVLink_heartbeat_message():
                 robot.autopilot, robot.heard = message.autopilot, now
@@ -236,9 +236,9 @@ class GroundStation:
             self._pending[key] = replace(waiting, in_progress=True, due=now + PROGRESS_SECONDS)
             return []
         del self._pending[key]
-        return [Acked(system, ack.command, ack.result)]
+        return [CommandAcked(system, ack.command, ack.result)]
 
-    def _texted(self, robot: Sighting, message: mav.MAVLink_statustext_message) -> list[StationEvent]:
+    def _texted(self, robot: KnownRobot, message: mav.MAVLink_statustext_message) -> list[StationEvent]:
         """Long texts come in pieces, of which the last is shorter than the others."""
         piece = _text(message.text)
         if message.id:
@@ -248,7 +248,7 @@ class GroundStation:
                 self._texts[key] = piece
                 return []
         robot.text = piece
-        return [Texted(robot.system, message.severity, piece)]
+        return [StatusTextReceived(robot.system, message.severity, piece)]
 
     def _send_order(self, system: int, waiting: _Pending) -> None:
         order = waiting.order

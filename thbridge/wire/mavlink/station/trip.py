@@ -13,13 +13,13 @@ from thbridge.wire.mavlink.coordinates import PER_METRE, yaw_of
 from thbridge.wire.mavlink.dialect import mav
 from thbridge.wire.mavlink.station.ground_station import (
     HEARTBEAT_SECONDS,
-    Acked,
+    CommandAcked,
+    CommandUnanswered,
     GroundStation,
-    Order,
-    Sighting,
+    KnownRobot,
+    StationCommand,
     StationEvent,
-    Texted,
-    Unanswered,
+    StatusTextReceived,
 )
 
 NEAR = 0.3
@@ -33,8 +33,8 @@ _STANDING_SECONDS = 3.0
 _STANDING = 0.02
 """Metres per second."""
 
-_ARM = Order(mav.MAV_CMD_COMPONENT_ARM_DISARM, (1.0,))
-_DISARM = Order(mav.MAV_CMD_COMPONENT_ARM_DISARM, (0.0,))
+_ARM = StationCommand(mav.MAV_CMD_COMPONENT_ARM_DISARM, (1.0,))
+_DISARM = StationCommand(mav.MAV_CMD_COMPONENT_ARM_DISARM, (0.0,))
 
 
 @dataclass(frozen=True, slots=True)
@@ -52,22 +52,22 @@ class Destination:
     heading: float | None = None
 
     @property
-    def order(self) -> Order:
+    def order(self) -> StationCommand:
         """The command that sends it there, in its own frame, x north and y east."""
         # NaN is the heading that does not matter.
         yaw = math.nan if self.heading is None else yaw_of(self.heading)
         place = (round(self.y * PER_METRE), round(self.x * PER_METRE))
         change_mode = float(mav.MAV_DO_REPOSITION_FLAGS_CHANGE_MODE)
         parameters = (-1.0, change_mode, 0.0, yaw, *place, 0.0)
-        return Order(mav.MAV_CMD_DO_REPOSITION, parameters, mav.MAV_FRAME_LOCAL_NED)
+        return StationCommand(mav.MAV_CMD_DO_REPOSITION, parameters, mav.MAV_FRAME_LOCAL_NED)
 
-    def distance(self, robot: Sighting) -> float:
+    def distance(self, robot: KnownRobot) -> float:
         """Metres from where a robot believes it is; NaN as long as it has not said so."""
         return math.hypot(self.x - robot.x, self.y - robot.y)
 
 
 @dataclass(frozen=True, slots=True)
-class Outcome:
+class TripOutcome:
     """How a trip ended.
 
     Attributes:
@@ -79,7 +79,7 @@ class Outcome:
     unanswered: bool = False
 
 
-class Stage(Enum):
+class StationTripStage(Enum):
     """How far a trip is."""
 
     SEARCHING = auto()
@@ -91,7 +91,7 @@ class Stage(Enum):
     OVER = auto()
 
 
-class Trip:
+class StationTrip:
     """One trip.
 
     Args:
@@ -107,8 +107,8 @@ class Trip:
     """
 
     def __init__(self, station: GroundStation, system: int, destination: Destination, keep: bool, now: float) -> None:
-        self.stage = Stage.SEARCHING
-        self.outcome: Outcome | None = None
+        self.stage = StationTripStage.SEARCHING
+        self.outcome: TripOutcome | None = None
         self._station = station
         self._system = system
         self._destination = destination
@@ -133,14 +133,14 @@ class Trip:
         robot = self._station.robots.get(self._system)
         waited = now - self._since
         match self.stage:
-            case Stage.SEARCHING if robot is not None:
-                self._order(Stage.TAKING, _ARM, now)
-            case Stage.SEARCHING if waited > DISCOVERY_SECONDS:
+            case StationTripStage.SEARCHING if robot is not None:
+                self._order(StationTripStage.TAKING, _ARM, now)
+            case StationTripStage.SEARCHING if waited > DISCOVERY_SECONDS:
                 there = ", ".join(str(system) for system in sorted(self._station.robots))
                 self._fail(f"robot {self._system} is not heard; those that are: {there or 'none'}", now)
-            case Stage.UNDER_WAY if robot is not None:
+            case StationTripStage.UNDER_WAY if robot is not None:
                 self._watch(robot, now)
-            case Stage.LISTENING if waited > _WORDS_SECONDS:
+            case StationTripStage.LISTENING if waited > _WORDS_SECONDS:
                 self._hand_back(now)
 
     def give_up(self, now: float) -> None:
@@ -151,36 +151,36 @@ class Trip:
 
     def _take(self, event: StationEvent, now: float) -> None:
         match event:
-            case Acked(_, mav.MAV_CMD_COMPONENT_ARM_DISARM, result) if self.stage is Stage.TAKING:
+            case CommandAcked(_, mav.MAV_CMD_COMPONENT_ARM_DISARM, result) if self.stage is StationTripStage.TAKING:
                 if result == mav.MAV_RESULT_ACCEPTED:
                     self._commands = True
-                    self._order(Stage.ASKING, self._destination.order, now)
+                    self._order(StationTripStage.ASKING, self._destination.order, now)
                 else:
                     self._fail(f"robot {self._system} gives nobody else the command ({_word(result)})", now)
-            case Acked(_, mav.MAV_CMD_DO_REPOSITION, result) if self.stage is Stage.ASKING:
+            case CommandAcked(_, mav.MAV_CMD_DO_REPOSITION, result) if self.stage is StationTripStage.ASKING:
                 if result == mav.MAV_RESULT_ACCEPTED:
-                    self.stage, self._since, self._stood = Stage.UNDER_WAY, now, now
+                    self.stage, self._since, self._stood = StationTripStage.UNDER_WAY, now, now
                 else:
                     self._fail(f"robot {self._system} does not go there ({_word(result)})", now)
-            case Unanswered() if self.stage in (Stage.TAKING, Stage.ASKING):
+            case CommandUnanswered() if self.stage in (StationTripStage.TAKING, StationTripStage.ASKING):
                 self._unanswered = True
                 self._fail(f"robot {self._system} does not answer", now)
-            case Acked() | Unanswered() if self.stage is Stage.RETURNING:
+            case CommandAcked() | CommandUnanswered() if self.stage is StationTripStage.RETURNING:
                 self._end()
-            case Texted(_, severity, text):
+            case StatusTextReceived(_, severity, text):
                 self._hear(severity, text, now)
 
     def _hear(self, severity: int, text: str, now: float) -> None:
         """What the robot says in words tells more than a code."""
-        if self.stage is Stage.UNDER_WAY and text == ARRIVED:
+        if self.stage is StationTripStage.UNDER_WAY and text == ARRIVED:
             self._hand_back(now)
         elif severity <= mav.MAV_SEVERITY_WARNING:
-            if self.stage is Stage.UNDER_WAY:
+            if self.stage is StationTripStage.UNDER_WAY:
                 self._fail(text, now)
-            elif self.stage is Stage.LISTENING:
+            elif self.stage is StationTripStage.LISTENING:
                 self._problem = text
 
-    def _watch(self, robot: Sighting, now: float) -> None:
+    def _watch(self, robot: KnownRobot, now: float) -> None:
         """Robots are believed by where they are, too: words may get lost."""
         if not robot.speed < _STANDING:
             self._stood = now
@@ -191,22 +191,22 @@ class Trip:
         elif not robot.armed and robot.heard - self._since > HEARTBEAT_SECONDS:  # before that it may not know it yet
             self._fail(f"robot {self._system} is commanded by somebody else now", now)
 
-    def _order(self, stage: Stage, order: Order, now: float) -> None:
+    def _order(self, stage: StationTripStage, order: StationCommand, now: float) -> None:
         self.stage, self._since = stage, now
         self._station.order(self._system, order, now)
 
     def _fail(self, problem: str, now: float) -> None:
         self._problem = problem
-        self.stage, self._since = Stage.LISTENING, now
+        self.stage, self._since = StationTripStage.LISTENING, now
 
     def _hand_back(self, now: float) -> None:
         if self._commands and not self._keep:
-            self._order(Stage.RETURNING, _DISARM, now)
+            self._order(StationTripStage.RETURNING, _DISARM, now)
         else:
             self._end()
 
     def _end(self) -> None:
-        self.stage, self.outcome = Stage.OVER, Outcome(self._problem, self._unanswered)
+        self.stage, self.outcome = StationTripStage.OVER, TripOutcome(self._problem, self._unanswered)
 
 
 def _word(result: int) -> str:

@@ -8,7 +8,7 @@ import math
 from dataclasses import dataclass
 from typing import TypeVar
 
-from thbridge.wire.mavlink.options import Origin
+from thbridge.wire.mavlink.options import GeoOrigin
 
 _SEMI_MAJOR = 6_378_137.0
 _FLATTENING = 1.0 / 298.257223563
@@ -24,7 +24,7 @@ _POLE = 90 * PER_DEGREE
 
 
 @dataclass(frozen=True, slots=True)
-class Place:
+class GeoPoint:
     """A place on earth, in ten-millionths of a degree: north of the equator, and east of Greenwich."""
 
     latitude: int
@@ -41,14 +41,14 @@ class Place:
         return self.latitude == 0 and self.longitude == 0
 
 
-class Earth:
+class MapProjection:
     """Metres of the map as degrees, and back.
 
     Args:
         origin: of the map; not at a pole.
     """
 
-    def __init__(self, origin: Origin) -> None:
+    def __init__(self, origin: GeoOrigin) -> None:
         self.altitude = origin.altitude
         phi = math.radians(origin.latitude)
         shrink = 1.0 - _ECCENTRICITY_SQUARED * math.sin(phi) ** 2
@@ -59,13 +59,13 @@ class Earth:
         self._north = math.degrees(1.0 / meridian) * PER_DEGREE
         self._east = math.degrees(1.0 / parallel) * PER_DEGREE
 
-    def place(self, x: float, y: float) -> Place:
+    def place(self, x: float, y: float) -> GeoPoint:
         """Where a point of the map, metres east and north, lies on earth; beyond a pole, at the pole."""
         latitude = round(self._latitude + y * self._north)
         longitude = round(self._longitude + x * self._east)
-        return Place(min(max(latitude, -_POLE), _POLE), _half_turn(longitude))
+        return GeoPoint(min(max(latitude, -_POLE), _POLE), _half_turn(longitude))
 
-    def point(self, place: Place) -> tuple[float, float]:
+    def point(self, place: GeoPoint) -> tuple[float, float]:
         """The point of the map, metres east and north, that lies there."""
         east = _half_turn(place.longitude - self._longitude)
         return east / self._east, (place.latitude - self._latitude) / self._north

@@ -5,27 +5,27 @@ from enum import IntEnum
 from typing import Protocol
 
 from thbridge.wire.mavlink.dialect import Message, mav
-from thbridge.wire.mavlink.outgoing import LinkId, Said
-from thbridge.wire.mavlink.vehicle_interface import Denied, Readings, Station
+from thbridge.wire.mavlink.outgoing import LinkId, OutgoingMessage
+from thbridge.wire.mavlink.vehicle_interface import Denied, RobotReadings, Station
 
 
-class Part(Protocol):
+class Microservice(Protocol):
     """A part of a vehicle that speaks for itself: missions, parameters, commands.
 
     Each part is given every message that is meant for its vehicle, and passes over those that it does not know.
     """
 
-    def hear(self, link: LinkId, sender: Station, message: Message) -> Iterable[Said]:
+    def hear(self, link: LinkId, sender: Station, message: Message) -> Iterable[OutgoingMessage]:
         """A message has come in; what is answered at once."""
 
-    def step(self, tick: int, readings: Readings) -> Iterable[Said]:
+    def step(self, tick: int, readings: RobotReadings) -> Iterable[OutgoingMessage]:
         """A tick has passed; what is said unasked."""
 
     def forget(self, link: LinkId) -> None:
         """A link is gone, and whoever was spoken to on it."""
 
 
-class Plan(Protocol):
+class MissionControl(Protocol):
     """A vehicle's mission, as its modes use it: it runs in mode auto and only then."""
 
     @property
@@ -50,7 +50,7 @@ class Plan(Protocol):
         """MISSION_CURRENT as it is now."""
 
 
-class Severity(IntEnum):
+class TextSeverity(IntEnum):
     """How much a sentence matters."""
 
     CRITICAL = mav.MAV_SEVERITY_CRITICAL
@@ -62,11 +62,11 @@ class Severity(IntEnum):
 class Announce(Protocol):
     """How a part tells people something."""
 
-    def __call__(self, severity: Severity, sentence: str) -> None:
+    def __call__(self, severity: TextSeverity, sentence: str) -> None:
         """Say a sentence as STATUSTEXT to all links, soon."""
 
 
 def tell_why_not(announce: Announce, denied: Denied | None) -> None:
     """Warn people of what the robot does not do; of what it does, they see enough."""
     if denied is not None:
-        announce(Severity.WARNING, denied.sentence)
+        announce(TextSeverity.WARNING, denied.sentence)

@@ -5,11 +5,11 @@ from types import MappingProxyType
 
 from sim.common.observations import TICKS_PER_SECOND
 from thbridge.wire.mavlink.dialect import EVERYBODY, Message, mav
-from thbridge.wire.mavlink.outgoing import LinkId, Said
+from thbridge.wire.mavlink.outgoing import LinkId, OutgoingMessage
 from thbridge.wire.mavlink.vehicle.boot_time import microseconds
-from thbridge.wire.mavlink.vehicle.geodesy import Earth
+from thbridge.wire.mavlink.vehicle.geodesy import MapProjection
 from thbridge.wire.mavlink.vehicle.telemetry.streams import OFF, Streams
-from thbridge.wire.mavlink.vehicle_interface import Readings, Station
+from thbridge.wire.mavlink.vehicle_interface import RobotReadings, Station
 
 _GROUPS: Mapping[int, tuple[int, ...]] = MappingProxyType(
     {
@@ -37,7 +37,7 @@ _GROUPS: Mapping[int, tuple[int, ...]] = MappingProxyType(
 """The messages of each group that REQUEST_DATA_STREAM names, as ArduPilot has them."""
 
 
-class Courtesies:
+class PingTimesync:
     """Answers for one vehicle; a `Part`.
 
     Args:
@@ -45,33 +45,35 @@ class Courtesies:
         earth: where its map lies.
     """
 
-    def __init__(self, streams: Streams, earth: Earth) -> None:
+    def __init__(self, streams: Streams, earth: MapProjection) -> None:
         self._streams = streams
         self._earth = earth
         self._tick = 0
 
-    def hear(self, link: LinkId, sender: Station, message: Message) -> Iterator[Said]:
+    def hear(self, link: LinkId, sender: Station, message: Message) -> Iterator[OutgoingMessage]:
         """One of the questions."""
         match message:
             case mav.MAVLink_ping_message():
                 # With a target it is somebody's answer.
                 if message.target_system == EVERYBODY:
                     answer = mav.MAVLink_ping_message(message.time_usec, message.seq, sender.system, sender.component)
-                    yield Said(answer, link)
+                    yield OutgoingMessage(answer, link)
             case mav.MAVLink_timesync_message():
                 if message.tc1 == 0:
                     # A time of zero would be a question again.
                     now = max(1, microseconds(self._tick) * 1000)
-                    yield Said(mav.MAVLink_timesync_message(now, message.ts1), link)
+                    yield OutgoingMessage(mav.MAVLink_timesync_message(now, message.ts1), link)
             case mav.MAVLink_set_gps_global_origin_message():
                 # The map lies where the study says; whoever wants it elsewhere is told.
                 place = self._earth.place(0.0, 0.0)
                 altitude = round(self._earth.altitude * 1000.0)
-                yield Said(mav.MAVLink_gps_global_origin_message(place.latitude, place.longitude, altitude), link)
+                yield OutgoingMessage(
+                    mav.MAVLink_gps_global_origin_message(place.latitude, place.longitude, altitude), link
+                )
             case mav.MAVLink_request_data_stream_message():
                 self._set_group(link, message)
 
-    def step(self, tick: int, readings: Readings) -> Iterator[Said]:
+    def step(self, tick: int, readings: RobotReadings) -> Iterator[OutgoingMessage]:
         """Nothing is said unasked."""
         self._tick = tick
         return iter(())

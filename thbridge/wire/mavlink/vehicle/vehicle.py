@@ -7,31 +7,31 @@ from collections.abc import Iterator
 
 from thbridge.wire.mavlink.dialect import Message, mav
 from thbridge.wire.mavlink.modes import Mode
-from thbridge.wire.mavlink.options import Identity, VehicleOptions
-from thbridge.wire.mavlink.outgoing import LinkId, Said, Status
-from thbridge.wire.mavlink.vehicle.command.deprecated_messages import OlderWays
+from thbridge.wire.mavlink.options import AutopilotIdentity, VehicleOptions
+from thbridge.wire.mavlink.outgoing import LinkId, OutgoingMessage, VehicleStatus
+from thbridge.wire.mavlink.vehicle.command.deprecated_messages import DeprecatedMessages
 from thbridge.wire.mavlink.vehicle.command.message_requests import MessageRequests
-from thbridge.wire.mavlink.vehicle.command.protocol import Commands
-from thbridge.wire.mavlink.vehicle.command.table import Repertoire
+from thbridge.wire.mavlink.vehicle.command.protocol import CommandProtocol
+from thbridge.wire.mavlink.vehicle.command.table import CommandTable
 from thbridge.wire.mavlink.vehicle.component_files.file_transfer import FileTransfer
 from thbridge.wire.mavlink.vehicle.component_files.metadata_files import MetadataFiles
-from thbridge.wire.mavlink.vehicle.geodesy import Earth
-from thbridge.wire.mavlink.vehicle.mission.protocol import Missions
+from thbridge.wire.mavlink.vehicle.geodesy import MapProjection
+from thbridge.wire.mavlink.vehicle.mission.protocol import MissionProtocol
 from thbridge.wire.mavlink.vehicle.mission.run import MissionRun
-from thbridge.wire.mavlink.vehicle.mode.home import Home
-from thbridge.wire.mavlink.vehicle.mode.manual_control import Hand
-from thbridge.wire.mavlink.vehicle.mode.operator_control import CommandOf
-from thbridge.wire.mavlink.vehicle.mode.setpoints import Controls
-from thbridge.wire.mavlink.vehicle.mode.state_machine import Conduct
-from thbridge.wire.mavlink.vehicle.parameter.own_parameters import OwnParameters
-from thbridge.wire.mavlink.vehicle.parameter.protocol import Parameters
-from thbridge.wire.mavlink.vehicle.parts import Part, Severity
-from thbridge.wire.mavlink.vehicle.ping_timesync import Courtesies
-from thbridge.wire.mavlink.vehicle.telemetry.capabilities import Particulars
-from thbridge.wire.mavlink.vehicle.telemetry.status_texts import Texts
+from thbridge.wire.mavlink.vehicle.mode.home import HomePosition
+from thbridge.wire.mavlink.vehicle.mode.manual_control import ManualControl
+from thbridge.wire.mavlink.vehicle.mode.operator_control import OperatorControl
+from thbridge.wire.mavlink.vehicle.mode.setpoints import ControlInputs
+from thbridge.wire.mavlink.vehicle.mode.state_machine import ModeStateMachine
+from thbridge.wire.mavlink.vehicle.parameter.own_parameters import FailsafeParameters
+from thbridge.wire.mavlink.vehicle.parameter.protocol import ParameterProtocol
+from thbridge.wire.mavlink.vehicle.parts import Microservice, TextSeverity
+from thbridge.wire.mavlink.vehicle.ping_timesync import PingTimesync
+from thbridge.wire.mavlink.vehicle.telemetry.capabilities import Capabilities
+from thbridge.wire.mavlink.vehicle.telemetry.status_texts import StatusTexts
 from thbridge.wire.mavlink.vehicle.telemetry.streams import Streams
-from thbridge.wire.mavlink.vehicle.telemetry.telemetry import Standing, Telemetry, base_mode, default_streams
-from thbridge.wire.mavlink.vehicle_interface import NOTHING_KNOWN, Helm, Readings, Station
+from thbridge.wire.mavlink.vehicle.telemetry.telemetry import Telemetry, TelemetryState, base_mode, default_streams
+from thbridge.wire.mavlink.vehicle_interface import NOTHING_KNOWN, RobotReadings, Station, VehicleInterface
 
 
 class Vehicle:
@@ -46,25 +46,25 @@ class Vehicle:
         options: what the study says.
     """
 
-    def __init__(self, system: int, helm: Helm, options: VehicleOptions) -> None:
+    def __init__(self, system: int, helm: VehicleInterface, options: VehicleOptions) -> None:
         self.system = system
         self._tick = 0
         self._readings = NOTHING_KNOWN
         self._shown = (Mode.HOLD, False)
-        self._texts = Texts()
-        announce, earth, identity = self._texts.say, Earth(options.origin), options.identity
-        ardupilot = identity is Identity.ARDUPILOT
-        self._command = CommandOf(helm, options.lost_after)
-        home, hand = Home(helm, earth), Hand(helm, identity)
+        self._texts = StatusTexts()
+        announce, earth, identity = self._texts.say, MapProjection(options.origin), options.identity
+        ardupilot = identity is AutopilotIdentity.ARDUPILOT
+        self._command = OperatorControl(helm, options.lost_after)
+        home, hand = HomePosition(helm, earth), ManualControl(helm, identity)
         plan = MissionRun(helm, home, earth, announce, ardupilot)
-        self._conduct = Conduct(helm, hand, self._command, plan, home, options.failsafe, announce)
+        self._conduct = ModeStateMachine(helm, hand, self._command, plan, home, options.failsafe, announce)
         self._streams = Streams(default_streams(options.position_rate, identity), system)
-        parameters = OwnParameters(system, helm, self._command, self._conduct)
+        parameters = FailsafeParameters(system, helm, self._command, self._conduct)
         files = MetadataFiles(parameters)
-        particulars = Particulars(system, identity, earth, files)
+        particulars = Capabilities(system, identity, earth, files)
         self._telemetry = Telemetry(particulars, identity, earth, home.position, plan.current)
         requests = MessageRequests(self._streams, self._telemetry, particulars, lambda: self._standing)
-        repertoire = Repertoire(
+        repertoire = CommandTable(
             helm,
             self._conduct,
             self._command,
@@ -74,23 +74,23 @@ class Vehicle:
             identity,
             requests.commands(),
         )
-        self._parts: tuple[Part, ...] = (
+        self._parts: tuple[Microservice, ...] = (
             home,
-            Commands(repertoire, self._command, self._conduct, announce),
-            Controls(system, helm, self._conduct, self._command, earth, announce),
-            OlderWays(repertoire, self._conduct, self._command, home, earth, announce),
-            Missions(plan, announce),
-            Parameters(parameters, announce, ardupilot),
+            CommandProtocol(repertoire, self._command, self._conduct, announce),
+            ControlInputs(system, helm, self._conduct, self._command, earth, announce),
+            DeprecatedMessages(repertoire, self._conduct, self._command, home, earth, announce),
+            MissionProtocol(plan, announce),
+            ParameterProtocol(parameters, announce, ardupilot),
             FileTransfer(lambda: files.contents),
-            Courtesies(self._streams, earth),
+            PingTimesync(self._streams, earth),
         )
 
     @property
-    def status(self) -> Status:
+    def status(self) -> VehicleStatus:
         """How it stands."""
         now = self._standing
         bits = base_mode(now)
-        return Status(
+        return VehicleStatus(
             connected=self._readings.answers,
             armed=bool(bits & mav.MAV_MODE_FLAG_SAFETY_ARMED),
             guided=bool(bits & mav.MAV_MODE_FLAG_GUIDED_ENABLED),
@@ -99,7 +99,7 @@ class Vehicle:
             system_status=now.system_status,
         )
 
-    def hear(self, link: LinkId, sender: Station, message: Message) -> Iterator[Said]:
+    def hear(self, link: LinkId, sender: Station, message: Message) -> Iterator[OutgoingMessage]:
         """Somebody said something to this vehicle, or to everybody; what it answers at once."""
         if isinstance(message, mav.MAVLink_heartbeat_message):
             self._command.heartbeat(sender)
@@ -107,14 +107,14 @@ class Vehicle:
             for part in self._parts:
                 yield from part.hear(link, sender, message)
 
-    def step(self, tick: int, readings: Readings) -> Iterator[Said]:
+    def step(self, tick: int, readings: RobotReadings) -> Iterator[OutgoingMessage]:
         """A tick has passed; what it says by itself."""
         self._tick, self._readings = tick, readings
         self._conduct.step(tick, readings)
         for sentence in readings.news:
-            self._texts.say(Severity.INFO, sentence)
+            self._texts.say(TextSeverity.INFO, sentence)
         for sentence in readings.asked:
-            self._texts.say(Severity.NOTICE, sentence)
+            self._texts.say(TextSeverity.NOTICE, sentence)
         if not readings.answers:
             return
         yield from self._stream(tick)
@@ -122,7 +122,7 @@ class Vehicle:
             yield from part.step(tick, readings)
         yield from self._texts.step(tick)
 
-    def keep_alive(self) -> Iterator[Said]:
+    def keep_alive(self) -> Iterator[OutgoingMessage]:
         """No tick has passed for a while, but nothing is wrong: a heartbeat, as things stand."""
         if self._readings.answers:
             yield from self._heartbeat()
@@ -134,11 +134,11 @@ class Vehicle:
             part.forget(link)
 
     @property
-    def _standing(self) -> Standing:
+    def _standing(self) -> TelemetryState:
         conduct = self._conduct
-        return Standing(self._tick, self._readings, conduct.mode, conduct.armed, self._command.number)
+        return TelemetryState(self._tick, self._readings, conduct.mode, conduct.armed, self._command.number)
 
-    def _stream(self, tick: int) -> Iterator[Said]:
+    def _stream(self, tick: int) -> Iterator[OutgoingMessage]:
         """The messages whose time has come, and a heartbeat at once when it shows something new."""
         standing = self._standing
         shown = (standing.mode, standing.armed)
@@ -150,12 +150,12 @@ class Vehicle:
             message = made[number]
             if message is not None:
                 is_heartbeat = number == mav.MAVLINK_MSG_ID_HEARTBEAT
-                yield Said(message, due.link, to_sleepers=is_heartbeat, besides=due.besides)
+                yield OutgoingMessage(message, due.link, to_sleepers=is_heartbeat, besides=due.besides)
         if shown != self._shown and mav.MAVLINK_MSG_ID_HEARTBEAT not in made:
             yield from self._heartbeat()
         self._shown = shown
 
-    def _heartbeat(self) -> Iterator[Said]:
+    def _heartbeat(self) -> Iterator[OutgoingMessage]:
         heartbeat = self._telemetry.message(mav.MAVLINK_MSG_ID_HEARTBEAT, self._standing)
         if heartbeat is not None:
-            yield Said(heartbeat, to_sleepers=True)
+            yield OutgoingMessage(heartbeat, to_sleepers=True)

@@ -4,15 +4,15 @@ from PySide6.QtCore import QRectF, QSize, Qt, Signal
 from PySide6.QtGui import QPainter, QPaintEvent
 from PySide6.QtWidgets import QFrame, QGridLayout, QHBoxLayout, QPlainTextEdit, QScrollArea, QVBoxLayout, QWidget
 
-from ui.model.screen import Action, Ending, Question, ShowHelp
+from ui.model.screen import Action, Confirmation, GameOverPage, ShowHelp
 from ui.windows import look
 from ui.windows.look import GAP, colours
 from ui.windows.participant.widgets.buttons import ActionButton
-from ui.windows.participant.widgets.focus import region
+from ui.windows.participant.widgets.focus import make_region
 from ui.windows.participant.widgets.painting import key_cap, key_size
-from ui.windows.participant.widgets.panels import Panel, set_text
+from ui.windows.participant.widgets.panels import TitledPanel, set_text
 
-OWN_KEYS = (
+WINDOW_KEYS = (
     ("F6 or Ctrl+Tab", "Go to the next part of the window"),
     ("Arrows", "Go to the neighbouring button; Space or Enter presses it"),
     ("Ctrl+Q", "Close the window"),
@@ -20,12 +20,12 @@ OWN_KEYS = (
 """Keys of the window itself, for those who go through it button by button."""
 
 
-class Connecting(QWidget):
+class ConnectingPage(QWidget):
     """Nothing to see yet: says what it waits for."""
 
     def __init__(self, parent: QWidget | None = None) -> None:
         super().__init__(parent)
-        region(self, "Connecting")
+        make_region(self, "Connecting")
         rows = QVBoxLayout(self)
         rows.setContentsMargins(4 * GAP, 4 * GAP, 4 * GAP, 4 * GAP)
         rows.setSpacing(GAP)
@@ -52,7 +52,7 @@ class ConsentPage(QWidget):
 
     def __init__(self, parent: QWidget | None = None) -> None:
         super().__init__(parent)
-        region(self, "Consent")
+        make_region(self, "Consent")
         outer = QHBoxLayout(self)
         outer.setContentsMargins(4 * GAP, 4 * GAP, 4 * GAP, 4 * GAP)
         column = QWidget()
@@ -73,7 +73,7 @@ class ConsentPage(QWidget):
         self._text.setAccessibleName("What you agree to")
         self._text.setFrameShape(QFrame.Shape.NoFrame)
         self._text.document().setDocumentMargin(2 * GAP)
-        look.panel(self._text)
+        look.style_as_panel(self._text)
         rows.addWidget(self._text, 1)
         self.agree = ActionButton("main")
         self.agree.asked.connect(self.asked)
@@ -87,7 +87,7 @@ class ConsentPage(QWidget):
         self.agree.show_action(agree)
 
 
-class QuestionPanel(Panel):
+class QuestionPanel(TitledPanel):
     """Is that meant?
 
     Attributes:
@@ -106,7 +106,7 @@ class QuestionPanel(Panel):
             button.asked.connect(self.asked)
             foot.addWidget(button)
 
-    def show_question(self, question: Question) -> None:
+    def show_question(self, question: Confirmation) -> None:
         """Show this."""
         self.entitle(question.title)
         set_text(self._text, question.text)
@@ -114,7 +114,7 @@ class QuestionPanel(Panel):
         self.no.show_action(question.no)
 
 
-class EndingPanel(Panel):
+class EndingPanel(TitledPanel):
     """The game is over.
 
     Attributes:
@@ -131,14 +131,14 @@ class EndingPanel(Panel):
         self.rows.addWidget(self._lines, 1)
         self.rows.addWidget(self.again)
 
-    def show_ending(self, ending: Ending) -> None:
+    def show_ending(self, ending: GameOverPage) -> None:
         """Show this."""
         self.entitle(ending.title)
         set_text(self._lines, "\n".join(ending.lines))
         self.again.show_action(ending.again)
 
 
-class Keys(QWidget):
+class KeyCap(QWidget):
     """Keys as they are printed on buttons."""
 
     def __init__(self, keys: str, parent: QWidget | None = None) -> None:
@@ -155,7 +155,7 @@ class Keys(QWidget):
         key_cap(painter, QRectF(self.rect()).adjusted(1, 1, -1, -1), self._keys, colours().text)
 
 
-class HelpSheet(Panel):
+class HelpSheet(TitledPanel):
     """All keys and what they do.
 
     Attributes:
@@ -167,9 +167,9 @@ class HelpSheet(Panel):
     def __init__(self, parent: QWidget | None = None) -> None:
         super().__init__("Keys", parent)
         self.entitle("Keys")
-        self.close_it = ActionButton()
-        self.close_it.asked.connect(self.asked)
-        self.top.addWidget(self.close_it)
+        self.close_button = ActionButton()
+        self.close_button.asked.connect(self.asked)
+        self.top.addWidget(self.close_button)
         self._area = QScrollArea()
         self._area.setWidgetResizable(True)
         self._area.setFrameShape(QFrame.Shape.NoFrame)
@@ -181,7 +181,7 @@ class HelpSheet(Panel):
 
     def show_help(self, lines: tuple[tuple[str, str], ...], key: str) -> None:
         """Show these; `key` closes it."""
-        self.close_it.show_action(Action(ShowHelp(), "Close", key))
+        self.close_button.show_action(Action(ShowHelp(), "Close", key))
         if lines == self._shown:
             return
         self._shown = lines
@@ -191,8 +191,8 @@ class HelpSheet(Panel):
         grid.setHorizontalSpacing(2 * GAP)
         grid.setVerticalSpacing(int(0.75 * GAP))
         grid.setColumnStretch(1, 1)
-        for row, (keys, does) in enumerate((*lines, *OWN_KEYS)):
-            grid.addWidget(Keys(keys), row, 0, Qt.AlignmentFlag.AlignLeft | Qt.AlignmentFlag.AlignVCenter)
+        for row, (keys, does) in enumerate((*lines, *WINDOW_KEYS)):
+            grid.addWidget(KeyCap(keys), row, 0, Qt.AlignmentFlag.AlignLeft | Qt.AlignmentFlag.AlignVCenter)
             grid.addWidget(look.label(does), row, 1)
         self._area.setWidget(inside)
         inside.setAutoFillBackground(False)

@@ -6,10 +6,10 @@ from PySide6.QtWidgets import QGridLayout, QHBoxLayout, QVBoxLayout, QWidget
 
 from ui.windows import look
 from ui.windows.look import GAP
-from ui.windows.participant.widgets.buttons import ActionButton, Face
-from ui.windows.participant.widgets.focus import region
+from ui.windows.participant.widgets.buttons import ActionButton, ButtonFace
+from ui.windows.participant.widgets.focus import make_region
 
-WHAT = (
+INTRODUCTION = (
     "Treasures are hidden in the rooms of this house. Your robots find them, and you decide together where each robot "
     "goes, and what it has found. Every move costs energy, and so does every picture. Name a treasure right to win its "
     "points; a wrong name loses some."
@@ -32,7 +32,7 @@ class StartPage(QWidget):
 
     def __init__(self, least: int, most: int, usual: int, parent: QWidget | None = None) -> None:
         super().__init__(parent)
-        region(self, "Start")
+        make_region(self, "Start")
         self._number = usual
         outer = QHBoxLayout(self)
         outer.setContentsMargins(4 * GAP, 4 * GAP, 4 * GAP, 4 * GAP)
@@ -45,7 +45,7 @@ class StartPage(QWidget):
         rows.setSpacing(2 * GAP)
         rows.addStretch(2)
         rows.addWidget(look.label("Treasure hunt", "hero", bold=True))
-        rows.addWidget(look.label(WHAT))
+        rows.addWidget(look.label(INTRODUCTION))
         rows.addSpacing(GAP)
         asks = most > least
         told = "How many robots?" if asks else f"You will command {_robots(usual)}."
@@ -62,7 +62,7 @@ class StartPage(QWidget):
             button.setVisible(asks)
         rows.addSpacing(2 * GAP)
         self.practise, self.begin = ActionButton(), ActionButton("main")
-        self.practise.wear(Face("Try it out first", "T"), "Try it out first: a short practice game")
+        self.practise.show_face(ButtonFace("Try it out first", "T"), "Try it out first: a short practice game")
         self.practise.clicked.connect(self.tutorial)
         self.begin.clicked.connect(lambda: self.start.emit(self._number))
         foot = QHBoxLayout()
@@ -87,13 +87,13 @@ class StartPage(QWidget):
         for other, button in self.choices.items():
             button.setChecked(other == number)
         words = f"Start with {_robots(number)}"
-        self.begin.wear(Face(words, "Enter"), words)
+        self.begin.show_face(ButtonFace(words, "Enter"), words)
 
     def _choice(self, number: int) -> ActionButton:
         button = ActionButton("large")
         button.setCheckable(True)
         # The number is its own key, so none is printed beside it.
-        button.wear(Face(str(number)), _robots(number))
+        button.show_face(ButtonFace(str(number)), _robots(number))
         button.clicked.connect(lambda: self.choose(number))
         return button
 

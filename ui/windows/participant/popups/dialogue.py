@@ -3,14 +3,14 @@
 from PySide6.QtCore import Signal
 from PySide6.QtWidgets import QVBoxLayout, QWidget
 
-from ui.model.screen import DialoguePop
+from ui.model.screen import DialoguePopup
 from ui.windows import look
 from ui.windows.look import GAP
 from ui.windows.participant.widgets.buttons import ActionButton, ActionRow
-from ui.windows.participant.widgets.panels import Panel, Talk
+from ui.windows.participant.widgets.panels import TitledPanel, Transcript
 
 
-class DialoguePanel(Panel):
+class DialoguePanel(TitledPanel):
     """Sentences as bubbles, answers as buttons.
 
     Attributes:
@@ -21,12 +21,12 @@ class DialoguePanel(Panel):
 
     def __init__(self, parent: QWidget | None = None) -> None:
         super().__init__("Dialogue", parent)
-        self._pop: DialoguePop | None = None
+        self._pop: DialoguePopup | None = None
         self.aside = ActionButton("quiet")
         self.aside.asked.connect(self.asked)
         self.top.addWidget(self.aside)
-        self.talk = Talk()
-        self.rows.addWidget(self.talk, 1)
+        self.transcript = Transcript()
+        self.rows.addWidget(self.transcript, 1)
         self._thinking = look.label(muted=True)
         self.rows.addWidget(self._thinking)
         self._warning = look.label()
@@ -36,14 +36,14 @@ class DialoguePanel(Panel):
         self.rows.addLayout(answers)
         self.choices = ActionRow(answers.addWidget, self._made)
 
-    def show_pop(self, pop: DialoguePop) -> None:
+    def show_pop(self, pop: DialoguePopup) -> None:
         """Show this; nothing is done when it is shown already."""
         if pop == self._pop:
             return
         self._pop = pop
         self.entitle(pop.title, pop.robot)
         self.aside.show_action(pop.aside)
-        self.talk.show_said(pop.said, pop.robot)
+        self.transcript.show_sentences(pop.sentences, pop.robot)
         self._thinking.setText(f"Robot {pop.robot + 1} is thinking …")
         self._thinking.setVisible(not pop.choices)
         self._warning.setText(f"⚠ {pop.warning}")

@@ -14,7 +14,7 @@ _PICTURE = QSize(224, 168)
 """Logical pixels."""
 
 
-class Picture(QWidget):
+class TreasurePicture(QWidget):
     """The picture, or a frame for it with a word about why it is empty; beside nothing else, so that it is seen."""
 
     def __init__(self, parent: QWidget | None = None) -> None:
@@ -67,7 +67,7 @@ class Picture(QWidget):
         painter.drawPixmap(target, self._pixmap, QRectF(self._pixmap.rect()))
 
 
-class Facts(QWidget):
+class SensedFacts(QWidget):
     """What the robot sensed: a patch of the colour beside its word, a drawing of the footprint beside its words."""
 
     def __init__(self, parent: QWidget | None = None) -> None:
@@ -130,7 +130,7 @@ class Facts(QWidget):
             painter.drawRect(shape)
 
 
-class Verdict(QWidget):
+class NamingResult(QWidget):
     """What came of a name, and the points."""
 
     def __init__(self, parent: QWidget | None = None) -> None:

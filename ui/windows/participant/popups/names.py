@@ -14,7 +14,7 @@ from ui.windows.look import GAP
 from ui.windows.participant.widgets import focus
 
 
-class Names(QListWidget):
+class NameList(QListWidget):
     """What it may be. Nothing is picked until somebody picks.
 
     Attributes:
@@ -79,7 +79,7 @@ class Names(QListWidget):
         if name is not None:
             self.picked.emit(name)
         elif event.key() in focus.ARROWS:
-            focus.move(self, event.key())
+            focus.move_focus(self, event.key())
         else:
             event.ignore()
 

@@ -7,16 +7,16 @@ from PySide6.QtWidgets import (
     QWidget,
 )
 
-from ui.model.screen import PickName, TreasurePop
+from ui.model.screen import PickName, TreasurePopup
 from ui.windows import look
 from ui.windows.look import GAP
-from ui.windows.participant.popups.finding import Facts, Picture, Verdict
-from ui.windows.participant.popups.names import Names
+from ui.windows.participant.popups.finding import NamingResult, SensedFacts, TreasurePicture
+from ui.windows.participant.popups.names import NameList
 from ui.windows.participant.widgets.buttons import ActionButton
-from ui.windows.participant.widgets.panels import Panel
+from ui.windows.participant.widgets.panels import TitledPanel
 
 
-class TreasurePanel(Panel):
+class TreasurePanel(TitledPanel):
     """What was sensed and its picture at the left, what it may be at the right.
 
     Attributes:
@@ -27,7 +27,7 @@ class TreasurePanel(Panel):
 
     def __init__(self, parent: QWidget | None = None) -> None:
         super().__init__("Treasure", parent)
-        self._pop: TreasurePop | None = None
+        self._pop: TreasurePopup | None = None
         self.aside = ActionButton("quiet")
         self.top.addWidget(self.aside)
         columns = QHBoxLayout()
@@ -38,7 +38,12 @@ class TreasurePanel(Panel):
         right.setSpacing(GAP)
         columns.addLayout(left, 2)
         columns.addLayout(right, 3)
-        self.facts, self.picture, self.names, self.verdict = Facts(), Picture(), Names(), Verdict()
+        self.facts, self.picture, self.names, self.verdict = (
+            SensedFacts(),
+            TreasurePicture(),
+            NameList(),
+            NamingResult(),
+        )
         self.take_picture = ActionButton(hints=True)
         # Its place stays: the list would move under the pointer when the picture comes.
         keeping = self.take_picture.sizePolicy()
@@ -62,7 +67,7 @@ class TreasurePanel(Panel):
             button.asked.connect(self.asked)
         self.names.picked.connect(lambda name: self.asked.emit(PickName(name)))
 
-    def show_pop(self, pop: TreasurePop) -> None:
+    def show_pop(self, pop: TreasurePopup) -> None:
         """Show this; nothing is done when it is shown already."""
         if pop == self._pop:
             return

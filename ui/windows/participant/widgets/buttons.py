@@ -19,7 +19,7 @@ edge."""
 
 
 @dataclass(frozen=True, slots=True)
-class Face:
+class ButtonFace:
     """What a button shows; the attributes are those of `Action`."""
 
     label: str
@@ -32,7 +32,7 @@ class Face:
 _PRESSING = (Qt.Key.Key_Return, Qt.Key.Key_Enter, Qt.Key.Key_Space)
 
 
-class AskingButton(QPushButton):
+class ParticipantButton(QPushButton):
     """What all buttons of the participant's window have in common; how each one looks is up to it.
 
     One that cannot be pressed just now stays reachable: it says why when it is pressed, and the focus does not jump
@@ -48,20 +48,20 @@ class AskingButton(QPushButton):
 
     def __init__(self, parent: QWidget | None = None) -> None:
         super().__init__(parent)
-        self.face: Face | None = None
+        self.face: ButtonFace | None = None
         self.act: Act | None = None
         self.setFocusPolicy(Qt.FocusPolicy.TabFocus)
         self.setAttribute(Qt.WidgetAttribute.WA_Hover)
         self.clicked.connect(self._pressed)
 
-    def take(self, action: Action, name: str) -> None:
+    def bind(self, action: Action, name: str) -> None:
         """Keep the action; `name` is how assistive technology reads the button."""
         if action.act != self.act:
             self.setDown(False)  # a press begun on what was shown before must not end as one on this
         self.act = action.act
-        self.wear(Face(action.label, action.key, action.enabled, action.hint, action.busy), name)
+        self.show_face(ButtonFace(action.label, action.key, action.enabled, action.hint, action.pending), name)
 
-    def wear(self, face: Face, name: str) -> None:
+    def show_face(self, face: ButtonFace, name: str) -> None:
         """Keep the face, and tell assistive technology what this is, and why it cannot be pressed."""
         self.face = face
         state = "" if face.enabled else ", not possible just now"
@@ -89,7 +89,7 @@ class AskingButton(QPushButton):
     def keyPressEvent(self, event: QKeyEvent) -> None:
         """Enter presses as Space does; arrows go to the neighbours."""
         if event.key() in focus.ARROWS:
-            focus.move(self, event.key())
+            focus.move_focus(self, event.key())
         elif event.key() in _PRESSING[:2]:
             if not event.isAutoRepeat():
                 self.click()
@@ -106,7 +106,7 @@ class AskingButton(QPushButton):
             self.asked.emit(self.act)
 
 
-class ActionButton(AskingButton):
+class ActionButton(ParticipantButton):
     """The usual look: the label, below it the hint where `hints` says so, the key at the right."""
 
     def __init__(self, weight: Weight = "plain", *, hints: bool = False, parent: QWidget | None = None) -> None:
@@ -125,12 +125,12 @@ class ActionButton(AskingButton):
         """Show this; nothing is done when it is shown already."""
         if action != self._action:
             self._action = action
-            self.take(action, action.label)
+            self.bind(action, action.label)
 
-    def wear(self, face: Face, name: str) -> None:
+    def show_face(self, face: ButtonFace, name: str) -> None:
         """Show this face."""
         before = self.face
-        super().wear(face, name)
+        super().show_face(face, name)
         if before is None or replace(before, enabled=face.enabled) != face:
             self.updateGeometry()
         self.update()
@@ -197,7 +197,7 @@ class ActionButton(AskingButton):
             text.setLeft(text.left() + side + GAP / 2.0)
         self._words(painter, text, face, ink, worn.on_accent if filled else worn.muted)
 
-    def _words(self, painter: QPainter, area: QRectF, face: Face, ink: str, faint: str) -> None:
+    def _words(self, painter: QPainter, area: QRectF, face: ButtonFace, ink: str, faint: str) -> None:
         wrap = Qt.TextFlag.TextWordWrap
         hint = face.hint if self._hints else ""
         painter.setFont(self._font())
@@ -219,7 +219,7 @@ class ActionButton(AskingButton):
     def _above(self) -> float:
         return {"main": GAP, "large": 1.5 * GAP, "plain": GAP, "quiet": 0.6 * GAP, "small": 1.5}[self._weight]
 
-    def _beside(self, face: Face) -> float:
+    def _beside(self, face: ButtonFace) -> float:
         """Width of all that stands beside the label."""
         busy = key_size("X")[1] + GAP / 2.0 if face.busy else 0.0
         key = key_size(face.key)[0]

@@ -19,7 +19,7 @@ ARROWS: dict[int, tuple[int, int]] = {
 }
 
 
-def region(widget: QWidget, name: str) -> None:
+def make_region(widget: QWidget, name: str) -> None:
     """Make a widget a region that people call `name`."""
     widget.setProperty(REGION, name)
     widget.setAccessibleName(name)
@@ -46,7 +46,7 @@ def reachable(inside: QWidget) -> list[QWidget]:
     return [widget for row in rows for _, widget in sorted(row, key=lambda each: each[0].x())]
 
 
-def move(widget: QWidget, key: int) -> None:
+def move_focus(widget: QWidget, key: int) -> None:
     """Give the focus to a neighbour inside the widget's region: left and right as one reads, so that nothing is left
     out; up and down to the nearest one there.
     """
@@ -83,10 +83,10 @@ def next_region(regions: Sequence[QWidget], step: int) -> None:
         at for at, one in enumerate(open_ones) if focused is not None and (one is focused or one.isAncestorOf(focused))
     ]
     at = (inside[0] + step) % len(open_ones) if inside else (0 if step > 0 else -1)
-    enter(open_ones[at])
+    focus_region(open_ones[at])
 
 
-def enter(home: QWidget) -> None:
+def focus_region(home: QWidget) -> None:
     """Give the focus to a region, or to the first thing in it that can have it."""
     target = home if _takes(home) else next(iter(reachable(home)), home)
     target.setFocus(Qt.FocusReason.OtherFocusReason)

@@ -5,7 +5,7 @@ from typing import Literal
 from PySide6.QtCore import QPointF, QRectF, Qt
 from PySide6.QtGui import QBrush, QColor, QFontMetricsF, QPainter, QPainterPath, QPen, QPixmap
 
-from ui.windows.look import GAP, RADIUS, RING, colours, font, on
+from ui.windows.look import GAP, RADIUS, RING, colours, font, text_colour_on
 
 Sign = Literal["open", "way", "tick", "trouble", "busy", "talk", "mast"]
 """Not visited yet, a robot is under way, visited; something is wrong; asked for and not done yet; somebody speaks."""
@@ -53,7 +53,7 @@ def chip(painter: QPainter, centre: QPointF, robot: int) -> None:
     painter.setBrush(QColor(colour))
     painter.drawEllipse(around)
     painter.setFont(font("small", bold=True))
-    painter.setPen(QColor(on(colour)))
+    painter.setPen(QColor(text_colour_on(colour)))
     painter.drawText(around, Qt.AlignmentFlag.AlignCenter, str(robot + 1))
 
 

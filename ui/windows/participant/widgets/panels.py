@@ -8,14 +8,14 @@ from PySide6.QtWidgets import QFrame, QHBoxLayout, QLabel, QScrollArea, QSizePol
 
 from ui.windows import look
 from ui.windows.look import GAP, colours, font
-from ui.windows.participant.widgets.focus import region
+from ui.windows.participant.widgets.focus import make_region
 from ui.windows.participant.widgets.painting import chip, chip_size
 
-VEIL = "#0b0f14"
+OVERLAY_COLOUR = "#0b0f14"
 """What dims the window, light or dark."""
 
 
-class Chip(QWidget):
+class RobotChip(QWidget):
     """A robot's colour and number, for beside a title."""
 
     def __init__(self, parent: QWidget | None = None) -> None:
@@ -42,7 +42,7 @@ class Chip(QWidget):
             chip(painter, QPointF(self.width() / 2.0, self.height() / 2.0), self._robot)
 
 
-class Panel(QFrame):
+class TitledPanel(QFrame):
     """A panel above everything else, with a title.
 
     Attributes:
@@ -52,16 +52,16 @@ class Panel(QFrame):
 
     def __init__(self, name: str, parent: QWidget | None = None) -> None:
         super().__init__(parent)
-        look.panel(self)
-        region(self, name)
-        inside = Ground()
+        look.style_as_panel(self)
+        make_region(self, name)
+        inside = OpaqueBackground()
         self._around = QVBoxLayout(self)
         self._around.setContentsMargins(GAP, GAP, GAP, GAP)
         self._around.addWidget(inside)
         self.rows = QVBoxLayout(inside)
         self.rows.setContentsMargins(GAP, GAP, GAP, GAP)
         self.rows.setSpacing(int(1.5 * GAP))
-        self._chip = Chip()
+        self._chip = RobotChip()
         self._title = look.label(size="title", bold=True)
         self.top = QHBoxLayout()
         self.top.setSpacing(GAP)
@@ -82,7 +82,7 @@ class Panel(QFrame):
         return QSize(width, min(max(needed, around.totalMinimumSize().height()), height))
 
 
-class Ground(QWidget):
+class OpaqueBackground(QWidget):
     """The inside of a panel. Qt knows that nothing shines through: the map may move below without redrawing it."""
 
     def __init__(self) -> None:
@@ -94,7 +94,7 @@ class Ground(QWidget):
         QPainter(self).fillRect(event.rect(), QColor(colours().panel))
 
 
-class Bubble(QWidget):
+class SpeechBubble(QWidget):
     """One sentence that somebody said: a robot's at the left with its colour, yours at the right with the accent."""
 
     def __init__(self, speaker: Literal["robot", "you"], text: str, robot: int) -> None:
@@ -148,7 +148,7 @@ class Bubble(QWidget):
         return QFontMetricsF(font()).boundingRect(frame, int(Qt.TextFlag.TextWordWrap), self._text)
 
 
-class Talk(QScrollArea):
+class Transcript(QScrollArea):
     """What was said so far, the newest sentence at the bottom and in sight."""
 
     def __init__(self, parent: QWidget | None = None) -> None:
@@ -160,7 +160,7 @@ class Talk(QScrollArea):
         policy = QSizePolicy(QSizePolicy.Policy.Preferred, QSizePolicy.Policy.Preferred)
         policy.setHeightForWidth(True)
         self.setSizePolicy(policy)
-        inside = Ground()
+        inside = OpaqueBackground()
         self._lines = QVBoxLayout(inside)
         self._lines.setContentsMargins(0, 0, 0, 0)
         self._lines.setSpacing(GAP)
@@ -171,7 +171,7 @@ class Talk(QScrollArea):
         self._robot: int | None = None
         self.verticalScrollBar().rangeChanged.connect(self._to_end)
 
-    def show_said(self, said: tuple[tuple[Literal["robot", "you"], str], ...], robot: int) -> None:
+    def show_sentences(self, said: tuple[tuple[Literal["robot", "you"], str], ...], robot: int) -> None:
         """Show this; bubbles of what was shown already are kept."""
         if (said, robot) == (self._said, self._robot):
             return
@@ -184,7 +184,7 @@ class Talk(QScrollArea):
                 gone.hide()
                 gone.deleteLater()
         for speaker, text in said[keep:]:
-            self._lines.insertWidget(self._lines.count() - 1, Bubble(speaker, text, robot))
+            self._lines.insertWidget(self._lines.count() - 1, SpeechBubble(speaker, text, robot))
         self.updateGeometry()
 
     def heightForWidth(self, width: int) -> int:
@@ -210,7 +210,7 @@ class Talk(QScrollArea):
         bar.setValue(bar.maximum())
 
 
-class Veil(QWidget):
+class ModalOverlay(QWidget):
     """Dims what must not be used while something in front of it waits; holds one panel in its middle.
 
     Attributes:
@@ -221,11 +221,11 @@ class Veil(QWidget):
 
     def __init__(self, parent: QWidget) -> None:
         super().__init__(parent)
-        self._panel: Panel | None = None
+        self._panel: TitledPanel | None = None
         self._widest = 520
         self.hide()
 
-    def hold(self, panel: Panel | None, widest: int = 520) -> None:
+    def show_panel(self, panel: TitledPanel | None, widest: int = 520) -> None:
         """Show with this panel, or hide."""
         if panel is self._panel:
             self._place()
@@ -254,7 +254,7 @@ class Veil(QWidget):
     def paintEvent(self, _event: QPaintEvent) -> None:
         """Dim."""
         painter = QPainter(self)
-        dim = QColor(VEIL)
+        dim = QColor(OVERLAY_COLOUR)
         dim.setAlphaF(0.45)
         painter.fillRect(self.rect(), dim)
 

@@ -6,10 +6,10 @@ from enum import StrEnum
 from PySide6.QtCore import Signal
 from PySide6.QtWidgets import QGridLayout, QLabel, QVBoxLayout, QWidget
 
-from ui.windows.controls import Tick
+from ui.windows.controls import CheckBox
 
 
-class Display(StrEnum):
+class MapDisplay(StrEnum):
     """A kind of thing on the map."""
 
     TRUTH = "truth"
@@ -30,7 +30,7 @@ class Display(StrEnum):
 
 
 @dataclass(frozen=True, slots=True)
-class Switch:
+class DisplaySwitch:
     """How one kind is switched.
 
     Attributes:
@@ -47,25 +47,33 @@ class Switch:
 
 
 SWITCHES = {
-    Display.TRUTH: Switch("1", "Truth", True, "Where robots really are: dashed, tied to where they believe to be"),
-    Display.ELLIPSES: Switch("2", "Uncertainty", True, "Where a robot may be as well: 95 % of its belief"),
-    Display.CLOUDS: Switch("3", "Particle clouds", True, "Of the robot selected in full, of others thinned"),
-    Display.SCANS: Switch("4", "Laser scans", True, "From where the robot believes to be: off the walls when it errs"),
-    Display.GLOBAL_COSTMAP: Switch("5", "Global costmap", False, "Of the robot selected: its global planner's"),
-    Display.LOCAL_COSTMAP: Switch("6", "Local costmap", False, "Of the robot selected: its local planner's"),
-    Display.PLANS: Switch("7", "Plans", True, "The whole way to the goal"),
-    Display.LOCAL_PLANS: Switch("8", "Local plans", True, "The next moments"),
-    Display.PATHS: Switch("9", "Paths", True, "Where robots believed to be so far"),
-    Display.TRUE_PATHS: Switch("0", "True paths", False, "Where robots were so far"),
-    Display.ODOMETRY: Switch("", "Odometry", False, "What wheels counted, laid where the robot believes to be now"),
-    Display.GOALS: Switch("", "Goals", True, "Where robots shall end, and facing where"),
-    Display.FOOTPRINTS: Switch("", "Footprints", False, "Of the robots' bodies, as they published them last"),
-    Display.THINGS: Switch("", "Things in the way", True, "What no map shows"),
-    Display.ROOMS: Switch("", "Rooms", True, "Their outlines and numbers"),
+    MapDisplay.TRUTH: DisplaySwitch(
+        "1", "Truth", True, "Where robots really are: dashed, tied to where they believe to be"
+    ),
+    MapDisplay.ELLIPSES: DisplaySwitch("2", "Uncertainty", True, "Where a robot may be as well: 95 % of its belief"),
+    MapDisplay.CLOUDS: DisplaySwitch("3", "Particle clouds", True, "Of the robot selected in full, of others thinned"),
+    MapDisplay.SCANS: DisplaySwitch(
+        "4", "Laser scans", True, "From where the robot believes to be: off the walls when it errs"
+    ),
+    MapDisplay.GLOBAL_COSTMAP: DisplaySwitch(
+        "5", "Global costmap", False, "Of the robot selected: its global planner's"
+    ),
+    MapDisplay.LOCAL_COSTMAP: DisplaySwitch("6", "Local costmap", False, "Of the robot selected: its local planner's"),
+    MapDisplay.PLANS: DisplaySwitch("7", "Plans", True, "The whole way to the goal"),
+    MapDisplay.LOCAL_PLANS: DisplaySwitch("8", "Local plans", True, "The next moments"),
+    MapDisplay.PATHS: DisplaySwitch("9", "Paths", True, "Where robots believed to be so far"),
+    MapDisplay.TRUE_PATHS: DisplaySwitch("0", "True paths", False, "Where robots were so far"),
+    MapDisplay.ODOMETRY: DisplaySwitch(
+        "", "Odometry", False, "What wheels counted, laid where the robot believes to be now"
+    ),
+    MapDisplay.GOALS: DisplaySwitch("", "Goals", True, "Where robots shall end, and facing where"),
+    MapDisplay.FOOTPRINTS: DisplaySwitch("", "Footprints", False, "Of the robots' bodies, as they published them last"),
+    MapDisplay.THINGS: DisplaySwitch("", "Things in the way", True, "What no map shows"),
+    MapDisplay.ROOMS: DisplaySwitch("", "Rooms", True, "Their outlines and numbers"),
 }
 
 
-class Displays(QWidget):
+class DisplaysPanel(QWidget):
     """Switches of what the map shows.
 
     Signals:
@@ -76,13 +84,13 @@ class Displays(QWidget):
 
     def __init__(self) -> None:
         super().__init__()
-        self._boxes: dict[Display, Tick] = {}
+        self._boxes: dict[MapDisplay, CheckBox] = {}
         grid = QGridLayout()
         grid.setHorizontalSpacing(12)
         grid.setVerticalSpacing(6)
         grid.setColumnStretch(0, 1)
         for row, (display, switch) in enumerate(SWITCHES.items()):
-            box = Tick(switch.label)
+            box = CheckBox(switch.label)
             box.setChecked(switch.on)
             box.setToolTip(switch.hint)
             box.setAccessibleDescription(f"{switch.hint}. Key {switch.key}" if switch.key else switch.hint)
@@ -97,10 +105,10 @@ class Displays(QWidget):
         layout.addLayout(grid)
         layout.addStretch(1)
 
-    def shows(self, display: Display) -> bool:
+    def shows(self, display: MapDisplay) -> bool:
         """Whether it is on."""
         return self._boxes[display].isChecked()
 
-    def toggle(self, display: Display) -> None:
+    def toggle(self, display: MapDisplay) -> None:
         """Switch it on or off."""
         self._boxes[display].toggle()

@@ -9,19 +9,19 @@ from PySide6.QtGui import QColor, QGuiApplication, QKeySequence, QShortcut
 from PySide6.QtWidgets import QHBoxLayout, QHeaderView, QLabel, QLineEdit, QTableView, QVBoxLayout, QWidget
 
 from ui.model.theme import Palette
-from ui.windows.controls import Tick
+from ui.windows.controls import CheckBox
 
-CAPACITY = 20_000
+MAX_ROWS = 20_000
 """Rows that are kept; the oldest go first."""
-MAKE_ROOM = CAPACITY // 10
+DROPPED_AT_ONCE = MAX_ROWS // 10
 """Rows that go at once, so that a full list does not lose one with each that comes."""
 
-Index = QModelIndex | QPersistentModelIndex
-NOWHERE = QModelIndex()
+ModelIndex = QModelIndex | QPersistentModelIndex
+NO_PARENT = QModelIndex()
 
 
 @dataclass(frozen=True, slots=True)
-class Row:
+class LogRow:
     """One thing that was said or done.
 
     Attributes:
@@ -49,10 +49,10 @@ class LogModel(QAbstractTableModel):
         super().__init__(parent)
         self._titles = ("Time", *columns)
         self._palette = palette
-        self._rows: list[Row] = []
+        self._rows: list[LogRow] = []
         self._texts: list[str] = []
         self._words: tuple[str, ...] = ()
-        self._shown: list[Row] = []
+        self._shown: list[LogRow] = []
         self._now = float("inf")
         self._past = 0
 
@@ -68,18 +68,18 @@ class LogModel(QAbstractTableModel):
         """Number of the row that the time shown has come to; -1 before the first."""
         return self._past - 1
 
-    def row(self, number: int) -> Row:
+    def row(self, number: int) -> LogRow:
         """The row shown in this place."""
         return self._shown[number]
 
-    def extend(self, rows: Sequence[Row]) -> None:
+    def extend(self, rows: Sequence[LogRow]) -> None:
         """Take in what came later than all so far."""
         if not rows:
             return
-        rows = rows[-CAPACITY:]
+        rows = rows[-MAX_ROWS:]
         texts = [" ".join(row.cells).lower() for row in rows]
-        if len(self._rows) + len(rows) > CAPACITY:
-            self._rows = self._rows[max(0, len(self._rows) + len(rows) - CAPACITY) + MAKE_ROOM :] + list(rows)
+        if len(self._rows) + len(rows) > MAX_ROWS:
+            self._rows = self._rows[max(0, len(self._rows) + len(rows) - MAX_ROWS) + DROPPED_AT_ONCE :] + list(rows)
             self._texts = self._texts[len(self._texts) - (len(self._rows) - len(rows)) :] + texts
             self._choose()
             return
@@ -87,7 +87,7 @@ class LogModel(QAbstractTableModel):
         self._texts += texts
         fit = [row for row, text in zip(rows, texts, strict=True) if self._fits(text)]
         if fit:
-            self.beginInsertRows(NOWHERE, len(self._shown), len(self._shown) + len(fit) - 1)
+            self.beginInsertRows(NO_PARENT, len(self._shown), len(self._shown) + len(fit) - 1)
             self._shown += fit
             self._past = bisect_right(self._shown, self._now, key=_time)
             self.endInsertRows()
@@ -129,11 +129,11 @@ class LogModel(QAbstractTableModel):
 
     # What Qt asks
 
-    def rowCount(self, parent: Index = NOWHERE) -> int:
+    def rowCount(self, parent: ModelIndex = NO_PARENT) -> int:
         """Rows shown."""
         return 0 if parent.isValid() else len(self._shown)
 
-    def columnCount(self, parent: Index = NOWHERE) -> int:
+    def columnCount(self, parent: ModelIndex = NO_PARENT) -> int:
         """Columns, that of the time first."""
         return 0 if parent.isValid() else len(self._titles)
 
@@ -143,7 +143,7 @@ class LogModel(QAbstractTableModel):
             return self._titles[section]
         return None
 
-    def data(self, index: Index, role: int = 0) -> object:
+    def data(self, index: ModelIndex, role: int = 0) -> object:
         """A cell's text, its colour, and the whole of it for the pointer that rests on it."""
         row = self._shown[index.row()]
         if role in (Qt.ItemDataRole.DisplayRole, Qt.ItemDataRole.ToolTipRole):
@@ -158,7 +158,7 @@ class LogModel(QAbstractTableModel):
         return None
 
 
-class Log(QWidget):
+class LogView(QWidget):
     """A list with a box to filter it. It keeps to the time shown until somebody scrolls elsewhere.
 
     Args:
@@ -179,7 +179,7 @@ class Log(QWidget):
         self._filter = QLineEdit(placeholderText="Filter: words that a row must have", clearButtonEnabled=True)
         self._filter.setAccessibleName(f"Filter of {name}")
         self._filter.textChanged.connect(self._filtered)
-        self._follows = Tick("Keep to the time")
+        self._follows = CheckBox("Keep to the time")
         self._follows.setAccessibleDescription("Scrolls along with the time shown, until you scroll elsewhere")
         self._follows.setChecked(True)
         self._follows.toggled.connect(self._keep_up)
@@ -216,7 +216,7 @@ class Log(QWidget):
         layout.addWidget(self.table, 1)
         self._tell_size()
 
-    def extend(self, rows: Sequence[Row]) -> None:
+    def extend(self, rows: Sequence[LogRow]) -> None:
         """Take in what came later than all so far."""
         if rows:
             self.model.extend(rows)
@@ -278,5 +278,5 @@ class Log(QWidget):
         self.chosen.emit(self.model.row(index.row()).time)
 
 
-def _time(row: Row) -> float:
+def _time(row: LogRow) -> float:
     return row.time

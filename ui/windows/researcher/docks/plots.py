@@ -20,7 +20,7 @@ MOST_POINTS = 4000
 
 
 @dataclass(frozen=True, slots=True)
-class Panel:
+class PlotPanel:
     """One plot of several.
 
     Attributes:
@@ -35,7 +35,7 @@ class Panel:
 
 
 @dataclass(frozen=True, slots=True, eq=False)
-class Curves:
+class RobotCurves:
     """What is known of one robot over time.
 
     Attributes:
@@ -49,14 +49,14 @@ class Curves:
 
 
 PANELS = (
-    Panel("error", "Position error, m"),
-    Panel("heading_error", "Heading error, °", float(np.degrees(1.0))),
-    Panel("sigma", "Standard deviation, m"),
-    Panel("energy", "Energy"),
-    Panel("speed", "Speed, m/s"),
+    PlotPanel("error", "Position error, m"),
+    PlotPanel("heading_error", "Heading error, °", float(np.degrees(1.0))),
+    PlotPanel("sigma", "Standard deviation, m"),
+    PlotPanel("energy", "Energy"),
+    PlotPanel("speed", "Speed, m/s"),
 )
 BAND = "band"
-Span = Literal["all", "end", "free"]
+TimeRange = Literal["all", "end", "free"]
 """The time on view: all of it, its end that moves, or wherever somebody went."""
 
 
@@ -79,8 +79,8 @@ class Plots(QWidget):
     def __init__(self, palette: Palette, live: bool) -> None:
         super().__init__()
         self._palette = palette
-        self._home: Span = "end" if live else "all"
-        self._span: Span = self._home
+        self._home: TimeRange = "end" if live else "all"
+        self._span: TimeRange = self._home
         self._now = 0.0
         self._end = 0.0
         self._selected = 0
@@ -121,7 +121,7 @@ class Plots(QWidget):
         layout.addWidget(self.canvas)
         self.set_palette(palette)
 
-    def show_curves(self, robots: Sequence[Curves], end: float) -> None:
+    def show_curves(self, robots: Sequence[RobotCurves], end: float) -> None:
         """Draw these; what was drawn before of the same robots goes.
 
         Args:
@@ -184,7 +184,7 @@ class Plots(QWidget):
         times = None if curve is None else curve.getOriginalDataset()[0]
         return 0 if times is None else len(times)
 
-    def place_of(self, time: float) -> QPointF:
+    def position_of(self, time: float) -> QPointF:
         """Where a moment is in this widget, on the first plot."""
         box = self._plots[PANELS[0].name].getViewBox()
         return QPointF(self.canvas.mapFromScene(box.mapViewToScene(QPointF(time, 0.0))))

@@ -8,7 +8,7 @@ from PySide6.QtGui import QColor, QIcon, QPainter, QPixmap
 from PySide6.QtWidgets import QHeaderView, QTableView, QVBoxLayout, QWidget
 
 from ui.model.theme import Palette
-from ui.windows.researcher.docks.log import NOWHERE, Index
+from ui.windows.researcher.docks.log import NO_PARENT, ModelIndex
 
 
 @dataclass(frozen=True, slots=True)
@@ -71,11 +71,11 @@ class TeamModel(QAbstractTableModel):
         if self._rows:
             self.dataChanged.emit(self.index(0, 0), self.index(len(self._rows) - 1, len(TITLES) - 1))
 
-    def rowCount(self, parent: Index = NOWHERE) -> int:
+    def rowCount(self, parent: ModelIndex = NO_PARENT) -> int:
         """How many robots."""
         return 0 if parent.isValid() else len(self._rows)
 
-    def columnCount(self, parent: Index = NOWHERE) -> int:
+    def columnCount(self, parent: ModelIndex = NO_PARENT) -> int:
         """What is said of each."""
         return 0 if parent.isValid() else len(TITLES)
 
@@ -88,7 +88,7 @@ class TeamModel(QAbstractTableModel):
                 return HINTS[section]
         return None
 
-    def data(self, index: Index, role: int = 0) -> object:
+    def data(self, index: ModelIndex, role: int = 0) -> object:
         """A cell's text and colour."""
         row = self._rows[index.row()]
         if role == Qt.ItemDataRole.DisplayRole:
@@ -115,7 +115,7 @@ class TeamModel(QAbstractTableModel):
         return icon
 
 
-class Team(QWidget):
+class TeamView(QWidget):
     """The list of robots; a click or the arrow keys select one.
 
     Args:

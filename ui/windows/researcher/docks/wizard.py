@@ -14,12 +14,12 @@ from PySide6.QtWidgets import (
     QWidget,
 )
 
-from thbridge.hunt.costs import spoken_energy
+from thbridge.hunt.costs import energy_text
 from thbridge.hunt.rules import robot_name
 from ui.model.watching.scene import PendingAdvice, PendingTurn, Wizard
-from ui.windows.controls import Tick
+from ui.windows.controls import CheckBox
 
-BOXES, ROOMS = 5, 4
+PUPPETS_PER_ROW, ROOMS_PER_ROW = 5, 4
 """Robots, and rooms, beside each other."""
 
 
@@ -38,14 +38,14 @@ class WizardDock(QWidget):
 
     def __init__(self) -> None:
         super().__init__()
-        self._puppets: list[Tick] = []
+        self._puppets: list[CheckBox] = []
         self._shown: Wizard | None = None
         self._reason = ""
         self._note = QLabel("Robots that are ticked speak only what you let them say. The recording marks it as yours.")
         self._note.setWordWrap(True)
         self._boxes = QGridLayout()
         self._boxes.addWidget(QLabel("Speak for"), 0, 0)
-        self._boxes.setColumnStretch(BOXES + 1, 1)
+        self._boxes.setColumnStretch(PUPPETS_PER_ROW + 1, 1)
         self._cards = QVBoxLayout()
         self._cards.setAlignment(Qt.AlignmentFlag.AlignTop)
         inside = QWidget()
@@ -87,12 +87,12 @@ class WizardDock(QWidget):
     def _show_puppets(self, robots: int, puppets: tuple[int, ...]) -> None:
         while len(self._puppets) < robots:
             robot = len(self._puppets)
-            box = Tick(robot_name(robot))
+            box = CheckBox(robot_name(robot))
             box.setAccessibleName(f"Speak for {robot_name(robot)}")
             box.setEnabled(not self._reason)
             box.clicked.connect(lambda on, robot=robot: self.puppeteered.emit(robot, on))
             self._puppets.append(box)
-            self._boxes.addWidget(box, robot // BOXES, 1 + robot % BOXES)
+            self._boxes.addWidget(box, robot // PUPPETS_PER_ROW, 1 + robot % PUPPETS_PER_ROW)
         for robot, box in enumerate(self._puppets):
             box.setVisible(robot < robots)
             box.setChecked(robot in puppets)
@@ -122,9 +122,9 @@ class WizardDock(QWidget):
         rooms = QGridLayout()
         for number, (room, cost) in enumerate(wish.costs):
             own = "; its own choice" if room == wish.suggestion else ""
-            button = QPushButton(f"Room {room} ({spoken_energy(cost)}{own})")
+            button = QPushButton(f"Room {room} ({energy_text(cost)}{own})")
             button.clicked.connect(partial(self._advise, wish.robot, room))
-            rooms.addWidget(button, number // ROOMS, number % ROOMS)
+            rooms.addWidget(button, number // ROOMS_PER_ROW, number % ROOMS_PER_ROW)
         column.addLayout(rooms)
         return card
 

@@ -3,11 +3,11 @@
 from typing import Protocol
 
 from thbridge.roles.robot_requests import PaceRequest, Request
-from ui.model.watching.scene import Scene, Shown
+from ui.model.watching.scene import Scene, ShownLayers
 from ui.model.watching.series import Series
-from ui.model.watching.story import Story
+from ui.model.watching.session_log import SessionLog
 
-Wish = Request | PaceRequest
+FeedRequest = Request | PaceRequest
 """What is asked of the robots, or of the session's pace."""
 
 
@@ -23,7 +23,7 @@ class Feed(Protocol):
         """Why nothing can ever be asked of the robots; empty where it can."""
 
     @property
-    def edition(self) -> int:
+    def generation(self) -> int:
         """Counts up when all that was told before is void."""
 
     @property
@@ -31,7 +31,7 @@ class Feed(Protocol):
         """ROS time of its beginning."""
 
     @property
-    def story(self) -> Story:
+    def log(self) -> SessionLog:
         """What happened, as far as it is known."""
 
     @property
@@ -60,7 +60,7 @@ class Feed(Protocol):
     def work(self) -> bool:
         """Do some milliseconds of what there is to do beside; whether there is more of it."""
 
-    def scene(self, shown: Shown) -> Scene | None:
+    def scene(self, shown: ShownLayers) -> Scene | None:
         """How things stand at the moment shown; None before anything is known."""
 
     def state(self, now: float) -> str:
@@ -69,7 +69,7 @@ class Feed(Protocol):
     def trouble(self) -> str:
         """Why there is nothing to see, or nothing new; empty where all is well."""
 
-    def take_news(self) -> list[str]:
+    def take_notices(self) -> list[str]:
         """What is to be told once, in sentences."""
 
     def play(self, on: bool) -> None:
@@ -84,7 +84,7 @@ class Feed(Protocol):
     def seek(self, time: float) -> None:
         """Go to this moment."""
 
-    def ask(self, wish: Wish) -> str:
+    def ask(self, wish: FeedRequest) -> str:
         """Ask for something; empty, or why that cannot be done."""
 
     def close(self) -> None:

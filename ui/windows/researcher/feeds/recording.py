@@ -8,19 +8,19 @@ from pathlib import Path
 
 from thbridge.files.errors import BadFile
 from ui.model.watching.playback import Playback
-from ui.model.watching.scene import Scene, Shown
+from ui.model.watching.scene import Scene, ShownLayers
 from ui.model.watching.series import Series
-from ui.model.watching.story import Story
+from ui.model.watching.session_log import SessionLog
 from ui.model.watching.tools import RECORDED
 from ui.sources.bag import BagSource, open_bag
 from ui.sources.rooms import rooms_of
-from ui.windows.researcher.feeds.feed import Wish
+from ui.windows.researcher.feeds.feed import FeedRequest
 
-PIECE = 0.008
+READ_SLICE = 0.008
 """Seconds of reading between two looks at what else is to be done."""
 
 
-class Opening:
+class BagOpener:
     """Opens a recording in a thread of its own.
 
     Attributes:
@@ -63,7 +63,7 @@ class Opening:
                 if source.session is not None:
                     source.rooms = rooms_of(source.session, self.path)
                 # What is read for the first picture would keep the window waiting.
-                source.scene(source.start_ns, Shown())
+                source.scene(source.start_ns, ShownLayers())
                 return source
         return None
 
@@ -73,7 +73,7 @@ def _keep_for_good() -> None:
     gc.freeze()
 
 
-class Recording:
+class RecordingFeed:
     """A recording; see `Feed`.
 
     Args:
@@ -83,8 +83,8 @@ class Recording:
     live = False
     refusal = RECORDED.sentence
 
-    def __init__(self, opening: Opening) -> None:
-        self._opening = opening
+    def __init__(self, opening: BagOpener) -> None:
+        self._opener = opening
         self._source: BagSource | None = None
         self._reading: Iterator[float] = iter(())
         self._share = 0.0
@@ -93,8 +93,8 @@ class Recording:
         self._now = 0.0
         self._fault = ""
         self._told = 0
-        self._story, self._series = Story(), Series(0)
-        self.edition = 0
+        self._story, self._series = SessionLog(), Series(0)
+        self.generation = 0
 
     @property
     def start_ns(self) -> int:
@@ -102,7 +102,7 @@ class Recording:
         return 0 if self._source is None else self._source.start_ns
 
     @property
-    def story(self) -> Story:
+    def log(self) -> SessionLog:
         """What happened, as far as it was read."""
         return self._story
 
@@ -123,26 +123,26 @@ class Recording:
 
     def advance(self, now: float) -> None:
         """Open it as soon as can be, and play."""
-        if self._source is None and self._opening.source is not None:
-            self._begin(self._opening.source)
-        if self._opening.fault is not None:
-            self._fault = str(self._opening.fault)
+        if self._source is None and self._opener.source is not None:
+            self._begin(self._opener.source)
+        if self._opener.fault is not None:
+            self._fault = str(self._opener.fault)
         self._now = now
         self._playback.advance(now)
 
     def _begin(self, source: BagSource) -> None:
         self._source = source
-        self._story, self._series = source.story, source.series
+        self._story, self._series = source.log, source.series
         self._playback = Playback(source.start_ns, source.end_ns)
         self._reading = source.scan()
-        self.edition += 1
+        self.generation += 1
         _keep_for_good()
 
     def work(self) -> bool:
         """Read some of what happened in all of it."""
         if self._source is None or self._whole or self._fault:
             return False
-        end = time.perf_counter() + PIECE
+        end = time.perf_counter() + READ_SLICE
         try:
             while time.perf_counter() < end:
                 share = next(self._reading, None)
@@ -155,7 +155,7 @@ class Recording:
             self._fault = str(fault)
         return True
 
-    def scene(self, shown: Shown) -> Scene | None:
+    def scene(self, shown: ShownLayers) -> Scene | None:
         """How things stood at the moment shown."""
         if self._source is None:
             return None
@@ -169,20 +169,20 @@ class Recording:
     def state(self, now: float) -> str:
         """How far it was read."""
         if self._source is None:
-            return f"opening, {self._opening.share:.0%}"
+            return f"opening, {self._opener.share:.0%}"
         return "recording" if self._whole else f"reading, {self._share:.0%}"
 
     def trouble(self) -> str:
         """Why it cannot be shown."""
         if self._fault:
             return self._fault
-        return "" if self._source is not None else f"Opening {self._opening.path} ({self._opening.share:.0%})"
+        return "" if self._source is not None else f"Opening {self._opener.path} ({self._opener.share:.0%})"
 
-    def take_news(self) -> list[str]:
+    def take_notices(self) -> list[str]:
         """What topics cannot be read, once it is open."""
-        if self._source is None or self._told == self.edition:
+        if self._source is None or self._told == self.generation:
             return []
-        self._told = self.edition
+        self._told = self.generation
         return list(self._source.unreadable)
 
     @property
@@ -213,13 +213,13 @@ class Recording:
         """Go to this moment, or as near as it goes."""
         self._playback.seek(self.start_ns + round(time * 1e9))
 
-    def ask(self, wish: Wish) -> str:
+    def ask(self, wish: FeedRequest) -> str:
         """Nothing can be asked of the past."""
         return self.refusal
 
     def close(self) -> None:
         """Close the file, or give up opening it."""
         gc.unfreeze()
-        self._opening.give_up()
+        self._opener.give_up()
         if self._source is not None:
             self._source.close()

@@ -5,33 +5,33 @@ import threading
 from collections import deque
 from pathlib import Path
 
-from thbridge.app.session.watching import request_line
+from thbridge.app.session.watch_requests import request_line
 from thbridge.files.map_files import MapRoom
 from thbridge.roles.robot_requests import Pause, Resume, SetRate, Step
-from thbridge.ros.messages.records import Session as SessionRecord
+from thbridge.ros.messages.records import SessionRecord
 from thbridge.ros.names import MAP_FRAME
-from thbridge.sockets.text_client import LossReason, Lost
-from thbridge.sockets.watch_client import Connected, WatchClient
-from thbridge.wire.watching import Said, Status, status_in
+from thbridge.sockets.text_client import ConnectionLost, LossReason
+from thbridge.sockets.watch_client import WatchClient, WatchConnected
+from thbridge.wire.watch_protocol import SessionMessage, WatchStatus, status_in
 from ui.model.watching.frames import Frames
 from ui.model.watching.live import LiveSource
-from ui.model.watching.scene import Scene, Shown
+from ui.model.watching.scene import Scene, ShownLayers
 from ui.model.watching.series import Series
-from ui.model.watching.story import Story
+from ui.model.watching.session_log import SessionLog
 from ui.sources.rooms import rooms_of
-from ui.windows.researcher.feeds.feed import Wish
+from ui.windows.researcher.feeds.feed import FeedRequest
 
 SENDER = "watch"
 """In whose name this window asks."""
-MOMENTS = 2.0
+DELAY_WINDOW = 2.0
 """Seconds over which messages are timed."""
-LAG, LAG_SPAN = 0.5, 10.0
+LAG_THRESHOLD, LAG_WINDOW = 0.5, 10.0
 """Seconds that a session falls behind which are worth a word, and within how many; it never makes up for them."""
-SILENCE = 1.5
+STALE_AFTER = 1.5
 """Seconds without a word after which a session that is not paused is called silent."""
 
 
-class Connection:
+class WatchConnection:
     """Runs a client in a thread of its own until it is closed.
 
     Args:
@@ -62,7 +62,7 @@ class Connection:
             self._loop.close()
 
 
-class Session:
+class SessionFeed:
     """A session under way; see `Feed`.
 
     Args:
@@ -73,22 +73,22 @@ class Session:
     live = True
     refusal = ""
 
-    def __init__(self, connection: Connection, address: str) -> None:
+    def __init__(self, connection: WatchConnection, address: str) -> None:
         self._connection = connection
         self._address = address
         self._source = LiveSource()
-        self._status: Status | None = None
-        self._lost: Lost | None = None
+        self._status: WatchStatus | None = None
+        self._lost: ConnectionLost | None = None
         self._connected = False
         self._refusals = 0
-        self._news: list[str] = []
-        self._came: deque[tuple[float, float]] = deque()
+        self._notices: list[str] = []
+        self._delays: deque[tuple[float, float]] = deque()
         self._lags: deque[tuple[float, float]] = deque()
         self._rooms: tuple[int, tuple[MapRoom, ...]] | None = None
         self._asked_for_rooms = -1
 
     @property
-    def edition(self) -> int:
+    def generation(self) -> int:
         """Counts sessions."""
         return self._source.sessions
 
@@ -98,9 +98,9 @@ class Session:
         return self._source.start_ns
 
     @property
-    def story(self) -> Story:
+    def log(self) -> SessionLog:
         """What happened since it is watched."""
-        return self._source.story
+        return self._source.log
 
     @property
     def series(self) -> Series:
@@ -129,52 +129,52 @@ class Session:
 
     def advance(self, now: float) -> None:
         """Take what was heard."""
-        messages: list[Said] = []
+        messages: list[SessionMessage] = []
         for event in self._connection.client.take():
             match event:
-                case Connected():
+                case WatchConnected():
                     self._connected, self._lost = True, None
-                case Lost():
+                case ConnectionLost():
                     self._connected, self._lost = False, event
-                case Said():
+                case SessionMessage():
                     status = status_in(event)
                     if status is None:
                         messages.append(event)
                     else:
-                        self._hear(status, now)
+                        self._take_status(status, now)
         self._source.take(messages, now)
         if messages:
             self._measure(now)
         self._find_rooms()
 
-    def _hear(self, status: Status, now: float) -> None:
+    def _take_status(self, status: WatchStatus, now: float) -> None:
         before, self._status = self._status, status
         self._lags.append((now, status.lag))
-        while self._lags[0][0] < now - LAG_SPAN:
+        while self._lags[0][0] < now - LAG_WINDOW:
             self._lags.popleft()
         if before is None or (before.paused, before.rate) != (status.paused, status.rate):
-            self._came.clear()
+            self._delays.clear()
         if status.refusals < self._refusals:
             self._refusals = 0  # of another connection
         if status.refused is not None and status.refusals > self._refusals:
-            self._news.append(f"Refused: {status.refused.reason}.")
+            self._notices.append(f"Refused: {status.refused.reason}.")
         self._refusals = status.refusals
 
     def _measure(self, now: float) -> None:
         """How much later the latest message came than the quickest of the last moments."""
         if not self.playing or self.speed == 0.0:
-            self._came.clear()
-        self._came.append((now, now - self._source.end_ns / 1e9 / (self.speed or 1.0)))
-        while self._came[0][0] < now - MOMENTS:
-            self._came.popleft()
+            self._delays.clear()
+        self._delays.append((now, now - self._source.end_ns / 1e9 / (self.speed or 1.0)))
+        while self._delays[0][0] < now - DELAY_WINDOW:
+            self._delays.popleft()
 
     def _find_rooms(self) -> None:
         """Reading a map takes longer than a frame."""
         record = self._source.session
-        if record is not None and self._asked_for_rooms != self.edition:
-            self._asked_for_rooms = self.edition
-            threading.Thread(target=self._read_rooms, args=(record, self.edition), daemon=True).start()
-        if self._rooms is not None and self._rooms[0] == self.edition:
+        if record is not None and self._asked_for_rooms != self.generation:
+            self._asked_for_rooms = self.generation
+            threading.Thread(target=self._read_rooms, args=(record, self.generation), daemon=True).start()
+        if self._rooms is not None and self._rooms[0] == self.generation:
             self._source.rooms, self._rooms = self._rooms[1], None
 
     def _read_rooms(self, record: SessionRecord, edition: int) -> None:
@@ -184,7 +184,7 @@ class Session:
         """There is nothing to do beside."""
         return False
 
-    def scene(self, shown: Shown) -> Scene | None:
+    def scene(self, shown: ShownLayers) -> Scene | None:
         """How things stand."""
         return self._source.scene(shown) if self._source.messages else None
 
@@ -194,14 +194,14 @@ class Session:
             return "not connected"
         if self._status is not None and self._status.paused:
             return "live, paused"
-        silent = self._source.silent_for(now)
-        if silent > SILENCE:
+        silent = self._source.stale_for(now)
+        if silent > STALE_AFTER:
             return "live, silent"
-        behind = self._came[-1][1] - min(came for _, came in self._came) if self._came else 0.0
+        behind = self._delays[-1][1] - min(came for _, came in self._delays) if self._delays else 0.0
         state = f"live, {1000.0 * behind:.0f} ms behind"
         lost = self._lags[-1][1] - min(lag for _, lag in self._lags) if self._lags else 0.0
-        if lost > LAG:
-            state += f"; the session is too slow, {lost:.1f} s in the last {LAG_SPAN:.0f}"
+        if lost > LAG_THRESHOLD:
+            state += f"; the session is too slow, {lost:.1f} s in the last {LAG_WINDOW:.0f}"
         if self._status is not None and self._status.dropped:
             state += f"; {self._status.dropped} messages lost"
         return state
@@ -219,9 +219,9 @@ class Session:
             case _:
                 return f"The connection to {self._address} is lost{detail}. Trying again."
 
-    def take_news(self) -> list[str]:
+    def take_notices(self) -> list[str]:
         """What was refused."""
-        news, self._news = self._news, []
+        news, self._notices = self._notices, []
         return news
 
     def play(self, on: bool) -> None:
@@ -240,7 +240,7 @@ class Session:
     def seek(self, time: float) -> None:
         """A session under way cannot be sought through: its bag can, afterwards."""
 
-    def ask(self, wish: Wish) -> str:
+    def ask(self, wish: FeedRequest) -> str:
         """Send a wish; whether it is granted is heard later."""
         sent = self._connection.client.send(request_line(SENDER, wish))
         return "" if sent else f"There is no connection to {self._address}: nothing can be asked."

@@ -7,20 +7,20 @@ from PySide6.QtGui import QBrush, QColor, QPainter, QPen, QPolygonF
 from sim.common.geometry import FloatArray
 from ui.model.watching.scene import NO_POINTS, RobotScene, Scene
 from ui.windows.map import MapView
-from ui.windows.map.layers import Arrows, Costs, Lines, Points
+from ui.windows.map.layers import CostmapImageLayer, LineLayer, PointLayer, PoseLayer
 from ui.windows.map.points import polygon
-from ui.windows.researcher.docks.displays import Display, Displays
+from ui.windows.researcher.docks.displays import DisplaysPanel, MapDisplay
 
-COSTS, FLOOR, FLAT, ABOVE = -30, -20, -10, 10
+Z_COSTS, Z_FLOOR, Z_FLAT, Z_ABOVE = -30, -20, -10, 10
 """Order of what lies below the robots, and above them."""
 MOST_POINTS = 1500
 """A path of more is drawn by every second point, or every fourth, and so on."""
 
 
-class Things:
+class ThingLayer:
     """Outlines of what stands or walks in the way; a layer of the map."""
 
-    z = FLAT
+    z = Z_FLAT
 
     def __init__(self) -> None:
         self._outlines: tuple[tuple[str, FloatArray], ...] = ()
@@ -41,7 +41,7 @@ class Things:
             painter.drawText(QPointF(body.boundingRect().right() + 4.0, body.boundingRect().center().y()), name)
 
 
-class Paths:
+class PathLayer:
     """Paths of one robot, in dashes or dots; a layer of the map.
 
     Args:
@@ -50,7 +50,7 @@ class Paths:
     """
 
     def __init__(self, robot: int, style: Qt.PenStyle) -> None:
-        self.z = FLAT
+        self.z = Z_FLAT
         self._robot = robot
         self._style = style
         self._points: FloatArray = NO_POINTS
@@ -67,10 +67,10 @@ class Paths:
             painter.drawPolyline(QPolygonF(polygon(view.camera.to_screen(self._points))))
 
 
-class Cloud:
+class ParticleLayer:
     """Particles of the robot selected, above its body, often wider than they are spread; a layer of the map."""
 
-    z = ABOVE
+    z = Z_ABOVE
 
     def __init__(self) -> None:
         self._points: FloatArray = NO_POINTS
@@ -87,30 +87,30 @@ class Cloud:
         painter.drawPoints(polygon(view.camera.to_screen(self._points)))
 
 
-class _OfRobot:
+class _RobotLayers:
     """All layers of one robot."""
 
     def __init__(self, robot: int, view: MapView) -> None:
-        self.cloud = Points(robot, FLOOR, 0.7)
-        self.scan = Points(robot, FLAT, 1.0, 3.0)
-        self.plan = Lines(robot, FLAT, 1.0, 3.0)
-        self.true_path = Paths(robot, Qt.PenStyle.DotLine)
-        self.odometry = Paths(robot, Qt.PenStyle.DashDotLine)
-        self.goal = Arrows(robot, ABOVE, 1.0, 0.5, 3.0)
-        self.footprint = Lines(robot, ABOVE, 1.0, 1.5)
+        self.cloud = PointLayer(robot, Z_FLOOR, 0.7)
+        self.scan = PointLayer(robot, Z_FLAT, 1.0, 3.0)
+        self.plan = LineLayer(robot, Z_FLAT, 1.0, 3.0)
+        self.true_path = PathLayer(robot, Qt.PenStyle.DotLine)
+        self.odometry = PathLayer(robot, Qt.PenStyle.DashDotLine)
+        self.goal = PoseLayer(robot, Z_ABOVE, 1.0, 0.5, 3.0)
+        self.footprint = LineLayer(robot, Z_ABOVE, 1.0, 1.5)
         for layer in (self.cloud, self.scan, self.plan, self.true_path, self.odometry, self.goal, self.footprint):
             view.add_layer(layer)
 
-    def show(self, robot: RobotScene, selected: bool, on: Displays) -> None:
+    def show(self, robot: RobotScene, selected: bool, on: DisplaysPanel) -> None:
         self.cloud.show(NO_POINTS if selected else robot.cloud[:, :2])
         self.scan.show(robot.scan)
-        self.plan.show((robot.local_plan,) if on.shows(Display.LOCAL_PLANS) else ())
-        self.true_path.show(drawn(robot.truth_path) if on.shows(Display.TRUE_PATHS) else NO_POINTS)
-        self.odometry.show(drawn(robot.odometry_path) if on.shows(Display.ODOMETRY) else NO_POINTS)
-        goal = robot.goal if on.shows(Display.GOALS) else None
+        self.plan.show((robot.local_plan,) if on.shows(MapDisplay.LOCAL_PLANS) else ())
+        self.true_path.show(thinned_path(robot.truth_path) if on.shows(MapDisplay.TRUE_PATHS) else NO_POINTS)
+        self.odometry.show(thinned_path(robot.odometry_path) if on.shows(MapDisplay.ODOMETRY) else NO_POINTS)
+        goal = robot.goal if on.shows(MapDisplay.GOALS) else None
         self.goal.show(np.empty((0, 3)) if goal is None else goal.array()[np.newaxis])
         closed = np.concatenate((robot.footprint, robot.footprint[:1]))
-        self.footprint.show((closed,) if on.shows(Display.FOOTPRINTS) else ())
+        self.footprint.show((closed,) if on.shows(MapDisplay.FOOTPRINTS) else ())
 
 
 class Overlays:
@@ -122,20 +122,20 @@ class Overlays:
 
     def __init__(self, view: MapView) -> None:
         self._view = view
-        self._robots: dict[int, _OfRobot] = {}
-        self._costs = (Costs(COSTS), Costs(COSTS + 1))
+        self._robots: dict[int, _RobotLayers] = {}
+        self._costs = (CostmapImageLayer(Z_COSTS), CostmapImageLayer(Z_COSTS + 1))
         self._shown: list[object] = [None, None]
-        self._things = Things()
-        self._cloud = Cloud()
+        self._things = ThingLayer()
+        self._cloud = ParticleLayer()
         for layer in (*self._costs, self._things, self._cloud):
             view.add_layer(layer)
 
-    def show(self, scene: Scene, selected: int, on: Displays) -> None:
+    def show(self, scene: Scene, selected: int, on: DisplaysPanel) -> None:
         """How things stand; the view is painted anew by whoever shows the robots next."""
-        self._things.show(tuple((t.name, t.outline) for t in scene.things) if on.shows(Display.THINGS) else ())
+        self._things.show(tuple((t.name, t.outline) for t in scene.things) if on.shows(MapDisplay.THINGS) else ())
         for robot in scene.robots:
             if robot.robot not in self._robots:
-                self._robots[robot.robot] = _OfRobot(robot.robot, self._view)
+                self._robots[robot.robot] = _RobotLayers(robot.robot, self._view)
             self._robots[robot.robot].show(robot, robot.robot == selected, on)
         chosen = next((robot for robot in scene.robots if robot.robot == selected), None)
         self._cloud.show(NO_POINTS if chosen is None else chosen.cloud[:, :2])
@@ -150,7 +150,7 @@ class Overlays:
                 layer.show(costmap.cells, costmap.origin, costmap.resolution)
 
 
-def drawn(path: FloatArray) -> FloatArray:
+def thinned_path(path: FloatArray) -> FloatArray:
     """A path with no more points than can be seen; the last one stays."""
     step = 1
     while len(path) > step * MOST_POINTS:

@@ -8,13 +8,13 @@ from PySide6.QtGui import QColor, QPainter, QPen, QPolygonF
 from sim.common.geometry import FloatArray, Pose2
 from ui.model.watching.tools import Shape, obstacle
 from ui.windows.map import MapView
-from ui.windows.researcher.map.tools import Gesture, Tool
+from ui.windows.researcher.map.tools import Gesture, MapTool
 
 HEAD = 14.0
 """Length of an arrow's head, pixels."""
 
 
-class Preview:
+class ToolPreview:
     """The stroke of a tool; a layer of the map.
 
     Attributes:
@@ -42,11 +42,11 @@ class Preview:
         colour.setAlpha(60)
         painter.setBrush(colour)
         match gesture.tool:
-            case Tool.GOAL | Tool.POSE:
+            case MapTool.GOAL | MapTool.POSE:
                 self._arrow(painter, view, gesture)
-            case Tool.CARRY:
+            case MapTool.CARRY:
                 self._ghost(painter, view, gesture)
-            case Tool.OBSTACLE:
+            case MapTool.OBSTACLE:
                 thing = obstacle("", self.shape, Pose2(gesture.x, gesture.y, 0.0), gesture.size)
                 painter.drawPolygon(
                     QPolygonF(
@@ -61,7 +61,7 @@ class Preview:
         start = QPointF(*view.camera.pixel(gesture.x, gesture.y))
         end = QPointF(*view.camera.pixel(gesture.to_x, gesture.to_y))
         painter.drawEllipse(start, 5.0, 5.0)
-        if gesture.click:
+        if gesture.is_click:
             return
         painter.drawLine(start, end)
         sides = [

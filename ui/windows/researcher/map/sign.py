@@ -3,13 +3,13 @@
 from PySide6.QtGui import QAccessible, QAccessibleAnnouncementEvent
 from PySide6.QtWidgets import QLabel, QWidget
 
-from ui.windows.look import panel
+from ui.windows.look import style_as_panel
 
 WIDEST, EDGE = 640, 16
 """Of the sign, and its distance from the map's edges; pixels."""
 
 
-class Sign(QLabel):
+class TroubleSign(QLabel):
     """Tells what is wrong, or what is waited for.
 
     Args:
@@ -21,10 +21,10 @@ class Sign(QLabel):
         self.setAccessibleDescription("Trouble")
         self.setWordWrap(True)
         self.setMargin(8)
-        panel(self)
+        style_as_panel(self)
         self.hide()
 
-    def say(self, text: str) -> None:
+    def show_sentence(self, text: str) -> None:
         """Show a sentence; an empty one hides the sign."""
         if text == self.text() and self.isHidden() == (not text):
             return

@@ -7,7 +7,7 @@ from enum import StrEnum
 from ui.model.watching.tools import LEAST_SIZE
 
 
-class Tool(StrEnum):
+class MapTool(StrEnum):
     """What a press on the map begins."""
 
     LOOK = "look"
@@ -17,9 +17,9 @@ class Tool(StrEnum):
     OBSTACLE = "obstacle"
 
 
-STILL = 0.1
+CLICK_DISTANCE = 0.1
 """Metres of dragging below which a press was a click."""
-USUAL = 0.5
+DEFAULT_SIZE = 0.5
 """Metres across an obstacle that is put by a click."""
 
 
@@ -27,7 +27,7 @@ USUAL = 0.5
 class Gesture:
     """From where the button was pressed to where the pointer is; map frame, metres."""
 
-    tool: Tool
+    tool: MapTool
     x: float
     y: float
     to_x: float
@@ -39,9 +39,9 @@ class Gesture:
         return math.hypot(self.to_x - self.x, self.to_y - self.y)
 
     @property
-    def click(self) -> bool:
+    def is_click(self) -> bool:
         """Whether it was hardly dragged at all."""
-        return self.length < STILL
+        return self.length < CLICK_DISTANCE
 
     @property
     def heading(self) -> float:
@@ -51,7 +51,7 @@ class Gesture:
     @property
     def size(self) -> float:
         """Metres across an obstacle that is dragged out from its middle."""
-        return USUAL if self.click else max(2.0 * self.length, LEAST_SIZE)
+        return DEFAULT_SIZE if self.is_click else max(2.0 * self.length, LEAST_SIZE)
 
 
 @dataclass(frozen=True, slots=True)
@@ -70,9 +70,9 @@ class ToolHelp:
 
 
 TOOLS = {
-    Tool.LOOK: ToolHelp("Move", "M", "Drag to move the map, turn the wheel to zoom, click a robot to select it."),
-    Tool.GOAL: ToolHelp("Goal", "G", "Press where {robot} shall go, drag to where it shall face, and let go."),
-    Tool.POSE: ToolHelp("Pose", "P", "Press where {robot} shall believe it is, drag to where it faces, and let go."),
-    Tool.CARRY: ToolHelp("Kidnap", "K", "Drag a robot to another place; it is not told."),
-    Tool.OBSTACLE: ToolHelp("Obstacle", "O", "Drag out an obstacle from its middle; click one to take it away."),
+    MapTool.LOOK: ToolHelp("Move", "M", "Drag to move the map, turn the wheel to zoom, click a robot to select it."),
+    MapTool.GOAL: ToolHelp("Goal", "G", "Press where {robot} shall go, drag to where it shall face, and let go."),
+    MapTool.POSE: ToolHelp("Pose", "P", "Press where {robot} shall believe it is, drag to where it faces, and let go."),
+    MapTool.CARRY: ToolHelp("Kidnap", "K", "Drag a robot to another place; it is not told."),
+    MapTool.OBSTACLE: ToolHelp("Obstacle", "O", "Drag out an obstacle from its middle; click one to take it away."),
 }

@@ -10,7 +10,7 @@ from pymavlink.dialects.v20 import all as mav
 from tests.thbridge.wire.mavlink.speech import frames
 from thbridge.wire.mavlink.dialect import crc_extra, payload_of
 from thbridge.wire.mavlink.frames.frame import LARGEST, V1, V2, Frame, checksum_of
-from thbridge.wire.mavlink.frames.framer import Fault, Framer, Noise, frame_of, frames_of
+from thbridge.wire.mavlink.frames.framer import DiscardedBytes, FrameFault, FrameParser, frame_of, frames_of
 
 HEARTBEAT = Frame(255, 190, 7, 0, payload_of(mav.MAVLink_heartbeat_message(6, 8, 0, 0, 4, 3)), 50)
 NEXT = Frame(255, 190, 8, 0, HEARTBEAT.payload, 50)
@@ -26,7 +26,7 @@ def as_bytes(chunk):
 
 
 def fed(pieces):
-    framer = Framer()
+    framer = FrameParser()
     found = []
     for piece in pieces:
         found += framer.receive_data(piece)
@@ -67,21 +67,21 @@ def test_the_pieces_that_bytes_come_in_change_no_frame_and_lose_no_byte(said, da
 
 @given(frames(), st.binary(max_size=300).filter(lambda data: V1 not in data and V2 not in data))
 def test_garbage_around_a_frame_is_noise(frame, garbage):
-    noise = [Noise(len(garbage), Fault.GARBAGE)] if garbage else []
+    noise = [DiscardedBytes(len(garbage), FrameFault.GARBAGE)] if garbage else []
     assert frames_of(garbage + frame.to_bytes() + garbage) == [*noise, frame, *noise]
 
 
 def test_a_frame_is_given_with_its_last_byte():
-    framer = Framer()
+    framer = FrameParser()
     data = HEARTBEAT.to_bytes()
     assert framer.receive_data(data[:-1]) == []
     assert framer.receive_data(data[-1:]) == [HEARTBEAT]
 
 
 def test_what_is_cut_off_is_noise_only_when_nothing_follows():
-    framer = Framer()
+    framer = FrameParser()
     assert framer.receive_data(HEARTBEAT.to_bytes()[:-1]) == []
-    assert framer.end() == [Noise(HEARTBEAT.size - 1, Fault.CUT)]
+    assert framer.end() == [DiscardedBytes(HEARTBEAT.size - 1, FrameFault.CUT)]
     assert framer.receive_data(NEXT.to_bytes()) == [NEXT]
 
 
@@ -97,14 +97,16 @@ def test_one_wrong_byte_anywhere_costs_no_frame_behind_it(place):
 def test_a_length_that_reaches_over_the_next_frames_costs_none_of_them():
     spoiled = bytearray(HEARTBEAT.to_bytes())
     spoiled[1] = 255
-    framer = Framer()
+    framer = FrameParser()
     assert framer.receive_data(bytes(spoiled) + NEXT.to_bytes()) == []
-    assert framer.receive_data(NEXT.to_bytes() * 20) == [Noise(HEARTBEAT.size, Fault.CHECKSUM)] + [NEXT] * 21
+    assert (
+        framer.receive_data(NEXT.to_bytes() * 20) == [DiscardedBytes(HEARTBEAT.size, FrameFault.CHECKSUM)] + [NEXT] * 21
+    )
 
 
 def test_flags_that_nobody_knows_are_refused_and_compat_flags_are_not():
     strange = Frame(255, 190, 7, 0, HEARTBEAT.payload, 50, incompat_flags=2)
-    assert frames_of(strange.to_bytes()) == [Noise(strange.size, Fault.FLAGS)]
+    assert frames_of(strange.to_bytes()) == [DiscardedBytes(strange.size, FrameFault.FLAGS)]
     kind = Frame(255, 190, 7, 0, HEARTBEAT.payload, 50, compat_flags=0x80)
     assert frames_of(kind.to_bytes()) == [kind]
 
@@ -117,19 +119,19 @@ def test_a_signature_comes_with_its_frame():
 def test_an_unknown_message_is_one_piece_of_noise():
     unknown = Frame(255, 190, 7, 54_321, b"\xfd\xfe" * 20, 0)
     assert crc_extra(54_321) is None
-    assert frames_of(unknown.to_bytes() * 2) == [Noise(unknown.size, Fault.UNKNOWN)] * 2
+    assert frames_of(unknown.to_bytes() * 2) == [DiscardedBytes(unknown.size, FrameFault.UNKNOWN)] * 2
 
 
 def test_a_message_of_version_1_is_never_longer_than_we_know_it_and_one_of_version_2_may_be():
     long = Frame(255, 190, 7, 0, HEARTBEAT.payload + b"more", 50)
     assert frames_of(long.to_bytes()) == [long]
     old = Frame(255, 190, 7, 0, HEARTBEAT.payload + b"more", 50, V1)
-    assert frames_of(old.to_bytes()) == [Noise(old.size, Fault.LENGTH)]
+    assert frames_of(old.to_bytes()) == [DiscardedBytes(old.size, FrameFault.LENGTH)]
     assert frames_of(OLD.to_bytes()) == [OLD]
 
 
 def test_a_signing_key_does_not_get_in():
-    assert frames_of(SECRET.to_bytes() + NEXT.to_bytes()) == [Noise(SECRET.size, Fault.SECRET), NEXT]
+    assert frames_of(SECRET.to_bytes() + NEXT.to_bytes()) == [DiscardedBytes(SECRET.size, FrameFault.SECRET), NEXT]
 
 
 def test_one_frame_is_one_frame():

@@ -16,12 +16,12 @@ from thbridge.wire.mavlink.frames.signing import (
     EPOCH,
     LATEST,
     MOST_STREAMS,
-    NoKey,
-    Reason,
-    Rejected,
+    InvalidKey,
+    RejectedFrame,
+    SignatureFault,
+    SignatureTimestamps,
     Signing,
     SigningKey,
-    Timestamps,
     key_in,
 )
 
@@ -33,7 +33,7 @@ FRAME = Frame(255, 190, 7, 0, payload_of(HEARTBEAT), 50)
 
 
 def ours(link_id=3, key=KEY):
-    return Signing(key, link_id, Timestamps())
+    return Signing(key, link_id, SignatureTimestamps())
 
 
 def theirs(timestamp=UNITS, system=255, component=190, link_id=0, key=KEY):
@@ -73,14 +73,14 @@ def test_we_believe_pymavlink():
 
 
 def test_what_is_not_signed_is_refused():
-    assert ours().unwrap(FRAME, NOW) == Rejected(Reason.UNSIGNED)
+    assert ours().unwrap(FRAME, NOW) == RejectedFrame(SignatureFault.UNSIGNED)
     radio = mav.MAVLink_radio_status_message(1, 1, 1, 1, 1, 1, 1)
     frame = Frame(51, 68, 0, radio.get_msgId(), payload_of(radio), radio.crc_extra)
-    assert ours().unwrap(frame, NOW) == Rejected(Reason.UNSIGNED)
+    assert ours().unwrap(frame, NOW) == RejectedFrame(SignatureFault.UNSIGNED)
 
 
 def test_another_key_is_refused():
-    assert ours().unwrap(said(theirs(key=SigningKey(b"k" * 32))), NOW) == Rejected(Reason.WRONG)
+    assert ours().unwrap(said(theirs(key=SigningKey(b"k" * 32))), NOW) == RejectedFrame(SignatureFault.WRONG)
 
 
 @given(st.integers(0, 13 * 8 - 1))
@@ -89,32 +89,32 @@ def test_any_other_bit_in_a_signature_is_refused(bit):
     spoiled = bytearray(frame.signature)
     spoiled[bit // 8] ^= 1 << bit % 8
     forged = Frame(255, 190, frame.sequence, 0, frame.payload, 50, V2, 1, 0, bytes(spoiled))
-    assert ours().unwrap(forged, NOW) == Rejected(Reason.WRONG)
+    assert ours().unwrap(forged, NOW) == RejectedFrame(SignatureFault.WRONG)
 
 
 def test_another_payload_under_a_signature_is_refused():
     frame = said(theirs())
     forged = Frame(255, 190, frame.sequence, 0, b"\x01" + frame.payload[1:], 50, V2, 1, 0, frame.signature)
-    assert ours().unwrap(forged, NOW) == Rejected(Reason.WRONG)
+    assert ours().unwrap(forged, NOW) == RejectedFrame(SignatureFault.WRONG)
 
 
 def test_a_frame_counts_once():
     signing, frame = ours(), said(theirs())
     signing.unwrap(frame, NOW)
-    assert signing.unwrap(frame, NOW) == Rejected(Reason.REPEATED)
+    assert signing.unwrap(frame, NOW) == RejectedFrame(SignatureFault.REPEATED)
 
 
 def test_a_frame_of_one_link_is_not_believed_again_on_another():
-    timestamps, frame = Timestamps(), said(theirs())
+    timestamps, frame = SignatureTimestamps(), said(theirs())
     Signing(KEY, 0, timestamps).unwrap(frame, NOW)
-    assert Signing(KEY, 1, timestamps).unwrap(frame, NOW) == Rejected(Reason.REPEATED)
+    assert Signing(KEY, 1, timestamps).unwrap(frame, NOW) == RejectedFrame(SignatureFault.REPEATED)
 
 
 def test_an_older_frame_behind_a_newer_is_refused_but_streams_do_not_mix():
     signing, peer = ours(), theirs()
     first, second = said(peer), said(peer)
     assert signing.unwrap(second, NOW) == second.unsigned()
-    assert signing.unwrap(first, NOW) == Rejected(Reason.REPEATED)
+    assert signing.unwrap(first, NOW) == RejectedFrame(SignatureFault.REPEATED)
     other = said(theirs(UNITS, component=191))
     assert signing.unwrap(other, NOW) == other.unsigned()
     elsewhere = said(theirs(UNITS, link_id=1))
@@ -123,7 +123,7 @@ def test_an_older_frame_behind_a_newer_is_refused_but_streams_do_not_mix():
 
 @pytest.mark.parametrize(("late", "refused"), [(BEHIND, False), (BEHIND + 1, True)])
 def test_a_new_sender_may_be_a_minute_late(late, refused):
-    assert isinstance(ours().unwrap(said(theirs(UNITS - late)), NOW), Rejected) is refused
+    assert isinstance(ours().unwrap(said(theirs(UNITS - late)), NOW), RejectedFrame) is refused
 
 
 def test_a_known_sender_may_be_later_than_that_by_our_clock():
@@ -147,19 +147,19 @@ def test_we_sign_later_than_anything_that_was_believed():
 
 
 def test_no_two_timestamps_are_equal_even_when_the_clock_stands_or_goes_back():
-    timestamps = Timestamps()
+    timestamps = SignatureTimestamps()
     used = [timestamps.next(now) for now in (NOW, NOW, NOW - 3600, NOW, NOW + 1, NOW)]
     assert used == sorted(set(used))
     assert used[0] == UNITS
 
 
 def test_a_clock_before_2015_signs_all_the_same():
-    assert Timestamps().next(0.0) == 1
+    assert SignatureTimestamps().next(0.0) == 1
 
 
 def test_the_end_of_all_timestamps_is_not_believed():
     signing = ours()
-    assert signing.unwrap(said(theirs((1 << 48) - 1)), NOW) == Rejected(Reason.FAR_AHEAD)
+    assert signing.unwrap(said(theirs((1 << 48) - 1)), NOW) == RejectedFrame(SignatureFault.FAR_AHEAD)
     assert isinstance(signing.unwrap(said(theirs(LATEST)), NOW), Frame)
     assert signing.wrap(FRAME, NOW)
 
@@ -170,7 +170,7 @@ def test_senders_without_end_are_not_remembered():
         peer.srcSystem, peer.srcComponent = number // 256 + 1, number % 256
         assert isinstance(signing.unwrap(said(peer), NOW), Frame)
     peer.srcSystem = 200
-    assert signing.unwrap(said(peer), NOW) == Rejected(Reason.CROWDED)
+    assert signing.unwrap(said(peer), NOW) == RejectedFrame(SignatureFault.CROWDED)
     peer.srcSystem = 1
     assert isinstance(signing.unwrap(said(peer), NOW), Frame)
 
@@ -200,7 +200,7 @@ def test_a_key_is_raw_or_hexadecimal_or_the_hash_of_a_passphrase(content, secret
 
 @pytest.mark.parametrize("content", [b"", b"\n", b"  \n", bytes(31), bytes(range(1, 34)), b"two\nlines\n"])
 def test_what_is_no_key_is_refused(content):
-    assert isinstance(key_in(content), NoKey)
+    assert isinstance(key_in(content), InvalidKey)
 
 
 def test_the_text_of_a_key_does_not_show_it():

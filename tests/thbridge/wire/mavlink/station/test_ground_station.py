@@ -11,14 +11,14 @@ from thbridge.wire.mavlink.station.ground_station import (
     ANSWER_SECONDS,
     PROGRESS_SECONDS,
     TRIES,
-    Acked,
+    CommandAcked,
+    CommandUnanswered,
     GroundStation,
-    Order,
+    StationCommand,
     StationEvent,
-    Texted,
-    Unanswered,
+    StatusTextReceived,
 )
-from thbridge.wire.mavlink.station.trip import Destination, Outcome, Stage, Trip
+from thbridge.wire.mavlink.station.trip import Destination, StationTrip, StationTripStage, TripOutcome
 
 ARM = mav.MAV_CMD_COMPONENT_ARM_DISARM
 GO = mav.MAV_CMD_DO_REPOSITION
@@ -77,18 +77,18 @@ def test_a_heartbeat_a_second(air: Air) -> None:
 
 
 def test_a_command_is_sent_again_until_it_is_given_up(air: Air) -> None:
-    air.station.order(1, Order(ARM, (1.0,)), air.now)
+    air.station.order(1, StationCommand(ARM, (1.0,)), air.now)
     events = []
     for step in range(1, 100):
         events += air.station.advance(air.now + step * 0.05)
     assert [command.confirmation for command in air.commands()] == list(range(TRIES))
-    assert events == [Unanswered(1, ARM)]
+    assert events == [CommandUnanswered(1, ARM)]
 
 
 def test_an_answer_ends_it(air: Air) -> None:
     air.heartbeat()
-    air.station.order(1, Order(ARM, (1.0,)), air.now)
-    assert air.ack(ARM, DENIED) == [Acked(1, ARM, DENIED)]
+    air.station.order(1, StationCommand(ARM, (1.0,)), air.now)
+    assert air.ack(ARM, DENIED) == [CommandAcked(1, ARM, DENIED)]
     assert air.ack(ARM, DENIED) == []
     assert air.station.advance(air.now + 10.0) == []
 
@@ -96,21 +96,21 @@ def test_an_answer_ends_it(air: Air) -> None:
 def test_an_answer_to_somebody_else_is_none(air: Air) -> None:
     air.heartbeat()
     air.heartbeat(2)
-    air.station.order(1, Order(ARM, (1.0,)), air.now)
+    air.station.order(1, StationCommand(ARM, (1.0,)), air.now)
     assert air.ack(ARM, ACCEPTED, (255, 1)) == []
     assert air.ack(ARM, ACCEPTED, (245, 190)) == []
     assert air.ack(ARM, ACCEPTED, system=2) == []
-    assert air.ack(ARM, ACCEPTED, (0, 0)) == [Acked(1, ARM, ACCEPTED)]
+    assert air.ack(ARM, ACCEPTED, (0, 0)) == [CommandAcked(1, ARM, ACCEPTED)]
 
 
 def test_what_is_in_progress_is_waited_for_and_not_sent_again(air: Air) -> None:
     air.heartbeat()
-    air.station.order(1, Order(ARM), air.now)
+    air.station.order(1, StationCommand(ARM), air.now)
     assert air.ack(ARM, IN_PROGRESS) == []
     air.heard()
     assert air.station.advance(air.now + PROGRESS_SECONDS - 0.1) == []
     assert air.commands() == []
-    assert air.station.advance(air.now + PROGRESS_SECONDS) == [Unanswered(1, ARM)]
+    assert air.station.advance(air.now + PROGRESS_SECONDS) == [CommandUnanswered(1, ARM)]
 
 
 def test_frames_that_did_not_come_are_counted(air: Air) -> None:
@@ -144,7 +144,7 @@ def test_a_long_text_comes_in_pieces(air: Air, length: int) -> None:
     events = []
     for place, piece in enumerate(pieces):
         events += air.say(mav.MAVLink_statustext_message(6, piece.encode(), number, place))
-    assert events == [Texted(1, 6, text)]
+    assert events == [StatusTextReceived(1, 6, text)]
 
 
 # Trips
@@ -157,7 +157,7 @@ class Journey:
 
     def __init__(self, air: Air, keep: bool = False) -> None:
         self.air = air
-        self.trip = Trip(air.station, 1, THERE, keep, air.now)
+        self.trip = StationTrip(air.station, 1, THERE, keep, air.now)
 
     def pass_time(self, seconds: float) -> None:
         for _ in range(round(seconds / 0.1)):
@@ -172,7 +172,7 @@ class Journey:
         self.take([])
         self.take(self.air.ack(ARM, ACCEPTED))
         self.take(self.air.ack(GO, ACCEPTED))
-        assert self.trip.stage is Stage.UNDER_WAY
+        assert self.trip.stage is StationTripStage.UNDER_WAY
         self.air.heard()
 
 
@@ -196,14 +196,14 @@ def test_a_trip(air: Air) -> None:
     assert (disarm.command, disarm.param1) == (ARM, 0.0)
     assert journey.trip.outcome is None
     journey.take(air.ack(ARM, ACCEPTED))
-    assert journey.trip.outcome == Outcome("")
+    assert journey.trip.outcome == TripOutcome("")
 
 
 def test_who_keeps_the_command_does_not_give_it_back(air: Air) -> None:
     journey = Journey(air, keep=True)
     journey.set_out()
     journey.take(air.text(ARRIVED))
-    assert journey.trip.outcome == Outcome("")
+    assert journey.trip.outcome == TripOutcome("")
     assert air.commands() == []
 
 
@@ -214,7 +214,7 @@ def test_a_robot_that_stands_where_it_was_sent_has_arrived_though_it_does_not_sa
     journey.pass_time(2.5)
     assert journey.trip.outcome is None
     journey.pass_time(1.0)
-    assert journey.trip.outcome == Outcome("")
+    assert journey.trip.outcome == TripOutcome("")
 
 
 def test_a_refusal_is_told_in_the_robots_own_words(air: Air) -> None:
@@ -226,7 +226,7 @@ def test_a_refusal_is_told_in_the_robots_own_words(air: Air) -> None:
     journey.take(air.text("Robot 1 has not enough energy.", 4))
     journey.pass_time(1.0)
     journey.take(air.ack(ARM, ACCEPTED))
-    assert journey.trip.outcome == Outcome("Robot 1 has not enough energy.")
+    assert journey.trip.outcome == TripOutcome("Robot 1 has not enough energy.")
 
 
 def test_a_refusal_without_words_is_told_by_its_code(air: Air) -> None:
@@ -236,7 +236,7 @@ def test_a_refusal_without_words_is_told_by_its_code(air: Air) -> None:
     journey.take(air.ack(ARM, mav.MAV_RESULT_TEMPORARILY_REJECTED))
     air.heard()
     journey.pass_time(1.0)
-    assert journey.trip.outcome == Outcome("robot 1 gives nobody else the command (temporarily rejected)")
+    assert journey.trip.outcome == TripOutcome("robot 1 gives nobody else the command (temporarily rejected)")
     assert air.commands() == []
 
 
@@ -246,28 +246,28 @@ def test_a_way_that_fails(air: Air) -> None:
     journey.take(air.text("Commanded by ground station 255.", 5))
     journey.take(air.text("No path: the goal is inside a wall.", 4))
     journey.pass_time(1.0)
-    assert journey.trip.outcome == Outcome("No path: the goal is inside a wall.")
+    assert journey.trip.outcome == TripOutcome("No path: the goal is inside a wall.")
 
 
 def test_a_robot_that_is_not_there(air: Air) -> None:
     journey = Journey(air)
     air.heartbeat(2)
     journey.pass_time(7.0)
-    assert journey.trip.outcome == Outcome("robot 1 is not heard; those that are: 2")
+    assert journey.trip.outcome == TripOutcome("robot 1 is not heard; those that are: 2")
 
 
 def test_a_robot_that_does_not_answer(air: Air) -> None:
     journey = Journey(air)
     air.heartbeat()
     journey.pass_time(ANSWER_SECONDS * TRIES + 2.0)
-    assert journey.trip.outcome == Outcome("robot 1 does not answer", unanswered=True)
+    assert journey.trip.outcome == TripOutcome("robot 1 does not answer", unanswered=True)
 
 
 def test_a_robot_that_falls_silent_on_its_way(air: Air) -> None:
     journey = Journey(air, keep=True)
     journey.set_out()
     journey.pass_time(6.0)
-    assert journey.trip.outcome == Outcome("robot 1 is not heard any more")
+    assert journey.trip.outcome == TripOutcome("robot 1 is not heard any more")
 
 
 def test_a_robot_that_is_taken_away(air: Air) -> None:
@@ -278,7 +278,7 @@ def test_a_robot_that_is_taken_away(air: Air) -> None:
     assert journey.trip.outcome is None
     air.heartbeat(armed=False)
     journey.pass_time(1.0)
-    assert journey.trip.outcome == Outcome("robot 1 is commanded by somebody else now")
+    assert journey.trip.outcome == TripOutcome("robot 1 is commanded by somebody else now")
 
 
 def test_giving_up_stops_the_robot_even_if_the_command_was_to_be_kept(air: Air) -> None:
@@ -288,4 +288,4 @@ def test_giving_up_stops_the_robot_even_if_the_command_was_to_be_kept(air: Air) 
     (disarm,) = air.commands()
     assert (disarm.command, disarm.param1) == (ARM, 0.0)
     journey.take(air.ack(ARM, ACCEPTED))
-    assert journey.trip.outcome == Outcome("given up")
+    assert journey.trip.outcome == TripOutcome("given up")

@@ -9,7 +9,7 @@ from tests.thbridge.wire.mavlink.rig import HEARTBEAT, OPTIONS, Game
 from thbridge.wire.mavlink.dialect import crc_extra, decoded, mav, payload_of
 from thbridge.wire.mavlink.frames.frame import Frame
 from thbridge.wire.mavlink.hub import Hub
-from thbridge.wire.mavlink.outgoing import LinkId, Said
+from thbridge.wire.mavlink.outgoing import LinkId, OutgoingMessage
 from thbridge.wire.mavlink.vehicle.vehicle import Vehicle
 
 NAN = float("nan")
@@ -36,7 +36,9 @@ class Team:
         return self._from_first(self.hub.step(tick, [robot.readings for robot in self.robots]))
 
     def _from_first(self, sent):
-        return [Said(decoded(s.frame.message_id, s.frame.payload), s.link) for s in sent if s.frame.system == 1]
+        return [
+            OutgoingMessage(decoded(s.frame.message_id, s.frame.payload), s.link) for s in sent if s.frame.system == 1
+        ]
 
 
 class Scene:

@@ -7,8 +7,8 @@ import pytest
 
 from tests.thbridge.wire.mavlink.rig import HERE, SECOND, Rig, messages
 from thbridge.wire.mavlink.dialect import decoded, mav, payload_of
-from thbridge.wire.mavlink.options import Identity
-from thbridge.wire.mavlink.vehicle.parts import Severity
+from thbridge.wire.mavlink.options import AutopilotIdentity
+from thbridge.wire.mavlink.vehicle.parts import TextSeverity
 
 ONCE_A_SECOND = {
     "HEARTBEAT",
@@ -23,13 +23,13 @@ ARDUPILOT_TOO = {"EKF_STATUS_REPORT"}
 OFTEN = {"ATTITUDE", "GLOBAL_POSITION_INT", "LOCAL_POSITION_NED", "VFR_HUD"}
 
 
-@pytest.mark.parametrize("identity", Identity)
+@pytest.mark.parametrize("identity", AutopilotIdentity)
 def test_it_says_each_of_its_streams_at_its_rate_to_all_links(identity):
     rig = Rig(identity=identity, position_rate=10.0)
     rig.run(SECOND)
     said = rig.run(10 * SECOND)
     counts = Counter(word.message.get_type() for word in said)
-    slowly = ONCE_A_SECOND | (ARDUPILOT_TOO if identity is Identity.ARDUPILOT else set())
+    slowly = ONCE_A_SECOND | (ARDUPILOT_TOO if identity is AutopilotIdentity.ARDUPILOT else set())
     assert counts == dict.fromkeys(slowly, 10) | dict.fromkeys(OFTEN, 100)
     assert all(word.link is None for word in said)
     assert {word.message.get_type() for word in said if word.to_sleepers} == {"HEARTBEAT"}
@@ -117,7 +117,7 @@ def test_what_the_participant_asks_for_is_more_than_news():
     rig = Rig()
     rig.robot.readings = replace(rig.robot.readings, asked=("The participant asks for robot 3 back.",))
     (told,) = [word.message for word in rig.run(1) if word.message.get_type() == "STATUSTEXT"]
-    assert (told.severity, told.text.rstrip("\0")) == (Severity.NOTICE, "The participant asks for robot 3 back.")
+    assert (told.severity, told.text.rstrip("\0")) == (TextSeverity.NOTICE, "The participant asks for robot 3 back.")
 
 
 def test_a_link_that_is_gone_takes_its_rates_along():

@@ -10,44 +10,44 @@ from PySide6.QtWidgets import QLineEdit, QTableView
 from pytestqt.qtbot import QtBot
 
 from ui.model.theme import DARK, LIGHT
-from ui.windows.researcher.docks.log import CAPACITY, Log, LogModel, Row
+from ui.windows.researcher.docks.log import MAX_ROWS, LogModel, LogRow, LogView
 
 
-def rows(first: int, count: int) -> list[Row]:
-    return [Row(float(n), (f"who {n}", f"sentence {n % 7}"), n % 3) for n in range(first, first + count)]
+def rows(first: int, count: int) -> list[LogRow]:
+    return [LogRow(float(n), (f"who {n}", f"sentence {n % 7}"), n % 3) for n in range(first, first + count)]
 
 
 @pytest.fixture
-def log(qtbot: QtBot) -> Log:
-    made = Log("Dialogue", ("Who", "What"), LIGHT)
+def log(qtbot: QtBot) -> LogView:
+    made = LogView("Dialogue", ("Who", "What"), LIGHT)
     qtbot.addWidget(made)
     made.resize(500, 300)
     made.show()
     return made
 
 
-def test_rows_show_time_and_cells(log: Log) -> None:
+def test_rows_show_time_and_cells(log: LogView) -> None:
     log.extend(rows(0, 3))
     assert log.model.index(2, 0).data() == "2.00"
     assert log.model.index(2, 2).data() == "sentence 2"
 
 
-def test_the_oldest_go_when_it_is_full(log: Log) -> None:
-    log.extend(rows(0, CAPACITY))
-    log.extend(rows(CAPACITY, 5))
-    assert log.model.size <= CAPACITY
-    assert log.model.row(log.model.rowCount() - 1).time == CAPACITY + 4
-    log.model.set_filter(f"{CAPACITY + 4}")
-    assert [log.model.row(n).time for n in range(log.model.rowCount())] == [CAPACITY + 4]
+def test_the_oldest_go_when_it_is_full(log: LogView) -> None:
+    log.extend(rows(0, MAX_ROWS))
+    log.extend(rows(MAX_ROWS, 5))
+    assert log.model.size <= MAX_ROWS
+    assert log.model.row(log.model.rowCount() - 1).time == MAX_ROWS + 4
+    log.model.set_filter(f"{MAX_ROWS + 4}")
+    assert [log.model.row(n).time for n in range(log.model.rowCount())] == [MAX_ROWS + 4]
 
 
-def test_more_than_it_holds_at_once_leaves_the_newest(log: Log) -> None:
-    log.extend(rows(0, CAPACITY + 100))
-    assert log.model.size <= CAPACITY
-    assert log.model.row(log.model.rowCount() - 1).time == CAPACITY + 99
+def test_more_than_it_holds_at_once_leaves_the_newest(log: LogView) -> None:
+    log.extend(rows(0, MAX_ROWS + 100))
+    assert log.model.size <= MAX_ROWS
+    assert log.model.row(log.model.rowCount() - 1).time == MAX_ROWS + 99
 
 
-def test_all_words_of_the_filter_are_wanted_in_any_order_and_case(log: Log) -> None:
+def test_all_words_of_the_filter_are_wanted_in_any_order_and_case(log: LogView) -> None:
     log.extend(rows(0, 20))
     QTest.keyClicks(log.findChild(QLineEdit), "Sentence WHO 3")
     assert [log.model.row(n).time for n in range(log.model.rowCount())] == [3.0, 10.0, 13.0, 17.0]
@@ -66,7 +66,9 @@ def test_what_is_still_to_come_is_dimmed(qtbot: QtBot) -> None:
     assert model.index(9, 2).data(Qt.ItemDataRole.ForegroundRole).name() == DARK.muted
 
 
-def test_it_keeps_to_the_time_until_somebody_scrolls_up_and_again_when_they_come_back(log: Log, qtbot: QtBot) -> None:
+def test_it_keeps_to_the_time_until_somebody_scrolls_up_and_again_when_they_come_back(
+    log: LogView, qtbot: QtBot
+) -> None:
     log.extend(rows(0, 500))
     bar = log.table.verticalScrollBar()
     bottom = bar.value()
@@ -80,14 +82,14 @@ def test_it_keeps_to_the_time_until_somebody_scrolls_up_and_again_when_they_come
     assert bar.value() == bar.maximum()
 
 
-def test_it_goes_to_the_moment_shown(log: Log) -> None:
+def test_it_goes_to_the_moment_shown(log: LogView) -> None:
     log.extend(rows(0, 500))
     log.show_time(250.0)
     place = log.table.visualRect(log.model.index(250, 0))
     assert log.table.viewport().rect().contains(place)
 
 
-def test_rows_are_copied_as_a_table(log: Log) -> None:
+def test_rows_are_copied_as_a_table(log: LogView) -> None:
     log.extend(rows(0, 3))
     log.table.selectAll()
     log.table.setFocus()
@@ -95,7 +97,7 @@ def test_rows_are_copied_as_a_table(log: Log) -> None:
     assert QGuiApplication.clipboard().text().splitlines()[1] == "1.000\twho 1\tsentence 1"
 
 
-def test_enter_on_a_row_asks_for_its_moment(log: Log, qtbot: QtBot) -> None:
+def test_enter_on_a_row_asks_for_its_moment(log: LogView, qtbot: QtBot) -> None:
     log.extend(rows(0, 30))
     log.table.setFocus()
     log.table.setCurrentIndex(log.model.index(7, 0))
@@ -105,12 +107,12 @@ def test_enter_on_a_row_asks_for_its_moment(log: Log, qtbot: QtBot) -> None:
 
 
 @pytest.mark.bench
-def test_bench_a_full_list(log: Log) -> None:
-    log.extend(rows(0, CAPACITY - 1))
+def test_bench_a_full_list(log: LogView) -> None:
+    log.extend(rows(0, MAX_ROWS - 1))
     for what, act in (
-        ("one more row", lambda: log.extend(rows(CAPACITY, 1))),
+        ("one more row", lambda: log.extend(rows(MAX_ROWS, 1))),
         ("filter", lambda: log.findChild(QLineEdit).setText("sentence 3")),
-        ("full", lambda: log.extend(rows(CAPACITY + 1, 10))),
+        ("full", lambda: log.extend(rows(MAX_ROWS + 1, 10))),
     ):
         start = time.perf_counter()
         act()

@@ -9,7 +9,7 @@ from PySide6.QtTest import QTest
 from pytestqt.qtbot import QtBot
 
 from ui.model.theme import DARK, LIGHT
-from ui.windows.researcher.docks.plots import MOST_POINTS, PANELS, Curves, Plots, thinned
+from ui.windows.researcher.docks.plots import MOST_POINTS, PANELS, Plots, RobotCurves, thinned
 
 
 @pytest.fixture
@@ -20,7 +20,7 @@ def plots(qtbot: QtBot) -> Plots:
     made.show()
     times = np.arange(0.0, 100.0, 0.5)
     figures = {panel.name: (times, np.sin(times)) for panel in PANELS} | {"band": (times, np.full_like(times, 0.2))}
-    made.show_curves([Curves(0, figures), Curves(1, figures)], 100.0)
+    made.show_curves([RobotCurves(0, figures), RobotCurves(1, figures)], 100.0)
     return made
 
 
@@ -30,7 +30,7 @@ def test_every_panel_has_a_curve_of_every_robot(plots: Plots) -> None:
 
 
 def test_a_click_asks_for_its_moment(plots: Plots, qtbot: QtBot) -> None:
-    place = plots.place_of(40.0)
+    place = plots.position_of(40.0)
     with qtbot.waitSignal(plots.seek) as asked:
         QTest.mouseClick(
             plots.canvas.viewport(), Qt.MouseButton.LeftButton, pos=QPoint(round(place.x()), round(place.y()) - 20)

@@ -10,14 +10,14 @@ from typing import TypeAlias
 
 from thbridge.wire.mavlink.coordinates import GLOBAL
 from thbridge.wire.mavlink.dialect import Message, mav
-from thbridge.wire.mavlink.outgoing import LinkId, Said
-from thbridge.wire.mavlink.vehicle.command.table import Repertoire
-from thbridge.wire.mavlink.vehicle.geodesy import PER_DEGREE, Earth, Place
-from thbridge.wire.mavlink.vehicle.mode.home import Home
-from thbridge.wire.mavlink.vehicle.mode.operator_control import CommandOf
-from thbridge.wire.mavlink.vehicle.mode.state_machine import Conduct
-from thbridge.wire.mavlink.vehicle.parts import Announce, Severity, tell_why_not
-from thbridge.wire.mavlink.vehicle_interface import Denied, Readings, Station, Target
+from thbridge.wire.mavlink.outgoing import LinkId, OutgoingMessage
+from thbridge.wire.mavlink.vehicle.command.table import CommandTable
+from thbridge.wire.mavlink.vehicle.geodesy import PER_DEGREE, GeoPoint, MapProjection
+from thbridge.wire.mavlink.vehicle.mode.home import HomePosition
+from thbridge.wire.mavlink.vehicle.mode.operator_control import OperatorControl
+from thbridge.wire.mavlink.vehicle.mode.state_machine import ModeStateMachine
+from thbridge.wire.mavlink.vehicle.parts import Announce, TextSeverity, tell_why_not
+from thbridge.wire.mavlink.vehicle_interface import Denied, RobotReadings, Station, Target
 
 _GUIDED_ITEM = 2
 """`current` of a mission item that is none, but where to go now."""
@@ -28,7 +28,7 @@ _REQUEST_CONTROL = 0
 _Item: TypeAlias = mav.MAVLink_mission_item_int_message | mav.MAVLink_mission_item_message
 
 
-class OlderWays:
+class DeprecatedMessages:
     """The older ways to command one vehicle; a `Part`.
 
     Args:
@@ -42,11 +42,11 @@ class OlderWays:
 
     def __init__(
         self,
-        repertoire: Repertoire,
-        conduct: Conduct,
-        command: CommandOf,
-        home: Home,
-        earth: Earth,
+        repertoire: CommandTable,
+        conduct: ModeStateMachine,
+        command: OperatorControl,
+        home: HomePosition,
+        earth: MapProjection,
         announce: Announce,
     ) -> None:
         self._repertoire = repertoire
@@ -56,20 +56,20 @@ class OlderWays:
         self._earth = earth
         self._announce = announce
 
-    def hear(self, link: LinkId, sender: Station, message: Message) -> Iterator[Said]:
+    def hear(self, link: LinkId, sender: Station, message: Message) -> Iterator[OutgoingMessage]:
         """An old way to ask for a mode, a place, another home or the command."""
         match message:
             case mav.MAVLink_set_mode_message():
-                yield Said(self._set_mode(sender, message), link)
+                yield OutgoingMessage(self._set_mode(sender, message), link)
             case mav.MAVLink_mission_item_int_message() | mav.MAVLink_mission_item_message():
                 if message.current == _GUIDED_ITEM:
-                    yield Said(self._guided_item(sender, message), link)
+                    yield OutgoingMessage(self._guided_item(sender, message), link)
             case mav.MAVLink_set_home_position_message():
-                tell_why_not(self._announce, self._set_home(sender, Place(message.latitude, message.longitude)))
+                tell_why_not(self._announce, self._set_home(sender, GeoPoint(message.latitude, message.longitude)))
             case mav.MAVLink_change_operator_control_message():
-                yield Said(self._operator_control(sender, message), link)
+                yield OutgoingMessage(self._operator_control(sender, message), link)
 
-    def step(self, tick: int, readings: Readings) -> Iterator[Said]:
+    def step(self, tick: int, readings: RobotReadings) -> Iterator[OutgoingMessage]:
         """Nothing is said unasked."""
         return iter(())
 
@@ -80,7 +80,7 @@ class OlderWays:
         """What is answered is an acknowledgement under the number of the message, as ArduPilot does."""
         reply = self._repertoire.mode_reply(sender, message.base_mode, message.custom_mode, 0)
         if reply.sentence:
-            self._announce(Severity.WARNING, reply.sentence)
+            self._announce(TextSeverity.WARNING, reply.sentence)
         number = mav.MAVLINK_MSG_ID_SET_MODE
         return mav.MAVLink_command_ack_message(number, reply.result, 0, 0, sender.system, sender.component)
 
@@ -93,13 +93,13 @@ class OlderWays:
             if item.frame not in GLOBAL or not (math.isfinite(item.x) and math.isfinite(item.y)):
                 denied = Denied("Only a latitude and a longitude can be gone to this way.")
             else:
-                x, y = self._earth.point(Place(round(item.x * scale), round(item.y * scale)))
+                x, y = self._earth.point(GeoPoint(round(item.x * scale), round(item.y * scale)))
                 denied = self._conduct.go(Target(x, y))
         tell_why_not(self._announce, denied)
         result = mav.MAV_MISSION_ACCEPTED if denied is None else mav.MAV_MISSION_DENIED
         return mav.MAVLink_mission_ack_message(sender.system, sender.component, result)
 
-    def _set_home(self, sender: Station, place: Place) -> Denied | None:
+    def _set_home(self, sender: Station, place: GeoPoint) -> Denied | None:
         """Nothing is answered: where home is now, everybody is told."""
         reserved = self._command.reserved(sender)
         if reserved is not None:

@@ -10,10 +10,17 @@ from thbridge.wire.mavlink.dialect import mav
 from thbridge.wire.mavlink.extra_messages import ProtocolVersion
 from thbridge.wire.mavlink.modes import Mode
 from thbridge.wire.mavlink.vehicle.boot_time import MICROSECONDS_PER_TICK
-from thbridge.wire.mavlink.vehicle.command.requests import ACCEPTED, MALFORMED, Command, Order, Reply, Result
-from thbridge.wire.mavlink.vehicle.telemetry.capabilities import Particulars
+from thbridge.wire.mavlink.vehicle.command.requests import (
+    ACCEPTED,
+    MALFORMED,
+    CommandReply,
+    CommandResult,
+    CommandSpec,
+    ReceivedCommand,
+)
+from thbridge.wire.mavlink.vehicle.telemetry.capabilities import Capabilities
 from thbridge.wire.mavlink.vehicle.telemetry.streams import OFF, Streams, ticks_of
-from thbridge.wire.mavlink.vehicle.telemetry.telemetry import Standing, Telemetry
+from thbridge.wire.mavlink.vehicle.telemetry.telemetry import Telemetry, TelemetryState
 
 _LARGEST_ID = 0xFFFF
 """Of a message whose interval MESSAGE_INTERVAL can tell."""
@@ -30,33 +37,37 @@ class MessageRequests:
     """
 
     def __init__(
-        self, streams: Streams, telemetry: Telemetry, particulars: Particulars, standing: Callable[[], Standing]
+        self, streams: Streams, telemetry: Telemetry, particulars: Capabilities, standing: Callable[[], TelemetryState]
     ) -> None:
         self._streams = streams
         self._telemetry = telemetry
         self._particulars = particulars
         self._standing = standing
 
-    def commands(self) -> Mapping[int, Command]:
+    def commands(self) -> Mapping[int, CommandSpec]:
         """By their numbers; anybody may give them."""
         return {
-            mav.MAV_CMD_SET_MESSAGE_INTERVAL: Command(self._set_message_interval),
-            mav.MAV_CMD_GET_MESSAGE_INTERVAL: Command(self._get_message_interval),
-            mav.MAV_CMD_REQUEST_MESSAGE: Command(self._request_message),
-            mav.MAV_CMD_REQUEST_PROTOCOL_VERSION: Command(self._one(ProtocolVersion.id)),
-            mav.MAV_CMD_REQUEST_AUTOPILOT_CAPABILITIES: Command(self._one(mav.MAVLINK_MSG_ID_AUTOPILOT_VERSION)),
-            mav.MAV_CMD_GET_HOME_POSITION: Command(self._one(mav.MAVLINK_MSG_ID_HOME_POSITION)),
+            mav.MAV_CMD_SET_MESSAGE_INTERVAL: CommandSpec(self._set_message_interval),
+            mav.MAV_CMD_GET_MESSAGE_INTERVAL: CommandSpec(self._get_message_interval),
+            mav.MAV_CMD_REQUEST_MESSAGE: CommandSpec(self._request_message),
+            mav.MAV_CMD_REQUEST_PROTOCOL_VERSION: CommandSpec(self._one(ProtocolVersion.id)),
+            mav.MAV_CMD_REQUEST_AUTOPILOT_CAPABILITIES: CommandSpec(self._one(mav.MAVLINK_MSG_ID_AUTOPILOT_VERSION)),
+            mav.MAV_CMD_GET_HOME_POSITION: CommandSpec(self._one(mav.MAVLINK_MSG_ID_HOME_POSITION)),
         }
 
-    def _one(self, number: int) -> Callable[[Order], Reply]:
+    def _one(self, number: int) -> Callable[[ReceivedCommand], CommandReply]:
         """Asks for one message, always the same."""
         return lambda _: self._requested(number)
 
-    def _requested(self, number: int) -> Reply:
+    def _requested(self, number: int) -> CommandReply:
         message = self._telemetry.message(number, self._standing())
-        return Reply(Result.TEMPORARILY_REJECTED) if message is None else Reply(Result.ACCEPTED, (message,))
+        return (
+            CommandReply(CommandResult.TEMPORARILY_REJECTED)
+            if message is None
+            else CommandReply(CommandResult.ACCEPTED, (message,))
+        )
 
-    def _request_message(self, order: Order) -> Reply:
+    def _request_message(self, order: ReceivedCommand) -> CommandReply:
         number = order.whole(1)
         if number is None:
             return MALFORMED
@@ -65,15 +76,17 @@ class MessageRequests:
             if place is None or place > len(Mode):
                 return MALFORMED
             places = range(1, len(Mode) + 1) if place == 0 else (place,)
-            return Reply(Result.ACCEPTED, tuple(self._particulars.available_mode(place) for place in places))
-        return self._requested(number) if number in self._streams else Reply(Result.UNSUPPORTED)
+            return CommandReply(
+                CommandResult.ACCEPTED, tuple(self._particulars.available_mode(place) for place in places)
+            )
+        return self._requested(number) if number in self._streams else CommandReply(CommandResult.UNSUPPORTED)
 
-    def _set_message_interval(self, order: Order) -> Reply:
+    def _set_message_interval(self, order: ReceivedCommand) -> CommandReply:
         number, microseconds = order.whole(1), order.given(2)
         if number is None or microseconds is None or not (microseconds >= 0.0 or microseconds == -1.0):
             return MALFORMED
         if number not in self._streams:
-            return Reply(Result.UNSUPPORTED)
+            return CommandReply(CommandResult.UNSUPPORTED)
         ticks = None if microseconds == 0.0 else OFF if microseconds < 0.0 else ticks_of(microseconds)
         if number == mav.MAVLINK_MSG_ID_HEARTBEAT:
             # Whether a vehicle is there is judged by its heartbeats: once a second for everybody.
@@ -81,7 +94,7 @@ class MessageRequests:
         self._streams.change(order.link, number, ticks)
         return ACCEPTED
 
-    def _get_message_interval(self, order: Order) -> Reply:
+    def _get_message_interval(self, order: ReceivedCommand) -> CommandReply:
         number = order.whole(1)
         if number is None or number > _LARGEST_ID:
             return MALFORMED
@@ -89,4 +102,4 @@ class MessageRequests:
         if number in self._streams:
             ticks = self._streams.every(order.link, number)
             microseconds = -1 if ticks == OFF else ticks * MICROSECONDS_PER_TICK
-        return Reply(Result.ACCEPTED, (mav.MAVLink_message_interval_message(number, microseconds),))
+        return CommandReply(CommandResult.ACCEPTED, (mav.MAVLink_message_interval_message(number, microseconds),))

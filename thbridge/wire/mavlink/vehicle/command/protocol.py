@@ -17,22 +17,22 @@ from typing import TypeAlias
 from sim.common.observations import TICKS_PER_SECOND
 from thbridge.wire.mavlink.dialect import Message, mav
 from thbridge.wire.mavlink.extra_messages import CommandCancel
-from thbridge.wire.mavlink.outgoing import LinkId, Said
+from thbridge.wire.mavlink.outgoing import LinkId, OutgoingMessage
 from thbridge.wire.mavlink.vehicle.command.requests import (
     MALFORMED,
-    Carrier,
-    Order,
-    Reply,
-    Result,
-    Who,
+    CommandAccess,
+    CommandCarrier,
+    CommandReply,
+    CommandResult,
+    ReceivedCommand,
     order_of,
     reply_to,
 )
-from thbridge.wire.mavlink.vehicle.command.table import Repertoire
-from thbridge.wire.mavlink.vehicle.mode.operator_control import CommandOf
-from thbridge.wire.mavlink.vehicle.mode.state_machine import Conduct
-from thbridge.wire.mavlink.vehicle.parts import Announce, Severity
-from thbridge.wire.mavlink.vehicle_interface import Denied, LegState, Readings, Station
+from thbridge.wire.mavlink.vehicle.command.table import CommandTable
+from thbridge.wire.mavlink.vehicle.mode.operator_control import OperatorControl
+from thbridge.wire.mavlink.vehicle.mode.state_machine import ModeStateMachine
+from thbridge.wire.mavlink.vehicle.parts import Announce, TextSeverity
+from thbridge.wire.mavlink.vehicle_interface import Denied, LegState, RobotReadings, Station
 
 _REMEMBERED = 5 * TICKS_PER_SECOND
 """Ticks for which a repetition is known as one."""
@@ -54,9 +54,9 @@ class _Done:
         once: each time it does something anew.
     """
 
-    order: Order
+    order: ReceivedCommand
     tick: int
-    result: Result
+    result: CommandResult
     once: bool
 
 
@@ -72,14 +72,14 @@ class _Running:
         told: the tick in which it was told.
     """
 
-    order: Order
+    order: ReceivedCommand
     way: int
     length: float | None
     progress: int
     told: int
 
 
-class Commands:
+class CommandProtocol:
     """The commands that come to one vehicle; a `Part`.
 
     Args:
@@ -89,7 +89,9 @@ class Commands:
         announce: tells people.
     """
 
-    def __init__(self, repertoire: Repertoire, command: CommandOf, conduct: Conduct, announce: Announce) -> None:
+    def __init__(
+        self, repertoire: CommandTable, command: OperatorControl, conduct: ModeStateMachine, announce: Announce
+    ) -> None:
         self._repertoire = repertoire
         self._command = command
         self._conduct = conduct
@@ -98,7 +100,7 @@ class Commands:
         self._done: dict[_Key, _Done] = {}
         self._running: dict[_Key, _Running] = {}
 
-    def hear(self, link: LinkId, sender: Station, message: Message) -> Iterator[Said]:
+    def hear(self, link: LinkId, sender: Station, message: Message) -> Iterator[OutgoingMessage]:
         """A command, or that one is to be cancelled."""
         if isinstance(message, CommandCancel):
             yield from self._cancel(link, sender, message.command)
@@ -113,25 +115,25 @@ class Commands:
             return
         if key in self._running:
             # It goes on; what is said of it later is said of the one that runs.
-            yield _ack(order, Result.TEMPORARILY_REJECTED)
+            yield _ack(order, CommandResult.TEMPORARILY_REJECTED)
             return
         reply = self._judged(order)
         if reply.sentence:
-            self._announce(Severity.WARNING, reply.sentence)
+            self._announce(TextSeverity.WARNING, reply.sentence)
         if reply.way is not None:
             self._running[key] = _Running(order, reply.way, None, 0, self._tick)
         else:
             self._remember(key, order, reply.result)
         yield _ack(order, reply.result)
         for answer in reply.messages:
-            yield Said(answer, link)
+            yield OutgoingMessage(answer, link)
 
-    def step(self, tick: int, readings: Readings) -> Iterator[Said]:
+    def step(self, tick: int, readings: RobotReadings) -> Iterator[OutgoingMessage]:
         """Tell how far what takes its time has come."""
         self._tick = tick
         for key, running in list(self._running.items()):
             result = self._result_of(running)
-            if result is not Result.IN_PROGRESS:
+            if result is not CommandResult.IN_PROGRESS:
                 del self._running[key]
                 yield _ack(running.order, result)
             elif tick - running.told >= TICKS_PER_SECOND:
@@ -145,43 +147,43 @@ class Commands:
 
     # -- the rules ----------------------------------------------------------------------------------------------------
 
-    def _judged(self, order: Order) -> Reply:
+    def _judged(self, order: ReceivedCommand) -> CommandReply:
         command = self._repertoire.find(order.number)
         if command is None:
-            return Reply(Result.UNSUPPORTED)
-        if command.carrier is Carrier.LONG and order.frame is not None:
-            return Reply(Result.COMMAND_LONG_ONLY)
-        if command.carrier is Carrier.INT and order.frame is None:
-            return Reply(Result.COMMAND_INT_ONLY)
+            return CommandReply(CommandResult.UNSUPPORTED)
+        if command.carrier is CommandCarrier.LONG and order.frame is not None:
+            return CommandReply(CommandResult.COMMAND_LONG_ONLY)
+        if command.carrier is CommandCarrier.INT and order.frame is None:
+            return CommandReply(CommandResult.COMMAND_INT_ONLY)
         if command.frames and order.frame is not None and order.frame not in command.frames:
-            return Reply(Result.UNSUPPORTED_MAV_FRAME)
+            return CommandReply(CommandResult.UNSUPPORTED_MAV_FRAME)
         if any(math.isinf(value) for value in order.params):
             return MALFORMED
         objection = self._objection(command.who, order.station)
         return command.do(order) if objection is None else reply_to(objection)
 
-    def _objection(self, who: Who, station: Station) -> Denied | None:
+    def _objection(self, who: CommandAccess, station: Station) -> Denied | None:
         match who:
-            case Who.COMMANDER:
+            case CommandAccess.COMMANDER:
                 return self._command.objection(station)
-            case Who.NO_RIVAL:
+            case CommandAccess.NO_RIVAL:
                 return self._command.reserved(station)
-            case Who.ANYBODY:
+            case CommandAccess.ANYBODY:
                 return None
 
-    def _repeated(self, key: _Key, order: Order) -> Said | None:
+    def _repeated(self, key: _Key, order: ReceivedCommand) -> OutgoingMessage | None:
         """What was said of this command before, if it is not a new one."""
         done = self._done.get(key)
         if done is None or not _same(order, done.order):
             return None
         age = self._tick - done.tick
         counted = order.confirmation > done.order.confirmation and age <= _REMEMBERED
-        at_once = done.once and done.result is Result.ACCEPTED and age <= TICKS_PER_SECOND
+        at_once = done.once and done.result is CommandResult.ACCEPTED and age <= TICKS_PER_SECOND
         return _ack(order, done.result) if counted or at_once else None
 
-    def _remember(self, key: _Key, order: Order, result: Result) -> None:
+    def _remember(self, key: _Key, order: ReceivedCommand, result: CommandResult) -> None:
         command = self._repertoire.find(order.number)
-        if command is None or command.who is Who.ANYBODY:
+        if command is None or command.who is CommandAccess.ANYBODY:
             # What anybody may ask, such as a message or a stop, is done again: it may be needed again by now.
             return
         self._done.pop(key, None)
@@ -189,40 +191,40 @@ class Commands:
             del self._done[next(iter(self._done))]
         self._done[key] = _Done(order, self._tick, result, command.once)
 
-    def _cancel(self, link: LinkId, sender: Station, number: int) -> Iterator[Said]:
+    def _cancel(self, link: LinkId, sender: Station, number: int) -> Iterator[OutgoingMessage]:
         running = self._running.pop((link, sender, number), None)
         if running is not None:
             self._conduct.stop()
-            yield _ack(running.order, Result.CANCELLED)
+            yield _ack(running.order, CommandResult.CANCELLED)
 
-    def _result_of(self, running: _Running) -> Result:
+    def _result_of(self, running: _Running) -> CommandResult:
         """How a command that takes its time stands; its progress is brought up to date."""
         if self._conduct.sent != running.way:
-            return Result.CANCELLED
+            return CommandResult.CANCELLED
         leg = self._conduct.leg
         if leg is None:
-            return Result.IN_PROGRESS
+            return CommandResult.IN_PROGRESS
         if leg.state is LegState.ARRIVED:
-            return Result.ACCEPTED
+            return CommandResult.ACCEPTED
         if leg.state is LegState.FAILED:
-            return Result.FAILED
+            return CommandResult.FAILED
         if running.length is None or leg.remaining > running.length:
             running.length = leg.remaining
         if running.length > 0.0:
             running.progress = min(99, int(100.0 * (1.0 - leg.remaining / running.length)))
-        return Result.IN_PROGRESS
+        return CommandResult.IN_PROGRESS
 
 
-def _same(one: Order, other: Order) -> bool:
+def _same(one: ReceivedCommand, other: ReceivedCommand) -> bool:
     """The same command, but for how often it was sent; a NaN is like every other."""
     return one.frame == other.frame and all(
         a == b or (math.isnan(a) and math.isnan(b)) for a, b in zip(one.params, other.params, strict=True)
     )
 
 
-def _ack(order: Order, result: Result, progress: int = 0) -> Said:
+def _ack(order: ReceivedCommand, result: CommandResult, progress: int = 0) -> OutgoingMessage:
     station = order.station
-    return Said(
+    return OutgoingMessage(
         mav.MAVLink_command_ack_message(order.number, result, progress, 0, station.system, station.component),
         order.link,
     )

@@ -11,14 +11,14 @@ from sim.common.geometry import Pose2
 from thbridge.wire.mavlink.coordinates import GLOBAL, PER_METRE, point_in_map
 from thbridge.wire.mavlink.dialect import Message, mav
 from thbridge.wire.mavlink.outgoing import LinkId
-from thbridge.wire.mavlink.vehicle.geodesy import PER_DEGREE, Earth, Place
-from thbridge.wire.mavlink.vehicle_interface import Denied, Refusal, Station
+from thbridge.wire.mavlink.vehicle.geodesy import PER_DEGREE, GeoPoint, MapProjection
+from thbridge.wire.mavlink.vehicle_interface import DenialKind, Denied, Station
 
 UNSET = 0x7FFFFFFF
 """A coordinate of COMMAND_INT that is not given."""
 
 
-class Result(IntEnum):
+class CommandResult(IntEnum):
     """How a command ends: MAV_RESULT, with those numbers that pymavlink's dialect lacks."""
 
     ACCEPTED = mav.MAV_RESULT_ACCEPTED
@@ -34,7 +34,7 @@ class Result(IntEnum):
 
 
 @dataclass(frozen=True, slots=True)
-class Order:
+class ReceivedCommand:
     """A command from somebody.
 
     Attributes:
@@ -68,7 +68,7 @@ class Order:
 
 
 @dataclass(frozen=True, slots=True)
-class Reply:
+class CommandReply:
     """What is answered to a command.
 
     Attributes:
@@ -78,13 +78,13 @@ class Reply:
         way: the number of the way at whose end it is over; None when it is over at once.
     """
 
-    result: Result
+    result: CommandResult
     messages: tuple[Message, ...] = ()
     sentence: str = ""
     way: int | None = None
 
 
-class Carrier(Enum):
+class CommandCarrier(Enum):
     """Which messages may carry a command."""
 
     LONG = "COMMAND_LONG"
@@ -92,7 +92,7 @@ class Carrier(Enum):
     BOTH = "both"
 
 
-class Who(Enum):
+class CommandAccess(Enum):
     """Who may give a command."""
 
     ANYBODY = "anybody"
@@ -101,7 +101,7 @@ class Who(Enum):
 
 
 @dataclass(frozen=True, slots=True)
-class Command:
+class CommandSpec:
     """A command that the vehicle knows.
 
     Attributes:
@@ -112,30 +112,30 @@ class Command:
         once: each time it does something anew.
     """
 
-    do: Callable[[Order], Reply]
-    carrier: Carrier = Carrier.BOTH
+    do: Callable[[ReceivedCommand], CommandReply]
+    carrier: CommandCarrier = CommandCarrier.BOTH
     frames: frozenset[int] = frozenset()
-    who: Who = Who.ANYBODY
+    who: CommandAccess = CommandAccess.ANYBODY
     once: bool = False
 
 
-ACCEPTED = Reply(Result.ACCEPTED)
-MALFORMED = Reply(Result.DENIED)
+ACCEPTED = CommandReply(CommandResult.ACCEPTED)
+MALFORMED = CommandReply(CommandResult.DENIED)
 """A parameter is none that this command can have."""
 
 _RESULTS = {
-    Refusal.DENIED: Result.DENIED,
-    Refusal.NOT_NOW: Result.TEMPORARILY_REJECTED,
-    Refusal.UNSUPPORTED: Result.UNSUPPORTED,
+    DenialKind.DENIED: CommandResult.DENIED,
+    DenialKind.NOT_NOW: CommandResult.TEMPORARILY_REJECTED,
+    DenialKind.UNSUPPORTED: CommandResult.UNSUPPORTED,
 }
 
 
-def reply_to(denied: Denied | None) -> Reply:
+def reply_to(denied: Denied | None) -> CommandReply:
     """What is answered when a robot does what it is told, or why it does not."""
-    return ACCEPTED if denied is None else Reply(_RESULTS[denied.refusal], sentence=denied.sentence)
+    return ACCEPTED if denied is None else CommandReply(_RESULTS[denied.refusal], sentence=denied.sentence)
 
 
-def order_of(link: LinkId, station: Station, message: Message) -> Order | None:
+def order_of(link: LinkId, station: Station, message: Message) -> ReceivedCommand | None:
     """The command in a message; None where it carries none."""
     if isinstance(message, mav.MAVLink_command_long_message):
         params = (
@@ -147,11 +147,11 @@ def order_of(link: LinkId, station: Station, message: Message) -> Order | None:
             message.param6,
             message.param7,
         )
-        return Order(link, station, message.command, params, None, message.confirmation)
+        return ReceivedCommand(link, station, message.command, params, None, message.confirmation)
     if isinstance(message, mav.MAVLink_command_int_message):
         x, y = (math.nan if value == UNSET else float(value) for value in (message.x, message.y))
         params = (message.param1, message.param2, message.param3, message.param4, x, y, message.z)
-        return Order(link, station, message.command, params, message.frame, 0)
+        return ReceivedCommand(link, station, message.command, params, message.frame, 0)
     return None
 
 
@@ -160,7 +160,9 @@ def decimal_of(value: float) -> float:
     return float(str(np.float32(value)))
 
 
-def destination(order: Order, base_in_map: Pose2, earth: Earth) -> tuple[float, float] | Denied | None:
+def destination(
+    order: ReceivedCommand, base_in_map: Pose2, earth: MapProjection
+) -> tuple[float, float] | Denied | None:
     """The point of the map that a command means, metres east and north.
 
     A COMMAND_INT is in one of our frames; COMMAND_LONG has degrees, as 32-bit floats good to some decimetres.
@@ -175,7 +177,7 @@ def destination(order: Order, base_in_map: Pose2, earth: Earth) -> tuple[float, 
     if order.frame is not None and order.frame not in GLOBAL:
         return point_in_map(order.frame, first / PER_METRE, second / PER_METRE, base_in_map)
     scale = PER_DEGREE if order.frame is None else 1
-    place = Place(round(first * scale), round(second * scale))
+    place = GeoPoint(round(first * scale), round(second * scale))
     if place.is_none:
         return None
     return earth.point(place) if place.is_on_earth else Denied("There is no such place on earth.")

@@ -12,25 +12,25 @@ from sim.common.geometry import Pose2
 from thbridge.wire.mavlink.coordinates import GLOBAL, LOCAL, theta_of
 from thbridge.wire.mavlink.dialect import mav
 from thbridge.wire.mavlink.modes import Mode, mode_asked, mode_of_standard
-from thbridge.wire.mavlink.options import Identity
+from thbridge.wire.mavlink.options import AutopilotIdentity
 from thbridge.wire.mavlink.vehicle.command.requests import (
     ACCEPTED,
     MALFORMED,
-    Carrier,
-    Command,
-    Order,
-    Reply,
-    Result,
-    Who,
+    CommandAccess,
+    CommandCarrier,
+    CommandReply,
+    CommandResult,
+    CommandSpec,
+    ReceivedCommand,
     decimal_of,
     destination,
     reply_to,
 )
-from thbridge.wire.mavlink.vehicle.geodesy import Earth
-from thbridge.wire.mavlink.vehicle.mode.home import Home
-from thbridge.wire.mavlink.vehicle.mode.operator_control import CommandOf
-from thbridge.wire.mavlink.vehicle.mode.state_machine import Conduct
-from thbridge.wire.mavlink.vehicle_interface import Denied, Helm, Station, Target
+from thbridge.wire.mavlink.vehicle.geodesy import MapProjection
+from thbridge.wire.mavlink.vehicle.mode.home import HomePosition
+from thbridge.wire.mavlink.vehicle.mode.operator_control import OperatorControl
+from thbridge.wire.mavlink.vehicle.mode.state_machine import ModeStateMachine
+from thbridge.wire.mavlink.vehicle_interface import Denied, Station, Target, VehicleInterface
 
 _FORCED = frozenset({21196, 2989})
 """What stands for "by force" in arming: the standard's number, and MAVProxy's."""
@@ -40,7 +40,7 @@ _LARGEST_ID = 0xFFFF
 """Of an item."""
 
 
-class Repertoire:
+class CommandTable:
     """What one vehicle can be commanded.
 
     Args:
@@ -56,14 +56,14 @@ class Repertoire:
 
     def __init__(
         self,
-        helm: Helm,
-        conduct: Conduct,
-        command: CommandOf,
-        home: Home,
+        helm: VehicleInterface,
+        conduct: ModeStateMachine,
+        command: OperatorControl,
+        home: HomePosition,
         base_in_map: Callable[[], Pose2],
-        earth: Earth,
-        identity: Identity,
-        requests: Mapping[int, Command],
+        earth: MapProjection,
+        identity: AutopilotIdentity,
+        requests: Mapping[int, CommandSpec],
     ) -> None:
         self._helm = helm
         self._conduct = conduct
@@ -73,35 +73,35 @@ class Repertoire:
         self._earth = earth
         self._identity = identity
         places = GLOBAL | LOCAL
-        by_commander = Who.COMMANDER
-        self._known: dict[int, Command] = {
+        by_commander = CommandAccess.COMMANDER
+        self._known: dict[int, CommandSpec] = {
             **requests,
-            mav.MAV_CMD_COMPONENT_ARM_DISARM: Command(self._arm_disarm),
-            mav.MAV_CMD_RUN_PREARM_CHECKS: Command(lambda _: ACCEPTED),
-            mav.MAV_CMD_DO_SET_MODE: Command(self._set_mode),
-            mav.MAV_CMD_DO_SET_STANDARD_MODE: Command(self._set_standard_mode),
-            mav.MAV_CMD_DO_PAUSE_CONTINUE: Command(self._pause_continue),
-            mav.MAV_CMD_NAV_LOITER_UNLIM: Command(self._hold),
-            mav.MAV_CMD_DO_REPOSITION: Command(self._reposition, Carrier.INT, places, by_commander),
-            mav.MAV_CMD_NAV_WAYPOINT: Command(self._waypoint, Carrier.INT, places, by_commander),
-            mav.MAV_CMD_NAV_RETURN_TO_LAUNCH: Command(self._return, who=by_commander),
-            mav.MAV_CMD_DO_CHANGE_SPEED: Command(self._change_speed, who=by_commander),
-            mav.MAV_CMD_MISSION_START: Command(self._start_mission, who=by_commander),
-            mav.MAV_CMD_DO_SET_MISSION_CURRENT: Command(self._select_item),
-            mav.MAV_CMD_DO_SET_HOME: Command(self._set_home, frames=places, who=Who.NO_RIVAL),
-            mav.MAV_CMD_PREFLIGHT_REBOOT_SHUTDOWN: Command(lambda _: _NO_REBOOT),
-            mav.MAV_CMD_IMAGE_START_CAPTURE: Command(self._photograph, who=by_commander, once=True),
-            mav.MAV_CMD_USER_1: Command(self._identify, Carrier.LONG, who=by_commander, once=True),
-            mav.MAV_CMD_USER_2: Command(self._leave, Carrier.LONG, who=by_commander, once=True),
+            mav.MAV_CMD_COMPONENT_ARM_DISARM: CommandSpec(self._arm_disarm),
+            mav.MAV_CMD_RUN_PREARM_CHECKS: CommandSpec(lambda _: ACCEPTED),
+            mav.MAV_CMD_DO_SET_MODE: CommandSpec(self._set_mode),
+            mav.MAV_CMD_DO_SET_STANDARD_MODE: CommandSpec(self._set_standard_mode),
+            mav.MAV_CMD_DO_PAUSE_CONTINUE: CommandSpec(self._pause_continue),
+            mav.MAV_CMD_NAV_LOITER_UNLIM: CommandSpec(self._hold),
+            mav.MAV_CMD_DO_REPOSITION: CommandSpec(self._reposition, CommandCarrier.INT, places, by_commander),
+            mav.MAV_CMD_NAV_WAYPOINT: CommandSpec(self._waypoint, CommandCarrier.INT, places, by_commander),
+            mav.MAV_CMD_NAV_RETURN_TO_LAUNCH: CommandSpec(self._return, who=by_commander),
+            mav.MAV_CMD_DO_CHANGE_SPEED: CommandSpec(self._change_speed, who=by_commander),
+            mav.MAV_CMD_MISSION_START: CommandSpec(self._start_mission, who=by_commander),
+            mav.MAV_CMD_DO_SET_MISSION_CURRENT: CommandSpec(self._select_item),
+            mav.MAV_CMD_DO_SET_HOME: CommandSpec(self._set_home, frames=places, who=CommandAccess.NO_RIVAL),
+            mav.MAV_CMD_PREFLIGHT_REBOOT_SHUTDOWN: CommandSpec(lambda _: _NO_REBOOT),
+            mav.MAV_CMD_IMAGE_START_CAPTURE: CommandSpec(self._photograph, who=by_commander, once=True),
+            mav.MAV_CMD_USER_1: CommandSpec(self._identify, CommandCarrier.LONG, who=by_commander, once=True),
+            mav.MAV_CMD_USER_2: CommandSpec(self._leave, CommandCarrier.LONG, who=by_commander, once=True),
         }
 
-    def find(self, number: int) -> Command | None:
+    def find(self, number: int) -> CommandSpec | None:
         """The command of this number, if it is known."""
         return self._known.get(number)
 
     # -- command and modes --------------------------------------------------------------------------------------------
 
-    def _arm_disarm(self, order: Order) -> Reply:
+    def _arm_disarm(self, order: ReceivedCommand) -> CommandReply:
         match order.given(1):
             case 1.0:
                 return reply_to(self._conduct.arm(order.station, by_force=order.given(2) in _FORCED))
@@ -110,13 +110,13 @@ class Repertoire:
                 return ACCEPTED
         return MALFORMED
 
-    def _set_mode(self, order: Order) -> Reply:
+    def _set_mode(self, order: ReceivedCommand) -> CommandReply:
         base, main, sub = order.whole(1), order.whole(2), order.whole(3, otherwise=0)
         if base is None or main is None or sub is None:
             return MALFORMED
         return self.mode_reply(order.station, base, main, sub)
 
-    def mode_reply(self, station: Station, base: int, main: int, sub: int) -> Reply:
+    def mode_reply(self, station: Station, base: int, main: int, sub: int) -> CommandReply:
         """Change the mode to the one of these numbers, as DO_SET_MODE and SET_MODE have them."""
         mode: Mode | None
         if base & mav.MAV_MODE_FLAG_CUSTOM_MODE_ENABLED:
@@ -124,15 +124,15 @@ class Repertoire:
         else:
             mode = Mode.MANUAL if base & mav.MAV_MODE_FLAG_MANUAL_INPUT_ENABLED else None
         if mode is None:
-            return Reply(Result.DENIED, sentence="There is no such mode.")
+            return CommandReply(CommandResult.DENIED, sentence="There is no such mode.")
         return reply_to(self._conduct.choose(station, mode))
 
-    def _set_standard_mode(self, order: Order) -> Reply:
+    def _set_standard_mode(self, order: ReceivedCommand) -> CommandReply:
         code = order.whole(1)
         mode = None if code is None else mode_of_standard(code)
         return MALFORMED if mode is None else reply_to(self._conduct.choose(order.station, mode))
 
-    def _pause_continue(self, order: Order) -> Reply:
+    def _pause_continue(self, order: ReceivedCommand) -> CommandReply:
         match order.given(1):
             case 0.0:
                 self._conduct.pause()
@@ -142,48 +142,50 @@ class Repertoire:
                 return reply_to(objection or self._conduct.proceed())
         return MALFORMED
 
-    def _hold(self, order: Order) -> Reply:
+    def _hold(self, order: ReceivedCommand) -> CommandReply:
         self._conduct.stop()
         return ACCEPTED
 
     # -- ways ---------------------------------------------------------------------------------------------------------
 
-    def _reposition(self, order: Order) -> Reply:
+    def _reposition(self, order: ReceivedCommand) -> CommandReply:
         options = order.whole(2, otherwise=_REPOSITION_CHANGES_MODE)
         if options is None:
             return MALFORMED
         if not options & _REPOSITION_CHANGES_MODE and self._conduct.mode not in (Mode.GUIDED, Mode.HOLD):
-            return Reply(Result.DENIED, sentence=f"The robot is in mode {self._conduct.mode.value}, not GUIDED.")
+            return CommandReply(
+                CommandResult.DENIED, sentence=f"The robot is in mode {self._conduct.mode.value}, not GUIDED."
+            )
         speed = order.given(1)
         return self._go(order, decimal_of(speed) if speed is not None and speed > 0.0 else None, order.given(4))
 
-    def _waypoint(self, order: Order) -> Reply:
+    def _waypoint(self, order: ReceivedCommand) -> CommandReply:
         yaw = order.given(4)
         reply = self._go(order, None, None if yaw is None else math.radians(yaw))
         way = self._conduct.sent
-        if reply.result is not Result.ACCEPTED or way is None:
+        if reply.result is not CommandResult.ACCEPTED or way is None:
             return reply
-        return Reply(Result.IN_PROGRESS, way=way)
+        return CommandReply(CommandResult.IN_PROGRESS, way=way)
 
-    def _go(self, order: Order, speed: float | None, yaw: float | None) -> Reply:
+    def _go(self, order: ReceivedCommand, speed: float | None, yaw: float | None) -> CommandReply:
         point = self._destination(order)
         if isinstance(point, Denied):
             return reply_to(point)
         if point is None:
             here = self._base_in_map()
             point = here.x, here.y
-        if yaw == 0.0 and self._identity is Identity.ARDUPILOT:
+        if yaw == 0.0 and self._identity is AutopilotIdentity.ARDUPILOT:
             # To ArduPilot, stations say 0 for what they leave open; its own rovers never heed this parameter.
             yaw = None
         return reply_to(self._conduct.go(Target(*point, None if yaw is None else theta_of(yaw)), speed))
 
-    def _destination(self, order: Order) -> tuple[float, float] | Denied | None:
+    def _destination(self, order: ReceivedCommand) -> tuple[float, float] | Denied | None:
         return destination(order, self._base_in_map(), self._earth)
 
-    def _return(self, order: Order) -> Reply:
+    def _return(self, order: ReceivedCommand) -> CommandReply:
         return reply_to(self._conduct.go_home())
 
-    def _change_speed(self, order: Order) -> Reply:
+    def _change_speed(self, order: ReceivedCommand) -> CommandReply:
         kind, speed = order.whole(1, otherwise=mav.SPEED_TYPE_GROUNDSPEED), order.given(2)
         if kind not in (mav.SPEED_TYPE_AIRSPEED, mav.SPEED_TYPE_GROUNDSPEED):
             return MALFORMED
@@ -193,21 +195,21 @@ class Repertoire:
             return reply_to(self._helm.limit_speed(-1.0))
         return reply_to(self._helm.limit_speed(decimal_of(speed))) if speed > 0.0 else MALFORMED
 
-    def _start_mission(self, order: Order) -> Reply:
+    def _start_mission(self, order: ReceivedCommand) -> CommandReply:
         first, last = order.whole(1, otherwise=0), order.whole(2, otherwise=0)
         if first is None or last is None:
             return MALFORMED
         # Stations that want to go on, or all of it, send zeros.
         return reply_to(self._conduct.run(first or None, last or None))
 
-    def _select_item(self, order: Order) -> Reply:
+    def _select_item(self, order: ReceivedCommand) -> CommandReply:
         item = order.whole(1)
         if item is None or item > _LARGEST_ID:
             return MALFORMED
         objection = self._command.objection(order.station) if self._conduct.mode is Mode.AUTO else None
         return reply_to(objection or self._conduct.select(item))
 
-    def _set_home(self, order: Order) -> Reply:
+    def _set_home(self, order: ReceivedCommand) -> CommandReply:
         is_here, point = order.whole(1, otherwise=0), self._destination(order)
         if is_here not in (0, 1):
             return MALFORMED
@@ -219,18 +221,18 @@ class Repertoire:
 
     # -- the game -----------------------------------------------------------------------------------------------------
 
-    def _photograph(self, order: Order) -> Reply:
+    def _photograph(self, order: ReceivedCommand) -> CommandReply:
         pictures = order.whole(3, otherwise=1)
         if pictures is None or pictures > 1:
-            return Reply(Result.DENIED, sentence="One picture at a time.")
+            return CommandReply(CommandResult.DENIED, sentence="One picture at a time.")
         return reply_to(self._helm.photograph())
 
-    def _identify(self, order: Order) -> Reply:
+    def _identify(self, order: ReceivedCommand) -> CommandReply:
         number = order.whole(1)
         return MALFORMED if not number else reply_to(self._helm.identify(number))
 
-    def _leave(self, order: Order) -> Reply:
+    def _leave(self, order: ReceivedCommand) -> CommandReply:
         return reply_to(self._helm.leave())
 
 
-_NO_REBOOT = Reply(Result.DENIED, sentence="A robot of a running game is not restarted.")
+_NO_REBOOT = CommandReply(CommandResult.DENIED, sentence="A robot of a running game is not restarted.")

@@ -16,9 +16,9 @@ from typing import TypeAlias
 
 from sim.common.observations import TICKS_PER_SECOND
 from thbridge.wire.mavlink.dialect import EVERYBODY, Message, mav
-from thbridge.wire.mavlink.outgoing import LinkId, Said
+from thbridge.wire.mavlink.outgoing import LinkId, OutgoingMessage
 from thbridge.wire.mavlink.vehicle.component_files.metadata_files import checksum
-from thbridge.wire.mavlink.vehicle_interface import Readings, Station
+from thbridge.wire.mavlink.vehicle_interface import RobotReadings, Station
 
 PIECES_PER_TICK = 3
 """Of all bursts of one vehicle together: 36 kB a second."""
@@ -169,7 +169,7 @@ class FileTransfer:
         # The one whose turn it is comes first.
         self._bursts: dict[_Transfer, _Burst] = {}
 
-    def hear(self, link: LinkId, sender: Station, message: Message) -> Iterator[Said]:
+    def hear(self, link: LinkId, sender: Station, message: Message) -> Iterator[OutgoingMessage]:
         """A request; one that comes again is answered as before."""
         if not isinstance(message, mav.MAVLink_file_transfer_protocol_message) or message.target_system == EVERYBODY:
             return
@@ -187,7 +187,7 @@ class FileTransfer:
         if answer is not None:
             yield _said(requester, answer)
 
-    def step(self, tick: int, readings: Readings) -> Iterator[Said]:
+    def step(self, tick: int, readings: RobotReadings) -> Iterator[OutgoingMessage]:
         """A tick has passed: bursts go on, in turns."""
         self._tick = tick
         for _ in range(PIECES_PER_TICK):
@@ -357,7 +357,9 @@ def _answer(request: _Request, outcome: bytes | _Refused) -> bytes:
     return head + data
 
 
-def _said(requester: _Requester, payload: bytes) -> Said:
+def _said(requester: _Requester, payload: bytes) -> OutgoingMessage:
     link, station = requester
     padded = list(payload.ljust(_PAYLOAD, b"\0"))
-    return Said(mav.MAVLink_file_transfer_protocol_message(0, station.system, station.component, padded), link)
+    return OutgoingMessage(
+        mav.MAVLink_file_transfer_protocol_message(0, station.system, station.component, padded), link
+    )

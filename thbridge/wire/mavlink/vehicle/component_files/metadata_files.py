@@ -13,7 +13,7 @@ from functools import cached_property, lru_cache
 from math import isfinite
 from types import MappingProxyType
 
-from thbridge.wire.mavlink.vehicle_interface import Description, Settings
+from thbridge.wire.mavlink.vehicle_interface import ParameterDescription, ParameterSettings
 
 GENERAL = "general.json"
 PARAMETERS = "parameters.json"
@@ -33,7 +33,7 @@ class MetadataFiles:
         settings: its parameters.
     """
 
-    def __init__(self, settings: Settings) -> None:
+    def __init__(self, settings: ParameterSettings) -> None:
         self._settings = settings
 
     @cached_property
@@ -53,14 +53,14 @@ def checksum(content: bytes) -> int:
 
 
 @lru_cache(_KEPT)
-def _contents(descriptions: tuple[Description, ...]) -> Mapping[str, bytes]:
+def _contents(descriptions: tuple[ParameterDescription, ...]) -> Mapping[str, bytes]:
     parameters = _as_json({"version": _VERSION, "parameters": [_parameter(each) for each in descriptions]})
     about = {"type": _TYPE_PARAMETER, "uri": uri(PARAMETERS), "fileCrc": checksum(parameters)}
     general = {"version": _VERSION, "vendorName": "thbridge", "modelName": "rover", "metadataTypes": [about]}
     return MappingProxyType({GENERAL: _as_json(general), PARAMETERS: parameters})
 
 
-def _parameter(described: Description) -> dict[str, object]:
+def _parameter(described: ParameterDescription) -> dict[str, object]:
     """One parameter as its schema has it; what the schema takes for granted is left out."""
     told: dict[str, object] = {
         "name": described.name,

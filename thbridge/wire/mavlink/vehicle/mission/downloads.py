@@ -8,10 +8,10 @@ from typing import TypeAlias
 
 from sim.common.observations import TICKS_PER_SECOND
 from thbridge.wire.mavlink.dialect import mav
-from thbridge.wire.mavlink.outgoing import LinkId, Said
+from thbridge.wire.mavlink.outgoing import LinkId, OutgoingMessage
 from thbridge.wire.mavlink.vehicle.mission.ids import MissionCount
-from thbridge.wire.mavlink.vehicle.mission.items import Item, message_of, old_message_of
-from thbridge.wire.mavlink.vehicle.mission.peer import EMPTY_TYPES, MISSION, Peer
+from thbridge.wire.mavlink.vehicle.mission.items import MissionItem, message_of, old_message_of
+from thbridge.wire.mavlink.vehicle.mission.peer import EMPTY_TYPES, MISSION, MissionPeer
 from thbridge.wire.mavlink.vehicle.mission.run import MissionRun
 
 DOWNLOAD_PATIENCE = 6 * 3 * TICKS_PER_SECOND // 2
@@ -24,7 +24,7 @@ _Request: TypeAlias = mav.MAVLink_mission_request_message | mav.MAVLink_mission_
 class _Download:
     """Somebody who reads the plan, which stays for them as it was when they began."""
 
-    plan: tuple[Item, ...]
+    plan: tuple[MissionItem, ...]
     asked: int
 
 
@@ -37,10 +37,10 @@ class MissionDownloads:
 
     def __init__(self, run: MissionRun) -> None:
         self._run = run
-        self._downloads: dict[Peer, _Download] = {}
+        self._downloads: dict[MissionPeer, _Download] = {}
         self._tick = 0
 
-    def begin(self, peer: Peer, mission_type: int) -> Said:
+    def begin(self, peer: MissionPeer, mission_type: int) -> OutgoingMessage:
         """Somebody asks how many items there are."""
         if mission_type in EMPTY_TYPES:
             return _count(peer, 0, mission_type)
@@ -49,7 +49,7 @@ class MissionDownloads:
         self._downloads[peer] = _Download(self._run.readable, self._tick)
         return _count(peer, len(self._run.plan), mission_type, self._run.plan_id)
 
-    def item(self, peer: Peer, message: _Request) -> Said:
+    def item(self, peer: MissionPeer, message: _Request) -> OutgoingMessage:
         """Somebody asks for an item, in the form of its request."""
         if message.mission_type not in (MISSION, *EMPTY_TYPES):
             return peer.ack(mav.MAV_MISSION_UNSUPPORTED, message.mission_type)
@@ -61,9 +61,9 @@ class MissionDownloads:
         if message.mission_type in EMPTY_TYPES or seq >= len(plan):
             return peer.ack(mav.MAV_MISSION_INVALID_SEQUENCE, message.mission_type)
         told = message_of if isinstance(message, mav.MAVLink_mission_request_int_message) else old_message_of
-        return Said(told(plan[seq], seq, seq == self._run.at, peer.station), peer.link)
+        return OutgoingMessage(told(plan[seq], seq, seq == self._run.at, peer.station), peer.link)
 
-    def end(self, peer: Peer) -> None:
+    def end(self, peer: MissionPeer) -> None:
         """Somebody has all that they want, or has changed the plan."""
         self._downloads.pop(peer, None)
 
@@ -79,5 +79,5 @@ class MissionDownloads:
         self._downloads = {peer: there for peer, there in self._downloads.items() if peer.link != link}
 
 
-def _count(peer: Peer, count: int, mission_type: int, plan: int = 0) -> Said:
-    return Said(MissionCount(*peer.target, count, mission_type, plan), peer.link)
+def _count(peer: MissionPeer, count: int, mission_type: int, plan: int = 0) -> OutgoingMessage:
+    return OutgoingMessage(MissionCount(*peer.target, count, mission_type, plan), peer.link)

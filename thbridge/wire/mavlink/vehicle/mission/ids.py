@@ -10,12 +10,12 @@ from collections.abc import Iterable
 
 from thbridge.wire.mavlink.dialect import mav
 from thbridge.wire.mavlink.extra_messages import extended
-from thbridge.wire.mavlink.vehicle.mission.items import Item
+from thbridge.wire.mavlink.vehicle.mission.items import MissionItem
 
 _ITEM = struct.Struct("<HB4f2if?")
 
 
-def plan_id(items: Iterable[Item]) -> int:
+def plan_id(items: Iterable[MissionItem]) -> int:
     """A number that is equal for equal plans and hardly for others; 0 for an empty one."""
     crc = 0
     for item in items:

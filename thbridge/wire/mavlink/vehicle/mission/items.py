@@ -11,7 +11,7 @@ from types import MappingProxyType
 from thbridge.wire.mavlink.coordinates import GLOBAL, PER_METRE
 from thbridge.wire.mavlink.dialect import mav
 from thbridge.wire.mavlink.vehicle.command.requests import UNSET
-from thbridge.wire.mavlink.vehicle.geodesy import PER_DEGREE, Place
+from thbridge.wire.mavlink.vehicle.geodesy import PER_DEGREE, GeoPoint
 from thbridge.wire.mavlink.vehicle_interface import Station
 
 _LARGEST = 2**31 - 1
@@ -20,7 +20,7 @@ _FRAMES = GLOBAL | {mav.MAV_FRAME_LOCAL_NED, mav.MAV_FRAME_MISSION}
 
 
 @dataclass(frozen=True, slots=True)
-class Item:
+class MissionItem:
     """One item of a mission, as it came and goes: what it asks is `command`'s meaning of the rest.
 
     Attributes:
@@ -44,7 +44,7 @@ class Item:
     @property
     def has_place(self) -> bool:
         """Whether it names a place; (0, 0) in degrees is none."""
-        return _takes_place(self.command) and not (self.frame in GLOBAL and Place(self.x, self.y).is_none)
+        return _takes_place(self.command) and not (self.frame in GLOBAL and GeoPoint(self.x, self.y).is_none)
 
     @property
     def is_here(self) -> bool:
@@ -53,7 +53,7 @@ class Item:
 
 
 @dataclass(frozen=True, slots=True)
-class Unfit:
+class InvalidItem:
     """Why an item cannot be part of a mission.
 
     Attributes:
@@ -65,7 +65,9 @@ class Unfit:
     sentence: str
 
 
-def item_of(message: mav.MAVLink_mission_item_message | mav.MAVLink_mission_item_int_message) -> Item | Unfit:
+def item_of(
+    message: mav.MAVLink_mission_item_message | mav.MAVLink_mission_item_int_message,
+) -> MissionItem | InvalidItem:
     """The item in a message of either form; `Unfit` where its place is no number or beyond what can be kept."""
     if isinstance(message, mav.MAVLink_mission_item_int_message):
         x, y = message.x, message.y
@@ -76,20 +78,20 @@ def item_of(message: mav.MAVLink_mission_item_message | mav.MAVLink_mission_item
             (message.y, mav.MAV_MISSION_INVALID_PARAM6_Y),
         ):
             if not abs(value * scale) < _LARGEST:
-                return Unfit(result, "its place is not a number")
+                return InvalidItem(result, "its place is not a number")
         x, y = round(message.x * scale), round(message.y * scale)
     params = (_number(message.param1), _number(message.param2), _number(message.param3), _number(message.param4))
-    return Item(message.command, message.frame, params, x, y, _number(message.z), bool(message.autocontinue))
+    return MissionItem(message.command, message.frame, params, x, y, _number(message.z), bool(message.autocontinue))
 
 
-def message_of(item: Item, seq: int, current: bool, station: Station) -> mav.MAVLink_mission_item_int_message:
+def message_of(item: MissionItem, seq: int, current: bool, station: Station) -> mav.MAVLink_mission_item_int_message:
     """The item as it is told to whoever asks for it."""
     places = (item.x, item.y, item.z)
     head = (station.system, station.component, seq, item.frame, item.command, int(current), int(item.autocontinue))
     return mav.MAVLink_mission_item_int_message(*head, *item.params, *places)
 
 
-def old_message_of(item: Item, seq: int, current: bool, station: Station) -> mav.MAVLink_mission_item_message:
+def old_message_of(item: MissionItem, seq: int, current: bool, station: Station) -> mav.MAVLink_mission_item_message:
     """The item in the form of old, whose coordinates are 32-bit floats: degrees are then good to some decimetres."""
     scale = _scale(item.command, item.frame)
     places = (item.x / scale, item.y / scale, item.z)
@@ -97,32 +99,32 @@ def old_message_of(item: Item, seq: int, current: bool, station: Station) -> mav
     return mav.MAVLink_mission_item_message(*head, *item.params, *places)
 
 
-def unfit(item: Item, count: int) -> Unfit | None:
+def unfit(item: MissionItem, count: int) -> InvalidItem | None:
     """Why the item cannot be part of a mission of so many items; None where it can."""
     rules = _COMMANDS.get(item.command)
     if rules is None:
-        return Unfit(mav.MAV_MISSION_UNSUPPORTED, f"command {item.command} is not for these robots")
+        return InvalidItem(mav.MAV_MISSION_UNSUPPORTED, f"command {item.command} is not for these robots")
     if (misplaced := _misplaced(item)) is not None:
         return misplaced
     for number, (fits, sentence) in rules.items():
         if not fits(item.params[number - 1], count):
-            return Unfit(_INVALID_PARAM[number], f"parameter {number} {sentence}")
+            return InvalidItem(_INVALID_PARAM[number], f"parameter {number} {sentence}")
     return None
 
 
-def _misplaced(item: Item) -> Unfit | None:
+def _misplaced(item: MissionItem) -> InvalidItem | None:
     if item.frame not in _FRAMES:
-        return Unfit(mav.MAV_MISSION_UNSUPPORTED_FRAME, f"frame {item.frame} is not known")
+        return InvalidItem(mav.MAV_MISSION_UNSUPPORTED_FRAME, f"frame {item.frame} is not known")
     if not _takes_place(item.command) or item.is_here:
         return None
     if item.frame == mav.MAV_FRAME_MISSION:
-        return Unfit(mav.MAV_MISSION_UNSUPPORTED_FRAME, "its place needs a frame")
+        return InvalidItem(mav.MAV_MISSION_UNSUPPORTED_FRAME, "its place needs a frame")
     if item.x == UNSET or (item.frame in GLOBAL and abs(item.x) > 90 * PER_DEGREE):
-        return Unfit(mav.MAV_MISSION_INVALID_PARAM5_X, "its latitude is beyond the poles")
+        return InvalidItem(mav.MAV_MISSION_INVALID_PARAM5_X, "its latitude is beyond the poles")
     if item.y == UNSET or (item.frame in GLOBAL and abs(item.y) > 180 * PER_DEGREE):
-        return Unfit(mav.MAV_MISSION_INVALID_PARAM6_Y, "its longitude is beyond 180 degrees")
+        return InvalidItem(mav.MAV_MISSION_INVALID_PARAM6_Y, "its longitude is beyond 180 degrees")
     if item.command == mav.MAV_CMD_NAV_WAYPOINT and not item.has_place:
-        return Unfit(mav.MAV_MISSION_INVALID_PARAM5_X, "a waypoint needs a place")
+        return InvalidItem(mav.MAV_MISSION_INVALID_PARAM5_X, "a waypoint needs a place")
     return None
 
 

@@ -3,7 +3,7 @@
 from typing import NamedTuple
 
 from thbridge.wire.mavlink.dialect import mav
-from thbridge.wire.mavlink.outgoing import LinkId, Said
+from thbridge.wire.mavlink.outgoing import LinkId, OutgoingMessage
 from thbridge.wire.mavlink.vehicle.mission.ids import MissionAck
 from thbridge.wire.mavlink.vehicle_interface import Station
 
@@ -13,7 +13,7 @@ EMPTY_TYPES = frozenset((mav.MAV_MISSION_TYPE_FENCE, mav.MAV_MISSION_TYPE_RALLY)
 """Of these a robot has none, and takes none."""
 
 
-class Peer(NamedTuple):
+class MissionPeer(NamedTuple):
     """Whoever takes part in a transfer; stations on different links may well have the same ids."""
 
     link: LinkId
@@ -24,6 +24,6 @@ class Peer(NamedTuple):
         """The system and component that messages to it name."""
         return self.station.system, self.station.component
 
-    def ack(self, result: int, mission_type: int = MISSION, plan: int = 0) -> Said:
+    def ack(self, result: int, mission_type: int = MISSION, plan: int = 0) -> OutgoingMessage:
         """How a transfer ended, or why there is none: a code of MAV_MISSION_RESULT, and the number of the plan."""
-        return Said(MissionAck(*self.target, result, mission_type, plan), self.link)
+        return OutgoingMessage(MissionAck(*self.target, result, mission_type, plan), self.link)

@@ -10,13 +10,13 @@ from typing import NamedTuple
 
 from sim.common.observations import TICKS_PER_SECOND
 from thbridge.wire.mavlink.dialect import Message, mav
-from thbridge.wire.mavlink.outgoing import LinkId, Said
+from thbridge.wire.mavlink.outgoing import LinkId, OutgoingMessage
 from thbridge.wire.mavlink.vehicle.mission.downloads import MissionDownloads
-from thbridge.wire.mavlink.vehicle.mission.items import Item, Unfit, item_of, unfit
-from thbridge.wire.mavlink.vehicle.mission.peer import EMPTY_TYPES, MISSION, Peer
+from thbridge.wire.mavlink.vehicle.mission.items import InvalidItem, MissionItem, item_of, unfit
+from thbridge.wire.mavlink.vehicle.mission.peer import EMPTY_TYPES, MISSION, MissionPeer
 from thbridge.wire.mavlink.vehicle.mission.run import MissionRun
-from thbridge.wire.mavlink.vehicle.parts import Announce, Severity
-from thbridge.wire.mavlink.vehicle_interface import Denied, Readings, Refusal, Station
+from thbridge.wire.mavlink.vehicle.parts import Announce, TextSeverity
+from thbridge.wire.mavlink.vehicle_interface import DenialKind, Denied, RobotReadings, Station
 
 LONGEST = 700
 """Items of the longest mission."""
@@ -51,14 +51,14 @@ class _Upload:
         items: what has come, in order.
     """
 
-    peer: Peer
-    kept_before: tuple[Item, ...]
-    kept_after: tuple[Item, ...]
+    peer: MissionPeer
+    kept_before: tuple[MissionItem, ...]
+    kept_after: tuple[MissionItem, ...]
     count: int
     asked: int
     retries: int = 0
     old_form: bool = False
-    items: list[Item] = field(default_factory=list)
+    items: list[MissionItem] = field(default_factory=list)
 
     @property
     def next(self) -> int:
@@ -74,11 +74,11 @@ class _Upload:
 class _Completed(NamedTuple):
     """The upload that was completed last; its last item comes again if the acknowledgement got lost."""
 
-    peer: Peer
+    peer: MissionPeer
     last: int
 
 
-class Missions:
+class MissionProtocol:
     """The transfer of one robot's plan: one to it at a time, any number from it.
 
     Args:
@@ -94,9 +94,9 @@ class Missions:
         self._completed: _Completed | None = None
         self._tick = 0
 
-    def hear(self, link: LinkId, sender: Station, message: Message) -> Iterator[Said]:
+    def hear(self, link: LinkId, sender: Station, message: Message) -> Iterator[OutgoingMessage]:
         """What is answered; nothing to a message that is not of this protocol."""
-        peer = Peer(link, sender)
+        peer = MissionPeer(link, sender)
         match message:
             case mav.MAVLink_mission_count_message():
                 yield from self._hear_count(peer, message.count, message.mission_type)
@@ -120,7 +120,7 @@ class Missions:
             case mav.MAVLink_mission_ack_message(mission_type=mav.MAV_MISSION_TYPE_MISSION):
                 yield from self._hear_ack(peer, message.type)
 
-    def step(self, tick: int, readings: Readings) -> Iterator[Said]:
+    def step(self, tick: int, readings: RobotReadings) -> Iterator[OutgoingMessage]:
         """A tick has passed; an item that has not come is asked for again, and the mission goes on."""
         self._tick = tick
         self._downloads.step(tick)
@@ -135,7 +135,7 @@ class Missions:
             self._completed = None
         self._downloads.forget(link)
 
-    def _uploaded(self, tick: int) -> Iterator[Said]:
+    def _uploaded(self, tick: int) -> Iterator[OutgoingMessage]:
         upload = self._upload
         if upload is None or tick - upload.asked < ITEM_PATIENCE:
             return
@@ -149,7 +149,7 @@ class Missions:
             upload.old_form = upload.retries >= TRIES_OF_NEW_FORM
         yield self._asked(upload)
 
-    def _hear_count(self, peer: Peer, count: int, mission_type: int) -> Iterator[Said]:
+    def _hear_count(self, peer: MissionPeer, count: int, mission_type: int) -> Iterator[OutgoingMessage]:
         if mission_type in EMPTY_TYPES and count == 0:
             yield peer.ack(mav.MAV_MISSION_ACCEPTED, mission_type)
         elif mission_type != MISSION:
@@ -164,7 +164,7 @@ class Missions:
         else:
             yield self._begun(_Upload(peer, (), (), count, self._tick))
 
-    def _hear_partial(self, peer: Peer, first: int, last: int, mission_type: int) -> Iterator[Said]:
+    def _hear_partial(self, peer: MissionPeer, first: int, last: int, mission_type: int) -> Iterator[OutgoingMessage]:
         plan = self._run.plan
         # -1 is the end of the list; and a station may name an item more than there are.
         last = len(plan) - 1 if last == -1 else min(last, len(plan) - 1)
@@ -178,7 +178,7 @@ class Missions:
             count = last - first + 1
             yield self._begun(_Upload(peer, plan[:first], plan[last + 1 :], count, self._tick))
 
-    def _hear_item(self, peer: Peer, message: _ItemMessage) -> Iterator[Said]:
+    def _hear_item(self, peer: MissionPeer, message: _ItemMessage) -> Iterator[OutgoingMessage]:
         upload = self._upload
         if message.mission_type != MISSION:
             yield peer.ack(mav.MAV_MISSION_UNSUPPORTED, message.mission_type)
@@ -194,19 +194,19 @@ class Missions:
             # One that is there already: the station has not heard what it is asked for, but it lives.
             upload.retries = 0
 
-    def _late_item(self, peer: Peer, seq: int) -> Iterator[Said]:
+    def _late_item(self, peer: MissionPeer, seq: int) -> Iterator[OutgoingMessage]:
         """An item while none is waited for."""
         if self._completed is None or self._completed.peer != peer:
             yield peer.ack(mav.MAV_MISSION_ERROR)
         elif self._completed.last == seq:
             yield peer.ack(mav.MAV_MISSION_ACCEPTED, plan=self._run.plan_id)
 
-    def _next_item(self, upload: _Upload, message: _ItemMessage) -> Iterator[Said]:
+    def _next_item(self, upload: _Upload, message: _ItemMessage) -> Iterator[OutgoingMessage]:
         item = self._admitted(message, upload.size)
-        if isinstance(item, Unfit):
+        if isinstance(item, InvalidItem):
             self._upload = None
             yield upload.peer.ack(item.result)
-            self._announce(Severity.WARNING, f"Mission refused: in item {message.seq}, {item.sentence}.")
+            self._announce(TextSeverity.WARNING, f"Mission refused: in item {message.seq}, {item.sentence}.")
             return
         upload.items.append(item)
         upload.retries = 0
@@ -218,13 +218,13 @@ class Missions:
             yield from self._complete(upload.peer, (*upload.kept_before, *upload.items, *upload.kept_after))
             self._completed = _Completed(upload.peer, message.seq)
 
-    def _admitted(self, message: _ItemMessage, size: int) -> Item | Unfit:
+    def _admitted(self, message: _ItemMessage, size: int) -> MissionItem | InvalidItem:
         item = item_of(message)
-        if isinstance(item, Unfit) or self._run.is_home(message.seq):
+        if isinstance(item, InvalidItem) or self._run.is_home(message.seq):
             return item
         return unfit(item, size) or item
 
-    def _hear_clear(self, peer: Peer, mission_type: int) -> Iterator[Said]:
+    def _hear_clear(self, peer: MissionPeer, mission_type: int) -> Iterator[OutgoingMessage]:
         if mission_type in EMPTY_TYPES:
             yield peer.ack(mav.MAV_MISSION_ACCEPTED, mission_type)
         elif mission_type not in (MISSION, mav.MAV_MISSION_TYPE_ALL):
@@ -234,14 +234,14 @@ class Missions:
         else:
             yield from self._complete(peer, (), mission_type)
 
-    def _hear_set_current(self, peer: Peer, seq: int) -> Iterator[Said]:
+    def _hear_set_current(self, peer: MissionPeer, seq: int) -> Iterator[OutgoingMessage]:
         denied = self._run.denied(peer.station) or self._run.select(seq)
         if denied is None:
-            yield Said(self._run.current())
+            yield OutgoingMessage(self._run.current())
         else:
-            self._announce(Severity.WARNING, f"Mission item not set. {denied.sentence}")
+            self._announce(TextSeverity.WARNING, f"Mission item not set. {denied.sentence}")
 
-    def _hear_ack(self, peer: Peer, result: int) -> Iterator[Said]:
+    def _hear_ack(self, peer: MissionPeer, result: int) -> Iterator[OutgoingMessage]:
         """The station says that it has all it asked for, or that it gives up."""
         self._downloads.end(peer)
         upload = self._upload
@@ -254,34 +254,36 @@ class Missions:
         else:
             self._upload = None
 
-    def _denied(self, peer: Peer) -> Denied | None:
+    def _denied(self, peer: MissionPeer) -> Denied | None:
         """Why this station may not change the plan now."""
         if self._upload is not None and self._upload.peer != peer:
-            return Denied(f"A mission of {self._upload.peer.station} is coming in.", Refusal.NOT_NOW)
+            return Denied(f"A mission of {self._upload.peer.station} is coming in.", DenialKind.NOT_NOW)
         return self._run.denied(peer.station)
 
-    def _refused(self, peer: Peer, denied: Denied, mission_type: int = MISSION) -> Iterator[Said]:
+    def _refused(self, peer: MissionPeer, denied: Denied, mission_type: int = MISSION) -> Iterator[OutgoingMessage]:
         """The plan is not changed; an upload of the same station that was under way is given up."""
         if self._upload is not None and self._upload.peer == peer:
             self._upload = None
-        self._announce(Severity.WARNING, f"Mission refused. {denied.sentence}")
+        self._announce(TextSeverity.WARNING, f"Mission refused. {denied.sentence}")
         yield peer.ack(mav.MAV_MISSION_DENIED, mission_type)
 
-    def _begun(self, upload: _Upload) -> Said:
+    def _begun(self, upload: _Upload) -> OutgoingMessage:
         """The upload is under way; one of the same station that was is given up."""
         self._upload, self._completed = upload, None
         return self._asked(upload)
 
-    def _asked(self, upload: _Upload) -> Said:
+    def _asked(self, upload: _Upload) -> OutgoingMessage:
         """The next item is asked for."""
         upload.asked = self._tick
         request = mav.MAVLink_mission_request_message if upload.old_form else mav.MAVLink_mission_request_int_message
-        return Said(request(*upload.peer.target, upload.next, MISSION), upload.peer.link)
+        return OutgoingMessage(request(*upload.peer.target, upload.next, MISSION), upload.peer.link)
 
-    def _complete(self, peer: Peer, plan: tuple[Item, ...], mission_type: int = MISSION) -> Iterator[Said]:
+    def _complete(
+        self, peer: MissionPeer, plan: tuple[MissionItem, ...], mission_type: int = MISSION
+    ) -> Iterator[OutgoingMessage]:
         """The robot has a new plan."""
         self._upload, self._completed = None, None
         self._downloads.end(peer)
         self._run.replace(plan)
         yield peer.ack(mav.MAV_MISSION_ACCEPTED, mission_type, self._run.plan_id)
-        yield Said(self._run.current())
+        yield OutgoingMessage(self._run.current())

@@ -13,15 +13,23 @@ from dataclasses import dataclass, replace
 from sim.common.observations import TICKS_PER_SECOND
 from thbridge.wire.mavlink.coordinates import PER_METRE, theta_of
 from thbridge.wire.mavlink.dialect import mav
-from thbridge.wire.mavlink.outgoing import Said
-from thbridge.wire.mavlink.vehicle.geodesy import Earth, Place
+from thbridge.wire.mavlink.outgoing import OutgoingMessage
+from thbridge.wire.mavlink.vehicle.geodesy import GeoPoint, MapProjection
 from thbridge.wire.mavlink.vehicle.mission.ids import MissionCurrent, plan_id
-from thbridge.wire.mavlink.vehicle.mission.items import Item
-from thbridge.wire.mavlink.vehicle.mode.home import Home
-from thbridge.wire.mavlink.vehicle.parts import Announce, Severity
-from thbridge.wire.mavlink.vehicle_interface import Denied, Helm, LegState, Readings, Refusal, Station, Target
+from thbridge.wire.mavlink.vehicle.mission.items import MissionItem
+from thbridge.wire.mavlink.vehicle.mode.home import HomePosition
+from thbridge.wire.mavlink.vehicle.parts import Announce, TextSeverity
+from thbridge.wire.mavlink.vehicle_interface import (
+    DenialKind,
+    Denied,
+    LegState,
+    RobotReadings,
+    Station,
+    Target,
+    VehicleInterface,
+)
 
-_HOME = Item(mav.MAV_CMD_NAV_WAYPOINT, mav.MAV_FRAME_GLOBAL)
+_HOME = MissionItem(mav.MAV_CMD_NAV_WAYPOINT, mav.MAV_FRAME_GLOBAL)
 """What stands in a plan for where home is, which may change."""
 
 _NO_TOTAL = 2**16 - 1
@@ -70,13 +78,15 @@ class MissionRun:
             looks wherever it likes at its waypoints, and a mission goes on by itself, whatever `autocontinue` says.
     """
 
-    def __init__(self, helm: Helm, home: Home, earth: Earth, announce: Announce, ardupilot: bool) -> None:
+    def __init__(
+        self, helm: VehicleInterface, home: HomePosition, earth: MapProjection, announce: Announce, ardupilot: bool
+    ) -> None:
         self._ardupilot = ardupilot
         self._helm = helm
         self._home = home
         self._earth = earth
         self._announce = announce
-        self._plan: tuple[Item, ...] = ()
+        self._plan: tuple[MissionItem, ...] = ()
         self._plan_id = plan_id(())
         self._at = 0
         self._last: int | None = None
@@ -88,12 +98,12 @@ class MissionRun:
         self._commander: str | None = None
 
     @property
-    def plan(self) -> tuple[Item, ...]:
+    def plan(self) -> tuple[MissionItem, ...]:
         """All items; where ArduPilot's home is, the first does not say."""
         return self._plan
 
     @property
-    def readable(self) -> tuple[Item, ...]:
+    def readable(self) -> tuple[MissionItem, ...]:
         """The items that can be read: those of the plan, and ArduPilot's home also where there is none."""
         return (self._home_item(), *self._plan[1:]) if self._ardupilot else self._plan
 
@@ -125,10 +135,10 @@ class MissionRun:
     def denied(self, station: Station) -> Denied | None:
         """Why this station may not change the mission: it is under way by another one's command."""
         if self.running and self._commander not in (None, str(station)):
-            return Denied(f"A mission of {self._commander} is under way.", Refusal.NOT_NOW)
+            return Denied(f"A mission of {self._commander} is under way.", DenialKind.NOT_NOW)
         return None
 
-    def replace(self, plan: tuple[Item, ...]) -> None:
+    def replace(self, plan: tuple[MissionItem, ...]) -> None:
         """From now on this is the plan.
 
         A mission under way or paused stays where it is if it is the same up to its current item, and begins anew
@@ -155,7 +165,7 @@ class MissionRun:
             last: the item to end with; None: the last.
         """
         if self._size <= 0:
-            return Denied("There is no mission.", Refusal.NOT_NOW)
+            return Denied("There is no mission.", DenialKind.NOT_NOW)
         if first is None and self._state == mav.MISSION_STATE_COMPLETE:
             first = 0
         if first is not None and first not in range(len(self._plan)):
@@ -185,7 +195,7 @@ class MissionRun:
             self._state = mav.MISSION_STATE_PAUSED
         return None
 
-    def step(self, tick: int, readings: Readings) -> Iterator[Said]:
+    def step(self, tick: int, readings: RobotReadings) -> Iterator[OutgoingMessage]:
         """A tick has passed."""
         self._commander = readings.commander
         if not self.running:
@@ -196,11 +206,11 @@ class MissionRun:
             case Denied(sentence):
                 self._stand()
                 self.pause()
-                self._announce(Severity.WARNING, f"Mission halted at item {self._at}. {sentence}")
-                yield Said(self.current())
+                self._announce(TextSeverity.WARNING, f"Mission halted at item {self._at}. {sentence}")
+                yield OutgoingMessage(self.current())
             case _Jump(to):
                 self._go(to)
-                yield Said(self.current())
+                yield OutgoingMessage(self.current())
             case None:
                 yield from self._done(item)
             case _Waiting() if self._stage is None:
@@ -215,7 +225,7 @@ class MissionRun:
         """Items to carry out."""
         return len(self._plan) - self._ardupilot
 
-    def _home_item(self) -> Item:
+    def _home_item(self) -> MissionItem:
         place = self._home.place
         return replace(_HOME, x=place.latitude, y=place.longitude, z=self._earth.altitude)
 
@@ -223,7 +233,7 @@ class MissionRun:
         """The mission goes on with this item, from its beginning."""
         self._at, self._stage = item, None
 
-    def _begun(self, item: Item, tick: int) -> _Stage | _Jump | Denied | None:
+    def _begun(self, item: MissionItem, tick: int) -> _Stage | _Jump | Denied | None:
         """How far an item is that has just begun; None: it is done already."""
         if self.is_home(self._at):
             return None
@@ -251,7 +261,7 @@ class MissionRun:
             case _:
                 return self._helm.leave()
 
-    def _gone_on(self, stage: _Stage, item: Item, tick: int, readings: Readings) -> _Stage | Denied | None:
+    def _gone_on(self, stage: _Stage, item: MissionItem, tick: int, readings: RobotReadings) -> _Stage | Denied | None:
         """How far an item is one tick later; None: it is done."""
         if isinstance(stage, _Waiting):
             return stage if tick < stage.until else None
@@ -263,21 +273,21 @@ class MissionRun:
             return Denied(leg.reason or "The robot did not get there.")
         return _stay(item, tick)
 
-    def _done(self, item: Item) -> Iterator[Said]:
+    def _done(self, item: MissionItem) -> Iterator[OutgoingMessage]:
         """The current item is done."""
         if not self.is_home(self._at):
-            yield Said(mav.MAVLink_mission_item_reached_message(self._at))
+            yield OutgoingMessage(mav.MAVLink_mission_item_reached_message(self._at))
         if self._at in (self._last, len(self._plan) - 1):
             self._stand()
             self._state, self._stage = mav.MISSION_STATE_COMPLETE, None
-            self._announce(Severity.INFO, "Mission complete.")
+            self._announce(TextSeverity.INFO, "Mission complete.")
         else:
             self._go(self._at + 1)
             if not (item.autocontinue or self._ardupilot):
                 self._stand()
                 self.pause()
-                self._announce(Severity.NOTICE, f"Mission waits before item {self._at}, as its plan says.")
-        yield Said(self.current())
+                self._announce(TextSeverity.NOTICE, f"Mission waits before item {self._at}, as its plan says.")
+        yield OutgoingMessage(self.current())
 
     def _leg_to(self, target: Target) -> _Driving | Denied:
         number = self._helm.go_to(target)
@@ -298,20 +308,20 @@ class MissionRun:
         self._jumps[self._at] += 1
         return _Jump(to)
 
-    def _target(self, item: Item) -> Target:
+    def _target(self, item: MissionItem) -> Target:
         """Where an item leads, and which way the robot is to look there."""
         yaw = item.params[3]
         looks_anywhere = self._ardupilot or item.command == mav.MAV_CMD_NAV_LOITER_TIME or math.isnan(yaw)
         return Target(*self._point(item), None if looks_anywhere else theta_of(math.radians(yaw)))
 
-    def _point(self, item: Item) -> tuple[float, float]:
+    def _point(self, item: MissionItem) -> tuple[float, float]:
         """Where an item lies, metres east and north in the map."""
         if item.frame == mav.MAV_FRAME_LOCAL_NED:
             return item.y / PER_METRE, item.x / PER_METRE
-        return self._earth.point(Place(item.x, item.y))
+        return self._earth.point(GeoPoint(item.x, item.y))
 
 
-def _stay(item: Item, tick: int) -> _Waiting | None:
+def _stay(item: MissionItem, tick: int) -> _Waiting | None:
     """How long the robot stays where an item has brought it."""
     match item.command:
         case mav.MAV_CMD_NAV_WAYPOINT | mav.MAV_CMD_NAV_LOITER_TIME if item.params[0] > 0.0:

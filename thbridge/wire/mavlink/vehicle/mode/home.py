@@ -9,15 +9,23 @@ from collections.abc import Iterator
 
 from thbridge.wire.mavlink.coordinates import quaternion
 from thbridge.wire.mavlink.dialect import Message, mav
-from thbridge.wire.mavlink.outgoing import LinkId, Said
+from thbridge.wire.mavlink.outgoing import LinkId, OutgoingMessage
 from thbridge.wire.mavlink.vehicle.boot_time import microseconds
-from thbridge.wire.mavlink.vehicle.geodesy import Earth, Place
-from thbridge.wire.mavlink.vehicle_interface import NOTHING_KNOWN, Denied, Helm, Readings, Refusal, Station, Target
+from thbridge.wire.mavlink.vehicle.geodesy import GeoPoint, MapProjection
+from thbridge.wire.mavlink.vehicle_interface import (
+    NOTHING_KNOWN,
+    DenialKind,
+    Denied,
+    RobotReadings,
+    Station,
+    Target,
+    VehicleInterface,
+)
 
 _NO_HEADING = (math.nan,) * 4
 
 
-class Home:
+class HomePosition:
     """The home of one vehicle; a `Part`.
 
     Args:
@@ -25,7 +33,7 @@ class Home:
         earth: where its map lies.
     """
 
-    def __init__(self, helm: Helm, earth: Earth) -> None:
+    def __init__(self, helm: VehicleInterface, earth: MapProjection) -> None:
         self._helm = helm
         self._earth = earth
         self._readings = NOTHING_KNOWN
@@ -39,14 +47,14 @@ class Home:
         return self._target
 
     @property
-    def place(self) -> Place:
+    def place(self) -> GeoPoint:
         """Where on earth it is."""
         return self._earth.place(self._target.x, self._target.y)
 
     def set_here(self) -> Denied | None:
         """Make it where the robot stands, looking as the robot does."""
         if self._readings.lost:
-            return Denied("The robot does not know where it is.", Refusal.NOT_NOW)
+            return Denied("The robot does not know where it is.", DenialKind.NOT_NOW)
         here = self._readings.base_in_map
         return self.set_to(Target(here.x, here.y, here.theta))
 
@@ -65,16 +73,16 @@ class Home:
         approach, now = (0.0, 0.0, 0.0), microseconds(tick)
         return mav.MAVLink_home_position_message(*where, list(heading), *approach, now)
 
-    def hear(self, link: LinkId, sender: Station, message: Message) -> Iterator[Said]:
+    def hear(self, link: LinkId, sender: Station, message: Message) -> Iterator[OutgoingMessage]:
         """Nothing is heard: others say where it is to be."""
         return iter(())
 
-    def step(self, tick: int, readings: Readings) -> Iterator[Said]:
+    def step(self, tick: int, readings: RobotReadings) -> Iterator[OutgoingMessage]:
         """A tick has passed; everybody is told where home has been set to."""
         self._readings = readings
         if self._is_news:
             self._is_news = False
-            yield Said(self.position(tick))
+            yield OutgoingMessage(self.position(tick))
 
     def forget(self, link: LinkId) -> None:
         """Nothing is known of links."""

@@ -9,15 +9,15 @@ from dataclasses import dataclass
 from sim.common.geometry import Pose2
 from sim.common.observations import STANDSTILL, TICKS_PER_SECOND, Twist
 from thbridge.wire.mavlink.coordinates import bounded, twist_towards
-from thbridge.wire.mavlink.options import Identity
-from thbridge.wire.mavlink.vehicle_interface import Denied, Helm
+from thbridge.wire.mavlink.options import AutopilotIdentity
+from thbridge.wire.mavlink.vehicle_interface import Denied, VehicleInterface
 
-_DEADMAN = {Identity.GENERIC: TICKS_PER_SECOND // 2, Identity.ARDUPILOT: 3 * TICKS_PER_SECOND}
+_DEADMAN = {AutopilotIdentity.GENERIC: TICKS_PER_SECOND // 2, AutopilotIdentity.ARDUPILOT: 3 * TICKS_PER_SECOND}
 """Ticks for which what a hand says holds."""
 
 
 @dataclass(frozen=True, slots=True)
-class Velocity:
+class VelocitySetpoint:
     """How fast the robot was told to move: see `coordinates.twist_towards`."""
 
     frame: int
@@ -26,7 +26,7 @@ class Velocity:
     yaw_rate: float
 
 
-class Hand:
+class ManualControl:
     """The hand that drives one robot, if any.
 
     Args:
@@ -34,10 +34,10 @@ class Hand:
         identity: whose autopilot it says it has.
     """
 
-    def __init__(self, helm: Helm, identity: Identity) -> None:
+    def __init__(self, helm: VehicleInterface, identity: AutopilotIdentity) -> None:
         self._helm = helm
         self._deadman = _DEADMAN[identity]
-        self._wanted: Twist | Velocity | None = None
+        self._wanted: Twist | VelocitySetpoint | None = None
         self._until: int | None = None
 
     @property
@@ -45,7 +45,7 @@ class Hand:
         """What it said last still holds."""
         return self._until is not None
 
-    def follow(self, wanted: Twist | Velocity, tick: int, base_in_map: Pose2) -> Denied | None:
+    def follow(self, wanted: Twist | VelocitySetpoint, tick: int, base_in_map: Pose2) -> Denied | None:
         """Drive like this, at most as fast as a hand may; a velocity is steered to anew in each tick."""
         denied = self._steer(wanted, base_in_map)
         if denied is None:
@@ -66,7 +66,7 @@ class Hand:
         else:
             self._steer(self._wanted, base_in_map)
 
-    def _steer(self, wanted: Twist | Velocity, base_in_map: Pose2) -> Denied | None:
+    def _steer(self, wanted: Twist | VelocitySetpoint, base_in_map: Pose2) -> Denied | None:
         fastest = self._helm.fastest()
         if isinstance(wanted, Twist):
             return self._helm.drive(bounded(wanted, fastest))

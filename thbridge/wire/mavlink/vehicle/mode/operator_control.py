@@ -2,14 +2,22 @@
 
 from sim.common.observations import TICKS_PER_SECOND
 from thbridge.wire.mavlink.conventions import BY_OTHERS, BY_PARTICIPANT
-from thbridge.wire.mavlink.vehicle_interface import NOTHING_KNOWN, PARTICIPANT, Denied, Helm, Readings, Refusal, Station
+from thbridge.wire.mavlink.vehicle_interface import (
+    NOTHING_KNOWN,
+    PARTICIPANT,
+    DenialKind,
+    Denied,
+    RobotReadings,
+    Station,
+    VehicleInterface,
+)
 
 _AWAY = TICKS_PER_SECOND
 """Ticks of somebody else's command after which it counts as taken away. Before that it may be on its way: what a
 vehicle asks of the game, the game's readings show some ticks later."""
 
 
-class CommandOf:
+class OperatorControl:
     """Who commands one robot, as its vehicle knows it.
 
     Args:
@@ -20,7 +28,7 @@ class CommandOf:
         lost_after: as above; may be set anew.
     """
 
-    def __init__(self, helm: Helm, lost_after: float) -> None:
+    def __init__(self, helm: VehicleInterface, lost_after: float) -> None:
         self._helm = helm
         self.lost_after = lost_after
         self._station: Station | None = None
@@ -64,7 +72,7 @@ class CommandOf:
             return Denied(f"Commanded by {self._readings.commanded_by}: arm the robot to take command.")
         reserved = self.reserved(station)
         if reserved is None and self.is_overruled:
-            return Denied(f"Commanded by {self._readings.commanded_by} just now.", Refusal.NOT_NOW)
+            return Denied(f"Commanded by {self._readings.commanded_by} just now.", DenialKind.NOT_NOW)
         return reserved
 
     def reserved(self, station: Station) -> Denied | None:
@@ -95,7 +103,7 @@ class CommandOf:
         if self._station is not None and station.system == self._station.system:
             self._heard = self._tick
 
-    def follow(self, tick: int, readings: Readings) -> bool:
+    def follow(self, tick: int, readings: RobotReadings) -> bool:
         """A tick has passed; whether the command was taken from the station since."""
         self._tick, self._readings = tick, readings
         if self._station is None or readings.commander == str(self._station) or self.is_overruled:

@@ -8,13 +8,20 @@ from sim.common.observations import Twist
 from thbridge.wire.mavlink.coordinates import GLOBAL, LOCAL, point_in_map, theta_of
 from thbridge.wire.mavlink.dialect import Message, mav
 from thbridge.wire.mavlink.modes import Mode
-from thbridge.wire.mavlink.outgoing import LinkId, Said
-from thbridge.wire.mavlink.vehicle.geodesy import Earth, Place
-from thbridge.wire.mavlink.vehicle.mode.manual_control import Velocity
-from thbridge.wire.mavlink.vehicle.mode.operator_control import CommandOf
-from thbridge.wire.mavlink.vehicle.mode.state_machine import Conduct
+from thbridge.wire.mavlink.outgoing import LinkId, OutgoingMessage
+from thbridge.wire.mavlink.vehicle.geodesy import GeoPoint, MapProjection
+from thbridge.wire.mavlink.vehicle.mode.manual_control import VelocitySetpoint
+from thbridge.wire.mavlink.vehicle.mode.operator_control import OperatorControl
+from thbridge.wire.mavlink.vehicle.mode.state_machine import ModeStateMachine
 from thbridge.wire.mavlink.vehicle.parts import Announce, tell_why_not
-from thbridge.wire.mavlink.vehicle_interface import NOTHING_KNOWN, Denied, Helm, Readings, Station, Target
+from thbridge.wire.mavlink.vehicle_interface import (
+    NOTHING_KNOWN,
+    Denied,
+    RobotReadings,
+    Station,
+    Target,
+    VehicleInterface,
+)
 
 _NO_AXIS = 0x7FFF
 """Of a stick that is not there."""
@@ -35,7 +42,7 @@ _Setpoint: TypeAlias = mav.MAVLink_set_position_target_local_ned_message | (
 )
 
 
-class Controls:
+class ControlInputs:
     """Sticks and setpoints of one vehicle; a `Part`.
 
     Setpoints and sticks come many times a second, have no acknowledgement, and are sent by stations that do not mean
@@ -54,10 +61,10 @@ class Controls:
     def __init__(
         self,
         system: int,
-        helm: Helm,
-        conduct: Conduct,
-        command: CommandOf,
-        earth: Earth,
+        helm: VehicleInterface,
+        conduct: ModeStateMachine,
+        command: OperatorControl,
+        earth: MapProjection,
         announce: Announce,
     ) -> None:
         self._system = system
@@ -68,7 +75,7 @@ class Controls:
         self._announce = announce
         self._readings = NOTHING_KNOWN
 
-    def hear(self, link: LinkId, sender: Station, message: Message) -> Iterator[Said]:
+    def hear(self, link: LinkId, sender: Station, message: Message) -> Iterator[OutgoingMessage]:
         """A stick or a setpoint; nothing is answered."""
         match message:
             case mav.MAVLink_manual_control_message():
@@ -83,7 +90,7 @@ class Controls:
                 tell_why_not(self._announce, self._setpoint(sender, message))
         return iter(())
 
-    def step(self, tick: int, readings: Readings) -> Iterator[Said]:
+    def step(self, tick: int, readings: RobotReadings) -> Iterator[OutgoingMessage]:
         """Nothing is said unasked."""
         self._readings = readings
         return iter(())
@@ -147,21 +154,21 @@ class Controls:
         if isinstance(message, mav.MAVLink_set_position_target_global_int_message):
             if message.coordinate_frame not in GLOBAL:
                 return None
-            return self._earth.point(Place(message.lat_int, message.lon_int))
+            return self._earth.point(GeoPoint(message.lat_int, message.lon_int))
         if message.coordinate_frame not in LOCAL:
             return None
         return point_in_map(message.coordinate_frame, message.x, message.y, self._readings.base_in_map)
 
-    def _velocity(self, message: _Setpoint, yaw_rate: float) -> Velocity | None:
+    def _velocity(self, message: _Setpoint, yaw_rate: float) -> VelocitySetpoint | None:
         """The velocity that is meant; turning on the spot where only a rate of turn is given."""
         if message.type_mask & _IGNORE_VELOCITY == _IGNORE_VELOCITY:
             if message.type_mask & _IGNORE_YAW_RATE:
                 return None
-            velocity = Velocity(mav.MAV_FRAME_BODY_FRD, 0.0, 0.0, yaw_rate)
+            velocity = VelocitySetpoint(mav.MAV_FRAME_BODY_FRD, 0.0, 0.0, yaw_rate)
         else:
             # A velocity at a place on earth is along the map's axes.
             frame = mav.MAV_FRAME_LOCAL_NED if message.coordinate_frame in GLOBAL else message.coordinate_frame
-            velocity = Velocity(frame, message.vx, message.vy, yaw_rate)
+            velocity = VelocitySetpoint(frame, message.vx, message.vy, yaw_rate)
         is_one = velocity.frame in LOCAL and _all_finite(velocity.first, velocity.second, yaw_rate)
         return velocity if is_one else None
 

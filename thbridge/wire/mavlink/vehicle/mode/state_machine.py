@@ -9,20 +9,20 @@ from sim.common.observations import TICKS_PER_SECOND, Twist
 from thbridge.wire.mavlink.conventions import ARRIVED
 from thbridge.wire.mavlink.modes import Mode
 from thbridge.wire.mavlink.options import Failsafe
-from thbridge.wire.mavlink.vehicle.mode.home import Home
-from thbridge.wire.mavlink.vehicle.mode.manual_control import Hand, Velocity
-from thbridge.wire.mavlink.vehicle.mode.operator_control import CommandOf
-from thbridge.wire.mavlink.vehicle.parts import Announce, Plan, Severity, tell_why_not
+from thbridge.wire.mavlink.vehicle.mode.home import HomePosition
+from thbridge.wire.mavlink.vehicle.mode.manual_control import ManualControl, VelocitySetpoint
+from thbridge.wire.mavlink.vehicle.mode.operator_control import OperatorControl
+from thbridge.wire.mavlink.vehicle.parts import Announce, MissionControl, TextSeverity, tell_why_not
 from thbridge.wire.mavlink.vehicle_interface import (
     NOTHING_KNOWN,
+    DenialKind,
     Denied,
-    Helm,
-    Leg,
+    HelmLeg,
     LegState,
-    Readings,
-    Refusal,
+    RobotReadings,
     Station,
     Target,
+    VehicleInterface,
 )
 
 _STOPPING = TICKS_PER_SECOND
@@ -30,7 +30,7 @@ _STOPPING = TICKS_PER_SECOND
 
 
 @dataclass(frozen=True, slots=True)
-class Paused:
+class PausedMode:
     """What goes on when the robot is told to continue.
 
     Attributes:
@@ -42,7 +42,7 @@ class Paused:
     target: Target | None
 
 
-class Conduct:
+class ModeStateMachine:
     """The modes of one robot.
 
     Args:
@@ -60,11 +60,11 @@ class Conduct:
 
     def __init__(
         self,
-        helm: Helm,
-        hand: Hand,
-        command: CommandOf,
-        plan: Plan,
-        home: Home,
+        helm: VehicleInterface,
+        hand: ManualControl,
+        command: OperatorControl,
+        plan: MissionControl,
+        home: HomePosition,
         failsafe: Failsafe,
         announce: Announce,
     ) -> None:
@@ -80,7 +80,7 @@ class Conduct:
         self._mode = Mode.HOLD
         self._target: Target | None = None
         self._leg: int | None = None
-        self._paused: Paused | None = None
+        self._paused: PausedMode | None = None
         self._stopped_at = -_STOPPING
         self._carries_on = False
 
@@ -98,7 +98,7 @@ class Conduct:
         return self._command.station is not None or self._is_moved()
 
     @property
-    def leg(self) -> Leg | None:
+    def leg(self) -> HelmLeg | None:
         """The way that it was last sent by itself, as long as no other took its place."""
         leg = self._readings.leg
         return leg if leg is not None and leg.number == self._leg else None
@@ -116,7 +116,7 @@ class Conduct:
         if denied is not None or before == station:
             return denied
         self._carries_on = False
-        self._announce(Severity.NOTICE, f"Commanded by {station}.")
+        self._announce(TextSeverity.NOTICE, f"Commanded by {station}.")
         if before is None and self._mode is not Mode.HOLD:
             chosen, self._mode = self._mode, Mode.HOLD
             tell_why_not(self._announce, self.enter(chosen))
@@ -134,7 +134,7 @@ class Conduct:
             return None
         if self._command.station is None:
             self._mode = mode
-            self._announce(Severity.NOTICE, f"Mode {mode.value} begins when the robot is armed.")
+            self._announce(TextSeverity.NOTICE, f"Mode {mode.value} begins when the robot is armed.")
             return None
         return self._command.objection(station) or self.enter(mode)
 
@@ -190,7 +190,7 @@ class Conduct:
             return None
         return self._go(target, Mode.GUIDED)
 
-    def follow_velocity(self, velocity: Velocity) -> Denied | None:
+    def follow_velocity(self, velocity: VelocitySetpoint) -> Denied | None:
         """Drive at a velocity that is said again and again; only in mode guided, or else it is passed over."""
         if self._mode is not Mode.GUIDED:
             return None
@@ -214,7 +214,7 @@ class Conduct:
         """Stop, and remember what it was about."""
         paused = self._paused
         if paused is None and self._mode is not Mode.HOLD:
-            paused = Paused(self._mode, self._target if self._is_under_way() else None)
+            paused = PausedMode(self._mode, self._target if self._is_under_way() else None)
         self.stop()
         self._paused = paused
 
@@ -224,7 +224,7 @@ class Conduct:
             return None
         paused = self._paused
         if paused is None:
-            return Denied("There is nothing to continue.", Refusal.NOT_NOW)
+            return Denied("There is nothing to continue.", DenialKind.NOT_NOW)
         denied = self._go(paused.target, paused.mode) if paused.target is not None else self.enter(paused.mode)
         if denied is None:
             self._paused = None
@@ -234,7 +234,7 @@ class Conduct:
         """Go on in the mission with this item."""
         return self._plan.select(item)
 
-    def step(self, tick: int, readings: Readings) -> None:
+    def step(self, tick: int, readings: RobotReadings) -> None:
         """A tick has passed."""
         before = self.leg
         self._tick, self._readings = tick, readings
@@ -242,7 +242,7 @@ class Conduct:
         if taken_away:
             self._leave()
             self._mode = Mode.HOLD
-            self._announce(Severity.WARNING, f"Commanded by {readings.commanded_by} now.")
+            self._announce(TextSeverity.WARNING, f"Commanded by {readings.commanded_by} now.")
         self._tell_end(before, self.leg)
         self._hand.step(tick, readings.base_in_map)
         if self._is_over():
@@ -265,7 +265,7 @@ class Conduct:
                 self._give_back()
             return
         what = {Failsafe.STOP: "stops", Failsafe.HOME: "goes home", Failsafe.CONTINUE: "carries on"}[self.failsafe]
-        self._announce(Severity.CRITICAL, f"{self._command.station} is lost: the robot {what}.")
+        self._announce(TextSeverity.CRITICAL, f"{self._command.station} is lost: the robot {what}.")
         if self.failsafe is Failsafe.CONTINUE:
             self._carries_on = True
             return
@@ -278,7 +278,7 @@ class Conduct:
     def _give_back(self) -> None:
         if self._command.station is not None:
             self._command.release()
-            self._announce(Severity.NOTICE, "Commanded by the participant again.")
+            self._announce(TextSeverity.NOTICE, "Commanded by the participant again.")
 
     def _go(self, target: Target, mode: Mode) -> Denied | None:
         number = self._helm.go_to(target)
@@ -317,11 +317,11 @@ class Conduct:
         self._leg = self._target = self._paused = None
         self._hand.let_go()
 
-    def _tell_end(self, before: Leg | None, now: Leg | None) -> None:
+    def _tell_end(self, before: HelmLeg | None, now: HelmLeg | None) -> None:
         """Tell how a way ended that was under way before."""
         if now is None or now.state is LegState.UNDER_WAY or now == before:
             return
         if now.state is LegState.ARRIVED:
-            self._announce(Severity.INFO, ARRIVED)
+            self._announce(TextSeverity.INFO, ARRIVED)
         else:
-            self._announce(Severity.WARNING, now.reason or "The robot did not get there.")
+            self._announce(TextSeverity.WARNING, now.reason or "The robot did not get there.")

@@ -9,9 +9,15 @@ from collections.abc import Mapping, Sequence
 import numpy as np
 
 from thbridge.wire.mavlink.options import LONGEST_PATIENCE, SHORTEST_PATIENCE, Failsafe
-from thbridge.wire.mavlink.vehicle.mode.operator_control import CommandOf
-from thbridge.wire.mavlink.vehicle.mode.state_machine import Conduct
-from thbridge.wire.mavlink.vehicle_interface import Denied, Description, Refusal, Setting, Settings
+from thbridge.wire.mavlink.vehicle.mode.operator_control import OperatorControl
+from thbridge.wire.mavlink.vehicle.mode.state_machine import ModeStateMachine
+from thbridge.wire.mavlink.vehicle_interface import (
+    DenialKind,
+    Denied,
+    ParameterDescription,
+    ParameterSetting,
+    ParameterSettings,
+)
 
 SYSTEM_ID = "SYSID_THISMAV"
 TIMEOUT = "FS_GCS_TIMEOUT"
@@ -23,7 +29,7 @@ ACTIONS: Mapping[Failsafe, int] = {Failsafe.CONTINUE: 0, Failsafe.HOME: 1, Fails
 _SECTION, _GROUP = "mavlink", "vehicle"
 
 
-class OwnParameters:
+class FailsafeParameters:
     """`Settings` of one vehicle.
 
     Args:
@@ -33,18 +39,20 @@ class OwnParameters:
         conduct: what it does then.
     """
 
-    def __init__(self, system: int, robot: Settings, command: CommandOf, conduct: Conduct) -> None:
+    def __init__(
+        self, system: int, robot: ParameterSettings, command: OperatorControl, conduct: ModeStateMachine
+    ) -> None:
         self._system = system
         self._robot = robot
         self._command = command
         self._conduct = conduct
         self._at_first = {own.name: own.value for own in self._own()}
 
-    def descriptions(self) -> Sequence[Description]:
+    def descriptions(self) -> Sequence[ParameterDescription]:
         """See `Settings`."""
         return (
-            Description(SYSTEM_ID, "the robot's number", "system id of MAVLink", _SECTION, _GROUP, fixed=True),
-            Description(
+            ParameterDescription(SYSTEM_ID, "the robot's number", "system id of MAVLink", _SECTION, _GROUP, fixed=True),
+            ParameterDescription(
                 TIMEOUT,
                 "time without heartbeats after which a station counts as lost",
                 "mavlink.lost_after of the study",
@@ -55,7 +63,7 @@ class OwnParameters:
                 SHORTEST_PATIENCE,
                 LONGEST_PATIENCE,
             ),
-            Description(
+            ParameterDescription(
                 ACTION,
                 "what a robot does whose ground station is lost",
                 "mavlink.failsafe of the study",
@@ -68,25 +76,25 @@ class OwnParameters:
             *self._robot.descriptions(),
         )
 
-    def settings(self) -> Sequence[Setting]:
+    def settings(self) -> Sequence[ParameterSetting]:
         """See `Settings`."""
         return (*self._own(), *self._robot.settings())
 
-    def setting(self, name: str) -> Setting | None:
+    def setting(self, name: str) -> ParameterSetting | None:
         """See `Settings`."""
         return next((own for own in self._own() if own.name == name), None) or self._robot.setting(name)
 
-    def change(self, name: str, value: float) -> Setting | Denied:
+    def change(self, name: str, value: float) -> ParameterSetting | Denied:
         """See `Settings`."""
         before = self.setting(name)
         if before is None or name not in (SYSTEM_ID, TIMEOUT, ACTION):
             return self._robot.change(name, value)
         denied = None if value == before.value else self._turn(name, value)
-        return denied or Setting(name, value)
+        return denied or ParameterSetting(name, value)
 
     def _turn(self, name: str, value: float) -> Denied | None:
         if name == SYSTEM_ID:
-            return Denied(f"{SYSTEM_ID} is the robot's number.", Refusal.UNSUPPORTED)
+            return Denied(f"{SYSTEM_ID} is the robot's number.", DenialKind.UNSUPPORTED)
         if name == TIMEOUT:
             if not SHORTEST_PATIENCE <= value <= LONGEST_PATIENCE:
                 return Denied(f"{TIMEOUT} is {SHORTEST_PATIENCE:g} to {LONGEST_PATIENCE:g} s, not {value:g}.")
@@ -98,9 +106,9 @@ class OwnParameters:
                 return None
         return Denied(f"{ACTION} is 0 (carry on), 1 (go home) or 2 (stop), not {value:g}.")
 
-    def _own(self) -> tuple[Setting, ...]:
+    def _own(self) -> tuple[ParameterSetting, ...]:
         return (
-            Setting(SYSTEM_ID, float(self._system)),
-            Setting(TIMEOUT, float(np.float32(self._command.lost_after))),
-            Setting(ACTION, float(ACTIONS[self._conduct.failsafe])),
+            ParameterSetting(SYSTEM_ID, float(self._system)),
+            ParameterSetting(TIMEOUT, float(np.float32(self._command.lost_after))),
+            ParameterSetting(ACTION, float(ACTIONS[self._conduct.failsafe])),
         )

@@ -9,9 +9,16 @@ from collections.abc import Iterator, Sequence
 
 from sim.common.observations import TICKS_PER_SECOND
 from thbridge.wire.mavlink.dialect import Message, mav
-from thbridge.wire.mavlink.outgoing import LinkId, Said
-from thbridge.wire.mavlink.vehicle.parts import Announce, Severity
-from thbridge.wire.mavlink.vehicle_interface import Denied, Readings, Refusal, Setting, Settings, Station
+from thbridge.wire.mavlink.outgoing import LinkId, OutgoingMessage
+from thbridge.wire.mavlink.vehicle.parts import Announce, TextSeverity
+from thbridge.wire.mavlink.vehicle_interface import (
+    DenialKind,
+    Denied,
+    ParameterSetting,
+    ParameterSettings,
+    RobotReadings,
+    Station,
+)
 
 VALUES_PER_TICK = 3
 """Of a whole list, on each link: 150 a second."""
@@ -23,13 +30,13 @@ _TYPE_UNSUPPORTED = 6
 """Of MAV_PARAM_ERROR; the dialect at hand ends before it."""
 
 _ERRORS = {
-    Refusal.DENIED: mav.MAV_PARAM_ERROR_VALUE_OUT_OF_RANGE,
-    Refusal.NOT_NOW: mav.MAV_PARAM_ERROR_PERMISSION_DENIED,
-    Refusal.UNSUPPORTED: mav.MAV_PARAM_ERROR_READ_ONLY,
+    DenialKind.DENIED: mav.MAV_PARAM_ERROR_VALUE_OUT_OF_RANGE,
+    DenialKind.NOT_NOW: mav.MAV_PARAM_ERROR_PERMISSION_DENIED,
+    DenialKind.UNSUPPORTED: mav.MAV_PARAM_ERROR_READ_ONLY,
 }
 
 
-class Parameters:
+class ParameterProtocol:
     """One robot's parameters as MAVLink has them, all of them 32-bit floats.
 
     Args:
@@ -39,7 +46,7 @@ class Parameters:
             floats travel as their bytes, and are refused.
     """
 
-    def __init__(self, settings: Settings, announce: Announce, ardupilot: bool) -> None:
+    def __init__(self, settings: ParameterSettings, announce: Announce, ardupilot: bool) -> None:
         self._settings = settings
         self._announce = announce
         self._ardupilot = ardupilot
@@ -47,7 +54,7 @@ class Parameters:
         self._told: dict[str, float] = {}
         self._lists: dict[LinkId, int] = {}
 
-    def hear(self, link: LinkId, sender: Station, message: Message) -> Iterator[Said]:
+    def hear(self, link: LinkId, sender: Station, message: Message) -> Iterator[OutgoingMessage]:
         """What is answered; nothing to a message that is not of this protocol."""
         match message:
             case mav.MAVLink_param_request_list_message():
@@ -58,14 +65,16 @@ class Parameters:
                 value, kind = message.param_value, message.param_type
                 yield from self._set(link, sender, message.param_id, value, kind)
             case mav.MAVLink_param_ext_request_list_message():
-                yield Said(mav.MAVLink_param_ext_value_message(b"", b"", mav.MAV_PARAM_EXT_TYPE_REAL32, 0, 0), link)
+                yield OutgoingMessage(
+                    mav.MAVLink_param_ext_value_message(b"", b"", mav.MAV_PARAM_EXT_TYPE_REAL32, 0, 0), link
+                )
             case mav.MAVLink_param_ext_request_read_message():
                 # There is no answer that says "no such parameter"; a failed acknowledgement comes nearest.
                 yield _unextended(link, message.param_id, "", mav.MAV_PARAM_EXT_TYPE_REAL32)
             case mav.MAVLink_param_ext_set_message():
                 yield _unextended(link, message.param_id, message.param_value, message.param_type)
 
-    def step(self, tick: int, readings: Readings) -> Iterator[Said]:
+    def step(self, tick: int, readings: RobotReadings) -> Iterator[OutgoingMessage]:
         """A tick has passed: lists go on, and once a second whatever others have changed is told to all."""
         is_whole_second = tick % TICKS_PER_SECOND == 0
         if not self._lists and not is_whole_second:
@@ -74,7 +83,7 @@ class Parameters:
         for link, start in list(self._lists.items()):
             stop = start + VALUES_PER_TICK
             for number in range(start, min(stop, len(settings))):
-                yield Said(_value(settings, number), link)
+                yield OutgoingMessage(_value(settings, number), link)
             self._lists[link] = stop
             if stop >= len(settings):
                 del self._lists[link]
@@ -87,15 +96,15 @@ class Parameters:
         """A link is gone, and the list on it."""
         self._lists.pop(link, None)
 
-    def _read(self, link: LinkId, sender: Station, index: int, name: str) -> Iterator[Said]:
+    def _read(self, link: LinkId, sender: Station, index: int, name: str) -> Iterator[OutgoingMessage]:
         settings = self._settings.settings()
         number = _number(settings, name) if index == _BY_NAME else index
         if number is None or not 0 <= number < len(settings):
             yield _error(link, sender, name, index, mav.MAV_PARAM_ERROR_DOES_NOT_EXIST)
         else:
-            yield Said(_value(settings, number), link)
+            yield OutgoingMessage(_value(settings, number), link)
 
-    def _set(self, link: LinkId, sender: Station, name: str, value: float, kind: int) -> Iterator[Said]:
+    def _set(self, link: LinkId, sender: Station, name: str, value: float, kind: int) -> Iterator[OutgoingMessage]:
         number = _number(self._settings.settings(), name)
         if number is None:
             yield _error(link, sender, name, _BY_NAME, mav.MAV_PARAM_ERROR_DOES_NOT_EXIST)
@@ -107,7 +116,7 @@ class Parameters:
         else:
             # The error goes first: a station that knows it does not try again because of the old value.
             yield _error(link, sender, name, _BY_NAME, error)
-            yield Said(_value(settings, number), link)
+            yield OutgoingMessage(_value(settings, number), link)
 
     def _changed(self, name: str, value: float, kind: int) -> int | None:
         """Change a parameter; a code of MAV_PARAM_ERROR where it keeps its value."""
@@ -117,34 +126,34 @@ class Parameters:
             return mav.MAV_PARAM_ERROR_VALUE_OUT_OF_RANGE
         changed = self._settings.change(name, value)
         if isinstance(changed, Denied):
-            self._announce(Severity.WARNING, changed.sentence)
+            self._announce(TextSeverity.WARNING, changed.sentence)
             return _ERRORS[changed.refusal]
         return None
 
-    def _news(self, settings: Sequence[Setting], number: int) -> Said:
+    def _news(self, settings: Sequence[ParameterSetting], number: int) -> OutgoingMessage:
         """The new value of a parameter, for all."""
         self._told[settings[number].name] = settings[number].value
-        return Said(_value(settings, number))
+        return OutgoingMessage(_value(settings, number))
 
 
-def _number(settings: Sequence[Setting], name: str) -> int | None:
+def _number(settings: Sequence[ParameterSetting], name: str) -> int | None:
     return next((number for number, setting in enumerate(settings) if setting.name == name), None)
 
 
-def _value(settings: Sequence[Setting], number: int) -> Message:
+def _value(settings: Sequence[ParameterSetting], number: int) -> Message:
     name, value = _on_wire(settings[number].name), settings[number].value
     return mav.MAVLink_param_value_message(name, value, mav.MAV_PARAM_TYPE_REAL32, len(settings), number)
 
 
-def _error(link: LinkId, station: Station, name: str, index: int, error: int) -> Said:
+def _error(link: LinkId, station: Station, name: str, index: int, error: int) -> OutgoingMessage:
     target = station.system, station.component
-    return Said(mav.MAVLink_param_error_message(*target, _on_wire(name), index, error), link)
+    return OutgoingMessage(mav.MAVLink_param_error_message(*target, _on_wire(name), index, error), link)
 
 
-def _unextended(link: LinkId, name: str, value: str, kind: int) -> Said:
+def _unextended(link: LinkId, name: str, value: str, kind: int) -> OutgoingMessage:
     """No extended parameter of this name is here to be read or set."""
     ack = mav.MAVLink_param_ext_ack_message(_on_wire(name), _on_wire(value), kind, mav.PARAM_ACK_FAILED)
-    return Said(ack, link)
+    return OutgoingMessage(ack, link)
 
 
 def _on_wire(text: str) -> bytes:

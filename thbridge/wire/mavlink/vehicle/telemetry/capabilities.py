@@ -5,10 +5,10 @@ from collections.abc import Callable, Mapping
 from thbridge.wire.mavlink.dialect import Message, mav
 from thbridge.wire.mavlink.extra_messages import ComponentInformation, ComponentMetadata, ProtocolVersion
 from thbridge.wire.mavlink.modes import Mode, custom_mode, standard_mode
-from thbridge.wire.mavlink.options import Identity
+from thbridge.wire.mavlink.options import AutopilotIdentity
 from thbridge.wire.mavlink.vehicle.boot_time import microseconds, milliseconds
 from thbridge.wire.mavlink.vehicle.component_files.metadata_files import GENERAL, MetadataFiles, checksum, uri
-from thbridge.wire.mavlink.vehicle.geodesy import Earth
+from thbridge.wire.mavlink.vehicle.geodesy import MapProjection
 
 _CAPABILITIES = (
     mav.MAV_PROTOCOL_CAPABILITY_PARAM_FLOAT
@@ -22,7 +22,7 @@ _CAPABILITIES = (
 )
 
 
-class Particulars:
+class Capabilities:
     """What never changes of one vehicle.
 
     Args:
@@ -32,7 +32,7 @@ class Particulars:
         files: about it.
     """
 
-    def __init__(self, system: int, identity: Identity, earth: Earth, files: MetadataFiles) -> None:
+    def __init__(self, system: int, identity: AutopilotIdentity, earth: MapProjection, files: MetadataFiles) -> None:
         self._system = system
         self._identity = identity
         self._earth = earth

@@ -9,8 +9,8 @@ from collections.abc import Iterator
 
 from sim.common.observations import TICKS_PER_SECOND
 from thbridge.wire.mavlink.dialect import TEXT_SIZE, Message, mav
-from thbridge.wire.mavlink.outgoing import Said
-from thbridge.wire.mavlink.vehicle.parts import Severity
+from thbridge.wire.mavlink.outgoing import OutgoingMessage
+from thbridge.wire.mavlink.vehicle.parts import TextSeverity
 
 _MOST_WAITING = 8
 _BETWEEN = TICKS_PER_SECOND // 4
@@ -19,7 +19,7 @@ _AGAIN = 3 * TICKS_PER_SECOND
 """Ticks after which the same sentence is said again."""
 
 
-class Texts:
+class StatusTexts:
     """What one vehicle has to tell people.
 
     Sentences wait for their turn; of too many that wait the oldest are dropped, and of equal ones within three seconds
@@ -27,13 +27,13 @@ class Texts:
     """
 
     def __init__(self) -> None:
-        self._waiting: deque[tuple[Severity, str]] = deque(maxlen=_MOST_WAITING)
-        self._last: dict[tuple[Severity, str], int] = {}
+        self._waiting: deque[tuple[TextSeverity, str]] = deque(maxlen=_MOST_WAITING)
+        self._last: dict[tuple[TextSeverity, str], int] = {}
         self._tick = 0
         self._next = 0
         self._count = 0
 
-    def say(self, severity: Severity, sentence: str) -> None:
+    def say(self, severity: TextSeverity, sentence: str) -> None:
         """Tell a sentence when its turn comes."""
         sentence = sentence[:1].upper() + sentence[1:]
         text = (severity, sentence)
@@ -44,7 +44,7 @@ class Texts:
         self._last[text] = self._tick
         self._waiting.append(text)
 
-    def step(self, tick: int) -> Iterator[Said]:
+    def step(self, tick: int) -> Iterator[OutgoingMessage]:
         """A tick has passed; the sentence whose turn it is."""
         self._tick = tick
         if self._waiting and tick >= self._next:
@@ -52,9 +52,9 @@ class Texts:
             severity, sentence = self._waiting.popleft()
             for message in self._chunks(severity, sentence.encode("utf-8")):
                 # What is critical is told to stations that are not heard any more, too: they may hear.
-                yield Said(message, to_sleepers=severity is Severity.CRITICAL)
+                yield OutgoingMessage(message, to_sleepers=severity is TextSeverity.CRITICAL)
 
-    def _chunks(self, severity: Severity, text: bytes) -> Iterator[Message]:
+    def _chunks(self, severity: TextSeverity, text: bytes) -> Iterator[Message]:
         if len(text) <= TEXT_SIZE:
             yield mav.MAVLink_statustext_message(severity, text, 0, 0)
             return

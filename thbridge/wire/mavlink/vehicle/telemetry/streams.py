@@ -21,7 +21,7 @@ so what is said once a second is spread over the second."""
 
 
 @dataclass(frozen=True, slots=True)
-class Due:
+class DueMessage:
     """A message whose time has come.
 
     Attributes:
@@ -71,15 +71,15 @@ class Streams:
         for message in self._own.pop(link, {}):
             self._renew(message)
 
-    def due(self, tick: int) -> Iterator[Due]:
+    def due(self, tick: int) -> Iterator[DueMessage]:
         """What is to be said now."""
         for message, every, offset in self._unasked:
             if (tick + offset) % every == 0:
-                yield Due(message, None, self._besides[message])
+                yield DueMessage(message, None, self._besides[message])
         for link, own in self._own.items():
             for message, every in own.items():
                 if every and (tick + self._offsets[message]) % every == 0:
-                    yield Due(message, link, frozenset())
+                    yield DueMessage(message, link, frozenset())
 
     def _renew(self, message: int) -> None:
         self._besides[message] = frozenset(link for link, own in self._own.items() if message in own)

@@ -10,12 +10,12 @@ from thbridge.wire.mavlink.coordinates import compass, north_east, quaternion, y
 from thbridge.wire.mavlink.dialect import Message, mav
 from thbridge.wire.mavlink.extra_messages import ComponentInformation, ComponentMetadata, ProtocolVersion
 from thbridge.wire.mavlink.modes import Mode, custom_mode, standard_mode
-from thbridge.wire.mavlink.options import Identity
+from thbridge.wire.mavlink.options import AutopilotIdentity
 from thbridge.wire.mavlink.vehicle.boot_time import microseconds, milliseconds
-from thbridge.wire.mavlink.vehicle.geodesy import Earth
-from thbridge.wire.mavlink.vehicle.telemetry.capabilities import Particulars
+from thbridge.wire.mavlink.vehicle.geodesy import MapProjection
+from thbridge.wire.mavlink.vehicle.telemetry.capabilities import Capabilities
 from thbridge.wire.mavlink.vehicle.telemetry.streams import OFF
-from thbridge.wire.mavlink.vehicle_interface import Readings
+from thbridge.wire.mavlink.vehicle_interface import RobotReadings
 
 _UNKNOWN_16 = 0xFFFF
 _POSITION_ONLY = 0x0DF8
@@ -52,7 +52,7 @@ _ACCURACY = 50
 
 
 @dataclass(frozen=True, slots=True)
-class Standing:
+class TelemetryState:
     """How a vehicle stands after a tick.
 
     Attributes:
@@ -64,7 +64,7 @@ class Standing:
     """
 
     tick: int
-    readings: Readings
+    readings: RobotReadings
     mode: Mode
     armed: bool
     commander: int
@@ -82,7 +82,7 @@ class Standing:
         return mav.MAV_STATE_ACTIVE if self.armed else mav.MAV_STATE_STANDBY
 
 
-def default_streams(position_rate: float, identity: Identity) -> dict[int, int]:
+def default_streams(position_rate: float, identity: AutopilotIdentity) -> dict[int, int]:
     """Ticks between two of each message that can be asked for.
 
     Args:
@@ -99,7 +99,7 @@ def default_streams(position_rate: float, identity: Identity) -> dict[int, int]:
         mav.MAVLINK_MSG_ID_BATTERY_STATUS: TICKS_PER_SECOND,
         mav.MAVLINK_MSG_ID_NAMED_VALUE_INT: TICKS_PER_SECOND,
         # A message of ArduPilot's own.
-        mav.MAVLINK_MSG_ID_EKF_STATUS_REPORT: TICKS_PER_SECOND if identity is Identity.ARDUPILOT else OFF,
+        mav.MAVLINK_MSG_ID_EKF_STATUS_REPORT: TICKS_PER_SECOND if identity is AutopilotIdentity.ARDUPILOT else OFF,
         mav.MAVLINK_MSG_ID_ATTITUDE: often,
         mav.MAVLINK_MSG_ID_GLOBAL_POSITION_INT: often,
         mav.MAVLINK_MSG_ID_LOCAL_POSITION_NED: often,
@@ -133,9 +133,9 @@ class Telemetry:
 
     def __init__(
         self,
-        particulars: Particulars,
-        identity: Identity,
-        earth: Earth,
+        particulars: Capabilities,
+        identity: AutopilotIdentity,
+        earth: MapProjection,
         home_position: Callable[[int], Message],
         mission_current: Callable[[], Message],
     ) -> None:
@@ -143,7 +143,7 @@ class Telemetry:
         self._earth = earth
         self._altitude = round(earth.altitude * 1000.0)
         self._particulars = particulars.makers()
-        self._makers: dict[int, Callable[[Standing], Message | None]] = {
+        self._makers: dict[int, Callable[[TelemetryState], Message | None]] = {
             mav.MAVLINK_MSG_ID_HEARTBEAT: self._heartbeat,
             mav.MAVLINK_MSG_ID_SYS_STATUS: self._sys_status,
             mav.MAVLINK_MSG_ID_SYSTEM_TIME: self._system_time,
@@ -164,13 +164,13 @@ class Telemetry:
             mav.MAVLINK_MSG_ID_CURRENT_MODE: self._current_mode,
         }
 
-    def message(self, number: int, standing: Standing) -> Message | None:
+    def message(self, number: int, standing: TelemetryState) -> Message | None:
         """A message of `default_streams`; None where there is nothing to say, as of a goal when there is none."""
         constant = self._particulars.get(number)
         return self._makers[number](standing) if constant is None else constant(standing.tick)
 
-    def _heartbeat(self, now: Standing) -> Message:
-        ardupilot = self._identity is Identity.ARDUPILOT
+    def _heartbeat(self, now: TelemetryState) -> Message:
+        ardupilot = self._identity is AutopilotIdentity.ARDUPILOT
         return mav.MAVLink_heartbeat_message(
             mav.MAV_TYPE_GROUND_ROVER,
             mav.MAV_AUTOPILOT_ARDUPILOTMEGA if ardupilot else mav.MAV_AUTOPILOT_GENERIC,
@@ -180,7 +180,7 @@ class Telemetry:
             3,
         )
 
-    def _sys_status(self, now: Standing) -> Message:
+    def _sys_status(self, now: TelemetryState) -> Message:
         # There is no fence, and MAVProxy takes one that is not well for breached, whether it is there or not.
         healthy = (_SENSORS & ~_KNOWS_WHERE if now.readings.lost else _SENSORS) | mav.MAV_SYS_STATUS_GEOFENCE
         remaining = _remaining(now.readings)
@@ -188,7 +188,7 @@ class Telemetry:
             _SENSORS, _SENSORS, healthy, 0, _UNKNOWN_16, -1, remaining, 0, 0, 0, 0, 0, 0
         )
 
-    def _battery_status(self, now: Standing) -> Message:
+    def _battery_status(self, now: TelemetryState) -> Message:
         remaining = _remaining(now.readings)
         if remaining > 20:
             charge = mav.MAV_BATTERY_CHARGE_STATE_OK
@@ -202,18 +202,18 @@ class Telemetry:
             0, whole, kind, 0x7FFF, no_voltages, -1, -1, -1, remaining, 0, charge, [0, 0, 0, 0], 0, 0
         )
 
-    def _commander(self, now: Standing) -> Message:
+    def _commander(self, now: TelemetryState) -> Message:
         return mav.MAVLink_named_value_int_message(now.milliseconds, COMMANDER.encode(), now.commander)
 
-    def _ekf_status_report(self, now: Standing) -> Message:
+    def _ekf_status_report(self, now: TelemetryState) -> Message:
         flags = _KNOWS_HOW_IT_MOVES if now.readings.lost else _KNOWS_HOW_IT_MOVES | _KNOWS_ITS_PLACE
         return mav.MAVLink_ekf_status_report_message(flags, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0)
 
-    def _system_time(self, now: Standing) -> Message:
+    def _system_time(self, now: TelemetryState) -> Message:
         # Simulated time is no time of day: the first field stays unknown.
         return mav.MAVLink_system_time_message(0, now.milliseconds)
 
-    def _gps_raw_int(self, now: Standing) -> Message:
+    def _gps_raw_int(self, now: TelemetryState) -> Message:
         pose, twist = now.readings.base_in_map, now.readings.twist
         place = self._earth.place(pose.x, pose.y)
         fix = mav.GPS_FIX_TYPE_NO_FIX if now.readings.lost else mav.GPS_FIX_TYPE_3D_FIX
@@ -238,15 +238,15 @@ class Telemetry:
             heading or 36_000,
         )
 
-    def _attitude(self, now: Standing) -> Message:
+    def _attitude(self, now: TelemetryState) -> Message:
         yaw, rate = yaw_of(now.readings.base_in_map.theta), -now.readings.twist.angular
         return mav.MAVLink_attitude_message(now.milliseconds, 0.0, 0.0, yaw, 0.0, 0.0, rate)
 
-    def _attitude_quaternion(self, now: Standing) -> Message:
+    def _attitude_quaternion(self, now: TelemetryState) -> Message:
         q, rate = quaternion(now.readings.base_in_map.theta), -now.readings.twist.angular
         return mav.MAVLink_attitude_quaternion_message(now.milliseconds, *q, 0.0, 0.0, rate)
 
-    def _global_position_int(self, now: Standing) -> Message:
+    def _global_position_int(self, now: TelemetryState) -> Message:
         pose = now.readings.base_in_map
         place, (north, east) = self._earth.place(pose.x, pose.y), north_east(now.readings.twist, pose.theta)
         speeds = (_centimetres(north), _centimetres(east), 0)
@@ -254,17 +254,17 @@ class Telemetry:
         where = (place.latitude, place.longitude, self._altitude, 0)
         return mav.MAVLink_global_position_int_message(now.milliseconds, *where, *speeds, heading)
 
-    def _local_position_ned(self, now: Standing) -> Message:
+    def _local_position_ned(self, now: TelemetryState) -> Message:
         pose = now.readings.base_in_map
         north, east = north_east(now.readings.twist, pose.theta)
         return mav.MAVLink_local_position_ned_message(now.milliseconds, pose.y, pose.x, 0.0, north, east, 0.0)
 
-    def _vfr_hud(self, now: Standing) -> Message:
+    def _vfr_hud(self, now: TelemetryState) -> Message:
         speed = abs(now.readings.twist.linear)
         heading = int(compass(now.readings.base_in_map.theta))
         return mav.MAVLink_vfr_hud_message(0.0, speed, heading, 0, self._earth.altitude, 0.0)
 
-    def _nav_controller_output(self, now: Standing) -> Message | None:
+    def _nav_controller_output(self, now: TelemetryState) -> Message | None:
         goal, pose, leg = now.readings.goal_in_map, now.readings.base_in_map, now.readings.leg
         if goal is None:
             return None
@@ -273,7 +273,7 @@ class Telemetry:
         metres = _within(remaining, 0, _UNKNOWN_16)
         return mav.MAVLink_nav_controller_output_message(0.0, 0.0, bearing, bearing, metres, 0.0, 0.0, 0.0)
 
-    def _position_target_local_ned(self, now: Standing) -> Message | None:
+    def _position_target_local_ned(self, now: TelemetryState) -> Message | None:
         goal = now.readings.goal_in_map
         if goal is None:
             return None
@@ -283,7 +283,7 @@ class Telemetry:
             now.milliseconds, frame, _POSITION_ONLY, *where, *nothing, 0.0, 0.0
         )
 
-    def _position_target_global_int(self, now: Standing) -> Message | None:
+    def _position_target_global_int(self, now: TelemetryState) -> Message | None:
         goal = now.readings.goal_in_map
         if goal is None:
             return None
@@ -293,12 +293,12 @@ class Telemetry:
             now.milliseconds, frame, _POSITION_ONLY, *where, *nothing, 0.0, 0.0
         )
 
-    def _current_mode(self, now: Standing) -> Message:
+    def _current_mode(self, now: TelemetryState) -> Message:
         custom = custom_mode(self._identity, now.mode)
         return mav.MAVLink_current_mode_message(standard_mode(now.mode), custom, custom)
 
 
-def base_mode(now: Standing) -> int:
+def base_mode(now: TelemetryState) -> int:
     """The bits of MAV_MODE_FLAG."""
     bits: int = mav.MAV_MODE_FLAG_CUSTOM_MODE_ENABLED
     if now.armed:
@@ -313,7 +313,7 @@ def base_mode(now: Standing) -> int:
     return bits
 
 
-def _remaining(readings: Readings) -> int:
+def _remaining(readings: RobotReadings) -> int:
     """Per cent of its energy that a robot has left; -1 where there is no such thing."""
     if not 0.0 < readings.capacity < math.inf:
         return -1

@@ -4,9 +4,9 @@ import pytest
 
 from tests.thbridge.wire.mavlink.rig import ACCEPTED, DENIED, OPTIONS, THEM, US, acks, messages
 from thbridge.wire.mavlink.dialect import mav
-from thbridge.wire.mavlink.vehicle.geodesy import Earth
+from thbridge.wire.mavlink.vehicle.geodesy import MapProjection
 
-EARTH = Earth(OPTIONS.origin)
+EARTH = MapProjection(OPTIONS.origin)
 
 
 def set_home(rig, x, y, station=US):

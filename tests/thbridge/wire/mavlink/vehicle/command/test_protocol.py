@@ -32,8 +32,8 @@ from tests.thbridge.wire.mavlink.rig import (
 from thbridge.wire.mavlink.dialect import mav
 from thbridge.wire.mavlink.extra_messages import CommandCancel
 from thbridge.wire.mavlink.modes import Mode
-from thbridge.wire.mavlink.options import Identity
-from thbridge.wire.mavlink.vehicle_interface import Denied, Refusal
+from thbridge.wire.mavlink.options import AutopilotIdentity
+from thbridge.wire.mavlink.vehicle_interface import DenialKind, Denied
 
 REQUEST = mav.MAV_CMD_REQUEST_MESSAGE
 REPOSITION = mav.MAV_CMD_DO_REPOSITION
@@ -67,7 +67,7 @@ ANY_INT = st.builds(
 
 
 @settings(max_examples=300)
-@given(st.sampled_from(Identity), st.booleans(), st.lists(ANY_LONG | ANY_INT, min_size=1, max_size=4))
+@given(st.sampled_from(AutopilotIdentity), st.booleans(), st.lists(ANY_LONG | ANY_INT, min_size=1, max_size=4))
 def test_whatever_is_sent_is_acknowledged_once_at_once_to_whom_it_came_from(identity, armed, sent):
     rig = Rig(identity=identity)
     if armed:
@@ -190,7 +190,7 @@ def test_a_repetition_is_the_same_command(armed):
 
 
 def test_a_repetition_of_what_was_refused_is_refused_without_asking_again(armed):
-    armed.robot.refusal = Denied("no", Refusal.NOT_NOW)
+    armed.robot.refusal = Denied("no", DenialKind.NOT_NOW)
     assert armed.long(PHOTOGRAPH, 0, 0, 1) == [BUSY]
     armed.robot.refusal = None
     assert armed.long(PHOTOGRAPH, 0, 0, 1, confirmation=1) == [BUSY]
@@ -345,7 +345,7 @@ def test_a_message_that_is_unknown_or_has_nothing_to_say_is_not_promised(rig):
     assert rig.long(REQUEST, mav.MAVLINK_MSG_ID_POSITION_TARGET_GLOBAL_INT) == [BUSY]
 
 
-@pytest.mark.parametrize("identity", Identity)
+@pytest.mark.parametrize("identity", AutopilotIdentity)
 def test_modes_are_told_one_by_one_or_all_at_once(identity):
     rig = Rig(identity=identity)
     together = messages(rig.hear(long_of(REQUEST, 435, 0)))[1:]
@@ -444,7 +444,7 @@ def test_reposition_brings_its_speed_and_heading(armed):
 
 
 def test_to_ardupilot_a_heading_of_zero_is_none():
-    rig = Rig(identity=Identity.ARDUPILOT)
+    rig = Rig(identity=AutopilotIdentity.ARDUPILOT)
     rig.arm()
     rig.int(REPOSITION, -1, 1, 0, 0.0, frame=3, x=524_000_000, y=97_000_000)
     assert rig.robot.calls("go_to") == [("go_to", 0.0, 0.0, None)]
@@ -472,7 +472,7 @@ def test_the_game_s_own_deeds_are_the_robot_s(armed):
 
 @pytest.mark.parametrize(
     ("refusal", "result"),
-    [(Refusal.DENIED, DENIED), (Refusal.NOT_NOW, BUSY), (Refusal.UNSUPPORTED, UNSUPPORTED)],
+    [(DenialKind.DENIED, DENIED), (DenialKind.NOT_NOW, BUSY), (DenialKind.UNSUPPORTED, UNSUPPORTED)],
 )
 def test_a_refusal_is_told_in_both_languages(armed, refusal, result):
     armed.robot.refusal = Denied("Not enough energy.", refusal)

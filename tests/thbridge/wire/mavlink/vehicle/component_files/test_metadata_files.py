@@ -9,7 +9,7 @@ from tests.thbridge.wire.mavlink.rig import OPTIONS, Rig, messages
 from thbridge.wire.mavlink.dialect import mav
 from thbridge.wire.mavlink.vehicle.component_files.metadata_files import GENERAL, PARAMETERS, MetadataFiles, checksum
 from thbridge.wire.mavlink.vehicle.vehicle import Vehicle
-from thbridge.wire.mavlink.vehicle_interface import Description
+from thbridge.wire.mavlink.vehicle_interface import ParameterDescription
 
 NUMBER = (int, float)
 OF_PARAMETERS = {
@@ -35,7 +35,9 @@ def files_of(*descriptions):
 
 
 def parameter(**about):
-    content = json.loads(files_of(Description("N", "a number", "of tests", "robot", "tests", **about))[PARAMETERS])
+    content = json.loads(
+        files_of(ParameterDescription("N", "a number", "of tests", "robot", "tests", **about))[PARAMETERS]
+    )
     check_parameters(content)
     return content["parameters"][0]
 
@@ -65,7 +67,7 @@ def check_general(content):
 
 
 def test_the_one_tells_of_the_other():
-    files = files_of(Description("N", "a number", "", "robot", "tests"))
+    files = files_of(ParameterDescription("N", "a number", "", "robot", "tests"))
     general = json.loads(files[GENERAL])
     check_general(general)
     assert general["metadataTypes"] == [

@@ -8,14 +8,14 @@ from hypothesis import strategies as st
 
 from thbridge.wire.mavlink.dialect import decoded, mav, payload_of
 from thbridge.wire.mavlink.vehicle.mission.ids import plan_id
-from thbridge.wire.mavlink.vehicle.mission.items import Item, item_of, message_of, old_message_of, unfit
+from thbridge.wire.mavlink.vehicle.mission.items import MissionItem, item_of, message_of, old_message_of, unfit
 from thbridge.wire.mavlink.vehicle_interface import Station
 
 STATION = Station(255, 190)
 INTEGERS = st.integers(-(2**31), 2**31 - 1)
 FLOATS = st.floats(width=32, allow_nan=False)
 ITEMS = st.builds(
-    Item,
+    MissionItem,
     command=st.integers(0, 2**16 - 1),
     frame=st.integers(0, 255),
     params=st.tuples(*[FLOATS | st.just(math.nan)] * 4),
@@ -40,7 +40,7 @@ def test_what_came_goes_out_again_bit_for_bit(item, seq, current):
 
 @given(st.integers(-90 * 10**7, 90 * 10**7), st.integers(-180 * 10**7, 180 * 10**7))
 def test_in_the_form_of_old_degrees_are_good_to_a_metre(latitude, longitude):
-    item = Item(mav.MAV_CMD_NAV_WAYPOINT, mav.MAV_FRAME_GLOBAL, x=latitude, y=longitude)
+    item = MissionItem(mav.MAV_CMD_NAV_WAYPOINT, mav.MAV_FRAME_GLOBAL, x=latitude, y=longitude)
     message = carried(old_message_of(item, 0, False, STATION))
     again = item_of(message)
     # 32-bit floats of up to 180 are some 1.5e-5 apart, 0.9 m to either side.
@@ -50,7 +50,7 @@ def test_in_the_form_of_old_degrees_are_good_to_a_metre(latitude, longitude):
 
 @given(st.integers(-(10**6), 10**6), st.integers(-(10**6), 10**6))
 def test_in_the_form_of_old_metres_are_as_good_as_ever(x, y):
-    item = Item(mav.MAV_CMD_NAV_WAYPOINT, mav.MAV_FRAME_LOCAL_NED, x=x, y=y)
+    item = MissionItem(mav.MAV_CMD_NAV_WAYPOINT, mav.MAV_FRAME_LOCAL_NED, x=x, y=y)
     assert item_of(carried(old_message_of(item, 0, False, STATION))) == item
 
 

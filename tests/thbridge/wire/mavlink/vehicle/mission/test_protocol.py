@@ -11,16 +11,16 @@ from tests.thbridge.wire.mavlink.model_robot import ModelRobot
 from tests.thbridge.wire.mavlink.model_station import Air, ModelStation, waypoint
 from tests.thbridge.wire.mavlink.rig import home_of
 from thbridge.wire.mavlink.dialect import decoded, mav, payload_of
-from thbridge.wire.mavlink.options import Origin
-from thbridge.wire.mavlink.vehicle.geodesy import Earth
+from thbridge.wire.mavlink.options import GeoOrigin
+from thbridge.wire.mavlink.vehicle.geodesy import MapProjection
 from thbridge.wire.mavlink.vehicle.mission.downloads import DOWNLOAD_PATIENCE
-from thbridge.wire.mavlink.vehicle.mission.protocol import ITEM_PATIENCE, LONGEST, RETRIES, Missions
+from thbridge.wire.mavlink.vehicle.mission.protocol import ITEM_PATIENCE, LONGEST, RETRIES, MissionProtocol
 from thbridge.wire.mavlink.vehicle.mission.run import MissionRun
 from thbridge.wire.mavlink.vehicle_interface import Target
 
 ACCEPTED = mav.MAV_MISSION_ACCEPTED
 FENCE, RALLY, ALL = mav.MAV_MISSION_TYPE_FENCE, mav.MAV_MISSION_TYPE_RALLY, mav.MAV_MISSION_TYPE_ALL
-ORIGIN = Origin(52.0, 13.0, 34.0)
+ORIGIN = GeoOrigin(52.0, 13.0, 34.0)
 LATITUDE, LONGITUDE = 520000000, 130000000
 
 
@@ -39,10 +39,10 @@ class Field:
     def __init__(self, stations=1, ardupilot=False, **air):
         self.robot = ModelRobot()
         self.told = []
-        earth = Earth(ORIGIN)
+        earth = MapProjection(ORIGIN)
         self.home = home_of(self.robot, earth)
         self.run_of = MissionRun(self.robot, self.home, earth, self.announce, ardupilot)
-        self.missions = Missions(self.run_of, self.announce)
+        self.missions = MissionProtocol(self.run_of, self.announce)
         attempts = air.pop("attempts", 1)
         self.stations = [ModelStation(255 - n, attempts=attempts) for n in range(stations)]
         self.station = self.stations[0]

@@ -11,11 +11,11 @@ from sim.common.geometry import Pose2
 from tests.thbridge.wire.mavlink.model_robot import ModelRobot
 from tests.thbridge.wire.mavlink.rig import home_of
 from thbridge.wire.mavlink.dialect import mav
-from thbridge.wire.mavlink.options import Origin
-from thbridge.wire.mavlink.vehicle.geodesy import Earth
-from thbridge.wire.mavlink.vehicle.mission.items import Item
+from thbridge.wire.mavlink.options import GeoOrigin
+from thbridge.wire.mavlink.vehicle.geodesy import MapProjection
+from thbridge.wire.mavlink.vehicle.mission.items import MissionItem
 from thbridge.wire.mavlink.vehicle.mission.run import MissionRun
-from thbridge.wire.mavlink.vehicle_interface import Denied, Leg, LegState, Station
+from thbridge.wire.mavlink.vehicle_interface import Denied, HelmLeg, LegState, Station
 
 NAN = math.nan
 NED = mav.MAV_FRAME_LOCAL_NED
@@ -26,12 +26,12 @@ STATION = Station(255, 190)
 def go(x, y, hold=0.0, yaw=NAN, **fields):
     """A waypoint, metres east and north."""
     place = {"x": round(y * 10000), "y": round(x * 10000)}
-    return Item(mav.MAV_CMD_NAV_WAYPOINT, NED, (hold, 0.0, 0.0, yaw), **place, **fields)
+    return MissionItem(mav.MAV_CMD_NAV_WAYPOINT, NED, (hold, 0.0, 0.0, yaw), **place, **fields)
 
 
 def do(command, *params, **fields):
     """Something to do that has no place."""
-    return Item(command, mav.MAV_FRAME_MISSION, (*params, *(0.0,) * (4 - len(params))), **fields)
+    return MissionItem(command, mav.MAV_FRAME_MISSION, (*params, *(0.0,) * (4 - len(params))), **fields)
 
 
 class Tour:
@@ -42,8 +42,8 @@ class Tour:
         self.told = []
         self.said = []
         self.tick = 0
-        origin = Origin(52.0, 13.0, 34.0)
-        earth = Earth(origin)
+        origin = GeoOrigin(52.0, 13.0, 34.0)
+        earth = MapProjection(origin)
         self.home = home_of(self.robot, earth)
         self.run = MissionRun(self.robot, self.home, earth, self.announce, ardupilot)
         self.run.replace(tuple(items))
@@ -100,7 +100,7 @@ def test_a_change_of_item_is_told_at_once():
 @pytest.mark.parametrize(
     ("item", "point"),
     [
-        (Item(mav.MAV_CMD_NAV_WAYPOINT, NED, (0, 0, 0, NAN), x=10000, y=20000), (2, 1)),
+        (MissionItem(mav.MAV_CMD_NAV_WAYPOINT, NED, (0, 0, 0, NAN), x=10000, y=20000), (2, 1)),
         (replace(go(0, 0), frame=mav.MAV_FRAME_GLOBAL_RELATIVE_ALT_INT, x=520000000, y=130000000), (0, 0)),
         (replace(go(0, 0), frame=mav.MAV_FRAME_GLOBAL, x=520000899, y=130001457), (10.0, 10.0)),
     ],
@@ -134,7 +134,7 @@ def test_a_waypoint_is_reached_when_its_time_to_hold_is_over():
 
 
 def test_loitering_without_a_place_is_where_the_robot_is():
-    tour = Tour(Item(mav.MAV_CMD_NAV_LOITER_TIME, mav.MAV_FRAME_GLOBAL, (1.0, 0.0, 0.0, NAN)))
+    tour = Tour(MissionItem(mav.MAV_CMD_NAV_LOITER_TIME, mav.MAV_FRAME_GLOBAL, (1.0, 0.0, 0.0, NAN)))
     tour.pass_(50)
     assert (tour.legs, tour.reached) == ([], [])
     tour.pass_()
@@ -159,7 +159,7 @@ def test_delays(command):
 
 def test_home_is_set_on_the_way():
     set_home = mav.MAV_CMD_DO_SET_HOME
-    there = Item(set_home, NED, (0.0,) * 4, x=40_000, y=30_000)
+    there = MissionItem(set_home, NED, (0.0,) * 4, x=40_000, y=30_000)
     tour = Tour(there, do(mav.MAV_CMD_NAV_RETURN_TO_LAUNCH), do(set_home, 1.0), do(mav.MAV_CMD_NAV_RETURN_TO_LAUNCH))
     tour.arrive()
     assert tour.legs == [(3, 4)]
@@ -171,7 +171,7 @@ def test_home_is_set_on_the_way():
 
 
 def test_a_home_that_is_none_halts_the_mission():
-    tour = Tour(Item(mav.MAV_CMD_DO_SET_HOME, NED, (0.0,) * 4, x=990_000, y=0), go(1, 2))
+    tour = Tour(MissionItem(mav.MAV_CMD_DO_SET_HOME, NED, (0.0,) * 4, x=990_000, y=0), go(1, 2))
     tour.pass_(2)
     assert (tour.legs, tour.state) == ([], PAUSED)
     assert tour.told == ["Mission halted at item 0. There the map has nothing."]
@@ -226,7 +226,7 @@ def test_who_goes_back_by_hand_has_all_jumps_again(how):
 
 def test_the_end_of_another_leg_is_not_taken_for_that_of_the_own():
     tour = Tour(go(1, 2))
-    old = Leg(7, LegState.ARRIVED)
+    old = HelmLeg(7, LegState.ARRIVED)
     tour.pass_()
     tour.robot.readings = replace(tour.robot.readings, leg=old)
     tour.pass_(5)

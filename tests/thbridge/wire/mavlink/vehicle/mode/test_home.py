@@ -21,12 +21,12 @@ from tests.thbridge.wire.mavlink.rig import (
 )
 from thbridge.wire.mavlink.dialect import mav
 from thbridge.wire.mavlink.options import Failsafe
-from thbridge.wire.mavlink.vehicle.geodesy import Earth, Place
+from thbridge.wire.mavlink.vehicle.geodesy import GeoPoint, MapProjection
 
 SET_HOME = mav.MAV_CMD_DO_SET_HOME
 RETURN = mav.MAV_CMD_NAV_RETURN_TO_LAUNCH
 UNSET = 0x7FFFFFFF
-EARTH = Earth(OPTIONS.origin)
+EARTH = MapProjection(OPTIONS.origin)
 
 
 def on_earth(x, y):
@@ -61,7 +61,7 @@ def home(rig):
 def test_at_first_it_is_where_the_robot_started(away):
     _, told = messages(away.hear(mav.MAVLink_command_long_message(3, 1, 512, 0, 242, 0, 0, 0, 0, 0, 0)))
     assert (told.x, told.y, told.altitude, told.time_usec) == (2.0, 1.0, 55_000, away.tick * 20_000)
-    assert EARTH.point(Place(told.latitude, told.longitude)) == pytest.approx((1.0, 2.0), abs=0.01)
+    assert EARTH.point(GeoPoint(told.latitude, told.longitude)) == pytest.approx((1.0, 2.0), abs=0.01)
     east = math.pi / 2  # from north
     assert (told.q[0], told.q[3]) == pytest.approx((math.cos(east / 2), math.sin(east / 2)))
     assert messages(away.heard, "HOME_POSITION") == [], "nobody has asked, and it has not changed"

@@ -11,7 +11,7 @@ from sim.common.geometry import Pose2
 from sim.common.observations import STANDSTILL, Twist
 from tests.thbridge.wire.mavlink.rig import ACCEPTED, SECOND, THEM, US, Rig
 from thbridge.wire.mavlink.dialect import mav
-from thbridge.wire.mavlink.options import Identity
+from thbridge.wire.mavlink.options import AutopilotIdentity
 
 POSITION, VELOCITY, POSITION_YAW = 0b1101_1111_1000, 0b1101_1100_0111, 0b1001_1111_1000
 VELOCITY_RATE, RATE = 0b0101_1100_0111, 0b0101_1111_1111
@@ -123,7 +123,7 @@ def test_a_radio_that_is_released_stops_the_robot(rig):
 
 
 def test_what_is_said_to_ardupilot_by_hand_holds_for_three_seconds():
-    rig = Rig(identity=Identity.ARDUPILOT)
+    rig = Rig(identity=AutopilotIdentity.ARDUPILOT)
     rig.arm()
     rig.mode(0)
     stick(rig, x=1000)

@@ -7,7 +7,7 @@ import pytest
 from tests.thbridge.wire.mavlink.model_station import waypoint
 from tests.thbridge.wire.mavlink.rig import ACCEPTED, BUSY, DENIED, HERE, SECOND, THEM, THERE, US, Rig, acks, messages
 from thbridge.wire.mavlink.dialect import mav
-from thbridge.wire.mavlink.options import Failsafe, Identity
+from thbridge.wire.mavlink.options import AutopilotIdentity, Failsafe
 from thbridge.wire.mavlink.vehicle_interface import Denied
 
 REPOSITION = mav.MAV_CMD_DO_REPOSITION
@@ -172,9 +172,9 @@ def test_who_takes_command_is_told_to_all(armed):
 @pytest.mark.parametrize(
     ("identity", "numbers"),
     [
-        (Identity.ARDUPILOT, [(4, 0), (15, 0), (0, 0)]),
-        (Identity.GENERIC, [(4, 3), (6, 0), (1, 0)]),
-        (Identity.GENERIC, [(4, 0), (15, 0), (0, 0)]),
+        (AutopilotIdentity.ARDUPILOT, [(4, 0), (15, 0), (0, 0)]),
+        (AutopilotIdentity.GENERIC, [(4, 3), (6, 0), (1, 0)]),
+        (AutopilotIdentity.GENERIC, [(4, 0), (15, 0), (0, 0)]),
     ],
 )
 def test_modes_are_set_by_their_numbers(identity, numbers):

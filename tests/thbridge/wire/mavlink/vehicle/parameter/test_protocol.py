@@ -9,8 +9,8 @@ from hypothesis import strategies as st
 from tests.thbridge.wire.mavlink.model_robot import ModelRobot
 from tests.thbridge.wire.mavlink.model_station import Air, ModelStation
 from thbridge.wire.mavlink.dialect import decoded, mav, payload_of
-from thbridge.wire.mavlink.vehicle.parameter.protocol import VALUES_PER_TICK, Parameters
-from thbridge.wire.mavlink.vehicle_interface import Denied, Refusal
+from thbridge.wire.mavlink.vehicle.parameter.protocol import VALUES_PER_TICK, ParameterProtocol
+from thbridge.wire.mavlink.vehicle_interface import DenialKind, Denied
 
 REAL32, INT32 = mav.MAV_PARAM_TYPE_REAL32, mav.MAV_PARAM_TYPE_INT32
 DOES_NOT_EXIST, OUT_OF_RANGE = mav.MAV_PARAM_ERROR_DOES_NOT_EXIST, mav.MAV_PARAM_ERROR_VALUE_OUT_OF_RANGE
@@ -22,7 +22,7 @@ class Field:
     def __init__(self, ardupilot=False, **air):
         self.robot = ModelRobot()
         self.told = []
-        self.parameters = Parameters(self.robot, lambda _, sentence: self.told.append(sentence), ardupilot)
+        self.parameters = ParameterProtocol(self.robot, lambda _, sentence: self.told.append(sentence), ardupilot)
         self.stations = [ModelStation(255), ModelStation(254)]
         self.station, self.other = self.stations
         self.air = Air([self.parameters], self.stations, self.robot, **air)
@@ -128,9 +128,9 @@ def test_what_is_no_number_is_refused_and_the_old_value_told(field, value):
 @pytest.mark.parametrize(
     ("refusal", "error"),
     [
-        (Refusal.DENIED, OUT_OF_RANGE),
-        (Refusal.NOT_NOW, mav.MAV_PARAM_ERROR_PERMISSION_DENIED),
-        (Refusal.UNSUPPORTED, mav.MAV_PARAM_ERROR_READ_ONLY),
+        (DenialKind.DENIED, OUT_OF_RANGE),
+        (DenialKind.NOT_NOW, mav.MAV_PARAM_ERROR_PERMISSION_DENIED),
+        (DenialKind.UNSUPPORTED, mav.MAV_PARAM_ERROR_READ_ONLY),
     ],
 )
 def test_what_the_robot_refuses_is_refused_with_its_reason(field, refusal, error):

@@ -6,7 +6,7 @@ from itertools import pairwise
 from hypothesis import given
 from hypothesis import strategies as st
 
-from thbridge.wire.mavlink.options import Identity
+from thbridge.wire.mavlink.options import AutopilotIdentity
 from thbridge.wire.mavlink.outgoing import LinkId
 from thbridge.wire.mavlink.vehicle.telemetry.streams import OFF, Streams, ticks_of
 from thbridge.wire.mavlink.vehicle.telemetry.telemetry import default_streams
@@ -31,7 +31,7 @@ def test_each_link_gets_each_message_at_its_own_interval(system, default, own, s
 
 
 def test_fifty_vehicles_do_not_all_speak_at_once():
-    vehicles = [Streams(default_streams(5.0, Identity.ARDUPILOT), system) for system in range(1, 51)]
+    vehicles = [Streams(default_streams(5.0, AutopilotIdentity.ARDUPILOT), system) for system in range(1, 51)]
     per_tick = Counter()
     for tick in range(50):
         per_tick[tick] = sum(1 for vehicle in vehicles for _ in vehicle.due(tick))

@@ -13,29 +13,29 @@ from tests.thbridge.wire.mavlink.model_robot import AT_REST, ModelRobot
 from tests.thbridge.wire.mavlink.rig import OPTIONS, home_of
 from thbridge.wire.mavlink.dialect import decoded, mav, payload_of
 from thbridge.wire.mavlink.modes import Mode
-from thbridge.wire.mavlink.options import Identity
+from thbridge.wire.mavlink.options import AutopilotIdentity
 from thbridge.wire.mavlink.vehicle.component_files.metadata_files import MetadataFiles
-from thbridge.wire.mavlink.vehicle.geodesy import Earth, Place
-from thbridge.wire.mavlink.vehicle.telemetry.capabilities import Particulars
-from thbridge.wire.mavlink.vehicle.telemetry.telemetry import Standing, Telemetry, default_streams
-from thbridge.wire.mavlink.vehicle_interface import Leg, LegState
+from thbridge.wire.mavlink.vehicle.geodesy import GeoPoint, MapProjection
+from thbridge.wire.mavlink.vehicle.telemetry.capabilities import Capabilities
+from thbridge.wire.mavlink.vehicle.telemetry.telemetry import Telemetry, TelemetryState, default_streams
+from thbridge.wire.mavlink.vehicle_interface import HelmLeg, LegState
 
-EARTH = Earth(OPTIONS.origin)
+EARTH = MapProjection(OPTIONS.origin)
 GYRO_ACCEL_MAG_GPS = 0b100111
 
 
-def telemetry(identity=Identity.GENERIC):
+def telemetry(identity=AutopilotIdentity.GENERIC):
     home = home_of(ModelRobot(), EARTH)
-    particulars = Particulars(3, identity, EARTH, MetadataFiles(ModelRobot()))
+    particulars = Capabilities(3, identity, EARTH, MetadataFiles(ModelRobot()))
     mission_current = mav.MAVLink_mission_current_message(0)
     return Telemetry(particulars, identity, EARTH, home.position, lambda: mission_current)
 
 
 def standing(mode=Mode.HOLD, armed=False, tick=100, **readings):
-    return Standing(tick, replace(AT_REST, **readings), mode, armed, commander=0)
+    return TelemetryState(tick, replace(AT_REST, **readings), mode, armed, commander=0)
 
 
-def said(number, now, identity=Identity.GENERIC):
+def said(number, now, identity=AutopilotIdentity.GENERIC):
     message = telemetry(identity).message(number, now)
     assert message is not None
     return decoded(number, payload_of(message))
@@ -57,7 +57,7 @@ def test_positions_agree_with_the_estimate(now):
     pose, twist = now.readings.base_in_map, now.readings.twist
     local, world = said(32, now), said(33, now)
     assert (local.x, local.y) == (pytest.approx(pose.y, abs=1e-4), pytest.approx(pose.x, abs=1e-4))
-    assert EARTH.point(Place(world.lat, world.lon)) == pytest.approx((pose.x, pose.y), abs=0.02)
+    assert EARTH.point(GeoPoint(world.lat, world.lon)) == pytest.approx((pose.x, pose.y), abs=0.02)
     east, north = twist.linear * math.cos(pose.theta), twist.linear * math.sin(pose.theta)
     assert (local.vx, local.vy) == (pytest.approx(north, abs=1e-5), pytest.approx(east, abs=1e-5))
     assert (world.vx / 100, world.vy / 100) == (pytest.approx(north, abs=0.006), pytest.approx(east, abs=0.006))
@@ -123,8 +123,8 @@ def test_energy_is_the_battery(energy, capacity, remaining, charge):
 @pytest.mark.parametrize(
     ("identity", "autopilot", "numbers"),
     [
-        (Identity.ARDUPILOT, 3, [4, 15, 10, 11, 0]),
-        (Identity.GENERIC, 0, [0x3040000, 0x60000, 0x4040000, 0x5040000, 0x10000]),
+        (AutopilotIdentity.ARDUPILOT, 3, [4, 15, 10, 11, 0]),
+        (AutopilotIdentity.GENERIC, 0, [0x3040000, 0x60000, 0x4040000, 0x5040000, 0x10000]),
     ],
 )
 def test_a_heartbeat_shows_identity_and_mode(identity, autopilot, numbers):
@@ -139,12 +139,12 @@ def test_a_heartbeat_shows_identity_and_mode(identity, autopilot, numbers):
 
 
 def test_a_goal_is_told_while_there_is_one():
-    bound = standing(goal_in_map=Pose2(4.0, 6.0, 1.0), leg=Leg(1, LegState.UNDER_WAY, 7.0))
+    bound = standing(goal_in_map=Pose2(4.0, 6.0, 1.0), leg=HelmLeg(1, LegState.UNDER_WAY, 7.0))
     for number in (62, 85, 87):
         assert telemetry().message(number, standing()) is None
     assert (said(85, bound).x, said(85, bound).y) == (6.0, 4.0)
     there = said(87, bound)
-    assert EARTH.point(Place(there.lat_int, there.lon_int)) == pytest.approx((4.0, 6.0), abs=0.01)
+    assert EARTH.point(GeoPoint(there.lat_int, there.lon_int)) == pytest.approx((4.0, 6.0), abs=0.01)
     assert said(62, bound).wp_dist == 7
 
 
@@ -169,6 +169,6 @@ def test_what_it_says_it_can_do():
 
 
 def test_position_may_be_told_never():
-    streams = default_streams(0.0, Identity.GENERIC)
+    streams = default_streams(0.0, AutopilotIdentity.GENERIC)
     assert streams[30] == streams[33] == 0
     assert streams[0] == 50

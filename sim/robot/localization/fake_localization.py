@@ -1,0 +1,49 @@
+"""A localiser that knows: ROS's fake_localization."""
+
+from collections.abc import Callable
+
+import numpy as np
+
+from sim.common.geometry import FloatArray, Pose2, wrap_angle
+from sim.common.observations import Imu, Odometry, Scan
+from sim.parameters import FakeLocalizationParameters, RobotParameters
+from sim.robot.localization.estimate import Estimate, read_only
+
+
+class FakeLocalization:
+    """Reports the robot's true pose, without doubt: for studies in which localisation is not the question.
+
+    The only part of a robot's software that may see the truth; the composer hands it over.
+    """
+
+    def __init__(self, parameters: FakeLocalizationParameters, base_in_world: Callable[[], Pose2]) -> None:
+        """Ask `base_in_world` for the true pose at every tick; it must answer for the tick that is being estimated.
+
+        Source: fake_localization.cpp for how its deltas shift the map frame: a turn by -delta_yaw, then a step by
+            (-delta_x, -delta_y).
+        """
+        self._base_in_world = base_in_world
+        self._world_in_map = Pose2(-parameters.delta_x, -parameters.delta_y, wrap_angle(-parameters.delta_yaw))
+        self._covariance = read_only(np.zeros((3, 3)))
+        self._particles = np.empty((0, 3))
+
+    def start(self, base_in_map: Pose2, covariance: FloatArray) -> None:
+        """Nothing to begin: the truth needs no telling.
+
+        Differs: fake_localization shifts its map frame so that the pose it is told becomes the truth.
+        """
+
+    def globalize(self) -> None:
+        """Nothing to forget."""
+
+    def request_update(self) -> None:
+        """Nothing to weigh."""
+
+    def configure(self, parameters: RobotParameters) -> None:
+        """Nothing that can change while it runs, as in ROS."""
+
+    def update(self, odometry: Odometry, imu: Imu, scan: Scan | None) -> Estimate:
+        """The true pose now; `odom_in_map` is whatever makes the odometry agree with it."""
+        base_in_map = self._world_in_map.compose(self._base_in_world())
+        odom_in_map = base_in_map.compose(odometry.base_in_odom.inverse())
+        return Estimate(odometry.tick, base_in_map, odom_in_map, self._covariance, self._particles, updated=True)

@@ -1,0 +1,123 @@
+"""Both costmaps of one robot, and how often people see them."""
+
+from collections.abc import Sequence
+
+import numpy as np
+
+from sim.common.geometry import FloatArray, Pose2
+from sim.common.observations import TICKS_PER_SECOND, Neighbour
+from sim.parameters import RobotParameters
+from sim.robot.costmap.costmap_2d import Costmap2D, CostmapObservation
+from sim.robot.costmap.view import CostmapView
+from sim.robot.navigator.rotated_map import RotatedMap
+from sim.robot.navigator.stale_neighbours import StaleNeighbours
+
+
+class CostmapPublisher:
+    """Shows one costmap of one robot; that it is looked at changes nothing of it.
+
+    Args:
+        costmap: which.
+        publish_frequency: Hz; 0: never.
+        turned: of its map.
+        robot: its index in the team: robots take turns.
+        at_once: whether it is also shown when first asked, however seldom it is due.
+    """
+
+    def __init__(
+        self, costmap: Costmap2D, publish_frequency: float, turned: RotatedMap, robot: int, at_once: bool = False
+    ) -> None:
+        self._costmap = costmap
+        self._turned = turned
+        self._robot = robot
+        self._first = at_once
+        self.configure(publish_frequency)
+
+    def configure(self, publish_frequency: float) -> None:
+        """Show it as often as this from now on, Hz."""
+        self._period = max(1, round(TICKS_PER_SECOND / publish_frequency)) if publish_frequency > 0.0 else 0
+
+    def due(self, tick: int) -> bool:
+        """Whether the costmap is to be shown in this tick."""
+        return self._period > 0 and (self._first or (tick - self._robot) % self._period == 0)
+
+    def show(
+        self, tick: int, pose: Pose2, neighbours: Sequence[Neighbour], pending: CostmapObservation | None
+    ) -> CostmapView:
+        """The costmap as an update in this tick would leave it.
+
+        Args:
+            tick: which one.
+            pose: where the robot believes it is.
+            neighbours: the others.
+            unseen: a scan that the costmap has yet to take in.
+        """
+        self._first = False
+        costs, frame = self._costmap.as_updated(pose.x, pose.y, neighbours, pending)
+        costs.setflags(write=False)
+        corner = self._turned.poses_in_map(np.array([[frame.x, frame.y, 0.0]]))[0].tolist()
+        return CostmapView(tick, Pose2(*corner), frame.resolution, costs)
+
+
+class Costmaps:
+    """The two costmaps of one robot, and what is done to both.
+
+    Args:
+        parameters: of this robot's software.
+        footprint: (n, 2) corners of its body, base frame, metres.
+        turned: the map, and how poses come into its frame.
+        robot: its index in the team.
+
+    Attributes:
+        whole: the global one, for plans.
+        around: the local one, for commands.
+    """
+
+    def __init__(self, parameters: RobotParameters, footprint: FloatArray, turned: RotatedMap, robot: int) -> None:
+        whole, around = parameters.global_costmap, parameters.local_costmap
+        self.global_costmap = Costmap2D(whole, footprint, turned.grid)
+        self.local_costmap = Costmap2D(around, footprint, turned.grid)
+        # Shown seldom, so that who looks need not wait for the first one.
+        self._whole_display = CostmapPublisher(
+            self.global_costmap, whole.publish_frequency, turned, robot, at_once=True
+        )
+        self._around_display = CostmapPublisher(self.local_costmap, around.publish_frequency, turned, robot)
+
+    def configure(self, parameters: RobotParameters) -> None:
+        """Go on with these parameters, having seen what was seen."""
+        self.global_costmap.configure(parameters.global_costmap)
+        self.local_costmap.configure(parameters.local_costmap)
+        self._whole_display.configure(parameters.global_costmap.publish_frequency)
+        self._around_display.configure(parameters.local_costmap.publish_frequency)
+
+    @property
+    def explained_range(self) -> float:
+        """Metres from the laser beyond which no robot's body explains a reading that would mark."""
+        return max(self.global_costmap.explained_range, self.local_costmap.explained_range)
+
+    def clear(self) -> None:
+        """Forget what the laser has seen."""
+        self.global_costmap.clear()
+        self.local_costmap.clear()
+
+    def clear_outside(self, x: float, y: float, side: float) -> None:
+        """Forget what the laser has seen outside a square of this side around a map point."""
+        self.global_costmap.clear_outside(x, y, side)
+        self.local_costmap.clear_outside(x, y, side)
+
+    def shown(
+        self, tick: int, pose: Pose2, stale: StaleNeighbours, pending: CostmapObservation | None
+    ) -> tuple[CostmapView | None, CostmapView | None]:
+        """The global costmap and the local one, each where it is due.
+
+        Args:
+            tick: which one.
+            pose: where the robot believes it is.
+            silence: knows of the others.
+            unseen: a scan that the local costmap has yet to take in.
+        """
+        whole, around = self._whole_display, self._around_display
+        return (
+            whole.show(tick, pose, stale.known(tick), None) if whole.due(tick) else None,
+            around.show(tick, pose, stale.known(tick), pending) if around.due(tick) else None,
+        )

@@ -1,0 +1,213 @@
+"""One robot's choice of way: over the map, and among the others."""
+
+import math
+from collections.abc import Sequence
+from dataclasses import dataclass
+from functools import lru_cache
+
+import numpy as np
+from numba import njit
+from numpy.typing import NDArray
+
+from sim.common.geometry import FloatArray, Pose2
+from sim.common.grid import OccupancyGrid, clearance_field
+from sim.common.observations import Neighbour
+from sim.parameters import InflationParameters
+from sim.robot.costmap.costmap_2d import Costmap2D
+from sim.robot.costmap.costs import LETHAL, CostFrame, Costs, cost_at
+from sim.robot.planning.itinerary import (
+    POINT_SPACING,
+    Itinerary,
+    OtherItineraries,
+    densified,
+    executable,
+    keeps_separation,
+    timed_itinerary,
+)
+from sim.robot.planning.path import PathPlanner, PlanRefusal, thinned
+from sim.robot.planning.safe_interval import BoolArray, Roadmap, make_roadmap, refuge, route
+
+PLANNED_GAP = 0.16
+"""Metres that two robots' circumscribed circles are apart in a plan."""
+DRIVEN_GAP = 0.1
+"""The same on the way, by right of way."""
+ROOM_TO_TURN = 0.08
+"""Metres that the circumscribed circle is off the walls where a robot waits or makes a detour."""
+
+
+@dataclass(frozen=True, slots=True)
+class BlockedByRobots:
+    """There is a way, but others stand in it.
+
+    Attributes:
+        wish: (m, 2) map points of the way.
+    """
+
+    wanted_path: FloatArray
+
+
+class ItineraryPlanner:
+    """Finds ways through a map for one robot.
+
+    Args:
+        static: the map.
+        costmap: the robot's, over the whole map.
+        inflation: its inflation layer's parameters.
+        planner: finds paths for it when it is alone.
+    """
+
+    def __init__(
+        self,
+        static: OccupancyGrid,
+        costmap: Costmap2D,
+        inflation: InflationParameters,
+        planner: PathPlanner,
+    ) -> None:
+        self._static = static
+        self._frame = CostFrame(static.origin.x, static.origin.y, static.resolution)
+        self.costmap = costmap
+        self.configure(inflation, planner)
+
+    def configure(self, inflation: InflationParameters, planner: PathPlanner) -> None:
+        """Go on with this planner, and with what the costmap has become by other parameters.
+
+        Args:
+            inflation: its inflation layer's parameters.
+            planner: finds paths for the robot when it is alone.
+        """
+        costmap = self.costmap
+        self._planner = planner
+        self._alone_query: tuple[Pose2, Pose2] | None = None
+        self._alone_answer: BlockedByRobots | PlanRefusal | None = None
+        self._walls = costmap.without_observations()
+        circumscribed = costmap.circumscribed_radius
+        self.separation = 2 * circumscribed + PLANNED_GAP
+        self.separation_driven = 2 * circumscribed + DRIVEN_GAP
+        self._roadmap, self._cells = _coarse(self._static, circumscribed + ROOM_TO_TURN)
+        self._too_near = cost_at(circumscribed, costmap.inscribed_radius, inflation.cost_scaling_factor)
+
+    def update_neighbours(self, neighbours: Sequence[Neighbour]) -> None:
+        """Bring the costmap up to date with what the others said last."""
+        self.costmap.update_neighbours(neighbours)
+        self.costmap.update(0.0, 0.0)
+
+    def plan(
+        self, start: Pose2, goal: Pose2, time: float, others: OtherItineraries
+    ) -> Itinerary | BlockedByRobots | PlanRefusal:
+        """A way to a goal that keeps clear of all others: the planner's if it does, else the quickest.
+
+        Args:
+            start: where the base is.
+            goal: where it shall end.
+            time: from which the itinerary is numbered.
+            others: the other robots' itineraries.
+        """
+        path = self._planner.plan(self.costmap.costs, self._frame, start, goal)
+        if not isinstance(path, PlanRefusal):
+            direct = timed_itinerary(thinned(path.poses[:, :2], POINT_SPACING), time)
+            if keeps_separation(direct.points, direct.times, others, self.separation) and self._executable(
+                direct, others
+            ):
+                return direct
+        free, walls = self._free_space()
+        start_point, goal_point = np.array([start.x, start.y]), np.array([goal.x, goal.y])
+        among = route(self._roadmap, free, start_point, goal_point, time, others, self.separation)
+        if among is not None:
+            among = densified(among)
+            if self._executable(among, others):
+                return among
+        alone = self._alone(walls, start, goal)
+        return self._refusal(alone, start, goal) if isinstance(alone, PlanRefusal) else alone
+
+    def _alone(self, walls: Costs, start: Pose2, goal: Pose2) -> BlockedByRobots | PlanRefusal:
+        """The way that there would be without the other robots.
+
+        Whoever waits for others asks for the same way again and again: it is planned once.
+        """
+        asked = (start, goal)
+        if walls is self._walls and asked == self._alone_query and self._alone_answer is not None:
+            return self._alone_answer
+        path = self._planner.plan(walls, self._frame, start, goal)
+        answer = path if isinstance(path, PlanRefusal) else BlockedByRobots(thinned(path.poses[:, :2], POINT_SPACING))
+        if walls is self._walls:
+            self._alone_query, self._alone_answer = asked, answer
+        return answer
+
+    def _refusal(self, refused: PlanRefusal, start: Pose2, goal: Pose2) -> PlanRefusal:
+        """The refusal itself, unless it is for obstacles seen: the map alone would have a way."""
+        if not self.costmap.any_marks:
+            return refused
+        bare = self._planner.plan(self._walls, self._frame, start, goal)
+        if isinstance(bare, PlanRefusal):
+            return bare
+        return PlanRefusal("blocked_by_obstacle", "an obstacle that is not on the map blocks the way")
+
+    def obstructed(self, points: FloatArray) -> bool:
+        """Whether an obstacle seen lies on (m, 2) points of a way."""
+        radius = self.costmap.inscribed_radius - self._frame.resolution
+        return self.costmap.any_marks and bool(_touched(points, self.costmap.marks, self._frame, radius))
+
+    def refuge(self, start: Pose2, wanted_path: FloatArray, time: float, others: OtherItineraries) -> Itinerary | None:
+        """A way out of another robot's way; None when there is none.
+
+        Args:
+            start: where the base is.
+            wish: (m, 2) the path that the other robot wishes to take.
+            time: from which the itinerary is numbered.
+            others: the other robots' itineraries.
+        """
+        free, _ = self._free_space()
+        away = refuge(self._roadmap, free, np.array([start.x, start.y]), wanted_path, time, others, self.separation)
+        if away is None:
+            return None
+        away = densified(away)
+        return away if self._executable(away, others) else None
+
+    def obstructs(self, place: FloatArray, wanted_path: FloatArray) -> bool:
+        """Whether a robot at a (2,) place hinders another one on its (m, 2) path."""
+        return bool((np.hypot(wanted_path[:, 0] - place[0], wanted_path[:, 1] - place[1]) < self.separation).any())
+
+    def first_obstructing(self, neighbours: Sequence[Neighbour], wanted_path: FloatArray) -> int | None:
+        """Of those who stand on a (m, 2) path, or are to arrive on it, the one that is met first."""
+        met: list[tuple[int, int]] = []
+        for other in neighbours:
+            place = other.path[-1] if len(other.times) else other.base_in_map.array()[:2]
+            near = np.flatnonzero(np.hypot(*(wanted_path - place).T) < self.separation)
+            if len(near):
+                met.append((int(near[0]), other.robot))
+        return min(met)[1] if met else None
+
+    def _executable(self, itinerary: Itinerary, others: OtherItineraries) -> bool:
+        return bool(executable(itinerary.points, itinerary.times, others, self.separation_driven))
+
+    def _free_space(self) -> tuple[BoolArray, Costs]:
+        """Which coarse cells are free of walls and obstacles, and the costs without the other robots."""
+        if not self.costmap.any_marks:
+            return self._roadmap.free, self._walls
+        walls = self.costmap.without_robots()
+        near = walls[self._cells[:, 0], self._cells[:, 1]].reshape(self._roadmap.free.shape)
+        return self._roadmap.free & (near <= self._too_near), walls
+
+
+@lru_cache(maxsize=8)
+def _coarse(static: OccupancyGrid, radius: float) -> tuple[Roadmap, NDArray[np.int64]]:
+    """The coarse grid for robots of a radius, metres, and (n, 2) the cells of the map in which its centres lie.
+
+    All robots of one size share them; nobody writes to them.
+    """
+    made = make_roadmap(static, clearance_field(static).astype(np.float64), radius)
+    return made, static.cells_of(made.centres.reshape(-1, 2))
+
+
+@njit(cache=True)
+def _touched(points: FloatArray, marks: Costs, frame: CostFrame, radius: float) -> bool:
+    """Whether a marked cell's centre is within `radius` of any of (m, 2) points."""
+    span = int(radius / frame.resolution) + 1
+    for k in range(points.shape[0]):
+        row = math.floor((points[k, 1] - frame.y) / frame.resolution)
+        col = math.floor((points[k, 0] - frame.x) / frame.resolution)
+        for r in range(max(0, row - span), min(marks.shape[0], row + span + 1)):
+            for c in range(max(0, col - span), min(marks.shape[1], col + span + 1)):
+                if marks[r, c] == LETHAL and math.hypot(r - row, c - col) * frame.resolution < radius:
+                    return True
+    return False

@@ -1,0 +1,291 @@
+"""What may be asked at the watch door, and what may not."""
+
+import dataclasses
+import json
+import math
+from pathlib import Path
+from typing import get_args
+
+import numpy as np
+import pytest
+from hypothesis import given, settings
+from hypothesis import strategies as st
+
+from sim.common.geometry import Pose2
+from sim.common.observations import Twist
+from sim.inputs import (
+    Carry,
+    ClearCostmaps,
+    Configure,
+    Die,
+    Disturb,
+    Drive,
+    Globalize,
+    Go,
+    Halt,
+    Localize,
+    Place,
+    PutThing,
+    RemoveThing,
+    RequestUpdate,
+    Revive,
+    SetCharge,
+)
+from sim.parameters import RobotParameters, WorldParameters
+from sim.robot.navigator import Goal
+from sim.team import Team
+from sim.world.things import Thing
+from thbridge.app.compose import read_setting
+from thbridge.app.session.inputs import decode_value
+from thbridge.app.session.watch_requests import (
+    FIRST_GOAL,
+    MOST_PENDING,
+    WatchRequest,
+    WatchRequestHandler,
+    request_line,
+)
+from thbridge.roles.robot_requests import (
+    AdviseFor,
+    PaceRequest,
+    Pause,
+    Puppeteer,
+    Request,
+    Resume,
+    SetParameters,
+    SetRate,
+    SpeakFor,
+    Step,
+    WizardRequest,
+)
+from thbridge.roles.simr.controls import RobotControls
+from thbridge.ros.messages.records import CancelRequest, InitialPose, SimpleGoal, VelocityCommand
+from thbridge.study.study_file import Study
+from thbridge.timing.pacer import Pacer
+
+HERE = Pose2(1.0, 0.5, 0.1)
+SURE = np.diag([0.1, 0.1, 0.01])
+CRATE = Thing("crate", ((0.3, 0.3), (-0.3, 0.3), (-0.3, -0.3), (0.3, -0.3)), HERE)
+GRANTED: list[WatchRequest] = [
+    Go(0, Goal(3, HERE)),
+    Halt(1),
+    SimpleGoal(0, HERE, 3),
+    CancelRequest(0, "", 0),
+    VelocityCommand(1, Twist(0.2, 0.0)),
+    InitialPose(0, HERE, SURE),
+    Localize(1, HERE, SURE),
+    Globalize(0),
+    RequestUpdate(0),
+    ClearCostmaps(1),
+    SetParameters(0, (("amcl.kld_err", 0.02), ("amcl.recovery_alpha_fast", 0.1), ("world.laser.range_noise", 0.3))),
+    PutThing(CRATE),
+    RemoveThing("crate"),
+    Carry(1, HERE),
+    Place(0, HERE),
+    Die(1),
+    Revive(1),
+    Puppeteer(1, on=True),
+    SpeakFor(3, 0, 0, "Off I go!"),
+    AdviseFor(0, 4),
+]
+
+
+@pytest.fixture(scope="module")
+def team() -> Team:
+    return read_setting(dataclasses.replace(Study(), robots=2), Path()).team()
+
+
+class Visited:
+    """A desk, and what it has passed on."""
+
+    def __init__(self, team: Team, has_game: bool = True) -> None:
+        self.asked: list[tuple[str, Request]] = []
+        self.pacer = Pacer(1.0)
+        self.desk = WatchRequestHandler(
+            lambda sender, request: self.asked.append((sender, request)), team, self.pacer, has_game=has_game
+        )
+
+    def wish(self, request: Request | PaceRequest, sender: str = "window") -> str | None:
+        return self.desk.ask("watcher 1", json.loads(request_line(sender, request)))
+
+
+@pytest.fixture
+def visited(team: Team) -> Visited:
+    return Visited(team)
+
+
+def same(one: object, other: object) -> bool:
+    return repr(one) == repr(other)
+
+
+def test_every_kind_that_is_granted_is_tried_here() -> None:
+    assert {type(request) for request in GRANTED} == set(get_args(WatchRequest))
+
+
+@pytest.mark.parametrize("request_", GRANTED, ids=lambda request: type(request).__name__)
+def test_what_is_granted_is_asked_in_the_watchers_name(visited: Visited, request_: WatchRequest) -> None:
+    assert visited.wish(request_) is None
+    ((sender, asked),) = visited.asked
+    assert sender == "window"
+    match request_:
+        case Go(robot, goal):
+            assert asked == Go(robot, Goal(FIRST_GOAL, goal.base_in_map))
+        case SimpleGoal():
+            assert asked == dataclasses.replace(request_, number=FIRST_GOAL)
+        case _:
+            assert same(asked, request_)
+
+
+def test_who_gives_no_name_goes_by_the_doors(visited: Visited) -> None:
+    assert visited.desk.ask("watcher 4", {"request": "Die", "fields": {"robot": 1}}) is None
+    assert visited.asked == [("watcher 4", Die(1))]
+
+
+FAR = Pose2(1e7, 0.0, 0.0)
+REFUSED: list[tuple[Request, str]] = [
+    (Die(2), "robot"),
+    (Revive(-1), "robot"),
+    (Carry(0, FAR), "no map"),
+    (SimpleGoal(0, None, 1), "no pose"),
+    (Go(0, Goal(1, FAR)), "no map"),
+    (VelocityCommand(0, Twist(1e300, 0.0)), "fast"),
+    (Localize(0, HERE, -SURE), "covariance"),
+    (InitialPose(0, HERE, np.eye(2)), "covariance"),
+    (SetParameters(0, (("amcl.no_such", 1),)), "amcl.no_such"),
+    (SetParameters(0, (("amcl.max_particles", -1),)), "max_particles"),
+    (SetParameters(0, (("world.laser.range_noise", -1),)), "world.laser.range_noise is at least 0"),
+    (SetParameters(0, (("world.laser.beams", 90),)), "world.laser.beams cannot change"),
+    (SetParameters(0, (("world.odometry.linear_scale", 1.1), ("world", 1))), "world"),
+    (PutThing(dataclasses.replace(CRATE, name="")), "name"),
+    (PutThing(dataclasses.replace(CRATE, speed=math.pi * 1e9)), "walks"),
+    (PutThing(dataclasses.replace(CRATE, base_in_map=FAR)), "no map"),
+    (PutThing(dataclasses.replace(CRATE, footprint=((0.0, 0.0), (1.0, 0.0), (2.0, 0.0)))), "enclose"),
+    (PutThing(dataclasses.replace(CRATE, footprint=((0.0, 0.0), (1.0, 1.0), (1.0, 0.0), (0.0, 2.0)))), "enclose"),
+    (RemoveThing("x" * 1000), "name"),
+    (Configure(0, RobotParameters()), "not granted"),
+    (Disturb(0, WorldParameters()), "not granted"),
+    (SetCharge(0, 1e9), "not granted"),
+    (Puppeteer(2, on=True), "robot"),
+    (AdviseFor(-1, 3), "robot"),
+    (SpeakFor(1, 0, 0, "one\ntwo"), "one line"),
+    (SpeakFor(1, 0, 0, "x" * 1000), "one line"),
+    (Drive(0, Twist(1.0, 0.0), 10**9), "not granted"),
+]
+
+
+@pytest.mark.parametrize(("request_", "why"), REFUSED, ids=lambda item: type(item).__name__)
+def test_what_a_session_could_not_bear_is_refused_with_the_reason(
+    visited: Visited, request_: Request, why: str
+) -> None:
+    reason = visited.wish(request_)
+    assert reason is not None
+    assert why in reason
+    assert visited.asked == []
+
+
+@pytest.mark.parametrize(
+    "wish",
+    [
+        {},
+        {"request": 3},
+        {"request": "Dance", "fields": {}},
+        {"request": "Die"},
+        {"request": "Die", "fields": {"robot": "one"}},
+        {"request": "Die", "fields": {"robot": 10**400}},
+        {"request": "Die", "fields": [0]},
+        {"request": "Die", "fields": {"robot": 0}, "sender": 7},
+        {"request": "Die", "fields": {"robot": 0}, "sender": "x" * 1000},
+        {"request": "Localize", "fields": {"robot": 0, "base_in_map": {"x": 0, "y": 0, "theta": 0}, "covariance": {}}},
+        {"request": "Step", "fields": {"ticks": 0}},
+        {"request": "SetRate", "fields": {"rate": -1.0}},
+        {"request": "SetRate", "fields": {"rate": 1e-9}},
+        {"request": "SetParameters", "fields": {"robot": 0, "values": [["robot.footprint", "[" * 50_000]]}},
+    ],
+)
+def test_what_cannot_be_understood_is_refused_in_words(visited: Visited, wish: dict[str, object]) -> None:
+    assert visited.desk.ask("watcher 1", wish)
+    assert visited.asked == []
+
+
+def test_the_pace_is_turned_at_once_and_is_no_input(visited: Visited) -> None:
+    assert visited.wish(Pause()) is None
+    assert visited.desk.pace().paused
+    assert visited.wish(Step(3)) is None
+    assert visited.desk.pace().paused
+    assert visited.wish(SetRate(2.5)) is None
+    assert visited.desk.pace().rate == 2.5
+    assert visited.wish(Resume()) is None
+    assert not visited.desk.pace().paused
+    assert visited.asked == []
+
+
+def test_a_pause_ends_when_nobody_watches_any_more(visited: Visited) -> None:
+    visited.wish(Pause())
+    visited.desk.unwatched()
+    assert not visited.pacer.paused
+
+
+def test_robots_are_released_when_nobody_watches_any_more(visited: Visited) -> None:
+    for request in (Puppeteer(1, on=True), Puppeteer(0, on=True), Puppeteer(1, on=False)):
+        visited.wish(request)
+    del visited.asked[:]
+    visited.desk.unwatched()
+    assert [request for _, request in visited.asked] == [Puppeteer(0, on=False), Puppeteer(1, on=False)]
+    visited.desk.unwatched()
+    assert len(visited.asked) == 2
+
+
+def test_where_the_game_is_another_programs_nobody_can_be_spoken_for(team: Team) -> None:
+    visited = Visited(team, has_game=False)
+    assert "another program" in (visited.wish(Puppeteer(0, on=True)) or "")
+    assert visited.wish(Die(0)) is None
+
+
+def test_so_much_may_be_asked_between_two_ticks_and_no_more(visited: Visited) -> None:
+    answers = [visited.wish(Globalize(0)) for _ in range(MOST_PENDING + 3)]
+    assert [answer is None for answer in answers] == [True] * MOST_PENDING + [False] * 3
+    visited.desk.take(1, [])
+    assert visited.wish(Globalize(0)) is None
+
+
+JSON = st.recursive(
+    st.none() | st.booleans() | st.integers() | st.floats() | st.text(max_size=5),
+    lambda inner: st.lists(inner, max_size=4) | st.dictionaries(st.text(max_size=5), inner, max_size=3),
+    max_leaves=8,
+)
+NUMBERS = st.floats(allow_nan=False, allow_infinity=False) | st.integers(-(10**6), 10**6)
+POSES = st.fixed_dictionaries({"x": NUMBERS, "y": NUMBERS, "theta": NUMBERS})
+POINTS = st.lists(st.lists(NUMBERS, min_size=2, max_size=2), max_size=5)
+THINGS = st.fixed_dictionaries({"name": st.text(max_size=3), "footprint": POINTS, "base_in_map": POSES, "path": POINTS})
+FIELDS = st.fixed_dictionaries(
+    {},
+    optional={
+        "robot": st.integers(-1, 3) | JSON,
+        "base_in_map": POSES | JSON,
+        "covariance": st.lists(st.lists(NUMBERS, min_size=3, max_size=3), min_size=3, max_size=3) | JSON,
+        "thing": THINGS | JSON,
+        "name": JSON,
+        "goal": st.fixed_dictionaries({"id": st.integers(), "base_in_map": POSES}),
+        "number": st.just(0),
+        "values": st.lists(st.tuples(st.sampled_from(["amcl.kld_err", "x", "amcl", ""]), JSON), max_size=2),
+        "twist": st.fixed_dictionaries({"linear": NUMBERS, "angular": NUMBERS}),
+    },
+)
+KINDS = st.sampled_from([kind.__name__ for kind in get_args(Request)])
+
+
+@settings(max_examples=150)
+@given(st.lists(st.tuples(KINDS, FIELDS), max_size=5))
+def test_whatever_is_wished_the_answer_is_words_or_a_team_can_bear_it(
+    team: Team, wishes: list[tuple[str, dict[str, object]]]
+) -> None:
+    visited = Visited(team)
+    for kind, fields in wishes:
+        answer = visited.desk.ask("fuzz", {"request": kind, "fields": fields})
+        assert answer is None or answer
+    controls = RobotControls(team)
+    for _, request in visited.asked:
+        assert same(decode_value(json.loads(request_line("", request))["fields"], type(request)), request)
+        if not isinstance(request, WizardRequest):
+            controls.ask(request)
+    for tick in range(2):
+        controls.follow(team.step(controls.take_inputs(tick)))

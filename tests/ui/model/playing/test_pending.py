@@ -1,0 +1,92 @@
+from dataclasses import replace
+
+import pytest
+
+from tests.ui.model.views import asking, refusal, view, with_robot, with_room
+from thbridge.roles.view import Agree, Answer, CallBack, Consent, Discuss, GiveUp, Leave, PlayAgain, Select, Unsure
+from ui.model.playing.pending import PendingRequests
+
+STANDING = with_room(with_robot(view(), 0, place=3), 3, state="visited", robot=0, colour="Pink", footprint="Square")
+UNDER_WAY = with_room(with_robot(view(), 0, moving_to=3), 3, state="reserved", robot=0)
+
+
+@pytest.mark.parametrize(
+    ("wish", "before", "granted"),
+    [
+        (Agree(), view(consent="Do you?"), view()),
+        (Select(0, 3), view(), view(dialogues=(asking(0, 3),))),
+        (Select(0, 3), view(), view(consents=(Consent(0, "select-room", 3),))),
+        (Select(0, 3), view(dialogues=(asking(0, 2),)), view(dialogues=(asking(0, 3, 2),))),
+        (Select(0, 3), view(), UNDER_WAY),
+        (Unsure(0), view(), view(dialogues=(asking(0, 3),))),
+        (Unsure(0), view(dialogues=(asking(0, 2, 1),)), view(dialogues=(asking(0, 2, 2),))),
+        (Answer(1, 1, 0), view(dialogues=(asking(0, 3),)), view(dialogues=(asking(0, 3, 1, 3),))),
+        (Answer(1, 1, 0), view(dialogues=(asking(0, 3),)), view()),
+        (CallBack(0), UNDER_WAY, view()),
+        (Leave(3), STANDING, with_room(STANDING, 3, left=True)),
+        (Discuss(0, "take-picture", 3), STANDING, with_room(STANDING, 3, picture="a.jpg")),
+        (Discuss(0, "take-picture", 3), STANDING, replace(STANDING, consents=(Consent(0, "take-picture", 3),))),
+        (GiveUp(1), view(), view(over="given-up")),
+        (PlayAgain(1), view(over="given-up"), view(game=2)),
+    ],
+)
+def test_a_wish_is_kept_until_the_view_shows_it_granted(wish, before, granted):
+    asked = PendingRequests()
+    asked.ask(wish, before)
+    assert asked.receive(before) == ()
+    assert asked.requests == (wish,)
+    assert asked.receive(granted) == ()
+    assert asked.requests == ()
+
+
+@pytest.mark.parametrize(
+    ("wish", "before", "kind"),
+    [
+        (Select(0, 3), view(), "select-room"),
+        (Unsure(0), view(), "Unsure"),
+        (Unsure(0), view(), "select-room"),
+        (Discuss(0, "take-treasure", 3), STANDING, "take-treasure"),
+        (Leave(3), STANDING, "Leave"),
+        (CallBack(0), UNDER_WAY, "CallBack"),
+    ],
+)
+def test_a_refusal_ends_the_wish_it_is_about_and_no_other(wish, before, kind):
+    asked = PendingRequests()
+    asked.ask(wish, before)
+    asked.drop_refused(refusal(1, "SendRobot"))
+    assert asked.requests == (wish,)
+    asked.drop_refused(refusal(2, kind))
+    assert asked.requests == ()
+
+
+def test_what_can_not_come_true_any_more_is_dropped_with_its_reason():
+    asked = PendingRequests()
+    asked.ask(Select(0, 3), view())
+    taken = with_room(with_robot(view(), 1, moving_to=3), 3, state="reserved", robot=1)
+    assert asked.receive(taken) == ("Robot 2 is on its way there.",)
+    assert asked.requests == ()
+
+
+def test_advice_is_given_by_a_new_dialogue_even_if_it_has_the_number_of_one_before_a_restart():
+    asked = PendingRequests()
+    asked.ask(Unsure(0), view(dialogues=(asking(0, 2),)))
+    asked.receive(view(dialogues=(asking(0, 2),)))
+    assert asked.requests == (Unsure(0),)
+    asked.receive(view())
+    asked.receive(view(dialogues=(asking(0, 2),)))
+    assert asked.requests == ()
+
+
+def test_a_robot_is_asked_to_go_to_one_place_at_a_time():
+    asked = PendingRequests()
+    for wish in (Select(0, 3), Select(1, 2), Unsure(0), Select(0, 1)):
+        asked.ask(wish, view())
+    assert asked.requests == (Select(1, 2), Select(0, 1))
+
+
+def test_nothing_is_wanted_of_a_game_that_is_over_but_another_one():
+    asked = PendingRequests()
+    for wish in (Select(0, 3), Leave(3), PlayAgain(1)):
+        asked.ask(wish, STANDING)
+    assert set(asked.receive(replace(STANDING, over="given-up"))) <= {""}
+    assert asked.requests == (PlayAgain(1),)

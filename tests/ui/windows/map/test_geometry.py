@@ -1,0 +1,65 @@
+"""A house is unpacked without a loss, and one that cannot be read does no harm."""
+
+import base64
+import zlib
+from dataclasses import replace
+
+import numpy as np
+import pytest
+from hypothesis import given
+from hypothesis import strategies as st
+from hypothesis.extra.numpy import array_shapes, arrays
+
+from tests.ui.windows.map.houses import house_of, shipped_map
+from thbridge.roles.notices import House
+from ui.windows.map.geometry import boxes, contains, unpack
+
+
+@given(arrays(np.bool_, array_shapes(min_dims=2, max_dims=2, max_side=12)))
+def test_boxes_cover_each_true_cell_once(mask: np.ndarray) -> None:
+    painted = np.zeros(mask.shape, dtype=int)
+    for col, row, cols, rows in boxes(mask).tolist():
+        painted[row : row + rows, col : col + cols] += 1
+    assert np.array_equal(painted, mask.astype(int))
+
+
+def test_the_bounds_hold_all_that_is_known() -> None:
+    shown = shipped_map("arena8")
+    left, bottom, right, top = unpack(house_of(shown)).bounds
+    for room in shown.rooms:
+        for x, y in room.region:
+            assert left <= x <= right
+            assert bottom <= y <= top
+
+
+def test_walls_are_told_from_floor() -> None:
+    shown = shipped_map("arena8")
+    plan = unpack(house_of(shown))
+    goal = shown.rooms[0].goal
+    box = np.array([[-0.1, -0.1], [0.1, -0.1], [0.1, 0.1], [-0.1, 0.1]])
+    wide = 40.0 * box
+    middle = np.array([goal.x, goal.y])
+    around = np.stack((box + middle, wide + middle))
+    assert plan.is_clear(around).tolist() == [True, False]
+
+
+@pytest.fixture(scope="module")
+def house() -> House:
+    return house_of(shipped_map("arena8"))
+
+
+@given(noise=st.binary(max_size=40))
+def test_cells_that_cannot_be_read_leave_the_rooms(house: House, noise: bytes) -> None:
+    plan = unpack(replace(house, cells=base64.b64encode(noise).decode()))
+    assert len(plan.walls) == 0
+    assert plan.bounds[0] < plan.bounds[2]
+
+
+def test_more_cells_than_announced_are_not_unpacked(house: House) -> None:
+    bomb = base64.b64encode(zlib.compress(bytes(1_000_000))).decode()
+    assert len(unpack(replace(house, cells=bomb, width=4, height=4)).floor) == 1
+
+
+def test_a_region_holds_what_lies_in_it() -> None:
+    triangle = np.array([[0.0, 0.0], [2.0, 0.0], [0.0, 2.0]])
+    assert contains(triangle, np.array([[0.5, 0.5], [1.5, 1.5]])).tolist() == [True, False]

@@ -1,0 +1,144 @@
+"""How figures look, and their bytes: the same report gives the same file."""
+
+from collections.abc import Mapping, Sequence
+from contextlib import AbstractContextManager
+from dataclasses import dataclass
+from enum import StrEnum
+from io import BytesIO
+
+import matplotlib as mpl
+from matplotlib.axes import Axes
+from matplotlib.figure import Figure
+from matplotlib.lines import Line2D
+
+from thbridge.analysis.report.values import Track
+
+COLOURS = ("#0072B2", "#D55E00", "#009E73", "#CC79A7", "#E69F00", "#56B4E9", "#7A5195", "#8C6D31", "#4D4D4D", "#B2182B")
+"""A colour a robot, told apart by colour-blind readers too (Okabe and Ito's, then darker ones)."""
+
+INK = "#1f2933"
+FAINT = "#9aa5b1"
+
+
+class FigureFormat(StrEnum):
+    """Files that a figure can be."""
+
+    PNG = "png"
+    SVG = "svg"
+    PDF = "pdf"
+
+
+_METADATA: Mapping[FigureFormat, Mapping[str, None]] = {
+    FigureFormat.PNG: {"Software": None},
+    FigureFormat.SVG: {"Date": None, "Creator": None},
+    FigureFormat.PDF: {"CreationDate": None, "Creator": None, "Producer": None},
+}
+"""What is left out: dates and versions, which make every file another one."""
+
+
+@dataclass(frozen=True, slots=True)
+class FigureStyle:
+    """Sizes of a figure.
+
+    Attributes:
+        width: inches.
+        font: points.
+        line: width of a curve, points.
+        live_text: whether SVG files keep words as words, in the fonts of the page they are on; else they are drawn.
+    """
+
+    width: float
+    font: float
+    line: float
+    live_text: bool = False
+
+    @property
+    def narrow(self) -> bool:
+        """Whether two panels do not fit side by side."""
+        return self.width < 5.0
+
+    def style(self, salt: str = "") -> AbstractContextManager[None]:
+        """Matplotlib's settings; names within SVG files are hashes of this salt and of what they name."""
+        return mpl.rc_context(
+            {
+                "svg.hashsalt": salt or "thbridge",
+                "svg.fonttype": "none" if self.live_text else "path",
+                "pdf.fonttype": 42,
+                "font.family": "DejaVu Sans",  # matplotlib's own, so the same everywhere
+                "font.size": self.font,
+                "axes.labelsize": self.font,
+                "axes.titlesize": self.font,
+                "axes.titlelocation": "left",
+                "legend.fontsize": self.font,
+                "xtick.labelsize": self.font - 1,
+                "ytick.labelsize": self.font - 1,
+                "axes.linewidth": 0.6,
+                "xtick.major.width": 0.6,
+                "ytick.major.width": 0.6,
+                "lines.linewidth": self.line,
+                "axes.edgecolor": FAINT,
+                "axes.labelcolor": INK,
+                "axes.spines.top": False,
+                "axes.spines.right": False,
+                "axes.grid": True,
+                "axes.axisbelow": True,
+                "grid.color": "#e4e7eb",
+                "grid.linewidth": 0.6,
+                "text.color": INK,
+                "xtick.color": INK,
+                "ytick.color": INK,
+            }
+        )
+
+    def figure(self, height: float, rows: int = 1, columns: int = 1) -> tuple[Figure, list[list[Axes]]]:
+        """An empty figure of so many panels, all of one time axis; height in inches. To be called within the style."""
+        figure = Figure(figsize=(self.width, height), layout="constrained")
+        axes = figure.subplots(rows, columns, sharex=True, squeeze=False)
+        return figure, [list(row) for row in axes]
+
+    def rendered(self, figure: Figure, kind: FigureFormat, salt: str = "", transparent: bool = False) -> bytes:
+        """The figure as a file; PNG with 300 dots an inch."""
+        file = BytesIO()
+        with self.style(salt):
+            figure.savefig(file, format=kind.value, metadata=dict(_METADATA[kind]), dpi=300, transparent=transparent)
+        return file.getvalue()
+
+
+PAGE = FigureStyle(width=9.2, font=9.0, line=1.1, live_text=True)
+ONE_COLUMN = FigureStyle(width=3.46, font=7.0, line=0.8)
+"""88 mm, a column of most journals."""
+TWO_COLUMNS = FigureStyle(width=7.2, font=8.0, line=0.9)
+"""183 mm, a page of them."""
+
+
+def colour(index: int) -> str:
+    """Of a robot by its place among the tracks."""
+    return COLOURS[index % len(COLOURS)]
+
+
+def clock(seconds: float) -> str:
+    """Minutes and seconds: 75.3 is 1:15."""
+    return f"{int(seconds) // 60}:{int(seconds) % 60:02d}"
+
+
+def label_above(axes: Axes, handles: Sequence[object], columns: int = 10) -> None:
+    """A legend above the panel, out of the way of what is drawn."""
+    axes.legend(
+        handles=list(handles),
+        loc="lower left",
+        bbox_to_anchor=(0.0, 1.0),
+        ncols=columns,
+        borderaxespad=0.2,
+        handlelength=1.4,
+        columnspacing=1.2,
+        frameon=False,
+    )
+
+
+def robot_handles(tracks: Sequence[Track], shown: Sequence[int] | None = None) -> list[object]:
+    """Handles for a legend."""
+    return [
+        Line2D([], [], color=colour(index), lw=2.0, label=track.name)
+        for index, track in enumerate(tracks)
+        if shown is None or index in shown
+    ]

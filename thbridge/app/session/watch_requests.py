@@ -1,0 +1,250 @@
+"""What may be asked at the watch door: of the robots, and of the session's pace."""
+
+import logging
+from collections.abc import Callable, Iterable, Mapping
+from dataclasses import replace
+from itertools import count
+from typing import TypeAlias, get_args
+
+from sim.common.geometry import FloatArray, Pose2
+from sim.common.observations import TICKS_PER_SECOND
+from sim.inputs import (
+    Carry,
+    ClearCostmaps,
+    Die,
+    Globalize,
+    Go,
+    Halt,
+    Localize,
+    Place,
+    PutThing,
+    RemoveThing,
+    RequestUpdate,
+    Revive,
+)
+from sim.parameters.reconfiguration import ParameterRejection
+from thbridge.app.session.inputs import decode_request, decode_value, encode_request
+from thbridge.roles.robot_requests import (
+    AdviseFor,
+    PaceRequest,
+    Pause,
+    Puppeteer,
+    Request,
+    Resume,
+    SetParameters,
+    SetRate,
+    SpeakFor,
+    Step,
+    Tuning,
+    WizardRequest,
+)
+from thbridge.roles.simr.team import RobotTeam
+from thbridge.ros.clients import FARTHEST, is_covariance
+from thbridge.ros.messages.records import CancelRequest, InitialPose, SimpleGoal, VelocityCommand
+from thbridge.ros.topics import RosMessage
+from thbridge.sockets.watch_server import SessionPace
+from thbridge.study.things import fault_of_thing
+from thbridge.timing.pacer import Pacer
+
+FIRST_GOAL = 2_000_000_000
+"""Number of the first goal that is set here; those of the game and of clients on a graph are below."""
+
+MOST_PENDING = 200
+"""Requests that may come between two ticks; more than hands can do in a pause."""
+
+MOST_CHARACTERS = 500
+"""Characters of a name, and of what is said in a robot's place."""
+
+WATCH_SENDER = "watch"
+"""Who asks where nobody asks any more."""
+
+SLOWEST, FASTEST = 0.01, 1000.0
+"""Rates that can be asked for, besides 0."""
+
+MOST_STEPS = 600 * TICKS_PER_SECOND
+
+WatchRequest: TypeAlias = (
+    Go
+    | Halt
+    | SimpleGoal
+    | CancelRequest
+    | VelocityCommand
+    | InitialPose
+    | Localize
+    | Globalize
+    | RequestUpdate
+    | ClearCostmaps
+    | SetParameters
+    | PutThing
+    | RemoveThing
+    | Carry
+    | Place
+    | Die
+    | Revive
+    | Puppeteer
+    | SpeakFor
+    | AdviseFor
+)
+"""What is granted. The rest of what a session can be asked is the game's own, or has another form here."""
+
+_GRANTED: tuple[type[WatchRequest], ...] = get_args(WatchRequest)
+_PACES: dict[str, type[PaceRequest]] = {kind.__name__: kind for kind in get_args(PaceRequest)}
+
+_log = logging.getLogger(__name__)
+
+
+def request_line(sender: str, request: Request | PaceRequest) -> bytes:
+    """What a watcher says to ask for something."""
+    return encode_request(sender, request).encode() + b"\n"
+
+
+class WatchRequestHandler:
+    """Grants what watchers wish, or says why not.
+
+    Args:
+        ask: takes what is wanted of the session, with the name of whoever wants it.
+        robots: whom it is about.
+        pacer: of the session.
+        has_game: whether the game is this session's, so that one can speak in a robot's place.
+    """
+
+    def __init__(self, ask: Callable[[str, Request], None], robots: RobotTeam, pacer: Pacer, *, has_game: bool) -> None:
+        self._ask = ask
+        self._robots = robots
+        self._pacer = pacer
+        self._has_game = has_game
+        self._puppets: set[int] = set()
+        self._goals = count(FIRST_GOAL)
+        self._waiting = 0
+
+    def take(self, tick: int, messages: Iterable[RosMessage]) -> None:
+        """A tick has come: what waited for it is done."""
+        self._waiting = 0
+
+    def pace(self) -> SessionPace:
+        """How the session runs."""
+        return SessionPace(self._pacer.paused, self._pacer.rate, self._pacer.lag)
+
+    def unwatched(self) -> None:
+        """Nobody watches any more: nothing waits for anybody there any longer, neither the session nor its robots."""
+        self._pacer.resume()
+        for robot in sorted(self._puppets):
+            self._ask(WATCH_SENDER, Puppeteer(robot, on=False))
+        self._puppets.clear()
+
+    def ask(self, watcher: str, wish: Mapping[str, object]) -> str | None:
+        """Grant a wish, the JSON of a request; None, or why not."""
+        name = wish.get("request")
+        kind = _PACES.get(name) if isinstance(name, str) else None
+        try:
+            if kind is not None:
+                return self._turn(decode_value(wish.get("fields", {}), kind))
+            if _lies_far(wish.get("fields")):
+                return "no map is that large"
+            asked = decode_request({"sender": watcher, "fields": {}, **wish})
+        except ValueError as error:
+            return str(error)
+        if not isinstance(asked.request, _GRANTED):
+            return f"{name} is not granted here"
+        if isinstance(asked.request, WizardRequest) and not self._has_game:
+            return "nobody can be spoken for here: the game is another program's"
+        if len(asked.sender) > MOST_CHARACTERS:
+            return f"whoever asks has a name of more than {MOST_CHARACTERS} characters"
+        if self._waiting >= MOST_PENDING:
+            return f"{MOST_PENDING} requests wait for the next tick already"
+        reason = objection(asked.request, self._robots)
+        if reason is None:
+            self._waiting += 1
+            if isinstance(asked.request, Puppeteer):
+                self._puppets.add(asked.request.robot)
+            self._ask(asked.sender, self._numbered(asked.request))
+        return reason
+
+    def _turn(self, request: PaceRequest) -> str | None:
+        match request:
+            case Pause():
+                self._pacer.pause()
+            case Resume():
+                self._pacer.resume()
+            case SetRate(rate):
+                if rate != 0.0 and not SLOWEST <= rate <= FASTEST:
+                    return f"a rate is 0, as fast as the machine can, or from {SLOWEST:g} to {FASTEST:g}"
+                self._pacer.set_rate(rate)
+            case Step(ticks):
+                if not 1 <= ticks <= MOST_STEPS:
+                    return f"steps are 1 to {MOST_STEPS} ticks"
+                self._pacer.step(ticks)
+        _log.info("a watcher asks: %s", request)
+        return None
+
+    def _numbered(self, request: WatchRequest) -> WatchRequest:
+        """Goals get a number of their own, whatever the watcher gave them."""
+        match request:
+            case Go(_, goal):
+                return replace(request, goal=replace(goal, id=next(self._goals)))
+            case SimpleGoal():
+                return replace(request, number=next(self._goals))
+        return request
+
+
+def _lies_far(fields: object) -> bool:
+    """Whether a thing in these fields lies beyond all sense, so that even to look at it would overflow."""
+    match fields:
+        case {"thing": {**thing}}:
+            return any(_is_far(thing.get(key)) for key in ("base_in_map", "footprint", "path"))
+    return False
+
+
+def _is_far(value: object) -> bool:
+    match value:
+        case Mapping():
+            return any(_is_far(inner) for inner in value.values())
+        case list():
+            return any(_is_far(inner) for inner in value)
+        case int() | float():
+            return abs(value) > FARTHEST
+    return False
+
+
+def objection(request: WatchRequest, robots: RobotTeam) -> str | None:
+    """Why this cannot be asked of these robots, for people; None where it can.
+
+    A session takes what it is asked at its word, so whatever a stranger could say is looked at here.
+    """
+    if not isinstance(request, PutThing | RemoveThing | SpeakFor) and not 0 <= request.robot < robots.size:
+        return f"robot counts from 0 here, and there are {robots.size}"
+    match request:
+        case Go(_, goal):
+            return _objection_to_pose(goal.base_in_map)
+        case SimpleGoal(_, pose):
+            return "it has no pose" if pose is None else _objection_to_pose(pose)
+        case Carry(_, pose) | Place(_, pose):
+            return _objection_to_pose(pose)
+        case InitialPose(_, pose, covariance) | Localize(_, pose, covariance):
+            return _objection_to_pose(pose) or _objection_to_covariance(covariance)
+        case VelocityCommand(_, twist):
+            return None if max(abs(twist.linear), abs(twist.angular)) <= FARTHEST else "nothing is that fast"
+        case SetParameters(robot, values):
+            if robot >= len(robots.parameters):
+                return "these robots' software is not ours to change"
+            changed = Tuning(robots.parameters[robot], robots.worlds[robot]).changed(values)
+            return changed.sentence if isinstance(changed, ParameterRejection) else None
+        case PutThing(thing):
+            return fault_of_thing(thing, FARTHEST, MOST_CHARACTERS)
+        case SpeakFor(text=text) if len(text) > MOST_CHARACTERS or not text.isprintable():
+            return f"a robot says one line, of at most {MOST_CHARACTERS} characters"
+        case RemoveThing(name) | CancelRequest(_, name):
+            return (
+                None
+                if len(name) <= MOST_CHARACTERS
+                else f"nothing has a name of more than {MOST_CHARACTERS} characters"
+            )
+    return None
+
+
+def _objection_to_pose(pose: Pose2) -> str | None:
+    return None if max(abs(pose.x), abs(pose.y), abs(pose.theta)) <= FARTHEST else "no map is that large"
+
+
+def _objection_to_covariance(covariance: FloatArray) -> str | None:
+    return None if is_covariance(covariance) else "its covariance is not one: (3, 3), positive semi-definite"

@@ -1,0 +1,117 @@
+"""YAML trees as ROS's own loader understands them: its words for truth, its angles, anchors merged, keys once."""
+
+import dataclasses
+import math
+import re
+from dataclasses import dataclass
+from pathlib import Path
+
+from thbridge.files.errors import BadFile
+from thbridge.files.yaml.tree import Listing, Node, Scalar, Section
+
+Entry = tuple[Scalar, Node]
+
+_TRUE = {"yes", "Yes", "YES", "on", "On", "ON", "True", "TRUE"}
+_FALSE = {"no", "No", "NO", "off", "Off", "OFF", "False", "FALSE"}
+_WHOLE_REAL = re.compile(r"([-+]?\d+)\.0*")
+_ANGLE = re.compile(r"(deg|rad)\((.*)\)")
+_FACTOR = r"(?:\d+\.?\d*(?:[eE][-+]?\d+)?|\.\d+|pi)"
+_PRODUCT = re.compile(rf"\s*([-+]?)\s*({_FACTOR}(?:\s*[*/]\s*{_FACTOR})*)\s*")
+
+
+@dataclass(slots=True)
+class RosYamlNormalizer:
+    """Makes of a tree what it means to ROS: plain words, each key once, no merge keys, no slashes.
+
+    Attributes:
+        path: the file, for faults.
+        notices: gets a sentence for each key that stands twice.
+    """
+
+    path: Path
+    notices: list[str]
+
+    def section(self, node: Node) -> Section:
+        """The whole of a file. Raises BadFile: it holds something else than names and values, or a word is wrong."""
+        if not isinstance(node, Section):
+            problem = "no section of 'name: value' lines"
+            raise BadFile(self.path, node.line, None, problem, "name a YAML file of ROS parameters")
+        cleaned = self.node(node)
+        return cleaned if isinstance(cleaned, Section) else Section(node.line, [])
+
+    def node(self, node: Node) -> Node:
+        """Any part of it."""
+        match node:
+            case Scalar():
+                return self.scalar(node)
+            case Listing(line, items):
+                return Listing(line, [self.node(item) for item in items])
+            case Section(line, entries):
+                written: dict[str, Entry] = {}
+                for key, child in self.merged(entries):
+                    if key.text == "ros__parameters":
+                        remedy = "Name a file of ROS 1; many names are others there"
+                        raise BadFile(self.path, key.line, key.text, "this is a file of ROS 2", remedy)
+                    name, inner = self.unfolded(key, self.node(child))
+                    before, known = written.get(name.text, (name, None))
+                    if isinstance(inner, Section) and isinstance(known, Section) and "/" in key.text.strip("/"):
+                        known.entries.extend(inner.entries)
+                        continue
+                    if known is not None:
+                        told = f"{name.text} stands twice, first in line {before.line}; the later holds, as in ROS"
+                        self.notices.append(f"{self.path}, line {name.line}: {told}")
+                    written[name.text] = name, inner
+                return Section(line, list(written.values()))
+
+    def merged(self, entries: list[Entry]) -> list[Entry]:
+        """With the entries of merge keys (`<<: *common`) that are not there themselves."""
+        own = [entry for entry in entries if entry[0].text != "<<"]
+        names = {key.text for key, _ in own}
+        for key, child in entries:
+            if key.text != "<<":
+                continue
+            for part in child.items if isinstance(child, Listing) else [child]:
+                if not isinstance(part, Section):
+                    problem = "no section to merge"
+                    raise BadFile(self.path, key.line, "<<", problem, "write the name of a section's anchor")
+                own.extend(entry for entry in part.entries if entry[0].text not in names)
+                names |= {entry[0].text for entry in part.entries}
+        return own
+
+    def unfolded(self, key: Scalar, child: Node) -> Entry:
+        """`a/b: 1` is `a: {b: 1}`, and a leading slash nothing."""
+        first, *rest = key.text.strip("/").split("/")
+        for name in reversed(rest):
+            child = Section(key.line, [(Scalar(name, plain=True, line=key.line), child)])
+        return Scalar(first, plain=key.plain, line=key.line), child
+
+    def scalar(self, node: Scalar) -> Scalar:
+        """One word: `yes` is true, `5.0` the whole number as well, `!degrees 90` and `deg(90)` radians."""
+        called = _ANGLE.fullmatch(node.text) if node.plain else None
+        if node.tag in {"!degrees", "!radians"} or called:
+            text = called[2] if called else node.text
+            degrees = called[1] == "deg" if called else node.tag == "!degrees"
+            return Scalar(repr(self.angle(text, node.line, degrees)), plain=True, line=node.line)
+        if node.tag is not None:
+            remedy = "Write the plain value; only !degrees and !radians are known"
+            raise BadFile(self.path, node.line, node.tag, "a tag (!)", remedy)
+        if not node.plain:
+            return node
+        whole = _WHOLE_REAL.fullmatch(node.text)
+        if node.text in _TRUE | _FALSE:
+            return dataclasses.replace(node, text="true" if node.text in _TRUE else "false")
+        # ROS takes 5.0 for a whole number where it needs one.
+        return dataclasses.replace(node, text=whole[1]) if whole else node
+
+    def angle(self, text: str, line: int, degrees: bool) -> float:
+        """Radians of a product of numbers and pi."""
+        product = _PRODUCT.fullmatch(text)
+        if product is None:
+            raise BadFile(self.path, line, None, f"{text!r} is no angle", "Write a number, or such as pi/2")
+        value = -1.0 if product[1] == "-" else 1.0
+        for sign, factor in re.findall(rf"([*/]?)\s*({_FACTOR})", product[2]):
+            number = math.pi if factor == "pi" else float(factor)
+            if sign == "/" and number == 0.0:
+                raise BadFile(self.path, line, None, f"{text!r} is no angle", "Write a number, or such as pi/2")
+            value = value / number if sign == "/" else value * number
+        return math.radians(value) if degrees else value

@@ -1,0 +1,23 @@
+"""Services whose answers take milliseconds: one at a time, with other work of the event loop between two of them."""
+
+import asyncio
+from collections.abc import Callable
+
+from thbridge.sockets.rosgraph.tcpros_server import ServiceAnswer, ServiceHandler
+
+
+class RequestQueue:
+    """A queue for requests of several services."""
+
+    def __init__(self) -> None:
+        self._lock = asyncio.Lock()
+
+    def of(self, handler: Callable[[bytes], ServiceAnswer]) -> ServiceHandler:
+        """The handler, called when it is its turn; however many requests came in at once."""
+
+        async def in_turn(request: bytes) -> ServiceAnswer:
+            async with self._lock:
+                await asyncio.sleep(0)
+            return handler(request)
+
+        return in_turn

@@ -1,0 +1,328 @@
+"""How a researcher's window watches a session, sans-IO: both sides of the conversation.
+
+The session says a rosbag of format 2.0 without an end: magic, bag header, then chunks, each with its index. The watcher
+says JSON objects, one a line: first the key, where one is wanted, then requests.
+"""
+
+from __future__ import annotations
+
+import hmac
+import json
+import struct
+from collections.abc import Iterator, Mapping
+from dataclasses import dataclass
+from typing import TypeAlias
+
+import msgspec
+
+from thbridge.wire.text import LineSplitter, OverlongLine
+
+STATUS = "/watch/status"
+"""Topic on which the door itself speaks: std_msgs/String, the JSON of a `Status`."""
+
+MAGIC = b"#ROSBAG V2.0\n"
+
+MISTAKES = 20
+"""So many refusals in a row, and a watcher is cut off."""
+
+_LARGEST = 64 * 2**20
+"""Bytes of a record; a costmap of 400 m by 400 m, 5 cm a cell, fits."""
+
+_SHOWN = 80
+"""Characters of a refused line that are told."""
+
+_U32 = struct.Struct("<I")
+_TIME = struct.Struct("<II")
+
+
+@dataclass(frozen=True, slots=True)
+class SessionMessage:
+    """One message of a session.
+
+    Attributes:
+        topic: its topic.
+        msgtype: for example "nav_msgs/Odometry".
+        stamp_ns: when it was said, nanoseconds of ROS time.
+        data: its bytes, as ROS 1 serialises it.
+    """
+
+    topic: str
+    msgtype: str
+    stamp_ns: int
+    data: bytes
+
+
+@dataclass(frozen=True, slots=True)
+class BrokenStream:
+    """What came is no such stream; nothing that follows can be read."""
+
+    reason: str
+
+
+@dataclass(frozen=True, slots=True)
+class WatchRefusal:
+    """A request that was not granted.
+
+    Attributes:
+        request: its beginning.
+        reason: why, for people.
+    """
+
+    request: str
+    reason: str
+
+
+@dataclass(frozen=True, slots=True)
+class WatchStatus:
+    """How the door stands, as one watcher is told: once a second, and whenever something changes.
+
+    Attributes:
+        paused: no tick comes until somebody resumes or steps.
+        rate: simulated seconds per second that are asked for; 0: as fast as the machine can.
+        lag: seconds by which the session is behind that.
+        watchers: how many watch, this one included.
+        dropped: messages that this watcher did not get, because it reads too slowly.
+        refused: the latest request of this watcher that was not granted; None until there is one.
+        refusals: how many there were.
+    """
+
+    paused: bool
+    rate: float
+    lag: float
+    watchers: int
+    dropped: int
+    refused: WatchRefusal | None = None
+    refusals: int = 0
+
+    def data(self) -> bytes:
+        """It as the bytes of a std_msgs/String."""
+        text = msgspec.json.encode(self)
+        return _U32.pack(len(text)) + text
+
+
+def status_in(said: SessionMessage) -> WatchStatus | None:
+    """The status that a message tells; None where it tells none."""
+    if said.topic != STATUS:
+        return None
+    try:
+        return msgspec.json.decode(said.data[_U32.size :], type=WatchStatus)
+    except msgspec.DecodeError:
+        return None
+
+
+# The watcher's side
+
+
+class BagStreamReader:
+    """Takes a session's bytes apart into messages, however they are cut into segments."""
+
+    def __init__(self) -> None:
+        self._held = bytearray()
+        self._begun = False
+        self._broken = False
+        self._connections: dict[int, tuple[str, str]] = {}
+
+    def feed(self, data: bytes) -> list[SessionMessage | BrokenStream]:
+        """The messages that `data` completes; after a `Broken` there are none."""
+        if self._broken:
+            return []
+        self._held += data
+        heard: list[SessionMessage | BrokenStream] = []
+        try:
+            self._begin()
+            for header, body in self._records():
+                heard += self._record(header, body)
+        except (ValueError, LookupError, struct.error) as error:
+            self._broken = True
+            self._held.clear()
+            heard.append(BrokenStream(f"this is not a session's door: {error}"))
+        return heard
+
+    def _begin(self) -> None:
+        if not self._begun:
+            beginning = bytes(self._held[: len(MAGIC)])
+            if not MAGIC.startswith(beginning):
+                raise ValueError("it does not begin as a bag of format 2.0")
+            if len(beginning) == len(MAGIC):
+                self._begun = True
+                del self._held[: len(MAGIC)]
+
+    def _records(self) -> Iterator[tuple[bytes, bytes]]:
+        """The complete records; they are taken from what is held once all have been seen."""
+        at = 0
+        try:
+            while self._begun and (sizes := _sizes(self._held, at)) is not None:
+                header, body = sizes
+                start = at + 8 + header
+                record = bytes(self._held[at + 4 : at + 4 + header]), bytes(self._held[start : start + body])
+                at = start + body
+                yield record
+        finally:
+            del self._held[:at]
+
+    def _record(self, header: bytes, body: bytes) -> Iterator[SessionMessage]:
+        fields = _fields(header)
+        match fields[b"op"][0]:
+            case 0x05:  # a chunk
+                if fields[b"compression"] != b"none":
+                    raise ValueError("its chunks are packed")
+                at = 0
+                while at < len(body):
+                    sizes = _sizes(body, at)
+                    if sizes is None:
+                        raise ValueError("a chunk is cut short")
+                    inner, size = sizes
+                    start = at + 8 + inner
+                    yield from self._record(body[at + 4 : at + 4 + inner], body[start : start + size])
+                    at = start + size
+            case 0x07:  # a connection
+                (number,) = _U32.unpack(fields[b"conn"])
+                self._connections[number] = fields[b"topic"].decode(), _fields(body)[b"type"].decode()
+            case 0x02:  # a message
+                (number,) = _U32.unpack(fields[b"conn"])
+                seconds, nanoseconds = _TIME.unpack(fields[b"time"])
+                topic, msgtype = self._connections[number]
+                yield SessionMessage(topic, msgtype, seconds * 1_000_000_000 + nanoseconds, body)
+            case 0x03 | 0x04:  # the bag's header, and an index
+                pass
+            case kind:
+                raise ValueError(f"it has a record of kind {kind}")
+
+
+def key_line(key: str) -> bytes:
+    """What a watcher says first."""
+    return json.dumps({"key": key}).encode() + b"\n"
+
+
+def _sizes(data: bytes | bytearray, at: int) -> tuple[int, int] | None:
+    """Lengths of header and body of the record at `at`; None where it is not all there.
+
+    Raises:
+        ValueError: no record is that long.
+    """
+    if len(data) < at + 4:
+        return None
+    (header,) = _U32.unpack_from(data, at)
+    if header > _LARGEST:
+        raise ValueError("it has a record without end")
+    if len(data) < at + 8 + header:
+        return None
+    (body,) = _U32.unpack_from(data, at + 4 + header)
+    if body > _LARGEST:
+        raise ValueError("it has a record without end")
+    return (header, body) if len(data) >= at + 8 + header + body else None
+
+
+def _fields(header: bytes) -> dict[bytes, bytes]:
+    fields: dict[bytes, bytes] = {}
+    at = 0
+    while at < len(header):
+        (size,) = _U32.unpack_from(header, at)
+        name, equals, value = header[at + 4 : at + 4 + size].partition(b"=")
+        if not equals or at + 4 + size > len(header):
+            raise ValueError("it has a record that is none")
+        fields[name] = value
+        at += 4 + size
+    return fields
+
+
+# The session's side
+
+
+@dataclass(frozen=True, slots=True)
+class WatcherAdmitted:
+    """The watcher may hear and ask."""
+
+
+@dataclass(frozen=True, slots=True)
+class WatcherRequest:
+    """A watcher asks for something.
+
+    Attributes:
+        line: as it came.
+        value: of the line.
+    """
+
+    line: str
+    value: Mapping[str, object]
+
+
+WatcherEvent: TypeAlias = WatcherAdmitted | WatcherRequest | WatchRefusal
+
+
+class WatcherSession:
+    """What one watcher says.
+
+    Args:
+        key: that it has to say first; None: whoever connects is admitted, at the first call of `feed`.
+
+    Attributes:
+        admitted: whether it may hear and ask.
+        unwelcome: it is to be cut off: its key is wrong, its first word is not ours (a browser's, say), or it goes on
+            and on asking for what cannot be.
+    """
+
+    def __init__(self, key: str | None = None) -> None:
+        self.admitted = key is None
+        self.unwelcome = False
+        self._key = key
+        self._lines = LineSplitter()
+        self._understood = False
+        self._mistakes = 0
+
+    def feed(self, data: bytes) -> Iterator[WatcherEvent]:
+        """What the lines come to that `data` completes; the answer to each is to be told before the next is taken."""
+        for line in self._lines.feed(data):
+            if self.unwelcome:
+                return
+            yield from self._read(line)
+
+    def granted(self) -> None:
+        """Its latest wish was granted."""
+        self._mistakes = 0
+
+    def refused(self) -> None:
+        """Its latest wish was not."""
+        self._mistakes += 1
+        self.unwelcome = self.unwelcome or self._mistakes >= MISTAKES
+
+    def _read(self, line: str | OverlongLine) -> Iterator[WatcherEvent]:
+        if isinstance(line, OverlongLine):
+            yield self._misunderstood("", "the line is too long")
+            return
+        value = _object(line)
+        if value is None:
+            yield self._misunderstood(line, "it is not a line with one JSON object")
+            return
+        self._understood = True
+        if not self.admitted:
+            said = value.get("key")
+            right = isinstance(said, str) and hmac.compare_digest(said.encode(), (self._key or "").encode())
+            self.admitted, self.unwelcome = right, not right
+            yield (
+                WatcherAdmitted()
+                if right
+                else WatchRefusal("", "the key is wrong" if "key" in value else "a key is wanted")
+            )
+        elif set(value) != {"key"}:  # one that was not asked for is none of our business
+            yield WatcherRequest(line, value)
+
+    def _misunderstood(self, line: str, reason: str) -> WatchRefusal:
+        # Whoever begins like this is no watcher; a web page could have sent a browser here.
+        self.unwelcome = self.unwelcome or not self._understood
+        self.refused()
+        return refusal(line, reason)
+
+
+def refusal(line: str, reason: str) -> WatchRefusal:
+    """Why a line was not granted, with as much of it as is told."""
+    return WatchRefusal(line[:_SHOWN], reason)
+
+
+def _object(line: str) -> dict[str, object] | None:
+    # Unlike Python's own reader it refuses NaN, infinities and numbers that would become one.
+    try:
+        value: object = msgspec.json.decode(line.encode())
+    except (msgspec.DecodeError, RecursionError, UnicodeEncodeError):
+        return None
+    return {str(name): item for name, item in value.items()} if isinstance(value, dict) else None

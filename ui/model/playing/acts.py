@@ -1,0 +1,312 @@
+"""What the participant's acts do. Each is judged against what was on the screen when it was done."""
+
+from thbridge.hunt.rules import robot_name
+from thbridge.roles.view import (
+    Agree,
+    Answer,
+    AskBack,
+    CallBack,
+    Discuss,
+    GiveUp,
+    Leave,
+    PlayAgain,
+    Select,
+    Unsure,
+    View,
+)
+from ui.model.playing.cards import card_sentence
+from ui.model.playing.popup_queue import DestinationItem, TreasureItem
+from ui.model.playing.possible import (
+    undecided_beside,
+    why_not_ask,
+    why_not_command,
+    why_not_end,
+    why_not_go,
+    why_not_name,
+    why_not_picture,
+    why_not_work,
+)
+from ui.model.playing.state import EndGameEarly, HuntMemory, LeaveUndecided, ParticipantMemory, PendingStep, Reroute
+from ui.model.playing.view_update import is_open, note, settle
+from ui.model.screen import (
+    Act,
+    AgreeToTakePart,
+    AnotherGame,
+    AskAdvice,
+    AskForRobot,
+    Cancel,
+    ChooseRobot,
+    ChooseRoom,
+    Confirm,
+    ConsiderRoom,
+    EndGame,
+    FinishNumber,
+    FitMap,
+    FollowRobot,
+    GiveAnswer,
+    LeaveTreasure,
+    NextRobot,
+    PickName,
+    ShowHelp,
+    ShowNext,
+    ShowWaiting,
+    StopRobot,
+    SubmitName,
+    TakeThePicture,
+    TypeDigit,
+)
+
+TYPING = 4.0
+"""Seconds after which a digit waits no longer for the next one."""
+
+
+def do(memory: ParticipantMemory, act: Act, now: float) -> None:
+    """Do what the participant asked for."""
+    match act:
+        case ShowHelp():
+            memory.help_open = not memory.help_open
+        case FitMap():
+            memory.followed = None
+        case ConsiderRoom(room):
+            memory.hovered = room
+        case _ if memory.hunt is not None and memory.hunt.view.game == memory.last_drawn.game:
+            _in_game(memory, memory.hunt, act, now)
+            settle(memory.hunt)
+
+
+def _in_game(memory: ParticipantMemory, hunt: HuntMemory, act: Act, now: float) -> None:
+    match act:
+        case AgreeToTakePart():
+            if hunt.view.consent is not None:
+                hunt.pending.ask(Agree(), hunt.view)
+        case AnotherGame():
+            if hunt.view.over is not None:
+                hunt.pending.ask(PlayAgain(hunt.view.game), hunt.view)
+        case FollowRobot():
+            memory.followed = memory.selected if memory.followed is None else None
+        case ChooseRobot(robot):
+            _select(memory, hunt, robot)
+        case NextRobot(step):
+            _select(memory, hunt, (memory.selected + step) % len(hunt.view.robots))
+        case _ if hunt.view.over is None and hunt.view.consent is None:
+            _in_play(memory, hunt, act, now)
+
+
+def _in_play(memory: ParticipantMemory, hunt: HuntMemory, act: Act, now: float) -> None:
+    match act:
+        case Confirm():
+            if hunt.pending_step is not None and hunt.pending_step == memory.last_drawn.pending_step:
+                _meant(memory, hunt, hunt.pending_step)
+        case Cancel():
+            _take_back(memory, hunt)
+        case _ if hunt.pending_step is not None:
+            note(memory, "Please answer the question first.", now)
+        case ChooseRoom(room):
+            _choose(memory, hunt, room, now)
+        case TypeDigit(digit):
+            _type(memory, hunt, digit, now)
+        case FinishNumber():
+            _finish(memory, hunt, now)
+        case AskAdvice():
+            _ask_advice(memory, hunt, now)
+        case StopRobot(robot):
+            _stop(memory, hunt, memory.selected if robot is None else robot, now)
+        case AskForRobot(robot):
+            _ask_back(memory, hunt, memory.selected if robot is None else robot, now)
+        case ShowNext():
+            _put_aside(memory, hunt)
+        case ShowWaiting(robot, room):
+            _show(hunt, robot, room)
+        case EndGame():
+            if not _refused(memory, why_not_end(hunt.view), now):
+                hunt.pending_step = EndGameEarly()
+        case _:
+            _in_popup(memory, hunt, act, now)
+
+
+def _in_popup(memory: ParticipantMemory, hunt: HuntMemory, act: Act, now: float) -> None:
+    """What is meant for the pop-up that was on the screen, if it is still the same."""
+    item = memory.last_drawn.item
+    if item is None or item != hunt.popups.shown:
+        return
+    if isinstance(act, GiveAnswer):
+        _answer(memory, hunt, act.choice)
+    elif (
+        isinstance(item, TreasureItem) and hunt.treasure_dialogue(item) is None and hunt.view.room(item.room).undecided
+    ):
+        _with_treasure(memory, hunt, item, act, now)
+
+
+def _with_treasure(memory: ParticipantMemory, hunt: HuntMemory, item: TreasureItem, act: Act, now: float) -> None:
+    view, room = hunt.view, item.room
+    match act:
+        case PickName(name):
+            if room in hunt.submitted_names:
+                return
+            if name is None:
+                hunt.picked_names.pop(room, None)
+            elif name in view.names:
+                hunt.picked_names[room] = name
+                memory.history.announce(f"{name} is picked.")
+        case TakeThePicture():
+            if view.room(room).picture is None and not _refused(memory, why_not_picture(view, item.robot, room), now):
+                _discuss(hunt, Discuss(item.robot, "take-picture", room))
+        case SubmitName():
+            name = hunt.picked_names.get(room)
+            if name is None:
+                note(memory, "Pick a name from the list first.", now)
+            elif not _refused(memory, why_not_name(view, item.robot, room), now):
+                hunt.submitted_names[room] = name
+                _discuss(hunt, Discuss(item.robot, "take-treasure", room))
+        case LeaveTreasure():
+            hunt.pending.ask(Leave(room), view)
+        case _:
+            pass
+
+
+def _discuss(hunt: HuntMemory, wish: Discuss) -> None:
+    """Talk it over, unless that is agreed on already."""
+    if all((consent.matter, consent.room) != (wish.matter, wish.room) for consent in hunt.view.consents):
+        hunt.pending.ask(wish, hunt.view)
+
+
+def _answer(memory: ParticipantMemory, hunt: HuntMemory, choice: int) -> None:
+    if memory.last_drawn.dialogue is None:
+        return
+    answer = Answer(*memory.last_drawn.dialogue, choice)
+    if not is_open(hunt.view, answer) or hunt.pending.answer(answer.dialogue, answer.turn) is not None:
+        return
+    hunt.pending.ask(answer, hunt.view)
+    dialogue = next(talk for talk in hunt.view.dialogues if talk.dialogue == answer.dialogue)
+    memory.history.add_answer(dialogue, choice)
+
+
+def _select(memory: ParticipantMemory, hunt: HuntMemory, robot: int) -> None:
+    if not 0 <= robot < len(hunt.view.robots) or robot == memory.selected:
+        return
+    memory.selected = robot
+    memory.typed = ""
+    if memory.followed is not None:
+        memory.followed = robot
+    memory.history.announce(card_sentence(memory, hunt, robot))
+
+
+def _choose(memory: ParticipantMemory, hunt: HuntMemory, room: int, now: float) -> None:
+    view, robot = hunt.view, memory.selected
+    memory.typed = ""
+    if not 0 < room <= len(view.rooms):
+        note(memory, f"There is no room {room}. The rooms are 1 to {len(view.rooms)}.", now)
+    elif hunt.destination_considered(robot) == room:
+        if DestinationItem(robot) in (*hunt.popups.waiting, hunt.popups.shown):
+            hunt.popups.show(DestinationItem(robot))
+    elif not _refused(memory, why_not_go(view, robot, room), now):
+        if view.robots[robot].moving_to is not None:
+            hunt.pending_step = Reroute(robot, room)
+        else:
+            _ask_to_go(memory, hunt, Select(robot, room))
+
+
+def _ask_advice(memory: ParticipantMemory, hunt: HuntMemory, now: float) -> None:
+    robot = memory.selected
+    already = isinstance(hunt.pending.destination_request(robot), Unsure)
+    if not already and not _refused(memory, why_not_ask(hunt.view, robot), now):
+        _ask_to_go(memory, hunt, Unsure(robot))
+
+
+def _ask_to_go(memory: ParticipantMemory, hunt: HuntMemory, wish: Select | Unsure) -> None:
+    """Talk about where to go, unless the robot would leave something behind that it can still name."""
+    view, robot = hunt.view, wish.robot
+    room = undecided_beside(view, robot)
+    if room is not None and view.room(room).sensed and why_not_name(view, robot, room) is None:
+        hunt.pending_step = LeaveUndecided(wish, room)
+    else:
+        memory.history.add_request(robot, hunt.ask_to_go(wish))
+
+
+def _meant(memory: ParticipantMemory, hunt: HuntMemory, doubt: PendingStep) -> None:
+    hunt.pending_step = None
+    match doubt:
+        case Reroute(robot, room):
+            hunt.reroutes[robot] = room
+            hunt.pending.ask(CallBack(robot), hunt.view)
+        case LeaveUndecided(wish, _):
+            memory.history.add_request(wish.robot, hunt.ask_to_go(wish))
+        case EndGameEarly():
+            hunt.pending.ask(GiveUp(hunt.view.game), hunt.view)
+
+
+def _take_back(memory: ParticipantMemory, hunt: HuntMemory) -> None:
+    if hunt.pending_step is not None:
+        if hunt.pending_step == memory.last_drawn.pending_step:
+            hunt.pending_step = None
+    else:
+        memory.typed = ""
+
+
+def _type(memory: ParticipantMemory, hunt: HuntMemory, digit: int, now: float) -> None:
+    memory.typed += str(digit)
+    memory.typed_until = now + TYPING
+    if len(memory.typed) >= len(str(len(hunt.view.rooms))):
+        _finish(memory, hunt, now)
+    else:
+        memory.history.announce(f"{memory.typed}, and another digit, or Enter.")
+
+
+def _finish(memory: ParticipantMemory, hunt: HuntMemory, now: float) -> None:
+    if memory.typed:
+        _choose(memory, hunt, int(memory.typed), now)
+
+
+def _stop(memory: ParticipantMemory, hunt: HuntMemory, robot: int, now: float) -> None:
+    if not 0 <= robot < len(hunt.view.robots):
+        return
+    if hunt.view.robots[robot].moving_to is None:
+        note(memory, _stands(hunt.view, robot), now)
+        return
+    if _refused(memory, why_not_command(hunt.view, robot), now):
+        return
+    hunt.reroutes.pop(robot, None)
+    hunt.pending.ask(CallBack(robot), hunt.view)
+
+
+def _ask_back(memory: ParticipantMemory, hunt: HuntMemory, robot: int, now: float) -> None:
+    if not 0 <= robot < len(hunt.view.robots):
+        return
+    asked = hunt.view.robots[robot]
+    if not asked.other_commander:
+        note(memory, f"You command {robot_name(robot)} yourself.", now)
+    elif asked.asked_back:
+        note(memory, f"You have just asked for {robot_name(robot)}. You can ask again in some seconds.", now)
+    else:
+        hunt.pending.ask(AskBack(robot), hunt.view)
+
+
+def _stands(view: View, robot: int) -> str:
+    return why_not_work(view, robot) or "This robot is not on its way."
+
+
+def _put_aside(memory: ParticipantMemory, hunt: HuntMemory) -> None:
+    item = hunt.popups.shown
+    if item != memory.last_drawn.item:
+        return
+    if isinstance(item, TreasureItem):
+        hunt.verdicts.pop(item.room, None)
+    if isinstance(item, DestinationItem) and hunt.pending.destination_request(item.robot) is not None:
+        hunt.pending.forget_destination(item.robot)
+    else:
+        hunt.popups.put_aside()
+
+
+def _show(hunt: HuntMemory, robot: int, room: int | None) -> None:
+    of_robot = (item for item in hunt.popups.waiting if item.robot == robot)
+    item = next((item for item in of_robot if room is None or item == TreasureItem(robot, room)), None)
+    if item is not None:
+        hunt.popups.show(item)
+
+
+def _refused(memory: ParticipantMemory, reason: str | None, now: float) -> bool:
+    """Say why something is not possible just now; whether it is not."""
+    if reason is None:
+        return False
+    note(memory, reason, now)
+    return True

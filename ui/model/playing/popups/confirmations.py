@@ -1,0 +1,51 @@
+"""Questions before what cannot be taken back."""
+
+from thbridge.hunt.costs import energy_text
+from thbridge.hunt.rules import robot_name
+from thbridge.roles.view import View
+from ui.model.keys import key_of
+from ui.model.playing.possible import energy_paid
+from ui.model.playing.state import EndGameEarly, HuntMemory, LeaveUndecided, ParticipantMemory, Reroute
+from ui.model.playing.words import as_sentence, counted, place_name, scored, titled
+from ui.model.screen import Action, Cancel, Confirm, Confirmation
+
+
+def confirmation(memory: ParticipantMemory, hunt: HuntMemory) -> Confirmation | None:
+    """What the participant is asked about, if anything."""
+    match hunt.pending_step:
+        case Reroute(robot, room):
+            return Confirmation(
+                f"Send {robot_name(robot)} to room {room} instead?",
+                _reroute_text(memory, hunt.view, robot, room),
+                Action(Confirm(), f"Stop it, then room {room}", key_of(Confirm())),
+                Action(Cancel(), "Let it go on", key_of(Cancel())),
+            )
+        case LeaveUndecided(wish, room):
+            return Confirmation(
+                f"Leave what is in room {room}?",
+                f"{titled(wish.robot)} has found something in room {room} that you have not named yet. Once the robot "
+                "sets out, that is left for good.",
+                Action(Confirm(), "Go on", key_of(Confirm())),
+                Action(Cancel(), "Stay there", key_of(Cancel())),
+            )
+        case EndGameEarly():
+            left = sum(room.state == "unvisited" for room in hunt.view.rooms)
+            return Confirmation(
+                "End the game?",
+                as_sentence(f"{counted(left, 'room')} left to visit. The score stays {scored(hunt.view.score)}."),
+                Action(Confirm(), "End the game", key_of(Confirm())),
+                Action(Cancel(), "Play on", key_of(Cancel())),
+            )
+        case None:
+            return None
+
+
+def _reroute_text(memory: ParticipantMemory, view: View, robot: int, room: int) -> str:
+    mover = view.robots[robot]
+    back = energy_paid(view, mover) * (1.0 - min(max(memory.motion(robot).progress, 0.0), 1.0))
+    cost = view.costs[0][room]
+    price = "" if cost is None else f", which costs about {energy_text(round(cost, 1))}"
+    return (
+        f"{titled(robot)} is on its way to {place_name(mover.moving_to or 0)}. If it stops, the energy for the rest of "
+        f"that way comes back, about {energy_text(round(back, 1))}. Then it asks you about room {room}{price}."
+    )

@@ -1,0 +1,108 @@
+"""The pop-up of what a robot found, and what can be done with it."""
+
+from thbridge.hunt.costs import energy_text
+from thbridge.hunt.rules import robot_name
+from thbridge.roles.view import Discuss, Leave, RoomView
+from ui.model.keys import key_of
+from ui.model.playing.pictures import Pictures
+from ui.model.playing.popup_queue import TreasureItem
+from ui.model.playing.popups.dialogues import dialogue_popup
+from ui.model.playing.possible import robot_in_room, why_not_name, why_not_picture, why_not_work
+from ui.model.playing.state import HuntMemory
+from ui.model.playing.words import titled, verdict_words
+from ui.model.screen import Action, DialoguePopup, LeaveTreasure, ShowNext, SubmitName, TakeThePicture, TreasurePopup
+
+PICTURE_TIMEOUT = 5.0
+"""Seconds after which a picture that was taken will not come any more; its sender may not have it."""
+
+
+def treasure_popup(
+    hunt: HuntMemory, pictures: Pictures, item: TreasureItem, now: float
+) -> DialoguePopup | TreasurePopup:
+    """What is done or said about a treasure."""
+    dialogue = hunt.treasure_dialogue(item)
+    return _treasure(hunt, pictures, item, now) if dialogue is None else dialogue_popup(hunt, dialogue)
+
+
+def _treasure(hunt: HuntMemory, pictures: Pictures, item: TreasureItem, now: float) -> TreasurePopup:
+    view, room = hunt.view, hunt.view.room(item.room)
+    picture = None if room.picture is None else pictures.of(view.game, item.room)
+    later = Action(ShowNext(), "Later", key_of(ShowNext()), hint="It waits for you.")
+    close = Action(ShowNext(), "Close", key_of(ShowNext()))
+    return TreasurePopup(
+        robot=item.robot,
+        room=item.room,
+        title=_title(hunt, item, room),
+        colour=room.colour or "",
+        footprint=room.footprint or "",
+        take_picture=_take_picture(hunt, item, room),
+        picture=picture,
+        names=view.names,
+        picked=hunt.submitted_names.get(item.room) or hunt.picked_names.get(item.room),
+        name_it=_name_it(hunt, item),
+        leave=_leave(hunt, item),
+        verdict=None if room.verdict is None else verdict_words(room.verdict.name, room.verdict.points),
+        points=None if room.verdict is None else room.verdict.points,
+        aside=later if room.undecided else close,
+        picture_note=_picture_note(hunt, room, now) if picture is None else "",
+    )
+
+
+def _title(hunt: HuntMemory, item: TreasureItem, room: RoomView) -> str:
+    name = titled(item.robot)
+    gone = robot_in_room(hunt.view, item.room) is None
+    if not room.undecided:
+        return f"What {robot_name(item.robot)} found in room {item.room}" if gone else f"{name} in room {item.room}"
+    if gone:
+        return f"{name} found something in room {item.room} and was sent on"
+    return f"{name} found something in room {item.room}" if room.sensed else f"{name} looks around in room {item.room}"
+
+
+def _picture_note(hunt: HuntMemory, room: RoomView, now: float) -> str:
+    if room.picture is None:
+        return "" if robot_in_room(hunt.view, room.room) is not None or not room.undecided else "No picture was taken."
+    if now < hunt.picture_times.get(room.room, now) + PICTURE_TIMEOUT:
+        return "The picture is on its way."
+    return f"The picture cannot be shown here. It is called {room.picture}."
+
+
+def _take_picture(hunt: HuntMemory, item: TreasureItem, room: RoomView) -> Action | None:
+    view, robot = hunt.view, hunt.view.robots[item.robot]
+    if room.picture is not None or not room.undecided:
+        return None
+    asked = Discuss(item.robot, "take-picture", item.room) in hunt.pending or any(
+        (consent.matter, consent.room) == ("take-picture", item.room) for consent in view.consents
+    )
+    refused = why_not_picture(view, item.robot, item.room)
+    hint = refused or f"Costs {energy_text(view.picture_cost)} of {energy_text(robot.energy)} energy."
+    if refused is None and robot.energy - view.picture_cost < view.identify_cost <= robot.energy:
+        hint += " Then too little is left to name what it is."
+    return Action(
+        TakeThePicture(), "Take a picture", key_of(TakeThePicture()), refused is None and not asked, hint, asked
+    )
+
+
+def _name_it(hunt: HuntMemory, item: TreasureItem) -> Action:
+    view = hunt.view
+    picked = hunt.picked_names.get(item.room)
+    busy = item.room in hunt.submitted_names
+    refused = why_not_name(view, item.robot, item.room)
+    if refused is None and picked is None:
+        refused = "Pick a name from the list first." if view.names else "Wait until it is known what it may be called."
+    cost = f"Costs {energy_text(view.identify_cost)} energy. A right name wins points, a wrong one loses some."
+    return Action(SubmitName(), "Name it", key_of(SubmitName()), refused is None and not busy, refused or cost, busy)
+
+
+def _leave(hunt: HuntMemory, item: TreasureItem) -> Action:
+    busy = Leave(item.room) in hunt.pending
+    possible = hunt.view.over is None and hunt.view.room(item.room).undecided
+    silent = why_not_work(hunt.view, item.robot)
+    hint = "For good; it costs nothing." if possible else "This is decided."
+    return Action(
+        LeaveTreasure(),
+        "Leave it",
+        key_of(LeaveTreasure()),
+        possible and not busy,
+        f"{silent} {hint}" if silent else hint,
+        busy,
+    )

@@ -1,0 +1,264 @@
+"""What a new view changes in what is remembered."""
+
+from collections.abc import Iterator
+
+from thbridge.hunt.events import Condition
+from thbridge.hunt.rules import robot_name
+from thbridge.roles.view import (
+    Answer,
+    Discuss,
+    Identify,
+    ParticipantRequest,
+    RobotView,
+    RoomView,
+    Select,
+    SendRobot,
+    Sense,
+    TakePicture,
+    View,
+)
+from ui.model.playing.history import GameHistory
+from ui.model.playing.popup_queue import DestinationItem, PopupItem, TreasureItem
+from ui.model.playing.possible import (
+    deciding_robot,
+    discussed_matters,
+    robot_in_room,
+    why_not_command,
+    why_not_end,
+    why_not_go,
+    why_not_name,
+)
+from ui.model.playing.state import EndGameEarly, HuntMemory, LeaveUndecided, ParticipantMemory, Reroute
+from ui.model.playing.words import how_it_comes_back, place_name, titled
+
+NOTE = 6.0
+"""Seconds for which a sentence is shown."""
+
+
+def note(memory: ParticipantMemory, sentence: str, now: float) -> None:
+    """Show a sentence for a while, and have it read out."""
+    memory.note = (sentence, now + NOTE)
+    memory.history.announce(sentence)
+
+
+def receive_view(memory: ParticipantMemory, view: View, now: float) -> None:
+    """Take in how things stand now; another game begins anew, the same one goes on where it was."""
+    hunt = memory.hunt
+    if hunt is None or not _goes_on(hunt.view, view):
+        _begin(memory, view)
+        return
+    before, hunt.view = hunt.view, view
+    hunt.most_energy = max([hunt.most_energy, *(robot.energy for robot in view.robots)])
+    memory.history.receive(before, view)
+    _receive_rooms(memory, hunt, before, now)
+    _receive_commanders(memory, hunt, before, now)
+    _receive_refusal(memory, hunt, now)
+    for reason in hunt.pending.receive(view):
+        if reason:
+            note(memory, reason, now)
+    _reroute(memory, hunt, now)
+    _drop_obsolete_step(memory, hunt, now)
+    settle(hunt)
+
+
+def settle(hunt: HuntMemory) -> None:
+    """Bring up to date what follows from the view and from what was asked for."""
+    view = hunt.view
+    hunt.submitted_names = {room: name for room, name in hunt.submitted_names.items() if _is_talked_over(hunt, room)}
+    hunt.opening_sentences = {
+        robot: said
+        for robot, said in hunt.opening_sentences.items()
+        if hunt.destination_dialogue(robot) is not None or hunt.pending.destination_request(robot) is not None
+    }
+    hunt.popups.update(tuple(_items(hunt)) if view.over is None else ())
+
+
+def open_requests(hunt: HuntMemory) -> tuple[ParticipantRequest, ...]:
+    """Everything wanted now: what was asked for, and what follows from agreements or needs no decision."""
+    view = hunt.view
+    if view.over is not None or view.consent is not None:
+        return hunt.pending.requests
+    agreed: list[ParticipantRequest] = []
+    for consent in view.consents:
+        match consent.matter:
+            case "select-room":
+                agreed.append(SendRobot(consent.robot, consent.room))
+            case "take-picture":
+                agreed.append(TakePicture(consent.room))
+            case "take-treasure" if consent.room in hunt.submitted_names:
+                agreed.append(Identify(consent.room, hunt.submitted_names[consent.room]))
+    sense = [Sense(room.room) for room in view.rooms if room.undecided and not room.sensed and _can_look(view, room)]
+    return (*hunt.pending.requests, *agreed, *sense)
+
+
+def _can_look(view: View, room: RoomView) -> bool:
+    """Whether a robot stands in a room that would tell what it sees."""
+    stander = robot_in_room(view, room.room)
+    return stander is not None and view.robots[stander].condition is not Condition.SILENT
+
+
+def _begin(memory: ParticipantMemory, view: View) -> None:
+    hunt = HuntMemory(view)
+    hunt.most_energy = max((robot.energy for robot in view.robots), default=0.0)
+    if memory.hunt is not None:
+        memory.history = GameHistory()
+        if memory.hunt.view.game == view.game:
+            memory.pictures.forget()
+    memory.hunt = hunt
+    memory.typed, memory.hovered, memory.note = "", None, None
+    memory.selected = min(memory.selected, max(len(view.robots) - 1, 0))
+    memory.followed = None if memory.followed is None else memory.selected
+    memory.motions = ()
+    memory.last_refusal = 0 if view.refusal is None else view.refusal.number
+    memory.history.receive(None, view)
+    settle(hunt)
+
+
+def _goes_on(before: View, view: View) -> bool:
+    """Whether a view is of the same game: what was found out in it is never unknown again."""
+    return (
+        before.game == view.game
+        and before.costs == view.costs
+        and len(before.robots) == len(view.robots)
+        and (before.over is None or view.over is not None)
+        and all(
+            new.state == "visited" and (old.verdict is None or old.verdict == new.verdict)
+            for old, new in zip(before.rooms, view.rooms, strict=True)
+            if old.state == "visited"
+        )
+    )
+
+
+def _receive_rooms(memory: ParticipantMemory, hunt: HuntMemory, before: View, now: float) -> None:
+    for old, new in zip(before.rooms, hunt.view.rooms, strict=True):
+        if new.picture is not None and old.picture is None:
+            hunt.picture_times[new.room] = now
+        if new.verdict is not None and old.verdict is None:
+            hunt.last_points = new.verdict.points
+            stander = robot_in_room(hunt.view, new.room)
+            worker = deciding_robot(before, new.room) if stander is None else stander
+            if worker is not None:
+                hunt.verdicts[new.room] = worker
+        finder = robot_in_room(before, new.room)
+        gone = robot_in_room(hunt.view, new.room) is None and deciding_robot(hunt.view, new.room) == finder
+        if finder is not None and gone and hunt.view.over is None:
+            yours = why_not_name(hunt.view, finder, new.room) or "You may still say what it is."
+            sentence = f"{titled(finder)} was sent on, and what it found stays in room {new.room}. {yours}"
+            _announce(memory, sentence, hunt.view.robots[finder], now)
+
+
+def _receive_commanders(memory: ParticipantMemory, hunt: HuntMemory, before: View, now: float) -> None:
+    """Tell that a robot is not the participant's any more, and what becomes of a talk on its way; or that it is.
+
+    And that whoever commands it was asked for it.
+    """
+    for was, robot in zip(before.robots, hunt.view.robots, strict=True):
+        if robot.asked_back and not was.asked_back:
+            _announce(memory, f"You have asked {robot.other_commander} for {robot_name(robot.robot)} back.", robot, now)
+        if (was.commander, was.commander_name) == (robot.commander, robot.commander_name):
+            continue
+        name, other = titled(robot.robot), robot.other_commander
+        if not other:
+            sentence = f"{name} is yours again."
+        else:
+            sentence = f"{name} is commanded by {other} now. {how_it_comes_back(robot)}"
+            if any(
+                (talking, matter) == (robot.robot, "select-room") for talking, matter, _ in discussed_matters(before)
+            ):
+                sentence += " Where it should go need not be talked over any more."
+        _announce(memory, sentence, robot, now)
+
+
+def _announce(memory: ParticipantMemory, sentence: str, robot: RobotView, now: float) -> None:
+    memory.history.add_event(sentence, robot.robot)
+    memory.note = (sentence, now + NOTE)
+
+
+def _receive_refusal(memory: ParticipantMemory, hunt: HuntMemory, now: float) -> None:
+    refusal = hunt.view.refusal
+    number = 0 if refusal is None else refusal.number
+    if number == memory.last_refusal:
+        return
+    memory.last_refusal = number
+    if refusal is None:
+        return
+    memory.note = (refusal.sentence, now + NOTE)
+    memory.history.add_event(refusal.sentence)
+    hunt.pending.drop_refused(refusal)
+    if refusal.wish == Identify.__name__:
+        hunt.submitted_names.clear()
+
+
+def _reroute(memory: ParticipantMemory, hunt: HuntMemory, now: float) -> None:
+    """Ask robots that were called back for where they shall go instead, once they stand."""
+    for robot, room in list(hunt.reroutes.items()):
+        mover = hunt.view.robots[robot]
+        if mover.moving_to is not None:
+            continue
+        del hunt.reroutes[robot]
+        refused = why_not_go(hunt.view, robot, room)
+        if hunt.view.over is not None:
+            continue
+        if mover.place > 0 and hunt.view.room(mover.place).undecided:
+            note(memory, f"{titled(robot)} was already in {place_name(mover.place)} when you called it back.", now)
+        elif refused is not None:
+            note(memory, refused, now)
+        else:
+            memory.history.add_request(robot, hunt.ask_to_go(Select(robot, room)))
+
+
+def _drop_obsolete_step(memory: ParticipantMemory, hunt: HuntMemory, now: float) -> None:
+    """Take back a question that is none any more."""
+    match hunt.pending_step:
+        case Reroute(robot, room):
+            place = hunt.view.robots[robot].place
+            arrived = hunt.view.robots[robot].moving_to is None
+            reason = (
+                f"{titled(robot)} is in {place_name(place)} now." if arrived else why_not_go(hunt.view, robot, room)
+            )
+        case LeaveUndecided(wish, room):
+            decided = not hunt.view.room(room).undecided or robot_in_room(hunt.view, room) != wish.robot
+            reason = why_not_command(hunt.view, wish.robot) or ("That is decided by now." if decided else None)
+        case EndGameEarly():
+            reason = why_not_end(hunt.view)
+        case None:
+            return
+    if reason is not None:
+        hunt.pending_step = None
+        note(memory, reason, now)
+
+
+def _is_talked_over(hunt: HuntMemory, room: int) -> bool:
+    """Whether naming what is in a room is still asked for, talked over or agreed."""
+    if not hunt.view.room(room).undecided:
+        return False
+    asked = any(
+        isinstance(wish, Discuss) and (wish.matter, wish.room) == ("take-treasure", room)
+        for wish in hunt.pending.requests
+    )
+    return asked or any((matter, about) == ("take-treasure", room) for _, matter, about in discussed_matters(hunt.view))
+
+
+def _items(hunt: HuntMemory) -> Iterator[PopupItem]:
+    """What is to be looked at, in no order that matters: what is new is put behind what was there."""
+    view = hunt.view
+    for robot in view.robots:
+        if (
+            hunt.destination_dialogue(robot.robot) is not None
+            or hunt.pending.destination_request(robot.robot) is not None
+        ):
+            yield DestinationItem(robot.robot)
+    for room in view.rooms:
+        worker = deciding_robot(view, room.room)
+        if room.undecided and worker is not None:
+            yield TreasureItem(worker, room.room)
+        elif room.room in hunt.verdicts:
+            yield TreasureItem(hunt.verdicts[room.room], room.room)
+
+
+def is_open(view: View, answer: Answer) -> bool:
+    """Whether a dialogue waits for an answer at just this turn."""
+    return any(
+        (talk.dialogue, talk.turn) == (answer.dialogue, answer.turn) and 0 <= answer.choice < len(talk.choices)
+        for talk in view.dialogues
+    )

@@ -1,0 +1,33 @@
+"""Messages unpacked once, however often their values are drawn."""
+
+from collections.abc import Callable
+from typing import Generic, TypeVar
+
+from ui.model.watching.messages import WatchedMessage
+
+T = TypeVar("T")
+
+
+class DecodeCache(Generic[T]):
+    """The value of the last message of each topic.
+
+    Args:
+        unpack: makes a value of a message's bytes; raises ValueError where they are none.
+    """
+
+    def __init__(self, unpack: Callable[[bytes], T]) -> None:
+        self._unpack = unpack
+        self._known: dict[str, tuple[bytes, T | None]] = {}
+
+    def of(self, said: WatchedMessage | None) -> T | None:
+        """The value of a message; None where there is no message, or it cannot be read."""
+        if said is None:
+            return None
+        known = self._known.get(said.topic)
+        if known is None or known[0] is not said.data:
+            try:
+                known = (said.data, self._unpack(said.data))
+            except ValueError:
+                known = (said.data, None)
+            self._known[said.topic] = known
+        return known[1]

@@ -1,0 +1,301 @@
+"""Draws up one robot at one moment."""
+
+import math
+from collections.abc import Callable
+from dataclasses import dataclass
+from typing import TypeVar
+
+import numpy as np
+
+from sim.common.geometry import FloatArray, Pose2, wrap_angle
+from sim.common.grid import OccupancyGrid
+from thbridge.analysis.report.tracks import deviations
+from thbridge.ros.messages import types, unpack
+from thbridge.ros.messages.goal_status import ENDED, GoalStatus
+from thbridge.ros.messages.pack import DiagnosticLevel, DiagnosticStatus
+from thbridge.ros.messages.unpack import (
+    BatteryCharge,
+    LaserScan,
+    MoveBaseGoal,
+    MoveBaseResult,
+    OdometryMessage,
+    PoseInFrame,
+)
+from thbridge.ros.robots import is_map_frame
+from ui.model.scene import EllipseMark
+from ui.model.watching.decode_cache import DecodeCache
+from ui.model.watching.frames import Frames
+from ui.model.watching.messages import TopicSnapshot, WatchedMessage
+from ui.model.watching.robots import WatchedRobot
+from ui.model.watching.scene import NO_POINTS, NO_POSES, RobotScene, ShownLayers
+from ui.model.watching.series import Series
+
+STALE_NS = 500_000_000
+"""So long a robot's software may say nothing while the truth of it is told on."""
+CHI_SQUARE_95 = 5.991
+"""Of two degrees of freedom: 95 of 100 places lie within an ellipse of so many variances."""
+
+
+T = TypeVar("T")
+
+
+def framed(unpacked: Callable[[bytes], T]) -> Callable[[bytes], tuple[str, T]]:
+    """Unpacks a message that begins with a header: its frame, and its value."""
+    return lambda data: (unpack.frame_of(data), unpacked(data))
+
+
+class DecodedTopics:
+    """What the last messages of robots say, each unpacked once."""
+
+    def __init__(self) -> None:
+        self.odometry = DecodeCache[OdometryMessage](unpack.odometry)
+        self.poses = DecodeCache[PoseInFrame](unpack.pose_stamped)
+        self.beliefs = DecodeCache[PoseInFrame](unpack.pose_with_covariance)
+        self.clouds = DecodeCache(framed(unpack.pose_array))
+        self.grids = DecodeCache(framed(unpack.occupancy_grid))
+        self.batteries = DecodeCache[BatteryCharge](unpack.battery_state)
+        self.paths = DecodeCache(framed(unpack.path))
+        self.footprints = DecodeCache(framed(unpack.polygon))
+        self.goals = DecodeCache[MoveBaseGoal](unpack.move_base_goal)
+        self.statuses = DecodeCache[list[GoalStatus]](unpack.goal_status_array)
+        self.results = DecodeCache[MoveBaseResult](unpack.move_base_result)
+        self.scans: dict[str, tuple[bytes, FloatArray]] = {}
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class SceneContext:
+    """What the robots of one scene share.
+
+    Attributes:
+        levels: the messages that hold.
+        frames_at: the frames that held at a time up to this moment.
+        frames: those that hold now.
+        diagnoses: by name of the part.
+        series: numbers over time.
+        time: seconds since the beginning.
+        shown: what is wanted.
+        unpacked: values of messages.
+    """
+
+    levels: TopicSnapshot
+    frames_at: Callable[[int], Frames]
+    frames: Frames
+    diagnoses: dict[str, DiagnosticStatus]
+    series: Series
+    time: float
+    shown: ShownLayers
+    unpacked: DecodedTopics
+
+
+class RobotSceneBuilder:
+    """One robot at one moment."""
+
+    def __init__(self, member: WatchedRobot, moment: SceneContext) -> None:
+        self._member, self._moment = member, moment
+        self._odometry_said, self._truth_said = self._newest(member.odom), self._newest(member.truth)
+        self._odometry = moment.unpacked.odometry.of(self._odometry_said)
+        self._belief = moment.unpacked.beliefs.of(self._newest(member.estimate))
+
+    def build(self, commander: str) -> RobotScene:
+        """The robot, which this one commands; empty: the participant."""
+        member, shown, dead = self._member, self._moment.shown, self._dead()
+        truth, estimate = self._truth(), self._estimate()
+        both = (truth, estimate) if truth is not None and estimate is not None else None
+        told, odometry = self._belief, None if dead else self._odometry
+        admitted = None if told is None else deviations(0.0, told.covariance)
+        charge = self._moment.unpacked.batteries.of(self._newest(member.battery))
+        selected = shown.selected == member.robot
+        cloud = self._cloud() if shown.clouds else NO_POSES
+        state, trouble = self._state(dead)
+        truth_path, estimate_path, odometry_path = self._tracks() if shown.paths else (NO_POINTS,) * 3
+        return RobotScene(
+            robot=member.robot,
+            name=member.name,
+            truth=truth,
+            estimate=estimate,
+            error=None if both is None else both[0].distance(both[1]),
+            heading_error=None if both is None else abs(wrap_angle(both[0].theta - both[1].theta)),
+            ellipse=None if told is None else ellipse_of(told.covariance),
+            belief=None if told is None else self._on_map(told.frame, told.pose),
+            deviation=None if admitted is None else admitted[1],
+            heading_deviation=None if admitted is None else admitted[2],
+            odometry_path=odometry_path,
+            truth_path=truth_path,
+            estimate_path=estimate_path,
+            cloud=cloud if selected else thinned(cloud, shown.thinned),
+            particles=len(cloud),
+            scan=self._scan() if shown.scans and not dead else NO_POINTS,
+            global_costmap=self._costmap(member.global_costmap) if selected and shown.global_costmap else None,
+            local_costmap=self._costmap(member.local_costmap) if selected and shown.local_costmap else None,
+            plan=self._points(self._moment.unpacked.paths, member.plan) if shown.plans else NO_POINTS,
+            local_plan=self._points(self._moment.unpacked.paths, member.local_plan) if shown.plans else NO_POINTS,
+            footprint=self._points(self._moment.unpacked.footprints, member.footprint)
+            if shown.footprints
+            else NO_POINTS,
+            goal=self._goal(),
+            energy=None if charge is None else energy_of(charge),
+            speed=None if odometry is None else odometry.twist.linear,
+            turning=None if odometry is None else odometry.twist.angular,
+            state=state,
+            trouble=trouble,
+            dead=dead,
+            commander=commander,
+        )
+
+    def _newest(self, topic: str | None) -> WatchedMessage | None:
+        return None if topic is None else self._moment.levels.newest(topic)
+
+    def _dead(self) -> bool:
+        odometry, truth = self._odometry_said, self._truth_said
+        return odometry is not None and truth is not None and truth.stamp_ns - odometry.stamp_ns > STALE_NS
+
+    def _truth(self) -> Pose2 | None:
+        said, unpacked = self._truth_said, self._moment.unpacked
+        if said is not None and said.msgtype == types.ODOMETRY:
+            odometry = unpacked.odometry.of(said)
+            return None if odometry is None else odometry.pose
+        stamped = said is not None and said.msgtype == types.POSE_STAMPED
+        told = (unpacked.poses if stamped else unpacked.beliefs).of(said)
+        return None if told is None else told.pose
+
+    def _estimate(self) -> Pose2 | None:
+        """Its odometry under the last correction; else what its localiser said; else what its odometry says."""
+        member, odometry, told = self._member, self._odometry, self._belief
+        if odometry is not None:
+            corrected = self._on_map(odometry.frame, odometry.pose)
+            if corrected is not None:
+                return corrected
+        direct = self._moment.frames.planar(member.base, member.key) if member.base else None
+        if direct is not None or told is None:
+            return direct
+        return self._on_map(told.frame, told.pose)
+
+    def _on_map(self, frame: str, pose: Pose2) -> Pose2 | None:
+        """A pose in a frame, on the map."""
+        if is_map_frame(frame):
+            return pose
+        frame_in_map = self._moment.frames.planar(frame, self._member.key)
+        return None if frame_in_map is None else frame_in_map.compose(pose)
+
+    def _tracks(self) -> tuple[FloatArray, FloatArray, FloatArray]:
+        """Where it was, believed to be, and counted to be."""
+        series, time = self._moment.series.of(self._member.robot), self._moment.time
+        driven = series.odometry.path(time)
+        if len(driven) and self._odometry is not None:
+            odom_in_map = self._on_map(self._odometry.frame, Pose2(0.0, 0.0, 0.0))
+            driven = NO_POINTS if odom_in_map is None else odom_in_map.transform(driven)
+        return series.truth.path(time), series.estimate.path(time), driven
+
+    def _cloud(self) -> FloatArray:
+        frame, cloud = self._moment.unpacked.clouds.of(self._newest(self._member.cloud)) or ("", NO_POSES)
+        if not len(cloud) or is_map_frame(frame):
+            return cloud
+        frame_in_map = self._moment.frames.planar(frame, self._member.key)
+        if frame_in_map is None:
+            return NO_POSES
+        turned = (cloud[:, 2] + frame_in_map.theta + np.pi) % (2.0 * np.pi) - np.pi
+        return np.column_stack((frame_in_map.transform(cloud[:, :2]), turned))
+
+    def _scan(self) -> FloatArray:
+        """End points as seen from where it believed to be when it looked; they stay there until it looks again."""
+        said, known = self._newest(self._member.scan), self._moment.unpacked.scans
+        if said is None:
+            return NO_POINTS
+        before = known.get(said.topic)
+        if before is not None and before[0] is said.data:
+            return before[1]
+        points = self._end_points(said)
+        known[said.topic] = (said.data, points)
+        return points
+
+    def _end_points(self, said: WatchedMessage) -> FloatArray:
+        try:
+            scan = unpack.laser_scan(said.data)
+        except ValueError:
+            return NO_POINTS
+        laser_in_map = self._moment.frames_at(said.stamp_ns).pose(scan.frame, self._member.key)
+        return NO_POINTS if laser_in_map is None else end_points(scan, laser_in_map)
+
+    def _costmap(self, topic: str | None) -> OccupancyGrid | None:
+        told = self._moment.unpacked.grids.of(self._newest(topic))
+        if told is None or is_map_frame(told[0]):
+            return None if told is None else told[1]
+        frame, grid = told
+        origin = self._on_map(frame, grid.origin)
+        return None if origin is None else OccupancyGrid(grid.cells, grid.resolution, origin)
+
+    def _points(self, unpacked: DecodeCache[tuple[str, FloatArray]], topic: str | None) -> FloatArray:
+        frame, points = unpacked.of(self._newest(topic)) or ("", NO_POINTS)
+        if not len(points) or is_map_frame(frame):
+            return points[:, :2]
+        frame_in_map = self._moment.frames.planar(frame, self._member.key)
+        return NO_POINTS if frame_in_map is None else frame_in_map.transform(points[:, :2])
+
+    def _goal(self) -> Pose2 | None:
+        member, unpacked = self._member, self._moment.unpacked
+        goal = unpacked.goals.of(self._newest(member.goal))
+        if goal is None:
+            return None
+        result = unpacked.results.of(self._newest(member.result))
+        statuses = unpacked.statuses.of(self._newest(member.status)) or ()
+        ended = any(each.goal.id == goal.goal_id and each.status in ENDED for each in statuses)
+        if ended or (result is not None and result.goal_id == goal.goal_id):
+            return None
+        return self._on_map(goal.frame, goal.pose)
+
+    def _state(self, dead: bool) -> tuple[str, bool]:
+        """What it does, and whether that is one to worry about."""
+        if dead:
+            return "software stopped", True
+        parts = {part: self._moment.diagnoses.get(f"{self._member.key}: {part}") for part in _PARTS}
+        told = [each for each in parts.values() if each is not None]
+        worrying = [each for each in told if each.level is not DiagnosticLevel.OK]
+        drives = parts["navigation"]
+        words = [each.message for each in worrying if each is not drives]
+        if drives is not None:
+            words.append(drives.message)
+        return ", ".join(words), bool(worrying)
+
+
+_PARTS = ("localisation", "navigation")
+"""Parts of a robot whose diagnoses say what it does."""
+
+
+def energy_of(charge: BatteryCharge) -> float | None:
+    """What is left: charge, or percent where nobody measured it; None where nobody says either."""
+    left = charge.charge if math.isfinite(charge.charge) else 100.0 * charge.percentage
+    return left if math.isfinite(left) else None
+
+
+def thinned(cloud: FloatArray, most: int) -> FloatArray:
+    """At most so many rows, evenly chosen: the same ones of the same cloud."""
+    return cloud if len(cloud) <= most else cloud[np.linspace(0, len(cloud) - 1, most).astype(np.int64)]
+
+
+def ellipse_of(covariance: FloatArray) -> EllipseMark | None:
+    """Where 95 of 100 places lie, of a (3, 3) covariance of x, y, theta; None where it says nothing."""
+    planar = covariance[:2, :2]
+    if not np.isfinite(planar).all():
+        return None
+    (xx, xy), (yx, yy) = planar.tolist()
+    middle, half, mixed = 0.5 * (xx + yy), 0.5 * (xx - yy), 0.5 * (xy + yx)
+    reach = math.hypot(half, mixed)
+    if middle - reach < -1e-9:
+        return None
+    major, minor = (math.sqrt(CHI_SQUARE_95 * max(variance, 0.0)) for variance in (middle + reach, middle - reach))
+    return EllipseMark(major, minor, 0.5 * math.atan2(mixed, half))
+
+
+def end_points(scan: LaserScan, laser_in_map: FloatArray) -> FloatArray:
+    """(m, 2) where the beams met something, on the map; beams that met nothing are left out.
+
+    Args:
+        scan: of a laser.
+        laser_in_map: (4, 4) its pose; it may hang upside down.
+    """
+    ranges = scan.ranges.astype(np.float64)
+    met = np.isfinite(ranges) & (ranges >= scan.range_min) & (ranges <= scan.range_max)
+    angles = scan.angle_min + np.flatnonzero(met) * scan.angle_increment
+    beams = np.column_stack((np.cos(angles), np.sin(angles))) * ranges[met, np.newaxis]
+    points: FloatArray = beams @ laser_in_map[:2, :2].T + laser_in_map[:2, 3]
+    return points

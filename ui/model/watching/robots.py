@@ -1,0 +1,173 @@
+"""Who is who: which robots there are, and on which topics each one's doings are told."""
+
+import re
+from collections.abc import Callable, Collection, Mapping
+from dataclasses import dataclass, field
+
+from thbridge.analysis.report.tracks import BATTERIES, ESTIMATES, NO_ESTIMATES
+from thbridge.hunt.rules import robot_name
+from thbridge.ros.frames import frame_name
+from thbridge.ros.messages import types, unpack
+from thbridge.ros.robots import (
+    ODOM_FRAME,
+    by_number,
+    is_map_frame,
+    is_odom_frame,
+    is_truth,
+    last_word,
+    owner_of,
+    prefix_of,
+    robots_among,
+    usual_first,
+)
+from ui.model.watching.frames import namespace_of_tf
+from ui.model.watching.messages import TF_TYPES, WatchedMessage
+
+_ONLY_ROBOTS = frozenset({types.BATTERY_STATE, types.MOVE_BASE_GOAL, types.MOVE_BASE_RESULT})
+_OURS = re.compile(r"robot([1-9][0-9]*)")
+
+
+@dataclass(frozen=True, slots=True)
+class WatchedRobot:
+    """A robot, and its topics; None where it has none for that.
+
+    Attributes:
+        robot: its index; that of the team where robots are called robot1, robot2, ...
+        key: its namespace, or the prefix of its frames; "" for one that has none.
+        name: for people.
+        base: frame of its base.
+        truth: poses of a simulator or of motion capture.
+        odom: what its wheels counted.
+        estimate: poses of its localiser, with covariance.
+        cloud: particles.
+        scan: of its laser.
+        battery: its energy.
+        goal: of the action move_base; its other topics stand beside it.
+        status: how goals stand.
+        result: how goals ended.
+        plan: the global one.
+        local_plan: the local planner's.
+        global_costmap: as an occupancy grid.
+        local_costmap: likewise.
+        footprint: of its body.
+    """
+
+    robot: int
+    key: str
+    name: str
+    base: str
+    truth: str | None = None
+    odom: str | None = None
+    estimate: str | None = None
+    cloud: str | None = None
+    scan: str | None = None
+    battery: str | None = None
+    goal: str | None = None
+    status: str | None = None
+    result: str | None = None
+    plan: str | None = None
+    local_plan: str | None = None
+    global_costmap: str | None = None
+    local_costmap: str | None = None
+    footprint: str | None = None
+
+
+@dataclass(slots=True)
+class RobotDiscovery:
+    """What has to be known of messages, beside their topics, to tell robots apart; a message of each topic will do.
+
+    Attributes:
+        topics: the type of each topic.
+        children: of each topic of odometry, the frame whose pose it says.
+        edges: of tf: namespace, parent, child; those from frames of odometry.
+        mapped: whether anybody speaks of a map.
+    """
+
+    topics: dict[str, str] = field(default_factory=dict)
+    children: dict[str, str] = field(default_factory=dict)
+    edges: set[tuple[str, str, str]] = field(default_factory=set)
+    mapped: bool = False
+
+    def take(self, said: WatchedMessage) -> None:
+        """Hear a message; one that cannot be read tells its topic only."""
+        self.topics[said.topic] = said.msgtype
+        self.mapped |= said.msgtype == types.OCCUPANCY_GRID and "costmap" not in said.topic
+        try:
+            if said.msgtype == types.ODOMETRY:
+                self.children[said.topic] = unpack.odometry(said.data).child_frame
+            elif said.msgtype in TF_TYPES:
+                for _, (parent, child, _) in unpack.transforms(said.data):
+                    self.mapped |= is_map_frame(parent)
+                    if is_odom_frame(parent):
+                        self.edges.add((namespace_of_tf(said.topic), frame_name(parent), frame_name(child)))
+        except ValueError:
+            return
+
+    def robots(self) -> tuple[WatchedRobot, ...]:
+        """The robots, in the order of their numbers."""
+        others = [
+            topic
+            for topic, msgtype in self.topics.items()
+            if msgtype in _ONLY_ROBOTS or (msgtype == types.POSE_WITH_COVARIANCE and _is_belief(topic))
+        ]
+        keys = sorted(robots_among(self.children, self.edges, others), key=by_number)
+        numbers = [_OURS.fullmatch(key) for key in keys]
+        ours = bool(keys) and all(numbers)
+        return tuple(
+            self._member(int(number[1]) - 1 if ours and number else index, key, frozenset(keys), ours)
+            for index, (key, number) in enumerate(zip(keys, numbers, strict=True))
+        )
+
+    def _member(self, robot: int, key: str, keys: frozenset[str], ours: bool) -> WatchedRobot:
+        own = {topic: msgtype for topic, msgtype in self.topics.items() if self._owner(topic, keys) == key}
+        odom = _first(own, types.ODOMETRY, lambda topic: not is_truth(topic), (ODOM_FRAME,))
+        truth = _first(own, types.ODOMETRY, is_truth, ())
+        truth = truth or _first(own, types.POSE_STAMPED, is_truth, ())
+        truth = truth or _first(own, types.POSE_WITH_COVARIANCE, is_truth, ())
+        base = self.children.get(odom or "", "") or next(
+            (child for _, _, child in sorted(self.edges) if prefix_of(child) == key or len(keys) == 1), ""
+        )
+        # Other actions have goals and states, too.
+        moves = {topic: msgtype for topic, msgtype in own.items() if "move_base" in topic}
+        return WatchedRobot(
+            robot=robot,
+            key=key,
+            name=robot_name(robot) if ours or not key else key,
+            base=frame_name(base),
+            truth=truth,
+            odom=odom,
+            estimate=_first(own, types.POSE_WITH_COVARIANCE, _is_belief, ESTIMATES),
+            cloud=_first(own, types.POSE_ARRAY, _any, ("particlecloud",)),
+            scan=_first(own, types.LASER_SCAN, _any, ("scan", "base_scan")),
+            battery=_first(own, types.BATTERY_STATE, _any, BATTERIES),
+            goal=_first(moves, types.MOVE_BASE_GOAL, _any, ("goal",)),
+            status=_first(moves, types.GOAL_STATUS_ARRAY, _any, ("status",)),
+            result=_first(moves, types.MOVE_BASE_RESULT, _any, ("result",)),
+            plan=_first(moves, types.PATH, lambda topic: last_word(topic) == "plan", ()),
+            local_plan=_first(moves, types.PATH, lambda topic: last_word(topic) == "local_plan", ()),
+            global_costmap=_first(moves, types.OCCUPANCY_GRID, lambda topic: "global_costmap" in topic, ("costmap",)),
+            local_costmap=_first(moves, types.OCCUPANCY_GRID, lambda topic: "local_costmap" in topic, ("costmap",)),
+            footprint=_first(moves, types.POLYGON_STAMPED, lambda topic: "local" in topic, ("footprint",))
+            or _first(moves, types.POLYGON_STAMPED, _any, ("footprint",)),
+        )
+
+    def _owner(self, topic: str, keys: Collection[str]) -> str:
+        """By the prefix of the frame that it says, if that is a robot's, else by the namespace."""
+        prefix = prefix_of(self.children.get(topic, ""))
+        return prefix if prefix and prefix in keys else owner_of(topic, keys)
+
+
+def _first(
+    topics: Mapping[str, str], msgtype: str, wanted: Callable[[str], bool], usual: tuple[str, ...]
+) -> str | None:
+    """The usual one of the topics of a type that are wanted."""
+    found = usual_first((topic for topic, said in topics.items() if said == msgtype and wanted(topic)), usual)
+    return found[0] if found else None
+
+
+def _any(topic: str) -> bool:
+    return True
+
+
+def _is_belief(topic: str) -> bool:
+    return not is_truth(topic) and last_word(topic) not in NO_ESTIMATES

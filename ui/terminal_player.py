@@ -1,0 +1,226 @@
+"""A person as participant, in the terminal: what they see, and what they may type."""
+
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass, field
+
+from thbridge.hunt.costs import energy_text
+from thbridge.hunt.events import Condition
+from thbridge.hunt.rules import robot_name
+from thbridge.roles.view import (
+    Agree,
+    Answer,
+    AskBack,
+    CallBack,
+    Consent,
+    DialogueView,
+    Discuss,
+    GiveUp,
+    Identify,
+    Leave,
+    ParticipantRequest,
+    RobotView,
+    RoomView,
+    Select,
+    SendRobot,
+    Sense,
+    TakePicture,
+    Unsure,
+    View,
+)
+from ui.model.playing.words import seen_words
+from ui.story import CONDITIONS
+
+HELP = """\
+  1 4        talk with robot 1 about going to room 4
+  1 ?        don't know: ask robot 1 where to go
+  c   s      Continue, or Stop, in the dialogue that waits
+  p 4        take a picture of what is in room 4
+  n 4 NAME   name the treasure in room 4 (the list: names)
+  l 4        leave the treasure in room 4
+  b 1        call robot 1 back
+  a 1        ask for robot 1, which somebody else commands, to be given back
+  end        end the game
+  names      which names treasures may have
+  ?          how things stand"""
+
+NO_NAMES = "No treasure has been found yet."
+
+
+@dataclass(slots=True)
+class TerminalPlayer:
+    """A player who types. What has been agreed on, or needs no decision, is done without asking again.
+
+    Attributes:
+        show: puts a line in front of the person.
+    """
+
+    show: Callable[[str], None]
+    _view: View | None = None
+    _wanted: tuple[ParticipantRequest, ...] = ()
+    _names: dict[int, str] = field(default_factory=dict)
+
+    def requests(self, view: View) -> Sequence[ParticipantRequest]:
+        """What was typed since the last time, and what follows from agreements; see `Player`."""
+        if view != self._view:
+            before, self._view = self._view, view
+            for line in _news(before, view):
+                self.show(line)
+        wanted, self._wanted = self._wanted, ()
+        follow = [wish for consent in view.consents if (wish := self._follow(consent)) is not None]
+        sense = [Sense(room.room) for room in view.rooms if room.undecided and not room.sensed]
+        return (*wanted, *follow, *sense)
+
+    def type(self, line: str) -> None:
+        """Take in one typed line; what cannot be understood is answered with help."""
+        view = self._view
+        if view is None:
+            self.show("The game has not begun yet.")
+            return
+        match line.split():
+            case []:
+                pass
+            case ["?"]:
+                for told in _standing(view):
+                    self.show(told)
+            case ["names"]:
+                self.show(f"  {', '.join(view.names)}" if view.names else NO_NAMES)
+            case ["agree"]:
+                self._wanted = (Agree(),)
+            case ["end"]:
+                self._wanted = (GiveUp(view.game),)
+            case ["c" | "s" as answer]:
+                self._answer(view, first=answer == "c")
+            case ["p", room] if _is_number(room):
+                self._discuss(view, int(room), "take-picture")
+            case ["n", room, *words] if _is_number(room) and words:
+                self._name(view, int(room), " ".join(words))
+            case ["l", room] if _is_number(room):
+                self._wanted = (Leave(int(room)),)
+            case ["b", robot] if _is_number(robot):
+                self._wanted = (CallBack(int(robot) - 1),)
+            case ["a", robot] if _is_number(robot):
+                self._wanted = (AskBack(int(robot) - 1),)
+            case [robot, "?"] if _is_number(robot):
+                self._wanted = (Unsure(int(robot) - 1),)
+            case [robot, room] if _is_number(robot) and _is_number(room):
+                self._wanted = (Select(int(robot) - 1, int(room)),)
+            case _:
+                self.show(HELP)
+
+    def _answer(self, view: View, *, first: bool) -> None:
+        dialogue = next((dialogue for dialogue in view.dialogues if dialogue.choices), None)
+        if dialogue is None:
+            self.show("No robot waits for an answer.")
+            return
+        self._wanted = (Answer(dialogue.dialogue, dialogue.turn, 0 if first else len(dialogue.choices) - 1),)
+
+    def _name(self, view: View, room: int, typed: str) -> None:
+        fitting = [name for name in view.names if name.casefold().startswith(typed.casefold())]
+        if len(fitting) != 1:
+            self.show(f"{typed} is not one of: {', '.join(view.names)}" if view.names else NO_NAMES)
+            return
+        self._names[room] = fitting[0]
+        self._discuss(view, room, "take-treasure")
+
+    def _discuss(self, view: View, room: int, matter: str) -> None:
+        robot = view.room(room).robot if 0 < room <= len(view.rooms) else None
+        if robot is None:
+            self.show(f"No robot stands in room {room}.")
+        elif matter == "take-picture":
+            self._wanted = (Discuss(robot, "take-picture", room),)
+        else:
+            self._wanted = (Discuss(robot, "take-treasure", room),)
+
+    def _follow(self, consent: Consent) -> ParticipantRequest | None:
+        match consent.matter:
+            case "select-room":
+                return SendRobot(consent.robot, consent.room)
+            case "take-picture":
+                return TakePicture(consent.room)
+            case "take-treasure":
+                name = self._names.get(consent.room)
+                return None if name is None else Identify(consent.room, name)
+
+
+def _is_number(word: str) -> bool:
+    return word.isdecimal() and len(word) < 6
+
+
+def _news(before: View | None, view: View) -> list[str]:
+    """What a person has to be told now that things stand so."""
+    if view.consent is not None and (before is None or before.consent is None):
+        return [*view.consent.splitlines(), "Type agree to take part."]
+    if before is not None and before.consent is not None and view.consent is None:
+        before = None
+    if before is None or before.game != view.game:
+        return [f"Game {view.game}. Type ? to see how things stand, h for help.", *_standing(view)]
+    told: list[str] = []
+    for was, now in zip(before.robots, view.robots, strict=True):
+        told += _robot_news(was, now)
+    for old, new in zip(before.rooms, view.rooms, strict=True):
+        told += _room_news(old, new)
+    known = {(dialogue.dialogue, dialogue.turn) for dialogue in before.dialogues}
+    told += [_asked(dialogue) for dialogue in view.dialogues if (dialogue.dialogue, dialogue.turn) not in known]
+    if view.refusal is not None and view.refusal != before.refusal:
+        told.append(view.refusal.sentence)
+    if view.over is not None and before.over is None:
+        told.append(f"The game is over. Score {view.score}.")
+    return told
+
+
+def _robot_news(was: RobotView, now: RobotView) -> list[str]:
+    name = robot_name(now.robot).capitalize()
+    told = []
+    if now.moving_to is not None and was.moving_to != now.moving_to:
+        told.append(f"{name} sets out for room {now.moving_to}; it has {energy_text(now.energy)} energy left.")
+    if was.moving_to is not None and now.moving_to is None:
+        told.append(f"{name} is in room {now.place}." if now.place == was.moving_to else f"{name} has stopped.")
+    if now.condition is not was.condition:
+        told.append(f"{name} {CONDITIONS[now.condition]}")
+    if (now.commander, now.commander_name) != (was.commander, was.commander_name):
+        other = now.other_commander
+        told.append(f"{name} is commanded by {other} now." if other else f"{name} is yours again.")
+    if now.asked_back and not was.asked_back:
+        told.append(f"You have asked {now.other_commander} for {robot_name(now.robot)} back.")
+    return told
+
+
+def _room_news(old: RoomView, new: RoomView) -> list[str]:
+    told = []
+    if new.sensed and not old.sensed:
+        told.append(_found(new))
+    if new.picture is not None and old.picture is None:
+        told.append(f"Room {new.room}: the picture is {new.picture}")
+    if new.verdict is not None and old.verdict is None:
+        told.append(f"Room {new.room}: {new.verdict.name}, {new.verdict.points:+d} points.")
+    return told
+
+
+def _found(room: RoomView) -> str:
+    seen = seen_words(room.colour or "", room.footprint or "")
+    return f"Room {room.room}: {seen}. n {room.room} NAME names it."
+
+
+def _asked(dialogue: DialogueView) -> str:
+    if not dialogue.choices:
+        return f"{robot_name(dialogue.robot).capitalize()} is thinking."
+    answers = ", ".join(f"{choice[0].lower()} {choice}" for choice in dialogue.choices)
+    return f"{robot_name(dialogue.robot).capitalize()}: {dialogue.said[-1]}   [{answers}]"
+
+
+def _standing(view: View) -> list[str]:
+    told = []
+    for robot in view.robots:
+        place = "the corridor" if robot.place == 0 else f"room {robot.place}"
+        where = f"in {place}" if robot.moving_to is None else f"under way to room {robot.moving_to}"
+        name = robot_name(robot.robot).capitalize()
+        told.append(f"  {name}: {where}, energy {energy_text(robot.energy)}")
+        if robot.condition is not Condition.WELL:
+            told.append(f"  {name} {CONDITIONS[robot.condition]}")
+        if other := robot.other_commander:
+            told.append(f"  {name} is commanded by {other}.")
+    told += [f"  {_found(room)}" for room in view.rooms if room.sensed and room.undecided]
+    free = [str(room.room) for room in view.rooms if room.state == "unvisited"]
+    told.append(f"  Rooms not visited: {' '.join(free) or 'none'}. Score {view.score}.")
+    told += [f"  {_asked(dialogue)}" for dialogue in view.dialogues]
+    return told

@@ -1,0 +1,333 @@
+"""The parts of the researcher's window: the map in the middle, all else in docks that can be moved and closed."""
+
+from collections.abc import Callable
+from functools import partial
+from itertools import pairwise
+
+from PySide6.QtCore import QEvent, QObject, Qt, Signal
+from PySide6.QtGui import QAccessible, QAccessibleAnnouncementEvent, QAction, QActionGroup, QKeyEvent, QKeySequence
+from PySide6.QtWidgets import (
+    QAbstractButton,
+    QApplication,
+    QComboBox,
+    QDockWidget,
+    QLabel,
+    QMainWindow,
+    QMenu,
+    QSizePolicy,
+    QTabBar,
+    QToolBar,
+    QToolButton,
+    QWidget,
+)
+
+from ui.model.theme import Palette
+from ui.model.watching.tools import Shape
+from ui.windows.controls import ChoiceBox
+from ui.windows.researcher.docks.displays import SWITCHES, DisplaysPanel
+from ui.windows.researcher.docks.log import LogView
+from ui.windows.researcher.docks.playback import PlaybackBar
+from ui.windows.researcher.docks.plots import Plots
+from ui.windows.researcher.docks.team import TeamView
+from ui.windows.researcher.docks.wizard import WizardDock
+from ui.windows.researcher.keys import KeySheet
+from ui.windows.researcher.map.tools import TOOLS, MapTool
+
+LEFT, RIGHT, BOTTOM = (
+    Qt.DockWidgetArea.LeftDockWidgetArea,
+    Qt.DockWidgetArea.RightDockWidgetArea,
+    Qt.DockWidgetArea.BottomDockWidgetArea,
+)
+
+
+class DockedWindow(QMainWindow):
+    """The window's parts and keys; what they show and do is its user's business.
+
+    Args:
+        title: what is looked at.
+        palette: the colours.
+        live: a session under way, or else a recording.
+        canvas: the map.
+
+    Signals:
+        tool_taken: a tool was taken in hand.
+        robot_stepped: select the next robot (1), or the one before (-1).
+        kill, revive, clear_costmaps, follow_toggled, fit: as the buttons say.
+        speed_stepped: faster (1) or slower (-1).
+        jumped: to the next mark (1), or the one before (-1).
+        ended: to the beginning (-1) or the end (1).
+    """
+
+    tool_selected = Signal(object)
+    robot_stepped = Signal(int)
+    kill = Signal()
+    revive = Signal()
+    clear_costmaps = Signal()
+    follow_toggled = Signal(bool)
+    fit = Signal()
+    speed_stepped = Signal(int)
+    jumped = Signal(int)
+    jumped_to_end = Signal(int)
+
+    def __init__(self, title: str, palette: Palette, live: bool, canvas: QWidget) -> None:
+        super().__init__()
+        self.setWindowTitle(f"{title} - thbridge watch")
+        self.setDockNestingEnabled(True)
+        self.resize(1480, 940)
+        self.canvas = canvas
+        self.playback = PlaybackBar(palette, live)
+        self.displays = DisplaysPanel()
+        self.team = TeamView(palette)
+        self.plots = Plots(palette, live)
+        self.lines = LogView("Lines of the protocol", ("Topic", "Line"), palette)
+        self.dialogue = LogView("Dialogue", ("Who", "About", "Sentence"), palette)
+        self.events = LogView("Events", ("Who", "What", "Room", "Details"), palette)
+        self.inputs = LogView("Inputs", ("From", "Kind", "What"), palette)
+        self.ros_log = LogView("Log of ROS nodes", ("Node", "Level", "Text"), palette)
+        self.wizard = WizardDock()
+        self.logs = (self.lines, self.dialogue, self.events, self.inputs, self.ros_log)
+        self.tool = MapTool.LOOK
+        self._tool_actions: dict[MapTool, QAction] = {}
+        self._robot_actions: list[QAction] = []
+        self.setCentralWidget(canvas)
+        self._add_docks()
+        self._add_tools()
+        self._add_time()
+        self._add_keys(live)
+        self.tool_help = QLabel()
+        self.tool_help.setAccessibleDescription("How the tool in hand is used")
+        self.statusBar().addPermanentWidget(self.tool_help)
+        self.statusBar().messageChanged.connect(lambda text: self.statusBar().setAccessibleName(text))
+        canvas.setFocusPolicy(Qt.FocusPolicy.StrongFocus)
+        canvas.installEventFilter(self)
+        canvas.setFocus()
+        self._order_focus()
+        QApplication.instance().focusChanged.connect(self._focus_moved)  # type: ignore[union-attr]  # there is one
+
+    # What it shows
+
+    @property
+    def shape(self) -> Shape:
+        """Of the next obstacle."""
+        return "box" if self._shape.currentIndex() else "circle"
+
+    @property
+    def tool_actions(self) -> tuple[QAction, ...]:
+        """All that asks something of the robots."""
+        return (
+            *(action for tool, action in self._tool_actions.items() if tool is not MapTool.LOOK),
+            *self._robot_actions,
+        )
+
+    def show_status(self, text: str, seconds: float = 8.0) -> None:
+        """Tell something in the status bar, and to assistive technology."""
+        self.statusBar().showMessage(text, round(seconds * 1000.0))
+        QAccessible.updateAccessibility(QAccessibleAnnouncementEvent(self, text))
+
+    def select_tool(self, tool: MapTool) -> None:
+        """Take a tool in hand, as its button does."""
+        self._tool_actions[tool].trigger()
+
+    def show_waiting(self, things: int) -> None:
+        """Say on its tab how many things wait for the wizard."""
+        self._docks[-1].setWindowTitle(f"Wizard ({things} waiting)" if things else "Wizard")
+
+    def disable_tools(self, reason: str) -> None:
+        """Nothing can be asked of the robots here, for this reason; the buttons tell it."""
+        for action in self.tool_actions:
+            action.setEnabled(False)
+            action.setToolTip(reason)
+        self._shape.setEnabled(False)
+        self._shape.setToolTip(reason)
+        self.wizard.refuse(reason)
+
+    def set_palette(self, palette: Palette) -> None:
+        """Other colours."""
+        for part in (self.playback, self.team, self.plots, *self.logs):
+            part.set_palette(palette)
+
+    # How it is put together
+
+    def _add_docks(self) -> None:
+        self.setCorner(Qt.Corner.BottomLeftCorner, LEFT)
+        self.setCorner(Qt.Corner.BottomRightCorner, RIGHT)
+        self._docks = [
+            self._dock("Robots", self.team, LEFT),
+            self._dock("Displays", self.displays, LEFT),
+            self._dock("Plots", self.plots, RIGHT),
+        ]
+        bottom = [
+            self._dock("Lines", self.lines, BOTTOM),
+            self._dock("Dialogue", self.dialogue, BOTTOM),
+            self._dock("Events", self.events, BOTTOM),
+            self._dock("Inputs", self.inputs, BOTTOM),
+            self._dock("Log", self.ros_log, BOTTOM),
+            self._dock("Wizard", self.wizard, BOTTOM),
+        ]
+        for before, after in pairwise(bottom):
+            self.tabifyDockWidget(before, after)
+        bottom[0].raise_()
+        for tabs in self.findChildren(QTabBar):
+            tabs.setAccessibleName("Lists")
+        self._docks += bottom
+        self.resizeDocks([self._docks[0], self._docks[2]], [380, 400], Qt.Orientation.Horizontal)
+        self.resizeDocks([self._docks[0], self._docks[1]], [260, 460], Qt.Orientation.Vertical)
+        self.resizeDocks([bottom[0]], [265], Qt.Orientation.Vertical)
+
+    def _order_focus(self) -> None:
+        """Let Tab follow the eye: tools, what is on the left, the map, what is on the right, what is below."""
+        parts: list[QWidget] = [*self.findChildren(QToolBar, "Tools"), *self._docks[:2], self.canvas, *self._docks[2:]]
+        parts += [*self.findChildren(QTabBar), self.playback]
+        stops = [
+            widget
+            for part in parts
+            for widget in (part, *part.findChildren(QWidget))
+            if widget.focusPolicy() & Qt.FocusPolicy.TabFocus and not widget.isWindow() and widget.window() is self
+        ]
+        for before, after in pairwise(stops):
+            self.setTabOrder(before, after)
+
+    def _dock(self, title: str, part: QWidget, area: Qt.DockWidgetArea) -> QDockWidget:
+        dock = QDockWidget(title, self)
+        dock.setObjectName(title)
+        dock.setWidget(part)
+        # Qt puts what lies behind another tab far out of sight, where Tab would still go.
+        dock.visibilityChanged.connect(part.setVisible)
+        self.addDockWidget(area, dock)
+        return dock
+
+    def _add_time(self) -> None:
+        bar = QToolBar("Time", self)
+        bar.setMovable(False)
+        bar.addWidget(self.playback)
+        self.addToolBar(Qt.ToolBarArea.BottomToolBarArea, bar)
+
+    def _add_tools(self) -> None:
+        bar = QToolBar("Tools", self)
+        bar.setObjectName("Tools")
+        bar.setMovable(False)
+        bar.setToolButtonStyle(Qt.ToolButtonStyle.ToolButtonTextOnly)
+        self.addToolBar(bar)
+        group = QActionGroup(self)
+        for tool, told in TOOLS.items():
+            action = self._action(f"{told.label} ({told.key})", told.key, partial(self._took, tool))
+            action.setCheckable(True)
+            action.setChecked(tool is MapTool.LOOK)
+            action.setToolTip(told.how.format(robot="the robot selected"))
+            group.addAction(action)
+            bar.addAction(action)
+            self._tool_actions[tool] = action
+        self._shape = ChoiceBox()
+        self._shape.addItems(["round", "box"])
+        self._shape.setAccessibleName("Shape of the next obstacle")
+        self._shape.setToolTip("Shape of the next obstacle")
+        bar.addWidget(self._shape)
+        bar.addSeparator()
+        for label, key, tip, signal in (
+            ("Kill", "Delete", "Stop the software of the robot selected, for good; asks first", self.kill),
+            ("Revive", "R", "Let a dead robot go on", self.revive),
+            ("Clear costmaps", "C", "Let the robot selected forget what its laser has seen", self.clear_costmaps),
+        ):
+            action = self._action(f"{label} ({key})", key, signal.emit)
+            action.setToolTip(tip)
+            bar.addAction(action)
+            self._robot_actions.append(action)
+        bar.addSeparator()
+        self.follow = self._action("Follow (F)", "F", lambda: self.follow_toggled.emit(self.follow.isChecked()))
+        self.follow.setCheckable(True)
+        self.follow.setToolTip("Keep the robot selected in the middle of the map")
+        bar.addAction(self.follow)
+        bar.addAction(self._action("All (A)", "A", self.fit.emit))
+        spacer = QWidget()
+        spacer.setSizePolicy(QSizePolicy.Policy.Expanding, QSizePolicy.Policy.Preferred)
+        bar.addWidget(spacer)
+        panes = QToolButton()
+        panes.setText("Panes")
+        panes.setPopupMode(QToolButton.ToolButtonPopupMode.InstantPopup)
+        panes.setToolTip("Show or hide parts of the window")
+        menu = QMenu(panes)
+        for dock in self._docks:
+            menu.addAction(dock.toggleViewAction())
+        panes.setMenu(menu)
+        bar.addWidget(panes)
+        bar.addAction(self._action("Keys (F1)", "F1", self.show_keys))
+
+    def _add_keys(self, live: bool) -> None:
+        self._play = self._action("Play or pause", "Space", self.playback.play_toggled.emit)
+        self._action("One step forward", ".", lambda: self.playback.stepped.emit(1))
+        self._action("Faster", "]", lambda: self.speed_stepped.emit(1))
+        self._action("Slower", "[", lambda: self.speed_stepped.emit(-1))
+        self._action("Drop the tool", "Esc", lambda: self.select_tool(MapTool.LOOK))
+        self._action("Next part", "F6", lambda: self._next_part(1))
+        self._action("Part before", "Shift+F6", lambda: self._next_part(-1))
+        self._action("Filter", "Ctrl+F", self._filter)
+        if not live:
+            self._action("One step back", ",", lambda: self.playback.stepped.emit(-1))
+            self._action("To the beginning", "Home", lambda: self.jumped_to_end.emit(-1))
+            self._action("To the end", "End", lambda: self.jumped_to_end.emit(1))
+            self._action("Mark before", "PgUp", lambda: self.jumped.emit(-1))
+            self._action("Next mark", "PgDown", lambda: self.jumped.emit(1))
+        for display, switch in SWITCHES.items():
+            if switch.key:
+                self._action(switch.label, switch.key, partial(self.displays.toggle, display))
+
+    def _action(self, text: str, key: str, do: Callable[[], None]) -> QAction:
+        action = QAction(text, self)
+        action.setShortcut(QKeySequence(key))
+        action.triggered.connect(lambda _: do())
+        self.addAction(action)
+        return action
+
+    # What keys do
+
+    def show_keys(self) -> None:
+        """Open the sheet of keys."""
+        KeySheet(self).open()
+
+    def eventFilter(self, watched: QObject, event: QEvent) -> bool:
+        """On the map, Tab goes from robot to robot; F6 leaves it."""
+        if watched is self.canvas and isinstance(event, QKeyEvent) and event.type() == QEvent.Type.KeyPress:
+            if event.key() == Qt.Key.Key_Tab and not event.modifiers():
+                self.robot_stepped.emit(1)
+                return True
+            if event.key() == Qt.Key.Key_Backtab:
+                self.robot_stepped.emit(-1)
+                return True
+        return super().eventFilter(watched, event)
+
+    def _took(self, tool: MapTool) -> None:
+        self.tool = tool
+        self.tool_selected.emit(tool)
+
+    def _focus_moved(self, _: QWidget | None, now: QWidget | None) -> None:
+        """Buttons and boxes have uses of their own for Space."""
+        self._play.setEnabled(not isinstance(now, QAbstractButton | QComboBox))
+
+    def _next_part(self, step: int) -> None:
+        """Move the focus around the parts of the window that are in sight."""
+        parts = [self.canvas, self.playback, *(dock.widget() for dock in self._docks if _in_sight(dock))]
+        focus = QApplication.focusWidget()
+        here = next((n for n, part in enumerate(parts) if focus is part or (focus and part.isAncestorOf(focus))), 0)
+        part = parts[(here + step) % len(parts)]
+        first = part if part.focusPolicy() & Qt.FocusPolicy.TabFocus else _first_focus(part)
+        first.setFocus(Qt.FocusReason.TabFocusReason)
+
+    def _filter(self) -> None:
+        log = next((log for log in self.logs if not log.visibleRegion().isEmpty()), None)
+        if log is not None:
+            log.focus_filter()
+
+
+def _in_sight(dock: QDockWidget) -> bool:
+    return dock.isVisible() and not dock.widget().visibleRegion().isEmpty()
+
+
+def _first_focus(part: QWidget) -> QWidget:
+    """The first widget of a part, as Tab goes, that takes the focus."""
+    widget = part.nextInFocusChain()
+    while widget is not None and widget is not part:
+        wanted = widget.isVisible() and widget.isEnabled() and widget.focusPolicy() & Qt.FocusPolicy.TabFocus
+        if wanted and part.isAncestorOf(widget):
+            return widget
+        widget = widget.nextInFocusChain()
+    return part

@@ -1,0 +1,90 @@
+"""Fills the lists and the timeline from the story of what is watched."""
+
+from collections.abc import Iterator
+
+from ui.model.watching.scene import Entry, EntryKind
+from ui.windows.researcher.docked_window import DockedWindow
+from ui.windows.researcher.docks.log import LogRow, LogView
+from ui.windows.researcher.docks.playback import TimelineMark
+from ui.windows.researcher.feeds.feed import Feed
+
+MAX_NEW_ROWS = 2000
+"""Rows that a list takes at once."""
+MARK_TOLERANCE = 0.01
+"""Seconds from a mark at which we are there."""
+
+
+class LogUpdater:
+    """Hands the story over, list by list, in portions that nobody has to wait for.
+
+    Args:
+        feed: whose story.
+        deck: with the lists.
+    """
+
+    def __init__(self, feed: Feed, deck: DockedWindow) -> None:
+        self._feed = feed
+        self._deck = deck
+        self._taken: dict[EntryKind, int] = {}
+        self._marks: tuple[TimelineMark, ...] = ()
+        self._marked = (0, 0.0)
+
+    def clear(self) -> None:
+        """Begin anew: it is another story."""
+        self._taken = {}
+        for log in self._deck.logs:
+            log.clear()
+
+    def show(self) -> None:
+        """Hand over what is new."""
+        story = self._feed.log
+        kinds: tuple[tuple[EntryKind, LogView], ...] = (
+            ("event", self._deck.events),
+            ("said", self._deck.dialogue),
+            ("line", self._deck.lines),
+            ("input", self._deck.inputs),
+            ("log", self._deck.ros_log),
+        )
+        for kind, log in kinds:
+            dropped, entries = story.dropped(kind), story.entries(kind)
+            new = max(self._taken.get(kind, 0) - dropped, 0)
+            log.extend([self._row(entry) for entry in entries[new : new + MAX_NEW_ROWS]])
+            self._taken[kind] = dropped + min(new + MAX_NEW_ROWS, len(entries))
+        told = sum(story.dropped(kind) + len(story.entries(kind)) for kind in ("event", "said"))
+        if not self._feed.live and (told, self._feed.span) != self._marked:
+            self._marked = told, self._feed.span
+            self._marks = tuple(self._timeline_marks())
+            self._deck.playback.show_span(self._feed.span, self._marks)
+
+    def _row(self, entry: Entry) -> LogRow:
+        time = (entry.stamp_ns - self._feed.start_ns) / 1e9
+        room = "" if entry.room is None else f"room {entry.room}" if entry.room else "corridor"
+        match entry.kind:
+            case "event":
+                cells: tuple[str, ...] = (entry.who, entry.what, room, entry.text)
+            case "said":
+                cells = (entry.who, room or entry.what, entry.text)
+            case "line":
+                cells = (entry.what, entry.text)
+            case "input" | "log":
+                cells = (entry.who, entry.what, entry.text)
+        return LogRow(time, cells, entry.robot)
+
+    def _timeline_marks(self) -> Iterator[TimelineMark]:
+        start_ns = self._feed.start_ns
+        for entry in self._feed.log.marks():
+            room = f"room {entry.room}" if entry.room else ""
+            text = " ".join(part for part in (entry.who, entry.what, room) if part)
+            yield TimelineMark((entry.stamp_ns - start_ns) / 1e9, text, entry.robot, is_utterance=False)
+        for entry in self._feed.log.entries("said"):
+            yield TimelineMark(
+                (entry.stamp_ns - start_ns) / 1e9, f"{entry.who}: {entry.text}", entry.robot, is_utterance=True
+            )
+
+    def neighbouring_mark(self, way: int) -> float:
+        """The moment of the next mark (1), or of the one before (-1); else the end, or the beginning."""
+        times = sorted(mark.time for mark in self._marks if not mark.is_utterance)
+        here = self._feed.time
+        if way > 0:
+            return next((time for time in times if time > here + MARK_TOLERANCE), self._feed.span)
+        return next((time for time in reversed(times) if time < here - MARK_TOLERANCE), 0.0)

@@ -1,0 +1,187 @@
+"""What the researcher does to robots: buttons and strokes on the map, as wishes of what is watched."""
+
+import math
+from collections.abc import Callable, Mapping
+from functools import partial
+
+from PySide6.QtCore import Qt
+from PySide6.QtWidgets import QMessageBox
+
+from sim.common.geometry import FloatArray, Pose2
+from thbridge.hunt.refusals import RequestRefused
+from thbridge.hunt.rules import robot_name
+from ui.model.watching.scene import PendingTurn, RobotScene, Scene
+from ui.model.watching.tools import Tools, dragged_pose
+from ui.windows.map import MapView
+from ui.windows.researcher.docked_window import DockedWindow
+from ui.windows.researcher.feeds.feed import Feed, FeedRequest
+from ui.windows.researcher.map.preview import ToolPreview
+from ui.windows.researcher.map.tools import TOOLS, Gesture, MapTool
+
+GRAB_RADIUS, GRAB_PIXELS = 0.4, 24.0
+"""Metres, or pixels where those are more, from its middle at which a robot is taken hold of."""
+_TOLD = {
+    MapTool.GOAL: "{robot} is sent there.",
+    MapTool.POSE: "{robot} is told that it is there.",
+    MapTool.CARRY: "{robot} is carried there, and not told.",
+    MapTool.OBSTACLE: "Asked for; an obstacle appears as soon as its place is free.",
+}
+
+
+class ToolController:
+    """Turns what is done into wishes, and says what became of them.
+
+    Args:
+        feed: that is asked.
+        deck: with the buttons.
+        view: the map.
+        bodies: (n, 2) corners of robots, by their numbers, as far as they are known.
+        select: have to do with another robot.
+
+    Attributes:
+        scene: on the map; None before there is anything.
+        selected: the robot that buttons mean.
+    """
+
+    def __init__(
+        self,
+        feed: Feed,
+        deck: DockedWindow,
+        view: MapView,
+        bodies: Mapping[int, FloatArray],
+        select: Callable[[int], None],
+    ) -> None:
+        self.scene: Scene | None = None
+        self.selected = 0
+        self._feed = feed
+        self._deck = deck
+        self._view = view
+        self._bodies = bodies
+        self._select = select
+        self._tools = Tools()
+        self._preview = ToolPreview()
+        view.add_layer(self._preview)
+        deck.kill.connect(self._ask_to_kill)
+        deck.revive.connect(partial(self._ask, Tools.revive, "{robot} is to go on."))
+        deck.clear_costmaps.connect(partial(self._ask, Tools.clear_costmaps, "{robot} is to clear its costmaps."))
+        deck.wizard.puppeteered.connect(self._puppeteer)
+        deck.wizard.spoke.connect(self._speak)
+        deck.wizard.advised.connect(self._advise)
+        deck.tool_selected.connect(self.use_tool)
+        view.point_pressed.connect(self._press)
+        view.point_dragged.connect(self._drag)
+        view.point_released.connect(self._release)
+
+    @property
+    def _name(self) -> str:
+        return robot_name(self.selected).capitalize()
+
+    def _ask(self, make: Callable[[Tools, Scene, int], FeedRequest | RequestRefused], told: str) -> None:
+        """Ask something of the robot selected."""
+        if self.scene is not None:
+            self._send(make(self._tools, self.scene, self.selected), told)
+
+    def _send(self, wish: FeedRequest | RequestRefused, told: str) -> None:
+        """Ask for something, and say that or why not."""
+        refusal = wish.sentence if isinstance(wish, RequestRefused) else self._feed.ask(wish)
+        self._deck.show_status(refusal or told.format(robot=self._name))
+
+    def _ask_to_kill(self) -> None:
+        box = QMessageBox(self._deck)
+        box.setAttribute(Qt.WidgetAttribute.WA_DeleteOnClose)
+        box.setIcon(QMessageBox.Icon.Warning)
+        box.setWindowTitle("Kill a robot")
+        box.setText(f"Kill {robot_name(self.selected)}?")
+        box.setInformativeText("Its software stops and its motors brake, until it is revived. The record tells of it.")
+        kill = box.addButton("Kill it", QMessageBox.ButtonRole.DestructiveRole)
+        box.setDefaultButton(box.addButton("Leave it alive", QMessageBox.ButtonRole.RejectRole))
+        kill.setAutoDefault(False)  # else it is Enter's once other colours are put on
+        kill.clicked.connect(lambda: self._ask(Tools.kill, "{robot} is to die."))
+        box.open()
+
+    def _puppeteer(self, robot: int, on: bool) -> None:
+        if self.scene is not None:
+            told = "You speak for {robot}." if on else "{robot} speaks for itself."
+            self._send(self._tools.puppeteer(self.scene, robot, on), told.format(robot=robot_name(robot)))
+
+    def _speak(self, turn: PendingTurn, move: int, text: str) -> None:
+        if self.scene is not None:
+            said = f"{robot_name(turn.robot).capitalize()} says so."
+            self._send(self._tools.speak(self.scene, turn, move, text), said)
+
+    def _advise(self, robot: int, room: int) -> None:
+        if self.scene is not None:
+            told = f"{robot_name(robot).capitalize()} is to suggest room {room}; choose its words next."
+            self._send(self._tools.advise(self.scene, robot, room), told)
+
+    def use_tool(self, tool: MapTool) -> None:
+        """Work with this tool from now on."""
+        self._preview.gesture = None
+        self._view.set_tool(None if tool is MapTool.LOOK else Qt.CursorShape.CrossCursor)
+        self._deck.tool_help.setText(TOOLS[tool].how.format(robot=robot_name(self.selected)))
+        self._view.update()
+
+    def _press(self, x: float, y: float) -> None:
+        if self._deck.tool is MapTool.CARRY:
+            robot = self._robot_near(x, y)
+            if robot is None:
+                self._deck.show_status("Nobody stands there: press on a robot to carry it.")
+                return
+            self._select(robot)
+            self._preview.body = self._bodies.get(robot)
+        self._preview.shape = self._deck.shape
+        self._preview.heading = self._heading()
+        self._preview.gesture = Gesture(self._deck.tool, x, y, x, y)
+        self._view.update()
+
+    def _drag(self, x: float, y: float) -> None:
+        begun = self._preview.gesture
+        if begun is not None:
+            self._preview.gesture = Gesture(begun.tool, begun.x, begun.y, x, y)
+            self._view.update()
+
+    def _release(self, x: float, y: float) -> None:
+        self._drag(x, y)
+        done, self._preview.gesture = self._preview.gesture, None
+        if done is None or self.scene is None:
+            return
+        self._send(self._meant(done, self.scene), _TOLD[done.tool])
+        if done.tool in {MapTool.GOAL, MapTool.POSE}:
+            self._deck.select_tool(MapTool.LOOK)
+
+    def _meant(self, done: Gesture, scene: Scene) -> FeedRequest | RequestRefused:
+        """What a stroke asks for."""
+        tools = self._tools
+        match done.tool:
+            case MapTool.GOAL | MapTool.POSE:
+                place = dragged_pose(done.x, done.y, done.to_x, done.to_y, self._heading())
+                make = tools.goal if done.tool is MapTool.GOAL else tools.pose
+                return make(scene, self.selected, place)
+            case MapTool.CARRY:
+                return tools.carry(scene, self.selected, done.to_x, done.to_y)
+            case _:
+                hit = tools.remove(scene, done.x, done.y) if done.is_click else None
+                put = tools.put(scene, self._deck.shape, done.x, done.y, done.size)
+                return put if hit is None or isinstance(hit, RequestRefused) else hit
+
+    def _robot(self) -> RobotScene | None:
+        robots = () if self.scene is None else self.scene.robots
+        return next((each for each in robots if each.robot == self.selected), None)
+
+    def _heading(self) -> float:
+        """Of the robot selected: the true one where it is carried, else as it believes."""
+        robot = self._robot()
+        if robot is None:
+            return 0.0
+        pose = (robot.truth or robot.estimate) if self._deck.tool is MapTool.CARRY else (robot.estimate or robot.truth)
+        return 0.0 if pose is None else pose.theta
+
+    def _robot_near(self, x: float, y: float) -> int | None:
+        """The robot whose body, or else whose belief, is there."""
+        here = Pose2(x, y, 0.0)
+        robots = () if self.scene is None else self.scene.robots
+        near = [
+            (pose.distance(here), robot.robot) for robot in robots for pose in (robot.truth, robot.estimate) if pose
+        ]
+        distance, robot = min(near, default=(math.inf, -1))
+        return robot if distance <= max(GRAB_RADIUS, GRAB_PIXELS / self._view.camera.scale) else None
