@@ -23,13 +23,15 @@ for client in mavsdk mavproxy dronekit; do
     fi
 done
 
-packages="python3-rosbag python3-rostopic python3-rosnode python3-rosparam python3-rosservice python3-rosmsg
-    python3-rosmaster python3-rospy python3-actionlib python3-tf2-ros tf2-tools ros-core default-jdk-headless
-    rviz xvfb imagemagick xdotool at-spi2-core python3-pyatspi dbus python3-std-srvs ros-std-srvs
-    python3-genpy python3-std-msgs python3-geometry-msgs python3-sensor-msgs python3-nav-msgs python3-actionlib-msgs
-    python3-move-base-msgs python3-tf2-msgs python3-visualization-msgs ros-std-msgs ros-geometry-msgs ros-sensor-msgs
-    ros-nav-msgs ros-actionlib-msgs ros-move-base-msgs ros-tf2-msgs ros-visualization-msgs
-    python3-dynamic-reconfigure"
+# All that tests execute, import or load, and the messages that they speak of; what those need themselves, apt knows.
+packages="ros-core python3-roslaunch python3-rosmaster python3-rosbag python3-rostopic python3-rosnode python3-rosparam
+    python3-rosservice python3-rosmsg python3-rosgraph python3-rospy python3-actionlib python3-tf2-ros
+    python3-dynamic-reconfigure python3-genpy rviz default-jdk-headless
+    xvfb imagemagick xdotool libx11-6 dbus-daemon at-spi2-core python3-pyatspi python3-gi gir1.2-atspi-2.0 procps mount"
+for messages in std-msgs geometry-msgs sensor-msgs nav-msgs actionlib-msgs move-base-msgs tf2-msgs visualization-msgs \
+    diagnostic-msgs rosgraph-msgs std-srvs; do
+    packages="$packages python3-$messages ros-$messages"
+done
 
 missing=""
 for package in $packages; do

@@ -1,9 +1,4 @@
-"""ROS 1's own tools judge our bags: Debian's rosbag and rostopic, and the real Python reader from PyPI.
-
-Debian 12 has them: apt-get install ros-core python3-rosbag python3-rostopic python3-rosmsg python3-nav-msgs
-python3-sensor-msgs python3-move-base-msgs python3-tf2-msgs python3-visualization-msgs ros-nav-msgs ros-sensor-msgs
-ros-move-base-msgs ros-tf2-msgs ros-visualization-msgs
-"""
+"""ROS 1's own tools judge our bags: Debian's rosbag and rostopic, and the real Python reader from PyPI."""
 
 import json
 import os
@@ -41,7 +36,7 @@ PYTHON = "/usr/bin/python3"
 TOOLS = ("rosbag", "rostopic", "roscore")
 needs_ros = pytest.mark.skipif(
     any(shutil.which(tool) is None for tool in TOOLS),
-    reason=f"not installed: {', '.join(TOOLS)} (see this file's head)",
+    reason=f"not installed: {', '.join(TOOLS)} (see scripts/install_peers.sh)",
 )
 
 
