@@ -1,7 +1,4 @@
-"""Our account of goals beside the one that ROS's own actionlib keeps, request by request.
-
-Debian 12 has it: apt-get install python3-actionlib python3-move-base-msgs
-"""
+"""Our account of goals beside the one that ROS's own actionlib keeps, request by request."""
 
 import json
 import os

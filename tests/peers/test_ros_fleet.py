@@ -1,7 +1,4 @@
-"""A fleet whose robot is one of ROS's own making: rospy, tf2, and actionlib's SimpleActionServer and client.
-
-Debian 12 has them: apt-get install python3-rosbag python3-actionlib python3-tf2-ros python3-move-base-msgs.
-"""
+"""A fleet whose robot is one of ROS's own making: rospy, tf2, and actionlib's SimpleActionServer and client."""
 
 import asyncio
 import json
@@ -122,7 +119,7 @@ def _knows(*modules: str) -> bool:
 
 pytestmark = pytest.mark.skipif(
     shutil.which("rosbag") is None or not _knows("rospy", "actionlib", "tf2_ros", "move_base_msgs", "rosbag"),
-    reason="not installed: rosbag, python3-actionlib, python3-tf2-ros (see this file's head)",
+    reason="not installed: rosbag, python3-actionlib, python3-tf2-ros (see scripts/install_peers.sh)",
 )
 
 

@@ -1,8 +1,4 @@
-"""ROS 1's own tools beside a running session: rosnode, rostopic, rosparam, rosservice, actionlib, tf2, rosbag.
-
-Debian 12 has them, see test_ros_bag_tools.py; and python3-actionlib python3-tf2-ros python3-rosservice
-python3-rosparam.
-"""
+"""ROS 1's own tools beside a running session: rosnode, rostopic, rosparam, rosservice, actionlib, tf2, rosbag."""
 
 import json
 import os

@@ -1,7 +1,4 @@
-"""ROS 1's own dynamic_reconfigure beside a running session: its Python client, which rqt uses too, and dynparam.
-
-Debian 12 has it: apt-get install python3-dynamic-reconfigure
-"""
+"""ROS 1's own dynamic_reconfigure beside a running session: its Python client, which rqt uses too, and dynparam."""
 
 import json
 import time
