@@ -35,10 +35,10 @@ class Encounter:
     """A hall with one wall across, and robots that want to pass it.
 
     Attributes:
-        title: what is to be seen.
-        doors: where along the wall the doors are, metres.
-        starts: of the robots.
-        goals: of the robots; None for one that is dead from the beginning.
+        title: of the picture.
+        doors: positions of the doors along the wall, metres.
+        starts: poses of the robots.
+        goals: poses of the robots; None for one that is dead from the beginning.
     """
 
     title: str
@@ -49,12 +49,12 @@ class Encounter:
 
 @dataclass(frozen=True, slots=True)
 class EncounterRun:
-    """What came of it.
+    """Result of an encounter.
 
     Attributes:
         poses: (ticks, robots, 3) true poses.
-        ends: how each robot's goal ended, and after how many seconds; None for the dead.
-        collisions: how many there were.
+        ends: the end of each robot's goal, and the seconds until then; None for the dead.
+        collisions: number of collisions.
     """
 
     poses: FloatArray
@@ -109,7 +109,7 @@ def hall(doors: tuple[float, ...]) -> OccupancyGrid:
 
 
 def play(encounter: Encounter, seed: int = 1) -> EncounterRun:
-    """Let it happen."""
+    """Simulate an encounter to its end."""
     robots = len(encounter.starts)
     world = WorldParameters()
     team = Team(hall(encounter.doors), world, [RobotParameters()] * robots, encounter.starts, seed, charge=math.inf)
@@ -137,7 +137,7 @@ def play(encounter: Encounter, seed: int = 1) -> EncounterRun:
 
 
 def draw(encounter: Encounter, course: EncounterRun, file: Path) -> None:
-    """The hall with the trails, and place along the hall against time."""
+    """Draw the hall with the trails, and the position along the hall against time."""
     figure, (plan, diagram) = plt.subplots(1, 2, figsize=(11.0, 3.6), width_ratios=(1.6, 1.0), layout="constrained")
     grid = hall(encounter.doors)
     plan.imshow(grid.cells, cmap="Greys", origin="lower", extent=(0.0, LENGTH, 0.0, WIDTH), vmin=0, vmax=160)

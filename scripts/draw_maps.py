@@ -7,7 +7,7 @@ Travel costs of a map that has none measured are estimated, in seconds, as
 
     length / SPEED + turned / TURN_RATE
 
-over the shortest way between two goals that keeps a robot's clearance: `length` in metres, `turned` the angles in
+over the shortest path between two goals that keeps a robot's clearance: `length` in metres, `turned` the angles in
 radians by which a robot turns at its start, at every corner and at its goal, since every goal is left and reached at
 the goal's own heading. The constants are rounded from the least-squares fit of this formula to the matrix measured in
 2016 on arena8 (1.01 m/s and 0.78 rad/s); rounded, they miss it by 2.4 s root mean square, 5.2 s at most.
@@ -36,7 +36,7 @@ Segment = tuple[float, float, float, float]
 WALL = 0.12
 """Thickness of a wall, metres."""
 CLEARANCE = 0.4
-"""A robot's centre keeps this far from walls on its way, metres: the footprint's corners and a little more."""
+"""Least distance of a robot's centre from walls on a path, metres: the footprint's corners and a little more."""
 SPEED = 1.0
 """Metres per second."""
 TURN_RATE = 0.8
@@ -45,7 +45,7 @@ TURN_RATE = 0.8
 
 @dataclass(frozen=True)
 class RoomPlan:
-    """A room: its corners (two: of a box) and where robots go in it, all in map coordinates, metres."""
+    """A room: its corners (two: of a box) and the robots' goal in it, all in the map frame, metres."""
 
     name: str
     region: tuple[Point, ...]
@@ -293,7 +293,7 @@ OFFICE = MapPlan(
 
 
 def draw(plan: MapPlan, resolution: float) -> OccupancyGrid:
-    """The grid of a plan: a cell is a wall when its centre lies in one."""
+    """Draw the grid of a plan: a cell is a wall when its centre lies in one."""
     cols, rows = (round(side / resolution) for side in plan.size)
     x = plan.origin[0] + (np.arange(cols) + 0.5) * resolution
     y = (plan.origin[1] + (np.arange(rows) + 0.5) * resolution)[:, np.newaxis]
@@ -319,7 +319,7 @@ def draw(plan: MapPlan, resolution: float) -> OccupancyGrid:
 
 
 def rooms_yaml(plan: MapPlan) -> str:
-    """The text of `rooms.yaml`."""
+    """Return the text of `rooms.yaml`."""
 
     def points(corners: tuple[tuple[float, ...], ...]) -> str:
         return ", ".join(f"[{', '.join(f'{float(number)!r}' for number in corner)}]" for corner in corners)
@@ -344,14 +344,16 @@ def rooms_yaml(plan: MapPlan) -> str:
 
 @dataclass(frozen=True)
 class PathLength:
-    """A way from one pose to another: metres driven and radians turned on it."""
+    """Length of a path from one pose to another: metres driven and radians turned on it."""
 
     length: float
     turned: float
 
 
 def path_lengths(grid: OccupancyGrid, places: list[Pose2]) -> dict[tuple[int, int], PathLength]:
-    """The shortest ways between all places, over the eight neighbours of each cell, then pulled taut."""
+    """Measure the shortest paths between all places, over the eight neighbours of each cell, then pulled taut.
+
+    A path over a grid turns by multiples of 45 degrees only and is up to 8 % too long, hence the pulling."""
     walls = np.pad(grid.cells != OCCUPIED, 1, constant_values=False)
     clearance = np.asarray(distance_transform_edt(walls))[1:-1, 1:-1] * grid.resolution
     passable = clearance > CLEARANCE
@@ -381,7 +383,7 @@ def path_lengths(grid: OccupancyGrid, places: list[Pose2]) -> dict[tuple[int, in
 
 
 def taut(grid: OccupancyGrid, passable: NDArray[np.bool_], path: list[Point]) -> list[Point]:
-    """A path without the corners that a straight line can leave out."""
+    """Return a path without the corners that a straight line can leave out."""
 
     def straight(a: Point, b: Point) -> bool:
         steps = max(2, math.ceil(math.dist(a, b) / grid.resolution * 2))
@@ -400,21 +402,21 @@ def taut(grid: OccupancyGrid, passable: NDArray[np.bool_], path: list[Point]) ->
 
 
 def measure(corners: list[Point], start: float, goal: float) -> PathLength:
-    """Length of a path, and the angles turned on it from one heading to another."""
+    """Measure the length of a path, and the angles turned on it from one heading to another."""
     headings = [math.atan2(y1 - y0, x1 - x0) for (x0, y0), (x1, y1) in itertools.pairwise(corners)]
     turned = sum(abs(wrap_angle(b - a)) for a, b in itertools.pairwise([start, *headings, goal]))
     return PathLength(sum(math.dist(a, b) for a, b in itertools.pairwise(corners)), turned)
 
 
 def map_times(grid: OccupancyGrid, places: list[Pose2]) -> str:
-    """The text of `mapTimes`: the corridor, which is the start of robot 1, and the rooms, from row to column."""
+    """Return the text of `mapTimes`: the corridor, which is the start of robot 1, and the rooms, from row to column."""
     found = path_lengths(grid, places)
     lines = [str(len(places))]
     for start in range(len(places)):
         row = []
         for goal in range(len(places)):
             way = found.get((start, goal))
-            # Nobody is sent to the corridor, and 99 is the format's word for that, so no cost may be 99.
+            # No robot is sent to the corridor, for which the format has 99, so no cost may be 99.
             moves = way is not None and goal != 0
             row.append(str(min(98, round(way.length / SPEED + way.turned / TURN_RATE))) if moves and way else "99")
         lines.append(" ".join(row))
@@ -422,7 +424,7 @@ def map_times(grid: OccupancyGrid, places: list[Pose2]) -> str:
 
 
 def write(plan: MapPlan, folder: Path, resolution: float) -> None:
-    """Draw one map, write the files about it, and say what it is."""
+    """Draw one map, write its files, and print a summary."""
     write_grid(folder, draw(plan, resolution))
     (folder / "rooms.yaml").write_text(rooms_yaml(plan), encoding="utf-8")
     drawn = read_map(folder, FOOTPRINT)

@@ -23,7 +23,7 @@ THBRIDGE = (sys.executable, "-c", "from ui.cli import main; main()")
 
 
 def free_port() -> int:
-    """A TCP port that nobody listens on."""
+    """Return a free TCP port."""
     with socket.socket() as probe:
         probe.bind(("127.0.0.1", 0))
         return int(probe.getsockname()[1])
@@ -31,7 +31,7 @@ def free_port() -> int:
 
 @contextmanager
 def running(command: list[str], environment: dict[str, str], log: Path) -> Iterator[subprocess.Popen[bytes]]:
-    """A program that ends with the block."""
+    """Run a program until the end of the block."""
     with log.open("wb") as output:
         process = subprocess.Popen(command, env=environment, stdout=output, stderr=subprocess.STDOUT, cwd=ROOT)
         try:
@@ -46,7 +46,7 @@ def running(command: list[str], environment: dict[str, str], log: Path) -> Itera
 
 
 def wait_for_port(port: int, patience: float) -> None:
-    """Return when somebody listens there. Raises TimeoutError."""
+    """Return when a server listens on the port. Raises TimeoutError."""
     end = time.monotonic() + patience
     while time.monotonic() < end:
         with socket.socket() as probe:
@@ -57,7 +57,7 @@ def wait_for_port(port: int, patience: float) -> None:
 
 
 def draw(picture: Path, robots: int, seconds: float, folder: Path) -> None:
-    """Play, look, take the picture; logs stay in the folder."""
+    """Play a hunt, show it in rviz and take the picture; logs stay in the folder."""
     port = free_port()
     uri = f"http://127.0.0.1:{port}"
     display = f":{90 + os.getpid() % 900}"

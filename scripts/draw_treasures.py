@@ -38,12 +38,12 @@ class Solid:
 
 
 def rgb(code: int) -> Floats:
-    """A colour such as 0xff8800 as three linear numbers in [0, 1]."""
+    """Return a colour such as 0xff8800 as three linear numbers in [0, 1]."""
     return (np.array([code >> 16 & 255, code >> 8 & 255, code & 255]) / 255.0) ** 2.2
 
 
 def turned(points: Floats, angle: float) -> Floats:
-    """The points in a frame that is turned about the vertical."""
+    """Return the points in a frame that is turned about the vertical."""
     cos, sin = np.cos(angle), np.sin(angle)
     return np.stack(
         [cos * points[:, 0] - sin * points[:, 2], points[:, 1], sin * points[:, 0] + cos * points[:, 2]], axis=1
@@ -51,7 +51,7 @@ def turned(points: Floats, angle: float) -> Floats:
 
 
 def lathe(profile: Sequence[tuple[float, float]]) -> Callable[[Floats], Floats]:
-    """The solid swept by a profile of (radius, height) corners, lowest first, closed along the axis."""
+    """Return the solid swept by a profile of (radius, height) corners, lowest first, closed along the axis."""
     corners = np.array([(0.0, profile[0][1]), *profile, (0.0, profile[-1][1])])
 
     def distance(points: Floats) -> Floats:
@@ -70,7 +70,7 @@ def lathe(profile: Sequence[tuple[float, float]]) -> Callable[[Floats], Floats]:
 
 
 def smooth(profile: Sequence[tuple[float, float]], rounds: int = 3) -> list[tuple[float, float]]:
-    """The profile with its corners cut, again and again (Chaikin 1974)."""
+    """Return the profile with its corners cut, again and again (Chaikin 1974)."""
     line = np.array(profile)
     for _ in range(rounds):
         near, far = 0.75 * line[:-1] + 0.25 * line[1:], 0.25 * line[:-1] + 0.75 * line[1:]
@@ -301,11 +301,11 @@ def candy_box() -> Solid:
 
 
 def march(solid: Solid, start: Floats, way: Floats, far: float) -> tuple[Floats, Floats]:
-    """Follow rays (n, 3) to the solid.
+    """Follow rays (n, 3) to the solid by sphere tracing (Hart 1996): each step is as long as the solid is away.
 
     Returns:
         (n,) distances along the ray, infinite for a miss, and (n,) how narrowly a ray missed: the least ratio of the
-        gap to the way gone, which is the softness of a shadow.
+        gap to the distance gone, which is the softness of a shadow.
     """
     gone = np.full(len(start), 0.02)
     narrow = np.full(len(start), np.inf)
@@ -324,7 +324,7 @@ def march(solid: Solid, start: Floats, way: Floats, far: float) -> tuple[Floats,
 
 
 def normals(solid: Solid, points: Floats) -> Floats:
-    """(n, 3) unit vectors out of the surface."""
+    """Return (n, 3) unit normals of the surface, outwards."""
     step = 0.002
     slope = np.stack(
         [solid.distance(points + step * axis) - solid.distance(points - step * axis) for axis in np.eye(3)], axis=1
@@ -333,7 +333,7 @@ def normals(solid: Solid, points: Floats) -> Floats:
 
 
 def draw(solid: Solid) -> Image.Image:
-    """The solid on its floor, SIZE x SIZE."""
+    """Draw the solid on its floor, SIZE x SIZE pixels."""
     side = SIZE * OVERSAMPLING
     forward = (LOOK_AT - EYE) / np.linalg.norm(LOOK_AT - EYE)
     right = np.cross(forward, [0.0, 1.0, 0.0])
@@ -360,7 +360,7 @@ def draw(solid: Solid) -> Image.Image:
 
 
 def background(solid: Solid, eye: Floats, way: Floats) -> Floats:
-    """(n, 3) light of the floor with the treasure's shadow, going over into the wall."""
+    """Return the (n, 3) light of the floor with the treasure's shadow, going over into the wall."""
     below = way[:, 1] < -0.02
     reach = np.where(below, -eye[:, 1] / np.where(below, way[:, 1], -1.0), 40.0)
     points = eye + reach[:, None] * way
@@ -375,7 +375,7 @@ def background(solid: Solid, eye: Floats, way: Floats) -> Floats:
 
 
 def lit(solid: Solid, points: Floats, way: Floats) -> Floats:
-    """(n, 3) light of points on the treasure, seen along `way`."""
+    """Return the (n, 3) light of points on the treasure, seen along `direction`."""
     normal = normals(solid, points)
     _, narrow = march(solid, points + 0.03 * normal, np.broadcast_to(LIGHT, points.shape), 4.0)
     sun = np.clip(normal @ LIGHT, 0.0, 1.0) * np.clip(narrow * 9.0, 0.0, 1.0)

@@ -29,7 +29,7 @@ ROOT = Path(__file__).parents[1]
 PICTURES = ROOT / "docs" / "pictures" / "windows"
 GALLERY = ROOT / "docs" / "windows-gallery.md"
 SCALES = (100, 200)
-"""Per cent. Qt takes one for a process, so that each has a process of its own."""
+"""Scales, per cent. Qt takes one for a process, so that each has a process of its own."""
 ABOUT = (
     "Light and dark at 100 %; a click on a picture shows it at 200 %. `make pictures` draws them from real games and a",
     "real recording, and writes this page. What is seen in them is explained in [windows.md](windows.md),",
@@ -65,7 +65,7 @@ def draw(into: Path, scale: int, wanted: frozenset[str]) -> None:
 
 
 def settle(application: QApplication, shot: Shot) -> None:
-    """Let the window take everything in. Raises TimeoutError when it goes on and on."""
+    """Wait until the window has come to rest. Raises TimeoutError when it does not."""
     end = time.monotonic() + SETTLE_TIMEOUT
     # A window looks at its model each frame; the layout follows, and then what is drawn into it.
     calm = 0
@@ -78,7 +78,7 @@ def settle(application: QApplication, shot: Shot) -> None:
 
 
 def grabbed(shot: Shot) -> Image.Image:
-    """The window, and the dialogue above its middle."""
+    """Return the window as an image, with the dialogue above its middle."""
     picture = image_of(shot.window)
     if shot.over is not None:
         above = image_of(shot.over)
@@ -91,7 +91,7 @@ def grabbed(shot: Shot) -> Image.Image:
 
 
 def image_of(widget: QWidget) -> Image.Image:
-    """A widget as it is drawn."""
+    """Return a widget as an image."""
     buffer = QBuffer()
     buffer.open(QBuffer.OpenModeFlag.WriteOnly)
     widget.grab().save(buffer, "PNG")
@@ -99,7 +99,7 @@ def image_of(widget: QWidget) -> Image.Image:
 
 
 def gallery(stories: Sequence[Story]) -> str:
-    """The page that shows all."""
+    """Return the page that shows all pictures."""
     lines = ["# The windows in pictures", "", *ABOUT]
     for story in stories:
         lines += ["", f"## {story.title}"]

@@ -34,7 +34,7 @@ MAPS = ("arena8", "warehouse12")
 MAX_SECONDS = 1800.0
 """Simulated seconds after which a hunt counts as hung."""
 MOVED_DISTANCE = 0.05
-"""Metres that count as having moved."""
+"""Metres, and radians, that count as having moved."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -48,14 +48,14 @@ class Hunt:
 
 @dataclass(frozen=True, slots=True)
 class Outcome:
-    """What became of it.
+    """Result of a hunt.
 
     Attributes:
-        hunt: which.
-        ended: whether it did.
+        hunt: the hunt.
+        ended: it came to its end.
         seconds: simulated.
-        goals: how many were reached.
-        failures: the reasons of those that were not, as codes.
+        goals: number of goals reached.
+        failures: the reasons of the goals that were not, as codes.
         collisions: of all robots.
         waited: longest time that a robot with a goal stood still, seconds.
         open: longest time from a goal to its end, seconds.
@@ -74,7 +74,7 @@ class Outcome:
 
 
 class GoalTimer:
-    """Times how long goals stay open, and how long robots stand in the meantime."""
+    """Measures how long goals stay open, and how long robots stand still meanwhile."""
 
     def __init__(self, robots: int) -> None:
         self._goal: list[int | None] = [None] * robots
@@ -86,7 +86,7 @@ class GoalTimer:
         self.failures: list[str] = []
 
     def saw(self, snapshot: TeamSnapshot) -> None:
-        """Take in one tick."""
+        """Take one tick."""
         for robot, output in enumerate(snapshot.robots):
             navigation, tick = output.navigation, snapshot.tick
             goal = None if navigation.goal is None else navigation.goal.id
@@ -109,10 +109,10 @@ class GoalTimer:
 
 
 class NullStore:
-    """For hunts that nobody goes on with."""
+    """A log store that keeps nothing, since no hunt is resumed."""
 
     def append(self, events: Sequence[Event]) -> None:
-        """Forget them."""
+        """Drop the events."""
 
 
 def play(hunt: Hunt) -> Outcome:
@@ -141,7 +141,7 @@ def play(hunt: Hunt) -> Outcome:
 
 
 def report_line(robots: int, outcomes: Sequence[Outcome]) -> str:
-    """One line on the hunts with so many robots."""
+    """Return one line on the hunts with so many robots."""
     failures = Counter(reason for outcome in outcomes for reason in outcome.failures)
     simulated, cpu = (math.fsum(values) for values in zip(*((o.seconds, o.cpu) for o in outcomes), strict=True))
     missed = f"{failures.total()} not {dict(failures)}" if failures else "0 not"
@@ -154,7 +154,7 @@ def report_line(robots: int, outcomes: Sequence[Outcome]) -> str:
 
 
 def batches(words: str) -> list[tuple[int, int]]:
-    """How many robots, and how many hunts of so many, from "3x100,8x20". Raises ArgumentTypeError."""
+    """Parse numbers of robots and of hunts from "3x100,8x20". Raises ArgumentTypeError."""
     found = [re.fullmatch(r"([1-9]\d*)x([1-9]\d*)", word) for word in words.split(",")]
     read = [(int(each[1]), int(each[2])) for each in found if each is not None]
     if len(read) < len(found):
@@ -163,7 +163,7 @@ def batches(words: str) -> list[tuple[int, int]]:
 
 
 def main() -> int:
-    """Play them all."""
+    """Play all hunts."""
     parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
     usual, shape = "2x100,4x100,8x100,16x20", "ROBOTSxHUNTS, with commas between"
     parser.add_argument("--hunts", type=batches, default=usual, help=shape)

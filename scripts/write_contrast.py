@@ -1,4 +1,4 @@
-"""Writes `docs/accessibility.md`: every pair of colours that the windows draw, and how well it is seen.
+"""Write `docs/accessibility.md`: every pair of colours that the windows draw, and how well it is seen.
 
 python scripts/write_contrast.py [FILE]
 """
@@ -20,7 +20,7 @@ LEAST: dict[Kind, float] = {"text": 4.5, "sign": 3.0, "told besides": 0.0}
 """WCAG 2.2, AA: 1.4.3 for text, 1.4.11 for edges and signs."""
 
 APART = 15.0
-"""Colours that tell things from each other are this far apart in everybody's eyes, CIE76; 2.3 is just noticed."""
+"""Least distance (CIE76) in everybody's eyes of colours that distinguish things; 2.3 is just noticed."""
 
 FLOORS = "unvisited reserved visited"
 GROUNDS = f"window panel floor {FLOORS}"
@@ -28,16 +28,16 @@ GROUNDS = f"window panel floor {FLOORS}"
 
 @dataclass(frozen=True, slots=True)
 class Pair:
-    """What is drawn on what.
+    """Colours drawn on other colours.
 
     Attributes:
-        module: of ui/windows.
-        what: it shows.
+        module: path in ui/windows.
+        what: the thing drawn.
         inks: roles of the palette, "robots" for all of theirs; each may be seen.
         grounds: roles that may be below.
-        kind: how well it has to be seen; "told besides" where nothing rests on it, for the reason in `besides`.
+        kind: how well it has to be seen; "told besides" where nothing depends on it, for the reason in `besides`.
         opacity: of the ink, 0 to 1.
-        besides: where else one finds what it says.
+        besides: where else its information is found.
     """
 
     module: str
@@ -154,7 +154,7 @@ PAIRS = (
     Pair("study/pictures.py", "beams", "line", "panel", "told besides", 70 / 255, "the crosses at their ends"),
     Pair("study/window.py", "edges of fields, ring of the focus", "line accent", "window panel", "sign"),
 )
-"""What lies on what. Faults in the text of a study have a tinted ground, too; see `TINTED`."""
+"""All pairs of colours. Faults in the text of a study have a tinted ground, too; see `TINTED`."""
 
 TINTED = (("study/pages.py", "text on the line of a fault", "text", "bad", 48 / 255, "panel"),)
 """Module, what it is, its ink; the ground: a colour, its opacity, and what is below it."""
@@ -175,7 +175,7 @@ be pressed has a dashed edge and says why.
 
 
 def mixed(ink: str, opacity: float, ground: str) -> str:
-    """What is seen of an ink through which the ground shows."""
+    """Return the colour seen of an ink through which the ground shows."""
     channels = (
         round(opacity * int(ink[at : at + 2], 16) + (1.0 - opacity) * int(ground[at : at + 2], 16)) for at in (1, 3, 5)
     )
@@ -183,7 +183,7 @@ def mixed(ink: str, opacity: float, ground: str) -> str:
 
 
 def colours(palette: Palette, roles: str) -> list[str]:
-    """The colours of some roles."""
+    """Return the colours of some roles."""
     found: list[str] = []
     for role in roles.split():
         colour = getattr(palette, role)
@@ -192,7 +192,7 @@ def colours(palette: Palette, roles: str) -> list[str]:
 
 
 def ratio(pair: Pair, palette: Palette) -> float:
-    """The worst contrast of a pair."""
+    """Return the worst contrast of a pair."""
     return min(
         contrast(mixed(ink, pair.opacity, ground), ground)
         for ink in colours(palette, pair.inks)
@@ -201,14 +201,14 @@ def ratio(pair: Pair, palette: Palette) -> float:
 
 
 def tinted(palette: Palette) -> Iterator[tuple[str, str, float]]:
-    """Module, what it is and contrast of text on a tinted ground."""
+    """Return module, thing and contrast of each text on a tinted ground."""
     for module, what, ink, tint, opacity, ground in TINTED:
         below = mixed(getattr(palette, tint), opacity, getattr(palette, ground))
         yield module, what, contrast(getattr(palette, ink), below)
 
 
 ReportedPair = tuple[str, str, float]
-"""What is told apart by colours, by what besides, and how far these have to be apart."""
+"""Things distinguished by colours, by what besides, and the least distance of these colours (CIE76)."""
 
 TOLD_APART: dict[ReportedPair, tuple[str, ...]] = {
     ("robots", "numbers", APART): ("robots",),
@@ -220,12 +220,12 @@ TOLD_APART: dict[ReportedPair, tuple[str, ...]] = {
 
 
 def apart(palette: Palette, roles: tuple[str, ...], vision: Vision) -> float:
-    """The least difference among the colours of some roles."""
+    """Return the least difference among the colours of some roles."""
     return min(difference(a, b, vision) for a, b in combinations(colours(palette, " ".join(roles)), 2))
 
 
 def page() -> str:
-    """All of it."""
+    """Return the whole page."""
     lines = [HEAD, "## Contrast", "", "| where | what | on | wants | light | dark |", "|---|---|---|---|---|---|"]
     for pair in PAIRS:
         wants = f"told besides: {pair.besides}" if pair.kind == "told besides" else f"{LEAST[pair.kind]:g}"

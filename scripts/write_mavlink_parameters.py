@@ -1,4 +1,4 @@
-"""Writes `docs/mavlink-parameters.md`: what the study's parameters are called in MAVLink, and what may be set.
+"""Write `docs/mavlink-parameters.md`: what the study's parameters are called in MAVLink, and what may be set.
 
 python scripts/write_mavlink_parameters.py [FILE]
 """
@@ -46,7 +46,7 @@ Three come before those of the robot, under the names that ArduPilot's rovers ha
 
 
 def range_of(parameter: VehicleParameter) -> str:
-    """What may be set."""
+    """Return the values that may be set, in words."""
     knob = parameter.declaration
     if bool in knob.types:
         return "0 or 1"
@@ -58,7 +58,7 @@ def range_of(parameter: VehicleParameter) -> str:
 
 
 def rows(parameters: list[tuple[VehicleParameter, float]]) -> Iterator[str]:
-    """The lines of a table, of parameters and what they are told as at first."""
+    """Return the lines of a table of parameters and their first values."""
     yield "| name | path | meaning | at first | unit | range |\n|---|---|---|---|---|---|"
     for parameter, told in parameters:
         knob = parameter.declaration
@@ -67,7 +67,7 @@ def rows(parameters: list[tuple[VehicleParameter, float]]) -> Iterator[str]:
 
 
 def document() -> str:
-    """The whole page."""
+    """Return the whole page."""
     at_first = values_of(Tuning(RobotParameters(), WorldParameters()))
     told = [(parameter, parameter.to_number(value)) for parameter, value in zip(PARAMETERS, at_first, strict=True)]
     parts = [HEAD]

@@ -1,4 +1,4 @@
-"""Writes `docs/parameters.md`: every parameter of the navigation stack, from where the programs have them.
+"""Write `docs/parameters.md`: every parameter of the navigation stack, from where the programs have them.
 
 python scripts/write_parameters.py [FILE]
 """
@@ -63,19 +63,19 @@ class Row:
     meaning: str = ""
 
     def line(self) -> str:
-        """As a line of the table."""
+        """Return the line of the table."""
         cells = (f"`{self.name}`", self.state, self.default, self.hunts, self.unit, self.range, self.meaning)
         return "| " + " | ".join(cell.replace("|", "\\|") for cell in cells) + " |"
 
 
 def rows(standard: object, hunts: object, prefix: str = "", ours: bool = False) -> Iterator[Row]:
-    """Every parameter of a section and of those inside it.
+    """Return the rows of all parameters of a section and of those inside it.
 
     Args:
         standard: the section with ROS's defaults.
         hunts: the section as studies begin with it.
         prefix: of the names, with its dot.
-        ours: whether ROS has no such section.
+        ours: ROS has no such section.
     """
     into = type(standard)
     hints = get_type_hints(into)
@@ -122,7 +122,7 @@ def rows(standard: object, hunts: object, prefix: str = "", ours: bool = False) 
 
 
 def shown(value: object) -> str:
-    """A value as files have it."""
+    """Return a value as files have it."""
     if isinstance(value, tuple):
         return f"[{', '.join(map(shown, value))}]"
     words = {None: "null", True: "true", False: "false"}
@@ -130,12 +130,12 @@ def shown(value: object) -> str:
 
 
 def meaning(help_text: str) -> str:
-    """A help text without its remark on whose parameter it is."""
+    """Return a help text without its remark on whose parameter it is."""
     return re.sub(rf"\s*\({OURS}(?:; )?([^)]*)\)", lambda found: f" ({found[1]})" if found[1] else "", help_text)
 
 
 def both(first: list[Row], second: list[Row]) -> Iterator[Row]:
-    """Rows of two sections in one table; where they differ, the global costmap's word comes first."""
+    """Return the rows of two sections in one table; where they differ, the global costmap's word comes first."""
     others = {row.name: row for row in second}
     for row in first:
         other = others.pop(row.name, None)
@@ -150,7 +150,7 @@ def both(first: list[Row], second: list[Row]) -> Iterator[Row]:
 
 
 def document() -> str:
-    """The whole page."""
+    """Return the whole page."""
     robot = RobotParameters()
     parts = [HEAD]
     for sections, title in TITLES.items():

@@ -18,7 +18,7 @@ from ui.model.playing.offers import offer
 from ui.model.screen import Act, ConsiderRoom, GiveAnswer, PickName, Screen
 
 LIMIT = 120.0
-"""Simulated seconds after which what is waited for will not come any more."""
+"""Simulated seconds after which waiting fails."""
 
 
 class PicturedHunt:
@@ -30,8 +30,8 @@ class PicturedHunt:
     Attributes:
         model: of the window.
         now: seconds of the window's clock.
-        shade: what the window is told in place of what the game said.
-        levels: the latest of each kind that the game said.
+        shade: changes what the game said before the window gets it.
+        levels: the latest notice of each kind.
     """
 
     def __init__(self, study: Study) -> None:
@@ -49,17 +49,17 @@ class PicturedHunt:
         self.run(0.2)
 
     def observe(self, level: ParticipantUpdate) -> None:
-        """The game says this."""
+        """Take a notice of the game."""
         self.levels[type(level)] = level
         self.model.receive(self.shade(level), self.now)
 
     def requests(self, _view: View) -> Sequence[ParticipantRequest]:
-        """What the window asks for."""
+        """Return the open requests of the window."""
         return self.model.requests()
 
     @property
     def screen(self) -> Screen:
-        """What the window shows now."""
+        """The screen that the window shows now."""
         return self.model.screen(self.now)
 
     def run(self, seconds: float) -> None:

@@ -64,7 +64,7 @@ your own will.
 
 
 def window_on(model: Participant, clock: Callable[[], float]) -> ParticipantWindow:
-    """A window of the usual size."""
+    """Return a window of the usual size."""
     window = ParticipantWindow(model, clock, LIGHT)
     window.resize(*SIZE)
     window.show()
@@ -118,20 +118,20 @@ def practice() -> Iterator[Shot]:
 
 
 class _RecordedLink(ParticipantLink):
-    """A link over which everything has been said already."""
+    """A link on which all events have arrived already."""
 
     def __init__(self, hunt: PicturedHunt) -> None:
         super().__init__("", 0, "")
         self._said = [ReceivedEvent(hunt.now, news) for news in (ServerReached(), *hunt.levels.values())]
 
     def start(self) -> None:
-        """It is not connected to anything."""
+        """Do nothing: it is not connected to anything."""
 
     def stop(self) -> None:
-        """Nothing has to be ended."""
+        """Do nothing: no thread is running."""
 
     def take_events(self) -> list[ReceivedEvent]:
-        """All at once."""
+        """Return all events at once."""
         heard, self._said = self._said, []
         return heard
 

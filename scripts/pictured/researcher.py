@@ -37,7 +37,7 @@ REQUESTS: Mapping[int, Request] = {
     900: Carry(2, Pose2(-2.869, -2.97, 0.0)),
     1300: Die(1),
 }
-"""What befalls the hunt that is recorded, by tick."""
+"""Requests to the robots of the hunt that is recorded, by tick."""
 SPOKEN_FOR: Mapping[int, Request] = {
     0: Puppeteer(0, on=True),
     1: Puppeteer(1, on=True),
@@ -47,7 +47,7 @@ SPOKEN_FOR: Mapping[int, Request] = {
 
 
 def play(listeners: Sequence[Listener], ticks: int, befalls: Mapping[int, Request]) -> None:
-    """The beginning of a hunt with a simulated participant."""
+    """Play the beginning of a hunt with a simulated participant."""
     setting = read_setting(STUDY, Path())
     participant = TabUI(build_bot(setting.templates, STUDY.participant.strategy, STUDY.seed))
     said = setting.record(PLAY, [legacy.SIMR, legacy.HIDER, legacy.TABUI], "suggestion")
@@ -95,40 +95,40 @@ def recorded() -> Iterator[Shot]:
 
 
 class _RecordedClient(WatchClient):
-    """A connection over which all has been said already."""
+    """A watch client to which all events have come already."""
 
     def __init__(self, events: list[WatchEvent]) -> None:
         super().__init__("", 0)
         self._said = events
 
     def take(self) -> list[WatchEvent]:
-        """All at once."""
+        """Return all events at once."""
         said, self._said = self._said, []
         return said
 
     def send(self, line: bytes) -> bool:
-        """Nobody listens."""
+        """Drop the line: there is no server."""
         return True
 
 
 class _Connection(session.WatchConnection):
-    """To nobody: no thread, no network."""
+    """A connection to nothing: no thread, no network."""
 
     def __init__(self, client: WatchClient) -> None:
         self.client = client
 
     def close(self) -> None:
-        """Nothing is open."""
+        """Do nothing: nothing is open."""
 
 
 class _MessageCollector:
-    """Hears what a session says."""
+    """Collects the messages of a session, as a watch client would receive them."""
 
     def __init__(self) -> None:
         self.said: list[WatchEvent] = [WatchConnected()]
 
     def take(self, tick: int, messages: Sequence[RosMessage]) -> None:
-        """Keep it."""
+        """Keep the messages."""
         self.said += [
             SessionMessage(each.topic.name, each.topic.msgtype, each.stamp_ns, each.data) for each in messages
         ]
@@ -166,7 +166,7 @@ def _raise(window: ResearcherWindow, title: str) -> None:
 
 
 def _refreshed(window: ResearcherWindow) -> None:
-    """Lists and plots take part in every tenth picture only."""
+    """Refresh often enough for lists and plots, which take part in every tenth frame only."""
     for _ in range(12):
         window.refresh()
         QApplication.processEvents()

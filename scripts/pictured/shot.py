@@ -1,4 +1,4 @@
-"""What a state hands over to have its picture taken."""
+"""Windows to be pictured, and the stories that bring them into their states."""
 
 from collections.abc import Callable, Iterator, Mapping
 from dataclasses import dataclass
@@ -9,7 +9,7 @@ from ui.model.theme import Palette
 
 
 def nothing(_palette: Palette) -> None:
-    """For windows that follow the application's colours by themselves."""
+    """Do nothing: for windows that follow the application's colours by themselves."""
 
 
 @dataclass(frozen=True)
@@ -19,9 +19,9 @@ class Shot:
     Attributes:
         name: of the picture.
         window: to be grabbed.
-        wear: puts other colours on it, besides those of the application.
-        over: a dialogue that stands above its middle.
-        settled: whether what the window draws by itself, such as moving figures, has come to rest.
+        wear: applies a palette to it, besides that of the application.
+        over: a dialogue box above its middle.
+        settled: returns True when the window's own animations have come to rest.
     """
 
     name: str
@@ -33,12 +33,12 @@ class Shot:
 
 @dataclass(frozen=True)
 class Story:
-    """States that come one out of the other.
+    """States that follow from each other.
 
     Attributes:
-        title: what these states are of.
-        pictures: their names, in order, and what each shows.
-        tell: gives them in this order.
+        title: heading of these states.
+        pictures: their names, in order, and a caption for each.
+        tell: yields them in this order.
     """
 
     title: str

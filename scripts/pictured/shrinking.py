@@ -7,16 +7,16 @@ from numpy.typing import NDArray
 from PIL import Image
 
 LARGEST = 60_000
-"""Bytes that a picture should have at most; a busy one of double size has some more."""
+"""Most bytes that a picture should have; a busy one of double size has some more."""
 PALETTES = (128, 64, 40, 26)
-"""Numbers of colours that are tried, the most first."""
+"""Numbers of colours to try, the most first."""
 RARE = 100_000
-"""One pixel of so many must have a colour for it to count."""
+"""A colour counts when one pixel of so many has it."""
 _WEIGHTS = np.array([65536, 256, 1], dtype=np.uint32)
 
 
 def shrunk(picture: Image.Image) -> bytes:
-    """A PNG of few colours: as many as fit."""
+    """Return a PNG with as many colours as fit into `LARGEST` bytes."""
     pixels = np.asarray(picture, dtype=np.uint32)
     codes, places, counts = np.unique(pixels @ _WEIGHTS, return_inverse=True, return_counts=True)
     colours = (codes[:, None] // _WEIGHTS % 256).astype(np.float32)
@@ -35,8 +35,11 @@ def shrunk(picture: Image.Image) -> bytes:
 
 
 def palette_of(colours: NDArray[np.float32], counts: NDArray[np.int64], number: int) -> list[int]:
-    """Which of (n, 3) colours to keep: half of them the most frequent, so that grounds stay as they are, then always
-    the one that is farthest from those kept, so that what is rare and tells something, as a robot's colour, stays."""
+    """Return which of (n, 3) colours to keep.
+
+    Half of them are the most frequent, so that backgrounds stay as they are. Then always the one is added that is
+    farthest from those kept, so that a rare colour with a meaning, such as a robot's, stays.
+    """
     kept = np.argsort(-counts, kind="stable")[: number // 2].tolist()
     frequent = counts >= counts.sum() / RARE
     distance = ((colours[:, None] - colours[kept][None]) ** 2).sum(axis=2).min(axis=1)

@@ -64,7 +64,7 @@ def shot(name: str, window: StudyWindow) -> Shot:
 
 
 def _type(window: StudyWindow, key: str, said: str) -> None:
-    """As by hand."""
+    """Type into a field as by hand."""
     window.open_field(key)
     line = window.fields.rows[key].findChild(QLineEdit)
     if line is not None:

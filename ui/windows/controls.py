@@ -1,6 +1,6 @@
-"""Boxes to choose and to tick in, with edges and signs that all can see; Qt's own are too faint on dark ground.
+"""Combo boxes and check boxes whose edges and signs everybody can see; Qt's own are too faint on dark ground.
 
-The style sheet of `look` gives them their edges. With those Qt leaves out the signs inside, so they are painted here.
+The style sheet of `look` gives them their edges. Qt then leaves out the signs inside, so they are painted here.
 """
 
 from PySide6.QtCore import QPointF, Qt
@@ -11,10 +11,10 @@ from ui.windows.look import GAP, colours
 
 
 class ChoiceBox(QComboBox):
-    """Choices that fold out."""
+    """A combo box with a visible arrow."""
 
     def paintEvent(self, event: QPaintEvent) -> None:
-        """Draw the arrow, too."""
+        """Draw the box and its arrow."""
         super().paintEvent(event)
         x, y = self.width() - 2.0 * GAP, self.height() / 2.0
         colour = self.palette().text().color() if self.isEnabled() else QColor(colours().muted)
@@ -22,10 +22,10 @@ class ChoiceBox(QComboBox):
 
 
 class CheckBox(QCheckBox):
-    """Something that holds or does not."""
+    """A check box with a visible tick."""
 
     def paintEvent(self, event: QPaintEvent) -> None:
-        """Draw the tick, too."""
+        """Draw the box and its tick."""
         super().paintEvent(event)
         if not self.isChecked():
             return

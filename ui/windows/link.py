@@ -1,6 +1,7 @@
-"""The participant's program beside its window: a thread of its own speaks with the server.
+"""The participant's program beside its window: a thread that talks to the server.
 
-The window takes what was heard at each frame and says what is wanted; nothing else crosses between the threads.
+At each frame the window takes the events received so far and sets its open requests; nothing else crosses between the
+threads.
 """
 
 import asyncio
@@ -20,11 +21,11 @@ from thbridge.sockets.text_client import Backoff, ConnectionLost, LossReason, Te
 from thbridge.wire.text import TextMessage
 
 POLL_PERIOD = 0.005
-"""Seconds from one look at what has come to the next. Robots are drawn later by half of it, and by what it makes one
-telling come later than another."""
+"""Seconds from one poll of the connection to the next. Robots are drawn later by half of it, and by the jitter that it
+adds to pose telemetry."""
 
 RECONNECT_BACKOFF = Backoff(first=0.25, longest=2.0)
-"""A person waits at the other end: a server that is back is found within two seconds."""
+"""Backoff of reconnecting: a person is waiting, so a server that is back is found within two seconds."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -34,7 +35,7 @@ class ServerReached:
 
 @dataclass(frozen=True, slots=True)
 class ServerLost:
-    """The server is not reached any more; why, in words."""
+    """The connection to the server is lost; `sentence` says why."""
 
     sentence: str
 
@@ -45,14 +46,14 @@ LOSS_SENTENCES = {
     LossReason.REFUSED: "Somebody else plays it just now.",
     LossReason.STOPPED: "Its server has stopped.",
 }
-"""What there is to add, for people who play, when the connection is lost."""
+"""Sentences for the player about a lost connection; empty where there is nothing to add."""
 
 ServerEvent: TypeAlias = View | House | Whereabouts | Ways | Picture | ServerReached | ServerLost
 
 
 @dataclass(frozen=True, slots=True)
 class ReceivedEvent:
-    """Something, and when it came: monotonic seconds, however much later the window looks."""
+    """An event and the monotonic time of its arrival, seconds, however much later the window takes it."""
 
     time: float
     event: ServerEvent
@@ -88,11 +89,11 @@ class ParticipantLink:
         self._thread.join()
 
     def take_events(self) -> list[ReceivedEvent]:
-        """What was heard since the last call, oldest first."""
+        """Return the events since the last call, oldest first."""
         return [self._events.popleft() for _ in range(len(self._events))]
 
     def request(self, wishes: tuple[ParticipantRequest, ...]) -> None:
-        """This is all that is wanted from now on; it is said again and again until it is granted."""
+        """Set all open requests; each is sent again until it is granted."""
         self._requested = wishes
 
     # The thread's side
@@ -114,7 +115,7 @@ class ParticipantLink:
                 await asyncio.sleep(POLL_PERIOD)
 
     def observe(self, level: View | House | Whereabouts | Ways | Picture) -> None:
-        """The role heard something; see `thbridge.roles.tabui.Onlooker`."""
+        """Pass on a notice that the role received; see `thbridge.roles.tabui.ParticipantObserver`."""
         self._tell(level)
 
     def _lost(self, lost: ConnectionLost) -> None:
@@ -125,7 +126,7 @@ class ParticipantLink:
 
 
 class _WindowPlayer:
-    """A player who wants what the window says."""
+    """A player whose requests are those of the window."""
 
     def __init__(self) -> None:
         self.requested: tuple[ParticipantRequest, ...] = ()
@@ -135,7 +136,7 @@ class _WindowPlayer:
 
 
 class _ClockedRole:
-    """Runs the role by the clock, as often as it is asked, and tells the window, too, that the server is reached."""
+    """Steps the role by the wall clock, and reports to the window that the server is reached."""
 
     def __init__(self, role: TabUI, tell: Callable[[ServerEvent], None]) -> None:
         self._role = role
@@ -144,15 +145,15 @@ class _ClockedRole:
         self._messages: list[TextMessage] = []
 
     def connected(self) -> None:
-        """See `Lodger`, for this and the next two."""
+        """See `RoleRunner`, for this and the next two."""
         self._role.connected()
         self._tell(ServerReached())
 
     def receive(self, message: TextMessage) -> None:
-        """It is passed on with the next step."""
+        """Keep a message for the next step."""
         self._messages.append(message)
 
     def step(self) -> Sequence[TextMessage]:
-        """What the role says to what has come until this tick."""
+        """Return the role's messages in answer to all that came until this tick."""
         messages, self._messages = self._messages, []
         return self._role.step(int((time.monotonic() - self._begin) / TICK), messages)

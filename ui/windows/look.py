@@ -1,7 +1,7 @@
-"""How all windows look: one typeface, one scale of sizes and spaces, light or dark as the system is or as asked.
+"""Style of all windows: one typeface, one scale of sizes and spaces, light or dark as the system is or as asked.
 
-`dress` puts a palette on the whole application, as `QApplication.setPalette` does; `colours()` tells widgets that paint
-themselves which one is worn. Everything else follows from Qt's own roles, so plain widgets need no styling.
+`apply_palette` gives the whole application a palette, as `QApplication.setPalette` does; `colours()` returns it for
+widgets that paint themselves. Everything else follows from Qt's own roles, so plain widgets need no styling.
 """
 
 from typing import Literal
@@ -19,24 +19,24 @@ GAP = 8
 """The unit of spacing, logical pixels: all margins and distances are halves and multiples of it."""
 
 RADIUS = 8
-"""Of the corners of cards, panels and buttons."""
+"""Radius of the corners of cards, panels and buttons, logical pixels."""
 
 RING = 2
-"""Width of the ring around what has the focus."""
+"""Width of the ring around the widget with the focus, logical pixels."""
 
 _SCALE: dict[Size, float] = {"small": 0.88, "body": 1.0, "title": 1.24, "hero": 1.9}
 _SMALLEST_BODY = 10.5
 
 
 class _Current:
-    """What the application wears; there is one application in a process."""
+    """The style in force; there is one application in a process."""
 
     palette: Palette = LIGHT
     body: float = _SMALLEST_BODY
 
 
 def colours() -> Palette:
-    """The palette worn now."""
+    """The palette in force."""
     return _Current.palette
 
 
@@ -51,7 +51,7 @@ def font(size: Size = "body", *, bold: bool = False) -> QFont:
 
 
 def apply_palette(app: QApplication, palette: Palette) -> None:
-    """Put a palette on everything in the application, what is open already included.
+    """Give the whole application a palette, open windows included.
 
     A larger typeface of the system is kept; a smaller one is raised to what reads well.
     """
@@ -68,7 +68,7 @@ def apply_palette(app: QApplication, palette: Palette) -> None:
 
 
 def qt_palette(palette: Palette) -> QPalette:
-    """The colours under Qt's names."""
+    """The same colours as Qt's palette."""
     role = QPalette.ColorRole
     made = QPalette()
     for roles, colour in (
@@ -90,10 +90,10 @@ def qt_palette(palette: Palette) -> QPalette:
 
 
 class Appearance(QObject):
-    """Dresses the application and keeps it dressed: follows the system's light and dark, or stays as asked.
+    """The application's palette: follows the system's light and dark, or stays as asked.
 
     Attributes:
-        changed: says the new palette, to whoever paints by themselves.
+        changed: the new palette, for widgets that paint themselves.
     """
 
     changed = Signal(object)
@@ -107,11 +107,11 @@ class Appearance(QObject):
 
     @property
     def palette(self) -> Palette:
-        """What is worn now."""
+        """The palette in force."""
         return colours()
 
     def choose(self, choice: Choice) -> None:
-        """Light, dark, or as the system has it."""
+        """Switch to light, to dark, or to the system's setting."""
         self._choice = choice
         self._wear()
 
@@ -136,19 +136,19 @@ def label(text: str = "", size: Size = "body", *, bold: bool = False, muted: boo
 
 
 def style_as_panel(widget: QWidget) -> None:
-    """Have a widget drawn as a panel: its own ground, an edge, round corners."""
+    """Have a widget drawn as a panel: its own background, an edge, round corners."""
     widget.setProperty("panel", True)
     widget.setAttribute(Qt.WidgetAttribute.WA_StyledBackground)
 
 
 def text_colour_on(colour: str) -> str:
-    """The text colour, of those worn, that is read best on a colour."""
+    """The palette's text colour that is read best on a colour."""
     worn = colours()
     return max((worn.panel, worn.text, worn.on_accent), key=lambda text: contrast(text, colour))
 
 
 def _sheet(worn: Palette) -> str:
-    """What Qt's palette cannot say."""
+    """The style sheet: all that Qt's palette cannot express."""
     return f"""
     QToolTip {{ color: {worn.text}; background: {worn.panel}; border: 1px solid {worn.line}; padding: {GAP // 2}px; }}
     QLabel[muted="true"] {{ color: {worn.muted}; }}

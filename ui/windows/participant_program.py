@@ -1,7 +1,7 @@
 """The participant's window as a program: at a server, or hosted by the program that runs the games.
 
-It joins the window (`ParticipantWindow`), its model (`Participant`) and the thread that speaks with the server
-(`Link`).
+It connects the window (`ParticipantWindow`), its model (`Participant`) and the thread that talks to the server
+(`ParticipantLink`).
 """
 
 import signal
@@ -49,16 +49,16 @@ from ui.windows.participant.widgets.buttons import ActionButton, ButtonFace
 from ui.windows.participant.window import ParticipantWindow
 
 FRAME = 15
-"""Milliseconds between two looks at what came in."""
+"""Milliseconds between two polls of the link and of the host."""
 
 
 class GamePage(QWidget):
-    """A game at a server: the window with what feeds it, and a strip above it where there is something to say.
+    """A game at a server: the participant's window, its model and link, and a strip with advice or a way back.
 
     Args:
         link: to the server, not started yet.
         appearance: colours.
-        practice: it is the practice game, and says what to do next.
+        practice: it is the practice game, whose strip says what to do next.
         back: goes back to the start page; None where there is none.
         clock: monotonic seconds.
     """
@@ -109,11 +109,11 @@ class GamePage(QWidget):
 
     @property
     def in_progress(self) -> bool:
-        """Whether something would be lost if the participant left now."""
+        """True when something would be lost if the participant left now."""
         return not self._practice and self._model.screen(self._clock()).phase is Phase.PLAYING
 
     def pump(self) -> None:
-        """Take in what came from the server, and say what is wanted."""
+        """Take the events from the server, and set the open requests."""
         now = self._clock()
         for heard in self._link.take_events():
             match heard.event:
@@ -139,11 +139,11 @@ class GamePage(QWidget):
 
 
 class ParticipantMainWindow(QMainWindow):
-    """What the participant sits at: one page at a time.
+    """The participant's main window, which shows one page at a time.
 
     Args:
         appearance: colours.
-        say: tells the host; None where there is none.
+        say: sends to the host; None where there is none.
         clock: monotonic seconds.
     """
 
@@ -172,7 +172,7 @@ class ParticipantMainWindow(QMainWindow):
         self._pumping.start(FRAME)
 
     def receive(self, said: FromHost) -> None:
-        """The host says this."""
+        """Act on a message of the host."""
         match said:
             case Offer():
                 self._offer = said
@@ -185,14 +185,14 @@ class ParticipantMainWindow(QMainWindow):
                 self.join(ParticipantLink(host, port, token), practice)
 
     def join(self, link: ParticipantLink, practice: bool = False) -> None:
-        """Sit down at a game."""
+        """Show a game."""
         back = None if self._say is None else self._go_back
         game = GamePage(link, self._appearance, practice, back, self._clock)
         self._show(game)
         self.game = game
 
     def leave(self) -> None:
-        """Close without a question."""
+        """Close without asking."""
         self._leaving = True
         self.close()
 
@@ -261,7 +261,7 @@ class ParticipantMainWindow(QMainWindow):
 
 
 class HostPipe(QObject):
-    """The program that runs the games, at the other end of standard input and output."""
+    """The connection by standard input and output to the program that runs the games."""
 
     def __init__(self, table: ParticipantMainWindow) -> None:
         super().__init__(table)
@@ -272,7 +272,7 @@ class HostPipe(QObject):
 
     @staticmethod
     def send(said: FromWindow) -> None:
-        """Tell it something; when it is gone, nobody needs to know any more."""
+        """Send a message; when the host is gone, nobody needs it any more."""
         try:
             sys.stdout.buffer.write(encode(said))
             sys.stdout.buffer.flush()
@@ -280,7 +280,7 @@ class HostPipe(QObject):
             pass
 
     def timerEvent(self, _event: QEvent) -> None:
-        """Pass on what it said."""
+        """Pass its messages on to the window."""
         while self._received:
             said = self._received.popleft()
             if said is None:

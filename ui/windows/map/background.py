@@ -1,4 +1,4 @@
-"""What of the map stands still: floor, walls and rooms, painted once into a picture that is shifted with the view."""
+"""Background of the map: floor, walls and rooms, painted once into a picture that is shifted with the view."""
 
 import math
 from collections.abc import Sequence
@@ -21,7 +21,7 @@ MARGIN = 0.25
 
 @dataclass(frozen=True, slots=True, eq=False)
 class _Picture:
-    """A painted piece of ground: what was seen by `camera`, in device pixels; words are in (m, 4) boxes of its own."""
+    """A painted piece of the map: the view of `camera`, in device pixels; `words` are (m, 4) boxes of text in it."""
 
     pixmap: QPixmap
     camera: Camera
@@ -30,7 +30,7 @@ class _Picture:
 
 
 class MapBackground:
-    """The still part of the map, painted anew only when something in it changes or the view leaves what was painted."""
+    """The part of the map that stands still, repainted only when it changes or the view leaves the picture."""
 
     def __init__(self, palette: Palette) -> None:
         self._palette = palette
@@ -39,19 +39,19 @@ class MapBackground:
         self._picture: _Picture | None = None
 
     def show_geometry(self, plan: MapGeometry) -> None:
-        """Another house."""
+        """Show another floor plan."""
         self._plan, self._picture = plan, None
 
     def show_rooms(self, rooms: Sequence[RoomMark]) -> None:
-        """The rooms as they are now."""
+        """Show the rooms as they are now."""
         self._rooms, self._picture = tuple(rooms), None
 
     def set_palette(self, palette: Palette) -> None:
-        """Other colours."""
+        """Use other colours."""
         self._palette, self._picture = palette, None
 
     def invalidate(self) -> None:
-        """Something else has changed by which it is painted, as the font."""
+        """Repaint with the next frame, for example with another font."""
         self._picture = None
 
     def paint(self, painter: QPainter, camera: Camera, ratio: float, font: QFont, moving: bool) -> None:
@@ -60,7 +60,7 @@ class MapBackground:
         Args:
             painter: in logical pixels of the view.
             camera: snapped to device pixels.
-            ratio: device pixels a logical pixel.
+            ratio: device pixels per logical pixel.
             font: of names and numbers.
             moving: the view is likely to move on, so that a margin around it is worth painting.
         """
@@ -71,7 +71,7 @@ class MapBackground:
         painter.drawPixmap(QPointF(-px, -py), picture.pixmap)
 
     def words(self, camera: Camera) -> FloatArray:
-        """(m, 4) left, top, right and bottom of what is written on what was painted last, pixels of the view."""
+        """Return (m, 4) boxes of the text in the last picture: left, top, right and bottom, pixels of the view."""
         if self._picture is None:
             return np.empty((0, 4))
         px, py = self._picture.camera.pixel(*camera.point(0.0, 0.0))
@@ -114,7 +114,7 @@ class MapBackground:
 
 
 def _covers(picture: _Picture, camera: Camera, ratio: float) -> bool:
-    """Whether all that the camera sees is in the picture, at its scale."""
+    """Return True when all that the camera sees is in the picture, at its scale."""
     if picture.ratio != ratio or picture.camera.scale != camera.scale:
         return False
     px, py = picture.camera.pixel(camera.x, camera.y)

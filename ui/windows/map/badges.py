@@ -1,4 +1,4 @@
-"""Robots' labels: small pictures made once, and places for them where they cover no robot, no words, nor each other."""
+"""Robots' labels: pictures that are made once, and positions where they cover no robot, no words and no other label."""
 
 from collections.abc import Sequence
 from dataclasses import dataclass
@@ -11,10 +11,10 @@ from sim.common.geometry import FloatArray
 from ui.model.theme import Palette
 
 LABEL_HEIGHT = 20.0
-"""Of a label, pixels."""
+"""Height of a label, pixels."""
 
 TEXT_HEIGHT = 12
-"""Height of its letters, pixels."""
+"""Height of a label's letters, pixels."""
 
 GAP = 4.0
 """Pixels between a robot and its label."""
@@ -24,15 +24,16 @@ SIGN_WIDTH = 19.0
 
 _SIDES = np.array([(0, -1), (0, 1), (1, 0), (-1, 0), (1, -1), (-1, -1), (1, 1), (-1, 1)], dtype=np.float64)
 _REACHES = (1.0, 1.9, 2.8)
-"""Where labels may lie about their robot, best first; and how far off, in heights of a label."""
+"""Directions in which labels may lie from their robot, best first; and distances, in heights of a label."""
 
 OVERLAP_WEIGHT, ROBOT_WEIGHT, WORDS_WEIGHT, RANK_WEIGHT, MOVE_WEIGHT = 4.0, 1.0, 2.0, 6.0, 30.0
-"""Weights: square pixels over another label, over a robot, over words; a less good place; leaving the place it has."""
+"""Weights in the cost of a position: square pixels over another label, over a robot, over words; each rank by which the
+position is less good; leaving the position that the label has."""
 
 
 @dataclass(frozen=True, slots=True)
 class Anchor:
-    """What a label belongs to: a robot's middle and radius on the screen, and the label's size, pixels."""
+    """A robot to be labelled: its middle and radius on the screen, and its label's size, pixels."""
 
     x: float
     y: float
@@ -42,15 +43,18 @@ class Anchor:
 
 
 def place_labels(anchors: Sequence[Anchor], before: Sequence[int], words: FloatArray) -> tuple[FloatArray, list[int]]:
-    """Where labels go, first come first served.
+    """Choose positions for labels, first come first served.
+
+    Greedy: each label takes the cheapest of 24 positions around its robot, given the labels before it. Nothing is
+    searched while all labels keep clear where they are.
 
     Args:
-        anchors: in order of precedence.
-        before: for each, the number of the place it had, so that labels do not hop about; -1 for none.
+        anchors: the robots, in order of precedence.
+        before: for each, the number of the position it had, so that labels do not hop about; -1 for none.
         words: (m, 4) boxes that should stay readable: left, top, right, bottom.
 
     Returns:
-        (n, 2) upper left corners, and the places' numbers.
+        (n, 2) upper left corners, and the positions' numbers.
     """
     about = np.array([(a.x, a.y, a.radius, a.width, a.height) for a in anchors]).reshape(-1, 5)
     places = _places(about)
@@ -85,7 +89,7 @@ def _places(about: FloatArray) -> FloatArray:
 
 
 def _crowded(boxes: FloatArray, others: FloatArray) -> bool:
-    """Whether any label lies over another, or over anything else."""
+    """Return True when a label lies over another one or over one of the other boxes."""
     own = np.sum((boxes[:, 2] - boxes[:, 0]) * (boxes[:, 3] - boxes[:, 1]))
     return bool(np.sum(_overlap(boxes, np.concatenate((boxes, others)))) > own + 1e-6)
 
@@ -100,14 +104,14 @@ def _overlap(boxes: FloatArray, others: FloatArray) -> FloatArray:
 
 @dataclass(frozen=True, slots=True)
 class BadgeText:
-    """What a label says of its robot.
+    """Text and state on a robot's label.
 
     Attributes:
-        label: its name.
-        colour: its own.
-        selected: whether it is; the label is filled then.
-        trouble: whether something is wrong with it; the label has a warning sign then.
-        taken: who else commands it, in words; the label has a mast before them then.
+        label: the robot's name.
+        colour: the robot's.
+        selected: the robot is selected; the label is filled then.
+        trouble: something is wrong with the robot; the label has a warning sign then.
+        taken: another commander of the robot, in words; the label has a mast before them then.
     """
 
     label: str
@@ -127,13 +131,13 @@ class Badge:
 
 
 class Badges:
-    """Labels as pictures, each made once."""
+    """Cache of labels as pictures."""
 
     def __init__(self) -> None:
         self._made: dict[tuple[BadgeText, float, str], Badge] = {}
 
     def clear(self) -> None:
-        """Another palette or font."""
+        """Forget all pictures, for another palette or font."""
         self._made.clear()
 
     def of(self, lettering: BadgeText, palette: Palette, font: QFont, ratio: float) -> Badge:
@@ -180,7 +184,7 @@ def _made(lettering: BadgeText, palette: Palette, font: QFont, ratio: float) -> 
 
 
 def _paint_mast(painter: QPainter, left: float, ink: QColor) -> None:
-    """A mast that sends to both sides: somebody elsewhere commands this robot."""
+    """Paint a mast that sends to both sides: somebody elsewhere commands this robot."""
     painter.setPen(QPen(ink, 1.4))
     painter.setBrush(Qt.BrushStyle.NoBrush)
     middle = left + SIGN_WIDTH / 2.0 - 2.0
@@ -193,7 +197,7 @@ def _paint_mast(painter: QPainter, left: float, ink: QColor) -> None:
 
 
 def _paint_warning(painter: QPainter, palette: Palette, font: QFont, *, on_colour: bool) -> None:
-    """A triangle with an exclamation mark, in the left of a label; on a robot's colour, red would hardly be seen."""
+    """Paint a triangle with an exclamation mark at the left of a label; red would not show on a robot's colour."""
     painter.setPen(Qt.PenStyle.NoPen)
     painter.setBrush(QColor(palette.panel if on_colour else palette.bad))
     painter.drawPolygon(QPolygonF([QPointF(13.0, 2.5), QPointF(20.5, 16.0), QPointF(5.5, 16.0)]))

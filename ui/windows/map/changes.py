@@ -1,4 +1,4 @@
-"""Whether the map would look any different: most of the time nothing moves, and nothing need be painted."""
+"""Tests for visible changes of the map: most of the time nothing moves, and nothing need be painted."""
 
 from collections.abc import Sequence
 
@@ -8,14 +8,14 @@ from sim.common.geometry import Pose2
 from ui.model.scene import RobotMark, RoomMark
 
 VISIBLE_SHIFT = 0.1
-"""A change of so many pixels shows."""
+"""Least shift that shows, pixels."""
 
 VISIBLE_TURN = 0.005
-"""A turn by so many radians shows."""
+"""Least turn that shows, radians."""
 
 
 def same_rooms(some: Sequence[RoomMark], others: Sequence[RoomMark]) -> bool:
-    """Whether two sequences of rooms look the same."""
+    """Return True when two sequences of rooms look the same."""
     return len(some) == len(others) and all(map(_same_room, some, others))
 
 
@@ -28,7 +28,7 @@ def _same_room(one: RoomMark, other: RoomMark) -> bool:
 
 
 def same_robots(some: Sequence[RobotMark], others: Sequence[RobotMark], scale: float) -> bool:
-    """Whether two sequences of robots look the same at so many pixels a metre."""
+    """Return True when two sequences of robots look the same at so many pixels a metre."""
     return len(some) == len(others) and all(_same_robot(*pair, scale) for pair in zip(some, others, strict=True))
 
 

@@ -1,4 +1,4 @@
-"""The house as the map draws it: boxes of equal cells, its extent, and where in a room there is space for words."""
+"""Floor plan as the map draws it: boxes of equal cells, its extent, and a test for places without walls."""
 
 import base64
 import binascii
@@ -15,7 +15,7 @@ from thbridge.roles.notices import House
 FREE, WALL, UNKNOWN = 0, 1, 2
 
 Boxes = NDArray[np.int64]
-"""(n, 4): first column, first row, columns, rows; in cells."""
+"""(n, 4) boxes: first column, first row, columns, rows; in cells."""
 
 Box = tuple[float, float, float, float]
 """Least x, least y, most x, most y; metres."""
@@ -23,7 +23,7 @@ Box = tuple[float, float, float, float]
 
 @dataclass(frozen=True, slots=True, eq=False)
 class MapGeometry:
-    """A house, unpacked.
+    """A floor plan, unpacked.
 
     Attributes:
         origin: of the cells, map frame.
@@ -31,7 +31,8 @@ class MapGeometry:
         floor: boxes of free cells.
         walls: boxes of walls.
         bounds: box around all that is known, map frame.
-        walls_below: (rows + 1, cols + 1) how many cells of wall lie below and left of each corner of cells.
+        walls_below: (rows + 1, cols + 1) number of wall cells below and left of each corner of cells: a summed-area
+            table (Crow 1984), by which the walls in any box are counted with four look-ups.
     """
 
     origin: Pose2
@@ -42,7 +43,7 @@ class MapGeometry:
     walls_below: NDArray[np.int64]
 
     def is_clear(self, corners: FloatArray) -> NDArray[np.bool_]:
-        """(n,) which boxes of (n, 4, 2) corners in the map frame hold no wall."""
+        """Return (n,) True for boxes of (n, 4, 2) corners in the map frame that hold no wall."""
         cells = self.origin.inverse().transform(corners.reshape(-1, 2)).reshape(-1, 4, 2) / self.resolution
         rows, cols = self.walls_below.shape
         low = np.clip(np.floor(cells.min(axis=1)), 0, (cols - 1, rows - 1)).astype(np.int64)
@@ -54,7 +55,7 @@ class MapGeometry:
 
 
 def unpack(house: House) -> MapGeometry:
-    """The plan of a house; one whose cells cannot be read has rooms and no walls."""
+    """Unpack a floor plan; one whose cells cannot be read has rooms and no walls."""
     cells = _cells(house)
     origin = Pose2(*house.origin)
     rows, cols = np.nonzero(cells != UNKNOWN)
@@ -89,7 +90,10 @@ def _cells(house: House) -> NDArray[np.uint8]:
 
 
 def boxes(mask: NDArray[np.bool_]) -> Boxes:
-    """Boxes that cover the true cells of a (rows, cols) mask once each: runs of a row, stacked where they agree."""
+    """Return boxes that cover the true cells of a (rows, cols) mask once each.
+
+    Runs of true cells in a row are merged with equal runs of the rows above: a few hundred boxes are painted instead of
+    tens of thousands of cells."""
     found: list[tuple[int, int, int, int]] = []
     growing: dict[tuple[int, int], int] = {}
     padded = np.pad(mask, ((0, 1), (1, 1))).astype(np.int8)
@@ -105,7 +109,7 @@ def boxes(mask: NDArray[np.bool_]) -> Boxes:
 
 
 def contains(region: FloatArray, points: FloatArray) -> NDArray[np.bool_]:
-    """(n,) which of (n, 2) points lie in a region of (k, 2) corners; map frame."""
+    """Return (n,) True for those of (n, 2) points that lie in a region of (k, 2) corners; map frame."""
     corners = tuple((float(x), float(y)) for x, y in region)
     held: NDArray[np.bool_] = inside(corners, points[:, 0], points[:, 1])
     return held

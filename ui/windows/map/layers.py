@@ -1,7 +1,7 @@
-"""What else may lie on the map: clouds of particles, scans, costs, poses and lines, in map metres.
+"""Layers of the map beside its rooms and robots: points, lines, poses and costmaps, in map metres.
 
-Each layer is told what to show whenever that changes and is painted with every frame. What was told is kept as it is
-given: arrays must not be changed afterwards.
+Each layer is given its data whenever that changes and is painted with every frame. The data is kept as it is given:
+arrays must not be changed afterwards.
 """
 
 import math
@@ -17,14 +17,14 @@ from ui.windows.map.points import lines, polygon
 from ui.windows.map.view import MapView
 
 UNDER, OVER = -1, 1
-"""Below the robots, and above them."""
+"""Order of painting: below the robots, and above them."""
 
 
 class _ColouredLayer:
     """A layer of one colour.
 
     Args:
-        robot: in whose colour it is drawn; None in the accent.
+        robot: drawn in this robot's colour; None in the accent.
         z: below the robots when negative.
         opacity: 0 to 1.
     """
@@ -41,10 +41,10 @@ class _ColouredLayer:
 
 
 class PointLayer(_ColouredLayer):
-    """A cloud of particles, or the ends of a scan's beams: thousands of dots.
+    """A layer of thousands of dots: particles, or the ends of a scan's beams.
 
     Args:
-        robot: in whose colour; None in the accent.
+        robot: drawn in this robot's colour; None in the accent.
         z: below the robots when negative.
         opacity: 0 to 1.
         size: of a dot, pixels.
@@ -56,11 +56,11 @@ class PointLayer(_ColouredLayer):
         self._points: FloatArray = np.empty((0, 2))
 
     def show(self, points: FloatArray) -> None:
-        """(n, 2) points."""
+        """Show (n, 2) points."""
         self._points = points
 
     def paint(self, painter: QPainter, view: MapView) -> None:
-        """Draw the dots; squares without smooth edges, which are painted several times faster than discs."""
+        """Draw the dots as squares without smooth edges, which are painted several times faster than discs."""
         painter.setRenderHint(QPainter.RenderHint.Antialiasing, False)
         pen = QPen(self._ink(view), self._size)
         pen.setCapStyle(Qt.PenCapStyle.SquareCap)
@@ -69,10 +69,10 @@ class PointLayer(_ColouredLayer):
 
 
 class LineLayer(_ColouredLayer):
-    """Plans: lines through points.
+    """A layer of lines through points, for example plans.
 
     Args:
-        robot: in whose colour; None in the accent.
+        robot: drawn in this robot's colour; None in the accent.
         z: below the robots when negative.
         opacity: 0 to 1.
         width: pixels.
@@ -84,7 +84,7 @@ class LineLayer(_ColouredLayer):
         self._lines: tuple[FloatArray, ...] = ()
 
     def show(self, through: Sequence[FloatArray]) -> None:
-        """Each line through (n, 2) points of its own."""
+        """Show lines, each through (n, 2) points of its own."""
         self._lines = tuple(through)
 
     def paint(self, painter: QPainter, view: MapView) -> None:
@@ -98,10 +98,10 @@ class LineLayer(_ColouredLayer):
 
 
 class PoseLayer(_ColouredLayer):
-    """Poses, as arrows that start there.
+    """A layer of poses, drawn as arrows that start there.
 
     Args:
-        robot: in whose colour; None in the accent.
+        robot: drawn in this robot's colour; None in the accent.
         z: below the robots when negative.
         opacity: 0 to 1.
         length: metres.
@@ -122,7 +122,7 @@ class PoseLayer(_ColouredLayer):
         self._poses: FloatArray = np.empty((0, 3))
 
     def show(self, poses: FloatArray) -> None:
-        """(n, 3) x, y, theta."""
+        """Show (n, 3) poses: x, y, theta."""
         self._poses = poses
 
     def paint(self, painter: QPainter, view: MapView) -> None:
@@ -140,10 +140,10 @@ class PoseLayer(_ColouredLayer):
 
 
 def _cost_colours() -> NDArray[np.uint8]:
-    """(256, 4) red, green, blue, opacity of a cost as published in ROS, read as an unsigned byte.
+    """Return (256, 4) red, green, blue, opacity of each cost as published in ROS, read as an unsigned byte.
 
-    Source: rviz's costmap colours: blue to red from 1 to 98, cyan where a robot's middle may not be, magenta where an
-    obstacle is, grey-green where nothing is known, green for what no cost means. Differs: half transparent.
+    Source: rviz's costmap colours: blue to red from 1 to 98, cyan (99) for inscribed, magenta (100) for lethal,
+    grey-green (255) for unknown, green and yellow for values without a meaning. Differs: half transparent.
     """
     colours = np.zeros((256, 4), dtype=np.uint8)
     ramp = np.arange(1, 99) * 255 // 100
@@ -161,7 +161,7 @@ _COST_COLOURS = _cost_colours()
 
 
 class CostmapImageLayer:
-    """A costmap as a picture in rviz's colours.
+    """A layer that shows a costmap as a picture in rviz's colours.
 
     Args:
         z: below the robots when negative.
@@ -174,7 +174,7 @@ class CostmapImageLayer:
         self._resolution = 1.0
 
     def show(self, costs: NDArray[np.int8], origin: Pose2, resolution: float) -> None:
-        """Costs as nav_msgs/OccupancyGrid has them: (rows, cols), row 0 at the origin; 0 to 100, -1 unknown."""
+        """Show costs as nav_msgs/OccupancyGrid has them: (rows, cols), row 0 at the origin; 0 to 100, -1 unknown."""
         rows, cols = costs.shape
         memory = _COST_COLOURS[costs.astype(np.uint8)].tobytes()
         # The image borrows this memory; its converted copy has its own.

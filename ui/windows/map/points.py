@@ -1,4 +1,4 @@
-"""Arrays of numbers as Qt's polygons, without a Python object for every point."""
+"""Conversion of arrays to Qt's polygons and lines, without a Python object for every point of a polygon."""
 
 import ctypes
 
@@ -22,5 +22,5 @@ def polygon(points: FloatArray) -> QPolygonF:
 
 
 def lines(starts: FloatArray, ends: FloatArray) -> list[QLineF]:
-    """Lines from each of (n, 2) points to its like in another (n, 2)."""
+    """Lines from each of (n, 2) points to the one of the same index in another (n, 2)."""
     return [QLineF(*ends_of) for ends_of in np.concatenate((starts, ends), axis=1).tolist()]

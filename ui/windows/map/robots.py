@@ -1,4 +1,4 @@
-"""Robots on the map: bodies with a nose, where they were, where they go, how sure they are, and their labels."""
+"""Robots on the map: footprints with a nose, trails, planned paths, ellipses of uncertainty, and labels."""
 
 import math
 from collections.abc import Sequence
@@ -16,39 +16,39 @@ from ui.windows.map.camera import Camera
 from ui.windows.map.points import lines, polygon
 
 MIN_RADIUS = 8.0
-"""A robot is drawn at least with this radius, pixels, however far away the view is."""
+"""Least radius with which a robot is drawn, pixels, however small the scale is."""
 
 RING = 5.0
 """Pixels between the selected robot and its ring."""
 
 TRAIL_STEPS = 4
-"""A trail fades in so many steps."""
+"""Steps in which a trail fades."""
 
 TRAIL_ALPHA = 0.5
-"""Opacity of a trail where its robot left it last."""
+"""Opacity of a trail at its newest end."""
 
 LABEL_MARGIN = 40.0
-"""A robot so many pixels outside the view may still show its label in it."""
+"""Pixels outside the view at which a robot may still show its label in it."""
 
 DASH, SPACE = 7.0, 5.0
-"""Of a way ahead, pixels."""
+"""Lengths of a dash and of the gap after it along a path, pixels."""
 
 
 _ROUND = np.linspace(0.0, 2.0 * np.pi, 49)[:-1]
 _CIRCLE = polygon(np.stack((np.cos(_ROUND), np.sin(_ROUND)), axis=1))
-"""Of radius 1."""
+"""A circle of radius 1."""
 
 _NOSE = np.array([[0.72, 0.0], [0.12, 0.42], [0.26, 0.0], [0.12, -0.42]])
-"""An arrowhead on a robot's back, in units of its reach; it points ahead."""
+"""An arrowhead on a robot that points ahead, in units of the body's reach."""
 
 
 @dataclass(frozen=True, slots=True, eq=False)
 class _Body:
-    """What is drawn of a footprint, in the robot's own frame, metres.
+    """A footprint as it is drawn, in the robot's own frame, metres.
 
     Attributes:
         outline: its corners.
-        nose: the arrowhead that tells its front.
+        nose: the arrowhead that shows its front.
         reach: from its middle to its farthest corner.
     """
 
@@ -62,11 +62,11 @@ class _Body:
         return cls(polygon(footprint), polygon(_NOSE * reach), reach)
 
     def scale(self, camera: Camera) -> float:
-        """Pixels a metre at which it is drawn: never too small to be seen."""
+        """Scale at which it is drawn, pixels a metre: never too small to be seen."""
         return max(camera.scale, MIN_RADIUS / self.reach)
 
     def transform(self, camera: Camera, pose: Pose2) -> QTransform:
-        """From its own frame to pixels."""
+        """Transform from its own frame to pixels."""
         scale = self.scale(camera)
         c, s = scale * math.cos(pose.theta), scale * math.sin(pose.theta)
         return QTransform(c, -s, -s, -c, *camera.pixel(pose.x, pose.y))
@@ -74,7 +74,7 @@ class _Body:
 
 @dataclass(frozen=True, slots=True, eq=False)
 class _Trail:
-    """A trail as it was drawn last: its points, the camera, and the lines that came of both."""
+    """A trail as it was drawn last: its points, the camera, and the lines made of both."""
 
     points: FloatArray
     camera: Camera
@@ -82,7 +82,7 @@ class _Trail:
 
 
 class RobotPainter:
-    """Paints the robots of one frame; what stays the same from frame to frame is kept."""
+    """Paints robots; keeps from frame to frame what stays the same."""
 
     def __init__(self, palette: Palette) -> None:
         self._palette = palette
@@ -92,12 +92,12 @@ class RobotPainter:
         self._trails: dict[int, _Trail] = {}
 
     def set_palette(self, palette: Palette) -> None:
-        """Other colours."""
+        """Use other colours."""
         self._palette = palette
         self._badges.clear()
 
     def invalidate(self) -> None:
-        """Something else has changed by which labels are painted, as the font."""
+        """Make the labels anew, for example with another font."""
         self._badges.clear()
 
     def paint(
@@ -109,7 +109,7 @@ class RobotPainter:
         font: QFont,
         ratio: float,
     ) -> None:
-        """All robots; what lies flat on the floor first, labels last, and not on these (m, 4) boxes of words."""
+        """Paint all robots: what lies flat on the floor first, labels last and off these (m, 4) boxes of words."""
         painter.setRenderHint(QPainter.RenderHint.Antialiasing)
         order = sorted(robots, key=lambda mark: (mark.selected, -mark.robot))
         for mark in order:
@@ -259,9 +259,9 @@ class RobotPainter:
 
 
 def _dashes(pixels: FloatArray) -> tuple[FloatArray, FloatArray]:
-    """Both ends of each dash along a line.
+    """Return both ends of each dash along a line.
 
-    They are counted from its far end, so that they lie still while its near end is used up. Single lines are painted
+    Dashes are counted from the far end, so that they lie still while the near end is used up. Single lines are painted
     five times faster than Qt's dashed polylines.
     """
     steps = np.diff(pixels[::-1], axis=0)

@@ -1,4 +1,4 @@
-"""Rooms on the map: a state is told by sign, pattern and colour; what can be chosen has an edge that invites."""
+"""Rooms on the map: sign, pattern and colour show a room's state; a frame shows that it can be chosen."""
 
 from collections.abc import Sequence
 
@@ -35,26 +35,26 @@ SIGN_RADIUS = 11.0
 """Radius of a room's sign, pixels."""
 
 PATTERN_ALPHA = 46
-"""Of a pattern: seen, yet not in the way of what drives over it."""
+"""Opacity of a pattern, 0 to 255: visible, and yet robots are seen well on it."""
 
 NUMBER_MIN, NUMBER_MAX = 15.0, 40.0
-"""Height of a room's number, pixels."""
+"""Least and greatest height of a room's number, pixels."""
 
 POSITIONS = 14
-"""Words and signs are tried at so many places each way."""
+"""Number of places along each axis of a room at which words and signs are tried."""
 
 FRAME_INSET = 4.0
-"""Between a wall and the frame of a room that can be chosen, pixels."""
+"""Distance between a wall and the frame of a room that can be chosen, pixels."""
 
 HALF_WALL = 0.06
-"""Half of how thick walls are usually, metres."""
+"""Half of a wall's usual thickness, metres."""
 
 NAME_HEIGHT = 13.0
 """Height of a room's name, pixels."""
 
 
 def paint_floors(painter: QPainter, camera: Camera, rooms: Sequence[RoomMark], palette: Palette) -> None:
-    """The floors of the rooms and their patterns; walls are painted over their edges."""
+    """Paint the floors of the rooms and their patterns; walls are painted over their edges."""
     patterns = {
         state: _pattern(state, palette, painter.device().devicePixelRatio()) for state in ("reserved", "visited")
     }
@@ -81,10 +81,10 @@ def paint_signs(
     font: QFont,
     plan: MapGeometry | None,
 ) -> FloatArray:
-    """Edges, numbers, names, signs of state and what was found: over walls, under robots, clear of furniture.
+    """Paint frames, numbers, names, signs of state and findings: over walls, under robots, clear of furniture.
 
     Returns:
-        (m, 4) left, top, right and bottom of what was written, pixels.
+        (m, 4) left, top, right and bottom of all texts and signs, pixels.
     """
     written: list[tuple[float, float, float, float]] = []
     painter.save()
@@ -99,7 +99,7 @@ def paint_signs(
 
 
 def _paint_edge(painter: QPainter, camera: Camera, mark: RoomMark, palette: Palette) -> None:
-    """A frame inside the walls: it invites where a room can be chosen, and is strong where one is looked at."""
+    """Paint a frame inside the walls of a room that can be chosen, a stronger one while it is considered."""
     if not mark.choosable and not mark.considered:
         return
     path = QPainterPath()
@@ -117,7 +117,7 @@ def _paint_edge(painter: QPainter, camera: Camera, mark: RoomMark, palette: Pale
 
 
 def _from_corner() -> FloatArray:
-    """(n, 2) places in a unit square, those nearest to the corner (0, 0) first."""
+    """Return (n, 2) places in a unit square, those nearest to the corner (0, 0) first."""
     shares = np.linspace(0.0, 1.0, POSITIONS)
     places: FloatArray = np.stack(np.meshgrid(shares, shares), axis=-1).reshape(-1, 2)
     return places[np.argsort(places.sum(axis=1), kind="stable")]
@@ -127,10 +127,10 @@ _FROM_CORNER = _from_corner()
 
 
 class _Space:
-    """The space in a room for words and signs, pixels: what is put down goes where no wall and nothing else lies.
+    """The free space in a room for words and signs, pixels: they go where no wall and nothing else lies.
 
     Attributes:
-        taken: where something lies already.
+        taken: boxes in which something lies already.
     """
 
     def __init__(self, camera: Camera, region: FloatArray, plan: MapGeometry | None) -> None:
@@ -144,13 +144,13 @@ class _Space:
         self.taken: list[QRectF] = []
 
     def put(self, width: float, height: float, right: bool, low: bool) -> QRectF | None:
-        """A box of this size as near as possible to a corner of the room; None where none fits."""
+        """Take a box of this size as near as possible to a corner of the room; return None where none fits."""
         slack = np.array([self.width - width, self.height - height]) - 2.0 * self.inset
         if slack.min() < 0.0:
             return None
         shares = np.abs((float(right), float(low)) - _FROM_CORNER)
         places = shares * slack + (self._left + self.inset, self._top + self.inset)
-        # Mostly the very corner is free, and the rest need not be looked at.
+        # Mostly the very corner is free, and the other places need not be tested.
         for some in (places[:1], places[1:]):
             for x, y in some[self._is_free(some, width, height)].tolist():
                 box = QRectF(x, y, width, height)
@@ -160,7 +160,7 @@ class _Space:
         return None
 
     def _is_free(self, places: FloatArray, width: float, height: float) -> NDArray[np.bool_]:
-        """(n,) at which of (n, 2) upper left corners a box lies in the room and on no wall."""
+        """Return (n,) True for those of (n, 2) upper left corners at which a box lies in the room and on no wall."""
         x, y = width + self.inset / 2.0, height + self.inset / 2.0
         least = -self.inset / 2.0
         around = np.array([[least, least], [x, least], [x, y], [least, y]])
@@ -211,7 +211,7 @@ def _paint_found(painter: QPainter, space: _Space, found: str, palette: Palette,
 
 
 def _paint_sign(painter: QPainter, centre: QPointF, mark: RoomMark, palette: Palette) -> None:
-    """An open circle: not visited; arrows in the robot's colour: a robot is coming; a tick: visited."""
+    """Paint an open circle: not visited; arrows in the robot's colour: a robot is coming; or a tick: visited."""
     x, y = centre.x(), centre.y()
     colour = QColor(palette.line if mark.robot is None else palette.robot(mark.robot))
     if mark.state == "unvisited":
@@ -239,7 +239,7 @@ def _paint_sign(painter: QPainter, centre: QPointF, mark: RoomMark, palette: Pal
 
 
 def _pattern(state: str, palette: Palette, ratio: float) -> QBrush:
-    """Stripes for a reserved room, dots for a visited one: a tile fills a room far faster than single strokes."""
+    """Return a brush: stripes for a reserved room, dots for a visited one. A tile fills a room faster than strokes."""
     step = HATCH_SPACING if state == "reserved" else DOT_SPACING
     tile = QPixmap(round(step * ratio), round(step * ratio))
     tile.fill(Qt.GlobalColor.transparent)

@@ -1,4 +1,4 @@
-"""How long a metre is on the map."""
+"""Scale bar of the map."""
 
 from PySide6.QtCore import QLineF, QPointF, QRectF, Qt
 from PySide6.QtGui import QColor, QFont, QFontMetricsF, QPainter, QPen
@@ -7,14 +7,14 @@ from ui.model.theme import Palette
 from ui.windows.map.camera import Camera
 
 LENGTHS = (0.1, 0.2, 0.5, 1.0, 2.0, 5.0, 10.0, 20.0, 50.0)
-"""Metres a bar may stand for."""
+"""Lengths that a bar may have, metres."""
 
 SHORTEST = 60.0
-"""Of a bar, pixels."""
+"""Least length of a bar, pixels."""
 
 
 def paint_scale_bar(painter: QPainter, camera: Camera, palette: Palette, font: QFont) -> None:
-    """A bar of a round number of metres in the lower right corner."""
+    """Paint a bar of a round number of metres in the lower right corner."""
     metres = next((length for length in LENGTHS if length * camera.scale >= SHORTEST), LENGTHS[-1])
     length = metres * camera.scale
     right, bottom = camera.width - 14.0, camera.height - 8.0

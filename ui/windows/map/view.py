@@ -1,4 +1,4 @@
-"""The map of both windows: house, rooms and robots, seen from above, looked at and pointed at."""
+"""The map of both windows: floor plan, rooms and robots seen from above, with zoom, drag and clicks."""
 
 import math
 from collections.abc import Sequence
@@ -29,46 +29,46 @@ from ui.windows.map.scale_bar import paint_scale_bar
 from ui.windows.map.words import describe
 
 FIT_MARGIN = 30.0
-"""Pixels around the house when all of it is shown."""
+"""Pixels around the floor plan when all of it is shown."""
 
 HIT_RADIUS = 24.0
-"""A robot is hit within so many pixels of its middle."""
+"""Pixels from its middle within which a robot is hit."""
 
 DRAG_THRESHOLD = 4.0
-"""A press that moves so many pixels is a drag and no click."""
+"""Pixels by which a press has to move to be a drag and no click."""
 
 FOLLOW_SCALE = 60.0
-"""Following a robot begins at least so near, pixels a metre."""
+"""Least scale at which following a robot begins, pixels a metre."""
 
 FOLLOW_SHARE = 0.15
-"""Share of the way to the followed robot that the view goes in one frame."""
+"""Share of the distance to the followed robot that the view moves in one frame."""
 
 FOLLOW_TOLERANCE = 1.0
-"""The followed robot is in the middle when it is so near to it, pixels."""
+"""Pixels from the middle within which the followed robot counts as in the middle."""
 
 DESCRIPTION_PERIOD = 1000
-"""Milliseconds between two descriptions in words."""
+"""Milliseconds between two updates of the description in words."""
 
 WHEEL_FACTOR = 1.0015
-"""Zoom of an eighth of a degree of the wheel."""
+"""Zoom factor of an eighth of a degree of the wheel."""
 
 
 class MapLayer(Protocol):
-    """Something more that is drawn on the map."""
+    """Something drawn on the map beside floor plan, rooms and robots."""
 
     @property
     def z(self) -> int:
-        """Below the robots when negative, above them otherwise; the larger the later."""
+        """Order of painting: below the robots when negative, above them otherwise; the larger the later."""
 
     def paint(self, painter: QPainter, view: "MapView") -> None:
-        """Draw, in logical pixels; `view.camera` and `view.transform` lead there. The painter is restored after it."""
+        """Draw in logical pixels, see `view.camera` and `view.transform`. The painter is restored afterwards."""
 
 
 class MapView(QWidget):
-    """A map that can be zoomed, dragged and followed; it shows what it is given and tells what was pointed at.
+    """A map that can be zoomed and dragged, and can follow a robot; it reports clicks and hovering by signals.
 
     Signals:
-        room_clicked: number of the room, as people count.
+        room_clicked: number of the room, counted from 1.
         robot_clicked: index of the robot.
         room_hovered: number of the room under the pointer, or None.
         point_pressed, point_dragged, point_released: x, y in map metres, while a tool has the left button.
@@ -106,23 +106,23 @@ class MapView(QWidget):
         self._describing.timeout.connect(self._describe)
         self._describing.start(DESCRIPTION_PERIOD)
 
-    # What is shown ----------------------------------------------------------------------------------------------------
+    # Contents ---------------------------------------------------------------------------------------------------------
 
     def show_floor_plan(self, house: House) -> None:
-        """Another house; all of it is shown."""
+        """Show another floor plan, all of it."""
         self._plan = unpack(house)
         self._background.show_geometry(self._plan)
         self.fit()
 
     def show_rooms(self, rooms: Sequence[RoomMark]) -> None:
-        """The rooms as they are now; nothing is done when they are as they were."""
+        """Show the rooms as they are now; does nothing when they look as before."""
         if not same_rooms(self._rooms, rooms):
             self._rooms = tuple(rooms)
             self._background.show_rooms(self._rooms)
             self.update()
 
     def show_robots(self, robots: Sequence[RobotMark]) -> None:
-        """The robots as they are in this frame; nothing is painted when nobody would see a difference."""
+        """Show the robots as they are in this frame; nothing is painted when nobody would see a difference."""
         before = self._camera
         if not same_robots(self._robots, robots, self._camera.scale):
             self._robots = tuple(robots)
@@ -132,50 +132,50 @@ class MapView(QWidget):
             self.update()
 
     def set_palette(self, palette: Palette) -> None:
-        """Other colours."""
+        """Use other colours."""
         self._palette = palette
         self._background.set_palette(palette)
         self._robot_painter.set_palette(palette)
         self.update()
 
     def add_layer(self, layer: MapLayer) -> None:
-        """Draw this as well from now on, whenever robots are shown or `update` is called."""
+        """Draw this layer from now on, whenever robots are shown or `update` is called."""
         self._layers.append(layer)
         self._layers.sort(key=lambda one: one.z)
         self.update()
 
     def remove_layer(self, layer: MapLayer) -> None:
-        """Draw this no more."""
+        """Stop drawing this layer."""
         self._layers = [one for one in self._layers if one is not layer]
         self.update()
 
-    # Where it looks ---------------------------------------------------------------------------------------------------
+    # Camera -----------------------------------------------------------------------------------------------------------
 
     @property
     def camera(self) -> Camera:
-        """What is seen just now, in logical pixels of this widget."""
+        """The current view, in logical pixels of this widget."""
         return self._camera
 
     @property
     def colours(self) -> Palette:
-        """The colours it is drawn in."""
+        """The palette it is drawn in."""
         return self._palette
 
     @property
     def transform(self) -> QTransform:
-        """From map metres to logical pixels of this widget."""
+        """Transform from map metres to logical pixels of this widget."""
         camera = self._camera
         px, py = camera.pixel(0.0, 0.0)
         return QTransform(camera.scale, 0.0, 0.0, -camera.scale, px, py)
 
     def fit(self) -> None:
-        """Show all of the house, and go on doing so when the size changes; nobody is followed any more."""
+        """Show the whole floor plan, also after changes of size; no robot is followed any more."""
         self._followed, self._fitted = None, True
         self._refit()
         self.update()
 
     def follow(self, robot: int | None) -> None:
-        """Keep this robot in the middle; None stays where it is."""
+        """Keep this robot in the middle; None: stop following."""
         if robot is None:
             self._followed = None
             return
@@ -188,24 +188,24 @@ class MapView(QWidget):
 
     @property
     def followed(self) -> int | None:
-        """The robot that is kept in the middle."""
+        """Index of the robot that is kept in the middle, or None."""
         return self._followed
 
     def set_tool(self, cursor: Qt.CursorShape | None) -> None:
-        """Hand the left button to a tool, which hears of it by `point_pressed` and its like; None takes it back.
+        """Give the left button to a tool, which receives `point_pressed` and its like; None takes it back.
 
-        The map is then dragged by the middle button, and clicks choose nothing.
+        While a tool has it, the map is dragged by the middle button, and clicks choose nothing.
         """
         self._tool = cursor
         self._point_at(self._last)
 
     def room_at(self, position: QPointF) -> int | None:
-        """The room under a pixel of this widget."""
+        """Return the room under a pixel of this widget."""
         here = np.array([self._camera.point(position.x(), position.y())])
         return next((mark.room for mark in self._rooms if contains(mark.region, here)[0]), None)
 
     def robot_at(self, position: QPointF) -> int | None:
-        """The robot nearest to a pixel of this widget, if one is near."""
+        """Return the robot nearest to a pixel of this widget, if one is near."""
         reached = [
             (QPointF(*self._camera.pixel(mark.pose.x, mark.pose.y)) - position, mark.robot) for mark in self._robots
         ]
@@ -214,7 +214,7 @@ class MapView(QWidget):
         return robot if distance <= HIT_RADIUS**2 else None
 
     def sizeHint(self) -> QSize:
-        """Room for a map."""
+        """Return a usual size of a map."""
         return QSize(800, 600)
 
     # Painting ---------------------------------------------------------------------------------------------------------
@@ -243,16 +243,16 @@ class MapView(QWidget):
         layer.paint(painter, self)
         painter.restore()
 
-    # Looking about ----------------------------------------------------------------------------------------------------
+    # Zoom and size ----------------------------------------------------------------------------------------------------
 
     def resizeEvent(self, event: QResizeEvent) -> None:
-        """Keep the middle, or the whole house."""
+        """Keep the middle, or the whole floor plan."""
         self._camera = self._camera.resized(float(max(self.width(), 1)), float(max(self.height(), 1)))
         if self._fitted:
             self._refit()
 
     def changeEvent(self, event: QEvent) -> None:
-        """Letter in another font."""
+        """Take over another font."""
         if event.type() == QEvent.Type.FontChange:
             self._background.invalidate()
             self._robot_painter.invalidate()
@@ -264,7 +264,7 @@ class MapView(QWidget):
         event.accept()
 
     def event(self, event: QEvent) -> bool:
-        """Zoom by two fingers; the rest as ever."""
+        """Zoom by two fingers; Qt handles all other events."""
         if isinstance(event, QNativeGestureEvent) and event.gestureType() == Qt.NativeGestureType.ZoomNativeGesture:
             self._zoom(1.0 + event.value(), event.position())
             return True
@@ -291,14 +291,14 @@ class MapView(QWidget):
     # Pointing ---------------------------------------------------------------------------------------------------------
 
     def mousePressEvent(self, event: QMouseEvent) -> None:
-        """Begin a click, a drag or a stroke of the tool."""
+        """Begin a click, a drag or a tool's stroke."""
         self._last = event.position()
         self._pressed, self._dragging = event.position(), event.button() == Qt.MouseButton.MiddleButton
         if self._tools(event):
             self.point_pressed.emit(*self._camera.point(event.position().x(), event.position().y()))
 
     def mouseMoveEvent(self, event: QMouseEvent) -> None:
-        """Drag the map, go on with the tool's stroke, or look at what is under the pointer."""
+        """Drag the map, go on with the tool's stroke, or update what is hovered."""
         position = event.position()
         if self._pressed is None:
             self._point_at(position)
@@ -323,14 +323,14 @@ class MapView(QWidget):
         self._point_at(event.position())
 
     def mouseDoubleClickEvent(self, event: QMouseEvent) -> None:
-        """Show all of the house where there is nothing to choose; what there is was chosen by the first click."""
+        """Show the whole floor plan where there is nothing to choose; otherwise the first click has chosen it."""
         if self._tool is not None:
             self.mousePressEvent(event)
         elif self.room_at(event.position()) is None and self.robot_at(event.position()) is None:
             self.fit()
 
     def leaveEvent(self, event: QEvent) -> None:
-        """Nothing is looked at any more."""
+        """Report that no room is hovered any more."""
         self._hover(None)
 
     def _tools(self, event: QMouseEvent) -> bool:

@@ -1,4 +1,4 @@
-"""The map in words, for those who do not see it."""
+"""Description of the map in words, for screen readers."""
 
 from collections.abc import Sequence
 
@@ -9,7 +9,7 @@ from ui.windows.map.geometry import contains
 
 
 def describe(rooms: Sequence[RoomMark], robots: Sequence[RobotMark]) -> str:
-    """How many rooms there are, which of them are visited or expect a robot, and where every robot is."""
+    """Describe how many rooms there are, which are visited or expect a robot, and where every robot is."""
     sentences = [f"Map: {len(rooms)} room{'' if len(rooms) == 1 else 's'}"]
     visited = [mark.room for mark in rooms if mark.state == "visited"]
     if visited:

@@ -23,16 +23,16 @@ from ui.windows.participant.widgets.painting import (
 
 PAD = 1.25 * GAP
 EDGE = 6.0
-"""Logical pixels above the first line and below the last one, when there is little room."""
+"""Logical pixels above the first line and below the last one when there is little room."""
 BAR = 7.0
 CLOSE, FAR = 3.0, 7.0
-"""Between the bar and the lines."""
+"""Distance between the bar and the lines, logical pixels: with little room, and with enough."""
 BETWEEN = 3.0
-"""Between who else commands it and what it does."""
+"""Distance between the lines of another commander and of what the robot does, logical pixels."""
 
 
 class CardFace(ParticipantButton):
-    """All of a card but its buttons; pressing it selects the robot."""
+    """A card without its buttons; pressing it selects the robot."""
 
     def __init__(self, parent: QWidget) -> None:
         super().__init__(parent)
@@ -41,10 +41,10 @@ class CardFace(ParticipantButton):
         self._button_width = 0
 
     def nextCheckState(self) -> None:
-        """Whether it is checked follows from the game, not from being pressed."""
+        """Do nothing: the game decides whether it is checked, not a press."""
 
     def show_card(self, card: RobotCard, button_width: int) -> None:
-        """Show this robot, leaving so much room for the button: beside who else commands it, or what it does."""
+        """Show this robot, with so much space for the button in the first line below the bar."""
         if (card, button_width) == (self._card, self._button_width):
             return
         if self._card is None or bool(self._card.commander) != bool(card.commander):
@@ -55,15 +55,15 @@ class CardFace(ParticipantButton):
         self.update()
 
     def sizeHint(self) -> QSize:
-        """The lines and the bar, comfortably."""
+        """Return the size of the lines and the bar with comfortable distances."""
         return QSize(300, int(self._high(FAR)))
 
     def minimumSizeHint(self) -> QSize:
-        """The lines and the bar, closely."""
+        """Return the size of the lines and the bar with small distances."""
         return QSize(220, int(self._high(CLOSE)))
 
     def paintEvent(self, _event: QPaintEvent) -> None:
-        """Draw name and energy; the bar; who else commands it; what it does and where; how far it is."""
+        """Draw name and energy; the bar; another commander; what the robot does and where; its progress."""
         card = self._card
         if card is None:
             return
@@ -93,7 +93,7 @@ class CardFace(ParticipantButton):
             self._progress(painter, rect, card.progress, worn.robot(card.robot))
 
     def button_place(self, size: QSize) -> QRect:
-        """Where a button of this size lies: at the end of the first line below the bar."""
+        """Return the place of a button of this size: at the end of the first line below the bar."""
         above = EDGE + max(0.0, self.height() - self._high(CLOSE)) / 4.0 + self._line() + 1.0
         if self._card is not None and self._card.commander:
             above += self.commander_high()
@@ -101,12 +101,12 @@ class CardFace(ParticipantButton):
 
     @classmethod
     def commander_high(cls) -> int:
-        """By how much a card is higher that tells who else commands its robot."""
+        """Return by how much a card is higher that shows another commander, logical pixels."""
         return round(cls._line() + BETWEEN)
 
     @staticmethod
     def _line() -> float:
-        """A line is as high as the button in it."""
+        """Return the height of a line, which is that of the button in it."""
         return key_size("X")[1] + 4.0
 
     def _high(self, space: float) -> float:
@@ -143,7 +143,7 @@ class CardFace(ParticipantButton):
 
     @staticmethod
     def _waits(painter: QPainter, waits: int, left: float, middle: float) -> None:
-        """How many things wait for an answer."""
+        """Draw the number of things that wait for an answer."""
         worn, face = colours(), font("small", bold=True)
         metrics = QFontMetricsF(face)
         text, side = str(waits), metrics.height()
@@ -159,7 +159,7 @@ class CardFace(ParticipantButton):
 
     @staticmethod
     def _progress(painter: QPainter, rect: QRectF, share: float, colour: str) -> None:
-        """A thin line along the lower edge, which grows with the way driven."""
+        """Draw a thin line along the lower edge, which grows with the distance driven."""
         y = rect.bottom() - 5.0
         reach = rect.left() + PAD + (rect.width() - 2.0 * PAD) * min(1.0, max(0.0, share))
         pen = QPen(QColor(colours().track), 3.0)
@@ -172,7 +172,7 @@ class CardFace(ParticipantButton):
 
 
 class Card(QWidget):
-    """A robot: its face, and a button that calls it back while it is under way, or asks for it who else commands it.
+    """A robot: its face, and a button that stops it while it drives, or asks another commander to give it back.
 
     Attributes:
         asked: the `Act` of what was pressed.
@@ -191,7 +191,7 @@ class Card(QWidget):
         self._card: RobotCard | None = None
 
     def show_card(self, card: RobotCard) -> None:
-        """Show this robot; nothing is done when it is shown so already."""
+        """Show this robot; does nothing when it is shown so already."""
         if card == self._card:
             return
         self._card = card
@@ -203,7 +203,7 @@ class Card(QWidget):
         self._place()
 
     def _offer(self, button: ActionButton, action: Action | None, spoken: str) -> int:
-        """Show what can be done by a button, or hide it; how much room it needs. There is never more than one."""
+        """Show an action on a button, or hide the button; return the width it needs. There is never more than one."""
         if action is not None:
             button.show_action(action)
             button.setAccessibleName(spoken if action.enabled else f"{spoken}, asked for")
@@ -213,15 +213,15 @@ class Card(QWidget):
         return 0 if action is None else button.sizeHint().width() + GAP
 
     def sizeHint(self) -> QSize:
-        """As its face."""
+        """Return that of its face."""
         return self.face.sizeHint()
 
     def minimumSizeHint(self) -> QSize:
-        """As its face."""
+        """Return that of its face."""
         return self.face.minimumSizeHint()
 
     def resizeEvent(self, _event: QResizeEvent) -> None:
-        """The buttons lie on the face, at its right."""
+        """Put the buttons on the face, at its right."""
         self._place()
 
     def _place(self) -> None:
@@ -231,7 +231,7 @@ class Card(QWidget):
 
 
 class Cards(QWidget):
-    """One card a robot, in the order of the team.
+    """The cards of all robots, in the order of the team.
 
     Attributes:
         asked: the `Act` of what was pressed.
@@ -251,15 +251,16 @@ class Cards(QWidget):
         self.cards: list[Card] = []
 
     def height_to_come(self) -> int:
-        """By how much the cards may yet grow: once somebody else has commanded a robot, each robot may be taken.
+        """Return by how much the cards may yet grow, logical pixels.
 
-        Whoever keeps this free below them keeps what is there where it is, under the pointer perhaps.
+        Once somebody else has commanded a robot, each robot may be taken. The layout keeps this free below the cards,
+        so that what lies there does not move away from under the pointer.
         """
         own = sum(not card.commander for card in self._shown) if self._others_command else 0
         return own * CardFace.commander_high()
 
     def show_cards(self, cards: tuple[RobotCard, ...]) -> None:
-        """Show these; nothing is done when they are shown already."""
+        """Show these; does nothing when they are shown already."""
         if cards == self._shown:
             return
         selected = [card.robot for card in self._shown if card.selected]
@@ -286,7 +287,7 @@ class Cards(QWidget):
 
 
 def _told(painter: QPainter, line: QRectF, marked: Sign | None, ink: str, words: str, beside: str = "") -> None:
-    """A line of a card: a sign and the words it stands for, boldly, or without one plain words; what is beside them."""
+    """Draw a line of a card: a sign and bold words, or plain words without a sign; and the words beside them."""
     small = QFontMetricsF(font("small"))
     left, middle = line.left(), Qt.AlignmentFlag.AlignLeft | Qt.AlignmentFlag.AlignVCenter
     if marked is not None:
@@ -307,7 +308,7 @@ def _told(painter: QPainter, line: QRectF, marked: Sign | None, ink: str, words:
 
 
 def draw_energy(painter: QPainter, rect: QRectF, card: RobotCard) -> None:
-    """What is left in the robot's colour; the end that the considered move would take is hatched."""
+    """Draw the energy left in the robot's colour; the part that the considered move would cost is hatched."""
     worn = colours()
     colour = worn.robot(card.robot)
     full = max(card.energy_at_start, card.energy, 1e-9)
@@ -333,7 +334,7 @@ def draw_energy(painter: QPainter, rect: QRectF, card: RobotCard) -> None:
 
 
 def energy_words(card: RobotCard) -> str:
-    """ "72", or "72 - 13 = 59" while a move is considered, or "72 of 90 needed"."""
+    """Return "72", or "72 - 13 = 59" while a move is considered, or "72 of 90 needed"."""
     if card.cost is None:
         return energy_text(card.energy)
     if not card.affordable:
@@ -343,7 +344,7 @@ def energy_words(card: RobotCard) -> str:
 
 
 def spoken_card(card: RobotCard) -> str:
-    """A card as it is read out."""
+    """Return a card as screen readers say it."""
     parts = [
         card.name,
         "selected" if card.selected else "",

@@ -12,11 +12,11 @@ from ui.windows.participant.widgets.buttons import ActionButton
 from ui.windows.participant.widgets.focus import make_region
 
 _SECTION = int(1.5 * GAP)
-"""Between robots and rooms."""
+"""Distance between robots and rooms, logical pixels."""
 
 
 class SideColumn(QWidget):
-    """Shares its height: rooms get what they need, robots come closer together, and only then something scrolls.
+    """Robots above rooms: rooms get the height they need, robots come closer together, and only then something scrolls.
 
     Attributes:
         asked: the `Act` of what was pressed or looked at.
@@ -41,15 +41,15 @@ class SideColumn(QWidget):
         self.tiles.reveal.connect(lambda tile: self.tile_area.ensureWidgetVisible(tile, 0, GAP))
 
     def sizeHint(self) -> QSize:
-        """The window decides about the width."""
+        """Return a usual size; the window sets the width."""
         return QSize(336, 480)
 
     def resizeEvent(self, _event: QResizeEvent) -> None:
-        """Share the height."""
+        """Divide the height."""
         self._place()
 
     def event(self, event: QEvent) -> bool:
-        """There are more robots or rooms, or less."""
+        """Divide the height anew when the number of robots or rooms has changed."""
         if event.type() == QEvent.Type.LayoutRequest:
             self._place()
         return super().event(event)
@@ -76,7 +76,7 @@ class SideColumn(QWidget):
 
 
 class ColumnScrollArea(QScrollArea):
-    """Scrolls a widget where there is too little room for it, and is not seen otherwise."""
+    """A scroll area without a frame, which is visible only when its widget does not fit."""
 
     def __init__(self, inside: QWidget, parent: QWidget) -> None:
         super().__init__(parent)
@@ -87,7 +87,7 @@ class ColumnScrollArea(QScrollArea):
         self.setWidget(inside)
 
     def eventFilter(self, watched: QObject, event: QEvent) -> bool:
-        """What is inside has another size: whoever shares out the room has to know."""
+        """Report another size of the widget inside to the layout."""
         if event.type() == QEvent.Type.LayoutRequest:
             self.updateGeometry()
         return super().eventFilter(watched, event)

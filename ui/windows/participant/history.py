@@ -1,4 +1,4 @@
-"""What was said and what happened."""
+"""The game's history as text."""
 
 from PySide6.QtGui import QColor, QFont, QTextCharFormat, QTextCursor
 from PySide6.QtWidgets import QFrame, QPlainTextEdit, QWidget
@@ -9,11 +9,11 @@ from ui.windows import look
 from ui.windows.look import GAP, colours, font
 
 MAX_LINES = 500
-"""Lines shown at the most."""
+"""Most lines that are shown."""
 
 
 class HistoryView(QPlainTextEdit):
-    """All that was said and all that happened, the newest at the bottom; can be read, searched through and copied."""
+    """All sentences and events of the game, the newest at the bottom, as text that can be copied."""
 
     def __init__(self, parent: QWidget | None = None) -> None:
         super().__init__(parent)
@@ -29,7 +29,7 @@ class HistoryView(QPlainTextEdit):
         self._shown: tuple[HistoryLine, ...] = ()
 
     def show_history(self, history: tuple[HistoryLine, ...]) -> None:
-        """Show this; only what is new is written."""
+        """Show this; only new lines are written."""
         if history == self._shown:
             return
         new = _new(self._shown, history)
@@ -40,7 +40,7 @@ class HistoryView(QPlainTextEdit):
             self._write(told)
 
     def repaint_words(self) -> None:
-        """Write it anew, in the colours worn now."""
+        """Write it anew in the colours in force."""
         shown, self._shown = self._shown, ()
         self.show_history(shown)
 
@@ -63,7 +63,7 @@ class HistoryView(QPlainTextEdit):
 
 
 def _new(shown: tuple[HistoryLine, ...], history: tuple[HistoryLine, ...]) -> tuple[HistoryLine, ...]:
-    """The lines that follow what is shown, of which the oldest may be gone by now."""
+    """Return the lines that follow those shown, of which the oldest may be gone by now."""
     for gone in range(len(shown) + 1):
         kept = len(shown) - gone
         if shown[gone:] == history[:kept]:

@@ -1,4 +1,4 @@
-"""The keys of the window: one shortcut each, so that none is swallowed by what has the focus, and none counts twice."""
+"""Keys of the window: one shortcut each, so that the widget with the focus takes none, and none counts twice."""
 
 from collections.abc import Callable
 
@@ -13,7 +13,7 @@ _NAMES = {
     **{key: key for key in ("Tab", "Shift+Tab", "Enter", "Esc", "Up", "Down", "F1")},
     "Return": "Enter",
 }
-"""Qt's name of a key, and that of the table of keys."""
+"""Name of a key in `ui.model.keys`, by Qt's name of it."""
 
 _REPEATING = ("Tab", "Shift+Tab", "Up", "Down")
 
@@ -25,8 +25,8 @@ class KeyboardShortcuts:
     button on a page of text, arrows scroll it.
 
     Args:
-        window: whose keys.
-        do: what to do with an act.
+        window: the window with the keys.
+        do: called with the act of a pressed key.
     """
 
     def __init__(self, window: QWidget, do: Callable[[Act], None]) -> None:
@@ -35,7 +35,7 @@ class KeyboardShortcuts:
         self._shortcuts = {key: self._shortcut(window, key) for key in _NAMES}
 
     def show_screen(self, screen: Screen) -> None:
-        """From now on keys mean what they mean on this screen."""
+        """Give the keys the meanings that they have on this screen."""
         for key, shortcut in self._shortcuts.items():
             act = act_for(_NAMES[key], screen)
             self._acts[key] = act

@@ -1,4 +1,4 @@
-"""The map, and what lies above it."""
+"""The map with the banner and the panel above it."""
 
 from PySide6.QtCore import QEvent
 from PySide6.QtGui import (
@@ -15,7 +15,7 @@ from ui.windows.participant.top import BannerLine
 from ui.windows.participant.widgets.panels import TitledPanel
 
 MAX_PANEL_WIDTH = 620
-"""Of a panel, logical pixels."""
+"""Greatest width of a panel, logical pixels."""
 
 
 class MapArea(QWidget):
@@ -32,7 +32,7 @@ class MapArea(QWidget):
         self.setSizePolicy(QSizePolicy.Policy.Expanding, QSizePolicy.Policy.Expanding)
 
     def show_panel(self, panel: TitledPanel | None) -> None:
-        """Have this panel in the middle."""
+        """Show this panel in the middle, or none."""
         if panel is not self._panel:
             if self._panel is not None:
                 self._panel.hide()
@@ -43,12 +43,12 @@ class MapArea(QWidget):
         self._place()
 
     def resizeEvent(self, _event: QResizeEvent) -> None:
-        """Everything is set anew."""
+        """Lay everything out anew."""
         self._foot = None
         self._place()
 
     def event(self, event: QEvent) -> bool:
-        """A panel whose words have changed may need another size."""
+        """Lay out anew when a panel's words have changed, which may need another size."""
         if event.type() == QEvent.Type.LayoutRequest:
             self._place()
         return super().event(event)
@@ -66,7 +66,7 @@ class MapArea(QWidget):
         size = panel.wanted(min(MAX_PANEL_WIDTH, self.width() - 2 * GAP), self.height() - top - GAP)
         if self._foot is None:
             self._foot = (top + self.height() - GAP + size.height()) // 2
-        # It grows upwards as the talk goes on, so that the answers stay where they are, as far as that is possible.
+        # It grows upwards as the dialogue goes on, so that the answers stay where they are, as far as that is possible.
         y = min(max(self._foot - size.height(), top), self.height() - GAP - size.height())
         panel.setGeometry((self.width() - size.width()) // 2, y, size.width(), size.height())
         panel.raise_()

@@ -7,7 +7,7 @@ from PySide6.QtWidgets import QSizePolicy, QWidget
 from ui.windows.look import GAP, colours, font
 
 COUNT_DURATION = 900
-"""Milliseconds in which a score counts up and what was gained floats away."""
+"""Milliseconds in which a score counts up and the gain floats away."""
 
 
 class ScoreLabel(QWidget):
@@ -26,7 +26,7 @@ class ScoreLabel(QWidget):
         self.setSizePolicy(QSizePolicy.Policy.Fixed, QSizePolicy.Policy.Fixed)
 
     def show_score(self, score: int, *, moving: bool) -> None:
-        """Show this score; `moving`: count to it."""
+        """Show this score, with an animation when `moving`."""
         if score == self._score:
             return
         self._from = self._score if self._score is not None else score
@@ -38,7 +38,7 @@ class ScoreLabel(QWidget):
         self.update()
 
     def sizeHint(self) -> QSize:
-        """A word, four figures, and what was gained."""
+        """Return the size of a word, four figures and the gain."""
         hero = QFontMetricsF(font("hero", bold=True))
         small = QFontMetricsF(font("small"))
         return QSize(
@@ -46,7 +46,7 @@ class ScoreLabel(QWidget):
         )
 
     def paintEvent(self, _event: QPaintEvent) -> None:
-        """Draw them."""
+        """Draw the word, the score and the gain."""
         worn = colours()
         painter = QPainter(self)
         painter.setRenderHint(QPainter.RenderHint.Antialiasing)
@@ -76,11 +76,11 @@ class ScoreLabel(QWidget):
 
     @property
     def is_counting(self) -> bool:
-        """Whether the figures move."""
+        """True while the figures move."""
         return self._counting.state() == QVariantAnimation.State.Running
 
     def _share(self) -> float:
-        """How much of the counting is done."""
+        """Return the share of the counting that is done, 0 to 1."""
         if not self.is_counting:
             return 1.0
         value = self._counting.currentValue()

@@ -14,10 +14,10 @@ SIGNS: dict[str, Sign] = {"unvisited": "open", "reserved": "way", "visited": "ti
 STATES: dict[str, str] = {"unvisited": "not visited yet", "reserved": "a robot is under way", "visited": "visited"}
 
 SPACE = GAP - 2
-"""Between tiles."""
+"""Distance between tiles, logical pixels."""
 
 _NARROW, _WIDE = 76, 140
-"""Logical pixels: a tile has at least the one; from the other on it shows the room's name."""
+"""Least width of a tile, and the width from which it shows the room's name; logical pixels."""
 
 
 class Tile(ParticipantButton):
@@ -29,7 +29,7 @@ class Tile(ParticipantButton):
         self.setSizePolicy(QSizePolicy.Policy.Preferred, QSizePolicy.Policy.Fixed)
 
     def show_tile(self, tile: RoomTile) -> None:
-        """Show this room; nothing is done when it is shown so already."""
+        """Show this room; does nothing when it is shown so already."""
         if tile == self._tile:
             return
         self._tile = tile
@@ -37,31 +37,31 @@ class Tile(ParticipantButton):
         self.update()
 
     def sizeHint(self) -> QSize:
-        """Two lines."""
+        """Return the size of two lines."""
         high = QFontMetricsF(font("title", bold=True)).height() + QFontMetricsF(font("small")).height()
         return QSize(_NARROW, int(high + 1.5 * GAP))
 
     def minimumSizeHint(self) -> QSize:
-        """It does not get smaller."""
+        """Return the size hint: a tile does not get smaller."""
         return self.sizeHint()
 
     def enterEvent(self, event: QEnterEvent) -> None:
-        """Who points at a room considers it."""
+        """Consider the room while the pointer is on it."""
         super().enterEvent(event)
         self._consider()
 
     def leaveEvent(self, event: QEvent) -> None:
-        """Who points elsewhere does so no longer."""
+        """Stop considering the room when the pointer has left it."""
         super().leaveEvent(event)
         self.asked.emit(ConsiderRoom(None))
 
     def focusInEvent(self, event: QFocusEvent) -> None:
-        """By keyboard, too."""
+        """Consider the room while it has the focus."""
         super().focusInEvent(event)
         self._consider()
 
     def focusOutEvent(self, event: QFocusEvent) -> None:
-        """By keyboard, too."""
+        """Stop considering the room when it has lost the focus."""
         super().focusOutEvent(event)
         self.asked.emit(ConsiderRoom(None))
 
@@ -70,7 +70,7 @@ class Tile(ParticipantButton):
             self.asked.emit(ConsiderRoom(self._tile.room))
 
     def paintEvent(self, _event: QPaintEvent) -> None:
-        """Draw the ground of the state, number, sign, and the line below."""
+        """Draw the background of the state, the number, the sign, and the line below."""
         tile = self._tile
         if tile is None:
             return
@@ -158,7 +158,7 @@ class Tiles(QWidget):
         self._columns = 1
 
     def show_tiles(self, tiles: tuple[RoomTile, ...]) -> None:
-        """Show these; nothing is done when they are shown already."""
+        """Show these; does nothing when they are shown already."""
         if tiles == self._shown:
             return
         self._shown = tiles
@@ -168,7 +168,7 @@ class Tiles(QWidget):
             shown.show_tile(tile)
 
     def fit(self, width: int, height: int) -> int:
-        """Take the fewest columns, from two on, that fit this room, or the most there may be; tells the height."""
+        """Take the fewest columns, from two on, that fit this space, or the most there may be; return the height."""
         number = max(1, len(self.tiles))
         most = min(number, max(1, (width + SPACE) // (_NARROW + SPACE)))
         self._columns = next((few for few in range(min(2, most), most) if self._high(few) <= height), most)
@@ -178,11 +178,11 @@ class Tiles(QWidget):
         return self._high(self._columns)
 
     def sizeHint(self) -> QSize:
-        """Of all rows."""
+        """Return the height of all rows."""
         return QSize(4 * _NARROW, self._high(self._columns))
 
     def minimumSizeHint(self) -> QSize:
-        """Rows do not get lower."""
+        """Return the height of all rows in one column's width: rows do not get lower."""
         return QSize(_NARROW, self._high(self._columns))
 
     def resizeEvent(self, _event: QResizeEvent) -> None:
@@ -217,7 +217,7 @@ class Tiles(QWidget):
 
 
 def below(tile: RoomTile) -> tuple[str, ...]:
-    """The line below a room's number: what was found there, or else what it costs to go there; then in fewer words."""
+    """Return the line below a room's number, and perhaps a shorter one: the finding there, or the cost to go there."""
     if tile.found:
         return (tile.found,)
     if tile.state != "unvisited":
@@ -229,7 +229,7 @@ def below(tile: RoomTile) -> tuple[str, ...]:
 
 
 def spoken_tile(tile: RoomTile) -> str:
-    """A room as it is read out."""
+    """Return a room as screen readers say it."""
     who = f"robot {tile.robot + 1}" if tile.robot is not None else ""
     state = {"visited": f"visited by {who}", "reserved": f"{who} is under way"}.get(tile.state) if who else None
     cost = f"costs {energy_text(tile.cost)}" if tile.cost is not None and tile.state == "unvisited" else ""

@@ -1,4 +1,4 @@
-"""What runs along the top: score and tools, and across the map a line of news."""
+"""Strip along the top with score and tools, and the banner across the map."""
 
 from PySide6.QtCore import QRectF, Qt, Signal
 from PySide6.QtGui import QColor, QFontMetricsF, QPainter, QPaintEvent
@@ -52,7 +52,7 @@ class TopStrip(QWidget):
 
 
 class BannerLine(QWidget):
-    """A line across the top of the map, which moves nothing."""
+    """A line across the top of the map, above it, so that nothing else moves when it appears."""
 
     def __init__(self, parent: QWidget) -> None:
         super().__init__(parent)
@@ -61,7 +61,7 @@ class BannerLine(QWidget):
         self.hide()
 
     def show_banner(self, banner: Banner | None) -> bool:
-        """Show this, or nothing; tells whether that changed anything."""
+        """Show this, or nothing; return True when that changed anything."""
         if banner == self._banner:
             return False
         self._banner = banner
@@ -71,7 +71,7 @@ class BannerLine(QWidget):
         return True
 
     def height_for(self, width: int) -> int:
-        """What its text needs."""
+        """Return the height that its text needs."""
         if self._banner is None:
             return 0
         frame = QRectF(0, 0, max(1.0, width - 6.0 * GAP), 1000.0)
@@ -79,7 +79,7 @@ class BannerLine(QWidget):
         return int(text.height() + 2 * GAP)
 
     def paintEvent(self, _event: QPaintEvent) -> None:
-        """Bad news on red with a warning sign, a note on the panel's ground."""
+        """Draw bad news on red with a warning sign, a note on a panel's background."""
         if self._banner is None:
             return
         worn = colours()

@@ -1,4 +1,4 @@
-"""What waits for the participant, along the bottom."""
+"""Strip along the bottom with all that waits for the participant."""
 
 from PySide6.QtCore import QPointF, QRectF, QSize, Qt, Signal
 from PySide6.QtGui import QColor, QFontMetricsF, QPainter, QPaintEvent, QWheelEvent
@@ -13,7 +13,7 @@ from ui.windows.participant.widgets.panels import set_text
 
 
 class WaitingChip(ParticipantButton):
-    """One thing that waits: whose, and what, in two lines."""
+    """One thing that waits: its robot, and what it is, in two lines."""
 
     def __init__(self, parent: QWidget | None = None) -> None:
         super().__init__(parent)
@@ -31,7 +31,7 @@ class WaitingChip(ParticipantButton):
         self.update()
 
     def sizeHint(self) -> QSize:
-        """Two lines of words."""
+        """Return the size of two lines of words."""
         metrics = QFontMetricsF(font("small"))
         text = self._waiting.text if self._waiting is not None else ""
         wide = min(190.0, max(90.0, metrics.horizontalAdvance(text) / 2.0 + 2 * GAP))
@@ -60,13 +60,13 @@ class WaitingChip(ParticipantButton):
             key_cap(painter, cap, key, worn.muted)
 
     def _key_room(self) -> float:
-        """What its key takes of the width."""
+        """Return the width that its key takes, logical pixels."""
         key = self._waiting.show.key if self._waiting is not None else ""
         return key_size(key)[0] + GAP / 2.0 if key else 0.0
 
 
 class HorizontalScrollArea(QScrollArea):
-    """Scrolls sideways, by the usual wheel too."""
+    """A scroll area that scrolls sideways, by the vertical wheel too."""
 
     def __init__(self) -> None:
         super().__init__()
@@ -77,14 +77,14 @@ class HorizontalScrollArea(QScrollArea):
         self.setHorizontalScrollBarPolicy(Qt.ScrollBarPolicy.ScrollBarAlwaysOff)
 
     def wheelEvent(self, event: QWheelEvent) -> None:
-        """Down is right."""
+        """Scroll right when the wheel turns down."""
         turned = event.angleDelta()
         bar = self.horizontalScrollBar()
         bar.setValue(bar.value() - (turned.x() or turned.y()))
 
 
 class WaitingStrip(QWidget):
-    """What waits for the participant, oldest first; its height never changes, so that nothing jumps.
+    """All that waits for the participant, oldest first; its height never changes, so that nothing jumps.
 
     Attributes:
         asked: the `Act` of what was pressed.
@@ -121,7 +121,7 @@ class WaitingStrip(QWidget):
         probe.deleteLater()
 
     def show_waiting(self, waiting: tuple[WaitingItem, ...]) -> None:
-        """Show these; nothing is done when they are shown already."""
+        """Show these; does nothing when they are shown already."""
         if waiting == self._shown:
             return
         self._shown = waiting

@@ -1,4 +1,4 @@
-"""The participant's window: draws a `Screen`, gives back `Act`s, and decides nothing."""
+"""The participant's window: shows a `Screen`, returns `Act`s, and decides nothing."""
 
 from collections.abc import Callable, Sequence
 from typing import Protocol
@@ -52,44 +52,44 @@ from ui.windows.participant.widgets import focus
 from ui.windows.participant.widgets.panels import ModalOverlay, TitledPanel, set_text
 
 FRAME = 16
-"""Milliseconds between two looks at the model."""
+"""Milliseconds between two updates from the model."""
 
 ANSWER_DELAY = 0.3
-"""Seconds for which what has just popped up cannot be answered: nobody has read it, so a press was meant for what was
-there before. That holds for the next turn of the same talk too: the second half of a double click is no answer."""
+"""Seconds for which a new pop-up cannot be answered: nobody has read it, so a press was meant for what was there
+before. That holds for the next turn of the same dialogue too: the second half of a double click is no answer."""
 
 
 class ParticipantModel(Protocol):
-    """What the window shows; time is monotonic seconds."""
+    """The model of the participant's window; times are monotonic seconds."""
 
     @property
     def floor_plan(self) -> House | None:
-        """The house, once it is known."""
+        """The floor plan, once it is known."""
 
     @property
     def followed(self) -> int | None:
-        """The robot that is kept in the middle of the map."""
+        """Index of the robot that is kept in the middle of the map, or None."""
 
     def screen(self, now: float) -> Screen:
-        """All beside the map; the very same object while nothing has changed."""
+        """Return all that is shown beside the map; the very same object while nothing has changed."""
 
     def rooms(self, now: float) -> Sequence[RoomMark]:
-        """The rooms on the map."""
+        """Return the rooms on the map."""
 
     def robots(self, now: float) -> Sequence[RobotMark]:
-        """The robots on the map."""
+        """Return the robots on the map."""
 
     def do(self, act: Act, now: float) -> None:
-        """The participant does this."""
+        """Carry out an act of the participant."""
 
 
 class ParticipantWindow(QWidget):
     """The map, the robots beside it, the rooms below them; pop-ups above the map.
 
-    It is a window, or a page of one. It looks at the model while it is shown.
+    It is a window, or a page of one. It follows the model while it is shown.
 
     Args:
-        model: what to show.
+        model: source of all that is shown.
         clock: monotonic seconds.
     """
 
@@ -119,7 +119,7 @@ class ParticipantWindow(QWidget):
         self.setFocus()
         self.refresh()
 
-    # What is where ----------------------------------------------------------------------------------------------------
+    # Layout -----------------------------------------------------------------------------------------------------------
 
     def _build(self) -> None:
         self.connecting, self.consent = ConnectingPage(), ConsentPage()
@@ -170,7 +170,7 @@ class ParticipantWindow(QWidget):
 
     @property
     def regions(self) -> list[QWidget]:
-        """Where F6 goes, in the order of the eye; only what is in front when something is."""
+        """The stops of F6, in the order of the eye; only the pop-up in front when there is one."""
         if self.overlay.isVisible():
             return [self.question if self.question.isVisible() else self.help]
         if self._screen is not None and self._screen.phase in self._page_of:
@@ -181,7 +181,7 @@ class ParticipantWindow(QWidget):
     # Each frame -------------------------------------------------------------------------------------------------------
 
     def refresh(self) -> None:
-        """Take what the model shows now, and change what has changed."""
+        """Take the model's current state, and change what has changed."""
         now = self._clock()
         screen = self._model.screen(now)
         if screen is not self._screen:
@@ -193,7 +193,7 @@ class ParticipantWindow(QWidget):
         self._show_map(now)
 
     def do(self, act: Act) -> None:
-        """Have the model do this, unless it was meant for what was there a moment ago."""
+        """Have the model carry this out, unless it was meant for what was there a moment ago."""
         now = self._clock()
         if act in self._popped and now - self._popped_at < ANSWER_DELAY:
             return
@@ -203,7 +203,7 @@ class ParticipantWindow(QWidget):
         self.refresh()
 
     def set_palette(self, palette: Palette) -> None:
-        """The map and the history in other colours; all else follows from the application's."""
+        """Use other colours for the map and the history; all else follows from the application's palette."""
         self.map.set_palette(palette)
         self.history.repaint_words()
 
@@ -215,7 +215,7 @@ class ParticipantWindow(QWidget):
             before, self._house = self._house, house
             if house != before:
                 self.map.show_floor_plan(house)
-                return  # What is in it comes with the next frame: both together would hold the window up.
+                return  # Rooms and robots come with the next frame: both together would hold the window up.
         self.map.show_rooms(self._model.rooms(now))
         self.map.show_robots(self._model.robots(now))
         if self._model.followed != self.map.followed:
@@ -274,12 +274,12 @@ class ParticipantWindow(QWidget):
         return lambda: focus.next_region(self.regions, step)
 
     def _focused_region(self) -> QWidget | None:
-        """The pop-up, page or sheet that the focus is in."""
+        """Return the region that the focus is in."""
         focused = QApplication.focusWidget()
         return next((home for home in self.regions if focused is not None and home.isAncestorOf(focused)), None)
 
     def _keep_focus(self, before: QWidget | None) -> None:
-        """Whoever goes through the window by keyboard is led from what has gone to what has come in its place."""
+        """Move the focus from a region that has gone to what has come in its place."""
         if before is not None and before not in self.regions and self.regions:
             focus.focus_region(self.regions[0])
 
@@ -292,24 +292,24 @@ class ParticipantWindow(QWidget):
     # Size -------------------------------------------------------------------------------------------------------------
 
     def showEvent(self, event: QShowEvent) -> None:
-        """Look at the model from now on."""
+        """Follow the model from now on."""
         super().showEvent(event)
         self._ticking.start(FRAME)
 
     def hideEvent(self, event: QHideEvent) -> None:
-        """Nobody sees it."""
+        """Stop following the model: nobody sees the window."""
         super().hideEvent(event)
         self._ticking.stop()
 
     def resizeEvent(self, event: QResizeEvent) -> None:
-        """The column beside the map takes three tenths, within reason; the veil covers all."""
+        """Give the column beside the map three tenths of the width, within limits; the overlay covers all."""
         super().resizeEvent(event)
         self.column.setFixedWidth(min(max(336, int(self.width() * 0.3)), 480))
         self.overlay.setGeometry(self.rect())
 
 
 def _offered(screen: Screen) -> tuple[Act, ...]:
-    """What can be answered to the pop-up, the question and the end, which all come by themselves."""
+    """Return the possible answers to the pop-up, the question and the end, which all appear by themselves."""
     acts: list[Act] = []
     if screen.confirmation is not None:
         acts += [screen.confirmation.yes.act, screen.confirmation.no.act]
@@ -327,14 +327,14 @@ def _offered(screen: Screen) -> tuple[Act, ...]:
 
 
 def _subject(screen: Screen) -> tuple[object, ...]:
-    """What a person has to read before answering."""
+    """Return what a person has to read before answering."""
     pop = screen.popup
     about = (pop.robot, pop.sentences) if isinstance(pop, DialoguePopup) else (pop.room,) if pop is not None else ()
     return screen.confirmation, *about
 
 
 def _hint(screen: Screen) -> str:
-    """What to mind about the room that is being considered, or the digits typed so far."""
+    """Return a remark about the room that is being considered, or the digits typed so far."""
     if screen.typed:
         return f"Room {screen.typed}… one more digit, or Enter."
     tile: RoomTile | None = next((tile for tile in screen.tiles if tile.considered), None)

@@ -1,4 +1,4 @@
-"""The parts of the researcher's window: the map in the middle, all else in docks that can be moved and closed."""
+"""Layout of the researcher's window: the map in the middle, all other parts in docks that can be moved and closed."""
 
 from collections.abc import Callable
 from functools import partial
@@ -41,21 +41,21 @@ LEFT, RIGHT, BOTTOM = (
 
 
 class DockedWindow(QMainWindow):
-    """The window's parts and keys; what they show and do is its user's business.
+    """The window's parts, buttons and keys; a subclass gives them data and actions.
 
     Args:
-        title: what is looked at.
+        title: name of what is watched.
         palette: the colours.
-        live: a session under way, or else a recording.
+        live: a running session, or else a recording.
         canvas: the map.
 
     Signals:
-        tool_taken: a tool was taken in hand.
+        tool_selected: this tool was selected.
         robot_stepped: select the next robot (1), or the one before (-1).
         kill, revive, clear_costmaps, follow_toggled, fit: as the buttons say.
         speed_stepped: faster (1) or slower (-1).
         jumped: to the next mark (1), or the one before (-1).
-        ended: to the beginning (-1) or the end (1).
+        jumped_to_end: to the beginning (-1) or the end (1).
     """
 
     tool_selected = Signal(object)
@@ -104,36 +104,36 @@ class DockedWindow(QMainWindow):
         self._order_focus()
         QApplication.instance().focusChanged.connect(self._focus_moved)  # type: ignore[union-attr]  # there is one
 
-    # What it shows
+    # Contents
 
     @property
     def shape(self) -> Shape:
-        """Of the next obstacle."""
+        """Shape of the next obstacle."""
         return "box" if self._shape.currentIndex() else "circle"
 
     @property
     def tool_actions(self) -> tuple[QAction, ...]:
-        """All that asks something of the robots."""
+        """The actions that request something of the robots."""
         return (
             *(action for tool, action in self._tool_actions.items() if tool is not MapTool.LOOK),
             *self._robot_actions,
         )
 
     def show_status(self, text: str, seconds: float = 8.0) -> None:
-        """Tell something in the status bar, and to assistive technology."""
+        """Show a sentence in the status bar, and announce it to assistive technology."""
         self.statusBar().showMessage(text, round(seconds * 1000.0))
         QAccessible.updateAccessibility(QAccessibleAnnouncementEvent(self, text))
 
     def select_tool(self, tool: MapTool) -> None:
-        """Take a tool in hand, as its button does."""
+        """Select a tool, as its button does."""
         self._tool_actions[tool].trigger()
 
     def show_waiting(self, things: int) -> None:
-        """Say on its tab how many things wait for the wizard."""
+        """Show on the wizard's tab how many things wait."""
         self._docks[-1].setWindowTitle(f"Wizard ({things} waiting)" if things else "Wizard")
 
     def disable_tools(self, reason: str) -> None:
-        """Nothing can be asked of the robots here, for this reason; the buttons tell it."""
+        """Disable all that requests something of the robots; the buttons tell this reason."""
         for action in self.tool_actions:
             action.setEnabled(False)
             action.setToolTip(reason)
@@ -142,11 +142,11 @@ class DockedWindow(QMainWindow):
         self.wizard.refuse(reason)
 
     def set_palette(self, palette: Palette) -> None:
-        """Other colours."""
+        """Use other colours."""
         for part in (self.playback, self.team, self.plots, *self.logs):
             part.set_palette(palette)
 
-    # How it is put together
+    # Layout
 
     def _add_docks(self) -> None:
         self.setCorner(Qt.Corner.BottomLeftCorner, LEFT)
@@ -175,7 +175,7 @@ class DockedWindow(QMainWindow):
         self.resizeDocks([bottom[0]], [265], Qt.Orientation.Vertical)
 
     def _order_focus(self) -> None:
-        """Let Tab follow the eye: tools, what is on the left, the map, what is on the right, what is below."""
+        """Set the order of Tab to that of the eye: tools, left docks, map, right docks, lower docks."""
         parts: list[QWidget] = [*self.findChildren(QToolBar, "Tools"), *self._docks[:2], self.canvas, *self._docks[2:]]
         parts += [*self.findChildren(QTabBar), self.playback]
         stops = [
@@ -191,7 +191,7 @@ class DockedWindow(QMainWindow):
         dock = QDockWidget(title, self)
         dock.setObjectName(title)
         dock.setWidget(part)
-        # Qt puts what lies behind another tab far out of sight, where Tab would still go.
+        # Qt moves what lies behind another tab far out of sight, where Tab would still go.
         dock.visibilityChanged.connect(part.setVisible)
         self.addDockWidget(area, dock)
         return dock
@@ -278,14 +278,14 @@ class DockedWindow(QMainWindow):
         self.addAction(action)
         return action
 
-    # What keys do
+    # Keys
 
     def show_keys(self) -> None:
         """Open the sheet of keys."""
         KeySheet(self).open()
 
     def eventFilter(self, watched: QObject, event: QEvent) -> bool:
-        """On the map, Tab goes from robot to robot; F6 leaves it."""
+        """Let Tab go from robot to robot while the map has the focus; F6 leaves it."""
         if watched is self.canvas and isinstance(event, QKeyEvent) and event.type() == QEvent.Type.KeyPress:
             if event.key() == Qt.Key.Key_Tab and not event.modifiers():
                 self.robot_stepped.emit(1)
@@ -300,11 +300,11 @@ class DockedWindow(QMainWindow):
         self.tool_selected.emit(tool)
 
     def _focus_moved(self, _: QWidget | None, now: QWidget | None) -> None:
-        """Buttons and boxes have uses of their own for Space."""
+        """Free Space for buttons and combo boxes, which have uses of their own for it."""
         self._play.setEnabled(not isinstance(now, QAbstractButton | QComboBox))
 
     def _next_part(self, step: int) -> None:
-        """Move the focus around the parts of the window that are in sight."""
+        """Move the focus to the next part of the window that is in sight."""
         parts = [self.canvas, self.playback, *(dock.widget() for dock in self._docks if _in_sight(dock))]
         focus = QApplication.focusWidget()
         here = next((n for n, part in enumerate(parts) if focus is part or (focus and part.isAncestorOf(focus))), 0)
@@ -323,7 +323,7 @@ def _in_sight(dock: QDockWidget) -> bool:
 
 
 def _first_focus(part: QWidget) -> QWidget:
-    """The first widget of a part, as Tab goes, that takes the focus."""
+    """Return the first widget of a part, in the order of Tab, that takes the focus."""
     widget = part.nextInFocusChain()
     while widget is not None and widget is not part:
         wanted = widget.isVisible() and widget.isEnabled() and widget.focusPolicy() & Qt.FocusPolicy.TabFocus

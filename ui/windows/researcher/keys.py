@@ -1,4 +1,4 @@
-"""What each key does in the researcher's window, and the sheet that tells it."""
+"""Keys of the researcher's window, and the sheet that lists them."""
 
 from PySide6.QtWidgets import QDialog, QDialogButtonBox, QGridLayout, QHBoxLayout, QLabel, QVBoxLayout, QWidget
 

@@ -1,4 +1,4 @@
-"""Fills the lists and the timeline from the story of what is watched."""
+"""Updates of the lists and of the timeline's marks from the log of what is watched."""
 
 from collections.abc import Iterator
 
@@ -9,17 +9,17 @@ from ui.windows.researcher.docks.playback import TimelineMark
 from ui.windows.researcher.feeds.feed import Feed
 
 MAX_NEW_ROWS = 2000
-"""Rows that a list takes at once."""
+"""Most rows that a list takes at once."""
 MARK_TOLERANCE = 0.01
-"""Seconds from a mark at which we are there."""
+"""Seconds from a mark within which the time shown counts as at it."""
 
 
 class LogUpdater:
-    """Hands the story over, list by list, in portions that nobody has to wait for.
+    """Copies new entries of the log to the lists, in portions that nobody has to wait for.
 
     Args:
-        feed: whose story.
-        deck: with the lists.
+        feed: the source of the log.
+        deck: the window with the lists.
     """
 
     def __init__(self, feed: Feed, deck: DockedWindow) -> None:
@@ -30,13 +30,13 @@ class LogUpdater:
         self._marked = (0, 0.0)
 
     def clear(self) -> None:
-        """Begin anew: it is another story."""
+        """Empty the lists, for another log."""
         self._taken = {}
         for log in self._deck.logs:
             log.clear()
 
     def show(self) -> None:
-        """Hand over what is new."""
+        """Copy the next portion of new entries."""
         story = self._feed.log
         kinds: tuple[tuple[EntryKind, LogView], ...] = (
             ("event", self._deck.events),
@@ -82,7 +82,7 @@ class LogUpdater:
             )
 
     def neighbouring_mark(self, way: int) -> float:
-        """The moment of the next mark (1), or of the one before (-1); else the end, or the beginning."""
+        """Return the time of the next mark (1) or the one before (-1), seconds; else the end or the beginning."""
         times = sorted(mark.time for mark in self._marks if not mark.is_utterance)
         here = self._feed.time
         if way > 0:

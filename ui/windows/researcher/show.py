@@ -1,4 +1,4 @@
-"""Opens the researcher's window and runs it until it is closed."""
+"""Entry point of the researcher's window."""
 
 import signal
 import time
@@ -11,11 +11,11 @@ from ui.windows.researcher.window import ResearcherWindow
 
 
 def show(feed: Feed, title: str, choice: Choice) -> None:
-    """Show what is watched until the window is closed.
+    """Show a feed in the researcher's window until it is closed.
 
     Args:
         feed: what is watched.
-        title: what it is, for people.
+        title: its name, for people.
         choice: light, dark, or as the system has it.
     """
     app = QApplication.instance()
@@ -25,6 +25,6 @@ def show(feed: Feed, title: str, choice: Choice) -> None:
     window = ResearcherWindow(feed, title, appearance.palette, time.monotonic)
     appearance.changed.connect(window.set_palette)
     window.show()
-    # Qt would print the exception that Ctrl-C raises in one of its turns, and go on.
+    # Qt would print the exception that Ctrl-C raises in one of its slots, and go on.
     signal.signal(signal.SIGINT, lambda number, frame: app.quit())
     app.exec()

@@ -1,4 +1,4 @@
-"""What the researcher does to robots: buttons and strokes on the map, as wishes of what is watched."""
+"""Requests of the researcher to robots, made from buttons and from strokes on the map."""
 
 import math
 from collections.abc import Callable, Mapping
@@ -19,7 +19,7 @@ from ui.windows.researcher.map.preview import ToolPreview
 from ui.windows.researcher.map.tools import TOOLS, Gesture, MapTool
 
 GRAB_RADIUS, GRAB_PIXELS = 0.4, 24.0
-"""Metres, or pixels where those are more, from its middle at which a robot is taken hold of."""
+"""Distance from a robot's middle within which it is grabbed: metres, or pixels where those are more."""
 _TOLD = {
     MapTool.GOAL: "{robot} is sent there.",
     MapTool.POSE: "{robot} is told that it is there.",
@@ -29,18 +29,18 @@ _TOLD = {
 
 
 class ToolController:
-    """Turns what is done into wishes, and says what became of them.
+    """Turns buttons, strokes and the wizard's choices into requests, and reports what becomes of them.
 
     Args:
-        feed: that is asked.
-        deck: with the buttons.
+        feed: takes the requests.
+        deck: the window with the buttons.
         view: the map.
-        bodies: (n, 2) corners of robots, by their numbers, as far as they are known.
-        select: have to do with another robot.
+        bodies: (n, 2) corners of robots in their own frames, by robot, as far as they are known.
+        select: selects another robot.
 
     Attributes:
-        scene: on the map; None before there is anything.
-        selected: the robot that buttons mean.
+        scene: the scene on the map; None before there is any.
+        selected: the robot that buttons act on.
     """
 
     def __init__(
@@ -77,12 +77,12 @@ class ToolController:
         return robot_name(self.selected).capitalize()
 
     def _ask(self, make: Callable[[Tools, Scene, int], FeedRequest | RequestRefused], told: str) -> None:
-        """Ask something of the robot selected."""
+        """Make a request for the selected robot."""
         if self.scene is not None:
             self._send(make(self._tools, self.scene, self.selected), told)
 
     def _send(self, wish: FeedRequest | RequestRefused, told: str) -> None:
-        """Ask for something, and say that or why not."""
+        """Send a request, and say that it was sent or why not."""
         refusal = wish.sentence if isinstance(wish, RequestRefused) else self._feed.ask(wish)
         self._deck.show_status(refusal or told.format(robot=self._name))
 
@@ -115,7 +115,7 @@ class ToolController:
             self._send(self._tools.advise(self.scene, robot, room), told)
 
     def use_tool(self, tool: MapTool) -> None:
-        """Work with this tool from now on."""
+        """Use this tool from now on."""
         self._preview.gesture = None
         self._view.set_tool(None if tool is MapTool.LOOK else Qt.CursorShape.CrossCursor)
         self._deck.tool_help.setText(TOOLS[tool].how.format(robot=robot_name(self.selected)))
@@ -150,7 +150,7 @@ class ToolController:
             self._deck.select_tool(MapTool.LOOK)
 
     def _meant(self, done: Gesture, scene: Scene) -> FeedRequest | RequestRefused:
-        """What a stroke asks for."""
+        """Return the request that a stroke makes."""
         tools = self._tools
         match done.tool:
             case MapTool.GOAL | MapTool.POSE:
@@ -169,7 +169,7 @@ class ToolController:
         return next((each for each in robots if each.robot == self.selected), None)
 
     def _heading(self) -> float:
-        """Of the robot selected: the true one where it is carried, else as it believes."""
+        """Return the selected robot's heading: the true one when it is carried, else the estimated one."""
         robot = self._robot()
         if robot is None:
             return 0.0
@@ -177,7 +177,7 @@ class ToolController:
         return 0.0 if pose is None else pose.theta
 
     def _robot_near(self, x: float, y: float) -> int | None:
-        """The robot whose body, or else whose belief, is there."""
+        """Return the robot whose true or estimated pose is there."""
         here = Pose2(x, y, 0.0)
         robots = () if self.scene is None else self.scene.robots
         near = [

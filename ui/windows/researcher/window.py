@@ -1,4 +1,4 @@
-"""The researcher's window at work: what a feed tells goes to the parts, what people do goes to the feed."""
+"""The researcher's window: passes data from a feed to the parts, and people's actions to the feed."""
 
 import math
 from collections.abc import Callable
@@ -27,22 +27,22 @@ from ui.windows.researcher.map.sign import TroubleSign
 from ui.windows.researcher.tool_controller import ToolController
 
 FRAME = 33
-"""Milliseconds from one picture of the map to the next."""
+"""Milliseconds from one frame of the map to the next."""
 SLOW, PLOTTED = 5, 2
-"""Pictures of the map to one of the lists, and to one of the plots, which take turns."""
+"""Frames of the map to one update of the lists, and to one of the plots, which take turns."""
 NO_POINTS: FloatArray = np.empty((0, 2))
 DEFAULT_FOOTPRINT: FloatArray = 0.2 * np.array(
     [[math.cos(a), math.sin(a)] for a in np.linspace(0.0, 2.0 * math.pi, 17)[:-1]]
 )
-"""The body of a robot that never told of its own, metres."""
+"""Footprint of a robot that has not published its own, metres."""
 
 
 class ResearcherWindow(DockedWindow):
-    """A recording or a session under way, in a window.
+    """A recording or a running session, in a window.
 
     Args:
-        feed: what is shown.
-        title: what is looked at.
+        feed: source of all that is shown.
+        title: name of what is watched.
         palette: the colours.
         clock: seconds that never go back.
     """
@@ -93,18 +93,18 @@ class ResearcherWindow(DockedWindow):
 
     @property
     def scene(self) -> Scene | None:
-        """What is on the map; None before there is anything."""
+        """The scene on the map; None before there is any."""
         return self._scene
 
     @property
     def trouble(self) -> str:
-        """What the sign on the map says; empty where all is well."""
+        """The sentence on the map about trouble; empty where all is well."""
         return self._sign.text()
 
-    # Every frame
+    # Each frame
 
     def refresh(self) -> None:
-        """Show what has become of it since the last time."""
+        """Show all that has changed since the last frame."""
         feed, now = self._feed, self._clock()
         feed.advance(now)
         if feed.generation != self._edition:
@@ -164,7 +164,7 @@ class ResearcherWindow(DockedWindow):
         self._map.show_robots([mark for robot in scene.robots if (mark := self._mark(robot)) is not None])
 
     def _mark(self, robot: RobotScene) -> RobotMark | None:
-        """How a robot is drawn; not at all where nobody knows of its place."""
+        """Return how a robot is drawn; None where its pose is unknown."""
         place = robot.estimate or robot.truth
         if place is None:
             return None
@@ -200,12 +200,12 @@ class ResearcherWindow(DockedWindow):
     # Robots
 
     def _place(self, robot: int) -> int:
-        """Row of a robot in the list."""
+        """Return the row of a robot in the list, or -1."""
         robots = () if self._scene is None else self._scene.robots
         return next((row for row, each in enumerate(robots) if each.robot == robot), -1)
 
     def select(self, robot: int) -> None:
-        """Have to do with this robot from now on."""
+        """Select this robot."""
         if robot == self._selected:
             return
         self._selected = self._tool_controller.selected = robot
@@ -237,15 +237,15 @@ class ResearcherWindow(DockedWindow):
         nearest = min(range(len(SPEEDS)), key=lambda number: abs(SPEEDS[number] - self._feed.speed))
         self._feed.set_speed(SPEEDS[min(max(nearest + step, 0), len(SPEEDS) - 1)])
 
-    # Looks, and the end
+    # Colours and closing
 
     def set_palette(self, palette: Palette) -> None:
-        """Other colours."""
+        """Use other colours."""
         super().set_palette(palette)
         self._map.set_palette(palette)
 
     def closeEvent(self, event: QCloseEvent) -> None:
-        """Let go of the feed."""
+        """Close the feed."""
         self._timer.stop()
         self._working.stop()
         self._feed.close()
@@ -259,7 +259,7 @@ def _row_of(robot: RobotScene) -> RobotRow:
 
 
 def _figures(series: RobotSeries, panel: str) -> dict[str, tuple[FloatArray, FloatArray]]:
-    """What is plotted of a robot in one panel, and beside it."""
+    """Return the curves of a robot in one panel: its own, and for the error the band of two standard deviations."""
     match panel:
         case "error":
             errors, doubts = series.errors.rows(), series.deviations.rows()

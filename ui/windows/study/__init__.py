@@ -14,18 +14,18 @@ from ui.windows.study.window import StudyWindow
 
 
 def study_window(path: Path) -> StudyWindow:
-    """The window on a file, not shown yet; it needs a QApplication and nothing else.
+    """Return the window of a file, not shown yet; it needs a QApplication and nothing else.
 
     Raises:
         BadFile: the file cannot be read.
     """
-    # Compiled code is loaded now: once the window is there, it must not stand still for it.
+    # Load compiled code now: once the window is there, it must not stand still for that.
     preview_of(Study(), NoiseSection())
     return StudyWindow(path)
 
 
 def edit(path: Path, choice: Choice = "system") -> int:
-    """Open the window, light, dark or as the system is, and wait until it is closed; gives the program's exit code.
+    """Open the window, light, dark or as the system is, and wait until it is closed; return the program's exit code.
 
     Raises:
         BadFile: the file cannot be read.

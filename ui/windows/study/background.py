@@ -1,4 +1,4 @@
-"""Work that would hold up the window: done beside it, one piece after the other."""
+"""Work in a thread beside the window, one piece after the other."""
 
 from collections.abc import Callable
 from concurrent.futures import Future, ThreadPoolExecutor
@@ -7,10 +7,10 @@ from PySide6.QtCore import QObject, Signal, Slot
 
 
 class BackgroundWorker(QObject):
-    """A thread for one kind of work. Of what is asked for meanwhile only the newest is done.
+    """A thread for one kind of work. While it works, only the newest piece submitted is kept.
 
     Attributes:
-        done: says what a piece of work came to, in the window's own thread.
+        done: the result of a piece of work, in the window's own thread.
     """
 
     done = Signal(object)
@@ -25,17 +25,17 @@ class BackgroundWorker(QObject):
 
     @property
     def busy(self) -> bool:
-        """Whether something is being done."""
+        """True while a piece of work is being done."""
         return self._busy
 
     def ask(self, work: Callable[[], object]) -> None:
-        """Do this, once what is being done is finished."""
+        """Do this work next, in place of what waits."""
         self._waiting = work
         if not self._busy:
             self._begin()
 
     def close(self) -> None:
-        """Finish what is being done, and nothing else."""
+        """Finish the current work, and drop what waits."""
         self._waiting = None
         self._ended.disconnect(self._finish)
         self._pool.shutdown(wait=True, cancel_futures=True)

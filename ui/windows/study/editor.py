@@ -1,4 +1,4 @@
-"""The study being edited: every wish becomes a step, and steps are taken beside the window."""
+"""The study being edited: every change becomes a step, and steps are applied in a thread beside the window."""
 
 from collections.abc import Callable
 from dataclasses import dataclass
@@ -13,9 +13,9 @@ from ui.model.study_form.draft import HEADER, StudyDraft, UndoHistory, draft_of
 from ui.windows.study.background import BackgroundWorker
 
 _TYPING = 120
-"""Milliseconds: what is typed faster is checked together."""
+"""Milliseconds of pause after which typing is checked."""
 _SETTLING = 150
-"""Milliseconds until a file that others write is complete."""
+"""Milliseconds after which a file that others write counts as complete."""
 
 TextChange = Callable[[StudyDraft], str | RequestRefused]
 _Taken = Callable[[StudyDraft, UndoHistory], UndoHistory | RequestRefused]
@@ -40,16 +40,16 @@ class _Conflict:
 
 
 class StudyEditor(QObject):
-    """Holds the file as it was read and the draft as it is.
+    """The file as it was read, the draft, and its history for undo.
 
     Attributes:
-        drafted: the draft is another.
+        drafted: the draft has changed.
         refused: a change of a field was not possible: its key and the reason.
-        unsound: it was not saved because of faults.
-        conflicted: it was not saved, because the file is no longer what was read.
+        found_faulty: the draft was not saved because of its faults.
+        conflicted: the draft was not saved, because the file is no longer what was read.
         changed_outside: the file is no longer what was read.
-        failed: it could not be saved: why.
-        saved: it is on disk.
+        failed: the file could not be written or read: the reason.
+        saved: the draft is on disk.
     """
 
     drafted = Signal()
@@ -93,16 +93,16 @@ class StudyEditor(QObject):
 
     @property
     def dirty(self) -> bool:
-        """Whether there is something to save."""
+        """True when there is something to save."""
         return bool(self._steps) or self._work.busy or not self.on_disk.exists or self.history.text != self.on_disk.text
 
     @property
     def settled(self) -> bool:
-        """Whether the draft shows everything that was wished."""
+        """True when all changes are in the draft."""
         return not self._steps and not self._work.busy
 
     def change(self, key: str, change: TextChange, *, at_once: bool = False) -> None:
-        """Change the text; another change with the same key, before it was made, takes this one's place."""
+        """Change the text; a later change with the same key takes its place if it has not been applied yet."""
 
         def take(draft: StudyDraft, history: UndoHistory) -> UndoHistory | RequestRefused:
             text = change(draft)
@@ -117,28 +117,28 @@ class StudyEditor(QObject):
         self.change(key, lambda draft: draft.set(draft.fields()[key], text), at_once=at_once)
 
     def reset(self, key: str) -> None:
-        """Let a field's default hold again."""
+        """Return a field to its default."""
         self.change(key, lambda draft: draft.reset(draft.fields()[key]), at_once=True)
         self._queue_step(_Step("", lambda _, history: history.settled()), at_once=True)
 
     def say(self, text: str) -> None:
-        """Take another text altogether."""
+        """Replace the whole text."""
         self.change("text", lambda _: text)
 
     def undo(self) -> None:
-        """One step back."""
+        """Go one step back."""
         self._queue_step(_Step("", lambda _, history: history.undone()), at_once=True)
 
     def redo(self) -> None:
-        """One step forward again."""
+        """Go one step forward again."""
         self._queue_step(_Step("", lambda _, history: history.redone()), at_once=True)
 
     def settle(self) -> None:
-        """The next change of the same field is a step of its own."""
+        """Make the next change of the same field a step of its own."""
         self._queue_step(_Step("", lambda _, history: history.settled()), at_once=False)
 
     def load_again(self) -> None:
-        """Take what is on disk now; what was here can be had back by undo."""
+        """Load the file again; undo brings the draft back."""
         try:
             self.on_disk = read_edited(self._path)
         except BadFile as fault:
@@ -152,14 +152,14 @@ class StudyEditor(QObject):
         """Write the file.
 
         Args:
-            anyway: although there are faults.
-            over: although the file is not what was read.
+            with_faults: save although there are faults.
+            overwrite: save although the file is not what was read.
         """
         self._save_wanted = with_faults, overwrite
         self._flush()
 
     def close(self) -> None:
-        """Finish what is being done."""
+        """Finish the current work."""
         self._typing.stop()
         self._work.close()
 
@@ -216,7 +216,7 @@ class StudyEditor(QObject):
         self._flush()
 
     def _watch(self) -> None:
-        """A file that was replaced is another, and has to be watched anew."""
+        """Watch the file anew: one that was replaced is another file to the watcher."""
         wanted = [str(self._path.parent), *([str(self._path)] if self._path.exists() else [])]
         missing = [path for path in wanted if path not in {*self._watcher.files(), *self._watcher.directories()}]
         if missing:

@@ -1,4 +1,4 @@
-"""What is wrong with a study, and what is right in it but changes nothing."""
+"""List of a study's faults and of its notices, which are about entries without an effect."""
 
 from pathlib import Path
 
@@ -15,7 +15,7 @@ class FaultList(QWidget):
     """A verdict, and below it every fault and notice.
 
     Attributes:
-        chosen: a person wants to see the fault of this index.
+        chosen: a person wants to see the fault with this index.
     """
 
     chosen = Signal(int)
@@ -35,7 +35,7 @@ class FaultList(QWidget):
         column.addWidget(self.list)
 
     def show_draft(self, draft: StudyDraft) -> None:
-        """Show what there is to say of a draft."""
+        """Show the faults and notices of a draft."""
         self._count = len(draft.faults)
         told = [f"⚠ {_short(str(fault), draft.path)}" for fault in draft.faults]
         told += [f"ℹ {_short(notice, draft.path)}" for notice in draft.notices]
@@ -68,5 +68,5 @@ class FaultList(QWidget):
 
 
 def _short(sentence: str, path: Path) -> str:
-    """A sentence without the name of the file, which the window shows anyway."""
+    """Return a sentence without the name of the file, which the window shows anyway."""
     return sentence.removeprefix(f"{path}, ").removeprefix(f"{path}: ")

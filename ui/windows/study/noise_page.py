@@ -1,4 +1,4 @@
-"""The noise of a study: its numbers, and beside them what they do."""
+"""Drawings of the effect of a study's noise."""
 
 from collections.abc import Mapping
 
@@ -16,7 +16,7 @@ from ui.windows.study.pictures import Canvas, NoisePicture, PaintFunction
 
 
 class NoiseView(QScrollArea):
-    """Draws what the noise does, anew with every number."""
+    """Drawings of the noise's effect, made anew with every change."""
 
     def __init__(self) -> None:
         super().__init__()
@@ -52,11 +52,11 @@ class NoiseView(QScrollArea):
 
     @property
     def busy(self) -> bool:
-        """Whether something is being drawn."""
+        """True while something is being drawn."""
         return self._work.busy
 
     def draw(self, draft: StudyDraft, values: Mapping[str, str]) -> None:
-        """Draw the noise of a draft, with what was typed since."""
+        """Draw the noise of a draft, with the values typed since, by key."""
         self._requested = draft, dict(values)
         group = draft.groups().get("noise")
         if group is None or not self.isVisible():
@@ -73,7 +73,7 @@ class NoiseView(QScrollArea):
             self.draw(*self._requested)
 
     def close_work(self) -> None:
-        """Finish what is being drawn."""
+        """Finish the current drawing."""
         self._work.close()
 
     @Slot(object)
@@ -140,7 +140,7 @@ class NoiseView(QScrollArea):
         return card
 
     def sizeHint(self) -> QSize:
-        """Wide enough for two squares."""
+        """Return a size wide enough for two squares."""
         return QSize(520, 640)
 
 

@@ -1,4 +1,4 @@
-"""The pages of the form: a section, what a search found, the whole text, what will be written."""
+"""Pages of the study window: a section, results of a search, the whole text, the changes to be written."""
 
 from collections.abc import Iterator, Mapping
 
@@ -22,21 +22,21 @@ from ui.windows.study.row import FieldRow
 _FOUND = "found"
 _MOST_FOUND = 40
 _SLICE = 15
-"""Milliseconds of building before the window lives on."""
+"""Milliseconds of building before the window handles other events."""
 
 
 class FieldsPage(QScrollArea):
     """Rows of fields, with headings.
 
     Attributes:
-        said: a person typed or chose something: the field's key, and what.
-        left: the person is done with it.
-        reset: a person wants its default back.
+        edited: a person typed or chose something: the field's key, and the text.
+        edit_finished: the person is done with the field.
+        reset: a person wants the field's default back.
         opened: a person wants to see a section.
         added: a person wants another item in a section.
         removed: a person wants an item gone.
         cleared: a person wants all defaults of a section back.
-        built: everything is there.
+        built: all rows are there.
     """
 
     edited = Signal(str, str)
@@ -63,7 +63,7 @@ class FieldsPage(QScrollArea):
 
     @property
     def rows(self) -> Mapping[str, FieldRow]:
-        """What is shown, by the fields' keys."""
+        """The rows shown, by the fields' keys."""
         return self._rows
 
     def show_groups(self, draft: StudyDraft, groups: tuple[FormGroup, ...], *, narrow: bool = False) -> None:
@@ -83,7 +83,7 @@ class FieldsPage(QScrollArea):
             pass
 
     def _build_on(self) -> None:
-        """Build on for a while; a page of many fields takes longer than a window may stand still."""
+        """Build on for some milliseconds; a page of many fields takes longer than a window may stand still."""
         began = QElapsedTimer()
         began.start()
         for _ in self._building:
@@ -139,7 +139,7 @@ class FieldsPage(QScrollArea):
         self.built.emit()
 
     def _head(self, group: FormGroup, *, first: bool, whole: FormGroup) -> QVBoxLayout:
-        """A section's name and meaning, and what can be done with all of it."""
+        """Return a section's name and meaning, and its buttons."""
         head = QVBoxLayout()
         head.setSpacing(GAP // 2)
         row = QHBoxLayout()
@@ -199,7 +199,7 @@ class FieldsPage(QScrollArea):
 
 
 def _row(column: QVBoxLayout) -> QHBoxLayout:
-    """A row at the end of a column that ends in a stretch, yet to be filled.
+    """Add an empty row at the end of a column that ends in a stretch.
 
     PySide 6.11 crashes at the end of a window whose rows got a stretch before they were put into another layout.
     """
@@ -209,7 +209,7 @@ def _row(column: QVBoxLayout) -> QHBoxLayout:
 
 
 def _rule() -> QWidget:
-    """A thin line between rows."""
+    """Return a thin line between rows."""
     rule = QWidget()
     rule.setFixedHeight(1)
     rule.setAutoFillBackground(True)
@@ -218,7 +218,7 @@ def _rule() -> QWidget:
 
 
 def _shape_of(group: FormGroup) -> tuple[str, ...]:
-    """What makes the same widgets do."""
+    """Return the names by which a page is known to need the same widgets as before."""
     return (group.key, group.label, *(field.key for field in group.fields), *(inner.label for inner in group.groups))
 
 
@@ -226,7 +226,7 @@ class TextPage(QWidget):
     """The file as text.
 
     Attributes:
-        said: a person wrote something: the whole text.
+        edited: a person wrote something: the whole text.
     """
 
     edited = Signal(str)
@@ -250,7 +250,7 @@ class TextPage(QWidget):
         self._newline = "\n"
 
     def show_draft(self, draft: StudyDraft) -> None:
-        """Show the text of the draft, and where it is wrong."""
+        """Show the text of the draft, and mark its faults."""
         self._newline = "\r\n" if "\r\n" in draft.text else "\n"
         text = draft.text.replace("\r\n", "\n")
         if text != self.editor.toPlainText() and not (self.editor.hasFocus() and self.editor.document().isModified()):
@@ -274,7 +274,7 @@ class TextPage(QWidget):
         self.editor.setFocus()
 
     def mark_unmodified(self) -> None:
-        """What is shown is what was said."""
+        """Mark the text as taken into the draft."""
         self.editor.document().setModified(False)
 
     def _typed(self) -> None:
@@ -294,7 +294,7 @@ class TextPage(QWidget):
 
 
 class ChangesPage(QWidget):
-    """What saving would change in the file."""
+    """The changes that saving would make in the file."""
 
     def __init__(self) -> None:
         super().__init__()
@@ -335,7 +335,7 @@ class ChangesPage(QWidget):
 
 
 def _fixed() -> QFont:
-    """Columns of a file stand below each other."""
+    """Return a font of fixed width, so that columns of the file stand below each other."""
     fixed = QFontDatabase.systemFont(QFontDatabase.SystemFont.FixedFont)
     fixed.setPointSizeF(font().pointSizeF())
     return fixed

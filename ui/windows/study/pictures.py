@@ -1,4 +1,4 @@
-"""Drawings of noise. They are painted beside the window's thread, and shown when they are finished."""
+"""Drawings of noise, painted in a thread beside the window's and shown when they are finished."""
 
 from collections.abc import Callable
 from dataclasses import dataclass
@@ -18,12 +18,12 @@ from ui.windows.look import GAP
 
 _EDGE = 1.5 * GAP
 _RULER = 1.0
-"""Metres."""
+"""Length of the ruler, metres."""
 
 
 @dataclass(frozen=True, slots=True)
 class Canvas:
-    """What a drawing is made for: logical size, pixels per logical pixel, colours."""
+    """Target of a drawing: logical size, pixels per logical pixel, colours."""
 
     size: QSize
     ratio: float
@@ -34,10 +34,10 @@ PaintFunction = Callable[[NoisePreview, Canvas], QImage]
 
 
 class NoisePicture(QWidget):
-    """Shows one drawing.
+    """A widget that shows one drawing.
 
     Attributes:
-        paint: makes it.
+        paint: makes the drawing.
     """
 
     def __init__(self, paint: PaintFunction, name: str, height: int, resized: Callable[[], None]) -> None:
@@ -50,24 +50,24 @@ class NoisePicture(QWidget):
         self._resized = resized
 
     def canvas(self, palette: Palette) -> Canvas:
-        """What to paint for."""
+        """Return the target of the drawing."""
         return Canvas(self.size(), self.devicePixelRatioF(), palette)
 
     def show_image(self, image: QImage, words: str) -> None:
-        """Show what was painted."""
+        """Show a finished drawing."""
         self._image = image
         self.setAccessibleDescription(words)
         self.update()
 
     def paintEvent(self, event: QPaintEvent) -> None:
-        """Put the image on the screen; a resized one until the next is painted."""
+        """Draw the image, resized until the next one is finished."""
         painter = QPainter(self)
         if not self._image.isNull():
             painter.drawImage(self.rect(), self._image)
         painter.end()
 
     def resizeEvent(self, event: QResizeEvent) -> None:
-        """Have it painted anew."""
+        """Have the drawing made anew."""
         super().resizeEvent(event)
         self._resized()
 
@@ -93,12 +93,12 @@ class _Sheet:
         self.painter.setRenderHint(QPainter.RenderHint.Antialiasing)
 
     def polygon(self, points: FloatArray) -> QPolygonF:
-        """Points in metres as Qt has them."""
+        """Convert points in metres to a Qt polygon."""
         xs, ys = self._x + self._scale * points[:, 0], self._y - self._scale * points[:, 1]
         return cast(QPolygonF, arrayToQPolygonF(xs, ys))
 
     def line(self, points: FloatArray, colour: str, width: float, *, dashed: bool = False) -> None:
-        """A line through points."""
+        """Draw a line through points."""
         pen = QPen(QColor(colour), width)
         if dashed:
             pen.setStyle(Qt.PenStyle.DashLine)
@@ -106,7 +106,7 @@ class _Sheet:
         self.painter.drawPolyline(self.polygon(points))
 
     def hairs(self, paths: FloatArray, colour: str, alpha: int) -> None:
-        """(n, k, 2) many lines, each one pixel wide: thicker ones take ten times as long."""
+        """Draw many lines, (n, k, 2), each one pixel wide: thicker ones take ten times as long."""
         ink = QColor(colour)
         ink.setAlpha(alpha)
         pen = QPen(ink, 1.0)
@@ -116,14 +116,14 @@ class _Sheet:
             self.painter.drawPolyline(self.polygon(path))
 
     def dots(self, points: FloatArray, colour: str, size: float) -> None:
-        """Round dots."""
+        """Draw round dots."""
         pen = QPen(QColor(colour), size)
         pen.setCapStyle(Qt.PenCapStyle.RoundCap)
         self.painter.setPen(pen)
         self.painter.drawPoints(self.polygon(points))
 
     def crosses(self, points: FloatArray, colour: str, size: float) -> None:
-        """Small crosses, told from dots without colour."""
+        """Draw small crosses, which differ from dots without colour."""
         self.painter.setPen(QPen(QColor(colour), 1.4))
         for point in self.polygon(points).toList():
             x, y = point.x(), point.y()
@@ -131,7 +131,7 @@ class _Sheet:
             self.painter.drawLine(QPointF(x - size, y + size), QPointF(x + size, y - size))
 
     def finished(self) -> QImage:
-        """The image, with a ruler in its corner."""
+        """Return the image, with a ruler in its corner."""
         length = _RULER * self._scale
         y = self._size.height() - _EDGE * 0.6
         pen = QPen(QColor(self.palette.muted), 1.5)
@@ -149,7 +149,7 @@ class _Sheet:
 
 
 def fan_image(fan: PathSpread, other: PathSpread, canvas: Canvas, colour: str, *, dashed: bool) -> QImage:
-    """A fan: what was driven, 200 paths, the ellipse of their ends; to the scale at which the other one fits, too."""
+    """Draw a fan: the drive, 200 paths, the ellipse of their ends; at a scale at which the other fan fits, too."""
     everything = np.concatenate([each.reshape(-1, 2) for one in (fan, other) for each in (one.paths, one.ellipse)])
     sheet = _Sheet(canvas, np.concatenate([everything, fan.driven]))
     sheet.hairs(fan.paths, colour, 70)
@@ -161,7 +161,7 @@ def fan_image(fan: PathSpread, other: PathSpread, canvas: Canvas, colour: str, *
 
 
 def scan_image(scan: RoomScan, canvas: Canvas) -> QImage:
-    """A sweep: walls, where beams truly end, where the laser says that they end."""
+    """Draw a laser sweep: walls, the beams' true ends, and the measured ones."""
     sheet = _Sheet(canvas, np.concatenate([scan.walls.reshape(-1, 2), scan.seen]))
     palette = canvas.palette
     for wall in scan.walls:
@@ -174,29 +174,29 @@ def scan_image(scan: RoomScan, canvas: Canvas) -> QImage:
 
 
 def wheels_straight(preview: NoisePreview, canvas: Canvas) -> QImage:
-    """Ten metres straight, by the wheels."""
+    """Draw ten metres straight as the wheels report them."""
     drive = preview.straight
     return fan_image(drive.wheels, drive.believed, canvas, canvas.palette.robot(0), dashed=False)
 
 
 def believed_straight(preview: NoisePreview, canvas: Canvas) -> QImage:
-    """Ten metres straight, as the filter believes."""
+    """Draw ten metres straight as the particle filter believes them."""
     drive = preview.straight
     return fan_image(drive.believed, drive.wheels, canvas, canvas.palette.robot(1), dashed=True)
 
 
 def wheels_square(preview: NoisePreview, canvas: Canvas) -> QImage:
-    """Around a square, by the wheels."""
+    """Draw a square as the wheels report it."""
     drive = preview.square
     return fan_image(drive.wheels, drive.believed, canvas, canvas.palette.robot(0), dashed=False)
 
 
 def believed_square(preview: NoisePreview, canvas: Canvas) -> QImage:
-    """Around a square, as the filter believes."""
+    """Draw a square as the particle filter believes it."""
     drive = preview.square
     return fan_image(drive.believed, drive.wheels, canvas, canvas.palette.robot(1), dashed=True)
 
 
 def room(preview: NoisePreview, canvas: Canvas) -> QImage:
-    """A sweep in a room."""
+    """Draw a laser sweep in a room."""
     return scan_image(preview.scan, canvas)

@@ -1,4 +1,4 @@
-"""One field of the form: its name, meaning and value, where that comes from, and what is wrong with it."""
+"""One field of the form: its name, meaning, value, the value's origin, and its faults."""
 
 from collections.abc import Callable
 
@@ -13,15 +13,15 @@ from ui.windows.look import GAP, font, label
 
 _EDITOR_WIDTH = 240
 _WIDE = 340
-"""Of lists."""
+"""Width of the editor of a list, logical pixels."""
 _NARROW = 128
-"""Beside drawings."""
+"""Width of an editor beside drawings, logical pixels."""
 _STEPS = 1000
-"""Places of a slider."""
+"""Number of steps of a slider."""
 
 
 class _Line(QLineEdit):
-    """A line that says when it is left."""
+    """A line edit that reports when it loses the focus."""
 
     left = Signal()
 
@@ -31,7 +31,7 @@ class _Line(QLineEdit):
 
 
 class _Combo(ChoiceBox):
-    """Choices that a wheel over a page does not change by accident."""
+    """A combo box that the wheel changes only while it has the focus, not by accident."""
 
     def wheelEvent(self, event: QWheelEvent) -> None:
         if self.hasFocus():
@@ -41,19 +41,19 @@ class _Combo(ChoiceBox):
 
 
 class _Slider(QSlider):
-    """A slider that a wheel over a page does not move by accident."""
+    """A slider that the wheel never moves, as it would by accident on a page that scrolls."""
 
     def wheelEvent(self, event: QWheelEvent) -> None:
         event.ignore()
 
 
 class FieldRow(QWidget):
-    """A field.
+    """The row of a field.
 
     Attributes:
-        said: a person typed or chose something: the field's key, and what.
-        left: the person is done with it.
-        reset: a person wants its default back.
+        edited: a person typed or chose something: the field's key, and the text.
+        edit_finished: the person is done with the field.
+        reset: a person wants the field's default back.
     """
 
     edited = Signal(str, str)
@@ -111,27 +111,27 @@ class FieldRow(QWidget):
 
     @property
     def field(self) -> FormField:
-        """What is shown."""
+        """The field shown."""
         return self._field
 
     @property
     def editor(self) -> QWidget:
-        """What is typed or chosen in."""
+        """The widget to type or to choose in."""
         return self._editor
 
     @property
     def last_widget(self) -> QWidget:
-        """What Tab comes to last in it."""
+        """The widget that Tab reaches last in the row."""
         return self._reset
 
     def text(self) -> str:
-        """What stands in it just now."""
+        """Return the text in the editor."""
         if self._combo is not None:
             return self._combo.currentText()
         return "" if self._line is None else self._line.text()
 
     def show_field(self, field: FormField, faults: tuple[BadFile, ...]) -> None:
-        """Show what the file says now; what is being typed stays."""
+        """Show the field's current value; a text that is being typed stays."""
         self._field = field
         said = editable_text(field)
         if self._line is not None and not (self._line.hasFocus() and self._line.isModified()):
@@ -160,7 +160,7 @@ class FieldRow(QWidget):
         self._editor.setAccessibleDescription(f"{field.help}. {origin}. {self._fault.text()}".strip())
 
     def show_faults(self, sentences: tuple[str, ...]) -> None:
-        """Say what is wrong with it."""
+        """Show the field's faults."""
         told = "\n".join(f"⚠ {sentence[:1].upper()}{sentence[1:].rstrip('.')}." for sentence in sentences)
         self._fault.setText(told)
         self._fault.setVisible(bool(told))
@@ -226,7 +226,7 @@ class FieldRow(QWidget):
         self.reset.emit(self._field.key)
 
     def _set_muted(self, line: QLineEdit, muted: bool) -> None:
-        """What is inherited is shown with less weight; the words below say it, too."""
+        """Show a default in italics; the words below say it, too."""
         wanted = font()
         wanted.setItalic(muted)
         line.setFont(wanted)
@@ -250,7 +250,7 @@ def _slides(field: FormField) -> bool:
 
 
 def _value_at(field: FormField, place: int) -> str:
-    """The number at a slider's place: small ones have more room, since most noise is small."""
+    """Return the number at a slider's place: small ones have more space, since most noise is small."""
     share = place / _STEPS
     if field.minimum < 0:
         return f"{field.minimum + (field.maximum - field.minimum) * share:.3g}"

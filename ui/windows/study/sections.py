@@ -1,4 +1,4 @@
-"""The sections of a study as a tree, each with how much of it is written and how much of that is wrong."""
+"""The sections of a study as a tree, each with the numbers of its written and of its wrong fields."""
 
 from PySide6.QtCore import Qt, Signal
 from PySide6.QtWidgets import QTreeWidget, QTreeWidgetItem
@@ -8,12 +8,12 @@ from ui.model.study_form.form import FormGroup
 from ui.windows.look import GAP
 
 NOISE = "noise"
-"""The section that is one page with all that is in it."""
+"""Key of the section that is a single page with all its subsections."""
 _KEY = Qt.ItemDataRole.UserRole
 
 
 class SectionTree(QTreeWidget):
-    """The tree.
+    """The tree of sections.
 
     Attributes:
         chosen: a person wants to see the section with this key.
@@ -30,7 +30,7 @@ class SectionTree(QTreeWidget):
         self.currentItemChanged.connect(self._choose)
 
     def show_draft(self, draft: StudyDraft, key: str) -> None:
-        """Show the sections of a draft, that with this key as chosen."""
+        """Show the sections of a draft, with the one of this key chosen."""
         groups = {group.key: group for group in draft.form.all_groups() if not group.key.startswith(f"{NOISE}.")}
         if set(groups) != set(self._items()):
             self._fill(draft.form, key)
@@ -45,7 +45,7 @@ class SectionTree(QTreeWidget):
             item.setData(0, Qt.ItemDataRole.AccessibleTextRole, ", ".join([group.label, *told]))
 
     def select(self, key: str) -> bool:
-        """Mark a section as chosen, without saying so; False where there is none of this key."""
+        """Mark a section as chosen, without a signal; return False where there is none with this key."""
         item = self._items().get(key)
         if item is None:
             return False
@@ -55,7 +55,7 @@ class SectionTree(QTreeWidget):
         return True
 
     def _fill(self, form: FormGroup, key: str) -> None:
-        """The tree anew; what was open stays open."""
+        """Make the tree anew; open sections stay open."""
         opened = {own for own, item in self._items().items() if item.isExpanded()}
         self.blockSignals(True)
         self.clear()
@@ -91,5 +91,5 @@ def _made_item(group: FormGroup) -> QTreeWidgetItem:
 
 
 def _is_in(place: str, section: str) -> bool:
-    """Whether a field lies in a section; in the whole study's, those that lie in no other."""
+    """Return True when a field lies in a section; in that of the whole study are those that lie in no other."""
     return place.startswith((f"{section}.", f"{section}[")) if section else "." not in place

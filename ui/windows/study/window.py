@@ -1,4 +1,4 @@
-"""The window in which a study file is edited as a form."""
+"""Main window of the study editor, in which a study file is a form."""
 
 from functools import partial
 from itertools import pairwise
@@ -31,7 +31,7 @@ _FIELDS_WIDTH = 400
 
 
 class StudyWindow(QMainWindow):
-    """A study file: sections at the left, fields in the middle, for noise its effect at the right, faults below."""
+    """Window of a study file: sections at the left, fields in the middle, noise drawn at the right, faults below."""
 
     def __init__(self, path: Path) -> None:
         """Open a study file.
@@ -76,7 +76,7 @@ class StudyWindow(QMainWindow):
         self.resize(QSize(1240, 860).boundedTo(self.screen().availableSize()))
         self.sections.setFocus()
 
-    # What is shown ----------------------------------------------------------------------------------------------------
+    # Contents ---------------------------------------------------------------------------------------------------------
 
     def open_section(self, key: str) -> None:
         """Show the section with this key."""
@@ -118,7 +118,7 @@ class StudyWindow(QMainWindow):
 
     @Slot()
     def repaint_all(self) -> None:
-        """Take over other colours."""
+        """Use other colours."""
         self.noise.redraw()
         self._show()
 
@@ -129,7 +129,7 @@ class StudyWindow(QMainWindow):
 
     @Slot()
     def _show(self) -> None:
-        """Bring what is visible up to date."""
+        """Update all that is visible."""
         draft, editor = self.editor.draft, self.editor
         groups = draft.groups()
         group = groups.get(self._key, draft.form)
@@ -171,7 +171,7 @@ class StudyWindow(QMainWindow):
             self.show_text()
             self.text.go_to(fault.line)
 
-    # What is wished ---------------------------------------------------------------------------------------------------
+    # Changes ----------------------------------------------------------------------------------------------------------
 
     def _field_edited(self, key: str, said: str) -> None:
         self._typed[key] = said
@@ -233,7 +233,7 @@ class StudyWindow(QMainWindow):
 
     @Slot()
     def save(self) -> None:
-        """Write the file; asks when it has faults, or when others wrote it."""
+        """Write the file; ask first when it has faults, or when others wrote it."""
         self._closing = False
         self.editor.save()
 
@@ -287,7 +287,7 @@ class StudyWindow(QMainWindow):
         self.editor.load_again()
 
     def closeEvent(self, event: QCloseEvent) -> None:
-        """Ask first, where something would be lost."""
+        """Ask first when something would be lost."""
         touched = bool(self.editor.history.past) or not self.editor.settled
         if self.editor.dirty and touched and not self._closing:
             box = QMessageBox(QMessageBox.Icon.Question, self.editor.path.name, "Save the changes?", parent=self)
@@ -307,7 +307,7 @@ class StudyWindow(QMainWindow):
         self.editor.close()
         super().closeEvent(event)
 
-    # How it is built --------------------------------------------------------------------------------------------------
+    # Layout -----------------------------------------------------------------------------------------------------------
 
     def _lay_out(self) -> None:
         head = QHBoxLayout()
@@ -353,7 +353,7 @@ class StudyWindow(QMainWindow):
         self.setCentralWidget(inside)
 
     def _order(self, page: FieldsPage) -> None:
-        """Let Tab follow the eye: what is above, the sections, the fields, what noise does, the faults."""
+        """Set the order of Tab to that of the eye: the buttons above, sections, fields, effect of noise, faults."""
         order = [self.search, *self._buttons.values(), self.sections]
         for before, after in pairwise(order):
             self.setTabOrder(before, after)

@@ -1,4 +1,4 @@
-"""What fills the window or lies above it while nothing is played: connecting, consent, a question, help, the end."""
+"""Pages that fill the window or lie above it: connecting, consent, a question, help, the end of the game."""
 
 from PySide6.QtCore import QRectF, QSize, Qt, Signal
 from PySide6.QtGui import QPainter, QPaintEvent
@@ -17,11 +17,11 @@ WINDOW_KEYS = (
     ("Arrows", "Go to the neighbouring button; Space or Enter presses it"),
     ("Ctrl+Q", "Close the window"),
 )
-"""Keys of the window itself, for those who go through it button by button."""
+"""Keys of the window itself, for people who use it button by button."""
 
 
 class ConnectingPage(QWidget):
-    """Nothing to see yet: says what it waits for."""
+    """The page before there is a game: says what it waits for."""
 
     def __init__(self, parent: QWidget | None = None) -> None:
         super().__init__(parent)
@@ -37,12 +37,12 @@ class ConnectingPage(QWidget):
         rows.addStretch(3)
 
     def show_waiting(self, text: str) -> None:
-        """What it waits for, in words."""
+        """Say in words what it waits for."""
         set_text(self._what, text)
 
 
 class ConsentPage(QWidget):
-    """The text to agree to, and the button that does.
+    """The text to agree to, and the button for it.
 
     Attributes:
         asked: the `Act` of what was pressed.
@@ -88,7 +88,7 @@ class ConsentPage(QWidget):
 
 
 class QuestionPanel(TitledPanel):
-    """Is that meant?
+    """The question whether an act is really meant.
 
     Attributes:
         asked: the `Act` of what was pressed.
@@ -115,7 +115,7 @@ class QuestionPanel(TitledPanel):
 
 
 class EndingPanel(TitledPanel):
-    """The game is over.
+    """The panel at the end of the game.
 
     Attributes:
         asked: the `Act` of what was pressed.
@@ -139,7 +139,7 @@ class EndingPanel(TitledPanel):
 
 
 class KeyCap(QWidget):
-    """Keys as they are printed on buttons."""
+    """Keys drawn as they are printed on buttons."""
 
     def __init__(self, keys: str, parent: QWidget | None = None) -> None:
         super().__init__(parent)
@@ -149,14 +149,14 @@ class KeyCap(QWidget):
         self.setFixedSize(QSize(int(wide) + 2, int(high) + 2))
 
     def paintEvent(self, _event: QPaintEvent) -> None:
-        """Draw them."""
+        """Draw the keys."""
         painter = QPainter(self)
         painter.setRenderHint(QPainter.RenderHint.Antialiasing)
         key_cap(painter, QRectF(self.rect()).adjusted(1, 1, -1, -1), self._keys, colours().text)
 
 
 class HelpSheet(TitledPanel):
-    """All keys and what they do.
+    """Sheet of all keys and their meanings.
 
     Attributes:
         asked: the `Act` of what was pressed.
@@ -180,7 +180,7 @@ class HelpSheet(TitledPanel):
         self._shown: tuple[tuple[str, str], ...] = ()
 
     def show_help(self, lines: tuple[tuple[str, str], ...], key: str) -> None:
-        """Show these; `key` closes it."""
+        """Show these lines; `key` closes the sheet."""
         self.close_button.show_action(Action(ShowHelp(), "Close", key))
         if lines == self._shown:
             return
@@ -198,14 +198,14 @@ class HelpSheet(TitledPanel):
         inside.setAutoFillBackground(False)
 
     def wanted(self, width: int, height: int) -> QSize:
-        """As high as its lines, if there is room."""
+        """Return a size as high as its lines, if there is space."""
         inside = self._area.widget()
         lines = inside.sizeHint().height() if inside is not None else 0
         return QSize(width, min(height, lines + self.top.sizeHint().height() + 6 * GAP))
 
 
 def _foot(rows: QVBoxLayout) -> QHBoxLayout:
-    """A row below others, filled from the right.
+    """Add a row below others, filled from the right.
 
     It is added before it is filled: PySide takes a spacer in a layout that is added for an object of Python's, and
     deletes it a second time.

@@ -1,4 +1,4 @@
-"""The page before a game: what this is, how many robots, a game to try it out first."""
+"""The page before a game: an introduction, the number of robots, and a practice game."""
 
 from PySide6.QtCore import Qt, Signal
 from PySide6.QtGui import QKeySequence, QShortcut
@@ -16,7 +16,7 @@ INTRODUCTION = (
 )
 
 _IN_A_ROW = 5
-"""Choices side by side, at the most."""
+"""Most choices side by side."""
 
 
 class StartPage(QWidget):
@@ -82,7 +82,7 @@ class StartPage(QWidget):
         self.setFocus()
 
     def choose(self, number: int) -> None:
-        """Have so many robots chosen."""
+        """Choose so many robots."""
         self._number = number
         for other, button in self.choices.items():
             button.setChecked(other == number)

@@ -1,1 +1,1 @@
-"""What pops up over the participant's map: a talk with a robot, a treasure to name."""
+"""Pop-ups over the participant's map: a dialogue with a robot, a treasure to name."""

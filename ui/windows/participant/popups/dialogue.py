@@ -11,7 +11,7 @@ from ui.windows.participant.widgets.panels import TitledPanel, Transcript
 
 
 class DialoguePanel(TitledPanel):
-    """Sentences as bubbles, answers as buttons.
+    """A dialogue with a robot: sentences as bubbles, answers as buttons.
 
     Attributes:
         asked: the `Act` of what was pressed.
@@ -37,7 +37,7 @@ class DialoguePanel(TitledPanel):
         self.choices = ActionRow(answers.addWidget, self._made)
 
     def show_pop(self, pop: DialoguePopup) -> None:
-        """Show this; nothing is done when it is shown already."""
+        """Show this; does nothing when it is shown already."""
         if pop == self._pop:
             return
         self._pop = pop

@@ -1,4 +1,4 @@
-"""What is known of a treasure: its picture, what was sensed of it, and what came of naming it."""
+"""Views of a found treasure: its picture, what the robot sensed, and the result of naming it."""
 
 from PySide6.QtCore import QRectF, QSize, Qt
 from PySide6.QtGui import QColor, QFontMetricsF, QPainter, QPaintEvent, QPixmap
@@ -11,11 +11,11 @@ from ui.windows.look import GAP, RADIUS, colours, font
 from ui.windows.participant.widgets.painting import sign
 
 _PICTURE = QSize(224, 168)
-"""Logical pixels."""
+"""Usual size of a picture, logical pixels."""
 
 
 class TreasurePicture(QWidget):
-    """The picture, or a frame for it with a word about why it is empty; beside nothing else, so that it is seen."""
+    """A treasure's picture, or an empty frame with a note that says why."""
 
     def __init__(self, parent: QWidget | None = None) -> None:
         super().__init__(parent)
@@ -28,11 +28,11 @@ class TreasurePicture(QWidget):
         self.setSizePolicy(QSizePolicy.Policy.Preferred, QSizePolicy.Policy.Preferred)
 
     def sizeHint(self) -> QSize:
-        """Of a small photograph."""
+        """Return the size of a small photograph."""
         return _PICTURE
 
     def show_picture(self, data: bytes | None, note: str) -> None:
-        """Show this file's picture, or say in a note why there is none."""
+        """Show the picture in these bytes of an image file, or a note that says why there is none."""
         if (data, note) == (self._data, self._note):
             return
         if data != self._data:
@@ -44,7 +44,7 @@ class TreasurePicture(QWidget):
         self.update()
 
     def paintEvent(self, _event: QPaintEvent) -> None:
-        """Draw it as large as fits."""
+        """Draw the picture as large as fits."""
         worn = colours()
         painter = QPainter(self)
         painter.setRenderHint(QPainter.RenderHint.Antialiasing)
@@ -68,7 +68,7 @@ class TreasurePicture(QWidget):
 
 
 class SensedFacts(QWidget):
-    """What the robot sensed: a patch of the colour beside its word, a drawing of the footprint beside its words."""
+    """Sensor readings of a treasure: a patch of its colour and a drawing of its footprint, each beside its name."""
 
     def __init__(self, parent: QWidget | None = None) -> None:
         super().__init__(parent)
@@ -77,11 +77,11 @@ class SensedFacts(QWidget):
         self.setSizePolicy(QSizePolicy.Policy.Preferred, QSizePolicy.Policy.Fixed)
 
     def sizeHint(self) -> QSize:
-        """Two lines."""
+        """Return the size of two lines."""
         return QSize(_PICTURE.width(), int(2 * self._line()) + GAP)
 
     def show_facts(self, colour: str, footprint: str) -> None:
-        """Show these words; empty ones are still being looked for."""
+        """Show these words; empty ones are not known yet."""
         if (colour, footprint) == (self._colour, self._footprint):
             return
         self._colour, self._footprint = colour, footprint
@@ -119,7 +119,7 @@ class SensedFacts(QWidget):
 
     @staticmethod
     def _shape(painter: QPainter, patch: QRectF, words: str) -> None:
-        """Round or square, large or small, as far as the words say so."""
+        """Draw a shape, round or square, large or small, as far as the words say so."""
         inset = 0.28 * patch.width() if "small" in words else 0.04 * patch.width()
         shape = patch.adjusted(inset, inset, -inset, -inset)
         painter.setPen(QColor(colours().text))
@@ -131,7 +131,7 @@ class SensedFacts(QWidget):
 
 
 class NamingResult(QWidget):
-    """What came of a name, and the points."""
+    """Result of naming a treasure: a sentence and the points."""
 
     def __init__(self, parent: QWidget | None = None) -> None:
         super().__init__(parent)
@@ -140,7 +140,7 @@ class NamingResult(QWidget):
         self.setSizePolicy(QSizePolicy.Policy.Preferred, QSizePolicy.Policy.Preferred)
 
     def sizeHint(self) -> QSize:
-        """A sign, the points, some lines."""
+        """Return the size of a sign, the points and some lines."""
         return QSize(220, 150)
 
     def show_verdict(self, text: str, points: int | None) -> None:
@@ -150,7 +150,7 @@ class NamingResult(QWidget):
         self.update()
 
     def paintEvent(self, _event: QPaintEvent) -> None:
-        """Draw a tick and what was won, or a warning and what was lost."""
+        """Draw a tick and the points won, or a warning sign and the points lost."""
         worn = colours()
         painter = QPainter(self)
         painter.setRenderHint(QPainter.RenderHint.Antialiasing)

@@ -1,4 +1,4 @@
-"""The list of what a treasure may be."""
+"""The list of names that a treasure may have."""
 
 from PySide6.QtCore import QEvent, QModelIndex, QSize, Qt, Signal
 from PySide6.QtGui import QFocusEvent, QHideEvent, QKeyEvent, QShowEvent
@@ -15,10 +15,10 @@ from ui.windows.participant.widgets import focus
 
 
 class NameList(QListWidget):
-    """What it may be. Nothing is picked until somebody picks.
+    """A list of possible names of a treasure. None is picked until a person picks one.
 
     Attributes:
-        picked: a name, by the person.
+        picked: the name that the person picked.
     """
 
     picked = Signal(str)
@@ -37,7 +37,7 @@ class NameList(QListWidget):
         self.itemClicked.connect(lambda item: self.picked.emit(item.text()))
 
     def show_names(self, names: tuple[str, ...], picked: str | None) -> None:
-        """Show these, with this one picked."""
+        """Show these names, with this one picked."""
         self._picked = picked
         if names != self._names or self.count() == 0:
             self._names = names
@@ -47,22 +47,22 @@ class NameList(QListWidget):
         self.setAccessibleDescription(f"Picked: {picked}" if picked else "Nothing is picked")
 
     def sizeHint(self) -> QSize:
-        """All names, up to eight."""
+        """Return the size of three to eight names."""
         return QSize(220, self._high * min(max(len(self._names), 3), 8) + 2 * GAP)
 
     def minimumSizeHint(self) -> QSize:
-        """Two names."""
+        """Return the size of two names."""
         return QSize(150, self._high * 2 + 2 * GAP)
 
     def showEvent(self, event: QShowEvent) -> None:
-        """Have the names again."""
+        """Fill the list again."""
         if self.count() == 0:
             self._fill()
             self._pick()
         super().showEvent(event)
 
     def hideEvent(self, event: QHideEvent) -> None:
-        """Have none: assistive technology finds them even where the list is hidden."""
+        """Empty the list: assistive technology finds the names even where the list is hidden."""
         super().hideEvent(event)
         self.clear()
 
@@ -74,7 +74,7 @@ class NameList(QListWidget):
         return super().event(event)
 
     def keyPressEvent(self, event: QKeyEvent) -> None:
-        """Arrows go up and down the list and leave it sideways, letters go to the next name that begins so."""
+        """Move up and down the list by arrows, leave it sideways, and go by a letter to the next name with it."""
         name = self._wanted(event)
         if name is not None:
             self.picked.emit(name)
@@ -84,7 +84,7 @@ class NameList(QListWidget):
             event.ignore()
 
     def focusInEvent(self, event: QFocusEvent) -> None:
-        """Having the focus picks nothing, which Qt's own lists do."""
+        """Take the focus without picking a name, unlike Qt's own lists."""
         current = self.currentIndex()
         super().focusInEvent(event)
         if not current.isValid():
@@ -107,7 +107,7 @@ class NameList(QListWidget):
             self.setCurrentRow(row)
 
     def _wanted(self, event: QKeyEvent) -> str | None:
-        """The name that a key picks."""
+        """Return the name that a key picks."""
         if not self._names or event.modifiers() not in (
             Qt.KeyboardModifier.NoModifier,
             Qt.KeyboardModifier.ShiftModifier,

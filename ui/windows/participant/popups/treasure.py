@@ -1,4 +1,4 @@
-"""The pop-up about something that a robot found."""
+"""The pop-up about a treasure that a robot found."""
 
 from PySide6.QtCore import Signal
 from PySide6.QtWidgets import (
@@ -17,7 +17,7 @@ from ui.windows.participant.widgets.panels import TitledPanel
 
 
 class TreasurePanel(TitledPanel):
-    """What was sensed and its picture at the left, what it may be at the right.
+    """Sensor readings and picture at the left, the list of possible names at the right.
 
     Attributes:
         asked: the `Act` of what was pressed or picked.
@@ -68,7 +68,7 @@ class TreasurePanel(TitledPanel):
         self.names.picked.connect(lambda name: self.asked.emit(PickName(name)))
 
     def show_pop(self, pop: TreasurePopup) -> None:
-        """Show this; nothing is done when it is shown already."""
+        """Show this; does nothing when it is shown already."""
         if pop == self._pop:
             return
         self._pop = pop

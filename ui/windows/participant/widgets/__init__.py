@@ -1,1 +1,1 @@
-"""What the participant's window is made of: buttons, panels, painted shapes, focus."""
+"""Building blocks of the participant's window: buttons, panels, painted shapes, focus."""

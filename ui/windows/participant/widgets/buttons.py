@@ -1,4 +1,4 @@
-"""A button that shows an `Action`: its label, its key, what it costs or why it cannot be pressed."""
+"""Buttons that show an `Action`: its label, its key, its cost or why it cannot be pressed."""
 
 from collections.abc import Callable
 from dataclasses import dataclass, replace
@@ -14,13 +14,13 @@ from ui.windows.participant.widgets import focus
 from ui.windows.participant.widgets.painting import box, key_cap, key_size, ring, sign
 
 Weight = Literal["main", "large", "plain", "small", "quiet"]
-"""What is most likely wanted; one of several, in much, usual and little room; something beside the point, without an
-edge."""
+"""Prominence of a button: the most likely action; one of several, with much, usual and little space; a side matter,
+without an edge."""
 
 
 @dataclass(frozen=True, slots=True)
 class ButtonFace:
-    """What a button shows; the attributes are those of `Action`."""
+    """The content of a button; the attributes are those of `Action`."""
 
     label: str
     key: str = ""
@@ -33,10 +33,10 @@ _PRESSING = (Qt.Key.Key_Return, Qt.Key.Key_Enter, Qt.Key.Key_Space)
 
 
 class ParticipantButton(QPushButton):
-    """What all buttons of the participant's window have in common; how each one looks is up to it.
+    """Base class of the buttons in the participant's window; each subclass paints itself.
 
-    One that cannot be pressed just now stays reachable: it says why when it is pressed, and the focus does not jump
-    away from it. It takes the focus from the keyboard only, so that a click never leaves Space and Enter loaded.
+    A button that cannot be pressed just now stays reachable: it says why when it is pressed, and keeps the focus. It
+    takes the focus from the keyboard only: after a click, Space and Enter must not press it again.
 
     Attributes:
         asked: the `Act` of the action shown.
@@ -55,14 +55,14 @@ class ParticipantButton(QPushButton):
         self.clicked.connect(self._pressed)
 
     def bind(self, action: Action, name: str) -> None:
-        """Keep the action; `name` is how assistive technology reads the button."""
+        """Keep the action; `name` is how screen readers say the button."""
         if action.act != self.act:
             self.setDown(False)  # a press begun on what was shown before must not end as one on this
         self.act = action.act
         self.show_face(ButtonFace(action.label, action.key, action.enabled, action.hint, action.pending), name)
 
     def show_face(self, face: ButtonFace, name: str) -> None:
-        """Keep the face, and tell assistive technology what this is, and why it cannot be pressed."""
+        """Keep the face, and tell assistive technology what this button is, and why it cannot be pressed."""
         self.face = face
         state = "" if face.enabled else ", not possible just now"
         self.setAccessibleName(f"{name}{', asked for' if face.busy else state}")
@@ -71,11 +71,11 @@ class ParticipantButton(QPushButton):
         self.setToolTip(face.hint)
 
     def pointed_at(self) -> bool:
-        """Whether it should look as if it could be pressed at once."""
+        """Return True when the pointer is on it and it can be pressed."""
         return self.face is not None and self.face.enabled and (self.underMouse() or self.isDown())
 
     def focusInEvent(self, event: QFocusEvent) -> None:
-        """Whoever scrolls should show it."""
+        """Report the focus, so that a scroll area can show the button."""
         super().focusInEvent(event)
         self.focused.emit(self)
 
@@ -87,7 +87,7 @@ class ParticipantButton(QPushButton):
         return super().event(event)
 
     def keyPressEvent(self, event: QKeyEvent) -> None:
-        """Enter presses as Space does; arrows go to the neighbours."""
+        """Press by Enter as by Space; go to a neighbour by arrows."""
         if event.key() in focus.ARROWS:
             focus.move_focus(self, event.key())
         elif event.key() in _PRESSING[:2]:
@@ -107,7 +107,7 @@ class ParticipantButton(QPushButton):
 
 
 class ActionButton(ParticipantButton):
-    """The usual look: the label, below it the hint where `hints` says so, the key at the right."""
+    """The usual button: the label, the hint below it if `hints`, the key at the right."""
 
     def __init__(self, weight: Weight = "plain", *, hints: bool = False, parent: QWidget | None = None) -> None:
         super().__init__(parent)
@@ -122,7 +122,7 @@ class ActionButton(ParticipantButton):
         self.setSizePolicy(policy)
 
     def show_action(self, action: Action) -> None:
-        """Show this; nothing is done when it is shown already."""
+        """Show this; does nothing when it is shown already."""
         if action != self._action:
             self._action = action
             self.bind(action, action.label)
@@ -136,7 +136,7 @@ class ActionButton(ParticipantButton):
         self.update()
 
     def sizeHint(self) -> QSize:
-        """All on one line, and the hint below it."""
+        """Return the size of the label on one line, and the hint below it."""
         face = self.face
         if face is None:
             return QSize(0, 0)
@@ -147,12 +147,12 @@ class ActionButton(ParticipantButton):
         return QSize(width, self.heightForWidth(width))
 
     def minimumSizeHint(self) -> QSize:
-        """Labels may break into lines."""
+        """Return the least size: labels may break into lines where there are hints."""
         hint = self.sizeHint()
         return QSize(min(hint.width(), 96), hint.height()) if self._hints else hint
 
     def heightForWidth(self, width: int) -> int:
-        """What the broken lines need."""
+        """Return the height that the broken lines need."""
         face = self.face
         if face is None:
             return 0
@@ -220,7 +220,7 @@ class ActionButton(ParticipantButton):
         return {"main": GAP, "large": 1.5 * GAP, "plain": GAP, "quiet": 0.6 * GAP, "small": 1.5}[self._weight]
 
     def _beside(self, face: ButtonFace) -> float:
-        """Width of all that stands beside the label."""
+        """Return the width of all that stands beside the label."""
         busy = key_size("X")[1] + GAP / 2.0 if face.busy else 0.0
         key = key_size(face.key)[0]
         return 3.0 * GAP + (key + GAP if key else 0.0) + busy
@@ -239,7 +239,7 @@ def _presses(event: QKeyEvent) -> bool:
 
 
 class ActionRow:
-    """As many buttons as there are actions, kept as long as their number stays."""
+    """A row of buttons, one for each action; buttons are reused when the actions change."""
 
     def __init__(self, add: Callable[[QWidget], None], make: Callable[[], ActionButton]) -> None:
         self._add = add

@@ -1,4 +1,4 @@
-"""Where the focus goes by keyboard: arrows inside a region, F6 from region to region.
+"""Focus by keyboard: arrows move it inside a region, F6 from region to region.
 
 Tab is not free for that: in this game it means the next robot.
 """
@@ -9,7 +9,7 @@ from PySide6.QtCore import QPoint, QRect, Qt
 from PySide6.QtWidgets import QApplication, QWidget
 
 REGION = "region"
-"""The property that makes a widget a region."""
+"""Name of the property that makes a widget a region."""
 
 ARROWS: dict[int, tuple[int, int]] = {
     Qt.Key.Key_Left: (-1, 0),
@@ -20,13 +20,13 @@ ARROWS: dict[int, tuple[int, int]] = {
 
 
 def make_region(widget: QWidget, name: str) -> None:
-    """Make a widget a region that people call `name`."""
+    """Make a widget a region of this name."""
     widget.setProperty(REGION, name)
     widget.setAccessibleName(name)
 
 
 def reachable(inside: QWidget) -> list[QWidget]:
-    """What can have the focus in a widget, as the eye goes: row by row, from the left."""
+    """Return the widgets inside a widget that can have the focus, in reading order: row by row, from the left."""
     found = [
         widget
         for widget in inside.findChildren(QWidget)
@@ -38,7 +38,7 @@ def reachable(inside: QWidget) -> list[QWidget]:
         ((QRect(widget.mapTo(inside, QPoint(0, 0)), widget.size()), widget) for widget in found),
         key=lambda each: (each[0].center().y(), each[0].x()),
     ):
-        # Of different heights, and yet beside each other.
+        # Widgets of different heights that stand beside each other are one row.
         if rows and rows[-1][0][0].top() <= place.center().y() <= rows[-1][0][0].bottom():
             rows[-1].append((place, widget))
         else:
@@ -47,8 +47,8 @@ def reachable(inside: QWidget) -> list[QWidget]:
 
 
 def move_focus(widget: QWidget, key: int) -> None:
-    """Give the focus to a neighbour inside the widget's region: left and right as one reads, so that nothing is left
-    out; up and down to the nearest one there.
+    """Give the focus to a neighbour inside the widget's region: left and right in reading order, so that nothing is
+    left out; up and down to the nearest one there, where a shift to the side counts three times.
     """
     home: QWidget | None = widget
     while home is not None and home.property(REGION) is None:
@@ -87,7 +87,7 @@ def next_region(regions: Sequence[QWidget], step: int) -> None:
 
 
 def focus_region(home: QWidget) -> None:
-    """Give the focus to a region, or to the first thing in it that can have it."""
+    """Give the focus to a region, or to the first widget in it that can have it."""
     target = home if _takes(home) else next(iter(reachable(home)), home)
     target.setFocus(Qt.FocusReason.OtherFocusReason)
 

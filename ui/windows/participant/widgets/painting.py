@@ -1,4 +1,4 @@
-"""The few shapes that buttons, cards and tiles are painted with: a thing looks the same wherever it is shown."""
+"""Shapes that buttons, cards and tiles are painted with, so that a thing looks the same wherever it is shown."""
 
 from typing import Literal
 
@@ -8,7 +8,8 @@ from PySide6.QtGui import QBrush, QColor, QFontMetricsF, QPainter, QPainterPath,
 from ui.windows.look import GAP, RADIUS, RING, colours, font, text_colour_on
 
 Sign = Literal["open", "way", "tick", "trouble", "busy", "talk", "mast"]
-"""Not visited yet, a robot is under way, visited; something is wrong; asked for and not done yet; somebody speaks."""
+"""Not visited yet, a robot is on its way, visited; something is wrong; asked for and not done yet; somebody speaks;
+somebody else commands."""
 
 
 def box(
@@ -21,7 +22,7 @@ def box(
     dashed: bool = False,
     radius: float = RADIUS - 2,
 ) -> None:
-    """A filled box with round corners whose edge lies inside the rectangle."""
+    """Draw a filled box with round corners whose edge lies inside the rectangle."""
     pen = QPen(QColor(edge), width)
     if dashed:
         pen.setStyle(Qt.PenStyle.DashLine)
@@ -32,7 +33,7 @@ def box(
 
 
 def ring(painter: QPainter, rect: QRectF, colour: str) -> None:
-    """The ring around what has the focus, a little inside its edge so that it never merges with it."""
+    """Draw the ring around the widget with the focus, a little inside its edge so that the two never merge."""
     inset = RING / 2.0 + 2.0
     painter.setPen(QPen(QColor(colour), RING))
     painter.setBrush(Qt.BrushStyle.NoBrush)
@@ -40,12 +41,12 @@ def ring(painter: QPainter, rect: QRectF, colour: str) -> None:
 
 
 def chip_size() -> float:
-    """Diameter of a robot's chip."""
+    """Return the diameter of a robot's chip, logical pixels."""
     return QFontMetricsF(font("small", bold=True)).height() + GAP / 2.0
 
 
 def chip(painter: QPainter, centre: QPointF, robot: int) -> None:
-    """A robot's colour and number."""
+    """Draw a robot's chip: its colour and number."""
     colour = colours().robot(robot)
     size = chip_size()
     around = QRectF(centre.x() - size / 2.0, centre.y() - size / 2.0, size, size)
@@ -58,7 +59,7 @@ def chip(painter: QPainter, centre: QPointF, robot: int) -> None:
 
 
 def key_size(key: str) -> tuple[float, float]:
-    """Width and height of a key as printed on a button; 0, 0 without one."""
+    """Return width and height of a key as printed on a button; 0, 0 without one."""
     if not key:
         return 0.0, 0.0
     metrics = QFontMetricsF(font("small"))
@@ -67,7 +68,7 @@ def key_size(key: str) -> tuple[float, float]:
 
 
 def key_cap(painter: QPainter, rect: QRectF, key: str, ink: str) -> None:
-    """A key, drawn as one."""
+    """Draw a key as printed on a button."""
     painter.setPen(QPen(QColor(ink), 1.0))
     painter.setBrush(Qt.BrushStyle.NoBrush)
     painter.drawRoundedRect(rect.adjusted(0.5, 0.5, -0.5, -0.5), 4, 4)
@@ -76,7 +77,7 @@ def key_cap(painter: QPainter, rect: QRectF, key: str, ink: str) -> None:
 
 
 def sign(painter: QPainter, rect: QRectF, kind: Sign, ink: str) -> None:
-    """A sign that says without colour how something stands."""
+    """Draw a sign that shows a state without colour."""
     side = min(rect.width(), rect.height())
     area = QRectF(0.0, 0.0, side, side)
     area.moveCenter(rect.center())
@@ -119,7 +120,7 @@ def sign(painter: QPainter, rect: QRectF, kind: Sign, ink: str) -> None:
 
 
 def hatch(ink: str, ground: str) -> QBrush:
-    """Slanted lines, for what is going to be taken away or is not settled yet."""
+    """Return a brush of slanted lines, for a part that will be taken away."""
     key = (ink, ground)
     if key not in _HATCHES:
         tile = QPixmap(6, 6)
@@ -138,5 +139,5 @@ _HATCHES: dict[tuple[str, str], QPixmap] = {}
 
 
 def elided(text: str, width: float, metrics: QFontMetricsF) -> str:
-    """As much of a text as fits."""
+    """Return as much of a text as fits."""
     return metrics.elidedText(text, Qt.TextElideMode.ElideRight, max(0.0, width))

@@ -1,4 +1,4 @@
-"""What the pop-ups, pages and sheets are made of: a panel with a title, bubbles of speech, and a veil behind."""
+"""Parts of pop-ups, pages and sheets: a panel with a title, speech bubbles, and a dimming overlay behind."""
 
 from typing import Literal
 
@@ -12,11 +12,11 @@ from ui.windows.participant.widgets.focus import make_region
 from ui.windows.participant.widgets.painting import chip, chip_size
 
 OVERLAY_COLOUR = "#0b0f14"
-"""What dims the window, light or dark."""
+"""Colour of the overlay that dims the window, in light and dark."""
 
 
 class RobotChip(QWidget):
-    """A robot's colour and number, for beside a title."""
+    """A robot's colour and number, beside a title."""
 
     def __init__(self, parent: QWidget | None = None) -> None:
         super().__init__(parent)
@@ -26,7 +26,7 @@ class RobotChip(QWidget):
         self.hide()
 
     def show_robot(self, robot: int | None) -> None:
-        """Whose chip; none hides it."""
+        """Show the chip of this robot; None hides it."""
         if robot == self._robot:
             return
         self._robot = robot
@@ -35,7 +35,7 @@ class RobotChip(QWidget):
         self.update()
 
     def paintEvent(self, _event: QPaintEvent) -> None:
-        """Draw it."""
+        """Draw the chip."""
         if self._robot is not None:
             painter = QPainter(self)
             painter.setRenderHint(QPainter.RenderHint.Antialiasing)
@@ -70,32 +70,32 @@ class TitledPanel(QFrame):
         self.rows.addLayout(self.top)
 
     def entitle(self, title: str, robot: int | None = None) -> None:
-        """Title, and whose pop-up it is."""
+        """Set the title, and the robot that the panel is about."""
         set_text(self._title, title)
         self._chip.show_robot(robot)
         self.setAccessibleName(title)
 
     def wanted(self, width: int, height: int) -> QSize:
-        """Its size when there is at most so much room."""
+        """Return its size when there is at most so much space."""
         around = self._around
         needed = around.totalHeightForWidth(width) if around.hasHeightForWidth() else around.totalSizeHint().height()
         return QSize(width, min(max(needed, around.totalMinimumSize().height()), height))
 
 
 class OpaqueBackground(QWidget):
-    """The inside of a panel. Qt knows that nothing shines through: the map may move below without redrawing it."""
+    """An opaque background. Qt knows that nothing shines through: the map may move below it without a redraw."""
 
     def __init__(self) -> None:
         super().__init__()
         self.setAttribute(Qt.WidgetAttribute.WA_OpaquePaintEvent)
 
     def paintEvent(self, event: QPaintEvent) -> None:
-        """Fill it."""
+        """Fill the background."""
         QPainter(self).fillRect(event.rect(), QColor(colours().panel))
 
 
 class SpeechBubble(QWidget):
-    """One sentence that somebody said: a robot's at the left with its colour, yours at the right with the accent."""
+    """A sentence in a bubble: a robot's at the left with its colour, the participant's at the right with the accent."""
 
     def __init__(self, speaker: Literal["robot", "you"], text: str, robot: int) -> None:
         super().__init__()
@@ -109,15 +109,15 @@ class SpeechBubble(QWidget):
         self.setSizePolicy(policy)
 
     def sizeHint(self) -> QSize:
-        """On lines of a readable length."""
+        """Return the size with lines of a readable length."""
         return QSize(320, self.heightForWidth(320))
 
     def minimumSizeHint(self) -> QSize:
-        """All on one line, should the width allow it."""
+        """Return the size on one line, should the width allow it."""
         return QSize(120, self.heightForWidth(10000))
 
     def heightForWidth(self, width: int) -> int:
-        """Of the broken lines."""
+        """Return the height of the broken lines."""
         return int(self._words(width).height() + 2.0 * GAP) + 1
 
     def paintEvent(self, _event: QPaintEvent) -> None:
@@ -143,13 +143,13 @@ class SpeechBubble(QWidget):
         )
 
     def _words(self, width: int) -> QRectF:
-        """The space of the words in a bubble that leaves a share of the width free, so that the sides differ."""
+        """Return the space of the words; bubbles leave a share of the width free, so that the sides differ."""
         frame = QRectF(0.0, 0.0, max(0.86 * width - 3.0 * GAP, 40.0), 10000.0)
         return QFontMetricsF(font()).boundingRect(frame, int(Qt.TextFlag.TextWordWrap), self._text)
 
 
 class Transcript(QScrollArea):
-    """What was said so far, the newest sentence at the bottom and in sight."""
+    """The sentences of a dialogue so far, the newest at the bottom and in sight."""
 
     def __init__(self, parent: QWidget | None = None) -> None:
         super().__init__(parent)
@@ -172,7 +172,7 @@ class Transcript(QScrollArea):
         self.verticalScrollBar().rangeChanged.connect(self._to_end)
 
     def show_sentences(self, said: tuple[tuple[Literal["robot", "you"], str], ...], robot: int) -> None:
-        """Show this; bubbles of what was shown already are kept."""
+        """Show these sentences; bubbles that are shown already are kept."""
         if (said, robot) == (self._said, self._robot):
             return
         keep = len(self._said) if robot == self._robot and said[: len(self._said)] == self._said else 0
@@ -188,19 +188,19 @@ class Transcript(QScrollArea):
         self.updateGeometry()
 
     def heightForWidth(self, width: int) -> int:
-        """All that was said, if there is room for it."""
+        """Return the height of all sentences."""
         return self._lines.heightForWidth(width) if self._said else 0
 
     def sizeHint(self) -> QSize:
-        """At a readable length of line."""
+        """Return the size with lines of a readable length."""
         return QSize(320, self.heightForWidth(320))
 
     def minimumSizeHint(self) -> QSize:
-        """The last sentence or two."""
+        """Return the size of the last sentence or two."""
         return QSize(200, min(self.heightForWidth(max(self.width(), 320)), 84))
 
     def eventFilter(self, watched: QObject, event: QEvent) -> bool:
-        """Bubbles are shown a moment after they were added; whoever shares out the room has to know."""
+        """Report another size to the layout, since bubbles are shown a moment after they were added."""
         if event.type() == QEvent.Type.LayoutRequest:
             self.updateGeometry()
         return super().eventFilter(watched, event)
@@ -211,10 +211,10 @@ class Transcript(QScrollArea):
 
 
 class ModalOverlay(QWidget):
-    """Dims what must not be used while something in front of it waits; holds one panel in its middle.
+    """A modal overlay: dims the window, which cannot be used meanwhile, and shows one panel in the middle.
 
     Attributes:
-        missed: it was pressed beside the panel.
+        missed: a press beside the panel.
     """
 
     missed = Signal()
@@ -226,7 +226,7 @@ class ModalOverlay(QWidget):
         self.hide()
 
     def show_panel(self, panel: TitledPanel | None, widest: int = 520) -> None:
-        """Show with this panel, or hide."""
+        """Show this panel, or hide the overlay."""
         if panel is self._panel:
             self._place()
             return
@@ -243,7 +243,7 @@ class ModalOverlay(QWidget):
         self.raise_()
 
     def mousePressEvent(self, event: QMouseEvent) -> None:
-        """Nothing behind it hears of this."""
+        """Keep the press from what lies behind."""
         event.accept()
         self.missed.emit()
 
@@ -252,7 +252,7 @@ class ModalOverlay(QWidget):
         self._place()
 
     def paintEvent(self, _event: QPaintEvent) -> None:
-        """Dim."""
+        """Dim the window."""
         painter = QPainter(self)
         dim = QColor(OVERLAY_COLOUR)
         dim.setAlphaF(0.45)
@@ -266,6 +266,6 @@ class ModalOverlay(QWidget):
 
 
 def set_text(shown: QLabel, text: str) -> None:
-    """Change a label only when it changes."""
+    """Set a label's text only when it differs, which saves a layout."""
     if shown.text() != text:
         shown.setText(text)

@@ -1,4 +1,4 @@
-"""What the map shows, each kind switched on and off."""
+"""Check boxes for all that the map can show."""
 
 from dataclasses import dataclass
 from enum import StrEnum
@@ -10,7 +10,7 @@ from ui.windows.controls import CheckBox
 
 
 class MapDisplay(StrEnum):
-    """A kind of thing on the map."""
+    """A kind of data on the map."""
 
     TRUTH = "truth"
     ELLIPSES = "ellipses"
@@ -31,13 +31,13 @@ class MapDisplay(StrEnum):
 
 @dataclass(frozen=True, slots=True)
 class DisplaySwitch:
-    """How one kind is switched.
+    """The switch of one display.
 
     Attributes:
-        key: that does it; empty: none does.
-        label: for people.
-        on: at first.
-        hint: what it is.
+        key: toggles it; empty for none.
+        label: its name, for people.
+        on: its first state.
+        hint: explains what it shows.
     """
 
     key: str
@@ -74,10 +74,10 @@ SWITCHES = {
 
 
 class DisplaysPanel(QWidget):
-    """Switches of what the map shows.
+    """The list of displays, as in rviz.
 
     Signals:
-        changed: something was switched.
+        changed: a display was switched on or off.
     """
 
     changed = Signal()
@@ -106,9 +106,9 @@ class DisplaysPanel(QWidget):
         layout.addStretch(1)
 
     def shows(self, display: MapDisplay) -> bool:
-        """Whether it is on."""
+        """Return True when this display is on."""
         return self._boxes[display].isChecked()
 
     def toggle(self, display: MapDisplay) -> None:
-        """Switch it on or off."""
+        """Switch this display on or off."""
         self._boxes[display].toggle()

@@ -1,4 +1,4 @@
-"""Lists of what was said and done, in the order of time: the protocol's lines, the dialogue, events, inputs."""
+"""Lists in the order of time: the protocol's lines, the dialogue, events, inputs."""
 
 from bisect import bisect_right
 from collections.abc import Sequence
@@ -12,9 +12,9 @@ from ui.model.theme import Palette
 from ui.windows.controls import CheckBox
 
 MAX_ROWS = 20_000
-"""Rows that are kept; the oldest go first."""
+"""Most rows that are kept; the oldest go first."""
 DROPPED_AT_ONCE = MAX_ROWS // 10
-"""Rows that go at once, so that a full list does not lose one with each that comes."""
+"""Rows that go at once, so that a full list does not drop one with each that comes."""
 
 ModelIndex = QModelIndex | QPersistentModelIndex
 NO_PARENT = QModelIndex()
@@ -22,12 +22,12 @@ NO_PARENT = QModelIndex()
 
 @dataclass(frozen=True, slots=True)
 class LogRow:
-    """One thing that was said or done.
+    """One sentence, event, line or input.
 
     Attributes:
         time: seconds since the beginning.
-        cells: what the columns after the time say.
-        robot: whose colour it has; None for nobody's.
+        cells: texts of the columns after the time.
+        robot: index of the robot whose colour it has; None for no colour.
     """
 
     time: float
@@ -36,12 +36,12 @@ class LogRow:
 
 
 class LogModel(QAbstractTableModel):
-    """Rows in the order of time, those only that have the words of the filter.
+    """Rows in the order of time, only those that match the filter.
 
-    What lies after the time shown is dimmed: a recording knows its future.
+    Rows after the time shown are dimmed: a recording knows its future.
 
     Args:
-        columns: their titles, after that of the time.
+        columns: titles after that of the time.
         palette: the colours.
     """
 
@@ -56,24 +56,24 @@ class LogModel(QAbstractTableModel):
         self._now = float("inf")
         self._past = 0
 
-    # What it holds
+    # Contents
 
     @property
     def size(self) -> int:
-        """Rows kept, whether the filter lets them through or not."""
+        """Number of rows kept, with those that the filter hides."""
         return len(self._rows)
 
     @property
     def last_past(self) -> int:
-        """Number of the row that the time shown has come to; -1 before the first."""
+        """Number of the last row before the time shown; -1 before the first."""
         return self._past - 1
 
     def row(self, number: int) -> LogRow:
-        """The row shown in this place."""
+        """Return the row shown in this place."""
         return self._shown[number]
 
     def extend(self, rows: Sequence[LogRow]) -> None:
-        """Take in what came later than all so far."""
+        """Append rows that are later than all so far."""
         if not rows:
             return
         rows = rows[-MAX_ROWS:]
@@ -93,7 +93,7 @@ class LogModel(QAbstractTableModel):
             self.endInsertRows()
 
     def clear(self) -> None:
-        """Forget all."""
+        """Remove all rows."""
         self.beginResetModel()
         self._rows, self._texts, self._shown, self._past = [], [], [], 0
         self.endResetModel()
@@ -104,7 +104,7 @@ class LogModel(QAbstractTableModel):
         self._choose()
 
     def show_time(self, now: float) -> None:
-        """What lies after this time is still to come."""
+        """Dim the rows after this time."""
         self._now = now
         past = bisect_right(self._shown, now, key=_time)
         if past != self._past:
@@ -113,7 +113,7 @@ class LogModel(QAbstractTableModel):
             self.dataChanged.emit(self.index(low, 0), self.index(high - 1, len(self._titles) - 1))
 
     def set_palette(self, palette: Palette) -> None:
-        """Other colours."""
+        """Use other colours."""
         self._palette = palette
         if self._shown:
             self.dataChanged.emit(self.index(0, 0), self.index(len(self._shown) - 1, len(self._titles) - 1))
@@ -127,24 +127,24 @@ class LogModel(QAbstractTableModel):
     def _fits(self, text: str) -> bool:
         return all(word in text for word in self._words)
 
-    # What Qt asks
+    # QAbstractTableModel
 
     def rowCount(self, parent: ModelIndex = NO_PARENT) -> int:
-        """Rows shown."""
+        """Return the number of rows shown."""
         return 0 if parent.isValid() else len(self._shown)
 
     def columnCount(self, parent: ModelIndex = NO_PARENT) -> int:
-        """Columns, that of the time first."""
+        """Return the number of columns, with that of the time."""
         return 0 if parent.isValid() else len(self._titles)
 
     def headerData(self, section: int, orientation: Qt.Orientation, role: int = 0) -> object:
-        """Titles of the columns."""
+        """Return the title of a column."""
         if role == Qt.ItemDataRole.DisplayRole and orientation == Qt.Orientation.Horizontal:
             return self._titles[section]
         return None
 
     def data(self, index: ModelIndex, role: int = 0) -> object:
-        """A cell's text, its colour, and the whole of it for the pointer that rests on it."""
+        """Return a cell's text, its colour, or its tool tip."""
         row = self._shown[index.row()]
         if role in (Qt.ItemDataRole.DisplayRole, Qt.ItemDataRole.ToolTipRole):
             return f"{row.time:.2f}" if index.column() == 0 else row.cells[index.column() - 1]
@@ -159,15 +159,15 @@ class LogModel(QAbstractTableModel):
 
 
 class LogView(QWidget):
-    """A list with a box to filter it. It keeps to the time shown until somebody scrolls elsewhere.
+    """A list with a filter. It scrolls along with the time shown until somebody scrolls elsewhere.
 
     Args:
-        name: what the list is of, for people.
+        name: of the list, for people.
         columns: titles after that of the time.
         palette: the colours.
 
     Signals:
-        chosen: somebody wants to see the moment of a row, seconds since the beginning.
+        chosen: a person wants to see the time of a row, seconds since the beginning.
     """
 
     chosen = Signal(float)
@@ -217,34 +217,34 @@ class LogView(QWidget):
         self._tell_size()
 
     def extend(self, rows: Sequence[LogRow]) -> None:
-        """Take in what came later than all so far."""
+        """Append rows that are later than all so far."""
         if rows:
             self.model.extend(rows)
             self._tell_size()
             self._keep_up()
 
     def clear(self) -> None:
-        """Forget all."""
+        """Remove all rows."""
         self.model.clear()
         self._tell_size()
 
     def show_time(self, now: float) -> None:
-        """Keep to this time."""
+        """Scroll to this time, unless somebody scrolled elsewhere."""
         before = self.model.last_past
         self.model.show_time(now)
         if self.model.last_past != before:
             self._keep_up()
 
     def set_palette(self, palette: Palette) -> None:
-        """Other colours."""
+        """Use other colours."""
         self.model.set_palette(palette)
 
     def focus_filter(self) -> None:
-        """Let words of the filter be typed."""
+        """Give the filter the focus."""
         self._filter.setFocus(Qt.FocusReason.ShortcutFocusReason)
 
     def copy(self) -> None:
-        """The rows selected go to the clipboard, cells with tabs between them."""
+        """Copy the selected rows to the clipboard, cells with tabs between them."""
         numbers = sorted(index.row() for index in self.table.selectionModel().selectedRows())
         rows = (self.model.row(number) for number in numbers)
         QGuiApplication.clipboard().setText("\n".join("\t".join((f"{row.time:.3f}", *row.cells)) for row in rows))
@@ -266,7 +266,7 @@ class LogView(QWidget):
             self._scrolls = False
 
     def _scrolled(self) -> None:
-        """By hand: keep to the time only where it is in sight."""
+        """After scrolling by hand, keep to the time only when its row is in sight."""
         if self._scrolls or self.model.last_past < 0:
             return
         place = self.table.visualRect(self.model.index(self.model.last_past, 0))

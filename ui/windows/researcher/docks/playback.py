@@ -1,4 +1,4 @@
-"""The bar under the map: play, pause, step, how fast, and when."""
+"""The bar under the map: play, pause, step, speed and time."""
 
 from collections.abc import Sequence
 from dataclasses import dataclass
@@ -13,18 +13,18 @@ from ui.windows.controls import ChoiceBox
 SPEEDS = (0.1, 0.25, 0.5, 1.0, 2.0, 5.0, 10.0, 20.0, 50.0)
 """Simulated seconds per second."""
 UTTERANCE_ARM, EVENT_ARM = 3.0, 5.0
-"""Half height of a mark of an utterance, and of an event, on the timeline; pixels."""
+"""Half height of an utterance's mark and of an event's on the timeline, pixels."""
 
 
 @dataclass(frozen=True, slots=True)
 class TimelineMark:
-    """Something to jump to.
+    """A mark on the timeline.
 
     Attributes:
         time: seconds since the beginning.
-        text: what happened.
-        robot: to whom; None: to nobody.
-        talk: something was said; else something was done.
+        text: describes what happened.
+        robot: index of the robot concerned, or None.
+        is_utterance: a sentence of a dialogue; else an event.
     """
 
     time: float
@@ -34,8 +34,8 @@ class TimelineMark:
 
 
 class Timeline(QSlider):
-    """A slider over the time of a recording, with marks of what happened; above the line what was done, below what was
-    said. Its values are milliseconds."""
+    """A slider over the time of a recording, with marks of events above the line and of utterances below it. Its values
+    are milliseconds."""
 
     def __init__(self, palette: Palette) -> None:
         super().__init__(Qt.Orientation.Horizontal)
@@ -48,21 +48,21 @@ class Timeline(QSlider):
         self.setFocusPolicy(Qt.FocusPolicy.StrongFocus)
 
     def set_marks(self, marks: Sequence[TimelineMark]) -> None:
-        """What can be jumped to."""
+        """Show these marks."""
         self._marks = marks
         self.update()
 
     def set_palette(self, palette: Palette) -> None:
-        """Other colours."""
+        """Use other colours."""
         self._palette = palette
         self.update()
 
     def sizeHint(self) -> QSize:
-        """Room for marks on both sides."""
+        """Return a size with space for marks on both sides."""
         return QSize(200, 32)
 
     def paintEvent(self, event: QPaintEvent) -> None:
-        """The line, what is past of it, the marks, the handle."""
+        """Draw the line, its past part, the marks and the handle."""
         painter = QPainter(self)
         painter.setRenderHint(QPainter.RenderHint.Antialiasing)
         middle = self.height() / 2.0
@@ -86,13 +86,13 @@ class Timeline(QSlider):
         painter.drawEllipse(QRectF(here - 6.5, middle - 6.5, 13.0, 13.0))
 
     def mousePressEvent(self, event: QMouseEvent) -> None:
-        """Go to where the pointer is, at once, and on with it."""
+        """Go to where the pointer is, and follow it."""
         if event.button() == Qt.MouseButton.LeftButton:
             self.setSliderDown(True)
             self.setSliderPosition(self._value(event.position().x()))
 
     def mouseMoveEvent(self, event: QMouseEvent) -> None:
-        """Go along, or say what the mark under the pointer is."""
+        """Follow the pointer, or describe the marks under it."""
         if self.isSliderDown():
             self.setSliderPosition(self._value(event.position().x()))
             return
@@ -100,7 +100,7 @@ class Timeline(QSlider):
         self.setToolTip("\n".join(f"{mark.time:.1f} s  {mark.text}" for mark in near[:8]))
 
     def mouseReleaseEvent(self, event: QMouseEvent) -> None:
-        """Stay there."""
+        """Stop following the pointer."""
         self.setSliderDown(False)
 
     def _margin(self) -> float:
@@ -122,11 +122,11 @@ class PlaybackBar(QWidget):
 
     Args:
         palette: the colours.
-        live: a session under way: there is no way back, and its clock is asked to stop and go.
+        live: a running session, in which time cannot go back.
 
     Signals:
-        play_toggled: play where it is paused, pause where it plays.
-        stepped: so many steps forward, or back where negative.
+        play_toggled: play when paused, pause when playing.
+        stepped: so many steps forward, or back when negative.
         speed_chosen: simulated seconds per second.
         seek: to this moment, seconds since the beginning.
     """
@@ -183,7 +183,7 @@ class PlaybackBar(QWidget):
             layout.insertStretch(4, 1)
 
     def show_span(self, seconds: float, marks: Sequence[TimelineMark]) -> None:
-        """How long it is, and what happened when."""
+        """Show the length in seconds, and these marks."""
         self._shows = True
         self.timeline.setRange(0, round(seconds * 1000.0))
         self._shows = False
@@ -191,11 +191,11 @@ class PlaybackBar(QWidget):
 
     @property
     def span(self) -> float:
-        """How long it is, seconds, to the millisecond."""
+        """Length in seconds, to the millisecond."""
         return self.timeline.maximum() / 1000.0
 
     def show_time(self, now: float) -> None:
-        """Where we are, seconds since the beginning."""
+        """Show the time, seconds since the beginning."""
         end = self.timeline.maximum() / 1000.0
         self.time.setText(clock(now) if self._live else f"{clock(now)} / {clock(end)}")
         if not self.timeline.isSliderDown():
@@ -204,22 +204,22 @@ class PlaybackBar(QWidget):
             self._shows = False
 
     def show_playing(self, playing: bool) -> None:
-        """Whether time goes on."""
+        """Show that it plays or that it is paused."""
         if playing != self._playing:
             self._playing = playing
             self.play.setText("❚❚  Pause" if playing else "▶  Play")
 
     def show_speed(self, speed: float) -> None:
-        """How fast; one of `SPEEDS`, or the nearest is shown."""
+        """Show the nearest of `SPEEDS`."""
         nearest = min(range(len(SPEEDS)), key=lambda number: abs(SPEEDS[number] - speed))
         self.speed.setCurrentIndex(nearest)
 
     def show_state(self, text: str) -> None:
-        """Where it comes from and how it is, in words."""
+        """Show in words the source and its state."""
         self.state.setText(text)
 
     def set_palette(self, palette: Palette) -> None:
-        """Other colours."""
+        """Use other colours."""
         self.timeline.set_palette(palette)
 
     def _moved(self, value: int) -> None:
@@ -228,6 +228,6 @@ class PlaybackBar(QWidget):
 
 
 def clock(seconds: float) -> str:
-    """Minutes and seconds: "12:03.40"."""
+    """Return minutes and seconds, for example "12:03.40"."""
     minutes, rest = divmod(round(max(0.0, seconds) * 100.0), 6000)
     return f"{minutes}:{rest / 100.0:05.2f}"

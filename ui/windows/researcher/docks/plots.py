@@ -1,4 +1,4 @@
-"""Plots over time: how far robots are from where they believe to be, how sure they are, their energy and speed."""
+"""Plots over time: the robots' errors of position and heading, their standard deviations, energy and speed."""
 
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
@@ -14,19 +14,19 @@ from sim.common.geometry import FloatArray
 from ui.model.theme import Palette
 
 LIVE_SECONDS = 60.0
-"""Of a session under way, what the plots show until somebody looks elsewhere."""
+"""Seconds of a running session that the plots show until somebody looks elsewhere."""
 MOST_POINTS = 4000
-"""A curve of more is drawn by the least and greatest of neighbours: more than a screen has columns."""
+"""Most points of a curve, more than a screen has columns; beyond, runs of neighbours are drawn by their extremes."""
 
 
 @dataclass(frozen=True, slots=True)
 class PlotPanel:
-    """One plot of several.
+    """One of the plots.
 
     Attributes:
-        name: of the figure in `Curves`.
+        name: of the figure in `RobotCurves`.
         title: for people, with its unit.
-        factor: from SI units to that of the title.
+        factor: converts SI units to that of the title.
     """
 
     name: str
@@ -36,7 +36,7 @@ class PlotPanel:
 
 @dataclass(frozen=True, slots=True, eq=False)
 class RobotCurves:
-    """What is known of one robot over time.
+    """Figures of one robot over time.
 
     Attributes:
         robot: index in the team.
@@ -57,21 +57,21 @@ PANELS = (
 )
 BAND = "band"
 TimeRange = Literal["all", "end", "free"]
-"""The time on view: all of it, its end that moves, or wherever somebody went."""
+"""Time on view: all of it, its moving end, or wherever somebody went."""
 
 
 class Plots(QWidget):
-    """One plot a figure, one curve a robot, one axis of time; behind the error two standard deviations of the robot
-    selected.
+    """One plot for each figure, one curve for each robot, one axis of time; behind the error a band of two standard
+    deviations of the selected robot.
 
-    A click asks for that moment; dragging and the wheel move along the time, a double click shows all of it again.
+    A click seeks that time; dragging and the wheel move along the time, a double click shows all of it again.
 
     Args:
         palette: the colours.
-        live: the end of time moves.
+        live: a running session, whose end moves.
 
     Signals:
-        seek: somebody wants to see this moment, seconds since the beginning.
+        seek: a person wants to see this time, seconds since the beginning.
     """
 
     seek = Signal(float)
@@ -122,11 +122,11 @@ class Plots(QWidget):
         self.set_palette(palette)
 
     def show_curves(self, robots: Sequence[RobotCurves], end: float) -> None:
-        """Draw these; what was drawn before of the same robots goes.
+        """Draw these curves in place of the same robots' earlier ones.
 
         Args:
-            robots: any of the team.
-            end: seconds from the beginning to the end of what is known.
+            robots: curves of any robots of the team.
+            end: seconds from the beginning to the end of the data.
         """
         self._end = end
         for curves in robots:
@@ -140,14 +140,14 @@ class Plots(QWidget):
         self._range()
 
     def clear(self) -> None:
-        """Forget all curves."""
+        """Remove all curves."""
         for (panel, _), curve in self._curves.items():
             self._plots[panel].removeItem(curve)
         self._curves, self._bands = {}, {}
         self._draw_band()
 
     def show_time(self, now: float) -> None:
-        """Move the cursor to this moment."""
+        """Move the cursor to this time."""
         if now != self._now:
             self._now = now
             for cursor in self._cursors:
@@ -155,7 +155,7 @@ class Plots(QWidget):
             self._range()
 
     def select(self, robot: int) -> None:
-        """Draw this one stronger, and how sure it says to be."""
+        """Draw this robot's curves stronger, and the band of its standard deviation."""
         self._selected = robot
         for (_, number), curve in self._curves.items():
             curve.setPen(self._pen(number))
@@ -163,7 +163,7 @@ class Plots(QWidget):
         self._draw_band()
 
     def set_palette(self, palette: Palette) -> None:
-        """Other colours."""
+        """Use other colours."""
         self._palette = palette
         self.canvas.setBackground(palette.panel)
         for panel in PANELS:
@@ -179,13 +179,13 @@ class Plots(QWidget):
         self.select(self._selected)
 
     def points(self, panel: str, robot: int) -> int:
-        """How many points the curve of a robot has in a panel."""
+        """Return the number of points of a robot's curve in a panel."""
         curve = self._curves.get((panel, robot))
         times = None if curve is None else curve.getOriginalDataset()[0]
         return 0 if times is None else len(times)
 
     def position_of(self, time: float) -> QPointF:
-        """Where a moment is in this widget, on the first plot."""
+        """Return the position of a time in this widget, on the first plot."""
         box = self._plots[PANELS[0].name].getViewBox()
         return QPointF(self.canvas.mapFromScene(box.mapViewToScene(QPointF(time, 0.0))))
 
@@ -218,7 +218,7 @@ class Plots(QWidget):
             first.setXRange(0.0, self._end, padding=0.01)
 
     def _look_around(self) -> None:
-        """Somebody moved along the time: leave them there."""
+        """Stop following the end, since somebody moved along the time."""
         self._span = "free"
 
     def _clicked(self, event: "pg.GraphicsScene.mouseEvents.MouseClickEvent") -> None:
@@ -235,7 +235,10 @@ class Plots(QWidget):
 
 
 def thinned(times: FloatArray, values: FloatArray) -> tuple[FloatArray, FloatArray]:
-    """A curve of at most `MOST_POINTS` points that looks the same: the least and greatest of each run of neighbours."""
+    """Return a curve of at most `MOST_POINTS` points that looks the same.
+
+    Each run of neighbours keeps its least and its greatest value, so that no peak disappears. NaN within a run is
+    dropped."""
     run = -(-2 * len(times) // MOST_POINTS)
     if run <= 2:
         return times, values

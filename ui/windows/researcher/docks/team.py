@@ -1,4 +1,4 @@
-"""The robots, one a row: how far off, how sure, how much energy, what they do."""
+"""The list of robots: error, standard deviation, energy, speed and state of each."""
 
 from collections.abc import Sequence
 from dataclasses import dataclass
@@ -13,13 +13,13 @@ from ui.windows.researcher.docks.log import NO_PARENT, ModelIndex
 
 @dataclass(frozen=True, slots=True)
 class RobotRow:
-    """A robot's row.
+    """A robot's row; None for values that are unknown.
 
     Attributes:
         name: for people.
-        state: what it does, in words.
-        error: metres between where it is and where it believes it is; None: nobody knows.
-        sigma: standard deviation of its position as it admits, metres.
+        state: its activity, in words.
+        error: metres between its true and its estimated position.
+        sigma: standard deviation of its estimated position, metres.
         energy: left.
         speed: m/s.
         trouble: its state is one to worry about.
@@ -45,7 +45,7 @@ HINTS = (
 
 
 class TeamModel(QAbstractTableModel):
-    """The rows; their number changes seldom, what they say many times a second."""
+    """The rows; their number changes seldom, their values many times a second."""
 
     def __init__(self, palette: Palette, parent: QWidget | None = None) -> None:
         super().__init__(parent)
@@ -53,7 +53,7 @@ class TeamModel(QAbstractTableModel):
         self._rows: tuple[RobotRow, ...] = ()
 
     def show_rows(self, rows: Sequence[RobotRow]) -> None:
-        """Show these, robot 1 first."""
+        """Show these rows, robot 1 first."""
         rows = tuple(rows)
         if len(rows) != len(self._rows):
             self.beginResetModel()
@@ -66,21 +66,21 @@ class TeamModel(QAbstractTableModel):
                 self.dataChanged.emit(self.index(number, 0), self.index(number, len(TITLES) - 1))
 
     def set_palette(self, palette: Palette) -> None:
-        """Other colours."""
+        """Use other colours."""
         self._palette = palette
         if self._rows:
             self.dataChanged.emit(self.index(0, 0), self.index(len(self._rows) - 1, len(TITLES) - 1))
 
     def rowCount(self, parent: ModelIndex = NO_PARENT) -> int:
-        """How many robots."""
+        """Return the number of robots."""
         return 0 if parent.isValid() else len(self._rows)
 
     def columnCount(self, parent: ModelIndex = NO_PARENT) -> int:
-        """What is said of each."""
+        """Return the number of columns."""
         return 0 if parent.isValid() else len(TITLES)
 
     def headerData(self, section: int, orientation: Qt.Orientation, role: int = 0) -> object:
-        """Titles of the columns."""
+        """Return the title of a column, or its tool tip."""
         if orientation == Qt.Orientation.Horizontal:
             if role == Qt.ItemDataRole.DisplayRole:
                 return TITLES[section]
@@ -89,7 +89,7 @@ class TeamModel(QAbstractTableModel):
         return None
 
     def data(self, index: ModelIndex, role: int = 0) -> object:
-        """A cell's text and colour."""
+        """Return a cell's text, icon, colour or tool tip."""
         row = self._rows[index.row()]
         if role == Qt.ItemDataRole.DisplayRole:
             return _cell(row, index.column())
@@ -104,7 +104,7 @@ class TeamModel(QAbstractTableModel):
         return None
 
     def _chip(self, robot: int) -> QIcon:
-        """Its colour, which is the same in a row that is selected; an edge keeps the two apart."""
+        """Return an icon in its colour, the same in a selected row; an edge keeps icon and selection apart."""
         chip = QPixmap(18, 18)
         chip.fill(QColor(self._palette.panel))
         painter = QPainter(chip)
@@ -122,7 +122,7 @@ class TeamView(QWidget):
         palette: the colours.
 
     Signals:
-        selected: this one.
+        selected: the row of the robot.
     """
 
     selected = Signal(int)
@@ -154,13 +154,13 @@ class TeamView(QWidget):
         layout.addWidget(self.table)
 
     def show_rows(self, rows: Sequence[RobotRow], selected: int) -> None:
-        """Show these, robot 1 first, and which one is selected."""
+        """Show these rows, robot 1 first, with one selected."""
         self.model.show_rows(rows)
         if 0 <= selected < len(rows) and self.table.currentIndex().row() != selected:
             self.table.selectRow(selected)
 
     def set_palette(self, palette: Palette) -> None:
-        """Other colours."""
+        """Use other colours."""
         self.model.set_palette(palette)
 
     def _chosen(self, now: QModelIndex) -> None:

@@ -20,16 +20,16 @@ from ui.model.watching.scene import PendingAdvice, PendingTurn, Wizard
 from ui.windows.controls import CheckBox
 
 PUPPETS_PER_ROW, ROOMS_PER_ROW = 5, 4
-"""Robots, and rooms, beside each other."""
+"""Robots, and rooms, in a row."""
 
 
 class WizardDock(QWidget):
-    """Who is a puppet, and what waits for the wizard.
+    """Check boxes of the robots that the wizard speaks for, and the turns that wait for the wizard.
 
     Signals:
         puppeteered: speak for this robot, or let it speak for itself.
-        spoke: for a turn that waits, make this move (place among the legal ones), in these words unless they are empty.
-        advised: for this robot, name this room.
+        spoke: in this waiting turn, make this move (index among the legal ones), in these words unless they are empty.
+        advised: for this robot, suggest this room.
     """
 
     puppeteered = Signal(int, bool)
@@ -62,14 +62,14 @@ class WizardDock(QWidget):
         self.show_wizard(Wizard(), 0)
 
     def refuse(self, reason: str) -> None:
-        """Nobody can be spoken for, for this reason."""
+        """Disable all, and show this reason."""
         self._reason = reason
         self._note.setText(reason)
         for box in self._puppets:
             box.setEnabled(False)
 
     def show_wizard(self, wizard: Wizard, robots: int) -> None:
-        """Who is a puppet and what waits; what was typed stays where nothing changed."""
+        """Show the puppets and the waiting turns; typed words stay while the turns are the same."""
         self._show_puppets(robots, wizard.puppets)
         before, self._shown = self._shown, wizard
         if before is not None and (before.turns, before.advice) == (wizard.turns, wizard.advice):

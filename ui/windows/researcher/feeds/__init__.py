@@ -1,1 +1,1 @@
-"""Where the researcher's window gets what it shows: a session under way, or a recording."""
+"""Sources of data for the researcher's window: a running session, or a recording."""

@@ -1,4 +1,4 @@
-"""What a researcher's window shows, however it is come by: a session under way and a recording are driven alike."""
+"""Interface of all that the researcher's window can show: a running session and a recording are driven alike."""
 
 from typing import Protocol
 
@@ -8,23 +8,23 @@ from ui.model.watching.series import Series
 from ui.model.watching.session_log import SessionLog
 
 FeedRequest = Request | PaceRequest
-"""What is asked of the robots, or of the session's pace."""
+"""A request to the robots, or about the session's pace."""
 
 
 class Feed(Protocol):
-    """Whatever can be watched. Times are seconds since its beginning."""
+    """A session or recording that can be watched. Times are seconds since its beginning."""
 
     @property
     def live(self) -> bool:
-        """A session under way: it goes on whether or not somebody looks, and there is no way back."""
+        """True for a running session, which goes on by itself and cannot go back in time."""
 
     @property
     def refusal(self) -> str:
-        """Why nothing can ever be asked of the robots; empty where it can."""
+        """Sentence that says why robots can never take requests; empty where they can."""
 
     @property
     def generation(self) -> int:
-        """Counts up when all that was told before is void."""
+        """Number that counts up when all earlier data is void."""
 
     @property
     def start_ns(self) -> int:
@@ -32,7 +32,7 @@ class Feed(Protocol):
 
     @property
     def log(self) -> SessionLog:
-        """What happened, as far as it is known."""
+        """Log of what happened, as far as it is known."""
 
     @property
     def series(self) -> Series:
@@ -40,52 +40,52 @@ class Feed(Protocol):
 
     @property
     def time(self) -> float:
-        """The moment shown."""
+        """Time shown."""
 
     @property
     def span(self) -> float:
-        """How long it is, or has been so far."""
+        """Length of the recording, or of the session so far."""
 
     @property
     def playing(self) -> bool:
-        """Whether time goes on."""
+        """True while time goes on."""
 
     @property
     def speed(self) -> float:
-        """Simulated seconds per second, while it plays; 0: as fast as the machine can."""
+        """Simulated seconds per second while it plays; 0: as fast as the machine can."""
 
     def advance(self, now: float) -> None:
-        """Take what has come, and let time go on; `now` is in seconds that never go back."""
+        """Take new data, and let time go on; `now` is in monotonic seconds."""
 
     def work(self) -> bool:
-        """Do some milliseconds of what there is to do beside; whether there is more of it."""
+        """Do some milliseconds of background work; return True when there is more of it."""
 
     def scene(self, shown: ShownLayers) -> Scene | None:
-        """How things stand at the moment shown; None before anything is known."""
+        """Return the scene at the time shown; None before anything is known."""
 
     def state(self, now: float) -> str:
-        """How it is, in a few words."""
+        """Return the feed's state, in a few words."""
 
     def trouble(self) -> str:
-        """Why there is nothing to see, or nothing new; empty where all is well."""
+        """Return why there is nothing to see, or nothing new; empty where all is well."""
 
     def take_notices(self) -> list[str]:
-        """What is to be told once, in sentences."""
+        """Return sentences that are to be shown once."""
 
     def play(self, on: bool) -> None:
         """Let time go on, or stop it."""
 
     def step(self, steps: int) -> None:
-        """Go so many ticks on, or back where negative, and stop there."""
+        """Go so many ticks on, or back when negative, and stop there."""
 
     def set_speed(self, speed: float) -> None:
-        """Go on at this speed."""
+        """Play at this speed."""
 
     def seek(self, time: float) -> None:
-        """Go to this moment."""
+        """Go to this time."""
 
     def ask(self, wish: FeedRequest) -> str:
-        """Ask for something; empty, or why that cannot be done."""
+        """Send a request; return why that cannot be done, or an empty text."""
 
     def close(self) -> None:
-        """Let go of files, threads and connections."""
+        """Close files, threads and connections."""

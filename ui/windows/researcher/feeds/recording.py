@@ -1,4 +1,4 @@
-"""A recording in the researcher's window: opened by a thread, read in pieces, played at any speed."""
+"""A recording as a feed: opened by a thread, read in pieces, played at any speed."""
 
 import gc
 import threading
@@ -17,16 +17,16 @@ from ui.sources.rooms import rooms_of
 from ui.windows.researcher.feeds.feed import FeedRequest
 
 READ_SLICE = 0.008
-"""Seconds of reading between two looks at what else is to be done."""
+"""Seconds of reading before the window handles other events."""
 
 
 class BagOpener:
     """Opens a recording in a thread of its own.
 
     Attributes:
-        share: of the work that is done, 0 to 1.
-        source: once it is open.
-        fault: once it turned out that it cannot be opened.
+        share: part of the work that is done, 0 to 1.
+        source: the recording, once it is open.
+        fault: the reason, once it turned out that it cannot be opened.
     """
 
     def __init__(self, path: Path) -> None:
@@ -39,12 +39,12 @@ class BagOpener:
         self._thread.start()
 
     def wait(self, seconds: float) -> bool:
-        """Wait so long at most; whether it has come to an end."""
+        """Wait so long at most; return True when opening has ended."""
         self._thread.join(seconds)
         return not self._thread.is_alive()
 
     def give_up(self) -> None:
-        """Nobody wants it any more."""
+        """Stop opening it."""
         self._given_up = True
 
     def _open(self) -> None:
@@ -69,7 +69,7 @@ class BagOpener:
 
 
 def _keep_for_good() -> None:
-    """What was read stays until the end: looking through it for garbage would hold the window up for 0.1 s and more."""
+    """Keep the objects read so far out of garbage collection, which would hold the window up for 0.1 s and more."""
     gc.freeze()
 
 
@@ -77,7 +77,7 @@ class RecordingFeed:
     """A recording; see `Feed`.
 
     Args:
-        opening: under way, or done.
+        opening: still running, or done.
     """
 
     live = False
@@ -103,7 +103,7 @@ class RecordingFeed:
 
     @property
     def log(self) -> SessionLog:
-        """What happened, as far as it was read."""
+        """Log of what happened, as far as it was read."""
         return self._story
 
     @property
@@ -113,16 +113,16 @@ class RecordingFeed:
 
     @property
     def time(self) -> float:
-        """The moment shown."""
+        """Time shown."""
         return (self._playback.at_ns - self.start_ns) / 1e9
 
     @property
     def span(self) -> float:
-        """How long it is."""
+        """Length of the recording."""
         return 0.0 if self._source is None else (self._source.end_ns - self._source.start_ns) / 1e9
 
     def advance(self, now: float) -> None:
-        """Open it as soon as can be, and play."""
+        """Take the recording once it is open, and play."""
         if self._source is None and self._opener.source is not None:
             self._begin(self._opener.source)
         if self._opener.fault is not None:
@@ -139,7 +139,7 @@ class RecordingFeed:
         _keep_for_good()
 
     def work(self) -> bool:
-        """Read some of what happened in all of it."""
+        """Read on for some milliseconds."""
         if self._source is None or self._whole or self._fault:
             return False
         end = time.perf_counter() + READ_SLICE
@@ -156,7 +156,7 @@ class RecordingFeed:
         return True
 
     def scene(self, shown: ShownLayers) -> Scene | None:
-        """How things stood at the moment shown."""
+        """Return the scene at the time shown."""
         if self._source is None:
             return None
         try:
@@ -167,19 +167,19 @@ class RecordingFeed:
             return None
 
     def state(self, now: float) -> str:
-        """How far it was read."""
+        """Return how much of it was read."""
         if self._source is None:
             return f"opening, {self._opener.share:.0%}"
         return "recording" if self._whole else f"reading, {self._share:.0%}"
 
     def trouble(self) -> str:
-        """Why it cannot be shown."""
+        """Return why it cannot be shown."""
         if self._fault:
             return self._fault
         return "" if self._source is not None else f"Opening {self._opener.path} ({self._opener.share:.0%})"
 
     def take_notices(self) -> list[str]:
-        """What topics cannot be read, once it is open."""
+        """Return the topics that cannot be read, once it is open."""
         if self._source is None or self._told == self.generation:
             return []
         self._told = self.generation
@@ -187,7 +187,7 @@ class RecordingFeed:
 
     @property
     def playing(self) -> bool:
-        """Whether time goes on."""
+        """True while time goes on."""
         return self._playback.playing
 
     @property
@@ -196,7 +196,7 @@ class RecordingFeed:
         return self._playback.speed
 
     def play(self, on: bool) -> None:
-        """Let time go on, from the beginning where it is at its end."""
+        """Let time go on, from the beginning when it is at its end."""
         self._playback.play(self._now, on)
 
     def step(self, steps: int) -> None:
@@ -210,11 +210,11 @@ class RecordingFeed:
         self._playback.set_speed(self._now, speed)
 
     def seek(self, time: float) -> None:
-        """Go to this moment, or as near as it goes."""
+        """Go to this time, or the nearest one in the recording."""
         self._playback.seek(self.start_ns + round(time * 1e9))
 
     def ask(self, wish: FeedRequest) -> str:
-        """Nothing can be asked of the past."""
+        """Refuse: a recording takes no requests."""
         return self.refusal
 
     def close(self) -> None:

@@ -1,4 +1,4 @@
-"""A session under way in the researcher's window: heard by a thread, asked for things."""
+"""A running session as a feed: a thread receives its messages and sends requests."""
 
 import asyncio
 import threading
@@ -22,13 +22,13 @@ from ui.sources.rooms import rooms_of
 from ui.windows.researcher.feeds.feed import FeedRequest
 
 SENDER = "watch"
-"""In whose name this window asks."""
+"""Sender of this window's requests."""
 DELAY_WINDOW = 2.0
-"""Seconds over which messages are timed."""
+"""Seconds over which the delays of messages are compared."""
 LAG_THRESHOLD, LAG_WINDOW = 0.5, 10.0
-"""Seconds that a session falls behind which are worth a word, and within how many; it never makes up for them."""
+"""Seconds by which a session has to fall behind for a remark, and the seconds within which; it never catches up."""
 STALE_AFTER = 1.5
-"""Seconds without a word after which a session that is not paused is called silent."""
+"""Seconds without a message after which a session that is not paused is called silent."""
 
 
 class WatchConnection:
@@ -46,13 +46,13 @@ class WatchConnection:
         self._thread.start()
 
     def close(self) -> None:
-        """Hang up, and wait for the thread."""
+        """Close the connection, and wait for the thread."""
         self._loop.call_soon_threadsafe(self._listening.cancel)
         self._thread.join()
 
     def _run(self) -> None:
         asyncio.set_event_loop(self._loop)
-        # What takes half a second the first time would hold the window up.
+        # The first call takes half a second, which would hold the window up.
         Frames(()).planar(MAP_FRAME)
         try:
             self._loop.run_until_complete(self._listening)
@@ -63,11 +63,11 @@ class WatchConnection:
 
 
 class SessionFeed:
-    """A session under way; see `Feed`.
+    """A running session; see `Feed`.
 
     Args:
-        connection: to its door.
-        address: of the door, for people.
+        connection: to its watch server.
+        address: of the watch server, for people.
     """
 
     live = True
@@ -89,17 +89,17 @@ class SessionFeed:
 
     @property
     def generation(self) -> int:
-        """Counts sessions."""
+        """Number of the session on this connection."""
         return self._source.sessions
 
     @property
     def start_ns(self) -> int:
-        """ROS time of the first message heard."""
+        """ROS time of the first message received."""
         return self._source.start_ns
 
     @property
     def log(self) -> SessionLog:
-        """What happened since it is watched."""
+        """Log of what happened since it is watched."""
         return self._source.log
 
     @property
@@ -109,26 +109,26 @@ class SessionFeed:
 
     @property
     def time(self) -> float:
-        """The latest moment heard of."""
+        """Time of the latest message."""
         return (self._source.end_ns - self._source.start_ns) / 1e9
 
     @property
     def span(self) -> float:
-        """How long it has been watched."""
+        """Length of the session since it is watched."""
         return self.time
 
     @property
     def playing(self) -> bool:
-        """Whether it goes on, as its door says."""
+        """True while it goes on, by the watch server's status."""
         return self._status is None or not self._status.paused
 
     @property
     def speed(self) -> float:
-        """That is asked for."""
+        """Speed that is asked for."""
         return 1.0 if self._status is None else self._status.rate
 
     def advance(self, now: float) -> None:
-        """Take what was heard."""
+        """Take the messages received."""
         messages: list[SessionMessage] = []
         for event in self._connection.client.take():
             match event:
@@ -161,7 +161,7 @@ class SessionFeed:
         self._refusals = status.refusals
 
     def _measure(self, now: float) -> None:
-        """How much later the latest message came than the quickest of the last moments."""
+        """Record the delay of the latest message, for comparison with the quickest of the last seconds."""
         if not self.playing or self.speed == 0.0:
             self._delays.clear()
         self._delays.append((now, now - self._source.end_ns / 1e9 / (self.speed or 1.0)))
@@ -169,7 +169,7 @@ class SessionFeed:
             self._delays.popleft()
 
     def _find_rooms(self) -> None:
-        """Reading a map takes longer than a frame."""
+        """Read the session's rooms in a thread, since reading a map takes longer than a frame."""
         record = self._source.session
         if record is not None and self._asked_for_rooms != self.generation:
             self._asked_for_rooms = self.generation
@@ -181,15 +181,15 @@ class SessionFeed:
         self._rooms = edition, rooms_of(record, Path("session.bag"))
 
     def work(self) -> bool:
-        """There is nothing to do beside."""
+        """Do nothing: there is no background work."""
         return False
 
     def scene(self, shown: ShownLayers) -> Scene | None:
-        """How things stand."""
+        """Return the latest scene."""
         return self._source.scene(shown) if self._source.messages else None
 
     def state(self, now: float) -> str:
-        """Live or not, and how far behind."""
+        """Return live or not, and how far behind."""
         if not self._connected:
             return "not connected"
         if self._status is not None and self._status.paused:
@@ -207,7 +207,7 @@ class SessionFeed:
         return state
 
     def trouble(self) -> str:
-        """That there is no connection, and why."""
+        """Return why there is no connection."""
         if self._lost is None:
             return "" if self._connected else f"Connecting to {self._address}."
         detail = f" ({self._lost.detail})" if self._lost.detail else ""
@@ -220,7 +220,7 @@ class SessionFeed:
                 return f"The connection to {self._address} is lost{detail}. Trying again."
 
     def take_notices(self) -> list[str]:
-        """What was refused."""
+        """Return the refusals since the last call."""
         news, self._notices = self._notices, []
         return news
 
@@ -229,7 +229,7 @@ class SessionFeed:
         self.ask(Resume() if on else Pause())
 
     def step(self, steps: int) -> None:
-        """Ask for so many ticks; there is no way back."""
+        """Ask for so many ticks; time cannot go back."""
         if steps > 0:
             self.ask(Step(steps))
 
@@ -238,13 +238,13 @@ class SessionFeed:
         self.ask(SetRate(speed))
 
     def seek(self, time: float) -> None:
-        """A session under way cannot be sought through: its bag can, afterwards."""
+        """Do nothing: only the session's bag can be searched, afterwards."""
 
     def ask(self, wish: FeedRequest) -> str:
-        """Send a wish; whether it is granted is heard later."""
+        """Send a request; a refusal comes later, with the status."""
         sent = self._connection.client.send(request_line(SENDER, wish))
         return "" if sent else f"There is no connection to {self._address}: nothing can be asked."
 
     def close(self) -> None:
-        """Hang up."""
+        """Close the connection."""
         self._connection.close()

@@ -1,1 +1,1 @@
-"""What the researcher's window draws on the map, and the tools that work on it."""
+"""Overlays of the researcher's map, and the tools that work on it."""

@@ -1,4 +1,4 @@
-"""What lies on the map beside house, rooms and robots: clouds, scans, costs, plans, paths, goals, things."""
+"""Layers of the researcher's map: particles, scans, costmaps, plans, paths, goals, obstacles."""
 
 import numpy as np
 from PySide6.QtCore import QPointF, Qt
@@ -12,13 +12,13 @@ from ui.windows.map.points import polygon
 from ui.windows.researcher.docks.displays import DisplaysPanel, MapDisplay
 
 Z_COSTS, Z_FLOOR, Z_FLAT, Z_ABOVE = -30, -20, -10, 10
-"""Order of what lies below the robots, and above them."""
+"""Order of painting: below the robots when negative, above them otherwise."""
 MOST_POINTS = 1500
-"""A path of more is drawn by every second point, or every fourth, and so on."""
+"""Most points of a path; beyond, every second point is drawn, or every fourth, and so on."""
 
 
 class ThingLayer:
-    """Outlines of what stands or walks in the way; a layer of the map."""
+    """A layer of obstacles, standing or moving."""
 
     z = Z_FLAT
 
@@ -26,11 +26,11 @@ class ThingLayer:
         self._outlines: tuple[tuple[str, FloatArray], ...] = ()
 
     def show(self, outlines: tuple[tuple[str, FloatArray], ...]) -> None:
-        """Their names and (n, 2) corners."""
+        """Show obstacles: their names and (n, 2) corners."""
         self._outlines = outlines
 
     def paint(self, painter: QPainter, view: MapView) -> None:
-        """Hatched bodies with their names."""
+        """Draw hatched outlines with their names."""
         painter.setRenderHint(QPainter.RenderHint.Antialiasing)
         for name, corners in self._outlines:
             body = polygon(view.camera.to_screen(corners))
@@ -42,10 +42,10 @@ class ThingLayer:
 
 
 class PathLayer:
-    """Paths of one robot, in dashes or dots; a layer of the map.
+    """A layer with a path of one robot, in dashes or dots.
 
     Args:
-        robot: in whose colour.
+        robot: drawn in this robot's colour.
         style: of the line.
     """
 
@@ -56,11 +56,11 @@ class PathLayer:
         self._points: FloatArray = NO_POINTS
 
     def show(self, points: FloatArray) -> None:
-        """(n, 2) where it was."""
+        """Show a path of (n, 2) points."""
         self._points = points
 
     def paint(self, painter: QPainter, view: MapView) -> None:
-        """One line through all points."""
+        """Draw one line through all points."""
         if len(self._points) > 1:
             painter.setRenderHint(QPainter.RenderHint.Antialiasing)
             painter.setPen(QPen(QColor(view.colours.robot(self._robot)), 1.2, self._style))
@@ -68,7 +68,7 @@ class PathLayer:
 
 
 class ParticleLayer:
-    """Particles of the robot selected, above its body, often wider than they are spread; a layer of the map."""
+    """A layer of the selected robot's particles, above its body, which is often wider than they are spread."""
 
     z = Z_ABOVE
 
@@ -76,11 +76,11 @@ class ParticleLayer:
         self._points: FloatArray = NO_POINTS
 
     def show(self, points: FloatArray) -> None:
-        """(n, 2) particles."""
+        """Show (n, 2) particles."""
         self._points = points
 
     def paint(self, painter: QPainter, view: MapView) -> None:
-        """Dots that are seen on every body."""
+        """Draw dots that are seen on every body."""
         colour = QColor(view.colours.text)
         colour.setAlphaF(0.6)
         painter.setPen(QPen(colour, 2.0, Qt.PenStyle.SolidLine, Qt.PenCapStyle.SquareCap))
@@ -88,7 +88,7 @@ class ParticleLayer:
 
 
 class _RobotLayers:
-    """All layers of one robot."""
+    """The layers of one robot."""
 
     def __init__(self, robot: int, view: MapView) -> None:
         self.cloud = PointLayer(robot, Z_FLOOR, 0.7)
@@ -114,7 +114,7 @@ class _RobotLayers:
 
 
 class Overlays:
-    """Keeps the layers of a map up to date.
+    """The layers of a map, kept up to date with the scene.
 
     Args:
         view: the map.
@@ -131,7 +131,7 @@ class Overlays:
             view.add_layer(layer)
 
     def show(self, scene: Scene, selected: int, on: DisplaysPanel) -> None:
-        """How things stand; the view is painted anew by whoever shows the robots next."""
+        """Show a scene; the map is repainted when its robots are shown next."""
         self._things.show(tuple((t.name, t.outline) for t in scene.things) if on.shows(MapDisplay.THINGS) else ())
         for robot in scene.robots:
             if robot.robot not in self._robots:
@@ -151,7 +151,7 @@ class Overlays:
 
 
 def thinned_path(path: FloatArray) -> FloatArray:
-    """A path with no more points than can be seen; the last one stays."""
+    """Return a path with no more points than can be seen; the last one stays."""
     step = 1
     while len(path) > step * MOST_POINTS:
         step *= 2

@@ -1,4 +1,4 @@
-"""What a tool in hand is about to do, drawn on the map while the button is down."""
+"""Preview of a tool's effect, drawn on the map while the button is down."""
 
 import math
 
@@ -15,12 +15,13 @@ HEAD = 14.0
 
 
 class ToolPreview:
-    """The stroke of a tool; a layer of the map.
+    """A layer with the stroke of a tool.
 
     Attributes:
         gesture: the stroke so far; None draws nothing.
         shape: of an obstacle.
-        body: (n, 2) corners of the robot that is carried, its own frame.
+        body: (n, 2) corners of the robot that is carried, in its own frame.
+        heading: of that robot, radians.
     """
 
     z = 100
@@ -32,7 +33,7 @@ class ToolPreview:
         self.heading = 0.0
 
     def paint(self, painter: QPainter, view: MapView) -> None:
-        """Draw it."""
+        """Draw the stroke so far."""
         gesture = self.gesture
         if gesture is None:
             return

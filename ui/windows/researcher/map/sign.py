@@ -1,4 +1,4 @@
-"""A sentence across the top of the map, as long as it holds."""
+"""A sentence about trouble across the top of the map."""
 
 from PySide6.QtGui import QAccessible, QAccessibleAnnouncementEvent
 from PySide6.QtWidgets import QLabel, QWidget
@@ -6,14 +6,14 @@ from PySide6.QtWidgets import QLabel, QWidget
 from ui.windows.look import style_as_panel
 
 WIDEST, EDGE = 640, 16
-"""Of the sign, and its distance from the map's edges; pixels."""
+"""Greatest width of the sign, and its distance from the map's edges; pixels."""
 
 
 class TroubleSign(QLabel):
-    """Tells what is wrong, or what is waited for.
+    """A label that says what is wrong, or what is waited for.
 
     Args:
-        view: that it lies on.
+        view: the map that it lies on.
     """
 
     def __init__(self, view: QWidget) -> None:

@@ -1,4 +1,4 @@
-"""What the mouse does on the map: look around, or work with a tool."""
+"""Tools of the mouse on the map: look around, or act on robots and obstacles."""
 
 import math
 from dataclasses import dataclass
@@ -8,7 +8,7 @@ from ui.model.watching.tools import LEAST_SIZE
 
 
 class MapTool(StrEnum):
-    """What a press on the map begins."""
+    """A tool, which decides what a press on the map begins."""
 
     LOOK = "look"
     GOAL = "goal"
@@ -18,14 +18,14 @@ class MapTool(StrEnum):
 
 
 CLICK_DISTANCE = 0.1
-"""Metres of dragging below which a press was a click."""
+"""Metres of dragging below which a press is a click."""
 DEFAULT_SIZE = 0.5
-"""Metres across an obstacle that is put by a click."""
+"""Metres across an obstacle that is added by a click."""
 
 
 @dataclass(frozen=True, slots=True)
 class Gesture:
-    """From where the button was pressed to where the pointer is; map frame, metres."""
+    """A stroke from where the button was pressed to where the pointer is; map frame, metres."""
 
     tool: MapTool
     x: float
@@ -35,17 +35,17 @@ class Gesture:
 
     @property
     def length(self) -> float:
-        """How far it was dragged."""
+        """Distance of the drag, metres."""
         return math.hypot(self.to_x - self.x, self.to_y - self.y)
 
     @property
     def is_click(self) -> bool:
-        """Whether it was hardly dragged at all."""
+        """True when it was hardly dragged at all."""
         return self.length < CLICK_DISTANCE
 
     @property
     def heading(self) -> float:
-        """The direction it was dragged in."""
+        """Direction of the drag, radians."""
         return math.atan2(self.to_y - self.y, self.to_x - self.x)
 
     @property
@@ -56,12 +56,12 @@ class Gesture:
 
 @dataclass(frozen=True, slots=True)
 class ToolHelp:
-    """How a tool is called and used.
+    """Name and usage of a tool.
 
     Attributes:
         label: on its button.
-        key: that takes it up.
-        how: told in the status bar while it is in hand.
+        key: selects it.
+        how: instructions in the status bar while it is selected.
     """
 
     label: str
