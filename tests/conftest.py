@@ -9,7 +9,7 @@ from tempfile import TemporaryDirectory
 import pytest
 from hypothesis import settings
 
-from sim import is_compiled
+from sim.common.kernels import is_compiled
 
 # Windows are tested without a screen, unless somebody wants to look on.
 os.environ.setdefault("QT_QPA_PLATFORM", "offscreen")

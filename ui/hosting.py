@@ -3,7 +3,7 @@
 import asyncio
 from collections.abc import Awaitable, Callable
 
-from sim import is_compiled
+from sim.common.kernels import is_compiled
 from thbridge.sockets.text_server import ListeningAddress
 from ui.model.lobby import Back, Begin, Join, Offer, Practise, Preparing, WindowClosed
 from ui.window_process import WindowProcess

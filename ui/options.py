@@ -8,7 +8,7 @@ from typing import Annotated
 
 import typer
 
-from sim import is_compiled
+from sim.common.kernels import is_compiled
 from thbridge.app.compose import StudySetting, read_setting
 from thbridge.app.listeners import StartupCallbacks, WatchAddress
 from thbridge.files.errors import BadFile

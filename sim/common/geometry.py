@@ -4,8 +4,9 @@ import math
 from dataclasses import dataclass
 
 import numpy as np
-from numba import njit
 from numpy.typing import NDArray
+
+from sim.common.kernels import njit
 
 FloatArray = NDArray[np.float64]
 

@@ -9,11 +9,11 @@ from functools import lru_cache
 from typing import Literal, NamedTuple
 
 import numpy as np
-from numba import njit
 from numpy.typing import NDArray
 from scipy.ndimage import distance_transform_edt
 
 from sim.common.geometry import FloatArray, Pose2
+from sim.common.kernels import njit
 
 Cells = NDArray[np.int8]
 """(rows, cols): 0 free, 100 occupied, all else unknown or undecided."""

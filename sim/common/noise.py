@@ -12,9 +12,9 @@ import math
 from dataclasses import dataclass
 
 import numpy as np
-from numba import njit
 
 from sim.common.geometry import FloatArray
+from sim.common.kernels import njit
 
 # The constants of Philox4x32, as 64-bit words: numba's products of unsigned and signed integers are floats.
 _MULTIPLIER_0 = np.uint64(0xD2511F53)

@@ -5,12 +5,12 @@ from collections.abc import Sequence
 from typing import NamedTuple
 
 import numpy as np
-from numba import njit
 from numpy.typing import NDArray
 from scipy.ndimage import distance_transform_cdt
 
 from sim.common.geometry import FloatArray
 from sim.common.grid import OCCUPIED, GridFrame, OccupancyGrid
+from sim.common.kernels import njit
 
 _HALF_DIAGONAL = math.sqrt(0.5)
 

@@ -11,11 +11,11 @@ from functools import lru_cache
 from typing import NamedTuple
 
 import numpy as np
-from numba import njit
 from numpy.typing import NDArray
 
 from sim.common.geometry import FloatArray
 from sim.common.grid import OCCUPIED, Cells, GridFrame, OccupancyGrid
+from sim.common.kernels import njit
 
 FreeSquares = NDArray[np.uint8]
 """(4, rows, cols): sides, in cells, of the largest square without an occupied cell that has this cell for a corner and

@@ -11,11 +11,11 @@ from functools import lru_cache
 from typing import Literal, NamedTuple
 
 import numpy as np
-from numba import njit
 from numpy.typing import NDArray
 
 from sim.common.geometry import FloatArray, Pose2, wrap_angle
 from sim.common.grid import GridFrame, OccupancyGrid
+from sim.common.kernels import njit
 from sim.common.noise import key, normals
 from sim.common.observations import TICK
 from sim.common.polygons import (

@@ -10,9 +10,9 @@ from dataclasses import dataclass
 from typing import NamedTuple
 
 import numpy as np
-from numba import njit
 
 from sim.common.geometry import FloatArray
+from sim.common.kernels import njit
 from sim.parameters import OdometryNoise, WorldParameters
 
 

@@ -5,11 +5,11 @@ from functools import lru_cache
 from typing import NamedTuple
 
 import numpy as np
-from numba import njit
 from numpy.typing import NDArray
 
 from sim.common.geometry import FloatArray, Pose2
 from sim.common.grid import GridFrame, OccupancyGrid
+from sim.common.kernels import njit
 from sim.common.noise import key, normals, uniforms
 from sim.common.observations import TICKS_PER_SECOND, Battery, Imu, LaserMount, Observations, Odometry, Scan, Twist
 from sim.common.polygons import Polygons

@@ -10,9 +10,9 @@ from dataclasses import dataclass, replace
 from functools import cached_property
 
 import numpy as np
-from numba import njit
 
 from sim.common.geometry import FloatArray, Pose2
+from sim.common.kernels import njit
 from sim.common.observations import TICK, TICKS_PER_SECOND
 from sim.common.polygons import NO_POLYGONS, Polygons, pack_polygons, placed_at, within_margin
 

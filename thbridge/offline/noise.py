@@ -10,10 +10,10 @@ from functools import lru_cache
 from typing import Literal
 
 import numpy as np
-from numba import njit
 
 from sim.common.geometry import FloatArray, Pose2
 from sim.common.grid import FREE, OCCUPIED, OccupancyGrid
+from sim.common.kernels import njit
 from sim.common.noise import NoiseStream, key, normals
 from sim.common.observations import TICK, Scan
 from sim.parameters import AmclParameters, OdometryNoise, WorldParameters

@@ -13,10 +13,10 @@ from collections.abc import Sequence
 from typing import NamedTuple
 
 import numpy as np
-from numba import njit
 from numpy.typing import NDArray
 
 from sim.common.geometry import FloatArray, Pose2
+from sim.common.kernels import njit
 from sim.common.observations import Neighbour
 from sim.robot.costmap.costs import LETHAL, CostFrame, Costs
 from sim.robot.costmap.footprint import circumscribed_radius

@@ -11,9 +11,9 @@ import math
 from typing import NamedTuple
 
 import numpy as np
-from numba import njit
 
 from sim.common.geometry import FloatArray
+from sim.common.kernels import njit
 from sim.parameters import DwaPlannerParameters, InflationParameters
 from sim.robot.control.braking import Surroundings
 from sim.robot.control.local_planner import PlannerLimits, SampledPlanner

@@ -9,9 +9,8 @@ from abc import ABC, abstractmethod
 from dataclasses import dataclass
 from typing import Protocol
 
-from numba import njit
-
 from sim.common.geometry import FloatArray, Pose2, wrap_angle
+from sim.common.kernels import njit
 from sim.common.observations import STANDSTILL, Twist
 from sim.parameters import InflationParameters
 from sim.robot.control.braking import LATENCY, Surroundings

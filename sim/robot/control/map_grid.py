@@ -10,10 +10,10 @@ import math
 from typing import NamedTuple
 
 import numpy as np
-from numba import njit
 from numpy.typing import NDArray
 
 from sim.common.geometry import FloatArray
+from sim.common.kernels import njit
 from sim.robot.costmap.costs import CostFrame, Costs
 
 Steps = NDArray[np.int32]

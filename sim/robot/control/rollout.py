@@ -4,10 +4,10 @@ import math
 from typing import NamedTuple
 
 import numpy as np
-from numba import njit
 from numpy.typing import NDArray
 
 from sim.common.geometry import FloatArray
+from sim.common.kernels import njit
 from sim.robot.control.braking import Surroundings, safe
 from sim.robot.costmap.costs import INSCRIBED, CostFrame, Costs, cost_at
 from sim.robot.costmap.footprint import footprint_cost

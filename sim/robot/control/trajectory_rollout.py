@@ -12,9 +12,9 @@ import math
 from typing import NamedTuple
 
 import numpy as np
-from numba import njit
 
 from sim.common.geometry import FloatArray, wrap_angle
+from sim.common.kernels import njit
 from sim.parameters import InflationParameters, TrajectoryPlannerParameters
 from sim.robot.control.braking import Surroundings
 from sim.robot.control.local_planner import PlannerLimits, SampledPlanner

@@ -8,8 +8,9 @@ import math
 from typing import NamedTuple
 
 import numpy as np
-from numba import njit
 from numpy.typing import NDArray
+
+from sim.common.kernels import njit
 
 Costs = NDArray[np.uint8]
 """(rows, cols), row 0 and column 0 at the costmap's origin."""

@@ -6,9 +6,9 @@ Source: ros-planning/navigation, costmap_2d/src/footprint.cpp and base_local_pla
 import math
 
 import numpy as np
-from numba import njit
 
 from sim.common.geometry import FloatArray
+from sim.common.kernels import njit
 from sim.robot.costmap.costs import LETHAL, CostFrame, Costs
 
 COLLIDES = -1.0

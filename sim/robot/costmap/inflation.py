@@ -9,9 +9,9 @@ and now and then misses a nearer one.
 import math
 
 import numpy as np
-from numba import njit
 from numpy.typing import NDArray
 
+from sim.common.kernels import njit
 from sim.parameters import InflationParameters
 from sim.robot.costmap.costs import Costs, Window, cost_at
 

@@ -12,10 +12,10 @@ from collections.abc import Sequence
 from typing import Protocol
 
 import numpy as np
-from numba import njit
 from numpy.typing import NDArray
 
 from sim.common.grid import OccupancyGrid
+from sim.common.kernels import njit
 from sim.robot.costmap.costs import FREE, UNKNOWN, CostFrame, Costs, Window
 
 

@@ -7,10 +7,10 @@ Source: ros-planning/navigation, costmap_2d/include/costmap_2d/costmap_2d.h (ray
 import math
 
 import numpy as np
-from numba import njit
 from numpy.typing import NDArray
 
 from sim.common.geometry import FloatArray
+from sim.common.kernels import njit
 from sim.robot.costmap.costs import Costs
 
 

@@ -12,11 +12,11 @@ import math
 from typing import NamedTuple
 
 import numpy as np
-from numba import njit
 from numpy.typing import NDArray
 
 from sim.common.geometry import FloatArray, Pose2
 from sim.common.grid import OccupancyGrid, distance_field
+from sim.common.kernels import njit
 from sim.common.observations import Scan
 from sim.parameters import ObservationSource, ObstacleParameters
 from sim.robot.costmap.costs import FREE, LETHAL, UNKNOWN, Changes, CostFrame, Costs, Window

@@ -5,10 +5,10 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 
 import numpy as np
-from numba import njit
 
 from sim.common.geometry import FloatArray
 from sim.common.grid import OccupancyGrid
+from sim.common.kernels import njit
 from sim.common.observations import Neighbour
 from sim.parameters import RobotsParameters
 from sim.robot.costmap.costs import UNKNOWN, Changes, CostFrame, Costs, Window

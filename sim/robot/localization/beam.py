@@ -4,10 +4,10 @@ import math
 from dataclasses import dataclass
 
 import numpy as np
-from numba import njit
 
 from sim.common.geometry import FloatArray, Pose2
 from sim.common.grid import OccupancyGrid
+from sim.common.kernels import njit
 from sim.common.raycast import Raycaster, cast_beams
 from sim.parameters import AmclParameters
 from sim.robot.localization.likelihood_field import Beams

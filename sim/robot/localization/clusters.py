@@ -10,10 +10,10 @@ import math
 from typing import NamedTuple
 
 import numpy as np
-from numba import njit
 from numpy.typing import NDArray
 
 from sim.common.geometry import FloatArray, Pose2, wrap_angle
+from sim.common.kernels import njit
 
 BIN_SIDE = 0.5
 """Metres: a bin's sides."""

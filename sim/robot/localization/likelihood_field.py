@@ -5,12 +5,12 @@ from dataclasses import dataclass
 from functools import lru_cache
 
 import numpy as np
-from numba import njit
 from numpy.typing import NDArray
 from scipy.ndimage import distance_transform_edt
 
 from sim.common.geometry import FloatArray
 from sim.common.grid import OCCUPIED, GridFrame, OccupancyGrid
+from sim.common.kernels import njit
 from sim.common.observations import LaserMount, Scan
 
 

@@ -5,9 +5,9 @@ from dataclasses import dataclass
 from typing import NamedTuple
 
 import numpy as np
-from numba import njit
 
 from sim.common.geometry import FloatArray, Pose2, wrap_angle
+from sim.common.kernels import njit
 
 _STANDING = 0.01
 """Metres: two places nearer than this give no trustworthy bearing (amcl)."""

@@ -3,10 +3,10 @@
 import math
 
 import numpy as np
-from numba import njit
 from numpy.typing import NDArray
 
 from sim.common.geometry import FloatArray
+from sim.common.kernels import njit
 
 _HALVINGS = 8
 """Steps in which the tempering exponent is found, to 1/256."""

@@ -5,10 +5,10 @@ from dataclasses import dataclass, replace
 from typing import NamedTuple
 
 import numpy as np
-from numba import njit
 
 from sim.common.geometry import FloatArray, Pose2, wrap_angle
 from sim.common.grid import FREE, OCCUPIED, GridFrame, OccupancyGrid, distance_field
+from sim.common.kernels import njit
 
 REACH = 1.0
 """Metres: farther from any wall the field is flat and points pull nowhere."""

@@ -8,11 +8,11 @@ from collections.abc import Sequence
 from dataclasses import replace
 
 import numpy as np
-from numba import njit
 from numpy.typing import NDArray
 
 from sim.common.geometry import IDENTITY, FloatArray, Pose2, wrap_angle
 from sim.common.grid import OccupancyGrid
+from sim.common.kernels import njit
 from sim.common.observations import STANDSTILL, TICK, TICKS_PER_SECOND, Neighbour, Scan, Twist
 from sim.parameters import RobotParameters
 from sim.robot.control.braking import LATENCY, Surroundings, beside_obstacles, surroundings

@@ -12,10 +12,10 @@ from operator import attrgetter
 from typing import NamedTuple
 
 import numpy as np
-from numba import njit
 from numpy.typing import NDArray
 
 from sim.common.geometry import FloatArray, Pose2
+from sim.common.kernels import njit
 from sim.common.observations import STANDSTILL, TICKS_PER_SECOND, Neighbour, Scan
 
 STALE_TIMEOUT = 20.0

@@ -13,10 +13,10 @@ import heapq
 import math
 
 import numpy as np
-from numba import njit
 from numpy.typing import NDArray
 
 from sim.common.geometry import FloatArray, wrap_angle
+from sim.common.kernels import njit
 from sim.parameters import GlobalPlannerParameters
 from sim.robot.costmap.costs import UNKNOWN
 from sim.robot.planning.wave import (

@@ -24,10 +24,10 @@ from dataclasses import dataclass
 from typing import NamedTuple
 
 import numpy as np
-from numba import njit
 from numpy.typing import NDArray
 
 from sim.common.geometry import FloatArray
+from sim.common.kernels import njit
 from sim.common.observations import Neighbour
 
 ITINERARY_SPEED = 0.5

@@ -6,11 +6,11 @@ from dataclasses import dataclass
 from functools import lru_cache
 
 import numpy as np
-from numba import njit
 from numpy.typing import NDArray
 
 from sim.common.geometry import FloatArray, Pose2
 from sim.common.grid import OccupancyGrid, clearance_field
+from sim.common.kernels import njit
 from sim.common.observations import Neighbour
 from sim.parameters import InflationParameters
 from sim.robot.costmap.costmap_2d import Costmap2D

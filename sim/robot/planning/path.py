@@ -4,9 +4,9 @@ from dataclasses import dataclass
 from typing import Literal, Protocol
 
 import numpy as np
-from numba import njit
 
 from sim.common.geometry import FloatArray, Pose2
+from sim.common.kernels import njit
 from sim.robot.costmap.costs import CostFrame, Costs
 
 PlanRefusalCode = Literal[

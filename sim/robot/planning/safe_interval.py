@@ -11,11 +11,11 @@ import math
 from dataclasses import dataclass
 
 import numpy as np
-from numba import njit
 from numpy.typing import NDArray
 
 from sim.common.geometry import FloatArray
 from sim.common.grid import OccupancyGrid
+from sim.common.kernels import njit
 from sim.robot.planning.itinerary import ITINERARY_SPEED, NEAR_START, Itinerary, OtherItineraries
 
 CELL_SIDE = 0.2

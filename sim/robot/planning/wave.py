@@ -12,9 +12,9 @@ goes from cell to cell until it is lower than ever, so that a way that there is,
 import math
 
 import numpy as np
-from numba import njit
 from numpy.typing import NDArray
 
+from sim.common.kernels import njit
 from sim.robot.costmap.costs import Costs
 
 Potential = NDArray[np.float32]
